@@ -21,7 +21,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 @pytest.fixture
 def run(monkeypatch, capsys, tmp_path):
     """Run the command in an empty folder; returns exit code, standard output, error output."""
-    from lsvib.command.app import main
+    from lsvib.cli.app import main
 
     monkeypatch.chdir(tmp_path)
 

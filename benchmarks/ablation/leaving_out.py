@@ -12,15 +12,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.drives.once import forget
-from lsvib.drives.parameters import RigidParameters, SupportParameters
-from lsvib.drives.rigid import rigid_automaton
-from lsvib.drives.second_body.support import MODEL as SUPPORT
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.exact.linear_mode import linear_mode
 from lsvib.engine.exact.modal_form import modal_flow
 from lsvib.engine.kernels import columns
 from lsvib.engine.motion import Motion, follow
+from lsvib.models.drive import RigidDrive, SupportDrive
+from lsvib.models.once import forget
+from lsvib.models.rigid import rigid_automaton
+from lsvib.models.second_body.support import MODEL as SUPPORT
 
 _CONTACT_SIZES = (1e-6, 1e-3)  # of mismatch [m] and its rate [m/s]; they only scale coordinates that stay zero
 _NOTHING = 1e-18  # N
@@ -50,16 +50,16 @@ class Measured(NamedTuple):
 
 def scenes(duration: float) -> dict[str, Ablated]:
     """Return the scenes by name, each to be followed for ``duration`` [s]."""
-    slip = RigidParameters.of(translation_damping=1e3, axial_force=25.0)
+    slip = RigidDrive.of(translation_damping=1e3, axial_force=25.0)
     stick = slip.replace(axial_force=40.0)
-    sprag = RigidParameters.of(mass=15.0, axial_force=100.0)
-    support = SupportParameters.of(
+    sprag = RigidDrive.of(mass=15.0, axial_force=100.0)
+    support = SupportDrive.of(
         screw_mass=1.0, support_stiffness=1e6, mass=1.0, axial_force=40.0, translation_damping=1e3
     )
     loaded = support.replace(slide_friction=_NOTHING)
     here = np.array([1e-3, 0.0])
 
-    def rigid(words: str, drive: RigidParameters, rest: bool) -> Ablated:
+    def rigid(words: str, drive: RigidDrive, rest: bool) -> Ablated:
         """Return the scene of a rigid drive, with or without rest among its modes."""
         return Ablated(
             words,

@@ -18,10 +18,10 @@ from lsvib.basins.curves import Arc, Piece, state_on
 from lsvib.basins.exact_basin import Basin, basin
 from lsvib.basins.kernels.labelling import UNRESOLVED
 from lsvib.basins.mapper import mapper
-from lsvib.cycles.attractors import Attractor
-from lsvib.drives.parameters import RigidParameters
+from lsvib.dynamics.attractors import Attractor
 from lsvib.engine.kernels import columns
 from lsvib.errors import InputError
+from lsvib.models.drive import RigidDrive
 
 _SAMPLES = 400  # points of a piece of the boundary from which its length is summed
 _LONG = 1.0  # [s] A method that takes longer on a box is not repeated.
@@ -32,7 +32,7 @@ _ENOUGH = 10  # With so many wrong cells on a grid their number tells their shar
 class RaceBox:
     """A drive and the part of the phase plane that is mapped."""
 
-    drive: RigidParameters
+    drive: RigidDrive
     window: Window
 
     def grid(self, count: int) -> tuple[np.ndarray, np.ndarray]:

@@ -5,13 +5,13 @@ from functools import cache
 
 import numpy as np
 
-from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import DriveParameters, RigidParameters, ThreadsParameters
-from lsvib.drives.registry import Model, find_model
-from lsvib.drives.threads import seated_state
 from lsvib.engine.automaton import Automaton
-from lsvib.steady_sliding.conditions import critical_mass
-from lsvib.steady_sliding.thresholds import global_stability_force, stick_force
+from lsvib.models.coefficients import coefficients
+from lsvib.models.drive import Drive, RigidDrive, ThreadsDrive
+from lsvib.models.registry import Model, find_model
+from lsvib.models.threads import seated_state
+from lsvib.stability.conditions import critical_mass
+from lsvib.stability.thresholds import global_stability_force, stick_force
 
 _NEAR = 1e-6  # relative distance of the grazing scenes from their threshold
 _GAMMA = 1e-9  # Γ₊ / I of the scene near the critical mass, reached to 7 digits: the mass is a double
@@ -28,7 +28,7 @@ class RaceScene:
 
     name: str
     title: str
-    drive: DriveParameters
+    drive: Drive
     state: tuple[float, ...]
     duration: float
     step_cap: float
@@ -48,7 +48,7 @@ class RaceScene:
     def scales(self) -> np.ndarray:
         """Typical sizes of the coordinates (n), for absolute tolerances: 0.1 rad, Ω, and what N_0 does to a contact."""
         sizes = [0.1, abs(self.drive.input_speed)]
-        if isinstance(self.drive, ThreadsParameters):
+        if isinstance(self.drive, ThreadsDrive):
             normal = abs(float(coefficients(self.drive).net_force))
             sizes += [normal / self.drive.contact_stiffness, normal / self.drive.contact_damping]
         return np.array(sizes)
@@ -61,18 +61,16 @@ class RaceScene:
 @cache
 def _scenes() -> dict[str, RaceScene]:
     """All scenes by their names."""
-    slips = RigidParameters.of(mass=1, translation_damping=1e3)
+    slips = RigidDrive.of(mass=1, translation_damping=1e3)
     vibrates, grazes = slips.replace(axial_force=40), stick_force(slips)
-    sprags = RigidParameters.of(mass=11, support_damping=1e-3)
+    sprags = RigidDrive.of(mass=11, support_damping=1e-3)
     just = sprags.replace(axial_force=global_stability_force(sprags) * (1 - _NEAR))
-    stiff = ThreadsParameters.of(mass=11, axial_force=100)
+    stiff = ThreadsDrive.of(mass=11, axial_force=100)
     seated = tuple(float(x) for x in seated_state(stiff, 0.005, 0.0))
-    light = RigidParameters.of(translation_damping=1e3, axial_force=40)
+    light = RigidDrive.of(translation_damping=1e3, axial_force=40)
     critical = light.replace(mass=critical_mass(light) * (1 - _GAMMA))
 
-    def rigid(
-        name: str, title: str, drive: DriveParameters, start: tuple[float, float], duration: float = 0.5
-    ) -> RaceScene:
+    def rigid(name: str, title: str, drive: Drive, start: tuple[float, float], duration: float = 0.5) -> RaceScene:
         return RaceScene(name, title, drive, start, duration, 2e-4)
 
     def graze(name: str, title: str, side: int) -> RaceScene:

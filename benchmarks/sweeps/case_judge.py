@@ -24,9 +24,9 @@ from benchmarks.sweeps.paths import (
     same_but_corners,
     without_clusters,
 )
-from lsvib.drives.parameters import DriveParameters
 from lsvib.engine.motion import follow
 from lsvib.errors import InputError, LsvibError
+from lsvib.models.drive import Drive
 
 TOLERANCE = 1e-9  # largest error that is right, relative to the size of each coordinate and to the duration
 ENERGY_TOLERANCE = 1e-10  # residual that passes beside that of rounding, relative to the largest energy or work
@@ -162,7 +162,7 @@ def _moved_path(case: Case, places: np.ndarray) -> Record | None:
     start = [value * next(parts) for value in case.start]
     if case.start[1] == -case.drive.input_speed:
         start[1] = -values["input_speed"]
-    drive: DriveParameters = type(case.drive).model_construct(**values)
+    drive: Drive = type(case.drive).model_construct(**values)
     try:
         return exact_path(case, drive, tuple(start))
     except InputError:  # the moved input is outside the allowed ranges

@@ -9,17 +9,17 @@ from references.wide_drives import power, rigid_values, sign
 
 from benchmarks.sweeps import cases_four_states
 from benchmarks.sweeps.families import Case, CaseFamily
-from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import RigidParameters
-from lsvib.steady_sliding import thresholds
-from lsvib.steady_sliding.conditions import critical_mass
+from lsvib.models.coefficients import coefficients
+from lsvib.models.drive import RigidDrive
+from lsvib.stability import thresholds
+from lsvib.stability.conditions import critical_mass
 
 _MOST_TURNS = 50  # of the fastest oscillation
-THRESHOLDS: tuple[tuple[Callable[[RigidParameters], float], RigidParameters], ...] = (
-    (thresholds.onset_force, RigidParameters.of(translation_damping=1e3)),
-    (thresholds.stick_force, RigidParameters.of(translation_damping=1e3)),
-    (thresholds.detach_force, RigidParameters.of(translation_damping=1e3)),
-    (thresholds.global_stability_force, RigidParameters.of(mass=11.0, support_damping=1e-3)),
+THRESHOLDS: tuple[tuple[Callable[[RigidDrive], float], RigidDrive], ...] = (
+    (thresholds.onset_force, RigidDrive.of(translation_damping=1e3)),
+    (thresholds.stick_force, RigidDrive.of(translation_damping=1e3)),
+    (thresholds.detach_force, RigidDrive.of(translation_damping=1e3)),
+    (thresholds.global_stability_force, RigidDrive.of(mass=11.0, support_damping=1e-3)),
 )
 
 
@@ -32,7 +32,7 @@ def cases(family: CaseFamily, count: int, rng: np.random.Generator) -> Iterator[
             yield _case(rng, family, *_RIGID[family](rng))
 
 
-def _some_drive(rng, **fixed) -> RigidParameters:
+def _some_drive(rng, **fixed) -> RigidDrive:
     """A drive like the chapter's: both signs of Γ₊, of R and of Ω, damped in at least one place."""
     support, translation = ((1, 0), (0, 1), (1, 1))[rng.integers(3)]
     values = {
@@ -43,16 +43,16 @@ def _some_drive(rng, **fixed) -> RigidParameters:
         "support_damping": support * power(rng, -4.5, -2.0),
         "translation_damping": translation * rng.uniform(50.0, 2000.0),
     }
-    return RigidParameters.of(values | fixed)
+    return RigidDrive.of(values | fixed)
 
 
-def _scales(drive: RigidParameters) -> tuple[float, float]:
+def _scales(drive: RigidDrive) -> tuple[float, float]:
     """A natural time 1/ω [s] and a size of u [rad] of a drive."""
     time = math.sqrt(float(coefficients(drive).gamma[-1]) / drive.coupling_stiffness)
     return time, abs(drive.input_speed) * time
 
 
-def _case(rng, family: CaseFamily, level: float, drive: RigidParameters, start=None) -> Case:
+def _case(rng, family: CaseFamily, level: float, drive: RigidDrive, start=None) -> Case:
     """Start anywhere on either side of θ′ = 0 and N = 0, and run for some turns of the slow oscillation."""
     time, size = _scales(drive)
     if start is None:
@@ -63,7 +63,7 @@ def _case(rng, family: CaseFamily, level: float, drive: RigidParameters, start=N
     return Case(family, level, drive, tuple(map(float, start)), duration)
 
 
-def _fastest(drive: RigidParameters) -> float:
+def _fastest(drive: RigidDrive) -> float:
     """Frequency [turns/s] of the fastest oscillation under either law; judges follow it turn by turn."""
     c = coefficients(drive)
     squares = [float(drive.coupling_stiffness / x) - (float(c.damping[s]) / (2 * x)) ** 2 for s, x in
@@ -161,7 +161,7 @@ def _double_rate(rng):
 
 
 def _random(rng):
-    drive = RigidParameters.of(rigid_values(rng))
+    drive = RigidDrive.of(rigid_values(rng))
     return math.log10(drive.mass), drive
 
 

@@ -8,8 +8,8 @@ from references.four_states_digits import FourStatesDrive
 from references.wide_drives import heaviest, power, sign
 
 from benchmarks.sweeps.families import Case, CaseFamily
-from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
-from lsvib.steady_sliding.linearised import nut_model, support_model
+from lsvib.models.drive import NutDrive, RigidDrive, SupportDrive, ThreadsDrive
+from lsvib.stability.linearised import nut_model, support_model
 
 _MOST_TURNS = 6.0  # of the fastest oscillation: bounds the work of the reference
 
@@ -22,7 +22,7 @@ def contact(rng) -> Case:
     stiffness = power(rng, 3, 14)
     damping = power(rng, 3, min(14, math.log10(stiffness) + 4))
     mass, force = rng.choice([5.0, 10.2, 11.0, 15.0]), rng.choice([100.0, 10.0, -50.0])
-    drive = ThreadsParameters.of(mass=mass, axial_force=force, contact_stiffness=stiffness, contact_damping=damping)
+    drive = ThreadsDrive.of(mass=mass, axial_force=force, contact_stiffness=stiffness, contact_damping=damping)
     # So many radians of the contact where it vibrates, else of the drive.
     rate = math.sqrt(0.4 * stiffness)
     vibrates = damping < 4.0 * stiffness / rate
@@ -43,7 +43,7 @@ def support(rng) -> Case:
     share = power(rng, -3, -0.01)
     if "slide_friction" in physics:  # only up to this mass is the motion determined
         values["screw_mass"] = min(values["screw_mass"], share * heaviest(values, values["screw_inertia"]))
-    drive = SupportParameters.of(values)
+    drive = SupportDrive.of(values)
     shift = drive.axial_force / drive.support_stiffness
     own = (shift * rng.uniform(-3, 3), 1e-3 * rng.uniform(-50, 50))
     return _case(rng, CaseFamily.SUPPORT, physics, level, drive, own)
@@ -62,13 +62,13 @@ def nut(rng) -> Case:
     if "bearing_friction" in physics:
         inertia = 1 / (1 / values["screw_inertia"] + 1 / values["nut_inertia"])
         values["mass"] = min(values["mass"], share * heaviest(values, inertia))
-    drive = NutParameters.of(values)
+    drive = NutDrive.of(values)
     own = (rng.uniform(-0.3, 0.3), drive.input_speed * rng.uniform(-3, 3))
     return _case(rng, CaseFamily.NUT, physics, level, drive, own)
 
 
 def _common(rng) -> dict[str, float]:
-    defaults = dict(RigidParameters())
+    defaults = dict(RigidDrive())
     return {
         **defaults,
         "mass": power(rng, -1, 1.7),

@@ -33,12 +33,12 @@ from typing import NamedTuple
 import numpy as np
 
 from benchmarks.sweeps.paths import fields
-from lsvib.drives.friction import friction_factor
-from lsvib.drives.parameters import DriveParameters, NutParameters, SupportParameters, ThreadsParameters
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import event_loop
 from lsvib.engine.kernels.flow_planar import ROUNDING
 from lsvib.engine.motion import Motion
+from lsvib.models.drive import Drive, NutDrive, SupportDrive, ThreadsDrive
+from lsvib.models.friction import friction_factor
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)  # the error falls with the 24th power of a panel's width
 _FIRST = 1.5  # width of the first panel, in units of the fastest time
@@ -79,7 +79,7 @@ class Terms(NamedTuple):
     seized: np.ndarray
 
 
-def balance(motion: Motion, drive: DriveParameters, physics: tuple[str, ...] = ()) -> Balance:
+def balance(motion: Motion, drive: Drive, physics: tuple[str, ...] = ()) -> Balance:
     """Balance the energy of a motion over its whole duration; ``physics`` has the words of frictions that are there."""
     return residual(motion, terms(motion.automaton, drive, physics))
 
@@ -165,7 +165,7 @@ def _nodes(rates: np.ndarray, duration: float) -> tuple[np.ndarray | None, np.nd
     return np.append(half, times), np.outer(0.5 * widths, _WEIGHTS).ravel()
 
 
-def terms(automaton: Automaton, drive: DriveParameters, physics: tuple[str, ...] = ()) -> Terms:
+def terms(automaton: Automaton, drive: Drive, physics: tuple[str, ...] = ()) -> Terms:
     """Energy and powers of a drive as products of affine functions of the state (see the module's docstring)."""
     seen, n = automaton.observables, len(automaton.states)
     unit, d = np.eye(n + 1), drive
@@ -178,7 +178,7 @@ def terms(automaton: Automaton, drive: DriveParameters, physics: tuple[str, ...]
     stored, lost, rubbed = [], [], []
     holding = np.zeros((len(automaton.codes), n + 1))
     sliding = rubbing * speed
-    if isinstance(d, ThreadsParameters):
+    if isinstance(d, ThreadsDrive):
         nut = reach * speed + unit[3]
         stored.append((0.5 * d.contact_stiffness, cos * unit[2]))
         lost.append((d.contact_damping, cos * unit[3]))
@@ -186,13 +186,13 @@ def terms(automaton: Automaton, drive: DriveParameters, physics: tuple[str, ...]
         rest = np.isin(automaton.codes, automaton.rest_codes)
         friction = (-d.coupling_stiffness / d.pitch_radius * spring + sin * normal) / cos
         holding[rest] = friction[rest]
-    elif isinstance(d, SupportParameters):
+    elif isinstance(d, SupportDrive):
         nut, moved = reach * speed + unit[3], d.mass * d.screw_mass / (d.mass + d.screw_mass)
         force, _ = _steady(d, physics, reach)
         stored += [(0.5 * d.screw_mass, unit[3])]
         stored += [(0.5 * d.support_stiffness, unit[2] + force / d.support_stiffness * one)]
         lost.append((d.axial_support_damping, unit[3]))
-    elif isinstance(d, NutParameters):
+    elif isinstance(d, NutDrive):
         slip = speed - unit[3]
         nut, sliding, inertia = reach * slip, rubbing * slip, inertia * d.nut_inertia / (inertia + d.nut_inertia)
         force, law = _steady(d, physics, reach)
@@ -219,7 +219,7 @@ def terms(automaton: Automaton, drive: DriveParameters, physics: tuple[str, ...]
     )
 
 
-def _steady(drive: DriveParameters, physics: tuple[str, ...], reach: float) -> tuple[float, int]:
+def _steady(drive: Drive, physics: tuple[str, ...], reach: float) -> tuple[float, int]:
     """Axial force [N] that the threads carry in steady sliding, and its law."""
     turning = 1 if drive.input_speed > 0 else -1
     force = drive.axial_force - reach * drive.translation_damping * drive.input_speed

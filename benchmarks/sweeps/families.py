@@ -3,7 +3,7 @@
 from enum import IntEnum
 from typing import Literal, NamedTuple
 
-from lsvib.drives.parameters import DriveParameters
+from lsvib.models.drive import Drive
 
 
 class CaseFamily(IntEnum):
@@ -36,7 +36,7 @@ class Case(NamedTuple):
 
     family: CaseFamily
     level: float
-    drive: DriveParameters
+    drive: Drive
     start: tuple[float, ...]
     duration: float
     physics: tuple[str, ...] = ()

@@ -11,12 +11,12 @@ from references import four_states_digits, rigid_digits
 
 from benchmarks.record import Record
 from benchmarks.sweeps.families import Case
-from lsvib.drives.parameters import DriveParameters
-from lsvib.drives.registry import find_model
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND
 from lsvib.engine.motion import Motion
+from lsvib.models.drive import Drive
+from lsvib.models.registry import find_model
 
 MOST_EVENTS = 60  # events of a motion; one with 40 digits is then compared in a fraction of a second
 # Parts of an arc at which its size is looked at: what dies away at once, or has not begun to, belongs to it as well.
@@ -74,7 +74,7 @@ def engine_path(motion: Motion, case: Case) -> Record:
 
 
 @lru_cache(maxsize=8)  # a judge that is not content with the answer asks again
-def exact_path(case: Case, drive: DriveParameters, start: tuple[float, ...]) -> Record | None:
+def exact_path(case: Case, drive: Drive, start: tuple[float, ...]) -> Record | None:
     """The reference's motion, with 40 digits or with 80 if these do not decide; None if those do not either."""
     for digits in (40, 80):
         with suppress(ArithmeticError, AssertionError), mp.workdps(digits):  # to sample the arcs, too
@@ -82,7 +82,7 @@ def exact_path(case: Case, drive: DriveParameters, start: tuple[float, ...]) -> 
     return None
 
 
-def _exact_path(case: Case, drive: DriveParameters, start: tuple[float, ...], digits: int) -> Record:
+def _exact_path(case: Case, drive: Drive, start: tuple[float, ...], digits: int) -> Record:
     if drive.model == "rigid":
         result = rigid_digits.simulate(dict(drive), *start, case.duration, dps=digits, max_events=MOST_EVENTS)
         kinds = [event.kind for event in result.events]
@@ -107,7 +107,7 @@ def _token(mode: str, seized: bool) -> str:
 
 
 @lru_cache(maxsize=2)  # one drive is asked after the other
-def _least(drive: DriveParameters, physics: tuple[str, ...]) -> np.ndarray:
+def _least(drive: Drive, physics: tuple[str, ...]) -> np.ndarray:
     """Smallest size by which each coordinate of a drive with a second body is measured."""
     steady = four_states_digits.FourStatesDrive(drive.model, dict(drive), physics)
     speed = abs(drive.input_speed)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import lsvib
 from lsvib.api import DRIVES
-from lsvib.drives.parameters import allowed_range, described
+from lsvib.models.drive import allowed_range, described
 
 _GROUPS = {
     "Drives": ["RigidDrive", "ThreadsDrive", "SupportDrive", "NutDrive"],
@@ -28,36 +28,36 @@ _GROUPS = {
 _OTHER = "Others"
 # Modules that the other pages name, by subject; docs/design.md has the layers.
 MODULES = {
-    "Drives": ["lsvib.drives.parameters", "lsvib.drives.scene", "lsvib.drives.chapter", "lsvib.drives.registry"],
+    "Drives": ["lsvib.models.drive", "lsvib.models.scene", "lsvib.models.chapter", "lsvib.models.registry"],
     "Engine": ["lsvib.engine.automaton", "lsvib.engine.motion"],
     "Steady sliding": [
-        "lsvib.steady_sliding.linearised",
-        "lsvib.steady_sliding.stability_table",
-        "lsvib.steady_sliding.threshold_table",
-        "lsvib.steady_sliding.thresholds",
-        "lsvib.steady_sliding.solved_threshold",
-        "lsvib.steady_sliding.threshold_polynomials",
-        "lsvib.steady_sliding.threshold_motions",
-        "lsvib.steady_sliding.threshold_search",
-        "lsvib.steady_sliding.threshold_solver",
-        "lsvib.steady_sliding.sprag_thresholds",
+        "lsvib.stability.linearised",
+        "lsvib.stability.stability_table",
+        "lsvib.stability.threshold_table",
+        "lsvib.stability.thresholds",
+        "lsvib.stability.solved_threshold",
+        "lsvib.stability.threshold_polynomials",
+        "lsvib.stability.threshold_motions",
+        "lsvib.stability.threshold_search",
+        "lsvib.stability.threshold_solver",
+        "lsvib.stability.sprag_thresholds",
         "lsvib.engine.exact.duals",
     ],
     "Cycles": [
-        "lsvib.cycles.attractors",
-        "lsvib.cycles.periodic",
-        "lsvib.cycles.continuation",
-        "lsvib.cycles.impulses",
-        "lsvib.data.cycles",
+        "lsvib.dynamics.attractors",
+        "lsvib.dynamics.periodic",
+        "lsvib.dynamics.continuation",
+        "lsvib.dynamics.impulses",
+        "lsvib.datasets.cycles",
     ],
     "Regions of attraction": [
         "lsvib.basins.exact_basin",
         "lsvib.basins.resilience",
         "lsvib.basins.grid",
         "lsvib.basins.clipping",
-        "lsvib.data.resilience",
+        "lsvib.datasets.resilience",
     ],
-    "Data": ["lsvib.data.simulation", "lsvib.data.sweep", "lsvib.data.checks", "lsvib.data.writer"],
+    "Data": ["lsvib.datasets.simulation", "lsvib.datasets.sweep", "lsvib.datasets.checks", "lsvib.datasets.writer"],
     "Figures": ["lsvib.figures.build", "lsvib.figures.configuration", "lsvib.figures.folders"],
 }
 

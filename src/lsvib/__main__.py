@@ -1,6 +1,6 @@
 """``python -m lsvib``: the command, where its script is not on the path."""
 
-from lsvib.command.app import main
+from lsvib.cli.app import main
 
 if __name__ == "__main__":
     main()

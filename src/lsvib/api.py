@@ -1,17 +1,16 @@
-"""Drives as users know them: parameters, and all that can be asked of them.
+"""All that can be asked of a drive: the methods that drives get when this module is loaded.
 
 A method does what the command of the same name does, by the same function. What a question needs is loaded when it is
 asked: making a drive, or asking for its stability, loads no engine.
 """
 
 from collections.abc import Mapping, Sequence
-from types import new_class
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
-from lsvib.drives import parameters
-from lsvib.drives.coefficients import Coefficients, coefficients
-from lsvib.drives.parameters import DriveParameters
 from lsvib.errors import InputError
+from lsvib.models.coefficients import Coefficients, coefficients
+from lsvib.models.drive import Drive, NutDrive, RigidDrive, SupportDrive, ThreadsDrive
+from lsvib.models.registry import find_model
 from lsvib.numbers import Progress
 from lsvib.results import SolvedThreshold, StabilityReport, Threshold
 
@@ -22,17 +21,22 @@ if TYPE_CHECKING:
     from lsvib.basins.exact_basin import Basin
     from lsvib.basins.grid import Grid
     from lsvib.basins.resilience import Resilience
-    from lsvib.cycles.attractors import SteadyState
-    from lsvib.cycles.continuation import CycleBranch
-    from lsvib.cycles.periodic import Cycle
-    from lsvib.data.cycles import Cycles
-    from lsvib.drives.scene import Scene
+    from lsvib.datasets.cycles import Cycles
+    from lsvib.dynamics.attractors import SteadyState
+    from lsvib.dynamics.continuation import CycleBranch
+    from lsvib.dynamics.periodic import Cycle
     from lsvib.engine.automaton import Automaton
+    from lsvib.models.scene import Scene
 
-__all__ = ["DRIVES", "NutDrive", "RigidDrive", "SupportDrive", "ThreadsDrive", "drive_class"]
+__all__ = ["DriveMethods", "NutDrive", "RigidDrive", "SupportDrive", "ThreadsDrive", "drive_class"]
+
+if TYPE_CHECKING:
+    _Base = Drive
+else:
+    _Base = object  # the methods go to the class Drive itself, below
 
 
-class _Drive(DriveParameters):
+class DriveMethods(_Base):
     """What can be asked of a drive of any model."""
 
     @property
@@ -55,7 +59,7 @@ class _Drive(DriveParameters):
         >>> report.stable, report.kind, report.conditions["paradox"].hold
         (False, 'saddle', True)
         """
-        from lsvib.steady_sliding.stability_table import stability_table
+        from lsvib.stability.stability_table import stability_table
 
         return StabilityReport.of(stability_table(self, self.model))
 
@@ -72,7 +76,7 @@ class _Drive(DriveParameters):
         >>> f"{mass.value:.6f} {mass.unit}"
         '10.106965 kg'
         """
-        from lsvib.steady_sliding.threshold_table import threshold_table
+        from lsvib.stability.threshold_table import threshold_table
 
         return Threshold.by_name(threshold_table(self, self.model))
 
@@ -93,7 +97,7 @@ class _Drive(DriveParameters):
         >>> f"{force.value:.12g} {force.unit}, and {force.derivatives['mass'].value:.6g} N/kg"
         '-18.3754629689 N, and -1.63148 N/kg'
         """
-        from lsvib.steady_sliding.solved_threshold import solve_threshold
+        from lsvib.stability.solved_threshold import solve_threshold
 
         return solve_threshold(self, name, unknown)
 
@@ -101,7 +105,7 @@ class _Drive(DriveParameters):
         """Return the tables that the engine runs; made once, and shared: do not change them.
 
         ``physics``: the terms as in a scene, by default those that are not zero, and rest; ``resume``: the rule of
-        resuming after a seizure, contact_sign or at_once (:mod:`lsvib.drives.rigid`). Raises ``InputError``.
+        resuming after a seizure, contact_sign or at_once (:mod:`lsvib.models.rigid`). Raises ``InputError``.
 
         >>> import lsvib
         >>> lsvib.RigidDrive().automaton().states
@@ -132,7 +136,7 @@ class _Drive(DriveParameters):
         >>> motion.sizes["time"], motion.sizes["event"], motion.normal_force.units
         (1001, 12, 'N')
         """
-        from lsvib.data.simulation import run, trajectory
+        from lsvib.datasets.simulation import run, trajectory
 
         scene = self._scene(start, duration, samples=samples, resume=resume, physics=physics, outputs=outputs)
         return trajectory(scene, run(scene))
@@ -151,7 +155,7 @@ class _Drive(DriveParameters):
         >>> found.label.name, f"{found.amplitude:.6f} rad, {found.period:.6f} s"
         ('SPRAG_SLIP_CYCLE', '0.055997 rad, 0.010944 s')
         """
-        from lsvib.cycles.attractors import steady_state
+        from lsvib.dynamics.attractors import steady_state
         from lsvib.engine.motion import enter
 
         scene = self._scene(start, 1.0, resume=resume, physics=physics)
@@ -172,7 +176,7 @@ class _Drive(DriveParameters):
         >>> [(cycle.attracting, f"{cycle.multipliers[0].real:.6f}") for cycle in found.cycles]
         [(True, '0.745892'), (False, '1.557142')]
         """
-        from lsvib.data.cycles import find_cycles
+        from lsvib.datasets.cycles import find_cycles
 
         return find_cycles(self, self.automaton(resume=resume, physics=physics))
 
@@ -198,7 +202,7 @@ class _Drive(DriveParameters):
         >>> [f"{force:.10f} N" for force in branch.folds]
         ['-18.3754629689 N']
         """
-        from lsvib.data.cycles import followed
+        from lsvib.datasets.cycles import followed
 
         return followed(
             self, cycle, parameter, span, points, lambda drive: drive.automaton(resume=resume, physics=physics)
@@ -226,7 +230,7 @@ class _Drive(DriveParameters):
         >>> [names[label + 1] for label in found.label.sel(mass=2).values]
         ['no_vibration', 'pure_slip', 'pure_slip', 'stick_slip_with_contact_reversal']
         """
-        from lsvib.data.chart import chart
+        from lsvib.datasets.chart import chart
 
         return chart(self, x, y, resume, workers, progress)
 
@@ -252,24 +256,9 @@ class _Drive(DriveParameters):
         >>> [lsvib.Attractor(int(kind)).name for kind in found.attractor]
         ['STEADY_SLIDING', 'OTHER_CYCLE', 'STICK_SLIP_CYCLE']
         """
-        from lsvib.data.sweep import sweep
+        from lsvib.datasets.sweep import sweep
 
         return sweep(self, over, start, resume, workers, progress)
-
-    def basin(self) -> "Basin":
-        """Return the basin of steady sliding, bounded in closed form; of the rigid drive only.
-
-        Its areas are in rad²/s. Raises ``InputError`` for other models, where steady sliding attracts nothing, and for
-        the few drives that docs/basin.md lists; ``EngineError``.
-
-        >>> import lsvib
-        >>> basin = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10).basin()
-        >>> basin.boundary.name, basin.contains((0.0, 0.0)), basin.contains((0.1, 0.0))
-        ('TOUCHING_MOTION', True, False)
-        """
-        raise InputError(
-            f"the basin has a closed form for the rigid drive only; attraction maps that of model {self.model}."
-        )
 
     def attraction(
         self,
@@ -294,33 +283,29 @@ class _Drive(DriveParameters):
         >>> found.label.shape, f"{found.basin_area.item():.4f} {found.basin_area.units}"
         ((30, 40), '0.9553 rad2 s-1')
         """
-        from lsvib.data.attraction_map import map_attraction
+        from lsvib.datasets.attraction_map import map_attraction
 
         return map_attraction(self, grid, quantities, resume, workers, progress).dataset
 
     def _scene(self, start: Mapping[str, float], duration: float, **more: Any) -> "Scene":
-        from lsvib.drives.scene import Scene
+        from lsvib.models.scene import Scene
 
         return Scene(model=self.model, drive=self, start=start, duration=duration, **more)
-
-
-class RigidDrive(_Drive, parameters.RigidParameters):
-    """A drive whose nut and screw are rigid: one degree of freedom (Sect. 5.3); parameters as below, in SI units.
-
-    >>> import lsvib
-    >>> lsvib.RigidDrive(mass=11, axial_force=-10).replace(mass=12)
-    RigidDrive(mass=12.0, axial_force=-10.0)
-    """
 
     def basin(self) -> "Basin":
         """Return the region of attraction of steady sliding, bounded in closed form; its areas are in rad²/s.
 
-        Raises ``InputError`` where steady sliding attracts nothing, and for the few drives that docs/basin.md lists;
-        ``EngineError`` where the engine cannot follow the boundary.
+        Raises ``InputError`` for other models than the rigid one, where steady sliding attracts nothing, and for the
+        few drives that docs/basin.md lists; ``EngineError`` where the engine cannot follow the boundary.
+
+        >>> import lsvib
+        >>> basin = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10).basin()
+        >>> basin.boundary.name, basin.contains((0.0, 0.0)), basin.contains((0.1, 0.0))
+        ('TOUCHING_MOTION', True, False)
         """
         from lsvib.basins.exact_basin import basin
 
-        return basin(self)
+        return basin(_rigid(self))
 
     def resilience(self, window: "Window | Mapping[str, tuple[float, float]] | None" = None) -> "Resilience":
         """Return the largest perturbations that steady sliding tolerates, and the share of a window that settles.
@@ -336,9 +321,9 @@ class RigidDrive(_Drive, parameters.RigidParameters):
         '0.0223138 rad, 7.46627 rad/s, 0.000154064 J, 0.00530736'
         """
         from lsvib.basins.resilience import resilience
-        from lsvib.data.resilience import window_of
+        from lsvib.datasets.resilience import window_of
 
-        return resilience(self, window_of(window))
+        return resilience(_rigid(self), window_of(window))
 
     def resilience_sweep(
         self,
@@ -360,46 +345,25 @@ class RigidDrive(_Drive, parameters.RigidParameters):
         >>> [f"{energy:.3g}" for energy in found.fatal_energy.values]
         ['inf', '0.000616', '0.000154']
         """
-        from lsvib.data.resilience import resilience_sweep, window_of
+        from lsvib.datasets.resilience import resilience_sweep, window_of
 
-        return resilience_sweep(self, over, window_of(window), progress)
-
-
-class ThreadsDrive(_Drive, parameters.ThreadsParameters):
-    """A drive with compliant threads (Sect. 5.5).
-
-    >>> import lsvib
-    >>> lsvib.ThreadsDrive(mass=9, contact_damping=5e4).stability().kind
-    'flutter'
-    """
+        return resilience_sweep(_rigid(self), over, window_of(window), progress)
 
 
-class SupportDrive(_Drive, parameters.SupportParameters):
-    """A drive with a compliant axial support of the screw (Sect. 5.6).
-
-    >>> import lsvib
-    >>> lsvib.SupportDrive(mass=15, friction_coefficient=0.3).stability().kind
-    'kinematic'
-    """
-
-
-class NutDrive(_Drive, parameters.NutParameters):
-    """A drive whose nut can rotate on a spring (Sect. 5.8).
-
-    >>> import lsvib
-    >>> lsvib.NutDrive(mass=6).stability().conditions["kinematic"].hold
-    True
-    """
-
-
-DRIVES: dict[str, type[_Drive]] = {kind.model: kind for kind in (RigidDrive, ThreadsDrive, SupportDrive, NutDrive)}
-
-
-def drive_class(model: str) -> type[_Drive]:
+def drive_class(model: str) -> type[DriveMethods]:
     """Return the class of the drives of a model; raises ``InputError`` if there is none of that name."""
-    if isinstance(model, str) and model in DRIVES:
-        return DRIVES[model]
-    from lsvib.drives.registry import find_model
+    return cast(type[DriveMethods], find_model(model).drive)
 
-    own = find_model(model).drive  # of a model that has no class above: its parameters, with the methods of a drive
-    return new_class(own.__name__, (_Drive, own), exec_body=lambda body: body.update(__doc__=own.__doc__))
+
+def _rigid(drive: Drive) -> RigidDrive:
+    """Return a drive that is rigid; raises ``InputError`` for other ones."""
+    if not isinstance(drive, RigidDrive):
+        raise InputError(
+            f"the basin has a closed form for the rigid drive only; attraction maps that of model {drive.model}."
+        )
+    return drive
+
+
+for _name, _method in vars(DriveMethods).items():
+    if not _name.startswith("__"):
+        setattr(Drive, _name, _method)

@@ -19,8 +19,8 @@ from references.command_line import DRIVE, GRID, MOTION
 
 import lsvib
 from lsvib import api
-from lsvib.cycles.attractors import steady_state
-from lsvib.drives.parameters import RigidParameters
+from lsvib.dynamics.attractors import steady_state
+from lsvib.models.drive import RigidDrive
 
 ROOT = Path(__file__).parents[2]
 PARADOX = {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0}
@@ -89,8 +89,8 @@ def test_drives_are_values():
 
 
 def test_a_drive_is_its_model_and_its_values():
-    assert lsvib.RigidDrive(mass=9) == RigidParameters(mass=9)
-    assert hash(lsvib.RigidDrive(mass=9)) == hash(RigidParameters(mass=9.0))
+    assert lsvib.RigidDrive(mass=9) == RigidDrive(mass=9)
+    assert hash(lsvib.RigidDrive(mass=9)) == hash(RigidDrive(mass=9.0))
     assert lsvib.RigidDrive() != lsvib.ThreadsDrive()
     assert lsvib.SupportDrive() != lsvib.NutDrive()
     assert lsvib.RigidDrive() != {}
@@ -199,7 +199,7 @@ def test_basin_is_handed_the_drive_itself():
 
 def test_examples_of_docstrings_and_documentation():
     failed = doctest.testmod(api).failed
-    from lsvib.data import simulation
+    from lsvib.datasets import simulation
 
     failed += doctest.testmod(simulation).failed
     page = ROOT / "docs" / "python.md"

@@ -11,8 +11,8 @@ pytest.importorskip("pint")
 pytest.importorskip("scipy")
 
 from lsvib.assess.units import NotQuantity, quantity
-from lsvib.command.assess import app
-from lsvib.command.terminal import told
+from lsvib.cli.assess import app
+from lsvib.cli.terminal import told
 
 BASE = {
     "name": "a drive",

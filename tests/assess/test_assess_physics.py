@@ -19,14 +19,14 @@ from lsvib.assess.mechanisms import certain, drive_of, reserves
 from lsvib.assess.operating_chart import charts
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.window import corners, worst
-from lsvib.cycles.attractors import Attractor, steady_state
-from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import RigidParameters
-from lsvib.drives.rigid import rigid_automaton
-from lsvib.steady_sliding.boundaries import stable_set
-from lsvib.steady_sliding.conditions import critical_mass
-from lsvib.steady_sliding.eigenvalues_rigid import eigenvalues
-from lsvib.steady_sliding.thresholds import detach_force, onset_force, stick_force
+from lsvib.dynamics.attractors import Attractor, steady_state
+from lsvib.models.coefficients import coefficients
+from lsvib.models.drive import RigidDrive
+from lsvib.models.rigid import rigid_automaton
+from lsvib.stability.boundaries import stable_set
+from lsvib.stability.conditions import critical_mass
+from lsvib.stability.eigenvalues_rigid import eigenvalues
+from lsvib.stability.thresholds import detach_force, onset_force, stick_force
 
 
 def test_the_chapters_drive_has_the_thresholds_of_the_figures():
@@ -36,7 +36,7 @@ def test_the_chapters_drive_has_the_thresholds_of_the_figures():
     )
     found = margins(given, values_of(given))
     of = {name: {row.quantity: row for row in table} for name, table in found.items()}
-    screw = RigidParameters.of({"mass": 1.0, "translation_damping": 1e3, "axial_force": 40.0})
+    screw = RigidDrive.of({"mass": 1.0, "translation_damping": 1e3, "axial_force": 40.0})
     assert of["kinematic_constraint"]["mass"].value == pytest.approx(critical_mass(screw), rel=1e-12)
     assert of["negative_damping"]["force"].value == pytest.approx(-onset_force(screw), rel=1e-12)
     chart = charts(given, values_of(given))[0]
@@ -266,7 +266,7 @@ def test_slope_damping_against_eigenvalues_with_forty_digits():
     """Newton's laws with μ(v), linearised by differentiation in 40 digits, against Γ_0, C_0 + S and k."""
     rng = np.random.default_rng(5)
     for _ in range(25):
-        drive = RigidParameters(
+        drive = RigidDrive(
             pitch_radius=rng.uniform(2e-3, 3e-2), lead_angle=rng.uniform(0.02, 0.5),
             screw_inertia=10 ** rng.uniform(-7, -3),
             coupling_stiffness=10 ** rng.uniform(-1, 3), support_damping=10 ** rng.uniform(-5, -1),
@@ -285,7 +285,7 @@ def test_slope_damping_against_eigenvalues_with_forty_digits():
             assert abs(a - b) < 1e-9 * size
 
 
-def _eigenvalues_in_many_digits(drive: RigidParameters, slope: float, law: int) -> list[complex]:
+def _eigenvalues_in_many_digits(drive: RigidDrive, slope: float, law: int) -> list[complex]:
     """Eigenvalues of the screw's motion about steady sliding, from the accelerations that Newton's laws give."""
     with mpmath.workdps(40):
         r, lam, inertia, k, c, mu, omega, m, c_x, push = (

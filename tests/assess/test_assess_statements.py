@@ -18,10 +18,10 @@ from lsvib.assess.plain_values import as_json
 from lsvib.assess.vibration import springy_push, survived_push
 from lsvib.assess.window import corners, worst
 from lsvib.assess.words import ATTRACTORS
-from lsvib.cycles.attractors import Attractor, steady_state
-from lsvib.drives.registry import find_model
-from lsvib.drives.rigid import rigid_automaton
-from lsvib.steady_sliding.conditions import conditions
+from lsvib.dynamics.attractors import Attractor, steady_state
+from lsvib.models.registry import find_model
+from lsvib.models.rigid import rigid_automaton
+from lsvib.stability.conditions import conditions
 
 TANGENT = math.tan(math.radians(5.57))
 

@@ -16,8 +16,8 @@ from lsvib.assess.mechanisms import drive_of, reserves
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.uncertainty import draw_of, evaluated, study
 from lsvib.assess.window import corners
-from lsvib.cycles.attractors import Attractor, steady_state
-from lsvib.drives.rigid import rigid_automaton
+from lsvib.dynamics.attractors import Attractor, steady_state
+from lsvib.models.rigid import rigid_automaton
 
 KINEMATIC = {
     "load": {"mass": {"low": "6 kg", "mode": "9 kg", "high": "16 kg"}, "force": "-50 N"},

@@ -7,12 +7,12 @@ from hypothesis import strategies as st
 
 from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapper import mapper
-from lsvib.cycles.attractors import Attractor, steady_state
-from lsvib.drives.parameters import RigidParameters
-from lsvib.drives.rigid import EventKind
+from lsvib.dynamics.attractors import Attractor, steady_state
 from lsvib.engine.motion import follow
+from lsvib.models.drive import RigidDrive
+from lsvib.models.rigid import EventKind
 
-PARADOX = RigidParameters.of(mass=11.0, support_damping=1e-3, axial_force=-10.0)
+PARADOX = RigidDrive.of(mass=11.0, support_damping=1e-3, axial_force=-10.0)
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +50,7 @@ def test_labels_and_times_against_the_engine(mappers, rule, damping):
 @pytest.mark.parametrize("force", [25.0, 40.0])
 def test_labels_under_negative_damping(mappers, force):
     """Slip without rest, and stick-slip."""
-    mapped = mappers(RigidParameters.of(mass=1.0, translation_damping=1e3, axial_force=force))
+    mapped = mappers(RigidDrive.of(mass=1.0, translation_damping=1e3, axial_force=force))
     grid = Grid.parse(["u=-0.1:0.1:11", "w=-60:60:9"])
     found = mapped.cells(grid, quantities=("label",))["label"]
     for (i, j), label in np.ndenumerate(found):

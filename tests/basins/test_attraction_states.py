@@ -5,16 +5,14 @@ import pytest
 
 from lsvib.basins.grid import Grid
 from lsvib.basins.mapper import mapper
-from lsvib.cycles.attractors import Attractor, steady_state
-from lsvib.drives.parameters import NutParameters, SupportParameters, ThreadsParameters
+from lsvib.dynamics.attractors import Attractor, steady_state
+from lsvib.models.drive import NutDrive, SupportDrive, ThreadsDrive
 
 DRIVE = {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0}
 GRID = ["u=-0.05:0.05:6", "w=-15:15:5"]
 
 
-@pytest.mark.parametrize(
-    ("kind", "model"), [(ThreadsParameters, "threads"), (SupportParameters, "support"), (NutParameters, "nut")]
-)
+@pytest.mark.parametrize(("kind", "model"), [(ThreadsDrive, "threads"), (SupportDrive, "support"), (NutDrive, "nut")])
 def test_labels_against_the_return_map(kind, model):
     mapped = mapper(kind.of(DRIVE), model)
     grid = Grid.parse(GRID)

@@ -18,10 +18,10 @@ from references.wide_drives import wide_drive
 from lsvib.basins.clipping import Window
 from lsvib.basins.curves import Arc, state_on
 from lsvib.basins.exact_basin import Boundary, basin
-from lsvib.cycles.attractors import Attractor, steady_state
-from lsvib.drives.parameters import RigidParameters
-from lsvib.drives.rigid import rigid_automaton
+from lsvib.dynamics.attractors import Attractor, steady_state
 from lsvib.errors import InputError
+from lsvib.models.drive import RigidDrive
+from lsvib.models.rigid import rigid_automaton
 
 DIGITS = 40
 FAST_NUT = {"mass": 24, "support_damping": 1.15e-3, "translation_damping": 2820, "friction_coefficient": 0.1974}
@@ -71,8 +71,8 @@ MORE = {
 }
 
 
-def drive_of(scene: str) -> RigidParameters:
-    return RigidParameters.of({**SCENES, **MORE}[scene][1])
+def drive_of(scene: str) -> RigidDrive:
+    return RigidDrive.of({**SCENES, **MORE}[scene][1])
 
 
 def starts(found, number: int, seed: int) -> list[np.ndarray]:
@@ -281,4 +281,4 @@ def test_size_grows_with_the_force_until_nothing_bounds_it():
 )
 def test_drives_without_a_basin_are_refused_in_one_sentence(changes, words):
     with pytest.raises(InputError, match=words):
-        basin(RigidParameters.of(changes))
+        basin(RigidDrive.of(changes))

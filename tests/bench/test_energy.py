@@ -6,23 +6,23 @@ import numpy as np
 import pytest
 
 from benchmarks.sweeps.energy_balance import balance, residual, terms
-from lsvib.drives.parameters import NutParameters, RigidParameters, SupportParameters, ThreadsParameters
-from lsvib.drives.registry import find_model
-from lsvib.drives.rigid import rigid_automaton
 from lsvib.engine.motion import follow
+from lsvib.models.drive import NutDrive, RigidDrive, SupportDrive, ThreadsDrive
+from lsvib.models.registry import find_model
+from lsvib.models.rigid import rigid_automaton
 
 LOADED = {"mass": 1.0, "translation_damping": 1000.0, "axial_force": 40.0}
 PARADOX = {"mass": 15.0, "axial_force": 100.0}
 RUBBING = {"slide_friction": 8.0, "bearing_friction": 0.02}
 START = (0.1, 0.0, 0.0, 0.0)
 SCENES = {
-    "stick-slip": (RigidParameters, LOADED),
-    "sprag-slip": (RigidParameters, PARADOX),
-    "compliant threads": (ThreadsParameters, {**PARADOX, "contact_stiffness": 1e7, "contact_damping": 1e4}),
-    "support, rubbing": (SupportParameters, {**LOADED, **RUBBING, "screw_mass": 3.0, "axial_support_damping": 30.0}),
-    "support, seizing": (SupportParameters, {**PARADOX, "screw_mass": 50.0}),
-    "nut, rubbing": (NutParameters, {**LOADED, **RUBBING}),
-    "nut, seizing": (NutParameters, {**PARADOX, "mass": 11.0}),
+    "stick-slip": (RigidDrive, LOADED),
+    "sprag-slip": (RigidDrive, PARADOX),
+    "compliant threads": (ThreadsDrive, {**PARADOX, "contact_stiffness": 1e7, "contact_damping": 1e4}),
+    "support, rubbing": (SupportDrive, {**LOADED, **RUBBING, "screw_mass": 3.0, "axial_support_damping": 30.0}),
+    "support, seizing": (SupportDrive, {**PARADOX, "screw_mass": 50.0}),
+    "nut, rubbing": (NutDrive, {**LOADED, **RUBBING}),
+    "nut, seizing": (NutDrive, {**PARADOX, "mass": 11.0}),
 }
 
 
@@ -57,7 +57,7 @@ def test_the_loss_in_seizures_is_counted(name):
 
 def test_a_missed_reversal_is_seen():
     """A motion that stays under the old law after N = 0 has friction that drives it."""
-    drive = RigidParameters.of(LOADED)
+    drive = RigidDrive.of(LOADED)
     automaton = rigid_automaton(drive)
     signs = automaton.tables.guard_sign.copy()
     signs[automaton.tables.guard_start[0]] = 0.0  # of N = 0 in the first mode

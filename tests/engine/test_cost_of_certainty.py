@@ -11,12 +11,12 @@ import numba
 import numpy as np
 import pytest
 
-from lsvib.drives.parameters import ThreadsParameters
-from lsvib.drives.threads import threads_automaton
 from lsvib.engine.kernels import guard_sums, search_steps, step_sums
 from lsvib.engine.kernels.affine import level
 from lsvib.engine.kernels.status import Decision
 from lsvib.engine.motion import follow
+from lsvib.models.drive import ThreadsDrive
+from lsvib.models.threads import threads_automaton
 
 _LIMIT = 1.0
 _OPTIONS = {"error_model": "numpy", "_nrt": False}  # those of the kernels
@@ -24,7 +24,7 @@ _OPTIONS = {"error_model": "numpy", "_nrt": False}  # those of the kernels
 
 def arcs():
     """Every arc of the motion of Fig. 8.10: tables, modes, states at the start, guards, which of them are zero."""
-    drive = ThreadsParameters.of(mass=11.0, axial_force=100.0, contact_stiffness=1e8, contact_damping=1e8)
+    drive = ThreadsDrive.of(mass=11.0, axial_force=100.0, contact_stiffness=1e8, contact_damping=1e8)
     automaton = threads_automaton(drive)
     motion = follow(automaton, [0.005, 0.0, 0.0, 0.0], 0.05)
     tables = automaton.tables

@@ -17,12 +17,12 @@ from mpmath import mp, mpf
 from references.drives import RULES, compare, random_drive, random_start
 from references.rigid_digits import GUARD_DIGITS, NAMES, REST, RigidTrueFlow, simulate
 
-from lsvib.drives.parameters import RigidParameters
-from lsvib.drives.rigid import EventKind, MotionMode, rigid_automaton
 from lsvib.engine.motion import follow
+from lsvib.models.drive import RigidDrive
+from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
 
 TOLERANCE = 1e-12
-LONG = RigidParameters.of(mass=1.0, translation_damping=1e3, axial_force=40.0)
+LONG = RigidDrive.of(mass=1.0, translation_damping=1e3, axial_force=40.0)
 
 
 def state_at(result, t):
@@ -87,7 +87,7 @@ def test_random_motions():
 @pytest.mark.parametrize("rule", RULES)
 def test_near_the_critical_mass(mass, rule):
     """Rates of 10⁵ 1/s and more beside 300 1/s: stiff, but as exact as any."""
-    drive = RigidParameters.of(mass=mass, axial_force=-10.0, support_damping=1e-3)
+    drive = RigidDrive.of(mass=mass, axial_force=-10.0, support_damping=1e-3)
     for start in ((0.1, 0.0), (-0.1, -120.0), (0.0, 60.0)):
         result = compare(drive, start, 0.03, rule)
         assert without_repeated_seizures(result.kinds) == without_repeated_seizures(result.reference_kinds)
@@ -96,7 +96,7 @@ def test_near_the_critical_mass(mass, rule):
 
 def test_error_at_a_steep_end_is_that_of_the_time():
     """The worst of 36 000 motions: the error is the lateness of the last event times the rate of the state."""
-    drive = RigidParameters.of(
+    drive = RigidDrive.of(
         mass=11.6, friction_coefficient=0.2170224845100462, axial_force=199.0, input_speed=10.1,
         support_damping=0.006365836536317553,
     )  # fmt: skip
@@ -110,7 +110,7 @@ def test_error_at_a_steep_end_is_that_of_the_time():
 
 
 def test_start_in_an_inconsistent_sector_seizes_at_once():
-    drive = RigidParameters.of(mass=11.0)
+    drive = RigidDrive.of(mass=11.0)
     motion = follow(rigid_automaton(drive), (0.1, 0.0), 0.01)
     assert motion.time[0] == 0.0
     assert motion.kind[0] == EventKind.SEIZURE

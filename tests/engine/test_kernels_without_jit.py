@@ -15,20 +15,20 @@ import pytest
 
 PROGRAM = """
 import json
-from lsvib.cycles.attractors import steady_state
+from lsvib.dynamics.attractors import steady_state
 from lsvib.engine.motion import follow
-from lsvib.drives.parameters import RigidParameters
-from lsvib.drives.rigid import rigid_automaton
+from lsvib.models.drive import RigidDrive
+from lsvib.models.rigid import rigid_automaton
 
 results = []
 for mass, force, c_x, rule in (
     (1.0, 40.0, 1e3, "contact_sign"), (11.0, 50.0, 0.0, "contact_sign"), (15.0, -20.0, 0.0, "at_once")
 ):
-    automaton = rigid_automaton(RigidParameters.of(mass=mass, axial_force=force, translation_damping=c_x), resume=rule)
+    automaton = rigid_automaton(RigidDrive.of(mass=mass, axial_force=force, translation_damping=c_x), resume=rule)
     motion = follow(automaton, (0.05, 10.0), 0.05)
     states, modes = motion.at([0.0, 0.01, 0.02, 0.05])
     results.append([motion.time.tolist(), motion.kind.tolist(), states.tolist(), modes.tolist()])
-cycle = steady_state(rigid_automaton(RigidParameters.of(axial_force=25.0, translation_damping=1e3)), (0.05, 5.0))
+cycle = steady_state(rigid_automaton(RigidDrive.of(axial_force=25.0, translation_damping=1e3)), (0.05, 5.0))
 results.append([[cycle.period, cycle.amplitude, float(cycle.multiplier)], [int(cycle.label)], [], []])
 print(json.dumps(results))
 """

@@ -19,10 +19,10 @@ import numba
 import numpy as np
 from references.drives import RULES, random_drive, random_start
 
-from lsvib.drives.rigid import rigid_automaton
 from lsvib.engine.automaton import oscillator
 from lsvib.engine.kernels import columns, flow_planar
 from lsvib.engine.motion import follow
+from lsvib.models.rigid import rigid_automaton
 
 EPS = float(np.finfo(float).eps)
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)

@@ -5,20 +5,20 @@ import math
 import numpy as np
 import pytest
 
-from lsvib.cycles.attractors import Attractor, steady_state
-from lsvib.drives.parameters import RigidParameters, ThreadsParameters
-from lsvib.drives.rigid import rigid_automaton
-from lsvib.drives.threads import seated_state, threads_automaton
+from lsvib.dynamics.attractors import Attractor, steady_state
 from lsvib.engine.exact.linear_mode import linear_mode
 from lsvib.engine.exact.modal_form import modal_flow
 from lsvib.engine.kernels import dispatch
 from lsvib.engine.motion import follow
 from lsvib.errors import EngineError
+from lsvib.models.drive import RigidDrive, ThreadsDrive
+from lsvib.models.rigid import rigid_automaton
+from lsvib.models.threads import seated_state, threads_automaton
 
 
 def test_growth_beyond_all_numbers_does_not_move_what_is_in_equilibrium():
     """Steady sliding that repels at 1.2e5 1/s: a motion from it stays there, for 0.2 s and whenever it is looked at."""
-    drive = RigidParameters.of(
+    drive = RigidDrive.of(
         pitch_radius=0.03806244679962706,
         lead_angle=0.12264428665884365,
         screw_inertia=1.2429230549627857e-06,
@@ -50,7 +50,7 @@ def test_growth_beyond_all_numbers_does_not_move_a_pair_in_equilibrium():
 
 def test_steady_sliding_where_doubles_lose_a_row_of_the_field():
     """Just below μ = cot λ; the field is singular in doubles: once a traceback."""
-    drive = ThreadsParameters.of(
+    drive = ThreadsDrive.of(
         support_damping=54624.77056974889, contact_stiffness=24764977476642.695,
         friction_coefficient=10.25407004273012, input_speed=-1e-9, axial_force=6949.60410918396,
     )  # fmt: skip
@@ -61,6 +61,6 @@ def test_steady_sliding_where_doubles_lose_a_row_of_the_field():
 @pytest.mark.parametrize("damping", [1e11, 1e12])
 def test_rates_that_cannot_be_told_apart_are_refused_by_name(damping):
     """A contact that creeps at 1e-8 1/s beside the coupling's 500 1/s."""
-    drive = ThreadsParameters(contact_stiffness=1e4, contact_damping=damping)
+    drive = ThreadsDrive(contact_stiffness=1e4, contact_damping=damping)
     with pytest.raises(EngineError, match=r"cannot be distinguished .*change contact_damping\."):
         threads_automaton(drive)

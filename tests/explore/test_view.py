@@ -13,13 +13,13 @@ import yaml
 import lsvib
 from lsvib.api import DRIVES
 from lsvib.basins.clipping import Window
-from lsvib.cycles.attractors import Attractor
-from lsvib.data.writer import read_dataset
-from lsvib.drives.scene import Scene
+from lsvib.datasets.writer import read_dataset
+from lsvib.dynamics.attractors import Attractor
 from lsvib.errors import InputError
 from lsvib.explore import answers, downloads
 from lsvib.explore.presets import presets
 from lsvib.explore.view import View
+from lsvib.models.scene import Scene
 
 PRESETS = presets()
 DRIVE = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
@@ -128,7 +128,7 @@ def test_without_bokeh_the_command_says_what_to_install():
 
 def refusal(*arguments: str, before: str = "") -> str:
     """What a command says that ends with exit code 2."""
-    program = f"{before}from lsvib.command.app import main; main()"
+    program = f"{before}from lsvib.cli.app import main; main()"
     done = subprocess.run([sys.executable, "-c", program, *arguments], capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (2, "")
     return done.stderr

@@ -8,8 +8,8 @@ import pytest
 import yaml
 from references.listed_claims import entries
 
-from lsvib.drives.parameters import RigidParameters
 from lsvib.figures.folders import default_figures
+from lsvib.models.drive import RigidDrive
 
 ROOT = Path(__file__).parents[2]
 CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
@@ -48,7 +48,7 @@ def test_nothing_that_is_numbered_is_left_out(word, last):
 def test_printed_inputs_are_those_that_are_used(entry):
     head, *path = entry["input"].split(".")
     if head == "drive":
-        value = getattr(RigidParameters(), path[0])
+        value = getattr(RigidDrive(), path[0])
         value = math.degrees(value) if entry["unit"] == "degree" else value
         assert value == pytest.approx(entry["value"], rel=1e-15)
     else:

@@ -7,14 +7,14 @@ import pytest
 
 from lsvib.contact import limit_process
 from lsvib.contact.limit_process import BranchFamily, Region
-from lsvib.cycles.attractors import Attractor, orbit_extremes, steady_state
-from lsvib.cycles.impulses import seizure_impulses
-from lsvib.drives.parameters import RigidParameters, ThreadsParameters
-from lsvib.drives.threads import ThreadsEvent, seated_state, threads_automaton
+from lsvib.dynamics.attractors import Attractor, orbit_extremes, steady_state
+from lsvib.dynamics.impulses import seizure_impulses
 from lsvib.engine.motion import follow
 from lsvib.errors import InputError
+from lsvib.models.drive import RigidDrive, ThreadsDrive
+from lsvib.models.threads import ThreadsEvent, seated_state, threads_automaton
 
-VISCOUS = ThreadsParameters.of(mass=11.0, axial_force=50.0)
+VISCOUS = ThreadsDrive.of(mass=11.0, axial_force=50.0)
 
 
 @pytest.mark.parametrize("stiffness", [1e5, 1e8, 1e10])
@@ -42,13 +42,13 @@ def test_the_peak_of_the_contact_force_is_where_the_screw_stops():
 
 @pytest.mark.parametrize("changes", [{"mass": 9.0}, {"translation_damping": 1.0}, {"axial_force": -500.0}])
 def test_limit_process_refuses_drives_that_it_does_not_fit(changes):
-    drive = RigidParameters.of({"mass": 15.0, "axial_force": 60.0, "support_damping": 2e-3} | changes)
+    drive = RigidDrive.of({"mass": 15.0, "axial_force": 60.0, "support_damping": 2e-3} | changes)
     with pytest.raises(InputError, match=r"needs a drive with|reaches no cycle"):
         list(limit_process.branches(drive, 80.0, 1e-3, [0.1, -20.0]))
 
 
 def test_impulse_is_the_integral_of_the_contact_force():
-    base = RigidParameters.of(mass=15.0, axial_force=60.0, support_damping=2e-3)
+    base = RigidDrive.of(mass=15.0, axial_force=60.0, support_damping=2e-3)
     drive = limit_process.stiffened(base, BranchFamily.VISCOUS, 1e8, 2.0)
     impact = next(limit_process.impacts(base, 80.0))
     automaton = threads_automaton(drive)
@@ -71,7 +71,7 @@ def test_rebound_force_of_an_overdamped_contact(stiffness, axial_force):
     does, by cos λ (cos λ + μ sin λ) = 1.012, and that the slow part loses 3 ln(4ζ²) / (4ζ²) = 1.4 % until the fast one,
     4ζ² times as fast, is gone.
     """
-    base = RigidParameters.of(mass=15.0, axial_force=axial_force, support_damping=2e-3)
+    base = RigidDrive.of(mass=15.0, axial_force=axial_force, support_damping=2e-3)
     drive, speed = limit_process.stiffened(base, BranchFamily.DAMPING_RATIO, stiffness, 20.0), 80.0
     (impact,) = (
         x for x in limit_process.impacts(base, speed) if x.sign > 0 and x.region == Region.IN_BAND_FORCE_POSITIVE

@@ -6,12 +6,12 @@ import xarray as xr
 from references.figure_checks import dataset_of
 from scipy.integrate import solve_ivp
 
-from lsvib.data.parameter_origins import (
+from lsvib.datasets.parameter_origins import (
     ASSUMED,
     origin_of,
 )
-from lsvib.data.writer import write_dataset
-from lsvib.drives.parameters import RigidParameters
+from lsvib.datasets.writer import write_dataset
+from lsvib.models.drive import RigidDrive
 
 
 def test_origin_says_which_values_are_printed():
@@ -45,7 +45,7 @@ def test_a_motion_is_repeated_from_its_file_alone(figure, case, tmp_path):
     """The stated drive, integrated from the stated start by somebody else's solver, gives the motions of the file."""
     write_dataset(dataset_of(figure), tmp_path / "figure.nc")
     file = xr.open_dataset(tmp_path / "figure.nc").isel(case=case)
-    drive = {name: float(file[name]) for name in RigidParameters.model_fields}
+    drive = {name: float(file[name]) for name in RigidDrive.model_fields}
     for start in range(file.sizes["start"]):
         motion = file.isel(start=start)
         time, deflection = motion.time.values, motion.coupling_deflection.values

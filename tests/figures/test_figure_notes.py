@@ -6,12 +6,12 @@ import xarray as xr
 from references.figure_checks import dataset_of, draft
 
 from lsvib.contact import existence
-from lsvib.data import phase_plane
-from lsvib.drives.parameters import RigidParameters
+from lsvib.datasets import phase_plane
 from lsvib.figures.draw import caption_of
 from lsvib.figures.drawing import phase_planes as drawn
 from lsvib.figures.drawing import style
 from lsvib.figures.fig8_07 import picture as fig8_07
+from lsvib.models.drive import RigidDrive
 
 
 def parameters() -> xr.Dataset:
@@ -62,7 +62,7 @@ SIDES = {
 @pytest.mark.parametrize("words", SIDES)
 def test_the_sides_of_the_line_have_the_sign_of_the_contact_force(words):
     """Against the two forces of (8.17) themselves; where two solve, a motion takes law −."""
-    drive = RigidParameters.of(SIDES[words])
+    drive = RigidDrive.of(SIDES[words])
     case = xr.Dataset(phase_plane.portraits([drive], [{"u": 0.01, "w": 0.0}], 0.01, 200)).isel(case=0)
     axes = style.new_figure().add_subplot()
     axes.set(xlim=(-0.15, 0.15), ylim=(-120, 120))
@@ -78,7 +78,7 @@ def test_the_sides_of_the_line_have_the_sign_of_the_contact_force(words):
 
 def test_the_sectors_of_figure_8_7_have_the_signs_of_the_contact_force():
     figure, settings = dataset_of("fig8_07"), draft("fig8_07")
-    drive = RigidParameters.of(settings["drive"])
+    drive = RigidDrive.of(settings["drive"])
     axes = fig8_07.draw(figure).axes[0]
     sectors = [text for text in axes.texts if text.get_text().startswith(r"$\dot\theta")]
     assert len(sectors) == 4

@@ -11,14 +11,14 @@ from references.listed_claims import assert_listed_checks_exist
 
 from lsvib.basins.exact_basin import Boundary
 from lsvib.contact.contact_force import ForceOutcome
-from lsvib.cycles.attractors import Attractor
-from lsvib.data.parameter_origins import ASSUMED, FIELDS, NO_EFFECT, VARIED
-from lsvib.drives.parameters import RigidParameters
-from lsvib.drives.rigid import EventKind
+from lsvib.datasets.parameter_origins import ASSUMED, FIELDS, NO_EFFECT, VARIED
+from lsvib.dynamics.attractors import Attractor
 from lsvib.figures.folders import default_figures
 from lsvib.figures.limit_process.dataset import BranchVerdict
-from lsvib.steady_sliding.eigenvalues_rigid import Stability
-from lsvib.steady_sliding.eigenvalues_two_coordinates import UndampedClass
+from lsvib.models.drive import RigidDrive
+from lsvib.models.rigid import EventKind
+from lsvib.stability.eigenvalues_rigid import Stability
+from lsvib.stability.eigenvalues_two_coordinates import UndampedClass
 
 SPOILED = {  # words of a check, and what it must refuse
     "fig8_01": ("exactly inside the loop", set_to("grid_outcome", ForceOutcome.BOUNDED, 0, 0, 0)),
@@ -76,7 +76,7 @@ def test_a_name_has_one_meaning_in_all_files():
 @pytest.mark.parametrize("figure", default_figures())
 def test_every_parameter_is_stated_with_its_origin(figure):
     dataset = dataset_of(figure)
-    assert set(RigidParameters.model_fields) <= set(dataset.variables)
+    assert set(RigidDrive.model_fields) <= set(dataset.variables)
     for name in set(FIELDS) & set(dataset.variables):
         attributes = dataset[name].attrs
         assert attributes["origin"].startswith(("printed: ", ASSUMED, VARIED, NO_EFFECT)), (name, attributes)

@@ -10,8 +10,8 @@ import sys
 import grimp
 import pytest
 
-from lsvib.drives.model_files import model_names
 from lsvib.figures.folders import dataset_module, default_figures, picture_module
+from lsvib.models.model_files import model_names
 
 FIGURES = default_figures()
 WITHOUT_ENGINE = [
@@ -30,7 +30,7 @@ for line in sys.argv[1:]:
         sys.argv = ["lsvib", *line.split()]
         sys.stdout = sys.stderr = open(os.devnull, "w")
         try:
-            from lsvib.command.app import main
+            from lsvib.cli.app import main
             main()
         except SystemExit:
             pass

@@ -4,9 +4,9 @@ import pytest
 
 from lsvib import RigidDrive
 from lsvib.basins.exact_basin import basin
-from lsvib.cycles.attractors import steady_state
-from lsvib.drives.rigid import rigid_automaton
+from lsvib.dynamics.attractors import steady_state
 from lsvib.engine.motion import follow
+from lsvib.models.rigid import rigid_automaton
 
 DRIVE = RigidDrive(mass=11.0, support_damping=1e-3, axial_force=-10.0)
 FAR = [0.5, -40.0]

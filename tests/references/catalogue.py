@@ -8,13 +8,13 @@ import math
 
 import numpy as np
 
-from lsvib.drives.parameters import DriveParameters, NutParameters, SupportParameters, ThreadsParameters
+from lsvib.models.drive import Drive, NutDrive, SupportDrive, ThreadsDrive
 
 MODELS = ("threads", "support", "nut")
 _STEEL = 7850.0  # density [kg/m3]
 
 
-def catalogue_drive(model: str, seed: int, index: int, starts: int = 4) -> tuple[DriveParameters, np.ndarray]:
+def catalogue_drive(model: str, seed: int, index: int, starts: int = 4) -> tuple[Drive, np.ndarray]:
     """Draw drive ``index`` of a seed, the same whatever else is drawn, and so many starts of it (starts, 4)."""
     rng = np.random.default_rng([seed, MODELS.index(model), index])
 
@@ -53,14 +53,14 @@ def _threads(power, values, volume):
     stiffness = power(2e7, 1e9)
     damping = 2 * power(5e-3, 0.5) * math.sqrt(stiffness * values["mass"])
     more = {"contact_stiffness": stiffness, "contact_damping": damping}
-    return ThreadsParameters, more, abs(values["axial_force"]) / stiffness, _speed(values)
+    return ThreadsDrive, more, abs(values["axial_force"]) / stiffness, _speed(values)
 
 
 def _support(power, values, volume):
     stiffness, mass = power(1e7, 3e8), _STEEL * volume
     damping = 2 * power(1e-3, 0.1) * math.sqrt(stiffness * mass)
     more = {"screw_mass": mass, "support_stiffness": stiffness, "axial_support_damping": damping}
-    return SupportParameters, more, abs(values["axial_force"]) / stiffness, _speed(values)
+    return SupportDrive, more, abs(values["axial_force"]) / stiffness, _speed(values)
 
 
 def _nut(power, values, volume):
@@ -69,7 +69,7 @@ def _nut(power, values, volume):
     damping = 2 * power(1e-3, 0.1) * math.sqrt(inertia * stiffness)
     more = {"nut_inertia": inertia, "nut_stiffness": stiffness, "nut_damping": damping}
     size = abs(values["axial_force"]) * values["pitch_radius"] / stiffness
-    return NutParameters, more, size, abs(values["input_speed"])
+    return NutDrive, more, size, abs(values["input_speed"])
 
 
 def _speed(values) -> float:

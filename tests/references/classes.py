@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from lsvib.steady_sliding.eigenvalues_two_coordinates import UndampedClass, eigenvalues
-from lsvib.steady_sliding.linearised import LinearModel
+from lsvib.stability.eigenvalues_two_coordinates import UndampedClass, eigenvalues
+from lsvib.stability.linearised import LinearModel
 
 
 def growth_rate(model: LinearModel) -> np.ndarray:

@@ -9,8 +9,8 @@ import xarray as xr
 import yaml
 from matplotlib.figure import Figure
 
-from lsvib.data.checks import Check
-from lsvib.data.writer import read_dataset, write_dataset
+from lsvib.datasets.checks import Check
+from lsvib.datasets.writer import read_dataset, write_dataset
 from lsvib.figures.folders import dataset_module, picture_module
 
 CONFIG = Path(__file__).parents[2] / "config"

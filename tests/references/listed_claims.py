@@ -6,7 +6,7 @@ from pathlib import Path
 
 import yaml
 
-from lsvib.data.checks import Check
+from lsvib.datasets.checks import Check
 
 LIST = Path(__file__).parents[2] / "config" / "chapter.yaml"
 

@@ -1,9 +1,9 @@
 """Inputs that users get wrong, each with words of the sentence that refuses it: commands, files, Python."""
 
 import lsvib
-from lsvib.data.writer import read_dataset
-from lsvib.drives.scene import read_yaml
+from lsvib.datasets.writer import read_dataset
 from lsvib.figures.configuration import DEFAULT, check
+from lsvib.models.scene import read_yaml
 
 SETTINGS = read_yaml(DEFAULT)
 RANGE = "is outside the allowed range"

@@ -1,6 +1,6 @@
 """Steady sliding straight from Newton's laws in many digits: accelerations with the contact force as an unknown.
 
-Independent of ``lsvib.steady_sliding``: no matrices of mass, damping and stiffness, and stability
+Independent of ``lsvib.stability``: no matrices of mass, damping and stiffness, and stability
 by eigenvalues of the state matrix or by Routh's array of its characteristic polynomial.
 """
 

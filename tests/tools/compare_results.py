@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from lsvib.data.provenance import provenance
+from lsvib.datasets.provenance import provenance
 
 PROVENANCE = set(provenance("anything"))  # the attributes of a file that name its origin, not its content
 

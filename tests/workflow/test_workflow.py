@@ -14,7 +14,7 @@ import pytest
 import yaml
 from conftest import ROOT, TINY
 
-from lsvib.data.writer import read_dataset
+from lsvib.datasets.writer import read_dataset
 from lsvib.figures.configuration import settings_of
 from lsvib.figures.folders import accuracy_figures, default_figures
 
@@ -44,13 +44,13 @@ class Settings(FigureSettings):
 import numpy as np
 import xarray as xr
 
-from lsvib.data.checks import Check
-from lsvib.drives.parameters import RigidParameters
+from lsvib.datasets.checks import Check
+from lsvib.models.drive import RigidDrive
 
 
 def build(settings):
     """Compute the tangent of some lead angles."""
-    angle = np.linspace(0, RigidParameters.of(settings["drive"]).lead_angle, settings["points"])
+    angle = np.linspace(0, RigidDrive.of(settings["drive"]).lead_angle, settings["points"])
     words = {"units": "1", "long_name": "tangent of the lead angle"}
     return xr.Dataset(
         {"tangent": ("angle", np.tan(angle), words)},
@@ -116,11 +116,11 @@ def test_a_second_run_does_nothing(finished):
     [
         ("src/lsvib/figures/fig8_08/picture.py", {"Drawing fig8_08"}),
         (
-            "src/lsvib/steady_sliding/conditions.py",  # imported by figure 8.8 only
+            "src/lsvib/stability/conditions.py",  # imported by figure 8.8 only
             {"Computing fig8_08", "Drawing fig8_08", "Collecting the checks", "Judging the checks"},
         ),
         (
-            "src/lsvib/drives/friction.py",
+            "src/lsvib/models/friction.py",
             {*(f"{verb} {f}" for verb in ("Computing", "Drawing") for f in FIGURES), "Collecting the checks"}
             | {"Judging the checks"},
         ),
@@ -172,7 +172,7 @@ def test_engine_is_compiled_first_for_the_figures_that_need_it(fresh):
 
 @pytest.mark.slow
 def test_a_failed_check_fails_the_run_with_the_reason(fresh):
-    fresh.edit("src/lsvib/drives/chapter.py", "10.10", "20.0")
+    fresh.edit("src/lsvib/models/chapter.py", "10.10", "20.0")
     run = fresh()
     assert run.returncode == 1
     assert "1 of 9 checks failed:\nfig8_08: Critical mass" in run.stdout

@@ -14,7 +14,7 @@ rule accuracy:
 
 use rule checks as accuracy_checks with:
     input:
-        sources=source_files(imports("lsvib.data.checks_report")),
+        sources=source_files(imports("lsvib.datasets.checks_report")),
         checks=collect("results/checks/{figure}.json", figure=ACCURACY_FIGURES),
     output:
         json="results/accuracy/checks.json",
@@ -27,7 +27,7 @@ use rule checks as accuracy_checks with:
 
 use rule verdict as accuracy_verdict with:
     input:
-        sources=source_files(imports("lsvib.data.checks")),
+        sources=source_files(imports("lsvib.datasets.checks")),
         checks="results/accuracy/checks.json",
     output:
         "results/accuracy/verdict.txt",

@@ -5,9 +5,9 @@ SHEETS = {Path(sheet).stem: sheet for sheet in config["assessments"]}
 # What an assessment depends on; the models, imported by their names, are unknown to the graph.
 ASSESSMENT = (
     imports("lsvib.assess.run")
-    | imports("lsvib.drives.rigid")
-    | imports("lsvib.drives.second_body.support")
-    | imports("lsvib.drives.threads")
+    | imports("lsvib.models.rigid")
+    | imports("lsvib.models.second_body.support")
+    | imports("lsvib.models.threads")
 )
 
 if len(SHEETS) < len(config["assessments"]):

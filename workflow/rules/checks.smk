@@ -4,7 +4,7 @@
 rule checks:
     """Collect the checks of all figures: for machines, as a text by figure, and as a page that can be filtered."""
     input:
-        sources=source_files(imports("lsvib.data.checks_report")),
+        sources=source_files(imports("lsvib.datasets.checks_report")),
         checks=collect("results/checks/{figure}.json", figure=FIGURES),
     output:
         json="results/checks.json",
@@ -38,7 +38,7 @@ rule checks:
 rule verdict:
     """Fail, with the reason, if a check failed. The table of checks is a result of its own and stays."""
     input:
-        sources=source_files(imports("lsvib.data.checks")),
+        sources=source_files(imports("lsvib.datasets.checks")),
         checks="results/checks.json",
     output:
         "results/verdict.txt",

@@ -12,11 +12,11 @@ from functools import cache
 from pathlib import Path
 
 import grimp
-from lsvib.data.checks import counts, failures, printed_thresholds, read_checks, verdict
+from lsvib.datasets.checks import counts, failures, printed_thresholds, read_checks, verdict
 from lsvib.errors import LsvibError
-from lsvib.drives.model_files import model_module, modules_of
-from lsvib.drives.registry import all_models
-from lsvib.drives.scene import read_yaml
+from lsvib.models.model_files import model_module, modules_of
+from lsvib.models.registry import all_models
+from lsvib.models.scene import read_yaml
 from lsvib.figures.configuration import check, selected, settings_of
 from lsvib.figures.folders import (
     accuracy_figures,
@@ -119,7 +119,7 @@ def modules_with_model(module, settings):
 
 def map_modules():
     """Return the modules that the map depends on."""
-    return modules_with_model("lsvib.data.tiles", MAP)
+    return modules_with_model("lsvib.datasets.tiles", MAP)
 
 
 def map_sources():
@@ -129,7 +129,7 @@ def map_sources():
 
 def chart_modules():
     """Return the modules that the chart depends on."""
-    return modules_with_model("lsvib.data.chart_tiles", CHART)
+    return modules_with_model("lsvib.datasets.chart_tiles", CHART)
 
 
 def chart_sources():

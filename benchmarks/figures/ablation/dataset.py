@@ -11,8 +11,8 @@ import xarray as xr
 from benchmarks.ablation import leaving_out
 from benchmarks.ablation.cost_of_starting import compilation, imports
 from benchmarks.figures.ablation.settings import MODULES
-from lsvib.data.attributes import named_index, variable, yes_no
-from lsvib.data.checks import Check
+from lsvib.datasets.attributes import named_index, variable, yes_no
+from lsvib.datasets.checks import Check
 
 _SOURCE = "docs/validation.md"
 _ROUNDING = 1e-12  # of the size of a state: what half a second of events may make of the last digit

@@ -10,7 +10,7 @@ MODULES = {  # what a dataset or a picture imports; measured in processes of the
     "figure": "lsvib.figures.fig8_08.picture",
     "eigenvalues": "lsvib.figures.fig8_08.dataset",
     "motion": "lsvib.figures.fig8_09.dataset",
-    "everything": "lsvib.figures.fig8_09.dataset, lsvib.figures.fig8_09.picture, lsvib.command.app",
+    "everything": "lsvib.figures.fig8_09.dataset, lsvib.figures.fig8_09.picture, lsvib.cli.app",
 }
 
 

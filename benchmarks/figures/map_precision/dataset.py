@@ -9,12 +9,12 @@ import xarray as xr
 from benchmarks.maps.map_methods import METHODS
 from benchmarks.maps.map_race import MapOutcome, RaceBox, contest, wrong_share
 from lsvib.basins.clipping import Window
-from lsvib.data import phase_plane, spans
-from lsvib.data.attributes import named_index, variable
-from lsvib.data.checks import Check
-from lsvib.data.parameter_origins import drive_parameters
-from lsvib.data.provenance import machine
-from lsvib.drives.parameters import RigidParameters
+from lsvib.datasets import phase_plane, spans
+from lsvib.datasets.attributes import named_index, variable
+from lsvib.datasets.checks import Check
+from lsvib.datasets.parameter_origins import drive_parameters
+from lsvib.datasets.provenance import machine
+from lsvib.models.drive import RigidDrive
 
 _SOURCE = "docs/attraction.md"
 _CERTAIN = 1e-12  # distance from which on no label of the engine may be wrong or undecided
@@ -26,7 +26,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Run the methods of :data:`benchmarks.maps.map_methods.METHODS` on some boxes."""
     cells = {name: count for name, count in settings["cells"].items() if count}
     distances = spans.logarithmic(settings["distances"])
-    boxes = [RaceBox(RigidParameters.of(b["drive"]), Window(**b["window"])) for b in settings["boxes"].values()]
+    boxes = [RaceBox(RigidDrive.of(b["drive"]), Window(**b["window"])) for b in settings["boxes"].values()]
     found = [contest(box, cells, settings["repeats"], distances, settings["starts"], settings["seed"]) for box in boxes]
     rows = [[outcomes[name] for outcomes, _ in found] for name in cells]
     lengths, labels = [length for _, length in found], "; ".join(METHODS[name].label for name in cells)

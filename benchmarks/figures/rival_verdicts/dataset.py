@@ -16,8 +16,8 @@ from benchmarks.rivals.on_sweeps import ask, pose
 from benchmarks.rivals.race import quiet
 from benchmarks.sweeps import case_judge
 from benchmarks.sweeps.cases import Case, CaseFamily, cases
-from lsvib.data.attributes import flagged, named_flags, named_index, variable
-from lsvib.data.checks import Check
+from lsvib.datasets.attributes import flagged, named_flags, named_index, variable
+from lsvib.datasets.checks import Check
 
 NOT_ASKED = int(Verdict.NOT_RUN)  # of a case without a question: as a run that did not take place
 WRONG = (Verdict.OTHER_EVENTS, Verdict.OTHER_MOTION)

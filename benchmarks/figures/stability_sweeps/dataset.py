@@ -17,8 +17,8 @@ from benchmarks.sweeps.case_judge import (
 )
 from benchmarks.sweeps.cases import cases
 from benchmarks.sweeps.families import Case, CaseFamily
-from lsvib.data.attributes import flagged, variable
-from lsvib.data.checks import Check
+from lsvib.datasets.attributes import flagged, variable
+from lsvib.datasets.checks import Check
 
 _SOURCE = "docs/validation.md"
 _NUMBERS = {

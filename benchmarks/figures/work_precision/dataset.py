@@ -13,9 +13,9 @@ import xarray as xr
 from benchmarks.record import Verdict
 from benchmarks.rivals.method_list import METHODS, MethodFamily
 from benchmarks.rivals.race import Entry, RaceBudget, contest, fastest
-from lsvib.data.attributes import flagged, named_index, variable
-from lsvib.data.checks import Check
-from lsvib.data.provenance import machine
+from lsvib.datasets.attributes import flagged, named_index, variable
+from lsvib.datasets.checks import Check
+from lsvib.datasets.provenance import machine
 
 _CONTROLS = {
     "relative_tolerance": ("1", "relative tolerance of the method"),

@@ -16,9 +16,9 @@ from benchmarks.jit import kernel
 from benchmarks.record import Record
 from benchmarks.rivals.hybrid import Clock, Hybrid
 from benchmarks.rivals.race_scenes import RaceScene
-from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import RigidParameters, ThreadsParameters
-from lsvib.drives.threads import seated_state
+from lsvib.models.coefficients import coefficients
+from lsvib.models.drive import RigidDrive, ThreadsDrive
+from lsvib.models.threads import seated_state
 
 _TOLERANCE = 1e-8  # relative; below the error of any width ε
 _STEPS = 2_000_000  # at most, in a run; the limit on its time comes first
@@ -45,7 +45,7 @@ def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Ca
     drive, state = scene.drive, np.array(scene.state)
     compliant = scene.drive.model == "threads"
     if not compliant and coefficients(drive).paradox:
-        drive, compliant = ThreadsParameters.of(drive.model_dump()), True
+        drive, compliant = ThreadsDrive.of(drive.model_dump()), True
         state = seated_state(drive, *state)
     c, lead = coefficients(drive), drive.lead_angle
     if compliant:
@@ -78,7 +78,7 @@ def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Ca
     return run
 
 
-def _numbers(drive: RigidParameters, *more) -> tuple[float, ...]:
+def _numbers(drive: RigidDrive, *more) -> tuple[float, ...]:
     """The parameters that both models have, and more."""
     values = (
         drive.pitch_radius, math.tan(drive.lead_angle), drive.screw_inertia, drive.coupling_stiffness,

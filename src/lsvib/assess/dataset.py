@@ -10,7 +10,7 @@ from lsvib.assess.assessment import AssessedMotion, Assessment
 from lsvib.assess.operating_chart import KINDS, Chart
 from lsvib.assess.uncertainty import BINS
 from lsvib.assess.words import VERDICTS
-from lsvib.data.attributes import named_flags, named_index, variable, yes_no
+from lsvib.datasets.attributes import named_flags, named_index, variable, yes_no
 
 _REFERENCES = "Vahid-Araghi and Golnaraghi, Friction-Induced Vibration in Lead Screw Drives, Springer 2011, chapter 8"
 

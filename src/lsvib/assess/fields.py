@@ -10,7 +10,7 @@ from pydantic import BeforeValidator
 from lsvib.assess.spread import Spread, spread
 from lsvib.assess.thread_sizes import ThreadSize, thread_size
 from lsvib.assess.units import NotQuantity, quantity
-from lsvib.drives.parameters import DriveParameters, ThreadsParameters
+from lsvib.models.drive import Drive, ThreadsDrive
 
 _READABLE = {"rad": ("deg", 180 / math.pi), "rad/s": ("rpm", 30 / math.pi)}  # units for the eye, and how many make one
 
@@ -43,7 +43,7 @@ def _positive(high: float) -> Allowed:
     return Allowed(0.0, high, open_low=True)
 
 
-def _from_least(key: str, high: float, kind: type[DriveParameters] = DriveParameters) -> Allowed:
+def _from_least(key: str, high: float, kind: type[Drive] = Drive) -> Allowed:
     """From the least value of a parameter of the package."""
     return Allowed(kind.model_json_schema()["properties"][key]["minimum"], high)
 
@@ -60,7 +60,7 @@ MoreInertia = _field("kg m^2", allowed={"kg m^2": Allowed(0.0, 1e6)})
 Torsion = _field("N m/rad", allowed={"N m/rad": _from_least("coupling_stiffness", 1e12)})
 TurningDamping = _field("N m s/rad", allowed={"N m s/rad": Allowed(0.0, 1e12)})
 LinearDamping = _field("N s/m", allowed={"N s/m": Allowed(0.0, 1e15)})
-Stiffness = _field("N/m", allowed={"N/m": _from_least("contact_stiffness", 1e15, ThreadsParameters)})
+Stiffness = _field("N/m", allowed={"N/m": _from_least("contact_stiffness", 1e15, ThreadsDrive)})
 Force = _field("N", allowed={"N": Allowed(-1e10, 1e10)})
 Speed = _field("rad/s", "m/s", allowed={"rad/s": _positive(1e6), "m/s": _positive(1e4)})
 Ratio = _field("", allowed={"": _positive(1e4)})

@@ -24,17 +24,17 @@ import numpy as np
 from lsvib.assess import sheet_to_drive as sheets
 from lsvib.assess.flank_friction import damping_by_slope
 from lsvib.assess.sheet import Sheet
-from lsvib.drives import friction
-from lsvib.drives.parameters import RigidParameters, SupportParameters, ThreadsParameters, zero_if_close
-from lsvib.steady_sliding.characteristic import polynomial
-from lsvib.steady_sliding.conditions import conditions
-from lsvib.steady_sliding.linearised import steady_law, support_model, threads_model
-from lsvib.steady_sliding.spectrum import spectrum
+from lsvib.models import friction
+from lsvib.models.drive import RigidDrive, SupportDrive, ThreadsDrive, zero_if_close
+from lsvib.stability.characteristic import polynomial
+from lsvib.stability.conditions import conditions
+from lsvib.stability.linearised import steady_law, support_model, threads_model
+from lsvib.stability.spectrum import spectrum
 
 NAMES = ("negative_damping", "kinematic_constraint", "mode_coupling", "falling_friction", "thread_contact")
 """All mechanisms; mode coupling needs a support, thread contact a compliant contact."""
 
-DRIVES = {"rigid": RigidParameters, "support": SupportParameters, "contact": ThreadsParameters}
+DRIVES = {"rigid": RigidDrive, "support": SupportDrive, "contact": ThreadsDrive}
 """The drive that a motion or verdict is of, by the part of the sheet that is compliant in it."""
 
 _MATRICES = {"support": support_model, "contact": threads_model}
@@ -176,8 +176,8 @@ def drive_of(
 def certain(sheet: Sheet, values: Mapping[str, float], direction: int, speed: float, force: float) -> dict[str, bool]:
     """Say which mechanisms occur in one drive without a slope of friction, decided by exact signs.
 
-    For the rigid drive by :func:`lsvib.steady_sliding.conditions.conditions`, with a support or contact by
-    :func:`lsvib.steady_sliding.spectrum.spectrum`. Raises ``InputError`` where the contact carries no force.
+    For the rigid drive by :func:`lsvib.stability.conditions.conditions`, with a support or contact by
+    :func:`lsvib.stability.spectrum.spectrum`. Raises ``InputError`` where the contact carries no force.
     """
     rigid = drive_of(sheet, values, direction, speed, force)
     found = conditions(rigid)

@@ -11,7 +11,7 @@ from lsvib.assess.sheet import Sheet
 from lsvib.assess.sheet_to_drive import GRAVITY
 from lsvib.assess.window import directions
 from lsvib.errors import EngineError, InputError
-from lsvib.steady_sliding import thresholds
+from lsvib.stability import thresholds
 
 KINDS = ("steady", "steady_until_pushed", "negative_damping", "kinematic_constraint", "mode_coupling",
          "falling_friction", "thread_contact")  # fmt: skip

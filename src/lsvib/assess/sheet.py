@@ -10,8 +10,8 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationEr
 from lsvib.assess import fields
 from lsvib.assess.spread import Spread
 from lsvib.assess.units import NotQuantity
-from lsvib.drives.scene import read_yaml
 from lsvib.errors import InputError
+from lsvib.models.scene import read_yaml
 from lsvib.numbers import NotNumber, shown, whole
 
 DENSITIES = {"steel": 7850.0, "stainless steel": 7900.0, "aluminium": 2700.0, "brass": 8500.0, "titanium": 4430.0}

@@ -155,7 +155,7 @@ def _coefficient(sheet: Sheet, draw: DrawnValues, angle: Any, half_angle: Any) -
 class Point:
     """Points of operation: ``speed`` Ω [rad/s] and ``force`` R [N] of the package, with the shape of the quantities.
 
-    ``parameters``: those of :class:`lsvib.drives.parameters.SupportParameters` or a part of them; ``slope`` μ′ of the
+    ``parameters``: those of :class:`lsvib.models.drive.SupportDrive` or a part of them; ``slope`` μ′ of the
     square thread [s/m].
     """
 

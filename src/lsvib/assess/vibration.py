@@ -13,15 +13,15 @@ from lsvib.assess.sheet import Sheet
 from lsvib.assess.shown_numbers import shown
 from lsvib.basins.exact_basin import AttractsNothing, basin
 from lsvib.basins.resilience import smallest_push
-from lsvib.cycles.attractors import Attractor, SteadyState, orbit_extremes, steady_state
-from lsvib.cycles.impulses import event_impulses
-from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import DriveParameters
-from lsvib.drives.registry import Model, find_model
-from lsvib.drives.rigid import rigid_automaton
+from lsvib.dynamics.attractors import Attractor, SteadyState, orbit_extremes, steady_state
+from lsvib.dynamics.impulses import event_impulses
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError, InputError
+from lsvib.models.coefficients import coefficients
+from lsvib.models.drive import Drive
+from lsvib.models.registry import Model, find_model
+from lsvib.models.rigid import rigid_automaton
 
 AUDIBLE = (20.0, 20e3)  # Hz, what a young ear hears
 _NUDGE = 1e-3  # of the speed: how far from steady sliding a motion starts that shows whether it is stable
@@ -123,7 +123,7 @@ def _word(label: Attractor) -> str:
 
 
 def _shown(
-    drive: DriveParameters, definition: Model, automaton: Automaton, start: dict[str, float], end: SteadyState
+    drive: Drive, definition: Model, automaton: Automaton, start: dict[str, float], end: SteadyState
 ) -> tuple[dict[str, float], float, NDArray[np.float64], NDArray[np.float64]]:
     """Start, duration [s], times and states of a motion to be looked at.
 
@@ -147,7 +147,7 @@ def _shown(
     return start, span, times, states
 
 
-def _load_row(drive: DriveParameters, states: tuple[str, ...]) -> NDArray[np.float64]:
+def _load_row(drive: Drive, states: tuple[str, ...]) -> NDArray[np.float64]:
     """Displacement of the load from steady travel [m] as a row over the state."""
     row = np.zeros(len(states))
     row[0] = drive.pitch_radius * math.tan(drive.lead_angle)
@@ -156,7 +156,7 @@ def _load_row(drive: DriveParameters, states: tuple[str, ...]) -> NDArray[np.flo
     return row
 
 
-def _of_cycle(drive: DriveParameters, orbit: Motion, row: NDArray[np.float64]) -> dict[str, Any]:
+def _of_cycle(drive: Drive, orbit: Motion, row: NDArray[np.float64]) -> dict[str, Any]:
     low, high = orbit_extremes(orbit, np.append(row, 0.0))
     turning, rates = np.zeros(row.size + 1), np.zeros(row.size + 1)
     turning[1], turning[-1] = 1.0, drive.input_speed

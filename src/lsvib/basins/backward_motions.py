@@ -5,17 +5,17 @@ import math
 import numpy as np
 
 from lsvib.basins.curves import Arc
-from lsvib.cycles import drift_two_states
-from lsvib.cycles.attractors import steady_state
-from lsvib.cycles.return_map import ReturnSection
-from lsvib.cycles.return_section import section_key
-from lsvib.drives.parameters import RigidParameters
-from lsvib.drives.rigid import MotionMode
+from lsvib.dynamics import drift_two_states
+from lsvib.dynamics.attractors import steady_state
+from lsvib.dynamics.return_map import ReturnSection
+from lsvib.dynamics.return_section import section_key
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError, InputError
+from lsvib.models.drive import RigidDrive
+from lsvib.models.rigid import MotionMode
 
 _EVENTS = 32  # of a motion backwards, after which its return map is looked at
 _ROUNDS = 200  # of _EVENTS events each, about half a second, after which turns that hardly grow are leapt over
@@ -26,12 +26,12 @@ _CLOSED = 1e-9  # relative gap of an orbit that is closed
 _BRIEF = 1e-3  # shortest turn, in time scales of slip; a turn has about 2π of them
 
 
-def wind_up(drive: RigidParameters, back: Automaton, state, mode: int) -> Motion | None:
+def wind_up(drive: RigidDrive, back: Automaton, state, mode: int) -> Motion | None:
     """Return one turn of the cycle on to which a motion backwards winds; None if it grows or does not come back.
 
     The turns only grow (docs/basin.md). Once they have grown by ``_FAR`` the constants of the drive no longer count:
     each turn is in proportion to the one before, so they grow for ever. Turns that hardly grow, as with little damping,
-    are leapt over along their return map (:mod:`lsvib.cycles.drift_two_states`).
+    are leapt over along their return map (:mod:`lsvib.dynamics.drift_two_states`).
     """
     start = state = np.array(state, dtype=float)
     scale = back.tables.flow[mode, columns.TIME_SCALE]

@@ -7,10 +7,10 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from lsvib.basins.grid import Grid
-from lsvib.cycles.attractors import SteadyState
-from lsvib.drives.parameters import DriveParameters
-from lsvib.drives.registry import find_model
+from lsvib.dynamics.attractors import SteadyState
 from lsvib.errors import InputError
+from lsvib.models.drive import Drive
+from lsvib.models.registry import find_model
 from lsvib.numbers import Progress
 
 QUANTITIES = {"label": np.int8, "time": np.float64, "seizures": np.int32, "first_event": np.int8, "doubt": np.int8}
@@ -28,7 +28,7 @@ class Mapper(ABC):
     attractors: Sequence[SteadyState]
     block: int
 
-    def __init__(self, drive: DriveParameters, model: str, physics: tuple[str, ...], resume: str) -> None:
+    def __init__(self, drive: Drive, model: str, physics: tuple[str, ...], resume: str) -> None:
         self.drive, self.model, self.physics, self.resume = drive, model, physics, resume
         self.definition = find_model(model)
         self.events = self.definition.events

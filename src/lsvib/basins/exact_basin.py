@@ -27,12 +27,12 @@ from lsvib.basins.backward_motions import forward_arcs, mode_index, traced, wind
 from lsvib.basins.clipping import Window, clip, inside
 from lsvib.basins.curves import Arc, Curve, Segment, area, contains, sampled
 from lsvib.basins.reversed_time import BEGINNING, backward_automaton
-from lsvib.cycles.forward_slip import ForwardDrive, many
-from lsvib.drives.coefficients import Coefficients, coefficients
-from lsvib.drives.parameters import RigidParameters
-from lsvib.drives.rigid import MotionMode, rigid_automaton
+from lsvib.dynamics.forward_slip import ForwardDrive, many
 from lsvib.engine.exact.precision import PLACES
 from lsvib.errors import EngineError, InputError
+from lsvib.models.coefficients import Coefficients, coefficients
+from lsvib.models.drive import RigidDrive
+from lsvib.models.rigid import MotionMode, rigid_automaton
 
 _NARROW = 1e-10  # width of a window, of the size of the boundary, in which a share is still good to 1e-4
 _SEEN = 0.1  # part of a rate that doubles hold to fifteen digits
@@ -64,7 +64,7 @@ class Basin:
     infinity to infinity; ``flow`` is the flow table of the drive's automaton, to which the arcs refer.
     """
 
-    drive: RigidParameters
+    drive: RigidDrive
     boundary: Boundary
     curves: tuple[Curve, ...] = field(repr=False)
     flow: np.ndarray = field(repr=False)
@@ -119,7 +119,7 @@ class Basin:
         return np.asarray(np.where(np.isfinite(points), points, 0.0).max(axis=0))
 
 
-def basin(drive: RigidParameters) -> Basin:
+def basin(drive: RigidDrive) -> Basin:
     """Compute the basin of steady sliding of the rigid drive.
 
     It is the same under both rules of resuming after a seizure. Raises ``InputError`` where steady sliding attracts
@@ -147,7 +147,7 @@ def _require_attraction(c: Coefficients) -> None:
         )
 
 
-def _continuous(drive: RigidParameters, c: Coefficients) -> tuple[Boundary, list[Curve]]:
+def _continuous(drive: RigidDrive, c: Coefficients) -> tuple[Boundary, list[Curve]]:
     """Return the basin for Γ₊ > 0: the inside of the cycle on to which a motion winds that is followed backwards."""
     if c.damping[1] < 0 and c.damping[1] ** 2 >= 4 * drive.exact().coupling_stiffness * c.gamma[1]:
         raise InputError(
@@ -167,7 +167,7 @@ def _continuous(drive: RigidParameters, c: Coefficients) -> tuple[Boundary, list
     return Boundary.CYCLE, [[*forward_arcs(orbit, rigid_automaton(drive))]]
 
 
-def _in_paradox(drive: RigidParameters, c: Coefficients) -> tuple[Boundary, list[Curve]]:
+def _in_paradox(drive: RigidDrive, c: Coefficients) -> tuple[Boundary, list[Curve]]:
     """Return the basin in the Painlevé region, from the motion that touches Q = 0."""
     touch = _touch(drive, c)
     if touch is None:
@@ -204,7 +204,7 @@ def _in_paradox(drive: RigidParameters, c: Coefficients) -> tuple[Boundary, list
     return (Boundary.TOUCHING_SLIP if ended else Boundary.CYCLE), [_with_seizures(arcs[-1], c)]
 
 
-def _touch(drive: RigidParameters, c: Coefficients) -> tuple[Decimal, Decimal] | None:
+def _touch(drive: RigidDrive, c: Coefficients) -> tuple[Decimal, Decimal] | None:
     """Return the state in which slip touches Q = 0 from within; None if slip never crosses Q = 0 outwards.
 
     On the line u″ = R̃ / (m r_m tan λ) − c_x w / m under either law, so Q′ = κ w + ρ along it.
@@ -227,7 +227,7 @@ def _touch(drive: RigidParameters, c: Coefficients) -> tuple[Decimal, Decimal] |
 
 
 def _before_touch(
-    drive: RigidParameters, c: Coefficients, touch: tuple[Decimal, Decimal]
+    drive: RigidDrive, c: Coefficients, touch: tuple[Decimal, Decimal]
 ) -> tuple[float, NDArray[np.float64]]:
     """Return a time [s] and the state (u, w) in which the motion that touches Q = 0 was so long before.
 
@@ -248,7 +248,7 @@ def _before_touch(
     return float(time), np.array([float(x) for x in slip.state(u, w, -time)])
 
 
-def _require_rest_in_basin(drive: RigidParameters, c: Coefficients, edge: float) -> None:
+def _require_rest_in_basin(drive: RigidDrive, c: Coefficients, edge: float) -> None:
     """Refuse drives with R > 0 > R̃ in which slip from θ′ = 0 may settle although release from rest does not."""
     d = drive.exact()
     with localcontext(prec=PLACES):
@@ -281,7 +281,7 @@ def _everything() -> Curve:
     return [Segment(np.array([-1e300, -math.inf]), np.array([-1e300, math.inf]))]
 
 
-def _mirrored(found: Basin, drive: RigidParameters) -> Basin:
+def _mirrored(found: Basin, drive: RigidDrive) -> Basin:
     """Return the basin of a drive from that of the drive with Ω and R reversed: the plane turned by half a turn."""
     codes = rigid_automaton(found.drive).codes.tolist()
     automaton = rigid_automaton(drive)

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 
 from lsvib import numbers
-from lsvib.drives.parameters import names_and_values
-from lsvib.drives.registry import all_models
 from lsvib.errors import InputError
+from lsvib.models.drive import names_and_values
+from lsvib.models.registry import all_models
 
 
 @cache

@@ -5,12 +5,12 @@ from collections.abc import Sequence
 from lsvib.basins.cells import Mapper
 from lsvib.basins.planar_mapper import PlanarMapper
 from lsvib.basins.slice_mapper import StateMapper
-from lsvib.drives.parameters import DriveParameters
-from lsvib.drives.registry import find_model
+from lsvib.models.drive import Drive
+from lsvib.models.registry import find_model
 
 
 def mapper(
-    drive: DriveParameters,
+    drive: Drive,
     model: str = "rigid",
     physics: Sequence[str] | None = None,
     resume: str = "contact_sign",

@@ -8,9 +8,9 @@ from lsvib.basins.cells import NO_DOUBT, Mapper
 from lsvib.basins.grid import Grid
 from lsvib.basins.kernels import arrival, labelling
 from lsvib.basins.section_labels import Sections
-from lsvib.cycles.attractors import Doubt
-from lsvib.drives.parameters import DriveParameters
+from lsvib.dynamics.attractors import Doubt
 from lsvib.errors import InputError
+from lsvib.models.drive import Drive
 
 _EVENTS = 100_000  # of a motion, after which its start is unresolved
 _FEWER = 300  # the same where the table of sections has gaps, in which many motions may go on and on: 0.1 ms
@@ -19,7 +19,7 @@ _FEWER = 300  # the same where the table of sections has gaps, in which many mot
 class PlanarMapper(Mapper):
     """Maps the starts of a drive with two states to what becomes of them.
 
-    * ``label``: the attractor (``lsvib.cycles.attractors.Attractor``), by the table of
+    * ``label``: the attractor (``lsvib.dynamics.attractors.Attractor``), by the table of
       :mod:`lsvib.basins.section_labels`; unresolved (−1) is a start that lies on a boundary to rounding or, where the
       table has gaps, one whose motion comes to none of its labels in time. ``doubt`` says which of the two it is.
     * ``time`` [s] until it is reached: for steady sliding the entry into the largest ellipse around the equilibrium in
@@ -34,9 +34,7 @@ class PlanarMapper(Mapper):
 
     block = 16384  # a thread works on one block at a time
 
-    def __init__(
-        self, drive: DriveParameters, model: str, physics: tuple[str, ...], resume: str, rounding: bool = True
-    ) -> None:
+    def __init__(self, drive: Drive, model: str, physics: tuple[str, ...], resume: str, rounding: bool = True) -> None:
         super().__init__(drive, model, physics, resume)
         self.sections = Sections(self.automaton, rounding)
         self.attractors = self.sections.courses.attractors

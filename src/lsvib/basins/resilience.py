@@ -23,9 +23,9 @@ from numpy.typing import NDArray
 from lsvib.basins.clipping import Window
 from lsvib.basins.curves import Arc, Piece, Segment, sign_changes, state_on
 from lsvib.basins.exact_basin import AttractsNothing, Basin, Boundary, basin
-from lsvib.drives.parameters import RigidParameters
-from lsvib.drives.rigid import rigid_automaton
 from lsvib.engine.kernels import columns
+from lsvib.models.drive import RigidDrive
+from lsvib.models.rigid import rigid_automaton
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ def _plain(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def resilience(drive: RigidParameters, window: Window | None = None) -> Resilience:
+def resilience(drive: RigidDrive, window: Window | None = None) -> Resilience:
     """Return the perturbations that the steady sliding of a rigid drive tolerates.
 
     Arguments: drive; a ``window`` of the phase plane. Raises ``InputError`` and ``EngineError`` where the basin is not

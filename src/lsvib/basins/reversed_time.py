@@ -15,10 +15,6 @@ ends a backward slip, which began at θ′ = 0 after a seizure that is traced in
 import math
 from decimal import Decimal, localcontext
 
-from lsvib.drives.coefficients import coefficients
-from lsvib.drives.once import once
-from lsvib.drives.parameters import RigidParameters
-from lsvib.drives.rigid import SLIPS, EventKind, MotionMode, rigid_automaton
 from lsvib.engine.automaton import (
     Automaton,
     Branch,
@@ -33,13 +29,17 @@ from lsvib.engine.automaton import (
 from lsvib.engine.exact.precision import PLACES
 from lsvib.engine.kernels.status import Test
 from lsvib.errors import InputError
+from lsvib.models.coefficients import coefficients
+from lsvib.models.drive import RigidDrive
+from lsvib.models.once import once
+from lsvib.models.rigid import SLIPS, EventKind, MotionMode, rigid_automaton
 
 BEGINNING = int(MotionMode.REST)  # code of the mode in which a trace ends
 _SIGNS = {MotionMode[name.upper()]: signs for name, signs in SLIPS.items()}
 
 
 @once
-def backward_automaton(drive: RigidParameters, touch: Decimal | None = None) -> Automaton:
+def backward_automaton(drive: RigidDrive, touch: Decimal | None = None) -> Automaton:
     """Return the automaton of a drive in reversed time, Ω > 0.
 
     ``touch`` [rad], for Γ₊ ≤ 0: the deviation u at which a motion touches Q = 0; slip forward ends on one side of it

@@ -31,8 +31,8 @@ from lsvib.basins.kernels.labelling import UNKNOWN, UNRESOLVED
 from lsvib.basins.pieces import Pieces, agreed, completed, merged, opened, touching
 from lsvib.basins.section_courses import EVENTS, WORK, Courses, Push, Stretch
 from lsvib.basins.section_tables import FAR, LabelSection, releases_of, with_common_labels, with_cycles, with_labels
-from lsvib.cycles import drift_two_states, return_map
-from lsvib.cycles.attractors import Attractor, Passage
+from lsvib.dynamics import drift_two_states, return_map
+from lsvib.dynamics.attractors import Attractor, Passage
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import columns, flow_planar
 from lsvib.engine.motion import follow

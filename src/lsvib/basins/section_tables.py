@@ -7,8 +7,8 @@ import numpy as np
 from lsvib.basins.kernels import arrival, labelling
 from lsvib.basins.kernels.labelling import UNKNOWN, UNRESOLVED, Known
 from lsvib.basins.pieces import Pieces
-from lsvib.cycles.attractors import Attractor, SteadyState
-from lsvib.cycles.return_section import nearest_to_origin
+from lsvib.dynamics.attractors import Attractor, SteadyState
+from lsvib.dynamics.return_section import nearest_to_origin
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import columns, event_loop, flow_planar
 

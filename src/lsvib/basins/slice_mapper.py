@@ -22,13 +22,13 @@ import numpy as np
 
 from lsvib.basins.cells import NO_DOUBT, Mapper
 from lsvib.basins.grid import Grid, coordinates
-from lsvib.cycles.attractors import Attractor, Doubt, SteadyState, steady_state
-from lsvib.cycles.settling import settled
-from lsvib.cycles.steady_states import out_of_range
-from lsvib.drives.parameters import DriveParameters
+from lsvib.dynamics.attractors import Attractor, Doubt, SteadyState, steady_state
+from lsvib.dynamics.settling import settled
+from lsvib.dynamics.steady_states import out_of_range
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.motion import Budget, Motion, follow
 from lsvib.errors import DivergenceError, EngineError, InputError
+from lsvib.models.drive import Drive
 
 _CHUNK = 64  # events that are followed between two looks at a motion
 _ROUNDS = 16  # of _CHUNK events each, which cost less than the return map that comes after them
@@ -63,7 +63,7 @@ class StateMapper(Mapper):
 
     block = 1  # a row at a time
 
-    def __init__(self, drive: DriveParameters, model: str, physics: tuple[str, ...], resume: str) -> None:
+    def __init__(self, drive: Drive, model: str, physics: tuple[str, ...], resume: str) -> None:
         super().__init__(drive, model, physics, resume)
         self.keys = tuple(key for key in coordinates() if coordinates()[key] in self.automaton.states)
         self.attractors: list[SteadyState] = []

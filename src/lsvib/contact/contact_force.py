@@ -25,9 +25,9 @@ import math
 from dataclasses import dataclass
 from enum import IntEnum
 
-from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import ThreadsParameters
 from lsvib.errors import InputError
+from lsvib.models.coefficients import coefficients
+from lsvib.models.drive import ThreadsDrive
 
 ForceState = tuple[float, float]
 _ARCS = 1000  # A motion that still crosses N = 0 after so many arcs counts as bounded.
@@ -134,7 +134,7 @@ class ForceArc:
     duration: float
 
 
-def contact_flows(drive: ThreadsParameters, paradox: Paradox) -> dict[int, ForceFlow]:
+def contact_flows(drive: ThreadsDrive, paradox: Paradox) -> dict[int, ForceFlow]:
     """Return the flow of each law, θ′ > 0 (module text). Raises ``InputError`` unless Γ_+ < 0, or if ζ = 2 exactly."""
     c = coefficients(drive)
     plus, minus = float(c.gamma[1]), float(c.gamma[-1])
@@ -151,19 +151,19 @@ def contact_flows(drive: ThreadsParameters, paradox: Paradox) -> dict[int, Force
     }
 
 
-def contact_frequency(drive: ThreadsParameters) -> float:
+def contact_frequency(drive: ThreadsDrive) -> float:
     """Frequency of the contact under law −, ω̄_- = √(k_c cos λ b_- Γ_- / (m I)) [1/s] (eq. 8.9)."""
     inertia = drive.mass * drive.screw_inertia
     stiffness = drive.contact_stiffness * math.cos(drive.lead_angle) * _lever(drive, -1)
     return math.sqrt(stiffness * float(coefficients(drive).gamma[-1]) / inertia)
 
 
-def force_scale(drive: ThreadsParameters) -> float:
+def force_scale(drive: ThreadsDrive) -> float:
     """Return b_+ / b_-, the factor from x to the chapter's χ on the side of law + [1]."""
     return _lever(drive, 1) / _lever(drive, -1)
 
 
-def _lever(drive: ThreadsParameters, law: int) -> float:
+def _lever(drive: ThreadsDrive, law: int) -> float:
     return math.cos(drive.lead_angle) + law * drive.friction_coefficient * math.sin(drive.lead_angle)
 
 

@@ -4,8 +4,8 @@ from enum import IntEnum
 
 import numpy as np
 
-from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import RigidParameters
+from lsvib.models.coefficients import coefficients
+from lsvib.models.drive import RigidDrive
 
 
 class Existence(IntEnum):
@@ -17,7 +17,7 @@ class Existence(IntEnum):
     BOUNDARY = 3  # Q = 0 or θ′ = 0: the sign functions of (8.3) are not defined
 
 
-def contact_forces(drive: RigidParameters, u, w) -> np.ndarray:
+def contact_forces(drive: RigidDrive, u, w) -> np.ndarray:
     """Contact force that each friction law would give, N_s = Q / [Γ_s (cos λ + s μ sin λ)] (eqs 8.5, 8.17).
 
     Arguments: u [rad], w = u′ [rad/s], arrays of one shape. Returns N₊ and N₋ [N], shape (2, ...). The law is
@@ -31,7 +31,7 @@ def contact_forces(drive: RigidParameters, u, w) -> np.ndarray:
         return np.stack([q / (float(c.gamma[s]) * (cosine + s * drive.friction_coefficient * sine)) for s in (1, -1)])
 
 
-def existence(drive: RigidParameters, u, w) -> np.ndarray:
+def existence(drive: RigidDrive, u, w) -> np.ndarray:
     """Classify states by their number of admissible contact forces; equal shapes in, ``Existence`` (int8) out."""
     forces = contact_forces(drive, u, w)
     direction = np.sign(drive.input_speed + np.asarray(w))

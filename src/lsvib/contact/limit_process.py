@@ -27,16 +27,16 @@ from typing import Any, Self
 
 import numpy as np
 
-from lsvib.cycles.attractors import orbit_extremes, steady_state
-from lsvib.cycles.curve_distance import Orbit, rest_count, rest_duration
-from lsvib.cycles.impulses import seizure_impulses
-from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import RigidParameters, ThreadsParameters
-from lsvib.drives.resumption import RULES
-from lsvib.drives.rigid import EventKind, MotionMode, rigid_automaton
-from lsvib.drives.threads import ThreadsEvent, seated_state, threads_automaton
+from lsvib.dynamics.attractors import orbit_extremes, steady_state
+from lsvib.dynamics.curve_distance import Orbit, rest_count, rest_duration
+from lsvib.dynamics.impulses import seizure_impulses
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import InputError
+from lsvib.models.coefficients import coefficients
+from lsvib.models.drive import RigidDrive, ThreadsDrive
+from lsvib.models.resumption import RULES
+from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
+from lsvib.models.threads import ThreadsEvent, seated_state, threads_automaton
 
 _SAME = 1e-9  # Two rigid motions whose times differ by less, relatively, are the same.
 # Corners that represent a motion after one impact, and a cycle, which is longer and bends more.
@@ -87,7 +87,7 @@ class Impact:
     w: float
 
 
-def impacts(drive: RigidParameters, speed: float) -> Iterator[Impact]:
+def impacts(drive: RigidDrive, speed: float) -> Iterator[Impact]:
     """Yield an impact from θ′ = ±``speed`` [rad/s] for each region that it can reach, in the middle of what it reaches.
 
     The outer regions are taken as wide as the band.
@@ -113,19 +113,17 @@ def impacts(drive: RigidParameters, speed: float) -> Iterator[Impact]:
                 yield Impact(sign, region, 0.5 * (left + right), w)
 
 
-def stiffened(
-    drive: RigidParameters, family: BranchFamily, stiffness: float, damping_ratio: float
-) -> ThreadsParameters:
+def stiffened(drive: RigidDrive, family: BranchFamily, stiffness: float, damping_ratio: float) -> ThreadsDrive:
     """Return the drive with a compliant contact of ``stiffness`` k_c [N/m]; ``damping_ratio`` ζ [1] for its family."""
     damping = {
         BranchFamily.VISCOUS: stiffness,
         BranchFamily.DAMPING_RATIO: 2 * damping_ratio * math.sqrt(stiffness * drive.mass),
         BranchFamily.ELASTIC: 0.0,
     }[family]
-    return ThreadsParameters.of(drive.model_dump(), contact_stiffness=stiffness, contact_damping=damping)
+    return ThreadsDrive.of(drive.model_dump(), contact_stiffness=stiffness, contact_damping=damping)
 
 
-def rebound_force(drive: ThreadsParameters, speed: float) -> float:
+def rebound_force(drive: ThreadsDrive, speed: float) -> float:
     """Return the force [N] with which the nut is thrown back after an impact from θ′ = ``speed`` [rad/s]; see above."""
     if drive.contact_damping == 0:
         return math.inf
@@ -140,7 +138,7 @@ class LimitBranch:
     ``rigid`` and ``orbits``: one for each rule of resuming; ``differ``: whether the rules lead to different motions.
     """
 
-    drive: RigidParameters
+    drive: RigidDrive
     impact: Impact | None
     start: Sequence[float]
     rigid: list[Motion]
@@ -148,7 +146,7 @@ class LimitBranch:
     differ: bool
 
     @classmethod
-    def of(cls, drive: RigidParameters, impact: Impact | None, start: Sequence[float], rigid: list[Motion]) -> Self:
+    def of(cls, drive: RigidDrive, impact: Impact | None, start: Sequence[float], rigid: list[Motion]) -> Self:
         """Prepare the comparison; scales are half the peak-to-peak of u [rad] of the first motion, and |Ω| [rad/s]."""
         one, other = rigid
         differ = one.time.size != other.time.size or bool(
@@ -165,7 +163,7 @@ def _corners(impact: Impact | None) -> int:
     return _CYCLE_CORNERS if impact is None else _IMPACT_CORNERS
 
 
-def branches(drive: RigidParameters, speed: float, duration: float, start: Sequence[float]) -> Iterator[LimitBranch]:
+def branches(drive: RigidDrive, speed: float, duration: float, start: Sequence[float]) -> Iterator[LimitBranch]:
     """Yield the impacts from θ′ = ±``speed`` [rad/s], followed for ``duration`` [s], and the cycle from ``start``.
 
     Raises ``InputError`` if the drive is outside the Painlevé region, has c_x ≠ 0, or has no cycle.
@@ -184,7 +182,7 @@ def branches(drive: RigidParameters, speed: float, duration: float, start: Seque
     yield LimitBranch.of(drive, None, start, cycles)
 
 
-def deviations(branch: LimitBranch, drive: ThreadsParameters) -> dict[str, Any]:
+def deviations(branch: LimitBranch, drive: ThreadsDrive) -> dict[str, Any]:
     """Return how far the compliant motion deviates from the rigid ones; empty if it should have a cycle and has none.
 
     ``motion_distance`` [1], ``rest_error`` [s] and, of a cycle, ``period_error`` [1], one for each rule;
@@ -220,7 +218,7 @@ def outcome(motion: Motion) -> ImpactOutcome:
     return _OUTCOMES[MotionMode(int(motion.automaton.codes[first]))]
 
 
-def impact_impulse(drive: ThreadsParameters, motion: Motion) -> float:
+def impact_impulse(drive: ThreadsDrive, motion: Motion) -> float:
     """Return the normal impulse [N s] of the first impact of a compliant motion (c_x = 0); nan if it never stands.
 
     The impact lasts from the last reversal of the contact force before the first rest to the end of that rest; the

@@ -12,17 +12,17 @@ from lsvib.basins.cells import Mapper
 from lsvib.basins.clipping import Window
 from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapper import mapper
-from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
-from lsvib.data.phase_plane import lines, sample
-from lsvib.data.simulation import run
-from lsvib.data.spans import stepped
-from lsvib.data.sweep import START
-from lsvib.drives.parameters import DriveParameters
-from lsvib.drives.registry import find_model
+from lsvib.datasets.phase_plane import lines, sample
+from lsvib.datasets.simulation import run
+from lsvib.datasets.spans import stepped
+from lsvib.datasets.sweep import START
+from lsvib.dynamics.attractors import Attractor, SteadyState, steady_state
 from lsvib.engine.motion import Motion
 from lsvib.errors import EngineError, LsvibError
 from lsvib.explore.view import View
 from lsvib.figures.attraction.picture import COLOURS
+from lsvib.models.drive import Drive
+from lsvib.models.registry import find_model
 
 DRAGGED = (
     120,
@@ -71,7 +71,7 @@ def followed(view: View) -> Followed:
     return Followed(time, states[:, 0], states[:, 1], mode, force, cycle, steady, motion.time.size)
 
 
-def window_around(drive: DriveParameters, shown: Followed) -> Window:
+def window_around(drive: Drive, shown: Followed) -> Window:
     """Return a window that holds a motion, its limit cycle, steady sliding and the line θ′ = 0, with a margin."""
     u = np.concatenate([shown.u, shown.cycle[:, 0], [0.0]])
     w = np.concatenate([shown.w, shown.cycle[:, 1], [0.0, -drive.input_speed]])
@@ -82,19 +82,19 @@ def window_around(drive: DriveParameters, shown: Followed) -> Window:
     return Window(*edges)
 
 
-def contact_line(drive: DriveParameters, window: Window) -> tuple[np.ndarray, np.ndarray]:
+def contact_line(drive: Drive, window: Window) -> tuple[np.ndarray, np.ndarray]:
     """Return u (2) [rad] and w (2) [rad/s] of the ends of the line N = 0 (Q = 0, eq. 8.17) across a window."""
     found = lines([drive])
     rates = np.array([window.bottom, window.top])
     return found["contact_line_angle"][1][0] + found["contact_line_slope"][1][0] * rates, rates
 
 
-def at_once(drive: DriveParameters) -> bool:
+def at_once(drive: Drive) -> bool:
     """Return whether the map of a drive takes no longer than a drawing: its model has two states."""
     return len(find_model(drive.model).states) == 2
 
 
-def labels(drive: DriveParameters, window: Window, cells: tuple[int, int], rounding: bool = True) -> np.ndarray:
+def labels(drive: Drive, window: Window, cells: tuple[int, int], rounding: bool = True) -> np.ndarray:
     """Return the labels (rows, columns) of the attractors from every cell of a window; raises ``LsvibError``.
 
     Without ``rounding`` cells on a boundary, which are unresolved, have the label of one side; that saves a third of
@@ -103,7 +103,7 @@ def labels(drive: DriveParameters, window: Window, cells: tuple[int, int], round
     return _mapper(drive, rounding).cells(grid_of(window, cells), quantities=("label",))["label"]
 
 
-def label_rows(drive: DriveParameters, window: Window, cells: tuple[int, int]) -> Iterator[tuple[int, np.ndarray]]:
+def label_rows(drive: Drive, window: Window, cells: tuple[int, int]) -> Iterator[tuple[int, np.ndarray]]:
     """Yield the rows of :func:`labels` one by one, with their indices, from the middle of the window outwards."""
     mapped, grid = _mapper(drive), grid_of(window, cells)
     middle = cells[1] // 2
@@ -183,7 +183,7 @@ def grid_of(window: Window, cells: tuple[int, int]) -> Grid:
 
 
 @lru_cache(maxsize=4)  # the drives of a few pages; a mapper holds the cycles of its drive
-def _mapper(drive: DriveParameters, rounding: bool = True) -> Mapper:
+def _mapper(drive: Drive, rounding: bool = True) -> Mapper:
     return mapper(drive, drive.model, rounding=rounding)
 
 

@@ -6,9 +6,9 @@ from bokeh.layouts import column, row
 from bokeh.models import Button, Column, Select, Slider, TextInput, Toggle
 
 from lsvib.api import DRIVES
-from lsvib.drives.parameters import DriveParameters, allowed_range, described, may_vanish
 from lsvib.explore.view import View
 from lsvib.figures.drawing import style
+from lsvib.models.drive import Drive, allowed_range, described, may_vanish
 
 _STEPS = 200  # of a slider from end to end, finer than a hand
 _REACH = 2.0  # times its value, as far as a slider goes
@@ -81,7 +81,7 @@ class Controls:
         self.fields[key].value = f"{value:.10g}"
         self._silent = False
 
-    def _make_fields(self, drive: DriveParameters) -> None:
+    def _make_fields(self, drive: Drive) -> None:
         kind, rows = type(drive), []
         self.fields, self.sliders = {}, {}
         for key in kind.model_fields:
@@ -97,7 +97,7 @@ class Controls:
             rows.append(row(self.fields[key], self.sliders[key]))
         self.parameters.children = rows
 
-    def _place(self, kind: type[DriveParameters], key: str, value: float) -> None:
+    def _place(self, kind: type[Drive], key: str, value: float) -> None:
         """Give a slider its ends around a value, and the value."""
         end = _REACH * abs(value) or _FROM_ZERO.get(key, 1.0)
         step = 2 * end / _STEPS if key in _SIGNED else end / _STEPS

@@ -14,14 +14,14 @@ from bokeh.models import CustomJS, Div, Row
 
 from lsvib import numbers
 from lsvib.basins.clipping import Window
-from lsvib.cycles.attractors import Attractor
-from lsvib.drives.registry import find_model
+from lsvib.dynamics.attractors import Attractor
 from lsvib.errors import InputError, LsvibError
 from lsvib.explore import answers
 from lsvib.explore.controls import Controls
 from lsvib.explore.plots import Plots
 from lsvib.explore.view import View
 from lsvib.figures.attraction.picture import COLOURS
+from lsvib.models.registry import find_model
 
 _THROTTLE = 8  # ms for which requests that came while an answer was made are gathered
 _PAUSE = 0.02  # s after an answer; a request that comes later comes alone, and is answered at once

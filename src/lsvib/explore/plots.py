@@ -23,12 +23,12 @@ from bokeh.models import (
 from bokeh.plotting import figure
 
 from lsvib.basins.clipping import Window
-from lsvib.drives.parameters import DriveParameters, described
 from lsvib.explore import answers
 from lsvib.explore.answers import AmplitudePoint, Followed
 from lsvib.explore.view import View
 from lsvib.figures.attraction.picture import COLOURS
 from lsvib.figures.drawing import style
+from lsvib.models.drive import Drive, described
 
 SLOPE = 0.22  # of the drawn threads, whatever the lead angle: those of most screws are too flat to be seen
 _GAP = 0.06  # backlash of the drawn threads, in pitches; real ones have less
@@ -185,7 +185,7 @@ class Plots:
             },
         )
 
-    def draw_motion(self, drive: DriveParameters, shown: Followed, window: Window) -> None:
+    def draw_motion(self, drive: Drive, shown: Followed, window: Window) -> None:
         """Show a motion, its limit cycle and the lines N = 0 and θ′ = 0."""
         u, w = answers.contact_line(drive, window)
         closed = np.concatenate([shown.cycle, shown.cycle[:1]])
@@ -201,7 +201,7 @@ class Plots:
         low, high = _steady_range(shown.force)
         self.force.y_range.update(start=low, end=high)
 
-    def draw_moment(self, drive: DriveParameters, shown: Followed, k: int, words: str) -> None:
+    def draw_moment(self, drive: Drive, shown: Followed, k: int, words: str) -> None:
         """Show sample ``k`` of a motion: in the plane, over time, and as the contact of screw and nut, with ``words``.
 
         N > 0 balances R > 0, which pulls the nut upwards here, so the upper flank of the screw carries it.

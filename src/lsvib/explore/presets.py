@@ -7,10 +7,10 @@ from typing import Any
 
 from lsvib.api import DRIVES
 from lsvib.basins.clipping import Window
-from lsvib.drives.parameters import DriveParameters, described
-from lsvib.drives.scene import read_yaml
 from lsvib.explore.view import View
 from lsvib.figures.configuration import DEFAULT
+from lsvib.models.drive import Drive, described
+from lsvib.models.scene import read_yaml
 
 _LISTS = {  # key of a section: the parameter that it lists values of
     "masses": "mass",
@@ -59,7 +59,7 @@ def _cases(section: Mapping[str, Any]) -> Iterator[dict[str, float]]:
         yield {key: value for part in parts for key, value in part.items()}
 
 
-def _curve(drive: DriveParameters, section: Mapping[str, Any]) -> dict[str, Any]:
+def _curve(drive: Drive, section: Mapping[str, Any]) -> dict[str, Any]:
     """The parameter that the figure varies, with its range; without one the default of a view."""
     for key, span in section.items():
         if key in type(drive).model_fields and isinstance(span, Mapping) and "start" in span:
@@ -70,7 +70,7 @@ def _curve(drive: DriveParameters, section: Mapping[str, Any]) -> dict[str, Any]
     return {"over": "axial_force", "low": ends[0], "high": ends[1]}
 
 
-def _model(values: Mapping[str, Any]) -> type[DriveParameters]:
+def _model(values: Mapping[str, Any]) -> type[Drive]:
     """The first model that has all parameters among some keys; the rigid drive has no parameter of its own."""
     every = {key for kind in DRIVES.values() for key in kind.model_fields}
     return next(kind for kind in DRIVES.values() if (values.keys() & every) <= kind.model_fields.keys())
@@ -80,7 +80,7 @@ def _is_parameter(key: str, value: Any) -> bool:
     return isinstance(value, int | float) and any(key in kind.model_fields for kind in DRIVES.values())
 
 
-def _amount(kind: type[DriveParameters], key: str, value: float) -> str:
+def _amount(kind: type[Drive], key: str, value: float) -> str:
     about = described(kind, key)
     unit = "" if about["unit"] == "1" else f" {about['unit']}"
     return f"{about['symbol']} = {value:g}{unit}"

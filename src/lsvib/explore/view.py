@@ -10,9 +10,9 @@ import yaml
 from lsvib import numbers
 from lsvib.api import RigidDrive, drive_class
 from lsvib.basins.clipping import Window
-from lsvib.drives.parameters import DriveParameters
-from lsvib.drives.scene import Scene
 from lsvib.errors import InputError
+from lsvib.models.drive import Drive
+from lsvib.models.scene import Scene
 
 SAMPLES = 2001  # of an exported motion: a line without visible corners on any screen
 _WINDOW = ("left", "right", "bottom", "top")
@@ -28,7 +28,7 @@ class View:
     curve, from ``low`` to ``high`` in its SI unit. Raises ``InputError`` for what is not acceptable.
     """
 
-    drive: DriveParameters = field(default_factory=RigidDrive)
+    drive: Drive = field(default_factory=RigidDrive)
     u: float = 0.003
     w: float = 0.0
     duration: float = 0.1

@@ -7,7 +7,7 @@ import os
 from collections.abc import Mapping
 from typing import Any
 
-from lsvib.data.checks import Check
+from lsvib.datasets.checks import Check
 from lsvib.figures.compute import compute_figure
 from lsvib.figures.draw import FULL, draw_figure
 

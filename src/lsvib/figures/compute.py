@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from importlib import import_module
 from typing import Any
 
-from lsvib.data.checks import Check
-from lsvib.data.writer import write_dataset
+from lsvib.datasets.checks import Check
+from lsvib.datasets.writer import write_dataset
 from lsvib.figures.configuration import complete_settings
 from lsvib.figures.folders import dataset_module
 from lsvib.files import write_json

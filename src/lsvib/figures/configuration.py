@@ -12,10 +12,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError, create_model
 
-from lsvib.drives.ranges import range_in_words
 from lsvib.errors import InputError
 from lsvib.figures.common.settings import FigureSettings, SettingsSection, Unique
 from lsvib.figures.folders import accuracy_figures, default_figures, settings_module
+from lsvib.models.ranges import range_in_words
 from lsvib.numbers import shown
 
 DEFAULT = Path(__file__).with_name("config.yaml")
@@ -95,7 +95,7 @@ def complete_settings(figure: str, given: Mapping[str, Any]) -> dict[str, Any]:
 
 def standard_settings(figure: str) -> dict[str, Any]:
     """Return the settings of a figure that come with the package; raises ``InputError`` if there is no such figure."""
-    from lsvib.drives.scene import read_yaml
+    from lsvib.models.scene import read_yaml
 
     return complete_settings(figure, section(read_yaml(DEFAULT), figure))
 

@@ -13,7 +13,7 @@ from numba.core import event
 _PARTS = (
     ("lsvib.", "ModalFlow", "the engine for models with three or four states, once, about 30 s"),
     ("lsvib.basins.", "", "the mapper of two-state models, once, 6 to 15 s"),
-    ("lsvib.cycles.", "Tables", "the search for many drives at once, once, half a minute or so"),
+    ("lsvib.dynamics.", "Tables", "the search for many drives at once, once, half a minute or so"),
     ("lsvib.engine.", "Tables", "the engine for two-state models, once, about 10 s"),
 )
 

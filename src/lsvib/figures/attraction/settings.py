@@ -6,10 +6,10 @@ from pydantic import AfterValidator, Discriminator, Field, Tag
 from pydantic_core import PydanticCustomError
 
 from lsvib.basins.grid import coordinates
-from lsvib.drives.model_files import model_names
-from lsvib.drives.registry import all_models
-from lsvib.drives.resumption import Resume
 from lsvib.figures.common.settings import Cells, FigureSettings, Unique
+from lsvib.models.model_files import model_names
+from lsvib.models.registry import all_models
+from lsvib.models.resumption import Resume
 
 Coordinate = Annotated[
     Annotated[float, Tag("number")] | Annotated[Cells, Tag("axis")],

@@ -11,14 +11,14 @@ from lsvib.basins.curves import sampled
 from lsvib.basins.exact_basin import Basin, Boundary, basin
 from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapper import mapper
-from lsvib.cycles.attractors import Attractor
-from lsvib.data import phase_plane, spans
-from lsvib.data.attributes import CRITICAL_MASS, flagged, variable
-from lsvib.data.parameter_origins import axis, drive_parameters, labels
-from lsvib.drives.parameters import RigidParameters
+from lsvib.datasets import phase_plane, spans
+from lsvib.datasets.attributes import CRITICAL_MASS, flagged, variable
+from lsvib.datasets.parameter_origins import axis, drive_parameters, labels
+from lsvib.dynamics.attractors import Attractor
 from lsvib.figures.basin_sweep.checks import checks
-from lsvib.steady_sliding.conditions import critical_friction, critical_mass
-from lsvib.steady_sliding.thresholds import global_stability_force
+from lsvib.models.drive import RigidDrive
+from lsvib.stability.conditions import critical_friction, critical_mass
+from lsvib.stability.thresholds import global_stability_force
 
 __all__ = ["build", "checks"]
 
@@ -31,7 +31,7 @@ _TURNS = 16  # cells more, for the ends of a boundary and where it turns
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the basins of a few drives, exactly and on grids, and the exact share of a window along four sweeps."""
-    drive, window = RigidParameters.of(settings["drive"]), Window(**settings["window"])
+    drive, window = RigidDrive.of(settings["drive"]), Window(**settings["window"])
     variables, coordinates = {}, {}
     for name in SWEPT:
         values, basins = _swept(drive, name, spans.even(settings[name]))
@@ -52,7 +52,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     )
 
 
-def _critical_values(drive: RigidParameters, dampings: np.ndarray) -> phase_plane.Variables:
+def _critical_values(drive: RigidDrive, dampings: np.ndarray) -> phase_plane.Variables:
     """Values of force, mass and friction up to which the basin is the whole plane; of the force for each damping."""
     stable = ("N", phase_plane.GLOBAL_STABILITY, "$R$")
     mass, friction = (np.nan if x is None else x for x in (critical_mass(drive), critical_friction(drive)))
@@ -66,7 +66,7 @@ def _critical_values(drive: RigidParameters, dampings: np.ndarray) -> phase_plan
     }
 
 
-def _swept(drive: RigidParameters, name: str, values: np.ndarray) -> tuple[np.ndarray, list[Basin]]:
+def _swept(drive: RigidDrive, name: str, values: np.ndarray) -> tuple[np.ndarray, list[Basin]]:
     """The basins along one parameter; where the kind of boundary changes, two more values close to the change."""
 
     def at(value: float) -> Basin:
@@ -102,9 +102,7 @@ def _along(name: str, basins: Sequence[Basin], window: Window) -> phase_plane.Va
     return variables
 
 
-def _cases(
-    drive: RigidParameters, cases: Sequence[Mapping[str, Any]], resolutions: Sequence[int]
-) -> phase_plane.Variables:
+def _cases(drive: RigidDrive, cases: Sequence[Mapping[str, Any]], resolutions: Sequence[int]) -> phase_plane.Variables:
     """Basins to be drawn: boundary and region as sampled curves, exact fraction of their window, fractions on grids."""
     drives = [drive.replace(**case["drive"]) for case in cases]
     windows = [Window(**case["window"]) for case in cases]
@@ -146,7 +144,7 @@ def _points(name: str, curves: Sequence[np.ndarray], where: str) -> phase_plane.
     return phase_plane.curve(name, ("case", f"{name}_point"), table, where)
 
 
-def _grid_fraction(drive: RigidParameters, window: Window, resolutions: Sequence[int]) -> list[float]:
+def _grid_fraction(drive: RigidDrive, window: Window, resolutions: Sequence[int]) -> list[float]:
     """Fraction of the middles of n × n cells from which the motion settles, for each resolution n, by the mapper."""
     found = mapper(drive)
     fractions = []
@@ -166,7 +164,7 @@ def _cut_cells(line: np.ndarray, window: Window, count: int) -> float:
 
 
 def _readings(
-    drive: RigidParameters, masses: Sequence[float], forces: Sequence[float], window: Window
+    drive: RigidDrive, masses: Sequence[float], forces: Sequence[float], window: Window
 ) -> phase_plane.Variables:
     """Fraction of the window for both readings of the mass and both forces of Fig. 8.14."""
     table = [[basin(drive.replace(mass=m, axial_force=r)).fraction(window) for r in forces] for m in masses]

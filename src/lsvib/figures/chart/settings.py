@@ -4,9 +4,9 @@ from typing import Literal
 
 from pydantic import Field
 
-from lsvib.drives.registry import all_models
-from lsvib.drives.resumption import Resume
 from lsvib.figures.common.settings import Cells, FigureSettings
+from lsvib.models.registry import all_models
+from lsvib.models.resumption import Resume
 
 _CHARTED = tuple(name for name, model in all_models().items() if model.curves)
 

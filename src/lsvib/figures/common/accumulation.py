@@ -11,20 +11,20 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from lsvib.data import phase_plane
-from lsvib.data.attributes import variable
-from lsvib.data.checks import Check
-from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import RigidParameters
-from lsvib.drives.resumption import RULES
-from lsvib.drives.rigid import EventKind, rigid_automaton
+from lsvib.datasets import phase_plane
+from lsvib.datasets.attributes import variable
+from lsvib.datasets.checks import Check
 from lsvib.engine.motion import Motion, follow
+from lsvib.models.coefficients import coefficients
+from lsvib.models.drive import RigidDrive
+from lsvib.models.resumption import RULES
+from lsvib.models.rigid import EventKind, rigid_automaton
 
 _ROUNDING = 16 * np.finfo(float).eps  # of the corner: a few rounding errors of u and of the line N = 0
 
 
 def reverse_slips(
-    drives: Sequence[RigidParameters], start: Mapping[str, float], duration: float, samples: int
+    drives: Sequence[RigidDrive], start: Mapping[str, float], duration: float, samples: int
 ) -> phase_plane.Variables:
     """Compute, for each drive and rule of resuming, the seizures before the first release, and the motion until then.
 
@@ -108,7 +108,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-def _until_release(drive: RigidParameters, rule: str, state: Sequence[float], duration: float) -> Motion:
+def _until_release(drive: RigidDrive, rule: str, state: Sequence[float], duration: float) -> Motion:
     """The motion up to its first release, or all of it."""
     automaton = rigid_automaton(drive, resume=rule)
     whole = follow(automaton, state, duration)
@@ -116,20 +116,20 @@ def _until_release(drive: RigidParameters, rule: str, state: Sequence[float], du
     return follow(automaton, state, float(whole.time[released[0]])) if released.size else whole
 
 
-def _seizures(motion: Motion, drive: RigidParameters) -> tuple[np.ndarray, np.ndarray]:
+def _seizures(motion: Motion, drive: RigidDrive) -> tuple[np.ndarray, np.ndarray]:
     """Times [s] of the seizures of a motion, and their distances [rad] from the corner."""
     here = motion.kind == EventKind.SEIZURE
     return motion.time[here], motion.before[here, 0] - corner(drive)
 
 
-def corner(drive: RigidParameters) -> float:
+def corner(drive: RigidDrive) -> float:
     """Return u_0 = c Ω / k − Γ₋ R / (k m r_m tan λ) [rad], R < 0 and Ω > 0 (Sect. 8.7)."""
     c, p = coefficients(drive), drive.exact()
     lever = p.coupling_stiffness * p.mass * p.pitch_radius * p.tan_lead
     return float(p.support_damping * p.input_speed / p.coupling_stiffness - c.gamma[-1] * p.axial_force / lever)
 
 
-def _limits(drive: RigidParameters) -> tuple[float, float]:
+def _limits(drive: RigidDrive) -> tuple[float, float]:
     """Limit of the ratio [1], and the length [rad] over which the acceleration changes by all of it; NaN if Γ₊ > 0."""
     c = coefficients(drive)
     if c.gamma[1] > 0:

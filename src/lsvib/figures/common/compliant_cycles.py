@@ -4,13 +4,13 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from lsvib.cycles.attractors import SteadyState, steady_state
-from lsvib.data import phase_plane
-from lsvib.data.attributes import variable
-from lsvib.data.phase_plane import Variables
-from lsvib.drives.parameters import ThreadsParameters
-from lsvib.drives.threads import seated_state, threads_automaton
+from lsvib.datasets import phase_plane
+from lsvib.datasets.attributes import variable
+from lsvib.datasets.phase_plane import Variables
+from lsvib.dynamics.attractors import SteadyState, steady_state
 from lsvib.engine.automaton import Automaton
+from lsvib.models.drive import ThreadsDrive
+from lsvib.models.threads import seated_state, threads_automaton
 
 # The critical mass with contact as a variable: unit, words, symbol.
 CRITICAL_MASS_WITH_CONTACT = (
@@ -18,13 +18,13 @@ CRITICAL_MASS_WITH_CONTACT = (
 )  # fmt: skip
 
 
-def compliant_cycle(drive: ThreadsParameters, start: Mapping[str, float]) -> tuple[Automaton, SteadyState]:
+def compliant_cycle(drive: ThreadsDrive, start: Mapping[str, float]) -> tuple[Automaton, SteadyState]:
     """Return the automaton and the attractor of the motion from a seated contact at u [rad], w [rad/s]."""
     automaton = threads_automaton(drive)
     return automaton, steady_state(automaton, seated_state(drive, start["u"], start["w"]))
 
 
-def compliant_attractors(drives: Sequence[ThreadsParameters], start: Mapping[str, float]) -> list[SteadyState]:
+def compliant_attractors(drives: Sequence[ThreadsDrive], start: Mapping[str, float]) -> list[SteadyState]:
     """Return the attractors that :func:`compliant_cycle` finds for each drive."""
     return [compliant_cycle(drive, start)[1] for drive in drives]
 

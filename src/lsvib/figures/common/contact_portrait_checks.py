@@ -6,7 +6,7 @@ They read the variables of :mod:`lsvib.figures.common.contact_portraits`.
 import numpy as np
 import xarray as xr
 
-from lsvib.data.checks import Check
+from lsvib.datasets.checks import Check
 
 _ROUNDING = 1e-12  # Γ₊ is a difference of numbers of one size
 

@@ -13,12 +13,12 @@ import xarray as xr
 
 from lsvib.contact import contact_force
 from lsvib.contact.contact_force import ForceArc, ForceFlow, ForceOutcome, Paradox
-from lsvib.data import spans
-from lsvib.data.attributes import attributes, flagged, named_index, variable
-from lsvib.data.parameter_origins import Variables, drive_parameters, labels
-from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import ThreadsParameters
+from lsvib.datasets import spans
+from lsvib.datasets.attributes import attributes, flagged, named_index, variable
+from lsvib.datasets.parameter_origins import Variables, drive_parameters, labels
 from lsvib.errors import InputError
+from lsvib.models.coefficients import coefficients
+from lsvib.models.drive import ThreadsDrive
 
 _LAWS = (1, -1)  # sgn(θ′) sgn(N), in the order of the dimension
 # The contact force in its own scale and time depends on inertias, geometry, friction and contact alone.
@@ -47,7 +47,7 @@ def portrait(settings: Mapping[str, Any], paradox: Paradox) -> xr.Dataset:
     ``settings``: see :class:`lsvib.figures.common.settings.ContactPortrait`; Γ₊ < 0, and a panel for each contact
     damping. Raises ``InputError``.
     """
-    base = ThreadsParameters.of({"contact_stiffness": settings["contact_stiffness"], **settings["drive"]})
+    base = ThreadsDrive.of({"contact_stiffness": settings["contact_stiffness"], **settings["drive"]})
     drives = [base.replace(contact_damping=damping) for damping in settings["contact_dampings"]]
     cases = [contact_force.contact_flows(drive, paradox) for drive in drives]
     force, rate = spans.even(settings["force"]), spans.even(settings["rate"])
@@ -116,7 +116,7 @@ def _equilibria(cases: Sequence[dict[int, ForceFlow]], scale: float) -> Variable
     }
 
 
-def _laws(drive: ThreadsParameters, flows: dict[int, ForceFlow]) -> Variables:
+def _laws(drive: ThreadsDrive, flows: dict[int, ForceFlow]) -> Variables:
     """The friction laws: on which side of N = 0 each of them holds, and its effective inertia."""
     gamma, sides = coefficients(drive).gamma, [flow.side for flow in flows.values()]
     words = "sign of the contact force chi where the law holds"
@@ -134,8 +134,8 @@ def sample(arcs: Sequence[ForceArc], count: int, limit: float) -> np.ndarray:
     """Sample a motion at ``count`` times, shape (count, 2) of (x, x′); the last arc ends beyond |x − x*| = ``limit``.
 
     Each arc gets samples by its duration, at least two, its ends among them. A last arc without end in a centre lasts
-    one turn, in a focus a fixed number of decay times; :func:`lsvib.data.phase_plane.sample` is for motions that have
-    an end. Raises ``InputError`` if the samples are too few for the arcs.
+    one turn, in a focus a fixed number of decay times; :func:`lsvib.datasets.phase_plane.sample` is for motions that
+    have an end. Raises ``InputError`` if the samples are too few for the arcs.
     """
     if count < 2 * len(arcs):
         raise InputError(f"samples = {count} is outside the allowed range samples >= {2 * len(arcs)} of this motion.")
@@ -213,7 +213,7 @@ def _unscaled(force: float, scale: float, side: int) -> float:
     return float(force) / (scale if force * side > 0 else 1.0)
 
 
-def _by_newton(drives: Sequence[ThreadsParameters]) -> Variables:
+def _by_newton(drives: Sequence[ThreadsDrive]) -> Variables:
     """Zero and Jacobian of N″ from the two equations of motion alone (module text of ``contact_force``), θ′ > 0.
 
     I θ″ = T − r_m N (s μ cos λ − sin λ) and m x″ = P − N (cos λ + s μ sin λ) give e″ = x″ − r_m tan λ θ″, affine in N;

@@ -8,16 +8,16 @@ from collections.abc import Sequence
 
 import xarray as xr
 
-from lsvib.data import phase_plane, printed
-from lsvib.data.attributes import variable
-from lsvib.data.checks import Check
-from lsvib.drives import chapter
-from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import RigidParameters
-from lsvib.steady_sliding import thresholds
+from lsvib.datasets import phase_plane, printed
+from lsvib.datasets.attributes import variable
+from lsvib.datasets.checks import Check
+from lsvib.models import chapter
+from lsvib.models.coefficients import coefficients
+from lsvib.models.drive import RigidDrive
+from lsvib.stability import thresholds
 
 
-def variables(drives: Sequence[RigidParameters]) -> phase_plane.Variables:
+def variables(drives: Sequence[RigidDrive]) -> phase_plane.Variables:
     """Return effective coefficients under both laws, and the two upper thresholds, along ``reading_mass``."""
     exact = [coefficients(d) for d in drives]
     variables = {}

@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.data import phase_plane
-from lsvib.data.attributes import variable
-from lsvib.data.parameter_origins import drive_parameters, labels
-from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import RigidParameters
-from lsvib.steady_sliding.conditions import conditions
-from lsvib.steady_sliding.eigenvalues_rigid import eigenvalues
+from lsvib.datasets import phase_plane
+from lsvib.datasets.attributes import variable
+from lsvib.datasets.parameter_origins import drive_parameters, labels
+from lsvib.models.coefficients import coefficients
+from lsvib.models.drive import RigidDrive
+from lsvib.stability.conditions import conditions
+from lsvib.stability.eigenvalues_rigid import eigenvalues
 
 MARGINS = {  # the inequalities of (8.19): unit and wording; each holds where its margin is positive
     "self_locking": ("1", "margin of self-locking, mu - tan(lambda)"),
@@ -26,7 +26,7 @@ def plane(settings: Mapping[str, Any], figure: str, what: str) -> xr.Dataset:
 
     Arguments: ``settings`` with ``drive``, ``starts``, ``duration`` [s], ``samples``; the figure's number; its subject.
     """
-    drive = RigidParameters.of(settings["drive"])
+    drive = RigidDrive.of(settings["drive"])
     c = coefficients(drive)
     inertia, damping = float(c.gamma[c.steady_law]), float(c.damping[c.steady_law])
     margins = conditions(drive)["negative_damping"]["margins"]

@@ -1,7 +1,7 @@
 """The types that the settings of figures share: drives, states, spans of values, lists; SI units throughout.
 
 A figure states its settings as a class ``Settings`` in its folder, with a unit and a range for each of them. Ranges of
-parameters are those of :mod:`lsvib.drives.parameters`.
+parameters are those of :mod:`lsvib.models.drive`.
 """
 
 import math
@@ -11,8 +11,8 @@ from annotated_types import Ge, Gt, Le, Lt
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model, model_validator
 from pydantic_core import PydanticCustomError
 
-from lsvib.drives.parameters import DriveParameters, ThreadsParameters, described
-from lsvib.drives.ranges import Least
+from lsvib.models.drive import Drive, ThreadsDrive, described
+from lsvib.models.ranges import Least
 
 _BOUNDS = (Ge, Gt, Le, Lt)
 
@@ -112,7 +112,7 @@ def _zero(value: float) -> float:
 Unique = (AfterValidator(_unique),)  # add to the type of a list
 
 
-def parameter(key: str, *more: Any, of: type[DriveParameters] = DriveParameters) -> Any:
+def parameter(key: str, *more: Any, of: type[Drive] = Drive) -> Any:
     """Return the type of a parameter of a drive, with its range, and with ``more`` bounds."""
     bounds = [bound for bound in of.model_fields[key].metadata if isinstance(bound, _BOUNDS)]
     least = [bound for bound in of.model_fields[key].metadata if isinstance(bound, Least)]
@@ -121,7 +121,7 @@ def parameter(key: str, *more: Any, of: type[DriveParameters] = DriveParameters)
     return Annotated[float, *bounds, *more, *least, Field(description=description)]
 
 
-def _changes(name: str, description: str, of: type[DriveParameters]) -> type[SettingsSection]:
+def _changes(name: str, description: str, of: type[Drive]) -> type[SettingsSection]:
     types = {key: parameter(key, of=of) for key in of.model_fields}
     angle = [bound for bound in of.model_fields["lead_angle"].metadata if isinstance(bound, (Ge, Lt))]
     degrees = [Ge(math.degrees(b.ge)) if isinstance(b, Ge) else Lt(math.degrees(b.lt)) for b in angle]
@@ -131,15 +131,15 @@ def _changes(name: str, description: str, of: type[DriveParameters]) -> type[Set
 
 
 DriveChanges = _changes(
-    "DriveChanges", "Changes of the drive of Table 8.1; lsvib checks what couples two of them.", DriveParameters
+    "DriveChanges", "Changes of the drive of Table 8.1; lsvib checks what couples two of them.", Drive
 )
 
 
 class Contact(SettingsSection):
     """A contact of compliant threads."""
 
-    contact_stiffness: parameter("contact_stiffness", of=ThreadsParameters)
-    contact_damping: parameter("contact_damping", of=ThreadsParameters)
+    contact_stiffness: parameter("contact_stiffness", of=ThreadsDrive)
+    contact_damping: parameter("contact_damping", of=ThreadsDrive)
 
 
 class ContactStart(SettingsSection):
@@ -152,7 +152,7 @@ class ContactStart(SettingsSection):
 NotZero = (AfterValidator(_not_zero), Field(json_schema_extra={"not": {"const": 0}}))  # add to the type of a number
 Zero = Annotated[float, AfterValidator(_zero), Field(json_schema_extra={"const": 0})]
 ContactDampings = Annotated[
-    tuple[Zero, parameter("contact_damping", Gt(0), of=ThreadsParameters)],
+    tuple[Zero, parameter("contact_damping", Gt(0), of=ThreadsDrive)],
     Field(strict=False, description="Contact damping of both panels, none first [N s/m]."),
 ]
 Starts = Annotated[list[State], Field(min_length=1, max_length=4, description="States from which motions are drawn.")]
@@ -193,7 +193,7 @@ class ContactPortrait(FigureSettings):
     unused: ClassVar = ("coupling_stiffness", "support_damping", "input_speed", "translation_damping", "axial_force")
 
     drive: DriveChanges
-    contact_stiffness: parameter("contact_stiffness", of=ThreadsParameters)
+    contact_stiffness: parameter("contact_stiffness", of=ThreadsDrive)
     contact_dampings: ContactDampings
     force: Span = Field(description="Contact force in the scale of the chapter [1/(kg m2)].")
     rate: Span = Field(description="Its rate, in the same scale [1/(kg m2)].")

@@ -5,15 +5,15 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
-from lsvib.data.checks import Check
-from lsvib.drives.parameters import RigidParameters, ThreadsParameters
-from lsvib.steady_sliding.eigenvalues_two_coordinates import eigenvalues, routh_hurwitz
-from lsvib.steady_sliding.linearised import threads_model
+from lsvib.datasets.checks import Check
+from lsvib.models.drive import RigidDrive, ThreadsDrive
+from lsvib.stability.eigenvalues_two_coordinates import eigenvalues, routh_hurwitz
+from lsvib.stability.linearised import threads_model
 
 _LAW = 1  # R Ω > 0
 _BESIDE = 1e-6  # relative distance from a critical mass at which LAPACK must see the change
 _CLOSE = 0.01  # of a limit, at the stiffest contact
-_PARAMETERS = [name for name in RigidParameters.model_fields if name not in ("mass", "axial_force")]
+_PARAMETERS = [name for name in RigidDrive.model_fields if name not in ("mass", "axial_force")]
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
@@ -178,7 +178,7 @@ def _against_signs(dataset: xr.Dataset, drive: Mapping[str, float]) -> tuple[int
     for m, own in enumerate(dataset.mass.values):
         for i, c in enumerate(dataset.growth_contact_damping.values):
             for j, k in enumerate(dataset.growth_contact_stiffness.values):
-                contact = ThreadsParameters.of(drive, mass=own, contact_damping=c, contact_stiffness=k)
+                contact = ThreadsDrive.of(drive, mass=own, contact_damping=c, contact_stiffness=k)
                 stable = routh_hurwitz(threads_model(contact.exact(), _LAW).polynomial())
                 wrong += stable != bool(dataset.growth_rate.values[m, i, j] < 0)
     return wrong, dataset.growth_rate.size

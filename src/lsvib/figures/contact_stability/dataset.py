@@ -6,19 +6,19 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.data import spans
-from lsvib.data.attributes import CRITICAL_MASS, variable, yes_no
-from lsvib.data.parameter_origins import Variables, axis, drive_parameters, labels, origin_of
-from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import ThreadsParameters
+from lsvib.datasets import spans
+from lsvib.datasets.attributes import CRITICAL_MASS, variable, yes_no
+from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters, labels, origin_of
 from lsvib.errors import InputError
 from lsvib.figures.common.compliant_cycles import CRITICAL_MASS_WITH_CONTACT
 from lsvib.figures.contact_stability.checks import checks
-from lsvib.steady_sliding.boundaries import stable_set
-from lsvib.steady_sliding.conditions import critical_mass
-from lsvib.steady_sliding.eigenvalues_two_coordinates import eigenvalues
-from lsvib.steady_sliding.linearised import threads_model
-from lsvib.steady_sliding.stiff_contact import (
+from lsvib.models.coefficients import coefficients
+from lsvib.models.drive import ThreadsDrive
+from lsvib.stability.boundaries import stable_set
+from lsvib.stability.conditions import critical_mass
+from lsvib.stability.eigenvalues_two_coordinates import eigenvalues
+from lsvib.stability.linearised import threads_model
+from lsvib.stability.stiff_contact import (
     LARGEST_MASS,
     critical_mass_of_contact,
     least_damping_of_stiff_contact,
@@ -37,7 +37,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 
     ``settings``: see ``Settings``; c_x = 0, R Ω > 0. Raises ``InputError``.
     """
-    drive = ThreadsParameters.of(settings["drive"])
+    drive = ThreadsDrive.of(settings["drive"])
     rigid = critical_mass(drive)
     heavy, light = settings["masses"]
     if rigid is None or not light < rigid < heavy:
@@ -77,7 +77,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     )
 
 
-def _curves(drive: ThreadsParameters, curves: np.ndarray, along: np.ndarray) -> Variables:
+def _curves(drive: ThreadsDrive, curves: np.ndarray, along: np.ndarray) -> Variables:
     """Masses between which steady sliding is stable, over contact stiffness k_c [N/m] and damping c_c [N s/m]."""
     found = [
         [stable_masses(drive.replace(contact_stiffness=float(k), contact_damping=float(c))) for c in along]
@@ -95,7 +95,7 @@ def _curves(drive: ThreadsParameters, curves: np.ndarray, along: np.ndarray) -> 
 
 
 def _growth_rates(
-    drive: ThreadsParameters, heavy: float, light: float, dampings: np.ndarray, stiffness: np.ndarray
+    drive: ThreadsDrive, heavy: float, light: float, dampings: np.ndarray, stiffness: np.ndarray
 ) -> Variables:
     """Growth rates of two masses [kg] over the contact stiffness, and where Lemma 8.1 and damping decide."""
     drives = [[drive.replace(mass=m, contact_damping=c) for c in dampings] for m in (heavy, light)]
@@ -117,7 +117,7 @@ def _growth_rates(
     }
 
 
-def _limits(drive: ThreadsParameters, heavy: float, light: float) -> Variables:
+def _limits(drive: ThreadsDrive, heavy: float, light: float) -> Variables:
     """What the growth rates of two masses [kg] tend to for a stiff contact, and the scale of Lemma 8.1."""
     gamma = {mass: float(coefficients(drive.replace(mass=mass)).gamma[_LAW]) for mass in (heavy, light)}
     beta = float(np.cos(drive.lead_angle) ** 2 * (1 + drive.friction_coefficient * np.tan(drive.lead_angle)))

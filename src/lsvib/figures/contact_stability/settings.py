@@ -4,7 +4,6 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from lsvib.drives.parameters import ThreadsParameters
 from lsvib.figures.common.settings import (
     Contact,
     DriveChanges,
@@ -14,6 +13,7 @@ from lsvib.figures.common.settings import (
     Unique,
     parameter,
 )
+from lsvib.models.drive import ThreadsDrive
 
 
 class Settings(FigureSettings):
@@ -22,7 +22,7 @@ class Settings(FigureSettings):
     unused: ClassVar = ("mass",)
 
     drive: DriveChanges
-    stiffnesses: Annotated[list[parameter("contact_stiffness", of=ThreadsParameters)], *Unique] = Field(
+    stiffnesses: Annotated[list[parameter("contact_stiffness", of=ThreadsDrive)], *Unique] = Field(
         min_length=1, max_length=6, description="Contact stiffnesses k_c of the curves [N/m]."
     )
     contact_damping: PositiveSpan = Field(description="c_c [N s/m] along the curves, spaced logarithmically.")
@@ -31,6 +31,6 @@ class Settings(FigureSettings):
     )
     masses: MassPair = Field(description="Masses above and below the critical mass of the rigid drive [kg].")
     stiffness: PositiveSpan = Field(description="k_c [N/m] of the growth rates, spaced logarithmically.")
-    dampings: Annotated[list[parameter("contact_damping", of=ThreadsParameters)], *Unique] = Field(
+    dampings: Annotated[list[parameter("contact_damping", of=ThreadsDrive)], *Unique] = Field(
         min_length=2, max_length=5, description="Contact dampings of the growth rates, the first zero [N s/m]."
     )

@@ -1,4 +1,4 @@
-"""Draw phase planes from the variables of ``lsvib.data.phase_plane``: one case, a few motions, lines and marks."""
+"""Draw phase planes from the variables of ``lsvib.datasets.phase_plane``: one case, a few motions, lines and marks."""
 
 from collections.abc import Sequence
 

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from lsvib.contact.contact_force import ForceOutcome, Paradox
-from lsvib.data.checks import Check
+from lsvib.datasets.checks import Check
 from lsvib.figures.common import contact_portrait_checks, contact_portraits
 
 

@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.data import spans
-from lsvib.data.attributes import attributes, flagged, variable
-from lsvib.data.checks import Check
-from lsvib.data.parameter_origins import drive_parameters, labels
-from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import RigidParameters
-from lsvib.steady_sliding.eigenvalues_rigid import Stability, eigenvalues, stability_class
+from lsvib.datasets import spans
+from lsvib.datasets.attributes import attributes, flagged, variable
+from lsvib.datasets.checks import Check
+from lsvib.datasets.parameter_origins import drive_parameters, labels
+from lsvib.models.coefficients import coefficients
+from lsvib.models.drive import RigidDrive
+from lsvib.stability.eigenvalues_rigid import Stability, eigenvalues, stability_class
 
 _HALVINGS = 100  # to the last bit, also where the boundary lies decades below its bracket
 _CHANGED = ("mass", "translation_damping")  # in which the drives that are placed differ
@@ -22,7 +22,7 @@ _DAMPING = attributes("N m s rad-1", "effective damping", "$C_0$")
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the class map, the node–focus boundary and the place of the chapter's drives."""
-    drive = RigidParameters.of(settings["drive"])
+    drive = RigidDrive.of(settings["drive"])
     stiffness = drive.coupling_stiffness
     inertia, damping = spans.even(settings["inertia"]), spans.even(settings["damping"])
     kinds = stability_class(inertia[:, None], damping[None, :], stiffness)

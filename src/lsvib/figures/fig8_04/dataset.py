@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.cycles.attractors import Attractor
-from lsvib.data.checks import Check
+from lsvib.datasets.checks import Check
+from lsvib.dynamics.attractors import Attractor
 from lsvib.figures.common.negative_damping import MARGINS, margins_text, plane, radii
 
 

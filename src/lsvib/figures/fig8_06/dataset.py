@@ -7,17 +7,17 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
-from lsvib.data import phase_plane, printed, spans
-from lsvib.data.attributes import flagged, variable
-from lsvib.data.checks import Check
-from lsvib.data.parameter_origins import axis, drive_parameters, labels, start_state
-from lsvib.drives import chapter
-from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import RigidParameters
-from lsvib.drives.rigid import EventKind, rigid_automaton
+from lsvib.datasets import phase_plane, printed, spans
+from lsvib.datasets.attributes import flagged, variable
+from lsvib.datasets.checks import Check
+from lsvib.datasets.parameter_origins import axis, drive_parameters, labels, start_state
+from lsvib.dynamics.attractors import Attractor, SteadyState, steady_state
 from lsvib.figures.common import mass_readings
-from lsvib.steady_sliding import thresholds
+from lsvib.models import chapter
+from lsvib.models.coefficients import coefficients
+from lsvib.models.drive import RigidDrive
+from lsvib.models.rigid import EventKind, rigid_automaton
+from lsvib.stability import thresholds
 
 _ASIDE = 1e-9  # relative distance from a threshold at which the regime is also computed, on either side
 _FORCES = ("onset_force", "stick_force", "detach_force")
@@ -35,7 +35,7 @@ class Regime(IntEnum):
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the amplitude curve, its thresholds, the inset portraits, and the coefficients for both masses."""
-    drive = RigidParameters.of(settings["drive"])
+    drive = RigidDrive.of(settings["drive"])
     values = {name: getattr(thresholds, name)(drive) for name in _FORCES}
     beside = [value * (1 + sign * _ASIDE) for value in values.values() for sign in (-1, 1)]
     forces = np.unique(np.concatenate([spans.even(settings["axial_force"]), list(values.values()), beside]))
@@ -77,7 +77,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-def _curve(drives: list[RigidParameters], steady: list[SteadyState]) -> phase_plane.Variables:
+def _curve(drives: list[RigidDrive], steady: list[SteadyState]) -> phase_plane.Variables:
     slowest = [s.extremes(np.array([0, 1.0, 0]))[0] for s in steady]
     net, words = [float(coefficients(d).net_force) for d in drives], "axial force less the drag of the translation"
     return {

@@ -8,21 +8,21 @@ import numpy as np
 import xarray as xr
 
 from lsvib.contact.existence import Existence, existence
-from lsvib.data import phase_plane, spans
-from lsvib.data.attributes import flagged, variable
-from lsvib.data.checks import Check
-from lsvib.data.parameter_origins import drive_parameters, labels
-from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import RigidParameters
-from lsvib.drives.rigid import EventKind, MotionMode, rigid_automaton
+from lsvib.datasets import phase_plane, spans
+from lsvib.datasets.attributes import flagged, variable
+from lsvib.datasets.checks import Check
+from lsvib.datasets.parameter_origins import drive_parameters, labels
 from lsvib.engine.kernels import columns, flow_planar
+from lsvib.models.coefficients import coefficients
+from lsvib.models.drive import RigidDrive
+from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
 
 _LONG = 60.0  # times the decay time of law −1, after which e⁻⁶⁰ of a start is left
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the existence map, motions from each sector, and where the flow of law −1 leads; R > 0, Ω > 0, Γ₊ < 0."""
-    drive = RigidParameters.of(settings["drive"])
+    drive = RigidDrive.of(settings["drive"])
     angle, velocity = spans.even(settings["angle"]), spans.even(settings["velocity"])
     kinds = existence(drive, *np.meshgrid(angle, velocity, indexing="ij"))
     xi = coefficients(drive).xi
@@ -111,7 +111,7 @@ def _beyond_line(dataset: xr.Dataset, u, w):
     return u - (float(dataset.contact_line_angle[0]) + float(dataset.contact_line_slope[0]) * w)
 
 
-def _end_of_flow(drive: RigidParameters, start: Mapping[str, float]) -> np.ndarray:
+def _end_of_flow(drive: RigidDrive, start: Mapping[str, float]) -> np.ndarray:
     """State in which the closed-form flow of law −1 ends, guards left out."""
     automaton = rigid_automaton(drive)
     mode = int(np.flatnonzero(automaton.codes == MotionMode.SLIP_FORWARD_NEGATIVE)[0])

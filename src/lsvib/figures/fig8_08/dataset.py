@@ -6,17 +6,17 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.data import printed, spans
-from lsvib.data.attributes import CRITICAL_MASS, variable
-from lsvib.data.checks import Check
-from lsvib.data.parameter_origins import Variables, axis, drive_parameters
-from lsvib.drives import chapter
-from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import RigidParameters
+from lsvib.datasets import printed, spans
+from lsvib.datasets.attributes import CRITICAL_MASS, variable
+from lsvib.datasets.checks import Check
+from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters
 from lsvib.errors import InputError
+from lsvib.models import chapter
+from lsvib.models.coefficients import coefficients
+from lsvib.models.drive import RigidDrive
 from lsvib.numbers import bisected
-from lsvib.steady_sliding.conditions import critical_mass
-from lsvib.steady_sliding.eigenvalues_rigid import eigenvalues
+from lsvib.stability.conditions import critical_mass
+from lsvib.stability.eigenvalues_rigid import eigenvalues
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
@@ -24,7 +24,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 
     c_x = 0. The masses crowd towards m_cr, where the eigenvalues diverge.
     """
-    drive = RigidParameters.of(settings["drive"])
+    drive = RigidDrive.of(settings["drive"])
     critical = critical_mass(drive)
     if critical is None:
         raise InputError("The drive is not self-locking (mu <= tan lambda), so it has no critical mass.")
@@ -56,7 +56,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     )
 
 
-def _spectrum(drive: RigidParameters, mass: np.ndarray) -> Variables:
+def _spectrum(drive: RigidDrive, mass: np.ndarray) -> Variables:
     """Both eigenvalues and the effective inertia that decides on them, over the mass [kg]."""
     inertia = np.array([_inertia(drive, m) for m in mass])
     pair = eigenvalues(inertia, drive.support_damping, drive.coupling_stiffness)
@@ -111,12 +111,12 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-def _inertia(drive: RigidParameters, mass: float) -> float:
+def _inertia(drive: RigidDrive, mass: float) -> float:
     """Effective inertia Γ₊ [kg m²] at a mass [kg]; it vanishes at m_cr, so 50 digits are used and rounded once."""
     return float(coefficients(drive.replace(mass=float(mass))).gamma[1])
 
 
-def _loss_of_stability(drive: RigidParameters, critical: float) -> float:
+def _loss_of_stability(drive: RigidDrive, critical: float) -> float:
     """Smallest mass [kg] with an eigenvalue of positive real part, by bisection around m_cr to the last bit."""
 
     def unstable(mass: float) -> bool:

@@ -6,23 +6,23 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.cycles.attractors import Attractor, steady_state
-from lsvib.cycles.impulses import seizure_speeds
-from lsvib.data import phase_plane, spans
-from lsvib.data.attributes import CRITICAL_MASS, flagged, variable
-from lsvib.data.checks import Check
-from lsvib.data.parameter_origins import axis, drive_parameters, labels
-from lsvib.drives.parameters import RigidParameters
-from lsvib.drives.rigid import rigid_automaton
+from lsvib.datasets import phase_plane, spans
+from lsvib.datasets.attributes import CRITICAL_MASS, flagged, variable
+from lsvib.datasets.checks import Check
+from lsvib.datasets.parameter_origins import axis, drive_parameters, labels
+from lsvib.dynamics.attractors import Attractor, steady_state
+from lsvib.dynamics.impulses import seizure_speeds
 from lsvib.errors import InputError
-from lsvib.steady_sliding.conditions import critical_mass
+from lsvib.models.drive import RigidDrive
+from lsvib.models.rigid import rigid_automaton
+from lsvib.stability.conditions import critical_mass
 
 _SWEEP = "of the last case with another axial force, from the first start"
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute both phase planes, the critical mass and the sensitivity of case (b) to R, which the text leaves out."""
-    drive = RigidParameters.of(settings["drive"])
+    drive = RigidDrive.of(settings["drive"])
     drives = [drive.replace(**changes) for changes in settings["cases"]]
     critical = critical_mass(drive)
     if critical is None:
@@ -88,7 +88,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-def _sensitivity(drive: RigidParameters, forces: np.ndarray, start: Mapping[str, float]) -> phase_plane.Variables:
+def _sensitivity(drive: RigidDrive, forces: np.ndarray, start: Mapping[str, float]) -> phase_plane.Variables:
     rows = []
     for force in forces:
         pushed = drive.replace(axial_force=float(force))

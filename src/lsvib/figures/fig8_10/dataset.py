@@ -6,19 +6,19 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.cycles.attractors import Attractor, SteadyState, orbit_extremes, steady_state
-from lsvib.cycles.curve_distance import Orbit
-from lsvib.data import phase_plane, printed, spans
-from lsvib.data.attributes import flagged, quantity, variable
-from lsvib.data.checks import Check
-from lsvib.data.parameter_origins import axis, drive_parameters, start_state
-from lsvib.drives import chapter
-from lsvib.drives.parameters import RigidParameters, ThreadsParameters
-from lsvib.drives.rigid import rigid_automaton
-from lsvib.drives.threads import ThreadsEvent, ThreadsMode, seated_state
+from lsvib.datasets import phase_plane, printed, spans
+from lsvib.datasets.attributes import flagged, quantity, variable
+from lsvib.datasets.checks import Check
+from lsvib.datasets.parameter_origins import axis, drive_parameters, start_state
+from lsvib.dynamics.attractors import Attractor, SteadyState, orbit_extremes, steady_state
+from lsvib.dynamics.curve_distance import Orbit
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.motion import Motion, follow
 from lsvib.figures.common.compliant_cycles import compliant_attractors, compliant_cycle, cycle_curves
+from lsvib.models import chapter
+from lsvib.models.drive import RigidDrive, ThreadsDrive
+from lsvib.models.rigid import rigid_automaton
+from lsvib.models.threads import ThreadsEvent, ThreadsMode, seated_state
 
 _ZOOM = 400  # samples of the peak that is drawn alone
 _PEAK = ("N", "largest normal force on the cycle", "$N$")
@@ -32,7 +32,7 @@ _FROM, _TO = -0.3, 1.6  # extent of that drawing, in durations of the sprag from
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute motion and cycle with compliant threads from a seated contact, the rigid cycle, and the effect of R."""
     contact = {key: settings[key] for key in ("contact_stiffness", "contact_damping")}
-    drive, start = ThreadsParameters.of(settings["drive"], **contact), settings["start"]
+    drive, start = ThreadsDrive.of(settings["drive"], **contact), settings["start"]
     automaton, cycle = compliant_cycle(drive, start)
     rigid_cycle = steady_state(rigid_automaton(drive), [start["u"], start["w"]])
     motion = follow(automaton, seated_state(drive, start["u"], start["w"]), settings["duration"])
@@ -136,7 +136,7 @@ def _peak(automaton: Automaton, cycle: SteadyState) -> phase_plane.Variables:
     }
 
 
-def _comparison(drive: RigidParameters, cycle: SteadyState, rigid: SteadyState) -> phase_plane.Variables:
+def _comparison(drive: RigidDrive, cycle: SteadyState, rigid: SteadyState) -> phase_plane.Variables:
     """The cycle in numbers, beside the rigid one."""
     named: phase_plane.Variables = {}
     for name, steady, words in (("", cycle, ""), ("rigid_", rigid, ", of the rigid drive")):
@@ -154,7 +154,7 @@ def _comparison(drive: RigidParameters, cycle: SteadyState, rigid: SteadyState) 
     }
 
 
-def _cycle_values(drive: RigidParameters, cycle: SteadyState, rigid: SteadyState) -> tuple[float, float]:
+def _cycle_values(drive: RigidDrive, cycle: SteadyState, rigid: SteadyState) -> tuple[float, float]:
     """Largest |N| [N] on the compliant cycle, and its distance [1] from the rigid one; nan where there is none."""
     if cycle.orbit is None or rigid.orbit is None:
         return np.nan, np.nan
@@ -163,7 +163,7 @@ def _cycle_values(drive: RigidParameters, cycle: SteadyState, rigid: SteadyState
     return max(-low, high), Orbit.of(cycle.orbit, scales).distance(Orbit.of(rigid.orbit, scales))
 
 
-def _sensitivity(drive: ThreadsParameters, forces: np.ndarray, start: Mapping[str, float]) -> phase_plane.Variables:
+def _sensitivity(drive: ThreadsDrive, forces: np.ndarray, start: Mapping[str, float]) -> phase_plane.Variables:
     rows = []
     drives = [drive.replace(axial_force=float(force)) for force in forces]
     for pushed, cycle in zip(drives, compliant_attractors(drives, start), strict=True):

@@ -2,7 +2,6 @@
 
 from pydantic import Field
 
-from lsvib.drives.parameters import ThreadsParameters
 from lsvib.figures.common.settings import (
     DriveChanges,
     Duration,
@@ -12,14 +11,15 @@ from lsvib.figures.common.settings import (
     State,
     parameter,
 )
+from lsvib.models.drive import ThreadsDrive
 
 
 class Settings(FigureSettings):
     """Cycle with compliant threads, its contact force, and its dependence on the axial force."""
 
     drive: DriveChanges
-    contact_stiffness: parameter("contact_stiffness", of=ThreadsParameters)
-    contact_damping: parameter("contact_damping", of=ThreadsParameters)
+    contact_stiffness: parameter("contact_stiffness", of=ThreadsDrive)
+    contact_damping: parameter("contact_damping", of=ThreadsDrive)
     start: State
     duration: Duration
     samples: Samples

@@ -6,19 +6,19 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.cycles.attractors import Attractor
-from lsvib.data import phase_plane
-from lsvib.data.checks import Check
-from lsvib.data.parameter_origins import drive_parameters, labels
-from lsvib.drives.parameters import RigidParameters
-from lsvib.drives.rigid import EventKind
+from lsvib.datasets import phase_plane
+from lsvib.datasets.checks import Check
+from lsvib.datasets.parameter_origins import drive_parameters, labels
+from lsvib.dynamics.attractors import Attractor
+from lsvib.models.drive import RigidDrive
+from lsvib.models.rigid import EventKind
 
 _ROUNDING = 1e-14  # a few rounding errors of the sum of three terms
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the phase plane for each damping; ``settings``: see ``Settings``."""
-    drive = RigidParameters.of(settings["drive"])
+    drive = RigidDrive.of(settings["drive"])
     drives = [drive.replace(support_damping=c) for c in settings["support_dampings"]]
     return xr.Dataset(
         phase_plane.portraits(drives, settings["starts"], settings["duration"], settings["samples"]),

@@ -6,16 +6,16 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.cycles.attractors import Attractor, SteadyState, steady_state
-from lsvib.cycles.impulses import mean_load
-from lsvib.data import phase_plane, spans
-from lsvib.data.attributes import flagged, variable
-from lsvib.data.checks import Check
-from lsvib.data.parameter_origins import axis, drive_parameters, start_state
-from lsvib.drives.parameters import RigidParameters
-from lsvib.drives.resumption import RULES
-from lsvib.drives.rigid import MotionMode, rigid_automaton
+from lsvib.datasets import phase_plane, spans
+from lsvib.datasets.attributes import flagged, variable
+from lsvib.datasets.checks import Check
+from lsvib.datasets.parameter_origins import axis, drive_parameters, start_state
+from lsvib.dynamics.attractors import Attractor, SteadyState, steady_state
+from lsvib.dynamics.impulses import mean_load
 from lsvib.errors import InputError
+from lsvib.models.drive import RigidDrive
+from lsvib.models.resumption import RULES
+from lsvib.models.rigid import MotionMode, rigid_automaton
 from lsvib.numbers import bisected
 
 _QUANTITIES = {
@@ -35,7 +35,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     ``settings``: see ``Settings``. Below ``resting_support_damping`` the screw rests after a seizure under the first
     rule, so that the rules differ; there the values lie closer. Raises ``InputError``.
     """
-    drive = RigidParameters.of(settings["drive"])
+    drive = RigidDrive.of(settings["drive"])
     start = [settings["start"]["u"], settings["start"]["w"]]
     wanted = spans.even(settings["support_damping"])
     limit = _resting_damping(drive, start, float(wanted.max()))
@@ -145,7 +145,7 @@ def _balance_checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-def _values(drive: RigidParameters, steady: SteadyState) -> list[float]:
+def _values(drive: RigidDrive, steady: SteadyState) -> list[float]:
     """Values of the quantities in their order; NaN where there is no cycle."""
     if steady.orbit is None:
         return [steady.amplitude] + [np.nan] * (len(_QUANTITIES) - 1)
@@ -160,7 +160,7 @@ def _worst(ratios: np.ndarray) -> float:
     return float(ratios[np.argmax(np.abs(ratios - 1))]) if np.isfinite(ratios).all() else np.nan
 
 
-def _resting_damping(drive: RigidParameters, start: list[float], largest: float) -> float:
+def _resting_damping(drive: RigidDrive, start: list[float], largest: float) -> float:
     """Smallest damping [N m s/rad] up to ``largest`` whose cycle has no rest, by bisection to the last bit."""
 
     def rests(damping: float) -> bool:

@@ -6,14 +6,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.cycles.attractors import Attractor, SteadyState, orbit_extremes, steady_state
-from lsvib.data import phase_plane, spans
-from lsvib.data.attributes import flagged, variable
-from lsvib.data.checks import Check
-from lsvib.data.parameter_origins import axis, drive_parameters, labels, start_state
-from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import ThreadsParameters
-from lsvib.drives.rigid import rigid_automaton
+from lsvib.datasets import phase_plane, spans
+from lsvib.datasets.attributes import flagged, variable
+from lsvib.datasets.checks import Check
+from lsvib.datasets.parameter_origins import axis, drive_parameters, labels, start_state
+from lsvib.dynamics.attractors import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.errors import InputError
 from lsvib.figures.common.compliant_cycles import (
     CRITICAL_MASS_WITH_CONTACT,
@@ -21,7 +18,10 @@ from lsvib.figures.common.compliant_cycles import (
     compliant_cycle,
     cycle_curves,
 )
-from lsvib.steady_sliding.stiff_contact import critical_mass_of_contact
+from lsvib.models.coefficients import coefficients
+from lsvib.models.drive import ThreadsDrive
+from lsvib.models.rigid import rigid_automaton
+from lsvib.stability.stiff_contact import critical_mass_of_contact
 
 _CONTACT = ("contact_stiffness", "contact_damping")
 _TURNS = 1e-10  # rad: deflection that counts as zero at the boundary
@@ -39,7 +39,7 @@ _ON_THE_GRID = ("attractor", "largest_deflection", "largest_acceleration")
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the cycles of a few contacts, and over a grid of contacts where the deflection turns positive."""
-    drive, start = ThreadsParameters.of(settings["drive"]), settings["start"]
+    drive, start = ThreadsDrive.of(settings["drive"]), settings["start"]
     stiffness, damping = (spans.logarithmic(settings[key]) for key in _CONTACT)
     contacts = [drive.replace(**contact) for contact in settings["contacts"]]
     cycles = [compliant_cycle(contact, start)[1] for contact in contacts]
@@ -69,11 +69,11 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 
 
 def _grid(
-    drive: ThreadsParameters, start: Mapping[str, float], stiffness: np.ndarray, damping: np.ndarray
+    drive: ThreadsDrive, start: Mapping[str, float], stiffness: np.ndarray, damping: np.ndarray
 ) -> phase_plane.Variables:
     """Numbers of the cycles over a grid of contacts, and the damping at which the largest deflection turns positive."""
 
-    def contact(k: float, c: float) -> ThreadsParameters:
+    def contact(k: float, c: float) -> ThreadsDrive:
         return drive.replace(contact_stiffness=k, contact_damping=c)
 
     found = compliant_attractors([contact(k, c) for k in stiffness for c in damping], start)

@@ -10,16 +10,16 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.cycles.attractors import Attractor, steady_state
-from lsvib.data import phase_plane, spans
-from lsvib.data.attributes import flagged, variable
-from lsvib.data.checks import Check
-from lsvib.data.parameter_origins import drive_parameters, labels
-from lsvib.drives.parameters import RigidParameters
-from lsvib.drives.resumption import RULES
-from lsvib.drives.rigid import EventKind, rigid_automaton
+from lsvib.datasets import phase_plane, spans
+from lsvib.datasets.attributes import flagged, variable
+from lsvib.datasets.checks import Check
+from lsvib.datasets.parameter_origins import drive_parameters, labels
+from lsvib.dynamics.attractors import Attractor, steady_state
 from lsvib.figures.common import accumulation
-from lsvib.steady_sliding.thresholds import global_stability_force
+from lsvib.models.drive import RigidDrive
+from lsvib.models.resumption import RULES
+from lsvib.models.rigid import EventKind, rigid_automaton
+from lsvib.stability.thresholds import global_stability_force
 
 _CHANGED = ("mass", "axial_force")  # in which the cases differ
 _ASIDE = 1e-9  # relative distance from the threshold at which the attractor is computed, on either side
@@ -31,7 +31,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 
     Seizures of the motion from the last of the ``starts`` accumulate under the chapter's reading of the rule.
     """
-    drive = RigidParameters.of(settings["drive"])
+    drive = RigidDrive.of(settings["drive"])
     drives = [drive.replace(mass=m, axial_force=r) for m in settings["masses"] for r in settings["axial_forces"]]
     angle, velocity = spans.even(settings["angle"]), spans.even(settings["velocity"])
     plane = ("case", "grid_angle_deviation", "grid_velocity_deviation")
@@ -69,7 +69,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     )
 
 
-def _corners(drives: Sequence[RigidParameters]) -> phase_plane.Variables:
+def _corners(drives: Sequence[RigidDrive]) -> phase_plane.Variables:
     """The corner of the lines N = 0 and θ′ = 0, and where the motions from standstill below it end."""
     corners = [accumulation.corner(d) for d in drives]
     ends = [[_from_standstill(d, rule) for rule in RULES] for d in drives]
@@ -186,18 +186,18 @@ def _corner_checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-def _from_standstill(drive: RigidParameters, rule: str) -> list[Attractor]:
+def _from_standstill(drive: RigidDrive, rule: str) -> list[Attractor]:
     automaton, corner = rigid_automaton(drive, resume=rule), accumulation.corner(drive)
     return [steady_state(automaton, [corner - distance, -drive.input_speed]).label for distance in _DISTANCES]
 
 
-def _basin(drive: RigidParameters, angle: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+def _basin(drive: RigidDrive, angle: np.ndarray, velocity: np.ndarray) -> np.ndarray:
     """Attractors of the motions from each state of a grid, shape (angle, velocity)."""
     automaton = rigid_automaton(drive)
     return np.array([[steady_state(automaton, [u, w]).label for w in velocity] for u in angle], dtype=np.int8)
 
 
-def _from_release(drive: RigidParameters, rule: str) -> Attractor:
+def _from_release(drive: RigidDrive, rule: str) -> Attractor:
     """Attractor of the motion from the end of rest, u = c Ω / k, u′ = −Ω."""
     start = [drive.support_damping * drive.input_speed / drive.coupling_stiffness, -drive.input_speed]
     return steady_state(rigid_automaton(drive, resume=rule), start).label

@@ -6,15 +6,15 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.data import printed
-from lsvib.data.checks import Check
-from lsvib.data.spans import evenly_chosen
-from lsvib.drives import chapter
-from lsvib.drives.parameters import RigidParameters
-from lsvib.steady_sliding import support_conditions
-from lsvib.steady_sliding.conditions import critical_mass
-from lsvib.steady_sliding.eigenvalues_two_coordinates import UndampedClass, eigenvalues
-from lsvib.steady_sliding.linearised import support_model, values_of
+from lsvib.datasets import printed
+from lsvib.datasets.checks import Check
+from lsvib.datasets.spans import evenly_chosen
+from lsvib.models import chapter
+from lsvib.models.drive import RigidDrive
+from lsvib.stability import support_conditions
+from lsvib.stability.conditions import critical_mass
+from lsvib.stability.eigenvalues_two_coordinates import UndampedClass, eigenvalues
+from lsvib.stability.linearised import support_model, values_of
 
 _LAW = 1  # R Ω > 0
 _SAME = 1e-9  # relative distance from a boundary within which rounding may decide the class
@@ -169,7 +169,7 @@ def _necessary_check(dataset: xr.Dataset, drive: Mapping[str, float]) -> Check:
 def _reduced_mass_check(dataset: xr.Dataset, drive: Mapping[str, float]) -> Check:
     """Check Remark 8.3: with the critical friction the rigid drive's critical mass is m m_1 / (m + m_1)."""
     reduced_mass = drive["mass"] * drive["screw_mass"] / (drive["mass"] + drive["screw_mass"])
-    locked = RigidParameters.of(
+    locked = RigidDrive.of(
         {name: drive[name] for name in _PARAMETERS if name != "screw_mass"},
         friction_coefficient=float(dataset.critical_friction),
     )

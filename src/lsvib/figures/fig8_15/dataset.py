@@ -6,17 +6,17 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.data import printed, spans
-from lsvib.data.attributes import flagged, variable
-from lsvib.data.parameter_origins import Variables, axis, drive_parameters
-from lsvib.drives import chapter
-from lsvib.drives.parameters import SupportParameters
+from lsvib.datasets import printed, spans
+from lsvib.datasets.attributes import flagged, variable
+from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters
 from lsvib.errors import InputError
 from lsvib.figures.fig8_15.checks import DAMPINGS, checks
-from lsvib.steady_sliding import support_conditions
-from lsvib.steady_sliding.conditions import critical_friction
-from lsvib.steady_sliding.eigenvalues_two_coordinates import UndampedClass, undamped_class
-from lsvib.steady_sliding.linearised import support_model
+from lsvib.models import chapter
+from lsvib.models.drive import SupportDrive
+from lsvib.stability import support_conditions
+from lsvib.stability.conditions import critical_friction
+from lsvib.stability.eigenvalues_two_coordinates import UndampedClass, undamped_class
+from lsvib.stability.linearised import support_model
 
 __all__ = ["build", "checks"]
 
@@ -25,7 +25,7 @@ _LAW = 1  # R Ω > 0
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the undamped class map by eigenvalues, flutter boundaries in closed form, critical friction both ways."""
-    drive = SupportParameters.of({"screw_mass": settings["screw_mass"], **settings["drive"]})
+    drive = SupportDrive.of({"screw_mass": settings["screw_mass"], **settings["drive"]})
     friction = spans.even(settings["friction_coefficient"])
     stiffness = spans.logarithmic(settings["support_stiffness"])
     drive.replace(friction_coefficient=float(friction.max()))  # refuses what is beyond cot λ
@@ -63,7 +63,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     )
 
 
-def _boundaries(drive: SupportParameters, friction: np.ndarray) -> Variables:
+def _boundaries(drive: SupportDrive, friction: np.ndarray) -> Variables:
     """Both boundaries of mode coupling (8.29) at some friction coefficients."""
     branches = support_conditions.flutter_boundaries({**dict(drive), "friction_coefficient": friction}, _LAW)
     return {
@@ -74,7 +74,7 @@ def _boundaries(drive: SupportParameters, friction: np.ndarray) -> Variables:
     }
 
 
-def _parameters(drive: SupportParameters) -> Variables:
+def _parameters(drive: SupportDrive) -> Variables:
     """The parameters of the undamped drive; some have a comment, because the text names a table that is missing."""
     parameters = drive_parameters(
         drive.replace(**dict.fromkeys(DAMPINGS, 0.0)),

@@ -4,8 +4,8 @@ from typing import ClassVar
 
 from pydantic import Field
 
-from lsvib.drives.parameters import SupportParameters
 from lsvib.figures.common.settings import DriveChanges, FigureSettings, PositiveSpan, Span, parameter
+from lsvib.models.drive import SupportDrive
 
 
 class Settings(FigureSettings):
@@ -14,6 +14,6 @@ class Settings(FigureSettings):
     unused: ClassVar = ("support_damping", "friction_coefficient", "input_speed", "translation_damping", "axial_force")
 
     drive: DriveChanges
-    screw_mass: parameter("screw_mass", of=SupportParameters)
+    screw_mass: parameter("screw_mass", of=SupportDrive)
     friction_coefficient: Span = Field(description="mu, from zero or more.")
     support_stiffness: PositiveSpan = Field(description="k_1 [N/m], spaced logarithmically.")

@@ -9,12 +9,12 @@ import xarray as xr
 
 from lsvib.contact import limit_process
 from lsvib.contact.limit_process import BranchFamily, ImpactOutcome, LimitBranch, Region
-from lsvib.data import phase_plane
-from lsvib.data.attributes import SIGNS, attributes, flagged, variable, yes_no
-from lsvib.data.checks import Check
-from lsvib.data.parameter_origins import VARIED, axis, drive_parameters, parameter, start_state
-from lsvib.drives.parameters import RigidParameters
-from lsvib.drives.resumption import RULES
+from lsvib.datasets import phase_plane
+from lsvib.datasets.attributes import SIGNS, attributes, flagged, variable, yes_no
+from lsvib.datasets.checks import Check
+from lsvib.datasets.parameter_origins import VARIED, axis, drive_parameters, parameter, start_state
+from lsvib.models.drive import RigidDrive
+from lsvib.models.resumption import RULES
 
 _CONVERGED = 1e-3  # deviation at the stiffest contact, relative to the motion: nothing that a picture shows
 _ORDER = 0.8  # of convergence, at least: the first order shows as 0.86 to 0.94 at stiffnesses that are finite
@@ -47,7 +47,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     of the cycles, ``duration`` that of the motions after impacts. Raises ``InputError``.
     """
     stiffness = np.array(settings["stiffness"], dtype=float)
-    base = RigidParameters.of(settings["drive"])
+    base = RigidDrive.of(settings["drive"])
     drives = [
         base.replace(axial_force=r, support_damping=c)
         for r in settings["axial_forces"]

@@ -4,7 +4,6 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from lsvib.drives.parameters import ThreadsParameters
 from lsvib.figures.common.settings import (
     Damping,
     DriveChanges,
@@ -15,6 +14,7 @@ from lsvib.figures.common.settings import (
     Unique,
     parameter,
 )
+from lsvib.models.drive import ThreadsDrive
 
 
 class Settings(FigureSettings):
@@ -32,7 +32,7 @@ class Settings(FigureSettings):
     speed: float = Field(gt=0, le=1e9, description="Screw speed before an impact [rad/s].")
     duration: Duration
     start: State
-    stiffness: Annotated[list[parameter("contact_stiffness", of=ThreadsParameters)], *Unique] = Field(
+    stiffness: Annotated[list[parameter("contact_stiffness", of=ThreadsDrive)], *Unique] = Field(
         min_length=3, max_length=50, description="Contact stiffnesses k_c [N/m], ascending."
     )
     fit_from: float = Field(gt=0, description="Least stiffness that orders are fitted to [N/m].")

@@ -6,23 +6,23 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.data import spans
-from lsvib.data.attributes import CRITICAL_MASS, flagged, variable
-from lsvib.data.checks import Check
-from lsvib.data.parameter_origins import Variables, axis, drive_parameters, origin_of, parameter
-from lsvib.data.spans import evenly_chosen
-from lsvib.drives.parameters import NutParameters
+from lsvib.datasets import spans
+from lsvib.datasets.attributes import CRITICAL_MASS, flagged, variable
+from lsvib.datasets.checks import Check
+from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters, origin_of, parameter
+from lsvib.datasets.spans import evenly_chosen
 from lsvib.errors import InputError
+from lsvib.models.drive import NutDrive
 from lsvib.numbers import bisected
-from lsvib.steady_sliding.conditions import critical_mass
-from lsvib.steady_sliding.eigenvalues_two_coordinates import (
+from lsvib.stability.conditions import critical_mass
+from lsvib.stability.eigenvalues_two_coordinates import (
     UndampedClass,
     eigenvalues,
     reciprocal_squares,
     undamped_class,
 )
-from lsvib.steady_sliding.linearised import determinant, nut_model, values_of
-from lsvib.steady_sliding.nut_conditions import effective_screw_inertia, kinematic_inertia, kinematic_mass
+from lsvib.stability.linearised import determinant, nut_model, values_of
+from lsvib.stability.nut_conditions import effective_screw_inertia, kinematic_inertia, kinematic_mass
 
 _LAW = 1  # R Ω > 0
 _SAME = 1e-9  # relative distance from (8.33) within which rounding may decide
@@ -39,7 +39,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 
     ``settings``: see ``Settings``; c_x = 0, and the mass of ``drive`` is that of the map. Raises ``InputError``.
     """
-    drive = NutParameters.of(settings["drive"])
+    drive = NutDrive.of(settings["drive"])
     rigid = critical_mass(drive)
     if rigid is None:
         raise InputError("The drive is not self-locking (mu <= tan lambda), so it has no critical mass.")
@@ -74,7 +74,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     )
 
 
-def _critical_masses(drive: NutParameters, inertia: np.ndarray, rigid: float) -> Variables:
+def _critical_masses(drive: NutDrive, inertia: np.ndarray, rigid: float) -> Variables:
     """Critical mass [kg] over the inertia of the nut [kg m²], both ways; that of the rigid drive bounds it."""
     nuts = [drive.replace(nut_inertia=float(value)) for value in inertia]
     closed, passing = [kinematic_mass(nut) for nut in nuts], [_by_eigenvalues(nut, rigid) for nut in nuts]
@@ -88,7 +88,7 @@ def _critical_masses(drive: NutParameters, inertia: np.ndarray, rigid: float) ->
     }
 
 
-def _class_map(drive: NutParameters, friction: np.ndarray, inertia: np.ndarray) -> Variables:
+def _class_map(drive: NutDrive, friction: np.ndarray, inertia: np.ndarray) -> Variables:
     """Class of the steady sliding over friction coefficient and inertia of the nut [kg m²], and where (8.33) begins."""
     grid = {**dict(drive), "friction_coefficient": friction[:, None], "nut_inertia": inertia}
     kinds, dims = undamped_class(nut_model(grid, _LAW)), ("friction_coefficient", "nut_inertia")
@@ -209,7 +209,7 @@ def _critical_mass_checks(dataset: xr.Dataset, drive: Mapping[str, float]) -> li
     ]
 
 
-def _by_eigenvalues(drive: NutParameters, rigid: float) -> float:
+def _by_eigenvalues(drive: NutDrive, rigid: float) -> float:
     """Mass [kg] at which the product of both 1/ω² changes its sign, by bisection; between zero and the rigid one."""
 
     def lost(mass: float) -> bool:
@@ -219,7 +219,7 @@ def _by_eigenvalues(drive: NutParameters, rigid: float) -> float:
     return bisected(lost, 0.0, rigid)
 
 
-def _boundary(drive: NutParameters, friction: np.ndarray) -> np.ndarray:
+def _boundary(drive: NutDrive, friction: np.ndarray) -> np.ndarray:
     """I_2 = I q / (I − q) [kg m²] with q = ξ₊ tan λ m r_m², where I_eff = q; NaN unless 0 < q < I."""
     p = values_of({**dict(drive), "friction_coefficient": friction}, _LAW)
     q = p.factor * p.tan_lead * p.mass * p.pitch_radius**2
@@ -228,7 +228,7 @@ def _boundary(drive: NutParameters, friction: np.ndarray) -> np.ndarray:
         return np.where((q > 0) & (gamma > 0), p.screw_inertia * q / gamma, np.nan)
 
 
-def _boundary_friction(drive: NutParameters, inertia: np.ndarray) -> np.ndarray:
+def _boundary_friction(drive: NutDrive, inertia: np.ndarray) -> np.ndarray:
     """μ = (ξ + tan λ) / (1 − ξ tan λ) with ξ = I_eff / (tan λ m r_m²), where I_eff = q; NaN if not below cot λ."""
     tangent = np.tan(drive.lead_angle)
     xi = effective_screw_inertia({**dict(drive), "nut_inertia": inertia}) / (

@@ -7,18 +7,18 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.data import printed
-from lsvib.data.attributes import flagged, variable, yes_no
-from lsvib.data.checks import Check
-from lsvib.data.parameter_origins import Variables, drive_parameters, origin_of, parameter
-from lsvib.drives import chapter
-from lsvib.drives.coefficients import coefficients
-from lsvib.drives.parameters import RigidParameters, SupportParameters
+from lsvib.datasets import printed
+from lsvib.datasets.attributes import flagged, variable, yes_no
+from lsvib.datasets.checks import Check
+from lsvib.datasets.parameter_origins import Variables, drive_parameters, origin_of, parameter
+from lsvib.models import chapter
+from lsvib.models.coefficients import coefficients
+from lsvib.models.drive import RigidDrive, SupportDrive
 from lsvib.numbers import bisected
-from lsvib.steady_sliding import thresholds
-from lsvib.steady_sliding.conditions import critical_friction, critical_mass
-from lsvib.steady_sliding.input_rounding import HALF_UNITS, ROUND, propagated
-from lsvib.steady_sliding.solved_threshold import solve_threshold
+from lsvib.stability import thresholds
+from lsvib.stability.conditions import critical_friction, critical_mass
+from lsvib.stability.input_rounding import HALF_UNITS, ROUND, propagated
+from lsvib.stability.solved_threshold import solve_threshold
 
 # Half a unit of the last digit of the printed thresholds: 10.10 kg, 0.285, 20 N, 34.5 N, 46.5 N.
 _PRINTED_HALF_UNITS = {
@@ -50,7 +50,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     ``settings``: ``drive``, changes of Table 8.1, from which each threshold takes its own masses and damping as the
     chapter states them. Raises ``InputError`` or ``NoThreshold`` for a drive without a threshold.
     """
-    base = RigidParameters.of(settings["drive"])
+    base = RigidDrive.of(settings["drive"])
     own = {name: chapter.THRESHOLDS[name].drive for name in _PRINTED_HALF_UNITS}
     drives = {name: base.replace(**{k: x for k, x in row.items() if k != "screw_mass"}) for name, row in own.items()}
     screw_mass = own["critical_friction"]["screw_mass"]
@@ -60,7 +60,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         **{name: getattr(thresholds, name) for name in ("onset_force", "stick_force", "detach_force")},
     }
     computed = np.array([functions[name](drives[name]) for name in _PRINTED_HALF_UNITS])
-    with_screw = SupportParameters.of(drives["critical_friction"], screw_mass=screw_mass)
+    with_screw = SupportDrive.of(drives["critical_friction"], screw_mass=screw_mass)
     asked = drives | {"critical_friction": with_screw}
     solved = [solve_threshold(drive, *_SOLVED[name]) for name, drive in asked.items()]
     changes = np.array([list(propagated(found).values()) for found in solved])
@@ -96,7 +96,7 @@ def _relative_to(computed: np.ndarray, changes: np.ndarray) -> Variables:
     }
 
 
-def _table(drive: RigidParameters) -> Variables:
+def _table(drive: RigidDrive) -> Variables:
     """The values of Table 8.1, half a unit of their last digit, and which of them have only one digit."""
     halves, few = np.array(list(HALF_UNITS.values())), [name in ROUND for name in HALF_UNITS]
     values = [np.degrees(drive.lead_angle) if n == "lead_angle_deg" else getattr(drive, n) for n in HALF_UNITS]
@@ -108,7 +108,7 @@ def _table(drive: RigidParameters) -> Variables:
     }
 
 
-def _matching(drive: RigidParameters, functions: Mapping[str, Callable[[RigidParameters], float]]) -> Variables:
+def _matching(drive: RigidDrive, functions: Mapping[str, Callable[[RigidDrive], float]]) -> Variables:
     """The damping with which the printed stick force is the computed one, and what else it would change."""
     damping = _damping_of(functions["stick_force"], chapter.THRESHOLDS["stick_force"].value, drive)
     other, unit = drive.replace(support_damping=damping), "N m s rad-1"
@@ -182,7 +182,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-def _damping_of(threshold: Callable[[RigidParameters], float], force: float, drive: RigidParameters) -> float:
+def _damping_of(threshold: Callable[[RigidDrive], float], force: float, drive: RigidDrive) -> float:
     """Support damping within half a unit of the printed one at which a threshold is ``force``, by bisection."""
     half = HALF_UNITS["support_damping"]
     low, high = drive.support_damping - half, drive.support_damping + half

@@ -1,0 +1,100 @@
+"""The command that builds a figure."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+from lsvib.cli.app import app
+from lsvib.cli.options import AsJson, Changes, pairs, refuse_results_of_the_workflow
+from lsvib.cli.printing import print_checks
+from lsvib.errors import InputError, LsvibError
+
+# What a figure is written to: the end of the name after that of the figure, and what the file is called in messages.
+_FILES = {".nc": "netCDF", "_checks.json": "JSON", ".png": "PNG", ".pdf": "PDF"}
+
+
+@app.command
+def figure(
+    number: str,
+    *,
+    changes: Changes = None,
+    config: Annotated[Path | None, Parameter(help="Settings of the figures; see below for the default.")] = None,
+    out: Annotated[Path, Parameter(help="Folder to write to.")] = Path("figures"),
+    as_json: AsJson = False,
+) -> None:
+    """Build one figure, of the chapter or beyond it: its dataset, its checks, and the picture as PNG and PDF.
+
+    The files are FOLDER/fig8_06.nc, fig8_06_checks.json, fig8_06.png and fig8_06.pdf; the results of the workflow stay
+    as they are. The settings are those of the file config/config.yaml if there is one here, else those that come with
+    lsvib. Changed parameters leave the chapter's, so its checks are then reported as they come out, not enforced. A
+    parameter that the figure varies itself, or does not depend on, cannot be changed.
+
+    Examples of use:
+
+        lsvib figure 8.6
+
+        lsvib figure 8.9 --set support_damping=4e-4 --out mine
+
+        lsvib figure limit_process
+
+    Parameters
+    ----------
+    number:
+        Number of the figure in the chapter, e.g. 8.6, or its name, e.g. limit_process.
+    """
+    from lsvib.figures.build import build_figure
+    from lsvib.figures.configuration import DEFAULT, section
+    from lsvib.files import Outputs
+    from lsvib.models.scene import read_yaml
+
+    name = _name(number)
+    here = Path("config/config.yaml")
+    config = config or (here if here.is_file() else DEFAULT)
+    settings = section(read_yaml(config), name)
+    if changes:
+        settings = {**settings, "drive": _changed_drive(number, name, settings, pairs(changes))}
+    files = [(out / f"{name}{ending}", kind) for ending, kind in _FILES.items()]
+    refuse_results_of_the_workflow(*(path for path, _ in files))
+    with Outputs(files, [config], make_folders=True).writing() as parts:
+        checks = build_figure(name, settings, *parts)
+    print_checks(out / f"{name}.png", checks, as_json)
+    if not changes and not all(check.passed for check in checks):
+        raise LsvibError(f"figure {number}: a check failed; see above.")
+
+
+def _name(number: str) -> str:
+    """Return the name of a figure, which may be given by its number in the chapter."""
+    from lsvib.figures.folders import accuracy_figures, default_figures
+
+    labels = {name: _label(name) for name in (*default_figures(), *accuracy_figures())}
+    for name, label in labels.items():
+        if number in (name, label):
+            return name
+    raise InputError(f"figure {number} is not one of {', '.join(labels.values())}.")
+
+
+def _changed_drive(number: str, name: str, section: Mapping[str, Any], changes: Mapping[str, str]) -> dict[str, Any]:
+    """Return the drive of a figure with changes; a change that would change nothing in the figure is refused."""
+    from lsvib.figures.configuration import settings_of
+    from lsvib.models.drive import RigidDrive, changed
+    from lsvib.numbers import number as number_of
+
+    settings = settings_of(name)
+    if "drive" not in settings.model_fields:
+        raise InputError(f"figure {number} has no drive of its own, so --set cannot change it.")
+    for key in changes:
+        if key in settings.unused:
+            raise InputError(
+                f"figure {number} does not depend on {key} of its drive, so --set {key} would change nothing."
+            )
+    given = section.get("drive", {})
+    RigidDrive.of(changed(given, changes))  # refuses a key or a value with the words of the other commands
+    return changed(given, {key: number_of(text) for key, text in changes.items()})
+
+
+def _label(name: str) -> str:
+    """Number of a figure of the chapter by its name: 8.6 for fig8_06; other figures keep their name."""
+    chapter, _, number = name.removeprefix("fig").partition("_")
+    return f"{chapter}.{int(number)}" if chapter.isdigit() and number.isdigit() else name

@@ -1,0 +1,272 @@
+"""Charts: what a drive does over two of its parameters, cell by cell, with the exact curves that divide it.
+
+A cell depends on nothing but its own drive, so a large chart can be cut into tiles (:mod:`lsvib.datasets.chart_tiles`).
+"""
+
+import json
+from dataclasses import dataclass
+from functools import partial
+from multiprocessing import get_context
+from typing import Any, Self
+
+import numpy as np
+import xarray as xr
+
+from lsvib import numbers
+from lsvib.basins.grid import Axis
+from lsvib.datasets.attributes import Variable, attributes, flagged, flags, fractions, named_flags, variable
+from lsvib.datasets.parameter_origins import GIVEN, VARIED, axis, parameter
+from lsvib.datasets.spans import zero_where_rounded
+from lsvib.datasets.sweep import product_of
+from lsvib.dynamics.behaviour import Behaviour, behaviours
+from lsvib.dynamics.compliant_behaviour import compliant_behaviours
+from lsvib.errors import InputError
+from lsvib.models import chapter
+from lsvib.models.drive import Drive, RigidDrive
+from lsvib.models.registry import all_models, find_model
+from lsvib.models.resumption import Resume, rule
+from lsvib.numbers import Progress
+from lsvib.stability.boundary_curves import LOGARITHMIC, ChartBoundary, boundary_curves, curves_of
+
+Curves = dict[ChartBoundary, list[np.ndarray]]
+_MOST = 100_000_000  # cells, of which each takes some hundred bytes while it is computed
+_WORTH = 20_000  # cells that make it worth while to start processes, which takes each of them some seconds
+_BLOCK, _SMALL = 8192, 1024  # cells that a process takes at a time: half a second; with more states some seconds
+
+
+class ChartAxis(Axis):
+    """Cells along a parameter, of equal width, or of equal ratio where it spans decades (``LOGARITHMIC``)."""
+
+    @classmethod
+    def of(cls, drive: Drive, where: str, given: Any) -> Self:
+        """Make an axis from text KEY=START:STOP:COUNT, or from (parameter, start, stop, count); ``InputError``."""
+        if isinstance(given, str):
+            name, equals, text = given.partition("=")
+            parts: Any = (name, *text.split(":"))
+            if not equals or len(parts) != 4:
+                raise InputError(f"{where}: {given!r} is not of the form KEY=START:STOP:COUNT.")
+        else:
+            parts = given
+            if not isinstance(parts, tuple | list) or len(parts) != 4:
+                raise InputError(f"{where} = {numbers.shown(given)} is not a parameter with start, stop and count.")
+        name = parts[0]
+        if name not in type(drive).model_fields:
+            known = ", ".join(type(drive).model_fields)
+            raise InputError(f"{where}: {numbers.shown(name)} is not a known key; the known keys are {known}.")
+        axis = cls.over(*parts)
+        for end in axis.ends:
+            drive.replace(**{name: end})
+        if name in LOGARITHMIC and axis.start <= 0:
+            raise InputError(f"axis {name} has start = {axis.start:g}; its cells have equal ratios, so start > 0.")
+        return axis
+
+    @property
+    def name(self) -> str:
+        """Name of the parameter."""
+        return self.coordinate
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """First and last value [SI unit]."""
+        return self.start, self.stop
+
+    def middles(self, index: np.ndarray) -> np.ndarray:
+        """Return the middles of the cells of these indices."""
+        if self.name in LOGARITHMIC:
+            return self.start * (self.stop / self.start) ** ((index + 0.5) / self.count)
+        return zero_where_rounded(super().middles(index), self.width)
+
+
+@dataclass(frozen=True)
+class Plane:
+    """The two axes of a chart of a drive, ``x`` along the columns and ``y`` along the rows."""
+
+    drive: Drive
+    x: ChartAxis
+    y: ChartAxis
+
+    @classmethod
+    def of(cls, drive: Drive, x: Any, y: Any) -> Self:
+        """Make the plane from axes as :meth:`ChartAxis.of` takes them; raises ``InputError``."""
+        if not find_model(drive.model).curves:
+            charted = " and ".join(name for name, model in all_models().items() if model.curves)
+            raise InputError(f"charts are for the models {charted}, not for {drive.model}.")
+        plane = cls(drive, ChartAxis.of(drive, "x", x), ChartAxis.of(drive, "y", y))
+        if plane.x.name == plane.y.name:
+            raise InputError(f"x and y are both {plane.x.name}; a chart needs two parameters.")
+        if plane.x.count * plane.y.count > _MOST:
+            raise InputError(f"the chart has more than {_MOST} cells; take fewer.")
+        return plane
+
+    @property
+    def dims(self) -> tuple[str, str]:
+        """Names of the rows' and the columns' parameter."""
+        return self.y.name, self.x.name
+
+    def labels(
+        self,
+        rows: slice = slice(None),
+        columns: slice = slice(None),
+        resume: Resume = "contact_sign",
+        workers: int = 1,
+        progress: Progress | None = None,
+    ) -> np.ndarray:
+        """Return what the drives of some cells do (rows, columns), a ``Behaviour`` each, int8."""
+        parts = ((self.y, rows), (self.x, columns))
+        axes = {one.name: one.centres(*part.indices(one.count)[:2]).tolist() for one, part in parts}
+        shape = tuple(map(len, axes.values()))
+        of_drives = behaviours if _two_states(self.drive) else compliant_behaviours
+        return of_drives(product_of(self.drive, axes), resume, workers, progress).reshape(shape)
+
+    def axes(self, resume: Resume = "contact_sign") -> xr.Dataset:
+        """Return the axes of the chart with the global attributes."""
+        return xr.Dataset(
+            coords={one.name: (one.name, one.centres(), _coordinate(one)) for one in (self.y, self.x)},
+            attrs={
+                "title": f"What a lead-screw drive does over {self.x.name} and {self.y.name}",
+                "source": "lsvib, exact event-driven motions from two starts of the drive in the middle of every cell",
+                "references": "doi:10.1007/978-1-4419-1752-2_8, Sects 8.5-8.7",
+                "model": self.drive.model,
+                "parameters": json.dumps({key: value for key, value in self.drive if key not in self.dims}),
+                "resume": resume,
+            },
+        )
+
+    def frame(self, resume: Resume = "contact_sign", curves: Curves | None = None) -> xr.Dataset:
+        """Return the chart without its cells: axes, attributes, the other parameters of the drive, exact curves.
+
+        ``curves``: those of :meth:`curves`, if they are there already.
+        """
+        fixed = {name: ((), value, parameter(name, GIVEN)) for name, value in self.drive if name not in self.dims}
+        points = self._points(self.curves() if curves is None else curves)
+        return self.axes(resume).assign(fixed | points | self._readings())
+
+    def _readings(self) -> dict[str, Variable]:
+        """The masses that the text gives for this very drive where it contradicts itself, as stated and as needed."""
+        free = {self.x.name, self.y.name, "axial_force"}
+        ends = next((one.ends for one in (self.x, self.y) if one.name == "mass"), None)
+        if ends is None:
+            return {}
+        own, found = {name: value for name, value in self.drive if name not in free}, []
+        for place, reading in enumerate(chapter.READINGS):
+            theirs = dict(RigidDrive(**reading.drive))
+            if all(value == theirs.get(name) for name, value in own.items()):
+                found += [(reading.stated, place, 0), (reading.needed, place, 1)]
+        found = [one for one in found if ends[0] <= one[0] <= ends[1]]
+        if not found:
+            return {}
+        masses, places, kinds = (list(column) for column in zip(*found, strict=True))
+        words = {place: reading.source.replace(" ", "_") for place, reading in enumerate(chapter.READINGS)}
+        both = {0: "as_stated", 1: "as_needed"}
+        return {
+            **axis("reading_mass", masses, "reading"),
+            "reading_place": named_flags("reading", places, "place where the text contradicts itself", words),
+            "reading_kind": named_flags("reading", kinds, "which reading it is", both),
+        }
+
+    def curves(self, *kinds: ChartBoundary) -> Curves:
+        """Return the exact curves of some kinds, by default of all."""
+        ends = (self.x.name, self.x.ends), (self.y.name, self.y.ends)
+        return boundary_curves(self.drive, *ends, kinds or None)
+
+    def _points(self, found: Curves) -> dict[str, Variable]:
+        """The points of all exact curves, one after the other; ``boundary_line`` numbers the lines."""
+        lines = [(kind, line) for kind, parts in found.items() for line in parts]
+        if not lines:
+            return {}
+        sizes = [len(line) for _, line in lines]
+        points, dim = np.concatenate([line for _, line in lines]), "boundary_point"
+        kinds = np.repeat(np.array([kind for kind, _ in lines], dtype=np.int8), sizes)
+        number = np.repeat(np.arange(len(lines), dtype=np.int32), sizes)
+        return {
+            f"boundary_{self.x.name}": (dim, points[:, 0], parameter(f"boundary_{self.x.name}", VARIED)),
+            f"boundary_{self.y.name}": (dim, points[:, 1], parameter(f"boundary_{self.y.name}", VARIED)),
+            "boundary_name": flagged(dim, kinds, "name of the exact curve", ChartBoundary),
+            "boundary_line": variable(dim, number, "1", "number of the line, whose points are joined"),
+        }
+
+
+LABEL = attributes("1", "what the drive does", **flags(Behaviour))
+
+
+def chart(
+    drive: Drive,
+    x: Any,
+    y: Any,
+    resume: str = "contact_sign",
+    workers: Any = 1,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Return what a drive does over two of its parameters, as a dataset.
+
+    Arguments: a drive of the rigid model or with compliant threads; ``x`` and ``y``, each "KEY=START:STOP:COUNT" or
+    (parameter, start, stop, count) with values in SI units; rule of resuming; number of ``workers``, which changes no
+    label; ``progress``, called with numbers done and in all. Variables: ``label`` (rows of y, columns of
+    x), ``fraction`` of each ``behaviour``, and the points of the exact curves (``boundary_…``). Raises ``InputError``.
+    """
+    plane, resumption, processes = Plane.of(drive, x, y), rule(resume), numbers.workers(workers)
+    if processes > 1 and plane.x.count * plane.y.count >= _WORTH:
+        labels, curves = _in_processes(plane, resumption, processes, progress)
+    else:
+        labels, curves = plane.labels(resume=resumption, workers=processes, progress=progress), plane.curves()
+    return plane.frame(resumption, curves).assign({"label": (plane.dims, labels, LABEL), **shares(labels)})
+
+
+def shares(labels: np.ndarray) -> dict[str, Variable]:
+    """Return the ``fraction`` of the cells with each label, along ``behaviour``."""
+    counts = {kind: int(np.count_nonzero(labels == kind)) for kind in Behaviour}
+    return fractions("behaviour", LABEL["long_name"], counts)
+
+
+def _in_processes(plane: Plane, resume: Resume, workers: int, progress: Progress | None) -> tuple[np.ndarray, Curves]:
+    """Return labels and curves of a large chart.
+
+    The curves are a good part of the work, and Python alone, so that threads would wait for each other: processes take
+    them one by one, and then blocks of rows.
+    """
+    count, cells = plane.y.count, plane.x.count * plane.y.count
+    size = max(1, (_BLOCK if _two_states(plane.drive) else _SMALL) // plane.x.count)
+    blocks = [slice(first, min(first + size, count)) for first in range(0, count, size)]
+    labels, curves, done = np.empty((count, plane.x.count), dtype=np.int8), Curves(), 0
+    with get_context("spawn").Pool(workers) as pool:
+        work = partial(_part, plane, resume)
+        for part, found in pool.imap_unordered(work, [*reversed(curves_of(plane.drive)), *blocks]):
+            if isinstance(part, ChartBoundary):
+                curves |= found
+                continue
+            labels[part] = found
+            done += found.size
+            if progress is not None:
+                progress(done, cells)
+    return labels, {kind: curves[kind] for kind in sorted(curves)}
+
+
+def _part(plane: Plane, resume: Resume, part: ChartBoundary | slice) -> tuple[ChartBoundary | slice, Any]:
+    """Return a curve, or the labels of some rows, for a process of its own."""
+    return part, plane.curves(part) if isinstance(part, ChartBoundary) else plane.labels(part, resume=resume)
+
+
+def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
+    """Summarise a chart for JSON: ``cells``, ``fractions`` by behaviour, ``curves`` by name, ``cells_per_second``."""
+    parts = {
+        Behaviour(int(kind)).name.lower(): float(part)
+        for kind, part in zip(found.behaviour, found.fraction, strict=True)
+    }
+    curves = sorted({int(kind) for kind in found.boundary_name.values}) if "boundary_name" in found else []
+    return {
+        "cells": int(found.label.size),
+        "fractions": {name: part for name, part in parts.items() if part},
+        "curves": [ChartBoundary(kind).name.lower() for kind in curves],
+        "cells_per_second": found.label.size / seconds,
+    }
+
+
+def _two_states(drive: Drive) -> bool:
+    return len(find_model(drive.model).states) == 2
+
+
+def _coordinate(axis: ChartAxis) -> dict[str, Any]:
+    if axis.name not in LOGARITHMIC:
+        return parameter(axis.name, VARIED, cell_width=axis.width)
+    first, second = axis.middles(np.array([-0.5, 0.5]))  # edges
+    return parameter(axis.name, VARIED, cell_ratio=float(second / first))

@@ -1,0 +1,178 @@
+"""Checks of computed values against the chapter, kept as data: claim, expected, computed, error, tolerance, verdict."""
+
+import json
+import math
+import os
+import textwrap
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Self
+
+from lsvib.errors import InputError
+from lsvib.models.chapter import THRESHOLDS
+
+_TERMINAL = 120  # columns
+
+
+@dataclass(frozen=True)
+class Check:
+    """One claim of the chapter and what was computed; make it with :meth:`within` or :meth:`holds`.
+
+    ``claim`` is a sentence, ``source`` says where the chapter makes it, ``error`` is the relative error [1],
+    ``tolerance`` the largest relative error allowed [1] and ``tolerance_reason`` why; ``expected`` and ``computed`` are
+    numbers in ``unit``. For a claim that holds or does not, ``expected`` is ``"true"``, ``computed`` says what was
+    found, ``unit``, ``error`` and ``tolerance`` are None.
+    """
+
+    claim: str
+    source: str
+    expected: float | str
+    computed: float | str
+    error: float | None
+    tolerance: float | None
+    tolerance_reason: str
+    unit: str | None
+    passed: bool
+
+    @classmethod
+    def within(
+        cls,
+        claim: str,
+        source: str,
+        expected: float,
+        computed: float,
+        tolerance: float,
+        unit: str,
+        tolerance_reason: str = "printed with ≈",
+    ) -> Self:
+        """Check that |computed − expected| ≤ tolerance · |expected|; a ``computed`` that is not finite never passes.
+
+        Raises ``InputError`` if ``expected`` is zero or not finite, or ``tolerance`` is not positive: a relative error
+        has no meaning there.
+        """
+        expected, computed, tolerance = float(expected), float(computed), float(tolerance)
+        if not math.isfinite(expected) or expected == 0:
+            raise InputError(
+                f"expected = {expected:g} has no relative error; state the claim {claim!r} with Check.holds."
+            )
+        if not tolerance > 0:
+            raise InputError(f"tolerance = {tolerance:g} is outside the allowed range 0 < tolerance.")
+        error = abs(computed - expected) / abs(expected)
+        return cls(claim, source, expected, computed, error, tolerance, tolerance_reason, unit, error <= tolerance)
+
+    @classmethod
+    def exact(cls, claim: str, source: str, expected: float, computed: float, unit: str = "1") -> Self:
+        """Check as :meth:`within` that two numbers agree which are both exact but for rounding, to 1e-12."""
+        return cls.within(claim, source, expected, computed, 1e-12, unit, "both exact; rounding only")
+
+    @classmethod
+    def holds(cls, claim: str, source: str, computed: str, truth: bool) -> Self:
+        """Check that a claim holds: ``truth`` decides, ``computed`` says in words or numbers what was found."""
+        return cls(claim, source, "true", computed, None, None, "", None, bool(truth))
+
+    @classmethod
+    def everywhere(cls, claim: str, source: str, where: Any, of: str = "") -> Self:
+        """Check that a claim holds in all cases of a Boolean array, at least one; ``of`` says what they are."""
+        words = f"{int(where.sum())} of {where.size}{of and f' {of}'}"
+        return cls.holds(claim, source, words, where.size > 0 and where.all())
+
+    @classmethod
+    def without_exception(cls, claim: str, source: str, exceptions: Any, compared: Any, of: str = "points") -> Self:
+        """Check that a claim holds in all of the cases ``compared``, at least one; ``of`` says what they are."""
+        words = f"{int(exceptions)} exceptions among {int(compared)} {of}"
+        return cls.holds(claim, source, words, exceptions == 0 and compared > 0)
+
+    def to_json(self) -> dict[str, Any]:
+        """Return plain values for JSON; numbers that are not finite become text, because JSON has none."""
+        return {key: str(v) if isinstance(v, float) and not math.isfinite(v) else v for key, v in asdict(self).items()}
+
+    @classmethod
+    def from_json(cls, values: Mapping[str, Any]) -> Self:
+        """Rebuild a check from :meth:`to_json`."""
+        texts = ("nan", "inf", "-inf")
+        numbers = ("computed", "error")
+        return cls(**{key: float(v) if key in numbers and v in texts else v for key, v in values.items()})
+
+    def sentence(self) -> str:
+        """Return the verdict as one sentence."""
+        if self.tolerance is None:
+            return f"{self.claim}: {'true' if self.passed else 'NOT true'} ({self.computed}) [{self.source}]."
+        return (
+            f"{self.claim}: expected {quantity(self.expected, self.unit)}, "
+            f"computed {quantity(self.computed, self.unit)}, relative error "
+            f"{text(self.error)} {'<=' if self.passed else 'is NOT <='} {text(self.tolerance)} [{self.source}]."
+        )
+
+
+def read_checks(path: str | os.PathLike[str]) -> list[tuple[str, Check]]:
+    """Read a file of checks: pairs (figure, check), the figure from the record or else from the name of the file.
+
+    Raises ``InputError``, with the remedy, if the file is missing or damaged.
+    """
+    try:
+        records = json.loads(Path(path).read_text(encoding="utf-8"))
+        return [(record.pop("figure", Path(path).stem), Check.from_json(record)) for record in records]
+    except OSError as error:
+        raise InputError(f"Cannot read {path}: {error.strerror}.") from None
+    except (ValueError, TypeError, AttributeError):
+        raise InputError(f"{path} is not a readable file of checks; delete it, and run again what makes it.") from None
+
+
+def verdict(checks: Sequence[tuple[str, Check]]) -> str:
+    """Return one line: how many checks, pairs (figure, check), passed, and in which figures some failed."""
+    failed = [figure for figure, check in checks if not check.passed]
+    if not failed:
+        return f"All {len(checks)} checks passed."
+    return f"{len(failed)} of {len(checks)} checks FAILED: {', '.join(dict.fromkeys(failed))}."
+
+
+def failures(checks: Sequence[tuple[str, Check]]) -> list[str]:
+    """Return for each check, pairs (figure, check), that failed, one sentence and what would make it pass."""
+    return [f"{figure}: {check.sentence()} {_remedy(check)}" for figure, check in checks if not check.passed]
+
+
+def _remedy(check: Check) -> str:
+    if check.tolerance is None or isinstance(check.expected, str):
+        return "It passes when the claim is true of the dataset."
+    ends = sorted(check.expected * (1 + sign * check.tolerance) for sign in (-1, 1))
+    return f"It passes from {quantity(ends[0], check.unit)} to {quantity(ends[1], check.unit)}."
+
+
+def printed_thresholds(checks: Iterable[tuple[str, Check]]) -> list[str]:
+    """Return a line for each threshold that the chapter prints, as far as it is among the checks: printed, computed."""
+    found = {(check.source, check.expected): (figure, check) for figure, check in checks}
+    lines = []
+    for name, claim in THRESHOLDS.items():
+        if (claim.source, claim.value) in found:
+            figure, check = found[claim.source, claim.value]
+            words = f"{name.replace('_', ' '):18} printed {quantity(check.expected, check.unit):8}"
+            computed = f"computed {quantity(check.computed, check.unit):10}"
+            lines.append(f"{words} {computed} error {percent(check.error):8} {figure}")
+    return lines
+
+
+def counts(checks: Iterable[tuple[str, Check]]) -> str:
+    """Return how many checks passed in which figures, in lines of at most 120 columns."""
+    passed: dict[str, list[bool]] = {}
+    for figure, check in checks:
+        passed.setdefault(figure, []).append(check.passed)
+    parts = [f"{figure} {sum(found)}/{len(found)}" for figure, found in passed.items()]
+    return "\n".join(textwrap.wrap(f"Passed: {', '.join(parts)}.", _TERMINAL, break_on_hyphens=False))
+
+
+def percent(error: float | None) -> str:
+    """Return a relative error in per cent, a dash if there is none."""
+    return "-" if error is None else f"{100 * error:.2g} %"
+
+
+def quantity(value: float | str, unit: str | None) -> str:
+    """Return a value with its unit as text."""
+    return text(value) if unit in (None, "1") else f"{text(value)} {unit}"
+
+
+def text(value: float | str | None) -> str:
+    """Return a value as text, numbers with six digits, a dash for None."""
+    if value is None:
+        return "-"
+    return f"{value:.6g}" if isinstance(value, float) else value

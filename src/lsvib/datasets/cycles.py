@@ -1,0 +1,167 @@
+"""All cycles of a drive, with what is proved about them, and how a cycle changes over a parameter."""
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib import numbers
+from lsvib.datasets import cycles_of_models
+from lsvib.datasets.attributes import flagged, variable, yes_no
+from lsvib.dynamics.attractors import Attractor, SteadyState
+from lsvib.dynamics.continuation import CycleBranch, follow_cycle
+from lsvib.dynamics.periodic import Cycle
+from lsvib.dynamics.search import Seed, search, starts
+from lsvib.engine.automaton import Automaton
+from lsvib.errors import InputError
+from lsvib.models.drive import Drive, described, zero_if_close
+from lsvib.models.model_files import of_model
+from lsvib.models.registry import find_model
+
+
+@dataclass(frozen=True)
+class Cycles:
+    """The ``cycles`` of a drive, attracting ones first, and ``families`` of neutral oscillations, one of each.
+
+    ``proved`` is a sentence on what is certain beyond the cycles themselves, empty if nothing is; ``searched`` one on
+    where cycles were looked for, empty where none can be.
+    """
+
+    cycles: tuple[Cycle, ...]
+    families: tuple[SteadyState, ...]
+    proved: str
+    searched: str = ""
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the cycles, the families, what is proved and what was searched, as plain numbers and names.
+
+        The period of a family is None where its oscillations have several frequencies, and so none.
+        """
+        return {
+            "cycles": [cycle.to_json() for cycle in self.cycles],
+            "neutral_families": [
+                {"period": family.period if family.orbit else None, "state": family.state.tolist()}
+                for family in self.families
+            ],
+            "proved": self.proved,
+            "searched": self.searched,
+        }
+
+
+def find_cycles(drive: Drive, automaton: Automaton) -> Cycles:
+    """Return all cycles of a drive that are found; ``automaton`` is the drive's, with its rule of resuming.
+
+    From starts and on the edges of basins; of a model with a file in :mod:`lsvib.datasets.cycles_of_models` as that
+    says.
+    """
+    found: Cycles = of_model(cycles_of_models, drive.model, "find_cycles", searched)(drive, automaton)
+    return found
+
+
+def searched(drive: Drive, automaton: Automaton, more: Sequence[Seed] = (), proved: str = "") -> Cycles:
+    """Return the cycles of a drive that a search finds from its starts and ``more``, beside what is ``proved``."""
+    model = find_model(drive.model)
+    states = [model.initial_state(drive, {"u": u, "w": w}) for u, w in starts(drive)]
+    found = search(drive, automaton, states, more)
+    return Cycles(found.cycles, found.families, proved, f"Searched: {found.searched}.")
+
+
+_MOST_POINTS = 100_000  # of a branch, each way; more cycles would fill the memory
+
+
+def followed(
+    drive: Drive, cycle: Cycle, parameter: str, span: Any, points: Any, build: Callable[[Any], Automaton]
+) -> CycleBranch:
+    """Follow a cycle of a drive over a parameter; arguments as of ``follow`` of a drive, ``build`` its automaton.
+
+    Raises ``InputError`` for a cycle of another drive, a parameter that is not known, or a span without the drive.
+    """
+    kind = type(drive)
+    if cycle.drive != drive:
+        raise InputError("the cycle belongs to another drive; take one of this drive's cycles().")
+    if not isinstance(parameter, str) or parameter not in kind.model_fields:
+        raise InputError(
+            f"{numbers.shown(parameter)} is not a known key; the known keys are {', '.join(kind.model_fields)}."
+        )
+    try:
+        low, high = (numbers.number(value) for value in span)
+        most = numbers.whole(points)
+    except (numbers.NotNumber, TypeError, ValueError):
+        raise InputError(
+            f"span = {numbers.shown(span)} and points = {numbers.shown(points)} are not two numbers and a whole one."
+        ) from None
+    here = float(getattr(drive, parameter))
+    if not low < high or not low <= here <= high:
+        raise InputError(
+            f"span = {low:g} to {high:g} is outside the allowed range: it holds the drive's own {parameter} = {here:g}."
+        )
+    if not 2 <= most <= _MOST_POINTS:
+        raise InputError(f"points = {most} is outside the allowed range 2 <= points <= {_MOST_POINTS}.")
+    for end in (low, high):
+        drive.replace(**{parameter: end})
+
+    def made(value: float) -> tuple[Drive, Automaton]:
+        there = drive.replace(**{parameter: zero_if_close(kind, parameter, value)})
+        return there, build(there)
+
+    return follow_cycle(cycle, made, parameter, (low, high), most)
+
+
+def branch_dataset(drive: Drive, branch: CycleBranch) -> xr.Dataset:
+    """Return a branch of cycles as a dataset along ``point``; its changes are an attribute."""
+    about = described(type(drive), branch.parameter)
+    cycles = [point.cycle for point in branch.points]
+    count = max(cycle.multipliers.size for cycle in cycles)
+    multipliers = np.array([cycle.multipliers for cycle in cycles]).reshape(-1, count)
+    numbers_of = {  # what a cycle calls it: name, unit, words, symbol
+        "period": ("period", "s", "period of the cycle", "$T$"),
+        "amplitude": ("amplitude", "rad", "amplitude, half its peak-to-peak"),
+        "multiplier_error": ("multiplier_error", "1", "bound of the multipliers' errors"),
+        "residual": ("period_residual", "1", "change of the state over a period"),
+    }
+    values, along = (np.array([getattr(p, name) for p in branch.points]) for name in ("value", "along"))
+    data: dict[str, Any] = {
+        branch.parameter: variable("point", values, about["unit"], about["long_name"]),
+        "along": variable("point", along, "1", "length of the branch from its start"),
+        "attractor": flagged("point", [cycle.label for cycle in cycles], "kind of cycle", Attractor),
+        "attracting": yes_no("point", [cycle.attracting for cycle in cycles], "whether the cycle attracts"),
+    }
+    for own, (name, *words) in numbers_of.items():
+        data[name] = variable("point", np.array([getattr(cycle, own) for cycle in cycles]), *words)
+    for part, word in (("real", "real"), ("imag", "imaginary")):
+        dims, about_part = ("point", "multiplier_number"), f"{word} part of the Floquet multipliers"
+        data[f"multiplier_{word}_part"] = variable(dims, getattr(multipliers, part), "1", about_part)
+    return xr.Dataset(
+        data,
+        attrs={
+            "title": f"A cycle of the lead-screw drive over {branch.parameter}",
+            "source": "lsvib, Newton's method on the exact return map, pseudo-arclength continuation",
+            "references": "doi:10.1007/978-1-4419-1752-2_8",
+            "model": drive.model,
+            "changes": json.dumps(branch_json(branch)["changes"]),
+            "parameters": json.dumps({key: value for key, value in drive if key != branch.parameter}),
+        },
+    )
+
+
+def branch_json(branch: CycleBranch) -> dict[str, Any]:
+    """Return a branch as plain numbers and names."""
+    return {
+        "parameter": branch.parameter,
+        "points": [
+            {
+                "value": point.value,
+                "label": point.cycle.label.name.lower(),
+                "attracting": point.cycle.attracting,
+                "period": point.cycle.period,
+                "amplitude": point.cycle.amplitude,
+                "multipliers": point.cycle.to_json_multipliers(),
+                "residual": point.cycle.residual,
+            }
+            for point in branch.points
+        ],
+        "changes": [{"kind": c.kind, "value": c.value, "what": c.what} for c in branch.changes],
+    }

@@ -1,0 +1,202 @@
+"""Phase planes as pieces of a dataset: sampled motions with their events, limit cycles, the lines N = 0 and θ′ = 0.
+
+Functions return variables ``{name: (dimensions, values, attributes)}`` for ``xarray.Dataset``. A phase plane is one
+``case`` (a drive) with several ``start`` states. Attractors are found under each ``rule`` of resuming after a seizure;
+motions are sampled under the first.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from lsvib.datasets.attributes import (
+    IMPULSES,
+    SIGNS,
+    WITHOUT_IMPULSES,
+    Dims,
+    flagged,
+    flags_or_none,
+    named_index,
+    quantity,
+    variable,
+)
+from lsvib.datasets.parameter_origins import Variables
+from lsvib.dynamics.attractors import Attractor, SteadyState, steady_state
+from lsvib.dynamics.impulses import event_impulses
+from lsvib.engine.motion import Motion, follow
+from lsvib.errors import InputError
+from lsvib.models.coefficients import coefficients
+from lsvib.models.drive import RigidDrive
+from lsvib.models.resumption import RULES, Resume
+from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
+
+_STATES = ("angle_deviation", "velocity_deviation")
+ATTRACTOR = "attractor that the motion reaches"
+PERIOD = "period of the steady vibration"
+AMPLITUDE = "amplitude of the steady vibration, half its peak-to-peak"
+GLOBAL_STABILITY = "axial force beyond which steady sliding is globally stable"
+_WHICH_CYCLE = "one period of what the first start reaches by the first rule, missing if that is no cycle"
+_ARC = 17  # samples of an arc between two events, if there is room
+
+
+def grid_axes(angle: np.ndarray, velocity: np.ndarray) -> Variables:
+    """Return the axes of a grid of states: u [rad] and u′ [rad/s]."""
+    return {
+        "grid_angle_deviation": variable("grid_angle_deviation", angle, "rad", "deviation, of the grid", "$u$"),
+        "grid_velocity_deviation": variable(
+            "grid_velocity_deviation", velocity, "rad s-1", "rate of the deviation, of the grid", r"$\dot u$"
+        ),
+    }
+
+
+def curve(name: str, dims: Dims, points: np.ndarray, where: str, **more: str) -> Variables:
+    """Return points of the phase plane (..., 2), u [rad] and u′ [rad/s], as two variables; ``where`` they lie."""
+    return {
+        f"{name}_angle": variable(dims, points[..., 0], "rad", f"deviation {where}", "$u$", **more),
+        f"{name}_velocity": variable(
+            dims, points[..., 1], "rad s-1", f"rate of the deviation {where}", r"$\dot u$", **more
+        ),
+    }
+
+
+def window_edges(name: str, dims: Dims, windows: Any, of: str = "") -> Variables:
+    """Return the edges of windows (..., 4) of the phase plane, two along u [rad] and two along u′ [rad/s]."""
+    edges = np.array(windows)
+    return {
+        f"{name}_angle": variable(dims, edges[..., :2], "rad", f"left and right edge of the window{of}", "$u$"),
+        f"{name}_velocity": variable(
+            dims, edges[..., 2:], "rad s-1", f"bottom and top edge of the window{of}", r"$\dot u$"
+        ),
+    }
+
+
+def rule_coordinate() -> Variables:
+    """Return the coordinate of the rules by which a motion resumes after a seizure."""
+    return {"rule": named_index("rule", "rule of resuming after a seizure", RULES)}
+
+
+def portraits(
+    drives: Sequence[RigidDrive], starts: Sequence[Mapping[str, float]], duration: float, samples: int
+) -> Variables:
+    """Compute the phase planes of some drives.
+
+    Arguments: drives; starts, each with u [rad] and w = u′ [rad/s]; duration [s] and number of samples of a motion.
+    Returns the variables of :func:`lines`, :func:`motions` and :func:`attractors`, the dimension ``case`` first.
+    Raises ``InputError`` if the samples are too few for the events.
+    """
+    states = [np.array([start["u"], start["w"]]) for start in starts]
+    steady = [[[_attractor(d, rule, x) for x in states] for rule in RULES] for d in drives]
+    followed = [[follow(rigid_automaton(d), x, duration) for x in states] for d in drives]
+    return lines(drives) | motions(drives, followed, samples) | attractors(steady, samples)
+
+
+def lines(drives: Sequence[RigidDrive]) -> Variables:
+    """Return, along ``case``, the line N = 0 as u = angle + slope · u′ (Q = 0, eq. 8.17), θ′ = 0 as u′ = −Ω, and Γ₊."""
+    exact = [coefficients(drive) for drive in drives]
+    angle, slope = ([float(-c.q_row[k] / c.q_row[0]) for c in exact] for k in (2, 1))
+    stop, inertia = [-drive.input_speed for drive in drives], [float(c.gamma[1]) for c in exact]
+    return {
+        "contact_line_angle": variable(
+            "case", angle, "rad", "deviation at which the contact force vanishes, at zero rate", "$u$"
+        ),
+        "contact_line_slope": variable("case", slope, "s", "slope du/du' of the line of zero contact force"),
+        "stop_velocity": variable(
+            "case", stop, "rad s-1", "rate of the deviation at which the screw stands still", r"$-\Omega$"
+        ),
+        "effective_inertia_plus": variable("case", inertia, "kg m2", "effective inertia of law +", r"$\Gamma_+$"),
+    }
+
+
+def motions(drives: Sequence[RigidDrive], followed: Sequence[Sequence[Motion]], samples: int) -> Variables:
+    """Return sampled motions, dimensions (case, start, sample), and their events, (case, start, event)."""
+    sampled = [[sample(motion, samples) for motion in row] for row in followed]
+    dims = ("case", "start", "sample")
+    time, states, _ = (np.array([[s[i] for s in row] for row in sampled]) for i in range(3))
+    pairs = [list(zip(*rows, strict=True)) for rows in zip(followed, sampled, strict=True)]
+    modes = np.array([[motion.automaton.codes[s[2]] for motion, s in row] for row in pairs])
+    observed = {
+        name: np.array([[motion.automaton.observe(name, *s[1:]) for motion, s in row] for row in pairs])
+        for name in ("normal_force", "coupling_deflection")
+    }
+    variables = {
+        "time": variable(dims, time, "s", "time", "$t$"),
+        "angle_deviation": (dims, states[..., 0], quantity("angle_deviation")),
+        "velocity_deviation": (dims, states[..., 1], quantity("velocity_deviation")),
+        "mode": flagged(dims, modes, "mode of motion", MotionMode),
+        **{name: (dims, values, quantity(name)) for name, values in observed.items()},
+    }
+    variables["normal_force"][2]["comment"] = WITHOUT_IMPULSES
+    return variables | _events(drives, followed)
+
+
+def _events(drives: Sequence[RigidDrive], followed: Sequence[Sequence[Motion]]) -> Variables:
+    """The events of motions; rows with fewer events than the longest end in NaN, kind −1 and sign 0."""
+    dims = ("case", "start", "event")
+    size = (len(followed), len(followed[0]), max(1, max(m.time.size for row in followed for m in row)))
+    states = [(f"{name}_{when}", k, when) for when in ("before", "after") for k, name in enumerate(_STATES)]
+    numbers = {name: np.full(size, np.nan) for name in ("time", *(name for name, _, _ in states), *IMPULSES)}
+    kind, sign = np.full(size, -1, dtype=np.int8), np.zeros(size, dtype=np.int8)
+    for i, (drive, row) in enumerate(zip(drives, followed, strict=True)):
+        for j, motion in enumerate(row):
+            here = (i, j, slice(motion.time.size))
+            kind[here], sign[here] = motion.kind, motion.sign
+            numbers["time"][here] = motion.time
+            for name, column, when in states:
+                numbers[name][here] = getattr(motion, when)[:, column]
+            impulses = event_impulses(drive, motion)
+            for name in IMPULSES:
+                numbers[name][here] = getattr(impulses, name.removesuffix("_impulse"))
+    return {
+        "event_time": variable(dims, numbers["time"], "s", "time of the event"),
+        "event_kind": variable(dims, kind, "1", "kind of the event", **flags_or_none(EventKind)),
+        "event_sign": (dims, sign, SIGNS),
+        **{f"event_{name}": (dims, numbers[name], quantity(_STATES[k], when)) for name, k, when in states},
+        **{f"event_{name}": (dims, numbers[name], known) for name, known in IMPULSES.items()},
+    }
+
+
+def attractors(steady: Sequence[Sequence[Sequence[SteadyState]]], samples: int) -> Variables:
+    """Return what motions settle on, (case, rule, start), and the limit cycle of the first one, (case, sample)."""
+    dims = ("case", "rule", "start")
+
+    def table(name: str, dtype: type) -> np.ndarray:
+        return np.array([[[getattr(s, name) for s in row] for row in case] for case in steady], dtype=dtype)
+
+    cycle = np.full((len(steady), samples, 2), np.nan)
+    for points, case in zip(cycle, steady, strict=True):
+        if case[0][0].orbit is not None:
+            points[:] = sample(case[0][0].orbit, samples)[1]
+    return {
+        "attractor": flagged(dims, table("label", np.int8), ATTRACTOR, Attractor),
+        "amplitude": variable(dims, table("amplitude", float), "rad", AMPLITUDE),
+        "period": variable(dims, table("period", float), "s", PERIOD, "$T$"),
+        **curve("cycle", ("case", "sample"), cycle, "on the limit cycle", comment=_WHICH_CYCLE),
+    }
+
+
+def sample(motion: Motion, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Sample a motion at ``count`` times, each event twice: in the state before it and in the one after.
+
+    Returns times [s] (count), states (count, n), indices of modes (count). Samples are shared out by duration, with a
+    few for the shortest arc; ``InputError`` below two for each arc.
+    """
+    modes, starts, ends, durations = motion.arcs()
+    least = min(_ARC, count // durations.size)
+    if least < 2:
+        raise InputError(f"samples = {count} is outside the allowed range samples >= {2 * durations.size}.")
+    share = np.where(durations > 0, least, 2)
+    spare = count - share.sum()
+    total = durations.sum()
+    share += np.floor(spare * (durations / total if total > 0 else 0 * durations)).astype(int)
+    share[np.argmax(durations)] += count - share.sum()
+    bounds = np.concatenate([[motion.start_time], motion.time, [motion.end_time]])
+    times = np.concatenate([np.linspace(a, b, n) for a, b, n in zip(bounds[:-1], bounds[1:], share, strict=True)])
+    states, _ = motion.at(times)
+    last = np.cumsum(share) - 1
+    states[last - share + 1], states[last] = starts, ends
+    return times, states, np.repeat(modes, share)
+
+
+def _attractor(drive: RigidDrive, rule: Resume, state: np.ndarray) -> SteadyState:
+    return steady_state(rigid_automaton(drive, resume=rule), state)

@@ -1,0 +1,180 @@
+"""Simulate a scene: the exact motion as a CF dataset, and its summary."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.datasets import phase_plane
+from lsvib.datasets.attributes import IMPULSES, SIGNS, WITHOUT_IMPULSES, attributes, flagged, flags, quantity, variable
+from lsvib.datasets.parameter_origins import GIVEN, parameter
+from lsvib.dynamics.attractors import Attractor, SteadyState, orbit_extremes, steady_state
+from lsvib.dynamics.impulses import event_impulses
+from lsvib.engine.motion import Motion, follow
+from lsvib.models.drive import Drive, changed, names_and_values, parameters_of
+from lsvib.models.scene import Scene, read_yaml
+
+
+def simulate(scene: Scene | Drive | Mapping[str, Any] | str | Path | None = None, /, **changes: Any) -> xr.Dataset:
+    """Simulate a scene exactly and return its trajectory.
+
+    Arguments: a :class:`Scene`, a drive, names and values of a scene, or the path of a YAML file; ``changes`` are
+    keys of the scene (``start``, ``duration``, ``samples``, ...) or of the drive (``mass``, ``axial_force``, ...)
+    that replace the scene's. Returns a dataset over ``time`` [s] with angle_deviation [rad], velocity_deviation
+    [rad/s], the scene's outputs and the ``mode``, and over ``event`` the events: time, kind, impulse sign, mode
+    after, state before and after, and for models that seize the impulses: normal and axial [N s], torque [N m s],
+    zero in other events. At the time of an event the samples are those after it. Raises ``InputError`` or
+    ``EngineError`` in one sentence.
+
+    >>> import lsvib
+    >>> motion = lsvib.simulate(mass=11, support_damping=1e-3, axial_force=-10, start={"u": 0.1, "w": 0}, duration=0.1)
+    >>> int(motion.sizes["event"])
+    12
+    """
+    own = {key: value for key, value in changes.items() if key in Scene.model_fields}
+    checked = as_scene(scene, own, {key: value for key, value in changes.items() if key not in own})
+    return trajectory(checked, run(checked))
+
+
+def as_scene(
+    scene: Scene | Drive | Mapping[str, Any] | str | Path | None,
+    changes: Mapping[str, Any],
+    drive: Mapping[str, Any],
+) -> Scene:
+    """Return a checked scene from any of the forms that :func:`simulate` takes, changed.
+
+    Arguments: ``changes`` of keys of the scene, ``drive`` of parameters of its drive. Raises ``InputError``.
+    """
+    if isinstance(scene, Scene):
+        values = scene.model_dump()
+    elif isinstance(scene, Drive):
+        values = {"model": scene.model, "drive": scene}
+    elif isinstance(scene, (str, Path)):
+        values = read_yaml(scene)
+    else:
+        values = names_and_values("scene", scene)
+    values = {**values, **changes}
+    if drive:
+        given = parameters_of(values.get("drive"))
+        values["drive"] = changed(given, drive)
+    return Scene.of(values)
+
+
+def run(scene: Scene) -> Motion:
+    """Follow the motion of a scene to its end."""
+    definition = scene.definition
+    automaton = definition.build(scene.drive, scene.terms, scene.resume)
+    return follow(automaton, definition.initial_state(scene.drive, scene.start), scene.duration)
+
+
+def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:
+    """Return the dataset of a motion of a scene."""
+    times = np.linspace(0.0, scene.duration, scene.samples)
+    states, modes = motion.at(times)
+    codes = motion.automaton.codes
+    data = {name: ("time", states[:, k], quantity(name)) for k, name in enumerate(motion.automaton.states)}
+    data["mode"] = ("time", codes[modes], attributes("1", "mode of motion", **flags(scene.definition.modes)))
+    for name in scene.outputs:
+        data[name] = ("time", motion.automaton.observe(name, states, modes), quantity(name))
+        if name in ("normal_force", "axial_contact_force") and motion.automaton.sprag_kinds:
+            data[name][2]["comment"] = WITHOUT_IMPULSES
+    data |= _events(scene, motion)
+    # Two states are carried without a modal form, so that nothing amplifies rounding.
+    form = {} if len(motion.automaton.states) == 2 else {"condition_number": motion.automaton.condition}
+    return xr.Dataset(
+        data,
+        coords={
+            "time": ("time", times, attributes("s", "time", "$t$")),
+            "event": ("event", np.arange(motion.time.size), attributes("1", "index of the event")),
+        },
+        attrs={
+            "title": f"Motion of the {scene.model} lead-screw drive",
+            "source": "lsvib, exact event-driven simulation",
+            "references": f"doi:10.1007/978-1-4419-1752-2_8, {scene.definition.equations}",
+            "model": scene.model,
+            "parameters": json.dumps(scene.parameters()),
+            "physics": " ".join(scene.terms),
+            "resume": scene.resume,
+            "initial_state": json.dumps(dict(scene.start)),
+            **form,
+        },
+    )
+
+
+def attractor_of(motion: Motion) -> SteadyState:
+    """Return what a motion goes on to from its end, decided by the return map (Poincaré map)."""
+    return steady_state(motion.automaton, motion.end_state, mode=motion.end_mode)
+
+
+def motion_file(scene: Scene, motion: Motion, steady: SteadyState) -> xr.Dataset:
+    """Return the dataset of a motion for a file that explains itself: with its drive, its attractor, N and z.
+
+    Added to :func:`trajectory`: the parameters of the scene as variables, ``normal_force`` [N], ``coupling_deflection``
+    [rad], and of ``steady``, the :func:`attractor_of` the motion, its label, amplitude [rad] and period [s], the last
+    missing unless it is a cycle.
+    """
+    outputs = tuple(dict.fromkeys((*scene.outputs, "normal_force", "coupling_deflection")))
+    dataset = trajectory(scene.model_copy(update={"outputs": outputs}), motion)
+    parameters = {name: ((), value, parameter(name, GIVEN)) for name, value in scene.parameters().items()}
+    doubt = {} if steady.doubt is None else {"comment": f"unresolved: {steady.doubt}"}
+    return dataset.assign_coords(parameters).assign(
+        attractor=flagged((), steady.label, phase_plane.ATTRACTOR, Attractor, **doubt),
+        amplitude=variable((), steady.amplitude, "rad", phase_plane.AMPLITUDE),
+        period=variable((), steady.period, "s", phase_plane.PERIOD, "$T$"),
+    )
+
+
+def _events(scene: Scene, motion: Motion) -> dict[str, tuple[str, np.ndarray, dict[str, Any]]]:
+    events = {
+        "event_time": (motion.time, attributes("s", "time of the event")),
+        "event_kind": (motion.kind, attributes("1", "kind of the event", **flags(scene.definition.events))),
+        "event_sign": (motion.sign, SIGNS),
+        "event_mode": (
+            motion.automaton.codes[motion.mode],
+            attributes("1", "mode of motion after the event", **flags(scene.definition.modes)),
+        ),
+    }
+    if motion.automaton.sprag_kinds:
+        impulses = event_impulses(scene.drive, motion)
+        for name, known in IMPULSES.items():
+            events[f"event_{name}"] = (getattr(impulses, name.removesuffix("_impulse")), known)
+    for when, states in (("before", motion.before), ("after", motion.after)):
+        for column, name in enumerate(motion.automaton.states):
+            events[f"event_{name}_{when}"] = (states[:, column], quantity(name, when))
+    return {name: ("event", values, described) for name, (values, described) in events.items()}
+
+
+def summary(scene: Scene, motion: Motion, steady: SteadyState | None = None) -> dict[str, Any]:
+    """Summarise a motion for JSON; ``steady``, its attractor, is found unless it is given.
+
+    ``final_state`` (the keys of the start, and the mode), ``events`` (count by kind), ``attractor`` (where the
+    motion goes on to, decided by the return map; ``unresolved_because`` says why that is not known),
+    ``peak_normal_force`` (largest |N| [N] along the motion, without the impulses of seizures), ``status``; for models
+    that seize also ``peak_normal_impulse`` (largest |J_N| of a seizure [N s], zero without one; the impulse of each is
+    in the motion's dataset).
+    """
+    definition, automaton = scene.definition, motion.automaton
+    counts = np.bincount(motion.kind, minlength=len(definition.events))
+    keys = (*definition.required, *definition.optional)
+    steady = steady or attractor_of(motion)
+    result = {
+        "model": scene.model,
+        "duration": scene.duration,
+        "final_state": {
+            **dict(zip(keys, motion.end_state.tolist(), strict=True)),
+            "mode": definition.modes(int(automaton.codes[motion.end_mode])).name.lower(),
+        },
+        "events": {event.name.lower(): int(counts[event]) for event in definition.events if counts[event]},
+        "attractor": steady.label.name.lower(),
+        "peak_normal_force": max(map(abs, orbit_extremes(motion, automaton.observables["normal_force"]))),
+        "status": motion.status.name.lower(),
+    }
+    if steady.doubt is not None:
+        result["unresolved_because"] = str(steady.doubt)
+    if automaton.sprag_kinds:
+        impulses = event_impulses(scene.drive, motion).normal
+        result["peak_normal_impulse"] = float(np.max(np.abs(impulses), initial=0.0))
+    return result

@@ -1,0 +1,156 @@
+"""What a drive ends on over values of its parameters: attractor, amplitude, period, forces of every point.
+
+A point depends on nothing but its own drive and start, so that no number depends on the other points, their order, or
+the number of threads. Nothing is simulated for some time and looked at: the return map decides, as for one drive.
+"""
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib import numbers
+from lsvib.datasets.attributes import attributes, flags
+from lsvib.datasets.spans import stepped
+from lsvib.dynamics.attractors import Attractor
+from lsvib.dynamics.endings import all_endings
+from lsvib.errors import InputError
+from lsvib.models.drive import Drive, RigidDrive, described, names_and_values
+from lsvib.models.many import ManyDrives
+from lsvib.models.registry import find_model
+from lsvib.models.resumption import rule
+from lsvib.numbers import Progress
+
+START = {"u": 1e-3, "w": 0.0}  # next to steady sliding: rad, and rad/s
+# The range of each depends on the other. Frictions are tried with the largest angle, which leaves them the least room,
+# and angles with the smallest friction, so that of a pair which does not go together the friction is refused.
+_COUPLED = {"friction_coefficient": ("lead_angle", max), "lead_angle": ("friction_coefficient", min)}
+_MOST = 10_000_000  # points, of which each has some hundred bytes
+
+
+_VARIABLES = {
+    "attractor": attributes("1", "attractor that the motion reaches", **flags(Attractor)),
+    "amplitude": attributes("rad", "amplitude of the steady vibration, half its peak-to-peak"),
+    "period": attributes("s", "period of the steady vibration", "$T$"),
+    "multiplier": attributes("1", "largest multiplier of the return map"),
+    "peak_normal_force": attributes("N", "largest magnitude of the normal force, without the impulses of seizures"),
+    "peak_normal_impulse": attributes("N s", "largest magnitude of the normal impulse of a seizure"),
+}
+
+
+def sweep(
+    drive: Drive,
+    over: Mapping[str, Any],
+    start: Mapping[str, Any] | None = None,
+    resume: str = "contact_sign",
+    workers: Any = 1,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Return the attractor and its numbers over the product of values of some parameters of a drive of any model.
+
+    Arguments: ``over``, values [SI units] by name of a parameter; ``start``, u [rad], w [rad/s] and what else the
+    model has, by default next to steady sliding; rule of resuming; number of ``workers`` – threads, with more than two
+    states processes –, which changes no number; ``progress``, called with the numbers of points done and in all. The
+    dataset has a dimension for each parameter, in the order given, and as variables the numbers of
+    :class:`lsvib.dynamics.ending_numbers.Ending`. Raises ``InputError`` for what is not acceptable.
+    """
+    definition, resumption, at_once = find_model(drive.model), rule(resume), numbers.workers(workers)
+    axes = axes_of(over, definition.drive, _MOST)
+    given = START if start is None else names_and_values("start", start)
+    begin = {key: numbers.start(f"start {key}", value) for key, value in given.items()}
+    definition.initial_state(drive, begin)  # refuses other keys
+    drives, sizes = product_of(drive, axes), tuple(map(len, axes.values()))
+    starts = np.broadcast_to(np.array([begin["u"], begin["w"]]), (drives.size, 2))
+    others = {key: value for key, value in begin.items() if key not in ("u", "w")}
+    found = all_endings(drives, starts, resumption, at_once, progress, others)
+    return xr.Dataset(
+        {name: (tuple(axes), getattr(found, name).reshape(sizes), attrs) for name, attrs in _VARIABLES.items()},
+        coords={name: (name, np.array(values), coordinate(name, definition.drive)) for name, values in axes.items()},
+        attrs={
+            "title": f"What a lead-screw drive ends on over {', '.join(axes)}",
+            "source": "lsvib, exact event-driven motion and its return map",
+            "references": f"doi:10.1007/978-1-4419-1752-2_8, {definition.equations}",
+            "model": drive.model,
+            "parameters": json.dumps({key: value for key, value in drive if key not in axes}),
+            "resume": resume,
+            "initial_state": json.dumps(begin),
+        },
+    )
+
+
+def axes_of(over: Any, kind: type[Drive], most: int) -> dict[str, list[float]]:
+    """Return the values of each parameter of a product of ``most`` points at most; raises ``InputError``."""
+    axes = {name: parameter_values(name, values, kind) for name, values in names_and_values("over", over).items()}
+    if not axes:
+        raise InputError("over names no parameter; give the values of one, such as axial_force.")
+    total = math.prod(map(len, axes.values()))
+    if not 1 <= total <= most:
+        raise InputError(f"over has {total} points; the allowed range is 1 <= points <= {most}.")
+    return axes
+
+
+def product_of(drive: Drive, axes: Mapping[str, Sequence[float]]) -> ManyDrives:
+    """Return the drives over the product of values of some parameters, the last one fastest.
+
+    Raises ``InputError`` if one of them is not acceptable. Only the friction coefficient and the lead angle have ranges
+    that depend on each other: μ < cot λ holds for all pairs if it holds for the largest μ and the largest λ.
+    """
+    for name, values in axes.items():
+        other, extreme = _COUPLED.get(name, ("", max))
+        beside = {other: extreme(axes[other])} if other in axes else {}
+        for value in values:
+            drive.replace(**{name: value, **beside})
+    grids = np.meshgrid(*axes.values(), indexing="ij")
+    whole = dict(drive) | {name: grid.ravel() for name, grid in zip(axes, grids, strict=True)}
+    return ManyDrives(whole, find_model(drive.model).drive)
+
+
+def evenly(name: str, text: str) -> np.ndarray:
+    """Read START:STOP:COUNT as so many values with equal steps, both ends included; ``InputError`` for other text."""
+    parts = text.split(":")
+    if len(parts) != 3:
+        raise InputError(f"over: {name}={text} is not of the form KEY=START:STOP:COUNT.")
+    try:
+        start, stop, count = numbers.number(parts[0]), numbers.number(parts[1]), numbers.whole(parts[2])
+    except numbers.NotNumber as error:
+        raise InputError(f"over: {name}={text} has a part that {error}.") from None
+    if not 1 <= count <= _MOST:
+        raise InputError(f"over: {name} has count = {count}; the allowed range is 1 <= count <= {_MOST}.")
+    if not (math.isfinite(start) and math.isfinite(stop)):
+        raise InputError(f"over: {name}={text} has an end beyond 1.8e308, the range of doubles.")
+    return stepped(start, stop, count)
+
+
+def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
+    """Summarise a sweep for JSON: number of ``points``, of each of the ``attractors``, ``points_per_second``."""
+    labels = found.attractor.values.ravel().tolist()
+    kinds = {kind.name.lower(): labels.count(int(kind)) for kind in Attractor}
+    return {
+        "points": len(labels),
+        "attractors": {name: count for name, count in kinds.items() if count},
+        "points_per_second": len(labels) / seconds,
+    }
+
+
+def parameter_values(name: str, given: Any, kind: type[Drive] = RigidDrive) -> list[float]:
+    """Return the values of a parameter as numbers; whether they are in its range is for the drive to say.
+
+    Raises ``InputError`` for an unknown name, and for what is no list of numbers.
+    """
+    if name not in kind.model_fields:
+        raise InputError(f"{name} is not a known key; the known keys are {', '.join(kind.model_fields)}.")
+    if isinstance(given, str | bytes | Mapping) or not hasattr(given, "__len__") or not hasattr(given, "__iter__"):
+        raise InputError(f"over: {name} = {numbers.shown(given)} is not a list of numbers.")
+    try:
+        return [numbers.number(value) for value in given]
+    except numbers.NotNumber as error:
+        raise InputError(f"over: {name} holds a value that {error}.") from None
+
+
+def coordinate(name: str, kind: type[Drive] = RigidDrive) -> dict[str, Any]:
+    """Return the attributes of a parameter of a model as a coordinate."""
+    about = described(kind, name)
+    return attributes(about["unit"], about["long_name"])

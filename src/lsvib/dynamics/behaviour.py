@@ -1,0 +1,103 @@
+"""What rigid drives do, in one word for each, by their motions alone: steady, vibrating in one way or another, or both.
+
+Two motions are followed. One starts next to steady sliding, where only its stability counts; the other one far away on
+θ′ = 0, from where the screw is pulled forward. If the first ends in steady sliding and the second on a cycle, both
+coexist. Nothing else is taken from the equations of the drive: no threshold, no sign of a coefficient.
+"""
+
+from collections.abc import Callable
+from enum import IntEnum
+
+import numpy as np
+
+from lsvib.dynamics.attractors import Attractor
+from lsvib.dynamics.endings import all_endings
+from lsvib.dynamics.kernels.endings_at_once import REVERSES
+from lsvib.models import friction
+from lsvib.models.many import ManyDrives
+from lsvib.models.resumption import Resume
+
+_NEAR = 1e-6  # u of the near start, in distances to the nearest event: it stays in one mode, and is no rounding
+_FAR = 10.0  # u of the far start, in sums of all lengths of the drive along u
+
+
+class Behaviour(IntEnum):
+    """What a drive does."""
+
+    UNRESOLVED = -1
+    NO_VIBRATION = 0  # every motion that was followed ends in steady sliding
+    PURE_SLIP = 1
+    STICK_SLIP = 2  # the contact force keeps its sign
+    STICK_SLIP_WITH_CONTACT_REVERSAL = 3
+    SPRAG_SLIP = 4
+    COEXISTENCE = 5  # steady sliding attracts what is near, a cycle what is far
+    NEUTRAL = 6  # undamped oscillations side by side
+
+
+def behaviours(
+    drives: ManyDrives,
+    resume: Resume = "contact_sign",
+    workers: int = 1,
+    progress: Callable[[int, int], None] | None = None,
+) -> np.ndarray:
+    """Return what rigid drives do (k, int8), a :class:`Behaviour` each.
+
+    Arguments: rule of resuming; number of ``workers`` (:func:`lsvib.dynamics.endings.all_endings`), which changes no
+    label; ``progress``, called with the numbers of motions followed and the most that there may be.
+    """
+    near, far = near_and_far(drives)
+    most = 2 * drives.size
+    first = all_endings(drives, near, resume, workers, progress and (lambda done, _: progress(done, most)))
+    found = behaviour_of(first.attractor, first.happens)
+    steady = np.flatnonzero(first.attractor == Attractor.STEADY_SLIDING)
+    if steady.size:
+        again = all_endings(
+            drives.some(steady), far[steady], resume, workers,
+            progress and (lambda done, total: progress(most - total + done, most)),
+        )  # fmt: skip
+        cycles = behaviour_of(again.attractor, again.happens) > Behaviour.NO_VIBRATION
+        found[steady] = np.where(cycles, Behaviour.COEXISTENCE, Behaviour.UNRESOLVED)
+        found[steady[again.attractor == Attractor.STEADY_SLIDING]] = Behaviour.NO_VIBRATION
+    elif progress is not None:
+        progress(most, most)
+    return found
+
+
+def behaviour_of(attractor: np.ndarray, happens: np.ndarray) -> np.ndarray:
+    """Return the behaviour (k, int8) of motions that end on cycles; all others are unresolved.
+
+    Arguments (k): ``Attractor``, and what happens on a cycle as :class:`lsvib.dynamics.ending_numbers.Ending` has it.
+    """
+    sticks = np.where(happens & REVERSES, Behaviour.STICK_SLIP_WITH_CONTACT_REVERSAL, Behaviour.STICK_SLIP)
+    kinds = {
+        Attractor.OTHER_CYCLE: Behaviour.PURE_SLIP,
+        Attractor.STICK_SLIP_CYCLE: sticks,
+        Attractor.SPRAG_SLIP_CYCLE: Behaviour.SPRAG_SLIP,
+        Attractor.NEUTRAL_FAMILY: Behaviour.NEUTRAL,
+    }
+    here = [attractor == kind for kind in kinds]
+    return np.select(here, list(kinds.values()), Behaviour.UNRESOLVED).astype(np.int8)
+
+
+@np.errstate(all="ignore")  # a drive whose lengths are beyond all numbers is refused with its tables
+def near_and_far(drives: ManyDrives) -> tuple[np.ndarray, np.ndarray]:
+    """Return starts next to steady sliding and far away (k, 2), u [rad] and w [rad/s], in plain double precision."""
+    v = drives.values
+    tangent = np.tan(v["lead_angle"])
+    lever, speed, stiffness = v["pitch_radius"] * tangent, v["input_speed"], v["coupling_stiffness"]
+    force = v["axial_force"] - lever * v["translation_damping"] * speed
+    law = np.where(force * speed < 0, -1, 1)
+    factors = [friction.friction_factor(v["friction_coefficient"], tangent, s) for s in (1, -1)]
+    factor = np.where(law > 0, *factors)
+    inertia = friction.effective_inertia(v["screw_inertia"], v["mass"], v["pitch_radius"], tangent, factor)
+    damping = friction.effective_damping(
+        v["support_damping"], v["translation_damping"], v["pitch_radius"], tangent, factors[1]
+    )
+    to_contact = np.abs(inertia * force) / (lever * v["mass"] * stiffness)  # from steady sliding to Q = 0
+    to_stop = np.abs(speed) * np.sqrt(v["screw_inertia"] / stiffness)
+    band = v["pitch_radius"] * (factors[0] - factors[1]) * np.abs(v["axial_force"]) / stiffness
+    lengths = to_contact + to_stop + band + np.abs(damping * speed) / stiffness
+    # Without a net force steady sliding lies on Q = 0: beside it θ′ = 0 alone gives a length.
+    nearest = np.where(to_contact > 0, np.minimum(to_contact, to_stop), to_stop)
+    near = np.stack([_NEAR * nearest, np.zeros(drives.size)], axis=1)
+    return near, np.stack([-np.sign(speed) * _FAR * lengths, -speed], axis=1)

@@ -1,0 +1,130 @@
+"""Impulses of seizures, and the mean load of the threads over a cycle with the impulses in it.
+
+In a seizure the screw and the nut come to rest within no time, so that only the contact acts. With N normal and F
+tangential force,
+
+    m Δx′ = −∫(N cos λ + F sin λ) dt,      I Δθ′ = −∫ r_m (F cos λ − N sin λ) dt,      x′ = r_m tan λ θ′.
+
+From θ′ = v to zero the axial impulse is therefore m r_m tan λ v, the impulsive torque I v, and, solving for ∫N dt, the
+normal impulse
+
+    J_N = v sin λ (m r_m − I / r_m).
+
+With axial support or a rotating nut x′ has a second part and Δθ′ is not all of θ′, but the two balances are the same;
+:func:`event_impulses` takes Δx′ and Δθ′ from the states before and after.
+
+Over a whole cycle the momenta of screw and nut do not change. With c_x = 0 the mean axial contact force is then R, and
+the mean contact torque is −k ⟨z⟩ − c Ω.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from lsvib.dynamics.attractors import arc_integrals
+from lsvib.engine.motion import Motion
+from lsvib.models.drive import Drive
+from lsvib.models.rigid import EventKind, MotionMode
+
+
+@dataclass(frozen=True)
+class Impulses:
+    """Impulses of one or more seizures, arrays of one shape: ``normal`` and ``axial`` [N s], ``torque`` [N m s]."""
+
+    normal: np.ndarray
+    axial: np.ndarray
+    torque: np.ndarray
+
+
+@dataclass(frozen=True)
+class MeanLoad:
+    """Means over a cycle, impulses included.
+
+    ``normal`` ⟨|N|⟩ [N], of which ``impulsive`` [N] comes from seizures; ``axial`` [N] and ``torque`` [N m] that the
+    threads carry; coupling ``deflection`` ⟨z⟩ [rad].
+    """
+
+    normal: float
+    impulsive: float
+    axial: float
+    torque: float
+    deflection: float
+
+
+def seizure_impulses(drive: Drive, speed: ArrayLike) -> Impulses:
+    """Return the impulses by which the screw stops from ``speed`` θ′ [rad/s] (array); see the module docstring."""
+    speed = np.asarray(speed, dtype=float)
+    return Impulses(
+        normal=normal_impulse(speed, math.sin(drive.lead_angle), drive.mass, drive.pitch_radius, drive.screw_inertia),
+        axial=speed * drive.mass * drive.pitch_radius * math.tan(drive.lead_angle),
+        torque=speed * drive.screw_inertia,
+    )
+
+
+def normal_impulse(speed: Any, sine: Any, mass: Any, pitch_radius: Any, screw_inertia: Any) -> Any:
+    """Return J_N [N s] of a seizure from θ′ = ``speed`` [rad/s], with ``sine`` = sin λ; numbers or arrays, SI units."""
+    return speed * sine * (mass * pitch_radius - screw_inertia / pitch_radius)
+
+
+def seizure_speeds(drive: Drive, motion: Motion) -> np.ndarray:
+    """Return the screw speed θ′ [rad/s] just before each seizure of a motion."""
+    return np.asarray(drive.input_speed + motion.before[motion.kind == EventKind.SEIZURE, 1])
+
+
+def event_impulses(drive: Drive, motion: Motion) -> Impulses:
+    """Return the impulses of each event of a motion of any model, shape (events), from the balances of momentum.
+
+    With A = −m Δx′ along the axis and T = −I Δθ′ about it the normal impulse is A cos λ − (T / r_m) sin λ. They are
+    zero for an event that is no seizure, and so in every event of compliant threads, whose contact force is finite.
+    """
+    automaton = motion.automaton
+    change = np.where(np.isin(motion.kind, automaton.sprag_kinds)[:, None], motion.before - motion.after, 0.0)
+    turned = change[:, automaton.states.index("velocity_deviation")]
+    lead = drive.pitch_radius * math.tan(drive.lead_angle)
+    travel = lead * turned
+    if "shift_rate" in automaton.states:
+        travel = travel + change[:, automaton.states.index("shift_rate")]
+    if "nut_rate" in automaton.states:
+        travel = travel - lead * change[:, automaton.states.index("nut_rate")]
+    axial, torque = drive.mass * travel, drive.screw_inertia * turned
+    normal = axial * math.cos(drive.lead_angle) - torque / drive.pitch_radius * math.sin(drive.lead_angle)
+    return Impulses(normal=normal, axial=axial, torque=torque)
+
+
+def mean_load(drive: Drive, orbit: Motion) -> MeanLoad:
+    """Return the means over one cycle, in closed form (c_x = 0, |N| of one sign in each mode).
+
+    In slip under law s the threads carry N (cos λ + s μ sin λ) along the axis and r_m N (s μ cos λ − sin λ) about it,
+    in rest R and T_r = −k z.
+    """
+    impulses = seizure_impulses(drive, seizure_speeds(drive, orbit))
+    sine, cosine = math.sin(drive.lead_angle), math.cos(drive.lead_angle)
+    rows = orbit.automaton.observables
+    axial, torque = rows["normal_force"].copy(), rows["normal_force"].copy()
+    for mode, code in enumerate(orbit.automaton.codes):
+        if code == MotionMode.REST:
+            axial[mode] = 0.0, 0.0, drive.axial_force
+            torque[mode] = rows["coupling_torque"][mode]
+        else:
+            law = 1 if code in (MotionMode.SLIP_FORWARD_POSITIVE, MotionMode.SLIP_BACKWARD_NEGATIVE) else -1
+            friction = law * drive.friction_coefficient
+            axial[mode] *= cosine + friction * sine
+            torque[mode] *= drive.pitch_radius * (friction * cosine - sine)
+    integrals, modes = arc_integrals(orbit)
+
+    def total(table: np.ndarray, absolute: bool = False) -> float:
+        parts = np.einsum("ki,ki->k", table[modes], integrals)
+        return float(np.sum(np.abs(parts) if absolute else parts))
+
+    impulsive = float(np.sum(np.abs(impulses.normal)))
+    period = orbit.end_time
+    return MeanLoad(
+        normal=(total(rows["normal_force"], absolute=True) + impulsive) / period,
+        impulsive=impulsive / period,
+        axial=(total(axial) + float(np.sum(impulses.axial))) / period,
+        torque=(total(torque) + float(np.sum(impulses.torque))) / period,
+        deflection=total(rows["coupling_deflection"]) / period,
+    )

@@ -1,0 +1,90 @@
+"""What the chapter prints, and for which drives: the yardstick of the checks."""
+
+from dataclasses import dataclass
+
+from lsvib.models.drive import RigidDrive
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A printed number: value, unit, source, the drive where it is not Table 8.1, relative tolerance and its reason."""
+
+    value: float
+    unit: str
+    source: str
+    drive: dict[str, float]
+    tolerance: float = 0.02
+    reason: str = "printed with ≈; 2 % allows for the reading of a printed axis"
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A mass [kg] that the text states for a drive, and the one that other numbers at the same place belong to.
+
+    ``drive``: where it is not Table 8.1; the axial force does not matter.
+    """
+
+    source: str
+    drive: dict[str, float]
+    stated: float
+    needed: float
+
+
+_NEGATIVE_DAMPING = {"mass": 1.0, "translation_damping": 1e3}
+
+# Values of parameters by the place that states them. Table 8.1 is the default of a drive.
+STATED: dict[str, dict[str, tuple[float, ...]]] = {
+    "Table 8.1": {
+        name: (RigidDrive.model_fields[name].default,)
+        for name in (
+            *("pitch_radius", "lead_angle", "screw_inertia", "coupling_stiffness", "support_damping"),
+            *("friction_coefficient", "input_speed"),
+        )
+    },
+    "Sect. 8.5.1": {key: (value,) for key, value in _NEGATIVE_DAMPING.items()},
+    "Fig. 8.6": {"axial_force": (18.0, 25.0, 40.0)},
+    "Sect. 8.6": {"translation_damping": (0.0,)},  # "for the remainder of the chapter"
+    "Sect. 8.6.1": {"mass": (10.0, 11.0), "contact_stiffness": (1e8,), "contact_damping": (1e8,)},
+    "Fig. 8.14": {"mass": (10.0,), "axial_force": (-50.0, -10.0), "support_damping": (1e-3,)},
+    "Sect. 8.8.1": dict.fromkeys(("support_damping", "translation_damping", "axial_support_damping"), (0.0,)),
+    "Fig. 8.15": {"mass": (15.0,), "screw_mass": (11.6,)},
+}
+
+THRESHOLDS = {
+    "critical_mass": Claim(10.10, "kg", "Sect. 8.6.1, eq. 8.20", {}),
+    "critical_friction": Claim(0.285, "1", "Fig. 8.15, eqs 8.27 and 8.28", {"mass": 15.0, "screw_mass": 11.6}),
+    "onset_force": Claim(20.0, "N", "Sect. 8.5.1, Fig. 8.6", _NEGATIVE_DAMPING),
+    "stick_force": Claim(34.5, "N", "Sect. 8.5.1, Fig. 8.6", _NEGATIVE_DAMPING),
+    "detach_force": Claim(46.5, "N", "Sect. 8.5.1, Fig. 8.6", _NEGATIVE_DAMPING),
+}
+
+# Not a threshold: the largest contact force on the cycle with k_c = c_c = 1e8 (SI); R is not stated.
+PEAK_FORCE = Claim(320e3, "N", "Sect. 8.6.1, Fig. 8.10b", {"mass": 11.0})
+
+_TWO_DIGITS = "printed with two digits: half a unit of the last one"
+_READ_AS = _NEGATIVE_DAMPING | {"mass": 8.0}  # the mass that the printed inertias belong to, not the stated one
+EFFECTIVE_DAMPING = {  # by the sign of the law
+    -1: Claim(1.0e-3, "N m s/rad", "Sect. 8.5.1", _NEGATIVE_DAMPING, 0.5e-4 / 1.0e-3, _TWO_DIGITS),
+    1: Claim(-1.1e-4, "N m s/rad", "Sect. 8.5.1", _NEGATIVE_DAMPING, 0.5e-5 / 1.1e-4, _TWO_DIGITS),
+}
+EFFECTIVE_INERTIA = {
+    -1: Claim(9.9e-6, "kg m2", "Sect. 8.5.1", _READ_AS, 0.5e-7 / 9.9e-6, _TWO_DIGITS),
+    1: Claim(6.5e-7, "kg m2", "Sect. 8.5.1", _READ_AS, 0.5e-8 / 6.5e-7, _TWO_DIGITS),
+}
+
+TAN_LEAD = Claim(
+    0.0975, "1", "Sect. 8.5.1", _NEGATIVE_DAMPING, 0.5e-4 / 0.0975, "printed with three digits: half a unit of the last"
+)
+
+# Every number that the chapter prints and that is no input: the thresholds first.
+PRINTED = (*THRESHOLDS.values(), PEAK_FORCE, *EFFECTIVE_DAMPING.values(), *EFFECTIVE_INERTIA.values(), TAN_LEAD)
+
+# Sect. 8.7 describes the threshold of global stability without a number; the drive is that of Fig. 8.14 beyond m_cr.
+GLOBAL_STABILITY = {"mass": 11.0, "support_damping": 1e-3}
+
+# Places where the text contradicts itself about the mass (docs/physics.md): Γ± as printed are those of 8 kg, and below
+# the critical mass, 10.1 kg, there is no seizure, which Sect. 8.7 is about.
+READINGS = (
+    Reading("Sect. 8.5.1", {"translation_damping": 1e3}, 1.0, 8.0),
+    Reading("Fig. 8.14", {"support_damping": 1e-3}, 10.0, 11.0),
+)

@@ -1,0 +1,339 @@
+"""The parameters of a lead-screw drive: names, units, allowed ranges, defaults (Table 8.1).
+
+Those of the chapter's four models stand here and not in the files of the models, so that a drive can be made, printed
+or refused without loading the automata that the models make.
+"""
+
+import math
+from collections.abc import Iterator, Mapping
+from decimal import Decimal, localcontext
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+
+from lsvib.engine.exact.precision import PLACES
+from lsvib.errors import InputError
+from lsvib.models.once import once
+from lsvib.models.ranges import Least, range_in_words
+from lsvib.numbers import NotNumber, number, shown, whole
+
+
+def _quantity_of(value: Any) -> float:
+    if type(value) is float and value == value:  # nearly always, and quick
+        return value + 0.0  # -0.0 and 0.0 are one drive
+    return number(value) + 0.0
+
+
+Number = Annotated[float, BeforeValidator(number)]
+Value = Annotated[float, BeforeValidator(_quantity_of)]
+Whole = Annotated[int, BeforeValidator(whole)]
+
+
+def quantity(
+    default: float, symbol: str, unit: str, long_name: str, least: float = 0.0, zero: bool = True, **bounds: Any
+) -> Any:
+    """Return the field of a parameter: its default, how it is written, its SI unit, its name, and its range.
+
+    The range is given in words of pydantic: ``gt``, ``ge``, ``lt`` and ``le`` for >, ≥, < and ≤. ``least`` is the least
+    magnitude of a parameter that has either sign or may be zero, ``zero`` says whether it may.
+    """
+    words = {"symbol": symbol, "unit": unit, "long_name": long_name}
+    field = Field(default=default, json_schema_extra={**words}, **bounds)
+    if least:
+        field.metadata.append(Least(least, zero))
+    return field
+
+
+# What is not zero has a size that some drive might have, the smallest of machines among them, so that squares and
+# products of such numbers stay within the range of doubles. A silicon cylinder of 1 μm in radius and length has
+# 7e-15 kg and 4e-27 kg m2: the least mass, 1e-18 kg, and inertia, 1e-30 kg m2, are less than a thousandth of these. The
+# least dampings, of the same numbers, stop the least bodies in a second. The warmth of a room, 4e-21 J, winds the least
+# coupling up, 1e-21 N m/rad, by two radians, and moves a body on the least spring, 1e-9 N/m, by 2 μm. The least force,
+# 1e-18 N, is a tenth of the weight of the least mass; the least torque is that force at the least radius. The least
+# speed, 1e-12 rad/s, is a turn in 200 000 years. The least friction, 1e-18, is far below any that has been
+# measured; the least lead angle, 1e-6 rad, makes a pitch of 6 μm on the largest radius.
+_LEAST_LEAD = 1e-6  # rad
+
+
+class Drive(BaseModel):
+    """What drives of all models have, in SI units; immutable, every value checked (Table 8.1 gives the defaults).
+
+    Drives of one ``model`` with the same values are equal, whatever class they are of; ``repr`` shows the values that
+    differ from the defaults. ``lead_angle_deg`` [degree] may stand for ``lead_angle`` [rad] wherever values are given.
+    ``mass``, ``translation_damping`` and ``axial_force`` differ from figure to figure in the chapter; their defaults
+    are m = 1 kg (Sect. 8.5.1), c_x = 0 and R = 50 N (assumed: the text does not state R for Figs 8.9–8.13). Raises
+    ``InputError`` through :meth:`of` and :meth:`replace`, in one sentence naming key, value and range.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model: ClassVar[str]  # one of lsvib.models.model_files.model_names()
+    own_damping: ClassVar[str] = ""  # the damping that the model adds to the rigid drive
+
+    pitch_radius: Value = quantity(5.18e-3, "r_m", "m", "pitch radius of the screw", ge=1e-6, le=1.0)
+    lead_angle: Value = quantity(
+        math.radians(5.57), "lambda", "rad", "lead angle of the screw", ge=_LEAST_LEAD, lt=math.pi / 2
+    )
+    screw_inertia: Value = quantity(3.12e-6, "I", "kg m2", "moment of inertia of the screw", ge=1e-30, le=1e6)
+    coupling_stiffness: Value = quantity(
+        1.0, "k", "N m rad-1", "torsional stiffness of the coupling", ge=1e-21, le=1e15
+    )
+    support_damping: Value = quantity(
+        2e-4, "c", "N m s rad-1", "rotational damping of the support", least=1e-30, ge=0, le=1e15
+    )
+    friction_coefficient: Value = quantity(0.218, "mu", "1", "friction coefficient of the threads", least=1e-18, ge=0)
+    input_speed: Value = quantity(
+        40.0, "Omega", "rad s-1", "input angular speed", least=1e-12, zero=False, ge=-1e9, le=1e9
+    )
+    mass: Value = quantity(1.0, "m", "kg", "translating mass", ge=1e-18, le=1e9)
+    translation_damping: Value = quantity(
+        0.0, "c_x", "N s m-1", "damping of the translating mass", least=1e-18, ge=0, le=1e15
+    )
+    axial_force: Value = quantity(50.0, "R", "N", "axial force on the translating mass", least=1e-18, ge=-1e12, le=1e12)
+
+    if not TYPE_CHECKING:  # a type checker reads the parameters from the fields
+
+        def __init__(self, /, **values: Any) -> None:
+            """Make a drive from its parameters; raises ``InputError`` in one sentence."""
+            if "lead_angle_deg" in values:
+                values = _in_radians(values)
+            try:
+                super().__init__(**values)
+            except ValidationError as error:
+                raise InputError(sentence_about(type(self), error)) from None
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Drive):
+            return NotImplemented
+        return self.model == other.model and self.__dict__ == other.__dict__
+
+    def __hash__(self) -> int:
+        return hash((self.model, *self.__dict__.values()))
+
+    def __repr_args__(self) -> Iterator[tuple[str, Any]]:
+        for key, field in type(self).model_fields.items():
+            if getattr(self, key) != field.default:
+                yield key, getattr(self, key)
+
+    def __str__(self) -> str:
+        return repr(self)
+
+    def model_post_init(self, context: Any) -> None:
+        """Check what couples two parameters: μ < cot λ."""
+        limit = 1 / math.tan(self.lead_angle)
+        if not self.friction_coefficient < limit:
+            raise InputError(
+                f"friction_coefficient = {self.friction_coefficient:g} is outside the allowed range "
+                f"{allowed_range(type(self), 'friction_coefficient')} = {limit:.6g}."
+            )
+
+    @classmethod
+    def of(cls, values: "Drive | Mapping[str, Any] | None" = None, /, **more: Any) -> Self:
+        """Make a drive from another drive, or from names and values, with ``more`` of them.
+
+        Raises ``InputError`` in one sentence.
+        """
+        if isinstance(values, Drive):
+            return cls(**values.model_dump()).replace(**more)
+        return cls(**{**names_and_values("drive", values), **more})
+
+    def replace(self, /, **changes: Any) -> Self:
+        """Return a copy with some parameters changed, checked again."""
+        return type(self)(**{**self.model_dump(), **_in_radians(changes)})
+
+    def exact(self) -> "ExactParameters":
+        """Return the same drive with every value as a ``Decimal``, and tan λ, sin λ, cos λ to 50 digits."""
+        return _exact(self)
+
+
+class RigidDrive(Drive):
+    """A drive whose nut and screw are rigid: one degree of freedom (Sect. 5.3).
+
+    >>> import lsvib
+    >>> lsvib.RigidDrive(mass=11, axial_force=-10).replace(mass=12)
+    RigidDrive(mass=12.0, axial_force=-10.0)
+    """
+
+    model = "rigid"
+
+
+class ThreadsDrive(Drive):
+    """A drive with compliant threads (Sect. 5.5); k_c and c_c of Fig. 8.10 by default.
+
+    >>> import lsvib
+    >>> lsvib.ThreadsDrive(mass=9, contact_damping=5e4).stability().kind
+    'flutter'
+    """
+
+    model, own_damping = "threads", "contact_damping"
+
+    contact_stiffness: Value = quantity(1e8, "k_c", "N m-1", "stiffness of the thread contact", ge=1e-9, le=1e15)
+    contact_damping: Value = quantity(
+        1e8, "c_c", "N s m-1", "damping of the thread contact", least=1e-18, ge=0, le=1e15
+    )
+
+
+class SupportDrive(Drive):
+    """A drive with a compliant axial support of the screw (Sect. 5.6); m_1 of Fig. 8.15 by default, k_1 assumed.
+
+    >>> import lsvib
+    >>> lsvib.SupportDrive(mass=15, friction_coefficient=0.3).stability().kind
+    'kinematic'
+    """
+
+    model, own_damping = "support", "axial_support_damping"
+
+    screw_mass: Value = quantity(11.6, "m_1", "kg", "mass of the screw", ge=1e-18, le=1e9)
+    support_stiffness: Value = quantity(1e6, "k_1", "N m-1", "axial stiffness of the support", ge=1e-9, le=1e15)
+    axial_support_damping: Value = quantity(
+        0.0, "c_1", "N s m-1", "axial damping of the support", least=1e-18, ge=0, le=1e15
+    )
+    slide_friction: Value = quantity(0.0, "F_0", "N", "Coulomb friction of the slide", least=1e-18, ge=0, le=1e12)
+    bearing_friction: Value = quantity(
+        0.0, "T_0", "N m", "Coulomb friction of the screw support", least=1e-24, ge=0, le=1e12
+    )
+
+
+class NutDrive(Drive):
+    """A drive whose nut can rotate on a spring (Sect. 5.8); no values are printed, the screw's own are assumed.
+
+    >>> import lsvib
+    >>> lsvib.NutDrive(mass=6).stability().conditions["kinematic"].hold
+    True
+    """
+
+    model, own_damping = "nut", "nut_damping"
+
+    nut_inertia: Value = quantity(3.12e-6, "I_2", "kg m2", "moment of inertia of the nut", ge=1e-30, le=1e6)
+    nut_stiffness: Value = quantity(1.0, "k_2", "N m rad-1", "rotational stiffness of the nut", ge=1e-21, le=1e15)
+    nut_damping: Value = quantity(
+        2e-4, "c_2", "N m s rad-1", "rotational damping of the nut", least=1e-30, ge=0, le=1e15
+    )
+    slide_friction: Value = quantity(0.0, "F_0", "N", "Coulomb friction of the slide", least=1e-18, ge=0, le=1e12)
+    bearing_friction: Value = quantity(
+        0.0, "T_0", "N m", "Coulomb friction of the screw support", least=1e-24, ge=0, le=1e12
+    )
+
+
+class ExactParameters:
+    """A drive in 50-digit decimal arithmetic: attributes as in :class:`Drive`, plus the functions of λ.
+
+    It is made once and shared, so it cannot be changed: an attempt raises ``AttributeError``.
+    """
+
+    def __init__(self, drive: Drive) -> None:
+        values = {key: Decimal(value) for key, value in drive.__dict__.items()}
+        with localcontext(prec=PLACES + 10):
+            sine, cosine = sine_and_cosine(values["lead_angle"])
+            self.__dict__.update(values, sin_lead=sine, cos_lead=cosine, tan_lead=sine / cosine)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"{name} cannot be set: exact parameters are shared.")
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Decimal: ...
+
+
+_exact = once(ExactParameters)
+
+
+def sine_and_cosine(angle: Decimal) -> tuple[Decimal, Decimal]:
+    """Sine and cosine [1] of an angle in (0, π/2) [rad] by their Taylor series, to the precision of the context."""
+    sums = [Decimal(0), Decimal(1)]
+    term = Decimal(1)
+    for n in range(1, 100):
+        term = term * angle / n
+        sums[(n + 1) % 2] += term if n % 4 < 2 else -term
+    return sums[0], sums[1]
+
+
+def _in_radians(values: dict[str, Any]) -> dict[str, Any]:
+    if "lead_angle_deg" not in values:
+        return values
+    if "lead_angle" in values:
+        raise InputError("lead_angle and lead_angle_deg are both given; give one of them.")
+    given, allowed = values["lead_angle_deg"], f"{math.degrees(_LEAST_LEAD):g} <= lead_angle_deg < 90"
+    try:
+        degrees = number(given)
+    except NotNumber as error:
+        raise InputError(f"lead_angle_deg = {shown(given)} {error}; the allowed range is {allowed}.") from None
+    if not _LEAST_LEAD <= math.radians(degrees) < math.pi / 2:
+        raise InputError(f"lead_angle_deg = {shown(given)} is outside the allowed range {allowed}.")
+    rest = {key: value for key, value in values.items() if key != "lead_angle_deg"}
+    return {**rest, "lead_angle": math.radians(degrees)}
+
+
+def names_and_values(name: str, given: Any) -> dict[str, Any]:
+    """Return a mapping of names as a dictionary, None as an empty one; ``InputError`` for anything else."""
+    if given is None:
+        return {}
+    if not isinstance(given, Mapping):
+        raise InputError(f"{name} = {shown(given)} does not hold names and values, such as mass: 11.0.")
+    for key in given:
+        if not isinstance(key, str):
+            raise InputError(f"{shown(key)} is not a known key of {name}: keys are names, such as mass.")
+    return dict(given)
+
+
+def changed(given: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Return names and values of a drive with changes; a lead angle replaces the given one, whatever its unit."""
+    angles = {"lead_angle", "lead_angle_deg"}
+    dropped = angles if changes.keys() & angles else set()
+    return {**{key: value for key, value in given.items() if key not in dropped}, **changes}
+
+
+def parameters_of(drive: Drive | Mapping[str, Any] | None) -> dict[str, Any]:
+    """Return the names and values of a drive, which may be a drive or a mapping; ``InputError`` for anything else."""
+    return drive.model_dump() if isinstance(drive, Drive) else names_and_values("drive", drive)
+
+
+def model_of(drive: Any, model: str = "rigid") -> str:
+    """Return the model that is asked for; a drive that is none of the rigid model need not be asked for by name."""
+    return drive.model if isinstance(drive, Drive) and model == "rigid" else model
+
+
+def sentence_about(model: type[BaseModel], error: ValidationError) -> str:
+    """Return one sentence about the first complaint of pydantic about a model, with key, value and range."""
+    # Of a misspelt key the misspelling is the news, not that the right one is missing.
+    first = min(error.errors(), key=lambda complaint: complaint["type"] == "missing")
+    cause = first.get("ctx", {}).get("error")
+    if isinstance(cause, InputError) and not isinstance(cause, NotNumber):
+        return str(cause)
+    key = ".".join(str(part) for part in first["loc"])
+    field = model.model_fields.get(key)
+    if first["type"] == "extra_forbidden":
+        return f"{key} is not a known key; the known keys are {', '.join(model.model_fields)}."
+    if first["type"] == "missing":
+        return f"{key} is missing."
+    allowed, value = allowed_range(model, key) if field is not None else "", shown(first["input"])
+    if isinstance(cause, NotNumber):
+        return f"{key} = {value} {cause}{'; the allowed range is ' if allowed else ''}{allowed}."
+    if allowed:
+        return f"{key} = {value} is outside the allowed range {allowed}."
+    return f"{key} = {value} is not acceptable: {first['msg']}."
+
+
+def described(model: type[BaseModel], key: str) -> dict[str, str]:
+    """Return the ``symbol``, ``unit`` and ``long_name`` of a parameter."""
+    extra = model.model_fields[key].json_schema_extra
+    return {name: str(text) for name, text in extra.items()} if isinstance(extra, dict) else {}
+
+
+def allowed_range(model: type[BaseModel], key: str) -> str:
+    """Return the allowed range of a parameter as text, e.g. ``1e-18 <= mass <= 1e+09``; empty if it has no bounds."""
+    text = range_in_words(key, model.model_json_schema()["properties"][key])
+    return f"{text} < cot(lead_angle)" if key == "friction_coefficient" else text
+
+
+def may_vanish(model: type[BaseModel], key: str) -> bool:
+    """Whether a parameter may be zero."""
+    return any(isinstance(bound, Least) and bound.zero for bound in model.model_fields[key].metadata)
+
+
+def zero_if_close(model: type[BaseModel], key: str, value: float) -> float:
+    """Return a value that was computed, or zero where it is closer to zero than a parameter that may vanish can be.
+
+    Steps across zero and halvings of an interval towards it come there by rounding.
+    """
+    least = [bound for bound in model.model_fields[key].metadata if isinstance(bound, Least) and bound.zero]
+    return 0.0 if least and abs(value) < least[0].magnitude else value

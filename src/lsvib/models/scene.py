@@ -1,0 +1,141 @@
+"""A scene: which model and which physics, from which state, for how long, and what is wanted of it."""
+
+import math
+import re
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+from typing import Annotated, Any, Self
+
+import yaml
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SerializeAsAny, ValidationError, model_validator
+
+from lsvib.errors import InputError
+from lsvib.models.drive import Drive, Number, Whole, names_and_values, sentence_about
+from lsvib.models.registry import Model, find_model
+from lsvib.models.resumption import Resume
+from lsvib.numbers import NotNumber, number
+
+
+class Scene(BaseModel):
+    """One simulation, immutable and checked.
+
+    ``model``: its name (:mod:`lsvib.models.model_files`); ``drive``: its parameters. ``physics``: the terms that the
+    scene has – a damping or force that is listed nowhere must be zero in the drive, and without ``rest`` the motion of
+    a rigid drive is taken never to reach θ′ = 0, so reversal, rest and seizure are left out; by default the non-zero
+    terms and rest. ``resume``: how motion goes on after a seizure, see :mod:`lsvib.models.rigid`. ``start``: u [rad],
+    w [rad/s], and what else the model has. ``duration`` [s]. ``samples``: number of equidistant output times, both ends
+    included. ``outputs``: observables to store besides the state, the mode and the events.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    model: str = "rigid"
+    drive: SerializeAsAny[Drive]
+    physics: tuple[str, ...] | None = None
+    resume: Resume = "contact_sign"
+    start: Annotated[dict[str, Number], BeforeValidator(partial(names_and_values, "start"))]
+    duration: Number = Field(gt=0, le=1e9)
+    samples: Whole = Field(default=1001, ge=2, le=100_000_000)
+    outputs: tuple[str, ...] = ("normal_force", "coupling_torque")
+
+    def __init__(self, /, **values: Any) -> None:
+        """Make a scene from its keys; raises ``InputError`` in one sentence."""
+        try:
+            super().__init__(**values)
+        except ValidationError as error:
+            raise InputError(sentence_about(type(self), error)) from None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _drive_of_the_model(cls, values: Any) -> Any:
+        drive, kind = values.get("drive"), find_model(values.get("model", "rigid")).drive
+        known = isinstance(drive, Drive) and drive.model == kind.model  # of another model: converted
+        return {**values, "drive": drive if known else kind.of(drive)}
+
+    def model_post_init(self, context: Any) -> None:
+        """Check what couples two keys: start, words of physics and outputs, no term that physics omits."""
+        definition = self.definition
+        definition.initial_state(self.drive, self.start)
+        for key, words in (("physics", (*definition.terms, *definition.options)), ("outputs", definition.outputs)):
+            for word in getattr(self, key) or ():
+                if word not in words:
+                    raise InputError(f"{key} has the word {word!r}; the model {self.model} knows {', '.join(words)}.")
+        for term in definition.terms:
+            value = getattr(self.drive, term)
+            if self.physics is not None and term not in self.physics and value != 0:
+                raise InputError(f"{term} = {value:g} although physics does not list {term}; set it to 0 or list it.")
+
+    @property
+    def definition(self) -> Model:
+        """The model by its name."""
+        return find_model(self.model)
+
+    @property
+    def terms(self) -> tuple[str, ...]:
+        """The physics of the scene, spelled out."""
+        return self.definition.physics_of(self.drive) if self.physics is None else self.physics
+
+    def parameters(self) -> dict[str, float]:
+        """Return the parameters that the scene uses: the drive's without the terms that the physics leaves out."""
+        return {key: value for key, value in self.drive if key not in self.definition.terms or key in self.terms}
+
+    @classmethod
+    def of(cls, values: Mapping[str, Any]) -> Self:
+        """Make a scene from names and values; raises ``InputError`` in one sentence."""
+        return cls(**names_and_values("scene", values))
+
+
+def read_yaml(path: str | Path) -> dict[str, Any]:
+    """Read a YAML file that holds names and values.
+
+    Numbers are decimal, with leading zeros too; what YAML 1.1 would read as sexagesimal, hexadecimal or with
+    underscores stays text. Raises ``InputError`` in one sentence if the file is missing or something else, or gives a
+    key twice.
+    """
+    try:
+        with Path(path).open("rb") as file:
+            content = file.read(_LARGEST + 1)
+        values = yaml.load(content.decode("utf-8"), Loader=_Loader) if len(content) <= _LARGEST else None
+    except OSError as error:
+        raise InputError(f"Cannot read {path}: {error.strerror}.") from None
+    except RecursionError:
+        raise InputError(f"{path} is not valid YAML: it is nested too deeply.") from None
+    except (yaml.YAMLError, ValueError) as error:  # ValueError: no UTF-8, no day of the calendar, a null in the path
+        raise InputError(f"{path} is not valid YAML: {' '.join(str(error).split()).rstrip('.')}.") from None
+    if not isinstance(values, dict):
+        raise InputError(f"{path} does not hold names and values.")
+    return values
+
+
+_LARGEST = 10_000_000  # bytes
+
+
+class _Loader(yaml.SafeLoader):
+    """YAML without the surprises: no key twice, and numbers are decimal."""
+
+    def construct_mapping(self, node: yaml.Node, deep: bool = False) -> dict[Any, Any]:
+        """Return a mapping; refuse a key that is given twice."""
+        seen = set()
+        for key, _ in node.value if isinstance(node, yaml.MappingNode) else ():
+            if isinstance(key, yaml.ScalarNode):
+                if (key.tag, key.value) in seen:
+                    raise yaml.constructor.ConstructorError(
+                        None, None, f"the key {key.value} is given twice", key.start_mark
+                    )
+                seen.add((key.tag, key.value))
+        return super().construct_mapping(node, deep)  # type: ignore[arg-type]  # it refuses what is no mapping
+
+    def construct_decimal(self, node: yaml.ScalarNode) -> int | float | str:
+        """Return a decimal number; what is none, such as an octal or sexagesimal one, stays text."""
+        text = self.construct_scalar(node)
+        try:
+            return int(text) if _DECIMAL.fullmatch(text) else number(text)
+        except NotNumber:
+            return _NOT_FINITE.get(text.lower().lstrip("+"), text)
+
+
+_DECIMAL = re.compile(r"[+-]?(0|[1-9][0-9]*)")
+_NOT_FINITE = {".nan": math.nan, ".inf": math.inf, "-.inf": -math.inf}
+for _tag in ("int", "float"):
+    _Loader.add_constructor(f"tag:yaml.org,2002:{_tag}", _Loader.construct_decimal)

@@ -1,0 +1,184 @@
+"""Linearised equations of motion in steady sliding: compliant threads, axial support, rotating nut. Needs no engine.
+
+Every model has two coordinates q and reads M q″ + C q′ + K q = 0. With a screw that turns at θ′, a nut at x, and the
+contact force N of law s (μ_s = s μ, Sect. 5.3), Newton's laws are
+
+    I θ″ = T + a N            a = r_m (sin λ − μ_s cos λ) = −r_m ξ_s b
+    m x″ = P − b N            b = cos λ + μ_s sin λ
+
+with T = k (Ω t − θ) − c θ′ and P = R − c_x x′. The models differ in what ties x to θ. Coulomb friction F_0 and T_0 is
+constant in steady sliding, so it shifts the equilibrium – and may turn the sign of N – but is in no matrix.
+
+The entries are plain arithmetic: they serve floats, numpy arrays that broadcast (whole grids at once) and 50-digit
+decimals alike.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from decimal import Decimal, localcontext
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lsvib.engine.exact.precision import PLACES
+from lsvib.errors import InputError
+from lsvib.models import friction
+from lsvib.models.drive import Drive, ExactParameters
+
+TwoByTwo = tuple[tuple[Any, Any], tuple[Any, Any]]
+DriveValues = Drive | ExactParameters | Mapping[str, ArrayLike]
+"""A drive, the same in 50-digit decimals (``drive.exact()``), or its keys with arrays that broadcast."""
+
+
+@dataclass(frozen=True)
+class LinearModel:
+    """M q″ + C q′ + K q = 0 with two coordinates; each entry of a matrix is a float, an array or a ``Decimal``."""
+
+    mass: TwoByTwo
+    damping: TwoByTwo
+    stiffness: TwoByTwo
+
+    def polynomial(self) -> tuple[Any, Any, Any, Any, Any]:
+        """Return the coefficients of det(M s² + C s + K), highest power first, in the arithmetic of the entries."""
+        m, c, k = self.mass, self.damping, self.stiffness
+        with localcontext(prec=PLACES):
+            return determinant(m), _mixed(m, c), determinant(c) + _mixed(m, k), _mixed(c, k), determinant(k)
+
+    def jacobian(self) -> NDArray[np.float64]:
+        """Return the state matrix of [q_1, q_1′, q_2, q_2′], shape (..., 4, 4) for entries that broadcast to (...)."""
+        rate, place = _solved(self.mass, self.damping), _solved(self.mass, self.stiffness)
+        shape = np.broadcast_shapes(*(np.shape(x) for matrix in (rate, place) for row in matrix for x in row))
+        jacobian = np.zeros((*shape, 4, 4))
+        for i in (0, 1):
+            jacobian[..., 2 * i, 2 * i + 1] = 1.0
+            for j in (0, 1):
+                jacobian[..., 2 * i + 1, 2 * j] = -place[i][j]
+                jacobian[..., 2 * i + 1, 2 * j + 1] = -rate[i][j]
+        return jacobian
+
+
+def steady_law(drive: Drive) -> int:
+    """Law s_0 = sgn(N_0 Ω) of steady sliding, N_0 (cos λ + s_0 μ sin λ) = R − r_m tan λ c_x Ω − F_0 sgn Ω (eq. 8.15).
+
+    F_0 is the friction of the slide where the model has one. Raises ``InputError`` if the contact carries no force.
+    """
+    sense = 1 if drive.input_speed > 0 else -1
+    exact = drive.exact()
+    with localcontext(prec=PLACES):
+        friction = getattr(exact, "slide_friction", Decimal(0))
+        # The friction first: it can balance R but for a drag that is lost in the digits of R. It is not multiplied by
+        # the sense, which would round it, so that a balance without drag is exactly zero.
+        drag = exact.pitch_radius * exact.tan_lead * exact.translation_damping * exact.input_speed
+        rest = exact.axial_force - friction if sense > 0 else exact.axial_force + friction
+        force = rest - drag
+    if force == 0:
+        raise InputError("axial_force balances damping and friction exactly, so the contact carries no force.")
+    return sense if force > 0 else -sense
+
+
+def threads_model(drive: DriveValues, law: int) -> LinearModel:
+    """Linearised drive with compliant threads (Sect. 5.5, eqs 8.6, 8.7), coordinates q = (z, e).
+
+    x = r_m tan λ θ + e; the contact is compressed by δ = e cos λ and carries N = k_c δ + c_c δ′. Hence
+
+        I z″ + c z′ + k z − a cos λ (k_c e + c_c e′) = 0
+        m (r_m tan λ z″ + e″) + c_x (r_m tan λ z′ + e′) + b cos λ (k_c e + c_c e′) = 0
+
+    and det(M s² + C s + K) = (I s² + c s + k)(m s² + c_x s) + b cos λ (k_c + c_c s)(Γ_s s² + C_s s + k): the last
+    factor is the rigid drive (8.13). The state matrix is that of [z, θ′, e, e′].
+
+    Arguments: drive with ``contact_stiffness`` k_c [N/m] and ``contact_damping`` c_c [N s/m]; law s = ±1. Units of the
+    first equation [N m], of the second [N].
+    """
+    p = values_of(drive, law)
+    with localcontext(prec=PLACES):
+        lead = p.pitch_radius * p.tan_lead
+        b = p.cos_lead * (1 + law * p.friction_coefficient * p.tan_lead)
+        a = -p.pitch_radius * p.factor * b
+        stiffness, damping = p.cos_lead * p.contact_stiffness, p.cos_lead * p.contact_damping
+        return LinearModel(
+            mass=((p.screw_inertia, 0), (p.mass * lead, p.mass)),
+            damping=(
+                (p.support_damping, -a * damping),
+                (p.translation_damping * lead, p.translation_damping + b * damping),
+            ),
+            stiffness=((p.coupling_stiffness, -a * stiffness), (0, b * stiffness)),
+        )
+
+
+def support_model(drive: DriveValues, law: int) -> LinearModel:
+    """Linearised drive with a compliant axial support (Sect. 5.6; M and K of eq. 8.23), coordinates q = (θ, x_1).
+
+    The screw of mass m_1 can shift by x_1 against k_1 and c_1: x = r_m tan λ θ + x_1 and
+    m_1 x_1″ = b N − k_1 x_1 − c_1 x_1′. With b N = R − c_x x′ − m x″ from the nut and a/b = −r_m ξ_s,
+
+        (I − ξ_s m r_m² tan λ) θ″ − ξ_s r_m m x_1″ + (c − ξ_s c_x r_m² tan λ) θ′ − ξ_s r_m c_x x_1′ + k θ = 0
+        m r_m tan λ θ″ + (m + m_1) x_1″ + c_x r_m tan λ θ′ + (c_x + c_1) x_1′ + k_1 x_1 = 0
+
+    Arguments as :func:`threads_model`, with ``screw_mass`` m_1 [kg], ``support_stiffness`` k_1 [N/m] and
+    ``axial_support_damping`` c_1 [N s/m] (not the c_1 of eq. 8.15, which is c_x).
+    """
+    p = values_of(drive, law)
+    with localcontext(prec=PLACES):
+        lead, lever = p.pitch_radius * p.tan_lead, p.factor * p.pitch_radius
+        return LinearModel(
+            mass=((p.screw_inertia - lever * lead * p.mass, -lever * p.mass), (lead * p.mass, p.mass + p.screw_mass)),
+            damping=(
+                (p.support_damping - lever * lead * p.translation_damping, -lever * p.translation_damping),
+                (lead * p.translation_damping, p.translation_damping + p.axial_support_damping),
+            ),
+            stiffness=((p.coupling_stiffness, 0), (0, p.support_stiffness)),
+        )
+
+
+def nut_model(drive: DriveValues, law: int) -> LinearModel:
+    """Linearised drive whose nut can rotate (Sect. 5.8, matrices above eq. 8.33), coordinates q = (θ, θ_2).
+
+    x = r_m tan λ (θ − θ_2), I_2 θ_2″ = −k_2 θ_2 − c_2 θ_2′ − a N. With χ = ξ_s r_m² tan λ all three matrices are
+    symmetric: M = diag(I, I_2) − m χ D, C = diag(c, c_2) − c_x χ D, K = diag(k, k_2), D = [[1, −1], [−1, 1]]. (The
+    chapter prints them for c_x = 0.)
+
+    Arguments as :func:`threads_model`, with ``nut_inertia`` I_2 [kg m²], ``nut_stiffness`` k_2 [N m/rad] and
+    ``nut_damping`` c_2 [N m s/rad].
+    """
+    p = values_of(drive, law)
+    with localcontext(prec=PLACES):
+        lever = p.factor * p.pitch_radius**2 * p.tan_lead
+        mass, damping = lever * p.mass, lever * p.translation_damping
+        return LinearModel(
+            mass=((p.screw_inertia - mass, mass), (mass, p.nut_inertia - mass)),
+            damping=((p.support_damping - damping, damping), (damping, p.nut_damping - damping)),
+            stiffness=((p.coupling_stiffness, 0), (0, p.nut_stiffness)),
+        )
+
+
+def determinant(a: TwoByTwo) -> Any:
+    """Determinant of a 2 × 2 matrix, in the arithmetic of its entries."""
+    return a[0][0] * a[1][1] - a[0][1] * a[1][0]
+
+
+def _mixed(a: TwoByTwo, b: TwoByTwo) -> Any:
+    """Term of det(A + B) that is linear in both A and B."""
+    return a[0][0] * b[1][1] + a[1][1] * b[0][0] - a[0][1] * b[1][0] - a[1][0] * b[0][1]
+
+
+def _solved(a: TwoByTwo, b: TwoByTwo) -> TwoByTwo:
+    """A⁻¹ B by Cramer's rule."""
+    det = determinant(a)
+    first = tuple((a[1][1] * b[0][j] - a[0][1] * b[1][j]) / det for j in (0, 1))
+    second = tuple((a[0][0] * b[1][j] - a[1][0] * b[0][j]) / det for j in (0, 1))
+    return first, second
+
+
+def values_of(drive: DriveValues, law: int) -> SimpleNamespace:
+    """Return the parameters as attributes, with sin λ, cos λ, tan λ and, as ``factor``, ξ_s of the law s = ±1."""
+    if isinstance(drive, ExactParameters):
+        p = SimpleNamespace(**vars(drive))
+    else:
+        p = SimpleNamespace(**{key: np.asarray(value, dtype=float) for key, value in dict(drive).items()})
+        p.sin_lead, p.cos_lead, p.tan_lead = (f(p.lead_angle) for f in (np.sin, np.cos, np.tan))
+    with localcontext(prec=PLACES):
+        p.factor = friction.friction_factor(p.friction_coefficient, p.tan_lead, law)
+    return p

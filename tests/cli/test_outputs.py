@@ -1,0 +1,116 @@
+"""Outputs are put in place all or none, links are followed; drives are accepted in every form."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from references.command_line import MOTION
+
+import lsvib
+from lsvib.errors import LsvibError
+from lsvib.figures.configuration import DEFAULT, check
+from lsvib.files import Outputs, target_of
+from lsvib.models.drive import RigidDrive
+from lsvib.models.scene import read_yaml
+
+ROOT = Path(__file__).parents[2]
+SETTINGS = read_yaml(DEFAULT)
+
+
+def test_links_are_followed_and_old_results_replaced(run, tmp_path):
+    (tmp_path / "deep").mkdir()
+    (tmp_path / "x.nc").symlink_to("deep/real.nc")  # of a file that is not there yet
+    (tmp_path / "deep" / "empty.nc").touch()
+    for out in ("x.nc", "x.nc", "deep/real.nc", "deep/empty.nc"):
+        assert run("simulate", *MOTION, "--out", out)[0] == 0
+    assert (tmp_path / "x.nc").is_symlink()
+    for name in ("real.nc", "empty.nc"):
+        assert (tmp_path / "deep" / name).read_bytes().startswith(b"\x89HDF")
+    assert not list(tmp_path.rglob("*.part"))
+
+
+def test_none_is_left_when_one_fails(tmp_path):
+    """The second file cannot be put in place; what the first replaces is another matter, it is new here."""
+    outputs = Outputs([(tmp_path / "a" / "x.nc", "netCDF"), (tmp_path / "b" / "x.png", "PNG")], make_folders=True)
+
+    def work():
+        with outputs.writing() as (first, second):
+            first.write_text("one")
+            second.write_text("two")
+            (tmp_path / "b" / "x.png").mkdir()
+
+    with pytest.raises(LsvibError, match=r"x\.png"):
+        work()
+    assert [path.name for path in tmp_path.rglob("*")] == ["b", "x.png"]
+
+
+@pytest.mark.parametrize("error", [LsvibError("no"), KeyboardInterrupt(), ValueError("no")])
+def test_none_is_left_when_the_work_fails(tmp_path, error):
+    (tmp_path / "old.nc").write_bytes(b"\x89HDF of old")
+    outputs = Outputs([(tmp_path / "old.nc", "netCDF"), (tmp_path / "new" / "x.png", "PNG")], make_folders=True)
+
+    def work():
+        with outputs.writing() as (first, _):
+            first.write_text("new")
+            raise error
+
+    with pytest.raises(type(error)):
+        work()
+    assert [path.name for path in tmp_path.rglob("*")] == ["old.nc"]
+    assert (tmp_path / "old.nc").read_bytes() == b"\x89HDF of old"
+
+
+def test_a_sentence_names_the_file_and_not_the_temporary_one(tmp_path):
+    outputs = Outputs([(tmp_path / "x.nc", "netCDF")])
+    with pytest.raises(LsvibError) as raised, outputs.writing() as (part,):
+        raise LsvibError(f"Cannot write {part}: full.")
+    assert str(raised.value) == f"Cannot write {tmp_path / 'x.nc'}: full."
+
+
+@pytest.mark.skipif(os.getuid() == 0, reason="root may write everywhere")
+def test_what_cannot_be_written_is_told_before(tmp_path):
+    (tmp_path / "kept.nc").touch(mode=0o444)
+    with pytest.raises(LsvibError, match="write-protected"):
+        target_of(tmp_path / "kept.nc")
+    tmp_path.chmod(0o555)
+    with pytest.raises(LsvibError, match="not writable"):
+        target_of(tmp_path / "x.nc")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
+def test_a_full_or_closed_standard_output_ends_in_one_sentence():
+    command = f"{sys.executable} -m lsvib config"
+    full = subprocess.run(f"{command} > /dev/full", shell=True, stderr=subprocess.PIPE, text=True)
+    assert full.returncode == 2
+    assert full.stderr == "lsvib: Cannot write to the standard output: No space left on device.\n"
+    closed = subprocess.run(f"{command} >&-", shell=True, stderr=subprocess.PIPE, text=True)
+    assert (closed.returncode, closed.stderr) == (0, "")
+
+
+def test_the_settings_of_the_package_are_those_of_the_repository():
+    assert DEFAULT.read_bytes() == (ROOT / "config" / "config.yaml").read_bytes()
+    check(SETTINGS)
+
+
+def test_drives_and_dictionaries_are_accepted_alike():
+    values, start = {"mass": 11.0, "axial_force": -10.0}, {"start": {"u": 0.1, "w": 0.0}, "duration": 0.1}
+    drive = RigidDrive.of(values)
+    assert lsvib.stability(drive) == lsvib.stability(values)
+    assert lsvib.thresholds(drive, model="threads") == lsvib.thresholds(values, model="threads")
+    complete = dict(drive)
+    own, chapters = lsvib.thresholds(drive), lsvib.thresholds(complete)
+    # A drive stands for itself; of changes to the chapter's drives, the critical friction is that with axial support.
+    assert own.pop("critical_friction")["source"] == "eq. 8.20"
+    assert "eqs 8.27 and 8.28" in chapters.pop("critical_friction")["source"]
+    assert own == chapters
+    expected = lsvib.simulate(**values, **start)
+    for motion in (
+        lsvib.simulate(drive, **start),
+        lsvib.simulate(drive=drive, **start),
+        lsvib.simulate(drive=values, **start),
+        lsvib.simulate(RigidDrive(), **values, **start),
+        lsvib.simulate({"drive": drive}, **start),
+    ):
+        assert motion.identical(expected)

@@ -1,0 +1,189 @@
+"""Charts: labels that two motions give each cell are those that the exact thresholds give, wherever no curve passes."""
+
+import json
+import math
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import lsvib
+from lsvib.datasets.chart import ChartAxis, Plane
+from lsvib.datasets.chart_tiles import chart_tile, gather_chart
+from lsvib.datasets.writer import write_dataset
+from lsvib.dynamics.behaviour import Behaviour
+from lsvib.errors import NoThreshold
+from lsvib.models.coefficients import coefficients
+from lsvib.stability import thresholds
+from lsvib.stability.boundary_curves import ChartBoundary, _function, boundary_curves, stops_again
+
+PAIRS = {  # of parameters, with the ends of both axes and the drive
+    "mass over force": (("mass", 0.5, 14.0), ("axial_force", -60.0, 80.0), {"translation_damping": 1000.0}),
+    "support damping over force": (("support_damping", 1e-4, 3e-3), ("axial_force", -90.0, 30.0), {"mass": 12.0}),
+    "speed over force": (("input_speed", -90.0, -5.0), ("axial_force", -60.0, 60.0), {"translation_damping": 1000.0}),
+    "mass and friction": (
+        ("mass", 0.5, 14.0), ("friction_coefficient", 0.12, 0.4), {"translation_damping": 1000.0, "axial_force": 35.0},
+    ),
+}  # fmt: skip
+
+
+@lru_cache(maxsize=100_000)
+def force(name: str, drive) -> float | str:
+    """A threshold of a drive without R, or in a word why there is none."""
+    try:
+        return getattr(thresholds, f"{name}_force")(drive)
+    except NoThreshold as reason:
+        return str(reason)
+
+
+def expected(drive) -> Behaviour | None:
+    """What the thresholds say that a drive does; None where they do not cover it. Written for Ω > 0, else mirrored."""
+    c, way = coefficients(drive), math.copysign(1.0, drive.input_speed)
+    plain, R = drive.replace(axial_force=0.0), way * drive.axial_force
+    drags = float(c.net_force) * way > 0
+    if c.paradox:
+        if drags:
+            return Behaviour.SPRAG_SLIP
+        end = force("global_stability", plain)
+        if isinstance(end, str):
+            return Behaviour.NO_VIBRATION if "globally stable under every" in end else None
+        return Behaviour.NO_VIBRATION if R < way * end else Behaviour.COEXISTENCE
+    if c.damping[1] >= 0:
+        return Behaviour.NO_VIBRATION
+    if not drags:
+        return {1.0: Behaviour.COEXISTENCE, -1.0: Behaviour.NO_VIBRATION}.get(stops_again(drive))
+    stick, detach = force("stick", plain), force("detach", plain)
+    if isinstance(stick, str) and "no limit cycle" not in stick:
+        return None
+    if not isinstance(stick, str) and R < way * stick:
+        return Behaviour.PURE_SLIP
+    if isinstance(detach, str):
+        if "every cycle with rest reaches N = 0" in detach:
+            return Behaviour.STICK_SLIP_WITH_CONTACT_REVERSAL
+        return Behaviour.STICK_SLIP if "reaches N = 0 under no axial force" in detach else None
+    return Behaviour.STICK_SLIP_WITH_CONTACT_REVERSAL if R < way * detach else Behaviour.STICK_SLIP
+
+
+def cell_by_cell(drive, names, columns, rows) -> np.ndarray:
+    """What the thresholds say at every place of a grid (rows, columns); −9 where they do not cover it."""
+    found = [[expected(drive.replace(**dict(zip(names, (a, b), strict=True)))) for a in columns] for b in rows]
+    return np.array([[-9 if one is None else int(one) for one in row] for row in found])
+
+
+def edges(axis: ChartAxis) -> np.ndarray:
+    """The edges of the cells of an axis."""
+    return axis.middles(np.arange(axis.count + 1) - 0.5)
+
+
+@pytest.mark.parametrize("name", PAIRS)
+def test_labels_agree_with_the_exact_curves(name):
+    """In every cell that no curve cuts: one of whose four corners and middle the thresholds say the same."""
+    x, y, changes = PAIRS[name]
+    count = 12 if name == "mass and friction" else 16
+    plane = Plane.of(lsvib.RigidDrive(**changes), (*x, count), (*y, count))
+    labels, names = plane.labels(workers=2), (plane.x.name, plane.y.name)
+    nodes, middles = (
+        cell_by_cell(plane.drive, names, *(places.tolist() for places in axes))
+        for axes in ((edges(plane.x), edges(plane.y)), (plane.x.centres(), plane.y.centres()))
+    )
+    whole = uncut(nodes, middles) & (middles != -9)
+    np.testing.assert_array_equal(labels[whole], middles[whole])
+    assert whole.sum() > 2 * (~whole).sum()
+    assert len(set(labels[whole].tolist())) >= 2
+
+
+def uncut(nodes: np.ndarray, middles: np.ndarray) -> np.ndarray:
+    """Cells whose four corners and middle are alike."""
+    corners = np.stack([nodes[:-1, :-1], nodes[1:, :-1], nodes[:-1, 1:], nodes[1:, 1:]])
+    return (corners == middles).all(axis=0)
+
+
+def test_contact_chart_agrees_with_flutter():
+    """Of a (k_c, c_c) chart, against the exact curve of flutter.
+
+    The first motion begins next to steady sliding, so that it comes back to it where that is stable, and nowhere else.
+    """
+    names = "contact_stiffness", "contact_damping"
+    plane = Plane.of(lsvib.ThreadsDrive(mass=9), (names[0], 1e5, 1e9, 6), (names[1], 3e3, 1e9, 6))
+    labels, flutter = plane.labels(), _function(plane.drive, ChartBoundary.FLUTTER, names)  # zero on the curve
+    nodes, stable = (
+        np.array([[flutter(k, c) > 0 for k in columns.tolist()] for c in rows.tolist()])
+        for columns, rows in ((edges(plane.x), edges(plane.y)), (plane.x.centres(), plane.y.centres()))
+    )
+    resolved = labels != Behaviour.UNRESOLVED  # else one of the two motions is chaotic or too slow
+    whole = uncut(nodes, stable) & resolved
+    comes_back = np.isin(labels, [Behaviour.NO_VIBRATION, Behaviour.COEXISTENCE])
+    np.testing.assert_array_equal(comes_back[whole], stable[whole])
+    assert set(stable[whole].tolist()) == {True, False}
+    assert whole.sum() > 22
+
+
+def test_points_of_curves_are_roots():
+    """Both sides of a point of a curve have different labels."""
+    drive = lsvib.RigidDrive(translation_damping=1000.0)
+    found = boundary_curves(drive, ("mass", (0.5, 14.0)), ("axial_force", (-60.0, 80.0)))
+    assert {kind.name for kind in found} == {
+        "KINEMATIC", "ONSET", "STICK", "DETACH", "GLOBAL_STABILITY", "STICK_SLIP_BIRTH"
+    }  # fmt: skip
+    mass = drive.thresholds()["critical_mass"].value
+    np.testing.assert_allclose(np.concatenate(found[ChartBoundary.KINEMATIC])[:, 0], mass, rtol=1e-12)
+    for kind in (ChartBoundary.STICK, ChartBoundary.DETACH, ChartBoundary.GLOBAL_STABILITY):
+        for m, R in np.concatenate(found[kind])[::9]:
+            exact = getattr(thresholds, f"{kind.name.lower()}_force")(drive.replace(mass=m))
+            assert exact == pytest.approx(R, rel=1e-10)
+
+
+def test_chart_is_a_dataset(tmp_path):
+    drive = lsvib.RigidDrive(translation_damping=1000)
+    found = drive.chart(("mass", 1, 12, 8), "axial_force=0:60:6")
+    assert found.label.dims == ("axial_force", "mass")
+    assert found.label.dtype == np.int8
+    assert found.label.attrs["flag_meanings"].split()[
+        int(found.label.sel(mass=2, axial_force=30, method="nearest")) + 1
+    ]
+    assert found.fraction.sum() == pytest.approx(1)
+    assert {"mass", "axial_force"}.isdisjoint(json.loads(found.attrs["parameters"]))
+    write_dataset(found, tmp_path / "chart.nc")
+    with xr.open_dataset(tmp_path / "chart.nc") as written:
+        np.testing.assert_array_equal(written.label, found.label)
+        assert written.translation_damping == 1000
+        assert "git_commit" in written.attrs
+    plane = Plane.of(drive, ("mass", 1, 12, 8), ("axial_force", 0, 60, 6))
+    np.testing.assert_array_equal(plane.labels(workers=3), found.label)
+    np.testing.assert_array_equal(plane.labels(slice(2, 5), slice(3, 7)), found.label[2:5, 3:7])  # a tile
+
+
+def test_a_chart_in_tiles_is_the_chart(tmp_path):
+    settings = {
+        "drive": {"translation_damping": 1000.0},
+        "x": {"parameter": "mass", "start": 1.0, "stop": 5.0, "count": 7},
+        "y": {"parameter": "axial_force", "start": 0.0, "stop": 60.0, "count": 5},
+    }
+    tiles = [str(tmp_path / f"{k}-of-4.nc") for k in range(1, 5)]
+    for tile in tiles:
+        chart_tile(settings, Path(tile).stem, tile)
+    gather_chart(settings, tiles, tmp_path / "chart.nc")
+    whole = lsvib.RigidDrive(translation_damping=1000).chart("mass=1:5:7", "axial_force=0:60:5")
+    with xr.open_dataset(tmp_path / "chart.nc") as gathered:
+        assert set(whole.variables) == set(gathered.variables)
+        for name in whole.variables:
+            np.testing.assert_array_equal(gathered[name], whole[name])
+    with pytest.raises(lsvib.InputError, match="it needs parameter, start, stop and count"):
+        chart_tile(settings | {"x": {"parameter": "mass"}}, "1-of-4", tiles[0])
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "words"),
+    [
+        ("mass=1:20", "axial_force=0:1:2", "KEY=START:STOP:COUNT"),
+        (("mass", 1, 2, 3), ("mass", 1, 2, 3), "both mass"),
+        (("mass", 0, 2, 3), ("axial_force", 1, 2, 3), "mass = 0"),
+        (("mass", 2, 1, 3), ("axial_force", 1, 2, 3), "start < stop"),
+        (("mass", 1, 2, 20_000), ("axial_force", 1, 2, 20_000), "more than"),
+    ],
+)
+def test_refuses(x, y, words):
+    with pytest.raises(lsvib.InputError, match=words):
+        lsvib.RigidDrive().chart(x, y)

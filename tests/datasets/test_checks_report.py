@@ -1,0 +1,95 @@
+"""The checks of a run for people: the text by figure, and the page whose table can be filtered."""
+
+import io
+import re
+from html.parser import HTMLParser
+
+import docutils.core
+
+from lsvib.datasets.checks import Check
+from lsvib.datasets.checks_report import checks_page, checks_text, printed, printed_table
+from lsvib.models.chapter import PRINTED, THRESHOLDS
+
+MASS = THRESHOLDS["critical_mass"]
+CHECKS = [
+    ("fig8_07", Check.holds("mean of |N|\ngrows & <grows>", "Fig. 8.12", "2 of 3", False)),
+    ("fig8_08", Check.holds("Two eigenvalues meet", "Fig. 8.8", "9.9 kg", True)),
+    ("fig8_08", Check.within("Critical mass", MASS.source, MASS.value, 10.107, MASS.tolerance, "kg")),
+    ("fig8_07", Check.within("A number of our own", "Sect. 8.7", 3.0, 3.001, 0.01, "1")),
+]
+
+
+class Cells(HTMLParser):
+    """The rows of a page: its attributes, and the text of its cells."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.rows: list[tuple[dict, list[str]]] = []
+        self.inside = False
+        self.feed(page)
+
+    def handle_starttag(self, tag, attributes):
+        if tag == "tr":
+            self.rows.append((dict(attributes), []))
+        if tag in ("td", "th"):
+            self.inside = True
+            self.rows[-1][1].append("")
+
+    def handle_endtag(self, tag):
+        self.inside = self.inside and tag not in ("td", "th")
+
+    def handle_data(self, data):
+        if self.inside:
+            self.rows[-1][1][-1] += data
+
+
+def test_every_number_that_the_chapter_prints_is_known_and_the_thresholds_are_first():
+    assert len({(claim.source, claim.value) for claim in PRINTED}) == len(PRINTED) == 11
+    assert PRINTED[:5] == tuple(THRESHOLDS.values())
+    checks = [("a", Check.within("x", claim.source, claim.value, 1.0, 0.1, claim.unit)) for claim in reversed(PRINTED)]
+    found = [check.expected for _, check in printed([*CHECKS[:2], *checks])]
+    assert found == [claim.value for claim in PRINTED]
+
+
+def test_the_text_has_printed_numbers_first_and_then_a_line_for_each_check_by_figure():
+    text = checks_text(CHECKS)
+    assert text.splitlines()[2] == "1 of 4 checks FAILED: fig8_07."
+    head, rule, row = (line for line in text.splitlines() if line.startswith("|"))
+    assert len(head) == len(rule) == len(row)
+    assert [cell.strip() for cell in row.strip("|").split("|")] == [
+        *("Critical mass", "10.1 kg", "10.107 kg", "0.069 %", "2 %", "pass", "fig8_08"),
+    ]
+    assert re.findall("^## (.*)$", text, re.MULTILINE) == [
+        *("Printed by the chapter", "fig8_07: 1 of 2 passed", "fig8_08: 2 of 2 passed"),
+    ]
+    assert re.findall("^- (.*)$", text, re.MULTILINE) == [
+        "FAIL: mean of |N| grows & <grows> [Fig. 8.12]: NOT true (2 of 3)",
+        "pass: A number of our own [Sect. 8.7]: 3.001, expected 3, error 0.033 % of at most 1 %",
+        "pass: Two eigenvalues meet [Fig. 8.8]: true (9.9 kg)",
+        f"pass: Critical mass [{MASS.source}]: 10.107 kg, expected 10.1 kg, error 0.069 % of at most 2 %",
+    ]
+
+
+def test_the_table_of_a_report_is_restructured_text_without_a_complaint():
+    claim = Check.within("|a_b_|*", MASS.source, MASS.value, 10.107, MASS.tolerance, "kg")
+    for checks in ([*CHECKS, ("fig8_08", claim)], CHECKS[:1]):
+        complaints = io.StringIO()
+        settings = {"warning_stream": complaints, "report_level": 1}
+        shown = docutils.core.publish_doctree(printed_table(checks), settings_overrides=settings).astext()
+        assert complaints.getvalue() == ""
+        assert ("|a_b_|*" in shown) == (len(checks) > 1)
+
+
+def test_the_page_has_every_check_with_what_the_filter_asks_for():
+    rows = Cells(checks_page(CHECKS)).rows
+    assert [cells[0] for _, cells in rows[:2]] == ["number", f"Critical mass{MASS.source}"]
+    every = [(given, cells) for given, cells in rows if "data-figure" in given]
+    assert [(given["data-figure"], given["data-passed"]) for given, _ in every] == [
+        ("fig8_07", "no"),
+        ("fig8_08", "yes"),
+        ("fig8_08", "yes"),
+        ("fig8_07", "yes"),
+    ]
+    assert every[0][1] == ["mean of |N|\ngrows & <grows>Fig. 8.12", "true", "2 of 3", "-", "-", "FAIL", "fig8_07"]
+    assert every[2][1][1:] == ["10.1 kg", "10.107 kg", "0.069 %", "2 %", "pass", "fig8_08"]
+    assert {len(cells) for _, cells in rows} == {7}

@@ -1,0 +1,133 @@
+"""The dataset writer: round trip, CF rules, refusals in one sentence, no half-written file."""
+
+import errno
+import json
+import os
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from lsvib import files
+from lsvib.datasets.writer import read_dataset, write_dataset
+from lsvib.errors import InputError, LsvibError
+
+
+def example() -> xr.Dataset:
+    kinds = np.array([0, 1, 1], dtype=np.int8)
+    flags = {"flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "rest slip"}
+    return xr.Dataset(
+        {
+            "force": ("time", [1.0, np.nan, 3.0], {"units": "N", "long_name": "contact force"}),
+            "speed": ("time", [1.0, 2.0, 3.0], {"units": "rad s-1", "long_name": "speed of the screw"}),
+            "mode": ("time", kinds, {"units": "1", "long_name": "mode", **flags}),
+        },
+        coords={
+            "time": ("time", [0.0, 0.1, 0.2], {"units": "s", "long_name": "time"}),
+            "mass": ((), 1.5, {"units": "kg", "long_name": "translating mass"}),
+        },
+        attrs={"title": "example", "source": "test", "references": "none"},
+    )
+
+
+def test_round_trip_keeps_values_and_attributes(tmp_path):
+    write_dataset(example(), tmp_path / "a.nc")
+    back = read_dataset(tmp_path / "a.nc")
+    for name, variable in example().variables.items():
+        np.testing.assert_array_equal(back[name].values, variable.values)
+        assert back[name].dtype == variable.dtype
+        assert {k: list(np.ravel(v)) for k, v in back[name].attrs.items()} == {
+            k: list(np.ravel(v)) for k, v in variable.attrs.items()
+        }
+    assert set(back.coords) == {"time", "mass"}
+    assert back.attrs["Conventions"] == "CF-1.11"
+    assert back.attrs["title"] == "example"
+    assert json.loads(back.attrs["package_versions"])["numpy"] == np.__version__
+    assert os.listdir(tmp_path) == ["a.nc"]
+
+
+def test_fill_value_only_where_values_are_missing(tmp_path):
+    write_dataset(example(), tmp_path / "a.nc")
+    with xr.open_dataset(tmp_path / "a.nc", decode_cf=False) as raw:
+        filled = {name for name, variable in raw.variables.items() if "_FillValue" in variable.attrs}
+        assert filled == {"force"}
+        assert "coordinates" not in raw.attrs
+
+
+def without(name: str, attribute: str) -> xr.Dataset:
+    dataset = example()
+    del (dataset[name] if name else dataset).attrs[attribute]
+    return dataset
+
+
+@pytest.mark.parametrize(
+    ("dataset", "words"),
+    [
+        (without("", "title"), "title is missing"),
+        (without("", "references"), "references is missing"),
+        (without("force", "units"), "variable force has no units"),
+        (without("time", "long_name"), "variable time has no long_name"),
+        (without("mode", "flag_values"), "variable mode holds flags"),
+        (example().assign(mode=example().mode.astype("int16").assign_attrs(example().mode.attrs)), "type int8"),
+        (example().assign(mode=(example().mode + np.int8(1)).assign_attrs(example().mode.attrs)), "does not list"),
+        (example().assign(force=example().force.assign_attrs(units="1e-3 N")), "units '1e-3 N'"),
+        (example().assign(force=example().force.assign_attrs(units="N/m")), "units 'N/m'"),
+        (example().assign(force=example().force.assign_attrs(exact=True)), "attribute exact of type bool"),
+        (example().assign(name=("time", ["a", "b", "c"])), "variable name has the type"),
+        (example().assign(moving=("time", [True, False, True])), "variable moving has the type bool"),
+        (example().assign_coords(time=example().time.where(example().time > 0)), "missing values"),
+        (example().rename(force="contact force"), "letters, digits and underscores"),
+    ],
+)
+def test_refuses_incomplete_metadata(tmp_path, dataset, words):
+    with pytest.raises(InputError, match=words) as caught:
+        write_dataset(dataset, tmp_path / "a.nc")
+    assert "\n" not in str(caught.value)
+    assert os.listdir(tmp_path) == []
+
+
+def test_missing_folder_is_one_sentence(tmp_path):
+    with pytest.raises(LsvibError, match=r"Cannot write .*nowhere"):
+        write_dataset(example(), tmp_path / "nowhere" / "a.nc")
+
+
+def test_failed_write_keeps_the_old_file(tmp_path, monkeypatch):
+    write_dataset(example(), tmp_path / "a.nc")
+    before = (tmp_path / "a.nc").read_bytes()
+
+    def full(*arguments, **options):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(xr.Dataset, "to_netcdf", full)
+    with pytest.raises(LsvibError, match="No space left on device"):
+        write_dataset(example(), tmp_path / "a.nc")
+    assert (tmp_path / "a.nc").read_bytes() == before
+    assert os.listdir(tmp_path) == ["a.nc"]
+
+
+@pytest.mark.parametrize("content", [b"", b"this is not netCDF", b"\x89HDF\r\n\x1a\n" + bytes(100)])
+def test_corrupt_file_is_one_sentence(tmp_path, content):
+    (tmp_path / "a.nc").write_bytes(content)
+    with pytest.raises(InputError, match="is not a readable netCDF file"):
+        read_dataset(tmp_path / "a.nc")
+
+
+def test_replacing_leaves_nothing_after_a_failure(tmp_path):
+    path = tmp_path / "a.txt"
+    files.write_text("old", path)
+
+    def fail_halfway():
+        with files.replacing(path) as part:
+            part.write_text("half")
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        fail_halfway()
+    assert path.read_text() == "old"
+    assert os.listdir(tmp_path) == ["a.txt"]
+
+
+def test_json_has_no_nan(tmp_path):
+    with pytest.raises(ValueError, match="Out of range"):
+        files.write_json([float("nan")], tmp_path / "a.json")
+    assert os.listdir(tmp_path) == []

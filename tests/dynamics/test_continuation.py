@@ -1,0 +1,75 @@
+"""Branches of cycles: folds and kinks where the library knows the threshold from a formula with 50 digits."""
+
+import json
+
+import pytest
+
+import lsvib
+from lsvib.datasets.cycles import branch_dataset, branch_json
+from lsvib.dynamics.forward_slip import ForwardDrive
+from lsvib.errors import InputError
+from lsvib.models.coefficients import coefficients
+from lsvib.stability import global_stability
+
+NEAR_FOLD = lsvib.RigidDrive(mass=11, support_damping=2e-3, axial_force=-18.37)
+SLIP = lsvib.RigidDrive(mass=1, translation_damping=1e3, axial_force=25)
+
+
+@pytest.mark.parametrize("damping", [2e-3, 5e-3])
+def test_fold_is_the_threshold_of_global_stability(damping):
+    """The attracting branch turns into the repelling one at the force that the closed form gives, to rounding."""
+    drive = NEAR_FOLD.replace(support_damping=damping)
+    threshold = float(global_stability.start(ForwardDrive(drive, coefficients(drive))).force)
+    drive = drive.replace(axial_force=threshold * (1 - 3e-4))
+    attracting, repelling = drive.cycles().cycles
+    branch = drive.follow(attracting, "axial_force", (threshold * 1.01, threshold * (1 - 4e-4)))
+    assert branch.folds == [pytest.approx(threshold, rel=1e-14)]
+    sides = [point.cycle.attracting for point in branch.points]
+    assert sides == sorted(sides)  # repelling ones, then attracting ones, one change between
+    assert {True, False} == set(sides)
+    assert max(point.cycle.residual for point in branch.points) < 1e-13
+    back = drive.follow(repelling, "axial_force", (threshold * 1.01, threshold * (1 - 4e-4)))
+    assert back.folds == [pytest.approx(branch.folds[0], rel=1e-14)]
+
+
+@pytest.mark.slow
+def test_amplitude_over_force_has_the_thresholds_of_figure_8_6():
+    """From onset, where the cycle vanishes, over the first rest to the last contact reversal."""
+    (cycle,) = SLIP.cycles().cycles
+    branch = SLIP.follow(cycle, "axial_force", (20.0, 50.0))
+    known = {name: threshold.value for name, threshold in SLIP.thresholds().items()}
+    first, *changes, last = branch.changes
+    assert (first.kind, first.what) == ("end", "it shrinks to nothing")
+    assert first.value == pytest.approx(known["onset_force"], abs=1e-4)
+    assert [change.kind for change in changes] == ["itinerary", "itinerary"]
+    assert changes[0].value == pytest.approx(known["stick_force"], rel=1e-9)
+    assert "stick into rest" in changes[0].what
+    assert changes[1].value == pytest.approx(known["detach_force"], rel=1e-9)
+    assert changes[1].what.startswith("loses contact reversal")
+    assert (last.kind, last.value) == ("end", 50.0)
+    assert not branch.folds
+
+
+def test_branch_is_written():
+    branch = NEAR_FOLD.follow(NEAR_FOLD.cycles().cycles[0], "axial_force", (-18.38, -18.36), points=30)
+    data = branch_dataset(NEAR_FOLD, branch)
+    assert data.sizes["point"] == len(branch.points)
+    assert data.axial_force.units == "N"
+    assert json.loads(json.dumps(branch_json(branch)))["changes"][0]["kind"] == "end"
+
+
+@pytest.mark.parametrize(
+    ("parameter", "span", "says"),
+    [
+        ("colour", (1, 2), "colour"),
+        ("axial_force", (-10, -5), "holds the drive's own axial_force"),
+        ("axial_force", (1,), "span"),
+        ("mass", (-1, 20), "mass"),
+    ],
+)
+def test_bad_input_is_named(parameter, span, says):
+    cycle = NEAR_FOLD.cycles().cycles[0]
+    with pytest.raises(InputError, match=says):
+        NEAR_FOLD.follow(cycle, parameter, span)
+    with pytest.raises(InputError, match="another drive"):
+        SLIP.follow(cycle, "mass", (0.5, 2))

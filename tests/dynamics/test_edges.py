@@ -1,0 +1,71 @@
+"""Repelling cycles of drives with four states: on the edges of basins, and on branches past their folds."""
+
+import numpy as np
+import pytest
+
+import lsvib
+from lsvib.dynamics.attractors import Attractor, steady_state
+from lsvib.dynamics.periodic import section_derivative
+
+SLIP = {"mass": 9.9, "translation_damping": 1e3, "axial_force": 10.0}
+THREADS = lsvib.ThreadsDrive(**SLIP, contact_stiffness=1e8, contact_damping=1e5)
+SUPPORT = lsvib.SupportDrive(**SLIP, support_stiffness=1e8, axial_support_damping=1e4)
+NUT = lsvib.NutDrive(**SLIP, nut_inertia=1e-2, nut_stiffness=1e4, nut_damping=1.0)
+NEAR_FOLD = lsvib.ThreadsDrive(
+    mass=11, support_damping=2e-3, axial_force=-18.37, contact_stiffness=1e8, contact_damping=1e8
+)
+SUPPORT_NEAR_FOLD = lsvib.SupportDrive(
+    mass=11,
+    support_damping=2e-3,
+    axial_force=-18.0,
+    screw_mass=1e4,
+    support_stiffness=1e9,
+    axial_support_damping=1e6,
+)
+NUT_NEAR_FOLD = lsvib.NutDrive(
+    mass=11, support_damping=2e-3, axial_force=-18.0, nut_inertia=1e-4, nut_stiffness=100.0, nut_damping=0.01
+)
+
+
+def across(cycle):
+    """States beside a cycle on both sides, along the direction in which it repels."""
+    values, vectors = np.linalg.eig(section_derivative(cycle.section, cycle.orbit).matrix)
+    direction = vectors[:, np.argmax(np.abs(values))].real
+    place = cycle.section.place(cycle.state)
+    return [cycle.section.state(place + step * direction) for step in (-1e-6, 1e-6)]
+
+
+@pytest.mark.parametrize("drive", [THREADS, SUPPORT, NUT, NEAR_FOLD], ids=["threads", "support", "nut", "near a fold"])
+def test_the_cycle_on_the_edge_parts_the_basins(drive):
+    """It repels along one direction; on one side of it motions end in steady sliding, on the other in the cycle."""
+    found = drive.cycles()
+    attracting, repelling = found.cycles
+    assert attracting.attracting
+    assert repelling.repelling
+    assert repelling.found_by == "edge of a basin"
+    assert repelling.residual < 1e-12
+    assert np.sum(np.abs(repelling.multipliers) > 1) == 1
+    assert "the edge between their two basins, with a cycle on it" in found.searched
+    mode = repelling.section.key[1]
+    ends = [steady_state(drive.automaton(), state, mode=mode) for state in across(repelling)]
+    assert {end.label for end in ends} == {Attractor.STEADY_SLIDING, attracting.label}
+    assert abs(repelling.work.balance) < 1e-10
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("drive", "span", "most", "force"),
+    [(NEAR_FOLD, (-18.5, -18.3699), 5, -18.371145255)],
+    ids=["threads"],
+)
+def test_branch_turns_at_a_fold(drive, span, most, force):
+    """The attracting cycle of a drive with four states is followed through the fold to cycles that repel."""
+    attracting = drive.cycles().cycles[0]
+    branch = drive.follow(attracting, "axial_force", span, points=most)
+    (fold,) = branch.folds
+    assert fold == pytest.approx(force, abs=1e-9)
+    points = branch.points
+    assert {point.cycle.attracting for point in points} == {True, False}
+    assert all(point.cycle.attracting != point.cycle.repelling for point in points)
+    assert all(point.cycle.residual < 1e-12 for point in points)
+    assert all(point.value > fold for point in points)

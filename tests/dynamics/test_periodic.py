@@ -1,0 +1,270 @@
+"""Cycles of all models: multipliers against 40 digits and Liouville's formula, work that balances, the rigid limit."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+from references import rigid_digits
+
+import lsvib
+from lsvib.dynamics.attractors import Attractor, steady_state
+from lsvib.dynamics.continuation import other_sections
+from lsvib.dynamics.periodic import cycle_of, cycle_on
+from lsvib.dynamics.search import search, starts
+from lsvib.engine.kernels import columns
+from lsvib.models.threads import seated_state
+
+NEAR_FOLD = lsvib.RigidDrive(mass=11, support_damping=2e-3, axial_force=-18.37)
+SLIP = lsvib.RigidDrive(mass=1, translation_damping=1e3, axial_force=25)
+SUPPORTED = lsvib.SupportDrive(mass=15, support_damping=5e-4, support_stiffness=1e5, axial_support_damping=1e4)
+REPELLING_SLIP = lsvib.RigidDrive(mass=9.9, translation_damping=1e3, axial_force=10)
+
+
+@pytest.mark.parametrize(
+    ("values", "count"),
+    [
+        ({"coupling_stiffness": 1e15, "mass": 417797362.8, "input_speed": 1e-12, "axial_force": 1e12}, None),
+        ({"support_damping": 1e-30, "mass": 1e9, "input_speed": 1e9, "axial_force": 1e-18}, 1),
+        ({"coupling_stiffness": 1e-21, "input_speed": 1e-12, "axial_force": 1e-12, "mass": 4e-3}, None),
+        (
+            {"screw_inertia": 1e-30, "coupling_stiffness": 1e15, "translation_damping": 1.89, "input_speed": 1e-12},
+            None,
+        ),
+    ],
+)
+def test_values_near_the_ends_of_the_range_of_doubles(values, count):
+    """Each ended in a warning of numpy, of a square that underflowed, a long rest or a small size."""
+    found = lsvib.RigidDrive(**values).cycles()
+    assert count is None or len(found.cycles) == count
+
+
+def test_a_rounding_beyond_all_numbers_tells_nothing():
+    """The square of what a derivative lost on its way overflowed, and so ended in a warning."""
+    drive = lsvib.NutDrive(
+        coupling_stiffness=0.005240167794227031, mass=7065.260294182241, nut_inertia=1.9182556659413114e-06,
+        friction_coefficient=0.27323027649478554, input_speed=-40, axial_force=1e-18,
+    )  # fmt: skip
+    assert not drive.cycles().cycles
+
+
+def by_differences(drive, x):
+    """Derivative of the map from θ′ = 0 at u = x to the next seizure, by central differences with 40 digits."""
+    step, ends = mpf(10) ** -12, []
+    with mp.workdps(40):
+        for sign in (1, -1):
+            events = rigid_digits.simulate(dict(drive), mpf(float(x)) + sign * step, -drive.input_speed, 0.1).events
+            assert events[0].kind == "seizure"
+            ends.append(events[0].u_after)
+        return float((ends[0] - ends[1]) / (2 * step))
+
+
+@pytest.mark.parametrize("force", [-18.3754, -18.37, -18.36, -15.0])
+def test_multipliers_of_cycles_of_seizures_are_those_of_40_digits(force):
+    """Attracting ones, and repelling ones where there are any."""
+    drive = NEAR_FOLD.replace(axial_force=force)
+    cycles = drive.cycles().cycles
+    assert [cycle.attracting for cycle in cycles] == ([True, False] if force < -18.3 else [True])
+    for cycle in cycles:
+        reference = by_differences(drive, cycle.state[0])
+        error = abs(cycle.multipliers[0].real - reference)
+        assert error <= 1e-9
+        assert error <= cycle.multiplier_error + 1e-15
+        assert cycle.repelling is (reference > 1)
+
+
+@pytest.mark.parametrize("drive", [SLIP, SLIP.replace(axial_force=30), REPELLING_SLIP])
+def test_multiplier_of_slip_is_that_of_liouville(drive):
+    """Where no rest and no seizure is, the multiplier is exp(−Σ a₁ τ): areas on both sides of Q = 0 join smoothly."""
+    (cycle,) = [cycle for cycle in drive.cycles().cycles if cycle.label == Attractor.OTHER_CYCLE]
+    modes, _, _, durations = cycle.orbit.arcs()
+    expected = math.exp(-float(np.sum(cycle.orbit.automaton.tables.flow[modes, columns.A1] * durations)))
+    assert cycle.multipliers[0].real == pytest.approx(expected, rel=1e-12)
+    assert abs(cycle.multipliers[0].real - expected) <= 2 * cycle.multiplier_error
+
+
+def test_rest_makes_a_cycle_superstable():
+    (cycle,) = SLIP.replace(axial_force=40).cycles().cycles
+    assert cycle.label == Attractor.STICK_SLIP_CYCLE
+    assert cycle.multipliers.tolist() == [0]
+    assert "release" in [kind for kind, _ in cycle.itinerary]
+
+
+FOUND = [
+    (NEAR_FOLD, {"u": -0.1, "w": -40.0}),
+    (SLIP, {"u": 0.01, "w": 0.0}),
+    (SLIP.replace(axial_force=40), {"u": 0.01, "w": 0.0}),
+    (lsvib.ThreadsDrive(mass=11, axial_force=50), {"u": 0.01, "w": 0.0}),
+    (
+        lsvib.ThreadsDrive(translation_damping=1e3, axial_force=25, contact_stiffness=1e6, contact_damping=1e3),
+        {"u": 0.01, "w": 0.0},
+    ),
+    (lsvib.NutDrive(mass=9, support_damping=1e-3), {"u": 0.01, "w": 0.0}),
+    (SUPPORTED, {"u": 0.02, "w": 0.0}),
+    (SUPPORTED.replace(screw_mass=40.0), {"u": 0.02, "w": 0.0}),
+]
+
+
+def cycle_after(drive, initial):
+    from lsvib.models.registry import find_model
+
+    steady = steady_state(drive.automaton(), find_model(drive.model).initial_state(drive, initial))
+    return cycle_of(drive, steady), steady
+
+
+@pytest.mark.parametrize(("drive", "initial"), FOUND, ids=lambda value: getattr(value, "model", ""))
+def test_work_balances(drive, initial):
+    """Motor and load put in what friction, dampers and impacts take out; each is formed from another law."""
+    cycle, steady = cycle_after(drive, initial)
+    work = cycle.work
+    assert min(work.friction, work.damping) > 0
+    assert work.impacts >= 0
+    events = cycle.to_json()["itinerary"]
+    assert (work.impacts > 0) == any("normal_impulse" in event for event in events)
+    assert events[-1]["time"] == pytest.approx(cycle.period, rel=1e-15, abs=0)
+    assert abs(work.balance) <= 1e-12
+    assert cycle.amplitude == pytest.approx(steady.amplitude, rel=1e-9)
+    json.dumps(cycle.to_json(), allow_nan=False)
+
+
+@pytest.mark.parametrize(("drive", "initial"), FOUND, ids=lambda value: getattr(value, "model", ""))
+def test_multipliers_do_not_depend_on_where_a_period_begins(drive, initial):
+    cycle, _ = cycle_after(drive, initial)
+    seen = 0
+    for other in other_sections(cycle):
+        again = cycle_on(drive, other.section, "start")
+        if again is None:
+            continue
+        seen += 1
+        error = cycle.multiplier_error + again.multiplier_error
+        assert abs(cycle.leading - again.leading) <= max(2 * error, 1e-15)
+    assert seen or len(cycle.itinerary) == 1
+
+
+def test_a_cycle_without_derivative_is_written_without_multipliers():
+    (cycle,) = SLIP.cycles().cycles
+    written = replace(cycle, multipliers=np.array([complex(math.nan)]), multiplier_error=math.nan).to_json()
+    assert written["stability"] == "not known"
+    assert written["label"] == "other_cycle"
+    assert json.loads(json.dumps(written, allow_nan=False))["multipliers"] == [None]
+
+
+def test_the_mean_coupling_torque_is_the_work_of_the_motor():
+    cycle, _ = cycle_after(*FOUND[3])
+    drive = cycle.drive
+    mean = cycle.means["coupling_torque"]
+    assert drive.input_speed * mean * cycle.period == pytest.approx(cycle.work.motor, rel=1e-12)
+
+
+def test_return_maps_show_the_pair_near_the_fold_without_a_start():
+    """The search finds both cycles 6e-5 N inside the threshold from their return map alone, as the exact basin does."""
+    drive = NEAR_FOLD.replace(axial_force=-18.3754)
+    found = search(drive, drive.automaton(), []).cycles
+    known = drive.cycles().cycles
+    assert [cycle.attracting for cycle in found] == [True, False]
+    assert [cycle.found_by for cycle in known] == ["start", "boundary of the basin"]
+    for cycle, other in zip(found, known, strict=True):
+        assert cycle.period == pytest.approx(other.period, rel=1e-10)
+
+
+def test_no_cycle_is_proved_where_steady_sliding_is_globally_stable():
+    assert "globally stable" in NEAR_FOLD.replace(axial_force=-18.376).cycles().proved
+    assert "smaller" in lsvib.RigidDrive(mass=8).cycles().proved
+    assert not lsvib.RigidDrive(mass=8).cycles().cycles
+
+
+def test_undamped_oscillations_are_a_family():
+    found = lsvib.RigidDrive(mass=1, support_damping=0).cycles()
+    assert not found.cycles
+    assert len(found.families) == 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(3))
+def test_every_attractor_of_random_starts_is_listed(seed):
+    rng = np.random.default_rng(seed)
+    drive = lsvib.RigidDrive(
+        mass=float(10 ** rng.uniform(0, 1.3)),
+        translation_damping=float(rng.choice([0, 10 ** rng.uniform(1, 4)])),
+        support_damping=float(10 ** rng.uniform(-5, -2)),
+        axial_force=float(rng.uniform(-60, 60)),
+        input_speed=float(rng.choice([-40, 40])),
+    )
+    listed = [cycle.period for cycle in drive.cycles().cycles if cycle.attracting]
+    for _ in range(20):
+        steady = steady_state(drive.automaton(), (rng.uniform(-0.3, 0.3), rng.uniform(-120, 120)))
+        if steady.orbit is not None and steady.label != Attractor.NEUTRAL_FAMILY:
+            assert any(abs(period - steady.period) <= 1e-6 * period for period in listed)
+    assert starts(drive)
+
+
+def test_a_touch_is_no_cycle():
+    """The return map of this drive has a fixed point where two contact reversals lie 2e-96 s apart."""
+    drive = lsvib.RigidDrive(
+        mass=8.78277598116115,
+        translation_damping=122.41990896457544,
+        support_damping=1.0194153802344125e-05,
+        axial_force=9.016768013690344,
+    )
+    (cycle,) = drive.cycles().cycles
+    assert cycle.label == Attractor.STICK_SLIP_CYCLE
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(2))
+def test_at_most_one_cycle_of_pure_slip(seed):
+    """The bound of one limit cycle of plane systems of two linear zones, and hyperbolic, over random drives."""
+    rng, seen = np.random.default_rng(seed), 0
+    for _ in range(15):
+        drive = lsvib.RigidDrive(
+            mass=float(rng.uniform(0.5, 9.95)),
+            translation_damping=float(10 ** rng.uniform(2, 3.5)),
+            support_damping=float(10 ** rng.uniform(-6, -3)),
+            axial_force=float(rng.uniform(0, 60)),
+        )
+        kinds = [({kind for kind, _ in cycle.itinerary}, cycle) for cycle in drive.cycles().cycles]
+        slip = [cycle for events, cycle in kinds if events == {"contact_reversal"}]
+        seen += len(slip)
+        assert len(slip) <= 1
+        assert all(cycle.attracting or cycle.repelling for cycle in slip)
+    assert seen > 0
+
+
+def gaps_to_the_rigid_multiplier(rigid, stiffnesses):
+    """How far the multiplier of slip is from that of the rigid drive, with k_c = c_c."""
+    (limit,) = [cycle for cycle in rigid.cycles().cycles if cycle.attracting]
+    found = []
+    for stiffness in stiffnesses:
+        drive = lsvib.ThreadsDrive.of(rigid, contact_stiffness=stiffness, contact_damping=stiffness)
+        cycle = cycle_of(drive, steady_state(drive.automaton(), seated_state(drive, *map(float, limit.state))))
+        contact, slip, trivial = cycle.multipliers
+        # The contact relaxes at the rate k_c / c_c = 1/s, which has no rigid counterpart.
+        assert contact.real == pytest.approx(math.exp(-cycle.period), abs=300 / stiffness)
+        assert abs(trivial) <= 1e-12
+        found.append(abs(slip.real - limit.multipliers[0].real))
+    return np.array(found)
+
+
+@pytest.mark.parametrize("drive", [SLIP, SLIP.replace(mass=2.0, axial_force=27.0)])
+def test_compliant_multipliers_of_slip_tend_to_the_rigid_one_with_order_one(drive):
+    stiffnesses = np.array([1e7, 1e8, 1e9])
+    gaps = gaps_to_the_rigid_multiplier(drive, stiffnesses)
+    order = -np.polyfit(np.log(stiffnesses), np.log(gaps), 1)[0]
+    assert order == pytest.approx(1.0, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    "drive",
+    [
+        lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10),
+        lsvib.RigidDrive(mass=14, support_damping=5e-4, axial_force=-5),
+    ],
+)
+def test_with_seizures_the_order_is_one_but_for_a_logarithm(drive):
+    """The gap is (a + b ln κ) / κ, as a seizure takes a time of ln κ / κ: times κ it grows alike with each power."""
+    stiffnesses = np.array([1e8, 1e9, 1e10])
+    first, second = np.diff(gaps_to_the_rigid_multiplier(drive, stiffnesses) * stiffnesses)
+    assert first > 0
+    assert second == pytest.approx(first, rel=0.02)

@@ -1,0 +1,121 @@
+"""Exact derivatives of motions against central differences of 40-digit references, over random drives.
+
+The step 1e-10 of the differences leaves their truncation at 1e-20 of the third derivative; the reference has no events
+missed and no rounding at this size. Tolerance 1e-9 of the largest entry, as the library promises for multipliers, and
+the library's own bound of its rounding, with a factor for the rounding of the event times and states.
+"""
+
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+from references import four_states_digits, rigid_digits
+
+from lsvib.dynamics.variational import derivative
+from lsvib.engine.motion import follow
+from lsvib.models.drive import RigidDrive, ThreadsDrive
+from lsvib.models.rigid import rigid_automaton
+from lsvib.models.threads import seated_state, threads_automaton
+
+STEP = mpf(10) ** -10
+EVENTS = 7
+
+
+def random_rigid(seed):
+    rng = np.random.default_rng(seed)
+    return RigidDrive.of(
+        mass=float(rng.uniform(2, 16)),
+        support_damping=float(10 ** rng.uniform(-4, -2.5)),
+        translation_damping=float(rng.choice([0.0, 10.0, 1000.0])),
+        axial_force=float(rng.uniform(-60, 60)),
+        input_speed=float(rng.choice([-40.0, 40.0])),
+    ), (float(rng.uniform(-0.2, 0.2)), float(rng.uniform(-100, 100)))
+
+
+def numbers(drive):
+    return {name: value for name, value in drive if name != "model"}
+
+
+def differences(simulate, state, count):
+    """Derivative of the state after the event of a number, by central differences with 40 digits; None if changed."""
+    with mp.workdps(40):
+        columns, names = [], None
+        for j in range(len(state)):
+            ends = []
+            for sign in (1, -1):
+                start = [mpf(x) for x in state]
+                step = STEP * max(abs(start[j]), mpf("1e-6"))
+                start[j] += sign * step
+                events = simulate(start)
+                seen = [(event.kind, event.mode_after) for event in events[:count]]
+                names = seen if names is None else names
+                if seen != names or len(events) < count:
+                    return None
+                ends.append(events[count - 1])
+            columns.append([(a - b) / (2 * step) for a, b in zip(*map(_after, ends), strict=True)])
+        return np.array([[float(x) for x in column] for column in columns]).T
+
+
+def _after(event):
+    return event.state if hasattr(event, "state") else (event.u_after, event.w_after)
+
+
+def agree(found, reference, rounding):
+    """Whether a derivative is that of the reference, but for four times the library's own bound of its rounding."""
+    away, largest = np.abs(found - reference), np.abs(reference).max()
+    size = np.abs(reference).max(axis=1, keepdims=True)
+    return (away <= 1e-9 * largest + 4 * rounding).all() and (away <= 1e-7 * size + 4 * rounding).all()
+
+
+def qualified(motion):
+    """Whether neighbours of a motion's start have the same events: it neither begins with one nor touches."""
+    return motion.time.size and motion.time[0] > 0 and (motion.kind >= 2).all()
+
+
+def rigid_motion(seed):
+    """A random drive, and a motion of it that has events."""
+    for attempt in range(50):
+        drive, start = random_rigid(1000 * seed + attempt)
+        motion = follow(rigid_automaton(drive), start, np.inf, max_events=EVENTS)
+        if qualified(motion):
+            return drive, start, motion
+    raise AssertionError("no motion has events")
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_rigid_drives(seed):
+    drive, start, motion = rigid_motion(seed)
+    reference = differences(
+        lambda x: rigid_digits.simulate(numbers(drive), *x, float(motion.time[-1]) * 1.01 + 1e-4).events,
+        start,
+        motion.time.size,
+    )
+    found = derivative(motion)
+    assert reference is not None
+    sizes = np.abs(np.vstack([motion.after, [start]])).max(axis=0)
+    assert (found.rounding <= 1e-10 * sizes[:, None] / sizes).all()  # so that its share of what is allowed is small
+    assert agree(found.matrix, reference, found.rounding), (found.matrix, reference)
+
+
+def test_compliant_threads():
+    for attempt in range(50):
+        rng = np.random.default_rng(attempt)
+        rigid, (u, w) = random_rigid(attempt)
+        stiffness = float(10 ** rng.uniform(5, 8))
+        contact = {"contact_stiffness": stiffness, "contact_damping": stiffness * 10 ** rng.uniform(-3, 0)}
+        drive = ThreadsDrive.of(**numbers(rigid), **contact)
+        start = seated_state(drive, 0.1 * u, 0.1 * w)
+        start[3] = 1e-6
+        motion = follow(threads_automaton(drive), start, np.inf, max_events=4)
+        if qualified(motion):
+            break
+    end = float(motion.time[-1]) * 1.01 + 1e-6
+    reference = differences(
+        lambda x: four_states_digits.simulate(numbers(drive), "threads", (), x, end).events,
+        tuple(map(float, start)),
+        motion.time.size,
+    )
+    assert reference is not None
+    scale = np.abs(motion.after).max(axis=0)
+    exact = derivative(motion)
+    found, rounding = exact.matrix * scale / scale[:, None], exact.rounding * scale / scale[:, None]
+    assert agree(found, reference * scale / scale[:, None], rounding), (found, reference)

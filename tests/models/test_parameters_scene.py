@@ -1,0 +1,164 @@
+"""Parameters and scenes: every unacceptable value gets one sentence with key, value and range; nothing else gets in."""
+
+import math
+
+import pytest
+from pydantic import ValidationError
+
+from lsvib.errors import InputError
+from lsvib.models.drive import (
+    NutDrive,
+    RigidDrive,
+    SupportDrive,
+    ThreadsDrive,
+    allowed_range,
+    may_vanish,
+    zero_if_close,
+)
+from lsvib.models.scene import Scene, read_yaml
+
+BOUNDS = {
+    "pitch_radius": (0.9e-6, 1.1, "1e-06 <= pitch_radius <= 1"),
+    "lead_angle": (0.0, math.pi / 2, "1e-06 <= lead_angle < 1.5708"),
+    "screw_inertia": (0.0, 1.1e6, "1e-30 <= screw_inertia <= 1e+06"),
+    "coupling_stiffness": (0.0, 1.1e15, "1e-21 <= coupling_stiffness <= 1e+15"),
+    "support_damping": (-1e-9, 1.1e15, "0 or 1e-30 <= support_damping <= 1e+15"),
+    "friction_coefficient": (-0.1, 10.3, "0 or 1e-18 <= friction_coefficient < cot(lead_angle)"),
+    "input_speed": (-1.1e9, 1.1e9, "1e-12 <= |input_speed| <= 1e+09"),
+    "mass": (0.0, 1.1e9, "1e-18 <= mass <= 1e+09"),
+    "translation_damping": (-1.0, 1.1e15, "0 or 1e-18 <= translation_damping <= 1e+15"),
+    "axial_force": (-1.1e12, 1.1e12, "0 or 1e-18 <= |axial_force| <= 1e+12"),
+}
+SCENE = {"drive": {"mass": 11.0}, "start": {"u": 0.1, "w": 0.0}, "duration": 0.5}
+
+
+def complaint(function, *arguments, **options) -> str:
+    """The one sentence that an unacceptable input gets."""
+    with pytest.raises(InputError) as error:
+        function(*arguments, **options)
+    sentence = str(error.value)
+    assert sentence.endswith(".")
+    assert "\n" not in sentence
+    return sentence
+
+
+def test_defaults_are_table_8_1():
+    assert dict(RigidDrive()) == {
+        "pitch_radius": 5.18e-3,
+        "lead_angle": math.radians(5.57),
+        "screw_inertia": 3.12e-6,
+        "coupling_stiffness": 1.0,
+        "support_damping": 2e-4,
+        "friction_coefficient": 0.218,
+        "input_speed": 40.0,
+        "mass": 1.0,
+        "translation_damping": 0.0,
+        "axial_force": 50.0,
+    }
+    assert set(BOUNDS) == set(RigidDrive.model_fields)
+
+
+@pytest.mark.parametrize("side", [0, 1])
+@pytest.mark.parametrize("key", BOUNDS)
+def test_value_out_of_range(key, side):
+    value = BOUNDS[key][side]
+    sentence = complaint(RigidDrive.of, {key: value})
+    assert sentence.startswith((f"{key} = {value!r} is outside", f"{key} = {value:g} is outside"))
+    assert BOUNDS[key][2] in sentence
+    complaint(RigidDrive().replace, **{key: value})
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, "5mm", "", None, [1.0], {"a": 1}, True, "nan", 1j])
+@pytest.mark.parametrize("key", BOUNDS)
+def test_value_that_is_no_number(key, value):
+    sentence = complaint(RigidDrive.of, {key: value})
+    assert sentence.startswith(f"{key} = {value!r} ")
+    assert BOUNDS[key][2] in sentence
+
+
+@pytest.mark.parametrize("kind", [RigidDrive, ThreadsDrive, SupportDrive, NutDrive])
+def test_nothing_is_next_to_zero(kind):
+    """The least value of a parameter is accepted, a smaller one is not; what is computed there becomes zero."""
+    for key in kind.model_fields:
+        text = allowed_range(kind, key)
+        least = float(text.removeprefix("0 or ").split(" <= ")[0])
+        for sign in (-1, 1) if "|" in text else (1,):
+            assert getattr(kind.of({key: sign * least}), key) == sign * least
+            assert text in complaint(kind.of, {key: sign * math.nextafter(least, 0)})
+            assert text in complaint(kind.of, {key: sign * 5e-324})
+        if may_vanish(kind, key):
+            assert text.startswith("0 or ")
+            assert getattr(kind.of({key: 0}), key) == 0
+            assert zero_if_close(kind, key, math.nextafter(least, 0)) == 0
+            assert zero_if_close(kind, key, least) == least
+        else:
+            assert text in complaint(kind.of, {key: 0})
+            assert zero_if_close(kind, key, 5e-324) == 5e-324
+
+
+def test_text_that_is_a_number_is_read():
+    assert RigidDrive.of(mass="11", axial_force="-1e1") == RigidDrive.of(mass=11.0, axial_force=-10.0)
+
+
+def test_friction_is_limited_by_the_lead_angle():
+    assert "cot(lead_angle) = 10.2541" in complaint(RigidDrive.of, friction_coefficient=10.26)
+    assert RigidDrive.of(friction_coefficient=10.25).friction_coefficient == 10.25
+    assert "friction_coefficient = 2" in complaint(RigidDrive.of, friction_coefficient=2.0, lead_angle=0.5)
+
+
+def test_lead_angle_in_degrees():
+    assert RigidDrive.of(lead_angle_deg=5.57) == RigidDrive()
+    assert RigidDrive.of(lead_angle_deg="4").lead_angle == math.radians(4)
+    assert RigidDrive().replace(lead_angle_deg=4).lead_angle == math.radians(4)
+    assert "both given" in complaint(RigidDrive.of, lead_angle=0.1, lead_angle_deg=5.0)
+    for value in ("steep", None, True, "nan"):
+        assert f"lead_angle_deg = {value!r} is not a number; the allowed range is 5.72958e-05 <= " in complaint(
+            RigidDrive.of, lead_angle_deg=value
+        )
+    for value in (0, 90):
+        assert f"lead_angle_deg = {value} is outside the allowed range 5.72958e-05 <= " in complaint(
+            RigidDrive.of, lead_angle_deg=value
+        )
+    assert "outside the allowed range" in complaint(RigidDrive.of, lead_angle_deg=90.0)
+
+
+def test_drives_and_scenes_are_immutable():
+    drive, scene = RigidDrive(), Scene.of(SCENE)
+    with pytest.raises(ValidationError):
+        drive.mass = 2.0
+    with pytest.raises(ValidationError):
+        scene.duration = 2.0
+    assert drive.replace(mass=2.0).mass == 2.0
+    assert drive.mass == 1.0
+    assert hash(drive) == hash(RigidDrive())
+
+
+def test_exact_values_are_the_doubles():
+    exact = RigidDrive().exact()
+    assert float(exact.tan_lead) == math.tan(RigidDrive().lead_angle)
+    assert abs(exact.sin_lead**2 + exact.cos_lead**2 - 1) < 1e-27  # in the 28 digits of the default context
+
+
+def test_physics_of_a_scene():
+    """A scene carries only the terms that it lists; by default those that are not zero, and rest."""
+    scene = Scene.of({**SCENE, "drive": {"support_damping": 0.0, "axial_force": 10.0}})
+    assert scene.terms == ("axial_force", "rest")
+    assert "support_damping" not in scene.parameters()
+    assert "translation_damping" not in scene.parameters()
+    assert scene.parameters()["axial_force"] == 10.0
+    listed = Scene.of({**SCENE, "physics": ["support_damping", "axial_force"]})
+    assert "rest" not in listed.terms
+
+
+def test_scene_from_yaml(tmp_path):
+    path = tmp_path / "scene.yaml"
+    path.write_text(
+        "drive:\n  mass: 11\n  lead_angle_deg: 5.57\n  support_damping: 1.0e-3\n"
+        "start: {u: 0.1, w: 0}\nduration: 0.5\nsamples: 11\n",
+        encoding="utf-8",
+    )
+    scene = Scene.of(read_yaml(path))
+    assert scene.drive == RigidDrive.of(mass=11.0, support_damping=1e-3)
+    assert (scene.duration, scene.samples, scene.resume) == (0.5, 11, "contact_sign")
+    path.write_text("drive: {mass: 1e-3}\nstart: {u: 0.1, w: 0}\nduration: 1\n")  # YAML 1.1 reads 1e-3 as text
+    assert Scene.of(read_yaml(path)).drive.mass == 1e-3

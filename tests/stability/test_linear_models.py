@@ -1,0 +1,198 @@
+"""Linearised models against Newton's laws in 40 digits, their eigenvalues, classes and plain-value summary."""
+
+from decimal import Decimal, localcontext
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from references.classes import damped_class, growth_rate
+from references.newton import accelerations, eigenvalues
+
+from lsvib.errors import InputError
+from lsvib.models.coefficients import coefficients
+from lsvib.models.drive import NutDrive, SupportDrive, ThreadsDrive
+from lsvib.stability import eigenvalues_rigid, eigenvalues_two_coordinates, linearised, support_conditions
+from lsvib.stability.eigenvalues_two_coordinates import UndampedClass
+from lsvib.stability.stability_table import stability_table
+
+KINDS = {
+    "threads": (ThreadsDrive, linearised.threads_model),
+    "support": (SupportDrive, linearised.support_model),
+    "nut": (NutDrive, linearised.nut_model),
+}
+MODELS = sorted(KINDS)
+DAMPED = {"support_damping": 3e-4, "translation_damping": 70.0}
+OWN = {
+    "threads": {"contact_stiffness": 3e6, "contact_damping": 2e3},
+    "support": {"axial_support_damping": 40.0, "support_stiffness": 2e7},
+    "nut": {"nut_inertia": 5e-6, "nut_damping": 1e-4, "nut_stiffness": 0.7},
+}
+_FRICTIONS = st.just(0.0) | st.floats(1e-18, 5.0)
+
+
+def exact_jacobian(model: str, drive, law: int) -> np.ndarray:
+    """Columns are the accelerations at unit states: without loads the equations are homogeneous."""
+    with mpmath.workdps(40):
+        columns = [accelerations(model, drive, law, [int(i == j) for i in range(4)]) for j in range(4)]
+        jacobian = np.zeros((4, 4))
+        jacobian[0, 1] = jacobian[2, 3] = 1.0
+        jacobian[1::2] = np.array([[float(column[i]) for column in columns] for i in (0, 1)])
+        return jacobian
+
+
+@pytest.mark.parametrize("law", [1, -1])
+@pytest.mark.parametrize("model", MODELS)
+def test_matrices_follow_from_newtons_laws(model, law):
+    kind, build = KINDS[model]
+    drive = kind.of(mass=7.0, **DAMPED, **OWN[model])
+    expected = exact_jacobian(model, drive, law)
+    np.testing.assert_allclose(build(drive, law).jacobian(), expected, rtol=1e-13, atol=0)
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_polynomial_in_decimals_and_in_floats(model):
+    kind, build = KINDS[model]
+    drive = kind.of(mass=7.0, **DAMPED, **OWN[model])
+    exact = build(drive.exact(), 1).polynomial()
+    assert all(isinstance(p, Decimal) for p in exact)
+    np.testing.assert_allclose([float(p) for p in build(drive, 1).polynomial()], [float(p) for p in exact], rtol=1e-12)
+    values = eigenvalues_two_coordinates.eigenvalues(build(drive, 1))
+    assert (np.diff(values.real) >= 0).all()
+    with mpmath.workdps(60):
+        for root in eigenvalues(model, drive, 1):
+            assert np.abs(values / complex(root) - 1).min() < 1e-11
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_grids_give_what_single_drives_give(model):
+    kind, build = KINDS[model]
+    drive = kind.of(**DAMPED, **OWN[model])
+    friction, mass = np.array([0.05, 0.2, 0.4]), np.array([1.0, 30.0])
+    grid = build({**dict(drive), "friction_coefficient": friction[:, None], "mass": mass}, 1)
+    assert grid.jacobian().shape == (3, 2, 4, 4)
+    for i, j in np.ndindex(3, 2):
+        one = build(drive.replace(friction_coefficient=friction[i], mass=mass[j]), 1)
+        np.testing.assert_array_equal(grid.jacobian()[i, j], one.jacobian())
+        assert damped_class(grid)[i, j] == damped_class(one)
+        assert eigenvalues_two_coordinates.undamped_class(grid)[i, j] == eigenvalues_two_coordinates.undamped_class(one)
+        assert growth_rate(grid)[i, j] == growth_rate(one)
+
+
+@settings(max_examples=200)
+@given(_FRICTIONS, st.floats(0.1, 50.0), st.floats(0.1, 50.0), st.floats(3.0, 11.0), st.sampled_from([1, -1]))
+def test_generalised_eigenvalues_keep_their_digits(friction, mass, screw_mass, power, law):
+    drive = SupportDrive.of(
+        friction_coefficient=friction, mass=mass, screw_mass=screw_mass, support_stiffness=10.0**power
+    )
+    squares = eigenvalues_two_coordinates.reciprocal_squares(linearised.support_model(drive, law))
+    model = linearised.support_model(drive.exact(), law)
+    with mpmath.workdps(40):
+        m, k = (mpmath.matrix([[mpmath.mpf(str(x)) for x in row] for row in a]) for a in (model.mass, model.stiffness))
+        whole = mpmath.inverse(k) * m
+        trace, det = whole[0, 0] + whole[1, 1], mpmath.det(whole)
+        gap = mpmath.sqrt(trace * trace / 4 - det)
+        expected = [trace / 2 - gap, trace / 2 + gap]
+        # The sensitivity of 1/ω² to rounding of the entries grows where both coincide, and where Γ is a small
+        # difference of terms of which the larger one is the inertia of the screw.
+        size = max(*(abs(x) for x in expected), drive.screw_inertia / drive.coupling_stiffness)
+        reach = 1e-14 * size * (1 + size / abs(gap))
+        error = min(
+            max(abs(mpmath.mpc(complex(a)) - b) for a, b in zip(pair, expected, strict=True))
+            for pair in (squares, squares[::-1])
+        )
+        assert error < reach + mpmath.mpf(1e-7) * size * (abs(gap) < 1e-7 * size)
+
+
+def test_every_class_occurs_and_is_what_the_eigenvalues_say():
+    drive = SupportDrive.of(mass=15.0)
+    found = {}
+    for friction, stiffness in ((0.05, 1e7), (0.2, 1e7), (0.25, 1e9), (0.35, 1e7)):
+        model = linearised.support_model(
+            {**dict(drive), "support_damping": 0.0, "friction_coefficient": friction, "support_stiffness": stiffness}, 1
+        )
+        values = eigenvalues_two_coordinates.eigenvalues(model)
+        growing = values.real > 1e-7 * np.abs(values).max()
+        found[UndampedClass(int(eigenvalues_two_coordinates.undamped_class(model)))] = (
+            int(growing.sum()),
+            bool((values.imag[growing] != 0).all()),
+        )
+    assert found == {
+        UndampedClass.STABLE: (0, True),
+        UndampedClass.FLUTTER: (2, True),
+        UndampedClass.DIVERGENCE: (2, False),
+        UndampedClass.KINEMATIC: (1, False),
+    }
+
+
+@pytest.mark.parametrize("law", [1, -1])
+def test_printed_polynomial_is_that_of_the_matrices(law):
+    drive = SupportDrive.of(mass=15.0, support_damping=0.0)
+    p_4, _, p_2, _, p_0 = linearised.support_model(drive.exact(), law).polynomial()
+    printed = support_conditions.characteristic_polynomial(drive.exact(), law)
+    with localcontext(prec=60):
+        assert all(abs(a - b) < Decimal(10) ** -45 * abs(b) for a, b in zip((p_4, -p_2, p_0), printed, strict=True))
+
+
+def test_steady_law_counts_the_friction_of_the_slide():
+    drive = SupportDrive.of(axial_force=10.0)
+    assert linearised.steady_law(drive) == 1
+    assert linearised.steady_law(drive.replace(slide_friction=11.0)) == -1
+    assert linearised.steady_law(drive.replace(slide_friction=11.0, input_speed=-40.0)) == -1
+    assert linearised.steady_law(drive.replace(axial_force=-10.0)) == -1
+    with pytest.raises(InputError, match="the contact carries no force"):
+        linearised.steady_law(drive.replace(slide_friction=10.0))
+
+
+def test_slow_eigenvalues_tend_to_those_of_the_rigid_drive():
+    for mass in (5.0, 11.0):
+        drive = ThreadsDrive.of(mass=mass, contact_stiffness=1e14, contact_damping=1e8)
+        gamma = float(coefficients(drive).gamma[1])
+        rigid = eigenvalues_rigid.eigenvalues(gamma, drive.support_damping, drive.coupling_stiffness)
+        values = eigenvalues_two_coordinates.eigenvalues(linearised.threads_model(drive, 1))
+        for value in rigid:
+            assert np.abs(values / value - 1).min() < 1e-5
+
+
+@pytest.mark.parametrize(
+    ("model", "changes", "kind"),
+    [
+        ("threads", {"mass": 9.0}, "stable"),
+        ("threads", {"mass": 11.0}, "divergence"),
+        ("threads", {"mass": 9.0, "contact_damping": 0.0}, "flutter"),
+        ("threads", {"mass": 9.0, "contact_damping": 5e4}, "flutter"),
+        ("support", {"mass": 15.0, "support_damping": 0.0}, "neutral"),
+        ("support", {"mass": 15.0, "support_damping": 0.0, "support_stiffness": 1e7}, "flutter"),
+        (
+            "support",
+            {"mass": 15.0, "support_damping": 0, "support_stiffness": 1e9, "friction_coefficient": 0.25},
+            "divergence",
+        ),
+        ("support", {"mass": 15.0, "friction_coefficient": 0.3}, "kinematic"),
+        ("nut", {"mass": 5.0}, "stable"),
+        ("nut", {"mass": 5.1}, "kinematic"),
+    ],
+)
+def test_summary(model, changes, kind):
+    table = stability_table(changes, model)
+    assert (table["class"], table["stable"]) == (kind, kind == "stable")
+    assert len(table["eigenvalues"]) == 4
+    parts = [value["real"] for value in table["eigenvalues"]]
+    assert parts == sorted(parts)
+    largest = max(abs(complex(value["real"], value["imaginary"])) for value in table["eigenvalues"])
+    assert (parts[-1] > 1e-9 * largest) is (kind not in ("stable", "neutral"))
+    assert (parts[-1] == 0) is (kind == "neutral")
+
+
+def test_summary_states_the_conditions():
+    table = stability_table({"mass": 15.0, "support_stiffness": 1e7}, "support")
+    assert [name for name, c in table["conditions"].items() if c["hold"]] == ["flutter"]
+    assert table["quantities"]["kinematic_friction"]["value"] == pytest.approx(0.2848594241193505, rel=1e-14)
+    undamped = table["without_damping"]
+    assert undamped["class"] == "flutter"
+    assert [name for name, c in undamped["conditions"].items() if c["hold"]] == ["mode_coupling"]
+    quantities = undamped["quantities"]
+    assert quantities["lower_flutter_stiffness"]["value"] < 1e7 < quantities["upper_flutter_stiffness"]["value"]
+    assert stability_table({"mass": 6}, "nut")["conditions"]["kinematic"]["hold"]
+    assert stability_table({"mass": 11}, "threads")["quantities"]["least_contact_damping"]["value"] is None

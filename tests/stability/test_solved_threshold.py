@@ -1,0 +1,139 @@
+"""Thresholds by name: the same as the functions of single thresholds, as motions say, and refused in one sentence."""
+
+import json
+import math
+import re
+
+import pytest
+
+import lsvib
+from lsvib.basins.exact_basin import Boundary, basin
+from lsvib.models.rigid import MotionMode
+from lsvib.stability import boundaries, thresholds
+from lsvib.stability.conditions import critical_friction, critical_mass
+
+NEGATIVE = lsvib.RigidDrive(mass=1, translation_damping=1e3)
+PARADOX = lsvib.RigidDrive(mass=11, support_damping=2e-3, axial_force=-18)
+
+
+@pytest.mark.parametrize("sense", [1, -1])
+def test_forces_are_those_of_the_functions(sense):
+    for drive, names in ((NEGATIVE, ("onset", "stick", "detach")), (PARADOX, ("global_stability",))):
+        drive = drive.replace(input_speed=40.0 * sense, axial_force=sense * drive.axial_force)
+        for name in names:
+            found = drive.threshold(name)
+            assert found.unknown == "axial_force"
+            assert found.unit == "N"
+            assert not found.several
+            expected = getattr(thresholds, f"{name}_force")(drive)
+            assert abs(found.value - expected) <= math.ulp(expected)
+            assert found.residual < 1e-15
+            assert found.error_bound <= math.ulp(expected)
+
+
+def test_critical_values_are_those_of_the_closed_forms():
+    drive = lsvib.RigidDrive(mass=15)
+    assert drive.threshold("kinematic").value == critical_mass(drive)
+    assert drive.threshold("kinematic", "friction_coefficient").value == critical_friction(drive)
+    assert drive.thresholds()["critical_friction"].value == critical_friction(drive)  # of this drive, without m_1
+    support = lsvib.SupportDrive(mass=15)
+    assert support.threshold("kinematic", "friction_coefficient").value == critical_friction(support, 11.6)
+
+
+@pytest.mark.parametrize(
+    ("drive", "unknown"),
+    [
+        (lsvib.ThreadsDrive(contact_damping=5e4), "mass"),
+        (lsvib.ThreadsDrive(mass=9), "contact_damping"),
+        (lsvib.SupportDrive(mass=15, axial_support_damping=10), "friction_coefficient"),
+        (lsvib.SupportDrive(mass=15, axial_support_damping=10), "mass"),
+        (lsvib.NutDrive(translation_damping=100), "mass"),
+        (lsvib.NutDrive(translation_damping=100), "nut_damping"),
+    ],
+)
+def test_onsets_are_the_ends_of_the_stable_intervals(drive, unknown):
+    kind = next(cls for cls in type(drive).__mro__ if cls.__name__.endswith("Parameters"))
+    found = boundaries.stable_set(kind(**drive.model_dump()), unknown)
+    ends = sorted({float(x) for pair in found.intervals for x in pair if 0 < x < found.limit})
+    try:
+        values = [solution.value for solution in drive.threshold("onset", unknown).solutions]
+    except lsvib.NoThreshold:
+        values = []
+    assert ends == values
+
+
+def test_solving_for_a_parameter_gives_back_the_drive():
+    """At the force of the threshold every parameter on which it depends is the solution for that parameter."""
+    for drive, name, unknowns in (
+        (NEGATIVE, "detach", ("mass", "lead_angle")),
+        (PARADOX, "fold", ("coupling_stiffness",)),
+        (PARADOX, "global_stability", ("support_damping",)),
+    ):
+        force = drive.threshold(name)
+        there = drive.replace(axial_force=force.value)
+        for unknown in unknowns:
+            own, back = getattr(drive, unknown), there.threshold(name, unknown)
+            nearest = min(back.solutions, key=lambda solution: abs(solution.value - own))
+            slope = nearest.derivatives["axial_force"].value
+            assert abs(nearest.value - own) <= 2 * abs(slope) * math.ulp(force.value) + math.ulp(own)
+            assert slope * force.derivatives[unknown].value == pytest.approx(1, rel=1e-9)
+
+
+def test_both_sides_of_the_birth_and_the_fold_of_the_repelling_cycle():
+    """Between fold and birth a cycle bounds the basin, before the fold nothing does, beyond the birth slip does."""
+    fold, birth = PARADOX.threshold("fold").value, PARADOX.threshold("cycle_birth").value
+    assert fold < birth
+    gap = birth - fold
+    # Next to the fold motions linger, next to the birth they do not.
+    forces = fold - 0.2 * gap, fold + 0.2 * gap, birth - 1e-6 * gap, birth + 1e-6 * gap
+    kinds = [basin(PARADOX.replace(axial_force=force)).boundary for force in forces]
+    assert kinds[:3] == [Boundary.NONE, Boundary.CYCLE, Boundary.CYCLE]
+    assert kinds[3] in (Boundary.TOUCHING_SLIP, Boundary.TOUCHING_MOTION)
+
+
+def test_both_sides_of_the_loss_of_rest():
+    """R = 100 N, m = 15 kg: with a little less damping the sprag–slip cycle rests, with a little more it does not."""
+    drive = lsvib.RigidDrive(mass=15, axial_force=100)
+    damping = drive.threshold("rest_loss").value
+    assert damping == pytest.approx(2.5264368463e-4, rel=1e-9)
+    rests = []
+    for factor in (1 - 1e-3, 1 + 1e-3):
+        found = drive.replace(support_damping=factor * damping).steady_state({"u": 0.0, "w": -40.0})
+        assert found.label == lsvib.Attractor.SPRAG_SLIP_CYCLE
+        rests.append(MotionMode.REST in found.orbit.automaton.codes[found.orbit.arcs()[0]])
+    assert rests == [True, False]
+
+
+@pytest.mark.parametrize(
+    ("drive", "arguments", "sentence"),
+    [
+        (NEGATIVE, ("sticking",), "threshold = 'sticking' is not one of those of model rigid: onset, "),
+        (NEGATIVE, ("stick", "masss"), "unknown = 'masss' is not a parameter of model rigid: "),
+        (NEGATIVE, ("stick", 3), "unknown = 3 is not a parameter"),
+        (NEGATIVE, ("kinematic", "axial_force"), "the threshold kinematic of model rigid does not depend on"),
+        (
+            NEGATIVE,
+            ("kinematic", "lead_angle"),
+            "no lead_angle in the allowed range 1e-06 <= lead_angle < 1.5708 is the",
+        ),
+        (NEGATIVE, ("fold",), "the drive is not in the Painleve region"),
+        (NEGATIVE, ("flutter",), "threshold = 'flutter' is not one of those of model rigid"),
+        (PARADOX.replace(support_damping=1e-3), ("fold",), "no axial_force is the threshold fold: next to -26.04"),
+        (PARADOX.replace(support_damping=1e-3), ("cycle_birth",), "the cycle without rest would begin where"),
+        (PARADOX, ("detach", "mass"), "no mass within 6 decades on both sides of the drive's own value is the"),
+    ],
+)
+def test_refused_in_one_sentence(drive, arguments, sentence):
+    with pytest.raises(lsvib.InputError, match=f"^{re.escape(sentence)}") as refused:
+        drive.threshold(*arguments)
+    assert str(refused.value).endswith(".")
+    assert "\n" not in str(refused.value)
+
+
+def test_a_result_is_plain_numbers():
+    found = lsvib.RigidDrive(mass=11).threshold("kinematic", "lead_angle")
+    assert found.several
+    values = json.loads(json.dumps(found.to_json(), allow_nan=False))["solutions"]
+    assert values[0]["value"] < values[1]["value"]
+    assert values[0]["derivatives"]["mass"]["unit"] == "rad/(kg)"
+    assert found.solutions[0].change({"mass": 2.0}) == {"mass": 2 * found.derivatives["mass"].value}
