@@ -7,6 +7,7 @@ from references.command_line import DRIVE
 
 import lsvib
 from lsvib.models.drive import RigidDrive
+from lsvib.stability.threshold_table import threshold_table
 
 
 def test_thresholds_json(run):
@@ -47,7 +48,7 @@ def test_thresholds_away_from_the_chapter(run):
 def test_thresholds_of_another_model(run, model, damping, unit):
     arguments = ("thresholds", "--model", model, "--set", "mass=4")
     table = json.loads(run(*arguments, "--json")[1])
-    assert table == lsvib.thresholds({"mass": "4"}, model=model)
+    assert table == threshold_table({"mass": "4"}, model=model)
     assert {name: entry["unit"] for name, entry in table.items()} == {
         "critical_mass": "kg", "critical_friction": "1", damping: unit,
     }  # fmt: skip
@@ -73,7 +74,7 @@ def test_a_threshold_solved_for_a_parameter(run):
         assert f"lead_angle = {solution.value!r} rad, in error by at most " in text
         assert f"  d/d mass = {solution.derivatives['mass'].value:.12g} rad/(kg)\n" in text
     onset = ("thresholds", "--model", "threads", "--set", "mass=9", "--solve", "onset", "--for", "contact_damping")
-    own = lsvib.thresholds({"mass": 9.0}, model="threads")["least_contact_damping"]["value"]
+    own = threshold_table({"mass": 9.0}, model="threads")["least_contact_damping"]["value"]
     assert json.loads(run(*onset, "--json")[1])["solutions"][0]["value"] == own
 
 

@@ -35,7 +35,7 @@ def resilience(
 
         lsvib resilience --set mass=11 --set support_damping=1e-3 --over axial_force=-33:-1:65 --out reserve.nc
     """
-    from lsvib.api import drive_class
+    from lsvib import RigidDrive
     from lsvib.datasets.resilience import resilience_sweep, window_of
     from lsvib.datasets.sweep import evenly
     from lsvib.datasets.writer import write_dataset
@@ -49,7 +49,7 @@ def resilience(
         if window is None
         else {name: ends("window", name, text, "KEY=LOW:HIGH") for name, text in pairs(window).items()}
     )
-    drive, part = drive_class("rigid").of(pairs(changes)), window_of(limits)
+    drive, part = RigidDrive.of(pairs(changes)), window_of(limits)
     if over is None:
         reserve = drive.resilience(part)
         show(reserve.to_json(), as_json, lambda result: _print(reserve))
