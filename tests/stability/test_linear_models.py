@@ -89,7 +89,15 @@ def test_generalised_eigenvalues_keep_their_digits(friction, mass, screw_mass, p
     squares = eigenvalues_two_coordinates.reciprocal_squares(linearised.support_model(drive, law))
     model = linearised.support_model(drive.exact(), law)
     with mpmath.workdps(40):
-        m, k = (mpmath.matrix([[mpmath.mpf(str(x)) for x in row] for row in a]) for a in (model.mass, model.stiffness))
+        m, k = (
+            mpmath.matrix(
+                [
+                    [mpmath.mpf(x.str(60, radius=False)) if isinstance(x, arb) else mpmath.mpf(x) for x in row]
+                    for row in a
+                ]
+            )
+            for a in (model.mass, model.stiffness)
+        )
         whole = mpmath.inverse(k) * m
         trace, det = whole[0, 0] + whole[1, 1], mpmath.det(whole)
         gap = mpmath.sqrt(trace * trace / 4 - det)

@@ -32,14 +32,12 @@ from lsvib.engine.kernels.status import Test
 from lsvib.errors import InputError
 from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
-from lsvib.models.once import once
 from lsvib.models.rigid import SLIPS, EventKind, MotionMode, rigid_automaton
 
 BEGINNING = int(MotionMode.REST)  # code of the mode in which a trace ends
 _SIGNS = {MotionMode[name.upper()]: signs for name, signs in SLIPS.items()}
 
 
-@once
 def backward_automaton(drive: RigidDrive, touch: arb | None = None) -> Automaton:
     """Return the automaton of a drive in reversed time, Ω > 0.
 

@@ -44,7 +44,7 @@ def alike(*numbers: Number) -> tuple[Number, ...]:
     """Return numbers of one formula as arrays or floats if one of them is an array, as balls or series else."""
     if any(isinstance(number, np.ndarray) for number in numbers):
         return tuple(number if isinstance(number, np.ndarray) else float(number) for number in numbers)
-    return tuple(arb(number) if isinstance(number, (int, float)) else number for number in numbers)
+    return tuple(arb(number) if isinstance(number, (int, float, str)) else number for number in numbers)
 
 
 def sign(number: Number, parameter: str = "a parameter") -> int:
