@@ -52,12 +52,9 @@ from lsvib.engine.exact.arithmetic import double, many_digits, root, sign
 from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
 from lsvib.errors import InputError
-from lsvib.models.coefficients import Coefficients, coefficients
-from lsvib.models.drive import RigidDrive
-from lsvib.models.once import once
-from lsvib.models.powers import Powers
-from lsvib.models.registry import Model
-from lsvib.models.resumption import Resume
+from lsvib.models.drive import RigidDrive, once
+from lsvib.models.mechanics import Coefficients, coefficients
+from lsvib.models.model import Model, Powers, Resume
 
 STATES = ("angle_deviation", "velocity_deviation")
 
@@ -141,6 +138,7 @@ def automaton_of(c: Coefficients, d: Any, rest: bool, resume: Resume) -> Automat
             observables=_observables(c, d, modes),
             shortest_stay=SHORT_STAY * np.min([flow.row[..., columns.TIME_SCALE] for flow in flows.values()], axis=0),
             rest_codes=(MotionMode.REST,),
+            release_kinds=(EventKind.RELEASE,),
             sprag_kinds=(EventKind.SEIZURE,),
             passive=rest,
             contracts=_contracts(c),
