@@ -55,9 +55,9 @@ MODULES = {
         "lsvib.basins.resilience",
         "lsvib.basins.grid",
         "lsvib.basins.curves",
-        "lsvib.datasets.resilience",
+        "lsvib.datasets.sweep",
     ],
-    "Data": ["lsvib.datasets.simulation", "lsvib.datasets.sweep", "lsvib.datasets.checks", "lsvib.datasets.writer"],
+    "Data": ["lsvib.datasets.motion", "lsvib.datasets.sweep", "lsvib.datasets.checks", "lsvib.datasets.io"],
     "Figures": ["lsvib.figures.build", "lsvib.figures.configuration", "lsvib.figures.folders"],
 }
 

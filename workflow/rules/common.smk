@@ -89,7 +89,7 @@ def source_files(modules):
         files |= {Path(FOLDERS[parts[0]], *parts[:n], "__init__.py") for n in range(1, len(parts))}
         package = Path(FOLDERS[parts[0]], *parts, "__init__.py")
         file = package if package.exists() else Path(FOLDERS[parts[0]], *parts).with_suffix(".py")
-        files |= {file} | {beside for kind in (".css", ".js") if (beside := file.with_suffix(kind)).exists()}
+        files |= {file} | {beside for kind in (".css", ".js", ".html.j2") if (beside := file.with_suffix(kind)).exists()}
     return sorted(str(file) for file in files)
 
 
@@ -119,7 +119,7 @@ def modules_with_model(module, settings):
 
 def map_modules():
     """Return the modules that the map depends on."""
-    return modules_with_model("lsvib.datasets.tiles", MAP)
+    return modules_with_model("lsvib.datasets.map", MAP)
 
 
 def map_sources():
@@ -129,7 +129,7 @@ def map_sources():
 
 def chart_modules():
     """Return the modules that the chart depends on."""
-    return modules_with_model("lsvib.datasets.chart_tiles", CHART)
+    return modules_with_model("lsvib.datasets.chart", CHART)
 
 
 def chart_sources():

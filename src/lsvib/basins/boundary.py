@@ -32,9 +32,9 @@ from lsvib.engine.exact.precision import PLACES
 from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.motion import Motion, follow
-from lsvib.errors import EngineError, InputError
+from lsvib.errors import EngineError, InputError, LsvibError
 from lsvib.models.coefficients import Coefficients, coefficients
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive, RigidDrive
 from lsvib.models.rigid import MotionMode, rigid_automaton
 
 _NARROW = 1e-10  # width of a window, of the size of the boundary, in which a share is still good to 1e-4
@@ -74,6 +74,11 @@ class Basin:
     boundary: Boundary
     curves: tuple[Curve, ...] = field(repr=False)
     flow: np.ndarray = field(repr=False)
+
+    @property
+    def codes(self) -> list[int]:
+        """Codes of the modes to whose rows of ``flow`` the arcs refer."""
+        return [int(code) for code in rigid_automaton(self.drive).codes]
 
     @property
     def bounded(self) -> bool:
@@ -139,6 +144,17 @@ def basin(drive: RigidDrive) -> Basin:
     find = _in_paradox if c.paradox else _continuous
     boundary, curves = find(drive, c)
     return Basin(drive, boundary, tuple(curves), rigid_automaton(drive).tables.flow)
+
+
+def known_basin(drive: Drive) -> Basin | None:
+    """Return the basin of a drive of any model; None where its boundary is not known in closed form.
+
+    Those are drives of all models but the rigid one, and the few rigid drives for which :func:`basin` raises.
+    """
+    try:
+        return basin(drive) if isinstance(drive, RigidDrive) else None
+    except LsvibError:
+        return None
 
 
 def _require_attraction(c: Coefficients) -> None:
@@ -337,14 +353,13 @@ def _row_of(automaton: Automaton, mode: int) -> int:
 
 def _mirrored(found: Basin, drive: RigidDrive) -> Basin:
     """Return the basin of a drive from that of the drive with Ω and R reversed: the plane turned by half a turn."""
-    codes = rigid_automaton(found.drive).codes.tolist()
     automaton = rigid_automaton(drive)
 
     def turned(piece: Segment | Arc) -> Segment | Arc:
         """A piece of the boundary, turned by half a turn, with the mode that has both signs reversed."""
         if isinstance(piece, Segment):
             return Segment(-piece.start, -piece.end)
-        code = MotionMode.SLIP_BACKWARD_NEGATIVE - codes[piece.mode]
+        code = MotionMode.SLIP_BACKWARD_NEGATIVE - found.codes[piece.mode]
         return Arc(_row_of(automaton, code), -piece.start, -piece.end, piece.duration)
 
     curves = tuple([turned(piece) for piece in curve] for curve in found.curves)

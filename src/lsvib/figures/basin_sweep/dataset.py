@@ -11,8 +11,7 @@ from lsvib.basins.curves import Window, sampled
 from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapper import mapper
 from lsvib.datasets import phase_plane, spans
-from lsvib.datasets.attributes import CRITICAL_MASS, flagged, variable
-from lsvib.datasets.parameter_origins import axis, drive_parameters, labels
+from lsvib.datasets.attributes import CRITICAL_MASS, axis, drive_parameters, flagged, labels, variable
 from lsvib.dynamics.attractors import Attractor
 from lsvib.figures.basin_sweep.checks import checks
 from lsvib.models.drive import RigidDrive
