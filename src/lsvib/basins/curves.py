@@ -6,7 +6,8 @@ energy of the oscillator  u″ + a₁ u′ + a₀ u = b
 
     ∫ w du = ∫ w² dt = −Δ(w²/2 + a₀ u²/2 − b u) / a₁         along an arc,
 
-evaluated in balls of 60 digits, and more for a small a₁. Along a line w = const, from u = −∞ on, the region is
+evaluated in balls of 150 digits: the strips under a boundary nearly cancel, in a narrow window to 24 digits and 20
+more, and the division by a small a₁ costs as many. Along a line w = const, from u = −∞ on, the region is
 entered where a curve rises and left where one falls; if it is left once more than it is entered, it holds u = −∞.
 """
 
@@ -17,13 +18,12 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from flint import arb, ctx
+from flint import arb
 
+from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.kernels import columns, flow_planar, search_planar
 from lsvib.engine.kernels.affine import level
 from lsvib.engine.kernels.status import Found
-
-_DIGITS = 60  # of an area: the strips under its boundary nearly cancel, in a narrow window to 24 digits and 20 more
 
 
 @dataclass(frozen=True)
@@ -129,7 +129,7 @@ def area(flow: np.ndarray, curves: Iterable[Curve]) -> float:
 
     Neighbouring pieces meet to rounding; a straight line closes each gap, so that it counts for no more than it holds.
     """
-    with ctx.workdps(_DIGITS):
+    with many_digits():
         total = arb(0)
         for curve in curves:
             for piece, following in zip(curve, [*curve[1:], curve[0]], strict=True):
@@ -153,25 +153,23 @@ def _strip(flow: np.ndarray, piece: Piece) -> tuple[arb, tuple[arb, arb]]:
     if isinstance(piece, Segment):
         end = _balls(piece.end)
         return _under_line((u, w), end), end
-    rates = [float(flow[piece.mode, k]) for k in (columns.A0, columns.A1)]
-    little = math.log10(abs(rates[1])) - math.log10(abs(rates[0])) / 2 if rates[1] else 0.0
-    with ctx.workdps(_DIGITS + max(0, -int(little))):  # the division by a₁ costs as many digits
-        (a0, a1), b, time = map(arb, rates), arb(float(flow[piece.mode, columns.B])), arb(piece.duration)
-        square, y, decay = a1 * a1 / 4 - a0, u - b / a0, (-a1 * time / 2).exp()
-        root = abs(square).sqrt()
-        if square == 0:  # critical damping has a double root
-            s, even = decay * time, decay
-        elif square > 0:
-            s, even = decay * (root * time).sinh() / root, decay * (root * time).cosh()
-        else:
-            s, even = decay * (root * time).sin() / root, decay * (root * time).cos()
-        # S′ = even − a₁ S / 2 of the response S to a blow
-        y_end, w_end = y * (even + a1 / 2 * s) + w * s, w * (even - a1 / 2 * s) - a0 * y * s
-        if rates[1]:
-            strip = (w * w - w_end * w_end + a0 * (y * y - y_end * y_end)) / (2 * a1)
-        else:  # energy stays, and ∫ w² dt + a₀ ∫ y² dt is it twice over time, ∫ w² dt − a₀ ∫ y² dt = Δ(y w)
-            strip = ((w * w + a0 * y * y) * time + y_end * w_end - y * w) / 2
-        return strip, (y_end + b / a0, w_end)
+    a0, a1, b = (arb(float(flow[piece.mode, k])) for k in (columns.A0, columns.A1, columns.B))
+    time = arb(piece.duration)
+    square, y, decay = a1 * a1 / 4 - a0, u - b / a0, (-a1 * time / 2).exp()
+    root = abs(square).sqrt()
+    if square == 0:  # critical damping has a double root
+        s, even = decay * time, decay
+    elif square > 0:
+        s, even = decay * (root * time).sinh() / root, decay * (root * time).cosh()
+    else:
+        s, even = decay * (root * time).sin() / root, decay * (root * time).cos()
+    # S′ = even − a₁ S / 2 of the response S to a blow
+    y_end, w_end = y * (even + a1 / 2 * s) + w * s, w * (even - a1 / 2 * s) - a0 * y * s
+    if a1 == 0:  # energy stays, and ∫ w² dt + a₀ ∫ y² dt is it twice over time, ∫ w² dt − a₀ ∫ y² dt = Δ(y w)
+        strip = ((w * w + a0 * y * y) * time + y_end * w_end - y * w) / 2
+    else:
+        strip = (w * w - w_end * w_end + a0 * (y * y - y_end * y_end)) / (2 * a1)
+    return strip, (y_end + b / a0, w_end)
 
 
 def contains(flow: np.ndarray, curves: Iterable[Curve], state: np.ndarray) -> bool:
