@@ -177,6 +177,8 @@ def _continuous(drive: RigidDrive, c: Coefficients) -> tuple[Boundary, list[Curv
             f"translation_damping = {drive.translation_damping:g} is so large that slip under law + may grow for ever "
             "without a turn; the basin of such a drive is not covered."
         )
+    if rigid_automaton(drive).contracts:  # areas shrink everywhere, so there is no closed orbit
+        return Boundary.NONE, []
     back = backward_automaton(drive)
     mode = MotionMode.SLIP_FORWARD_NEGATIVE if c.steady_law < 0 else MotionMode.SLIP_FORWARD_POSITIVE
     # Slip from (start, 0) never leaves |u| <= start, |w| <= start √(k/Γ_0).
@@ -187,7 +189,7 @@ def _continuous(drive: RigidDrive, c: Coefficients) -> tuple[Boundary, list[Curv
     orbit = _wind_up(drive, back, np.array([start, 0.0]), _row_of(back, mode))
     if orbit is None:
         return Boundary.NONE, []
-    return Boundary.CYCLE, [_forward_arcs(orbit, drive)]
+    return Boundary.CYCLE, [[*_forward_arcs(orbit, drive)]]
 
 
 def _in_paradox(drive: RigidDrive, c: Coefficients) -> tuple[Boundary, list[Curve]]:
@@ -340,7 +342,7 @@ def _traced(back: Automaton, state: NDArray[np.float64], mode: int, events: int)
         return None
 
 
-def _forward_arcs(trace: Motion, drive: RigidDrive) -> Curve:
+def _forward_arcs(trace: Motion, drive: RigidDrive) -> list[Arc]:
     """Return the arcs of a motion backwards as arcs forward in time, the earliest first; none has zero duration."""
     codes, turned = trace.automaton.codes, np.array([1.0, -1.0])
     return [
@@ -352,7 +354,7 @@ def _forward_arcs(trace: Motion, drive: RigidDrive) -> Curve:
 
 def _row_of(automaton: Automaton, mode: int) -> int:
     """Return the row of a mode in the tables of an automaton, by its code."""
-    return automaton.codes.tolist().index(int(mode))
+    return int(np.flatnonzero(automaton.codes == mode)[0])
 
 
 def _mirrored(found: Basin, drive: RigidDrive) -> Basin:

@@ -15,7 +15,7 @@ import itertools
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from flint import arb
@@ -88,7 +88,8 @@ def state_on(flow: np.ndarray, arc: Arc, time: float) -> np.ndarray:
 
 def sign_changes(flow: np.ndarray, arc: Arc, row: np.ndarray) -> list[float]:
     """Return the times [s] in (0, duration) at which an affine function (3) of the state changes sign along an arc."""
-    times, time, state = [], 0.0, np.asarray(arc.start, dtype=float)
+    times: list[float] = []
+    time, state = 0.0, np.asarray(arc.start, dtype=float)
     value, size = level(row, state, np.abs(state))
     rate, rate_size, bend, _ = flow_planar.slopes_at(flow, arc.mode, state, np.abs(state), row)
     touches = abs(value) <= size
@@ -113,7 +114,7 @@ def split(flow: np.ndarray, arc: Arc, times: Sequence[float]) -> list[Piece]:
 
 def sampled(flow: np.ndarray, curves: Iterable[Curve], count: int = 100) -> np.ndarray:
     """Return points (n, 2) along curves for drawing, ``count`` to an arc, with a row of NaN between two curves."""
-    points = []
+    points: list[Any] = []
     for curve in curves:
         points += [[math.nan, math.nan]] if points else []
         for piece in curve:

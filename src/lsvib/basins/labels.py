@@ -212,8 +212,10 @@ class Sections:
         """Double an interval around a point of a cycle while the return map takes it into itself; note the last."""
         x, found = visits[0], None
         while width < self.size[section.free]:
-            ends = [self._returned(section, x + side * width, len(visits)) for side in (-1, 1)]
-            if None in ends or ends[0][0] != ends[1][0] or any(abs(end - x) >= width for _, end in ends):
+            one, other = (self._returned(section, x + side * width, len(visits)) for side in (-1, 1))
+            if one is None or other is None or one[0] != other[0]:
+                break
+            if max(abs(one[1] - x), abs(other[1] - x)) >= width:
                 break
             found, width = (section.mode, section.surface, x - width, x + width), 2 * width
         if found is not None:
@@ -376,7 +378,7 @@ def _with_labels(automaton: Automaton, known: Known, found: Mapping[Section, Pie
             edges += pieces.edges
             labels += [*pieces.labels, UNKNOWN]
             known.last[mode, surface] = len(edges) - 1
-    for mode in np.flatnonzero(known.resting == UNKNOWN):
+    for mode in np.flatnonzero(known.resting == UNKNOWN).tolist():
         ends = set()
         for transition in tables.guard_transition[slice(*tables.guard_start[mode : mode + 2])]:
             surface = int(known.landing[transition])

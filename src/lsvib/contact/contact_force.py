@@ -26,6 +26,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from lsvib.errors import InputError
 from lsvib.models.coefficients import coefficients
@@ -206,7 +207,7 @@ class Existence(IntEnum):
     BOUNDARY = 3  # Q = 0 or θ′ = 0: the sign functions of (8.3) are not defined
 
 
-def contact_forces(drive: RigidDrive, u, w) -> np.ndarray:
+def contact_forces(drive: RigidDrive, u: ArrayLike, w: ArrayLike) -> np.ndarray:
     """Contact force that each friction law would give, N_s = Q / [Γ_s (cos λ + s μ sin λ)] (eqs 8.5, 8.17).
 
     Arguments: u [rad], w = u′ [rad/s], arrays of one shape. Returns N₊ and N₋ [N], shape (2, ...). The law is
@@ -220,7 +221,7 @@ def contact_forces(drive: RigidDrive, u, w) -> np.ndarray:
         return np.stack([q / (float(c.gamma[s]) * (cosine + s * drive.friction_coefficient * sine)) for s in (1, -1)])
 
 
-def existence(drive: RigidDrive, u, w) -> np.ndarray:
+def existence(drive: RigidDrive, u: ArrayLike, w: ArrayLike) -> np.ndarray:
     """Classify states by their number of admissible contact forces; equal shapes in, ``Existence`` (int8) out."""
     forces = contact_forces(drive, u, w)
     direction = np.sign(drive.input_speed + np.asarray(w))

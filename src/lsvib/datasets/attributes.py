@@ -40,7 +40,7 @@ _LONG_NAMES = {
 
 Dims = str | tuple[str, ...]
 Variable = tuple[Dims, Any, dict[str, Any]]  # as xarray.Dataset takes one
-Variables = dict[str, tuple]
+Variables = dict[str, Variable]
 
 
 def flags(kinds: Iterable[IntEnum]) -> dict[str, Any]:

@@ -97,7 +97,8 @@ class Check:
         """Rebuild a check from :meth:`to_json`."""
         texts = ("nan", "inf", "-inf")
         numbers = ("computed", "error")
-        return cls(**{key: float(v) if key in numbers and v in texts else v for key, v in values.items()})
+        plain: dict[str, Any] = {k: float(v) if k in numbers and v in texts else v for k, v in values.items()}
+        return cls(**plain)
 
     def sentence(self) -> str:
         """Return the verdict as one sentence."""
@@ -185,7 +186,9 @@ def text(value: float | str | None) -> str:
 
 def printed(checks: NamedChecks) -> list[tuple[str, Check]]:
     """Return those of some checks whose number the chapter prints, in its order."""
-    order = {(claim.source, claim.value): k for k, claim in reversed(list(enumerate(PRINTED)))}
+    order: dict[tuple[str, float | str], int] = {
+        (claim.source, claim.value): k for k, claim in reversed(list(enumerate(PRINTED)))
+    }
     found = [pair for pair in checks if (pair[1].source, pair[1].expected) in order]
     return sorted(found, key=lambda pair: order[pair[1].source, pair[1].expected])
 
