@@ -185,7 +185,7 @@ def drive_parameters(
     those which are ``axes`` of the file and therefore are left out here.
     """
     row = [drives] if isinstance(drives, Drive) else list(drives)
-    result = {}
+    result: Variables = {}
     for name in type(row[0]).model_fields:
         if name in axes:
             continue
