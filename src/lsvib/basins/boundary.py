@@ -37,9 +37,6 @@ from lsvib.models.drive import Drive, RigidDrive
 from lsvib.models.rigid import MotionMode, rigid_automaton
 
 _NARROW = 1e-10  # width of a window, of the size of the boundary, in which a share is still good to 1e-4
-_SEEN = 0.1  # part of a rate that doubles hold to fifteen digits
-_CLOSED = 1e-9  # relative gap of an orbit that is closed
-_NEAR = 0.5  # distance from the equilibrium at which the motion backwards starts, in distances to the first guard
 _EVENTS = 2_000_000  # of a motion backwards, some seconds, after which its turns hardly grow and it is given up
 _FAR = 1e9  # growth of the turns after which they grow for ever: the constants of the drive are 1e-9 of the state
 
@@ -185,7 +182,7 @@ def _continuous(drive: RigidDrive, c: Coefficients) -> tuple[Boundary, list[Curv
     rate = math.sqrt(drive.coupling_stiffness / float(c.gamma[c.steady_law]))
     q_u, q_w, q_0 = (abs(float(x)) for x in c.q_row)
     change = q_u + q_w * rate
-    start = _NEAR * min(q_0 / change if change else math.inf, drive.input_speed / rate)
+    start = 0.5 * min(q_0 / change if change else math.inf, drive.input_speed / rate)
     orbit = _wind_up(drive, back, np.array([start, 0.0]), _row_of(back, mode))
     if orbit is None:
         return Boundary.NONE, []
@@ -256,7 +253,7 @@ def _before_touch(drive: RigidDrive, c: Coefficients, touch: tuple[arb, arb]) ->
 
     Where the rates of slip lie far apart, their ratio being q, the touching state is on the slow eigenvector but for a
     part q² of it, which doubles do not hold. Backwards this part grows fast, and decides where the motion comes from:
-    with many digits it is followed until it is ``_SEEN`` of the rate w, and of Ω, so that θ′ = 0 is not met before.
+    with many digits it is followed until it is a tenth of the rate w, and of Ω, so that θ′ = 0 is not met before.
     """
     (u, w), k = touch, drive.exact().coupling_stiffness
     here = 0.0, np.array([float(u), float(w)])
@@ -267,7 +264,7 @@ def _before_touch(drive: RigidDrive, c: Coefficients, touch: tuple[arb, arb]) ->
         fast = -(c.damping[-1] + square.sqrt()) / (2 * c.gamma[-1])
         slow = k / (c.gamma[-1] * fast)
         part = (w - slow * u) / (fast - slow)  # of u along the fast eigenvector
-        wanted = _SEEN * abs(w).min(arb(drive.input_speed))
+        wanted = arb(0.1) * abs(w).min(arb(drive.input_speed))
         size = abs(fast * part)
         if not 0 < size < wanted:
             return here
@@ -324,7 +321,7 @@ def _wind_up(drive: RigidDrive, back: Automaton, start: NDArray[np.float64], mod
         state, mode = trace.end_state, trace.end_mode
         found = steady_state(back, state, mode=mode, max_events=1)
         # An event that recurs at once, within a small part of a time scale of slip, is not a turn, which has some six.
-        if found.orbit is not None and found.residual < _CLOSED and found.period > 1e-3 * found.returns * scale:
+        if found.orbit is not None and found.residual < 1e-9 and found.period > 1e-3 * found.returns * scale:
             once = found.orbit.time.size // found.returns
             return follow(back, found.orbit.start_state, math.inf, mode=found.orbit.start_mode, max_events=once)
         used, chunk = used + chunk, 2 * chunk

@@ -44,11 +44,9 @@ from lsvib.errors import InputError
 from lsvib.models.drive import Drive
 
 _EVENTS = 100_000  # of a motion, after which its start is unresolved
-_FEWER = 300  # the same where the table of sections has gaps, in which many motions may go on and on: 0.1 ms
 _SYMBOLS = 256  # longest itinerary; what a motion ends in that goes on is searched
 _SEARCH = 16_000  # events of such a search
 _WORK = 500  # pieces into which sections may be divided for one drive, about a second
-_SEARCH_COST, _FUTILE_COST = 8, _WORK // 4  # pieces that a search takes as long as, and that one in vain counts for
 _FAR = 1e3  # sections are labelled up to so many times the size of the drive's motions
 _ON_CYCLE = 1e-9  # a state this close to a point of a cycle, relative to the cycle's size, is on it
 _BAND = 1e-12  # half width of the band about a change of label in which starts are unresolved, in sizes
@@ -193,7 +191,8 @@ class Sections:
         if self._work > _WORK:
             return UNRESOLVED
         found = steady_state(self.automaton, state, mode=mode, max_events=_SEARCH)
-        self._work += _FUTILE_COST if found.label == Attractor.UNRESOLVED else _SEARCH_COST
+        # A search takes as long as some pieces; where searches are in vain they are soon given up.
+        self._work += _WORK / 4 if found.label == Attractor.UNRESOLVED else 8
         if found.orbit is None or any(one.label == found.label and one.same_period(found) for one in self.attractors):
             return int(found.label)
         self.attractors.append(found)
@@ -435,7 +434,7 @@ class PlanarMapper(Mapper):
         super().__init__(drive, model, physics, resume)
         self.sections = Sections(self.automaton)
         self.attractors = self.sections.attractors
-        self._events = _EVENTS if self.sections.complete else _FEWER
+        self._events = _EVENTS if self.sections.complete else _SYMBOLS  # in gaps many motions go on and on
         # Why a start is unresolved, if it is.
         self.doubt = Doubt.ROUNDING if self.sections.complete else Doubt.EVENT_BUDGET
         self._sprags = np.array(self.automaton.sprag_kinds, dtype=np.int64)

@@ -30,7 +30,6 @@ _GRAZE = int(Found.GRAZE)
 _UNDECIDED = int(Found.UNDECIDED)
 _SETTLED = int(Status.SETTLED)
 _DIVERGED = int(Status.DIVERGED)
-_HALVINGS = 4000  # 2098 doublings lead from the smallest double to the largest, and some 105 halvings end a bracket
 _MARGIN = 4096.0 * EPS  # within it bounds of a minimum do not decide; the minimum itself is computed
 
 
@@ -351,7 +350,9 @@ def _arrival_time(tables, known, mode, state):
         return 0.5 * math.log(size / goal) / row[ALPHA]
     y, w = state[0] - row[EQUILIBRIUM], state[1]
     low, high = 0.0, 1.0 / (row[ALPHA] + row[BETA] + row[DELTA])
-    for _ in range(_HALVINGS):
+    for _ in range(
+        4000
+    ):  # 2098 doublings lead from the smallest double to the largest, some 105 halvings end a bracket
         middle = high if low == 0.0 else 0.5 * (low + high)
         c, s, s_rate = flow_planar.responses(row, middle)
         there, rate = y * c + w * s, w * s_rate - row[A0] * y * s
