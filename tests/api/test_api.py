@@ -203,7 +203,6 @@ def test_basin_is_handed_the_drive_itself():
 def test_examples_of_docstrings_and_documentation():
     failed = doctest.testmod(api).failed
 
-    failed += doctest.testmod(simulation).failed
     page = ROOT / "docs" / "python.md"
     result = doctest.testfile(str(page), module_relative=False)
     assert (failed, result.failed) == (0, 0)

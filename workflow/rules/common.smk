@@ -89,7 +89,7 @@ def source_files(modules):
         files |= {Path(FOLDERS[parts[0]], *parts[:n], "__init__.py") for n in range(1, len(parts))}
         package = Path(FOLDERS[parts[0]], *parts, "__init__.py")
         file = package if package.exists() else Path(FOLDERS[parts[0]], *parts).with_suffix(".py")
-        files |= {file} | {beside for kind in (".css", ".js") if (beside := file.with_suffix(kind)).exists()}
+        files |= {file} | {beside for kind in (".css", ".js", ".html.j2") if (beside := file.with_suffix(kind)).exists()}
     return sorted(str(file) for file in files)
 
 

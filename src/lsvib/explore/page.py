@@ -163,7 +163,7 @@ class Page:
         assert window is not None
         found = None
         if answers.at_once(view.drive):
-            found = answers.labels(view.drive, window, answers.DRAGGED, rounding=False)
+            found = answers.labels(view.drive, window, answers.DRAGGED)
         elif (view.drive, view.window) != (self.view.drive, self.view.window):
             found = np.full(answers.COARSE[::-1], -2)
         self.view, self.shown = view, shown

@@ -1,6 +1,7 @@
 """Regions of attraction as a CF dataset: what becomes of every start of a grid, with the lines and cycles around it."""
 
 import json
+import os
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -11,16 +12,17 @@ import numpy as np
 import xarray as xr
 
 from lsvib import numbers
+from lsvib.basins.boundary import known_basin
 from lsvib.basins.curves import Window
-from lsvib.basins.grid import Axis, Grid, coordinates
-from lsvib.basins.mapper import NO_DOUBT, Mapper
-from lsvib.basins.mapper import mapper as mapper_of
-from lsvib.datasets import maps_of_models, phase_plane
-from lsvib.datasets.attributes import GIVEN, Variable, attributes, flags, flags_or_none, fractions, parameter, quantity
+from lsvib.basins.grid import Grid, coordinates
+from lsvib.basins.mapper import NO_DOUBT, Mapper, mapper
+from lsvib.datasets import phase_plane
+from lsvib.datasets.attributes import Variable, attributes, flags, flags_or_none, fractions, given, quantity, variable
+from lsvib.datasets.io import joined, rows_of, write_dataset
 from lsvib.dynamics.attractors import Attractor, Doubt
 from lsvib.errors import InputError
-from lsvib.models.drive import Drive, names_and_values
-from lsvib.models.model import of_model, rule
+from lsvib.models.drive import Drive, RigidDrive, names_and_values
+from lsvib.models.model import find_model, rule
 from lsvib.numbers import Progress
 
 _CYCLE_SAMPLES = 400  # of a limit cycle that is drawn: corners that no picture shows
@@ -50,17 +52,17 @@ def map_attraction(
     """Map the region of attraction of a drive as ``drive.attraction(…)``; the seconds are without compiling."""
     at_once = numbers.workers(workers)
     starts = _grid(grid)
-    mapper = mapper_of(drive, drive.model, resume=rule(resume))
+    mapped = mapper(drive, drive.model, resume=rule(resume))
     if isinstance(quantities, str) or not isinstance(quantities, Sequence):
         raise InputError(f"quantities = {numbers.shown(quantities)} is not a list of names.")
     wanted = list(dict.fromkeys(["label", *quantities]))
     asked = list(dict.fromkeys([*wanted, "doubt"]))
-    mapper.cells(starts, slice(0, 1), slice(0, 1), asked)  # so that compiling is not part of the speed
+    mapped.cells(starts, slice(0, 1), slice(0, 1), asked)  # so that compiling is not part of the speed
     begin = perf_counter()
-    found = mapper.cells(starts, quantities=asked, workers=at_once, progress=progress)
+    found = mapped.cells(starts, quantities=asked, workers=at_once, progress=progress)
     seconds = perf_counter() - begin
     shown = {name: found[name] for name in wanted}
-    return AttractionMap(attraction_map(mapper, starts, shown), count(found["label"]), seconds, doubts(found["doubt"]))
+    return AttractionMap(attraction_map(mapped, starts, shown), count(found["label"]), seconds, doubts(found["doubt"]))
 
 
 def count(labels: np.ndarray) -> dict[Attractor, int]:
@@ -84,15 +86,18 @@ def attraction_map(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) 
     return frame(mapper, grid).assign(
         cells(mapper, grid, found)
         | fractions("attractor", "attractor", count(found["label"]))
-        | parameters(mapper)
+        | given(mapper.drive)
         | surroundings(mapper, grid)
     )
 
 
 def frame(mapper: Mapper, grid: Grid) -> xr.Dataset:
-    """Return a map without its cells: coordinates and global attributes."""
-    coordinates = zip(dimensions(grid), map(axis_coordinate, (grid.y, grid.x)), strict=True)
-    return xr.Dataset(coords=dict(coordinates), attrs=global_attributes(mapper, grid))
+    """Return a map without its cells: coordinates, the middles of the cells, and global attributes."""
+    axes = {
+        name: (name, axis.centres(), {**quantity(name), "cell_width": axis.width})
+        for name, axis in zip(dimensions(grid), (grid.y, grid.x), strict=True)
+    }
+    return xr.Dataset(coords=axes, attrs=global_attributes(mapper, grid))
 
 
 def dimensions(grid: Grid) -> tuple[str, str]:
@@ -110,17 +115,6 @@ def cells(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) -> dict[s
         )
         for name, array in found.items()
     }
-
-
-def axis_coordinate(axis: Axis) -> Variable:
-    """Return the coordinate variable of an axis: the middles of its cells."""
-    name = coordinates()[axis.coordinate]
-    return name, axis.centres(), {**quantity(name), "cell_width": axis.width}
-
-
-def parameters(mapper: Mapper) -> dict[str, Variable]:
-    """Return the parameters of the drive of a map as variables."""
-    return {name: ((), value, parameter(name, GIVEN)) for name, value in mapper.drive}
 
 
 def variable_attributes(mapper: Mapper, name: str) -> dict[str, Any]:
@@ -145,7 +139,8 @@ def variable_attributes(mapper: Mapper, name: str) -> dict[str, Any]:
 def surroundings(mapper: Mapper, grid: Grid) -> dict[str, Variable]:
     """Return what is drawn around a map in the plane of u and w.
 
-    Of every model the limit cycles that were met, and what :mod:`lsvib.datasets.maps_of_models` has of some.
+    Of every model the limit cycles that were met, of the rigid drive the lines Q = 0 and θ′ = 0 and, where it is known
+    (:mod:`lsvib.basins.boundary`), the exact boundary of the basin and its area within the map.
     """
     data: dict[str, Variable] = {}
     if (grid.x.coordinate, grid.y.coordinate) != ("u", "w"):
@@ -155,18 +150,16 @@ def surroundings(mapper: Mapper, grid: Grid) -> dict[str, Variable]:
     points = np.array([phase_plane.sample(orbit, count)[1][:, :2] for orbit in orbits])
     if orbits:
         data |= phase_plane.curve("cycle", ("cycle", "sample"), points, "on the limit cycle")
-    data |= of_model(maps_of_models, mapper.model, "surroundings", _nothing)(mapper.drive, grid_window(grid))
+    if isinstance(mapper.drive, RigidDrive):
+        lines = phase_plane.lines([mapper.drive])
+        names = ("contact_line_angle", "contact_line_slope", "stop_velocity")
+        data |= {name: ((), lines[name][1][0], lines[name][2]) for name in names}
+    if (basin := known_basin(mapper.drive)) is not None:
+        window = Window(grid.x.start, grid.x.stop, grid.y.start, grid.y.stop)
+        data |= phase_plane.curve("boundary", "boundary_point", basin.line(window), "on the exact boundary")
+        words = "area of the basin of steady sliding within the map, exact"
+        data["basin_area"] = variable((), basin.area(window), "rad2 s-1", words)
     return data
-
-
-def _nothing(drive: Drive, window: Window) -> dict[str, Variable]:
-    """What is drawn around a map of a model without a file of its own."""
-    return {}
-
-
-def grid_window(grid: Grid) -> Window:
-    """Return the rectangle of a map in u and w."""
-    return Window(grid.x.start, grid.x.stop, grid.y.start, grid.y.stop)
 
 
 def global_attributes(mapper: Mapper, grid: Grid) -> dict[str, str]:
@@ -210,3 +203,33 @@ def _grid(given: Grid | Mapping[str, Any]) -> Grid:
                 raise InputError(f"axis {name} has {len(span)} numbers; it needs start, stop and count.")
             values[name] = dict(zip(("start", "stop", "count"), span, strict=True))
     return Grid.of(values)
+
+
+def mapper_of(settings: Mapping[str, Any]) -> Mapper:
+    """Return the mapper of settings ``model``, ``drive`` (changes of Table 8.1), ``resume``; raises ``InputError``."""
+    model = settings.get("model", "rigid")
+    drive = find_model(model).drive.of(settings["drive"])
+    return mapper(drive, model, resume=settings.get("resume", "contact_sign"))
+
+
+def map_tile(settings: Mapping[str, Any], item: str, path: str | os.PathLike[str], workers: int = 1) -> None:
+    """Map one tile and write it.
+
+    ``settings``: ``grid`` as in :meth:`Grid.of`, those of :func:`mapper_of`, and ``quantities`` of each cell; ``item``:
+    "3-of-6". Raises ``InputError`` and ``EngineError``.
+    """
+    grid, mapped = Grid.of(settings["grid"]), mapper_of(settings)
+    rows = rows_of(item, grid.y.count)
+    found = mapped.cells(grid, rows, quantities=settings["quantities"], workers=workers)
+    tile = frame(mapped, grid).isel({dimensions(grid)[0]: rows})
+    write_dataset(tile.assign(cells(mapped, grid, found)), path)
+
+
+def gather_map(
+    settings: Mapping[str, Any], tiles: Sequence[str | os.PathLike[str]], path: str | os.PathLike[str]
+) -> None:
+    """Write the map, the dataset of ``drive.attraction(…)``, from the files of its tiles; ``settings`` as of a tile."""
+    grid, mapped = Grid.of(settings["grid"]), mapper_of(settings)
+    whole = joined(tiles, dimensions(grid)[0])
+    shares = fractions("attractor", "attractor", count(whole.label.values))
+    write_dataset(whole.assign(shares | given(mapped.drive) | surroundings(mapped, grid)), path)

@@ -1,14 +1,21 @@
-"""The one place that writes and reads datasets: CF-1.11 netCDF-4, complete metadata, whole files only."""
+"""The one place that writes and reads datasets: CF-1.11 netCDF-4, complete metadata, whole files only.
 
+A file says what made it: package version, git commit, library versions; no time, so that equal runs give equal files.
+"""
+
+import json
 import os
+import platform
 import re
+import subprocess
+from collections.abc import Sequence
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from lsvib.datasets.io import provenance
 from lsvib.errors import InputError, LsvibError
 from lsvib.files import replacing
 
@@ -17,6 +24,7 @@ _UNITS = re.compile(r"1|[A-Za-z]+-?\d*( [A-Za-z]+-?\d*)*")
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _ATTRIBUTE_TYPES = (str, int, float, np.integer, np.floating, np.ndarray, list, tuple)
 _BIG = 1024  # elements; below that, compression costs more bytes than it saves
+_LIBRARIES = ("numpy", "numba", "xarray", "netCDF4")
 
 
 def write_dataset(dataset: xr.Dataset, path: str | os.PathLike[str], maker: str = "lsvib") -> None:
@@ -25,7 +33,7 @@ def write_dataset(dataset: xr.Dataset, path: str | os.PathLike[str], maker: str 
     The dataset brings the global attributes ``title``, ``source`` and ``references``, and for every variable and
     coordinate ``units`` (UDUNITS syntax, "1" if dimensionless) and ``long_name``. Categories are ``int8`` with
     ``flag_values`` and ``flag_meanings``. Added here: ``Conventions`` and the attributes of
-    :func:`lsvib.datasets.io.provenance`, of which ``history`` names the ``maker``, a function; no clock time,
+    :func:`provenance`, of which ``history`` names the ``maker``, a function; no clock time,
     so that equal runs give equal content. ``dataset`` itself is not changed. Raises ``InputError`` if the dataset
     breaks one of these rules, ``LsvibError`` if the file cannot be written.
     """
@@ -107,3 +115,60 @@ def _encoding(variable: xr.Variable, is_coordinate: bool) -> dict[str, Any]:
     if variable.size >= _BIG:
         encoding |= {"zlib": True, "complevel": 4, "shuffle": True}
     return encoding
+
+
+def rows_of(item: str, rows: int) -> slice:
+    """Return the rows of the tile ``item`` ("3-of-6", counted from 1) of a map of so many ``rows``."""
+    number, tiles = (int(word) for word in item.split("-of-"))
+    if tiles > rows:
+        raise InputError(f"tiles = {tiles} is outside the allowed range 1 <= tiles <= {rows}, the number of rows.")
+    return slice((number - 1) * rows // tiles, number * rows // tiles)
+
+
+def joined(tiles: Sequence[str | os.PathLike[str]], rows: str) -> xr.Dataset:
+    """Return the dataset whose tiles along the dimension ``rows`` are in these files, in their order.
+
+    Raises ``InputError`` if a file is missing or damaged.
+    """
+    return xr.concat([read_dataset(tile) for tile in tiles], rows, data_vars="minimal", coords="minimal",
+                     compat="override", join="exact", combine_attrs="override")  # fmt: skip
+
+
+def provenance(maker: str) -> dict[str, str]:
+    """Return attributes that name the code, and in ``history`` the ``maker``, a function.
+
+    ``git_commit`` and ``git_dirty`` are ``"unknown"`` where git is missing or the package does not lie in a repository
+    that tracks it; ``package_versions`` is a JSON object of Python and library versions.
+    """
+    commit, dirty = _git_state(Path(__file__).resolve())
+    versions = {"python": platform.python_version(), **{name: version(name) for name in _LIBRARIES}}
+    return {
+        "history": f"made by {maker}, lsvib {version('lsvib')}",
+        "lsvib_version": version("lsvib"),
+        "git_commit": commit,
+        "git_dirty": dirty,
+        "package_versions": json.dumps(versions),
+    }
+
+
+def machine() -> dict[str, str | int]:
+    """Return attributes that name processor, its cores and operating system, for datasets that hold run times."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+        name = next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), "unknown")
+    except OSError:
+        name = platform.processor() or "unknown"
+    return {"processor": name, "processor_cores": os.cpu_count() or 0, "operating_system": platform.system()}
+
+
+def _git_state(tracked: Path) -> tuple[str, str]:
+    def git(*arguments: str) -> str:
+        command = ["git", "-C", str(tracked.parent), *arguments]
+        return subprocess.run(command, capture_output=True, check=True, text=True).stdout.strip()
+
+    try:
+        # An installed copy may lie inside somebody else's repository: ask for the commit only if it tracks this file.
+        git("ls-files", "--error-unmatch", tracked.name)
+        return git("rev-parse", "HEAD"), str(bool(git("status", "--porcelain", "--untracked-files=no"))).lower()
+    except (OSError, subprocess.CalledProcessError):
+        return "unknown", "unknown"

@@ -176,8 +176,9 @@ def branches(drive: RigidDrive, speed: float, duration: float, start: Sequence[f
     for impact in impacts(drive, speed):
         state = (impact.u, impact.w)
         yield LimitBranch.of(drive, impact, state, [follow(automaton, state, duration) for automaton in automata])
-    cycles = [steady_state(automaton, start).orbit for automaton in automata]
-    if None in cycles:
+    reached = [steady_state(automaton, start).orbit for automaton in automata]
+    cycles = [orbit for orbit in reached if orbit is not None]
+    if len(cycles) < len(reached):
         raise InputError(
             f"From start the drive with axial_force = {drive.axial_force:g} reaches no cycle; give another one."
         )
