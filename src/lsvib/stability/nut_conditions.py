@@ -5,7 +5,7 @@ from typing import Any
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.models import mechanics
 from lsvib.models.drive import NutDrive
-from lsvib.stability.linearised import DriveValues, values_of
+from lsvib.stability.linear import DriveValues, values_of
 
 
 def effective_screw_inertia(drive: DriveValues) -> Any:
@@ -27,7 +27,7 @@ def kinematic_inertia(drive: DriveValues, law: int) -> Any:
         return mechanics.effective_inertia(inertia, p.mass, p.pitch_radius, p.tan_lead, p.factor)
 
 
-def kinematic_mass(drive: NutDrive) -> float | None:
+def critical_mass(drive: NutDrive) -> float | None:
     """Mass [kg] at which (8.33) begins to hold under law +, I_eff / (ξ₊ tan λ r_m²); None if μ ≤ tan λ.
 
     It is smaller than the critical mass of the rigid drive by the factor I_2 / (I + I_2). With translation damping
