@@ -25,7 +25,6 @@ import math
 from collections.abc import Iterator, Mapping
 from decimal import localcontext
 from enum import IntEnum
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -247,7 +246,7 @@ def _automaton(drive: ThreadsDrive, physics: tuple[str, ...], resume: str) -> Au
 
 def _characteristic(p: Mapping[str, Any], parts: LinearParts) -> Polynomial:
     """(1 + t²) A B + (k_c + c_c s) D, which is (1 + t²) det(M s² + C s + K) with the matrices of (8.6), (8.7)."""
-    return parts.coupled(1 + parts.t**2, (Fraction(0), p["contact_damping"], p["contact_stiffness"]))
+    return parts.coupled(1 + parts.t**2, (0, p["contact_damping"], p["contact_stiffness"]))
 
 
 class ThreadsPowers(Powers):
