@@ -90,7 +90,7 @@ def test_the_critical_friction_on_the_page_is_that_of_its_drive():
     """Γ₊ of the rigid drive that is shown vanishes there; the chapter's is that of a drive with axial support."""
     view = View(lsvib.RigidDrive(mass=15), over="friction_coefficient", low=0.1, high=0.4)
     marked = answers.thresholds_over(view)
-    assert marked == {"critical_friction": view.drive.threshold("kinematic", "friction_coefficient").value}
+    assert marked == {"critical_friction": view.drive.threshold("kinematic_constraint", "friction_coefficient").value}
     sides = [view.drive.replace(friction_coefficient=marked["critical_friction"] * (1 + d)) for d in (-1e-9, 1e-9)]
     assert [drive.stability().kind == "saddle" for drive in sides] == [False, True]
 

@@ -26,10 +26,9 @@ from lsvib.assess.flank_friction import damping_by_slope
 from lsvib.assess.sheet import Sheet
 from lsvib.models import friction
 from lsvib.models.drive import RigidDrive, SupportDrive, ThreadsDrive, zero_if_close
-from lsvib.stability.characteristic import polynomial
 from lsvib.stability.conditions import conditions
-from lsvib.stability.linearised import steady_law, support_model, threads_model
-from lsvib.stability.spectrum import spectrum
+from lsvib.stability.linear import steady_law, support_model, threads_model
+from lsvib.stability.spectrum import polynomial, spectrum
 
 NAMES = ("negative_damping", "kinematic_constraint", "mode_coupling", "falling_friction", "thread_contact")
 """All mechanisms; mode coupling needs a support, thread contact a compliant contact."""
@@ -183,8 +182,8 @@ def certain(sheet: Sheet, values: Mapping[str, float], direction: int, speed: fl
     found = conditions(rigid)
     law = steady_law(rigid)
     occurs = {
-        "negative_damping": found["negative_damping"]["hold"],
-        "kinematic_constraint": found["negative_inertia"]["hold"],
+        "negative_damping": found["negative_damping"].hold,
+        "kinematic_constraint": found["kinematic_constraint"].hold,
         "falling_friction": False,
     }
     stable = not (occurs["negative_damping"] or occurs["kinematic_constraint"])
@@ -193,10 +192,10 @@ def certain(sheet: Sheet, values: Mapping[str, float], direction: int, speed: fl
         kind = spectrum(supported, law)[0]
         bare = spectrum(supported.replace(**dict.fromkeys(_UNDAMPED[:3], 0.0)), law)[0]
         unstable = kind in ("flutter", "divergence")
-        occurs["kinematic_constraint"] = kind == "kinematic"
+        occurs["kinematic_constraint"] = kind == "kinematic_constraint"
         fed = occurs["negative_damping"]
         occurs["mode_coupling"] = unstable and (not fed or bare in ("flutter", "divergence"))
-        occurs["negative_damping"] &= unstable or kind == "kinematic"
+        occurs["negative_damping"] &= unstable or kind == "kinematic_constraint"
     if sheet.contact is not None:
         kind = spectrum(drive_of(sheet, values, direction, speed, force, "contact"), law)[0]
         unstable = kind not in ("stable", "neutral")

@@ -20,7 +20,7 @@ from typing import Any
 
 from flint import arb, fmpq, fmpq_poly
 
-from lsvib.engine.exact.field import many_digits
+from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.models.drive import Drive, may_vanish
 from lsvib.models.linear_parts import LinearParts
 from lsvib.models.registry import find_model
@@ -121,7 +121,9 @@ def _margins(drive: Drive, law: int, neutral: bool) -> list[RootCondition]:
     if len(model.states) == 2:
         words = [model.constraint, _DAMPING][: 1 if neutral else 2]
     else:
-        coefficients = [f"p_{4 - (2 if neutral else 1) * k} of det(M s² + C s + K) = 0" for k in range(2 if neutral else 4)]
+        coefficients = [
+            f"p_{4 - (2 if neutral else 1) * k} of det(M s² + C s + K) = 0" for k in range(2 if neutral else 4)
+        ]
         words = [*coefficients, _COUPLING if neutral else _FLUTTER]
         if model.constrained is None:
             words[0] = model.constraint
@@ -148,7 +150,9 @@ class Line:
         elif unknown == "lead_angle":
             self.limit = min(1 / friction, _STEEPEST) if friction else _STEEPEST
         else:
-            self.limit = fmpq(*float(self.kind.model_json_schema()["properties"][unknown]["maximum"]).as_integer_ratio())
+            self.limit = fmpq(
+                *float(self.kind.model_json_schema()["properties"][unknown]["maximum"]).as_integer_ratio()
+            )
         slide = getattr(drive, "slide_friction", 0.0) or unknown == "slide_friction"
         self.force = RootCondition(_NET_FORCE_OF_SLIDE if slide else _NET_FORCE, net_force)
 
@@ -242,7 +246,9 @@ def stable_set(drive: Drive, key: str) -> StableSet | None:
         if before[2] != after[2] and vanishes and vanishes[0] == 0:
             changes.append(lines[1].place(fmpq(0), lines[1].force))
     line = lines[-1]
-    return StableSet(key, tuple(sorted(intervals)), line.limit, line.neutral, line.stable(fmpq(0)), tuple(changes), drive)
+    return StableSet(
+        key, tuple(sorted(intervals)), line.limit, line.neutral, line.stable(fmpq(0)), tuple(changes), drive
+    )
 
 
 def places(drive: Drive, name: str, unknown: str) -> list[Place] | None:

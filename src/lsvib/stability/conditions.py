@@ -17,7 +17,7 @@ import numpy as np
 from flint import fmpq
 from numpy.typing import NDArray
 
-from lsvib.engine.exact.field import many_digits
+from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.models import friction
 from lsvib.models.drive import Drive, RigidDrive, SupportDrive, ThreadsDrive
 from lsvib.numbers import bisected
@@ -26,7 +26,6 @@ from lsvib.stability.boundaries import places, stable_set
 from lsvib.stability.linear import (
     DriveValues,
     UndampedClass,
-    exact_values,
     reciprocal_squares,
     steady_law,
     support_model,
@@ -58,7 +57,7 @@ def conditions(drive: RigidDrive) -> dict[str, Condition]:
     R̃ Ω, −Γ₊, which hold exactly where Γ_0 < 0 (8.20), as Γ₋ > 0.
     """
     with many_digits():
-        d = exact_values(drive)
+        d = drive.exact()
         net = d.axial_force - d.pitch_radius * d.tan_lead * d.translation_damping * d.input_speed
         both = {"self_locking": d.friction_coefficient - d.tan_lead, "force_with_motion": net * d.input_speed}
     return {
@@ -79,7 +78,7 @@ def critical_mass(drive: Drive) -> float | None:
 def critical_friction(drive: Drive, screw_mass: float = math.inf) -> float | None:
     """Friction coefficient of ``kinematic_constraint``, its value alone: μ_kc (eqs 8.20; 8.27, 8.28).
 
-    With a finite ``screw_mass`` m_1 [kg], that of the same drive with axial support. None if no μ below cot λ reaches it.
+    With a finite ``screw_mass`` m_1 [kg], that of the same drive with axial support. None if no μ below cot λ is one.
     """
     if math.isfinite(screw_mass):
         drive = SupportDrive.of({**dict(drive), "screw_mass": screw_mass})
@@ -188,7 +187,7 @@ def exact_flutter_boundaries(drive: SupportDrive, law: int) -> tuple[Any, Any]:
     In doubles Γ_0 and Γ̃_0 lose, next to where they vanish, all digits that the stiffness is printed with.
     """
     with many_digits():
-        d = exact_values(drive)
+        d = drive.exact()
         if values_of(d, law).factor < 0 or reduced_inertia(d, law) < 0:
             return None, None
         total, both, inertia = _flutter_terms(d, law, lambda x: x.sqrt())
@@ -213,7 +212,7 @@ def critical_friction_by_eigenvalues(drive: SupportDrive) -> float | None:
 
 def _contact_terms(drive: ThreadsDrive) -> tuple[Any, Any, Any, Any]:
     """Parameters of a drive in balls, Γ_0 [kg m²], C_0 [N m s/rad] and β [1] of its steady law."""
-    d, law = exact_values(drive), steady_law(drive)
+    d, law = drive.exact(), steady_law(drive)
     beta = d.cos_lead * (d.cos_lead + law * d.friction_coefficient * d.sin_lead)
     return d, effective_inertia(d, law), effective_damping(d, law), beta
 
@@ -319,7 +318,7 @@ def _quantity(value: Any, unit: str) -> Quantity:
 def _of_rigid(drive: RigidDrive, law: int, polynomial: Polynomial, values: list[complex]) -> dict[str, Any]:
     """Of the rigid drive (Sects 5.3, 8.5, 8.6): what eqs (8.18) to (8.21) say of it."""
     with many_digits():
-        d = exact_values(drive)
+        d = drive.exact()
         torque = effective_damping(d, law) * d.input_speed + d.pitch_radius * values_of(d, law).factor * d.axial_force
         deflection = -torque / d.coupling_stiffness
     found = {}
@@ -359,7 +358,7 @@ def _of_threads(drive: ThreadsDrive, law: int, polynomial: Polynomial, values: l
 
 def _of_support(drive: SupportDrive, law: int, polynomial: Polynomial, values: list[complex]) -> dict[str, Any]:
     """Of axial support (Sect. 5.6): the kinematic constraint, and mode coupling of the undamped drive (8.29)."""
-    d = exact_values(drive)
+    d = drive.exact()
     inertia = reduced_inertia(d, law)
     undamped = drive.replace(support_damping=0.0, translation_damping=0.0, axial_support_damping=0.0)
     undamped_class, _, exact = spectrum(undamped, law)
@@ -389,7 +388,7 @@ def _of_support(drive: SupportDrive, law: int, polynomial: Polynomial, values: l
 
 def _of_nut(drive: Drive, law: int, polynomial: Polynomial, values: list[complex]) -> dict[str, Any]:
     """Of a rotating nut (Sect. 5.8): the kinematic constraint (8.33)."""
-    d = exact_values(drive)
+    d = drive.exact()
     inertia = kinematic_inertia(d, law)
     return {
         "conditions": {"kinematic_constraint": _condition(negative_effective_inertia=-inertia)},

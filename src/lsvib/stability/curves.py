@@ -22,7 +22,7 @@ through one side is missed.
 import math
 from collections.abc import Callable, Sequence
 from enum import IntEnum
-from functools import lru_cache
+from functools import cache, lru_cache
 from itertools import product
 from typing import Any
 
@@ -39,7 +39,7 @@ from lsvib.models.registry import find_model
 from lsvib.stability.boundaries import net_force
 from lsvib.stability.conditions import effective_damping, effective_inertia
 from lsvib.stability.force_thresholds import threshold_force
-from lsvib.stability.linear import exact_values, hurwitz, steady_law
+from lsvib.stability.linear import hurwitz, steady_law
 from lsvib.stability.solve import bracketed_root
 from lsvib.stability.spectrum import polynomial, rationals, tangents
 
@@ -117,7 +117,7 @@ def contour(
     of where the function is not defined.
     """
 
-    @lru_cache(maxsize=None)
+    @cache
     def root(i: float, j: float) -> tuple[float, float]:
         """The point of a side, by its middle in numbers of nodes, at which the function vanishes."""
         low = np.array([x[math.floor(i)], y[math.floor(j)]])
@@ -149,7 +149,9 @@ def _in_doubles(drive: Drive, names: tuple[str, str], nodes: list[np.ndarray]) -
 
 _SIGNS: dict[ChartBoundary, Callable[..., np.ndarray]] = {
     ChartBoundary.KINEMATIC_CONSTRAINT: lambda inertia, damping, drag: inertia,
-    ChartBoundary.NEGATIVE_DAMPING: lambda inertia, damping, drag: np.where((inertia > 0) & (drag > 0), damping, np.nan),
+    ChartBoundary.NEGATIVE_DAMPING: lambda inertia, damping, drag: np.where(
+        (inertia > 0) & (drag > 0), damping, np.nan
+    ),
     ChartBoundary.ONSET: lambda inertia, damping, drag: np.where((inertia <= 0) | (damping < 0), drag, np.nan),
 }
 
@@ -180,7 +182,7 @@ def _function(drive: Drive, kind: ChartBoundary, names: tuple[str, str]) -> Plan
         if kind is ChartBoundary.FLUTTER:
             exact = polynomial(type(changed), rationals(changed), _law_or_none(changed) or 1, tangents(changed)[0])
             return float(min((*exact[:4], hurwitz(exact))))
-        exact_drive = exact_values(changed)
+        exact_drive = changed.exact()
         if kind is ChartBoundary.KINEMATIC_CONSTRAINT:
             return float(effective_inertia(exact_drive, 1))
         if kind is ChartBoundary.NEGATIVE_DAMPING:
@@ -210,7 +212,7 @@ def stops_again(drive: Drive) -> float:
     nan but for Γ₊ > 0 > C₊ and R̃ Ω < 0, and where nothing damps slip under law −. Slip starts on θ′ = 0 where the screw
     would stay, and orbits do not cross: what has not come back after a turn never does.
     """
-    d, model = exact_values(drive), find_model(drive.model)
+    d, model = drive.exact(), find_model(drive.model)
     attracts = _law_or_none(drive) == -1
     if not (attracts and effective_inertia(d, 1) > 0 > effective_damping(d, 1) and effective_damping(d, -1) > 0):
         return math.nan

@@ -4,9 +4,9 @@ Every ``*_start`` says which statement its force divides, and on which forces, a
 (:class:`~lsvib.stability.motion_equations.Start`). All is written for Ω > 0; for Ω < 0 the drive is mirrored, and all
 forces change sign. Each raises ``NoThreshold`` where there is no such force.
 
-In the Painlevé region with R̃ < 0 all slip is that of law −1 about steady sliding, one damped oscillator whatever R is; R
-moves the line Q = Q_uw(u, w) + Γ₋ R̃ = 0, at which slip seizes, and, for R > 0, the end of rest. Slip that comes back to
-u = x with Q = 0 seizes in the state that it started from: a cycle without rest. For q_w > 0 two of these, one
+In the Painlevé region with R̃ < 0 all slip is that of law −1 about steady sliding, one damped oscillator whatever R is;
+R moves the line Q = Q_uw(u, w) + Γ₋ R̃ = 0, at which slip seizes, and, for R > 0, the end of rest. Slip that comes back
+to u = x with Q = 0 seizes in the state that it started from: a cycle without rest. For q_w > 0 two of these, one
 attracting and one repelling, exist on one side of the *fold*; the repelling one goes on until it touches Q = 0 where it
 seizes, its *birth* seen from there. Slip from the end of rest that seizes just there leaves no time for rest.
 """
@@ -18,7 +18,7 @@ from typing import Any
 
 from flint import arb
 
-from lsvib.engine.exact.field import many_digits
+from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import NoThreshold
 from lsvib.models.drive import RigidDrive, allowed_range
 from lsvib.stability.motion_equations import Return, Start
@@ -324,7 +324,7 @@ def _require_rest_in_every_cycle(d: SlipDrive, force: arb) -> None:
 
 
 def _first_root(d: SlipDrive, function: Callable[[Return], Any]) -> arb | None:
-    """The first time at which a function of returns changes sign while slip comes back forward; None if there is none."""
+    """The first time at which a function of returns changes sign while slip comes back forward, if any."""
     slip, last = d.slip(-1), None
     for time in durations(d)[:-1]:
         back = Return(d, slip, time)

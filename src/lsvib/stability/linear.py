@@ -24,14 +24,14 @@ import numpy as np
 from flint import arb
 from numpy.typing import ArrayLike, NDArray
 
-from lsvib.engine.exact.field import many_digits
+from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import InputError
 from lsvib.models import friction
-from lsvib.models.drive import Drive
+from lsvib.models.drive import Drive, ExactParameters
 
 TwoByTwo = tuple[tuple[Any, Any], tuple[Any, Any]]
-DriveValues = Drive | SimpleNamespace | Mapping[str, ArrayLike]
-"""A drive in doubles, the same in balls (:func:`exact_values`), or its keys with arrays that broadcast."""
+DriveValues = Drive | ExactParameters | Mapping[str, ArrayLike]
+"""A drive in doubles, the same in balls (``drive.exact()``), or its keys with arrays that broadcast."""
 
 
 class Stability(IntEnum):
@@ -88,8 +88,8 @@ def steady_law(drive: Drive) -> int:
     F_0 is the friction of the slide where the model has one. Raises ``InputError`` if the contact carries no force.
     """
     sense = 1 if drive.input_speed > 0 else -1
+    d = drive.exact()
     with many_digits():
-        d = exact_values(drive)
         # The friction first: it can balance R but for a drag that is far smaller. Balls of no radius subtract exactly.
         rest = d.axial_force - sense * getattr(d, "slide_friction", arb(0))
         force = rest - d.pitch_radius * d.tan_lead * d.translation_damping * d.input_speed
@@ -194,18 +194,9 @@ def _solved(a: TwoByTwo, b: TwoByTwo) -> TwoByTwo:
     return first, second
 
 
-def exact_values(drive: Drive) -> SimpleNamespace:
-    """Return the parameters of a drive as balls of radius zero, with sin λ, cos λ and tan λ, in many digits."""
-    with many_digits():
-        p = SimpleNamespace(**{key: arb(value) for key, value in drive})
-        p.sin_lead, p.cos_lead = p.lead_angle.sin_cos()
-        p.tan_lead = p.sin_lead / p.cos_lead
-        return p
-
-
 def values_of(drive: DriveValues, law: int) -> SimpleNamespace:
     """Return the parameters as attributes, with sin λ, cos λ, tan λ and, as ``factor``, ξ_s of the law s = ±1."""
-    if isinstance(drive, SimpleNamespace):
+    if isinstance(drive, ExactParameters):
         p = SimpleNamespace(**vars(drive))
     else:
         p = SimpleNamespace(**{key: np.asarray(value, dtype=float) for key, value in dict(drive).items()})
@@ -265,7 +256,9 @@ def stability_class(inertia: ArrayLike, damping: ArrayLike, stiffness: ArrayLike
 
 def _rounded_product(a: Any, b: Any) -> tuple[Any, Any]:
     """The rounded product of doubles and what its rounding has cut off, by Dekker's splitting (1971)."""
-    (a_high, a_low), (b_high, b_low) = ((t - (t - x), x - (t - (t - x))) for x, t in ((a, 134217729 * a), (b, 134217729 * b)))
+    (a_high, a_low), (b_high, b_low) = (
+        (t - (t - x), x - (t - (t - x))) for x, t in ((a, 134217729 * a), (b, 134217729 * b))
+    )
     p = a * b
     return p, ((a_high * b_high - p) + a_high * b_low + a_low * b_high) + a_low * b_low
 

@@ -106,7 +106,10 @@ _SYSTEMS: dict[str, tuple[str, _OfDrive]] = {
     "rest seizes": (_SEIZES.format(_AGAINST), _touches(-1, SlipDrive.end_against)),
     "rest seizes with the motion": (_SEIZES.format(_WITH), _touches(-1, SlipDrive.end_with)),
     "fold": (_RETURN.format("dh/dτ = 0"), _comes_back(lambda d, back: back.h_rate)),  # seizures that lead to each other
-    "cycle_birth": (_RETURN.format("Q′(τ) = 0"), _comes_back(lambda d, back: back.q_rate)),  # it touches where it seizes
+    "cycle_birth": (
+        _RETURN.format("Q′(τ) = 0"),
+        _comes_back(lambda d, back: back.q_rate),
+    ),  # it touches where it seizes
     "rest lost": (_LOST.format(_AGAINST), _comes_back(lambda d, back: back.x - d.end_against())),
     "rest lost with the motion": (_LOST.format(_WITH), _comes_back(lambda d, back: back.x - d.end_with())),
 }

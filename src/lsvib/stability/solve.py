@@ -20,7 +20,7 @@ from typing import Any
 
 from flint import arb, arb_mat, arb_series
 
-from lsvib.engine.exact.field import many_digits
+from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import EngineError, InputError, NoThreshold
 from lsvib.models.drive import Drive, zero_if_close
 
@@ -108,9 +108,7 @@ def solved(drive: Drive, unknown: str, equations: Equations, guess: Any, inner: 
 class _System:
     """Equations with their inner unknowns first and the parameters after them."""
 
-    def __init__(
-        self, equations: Equations, names: list[str], fixed: dict[str, arb], unknown: str, inner: int
-    ) -> None:
+    def __init__(self, equations: Equations, names: list[str], fixed: dict[str, arb], unknown: str, inner: int) -> None:
         self.equations, self.names, self.fixed, self.unknown, self.inner = equations, names, fixed, unknown, inner
         self.columns = [*range(inner), inner + names.index(unknown)]
 

@@ -13,7 +13,7 @@ from typing import Any
 
 from flint import arb
 
-from lsvib.engine.exact.field import many_digits
+from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import EngineError, InputError, NoThreshold
 from lsvib.models import chapter
 from lsvib.models.drive import Drive, allowed_range, described
@@ -66,8 +66,8 @@ def usual_unknown(model: str, name: str) -> str:
     return _USUAL.get(name, "mass" if two_bodies else "axial_force")
 
 
-def thresholds(drive: Drive, unknown: str | None = None) -> dict[str, Threshold]:
-    """Return all thresholds of a drive by name, each as :func:`threshold` gives it.
+def all_thresholds(drive: Drive, unknown: str | None = None) -> dict[str, Threshold]:
+    """Return all thresholds of a drive by name, each as :func:`solve_threshold` gives it.
 
     Solved for ``unknown``, by default each for its usual parameter. One that does not exist has no value but a
     ``reason``. Raises ``InputError`` for another parameter.
@@ -82,7 +82,7 @@ def thresholds(drive: Drive, unknown: str | None = None) -> dict[str, Threshold]
     return found
 
 
-def threshold(drive: Drive, name: str, unknown: str | None = None) -> Threshold:
+def solve_threshold(drive: Drive, name: str, unknown: str | None = None) -> Threshold:
     """Solve a threshold of a drive for one of its parameters, all others held.
 
     Arguments: drive of any model; name of a threshold (:func:`names`); name of the parameter, by default the usual one
@@ -159,7 +159,11 @@ def _by_force(drive: Drive, name: str) -> Threshold:
 def _by_search(drive: Drive, name: str, unknown: str) -> Threshold:
     found = []
     # Where these vanish a threshold begins or ends.
-    ends = [float(p.value) for other in ("kinematic_constraint", "negative_damping") for p in places(drive, other, unknown) or []]
+    ends = [
+        float(p.value)
+        for other in ("kinematic_constraint", "negative_damping")
+        for p in places(drive, other, unknown) or []
+    ]
     for value in sign_changes(drive, unknown, lambda near: float(_start(name, near)[0]), samples(drive, unknown, ends)):
         near = drive.replace(**{unknown: value})
         with suppress(Singular, NoThreshold):  # a jump of the gap, not a root
@@ -256,7 +260,9 @@ def _printed(drive: Drive, name: str, unknown: str, solutions: tuple[ThresholdSo
     ):
         return None
     error = abs(solutions[0].value - claim.value) / claim.value if solutions else None
-    return PrintedValue(claim.value, claim.tolerance, error, error is not None and error <= claim.tolerance, claim.source)
+    return PrintedValue(
+        claim.value, claim.tolerance, error, error is not None and error <= claim.tolerance, claim.source
+    )
 
 
 # Half a unit of the last digit of each value as Table 8.1 prints it: 5.18 mm, 5.57 degree, 3.12e-6, 1, 2e-4, 0.218, 40.
