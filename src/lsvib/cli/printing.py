@@ -29,7 +29,8 @@ def print_thresholds(table: Mapping[str, Any]) -> None:
         if entry["value"] is None:
             print(f"{name:21s} none: {entry['reason']}")
         for solution in entry["solutions"]:
-            line = f"{name:21s} {entry['unknown']} = {_with_unit(f'{solution["value"]:.12g}', entry['unit'])}"
+            value = _with_unit(f"{solution['value']:.12g}", entry["unit"])
+            line = f"{name:21s} {entry['unknown']} = {value}"
             if entry["printed"] is not None:
                 printed = entry["printed"]
                 verdict = "pass" if printed["passed"] else "FAIL"
