@@ -163,9 +163,10 @@ def values_over(view: View, count: int) -> np.ndarray:
 
 def thresholds_over(view: View) -> dict[str, float]:
     """Return, by name, the thresholds of the drive that are values of the parameter of the amplitude curve."""
-    known = ("onset", "kinematic_constraint", "negative_damping", "flutter")  # of any parameter
-    if view.over == "axial_force":
-        known = ("onset", "stick", "detach", "global_stability")
+    known: tuple[str, ...] = ("onset",)
+    if view.drive.model == "rigid":
+        forces = ("onset", "stick", "detach", "global_stability")
+        known = forces if view.over == "axial_force" else ("kinematic_constraint",)
     found = {}
     for name in known:
         with suppress(LsvibError):

@@ -170,7 +170,8 @@ class Line:
         p = fmpq_poly([0]) + values
         if p.degree() < 1:
             return None
-        return ([fmpq(0)] if p[0] == 0 else []) + positive_roots(p, self.limit)
+        # At the end of its range, as at μ = cot λ under law −, coefficients may vanish; nothing changes there.
+        return ([fmpq(0)] if p[0] == 0 else []) + positive_roots(p, self.limit * (1 - SAME))
 
     def roots_of(self, condition: RootCondition) -> list[fmpq] | None:
         """Return the distances x ≥ 0 from zero at which a condition vanishes; None if it does not depend on x."""
@@ -200,7 +201,7 @@ class Line:
     def stability(self) -> tuple[list[tuple[fmpq, fmpq, bool]], list[Place], bool]:
         """Return intervals (distances from zero, whether stable), places of a change, whether anything depends on x."""
         found = self.roots_of(self.force)
-        ends = [fmpq(0), *(x for x in found or [] if 0 < x < self.limit), self.limit]
+        ends = [fmpq(0), *(x for x in found or [] if x), self.limit]
         laws = {self.law((a + b) / 2) for a, b in pairwise(ends)} - {0}
         candidates = [(x, self.force) for x in found or []]
         depends = found is not None
@@ -210,7 +211,7 @@ class Line:
                 roots = self.roots(values)
                 depends |= roots is not None
                 candidates += [(x, condition) for x in roots or [] if self.law(x) == law]
-        candidates = sorted(((x, c) for x, c in candidates if 0 < x < self.limit * (1 - SAME)), key=lambda at: at[0])
+        candidates = sorted(((x, c) for x, c in candidates if x), key=lambda at: at[0])
         cuts: list[tuple[fmpq, RootCondition]] = []
         for x, condition in candidates:
             if not cuts or x - cuts[-1][0] > SAME * x:

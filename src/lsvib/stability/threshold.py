@@ -215,7 +215,8 @@ def _solution(drive: Drive, unknown: str, root: Root, words: str) -> ThresholdSo
 
 
 def _derivative(slope: arb, unit: str) -> Derivative:
-    numbers = (float(slope) + 0.0, *outwards(slope))
+    # What is not distinguished from zero is zero: a threshold may not depend on a parameter although its equation does.
+    numbers = (0.0 if slope.contains(0) else float(slope), *outwards(slope))
     value, low, high = (x if math.isfinite(x) else None for x in numbers)
     return Derivative(value, unit, low, high)
 
