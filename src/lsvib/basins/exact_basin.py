@@ -27,12 +27,12 @@ from lsvib.basins.backward_motions import forward_arcs, mode_index, traced, wind
 from lsvib.basins.clipping import Window, clip, inside
 from lsvib.basins.curves import Arc, Curve, Segment, area, contains, sampled
 from lsvib.basins.reversed_time import BEGINNING, backward_automaton
-from lsvib.dynamics.forward_slip import ForwardDrive, exactly, many
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import EngineError, InputError
 from lsvib.models.coefficients import Coefficients, coefficients
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import MotionMode, rigid_automaton
+from lsvib.stability.slip import Slip
 
 _NARROW = 1e-10  # width of a window, of the size of the boundary, in which a share is still good to 1e-4
 _SEEN = 0.1  # part of a rate that doubles hold to fifteen digits
@@ -237,16 +237,16 @@ def _before_touch(drive: RigidDrive, c: Coefficients, touch: tuple[arb, arb]) ->
     """
     here = 0.0, np.array([float(x) for x in touch])
     with many_digits():
-        if c.damping[-1] ** 2 <= 4 * drive.exact().coupling_stiffness * c.gamma[-1]:
+        slip, (u, w) = Slip(c.gamma[-1], c.damping[-1], drive.exact().coupling_stiffness), touch
+        if slip.turns:
             return here
-    u, w = map(exactly, touch)
-    slip = ForwardDrive(drive, c).slip(-1)
-    part = (w - slip.slow * u) * slip.fast / (slip.fast - slip.slow)  # of w along the fast eigenvector
-    wanted = _SEEN * min(abs(w), many.mpf(drive.input_speed))
-    if not 0 < abs(part) < wanted:
-        return here
-    time = many.log(wanted / abs(part)) / -slip.fast
-    return float(time), np.array([float(x) for x in slip.state(u, w, -time)])
+        slow, fast = slip.rates
+        part = (w - slow * u) * fast / (fast - slow)  # of w along the fast eigenvector
+        wanted = _SEEN * min(abs(w), arb(drive.input_speed))
+        if not 0 < abs(part) < wanted:
+            return here
+        time = (wanted / abs(part)).log() / -fast
+        return float(time), np.array([float(x) for x in slip.state(u, w, -time)])
 
 
 def _require_rest_in_basin(drive: RigidDrive, c: Coefficients, edge: float) -> None:

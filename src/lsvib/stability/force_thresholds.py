@@ -260,23 +260,22 @@ def widest_return(d: SlipDrive) -> tuple[arb, arb, arb]:
     """
     slip, largest, times = d.slip(-1), d.end_against(), durations(d)[:-1]
 
-    def valid(time: arb) -> Return | None:
-        back = Return(d, slip, time)
-        return back if back.x < largest and back.w > 0 else None
+    def comes_back(back: Return) -> bool:
+        return bool(back.x < largest and back.w > 0)
 
-    returns = list(takewhile(lambda back: back is not None, map(valid, times)))
+    returns = list(takewhile(comes_back, (Return(d, slip, time) for time in times)))
     if not returns:
         return arb.neg_inf(), arb.nan(), arb.nan()
     best = max(range(len(returns)), key=lambda k: float(returns[k].h))
     low, high, beyond = times[max(best - 1, 0)], times[best], times[min(best + 1, _GRID - 1)]
-    if valid(beyond) is not None:
+    if comes_back(Return(d, slip, beyond)):
         high = beyond
     else:  # as far as slip comes back
         for _ in range(_HALVINGS):
             middle = ((high + beyond) / 2).mid()
-            high, beyond = (high, middle) if valid(middle) is None else (middle, beyond)
+            high, beyond = (middle, beyond) if comes_back(Return(d, slip, middle)) else (high, middle)
 
-    def rate(time: arb) -> arb:
+    def rate(time: arb) -> Any:
         return Return(d, slip, time).h_rate
 
     time = low if rate(low) < 0 else high
@@ -366,7 +365,7 @@ def _before_rest(start: Start, x: arb, d: SlipDrive) -> Start:
     return start
 
 
-def _end_of_rest(d: SlipDrive, force: arb) -> arb:
+def _end_of_rest(d: SlipDrive, force: arb) -> Any:
     """Deflection [rad] from the equilibrium of law − at which rest ends under a force R [N]."""
     return d.end_against() - (d.reach * force if force > 0 else 0)
 

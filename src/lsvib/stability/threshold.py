@@ -118,7 +118,7 @@ def _solve(drive: Drive, name: str, unknown: str) -> Threshold:
 
 def _by_polynomials(drive: Drive, name: str, unknown: str) -> Threshold:
     stable = stable_set(drive, unknown) if name == "onset" else None
-    found = places(drive, name, unknown) if name != "onset" else stable and stable.places()
+    found = stable.places() if stable else None if name == "onset" else places(drive, name, unknown)
     if found is None:
         raise NoThreshold(f"the threshold {name} of model {drive.model} does not depend on {unknown}.")
     solutions = [_at_place(drive, name, unknown, place) for place in found]
