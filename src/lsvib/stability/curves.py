@@ -30,6 +30,7 @@ import numpy as np
 from contourpy import contour_generator
 
 from lsvib.engine.automaton import Automaton
+from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.motion import follow
@@ -45,7 +46,6 @@ from lsvib.stability.spectrum import polynomial, rationals, tangents
 
 LOGARITHMIC = ("contact_stiffness", "contact_damping")
 """Parameters that span many decades, so that their axes have equal ratios in place of equal steps."""
-_NODES = {"cheap": 96, "motion": 64, "costly": 32}  # along each side of the plane; costly: some milliseconds a node
 _ROUNDED, _BISECTED = 1e-13, 1e-9  # of places between two nodes: to rounding; where each step gains one bit only
 _TURNS = 400  # most events of slip: what still neither stops nor settles is on a cycle, or comes nearer to one slowly
 
@@ -87,12 +87,9 @@ def boundary_curves(
         if kind is ChartBoundary.FLUTTER and not _carries_force(drive, x, y):
             continue
         slow = kind is ChartBoundary.FLUTTER or (kind in _FORCES and "axial_force" not in names)
-        count = _NODES["costly" if slow else "motion" if kind is ChartBoundary.STICK_SLIP_BIRTH else "cheap"]
-        nodes = [nodes_between(*ends, count, name) for name, ends in (x, y)]
+        nodes = [nodes_between(*ends, 32 if slow else 64, name) for name, ends in (x, y)]
         function = _function(drive, kind, names)
-        if kind in _SIGNS:
-            values = _SIGNS[kind](*_in_doubles(drive, names, nodes))
-        elif kind in _FORCES and "axial_force" in names:
+        if kind in _FORCES and not slow:
             values = _over_force(function, names, nodes)
         else:
             values = np.array([[function(a, b) for a in nodes[0]] for b in nodes[1]])
@@ -139,23 +136,6 @@ def _over_force(function: PlaneFunction, names: tuple[str, str], nodes: list[np.
     return nodes[1][:, None] - np.array([nodes[1][0] - function(a, nodes[1][0]) for a in nodes[0]])
 
 
-def _in_doubles(drive: Drive, names: tuple[str, str], nodes: list[np.ndarray]) -> list[np.ndarray]:
-    """Γ₊, C₊ and R̃ Ω at the nodes."""
-    grid = np.meshgrid(*nodes)
-    values = {name: np.asarray(value) for name, value in (dict(drive) | dict(zip(names, grid, strict=True))).items()}
-    drag = net_force(type(drive), values, np.tan(values["lead_angle"]), 1) * values["input_speed"]
-    return [x + np.zeros_like(grid[0]) for x in (effective_inertia(values, 1), effective_damping(values, 1), drag)]
-
-
-_SIGNS: dict[ChartBoundary, Callable[..., np.ndarray]] = {
-    ChartBoundary.KINEMATIC_CONSTRAINT: lambda inertia, damping, drag: inertia,
-    ChartBoundary.NEGATIVE_DAMPING: lambda inertia, damping, drag: np.where(
-        (inertia > 0) & (drag > 0), damping, np.nan
-    ),
-    ChartBoundary.ONSET: lambda inertia, damping, drag: np.where((inertia <= 0) | (damping < 0), drag, np.nan),
-}
-
-
 def _function(drive: Drive, kind: ChartBoundary, names: tuple[str, str]) -> PlaneFunction:
     """The function of two parameters that vanishes on a curve; nan where there is no such threshold."""
     # Where R is no axis, slip without a cycle comes to rest as soon as it is beyond the onset, to which the force of
@@ -182,14 +162,22 @@ def _function(drive: Drive, kind: ChartBoundary, names: tuple[str, str]) -> Plan
         if kind is ChartBoundary.FLUTTER:
             exact = polynomial(type(changed), rationals(changed), _law_or_none(changed) or 1, tangents(changed)[0])
             return float(min((*exact[:4], hurwitz(exact))))
-        exact_drive = changed.exact()
-        if kind is ChartBoundary.KINEMATIC_CONSTRAINT:
-            return float(effective_inertia(exact_drive, 1))
-        if kind is ChartBoundary.NEGATIVE_DAMPING:
-            return float(effective_damping(exact_drive, 1))
-        return float(net_force(type(changed), vars(exact_drive), exact_drive.tan_lead, 1)) * changed.input_speed
+        return _closed_form(changed, kind)
 
     return function
+
+
+def _closed_form(drive: Drive, kind: ChartBoundary) -> float:
+    """Γ₊, C₊ or R̃ Ω of a rigid drive; nan where its zero changes nothing."""
+    d = drive.exact()
+    inertia, damping = float(effective_inertia(d, 1)), float(effective_damping(d, 1))
+    if kind is ChartBoundary.KINEMATIC_CONSTRAINT:
+        return inertia
+    with many_digits():
+        drag = float(net_force(type(drive), vars(d), d.tan_lead, 1) * d.input_speed)
+    if kind is ChartBoundary.NEGATIVE_DAMPING:
+        return damping if inertia > 0 and drag > 0 else math.nan
+    return drag if inertia <= 0 or damping < 0 else math.nan
 
 
 def _law_or_none(drive: Drive) -> int | None:

@@ -22,17 +22,11 @@ from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import NoThreshold
 from lsvib.models.drive import RigidDrive, allowed_range
 from lsvib.stability.motion_equations import Return, Start
-from lsvib.stability.slip import SlipDrive, decay_of_large_motions, slowest_point
+from lsvib.stability.slip import CLOSE, SlipDrive, decay_of_large_motions, slowest_point
 from lsvib.stability.solve import bracketed_root
 
-_LARGEST_FORCE = 1e12  # N, the bound of ``axial_force``
 _BALANCED = 1e-12  # large motions that decay by less in a turn are not distinguished from undamped ones
 _GRID = 240  # durations of slip in equal ratios that are looked at before a root among them is refined
-_CLOSE = 1e-25  # relative, of a refined root: Newton's method squares it in every step
-_FEW_TURNS = 40  # slowest times after which slip without a turn has all but stopped
-_FIRST = 0.1  # of the shortest time in which slip does anything: no root is earlier
-_HALVINGS = 60
-_NEWTON = 200  # steps at most; on a convex function they approach the root from one side, at last quadratically
 _NONE = Start("", arb.pos_inf())
 
 
@@ -111,7 +105,7 @@ def _apart(start: Start, d: SlipDrive) -> Start:
         raise NoThreshold(
             "the force at which it would lie equals the onset, R = r_m tan(lead_angle) c_x Omega, to rounding."
         )
-    if abs(start.force) > _LARGEST_FORCE:
+    if abs(start.force) > 1e12:
         raise NoThreshold(
             f"the force at which it would lie is outside the allowed range {allowed_range(RigidDrive, 'axial_force')}."
         )
@@ -220,7 +214,7 @@ def _rest_goes_on_from(d: SlipDrive) -> Start:
         return Start("rest seizes", d.onset - found[0] / inertia, (found[1],))
     # Among 0 ≤ R < R_on: the largest Q_uw of that slip is the maximum of functions that are linear in R, so convex.
     force = d.onset
-    for _ in range(_NEWTON):
+    for _ in range(200):  # on a convex function they approach the root from one side, at last quadratically
         if not force > 0:
             # Without c_x there is no force with the motion.
             return Start("rest seizes", force, (found[1],)) if found is not None and d.onset > 0 else _NONE
@@ -249,7 +243,7 @@ def durations(d: SlipDrive) -> list[arb]:
     slip, (q_u, q_w) = d.slip(-1), d.contact
     slowest = 1 / slip.a0.sqrt() if slip.turns else -1 / slip.rates[0]
     first = min(q_u / (slip.a0 * q_w), slowest) if q_w > 0 else slowest
-    low, high = _FIRST * first, 2 * arb.pi() / slip.beta if slip.turns else _FEW_TURNS * slowest
+    low, high = 0.1 * first, 2 * arb.pi() / slip.beta if slip.turns else 40 * slowest
     return [(low * (high / low) ** (arb(k) / _GRID)).mid() for k in range(_GRID + 1)]
 
 
@@ -271,7 +265,7 @@ def widest_return(d: SlipDrive) -> tuple[arb, arb, arb]:
     if comes_back(Return(d, slip, beyond)):
         high = beyond
     else:  # as far as slip comes back
-        for _ in range(_HALVINGS):
+        for _ in range(60):
             middle = ((high + beyond) / 2).mid()
             high, beyond = (middle, beyond) if comes_back(Return(d, slip, middle)) else (high, middle)
 
@@ -280,7 +274,7 @@ def widest_return(d: SlipDrive) -> tuple[arb, arb, arb]:
 
     time = low if rate(low) < 0 else high
     if rate(low) > 0 > rate(high):
-        time = bracketed_root(rate, low, high, _CLOSE)
+        time = bracketed_root(rate, low, high, CLOSE)
     back = Return(d, slip, time)
     return back.h, back.x, time
 
@@ -331,7 +325,7 @@ def _first_root(d: SlipDrive, function: Callable[[Return], Any]) -> arb | None:
             return None
         value = function(back)
         if last is not None and (value > 0) != (last[1] > 0):
-            found: arb = bracketed_root(lambda at: function(Return(d, slip, at)), last[0], time, _CLOSE)
+            found: arb = bracketed_root(lambda at: function(Return(d, slip, at)), last[0], time, CLOSE)
             return found
         last = time, value
     return None

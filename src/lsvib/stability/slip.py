@@ -28,8 +28,7 @@ from lsvib.models import friction
 from lsvib.models.drive import Drive
 from lsvib.stability.solve import bracketed_root
 
-_CLOSE = 1e-25  # relative error of a time before Newton's method, which squares it in every step
-_NEAREST = 1e-40  # smallest phase beyond half a turn that is tried
+CLOSE = 1e-25  # relative error of a time before Newton's method, which squares it in every step
 
 
 def constant(x: Any) -> arb:
@@ -124,7 +123,7 @@ class Slip:
         It lies between half a turn and a whole one.
         """
         turn = 2 * arb.pi() / self.beta
-        found: arb = bracketed_root(lambda time: self.responses(time)[0] - 1, turn / 2, turn, _CLOSE)
+        found: arb = bracketed_root(lambda time: self.responses(time)[0] - 1, turn / 2, turn, CLOSE)
         return found
 
 
@@ -229,6 +228,7 @@ def slowest_point(drive: SlipDrive) -> SlowestPoint:
     plus, minus = drive.slip(1), drive.slip(-1)
     # The sizes of the two equilibria count by their ratio only.
     heights = {law: drive.inertia[law] / drive.inertia[-1] for law in (1, -1)}
+    nearest = arb(10).log() * -40  # logarithm of the smallest phase beyond half a turn that is tried
     turn, back = arb.pi() / plus.beta, arb.pi() / minus.beta if minus.turns else 1 / minus.a0.sqrt()
 
     def short_time(logit: Any) -> Any:
@@ -243,10 +243,10 @@ def slowest_point(drive: SlipDrive) -> SlowestPoint:
             return (rise - fall) / (rise + fall)
 
         # Slip that turns comes back within half a turn, perhaps hardly earlier; other slip comes back at some time.
-        low, high = arb(_NEAREST).log(), -arb(_NEAREST).log() if minus.turns else arb(1)
+        low, high = nearest, -nearest if minus.turns else arb(1)
         while not minus.turns and balance(high) < 0:
             low, high = high, high + 1
-        found: arb = short_time(bracketed_root(balance, low, high, _CLOSE))
+        found: arb = short_time(bracketed_root(balance, low, high, CLOSE))
         return found
 
     def excess(logarithm: arb) -> arb:
@@ -256,12 +256,12 @@ def slowest_point(drive: SlipDrive) -> SlowestPoint:
 
     # Beyond this phase a motion under law + that leaves Q = 0 upwards does not come back: C = 1, so that v = 0.
     grazing = plus.recurrence() * plus.beta - arb.pi()
-    low, high = arb(_NEAREST).log(), (grazing * (1 - arb(1e-9))).log()
+    low, high = nearest, (grazing * (1 - arb(1e-9))).log()
     if not excess(low) < 0 < excess(high):
         raise NoThreshold(
             "the force is not known: the rates of slip lie too far apart for the digits in which it is computed."
         )
-    first = turn + bracketed_root(excess, low, high, _CLOSE).exp() / plus.beta
+    first = turn + bracketed_root(excess, low, high, CLOSE).exp() / plus.beta
     times = first, time_below(half_return(plus, heights[1], first).comes)
     found = (_slowest(drive, law, time) for law, time in zip((1, -1), times, strict=True))
     rate, law, at = min(found, key=lambda point: point[0])

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
+import numpy as np
 from flint import arb, arb_mat, arb_series
 
 from lsvib.engine.exact.arithmetic import many_digits
@@ -28,9 +29,6 @@ Equations = Callable[[Mapping[str, Any], Sequence[Any]], Sequence[Any]]
 """F as a function of the parameters by name and the inner unknowns, all of them balls or power series."""
 
 DECADES = 6  # of a search, on both sides of its middle
-_EACH = 12  # samples of a search in a decade: a fifth from one to the next
-_HALVINGS = 400  # steps of a bracketed search, which halves its bracket in every third step at least
-_NEWTON = 40  # steps; from nine digits five of them reach 150
 _FIXED = 1e-60  # relative change after which one more step, which squares it, is the last
 _REACH = 1e-4  # relative, from the start, which is good to 1e-8 (of an extremum) or better
 
@@ -55,9 +53,9 @@ def bracketed_root(function: Callable[[Any], Any], low: Any, high: Any, toleranc
     are safe, halves elsewhere.
     """
     a, b = _middle(high), _middle(low)
-    value_a, value_b = function(a), function(b)
-    c, value_c, part = a, value_a, 0.5
-    for _ in range(_HALVINGS):
+    value_a, value_b = _middle(function(a)), _middle(function(b))
+    c, value_c, part, best = a, value_a, 0.5, b
+    for _ in range(400):  # more than halves of halves ever take
         x = _middle(a + part * (b - a))
         value = _middle(function(x))
         if (value > 0) == (value_a > 0):
@@ -65,18 +63,21 @@ def bracketed_root(function: Callable[[Any], Any], low: Any, high: Any, toleranc
         else:
             c, b, value_c, value_b = b, a, value_b, value_a
         a, value_a = x, value
-        best = a if abs(value_a) < abs(value_b) else b
-        limit = tolerance * abs(best) / abs(b - a) if b != a else 1
-        if limit > 0.5 or value_a == 0 or value_b == 0:
+        if value_a == 0 or value_b == 0:
+            return a if value_a == 0 else b
+        ratio, other = float(value_a / value_b), float(value_c / value_b)  # negative; the values themselves may be tiny
+        best = a if ratio > -1 else b
+        limit = float(tolerance * abs(best) / abs(b - a)) if b != a else 1.0
+        if limit > 0.5:
             return best
         part = 0.5
-        if value_c in (value_a, value_b):  # the function is flat to rounding
+        if other in (ratio, 1.0):  # the function is flat to rounding
             continue
-        share, rise = (a - b) / (c - b), (value_a - value_b) / (value_c - value_b)
+        share, rise = float((a - b) / (c - b)), (ratio - 1) / (other - 1)
         if rise**2 < share and (1 - rise) ** 2 < 1 - share:
-            part = value_a / (value_b - value_a) * value_c / (value_b - value_c)
-            part += (c - a) / (b - a) * value_a / (value_c - value_a) * value_b / (value_c - value_b)
-            part = min(max(float(part), float(limit)), 1 - float(limit))
+            part = ratio / (1 - ratio) * other / (1 - other)
+            part += float((c - a) / (b - a)) * ratio / (other - ratio) / (other - 1)
+            part = min(max(part, limit), 1 - limit)
     return best
 
 
@@ -126,7 +127,7 @@ class _System:
     def newton(self, place: list[arb]) -> list[arb]:
         """Return the midpoint of a root next to a place."""
         begin, close = place, False
-        for _ in range(_NEWTON):
+        for _ in range(40):  # from nine digits five steps reach 150
             values, jacobian = self.linearised(place, self.columns)
             step = [_middle(row[0]) for row in _quotient(jacobian, [[value] for value in values])]
             place = [_middle(x - dx) for x, dx in zip(place, step, strict=True)]
@@ -217,9 +218,9 @@ def samples(drive: Drive, unknown: str, ends: Sequence[float]) -> list[float]:
     closer, to 1e-8, to the ``ends``, at which a threshold may begin or end.
     """
     middle = abs(getattr(drive, unknown)) or _natural(drive, unknown)
-    sizes = [middle * 10.0 ** (k / _EACH) for k in range(-DECADES * _EACH, DECADES * _EACH + 1)]
+    sizes = middle * np.logspace(-DECADES, DECADES, 24 * DECADES + 1)  # a fifth from one to the next
     signs = (-1, 1) if unknown in ("axial_force", "input_speed") else (1,)
-    values = {sign * size for sign in signs for size in sizes}
+    values = {sign * size for sign in signs for size in sizes.tolist()}
     values |= {end * (1 + side * 0.3**k) for end in ends for side in (-1, 1) for k in range(1, 16)}
     return sorted(value for value in values if allowed(drive, unknown, value))
 

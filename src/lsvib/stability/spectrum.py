@@ -26,7 +26,6 @@ from lsvib.stability.linear import Stability, hurwitz
 DIGITS = 100  # of tan λ at first; a condition that vanishes to some 80 digits calls for four times as many
 _BITS = 100  # relative width to which a root is found, far below the spacing of doubles
 SAME = fmpq(1, 2**88)  # relative: no double lies between two roots that are closer, so they count as one
-_SMALLEST = 5e-324  # a rate that is not zero must not be rounded to zero, because its sign decides on stability
 
 Polynomial = tuple[Any, ...]
 """Coefficients, highest power first; rational numbers, or polynomials in an unknown parameter."""
@@ -46,7 +45,7 @@ def rationals(drive: Drive) -> dict[str, fmpq]:
     return {key: fmpq(*value.as_integer_ratio()) for key, value in drive}
 
 
-def tangents(drive: Drive, digits: int = DIGITS) -> tuple[fmpq, fmpq]:
+def tangents(drive: Drive, digits: int = DIGITS) -> tuple[fmpq, ...]:
     """Return rationals just below and just above tan λ, a relative 10^−digits apart from it."""
     with ctx.workdps(digits + 10):
         tangent, apart = arb(drive.lead_angle).tan().mid(), arb(10) ** -digits
@@ -162,7 +161,7 @@ def _signed_roots(squares: fmpq_poly) -> Iterator[acb]:
 
 
 def _rounded(root: acb) -> complex:
-    """An eigenvalue in doubles; a part that is not zero is not rounded to zero."""
-    parts = (float(part) or (math.copysign(_SMALLEST, float(part.sgn())) if part != 0 else 0.0)
+    """An eigenvalue in doubles; a part that is not zero is not rounded to zero, as its sign decides on stability."""
+    parts = (float(part) or (math.copysign(math.ulp(0.0), float(part.sgn())) if part != 0 else 0.0)
              for part in (root.real, root.imag))  # fmt: skip
     return complex(*parts)
