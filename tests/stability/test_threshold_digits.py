@@ -72,7 +72,7 @@ def hint(name: str, drive: RigidDrive):
         return (float(time),)
     forward = SlipDrive.of(drive)
     slip, height = forward.slip(1), forward.inertia[1]
-    return (float(leaving(slip, forward.contact, height, half_return(slip, height, time))[1]),)
+    return (float(leaving(slip, forward.contact, height, half_return(slip, height, time)[0])[1]),)
 
 
 def judged(name, drive, solved, solution, rng, slopes):

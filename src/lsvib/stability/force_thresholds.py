@@ -135,9 +135,8 @@ def stick_start(drive: RigidDrive) -> Start:
         raise NoThreshold(
             "slip without rest has no limit cycle for this drive, so there is no force at which one touches rest."
         )
-    point = slowest_point(d)
-    force = d.onset + d.speed / -point.rate
-    return _apart(Start("stick+" if point.law > 0 else "stick-", force, (*point.times, point.at)), d)
+    rate, law, times = slowest_point(d)
+    return _apart(Start("stick+" if law > 0 else "stick-", d.onset - d.speed / rate, times), d)
 
 
 def detach_start(drive: RigidDrive) -> Start:
@@ -212,25 +211,18 @@ def _rest_goes_on_from(d: SlipDrive) -> Start:
     found = slip.peak(first, -d.speed, d.contact)
     if found is not None and d.onset < found[0] / inertia:
         return Start("rest seizes", d.onset - found[0] / inertia, (found[1],))
-    # Among 0 ≤ R < R_on: the largest Q_uw of that slip is the maximum of functions that are linear in R, so convex.
-    force = d.onset
-    for _ in range(200):  # on a convex function they approach the root from one side, at last quadratically
-        if not force > 0:
-            # Without c_x there is no force with the motion.
-            return Start("rest seizes", force, (found[1],)) if found is not None and d.onset > 0 else _NONE
+
+    def excess(force: arb) -> Any:
+        """By how much slip from the end of rest goes beyond Q = 0."""
         found = slip.peak(first - d.reach * force, -d.speed, d.contact)
-        if found is None or (force is d.onset and not found[0] > 0):
-            return _NONE
-        c, s, _ = slip.responses(found[1])
-        slope = inertia - d.reach * (d.contact[0] * c - d.contact[1] * slip.a0 * s)
-        step = (found[0] - inertia * (d.onset - force)) / slope
-        force = (force - step).mid()
-        if abs(step) <= 1e-40 * d.onset:
-            return Start("rest seizes with the motion", force, (found[1],))
-    raise NoThreshold(
-        "the force from which slip from the end of rest seizes is not known: Newton's method has not come to its end; "
-        "please report it."
-    )
+        return (arb(-1) if found is None else found[0]) - inertia * (d.onset - force)
+
+    # Among 0 ≤ R < R_on: the largest Q_uw of that slip is the maximum of functions that are linear in R, so convex.
+    if not (d.onset > 0 and excess(d.onset) > 0):
+        return _NONE
+    force = bracketed_root(excess, arb(0), d.onset, CLOSE)
+    found = slip.peak(first - d.reach * force, -d.speed, d.contact)
+    return _NONE if found is None else Start("rest seizes with the motion", force, (found[1],))
 
 
 def durations(d: SlipDrive) -> list[arb]:

@@ -57,11 +57,11 @@ def _stick(law: int) -> _OfDrive:
 
     def equations(d: SlipDrive, inner: Sequence[Any]) -> list[Any]:
         plus, minus = (half_return(d.slip(s), d.inertia[s], time) for s, time in zip((1, -1), inner[:2], strict=True))
-        slip, half = d.slip(law), plus if law > 0 else minus
-        y, w = slip.state(*leaving(slip, d.contact, d.inertia[law], half), inner[2])
+        slip, slope = d.slip(law), (plus if law > 0 else minus)[0]
+        y, w = slip.state(*leaving(slip, d.contact, d.inertia[law], slope), inner[2])
         return [
-            plus.comes - minus.leaves,
-            minus.comes - plus.leaves,
+            plus[1] - minus[0],
+            minus[1] - plus[0],
             slip.a0 * y + slip.a1 * w,
             d.net * w + d.speed,
         ]

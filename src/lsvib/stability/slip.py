@@ -18,8 +18,8 @@ Rodrigo and Torres 1998).
 """
 
 from collections.abc import Iterator, Mapping
-from itertools import count
-from typing import Any, NamedTuple
+from itertools import count, takewhile
+from typing import Any
 
 from flint import arb, arb_series
 
@@ -73,8 +73,7 @@ class Slip:
     @property
     def rates(self) -> tuple[arb, arb]:
         """The two rates [1/s] of slip that does not turn, the slow one first."""
-        large = -self.alpha - self.beta if self.alpha >= 0 else -self.alpha + self.beta
-        return (self.a0 / large, large) if self.alpha >= 0 else (large, self.a0 / large)
+        return -self.alpha + self.beta, -self.alpha - self.beta
 
     def responses(self, time: Any) -> tuple[Any, Any, Any]:
         """Return C, S and S′ at a time [s]; one formula whether slip turns or not."""
@@ -177,28 +176,21 @@ class SlipDrive:
         return self.end_against() - self.reach * self.force
 
 
-class Half(NamedTuple):
-    """Slopes with which a half return leaves Q = 0 and comes back."""
-
-    leaves: Any
-    comes: Any
-
-
-def half_return(slip: Slip, height: Any, time: Any) -> Half:
-    """Return the half return that takes ``time`` [s], with the equilibrium at Q = ``height``."""
+def half_return(slip: Slip, height: Any, time: Any) -> tuple[Any, Any]:
+    """Slopes v and v̂ of a half return that takes a time [s], with the equilibrium at Q = ``height``."""
     c, s, s_rate = slip.responses(time)
     leaves = -height * (1 - c) / s
-    return Half(leaves, leaves * s_rate + height * slip.a0 * s)
+    return leaves, leaves * s_rate + height * slip.a0 * s
 
 
-def leaving(slip: Slip, contact: Any, height: Any, half: Half) -> tuple[Any, Any]:
+def leaving(slip: Slip, contact: Any, height: Any, slope: Any) -> tuple[Any, Any]:
     """State (y, w) in which a half return leaves Q = 0.
 
-    Arguments: slip under the law; row (q_u, q_w) of Q; ``height``, Q at the equilibrium; the half return. Q = q_u y +
-    q_w w + height vanishes here and Q′ = q_u w − q_w (a₀ y + a₁ w) is v.
+    Arguments: slip under the law; row (q_u, q_w) of Q; ``height``, Q at the equilibrium; the slope v. Q = q_u y + q_w w
+    + height vanishes here and Q′ = q_u w − q_w (a₀ y + a₁ w) is v.
     """
     q_u, q_w = contact
-    w = (half.leaves - q_w * slip.a0 * height / q_u) / (q_u - q_w * slip.a1 + q_w**2 * slip.a0 / q_u)
+    w = (slope - q_w * slip.a0 * height / q_u) / (q_u - q_w * slip.a1 + q_w**2 * slip.a0 / q_u)
     return -(q_w * w + height) / q_u, w
 
 
@@ -208,22 +200,11 @@ def decay_of_large_motions(drive: SlipDrive) -> arb:
     return arb.pi() * (plus.alpha / plus.beta + minus.alpha / minus.beta) if minus.turns else arb.pos_inf()
 
 
-class SlowestPoint(NamedTuple):
-    """Smallest ``rate`` w [rad/s] on the cycle at R̃ = 1 N, where the motion is under ``law``.
-
-    ``times`` [s] of the half returns under law + and law −; ``at`` [s], the time from Q = 0 to this point.
-    """
-
-    rate: arb
-    law: int
-    times: tuple[arb, arb]
-    at: arb
-
-
-def slowest_point(drive: SlipDrive) -> SlowestPoint:
+def slowest_point(drive: SlipDrive) -> tuple[arb, int, tuple[arb, arb, arb]]:
     """Return the point of the cycle at which the screw is slowest; the conditions of the module docstring must hold.
 
-    Raises ``NoThreshold`` where the digits do not hold the cycle.
+    Its rate w [rad/s] at R̃ = 1 N and its law; times [s] of the half returns under law + and law −, and from Q = 0 to
+    this point. Raises ``NoThreshold`` where the digits do not hold the cycle.
     """
     plus, minus = drive.slip(1), drive.slip(-1)
     # The sizes of the two equilibria count by their ratio only.
@@ -250,9 +231,9 @@ def slowest_point(drive: SlipDrive) -> SlowestPoint:
         return found
 
     def excess(logarithm: arb) -> arb:
-        above = half_return(plus, heights[1], turn + logarithm.exp() / plus.beta)
-        below = half_return(minus, heights[-1], time_below(above.comes))
-        return (below.comes - above.leaves) / (abs(below.comes) + abs(above.leaves))
+        leaves, comes = half_return(plus, heights[1], turn + logarithm.exp() / plus.beta)
+        _, again = half_return(minus, heights[-1], time_below(comes))
+        return (again - leaves) / (abs(again) + abs(leaves))
 
     # Beyond this phase a motion under law + that leaves Q = 0 upwards does not come back: C = 1, so that v = 0.
     grazing = plus.recurrence() * plus.beta - arb.pi()
@@ -262,19 +243,11 @@ def slowest_point(drive: SlipDrive) -> SlowestPoint:
             "the force is not known: the rates of slip lie too far apart for the digits in which it is computed."
         )
     first = turn + bracketed_root(excess, low, high, CLOSE).exp() / plus.beta
-    times = first, time_below(half_return(plus, heights[1], first).comes)
-    found = (_slowest(drive, law, time) for law, time in zip((1, -1), times, strict=True))
-    rate, law, at = min(found, key=lambda point: point[0])
-    return SlowestPoint(rate, law, times, at)
-
-
-def _slowest(drive: SlipDrive, law: int, time: arb) -> tuple[arb, int, arb]:
-    """Smallest w [rad/s] on the half of the cycle under a law, at R̃ = 1 N, with the law and the time [s] from Q = 0."""
-    slip = drive.slip(law)
-    y, w = leaving(slip, drive.contact, drive.inertia[law], half_return(slip, drive.inertia[law], time))
-    slowest = w, law, arb(0)
-    for at in slip.stationary(y, w, (0, 1)):
-        if not at < time:
-            break
-        slowest = min(slowest, (slip.state(y, w, at)[1], law, at), key=lambda point: point[0])
-    return slowest
+    times = first, time_below(half_return(plus, heights[1], first)[1])
+    slowest = []
+    for law, time in zip((1, -1), times, strict=True):
+        slip, height = drive.slip(law), drive.inertia[law]
+        y, w = leaving(slip, drive.contact, height, half_return(slip, height, time)[0])
+        instants = [arb(0), *takewhile(lambda at, end=time: at < end, slip.stationary(y, w, (0, 1)))]
+        slowest += [(slip.state(y, w, at)[1], law, (*times, at)) for at in instants]
+    return min(slowest, key=lambda point: point[0])
