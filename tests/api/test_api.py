@@ -21,7 +21,7 @@ import lsvib
 from lsvib import api
 from lsvib.dynamics.attractors import steady_state
 from lsvib.models.drive import RigidDrive
-from lsvib.models.model_files import model_names
+from lsvib.models.model import model_names
 
 ROOT = Path(__file__).parents[2]
 PARADOX = {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0}

@@ -15,7 +15,7 @@ from lsvib.datasets.chart_tiles import chart_tile, gather_chart
 from lsvib.datasets.writer import write_dataset
 from lsvib.dynamics.behaviour import Behaviour
 from lsvib.errors import NoThreshold
-from lsvib.models.coefficients import coefficients
+from lsvib.models.mechanics import coefficients
 from lsvib.stability import force_thresholds
 from lsvib.stability.curves import ChartBoundary, _function, boundary_curves, stops_again
 

@@ -11,8 +11,8 @@ from references.newton import accelerations, eigenvalues
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import InputError
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import NutDrive, SupportDrive, ThreadsDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.stability import conditions, linear
 from lsvib.stability.conditions import stability
 from lsvib.stability.linear import UndampedClass

@@ -17,8 +17,8 @@ import pytest
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.motion import follow
 from lsvib.errors import DivergenceError, EngineError, InputError, NoThreshold
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import EventKind, rigid_automaton
 from lsvib.stability import force_thresholds
 from lsvib.stability.force_thresholds import widest_return

@@ -29,8 +29,8 @@ from lsvib.basins.curves import Arc, Curve, Segment, area, contains, sampled
 from lsvib.basins.reversed_time import BEGINNING, backward_automaton
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import EngineError, InputError
-from lsvib.models.coefficients import Coefficients, coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import Coefficients, coefficients
 from lsvib.models.rigid import MotionMode, rigid_automaton
 from lsvib.stability.slip import Slip
 

@@ -21,8 +21,7 @@ from lsvib.datasets.parameter_origins import GIVEN, parameter
 from lsvib.dynamics.attractors import Attractor, Doubt
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive, names_and_values
-from lsvib.models.model_files import of_model
-from lsvib.models.resumption import rule
+from lsvib.models.model import of_model, rule
 from lsvib.numbers import Progress
 
 _CYCLE_SAMPLES = 400  # of a limit cycle that is drawn: corners that no picture shows

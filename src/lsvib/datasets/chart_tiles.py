@@ -8,7 +8,7 @@ from lsvib.datasets.chart import LABEL, Plane, shares
 from lsvib.datasets.tiles import joined, rows_of
 from lsvib.datasets.writer import write_dataset
 from lsvib.errors import InputError
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model
 
 
 def plane_of(settings: Mapping[str, Any]) -> Plane:

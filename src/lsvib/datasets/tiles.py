@@ -13,7 +13,7 @@ from lsvib.datasets.attraction_map import cells, count, dimensions, frame, param
 from lsvib.datasets.attributes import fractions
 from lsvib.datasets.writer import read_dataset, write_dataset
 from lsvib.errors import InputError
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model
 
 
 def rows_of(item: str, rows: int) -> slice:

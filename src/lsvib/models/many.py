@@ -15,9 +15,9 @@ from lsvib.engine.automaton import DIMENSIONS, Automaton
 from lsvib.engine.exact.arithmetic import Divided
 from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.tables import Tables
-from lsvib.models.coefficients import Coefficients, coefficients_of, steady_force
 from lsvib.models.drive import Drive, RigidDrive
-from lsvib.models.resumption import Resume
+from lsvib.models.mechanics import Coefficients, coefficients_of, steady_force
+from lsvib.models.model import Resume
 from lsvib.models.rigid import automaton_of
 
 _CANCELLED = 1e3  # terms of a sum over the sum: beyond, doubles do not hold 1e-12 of it

@@ -52,12 +52,9 @@ from lsvib.engine.exact.arithmetic import double, many_digits, root, sign
 from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
 from lsvib.errors import InputError
-from lsvib.models.coefficients import Coefficients, coefficients
-from lsvib.models.drive import RigidDrive
-from lsvib.models.once import once
-from lsvib.models.powers import Powers
-from lsvib.models.registry import Model
-from lsvib.models.resumption import Resume
+from lsvib.models.drive import RigidDrive, once
+from lsvib.models.mechanics import Coefficients, coefficients
+from lsvib.models.model import Model, Powers, Resume
 
 STATES = ("angle_deviation", "velocity_deviation")
 

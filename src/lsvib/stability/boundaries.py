@@ -22,8 +22,8 @@ from flint import arb, fmpq, fmpq_poly
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.models.drive import Drive, may_vanish
-from lsvib.models.linear_parts import LinearParts
-from lsvib.models.registry import find_model
+from lsvib.models.mechanics import LinearParts
+from lsvib.models.model import find_model
 from lsvib.stability.solve import Equations, allowed
 from lsvib.stability.spectrum import SAME, margins, polynomial, positive_roots, rationals, tangents, undamped
 

@@ -18,7 +18,7 @@ from flint import fmpq
 from numpy.typing import NDArray
 
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.models import friction
+from lsvib.models import mechanics
 from lsvib.models.drive import Drive, RigidDrive, SupportDrive, ThreadsDrive
 from lsvib.numbers import bisected
 from lsvib.results import Condition, Quantity, StabilityReport, UndampedStability
@@ -38,14 +38,14 @@ def effective_inertia(drive: DriveValues, law: int) -> Any:
     """Return Γ_s = I − ξ_s tan λ m r_m² [kg m²] of the rigid drive (eqs 8.2, 8.20)."""
     p = values_of(drive, law)
     with many_digits():
-        return friction.effective_inertia(p.screw_inertia, p.mass, p.pitch_radius, p.tan_lead, p.factor)
+        return mechanics.effective_inertia(p.screw_inertia, p.mass, p.pitch_radius, p.tan_lead, p.factor)
 
 
 def effective_damping(drive: DriveValues, law: int) -> Any:
     """Return C_s = c − ξ_s tan λ c_x r_m² [N m s/rad] of the rigid drive (eq. 8.19)."""
     p = values_of(drive, law)
     with many_digits():
-        return friction.effective_damping(
+        return mechanics.effective_damping(
             p.support_damping, p.translation_damping, p.pitch_radius, p.tan_lead, p.factor
         )
 
@@ -102,7 +102,7 @@ def kinematic_inertia(drive: DriveValues, law: int) -> Any:
     p = values_of(drive, law)
     with many_digits():
         inertia = effective_screw_inertia(drive)
-        return friction.effective_inertia(inertia, p.mass, p.pitch_radius, p.tan_lead, p.factor)
+        return mechanics.effective_inertia(inertia, p.mass, p.pitch_radius, p.tan_lead, p.factor)
 
 
 def characteristic_polynomial(drive: DriveValues, law: int) -> tuple[Any, Any, Any]:
@@ -141,7 +141,7 @@ def reduced_inertia(drive: DriveValues, law: int) -> Any:
     """Return Γ̃_0 = I − ξ_s tan λ m̃ r_m² [kg m²] (eqs 8.27, 8.28)."""
     p = values_of(drive, law)
     with many_digits():
-        return friction.effective_inertia(p.screw_inertia, reduced_mass(drive), p.pitch_radius, p.tan_lead, p.factor)
+        return mechanics.effective_inertia(p.screw_inertia, reduced_mass(drive), p.pitch_radius, p.tan_lead, p.factor)
 
 
 def boundary_coefficients(drive: DriveValues, law: int) -> tuple[Any, Any, Any]:

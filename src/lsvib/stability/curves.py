@@ -36,7 +36,7 @@ from lsvib.engine.kernels.status import Status
 from lsvib.engine.motion import follow
 from lsvib.errors import InputError, NoThreshold
 from lsvib.models.drive import Drive, zero_if_close
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model
 from lsvib.stability.boundaries import net_force
 from lsvib.stability.conditions import effective_damping, effective_inertia
 from lsvib.stability.force_thresholds import threshold_force

@@ -24,7 +24,7 @@ from typing import Any
 from flint import arb, arb_series
 
 from lsvib.errors import NoThreshold
-from lsvib.models import friction
+from lsvib.models import mechanics
 from lsvib.models.drive import Drive
 from lsvib.stability.solve import bracketed_root
 
@@ -139,10 +139,10 @@ class SlipDrive:
         self.speed, self.force = p["input_speed"] * sense, p["axial_force"] * sense
         self.onset = self.lever * self.slide * self.speed
         self.net = self.force - self.onset
-        self.xi = {law: friction.friction_factor(p["friction_coefficient"], t, law) for law in (1, -1)}
+        self.xi = {law: mechanics.friction_factor(p["friction_coefficient"], t, law) for law in (1, -1)}
         own, slide, radius = p["screw_inertia"], p["support_damping"], self.radius
-        self.inertia = {s: friction.effective_inertia(own, self.mass, radius, t, xi) for s, xi in self.xi.items()}
-        self.damping = {s: friction.effective_damping(slide, self.slide, radius, t, xi) for s, xi in self.xi.items()}
+        self.inertia = {s: mechanics.effective_inertia(own, self.mass, radius, t, xi) for s, xi in self.xi.items()}
+        self.damping = {s: mechanics.effective_damping(slide, self.slide, radius, t, xi) for s, xi in self.xi.items()}
         self.contact = (
             self.lever * self.mass * self.stiffness,
             self.lever * (self.mass * slide - own * self.slide),

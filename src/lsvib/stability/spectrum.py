@@ -1,6 +1,6 @@
 """Characteristic polynomial, eigenvalues and class of the steady sliding of one drive, with certainty, for every model.
 
-Each model states its polynomial (:class:`lsvib.models.linear_parts.LinearParts` has the parts that all are made of). It
+Each model states its polynomial (:class:`lsvib.models.mechanics.LinearParts` has the parts that all are made of). It
 is det(M s² + C s + K) of :mod:`lsvib.stability.linear` times a positive factor, g = 1 + s_0 μ tan λ or, with compliant
 threads, 1 + tan² λ. Its coefficients are polynomials in every parameter and in t = tan λ, and nothing cancels in them
 but what the physics subtracts.
@@ -19,8 +19,8 @@ from flint import acb, arb, ctx, fmpq, fmpq_poly
 
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
-from lsvib.models.linear_parts import LinearParts
-from lsvib.models.registry import find_model
+from lsvib.models.mechanics import LinearParts
+from lsvib.models.model import find_model
 from lsvib.stability.linear import Stability, hurwitz
 
 DIGITS = 100  # of tan λ at first; a condition that vanishes to some 80 digits calls for four times as many

@@ -17,7 +17,7 @@ from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import EngineError, InputError, NoThreshold
 from lsvib.models import chapter
 from lsvib.models.drive import Drive, allowed_range, described
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model
 from lsvib.numbers import shown
 from lsvib.results import Derivative, PrintedValue, Threshold, ThresholdSolution
 from lsvib.stability import boundaries, motion_equations

@@ -17,8 +17,8 @@ from lsvib.datasets import spans
 from lsvib.datasets.attributes import attributes, flagged, named_index, variable
 from lsvib.datasets.parameter_origins import Variables, drive_parameters, labels
 from lsvib.errors import InputError
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import ThreadsDrive
+from lsvib.models.mechanics import coefficients
 
 _LAWS = (1, -1)  # sgn(θ′) sgn(N), in the order of the dimension
 # The contact force in its own scale and time depends on inertias, geometry, friction and contact alone.

@@ -12,8 +12,8 @@ from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters, 
 from lsvib.errors import InputError
 from lsvib.figures.common.compliant_cycles import CRITICAL_MASS_WITH_CONTACT
 from lsvib.figures.contact_stability.checks import checks
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import ThreadsDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.stability.boundaries import stable_set
 from lsvib.stability.conditions import (
     LARGEST_MASS,

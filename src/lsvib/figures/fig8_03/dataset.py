@@ -10,8 +10,8 @@ from lsvib.datasets import spans
 from lsvib.datasets.attributes import attributes, flagged, variable
 from lsvib.datasets.checks import Check
 from lsvib.datasets.parameter_origins import drive_parameters, labels
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.stability.linear import Stability, eigenvalue_pair, stability_class
 
 _HALVINGS = 100  # to the last bit, also where the boundary lies decades below its bracket

@@ -14,8 +14,8 @@ from lsvib.datasets.parameter_origins import axis, drive_parameters, labels, sta
 from lsvib.dynamics.attractors import Attractor, SteadyState, steady_state
 from lsvib.figures.common import mass_readings
 from lsvib.models import chapter
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import EventKind, rigid_automaton
 from lsvib.stability import force_thresholds
 

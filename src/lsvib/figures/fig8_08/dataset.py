@@ -12,8 +12,8 @@ from lsvib.datasets.checks import Check
 from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters
 from lsvib.errors import InputError
 from lsvib.models import chapter
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.numbers import bisected
 from lsvib.stability.conditions import critical_mass
 from lsvib.stability.linear import eigenvalue_pair

@@ -12,8 +12,8 @@ from lsvib.datasets.attributes import flagged, variable, yes_no
 from lsvib.datasets.checks import Check
 from lsvib.datasets.parameter_origins import Variables, drive_parameters, origin_of, parameter
 from lsvib.models import chapter
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive, SupportDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.numbers import bisected
 from lsvib.stability import force_thresholds
 from lsvib.stability.conditions import critical_friction, critical_mass
