@@ -80,7 +80,7 @@ def groups(drives: ManyDrives, resume: Resume, entries: np.ndarray) -> Iterator[
         try:
             with np.errstate(all="ignore"):  # what overflows or divides by zero is not safe
                 c = coefficients_of(d)
-                automaton = automaton_of(c, d, True, resume if c.paradox else "contact_sign")
+                automaton = automaton_of(c, d, True, resume)
                 automaton = _layered(automaton, members.size)
                 yield Group(members, _safe(c, d, automaton.tables), automaton, c, steady_force(c, d))
         except Divided as parts:

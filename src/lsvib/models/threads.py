@@ -35,9 +35,8 @@ from lsvib.engine.exact.modal_form import ModalMode, guard_forms, modal_flow
 from lsvib.engine.exact.reach import SWINGS
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
 from lsvib.models.drive import ThreadsDrive, once
-from lsvib.models.mechanics import Coefficients, LinearParts, Polynomial, coefficients
-from lsvib.models.model import Model, Powers, product, seizures_only_by_contact
-from lsvib.models.two_bodies import DIRECTIONS, SIGNS, plus
+from lsvib.models.mechanics import Coefficients, LinearParts, Polynomial, coefficients, plus
+from lsvib.models.model import DIRECTIONS, SIGNS, Model, Powers, product, seizures_only_by_contact
 
 STATES = ("angle_deviation", "velocity_deviation", "thread_mismatch", "mismatch_rate")
 
@@ -106,6 +105,7 @@ def threads_automaton(drive: ThreadsDrive) -> Automaton:
             stack=modal_flow,
             forms=guard_forms,
             rest_codes=(ThreadsMode.REST_POSITIVE, ThreadsMode.REST_NEGATIVE),
+            release_kinds=(ThreadsEvent.RELEASE,),
             sprag_codes=_UNDER_LAW_PLUS if c.paradox else (),
         )
 
