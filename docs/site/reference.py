@@ -51,13 +51,13 @@ MODULES = {
         "lsvib.datasets.cycles",
     ],
     "Regions of attraction": [
-        "lsvib.basins.exact_basin",
+        "lsvib.basins.boundary",
         "lsvib.basins.resilience",
         "lsvib.basins.grid",
-        "lsvib.basins.clipping",
-        "lsvib.datasets.resilience",
+        "lsvib.basins.curves",
+        "lsvib.datasets.sweep",
     ],
-    "Data": ["lsvib.datasets.simulation", "lsvib.datasets.sweep", "lsvib.datasets.checks", "lsvib.datasets.writer"],
+    "Data": ["lsvib.datasets.motion", "lsvib.datasets.sweep", "lsvib.datasets.checks", "lsvib.datasets.io"],
     "Figures": ["lsvib.figures.build", "lsvib.figures.configuration", "lsvib.figures.folders"],
 }
 

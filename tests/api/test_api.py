@@ -179,7 +179,6 @@ def test_basin_is_handed_the_drive_itself():
 
 def test_examples_of_docstrings_and_documentation():
     failed = doctest.testmod(api).failed
-    from lsvib.datasets import simulation
 
     failed += doctest.testmod(simulation).failed
     page = ROOT / "docs" / "python.md"

@@ -10,9 +10,8 @@ import pytest
 import xarray as xr
 
 import lsvib
-from lsvib.datasets.chart import ChartAxis, Plane
-from lsvib.datasets.chart_tiles import chart_tile, gather_chart
-from lsvib.datasets.writer import write_dataset
+from lsvib.datasets.chart import ChartAxis, Plane, chart_tile, gather_chart
+from lsvib.datasets.io import write_dataset
 from lsvib.dynamics.behaviour import Behaviour
 from lsvib.errors import NoThreshold
 from lsvib.models.mechanics import coefficients

@@ -14,7 +14,7 @@ import pytest
 import yaml
 from conftest import ROOT, TINY
 
-from lsvib.datasets.writer import read_dataset
+from lsvib.datasets.io import read_dataset
 from lsvib.figures.configuration import settings_of
 from lsvib.figures.folders import accuracy_figures, default_figures
 

@@ -24,8 +24,7 @@ from flint import arb
 from numpy.typing import ArrayLike, NDArray
 
 from lsvib.basins.backward_motions import forward_arcs, mode_index, traced, wind_up
-from lsvib.basins.clipping import Window, clip, inside
-from lsvib.basins.curves import Arc, Curve, Segment, area, contains, sampled
+from lsvib.basins.curves import Arc, Curve, Segment, Window, area, clip, contains, inside, sampled
 from lsvib.basins.reversed_time import BEGINNING, backward_automaton
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import EngineError, InputError

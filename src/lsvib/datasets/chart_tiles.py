@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from lsvib.datasets.chart import LABEL, Plane, shares
-from lsvib.datasets.tiles import joined, rows_of
-from lsvib.datasets.writer import write_dataset
+from lsvib.datasets.io import write_dataset
+from lsvib.datasets.map import joined, rows_of
 from lsvib.errors import InputError
 from lsvib.models.model import find_model
 

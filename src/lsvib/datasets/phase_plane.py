@@ -15,13 +15,13 @@ from lsvib.datasets.attributes import (
     SIGNS,
     WITHOUT_IMPULSES,
     Dims,
+    Variables,
     flagged,
     flags_or_none,
     named_index,
     quantity,
     variable,
 )
-from lsvib.datasets.parameter_origins import Variables
 from lsvib.dynamics.attractors import Attractor, SteadyState, steady_state
 from lsvib.dynamics.impulses import event_impulses
 from lsvib.engine.exact.arithmetic import many_digits

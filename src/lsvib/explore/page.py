@@ -13,7 +13,7 @@ from bokeh.layouts import column, row
 from bokeh.models import CustomJS, Div, Row
 
 from lsvib import numbers
-from lsvib.basins.clipping import Window
+from lsvib.basins.curves import Window
 from lsvib.dynamics.attractors import Attractor
 from lsvib.errors import InputError, LsvibError
 from lsvib.explore import answers

@@ -7,8 +7,7 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets import phase_plane
-from lsvib.datasets.attributes import variable
-from lsvib.datasets.parameter_origins import drive_parameters, labels
+from lsvib.datasets.attributes import drive_parameters, labels, variable
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
 from lsvib.stability.conditions import conditions

@@ -7,8 +7,16 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import CRITICAL_MASS, variable, yes_no
-from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters, labels, origin_of
+from lsvib.datasets.attributes import (
+    CRITICAL_MASS,
+    Variables,
+    axis,
+    drive_parameters,
+    labels,
+    origin_of,
+    variable,
+    yes_no,
+)
 from lsvib.errors import InputError
 from lsvib.figures.common.compliant_cycles import CRITICAL_MASS_WITH_CONTACT
 from lsvib.figures.contact_stability.checks import checks
