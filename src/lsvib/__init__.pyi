@@ -20,8 +20,9 @@ from lsvib.errors import NoThreshold as NoThreshold
 from lsvib.models import drive
 from lsvib.models.scene import Scene as Scene
 from lsvib.results import Condition as Condition
+from lsvib.results import Derivative as Derivative
+from lsvib.results import PrintedValue as PrintedValue
 from lsvib.results import Quantity as Quantity
-from lsvib.results import SolvedThreshold as SolvedThreshold
 from lsvib.results import StabilityReport as StabilityReport
 from lsvib.results import Threshold as Threshold
 from lsvib.results import ThresholdSolution as ThresholdSolution
@@ -35,6 +36,7 @@ __all__ = [
     "Cycle",
     "CycleBranch",
     "Cycles",
+    "Derivative",
     "DivergenceError",
     "EngineError",
     "Grid",
@@ -42,11 +44,11 @@ __all__ = [
     "LsvibError",
     "NoThreshold",
     "NutDrive",
+    "PrintedValue",
     "Quantity",
     "Resilience",
     "RigidDrive",
     "Scene",
-    "SolvedThreshold",
     "StabilityReport",
     "SteadyState",
     "SupportDrive",

@@ -12,7 +12,7 @@ from lsvib.models.drive import Drive, NutDrive, RigidDrive, SupportDrive, Thread
 from lsvib.models.mechanics import Coefficients, coefficients
 from lsvib.models.model import find_model
 from lsvib.numbers import Progress
-from lsvib.results import SolvedThreshold, StabilityReport, Threshold
+from lsvib.results import StabilityReport, Threshold
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -59,40 +59,44 @@ class DriveMethods(_Base):
         >>> report.stable, report.kind, report.conditions["kinematic_constraint"].hold
         (False, 'saddle', True)
         """
-        from lsvib.stability.stability_table import stability_table
+        from lsvib.stability.conditions import stability
 
-        return StabilityReport.of(stability_table(self, self.model))
+        return stability(self)
 
-    def thresholds(self) -> dict[str, Threshold]:
-        """Return the thresholds of this very drive by name.
+    def thresholds(self, unknown: str | None = None) -> dict[str, Threshold]:
+        """Return all thresholds of this drive by name, each as :meth:`threshold` gives it.
 
-        Of the rigid model the critical mass and friction and the forces of Sects 8.5 to 8.7 (all other parameters are
-        this drive's), of another the boundaries of stability in mass, friction and the damping that it adds. The force
-        of global stability, which a rigid drive has in the Painlevé region, loads the engine. Raises ``InputError`` if
-        the contact carries no force.
+        Each is solved for its usual parameter, or all for the parameter ``unknown``. One that this drive does not have
+        is there without a value, and its ``reason`` says why. Raises ``InputError`` for another parameter, or if the
+        contact carries no force.
 
         >>> import lsvib
-        >>> mass = lsvib.RigidDrive().thresholds()["critical_mass"]
-        >>> f"{mass.value:.6f} {mass.unit}"
-        '10.106965 kg'
+        >>> found = lsvib.RigidDrive().thresholds()
+        >>> mass = found["kinematic_constraint"]  # the critical mass (8.20)
+        >>> f"{mass.value:.6f} {mass.unit}", mass.printed.value, mass.printed.passed
+        ('10.106965 kg', 10.1, True)
+        >>> found["stick"].reason
+        'the effective damping of law + is not negative, so conditions (8.19) hold for no axial force.'
         """
-        from lsvib.stability.threshold_table import threshold_table
+        from lsvib.stability.threshold import all_thresholds
 
-        return Threshold.by_name(threshold_table(self, self.model))
+        return all_thresholds(self, unknown)
 
-    def threshold(self, name: str, unknown: str | None = None) -> SolvedThreshold:
+    def threshold(self, name: str, unknown: str | None = None) -> Threshold:
         """Return a threshold of this drive, solved for one of its parameters, with the derivatives by all others.
 
-        ``name``: onset, kinematic (Γ₊ = 0), of the rigid model negative_damping (C₊ = 0), stick, detach,
+        ``name``: onset, kinematic_constraint (Γ₊ = 0), of the rigid model negative_damping (C₊ = 0), stick, detach,
         global_stability, fold, cycle_birth, rest_loss, of the others flutter; docs/thresholds.md has their equations.
         ``unknown``: any parameter, by default axial_force, or mass or support_damping where the threshold is usually
-        one of these; the drive's own value of it counts only as the middle of a search. Raises ``InputError`` for
-        another name, ``NoThreshold`` where there is no solution in the allowed range.
+        one of these; the drive's own value of it counts only as the middle of a search. The value and its derivatives
+        come with doubles that enclose them for certain. Raises ``InputError`` for another name, ``NoThreshold`` where
+        there is no solution in the allowed range.
 
         >>> import lsvib
         >>> drive = lsvib.RigidDrive(mass=11, support_damping=2e-3)
-        >>> drive.threshold("kinematic_constraint", unknown="mass").value
-        10.106965213139869
+        >>> critical = drive.threshold("kinematic_constraint", unknown="mass")
+        >>> critical.value, critical.enclosure
+        (10.106965213139869, (10.106965213139869, 10.10696521313987))
         >>> force = drive.threshold("global_stability")
         >>> f"{force.value:.12g} {force.unit}, and {force.derivatives['mass'].value:.6g} N/kg"
         '-18.3754629689 N, and -1.63148 N/kg'

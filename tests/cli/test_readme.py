@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 import yaml
 
+import lsvib
 from lsvib.datasets.io import read_dataset
-from lsvib.stability.threshold_table import threshold_table
 
 ROOT = Path(__file__).parents[2]
 PAGES = ("README.md", "docs/command.md", "docs/python.md")
@@ -93,7 +93,7 @@ def test_the_first_result_is_what_the_readme_says(folder):
     first, last = re.findall(r"`([^`]*)`", " ".join(below.split()))[:2]
     assert (answer[0], answer[-1].strip()) == (first, last)
     (named, unstable) = re.findall(r"([\d.]+) kg", below)
-    critical = threshold_table()["critical_mass"]["value"]
+    critical = lsvib.RigidDrive().threshold("kinematic_constraint").value
     assert f"{critical:.1f}" == named
     assert critical < float(unstable) == float(line.rpartition("mass=")[2])
 

@@ -4,7 +4,6 @@ import lsvib
 from lsvib.datasets.io import read_dataset
 from lsvib.figures.configuration import DEFAULT, check
 from lsvib.models.scene import read_yaml
-from lsvib.stability.threshold_table import threshold_table
 
 SETTINGS = read_yaml(DEFAULT)
 RANGE = "is outside the allowed range"
@@ -99,7 +98,7 @@ GRID = {"u": (0, 1, 4), "w": (0, 1, 4)}
 PYTHON = [
     (lambda: lsvib.simulate("none.yaml"), "none.yaml"),
     (lambda: lsvib.simulate(start={"u": 0}, duration=1), "start"),
-    (lambda: threshold_table({"mass": None}), "is not a number"),
+    (lambda: lsvib.RigidDrive(mass=None), "is not a number"),
     (lambda: lsvib.RigidDrive(mas=1), UNKNOWN),
     (lambda: lsvib.ThreadsDrive(screw_mass=1), UNKNOWN),
     (lambda: lsvib.RigidDrive().simulate({"u": 0, "w": 0}, 1, outputs=["nut_speed"]), "outputs"),

@@ -9,7 +9,7 @@ from lsvib.stability import curves
 def test_flutter_is_traced_through_the_force_at_which_no_law_holds():
     """Nodes on R = 0 were a refusal. There the law changes, and with it the stability of drives beyond a mass."""
     drive = lsvib.ThreadsDrive(contact_damping=5e4)
-    critical = drive.thresholds()["critical_mass"].value
+    critical = drive.threshold("onset", "mass").value
     found = curves.boundary_curves(drive, ("mass", (5.0, 15.0)), ("axial_force", (-60.0, 60.0)))
     (line,) = found[curves.ChartBoundary.FLUTTER]
     on_zero = np.abs(line[:, 1]) < 1e-9

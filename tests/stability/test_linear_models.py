@@ -14,8 +14,8 @@ from lsvib.errors import InputError
 from lsvib.models.drive import NutDrive, SupportDrive, ThreadsDrive
 from lsvib.models.mechanics import coefficients
 from lsvib.stability import conditions, linear
+from lsvib.stability.conditions import stability
 from lsvib.stability.linear import UndampedClass
-from lsvib.stability.stability_table import stability_table
 
 KINDS = {
     "threads": (ThreadsDrive, linear.threads_model),
@@ -183,24 +183,24 @@ def test_slow_eigenvalues_tend_to_those_of_the_rigid_drive():
     ],
 )
 def test_summary(model, changes, kind):
-    table = stability_table(changes, model)
-    assert (table["class"], table["stable"]) == (kind, kind == "stable")
-    assert len(table["eigenvalues"]) == 4
-    parts = [value["real"] for value in table["eigenvalues"]]
+    report = stability(KINDS[model][0].of(changes))
+    assert (report.kind, report.stable) == (kind, kind == "stable")
+    assert len(report.eigenvalues) == 4
+    parts = [value.real for value in report.eigenvalues]
     assert parts == sorted(parts)
-    largest = max(abs(complex(value["real"], value["imaginary"])) for value in table["eigenvalues"])
+    largest = max(map(abs, report.eigenvalues))
     assert (parts[-1] > 1e-9 * largest) is (kind not in ("stable", "neutral"))
     assert (parts[-1] == 0) is (kind == "neutral")
 
 
 def test_summary_states_the_conditions():
-    table = stability_table({"mass": 15.0, "support_stiffness": 1e7}, "support")
-    assert [name for name, c in table["conditions"].items() if c["hold"]] == ["flutter"]
-    assert table["quantities"]["kinematic_friction"]["value"] == pytest.approx(0.2848594241193505, rel=1e-14)
-    undamped = table["without_damping"]
-    assert undamped["class"] == "flutter"
-    assert [name for name, c in undamped["conditions"].items() if c["hold"]] == ["mode_coupling"]
-    quantities = undamped["quantities"]
-    assert quantities["lower_flutter_stiffness"]["value"] < 1e7 < quantities["upper_flutter_stiffness"]["value"]
-    assert stability_table({"mass": 6}, "nut")["conditions"]["kinematic_constraint"]["hold"]
-    assert stability_table({"mass": 11}, "threads")["quantities"]["least_contact_damping"]["value"] is None
+    report = stability(SupportDrive.of(mass=15.0, support_stiffness=1e7))
+    assert [name for name, c in report.conditions.items() if c.hold] == ["flutter"]
+    assert report.quantities["critical_friction"].value == pytest.approx(0.2848594241193505, rel=1e-14)
+    undamped = report.without_damping
+    assert undamped.kind == "flutter"
+    assert [name for name, c in undamped.conditions.items() if c.hold] == ["mode_coupling"]
+    lower, upper = (undamped.quantities[f"{name}_flutter_stiffness"].value for name in ("lower", "upper"))
+    assert lower < 1e7 < upper
+    assert stability(NutDrive.of(mass=6)).conditions["kinematic_constraint"].hold
+    assert stability(ThreadsDrive.of(mass=11)).quantities["least_contact_damping"].value is None

@@ -7,13 +7,10 @@ import pytest
 from mpmath import mp, mpf
 from references import threshold_digits
 
-from lsvib.dynamics.forward_slip import ForwardDrive
-from lsvib.dynamics.slip_cycle import half_return, leaving
 from lsvib.errors import InputError
 from lsvib.models.drive import NutDrive, RigidDrive, SupportDrive, ThreadsDrive
-from lsvib.models.mechanics import coefficients
-from lsvib.stability import threshold
-from lsvib.stability.threshold import solve_threshold
+from lsvib.stability.slip import SlipDrive, half_return, leaving
+from lsvib.stability.threshold import _start, solve_threshold
 
 DRIVES = 8  # of each threshold
 SLOPES = 2  # of these whose derivatives are compared
@@ -70,12 +67,12 @@ def hint(name: str, drive: RigidDrive):
     """Where the references look for the root of a motion: nearly, and nothing that counts in the result."""
     if name in ("onset", "kinematic_constraint", "negative_damping"):
         return ()
-    time = threshold._start(name, drive)[1].times[0]
+    time = _start(name, drive)[1].times[0]
     if name != "stick":
-        return (time,)
-    forward = ForwardDrive(drive, coefficients(drive))
+        return (float(time),)
+    forward = SlipDrive.of(drive)
     slip, height = forward.slip(1), forward.inertia[1]
-    return (float(leaving(slip, forward.contact, height, half_return(slip, height, time))[1]),)
+    return (float(leaving(slip, forward.contact, height, half_return(slip, height, time)[0])[1]),)
 
 
 def judged(name, drive, solved, solution, rng, slopes):
@@ -95,17 +92,18 @@ def judged(name, drive, solved, solution, rng, slopes):
 
 
 def compared(drive, solved, solution, truth, rng, slopes):
-    """Value, error bound and some derivatives of a solution against a function of (parameters, guess)."""
+    """Value, enclosure and some derivatives of a solution against a function of (parameters, guess)."""
     values = dict(drive)
     exact = truth(values, solution.value)
     assert abs(solution.value - exact) <= VALUE * abs(exact)
-    assert abs(solution.value - exact) <= solution.error_bound * (1 + mpf("1e-9"))
+    assert solution.enclosure[0] <= exact <= solution.enclosure[1]
     others = [key for key in type(drive).model_fields if key != solved.unknown and values[key]]
     for key in rng.choice(others, slopes, replace=False):
         step = abs(mpf(values[key])) * _STEP
         ends = [truth({**values, key: values[key] + sign * step}, exact) for sign in (1, -1)]
         slope = (ends[0] - ends[1]) / (2 * step)
         found = solution.derivatives[key].value
+        assert solution.derivatives[key].low <= found <= solution.derivatives[key].high
         assert abs(found - slope) <= SLOPE * abs(slope) + mpf("1e-14") * abs(exact / values[key]), key
 
 

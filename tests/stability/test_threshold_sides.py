@@ -14,7 +14,6 @@ import math
 import numpy as np
 import pytest
 
-from lsvib.dynamics.forward_slip import ForwardDrive
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.motion import follow
 from lsvib.errors import DivergenceError, EngineError, InputError, NoThreshold
@@ -23,6 +22,7 @@ from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import EventKind, rigid_automaton
 from lsvib.stability import force_thresholds
 from lsvib.stability.force_thresholds import widest_return
+from lsvib.stability.slip import SlipDrive
 
 DISTANCES = [10.0**-n for n in range(1, 10)]  # relative, of the forces beside a threshold
 STANDS = (EventKind.STICK, EventKind.REVERSAL)
@@ -65,8 +65,8 @@ def random_drive(rng, kind: str) -> RigidDrive:
             continue
 
 
-def forward(drive: RigidDrive) -> tuple[ForwardDrive, float]:
-    return ForwardDrive(drive, coefficients(drive)), math.copysign(1.0, drive.input_speed)
+def forward(drive: RigidDrive) -> tuple[SlipDrive, float]:
+    return SlipDrive.of(drive), math.copysign(1.0, drive.input_speed)
 
 
 def beside(rng, threshold: float, onset: float):
@@ -136,7 +136,7 @@ def judge_detach(rng, drive):
             assert kinds[0] == EventKind.CONTACT_REVERSAL, force
 
 
-def starts(rng, made: ForwardDrive, force: float, count: int):
+def starts(rng, made: SlipDrive, force: float, count: int):
     """Starts (Ω > 0): the end of rest, the cycle without rest, others on θ′ = 0 left of the former, and anywhere."""
     speed, first = float(made.speed), float(made.damping[-1] * made.speed / made.stiffness)
     slip_time = float((made.inertia[-1] / made.stiffness) ** 0.5)

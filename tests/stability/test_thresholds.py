@@ -18,13 +18,13 @@ from references.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
 
 from lsvib.dynamics.attractors import Attractor, orbit_extremes, steady_state
 from lsvib.models import chapter
-from lsvib.models.drive import RigidDrive, ThreadsDrive
+from lsvib.models.drive import RigidDrive, SupportDrive, ThreadsDrive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import EventKind, rigid_automaton
 from lsvib.models.threads import seated_state, threads_automaton
 from lsvib.stability import force_thresholds
 from lsvib.stability.conditions import critical_friction, critical_mass
-from lsvib.stability.threshold_table import threshold_table
+from lsvib.stability.threshold import solve_threshold
 
 DIGITS = 40
 PARADOX = RigidDrive.of(mass=11.0, support_damping=1e-3)
@@ -107,6 +107,10 @@ PRINTED = {
     "stick_force": (34.5, stick_reference),
     "detach_force": (46.5, detach_reference),
 }
+ASKED = {
+    "critical_mass": (RigidDrive(), "kinematic_constraint", "mass"),
+    "critical_friction": (SupportDrive.of(mass=15.0), "kinematic_constraint", "friction_coefficient"),
+}
 # Sect. 8.5.1: law, value, unit of its last digit.
 DAMPINGS = [(-1, 1.0e-3, 1e-4), (1, -1.1e-4, 1e-5)]  # N m s/rad
 INERTIAS = [(-1, 9.9e-6, 1e-7), (1, 6.5e-7, 1e-8)]  # kg m²
@@ -118,11 +122,13 @@ PEAK_FORCE = 320e3  # N, Fig. 8.10b
 def test_threshold_is_the_chapters_and_exact(name):
     """m_cr ≈ 10.10 kg (Sect. 8.6.1), μ_kc ≈ 0.285 (Fig. 8.15), R = 20, 34.5 and 46.5 N (Sect. 8.5.1, Fig. 8.6)."""
     printed, reference = PRINTED[name]
-    entry = threshold_table()[name]
-    assert entry["expected"] == printed
-    assert abs(entry["value"] - printed) <= 0.02 * printed
-    assert entry["passed"]
-    assert abs(mpf(entry["value"]) - reference()) <= mpf("1e-12") * abs(entry["value"])
+    found = solve_threshold(*ASKED.get(name, (NEGATIVE_DAMPING, name.removesuffix("_force"), "axial_force")))
+    assert found.printed.value == printed
+    assert abs(found.value - printed) <= 0.02 * printed
+    assert found.printed.passed
+    low, high = found.enclosure
+    assert high <= math.nextafter(low, math.inf)
+    assert low <= reference() <= high
 
 
 def test_what_the_checks_take_for_printed_is_what_stands_here():

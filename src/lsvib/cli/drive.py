@@ -51,47 +51,41 @@ def thresholds(
     solve: Annotated[
         str | None,
         Parameter(
-            help="One threshold by name: onset, kinematic, negative_damping, flutter, stick, detach, global_stability, "
-            "fold, cycle_birth or rest_loss."
+            help="One threshold by name: onset, kinematic_constraint, negative_damping, flutter, stick, detach, "
+            "global_stability, fold, cycle_birth or rest_loss."
         ),
     ] = None,
     unknown: Annotated[
-        str | None, Parameter(name="--for", help="The parameter that --solve solves it for; others are held.")
+        str | None,
+        Parameter(name="--for", help="The parameter to solve for; others are held. By default the usual one of each."),
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Compute thresholds of a drive.
+    """Compute the thresholds of the drive that --set makes, each solved for one parameter.
 
-    Of the rigid model the chapter's: critical mass and friction, the forces of Fig. 8.6, that of global stability. Of
-    another model the boundaries of stability of steady sliding in mass, friction, and the damping that it adds. With
-    --solve one threshold of the drive that --set makes, with residual, error bound, and derivatives by all parameters.
+    All of them by name, beside what the chapter prints for this very drive, or with --solve one of them with its
+    enclosure, all solutions, and derivatives by all other parameters.
 
     Examples of use:
 
         lsvib thresholds
 
-        lsvib thresholds --set translation_damping=2000 --json
+        lsvib thresholds --set translation_damping=1000 --json
 
-        lsvib thresholds --model threads --set mass=9 --set contact_damping=5e4
+        lsvib thresholds --model threads --set mass=9 --set contact_damping=5e4 --for contact_damping
 
-        lsvib thresholds --solve stick --for translation_damping --set axial_force=35
+        lsvib thresholds --solve stick --for translation_damping --set translation_damping=1000 --set axial_force=35
 
         lsvib thresholds --solve flutter --for mass --model threads --set contact_damping=5e4 --json
     """
-    from lsvib.stability.threshold_table import threshold_table, without_effect
+    from lsvib.api import drive_class
 
-    changed = pairs(changes)
+    drive = drive_class(model).of(pairs(changes))
     if solve is not None:
-        from lsvib.api import drive_class
-
-        show(drive_class(model).of(changed).threshold(solve, unknown).to_json(), as_json, print_solved_threshold)
+        show(drive.threshold(solve, unknown).to_json(), as_json, print_solved_threshold)
         return
-    if unknown is not None:
-        raise InputError(f"--for {unknown} needs --solve, the threshold that is to be solved for it.")
-    for name, reason in without_effect(model).items():
-        if name in changed:
-            raise InputError(f"{reason}, so --set {name} would change nothing.")
-    show(threshold_table(changed, model), as_json, print_thresholds)
+    table = {name: found.to_json() for name, found in drive.thresholds(unknown).items()}
+    show(table, as_json, print_thresholds)
 
 
 @app.command
@@ -108,9 +102,9 @@ def stability(*, model: Annotated[str, MODEL] = "rigid", changes: Changes = None
 
         lsvib stability --model support --set mass=15 --set friction_coefficient=0.3
     """
-    from lsvib.stability.stability_table import stability_table
+    from lsvib.api import drive_class
 
-    show(stability_table(pairs(changes), model), as_json, print_stability)
+    show(drive_class(model).of(pairs(changes)).stability().to_json(), as_json, print_stability)
 
 
 def _known_keys(scene: Path) -> dict[str, Any]:

@@ -24,50 +24,50 @@ def show(
 
 
 def print_thresholds(table: Mapping[str, Any]) -> None:
-    """Print a table of :func:`lsvib.thresholds`."""
+    """Print the thresholds of a drive: all solutions of each, or why there is none, and what the chapter prints."""
     for name, entry in table.items():
-        if "stable_intervals" in entry:
-            _print_boundary(name, entry)
-            continue
         if entry["value"] is None:
-            print(f"{name:22s} none: {entry['reason']}")
-            continue
-        line = f"{name:22s} {_value(entry)}"
-        if entry["expected"] is not None:
-            verdict = "pass" if entry["passed"] else "FAIL"
-            line += f"   chapter {entry['expected']:g}, relative error {entry['relative_error']:.2%}, {verdict}"
-        print(line)
+            print(f"{name:21s} none: {entry['reason']}")
+        for solution in entry["solutions"]:
+            value = _with_unit(f"{solution['value']:.12g}", entry["unit"])
+            line = f"{name:21s} {entry['unknown']} = {value}"
+            if entry["printed"] is not None:
+                printed = entry["printed"]
+                verdict = "pass" if printed["passed"] else "FAIL"
+                line += f"   chapter {printed['value']:g}, relative error {printed['relative_error']:.2%}, {verdict}"
+            print(line)
+        for low, high in entry["stable_intervals"]:
+            ends = "from the least value" if low is None else f"from {low:.12g}"
+            ends += " on" if high is None else _with_unit(f" to {high:.12g}", entry["unit"])
+            print(f"  {entry['stability']} stability {ends}")
 
 
 def print_solved_threshold(found: Mapping[str, Any]) -> None:
     """Print all solutions of a threshold, with the derivatives that are not zero."""
     unknown, count = found["unknown"], len(found["solutions"])
     print(f"{found['name']}: {count} solution{'s' if count > 1 else ''} for {unknown}. {found['how']}")
+    print(found["statement"])
     for solution in found["solutions"]:
-        value = _with_unit(repr(solution["value"]), found["unit"])
-        print(f"{unknown} = {value}, in error by at most {solution['error_bound']:.1g}")
+        low, high = solution["enclosure"]
+        print(f"{unknown} = {_with_unit(repr(solution['value']), found['unit'])}, between {low!r} and {high!r}")
         print(f"  equation: {solution['equation']}")
-        print(f"  residual {solution['residual']:.1g} of its terms")
         for name, slope in solution["derivatives"].items():
             if slope["value"]:
                 print(f"  d/d {name} = {_value(slope)}")
 
 
 def print_stability(table: Mapping[str, Any]) -> None:
-    """Print a table of :func:`lsvib.stability`."""
-    neutral = table["class"] in ("neutral", "centre")
+    """Print a report of the stability of a drive."""
+    neutral = table["kind"] in ("neutral", "centre")
     verdict = "stable" if table["stable"] else "neutral" if neutral else "unstable"
-    kind = table["class"].replace("_", " ")
+    kind = table["kind"].replace("_", " ")
     print(f"steady sliding is {verdict}{'' if kind == verdict else f' ({kind})'}")
     for value in table["eigenvalues"]:
         print(f"  eigenvalue {value['real']:.10g} {value['imaginary']:+.10g}i 1/s")
-    _print_quantities(table.get("quantities", {}))
-    for quantity in ("effective_inertia", "effective_damping") if "effective_inertia" in table else ():
-        entry = table[quantity]
-        print(f"  {quantity}: law + {entry['plus']:.10g}, law - {entry['minus']:.10g} {entry['unit']}")
+    _print_quantities(table["quantities"])
     _print_conditions(table["conditions"])
-    if "without_damping" in table:
-        print(f"without any damping: {table['without_damping']['class']}")
+    if table["without_damping"] is not None:
+        print(f"without any damping: {table['without_damping']['kind'].replace('_', ' ')}")
         _print_quantities(table["without_damping"]["quantities"])
         _print_conditions(table["without_damping"]["conditions"])
 
@@ -144,16 +144,6 @@ def print_parameters(fields: Mapping[str, Any]) -> None:
     """Print the parameters of a drive with units and allowed ranges."""
     for key, entry in fields.items():
         print(f"{key:21s} {entry['symbol']:7s} = {entry['value']:<20.15g} {entry['unit']:15s} {entry['allowed']}")
-
-
-def _print_boundary(name: str, entry: Mapping[str, Any]) -> None:
-    """Print a boundary of stability, why there is none, and the intervals of the parameter that are stable."""
-    print(f"{name:27s} {_value(entry)}")
-    for interval in entry["stable_intervals"]:
-        high = "on" if interval["high"] is None else f"to {interval['high']:.12g}"
-        print(f"  {entry['stability']} stability from {interval['low']:.12g} {_with_unit(high, entry['unit'])}")
-    if "reason" in entry:
-        print(f"  {entry['reason']}")
 
 
 def _plain(rate: float) -> str:

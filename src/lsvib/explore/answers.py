@@ -1,9 +1,9 @@
 """What the page asks of the engine, without a page: maps, motions, curves and lines as plain arrays."""
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from matplotlib.colors import to_rgba
@@ -158,13 +158,15 @@ def values_over(view: View, count: int) -> np.ndarray:
 
 def thresholds_over(view: View) -> dict[str, float]:
     """Return, by name, the thresholds of the drive that are values of the parameter of the amplitude curve."""
-    found: dict[str, Any] = view.drive.thresholds()  # type: ignore[attr-defined]
-    names = {
-        "mass": ("critical_mass",),
-        "friction_coefficient": ("critical_friction",),
-        "axial_force": ("onset_force", "stick_force", "detach_force", "global_stability_force"),
-    }.get(view.over, (f"least_{view.over}",))
-    return {name: found[name].value for name in names if name in found and found[name].value is not None}
+    known: tuple[str, ...] = ("onset",)
+    if view.drive.model == "rigid":
+        forces = ("onset", "stick", "detach", "global_stability")
+        known = forces if view.over == "axial_force" else ("kinematic_constraint",)
+    found = {}
+    for name in known:
+        with suppress(LsvibError):
+            found[name] = view.drive.threshold(name, view.over).value  # type: ignore[attr-defined]
+    return found
 
 
 def _sampled(motion: Motion) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

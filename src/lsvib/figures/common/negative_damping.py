@@ -28,7 +28,7 @@ def plane(settings: Mapping[str, Any], figure: str, what: str) -> xr.Dataset:
     drive = RigidDrive.of(settings["drive"])
     c = coefficients(drive)
     inertia, damping = float(c.gamma[c.steady_law]), float(c.damping[c.steady_law])
-    margins = conditions(drive)["negative_damping"]["margins"]
+    margins = conditions(drive)["negative_damping"].margins
     pair = eigenvalue_pair(inertia, damping, drive.coupling_stiffness)
     return xr.Dataset(
         phase_plane.portraits([drive], settings["starts"], settings["duration"], settings["samples"])

@@ -1,7 +1,8 @@
-"""Linearised equations of motion in steady sliding: compliant threads, axial support, rotating nut. Needs no engine.
+"""Linearised equations of motion in steady sliding, their eigenvalues and classes, whole grids at once.
 
-Every model has two coordinates q and reads M q″ + C q′ + K q = 0. With a screw that turns at θ′, a nut at x, and the
-contact force N of law s (μ_s = s μ, Sect. 5.3), Newton's laws are
+The rigid drive reads Γ_0 u″ + C_0 u′ + k u = 0. Compliant threads, axial support and rotating nut have two coordinates
+q and read M q″ + C q′ + K q = 0. With a screw that turns at θ′, a nut at x, and the contact force N of law s
+(μ_s = s μ, Sect. 5.3), Newton's laws are
 
     I θ″ = T + a N            a = r_m (sin λ − μ_s cos λ) = −r_m ξ_s b
     m x″ = P − b N            b = cos λ + μ_s sin λ
@@ -9,12 +10,13 @@ contact force N of law s (μ_s = s μ, Sect. 5.3), Newton's laws are
 with T = k (Ω t − θ) − c θ′ and P = R − c_x x′. The models differ in what ties x to θ. Coulomb friction F_0 and T_0 is
 constant in steady sliding, so it shifts the equilibrium – and may turn the sign of N – but is in no matrix.
 
-The entries are plain arithmetic: they serve floats, numpy arrays that broadcast (whole grids at once) and balls
-(``flint.arb``) alike.
+The entries are plain arithmetic: they serve floats, numpy arrays that broadcast and balls (Arb) alike. The class of one
+drive, decided with certainty, is the matter of :mod:`lsvib.stability.spectrum`.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from enum import IntEnum
 from types import SimpleNamespace
 from typing import Any
 
@@ -22,14 +24,35 @@ import numpy as np
 from flint import arb
 from numpy.typing import ArrayLike, NDArray
 
-from lsvib.engine.exact.arithmetic import many_digits, sign
+from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import InputError
 from lsvib.models import mechanics
 from lsvib.models.drive import Drive, ExactParameters
 
 TwoByTwo = tuple[tuple[Any, Any], tuple[Any, Any]]
 DriveValues = Drive | ExactParameters | Mapping[str, ArrayLike]
-"""A drive, the same in balls (``drive.exact()``), or its keys with arrays that broadcast."""
+"""A drive in doubles, the same in balls (``drive.exact()``), or its keys with arrays that broadcast."""
+
+
+class Stability(IntEnum):
+    """Class of the steady sliding of the rigid drive by its eigenvalues; the values are ``int8`` flags of datasets."""
+
+    STABLE_NODE = 0
+    STABLE_FOCUS = 1
+    CENTRE = 2
+    UNSTABLE_FOCUS = 3
+    UNSTABLE_NODE = 4
+    SADDLE = 5
+    DEGENERATE = 6
+
+
+class UndampedClass(IntEnum):
+    """Class of the steady sliding of a model with two coordinates; the values are the ``int8`` flags of datasets."""
+
+    STABLE = 0  # no eigenvalue in the right half plane; without damping, all frequencies real
+    DIVERGENCE = 1  # a growing motion without oscillation, although the mass matrix has a positive determinant
+    FLUTTER = 2  # growing oscillation; without damping, mode coupling
+    KINEMATIC_CONSTRAINT = 3  # det M ≤ 0: the constraint turns an inertia negative (Painlevé's paradoxes)
 
 
 @dataclass(frozen=True)
@@ -65,17 +88,16 @@ def steady_law(drive: Drive) -> int:
     F_0 is the friction of the slide where the model has one. Raises ``InputError`` if the contact carries no force.
     """
     sense = 1 if drive.input_speed > 0 else -1
-    exact = drive.exact()
+    d = drive.exact()
     with many_digits():
-        friction = getattr(exact, "slide_friction", arb(0))
-        # The friction first: it can balance R but for a drag that is lost in the digits of R. It is not multiplied by
-        # the sense, which would round it, so that a balance without drag is exactly zero.
-        drag = exact.pitch_radius * exact.tan_lead * exact.translation_damping * exact.input_speed
-        rest = exact.axial_force - friction if sense > 0 else exact.axial_force + friction
-        force = rest - drag
-    if sign(force, "axial_force") == 0:
-        raise InputError("axial_force balances damping and friction exactly, so the contact carries no force.")
-    return sense if force > 0 else -sense
+        # The friction first: it can balance R but for a drag that is far smaller. Balls of no radius subtract exactly.
+        rest = d.axial_force - sense * getattr(d, "slide_friction", arb(0))
+        force = rest - d.pitch_radius * d.tan_lead * d.translation_damping * d.input_speed
+    if force > 0:
+        return sense
+    if force < 0:
+        return -sense
+    raise InputError("axial_force balances damping and friction exactly, so the contact carries no force.")
 
 
 def threads_model(drive: DriveValues, law: int) -> LinearModel:
@@ -182,3 +204,101 @@ def values_of(drive: DriveValues, law: int) -> SimpleNamespace:
     with many_digits():
         p.factor = mechanics.friction_factor(p.friction_coefficient, p.tan_lead, law)
     return p
+
+
+def eigenvalue_pair(inertia: ArrayLike, damping: ArrayLike, stiffness: ArrayLike) -> NDArray[np.complex128]:
+    """Eigenvalues of Γ_0 ü + C_0 u̇ + k u = 0 at the origin (8.18), to full precision also where they nearly coincide.
+
+    Arguments: effective inertia Γ_0 [kg m²], effective damping C_0 [N m s/rad], stiffness k [N m/rad]; of any
+    sign; shapes that broadcast. Returns complex numbers [1/s] of the broadcast shape with a last axis of
+    two, in ascending real part, then ascending imaginary part. The larger root is formed without subtraction and the
+    other one from the product k/Γ_0. Where Γ_0 = 0 the motion is of first order: −k/C_0 first, then NaN, as there is no
+    second eigenvalue.
+    """
+    gamma, c, k = np.broadcast_arrays(*(np.asarray(v, dtype=np.float64) for v in (inertia, damping, stiffness)))
+    # The rounding errors of both products are added back, so nearly equal roots keep their digits.
+    (square, of_square), (product, of_product) = _rounded_product(c, c), _rounded_product(4 * k, gamma)
+    discriminant = (square - product) + (of_square - of_product)
+    sign = np.where(c < 0, -1.0, 1.0)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        root = np.sqrt(np.abs(discriminant))
+        q = -(c + sign * root) / 2
+        first = q / gamma
+        # q vanishes only with C_0 = 0 and k Γ_0 = 0, where both eigenvalues are zero.
+        second = np.where(q == 0, 0.0, k / q)
+        pair = np.stack([np.fmin(first, second) + 0j, np.fmax(first, second) + 0j], axis=-1)
+        centre = -c / (2 * gamma)
+        half = np.abs(root / (2 * gamma))
+        focus = np.stack([centre - 1j * half, centre + 1j * half], axis=-1)
+        flat = np.stack([-k / c + 0j, np.full_like(c, np.nan) + 0j], axis=-1)
+    pair = np.where((discriminant < 0)[..., None], focus, pair)
+    return np.where((gamma == 0)[..., None], flat, pair)
+
+
+def stability_class(inertia: ArrayLike, damping: ArrayLike, stiffness: ArrayLike) -> NDArray[np.int8]:
+    """Class of the steady sliding (:class:`Stability`) by its eigenvalues (8.18); arguments of :func:`eigenvalue_pair`.
+
+    k > 0. A pair that coincides counts as a node, Γ_0 = 0 as degenerate.
+    """
+    pair = eigenvalue_pair(inertia, damping, stiffness)
+    low, high = pair[..., 0], pair[..., 1]
+    oscillates = high.imag != 0
+    first_of = {
+        Stability.DEGENERATE: np.isnan(high.real),
+        Stability.STABLE_FOCUS: oscillates & (high.real < 0),
+        Stability.UNSTABLE_FOCUS: oscillates & (high.real > 0),
+        Stability.CENTRE: oscillates,
+        Stability.STABLE_NODE: high.real < 0,
+        Stability.UNSTABLE_NODE: low.real > 0,
+    }
+    return np.select([*first_of.values()], [*first_of], Stability.SADDLE).astype(np.int8)
+
+
+def _rounded_product(a: Any, b: Any) -> tuple[Any, Any]:
+    """The rounded product of doubles and what its rounding has cut off, by Dekker's splitting (1971)."""
+    (a_high, a_low), (b_high, b_low) = (
+        (t - (t - x), x - (t - (t - x))) for x, t in ((a, 134217729 * a), (b, 134217729 * b))
+    )
+    p = a * b
+    return p, ((a_high * b_high - p) + a_high * b_low + a_low * b_high) + a_low * b_low
+
+
+def reciprocal_squares(model: LinearModel) -> NDArray[np.complex128]:
+    """Return 1/ω² of det(K − ω² M) = 0 [s²], both roots along a new last axis; damping plays no part.
+
+    They are the eigenvalues of K⁻¹ M. As det K > 0 in every model here, 1/ω² stays finite where an inertia vanishes and
+    ω² passes through infinity (eq. 8.27): a real one then changes its sign in a simple root.
+    """
+    a_4, _, minus_a_2, _, a_0 = LinearModel(model.mass, ((0, 0), (0, 0)), model.stiffness).polynomial()
+    return eigenvalue_pair(a_0, -minus_a_2, a_4)
+
+
+def undamped_class(model: LinearModel) -> NDArray[np.int8]:
+    """Return the :class:`UndampedClass` of M q″ + K q = 0 by its eigenvalues 1/ω², point by point; det K > 0."""
+    squares = reciprocal_squares(model)
+    # det K > 0, so the product of both 1/ω² has the sign of det M: it is negative for exactly one negative 1/ω².
+    complex_pair = squares[..., 0].imag != 0
+    lower, upper = squares[..., 0].real, squares[..., 1].real
+    kinds = [UndampedClass.FLUTTER, UndampedClass.STABLE, UndampedClass.DIVERGENCE]
+    return np.select([complex_pair, lower > 0, upper < 0], kinds, UndampedClass.KINEMATIC_CONSTRAINT).astype(np.int8)
+
+
+def eigenvalues(model: LinearModel) -> NDArray[np.complex128]:
+    """Eigenvalues [1/s] of M q″ + C q′ + K q = 0, shape (..., 4), by LAPACK on the balanced state matrix.
+
+    In ascending real part; they are those of :meth:`LinearModel.jacobian`. det M must not vanish.
+    """
+    values = np.linalg.eigvals(model.jacobian()).astype(complex)
+    return np.take_along_axis(values, np.argsort(values.real, axis=-1), axis=-1)
+
+
+def hurwitz(p: tuple[Any, ...]) -> Any:
+    """Hurwitz determinant (p_3 p_2 − p_4 p_1) p_1 − p_3² p_0 of a quartic; zero where s and −s are both roots."""
+    p_4, p_3, p_2, p_1, p_0 = p
+    return (p_3 * p_2 - p_4 * p_1) * p_1 - p_3**2 * p_0
+
+
+def routh_hurwitz(p: tuple[Any, ...]) -> bool:
+    """Whether all roots of p_4 s⁴ + … + p_0, p_4 > 0, have negative real parts; in balls only where it is certain."""
+    with many_digits():
+        return all(x > 0 for x in (*p[1:], hurwitz(p)))
