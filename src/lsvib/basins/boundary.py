@@ -35,7 +35,6 @@ from lsvib.errors import EngineError, InputError, LsvibError
 from lsvib.models.drive import Drive, RigidDrive
 from lsvib.models.mechanics import Coefficients, coefficients
 from lsvib.models.rigid import MotionMode, rigid_automaton
-from lsvib.stability.slip import Slip
 
 _NARROW = 1e-10  # width of a window, of the size of the boundary, in which a share is still good to 1e-4
 _EVENTS = 2_000_000  # of a motion backwards, some seconds, after which its turns hardly grow and it is given up
