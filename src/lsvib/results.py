@@ -114,7 +114,8 @@ class PrintedValue:
 
 @dataclass(frozen=True)
 class Threshold:
-    """Where a drive changes what it does: a condition by ``name``, solved for the parameter ``unknown`` of a drive.
+    """Where a drive changes what it does: a condition by ``name``, solved for the parameter ``unknown`` of a drive of
+    a ``model``.
 
     ``solutions``, all that were found, in ascending order, in ``unit`` (UDUNITS spelling); ``how`` says whether these
     are all. ``value``, ``enclosure``, ``derivatives`` and ``equation`` are those of the smallest one; ``several`` says

@@ -33,6 +33,8 @@ from lsvib.stability.linear import (
 )
 from lsvib.stability.spectrum import Polynomial, margins, scale, spectrum
 
+LARGEST_MASS = 1e9  # kg, the end of the range of the mass
+
 
 def effective_inertia(drive: DriveValues, law: int) -> Any:
     """Return Γ_s = I − ξ_s tan λ m r_m² [kg m²] of the rigid drive (eqs 8.2, 8.20)."""
@@ -67,9 +69,17 @@ def conditions(drive: RigidDrive) -> dict[str, Condition]:
 
 
 def critical_mass(drive: Drive) -> float | None:
-    """Mass [kg] of ``kinematic_constraint``, its value alone: m_cr = I / (ξ₊ tan λ r_m²) of the rigid drive (8.20).
+    """Mass [kg] at which Γ₊ = 0, m_cr = I / (ξ₊ tan λ r_m²) (eq. 8.20): ``kinematic_constraint``, its value alone.
 
-    None if there is none, as of a drive that is not self-locking.
+    That of a rigid drive with the parameters of ``drive``. None if it is not self-locking.
+    """
+    return kinematic_mass(RigidDrive.of({name: getattr(drive, name) for name in RigidDrive.model_fields}))
+
+
+def kinematic_mass(drive: Drive) -> float | None:
+    """Mass [kg] of ``kinematic_constraint`` of a drive of any model (eqs 8.20, 8.28, 8.33), its value alone, or None.
+
+    That of a rotating nut is smaller than the critical mass by the factor I_2 / (I + I_2).
     """
     found = places(drive, "kinematic_constraint", "mass")
     return float(found[0].value) if found else None
@@ -395,7 +405,7 @@ def _of_nut(drive: Drive, law: int, polynomial: Polynomial, values: list[complex
         "quantities": {
             "kinematic_inertia": _quantity(inertia, "kg m2"),
             "effective_screw_inertia": _quantity(effective_screw_inertia(d), "kg m2"),
-            "critical_mass": _quantity(critical_mass(drive) if law > 0 else None, "kg"),
+            "kinematic_mass": _quantity(kinematic_mass(drive) if law > 0 else None, "kg"),
         },
     }
 

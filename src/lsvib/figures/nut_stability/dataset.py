@@ -22,7 +22,7 @@ from lsvib.datasets.spans import evenly_chosen
 from lsvib.errors import InputError
 from lsvib.models.drive import NutDrive
 from lsvib.numbers import bisected
-from lsvib.stability.conditions import critical_mass, effective_screw_inertia, kinematic_inertia
+from lsvib.stability.conditions import critical_mass, effective_screw_inertia, kinematic_inertia, kinematic_mass
 from lsvib.stability.linear import (
     UndampedClass,
     determinant,
@@ -86,7 +86,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 def _critical_masses(drive: NutDrive, inertia: np.ndarray, rigid: float) -> Variables:
     """Critical mass [kg] over the inertia of the nut [kg m²], both ways; that of the rigid drive bounds it."""
     nuts = [drive.replace(nut_inertia=float(value)) for value in inertia]
-    closed, passing = [critical_mass(nut) for nut in nuts], [_by_eigenvalues(nut, rigid) for nut in nuts]
+    closed, passing = [kinematic_mass(nut) for nut in nuts], [_by_eigenvalues(nut, rigid) for nut in nuts]
     found = {
         "critical_mass_with_nut": (closed, "in closed form"),
         "critical_mass_with_nut_by_eigenvalues": (passing, "where an eigenvalue 1/omega^2 passes through zero"),
