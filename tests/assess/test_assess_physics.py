@@ -11,14 +11,12 @@ pytest.importorskip("scipy")
 
 from references.chapter_sheet import sheet, values_of
 
-from lsvib.assess import sheet_to_drive as sheets
+from lsvib.assess import drive as sheets
 from lsvib.assess.assessment import assess
-from lsvib.assess.flank_friction import damping_by_slope
-from lsvib.assess.margins import margins, sensitivities
-from lsvib.assess.mechanisms import certain, drive_of, reserves
-from lsvib.assess.operating_chart import charts
+from lsvib.assess.drive import damping_by_slope
+from lsvib.assess.margins import charts, margins, sensitivities
+from lsvib.assess.mechanisms import certain, corners, drive_of, reserves, worst
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.window import corners, worst
 from lsvib.dynamics.attractors import Attractor, steady_state
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients

@@ -5,7 +5,7 @@ of both. It is 1 where nothing destabilises, 0 at the onset and negative where t
 
     kinematic constraint   Γ_0, or Γ̃_0 with a support (eqs 8.20, 8.27), over the sum of the sizes of its two terms
     negative damping       C_0 likewise (8.19)
-    falling friction       C_0 + S likewise, where the slope of μ gives S (:mod:`lsvib.assess.flank_friction`); with a
+    falling friction       C_0 + S likewise, where the slope of μ gives S (:mod:`lsvib.assess.drive`); with a
                            support that is stable without the slope, its Hurwitz determinant with C_0 + S
     mode coupling          the Hurwitz determinant of the drive with support, or without any damping p_2² − 4 p_4 p_0
     thread contact         the Hurwitz determinant of the drive with compliant threads
@@ -21,8 +21,8 @@ from typing import Any
 
 import numpy as np
 
-from lsvib.assess import sheet_to_drive as sheets
-from lsvib.assess.flank_friction import damping_by_slope
+from lsvib.assess import drive as sheets
+from lsvib.assess.drive import damping_by_slope
 from lsvib.assess.sheet import Sheet
 from lsvib.models import mechanics
 from lsvib.models.drive import RigidDrive, SupportDrive, ThreadsDrive, zero_if_close

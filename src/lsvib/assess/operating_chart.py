@@ -6,10 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.assess.mechanisms import applicable, drive_of, reserves
+from lsvib.assess.drive import GRAVITY
+from lsvib.assess.mechanisms import applicable, directions, drive_of, reserves
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.sheet_to_drive import GRAVITY
-from lsvib.assess.window import directions
 from lsvib.errors import EngineError, InputError
 from lsvib.stability import force_thresholds
 

@@ -5,10 +5,9 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from lsvib.cli.app import app
+from lsvib.cli.app import ProgressLine, app
 from lsvib.cli.options import MODEL, ONE_VALUE, RESUME, AsJson, Changes, pairs, refuse_results_of_the_workflow
 from lsvib.cli.printing import picture_files, print_map, show
-from lsvib.cli.terminal import ProgressLine
 from lsvib.errors import InputError
 
 Axes = Annotated[
