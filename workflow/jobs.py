@@ -212,13 +212,13 @@ def overview(figure: str, cells: str, png: str, pdf: str) -> None:
 
 def assess(sheet: str, page: str, samples: int) -> None:
     """Assess one drive from its data sheet."""
-    from lsvib.assess.run import assess_file
+    from lsvib.assess.output import assess_file
 
     assess_file(Path(sheet), Path(page).parent, samples=samples)
 
 
 def compare(verdicts: Texts, page: str, table: str) -> None:
     """Put the verdicts on all drives in one table."""
-    from lsvib.assess.compare import compare
+    from lsvib.assess.report import compare
 
     compare([Path(file) for file in verdicts], Path(page), Path(table))

@@ -232,7 +232,7 @@ def test_a_type_checker_sees_the_types(tmp_path):
     done = subprocess.run([*command, "right.py", "wrong.py"], cwd=tmp_path, capture_output=True, text=True)
     revealed = re.findall(r'right\.py:\d+: note: Revealed type is "(.*)"', done.stdout)
     assert [x.replace("builtins.", "") for x in revealed] == [
-        "lsvib.RigidDrive", "tuple[complex, ...]", "float", "float | None",
+        "lsvib.api.RigidDrive", "tuple[complex, ...]", "float", "float | None",
     ]  # fmt: skip
     assert not re.findall(r"right\.py:\d+: error", done.stdout)
     assert set(re.findall(r"wrong\.py:(\d+): error", done.stdout)) == {"2", "3", "4"}

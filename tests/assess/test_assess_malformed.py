@@ -10,7 +10,7 @@ from cyclopts import CycloptsError
 pytest.importorskip("pint")
 pytest.importorskip("scipy")
 
-from lsvib.assess.units import NotQuantity, quantity
+from lsvib.assess.fields import NotQuantity, quantity
 from lsvib.cli.assess import app
 from lsvib.cli.terminal import told
 

@@ -12,19 +12,20 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.stats import binomtest, qmc, sobol_indices, uniform
 
-from lsvib.assess.flank_friction import lifting_efficiency, lowering_efficiency
+from lsvib.assess.drive import (
+    lifting_efficiency,
+    lowering_efficiency,
+    nominal_draw,
+    quantities,
+    random_entries,
+    square_thread,
+)
+from lsvib.assess.mechanisms import Worst, worst
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.sheet_to_drive import nominal_draw, quantities, random_entries, square_thread
-from lsvib.assess.window import Worst, worst
 from lsvib.errors import InputError
 
 BLOCK = 2**12  # samples at once: few enough for the processor's caches, many enough for NumPy
-CONFIDENCE = 0.95  # of the intervals beside probabilities, the usual one
-BINS = np.linspace(-1.0, 1.0, 41)
-"""Edges of the classes of reserve that samples are counted in."""
-_EDGE = 1e-9  # of the unit interval: keeps quantiles off the ends
-_STARTS = 4  # of the search for the worst case
-_MOST_BITS = 12  # of its corners: no more of them are looked at than a block has samples
+BINS = np.linspace(-1.0, 1.0, 41)  # edges of the classes of reserve [1] that samples are counted in
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,7 @@ def draw_of(sheet: Sheet, shares: NDArray[np.float64]) -> dict[str, Any]:
     draw: dict[str, Any] = dict(nominal_draw(sheet))
     spreads = sheet.spreads
     for path, share in zip(random_entries(sheet), np.atleast_2d(shares), strict=True):
-        draw[path] = spreads[path].quantile(np.clip(share, _EDGE, 1 - _EDGE))
+        draw[path] = spreads[path].quantile(np.clip(share, 1e-9, 1 - 1e-9))  # off the ends, where some are infinite
     return draw
 
 
@@ -117,7 +118,7 @@ def _block(sheet: Sheet, shares: NDArray[np.float64]) -> dict[str, Any]:
     held = np.broadcast_to(lowering_efficiency(coefficient, angle) <= 0, shares.shape[1:])
     lifting = lifting_efficiency(coefficient, angle)
     occurs = {name: one.reserve < 0 for name, one in found.items()}
-    anything = np.any([flags for name, flags in occurs.items() if name != "push_needed"], axis=0)
+    anything = np.any([flags for name, flags in occurs.items() if name != "after_perturbation"], axis=0)
     return {
         "counts": {name: np.count_nonzero(f) for name, f in {**occurs, "any": anything, "holds": held}.items()},
         "classes": {name: np.histogram(np.clip(one.reserve, -1.0, 1.0), BINS)[0] for name, one in found.items()},
@@ -137,13 +138,13 @@ def _probability(results: list[dict[str, Any]], name: str, total: int, random: b
     share = hits / total
     if not random:
         return Probability(share, (share, share), np.asarray(classes))
-    ends = binomtest(hits, total).proportion_ci(CONFIDENCE, "exact")
+    ends = binomtest(hits, total).proportion_ci(0.95, "exact")
     return Probability(share, (float(ends.low), float(ends.high)), np.asarray(classes))
 
 
 def _indices(sheet: Sheet, entries: Sequence[str], count: int, seed: int) -> tuple[dict, dict]:
     """Sobol indices of the reserve of each mechanism that varies, first order and total."""
-    names = [n for n, one in evaluated(sheet, np.full((len(entries), 1), 0.5)).items() if n != "push_needed"]
+    names = [n for n, one in evaluated(sheet, np.full((len(entries), 1), 0.5)).items() if n != "after_perturbation"]
 
     def reserve(shares: NDArray[np.float64]) -> NDArray[np.float64]:
         found = evaluated(sheet, shares)
@@ -172,10 +173,10 @@ def first_shares(sheet: Sheet, lowest: Mapping[str, NDArray[np.float64]]) -> dic
     no step from a sample leads there. Corners at which the drive cannot move at all are left out.
     """
     size = len(random_entries(sheet))
-    if size <= _MOST_BITS:
+    if size <= 12:  # no more corners than a block has samples
         corners = (np.arange(2**size) >> np.arange(size)[:, None]) % 2.0
     else:
-        corners = np.round(qmc.Sobol(size, scramble=True, rng=size).random(2**_MOST_BITS).T)
+        corners = np.round(qmc.Sobol(size, scramble=True, rng=size).random(BLOCK).T)
     shares = np.concatenate([np.stack(list(lowest.values()), axis=1), corners], axis=1)
     found = worst(sheet, quantities(sheet, draw_of(sheet, shares)))
     rows = {name: np.broadcast_to(found[name].reserve, shares.shape[1:]) for name in lowest}
@@ -194,7 +195,7 @@ def worst_shares(sheet: Sheet, name: str, start: NDArray[np.float64]) -> NDArray
     def reserve(shares: NDArray[np.float64]) -> float:
         return float(evaluated(sheet, np.clip(shares, 0.0, 1.0)[:, None])[name].reserve[0])
 
-    for _ in range(_STARTS):
+    for _ in range(4):
         before = best.copy()
         for k in range(best.size):
             rows = [np.concatenate([best[:k], [end], best[k + 1 :]]) for end in (best[k], 0.0, 1.0)]
