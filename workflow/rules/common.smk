@@ -81,7 +81,7 @@ def imports(module):
 def source_files(modules):
     """Return the files of the modules and of the packages around them, relative to the working directory.
 
-    The style and the script of a page lie beside the module that writes it.
+    The templates, style and script of a page lie beside the module that writes it, and begin with its name.
     """
     files = set()
     for module in modules:
@@ -89,7 +89,9 @@ def source_files(modules):
         files |= {Path(FOLDERS[parts[0]], *parts[:n], "__init__.py") for n in range(1, len(parts))}
         package = Path(FOLDERS[parts[0]], *parts, "__init__.py")
         file = package if package.exists() else Path(FOLDERS[parts[0]], *parts).with_suffix(".py")
-        files |= {file} | {beside for kind in (".css", ".js") if (beside := file.with_suffix(kind)).exists()}
+        files |= {file} | {
+            beside for beside in file.parent.glob(f"{file.stem}*") if beside.suffix in (".css", ".js", ".j2")
+        }
     return sorted(str(file) for file in files)
 
 

@@ -419,7 +419,7 @@ def compare(verdicts: Sequence[Path], page_file: Path, json_file: Path) -> None:
     """
     found = [{"report": f"{path.parent.name}/index.html", **_short(path)} for path in verdicts]
     found.sort(key=lambda short: (-short["probability"], short["reserve"]))
-    write_text(_page("comparison.html.j2", title="Which drives vibrate?", rows=list(map(_compared, found))), page_file)
+    write_text(_page("report_comparison.html.j2", title="Which drives vibrate?", rows=list(map(_compared, found))), page_file)
     write_json(found, json_file)
 
 
