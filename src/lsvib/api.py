@@ -17,6 +17,7 @@ from lsvib.numbers import Progress
 from lsvib.results import SolvedThreshold, StabilityReport, Threshold
 
 if TYPE_CHECKING:
+    import numpy as np
     import xarray as xr
 
     from lsvib.basins.clipping import Window
@@ -292,7 +293,7 @@ class DriveMethods(_Base):
         resume: str = "contact_sign",
         workers: int = 1,
         progress: Progress | None = None,
-        **over: Sequence[float],
+        **over: "Sequence[float] | np.ndarray",
     ) -> "xr.Dataset":
         """Return what the drive ends on over values of some of its parameters.
 
@@ -446,7 +447,7 @@ class DriveMethods(_Base):
         window: "Window | Mapping[str, tuple[float, float]] | None" = None,
         *,
         progress: Progress | None = None,
-        **over: Sequence[float],
+        **over: "Sequence[float] | np.ndarray",
     ) -> "xr.Dataset":
         """Return the perturbations that steady sliding tolerates over values of some parameters.
 

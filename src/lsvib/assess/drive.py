@@ -223,40 +223,40 @@ def own_parameters(values: DrawnValues, part: str) -> dict[str, Any]:
     return {key: values[quantity] for key, quantity in _OWN[part].items()}
 
 
-def square_coefficient(coefficient, lead_angle, half_angle):
+def square_coefficient(coefficient: Any, lead_angle: Any, half_angle: Any) -> Any:
     """Return the coefficient of the square thread that behaves alike, μ / cos α_n [1]; angles λ and α [rad]."""
     return coefficient * np.sqrt(1 + (np.cos(lead_angle) * np.tan(half_angle)) ** 2)
 
 
-def flank_coefficient(coefficient, lead_angle, half_angle):
+def flank_coefficient(coefficient: Any, lead_angle: Any, half_angle: Any) -> Any:
     """Return the coefficient of the flank [1] from that of the square thread, the inverse of the function above."""
     return coefficient / np.sqrt(1 + (np.cos(lead_angle) * np.tan(half_angle)) ** 2)
 
 
-def lifting_efficiency(coefficient, lead_angle):
+def lifting_efficiency(coefficient: Any, lead_angle: Any) -> Any:
     """Return η = tan λ / tan(λ + arctan μ) = −tan λ / ξ₋ [1] of motion against the load, μ of the square thread."""
     tangent = np.tan(lead_angle)
     return -tangent / friction_factor(coefficient, tangent, -1)
 
 
-def lowering_efficiency(coefficient, lead_angle):
+def lowering_efficiency(coefficient: Any, lead_angle: Any) -> Any:
     """Return η = tan(λ − arctan μ) / tan λ = −ξ₊ / tan λ [1] of motion with the load; negative if self-locking."""
     tangent = np.tan(lead_angle)
     return -friction_factor(coefficient, tangent, 1) / tangent
 
 
-def coefficient_from_efficiency(efficiency, lead_angle):
+def coefficient_from_efficiency(efficiency: Any, lead_angle: Any) -> Any:
     """Return the μ of the square thread at which the lifting efficiency is ``efficiency``, tan(arctan(t/η) − λ)."""
     tangent = np.tan(lead_angle)
     return tangent * (1 - efficiency) / (efficiency + tangent**2)
 
 
-def sliding_speed(speed, pitch_radius, lead_angle):
+def sliding_speed(speed: Any, pitch_radius: Any, lead_angle: Any) -> Any:
     """Return the speed at which the threads slide, r_m Ω / cos λ [m/s]."""
     return pitch_radius * speed / np.cos(lead_angle)
 
 
-def damping_by_slope(slope, force, coefficient, pitch_radius, lead_angle, law):
+def damping_by_slope(slope: Any, force: Any, coefficient: Any, pitch_radius: Any, lead_angle: Any, law: Any) -> Any:
     """Damping that a friction coefficient adds which depends on the sliding speed v [N m s/rad].
 
     With μ(v) = μ + μ′ (v − v₀) the torque of the threads r_m ξ_s n, n = R̃ in steady sliding, changes with θ′ at the

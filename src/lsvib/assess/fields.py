@@ -17,7 +17,7 @@ import numpy as np
 import pint
 from numpy.typing import ArrayLike, NDArray
 from pydantic import BeforeValidator
-from scipy.special import ndtr, ndtri
+from scipy.special import ndtr, ndtri  # type: ignore[import-untyped]
 
 from lsvib.models.drive import Drive, ThreadsDrive
 from lsvib.numbers import NotNumber, number, shown
@@ -47,7 +47,7 @@ class NotQuantity(ValueError):
 
 
 @cache
-def _registry() -> pint.UnitRegistry:
+def _registry() -> "pint.UnitRegistry[Any]":
     return pint.UnitRegistry()
 
 
@@ -75,7 +75,7 @@ def quantity(value: Any, *units: str) -> tuple[float, str]:
             return figure, ""
         raise NotQuantity(f"= {shown(value)} has no unit; write it with one, such as {_KINDS[units[0]][1]}")
     if unit == "%" and "" in units:
-        return _hundredth(match[1]), ""
+        return _hundredth(str(value).partition("%")[0].strip()), ""
     if not _UNIT.fullmatch(unit):
         raise NotQuantity(f"= {shown(value)} is not {_wanted(units)}")
     return _converted(figure, unit, units, value)
@@ -168,7 +168,7 @@ class Spread:
         score = ndtri(below + share * (above - below))
         middle, width = self.numbers
         values = middle + width * score if self.kind == "normal" else middle * width**score
-        return np.clip(values, self.low, self.high)
+        return np.asarray(np.clip(values, self.low, self.high))
 
     def _score(self, value: float) -> float:
         middle, width = self.numbers
@@ -291,8 +291,8 @@ def thread_size(name: object) -> ThreadSize:
         if _ACME.get(match[1]) != threads:
             raise NotQuantity(f"= {name!r} is not in the catalogue of general-purpose Acme threads")
         whole, _, rest = match[1].rpartition("-")
-        diameter = float(Fraction(rest) + (int(whole) if whole else 0))
-        return ThreadSize(0.0254 / threads, (diameter - 0.5 / threads) * 0.0254, math.radians(14.5))
+        inches = float(Fraction(rest) + (int(whole) if whole else 0))
+        return ThreadSize(0.0254 / threads, (inches - 0.5 / threads) * 0.0254, math.radians(14.5))
     raise NotQuantity(f"= {name!r} is not the name of a thread, such as Tr 10x2, Tr 8x8 P2 or Acme 1/2-10")
 
 

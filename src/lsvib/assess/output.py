@@ -161,7 +161,7 @@ def dataset(assessment: Assessment, charts: list[Chart]) -> xr.Dataset:
     )
 
 
-def _probabilities(assessment: Assessment) -> dict[str, tuple]:
+def _probabilities(assessment: Assessment) -> dict[str, Any]:
     """Whether each mechanism occurs at the middle values, with which reserve, and how probable it is."""
     found, dim = assessment.mechanisms.values(), "mechanism"
     ends = [list(one.interval) for one in found]
@@ -173,7 +173,7 @@ def _probabilities(assessment: Assessment) -> dict[str, tuple]:
     }
 
 
-def _margins(assessment: Assessment, changes: list[str]) -> dict[str, tuple]:
+def _margins(assessment: Assessment, changes: list[str]) -> dict[str, Any]:
     """Margin and sensitivity of each mechanism for each change of a quantity; missing where there is none."""
     factor = np.full((len(assessment.mechanisms), len(changes)), np.nan)
     slope = np.full_like(factor, np.nan)
@@ -189,7 +189,7 @@ def _margins(assessment: Assessment, changes: list[str]) -> dict[str, tuple]:
     }
 
 
-def _motion(name: str, motion: AssessedMotion) -> tuple[tuple, dict[str, Any]]:
+def _motion(name: str, motion: AssessedMotion) -> tuple[Any, dict[str, Any]]:
     """Time and samples of a motion; a motion that is not known has none."""
     moved, dim = motion.vibration, f"{name}_time"
     where = {"nominal": "at the middle values", "worst": "in the worst case"}[name]

@@ -16,7 +16,7 @@ from markupsafe import Markup
 from lsvib.assess import pictures
 from lsvib.assess.assessment import AssessedMotion, Assessment, Mechanism
 from lsvib.assess.drive import QUANTITIES, UNITS, flank_coefficient, point, random_entries
-from lsvib.assess.fields import FrictionBySpeed, Spread
+from lsvib.assess.fields import FrictionBySpeed, Spread, ThreadSize
 from lsvib.assess.margins import Chart
 from lsvib.assess.words import (
     ATTRACTORS,
@@ -293,7 +293,7 @@ def _end_in_words(motion: AssessedMotion, start: str) -> str:
 def _cycle_rows(motion: AssessedMotion) -> list[tuple[str, str]]:
     """How large and fast a vibration is."""
     moved = motion.vibration
-    if moved.frequency is None:
+    if moved.frequency is None or moved.load_speed is None or moved.screw_speed is None:
         return []
     (low, high), (slow, fast) = moved.load_speed, moved.screw_speed
     heard = "audible as a tone" if moved.audible else "not a tone for the ear, but its knocks may be heard"
@@ -382,9 +382,8 @@ def _entry(entry: object) -> str:
     if isinstance(entry, FrictionBySpeed):
         points = zip(entry.speeds, entry.coefficients, strict=True)
         return "; ".join(f"{coefficient:g} at {shown(speed, 'm/s')}" for speed, coefficient in points)
-    lead = getattr(entry, "lead", None)
-    if lead is not None:
-        return f"lead {shown(lead, 'm')}, pitch diameter {shown(entry.pitch_diameter, 'm')}"
+    if isinstance(entry, ThreadSize):
+        return f"lead {shown(entry.lead, 'm')}, pitch diameter {shown(entry.pitch_diameter, 'm')}"
     return str(entry)
 
 
@@ -419,7 +418,9 @@ def compare(verdicts: Sequence[Path], page_file: Path, json_file: Path) -> None:
     """
     found = [{"report": f"{path.parent.name}/index.html", **_short(path)} for path in verdicts]
     found.sort(key=lambda short: (-short["probability"], short["reserve"]))
-    write_text(_page("report_comparison.html.j2", title="Which drives vibrate?", rows=list(map(_compared, found))), page_file)
+    write_text(
+        _page("report_comparison.html.j2", title="Which drives vibrate?", rows=list(map(_compared, found))), page_file
+    )
     write_json(found, json_file)
 
 
