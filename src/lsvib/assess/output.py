@@ -15,7 +15,7 @@ from lsvib.assess.report import report
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.uncertainty import BINS
 from lsvib.assess.words import VERDICTS
-from lsvib.datasets.attributes import named_flags, named_index, variable, yes_no
+from lsvib.datasets.attributes import named_flags, named_index, variable
 from lsvib.datasets.writer import write_dataset
 from lsvib.errors import InputError
 from lsvib.files import Outputs, write_json, write_text
@@ -120,14 +120,11 @@ def _motion_json(motion: AssessedMotion) -> dict[str, Any]:
 
 
 def dataset(assessment: Assessment, charts: list[Chart]) -> xr.Dataset:
-    """Return the dataset of an assessment; names of mechanisms, changes and entries stand in flags and attributes."""
+    """Return the operating chart, the reserves of the samples, and the motions at middle and worst values."""
     mechanisms = list(assessment.mechanisms)
-    changes = sorted({row.quantity for one in assessment.mechanisms.values() for row in one.margins})
     counts = [assessment.uncertainty.probability[name].counts for name in mechanisms]
     kinds, words = np.stack([chart.kind for chart in charts]), "what occurs at a point of operation"
     variables: dict[str, Any] = {
-        **_probabilities(assessment),
-        **_margins(assessment, changes),
         "reserve_counts": variable(
             ("mechanism", "class"), np.array(counts, dtype=np.int64), "1", "number of samples by reserve"
         ),
@@ -136,7 +133,6 @@ def dataset(assessment: Assessment, charts: list[Chart]) -> xr.Dataset:
     directions, middles = [chart.direction for chart in charts], 0.5 * (BINS[1:] + BINS[:-1])
     coordinates = {
         "mechanism": named_index("mechanism", "mechanism", mechanisms),
-        "change": named_index("change", "changed quantity", changes),
         "direction": variable("direction", directions, "1", "direction, 1 is outward"),
         "force": variable("force", charts[0].force, "N", "force against outward travel"),
         "speed": variable("speed", charts[0].speed, "m s-1", "speed of the load"),
@@ -159,34 +155,6 @@ def dataset(assessment: Assessment, charts: list[Chart]) -> xr.Dataset:
             "worst_case_scene": json.dumps(assessment.worst.vibration.scene),
         },
     )
-
-
-def _probabilities(assessment: Assessment) -> dict[str, Any]:
-    """Whether each mechanism occurs at the middle values, with which reserve, and how probable it is."""
-    found, dim = assessment.mechanisms.values(), "mechanism"
-    ends = [list(one.interval) for one in found]
-    return {
-        "occurs": yes_no(dim, [one.occurs for one in found], "whether the mechanism occurs at the middle values"),
-        "reserve": variable(dim, [one.reserve for one in found], "1", "lowest reserve in the window"),
-        "probability": variable(dim, [one.probability for one in found], "1", "probability to occur"),
-        "interval": variable((dim, "end"), ends, "1", "confidence interval of the probability, 95 per cent"),
-    }
-
-
-def _margins(assessment: Assessment, changes: list[str]) -> dict[str, Any]:
-    """Margin and sensitivity of each mechanism for each change of a quantity; missing where there is none."""
-    factor = np.full((len(assessment.mechanisms), len(changes)), np.nan)
-    slope = np.full_like(factor, np.nan)
-    for k, one in enumerate(assessment.mechanisms.values()):
-        for row in one.margins:
-            at = changes.index(row.quantity)
-            factor[k, at] = np.nan if row.factor is None else row.factor
-            slope[k, at] = one.sensitivities.get(row.quantity, np.nan)
-    dims, words = ("mechanism", "change"), "factor on a quantity at which the verdict changes, missing if there is none"
-    return {
-        "margin": variable(dims, factor, "1", words),
-        "sensitivity": variable(dims, slope, "1", "change of the reserve per relative change of a quantity"),
-    }
 
 
 def _motion(name: str, motion: AssessedMotion) -> tuple[Any, dict[str, Any]]:

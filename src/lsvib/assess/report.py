@@ -34,15 +34,6 @@ from lsvib.errors import InputError
 from lsvib.files import write_json, write_text
 
 _NEAR = 10.0  # factor within which a margin is worth a bar and a row
-_KINDS = {"uniform": "anywhere in the range", "triangular": "triangular", "normal": "normal", "lognormal": "lognormal"}
-_TAKEN = {
-    "damping.rotational": "No rotational damping is given: none is taken, which is on the safe side.",
-    "damping.translational": "No damping of the load's travel is given: none is taken; such damping can start negative "
-    "damping, so it is not always on the safe side.",
-    "load.force": "No force on the load is given: none is taken besides its weight.",
-    "screw.material": "No material of the screw is given: steel is taken.",
-    "thread.half_angle": "No flank angle is given: a square thread is taken.",
-}
 
 
 def _page(template: str, **values: Any) -> str:
@@ -54,46 +45,47 @@ def _page(template: str, **values: Any) -> str:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
+    environment.globals |= {
+        "CHANGES": CHANGES,
+        "QUANTITIES": QUANTITIES,
+        "UNITS": UNITS,
+        "VERDICTS": VERDICTS,
+        "capital": _capital,
+        "change": change,
+        "ends_in": ATTRACTORS,
+        "interval": _interval,
+        "percent": percent,
+        "shown": shown,
+    }
     return environment.get_template(template).render(**values).lstrip()
 
 
 def report(assessment: Assessment, charts: list[Chart]) -> str:
     """Return the report on an assessment as the text of one HTML page, which needs no other file."""
-    sheet, spread = assessment.sheet, assessment.uncertainty
-    names = shown_mechanisms(assessment)
+    sheet, names = assessment.sheet, shown_mechanisms(assessment)
     margin_pictures, lever = _levers(assessment, names)
     return _page(
         "report.html.j2",
         title=f"{sheet.name}: will it vibrate?",
-        name=sheet.name,
-        verdict=VERDICTS[assessment.verdict],
-        tone={"vibrates": "bad", "steady": "good"}.get(assessment.verdict, "warn"),
+        assessment=assessment,
+        sheet=sheet,
+        given=sheet.paths(),
+        spread=assessment.uncertainty,
+        worst=assessment.worst.vibration,
         summary=_summary(assessment),
-        cards=_cards(assessment),
         causes=[_cause(assessment, name) for name in (*names, "after_perturbation")],
-        has_support=sheet.support is not None,
-        has_contact=sheet.contact is not None,
         vibrates=any(assessment.mechanisms[name].occurs for name in names),
-        changes=_single_changes(assessment),
+        changes=[row for row in assessment.margins if row.factor and row.value and 1 / _NEAR <= row.factor <= _NEAR],
         margin_pictures=margin_pictures,
         lever=lever,
         operating_chart=pictures.embedded(pictures.operating_chart, charts, assessment),
-        weight=assessment.values["tilt"] != 0,
         motions=_motions(assessment),
-        samples=spread.samples,
-        seed=assessment.seed,
-        probability=percent(spread.any.value),
-        interval=_interval(spread.any.interval),
-        uncertainty_pictures=_uncertainty_pictures(assessment, names) if spread.samples > 1 else [],
+        uncertainty_pictures=_uncertainty_pictures(assessment, names),
         locking=locking_sentence(assessment),
         entries=[
             (entry_name(path), _entry(entry), _origin(assessment, path))
             for path, entry in sheet.entries()
             if entry is not None
-        ],
-        missing=_missing(assessment),
-        quantities=[
-            (_capital(QUANTITIES[key][0]), shown(value, QUANTITIES[key][1])) for key, value in assessment.values.items()
         ],
     )
 
@@ -150,30 +142,6 @@ def _absent(assessment: Assessment) -> str:
     )
 
 
-def _cards(assessment: Assessment) -> list[tuple[str, str]]:
-    lowering = assessment.efficiency["lowering"]
-    holds, least = assessment.uncertainty.holds, assessment.uncertainty.any
-    locking = "yes" if assessment.self_locking else "no"
-    if 0 < holds.value < 1:
-        locking = f"in {percent(holds.value)} of cases"
-    cards = [
-        (locking, "self-locking: holds its load without the motor"),
-        (percent(assessment.efficiency["lifting"]), "efficiency when moving against the load"),
-        ("needs torque" if lowering is None else percent(lowering), "efficiency when the load drives the screw back"),
-        (
-            percent(least.value) if least.value or least.interval[1] == 0 else f"below {percent(least.interval[1])}",
-            "probability that it vibrates somewhere in the window",
-        ),
-    ]
-    worst = assessment.worst.vibration
-    if worst.frequency is not None:
-        heard = ", audible" if worst.audible else ""
-        cards.append((shown(worst.frequency, "Hz"), f"frequency in the worst case{heard}"))
-    if worst.amplitude is not None:
-        cards.append((shown(worst.amplitude, "m"), "oscillation of the load in the worst case, to either side"))
-    return cards
-
-
 def _interval(ends: tuple[float, float]) -> str:
     return f"{percent(ends[0])} to {percent(ends[1])}"
 
@@ -198,20 +166,6 @@ def _cause(assessment: Assessment, name: str) -> tuple[Any, ...]:
     most = "at most " if perturbed and one.probability > 0 else ""  # beyond some force none does
     spread = "" if one.interval[0] == one.interval[1] else f" (95 % sure: {_interval(one.interval)})"
     return MECHANISMS[name], verdict, f"{most}{percent(one.probability)}{spread}", signed(one.reserve, 2), margin
-
-
-def _single_changes(assessment: Assessment) -> list[tuple[str, ...]]:
-    """The single changes that alter the verdict on the whole drive, at the middle values."""
-    return [
-        (
-            _capital(CHANGES[row.quantity]),
-            shown(row.value / row.factor, UNITS[row.quantity]),
-            shown(row.value, UNITS[row.quantity]),
-            f"×{row.factor:.3g}" + (f", {change(row.factor)}" if row.factor < 2 else ""),  # else it says the same twice
-        )
-        for row in assessment.margins
-        if row.factor is not None and row.value is not None and 1 / _NEAR <= row.factor <= _NEAR
-    ]
 
 
 def _levers(assessment: Assessment, names: list[str]) -> tuple[list[tuple[str, str]], str]:
@@ -264,12 +218,12 @@ def _motion(title: str, motion: AssessedMotion, assessment: Assessment) -> dict[
         drawn = (pictures.embedded(pictures.motion_chart, motion), caption)
     return {
         "title": title,
+        "vibration": moved,
         "where": _where(motion, assessment),
         "simplified": _simplified(motion, assessment),
         "entries": "",
         "start": _capital(start),
         "sentence": _end_in_words(motion, start),
-        "rows": _cycle_rows(motion),
         "tolerated": _tolerated(motion),
         "picture": drawn,
         "scene": yaml.safe_dump(moved.scene, sort_keys=False) if moved.scene else "",
@@ -288,27 +242,6 @@ def _end_in_words(motion: AssessedMotion, start: str) -> str:
         swing = f"; in the time shown the load oscillates by ± {shown(moved.amplitude, 'm')}"
     verb = "returns to" if moved.attractor == "steady sliding" else "ends in"
     return f"{_capital(start)} it {verb} {ATTRACTORS.get(moved.attractor, moved.attractor)}{swing}."
-
-
-def _cycle_rows(motion: AssessedMotion) -> list[tuple[str, str]]:
-    """How large and fast a vibration is."""
-    moved = motion.vibration
-    if moved.frequency is None or moved.load_speed is None or moved.screw_speed is None:
-        return []
-    (low, high), (slow, fast) = moved.load_speed, moved.screw_speed
-    heard = "audible as a tone" if moved.audible else "not a tone for the ear, but its knocks may be heard"
-    rows = [
-        ("What it is", ATTRACTORS.get(moved.attractor, moved.attractor)),
-        ("Frequency", f"{shown(moved.frequency, 'Hz')}, {heard}"),
-        ("Oscillation of the load about its path", f"± {shown(moved.amplitude, 'm')}"),
-        ("Speed of the load within a cycle", f"{shown(low, 'm/s')} to {shown(high, 'm/s')}"),
-        ("Speed of the screw within a cycle", f"{shown(slow, 'rad/s')} to {shown(fast, 'rad/s')}"),
-        ("Largest contact force of the threads", shown(moved.peak_force, "N")),
-    ]
-    if moved.impulse:
-        impact = f"{shown(moved.impulse, 'N s')}; its force depends on how stiff the threads are"
-        rows.append(("Largest impact", impact))
-    return rows
 
 
 def _tolerated(motion: AssessedMotion) -> str:
@@ -339,6 +272,8 @@ def _simplified(motion: AssessedMotion, assessment: Assessment) -> str:
 
 
 def _uncertainty_pictures(assessment: Assessment, names: list[str]) -> list[tuple[str, str]]:
+    if assessment.uncertainty.samples == 1:
+        return []
     reserves = pictures.embedded(pictures.reserve_chart, assessment, names)
     charts = [(reserves, "How the reserve is spread over these drives.")]
     name = next((name for name in names if name in assessment.uncertainty.total), None)
@@ -378,7 +313,8 @@ def locking_sentence(assessment: Assessment) -> str:
 
 def _entry(entry: object) -> str:
     if isinstance(entry, Spread):
-        return entry.text if entry.kind == "value" else f"{entry.text} ({_KINDS[entry.kind]})"
+        kind = "anywhere in the range" if entry.kind == "uniform" else entry.kind
+        return entry.text if kind == "value" else f"{entry.text} ({kind})"
     if isinstance(entry, FrictionBySpeed):
         points = zip(entry.speeds, entry.coefficients, strict=True)
         return "; ".join(f"{coefficient:g} at {shown(speed, 'm/s')}" for speed, coefficient in points)
@@ -395,15 +331,6 @@ def _origin(assessment: Assessment, path: str) -> str:
         if key in sheet.sources:
             return sheet.sources[key]
     return "as given"
-
-
-def _missing(assessment: Assessment) -> list[str]:
-    sheet, needless = assessment.sheet, assessment.sheet.paths()
-    if sheet.screw.inertia is not None or sheet.screw.density is not None:
-        needless.add("screw.material")
-    if sheet.thread.size is not None:
-        needless.add("thread.half_angle")
-    return [sentence for path, sentence in _TAKEN.items() if path not in needless]
 
 
 def _capital(text: str) -> str:
