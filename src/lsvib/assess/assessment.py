@@ -208,7 +208,7 @@ def _worst_cases(sheet: Sheet, found: dict[str, Mechanism], spread: Uncertainty)
     if not random_entries(sheet):
         return {}
     places = {name: worst_shares(sheet, name, start) for name, start in first_shares(sheet, spread.lowest).items()}
-    return {name: (float(evaluated(sheet, at[:, None])[name].reserve[0]), at) for name, at in places.items()}
+    return {name: (float(evaluated(sheet, at[:, None])[name][0]), at) for name, at in places.items()}
 
 
 def _verdict(

@@ -27,7 +27,7 @@ def assess_file(path: Path, out: Path, samples: Any = 4096, seed: Any = 1) -> di
     ``samples``: a power of two. Returns what ``assessment.json`` holds. Raises ``InputError`` or another ``LsvibError``
     in one sentence; then nothing is written.
     """
-    count = numbers.whole_between("samples", samples, 64, 2**24)  # half a minute; a share is in error by less than 1e-4
+    count = numbers.whole_between("samples", samples, 64, 2**20)  # seconds; a share is in error by less than 1e-3
     if count & (count - 1):
         raise InputError(f"samples = {count} is not a power of two, as the sequence of samples needs.")
     start = numbers.whole_between("seed", seed, 0, 2**32 - 1)

@@ -12,7 +12,7 @@ MECHANISMS = {
     "kinematic_constraint": (
         "Kinematic constraint",
         "Wedging: a load heavy against the screw's inertia, behind a self-locking thread, presses the threads together "
-        "faster than the screw can give way, so that the screw seizes and lets go again and again (sprag-slip).",
+        "faster than the screw can yield, so that the screw seizes and lets go again and again (sprag-slip).",
     ),
     "mode_coupling": (
         "Mode coupling of the support",

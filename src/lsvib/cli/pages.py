@@ -54,7 +54,7 @@ def explore(
     port: Annotated[Whole, Parameter(help="Port of this machine to serve the page at; 0 takes a free one.")] = 5006,
     show: Annotated[bool, Parameter(negative="--no-show", help="Open the page in a browser.")] = True,
 ) -> None:
-    """Explore drives in a browser: phase plane, region of attraction, amplitudes and contact, at the touch of a slider.
+    """Explore drives in a browser: phase plane, region of attraction, amplitudes, contact, while you drag a parameter.
 
     Examples of use:
 
