@@ -5,8 +5,8 @@ from lsvib.api import RigidDrive as RigidDrive
 from lsvib.api import SupportDrive as SupportDrive
 from lsvib.api import ThreadsDrive as ThreadsDrive
 from lsvib.api import simulate as simulate
-from lsvib.basins.clipping import Window as Window
-from lsvib.basins.exact_basin import Basin as Basin
+from lsvib.basins.boundary import Basin as Basin
+from lsvib.basins.curves import Window as Window
 from lsvib.basins.grid import Axis as Axis
 from lsvib.basins.grid import Grid as Grid
 from lsvib.basins.resilience import Resilience as Resilience

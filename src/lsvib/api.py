@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, cast
 
 from lsvib.errors import InputError
 from lsvib.models import drive as _drives
-from lsvib.models.coefficients import Coefficients, coefficients
 from lsvib.models.drive import Drive
-from lsvib.models.registry import find_model
+from lsvib.models.mechanics import Coefficients, coefficients
+from lsvib.models.model import find_model
 from lsvib.numbers import Progress
 from lsvib.results import SolvedThreshold, StabilityReport, Threshold
 
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     import numpy as np
     import xarray as xr
 
-    from lsvib.basins.clipping import Window
-    from lsvib.basins.exact_basin import Basin
+    from lsvib.basins.boundary import Basin
+    from lsvib.basins.curves import Window
     from lsvib.basins.grid import Grid
     from lsvib.basins.resilience import Resilience
     from lsvib.datasets.cycles import Cycles
@@ -71,7 +71,7 @@ class DriveMethods(_Base):
 
         >>> import lsvib
         >>> report = lsvib.RigidDrive(mass=11).stability()
-        >>> report.stable, report.kind, report.conditions["paradox"].hold
+        >>> report.stable, report.kind, report.conditions["kinematic_constraint"].hold
         (False, 'saddle', True)
 
         See also: :meth:`thresholds`, where stability changes; :meth:`resilience`, how large a perturbation it
@@ -120,7 +120,7 @@ class DriveMethods(_Base):
 
         >>> import lsvib
         >>> drive = lsvib.RigidDrive(mass=11, support_damping=2e-3)
-        >>> drive.threshold("kinematic", unknown="mass").value
+        >>> drive.threshold("kinematic_constraint", unknown="mass").value
         10.106965213139869
         >>> force = drive.threshold("global_stability")
         >>> f"{force.value:.12g} {force.unit}, and {force.derivatives['mass'].value:.6g} N/kg"
@@ -128,7 +128,7 @@ class DriveMethods(_Base):
 
         See also: :meth:`thresholds`.
         """
-        from lsvib.stability.solved_threshold import solve_threshold
+        from lsvib.stability.threshold import solve_threshold
 
         return solve_threshold(self, name, unknown)
 
@@ -189,7 +189,7 @@ class DriveMethods(_Base):
 
         See also: :func:`lsvib.simulate`, of a scene in a file; :meth:`steady_state`, what the motion ends on.
         """
-        from lsvib.datasets.simulation import run, trajectory
+        from lsvib.datasets.motion import run, trajectory
 
         scene = self._scene(start, duration, samples=samples, resume=resume, physics=physics, outputs=outputs)
         return trajectory(scene, run(scene))
@@ -388,7 +388,7 @@ class DriveMethods(_Base):
 
         See also: :meth:`basin`, in closed form; :meth:`steady_state`, for one start.
         """
-        from lsvib.datasets.attraction_map import map_attraction
+        from lsvib.datasets.map import map_attraction
 
         return map_attraction(self, grid, quantities, resume, workers, progress).dataset
 
@@ -412,7 +412,7 @@ class DriveMethods(_Base):
 
         See also: :meth:`attraction`, for every model; :meth:`resilience`.
         """
-        from lsvib.basins.exact_basin import basin
+        from lsvib.basins.boundary import basin
 
         return basin(_rigid(self))
 
@@ -438,7 +438,7 @@ class DriveMethods(_Base):
         See also: :meth:`resilience_sweep`, over parameters.
         """
         from lsvib.basins.resilience import resilience
-        from lsvib.datasets.resilience import window_of
+        from lsvib.datasets.sweep import window_of
 
         return resilience(_rigid(self), window_of(window))
 
@@ -470,7 +470,7 @@ class DriveMethods(_Base):
 
         See also: :meth:`resilience`, for one drive.
         """
-        from lsvib.datasets.resilience import resilience_sweep, window_of
+        from lsvib.datasets.sweep import resilience_sweep, window_of
 
         return resilience_sweep(_rigid(self), over, window_of(window), progress)
 
@@ -505,7 +505,7 @@ def simulate(scene: "Scene | Mapping[str, Any] | str | Path") -> "xr.Dataset":
 
     See also: :meth:`RigidDrive.simulate`, of a drive that is there.
     """
-    from lsvib.datasets.simulation import as_scene, run, trajectory
+    from lsvib.datasets.motion import as_scene, run, trajectory
 
     checked = as_scene(scene, {}, {})
     return trajectory(checked, run(checked))

@@ -21,7 +21,7 @@ import lsvib
 from lsvib import api
 from lsvib.dynamics.attractors import steady_state
 from lsvib.models.drive import RigidDrive
-from lsvib.models.model_files import model_names
+from lsvib.models.model import model_names
 from lsvib.stability.stability_table import stability_table
 from lsvib.stability.threshold_table import threshold_table
 

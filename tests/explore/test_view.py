@@ -12,13 +12,13 @@ import yaml
 
 import lsvib
 from lsvib.api import drive_class
-from lsvib.basins.clipping import Window
-from lsvib.datasets.writer import read_dataset
+from lsvib.basins.curves import Window
+from lsvib.datasets.io import read_dataset
 from lsvib.dynamics.attractors import Attractor
 from lsvib.errors import InputError
 from lsvib.explore import answers
 from lsvib.explore.view import View, presets
-from lsvib.models.model_files import model_names
+from lsvib.models.model import model_names
 from lsvib.models.scene import Scene
 
 PRESETS = presets()
@@ -90,7 +90,7 @@ def test_the_critical_friction_on_the_page_is_that_of_its_drive():
     """Γ₊ of the rigid drive that is shown vanishes there; the chapter's is that of a drive with axial support."""
     view = View(lsvib.RigidDrive(mass=15), over="friction_coefficient", low=0.1, high=0.4)
     marked = answers.thresholds_over(view)
-    assert marked == {"critical_friction": view.drive.threshold("kinematic", "friction_coefficient").value}
+    assert marked == {"critical_friction": view.drive.threshold("kinematic_constraint", "friction_coefficient").value}
     sides = [view.drive.replace(friction_coefficient=marked["critical_friction"] * (1 + d)) for d in (-1e-9, 1e-9)]
     assert [drive.stability().kind == "saddle" for drive in sides] == [False, True]
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsvib.assess.sheet import DENSITIES, Sheet
-from lsvib.models.friction import friction_factor
+from lsvib.models.mechanics import friction_factor
 
 GRAVITY = 9.80665  # m/s², standard
 DrawnValues = Mapping[str, Any]  # floats, or arrays that broadcast

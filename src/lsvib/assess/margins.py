@@ -13,7 +13,7 @@ from lsvib.assess.fields import LARGEST_HALF_ANGLE
 from lsvib.assess.mechanisms import NAMES, applicable, corners, directions, drive_of, reserves, worst
 from lsvib.assess.sheet import Sheet
 from lsvib.errors import EngineError, InputError
-from lsvib.stability import thresholds
+from lsvib.stability import force_thresholds
 
 ANY = "any"
 """Stands in for a mechanism where all of them together are meant: whether steady sliding is unstable at all."""
@@ -224,7 +224,7 @@ def _boundaries(
         return found
     for name in ("stick_force", "detach_force", "global_stability_force"):
         try:
-            force = getattr(thresholds, name)(drive)
+            force = getattr(force_thresholds, name)(drive)
         except (InputError, EngineError):
             continue
         found[_BOUNDARIES[name]] = -force * turning / speed - weight

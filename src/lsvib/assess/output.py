@@ -16,7 +16,7 @@ from lsvib.assess.sheet import Sheet
 from lsvib.assess.uncertainty import BINS
 from lsvib.assess.words import VERDICTS
 from lsvib.datasets.attributes import named_flags, named_index, variable
-from lsvib.datasets.writer import write_dataset
+from lsvib.datasets.io import write_dataset
 from lsvib.errors import InputError
 from lsvib.files import Outputs, write_json, write_text
 

@@ -58,7 +58,7 @@ def attraction(
     out:
         netCDF file to write; one that is there is replaced.
     """
-    from lsvib.datasets.attraction_map import map_attraction, summary
+    from lsvib.datasets.map import map_attraction, summary
 
     files = Files(out, figure)
     starts = {axis.key: tuple(axis[1:]) if isinstance(axis, Steps) else axis.value for axis in grid}

@@ -51,7 +51,7 @@ def simulate(
     out:
         netCDF file to write; one that is there is replaced.
     """
-    from lsvib.datasets.simulation import as_scene, attractor_of, motion_file, run, summary
+    from lsvib.datasets.motion import as_scene, attractor_of, motion_file, run, summary
 
     files = Files(out, reads=scene)
     given: dict[str, Any] = {"model": drive.model, "duration": duration, "samples": samples, "resume": resume}

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 
 from lsvib import numbers
 from lsvib.errors import InputError
-from lsvib.models.model_files import model_names
+from lsvib.models.model import model_names
 
 if TYPE_CHECKING:
     import numpy as np
@@ -205,7 +205,7 @@ class Files:
         """Write a dataset, and the picture that the module ``drawn_by`` draws of it."""
         from importlib import import_module
 
-        from lsvib.datasets.writer import write_dataset
+        from lsvib.datasets.io import write_dataset
 
         with self._outputs.writing() as parts:
             if self.out:

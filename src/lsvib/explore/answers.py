@@ -10,16 +10,15 @@ from typing import Any
 import numpy as np
 from matplotlib.colors import to_rgba
 
-from lsvib.basins.cells import Mapper
-from lsvib.basins.clipping import Window
+from lsvib.basins.curves import Window
 from lsvib.basins.grid import Axis, Grid
-from lsvib.basins.mapper import mapper
-from lsvib.datasets.attraction_map import attraction_map
+from lsvib.basins.mapper import Mapper, mapper
+from lsvib.datasets.io import write_dataset
+from lsvib.datasets.map import attraction_map
+from lsvib.datasets.motion import attractor_of, motion_file, run
 from lsvib.datasets.phase_plane import lines, sample
-from lsvib.datasets.simulation import attractor_of, motion_file, run
 from lsvib.datasets.spans import stepped
 from lsvib.datasets.sweep import START
-from lsvib.datasets.writer import write_dataset
 from lsvib.dynamics.attractors import Attractor, SteadyState, steady_state
 from lsvib.engine.motion import Motion
 from lsvib.errors import EngineError, LsvibError
@@ -27,7 +26,7 @@ from lsvib.explore.view import View
 from lsvib.figures.attraction import picture
 from lsvib.figures.drawing import style
 from lsvib.models.drive import Drive
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model
 
 # Cells of the map of a drive with two states while it is dragged, a seventieth of a second, and when the hand rests, a
 # fortieth; and of any other model, of which every motion is followed, about a millisecond each.

@@ -8,7 +8,7 @@ from bokeh.models import Button, Column, Select, Slider, TextInput, Toggle
 from lsvib.explore.view import View
 from lsvib.figures.drawing import style
 from lsvib.models.drive import Drive, allowed_range, described, may_vanish
-from lsvib.models.model_files import model_names
+from lsvib.models.model import model_names
 
 _FROM_ZERO = {  # end of a slider whose parameter is zero: enough to change what the chapter's drive does
     "translation_damping": 2000.0,

@@ -14,7 +14,7 @@ from bokeh.models import CustomJS, Div, Row
 
 from lsvib import numbers
 from lsvib.api import drive_class
-from lsvib.basins.clipping import Window
+from lsvib.basins.curves import Window
 from lsvib.dynamics.attractors import Attractor
 from lsvib.errors import InputError, LsvibError
 from lsvib.explore import answers
@@ -23,7 +23,7 @@ from lsvib.explore.controls import Controls
 from lsvib.explore.plots import Plots
 from lsvib.explore.view import View
 from lsvib.figures.attraction.picture import COLOURS
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model
 
 _TO_ADDRESS = """
 const link = new DOMParser().parseFromString(cb_obj.text, "text/html").querySelector("a");

@@ -11,11 +11,11 @@ import yaml
 
 from lsvib import numbers
 from lsvib.api import RigidDrive, drive_class
-from lsvib.basins.clipping import Window
+from lsvib.basins.curves import Window
 from lsvib.errors import InputError
 from lsvib.figures.configuration import DEFAULT
 from lsvib.models.drive import Drive, described
-from lsvib.models.registry import all_models
+from lsvib.models.model import all_models
 from lsvib.models.scene import Scene, read_yaml
 
 _WINDOW = ("left", "right", "bottom", "top")

@@ -23,7 +23,7 @@ _LOOKS = {  # colour, and words of the legend
 }
 _CURVES = {  # words on a curve, where they are not its name, and how it is drawn
     "onset": (r"onset, $\tilde R = 0$", "-"),
-    "kinematic": (r"kinematic, $\Gamma_+ = 0$", (0, (5, 1.5))),
+    "kinematic constraint": (r"kinematic constraint, $\Gamma_+ = 0$", (0, (5, 1.5))),
     "negative damping": (r"negative damping, $C_+ = 0$", (0, (1.5, 1))),
     "stick slip birth": ("birth of stick–slip", "-"),
 }

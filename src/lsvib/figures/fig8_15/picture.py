@@ -16,7 +16,7 @@ _REGIONS = {
         "#FBE3B5", "....", "third region: both modes diverge, $\\Gamma_0 < 0 < \\tilde\\Gamma_0$",
         "third\nregion", (0.247, 2.5e8),
     ),
-    "kinematic": (
+    "kinematic constraint": (
         "#F7D9C4", "---", "primary region of the kinematic constraint, $\\tilde\\Gamma_0 < 0$",
         "primary\nkinematic\nregion", (0.343, 1e7),
     ),

@@ -49,7 +49,7 @@ def _critical_mass(axes: Axes, dataset: xr.Dataset) -> None:
 
 
 def _map(axes: Axes, dataset: xr.Dataset) -> list[Patch]:
-    kinematic = (dataset.stability == phase_planes.code(dataset.stability, "kinematic")).T
+    kinematic = (dataset.stability == phase_planes.code(dataset.stability, "kinematic constraint")).T
     colours = ListedColormap(["#FFFFFF", _KINEMATIC])
     axes.pcolormesh(dataset.friction_coefficient, dataset.nut_inertia, kinematic, cmap=colours, rasterized=True)
     axes.plot(dataset.critical_friction_with_nut, dataset.nut_inertia, color=style.BLUE)
