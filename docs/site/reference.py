@@ -5,13 +5,12 @@ from importlib import import_module
 from pathlib import Path
 
 import lsvib
-from lsvib.api import DRIVES
 from lsvib.models.drive import allowed_range, described
+from lsvib.models.model import all_models
 
 _GROUPS = {
     "Drives": ["RigidDrive", "ThreadsDrive", "SupportDrive", "NutDrive"],
-    "Functions": ["stability", "thresholds", "simulate"],
-    "Simulation": ["Scene"],
+    "Simulation": ["simulate", "Scene"],
     "Stability and thresholds": [
         "StabilityReport",
         "UndampedStability",
@@ -100,7 +99,8 @@ def parameter_tables() -> str:
         "from.\n``lsvib config`` prints the same.\n",
     ]
     seen: set[str] = set()
-    for model, kind in DRIVES.items():
+    for model, definition in all_models().items():
+        kind = definition.drive
         own = [key for key in kind.model_fields if key not in seen]
         seen |= set(own)
         words = "All models have" if model == "rigid" else "It adds"

