@@ -22,8 +22,6 @@ from lsvib import api
 from lsvib.dynamics.attractors import steady_state
 from lsvib.models.drive import RigidDrive
 from lsvib.models.model import model_names
-from lsvib.stability.stability_table import stability_table
-from lsvib.stability.threshold_table import threshold_table
 
 ROOT = Path(__file__).parents[2]
 PARADOX = {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0}

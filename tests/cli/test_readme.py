@@ -11,7 +11,6 @@ import pytest
 import yaml
 
 from lsvib.datasets.io import read_dataset
-from lsvib.stability.threshold_table import threshold_table
 
 ROOT = Path(__file__).parents[2]
 PAGES = ("README.md", "docs/command.md", "docs/python.md")

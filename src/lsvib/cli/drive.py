@@ -81,7 +81,6 @@ def thresholds(
 
         lsvib thresholds --solve flutter --for mass --model threads --set contact_damping=5e4 --json
     """
-    from lsvib.api import drive_class
 
     if solve is not None:
         show(drive.drive().threshold(solve, unknown).to_json(), as_json, _print_solved)
@@ -109,7 +108,6 @@ def stability(*, drive: DriveOptions = CHAPTER, as_json: AsJson = False) -> None
 
         lsvib stability --model support --set mass=15 --set friction_coefficient=0.3
     """
-    from lsvib.api import drive_class
 
     show(stability_table(drive.values(), drive.model or "rigid"), as_json, _print_stability)
 
