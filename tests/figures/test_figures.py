@@ -13,7 +13,7 @@ from lsvib.basins.boundary import Boundary
 from lsvib.contact.contact_force import ForceOutcome
 from lsvib.datasets.attributes import ASSUMED, FIELDS, NO_EFFECT, VARIED
 from lsvib.dynamics.attractors import Attractor
-from lsvib.figures.folders import default_figures
+from lsvib.figures.configuration import default_figures
 from lsvib.figures.limit_process.dataset import BranchVerdict
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import EventKind

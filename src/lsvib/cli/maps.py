@@ -66,7 +66,7 @@ def attraction(
         raise InputError("figure is for maps of u and w; leave it out for a plane of other coordinates.")
     found = map_attraction(drive.drive(), starts, quantities, resume, workers, ProgressLine())
     dataset = found.dataset
-    files.write(dataset, "lsvib.attraction", drawn_by="lsvib.figures.attraction.picture")
+    files.write(dataset, "lsvib.attraction", drawn_by="lsvib.figures.attraction")
     area = dataset["basin_area"].item() if "basin_area" in dataset else None
     show(summary(found.counts, found.doubts, area, found.seconds), as_json, _print_map, out)
 
@@ -100,7 +100,7 @@ def chart(
     files, begin = Files(out, figure), perf_counter()
     found = drive.drive().chart(x, y, resume=resume, workers=workers, progress=ProgressLine("motions"))
     result = summary(found, perf_counter() - begin)
-    files.write(found, "lsvib.chart", drawn_by="lsvib.figures.chart.picture")
+    files.write(found, "lsvib.chart", drawn_by="lsvib.figures.chart")
     show(result, as_json, _print_chart)
 
 

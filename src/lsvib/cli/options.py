@@ -211,6 +211,6 @@ class Files:
             if self.out:
                 write_dataset(dataset, parts[0], command)
             if self.figure:
-                from lsvib.figures.drawing.style import save
+                from lsvib.figures.style import save
 
                 save(import_module(drawn_by).draw(dataset), *parts[-2:])

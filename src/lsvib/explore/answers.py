@@ -23,8 +23,7 @@ from lsvib.dynamics.attractors import Attractor, SteadyState, steady_state
 from lsvib.engine.motion import Motion
 from lsvib.errors import EngineError, LsvibError
 from lsvib.explore.view import View
-from lsvib.figures.attraction import picture
-from lsvib.figures.drawing import style
+from lsvib.figures import attraction, style
 from lsvib.models.drive import Drive
 from lsvib.models.model import find_model
 
@@ -191,7 +190,7 @@ def _palette() -> np.ndarray:
     """Colours of a map's labels, from −2 (not computed yet) on, as little-endian RGBA; motion and lines show on it."""
     colours = np.zeros((len(Attractor) + 1, 4), dtype=np.uint8)
     for kind in Attractor:
-        colours[kind + 2] = np.round(255 * np.array(to_rgba(picture.COLOURS[name_of(kind)], 0.45)))
+        colours[kind + 2] = np.round(255 * np.array(to_rgba(attraction.COLOURS[name_of(kind)], 0.45)))
     return colours.view(np.uint32)[:, 0]
 
 
@@ -216,7 +215,7 @@ def drawing(view: View, path: Path) -> None:
     window = view.window or window_around(view.drive, shown)
     grid = grid_of(window, SETTLED if at_once(view.drive) else COARSE)
     mapped = mapper(view.drive, view.drive.model)
-    figure = picture.draw(attraction_map(mapped, grid, mapped.cells(grid, quantities=("label",))))
+    figure = attraction.draw(attraction_map(mapped, grid, mapped.cells(grid, quantities=("label",))))
     figure.axes[0].plot(shown.u, shown.w, color=style.BLUE, linewidth=1.0)
     style.save(figure, path)
 
@@ -224,7 +223,7 @@ def drawing(view: View, path: Path) -> None:
 EXPORTS: dict[str, tuple[Callable[[View, Path], None], str]] = {
     "scene.yaml": (scene, "application/yaml"),
     "motion.nc": (motion, "application/x-netcdf"),
-    "picture.png": (drawing, "image/png"),
+    "attraction.png": (drawing, "image/png"),
 }
 
 

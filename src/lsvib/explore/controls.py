@@ -6,7 +6,7 @@ from bokeh.layouts import column, row
 from bokeh.models import Button, Column, Select, Slider, TextInput, Toggle
 
 from lsvib.explore.view import View
-from lsvib.figures.drawing import style
+from lsvib.figures import style
 from lsvib.models.drive import Drive, allowed_range, described, may_vanish
 from lsvib.models.model import model_names
 

@@ -22,7 +22,7 @@ from lsvib.explore.answers import AmplitudePoint, name_of
 from lsvib.explore.controls import Controls
 from lsvib.explore.plots import Plots
 from lsvib.explore.view import View
-from lsvib.figures.attraction.picture import COLOURS
+from lsvib.figures.attraction import COLOURS
 from lsvib.models.model import find_model
 
 _TO_ADDRESS = """

@@ -8,7 +8,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from lsvib.figures.drawing import phase_planes, style
+from lsvib.figures import drawing, style
 
 # Light where nothing vibrates, so that the eye goes to what does; distinct for the colour-blind and in grey.
 _LOOKS = {  # colour, and words of the legend
@@ -58,7 +58,7 @@ def draw(dataset: xr.Dataset) -> Figure:
         for kind, (colour, words) in ((kind, _LOOKS[name]) for kind, name in names.items())
         if shares[kind]
     ]
-    phase_planes.state_given(figure, dataset)
+    drawing.state_given(figure, dataset)
     figure.legend(handles=patches, loc="outside upper center", ncols=2)
     return figure
 
