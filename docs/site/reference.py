@@ -58,7 +58,7 @@ MODULES = {
         "lsvib.datasets.resilience",
     ],
     "Data": ["lsvib.datasets.simulation", "lsvib.datasets.sweep", "lsvib.datasets.checks", "lsvib.datasets.writer"],
-    "Figures": ["lsvib.figures.build", "lsvib.figures.configuration", "lsvib.figures.folders"],
+    "Figures": ["lsvib.figures.build", "lsvib.figures.configuration"],
 }
 
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from benchmarks.figures.work_precision.settings import SCENES
+from benchmarks.figures.work_precision import SCENES
 from benchmarks.record import Record, Verdict, errors
 from benchmarks.rivals import method_list
 from benchmarks.rivals.answer_errors import compare

@@ -13,8 +13,8 @@ from lsvib.basins.exact_basin import Boundary
 from lsvib.contact.contact_force import ForceOutcome
 from lsvib.datasets.parameter_origins import ASSUMED, FIELDS, NO_EFFECT, VARIED
 from lsvib.dynamics.attractors import Attractor
-from lsvib.figures.folders import default_figures
-from lsvib.figures.limit_process.dataset import BranchVerdict
+from lsvib.figures.configuration import default_figures
+from lsvib.figures.limit_process import BranchVerdict
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import EventKind
 from lsvib.stability.eigenvalues_rigid import Stability

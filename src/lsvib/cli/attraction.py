@@ -68,8 +68,8 @@ def attraction(
     with outputs.writing() as parts:
         write_dataset(dataset, parts[0], "lsvib.attraction")
         if pictures:
-            from lsvib.figures.attraction.picture import draw
-            from lsvib.figures.drawing.style import save
+            from lsvib.figures.attraction import draw
+            from lsvib.figures.style import save
 
             save(draw(dataset), *parts[1:])
     show(result, as_json, lambda result: print_map(result, counts), out)

@@ -55,8 +55,8 @@ def chart(
         if out:
             write_dataset(found, parts[0], "lsvib.chart")
         if pictures:
-            from lsvib.figures.chart.picture import draw
-            from lsvib.figures.drawing.style import save
+            from lsvib.figures.chart import draw
+            from lsvib.figures.style import save
 
             save(draw(found), *parts[-2:])
     show(result, as_json, print_chart)
