@@ -103,10 +103,10 @@ def drawn_from(module):
 
 def figure_sources(kind, figure):
     """Return the source files of the figure's dataset or picture; a picture is drawn from its dataset alone."""
-    module = module_of(figure)
+    own = module_of(figure)
     if kind == "figures":
-        return source_files(drawn_from(module) | imports(BUILD))
-    return source_files(frozenset().union(*map(imports, (module, *settings_of(figure).needs, BUILD))) - DRAWING)
+        return source_files(drawn_from(own) | imports(BUILD))
+    return source_files(frozenset().union(*map(imports, (own, *settings_of(figure).needs, BUILD))) - DRAWING)
 
 
 def sources(kind):

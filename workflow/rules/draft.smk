@@ -13,7 +13,9 @@ for number, figures in enumerate([FIGURES[k::BATCHES] for k in range(BATCHES)]):
         name:
             f"draft_{number + 1}"
         input:
-            sources=sorted({file for f in figures for kind in ("datasets", "figures") for file in figure_sources(kind, f)}),
+            sources=sorted(
+                {file for f in figures for kind in ("datasets", "figures") for file in figure_sources(kind, f)}
+            ),
             engine=sorted({part for f in figures for part in engine(imports(module_of(f)))}),
         output:
             datasets=expand("results/datasets/{figure}.nc", figure=figures),
