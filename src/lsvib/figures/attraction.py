@@ -33,7 +33,6 @@ COLOURS = {
     "rest": style.YELLOW,
     "unresolved": style.BLACK,
 }
-_PALEST = 0.35  # share of a colour in the palest shade
 
 
 def _with_label(values: list[str]) -> list[str]:
@@ -111,7 +110,8 @@ def draw_map(axes: Axes, dataset: xr.Dataset) -> list:
         words, share = f"{name.replace(' cycle', '')}: {100 * fractions[value]:.2f} %", np.full(here.sum(), 0.8)
         if time is not None and np.isfinite(time[here]).any():
             low, high = np.nanmin(time[here]), np.nanmax(time[here])
-            shade = 1 - (1 - _PALEST) * ((time[here] - low) / (high - low) if high > low else 0 * time[here])
+            # The palest shade has 0.35 of a colour.
+            shade = 1 - 0.65 * ((time[here] - low) / (high - low) if high > low else 0 * time[here])
             share = np.where(np.isfinite(shade), shade, share)
             words += f", palest {high:.2g} {dataset.settling_time.attrs['units']}"
         image[here] = 1 - share[:, None] * (1 - np.array(to_rgb(COLOURS[name])))

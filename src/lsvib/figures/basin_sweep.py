@@ -1,7 +1,7 @@
 """The basin of steady sliding: its exact size against force, damping, mass and friction, and against grids."""
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Annotated, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 import xarray as xr
@@ -13,18 +13,8 @@ from lsvib.datasets.attributes import CRITICAL_MASS, flagged, variable
 from lsvib.datasets.checks import Check
 from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters, labels
 from lsvib.figures import drawing, style
+from lsvib.figures import settings as of
 from lsvib.figures.common import about, flag_names, named, spread
-from lsvib.figures.settings import (
-    DriveChanges,
-    FigureSettings,
-    MassPair,
-    OpposingForces,
-    PlaneWindow,
-    PositiveSpan,
-    SettingsSection,
-    Span,
-    Unique,
-)
 from lsvib.figures.style import Axes, Figure
 from lsvib.models.drive import RigidDrive
 from lsvib.stability.conditions import critical_friction, critical_mass
@@ -48,11 +38,7 @@ _SWEPT = {  # what each panel is called, its threshold, how that is named, decim
     "mass": ("mass", "critical_mass", "$m_\\mathrm{cr}$", 3),
     "friction_coefficient": ("friction", "critical_friction_of_rigid_drive", "$\\mu_\\mathrm{cr}$", 4),
 }
-_CLOSE = 1e-6  # relative distance of the two values between which a kind of boundary gives way to another
-_ARC = 60  # samples of an arc
 _FRACTION = "fraction of the window that steady sliding attracts, exact"
-_TURNS = 16  # cells more, for the ends of a boundary and where it turns
-_NONE = 1e-12  # error of a fraction that counts as none where its logarithm is taken
 _KINDS = {  # what bounds the basin: colour, words
     "none": (style.BLACK, "no boundary: globally stable"),
     "touching motion": (style.BLUE, "bounded by the motion that touches $N = 0$, and by $N = 0$"),
@@ -61,33 +47,33 @@ _KINDS = {  # what bounds the basin: colour, words
 }
 
 
-class SweepCase(SettingsSection):
+class SweepCase(of.SettingsSection):
     """Changes of `drive`, and the window in which its basin is drawn."""
 
-    drive: DriveChanges
-    window: PlaneWindow
+    drive: of.DriveChanges
+    window: of.PlaneWindow
 
 
-class Settings(FigureSettings):
+class Settings(of.FigureSettings):
     """The basin of steady sliding and its size."""
 
-    drive: DriveChanges
-    window: PlaneWindow
-    axial_force: Span = Field(description="R [N], against the motion.")
-    support_damping: PositiveSpan = Field(description="c [N m s/rad].")
-    mass: PositiveSpan = Field(description="m [kg].")
-    friction_coefficient: PositiveSpan = Field(description="mu [1].")
+    drive: of.DriveChanges
+    window: of.PlaneWindow
+    axial_force: of.Span = Field(description="R [N], against the motion.")
+    support_damping: of.PositiveSpan = Field(description="c [N m s/rad].")
+    mass: of.PositiveSpan = Field(description="m [kg].")
+    friction_coefficient: of.PositiveSpan = Field(description="mu [1].")
     cases: list[SweepCase] = Field(
         min_length=1, max_length=3, description="Drives whose basins are drawn and compared with grids."
     )
-    resolutions: Annotated[list[Annotated[int, Field(ge=2, le=10_000)]], *Unique] = Field(
+    resolutions: Annotated[list[Annotated[int, Field(ge=2, le=10_000)]], *of.Unique] = Field(
         min_length=2, description="Starts along each edge of the grids, ascending."
     )
-    masses: MassPair = Field(description="Mass as printed for Fig. 8.14, and mass beyond the critical one [kg].")
-    axial_forces: OpposingForces = Field(description="Axial forces of Fig. 8.14 (a) and (b) [N].")
+    masses: of.MassPair = Field(description="Mass as printed for Fig. 8.14, and mass beyond the critical one [kg].")
+    axial_forces: of.OpposingForces = Field(description="Axial forces of Fig. 8.14 (a) and (b) [N].")
 
 
-def build(settings: Mapping[str, Any]) -> xr.Dataset:
+def build(settings: of.Values) -> xr.Dataset:
     """Compute the basins of a few drives, exactly and on grids, and the exact share of a window along four sweeps."""
     from lsvib.basins.clipping import Window
     from lsvib.datasets import phase_plane
@@ -125,7 +111,7 @@ def _swept(drive: RigidDrive, name: str, values: np.ndarray) -> "tuple[np.ndarra
         first, last = found[low], found[high]
         if first.boundary == last.boundary:
             continue
-        while high - low > _CLOSE * max(abs(low), abs(high)):
+        while high - low > 1e-6 * max(abs(low), abs(high)):
             middle = 0.5 * (low + high)
             between = at(middle)
             if between.boundary == first.boundary:
@@ -167,7 +153,7 @@ def _critical_values(drive: RigidDrive, dampings: np.ndarray) -> Variables:
     }
 
 
-def _cases(drive: RigidDrive, cases: Sequence[Mapping[str, Any]], resolutions: Sequence[int]) -> Variables:
+def _cases(drive: RigidDrive, cases: Sequence[of.Values], resolutions: Sequence[int]) -> Variables:
     """Basins to be drawn: boundary and region as sampled curves, exact fraction of their window, fractions on grids."""
     from lsvib.basins.clipping import Window
     from lsvib.basins.curves import sampled
@@ -177,7 +163,7 @@ def _cases(drive: RigidDrive, cases: Sequence[Mapping[str, Any]], resolutions: S
     drives, windows = [drive.replace(**c["drive"]) for c in cases], [Window(**c["window"]) for c in cases]
     basins = [basin(d) for d in drives]
     pairs = list(zip(basins, windows, strict=True))
-    lines, regions = [b.line(w, _ARC) for b, w in pairs], [sampled(b.flow, b.clipped(w), _ARC) for b, w in pairs]
+    lines, regions = [b.line(w, 60) for b, w in pairs], [sampled(b.flow, b.clipped(w), 60) for b, w in pairs]
     grid = np.array([_grid_fraction(d, w, resolutions) for d, w in zip(drives, windows, strict=True)])
     bound = [[_cut_cells(line, w, n) / n**2 for n in resolutions] for line, w in zip(lines, windows, strict=True)]
     varied = tuple(name for name, value in drive if len({value, *(getattr(d, name) for d in drives)}) > 1)
@@ -223,7 +209,7 @@ def _grid_fraction(drive: RigidDrive, window: "Window", resolutions: Sequence[in
 def _cut_cells(line: np.ndarray, window: "Window", count: int) -> float:
     """A bound of the number of cells that a boundary cuts: it passes from cell to cell across one edge at a time."""
     steps = np.abs(np.diff(line, axis=0)) / [window.right - window.left, window.top - window.bottom]
-    return count * float(np.nansum(steps)) + _TURNS
+    return count * float(np.nansum(steps)) + 16  # for the ends of a boundary and where it turns
 
 
 def _readings(drive: RigidDrive, masses: Sequence[float], forces: Sequence[float], window: "Window") -> Variables:
@@ -245,7 +231,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     scaled = spread(dataset.basin_area_axial_force.values[touching] / force[touching] ** 2)
     error = np.abs(dataset.grid_fraction - dataset.case_fraction)
     worst = float((error / dataset.grid_bound).max())
-    order = [-np.polyfit(np.log(dataset.resolution), np.log(np.maximum(e, _NONE)), 1)[0] for e in error.values]
+    order = [-np.polyfit(np.log(dataset.resolution), np.log(np.maximum(e, 1e-12)), 1)[0] for e in error.values]
     return [
         *_global_stability_checks(dataset),
         Check.holds(

@@ -39,7 +39,6 @@ _CURVES = {  # words on a curve, where they are not its name, and how it is draw
     "stick slip birth": ("birth of stick–slip", "-"),
 }
 # In widths of the picture:
-_SHORTEST = 0.06  # length of a line that gets its name
 _STEP = 0.004  # between points at which room for a name is looked for
 _LETTER = 0.0135  # width of a letter
 _HEIGHT = 0.02  # distance of the middle of a name from its line
@@ -157,7 +156,7 @@ def _write_on(axes: Axes, line: np.ndarray, words: str, others: list[np.ndarray]
     numbers stand. Lengths are in widths of the picture. A line that is too short gets none; ``taken`` gets the place.
     """
     half = int(0.5 * _LETTER * len(words.replace("$", "").replace("\\", "")) / _STEP) + 1
-    if len(line) < _SHORTEST / _STEP:
+    if len(line) < 0.06 / _STEP:
         return
     left, top = axes.transAxes.transform([(0, 0), (1, 1)]) / axes.bbox.width
     inside = _evenly(np.array([left, (top[0], left[1]), top, (left[0], top[1]), left]))

@@ -5,7 +5,7 @@ on both sides, so that it is continuous at χ = 0; see :mod:`lsvib.contact.conta
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,7 @@ from lsvib.datasets.parameter_origins import Variables, drive_parameters, labels
 from lsvib.errors import InputError
 from lsvib.figures import drawing, style
 from lsvib.figures.common import EIGENVALUE, named
-from lsvib.figures.settings import ContactPortrait
+from lsvib.figures.settings import ContactPortrait, Values
 from lsvib.figures.style import Axes, Figure
 from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import ThreadsDrive
@@ -40,9 +40,6 @@ _MANIFOLDS = (
     "unstable_away_from_zero_force", "unstable_across_zero_force",
     "stable_away_from_zero_force", "stable_across_zero_force",
 )  # fmt: skip
-_VIEWS = 30.0  # a motion is followed until it is so many times the half width of the map away
-_SETTLING = 8.0  # times the decay time for which a motion that ends in the focus is followed
-_ROUNDING = 1e-12  # Γ₊ is a difference of numbers of one size
 _BASIN = "#DCEBF7"
 _WORDS = {"facecolor": "#FFFFFFC0", "linewidth": 0, "pad": 1.0}
 _DASHED = {"color": style.BLACK, "linewidth": 1.0, "linestyle": (0, (4, 2))}
@@ -50,7 +47,7 @@ _DASHED = {"color": style.BLACK, "linewidth": 1.0, "linestyle": (0, (4, 2))}
 _UNSTABLE, _STABLE_OWN, _STABLE_OTHER = slice(0, 2), 2, 3
 
 
-def portrait(settings: Mapping[str, Any], paradox: Paradox) -> xr.Dataset:
+def portrait(settings: Values, paradox: Paradox) -> xr.Dataset:
     """Compute motions of the contact force, their outcomes on a grid, and the manifolds of the saddle, θ′ > 0.
 
     ``settings``: see :class:`lsvib.figures.settings.ContactPortrait`; Γ₊ < 0, and a panel for each contact
@@ -60,7 +57,8 @@ def portrait(settings: Mapping[str, Any], paradox: Paradox) -> xr.Dataset:
     drives = [base.replace(contact_damping=damping) for damping in settings["contact_dampings"]]
     cases = [contact_force.contact_flows(drive, paradox) for drive in drives]
     force, rate = spans.even(settings["force"]), spans.even(settings["rate"])
-    limit = _VIEWS * max(np.ptp(force), np.ptp(rate)) / 2
+    # A motion is followed until it is so many times the half width of the map away.
+    limit = 30.0 * max(np.ptp(force), np.ptp(rate)) / 2
     scale, side, count = contact_force.force_scale(base), int(paradox), settings["samples"]
     starts = [(_unscaled(s["force"], scale, side), float(s["rate"])) for s in settings["starts"]]
     grid = [(_unscaled(x, scale, side), y) for x in force for y in rate]
@@ -167,7 +165,7 @@ def _shown(arc: ForceArc, limit: float) -> float:
     growing = abs(arc.flow.amplitudes(arc.start)[0])
     if first.real > 0 and growing > 0:
         return max(math.log(limit / growing), 0.0) / first.real
-    return 2 * math.pi / abs(first.imag) if first.real == 0 else _SETTLING / abs(first.real)
+    return 2 * math.pi / abs(first.imag) if first.real == 0 else 8.0 / abs(first.real)  # e⁻⁸ of it is left
 
 
 def _saddle_manifolds(cases: Sequence[dict[int, ForceFlow]], count: int, limit: float, scale: float) -> Variables:
@@ -322,14 +320,14 @@ def newton_checks(dataset: xr.Dataset) -> list[Check]:
             "The equilibria are the zeros of N″ by the two equations of motion, to 1e-12",
             "eqs 8.6, 8.7, 8.11",
             f"largest relative difference {gap:.1e}",
-            gap <= _ROUNDING,
+            gap <= 1e-12,
         ),
         Check.holds(
             "The eigenvalues of each law are those of the Jacobian of N″ by the two equations of motion, to 1e-12",
             "eqs 8.6, 8.7, 8.12",
             f"their sum differs from its trace by {float(off[0].max()):.1e} of them, their product from its "
             f"determinant by {float(off[1].max()):.1e}",
-            all(float(x.max()) <= _ROUNDING for x in off),
+            all(float(x.max()) <= 1e-12 for x in off),
         ),
     ]
 

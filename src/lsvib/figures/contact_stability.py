@@ -1,6 +1,5 @@
 """Critical mass of the drive with compliant threads over its contact, and the growth rates of Lemma 8.1."""
 
-from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -14,7 +13,16 @@ from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters, 
 from lsvib.errors import InputError
 from lsvib.figures import style
 from lsvib.figures.common import CRITICAL_MASS_WITH_CONTACT, about
-from lsvib.figures.settings import Contact, DriveChanges, FigureSettings, MassPair, PositiveSpan, Unique, parameter
+from lsvib.figures.settings import (
+    Contact,
+    DriveChanges,
+    FigureSettings,
+    MassPair,
+    PositiveSpan,
+    Unique,
+    Values,
+    parameter,
+)
 from lsvib.figures.style import Axes, Figure
 from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive, ThreadsDrive
@@ -32,15 +40,11 @@ growth rate above the critical mass of the rigid drive, unstable beyond the dott
 dampings at which it is stable, which for soft contacts are two intervals. See docs/lemmas.md.
 """
 
-_LAW = 1  # R Ω > 0
 _CONTACT = ("contact_stiffness", "contact_damping")
 _BESIDE = 1e-6  # relative distance from a critical mass at which LAPACK must see the change
-_CLOSE = 0.01  # of a limit, at the stiffest contact
 _PARAMETERS = [name for name in RigidDrive.model_fields if name not in ("mass", "axial_force")]
 _COLOURS = (style.VERMILION, style.ORANGE, style.BLUE, style.BLACK, style.GREEN, style.PURPLE)
 _DASHES = ("-", (0, (5, 1.5)), "-", (0, (5, 1.5)), "-", (0, (5, 1.5)))  # where two lines coincide both are seen
-_LINEAR = 10.0  # growth rates below this [1/s] are drawn on a linear scale
-_SMALL = 6.5  # size of words within a panel [pt]
 
 
 class Settings(FigureSettings):
@@ -63,7 +67,7 @@ class Settings(FigureSettings):
     )
 
 
-def build(settings: Mapping[str, Any]) -> xr.Dataset:
+def build(settings: Values) -> xr.Dataset:
     """Compute the critical mass over the contact and for some contacts, and growth rates over the contact stiffness.
 
     ``settings``: see ``Settings``; c_x = 0, R Ω > 0. Raises ``InputError``.
@@ -127,7 +131,7 @@ def _growth_rates(
 ) -> Variables:
     """Growth rates of two masses [kg] over the contact stiffness, and where Lemma 8.1 and damping decide."""
     drives = [[drive.replace(mass=m, contact_damping=c) for c in dampings] for m in (heavy, light)]
-    models = [[threads_model({**dict(d), "contact_stiffness": stiffness}, _LAW) for d in row] for row in drives]
+    models = [[threads_model({**dict(d), "contact_stiffness": stiffness}, law=1) for d in row] for row in drives]
     growth = [[eigenvalues(model)[:, -1].real for model in row] for row in models]
     stable = [stable_set(drive.replace(mass=light, contact_stiffness=k), "contact_damping") for k in stiffness]
     dampings_of = [[(float(a), float(b)) for a, b in found.intervals] for found in stable]
@@ -147,7 +151,7 @@ def _growth_rates(
 
 def _limits(drive: ThreadsDrive, heavy: float, light: float) -> Variables:
     """What the growth rates of two masses [kg] tend to for a stiff contact, and the scale of Lemma 8.1."""
-    gamma = {mass: float(coefficients(drive.replace(mass=mass)).gamma[_LAW]) for mass in (heavy, light)}
+    gamma = {mass: float(coefficients(drive.replace(mass=mass)).gamma[1]) for mass in (heavy, light)}
     beta = float(np.cos(drive.lead_angle) ** 2 * (1 + drive.friction_coefficient * np.tan(drive.lead_angle)))
     lever = beta * abs(gamma[heavy]) / (drive.screw_inertia * heavy)
     elastic = drive.support_damping / 2 * (1 / gamma[light] - 1 / drive.screw_inertia)
@@ -181,7 +185,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-def _critical_mass_checks(dataset: xr.Dataset, drive: Mapping[str, float]) -> list[Check]:
+def _critical_mass_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
     """Check the critical masses of the contacts that are drawn, and that all but soft ones lie below the rigid one."""
     rigid, own = float(dataset.critical_mass), dataset.critical_mass_with_contact.values
     contacts = zip(own, dataset.contact_stiffness.values, dataset.contact_damping.values, strict=True)
@@ -231,10 +235,10 @@ def _lemma_checks(dataset: xr.Dataset) -> list[Check]:
         ),
         Check.holds(
             "At the stiffest contact its growth rate is the positive root of s² = b (c_c s + k_c), b = β |Γ_0| / "
-            f"(I m), to {_CLOSE:.0%}, which grows without bound",
+            "(I m), to 1%, which grows without bound",
             "Lemma 8.1, docs/lemmas.md",
             f"ratios {', '.join(f'{x:.5f}' for x in ratio)} at k_c = {last:.0e} N/m",
-            (np.abs(ratio - 1) < _CLOSE).all(),
+            (np.abs(ratio - 1) < 0.01).all(),
         ),
     ]
 
@@ -251,19 +255,19 @@ def _converse_checks(dataset: xr.Dataset) -> list[Check]:
             "Lemma 8.1, docs/lemmas.md",
             f"growth rate from {elastic.min():.4g} 1/s, at the stiffest contact {elastic[-1]:.5g}, limit "
             f"{expected:.5g} 1/s",
-            (elastic > 0).all() and abs(elastic[-1] / expected - 1) < _CLOSE,
+            (elastic > 0).all() and abs(elastic[-1] / expected - 1) < 0.01,
         ),
         Check.holds(
-            f"With enough contact damping the smaller mass is stable; the least tends to its limit, to {_CLOSE:.0%}",
+            "With enough contact damping the smaller mass is stable; the least tends to its limit, to 1%",
             "Lemma 8.1, docs/lemmas.md",
             f"{int((enough & (growth < 0)).sum())} of {int(enough.sum())} contacts with more; "
             f"{end:.6g} against {bound:.6g} N s/m",
-            (growth < 0).where(enough, True).all() and abs(end / bound - 1) < _CLOSE,
+            (growth < 0).where(enough, True).all() and abs(end / bound - 1) < 0.01,
         ),
     ]
 
 
-def _soft_contact_check(dataset: xr.Dataset, drive: Mapping[str, float]) -> Check:
+def _soft_contact_check(dataset: xr.Dataset, drive: Values) -> Check:
     """Check by LAPACK the ends of the intervals of dampings at which a contact is stable, of soft ones two."""
     own, beside = {**drive, "mass": float(dataset.mass[1])}, np.array([1 - _BESIDE, 1 + _BESIDE])
 
@@ -287,19 +291,19 @@ def _soft_contact_check(dataset: xr.Dataset, drive: Mapping[str, float]) -> Chec
     )
 
 
-def _largest_real_part(drive: Mapping[str, float], **values: Any) -> np.ndarray:
+def _largest_real_part(drive: Values, **values: Any) -> np.ndarray:
     """Largest real part [1/s] of LAPACK's eigenvalues, for arrays of parameters."""
-    return eigenvalues(threads_model({**drive, **values}, _LAW))[:, -1].real
+    return eigenvalues(threads_model({**drive, **values}, law=1))[:, -1].real
 
 
-def _against_signs(dataset: xr.Dataset, drive: Mapping[str, float]) -> tuple[int, int]:
+def _against_signs(dataset: xr.Dataset, drive: Values) -> tuple[int, int]:
     """Number of growth rates whose sign is not that of the exact conditions, and of all."""
     wrong = 0
     for m, own in enumerate(dataset.mass.values):
         for i, c in enumerate(dataset.growth_contact_damping.values):
             for j, k in enumerate(dataset.growth_contact_stiffness.values):
                 contact = ThreadsDrive.of(drive, mass=own, contact_damping=c, contact_stiffness=k)
-                stable = routh_hurwitz(threads_model(contact.exact(), _LAW).polynomial())
+                stable = routh_hurwitz(threads_model(contact.exact(), law=1).polynomial())
                 wrong += stable != bool(dataset.growth_rate.values[m, i, j] < 0)
     return wrong, dataset.growth_rate.size
 
@@ -315,11 +319,11 @@ def draw(dataset: xr.Dataset) -> Figure:
     # Beyond the dotted stiffnesses, one for each damping, the proof of Lemma 8.1 holds.
     for value, colour in zip(dataset.unstable_contact_stiffness.values, _COLOURS, strict=False):
         heavy.axvline(value, color=colour, linewidth=0.9, linestyle=":")
-    heavy.set_ylim(-_LINEAR)
-    heavy.text(0.02, 0.03, "dotted: from here on unstable by Lemma 8.1, same colour", fontsize=_SMALL,
+    heavy.set_ylim(-10.0)
+    heavy.text(0.02, 0.03, "dotted: from here on unstable by Lemma 8.1, same colour", fontsize=6.5,
                transform=heavy.transAxes, bbox={"facecolor": "#FFFFFF", "linewidth": 0, "pad": 0.8})  # fmt: skip
-    heavy.text(0.03, 0.7, "colours as in (c)", fontsize=_SMALL, transform=heavy.transAxes)
-    light.legend(loc="lower left", fontsize=_SMALL)
+    heavy.text(0.03, 0.7, "colours as in (c)", fontsize=6.5, transform=heavy.transAxes)
+    light.legend(loc="lower left", fontsize=6.5)
     _least(least, dataset)
     style.state_values(figure, dataset)
     return figure
@@ -337,13 +341,13 @@ def _critical_mass(axes: Axes, dataset: xr.Dataset) -> None:
         words = f"{float(one):.2f} kg at $k_c$ = {style.power(float(one.contact_stiffness))}"
         top = float(one) > 0.99 * rigid  # on the line of the rigid drive: written above it
         place, side = ((8, 5), "right") if top else ((4, -9), "left")
-        axes.annotate(words, (one.contact_damping, one), place, textcoords="offset points", fontsize=_SMALL, ha=side)
+        axes.annotate(words, (one.contact_damping, one), place, textcoords="offset points", fontsize=6.5, ha=side)
     axes.axhline(rigid, color=style.GREY, linewidth=0.9, linestyle="--")
     axes.annotate(f"rigid contact: {rigid:.3f} kg", (0.03, rigid), (0, -3), xycoords=axes.get_yaxis_transform(),
-                  textcoords="offset points", fontsize=_SMALL, va="top", color=style.GREY)  # fmt: skip
+                  textcoords="offset points", fontsize=6.5, va="top", color=style.GREY)  # fmt: skip
     axes.set(xscale="log", title="(a) critical mass; steady sliding is lost above", xlabel=style.label(damping))
     axes.set(ylabel="Critical mass $m_\\mathrm{cr}$ [kg]", ylim=(0, 1.8 * rigid))
-    axes.legend(loc="upper left", fontsize=_SMALL)
+    axes.legend(loc="upper left", fontsize=6.5)
 
 
 def _growth(axes: Axes, dataset: xr.Dataset, letter: str, rigid: float) -> None:
@@ -352,7 +356,7 @@ def _growth(axes: Axes, dataset: xr.Dataset, letter: str, rigid: float) -> None:
         name = f"$c_c$ = {style.power(float(curve.growth_contact_damping))} N s m⁻¹"
         axes.plot(stiffness, curve, color=colour, linestyle=dashes, label=name)
     axes.axhline(0, color=style.BLACK, linewidth=0.5)
-    axes.set_yscale("symlog", linthresh=_LINEAR)
+    axes.set_yscale("symlog", linthresh=10.0)
     axes.set_title(f"({letter}) growth rate, $m$ = {style.number(dataset.mass)} kg {sign} rigid $m_\\mathrm{{cr}}$")
     axes.set(xscale="log", xlabel=style.label(stiffness), ylabel="Largest real part [s⁻¹], stable below 0")
 
@@ -368,7 +372,7 @@ def _least(axes: Axes, dataset: xr.Dataset) -> None:
     limit = float(dataset.least_contact_damping_of_stiff_contact)
     axes.axhline(limit, color=style.GREY, linewidth=0.9, linestyle="--")
     axes.annotate(f"stiff limit: {limit / 1e3:.2f} kN s m⁻¹", (0.97, limit), (0, -3), ha="right", va="top",
-                  xycoords=axes.get_yaxis_transform(), textcoords="offset points", fontsize=_SMALL)  # fmt: skip
+                  xycoords=axes.get_yaxis_transform(), textcoords="offset points", fontsize=6.5)  # fmt: skip
     axes.text(0.6, 0.92, "stable", transform=axes.transAxes, va="center")
     axes.text(0.6, 0.45, "unstable", transform=axes.transAxes, va="center")
     if np.isfinite(low).any():

@@ -15,18 +15,11 @@ from lsvib.figures.common import flag_names, named
 from lsvib.figures.style import Axes, Figure
 
 _STEP = 1.5  # distance of the points that are compared [pt]
-_ROOM = 9.0  # distance of an arrow from everything else that is enough [pt]
-_OWN = 18.0  # length of a line around an arrow that does not count as another line [pt]
-_START = 14.0  # length from the start of a line on which no arrow stands, since the start has a mark [pt]
-_RIM = 3.0  # arrows keep so far from the rim [pt]
 _PLACES = 150  # places compared on one line
 _ASIDE = (1.2, 1.6, 2.0, 2.5, 3.0, 4.0)  # distances of a word's middle from its line, in sizes of the letters
-_WORD = np.array([2.0, 0.8])  # half width and half height of a word like "N > 0", in sizes of the letters
 
 MOTIONS = (style.BLUE, style.ORANGE, style.SKY, style.PURPLE)
-EVEN = (1.1, 1.1, 1.1, 1.1)  # widths of the lines of up to four motions, in points
 OVERLAID = (2.2, 1.0, 1.0, 1.0)  # where a later motion lies on the first, that one still shows on both sides
-_DOTTED = (0, (1, 1.2))  # dots and gaps in widths of the line: close enough to read as one line
 
 
 DrawnLine = tuple[np.ndarray, np.ndarray, str | None]
@@ -72,7 +65,7 @@ def draw_stop(axes: Axes, rate: float) -> None:
                  zorder=1.4)  # fmt: skip
 
 
-def draw_motions(axes: Axes, case: xr.Dataset, widths: Sequence[float] = EVEN) -> None:
+def draw_motions(axes: Axes, case: xr.Dataset, widths: Sequence[float] = (1.1, 1.1, 1.1, 1.1)) -> None:
     """Draw the motions of one case: jumps dotted, rest thick, starts and seizures marked."""
     for index, colour, width in zip(range(case.sizes["start"]), MOTIONS, widths, strict=False):
         motion = case.isel(start=index)
@@ -117,7 +110,7 @@ def _broken_line(axes: Axes, u, w, jumps, colour: str, width: float, name: str) 
     """Draw a line that is solid but for its jumps, which are dotted."""
     axes.plot(*parted(u, w, jumps), color=colour, linewidth=width, label=name, zorder=2.2)
     for k in np.flatnonzero(jumps):
-        axes.plot(u[k : k + 2], w[k : k + 2], color=colour, linewidth=1, linestyle=_DOTTED,
+        axes.plot(u[k : k + 2], w[k : k + 2], color=colour, linewidth=1, linestyle=(0, (1, 1.2)),
                   label="seizure: jump of the rate")  # fmt: skip
 
 
@@ -246,7 +239,7 @@ def name_sides(
     first, last = page.points(*ends.T)
     normal = np.array([last[1] - first[1], first[0] - last[0]]) / np.hypot(*(last - first))
     clouds = np.concatenate([_evenly(page.points(x, y))[:, :2] for x, y, _ in [(*ends.T, None), *lines]])
-    half = _WORD * size
+    half = np.array([2.0, 0.8]) * size
     for word, side in zip(words, (1, -1), strict=True):
         along = first + np.linspace(0.05, 0.95, _PLACES)[:, None] * (last - first)
         spots = np.concatenate([along + side * aside * size * normal for aside in _ASIDE])
@@ -290,18 +283,19 @@ def _evenly(path: np.ndarray) -> np.ndarray:
 
 def _roomiest(path: np.ndarray, others: Sequence[np.ndarray], size: np.ndarray) -> int | None:
     """Return the first point of a path with room around it, else the one with most; none if no point is in view."""
-    inside = ((path[:, :2] > _RIM) & (path[:, :2] < size - _RIM)).all(axis=1)
-    inside &= path[:, 2] > np.minimum(_START, path[-1:, 2] / 3)
+    # Not on the rim, and not at the start, which has a mark [pt].
+    inside = ((path[:, :2] > 3.0) & (path[:, :2] < size - 3.0)).all(axis=1)
+    inside &= path[:, 2] > np.minimum(14.0, path[-1:, 2] / 3)
     # The point before, at which the arrow starts, lies on the same piece: pieces are more than a step apart.
     inside &= np.append(False, np.diff(path[:, 2]) < 1.001 * _STEP)
     found = np.flatnonzero(inside)
     if not found.size:
         return None
     found = found[:: -(-found.size // _PLACES)]
-    room = np.full(found.size, _ROOM)
+    room = np.full(found.size, 9.0)  # enough [pt]
     for k, point in enumerate(found):
         x, y, s = path[point]
-        own = path[np.abs(path[:, 2] - s) > _OWN, :2]
+        own = path[np.abs(path[:, 2] - s) > 18.0, :2]  # its own line around an arrow is no other line
         for cloud in (own, *others):
             if cloud.size:
                 room[k] = min(room[k], np.hypot(*(cloud - (x, y)).T).min())

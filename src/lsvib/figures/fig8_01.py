@@ -1,8 +1,5 @@
 """Figure 8.1: phase portrait of the contact force in the indeterminate case, without and with contact damping."""
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 import xarray as xr
 
@@ -10,7 +7,7 @@ from lsvib.contact.contact_force import Paradox
 from lsvib.datasets.checks import Check
 from lsvib.figures import contact_portraits, style
 from lsvib.figures.common import about, named
-from lsvib.figures.settings import ContactPortrait
+from lsvib.figures.settings import ContactPortrait, Values
 from lsvib.figures.style import Figure
 
 CAPTION = """\
@@ -21,14 +18,12 @@ negative; the saddle's stable manifold separates contact forces that stay bounde
 (a) part of the unstable manifold lies on it. Arrows point along time.
 """
 
-_ENDS = 0.01  # of 1/Γ₋; e⁻⁸ of a start is left where the motions end
-
 
 class Settings(ContactPortrait):
     """Phase portrait of the contact force, indeterminate case."""
 
 
-def build(settings: Mapping[str, Any]) -> xr.Dataset:
+def build(settings: Values) -> xr.Dataset:
     """Compute the portrait, :func:`lsvib.figures.contact_portraits.portrait`, with contact dampings 0 and > 0."""
     return contact_portraits.portrait(settings, Paradox.INDETERMINATE).assign_attrs(
         about(
@@ -120,7 +115,7 @@ def _damping_checks(damped: xr.Dataset) -> list[Check]:
             "With contact damping a bounded contact force settles on N = N₋, to 1 %",
             "Remark 8.1",
             f"{ends.size} motions, largest relative distance {gap:.1e}",
-            ends.size and gap < _ENDS,
+            ends.size and gap < 0.01,  # e⁻⁸ of a start is left where the motions end
         ),
     ]
 

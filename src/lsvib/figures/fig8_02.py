@@ -1,8 +1,5 @@
 """Figure 8.2: phase portrait of the contact force in the inconsistent case, without and with contact damping."""
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 import xarray as xr
 
@@ -10,7 +7,7 @@ from lsvib.contact.contact_force import Paradox
 from lsvib.datasets.checks import Check
 from lsvib.figures import contact_portraits, style
 from lsvib.figures.common import about, named
-from lsvib.figures.settings import ContactPortrait
+from lsvib.figures.settings import ContactPortrait, Values
 from lsvib.figures.style import Figure
 
 CAPTION = """\
@@ -25,7 +22,7 @@ class Settings(ContactPortrait):
     """Phase portrait of the contact force, inconsistent case."""
 
 
-def build(settings: Mapping[str, Any]) -> xr.Dataset:
+def build(settings: Values) -> xr.Dataset:
     """Compute the portrait, :func:`lsvib.figures.contact_portraits.portrait`, with contact dampings 0 and > 0."""
     return contact_portraits.portrait(settings, Paradox.INCONSISTENT).assign_attrs(
         about(

@@ -1,7 +1,6 @@
 """Figure 8.3: stability of the steady sliding over effective inertia and damping, by eigenvalues (8.18)."""
 
-from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -13,7 +12,7 @@ from lsvib.datasets.checks import Check
 from lsvib.datasets.parameter_origins import drive_parameters, labels
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, flag_names, named
-from lsvib.figures.settings import DriveChanges, FigureSettings, Span
+from lsvib.figures.settings import DriveChanges, FigureSettings, Span, Values
 from lsvib.figures.style import Axes, Figure
 from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
@@ -46,7 +45,7 @@ class Settings(FigureSettings):
     cases: list[DriveChanges] = Field(max_length=5, description="Drives to place in the plane, as changes of `drive`.")
 
 
-def build(settings: Mapping[str, Any]) -> xr.Dataset:
+def build(settings: Values) -> xr.Dataset:
     """Compute the class map, the node–focus boundary and the place of the chapter's drives."""
     drive = RigidDrive.of(settings["drive"])
     stiffness = drive.coupling_stiffness

@@ -1,16 +1,19 @@
 """Figure 8.4: phase plane under negative damping with N_0 Ω > 0: the origin is unstable, a limit cycle attracts."""
 
-from collections.abc import Mapping
-from typing import Any
-
+import numpy as np
 import xarray as xr
 
+from lsvib.datasets.attributes import variable
 from lsvib.datasets.checks import Check
+from lsvib.datasets.parameter_origins import drive_parameters, labels
 from lsvib.figures import drawing, style
-from lsvib.figures.common import named, spread
-from lsvib.figures.common_motions import MARGINS, margins_text, negative_damping, radii
-from lsvib.figures.settings import PhasePlane
+from lsvib.figures.common import EIGENVALUE, about, named, spread
+from lsvib.figures.settings import PhasePlane, Values
 from lsvib.figures.style import Figure
+from lsvib.models.coefficients import coefficients
+from lsvib.models.drive import RigidDrive
+from lsvib.stability.conditions import conditions
+from lsvib.stability.eigenvalues_rigid import eigenvalues
 
 CAPTION = """\
 Phase plane of the rigid drive under negative effective damping (8.19) with a contact force of the direction of motion
@@ -18,14 +21,58 @@ Phase plane of the rigid drive under negative effective damping (8.19) with a co
 Arrows point along time.
 """
 
+MARGINS = {  # the inequalities of (8.19): unit and wording; each holds where its margin is positive
+    "self_locking": ("1", "margin of self-locking, mu - tan(lambda)"),
+    "force_with_motion": ("N rad s-1", "margin of a contact force along the motion, by net force times input speed"),
+    "negative_effective_damping": ("N m s rad-1", "margin of a negative effective damping of law +"),
+}
+
 
 class Settings(PhasePlane):
     """Phase plane under negative damping, contact force with the motion."""
 
 
-def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Compute the phase plane; the first start lies inside the limit cycle, the others outside."""
-    return negative_damping(settings, "8.4", "contact force along the motion")
+def build(settings: Values, figure: str = "8.4", what: str = "contact force along the motion") -> xr.Dataset:
+    """Compute the phase plane of one drive, the margins of (8.19) and the eigenvalues of its origin.
+
+    The first start lies inside the limit cycle, the others outside. ``figure`` and ``what`` it shows: also Fig. 8.5.
+    """
+    from lsvib.datasets import phase_plane
+
+    drive = RigidDrive.of(settings["drive"])
+    c = coefficients(drive)
+    inertia, damping = float(c.gamma[c.steady_law]), float(c.damping[c.steady_law])
+    margins = conditions(drive)["negative_damping"]["margins"]
+    real, dims = eigenvalues(inertia, damping, drive.coupling_stiffness).real[None], ("case", "eigenvalue")
+    return xr.Dataset(
+        phase_plane.portraits([drive], settings["starts"], settings["duration"], settings["samples"])
+        | {f"margin_{key}": variable("case", [margins[key]], *words) for key, words in MARGINS.items()}
+        | {"eigenvalue_real_part": variable(dims, real, "s-1", "real part of the eigenvalue", r"Re $\varepsilon$")},
+        coords={
+            **labels("case", [drive], ()),
+            **drive_parameters([drive], printed=("Sect. 8.5.1",)),
+            **phase_plane.rule_coordinate(),
+            "eigenvalue": EIGENVALUE,
+        },
+        attrs=about(
+            f"Figure {figure}: phase plane under negative damping, {what}",
+            "exact event-driven motion; eigenvalues in closed form (8.18)",
+            f"Sect. 8.5, Fig. {figure}",
+        ),
+    )
+
+
+def margins_text(dataset: xr.Dataset) -> str:
+    """Return the margins of (8.19) for the text of a check."""
+    found = {key.replace("_", " "): dataset[f"margin_{key}"] for key in MARGINS}
+    return ", ".join(f"{words} {float(margin[0]):.3g} {margin.attrs['units']}" for words, margin in found.items())
+
+
+def radii(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
+    """Return each motion's largest |u| [rad] in the first and in the last fifth of the time."""
+    u, time = np.abs(dataset.angle_deviation.values[0]), dataset.time.values[0]
+    fifth = time[:, -1:] / 5
+    return np.where(time <= fifth, u, 0).max(axis=1), np.where(time >= 4 * fifth, u, 0).max(axis=1)
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:

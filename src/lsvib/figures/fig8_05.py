@@ -1,15 +1,11 @@
 """Figure 8.5: phase plane as in figure 8.4 but with N_0 Ω < 0: the origin is stable."""
 
-from collections.abc import Mapping
-from typing import Any
-
 import xarray as xr
 
 from lsvib.datasets.checks import Check
-from lsvib.figures import drawing, style
+from lsvib.figures import drawing, fig8_04, style
 from lsvib.figures.common import named
-from lsvib.figures.common_motions import margins_text, negative_damping, radii
-from lsvib.figures.settings import PhasePlane
+from lsvib.figures.settings import PhasePlane, Values
 from lsvib.figures.style import Figure
 
 CAPTION = """\
@@ -22,21 +18,21 @@ class Settings(PhasePlane):
     """Phase plane under negative damping, contact force against the motion."""
 
 
-def build(settings: Mapping[str, Any]) -> xr.Dataset:
+def build(settings: Values) -> xr.Dataset:
     """Compute the phase plane."""
-    return negative_damping(settings, "8.5", "contact force against the motion")
+    return fig8_04.build(settings, "8.5", "contact force against the motion")
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check that only the second condition of (8.19) fails, and that the origin attracts."""
     others = float(dataset.margin_self_locking[0]), float(dataset.margin_negative_effective_damping[0])
-    growth, (first, last) = dataset.eigenvalue_real_part.values[0], radii(dataset)
+    growth, (first, last) = dataset.eigenvalue_real_part.values[0], fig8_04.radii(dataset)
     settled = named(dataset.attractor, "steady sliding")
     return [
         Check.holds(
             "Of the conditions of negative damping only the second, N_0 Ω > 0, is violated",
             "eq. 8.19, Fig. 8.5",
-            margins_text(dataset),
+            fig8_04.margins_text(dataset),
             float(dataset.margin_force_with_motion[0]) < 0 < min(others),
         ),
         Check.holds(

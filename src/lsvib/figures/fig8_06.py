@@ -5,9 +5,9 @@ inertias that it prints are those of m = 8 kg; its dampings hold for any mass, a
 to the stated one.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from enum import IntEnum
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Annotated, ClassVar, Self
 
 import numpy as np
 import xarray as xr
@@ -20,7 +20,7 @@ from lsvib.datasets.checks import Check
 from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters, labels, start_state
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, flag_names, named, spread
-from lsvib.figures.settings import MassPair, PhasePlane, Span, State, Unique, parameter
+from lsvib.figures.settings import MassPair, PhasePlane, Span, State, Unique, Values, parameter
 from lsvib.figures.style import Axes, Figure
 from lsvib.models import chapter
 from lsvib.models.coefficients import coefficients
@@ -50,7 +50,7 @@ _REGIMES = {
     "stick slip in contact": (style.VERMILION, "stick–slip, $N > 0$"),
 }
 # Where the curve leaves room for insets, as fractions of the axes: left, bottom, width, height.
-_PLACES = ((0.085, 0.17, 0.21, 0.30), (0.085, 0.61, 0.235, 0.33), (0.735, 0.20, 0.245, 0.38))
+_INSETS = ((0.085, 0.17, 0.21, 0.30), (0.085, 0.61, 0.235, 0.33), (0.735, 0.20, 0.245, 0.38))
 
 
 class Settings(PhasePlane):
@@ -86,7 +86,7 @@ class Regime(IntEnum):
     OTHER = 4
 
 
-def build(settings: Mapping[str, Any]) -> xr.Dataset:
+def build(settings: Values) -> xr.Dataset:
     """Compute the amplitude curve, its thresholds, the inset portraits, and the coefficients for both masses."""
     from lsvib.datasets import phase_plane
     from lsvib.dynamics.attractors import steady_state
@@ -298,10 +298,10 @@ def draw(dataset: xr.Dataset) -> Figure:
     curve = np.interp(dataset.axial_force, forces, amplitude, np.nan, np.nan)
     axes.plot(dataset.axial_force, curve, "o", color="white", mec=style.BLACK, markersize=4.5, zorder=4,
               label="force of a phase portrait")  # fmt: skip
-    insets = [axes.inset_axes(place) for place in _PLACES[: dataset.sizes["case"]]]
+    insets = [axes.inset_axes(place) for place in _INSETS[: dataset.sizes["case"]]]
     for small, index in zip(insets, dataset.case.values, strict=True):
         _inset(small, dataset.sel(case=index))
-    for left, bottom, width, height in _PLACES[: len(insets)]:
+    for left, bottom, width, height in _INSETS[: len(insets)]:
         axes.add_patch(Rectangle((left - 0.055, bottom - 0.085), width + 0.06, height + 0.14, color="white", zorder=2,
                                  transform=axes.transAxes))  # fmt: skip
     style.state_values(figure, dataset)

@@ -1,9 +1,7 @@
 """Figure 8.7: the four sectors of the phase plane in the Painlevé region, without a solution or with two."""
 
 import math
-from collections.abc import Mapping
 from itertools import product
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -16,7 +14,7 @@ from lsvib.datasets.checks import Check
 from lsvib.datasets.parameter_origins import drive_parameters, labels
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, named
-from lsvib.figures.settings import PhasePlane, Span
+from lsvib.figures.settings import PhasePlane, Span, Values
 from lsvib.figures.style import Axes, Figure
 from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
@@ -29,7 +27,6 @@ both, those of law − first, under which motions slip. Each motion is drawn up 
 it slips, and goes on to the limit cycle.
 """
 
-_LONG = 60.0  # times the decay time of law −1, after which e⁻⁶⁰ of a start is left
 _SECTORS = {"inconsistent": ("#F7D9C4", "no solution", "////"), "indeterminate": ("#FFFFFF", "two solutions", None)}
 _HATCH = "#C9A58C"
 
@@ -41,7 +38,7 @@ class Settings(PhasePlane):
     velocity: Span = Field(description="Rate of the deviation w [rad/s].")
 
 
-def build(settings: Mapping[str, Any]) -> xr.Dataset:
+def build(settings: Values) -> xr.Dataset:
     """Compute the existence map, motions from each sector, and where the flow of law −1 leads; R > 0, Ω > 0, Γ₊ < 0."""
     from lsvib.datasets import phase_plane
 
@@ -132,7 +129,7 @@ def _beyond_line(dataset: xr.Dataset, u, w):
     return u - (float(dataset.contact_line_angle[0]) + float(dataset.contact_line_slope[0]) * w)
 
 
-def _end_of_flow(drive: RigidDrive, start: Mapping[str, float]) -> np.ndarray:
+def _end_of_flow(drive: RigidDrive, start: Values) -> np.ndarray:
     """State in which the closed-form flow of law −1 ends, guards left out."""
     from lsvib.engine.kernels import columns, flow_planar
 
@@ -141,7 +138,8 @@ def _end_of_flow(drive: RigidDrive, start: Mapping[str, float]) -> np.ndarray:
     row = automaton.tables.flow[mode]
     slowest = row[columns.ALPHA] if row[columns.BETA] > 0 else -row[columns.R1]
     state = np.array([start["u"], start["w"]])
-    flow_planar.advance(automaton.tables.flow, mode, state, _LONG / slowest if slowest > 0 else math.inf, state)
+    end = 60.0 / slowest if slowest > 0 else math.inf  # e⁻⁶⁰ of the start is left
+    flow_planar.advance(automaton.tables.flow, mode, state, end, state)
     return state
 
 

@@ -1,7 +1,6 @@
 """Figure 8.8: eigenvalues of the steady sliding against the translating mass, and the critical mass Γ₊ = 0."""
 
-from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 import xarray as xr
@@ -14,7 +13,7 @@ from lsvib.datasets.checks import Check
 from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters
 from lsvib.figures import style
 from lsvib.figures.common import EIGENVALUE, about, existing
-from lsvib.figures.settings import Damping, DriveChanges, FigureSettings, PositiveSpan
+from lsvib.figures.settings import Damping, DriveChanges, FigureSettings, PositiveSpan, Values
 from lsvib.figures.style import Axes, Figure
 from lsvib.models import chapter
 from lsvib.models.coefficients import coefficients
@@ -45,7 +44,7 @@ class Settings(FigureSettings):
     )
 
 
-def build(settings: Mapping[str, Any]) -> xr.Dataset:
+def build(settings: Values) -> xr.Dataset:
     """Compute both eigenvalues over the mass, the critical mass, and where the spectrum loses stability.
 
     c_x = 0. The masses crowd towards m_cr, where the eigenvalues diverge.
@@ -146,7 +145,7 @@ def _loss_of_stability(drive: RigidDrive, critical: float) -> float:
     return bisected(unstable, critical / 2, 3 * critical / 2)
 
 
-def _masses(span: Mapping[str, Any], critical: float, marks: list[float]) -> np.ndarray:
+def _masses(span: Values, critical: float, marks: list[float]) -> np.ndarray:
     """Masses [kg] of a span without m_cr: evenly spaced ones, ever closer ones on its two sides, the marks."""
     near = critical * np.geomspace(1e-6, 0.1, span["count"] // 4)
     mass = np.unique(np.concatenate([spans.even(span), critical - near, critical + near, marks]))

@@ -1,7 +1,6 @@
 """Figure 8.9: trajectories (a) below and (b) above the critical mass, and the effect of the axial force on (b)."""
 
-from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -13,7 +12,7 @@ from lsvib.datasets.checks import Check
 from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters, labels
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, existing, named, spread
-from lsvib.figures.settings import DriveChanges, PhasePlane, PositiveSpan
+from lsvib.figures.settings import DriveChanges, PhasePlane, PositiveSpan, Values
 from lsvib.figures.style import Axes, Figure
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import rigid_automaton
@@ -42,7 +41,7 @@ class Settings(PhasePlane):
     axial_force: PositiveSpan = Field(description="R [N] over which the dependence on it is shown.")
 
 
-def build(settings: Mapping[str, Any]) -> xr.Dataset:
+def build(settings: Values) -> xr.Dataset:
     """Compute both phase planes, the critical mass and the sensitivity of case (b) to R, which the text leaves out."""
     from lsvib.datasets import phase_plane
 
@@ -67,7 +66,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     )
 
 
-def _sensitivity(drive: RigidDrive, forces: np.ndarray, start: Mapping[str, float]) -> Variables:
+def _sensitivity(drive: RigidDrive, forces: np.ndarray, start: Values) -> Variables:
     from lsvib.datasets import phase_plane
     from lsvib.dynamics.attractors import Attractor, steady_state
     from lsvib.dynamics.impulses import seizure_speeds

@@ -1,7 +1,7 @@
 """Figure 8.10: the sprag–slip cycle with compliant threads, its phase plane and the peaks of its contact force."""
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
@@ -13,16 +13,25 @@ from lsvib.datasets.checks import Check
 from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters, start_state
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, named
-from lsvib.figures.common_motions import compliant_cycle, cycle_curves
-from lsvib.figures.settings import DriveChanges, Duration, FigureSettings, PositiveSpan, Samples, State, parameter
+from lsvib.figures.settings import (
+    DriveChanges,
+    Duration,
+    FigureSettings,
+    PositiveSpan,
+    Samples,
+    State,
+    Values,
+    parameter,
+)
 from lsvib.figures.style import Axes, Figure
 from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive, ThreadsDrive
 from lsvib.models.rigid import rigid_automaton
-from lsvib.models.threads import ThreadsEvent, ThreadsMode, seated_state
+from lsvib.models.threads import ThreadsEvent, ThreadsMode, seated_state, threads_automaton
 
 if TYPE_CHECKING:
     from lsvib.dynamics.attractors import SteadyState
+    from lsvib.engine.automaton import Automaton
     from lsvib.engine.motion import Motion
 
 CAPTION = """\
@@ -32,7 +41,6 @@ jumps and the compliant one seizes in finite time; (d) one of the peaks; (e) pea
 (right) over R, which the text does not state. The dot is the force of (a) to (d), 50 N assumed.
 """
 
-_ZOOM = 400  # samples of the peak that is drawn alone
 _PEAK = ("N", "largest normal force on the cycle", "$N$")
 _DISTANCE = (
     "1", "distance of the compliant from the rigid cycle, in scales of the rigid amplitude and the input speed",
@@ -51,7 +59,7 @@ class Settings(FigureSettings):
     axial_force: PositiveSpan = Field(description="R [N] over which the dependence on it is shown.")
 
 
-def build(settings: Mapping[str, Any]) -> xr.Dataset:
+def build(settings: Values) -> xr.Dataset:
     """Compute motion and cycle with compliant threads from a seated contact, the rigid cycle, and the effect of R."""
     from lsvib.engine.motion import follow
 
@@ -82,7 +90,33 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     )
 
 
-def _rigid_cycle(drive: RigidDrive, start: Mapping[str, float]) -> "SteadyState":
+def compliant_cycle(drive: ThreadsDrive, start: Values) -> "tuple[Automaton, SteadyState]":
+    """Return the automaton and the attractor of the motion from a seated contact at u [rad], w [rad/s]."""
+    from lsvib.dynamics.attractors import steady_state
+
+    automaton = threads_automaton(drive)
+    return automaton, steady_state(automaton, seated_state(drive, start["u"], start["w"]))
+
+
+def cycle_curves(dims: Sequence[str], cycles: "Sequence[SteadyState]", count: int, prefix: str = "cycle") -> Variables:
+    """Return cycles as curves in the phase plane, dimensions (*dims, sample), NaN where there is none.
+
+    Variables: ``{prefix}_time`` [s] from a point of the cycle, ``_angle`` [rad], ``_velocity`` [rad/s]; both states of
+    each event are among the samples.
+    """
+    from lsvib.datasets import phase_plane
+
+    curves = np.full((len(cycles), count, 3), np.nan)
+    for curve, steady in zip(curves, cycles, strict=True):
+        if steady.orbit is not None:
+            times, states, _ = phase_plane.sample(steady.orbit, count)
+            curve[:, 0], curve[:, 1:] = times, states[:, :2]
+    curves, dims = curves if dims else curves[0], (*dims, f"{prefix}_sample")
+    time = variable(dims, curves[..., 0], "s", "time along the cycle", "$t$")
+    return {f"{prefix}_time": time, **phase_plane.curve(prefix, dims, curves[..., 1:], "on the limit cycle")}
+
+
+def _rigid_cycle(drive: RigidDrive, start: Values) -> "SteadyState":
     from lsvib.dynamics.attractors import steady_state
 
     return steady_state(rigid_automaton(drive), [start["u"], start["w"]])
@@ -109,13 +143,13 @@ def _peak(cycle: "SteadyState") -> Variables:
     from lsvib.dynamics.attractors import Attractor
     from lsvib.engine.motion import follow
 
-    (times, force), sprag = np.full((2, _ZOOM), np.nan), np.nan
+    (times, force), sprag = np.full((2, 400), np.nan), np.nan
     if cycle.label == Attractor.SPRAG_SLIP_CYCLE:  # else there is nothing to draw; the checks say so
         period, automaton = cycle.orbit.end_time, cycle.orbit.automaton
         twice = follow(automaton, cycle.state, 2 * period, mode=cycle.orbit.start_mode)
         stick = int(np.flatnonzero((twice.kind == ThreadsEvent.STICK) & (twice.time > 0.5 * period))[0])
         begin, sprag = twice.time[stick - 1], float(twice.time[stick] - twice.time[stick - 1])
-        times = begin + sprag * np.linspace(-0.3, 1.6, _ZOOM)
+        times = begin + sprag * np.linspace(-0.3, 1.6, 400)
         times = np.sort(np.append(times, twice.time[stick - 1 : stick + 3]))
         force, times = automaton.observe("normal_force", *twice.at(times)), times - begin
     return {
@@ -158,7 +192,7 @@ def _cycle_values(drive: RigidDrive, cycle: "SteadyState", rigid: "SteadyState")
     return max(-low, high), Orbit.of(cycle.orbit, scales).distance(Orbit.of(rigid.orbit, scales))
 
 
-def _sensitivity(drive: ThreadsDrive, forces: np.ndarray, start: Mapping[str, float]) -> Variables:
+def _sensitivity(drive: ThreadsDrive, forces: np.ndarray, start: Values) -> Variables:
     from lsvib.datasets import phase_plane
     from lsvib.dynamics.attractors import Attractor
 

@@ -1,7 +1,6 @@
 """Figure 8.11: effect of the support damping on the sprag–slip cycle, with the line N = 0 of each damping."""
 
-from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 import xarray as xr
@@ -11,7 +10,7 @@ from lsvib.datasets.checks import Check
 from lsvib.datasets.parameter_origins import drive_parameters, labels
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, named
-from lsvib.figures.settings import Damping, PhasePlane, Unique
+from lsvib.figures.settings import Damping, PhasePlane, Unique, Values
 from lsvib.figures.style import Figure
 from lsvib.models.drive import RigidDrive
 
@@ -20,8 +19,6 @@ Sprag–slip cycles of the rigid drive for three levels of support damping c (as
 force; triangles point forward in time. The screw slips to the left of the line, where N < 0. Seizure starts where the
 trajectory reaches it: to the right forward slip has no solution.
 """
-
-_ROUNDING = 1e-14  # a few rounding errors of the sum of three terms
 
 
 class Settings(PhasePlane):
@@ -34,7 +31,7 @@ class Settings(PhasePlane):
     )
 
 
-def build(settings: Mapping[str, Any]) -> xr.Dataset:
+def build(settings: Values) -> xr.Dataset:
     """Compute the phase plane for each damping; ``settings``: see ``Settings``."""
     from lsvib.datasets import phase_plane
 
@@ -73,10 +70,10 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             (np.diff(damping) > 0).all() and (np.diff(amplitude, axis=0) < 0).all(),
         ),
         Check.holds(
-            f"Every seizure starts on the line N = 0, to {_ROUNDING:g} of the terms of Q",
+            "Every seizure starts on the line N = 0, to 1e-14 of the terms of Q",
             "Sect. 8.6.1, Fig. 8.11, eq. 8.17",
             f"largest distance {worst:.1e} of {count} seizures",
-            count > 0 and worst <= _ROUNDING,
+            count > 0 and worst <= 1e-14,
         ),
         Check.holds(
             "At these dampings both rules of resuming give the same cycle (Fig. 8.12 shows where they differ)",

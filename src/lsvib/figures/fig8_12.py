@@ -1,7 +1,6 @@
 """Figure 8.12: amplitude, mean deflection and mean contact force of the sprag–slip cycle against the damping."""
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 import xarray as xr
@@ -14,7 +13,7 @@ from lsvib.datasets.parameter_origins import axis, drive_parameters, start_state
 from lsvib.errors import InputError
 from lsvib.figures import style
 from lsvib.figures.common import about, flag_names, named
-from lsvib.figures.settings import DriveChanges, FigureSettings, Span, State
+from lsvib.figures.settings import DriveChanges, FigureSettings, Span, State, Values
 from lsvib.figures.style import Axes, Figure
 from lsvib.models.drive import RigidDrive
 from lsvib.models.resumption import RULES
@@ -60,7 +59,7 @@ class Settings(FigureSettings):
     start: State
 
 
-def build(settings: Mapping[str, Any]) -> xr.Dataset:
+def build(settings: Values) -> xr.Dataset:
     """Compute the cycle's amplitude and means over the damping, under both rules of resuming after a seizure.
 
     ``settings``: see ``Settings``. Below ``resting_support_damping`` the screw rests after a seizure under the first

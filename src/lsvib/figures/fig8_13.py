@@ -1,6 +1,6 @@
 """Figure 8.13: with softer contacts the motion is smoother, and the coupling deflection turns positive in sprag."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,8 +14,8 @@ from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters, 
 from lsvib.errors import InputError
 from lsvib.figures import drawing, style
 from lsvib.figures.common import CRITICAL_MASS_WITH_CONTACT, about, named
-from lsvib.figures.common_motions import compliant_cycle, cycle_curves
-from lsvib.figures.settings import Contact, DriveChanges, FigureSettings, PositiveSpan, Samples, State
+from lsvib.figures.fig8_10 import compliant_cycle, cycle_curves
+from lsvib.figures.settings import Contact, DriveChanges, FigureSettings, PositiveSpan, Samples, State, Values
 from lsvib.figures.style import Axes, Figure
 from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import ThreadsDrive
@@ -35,8 +35,6 @@ decides; the stiffness matters where it is large.
 """
 
 _CONTACT = ("contact_stiffness", "contact_damping")
-_TURNS = 1e-10  # rad: deflection that counts as zero at the boundary
-_TRIES = 40  # of regula falsi; as many halvings would narrow an interval of the grid to 1e-12 of it
 _NUMBERS = {
     "attractor": ("1", "attractor that the motion reaches"),
     "largest_deflection": ("rad", "largest coupling deflection on the cycle", "$z$"),
@@ -62,7 +60,7 @@ class Settings(FigureSettings):
     contact_damping: PositiveSpan = Field(description="c_c [N s/m] of the grid, spaced logarithmically.")
 
 
-def build(settings: Mapping[str, Any]) -> xr.Dataset:
+def build(settings: Values) -> xr.Dataset:
     """Compute the cycles of a few contacts, and over a grid of contacts where the deflection turns positive."""
     from lsvib.dynamics.attractors import steady_state
 
@@ -94,7 +92,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     )
 
 
-def _grid(drive: ThreadsDrive, start: Mapping[str, float], stiffness: np.ndarray, damping: np.ndarray) -> Variables:
+def _grid(drive: ThreadsDrive, start: Values, stiffness: np.ndarray, damping: np.ndarray) -> Variables:
     """Numbers of the cycles over a grid of contacts, and the damping at which the largest deflection turns positive."""
 
     def numbers(k: float, c: float) -> dict[str, float]:
@@ -153,10 +151,10 @@ def _boundary(deflection: Callable[[float], float], damping: np.ndarray, row: li
     low, high = np.log(damping[turns[-1] : turns[-1] + 2])
     above, below = values[turns[-1]], values[turns[-1] + 1]
     side, middle, value = 0, low, above
-    for _ in range(_TRIES):
+    for _ in range(40):  # as many halvings would narrow an interval of the grid to 1e-12 of it
         middle = (low * below - high * above) / (below - above)
         value = deflection(float(np.exp(middle)))
-        if abs(value) <= _TURNS:
+        if abs(value) <= 1e-10:
             break
         if value > 0:  # Illinois: halve the weight of an end that stays
             low, above, below, side = middle, value, below / (2 if side == 1 else 1), 1
@@ -226,7 +224,7 @@ def _boundary_check(dataset: xr.Dataset) -> Check:
         f"N/m; |max z| up to {edge:.1e} rad on it; negative for "
         f"{(grid[above] < 0).sum()} of {above.sum()} contacts above, positive for "
         f"{(next_below > 0).sum()} of {next_below.size} next below",
-        edge <= _TURNS and (grid[above] < 0).all() and (next_below > 0).all(),
+        edge <= 1e-10 and (grid[above] < 0).all() and (next_below > 0).all(),
     )
 
 

@@ -10,8 +10,8 @@ order in d. So the distances fall with the ratio q = |σ| a / (Ω + |σ| a), whi
 translation damping, and the time left is d / Ω: infinitely many seizures in finite time.
 """
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 import xarray as xr
@@ -23,7 +23,7 @@ from lsvib.datasets.checks import Check
 from lsvib.datasets.parameter_origins import Variables, drive_parameters, labels
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, flag_names, named
-from lsvib.figures.settings import MassPair, OpposingForces, PhasePlane, Span
+from lsvib.figures.settings import MassPair, OpposingForces, PhasePlane, Span, Values
 from lsvib.figures.style import Axes, Figure
 from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
@@ -69,7 +69,7 @@ class Settings(PhasePlane):
     velocity: Span = Field(description="Rates of those starts w [rad/s].")
 
 
-def build(settings: Mapping[str, Any]) -> xr.Dataset:
+def build(settings: Values) -> xr.Dataset:
     """Compute the four phase planes (mass by mass, force by force) and the force of global stability beyond m_cr.
 
     Seizures of the motion from the last of the ``starts`` accumulate under the chapter's reading of the rule.
@@ -146,9 +146,7 @@ def _corner(drive: RigidDrive) -> float:
     return float(p.support_damping * p.input_speed / p.coupling_stiffness - c.gamma[-1] * p.axial_force / lever)
 
 
-def _reverse_slips(
-    drives: Sequence[RigidDrive], start: Mapping[str, float], duration: float, samples: int
-) -> Variables:
+def _reverse_slips(drives: Sequence[RigidDrive], start: Values, duration: float, samples: int) -> Variables:
     """The seizures before the first release by (case, rule, seizure), and the motion until then; see the text above.
 
     Along case the ratio of successive distances and the length over which it may change, missing where Γ₊ > 0.
@@ -176,7 +174,7 @@ def _reverse_slips(
     }
 
 
-def _until_release(drive: RigidDrive, rule: str, start: Mapping[str, float], duration: float) -> "Motion":
+def _until_release(drive: RigidDrive, rule: str, start: Values, duration: float) -> "Motion":
     """The motion up to its first release, or all of it."""
     from lsvib.engine.motion import follow
 

@@ -1,6 +1,5 @@
 """Figure 8.15: instability regions of the drive with axial support over friction coefficient and support stiffness."""
 
-from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import numpy as np
@@ -14,7 +13,7 @@ from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters
 from lsvib.errors import InputError
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, named
-from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Span, parameter
+from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Span, Values, parameter
 from lsvib.figures.style import Figure
 from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive, SupportDrive
@@ -33,10 +32,6 @@ stiffens it becomes the kinematic instability of the rigid drive. The stiffness 
 Table 7.1 is not in the chapter; the boundaries of mode coupling are in proportion to it.
 """
 
-_LAW = 1  # R Ω > 0
-_SAME = 1e-9  # relative distance from a boundary within which rounding may decide the class
-_SAMPLES = 100  # columns, and rows, of the map that are compared with LAPACK
-_GROWS = 1e-7  # real part of a growing eigenvalue, relative; LAPACK keeps 1.5e-8 where two coincide
 _PARAMETERS = ("mass", "screw_mass", "screw_inertia", "pitch_radius", "lead_angle", "coupling_stiffness")
 _DAMPINGS = ("support_damping", "translation_damping", "axial_support_damping")
 # Fill, hatch, words of the legend, words in the region and their place; hatching as in the chapter.
@@ -66,7 +61,7 @@ class Settings(FigureSettings):
     support_stiffness: PositiveSpan = Field(description="k_1 [N/m], spaced logarithmically.")
 
 
-def build(settings: Mapping[str, Any]) -> xr.Dataset:
+def build(settings: Values) -> xr.Dataset:
     """Compute the undamped class map by eigenvalues, flutter boundaries in closed form, critical friction both ways."""
     drive = SupportDrive.of({"screw_mass": settings["screw_mass"], **settings["drive"]})
     friction = spans.even(settings["friction_coefficient"])
@@ -77,8 +72,8 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         raise InputError("No friction coefficient below cot(lead_angle) makes the reduced inertia vanish.")
     curve = _curve(friction, float(np.tan(drive.lead_angle)), critical)
     grid = {**dict(drive), "friction_coefficient": friction[:, None], "support_stiffness": stiffness}
-    kinds, plane = undamped_class(support_model(grid, _LAW)), ("friction_coefficient", "support_stiffness")
-    branches = support_conditions.flutter_boundaries({**dict(drive), "friction_coefficient": curve}, _LAW)
+    kinds, plane = undamped_class(support_model(grid, law=1)), ("friction_coefficient", "support_stiffness")
+    branches = support_conditions.flutter_boundaries({**dict(drive), "friction_coefficient": curve}, law=1)
     along, word = "boundary_friction_coefficient", "critical friction coefficient"
     passing = "friction coefficient where an eigenvalue 1/omega^2 passes through zero"
     by_eigenvalues = support_conditions.critical_friction_by_eigenvalues(drive)
@@ -132,10 +127,11 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the critical friction, the classes by the printed conditions and by LAPACK, and the boundaries."""
     drive, critical = {name: float(dataset[name]) for name in _PARAMETERS}, float(dataset.critical_friction)
     grid = _grid(dataset, drive)
-    a_4, a_2, a_0 = support_conditions.characteristic_polynomial(grid, _LAW)
+    a_4, a_2, a_0 = support_conditions.characteristic_polynomial(grid, law=1)
     discriminant, size = a_2**2 - 4 * a_0 * a_4, a_2**2 + 4 * a_0 * np.abs(a_4)
     inertia = drive["screw_inertia"] * (drive["mass"] + drive["screw_mass"])
-    clear = (np.abs(discriminant) > _SAME * size) & (np.abs(a_4) > _SAME * inertia)
+    # Closer to a boundary rounding may decide the class.
+    clear = (np.abs(discriminant) > 1e-9 * size) & (np.abs(a_4) > 1e-9 * inertia)
     return [
         printed.check(
             "Critical friction coefficient, root of Γ̃_0(μ) = 0", chapter.THRESHOLDS["critical_friction"], critical
@@ -153,19 +149,17 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-def _grid(dataset: xr.Dataset, drive: Mapping[str, float]) -> dict[str, Any]:
+def _grid(dataset: xr.Dataset, drive: Values) -> dict[str, Any]:
     """The parameters of all points of a map."""
     friction, stiffness = dataset.friction_coefficient.values[:, None], dataset.support_stiffness.values
     return {**drive, "friction_coefficient": friction, "support_stiffness": stiffness}
 
 
-def _class_checks(
-    dataset: xr.Dataset, drive: Mapping[str, float], grid: Mapping[str, Any], clear: np.ndarray
-) -> list[Check]:
+def _class_checks(dataset: xr.Dataset, drive: Values, grid: Values, clear: np.ndarray) -> list[Check]:
     """Check the classes by the critical friction, the printed conditions and LAPACK, but for rounding (``clear``)."""
     kinematic = named(dataset.stability, "kinematic")
     off = kinematic != (dataset.friction_coefficient.values > float(dataset.critical_friction))[:, None]
-    wrong = int(np.sum(clear & (support_conditions.printed_class(grid, _LAW) != dataset.stability.values)))
+    wrong = int(np.sum(clear & (support_conditions.printed_class(grid, law=1) != dataset.stability.values)))
     differ, compared = _against_lapack(dataset, drive, clear)
     return [
         Check.holds(
@@ -187,7 +181,7 @@ def _class_checks(
 
 
 def _region_checks(
-    dataset: xr.Dataset, grid: Mapping[str, Any], clear: np.ndarray, a_4: np.ndarray, discriminant: np.ndarray
+    dataset: xr.Dataset, grid: Values, clear: np.ndarray, a_4: np.ndarray, discriminant: np.ndarray
 ) -> list[Check]:
     """Check by the signs of a_4 and the discriminant of (8.24) that no point is in two regions, and their bounds."""
     flutter, kinematic, divergence = (named(dataset.stability, x) for x in ("flutter", "kinematic", "divergence"))
@@ -197,7 +191,7 @@ def _region_checks(
         dataset[name].reindex(boundary_friction_coefficient=friction).values[:, None]
         for name in ("lower_boundary", "upper_boundary")
     )
-    beyond = (stiffness > upper) & (support_conditions.rigid_inertia(grid, _LAW) < 0)
+    beyond = (stiffness > upper) & (support_conditions.rigid_inertia(grid, law=1) < 0)
     judged = clear & ~kinematic
     off = int(np.sum(judged & ((flutter != ((stiffness > lower) & (stiffness < upper))) | (divergence != beyond))))
     return [
@@ -216,7 +210,7 @@ def _region_checks(
     ]
 
 
-def _branch_checks(dataset: xr.Dataset, drive: Mapping[str, float]) -> list[Check]:
+def _branch_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
     """Check both branches against the quadratic equation (8.29), and where they exist."""
     friction, places = dataset.friction_coefficient.values, dataset.sizes["boundary_friction_coefficient"]
     odd, finite, rewritten = _real_branches(dataset, {**drive, "friction_coefficient": friction})
@@ -239,12 +233,12 @@ def _branch_checks(dataset: xr.Dataset, drive: Mapping[str, float]) -> list[Chec
     ]
 
 
-def _condition_checks(dataset: xr.Dataset, drive: Mapping[str, float]) -> list[Check]:
+def _condition_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
     """Check both necessary conditions of the kinematic constraint, μ > tan λ and R Ω > 0, and Remark 8.3."""
     friction = dataset.friction_coefficient.values
     early = int(named(dataset.stability, "kinematic")[friction <= np.tan(drive["lead_angle"])].sum())
     own = {**drive, "friction_coefficient": friction}
-    inertias = (support_conditions.rigid_inertia(own, -_LAW), support_conditions.reduced_inertia(own, -_LAW))
+    inertias = (support_conditions.rigid_inertia(own, law=-1), support_conditions.reduced_inertia(own, law=-1))
     against = np.min(np.concatenate(np.broadcast_arrays(*inertias)))
     reduced_mass = drive["mass"] * drive["screw_mass"] / (drive["mass"] + drive["screw_mass"])
     rigid = {name: value for name, value in drive.items() if name != "screw_mass"}
@@ -267,28 +261,28 @@ def _condition_checks(dataset: xr.Dataset, drive: Mapping[str, float]) -> list[C
     ]
 
 
-def _real_branches(dataset: xr.Dataset, own: Mapping[str, Any]) -> tuple[int, int, float]:
+def _real_branches(dataset: xr.Dataset, own: Values) -> tuple[int, int, float]:
     """Exceptions to (8.30) ∧ (8.31) ⇔ (8.32), places of two finite branches, and the distance of (8.30) from its form.
 
     ``own``: parameters with the friction coefficients of the map. Where (8.30) is zero to rounding it does not count.
     """
-    b_1, b_2, b_3 = support_conditions.boundary_coefficients(own, _LAW)
-    p = values_of(own, _LAW)
+    b_1, b_2, b_3 = support_conditions.boundary_coefficients(own, law=1)
+    p = values_of(own, law=1)
     lever, total = p.factor * p.pitch_radius**2 * p.tan_lead, p.mass + p.screw_mass
     discriminant = b_2**2 - 4 * b_1 * b_3
-    reduced = support_conditions.reduced_inertia(own, _LAW)
+    reduced = support_conditions.reduced_inertia(own, law=1)
     form = 16 * lever * p.mass**2 * total * reduced
-    clear = np.abs(discriminant) > _SAME * b_2**2
+    clear = np.abs(discriminant) > 1e-9 * b_2**2
     together = (discriminant >= 0) & (b_2 < 0)
     odd = int(np.sum(clear & (together != ((reduced >= 0) & (p.factor > 0)))))
     finite = np.isfinite(dataset.lower_boundary.values) & ~np.isnan(dataset.upper_boundary.values)
     return odd, int(finite.sum()), float(np.max(np.abs(discriminant - form) / b_2**2))
 
 
-def _residual(dataset: xr.Dataset, drive: Mapping[str, float]) -> float:
+def _residual(dataset: xr.Dataset, drive: Values) -> float:
     """Largest remainder [1] of (8.29) on both branches, relative to its largest term."""
     own = {**drive, "friction_coefficient": dataset.boundary_friction_coefficient.values}
-    b_1, b_2, b_3 = support_conditions.boundary_coefficients(own, _LAW)
+    b_1, b_2, b_3 = support_conditions.boundary_coefficients(own, law=1)
     k = drive["coupling_stiffness"]
     terms = [
         np.stack([b_1 * branch**2, b_2 * k * branch, b_3 * k**2 * np.ones_like(branch)])
@@ -297,12 +291,12 @@ def _residual(dataset: xr.Dataset, drive: Mapping[str, float]) -> float:
     return float(max(np.max(np.abs(term.sum(axis=0)) / np.abs(term).max(axis=0)) for term in terms))
 
 
-def _against_lapack(dataset: xr.Dataset, drive: Mapping[str, float], clear: np.ndarray) -> tuple[int, int]:
+def _against_lapack(dataset: xr.Dataset, drive: Values, clear: np.ndarray) -> tuple[int, int]:
     """Number of points with another class by LAPACK's eigenvalues of the state matrix, and of points compared."""
-    rows, columns = (spans.evenly_chosen(dataset.sizes[name], _SAMPLES) for name in dataset.stability.dims)
+    rows, columns = (spans.evenly_chosen(dataset.sizes[name], 100) for name in dataset.stability.dims)
     part = dataset.isel(friction_coefficient=rows, support_stiffness=columns)
-    values = eigenvalues(support_model(_grid(part, {**drive, **dict.fromkeys(_DAMPINGS, 0.0)}), _LAW))
-    limit = _GROWS * np.abs(values).max(axis=-1)
+    values = eigenvalues(support_model(_grid(part, {**drive, **dict.fromkeys(_DAMPINGS, 0.0)}), law=1))
+    limit = 1e-7 * np.abs(values).max(axis=-1)  # LAPACK keeps 1.5e-8 where two coincide
     growing = (values.real > limit[..., None]).sum(axis=-1)
     oscillates = np.abs(values[..., -1].imag) > limit
     kinds = [UndampedClass.STABLE, UndampedClass.FLUTTER, UndampedClass.KINEMATIC]

@@ -1,9 +1,9 @@
 """The limit process: convergence of the drive with compliant threads to the rigid one, on every branch of the rule."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from enum import IntEnum
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 import xarray as xr
@@ -15,7 +15,17 @@ from lsvib.datasets.parameter_origins import VARIED, Variables, axis, drive_para
 from lsvib.datasets.parameter_origins import parameter as parameter_attributes
 from lsvib.figures import style
 from lsvib.figures.common import about, flag_names, named
-from lsvib.figures.settings import Damping, DriveChanges, Duration, FigureSettings, NotZero, State, Unique, parameter
+from lsvib.figures.settings import (
+    Damping,
+    DriveChanges,
+    Duration,
+    FigureSettings,
+    NotZero,
+    State,
+    Unique,
+    Values,
+    parameter,
+)
 from lsvib.figures.style import Axes, Figure
 from lsvib.models.drive import RigidDrive, ThreadsDrive
 from lsvib.models.resumption import RULES
@@ -33,10 +43,7 @@ branches; (e) number of rests, colours of (c); (f) the force of the rebound, whi
 docs/limit_process.md.
 """
 
-_CONVERGED = 1e-3  # deviation at the stiffest contact, relative to the motion: nothing that a picture shows
 _ORDER = 0.8  # of convergence, at least: the first order shows as 0.86 to 0.94 at stiffnesses that are finite
-_FAR = 0.01  # deviation that a limit which is not the rigid drive leaves: ten times what counts as converged
-_APART = 10.0  # so many times smaller a deviation tells one rule from the other
 _QUANTITIES = {
     "motion_distance": ("1", "distance of the motion from the rigid one in the phase plane"),
     "rest_error": ("s", "time at rest less that of the rigid motion"),
@@ -54,7 +61,6 @@ _ERRORS = {  # colour, words, mark
 }
 _VISCOUS = "viscous"
 _FAMILIES = {_VISCOUS: (style.BLUE, "o"), "damping ratio": (style.SKY, "s"), "elastic": (style.GREY, "D")}
-_SMALL = 6.5  # size of words within a panel [pt]
 
 
 class Settings(FigureSettings):
@@ -88,7 +94,7 @@ class BranchVerdict(IntEnum):
     BOTH = 3  # the rules agree on the branch, or are not distinguished
 
 
-def build(settings: Mapping[str, Any]) -> xr.Dataset:
+def build(settings: Values) -> xr.Dataset:
     """Compute the deviations from the rigid drive over the stiffness, for each family of contacts and each branch.
 
     ``settings``: see ``Settings``; Γ₊ < 0, c_x = 0; the pairs of forces and dampings are the drives, ``start`` is that
@@ -170,8 +176,8 @@ def _rules_followed(branches: "Sequence[LimitBranch]", variables: Variables) -> 
     durations = np.array([branch.rigid[0].end_time for branch in branches])
     distance, rest = (variables[name][1][:, :, -1] for name in ("motion_distance", "rest_error"))
     deviation = np.fmax(distance, np.abs(rest) / durations[:, None])
-    follows = (variables["motion_distance_order"][1] >= _ORDER) & (deviation < _CONVERGED)
-    follows &= deviation < _APART * deviation[..., ::-1]
+    follows = (variables["motion_distance_order"][1] >= _ORDER) & (deviation < 1e-3)  # nothing that a picture shows
+    follows &= deviation < 10.0 * deviation[..., ::-1]
     agree = np.array([not branch.differ for branch in branches])
     follows[:, agree, 1] = follows[:, agree, 0]
     verdicts, dims = follows @ [BranchVerdict.CONTACT_SIGN, BranchVerdict.AT_ONCE], ("family", "branch")
@@ -295,7 +301,7 @@ def _damping_ratio_check(ratio: xr.Dataset, viscous: xr.Dataset, impact: np.ndar
         f"{excess.max():.1%}, distance at least {far.min():.2g}, orders {slow.min():.2f} to "
         f"{slow.max():.2f}; force of the rebound {float(ratio.rebound_force[-1]):.3g} N, in the viscous limit "
         f"{float(viscous.rebound_force[-1]):.1e} N",
-        (excess > _FAR).all() and (far > _FAR).all() and slow.max() < _ORDER,
+        (excess > 0.01).all() and (far > 0.01).all() and slow.max() < _ORDER,
     )
 
 
@@ -315,7 +321,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     _others(columns[2], families)
     for axes in columns:
         _separate(axes, dataset)
-        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=_SMALL, handletextpad=0.3)
+        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=6.5, handletextpad=0.3)
     _name_branches(columns[2], columns[0], dataset)
     _errors(panels[0], families[_VISCOUS])
     _rests(panels[1], families)
@@ -381,16 +387,16 @@ def _name_branches(bottom: Axes, top: Axes, dataset: xr.Dataset) -> None:
     """Sign of the impact and number of the region below each column, the drive above each group of columns."""
     pairs = zip(dataset.impact_sign.values, dataset.region.values, strict=True)
     names = [f"{'+' if sign > 0 else '−'}{int(region)}" if sign else "cyc." for sign, region in pairs]
-    bottom.set_xticks(dataset.branch, names, fontsize=_SMALL, rotation=90)
+    bottom.set_xticks(dataset.branch, names, fontsize=6.5, rotation=90)
     bottom.set_xlabel(
         "Branch: sign of $N$ in the impact; torque after it 1 above the band of rest, 2 in it with $Q < 0$, "
         "3 with $Q > 0$, 4 below it; cycle",
-        fontsize=_SMALL,
+        fontsize=6.5,
     )
     for start, stop in pairwise(_changes(dataset)):
         force, damping = (style.number(dataset[name][start]) for name in ("axial_force", "support_damping"))
         top.text((start + stop - 1) / 2, 1.02, f"$R$ = {force} N, $c$ = {damping}", ha="center", va="bottom",
-                 fontsize=_SMALL, transform=top.get_xaxis_transform())  # fmt: skip
+                 fontsize=6.5, transform=top.get_xaxis_transform())  # fmt: skip
 
 
 def _errors(axes: Axes, viscous: xr.Dataset) -> None:
@@ -405,9 +411,9 @@ def _errors(axes: Axes, viscous: xr.Dataset) -> None:
     right = float(viscous.contact_stiffness[-1]) / 2
     left = right / 100
     axes.plot([left, right, right, left], [1, 1, 0.01, 1], color=style.BLACK, linewidth=0.7, zorder=3)
-    axes.text(right / 1.5, 1 / 1.6, "order 1", ha="right", va="top", fontsize=_SMALL)
+    axes.text(right / 1.5, 1 / 1.6, "order 1", ha="right", va="top", fontsize=6.5)
     axes.set(title="(d) viscous limit: median, range", ylabel="Relative error")
-    axes.text(0.04, 0.04, "colours and marks of (b)", fontsize=_SMALL, transform=axes.transAxes)
+    axes.text(0.04, 0.04, "colours and marks of (b)", fontsize=6.5, transform=axes.transAxes)
 
 
 def _rests(axes: Axes, families: dict[str, xr.Dataset]) -> None:
@@ -430,5 +436,5 @@ def _rebound(axes: Axes, families: dict[str, xr.Dataset]) -> None:
         axes.axhline(force, color=style.BLACK, linewidth=0.7, linestyle=":")
     words = " and ".join(f"{force:g}" for force in forces)
     axes.annotate(f"$|R|$ = {words} N", (0.03, forces[-1]), (0, 3), xycoords=axes.get_yaxis_transform(),
-                  textcoords="offset points", fontsize=_SMALL)  # fmt: skip
+                  textcoords="offset points", fontsize=6.5)  # fmt: skip
     axes.set(title="(f) force of the rebound", ylabel="Force [N]")

@@ -1,6 +1,5 @@
 """Rotating nut: critical mass against the inertia of the nut (Remark 8.6), and the stability map of (8.33)."""
 
-from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import numpy as np
@@ -13,7 +12,7 @@ from lsvib.datasets.checks import Check
 from lsvib.datasets.parameter_origins import axis, drive_parameters, origin_of, parameter
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, existing, named
-from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Span
+from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Span, Values
 from lsvib.figures.style import Axes, Figure
 from lsvib.models.drive import NutDrive
 from lsvib.numbers import bisected
@@ -29,16 +28,11 @@ mass over the moment of inertia of the nut, by (8.33) and by eigenvalues, below 
 neither flutter nor divergence.
 """
 
-_LAW = 1  # R Ω > 0
-_SAME = 1e-9  # relative distance from (8.33) within which rounding may decide
-_CLOSE = 0.01  # to the rigid drive, with the heaviest nut
-_SAMPLES = 40  # columns, and rows, of the map that are compared with damping
 _PARAMETERS = (
     *("mass", "screw_inertia", "pitch_radius", "lead_angle", "coupling_stiffness", "support_damping"),
     *("translation_damping", "nut_stiffness", "nut_damping"),
 )
 _COLOURS = {"stable": "#FFFFFF", "kinematic": "#F7D9C4", "flutter": style.SKY, "divergence": style.BLUE}
-_SMALL = 6.5  # size of words within a panel [pt]
 
 
 class Settings(FigureSettings):
@@ -51,7 +45,7 @@ class Settings(FigureSettings):
     friction_coefficient: Span = Field(description="mu, from zero or more.")
 
 
-def build(settings: Mapping[str, Any]) -> xr.Dataset:
+def build(settings: Values) -> xr.Dataset:
     """Compute the critical mass over the inertia of the nut, in closed form and by eigenvalues, and the class map.
 
     ``settings``: see ``Settings``; c_x = 0, and the mass of ``drive`` is that of the map. Raises ``InputError``.
@@ -64,7 +58,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     closed, passing = [kinematic_mass(nut) for nut in nuts], [_by_eigenvalues(nut, rigid) for nut in nuts]
     by = "critical mass, where an eigenvalue 1/omega^2 passes through zero"
     grid = {**dict(drive), "friction_coefficient": friction[:, None], "nut_inertia": inertia}
-    kinds, plane = undamped_class(nut_model(grid, _LAW)), ("friction_coefficient", "nut_inertia")
+    kinds, plane = undamped_class(nut_model(grid, law=1)), ("friction_coefficient", "nut_inertia")
     begins = "inertia of the nut at which (8.33) begins to hold, missing if at none"
     from_which_on = "friction coefficient from which on (8.33) holds, missing if from none"
     own, drawn = drive.friction_coefficient, "drawn_friction_coefficient"
@@ -106,7 +100,7 @@ def _by_eigenvalues(drive: NutDrive, rigid: float) -> float:
     """Mass [kg] at which the product of both 1/ω² changes its sign, by bisection; between zero and the rigid one."""
 
     def lost(mass: float) -> bool:
-        squares = reciprocal_squares(nut_model({**dict(drive), "mass": mass}, _LAW))
+        squares = reciprocal_squares(nut_model({**dict(drive), "mass": mass}, law=1))
         return not np.prod(np.sign(squares.real)) > 0
 
     return bisected(lost, 0.0, rigid)
@@ -114,7 +108,7 @@ def _by_eigenvalues(drive: NutDrive, rigid: float) -> float:
 
 def _boundary(drive: NutDrive, friction: np.ndarray) -> np.ndarray:
     """I_2 = I q / (I − q) [kg m²] with q = ξ₊ tan λ m r_m², where I_eff = q; NaN unless 0 < q < I."""
-    p = values_of({**dict(drive), "friction_coefficient": friction}, _LAW)
+    p = values_of({**dict(drive), "friction_coefficient": friction}, law=1)
     q = p.factor * p.tan_lead * p.mass * p.pitch_radius**2
     gamma = p.screw_inertia - q
     with np.errstate(divide="ignore"):
@@ -136,7 +130,8 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the map against (8.33) and det M_0, with damping too, and the critical mass against Remark 8.6."""
     drive = {name: float(dataset[name]) for name in _PARAMETERS}
     grid = _grid(dataset, drive)
-    clear = np.abs(kinematic_inertia(grid, _LAW)) > _SAME * effective_screw_inertia(grid)
+    # Closer to (8.33) rounding may decide.
+    clear = np.abs(kinematic_inertia(grid, law=1)) > 1e-9 * effective_screw_inertia(grid)
     return [
         *_class_checks(dataset, grid, clear),
         _damping_check(dataset, drive, clear),
@@ -145,17 +140,17 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-def _grid(dataset: xr.Dataset, drive: Mapping[str, float]) -> dict[str, Any]:
+def _grid(dataset: xr.Dataset, drive: Values) -> dict[str, Any]:
     """The parameters of all points of a map."""
     friction, inertia = dataset.friction_coefficient.values[:, None], dataset.nut_inertia.values
     return {**drive, "friction_coefficient": friction, "nut_inertia": inertia}
 
 
-def _class_checks(dataset: xr.Dataset, grid: Mapping[str, Any], clear: np.ndarray) -> list[Check]:
+def _class_checks(dataset: xr.Dataset, grid: Values, clear: np.ndarray) -> list[Check]:
     """Check the classes against (8.33) and the printed inertia matrix, where rounding does not decide (``clear``)."""
     kinematic, other = (named(dataset.stability, *x) for x in (["kinematic"], ["flutter", "divergence"]))
-    wrong = int(np.sum(clear & (kinematic != (kinematic_inertia(grid, _LAW) < 0))))
-    opposite = np.sum(clear & ((determinant(nut_model(grid, _LAW).mass) < 0) != kinematic))
+    wrong = int(np.sum(clear & (kinematic != (kinematic_inertia(grid, law=1) < 0))))
+    opposite = np.sum(clear & ((determinant(nut_model(grid, law=1).mass) < 0) != kinematic))
     return [
         Check.holds(
             "The class by eigenvalues is kinematic exactly where (8.33) holds",
@@ -175,18 +170,18 @@ def _class_checks(dataset: xr.Dataset, grid: Mapping[str, Any], clear: np.ndarra
     ]
 
 
-def _damping_check(dataset: xr.Dataset, drive: Mapping[str, float], clear: np.ndarray) -> Check:
+def _damping_check(dataset: xr.Dataset, drive: Values, clear: np.ndarray) -> Check:
     """Check at evenly chosen points that damping does not change the classes."""
-    rows, columns = (spans.evenly_chosen(dataset.sizes[name], _SAMPLES) for name in dataset.stability.dims)
+    rows, columns = (spans.evenly_chosen(dataset.sizes[name], 40) for name in dataset.stability.dims)
     part = dataset.isel(friction_coefficient=rows, nut_inertia=columns)
-    grows = eigenvalues(nut_model(_grid(part, drive), _LAW))[..., -1].real > 0
+    grows = eigenvalues(nut_model(_grid(part, drive), law=1))[..., -1].real > 0
     compared = clear[np.ix_(rows, columns)]
     differ = compared & (grows != named(part.stability, "kinematic"))
     claim = "With damping of screw and nut the real parts of LAPACK's eigenvalues give the same classes"
     return Check.without_exception(claim, "Sect. 8.8.2, docs/lemmas.md", differ.sum(), compared.sum())
 
 
-def _boundary_checks(dataset: xr.Dataset, drive: Mapping[str, float], clear: np.ndarray) -> list[Check]:
+def _boundary_checks(dataset: xr.Dataset, drive: Values, clear: np.ndarray) -> list[Check]:
     """Check both closed forms of the boundary (8.33): over the friction coefficient and over the nut's inertia."""
     boundary, friction = dataset.boundary_nut_inertia.values[:, None], dataset.friction_coefficient.values[:, None]
     # Beyond the boundary all is stable; where there is none, all without self-locking.
@@ -195,7 +190,7 @@ def _boundary_checks(dataset: xr.Dataset, drive: Mapping[str, float], clear: np.
     off = np.sum(clear & (named(dataset.stability, "kinematic") == stable))
     edge = dataset.critical_friction_with_nut.values
     on_edge = {**drive, "friction_coefficient": edge, "nut_inertia": dataset.nut_inertia.values}
-    left = float(np.nanmax(np.abs(kinematic_inertia(on_edge, _LAW)) / effective_screw_inertia(on_edge)))
+    left = float(np.nanmax(np.abs(kinematic_inertia(on_edge, law=1)) / effective_screw_inertia(on_edge)))
     return [
         Check.without_exception(
             "The boundary in closed form parts the classes at every friction coefficient", "eq. 8.33", off, clear.sum()
@@ -209,7 +204,7 @@ def _boundary_checks(dataset: xr.Dataset, drive: Mapping[str, float], clear: np.
     ]
 
 
-def _critical_mass_checks(dataset: xr.Dataset, drive: Mapping[str, float]) -> list[Check]:
+def _critical_mass_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
     """Check the critical mass against Remark 8.6, by eigenvalues, and for a light and a heavy nut."""
     inertia, rigid = dataset.nut_inertia.values, float(dataset.critical_mass)
     own, theirs = dataset.critical_mass_with_nut.values, dataset.critical_mass_with_nut_by_eigenvalues.values
@@ -231,11 +226,10 @@ def _critical_mass_checks(dataset: xr.Dataset, drive: Mapping[str, float]) -> li
             "an eigenvalue that passes through zero, in doubles",
         ),
         Check.holds(
-            f"A nut that turns lowers the critical mass, the more the lighter it is; a heavy one hardly, "
-            f"less than {_CLOSE:.0%}",
+            "A nut that turns lowers the critical mass, the more the lighter it is; a heavy one hardly, less than 1%",
             "Remark 8.6",
             f"from {own[0]:.3g} kg to {own[-1]:.5g} kg, rigid {rigid:.5g} kg",
-            bool((np.diff(own) > 0).all()) and own[-1] < rigid < own[-1] * (1 + _CLOSE),
+            bool((np.diff(own) > 0).all()) and own[-1] < rigid < own[-1] * (1 + 0.01),
         ),
     ]
 
@@ -265,10 +259,10 @@ def _critical_mass(axes: Axes, dataset: xr.Dataset) -> None:
               label="by eigenvalues", clip_on=False)  # fmt: skip
     axes.fill_between(inertia, dataset.critical_mass_with_nut, 1.15 * rigid, color=_COLOURS["kinematic"], linewidth=0)
     axes.axhline(rigid, color=style.GREY, linewidth=0.9, linestyle="--")
-    axes.annotate(f"nut that cannot turn: {rigid:.3f} kg", (0.03, rigid), (0, 3), color="#505050", fontsize=_SMALL,
+    axes.annotate(f"nut that cannot turn: {rigid:.3f} kg", (0.03, rigid), (0, 3), color="#505050", fontsize=6.5,
                   xycoords=axes.get_yaxis_transform(), textcoords="offset points")  # fmt: skip
     axes.axvline(screw, 0, 0.82, color=style.BLACK, linewidth=0.6, linestyle=":")
-    axes.text(screw, 0.06, " $I_2 = I$", fontsize=_SMALL, transform=axes.get_xaxis_transform())
+    axes.text(screw, 0.06, " $I_2 = I$", fontsize=6.5, transform=axes.get_xaxis_transform())
     friction = style.number(dataset.drawn_friction_coefficient)
     axes.set(xscale="log", title=rf"(a) critical mass, $\mu$ = {friction}", xlabel=style.label(inertia))
     axes.set(ylabel="Critical mass $m_\\mathrm{cr}$ [kg]", ylim=(0, 1.15 * rigid), xlim=inertia[[0, -1]])
@@ -281,7 +275,7 @@ def _map(axes: Axes, dataset: xr.Dataset) -> None:
     tangent, drawn = float(np.tan(dataset.lead_angle)), float(dataset.drawn_friction_coefficient)
     axes.axvline(tangent, color=style.BLACK, linewidth=0.6, linestyle=":")
     axes.axvline(drawn, color=style.GREY, linewidth=0.9, linestyle="--")
-    look = {"fontsize": _SMALL, "va": "top", "transform": axes.get_xaxis_transform()}
+    look = {"fontsize": 6.5, "va": "top", "transform": axes.get_xaxis_transform()}
     axes.text(tangent, 0.94, r"$\mu = \tan\lambda$ ", ha="right", **look)
     axes.text(drawn, 0.94, rf" {drawn:g} of (a)", color="#505050", **look)
     axes.set(yscale="log", title=f"(b) classes, $m$ = {style.number(dataset.mass)} kg", xlabel=style.label(friction))

@@ -1,10 +1,11 @@
 """The types that the settings of figures share: drives, states, spans of values, lists; SI units throughout.
 
-A figure states its settings as a class ``Settings`` in its folder, with a unit and a range for each of them. Ranges of
+A figure states its settings as a class ``Settings`` in its file, with a unit and a range for each of them. Ranges of
 parameters are those of :mod:`lsvib.models.drive`.
 """
 
 import math
+from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Self
 
 from annotated_types import Ge, Gt, Le, Lt
@@ -15,6 +16,7 @@ from lsvib.models.drive import Drive, ThreadsDrive, described
 from lsvib.models.ranges import Least
 
 _BOUNDS = (Ge, Gt, Le, Lt)
+Values = Mapping[str, Any]  # names and values, such as the settings of a figure once they are checked
 
 
 class SettingsSection(BaseModel):

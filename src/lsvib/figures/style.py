@@ -61,9 +61,7 @@ _STYLE = {
 }
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _LETTERS = {"\\times": "×", "\\Omega": "Ω", "\\lambda": "λ", "\\mu": "μ", "\\theta": "θ", "\\zeta": "ζ"}
-_NOTE = 7  # size of the line under a picture [pt], legible in print
 _STATED = re.compile(r"(\S+) \(printed")  # a printed value among assumed ones
-_LISTED = 5  # values of one parameter that the line lists; of more it gives the range
 
 
 @cache
@@ -141,7 +139,7 @@ def power(value: float) -> str:
 def amount(variable: xr.DataArray, values: np.ndarray | None = None) -> str:
     """Return "symbol = value unit" of a parameter, or of some of its values: one, a few of them, the range of many."""
     values = np.unique(variable.values[np.isfinite(variable.values)]) if values is None else values
-    if values.size > _LISTED:
+    if values.size > 5:
         text = f"{number(values[0])} to {number(values[-1])}"
     else:
         text = ", ".join(number(value) for value in values)
@@ -199,7 +197,7 @@ def legend(figure: Figure, axes: Sequence[Axes], columns: int, first: Sequence[A
 
 def write_below(figure: Figure, words: Sequence[str]) -> None:
     """Write pieces of a text under a picture, in as many lines as its width takes."""
-    note = figure.supxlabel("", x=0.01, ha="left", fontsize=_NOTE, linespacing=1.4)
+    note = figure.supxlabel("", x=0.01, ha="left", fontsize=7, linespacing=1.4)
     room = 0.98 * figure.bbox.width
     lines: list[str] = []
     for word in words:

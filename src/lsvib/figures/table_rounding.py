@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from enum import IntEnum
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -13,7 +13,7 @@ from lsvib.datasets.checks import Check
 from lsvib.datasets.parameter_origins import Variables, drive_parameters, origin_of, parameter
 from lsvib.figures import style
 from lsvib.figures.common import about, flag_names
-from lsvib.figures.settings import DriveChanges, FigureSettings
+from lsvib.figures.settings import DriveChanges, FigureSettings, Values
 from lsvib.figures.style import Figure
 from lsvib.models import chapter
 from lsvib.models.coefficients import coefficients
@@ -63,7 +63,7 @@ class Settings(FigureSettings):
     drive: DriveChanges
 
 
-def build(settings: Mapping[str, Any]) -> xr.Dataset:
+def build(settings: Values) -> xr.Dataset:
     """Compute the thresholds, their distance from print, and what half a unit of each parameter changes, relative.
 
     ``settings``: ``drive``, changes of Table 8.1, from which each threshold takes its own masses and damping as the
