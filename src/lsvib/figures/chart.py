@@ -38,10 +38,6 @@ _CURVES = {  # words on a curve, where they are not its name, and how it is draw
     "negative damping": (r"negative damping, $C_+ = 0$", (0, (1.5, 1))),
     "stick slip birth": ("birth of stick–slip", "-"),
 }
-# In widths of the picture:
-_STEP = 0.004  # between points at which room for a name is looked for
-_LETTER = 0.0135  # width of a letter
-_HEIGHT = 0.02  # distance of the middle of a name from its line
 
 
 class ParameterCells(Cells):
@@ -117,11 +113,12 @@ def _curves(axes: Axes, dataset: xr.Dataset, across: str, down: str) -> None:
         points = np.column_stack([part[f"boundary_{across}"], part[f"boundary_{down}"]])
         dashes = _CURVES.get(name, (name, "-"))[1]
         axes.plot(*points.T, color=style.BLACK, linewidth=1.1, linestyle=dashes, path_effects=_halo(), zorder=2)
-        lines.setdefault(name, []).append(_evenly(axes.transData.transform(points) / axes.bbox.width))
-    taken: list[np.ndarray] = []
+        lines.setdefault(name, []).append(axes.transData.transform(points) * 72 / axes.figure.dpi)
+    taken = [axes.bbox.corners()[[0, 1, 3, 2, 0]] * 72 / axes.figure.dpi]  # the rim
     for name, own in lines.items():
         others = [line for other, parts in lines.items() if other != name for line in parts]
-        _write_on(axes, max(own, key=len), _CURVES.get(name, (name, "-"))[0], others + taken, taken)
+        longest = max(own, key=lambda line: np.hypot(*np.diff(line, axis=0).T).sum())
+        _write_on(axes, longest, _CURVES.get(name, (name, "-"))[0], [*others, *taken], taken)
 
 
 def _readings(axes: Axes, dataset: xr.Dataset, across: str) -> None:
@@ -142,45 +139,34 @@ def _readings(axes: Axes, dataset: xr.Dataset, across: str) -> None:
         )  # fmt: skip
 
 
-def _evenly(points: np.ndarray) -> np.ndarray:
-    """Points (k, 2) along a line at equal distances of ``_STEP``."""
-    length = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
-    places = np.linspace(0, length[-1], max(2, int(length[-1] / _STEP)))
-    return np.column_stack([np.interp(places, length, points[:, i]) for i in (0, 1)])
-
-
 def _write_on(axes: Axes, line: np.ndarray, words: str, others: list[np.ndarray], taken: list[np.ndarray]) -> None:
-    """Write words along a line, on that side and at that place of it that is farthest from all other lines and words.
+    """Write words beside a line where they are farthest from all other lines and words, whose place ``taken`` gets.
 
-    Words that stand out beyond the end of their line come second, and last those that reach beyond the axes, where the
-    numbers stand. Lengths are in widths of the picture. A line that is too short gets none; ``taken`` gets the place.
+    Lines are points (n, 2) on the page [pt]. A line that is much shorter than its words gets none.
     """
-    half = int(0.5 * _LETTER * len(words.replace("$", "").replace("\\", "")) / _STEP) + 1
-    if len(line) < 0.06 / _STEP:
+    path, half = drawing.evenly(line)[:, :2], 2.2 * len(words.replace("$", "").replace("\\", ""))
+    reach = max(1, min(int(half / drawing.STEP), (len(path) - 1) // 2))
+    if len(path) * drawing.STEP < half:
         return
-    left, top = axes.transAxes.transform([(0, 0), (1, 1)]) / axes.bbox.width
-    inside = _evenly(np.array([left, (top[0], left[1]), top, (left[0], top[1]), left]))
-    obstacles = np.concatenate([*others, inside])
+    obstacles = np.concatenate([drawing.evenly(other)[:, :2] for other in others])
     best, place = -np.inf, None
-    for middle in range(0, len(line), 2):
-        ends = line[max(0, middle - half)], line[min(len(line) - 1, middle + half)]
-        along = (ends[1] - ends[0]) / np.hypot(*(ends[1] - ends[0]))
+    for middle in range(reach, max(reach + 1, len(path) - reach), 2):
+        along = path[middle + reach] - path[middle - reach]
+        along = along / np.hypot(*along)
         along = along if along[0] > 1e-9 or (abs(along[0]) <= 1e-9 and along[1] > 0) else -along  # never upside down
         for side in (1, -1):
-            shift = side * np.array([-along[1], along[0]])
-            covered = line[middle] + shift * _HEIGHT + np.outer(np.linspace(-half, half, 9) * _STEP, along)
+            aside = 6.5 * side * np.array([-along[1], along[0]])
+            covered = path[middle] + aside + np.outer(np.linspace(-half, half, 9), along)
             room = np.hypot(*(obstacles[:, None] - covered).reshape(-1, 2).T).min()
-            room = min(room, 2 * _HEIGHT) - 0.1 * _HEIGHT * abs(2 * middle / len(line) - 1) + 0.01 * _HEIGHT * side
-            # Either outweighs all other differences of two places, and the latter the former.
-            room -= 4 * _HEIGHT * (not half // 2 <= middle < len(line) - half // 2)
-            room -= 8 * _HEIGHT * (not ((covered > left) & (covered < top)).all())
+            room = min(room, 13.0) + 0.1 * side - abs(2 * middle / len(path) - 1)
             if room > best:
-                best, place = room, (line[middle] + shift * _HEIGHT, along, covered)
+                best, place = room, (path[middle], aside, along, covered)
     if place is None:
         return
-    taken.append(place[2])
+    point, aside, along, covered = place
+    taken.append(covered)
     axes.annotate(
-        words, axes.transData.inverted().transform(place[0] * axes.bbox.width), ha="center", va="center",
-        fontsize=6.5, rotation=np.degrees(np.arctan2(place[1][1], place[1][0])), rotation_mode="anchor",
-        path_effects=_halo(), zorder=3,
+        words, axes.transData.inverted().transform(point * axes.figure.dpi / 72), aside, textcoords="offset points",
+        ha="center", va="center", fontsize=6.5, rotation=np.degrees(np.arctan2(along[1], along[0])),
+        rotation_mode="anchor", path_effects=_halo(), zorder=3,
     )  # fmt: skip

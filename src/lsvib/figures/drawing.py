@@ -14,7 +14,7 @@ from lsvib.figures import style
 from lsvib.figures.common import flag_names, named
 from lsvib.figures.style import Axes, Figure
 
-_STEP = 1.5  # distance of the points that are compared [pt]
+STEP = 1.5  # distance of the points that are compared [pt]
 _PLACES = 150  # places compared on one line
 _ASIDE = (1.2, 1.6, 2.0, 2.5, 3.0, 4.0)  # distances of a word's middle from its line, in sizes of the letters
 
@@ -209,7 +209,7 @@ def arrows(axes: Axes, lines: Sequence[DrawnLine], size: float = 10.0) -> None:
     but is kept clear of. ``size`` of the arrows in points.
     """
     page = _Page(axes)
-    paths = [_evenly(page.points(x, y)) for x, y, _ in lines]
+    paths = [evenly(page.points(x, y)) for x, y, _ in lines]
     for number, (path, (_, _, colour)) in enumerate(zip(paths, lines, strict=True)):
         if colour is None:
             continue
@@ -238,7 +238,7 @@ def name_sides(
     page = _Page(axes)
     first, last = page.points(*ends.T)
     normal = np.array([last[1] - first[1], first[0] - last[0]]) / np.hypot(*(last - first))
-    clouds = np.concatenate([_evenly(page.points(x, y))[:, :2] for x, y, _ in [(*ends.T, None), *lines]])
+    clouds = np.concatenate([evenly(page.points(x, y))[:, :2] for x, y, _ in [(*ends.T, None), *lines]])
     half = np.array([2.0, 0.8]) * size
     for word, side in zip(words, (1, -1), strict=True):
         along = first + np.linspace(0.05, 0.95, _PLACES)[:, None] * (last - first)
@@ -268,16 +268,16 @@ class _Page:
         return self.corner + self.sides * point / self.size
 
 
-def _evenly(path: np.ndarray) -> np.ndarray:
+def evenly(path: np.ndarray) -> np.ndarray:
     """Return points in even steps along a line (n, 2), each with its distance from the line's start: shape (m, 3)."""
     pieces, length = [np.empty((0, 3))], 0.0
     for piece in np.split(path, np.flatnonzero(np.isnan(path).any(axis=1))):
         piece = piece[np.isfinite(piece).all(axis=1)]
         if len(piece) > 1:
             ends = np.append(0.0, np.cumsum(np.hypot(*np.diff(piece, axis=0).T)))
-            s = np.arange(0.0, ends[-1], _STEP)
+            s = np.arange(0.0, ends[-1], STEP)
             pieces.append(np.column_stack([*(np.interp(s, ends, z) for z in piece.T), s + length]))
-            length += ends[-1] + _STEP
+            length += ends[-1] + STEP
     return np.concatenate(pieces)
 
 
@@ -287,7 +287,7 @@ def _roomiest(path: np.ndarray, others: Sequence[np.ndarray], size: np.ndarray) 
     inside = ((path[:, :2] > 3.0) & (path[:, :2] < size - 3.0)).all(axis=1)
     inside &= path[:, 2] > np.minimum(14.0, path[-1:, 2] / 3)
     # The point before, at which the arrow starts, lies on the same piece: pieces are more than a step apart.
-    inside &= np.append(False, np.diff(path[:, 2]) < 1.001 * _STEP)
+    inside &= np.append(False, np.diff(path[:, 2]) < 1.001 * STEP)
     found = np.flatnonzero(inside)
     if not found.size:
         return None
