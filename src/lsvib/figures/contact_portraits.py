@@ -25,6 +25,7 @@ from lsvib.figures.style import Axes, Figure
 from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import ThreadsDrive
 
+Flows = dict[int, ForceFlow]  # by law
 _LAWS = (1, -1)  # sgn(θ′) sgn(N), in the order of the dimension
 _UNIT = "kg-1 m-2"
 _SIGN_OF_FORCE = {
@@ -57,84 +58,68 @@ def portrait(settings: Values, paradox: Paradox) -> xr.Dataset:
     drives = [base.replace(contact_damping=damping) for damping in settings["contact_dampings"]]
     cases = [contact_force.contact_flows(drive, paradox) for drive in drives]
     force, rate = spans.even(settings["force"]), spans.even(settings["rate"])
+    scale, count = contact_force.force_scale(base), settings["samples"]
     # A motion is followed until it is so many times the half width of the map away.
     limit = 30.0 * max(np.ptp(force), np.ptp(rate)) / 2
-    scale, side, count = contact_force.force_scale(base), int(paradox), settings["samples"]
-    starts = [(_unscaled(s["force"], scale, side), float(s["rate"])) for s in settings["starts"]]
-    grid = [(_unscaled(x, scale, side), y) for x in force for y in rate]
+    starts = [(_unscaled(s["force"], scale, paradox), float(s["rate"])) for s in settings["starts"]]
+    grid = [(_unscaled(x, scale, paradox), y) for x in force for y in rate]
     outcomes = [[contact_force.follow(flows, start)[1] for start in grid] for flows in cases]
     outcomes = np.reshape(outcomes, (len(cases), force.size, rate.size))
-    plane = ("case", "grid_contact_force", "grid_contact_force_rate")
-    becomes = "what becomes of the contact force from each state of the grid"
-    ratios = [flows[-1].damping for flows in cases]
+    plane, ratios = ("case", "grid_contact_force", "grid_contact_force_rate"), [flows[-1].damping for flows in cases]
+    becomes, times = "what becomes of the contact force from each state of the grid", "times frequency over stiffness"
     return xr.Dataset(
-        _followed(cases, starts, count, limit, scale, side)
+        _followed(cases, starts, count, limit, scale, paradox)
         | {"grid_outcome": flagged(plane, outcomes, becomes, ForceOutcome)}
-        | _eigenvalues(cases, scale)
+        | _laws(base, cases, scale)
         | _by_newton(drives)
         | (_saddle_manifolds(cases, count, limit, scale) if paradox is Paradox.INDETERMINATE else {}),
         coords={
-            "grid_contact_force": ("grid_contact_force", force, _force("contact force of the grid")),
-            "grid_contact_force_rate": ("grid_contact_force_rate", rate, _rate("rate of the grid")),
-            **_laws(base, cases[0]),
+            "grid_contact_force": (plane[1], force, _force("contact force of the grid")),
+            "grid_contact_force_rate": (plane[2], rate, _rate("rate of the grid")),
+            "law": variable("law", np.array(_LAWS), "1", "friction law", "$s$"),
+            "law_side": _side(cases[0]),
             **labels("case", drives, ("contact_damping",)),
             "eigenvalue": EIGENVALUE,
             **drive_parameters(drives, along=("contact_damping",), no_effect=ContactPortrait.unused),
-            "contact_damping_ratio": variable(
-                "case", ratios, "1", "contact damping times frequency over stiffness", r"$\zeta$"
-            ),
+            "contact_damping_ratio": variable("case", ratios, "1", f"contact damping {times}", r"$\zeta$"),
             "force_scale": variable((), scale, "1", "factor between the force scales of the laws", "$b_+/b_-$"),
         },
-    )
+    ).set_coords("effective_inertia_of_law")
 
 
 def _followed(
-    cases: Sequence[dict[int, ForceFlow]],
-    starts: Sequence[tuple[float, float]],
-    count: int,
-    limit: float,
-    scale: float,
-    side: int,
+    cases: Sequence[Flows], starts: Sequence[tuple], count: int, limit: float, scale: float, side: int
 ) -> Variables:
     """The motions of each case from each start, in ``count`` samples, and what becomes of them."""
     followed = [[contact_force.follow(flows, start) for start in starts] for flows in cases]
     motions = np.array([[sample(arcs, count, limit) for arcs, _ in case] for case in followed])
-    outcomes = [[outcome for _, outcome in case] for case in followed]
-    motion = ("case", "start", "sample")
+    outcomes, dims = [[outcome for _, outcome in case] for case in followed], ("case", "start", "sample")
     return {
-        "contact_force": (motion, _scaled(motions[..., 0], scale, side), _force("contact force")),
-        "contact_force_rate": (motion, motions[..., 1], _rate("rate of the contact force")),
-        "start_outcome": flagged(motion[:2], outcomes, "what becomes of the contact force of a motion", ForceOutcome),
+        "contact_force": (dims, _scaled(motions[..., 0], scale, side), _force("contact force")),
+        "contact_force_rate": (dims, motions[..., 1], _rate("rate of the contact force")),
+        "start_outcome": flagged(dims[:2], outcomes, "what becomes of the contact force of a motion", ForceOutcome),
     }
 
 
-def _eigenvalues(cases: Sequence[dict[int, ForceFlow]], scale: float) -> Variables:
-    """The equilibrium of each law, which contact damping does not move, and the eigenvalues of each case and law."""
-    eigenvalues = np.array([[flows[law].rates() for law in _LAWS] for flows in cases])
+def _laws(drive: ThreadsDrive, cases: Sequence[Flows], scale: float) -> Variables:
+    """The equilibrium of each law, which contact damping does not move, its eigenvalues and its effective inertia."""
+    values = np.array([[flows[law].rates() for law in _LAWS] for flows in cases])
     equilibria = np.array([cases[0][1].equilibrium * scale, cases[0][-1].equilibrium])
-    words = "equilibrium of the law, zero of the right-hand side of (8.7)"
+    gamma = [float(coefficients(drive).gamma[law]) for law in _LAWS]
     dims, part = ("case", "law", "eigenvalue"), "part of an eigenvalue of the law in scaled time"
+    zero = "equilibrium of the law, zero of the right-hand side of (8.7)"
     return {
-        "equilibrium_contact_force": ("law", equilibria, _force(words)),
-        "scaled_eigenvalue_real_part": variable(dims, eigenvalues.real, "1", f"real {part}", r"Re $\varepsilon$"),
-        "scaled_eigenvalue_imaginary_part": variable(
-            dims, eigenvalues.imag, "1", f"imaginary {part}", r"Im $\varepsilon$"
-        ),
+        "equilibrium_contact_force": ("law", equilibria, _force(zero)),
+        "scaled_eigenvalue_real_part": variable(dims, values.real, "1", f"real {part}", r"Re $\varepsilon$"),
+        "scaled_eigenvalue_imaginary_part": variable(dims, values.imag, "1", f"imaginary {part}", r"Im $\varepsilon$"),
+        "effective_inertia_of_law": variable("law", gamma, "kg m2", "effective inertia of the law", r"$\Gamma_s$"),
     }
 
 
-def _laws(drive: ThreadsDrive, flows: dict[int, ForceFlow]) -> Variables:
-    """The friction laws: on which side of N = 0 each of them holds, and its effective inertia."""
-    gamma, sides = coefficients(drive).gamma, [flow.side for flow in flows.values()]
-    words = "sign of the contact force chi where the law holds"
-    sign = _SIGN_OF_FORCE[Paradox(flows[1].side)]  # law + holds where χ has this sign
-    return {
-        "law": variable("law", np.array(_LAWS), "1", "friction law", "$s$"),
-        "law_side": variable("law", sides, "1", words, comment=sign),
-        "effective_inertia_of_law": variable(
-            "law", [float(gamma[law]) for law in _LAWS], "kg m2", "effective inertia of the law", r"$\Gamma_s$"
-        ),
-    }
+def _side(flows: Flows) -> tuple:
+    """On which side of N = 0 each law holds; the sides are the signs of χ."""
+    sides, sign = [flow.side for flow in flows.values()], _SIGN_OF_FORCE[Paradox(flows[1].side)]
+    return variable("law", sides, "1", "sign of the contact force chi where the law holds", comment=sign)
 
 
 def sample(arcs: Sequence[ForceArc], count: int, limit: float) -> np.ndarray:
@@ -147,16 +132,10 @@ def sample(arcs: Sequence[ForceArc], count: int, limit: float) -> np.ndarray:
     if count < 2 * len(arcs):
         raise InputError(f"samples = {count} is outside the allowed range samples >= {2 * len(arcs)} of this motion.")
     durations = [arc.duration if math.isfinite(arc.duration) else _shown(arc, limit) for arc in arcs]
-    ends = np.concatenate([[0.0], np.cumsum(durations)])
-    shares = np.maximum(2, np.floor(np.array(durations) / ends[-1] * (count - 2 * len(arcs))).astype(int) + 2)
+    shares = np.floor(np.array(durations) / np.cumsum(durations)[-1] * (count - 2 * len(arcs))).astype(int) + 2
     shares[-1] += count - shares.sum()
-    return np.array(
-        [
-            arc.flow.at(arc.start, time)
-            for arc, duration, share in zip(arcs, durations, shares, strict=True)
-            for time in np.linspace(0, duration, share)
-        ]
-    )
+    parts = zip(arcs, durations, shares, strict=True)
+    return np.array([arc.flow.at(arc.start, time) for arc, end, n in parts for time in np.linspace(0, end, n)])
 
 
 def _shown(arc: ForceArc, limit: float) -> float:
@@ -168,7 +147,7 @@ def _shown(arc: ForceArc, limit: float) -> float:
     return 2 * math.pi / abs(first.imag) if first.real == 0 else 8.0 / abs(first.real)  # e⁻⁸ of it is left
 
 
-def _saddle_manifolds(cases: Sequence[dict[int, ForceFlow]], count: int, limit: float, scale: float) -> Variables:
+def _saddle_manifolds(cases: Sequence[Flows], count: int, limit: float, scale: float) -> Variables:
     """Unstable and stable manifold of the saddle: each a ray that stays on the side of law +, and one that leaves it.
 
     All are followed away from the saddle, the stable ones backwards in time.
@@ -180,24 +159,16 @@ def _saddle_manifolds(cases: Sequence[dict[int, ForceFlow]], count: int, limit: 
         for outwards in (laws[1].side, -laws[1].side)
     ]
     lines = np.array(lines).reshape(len(cases), 4, count, 2)
-    manifold = ("case", "manifold", "sample")
+    force, dims = _scaled(lines[..., 0], scale, Paradox.INDETERMINATE), ("case", "manifold", "sample")
+    order = "samples begin at the saddle; along a stable branch time runs against them"
     return {
-        "manifold_force": (
-            manifold,
-            _scaled(lines[..., 0], scale, int(Paradox.INDETERMINATE)),
-            _force("contact force on a manifold of the saddle"),
-        ),
-        "manifold_force_rate": (manifold, lines[..., 1], _rate("rate on a manifold of the saddle")),
-        "manifold": named_index(
-            "manifold",
-            "branch of the manifolds of the saddle",
-            _MANIFOLDS,
-            comment="samples begin at the saddle; along a stable branch time runs against them",
-        ),
+        "manifold_force": (dims, force, _force("contact force on a manifold of the saddle")),
+        "manifold_force_rate": (dims, lines[..., 1], _rate("rate on a manifold of the saddle")),
+        "manifold": named_index("manifold", "branch of the manifolds of the saddle", _MANIFOLDS, comment=order),
     }
 
 
-def _there_and_back(laws: dict[int, ForceFlow], outwards: int) -> list[ForceArc]:
+def _there_and_back(laws: Flows, outwards: int) -> list[ForceArc]:
     """Arcs of an unstable manifold, from so close to the saddle that a picture cannot tell, until it is back at law +.
 
     Without damping it returns to the saddle, by symmetry in the time that it took to leave.
@@ -241,23 +212,14 @@ def _by_newton(drives: Sequence[ThreadsDrive]) -> Variables:
     slope = {law: slip(1.0, law) - offset[law] for law in _LAWS}
     lever = {law: cos + law * base.friction_coefficient * sin for law in _LAWS}
     unit = math.sqrt(-base.contact_stiffness * cos * slope[-1])  # 1/s
-    jacobian = np.array(
-        [
-            [
-                (d.contact_damping * cos * slope[law] / unit, -d.contact_stiffness * cos * slope[law] / unit**2)
-                for law in _LAWS
-            ]
-            for d in drives
-        ]
-    )
+    damping, stiffness = (np.array([[getattr(d, f"contact_{x}")] for d in drives]) for x in ("damping", "stiffness"))
+    slopes, dims = np.array([slope[law] for law in _LAWS]), ("case", "law")
+    zeros = [-offset[law] / slope[law] * lever[law] / drift for law in _LAWS]
+    trace, determinant = damping * cos * slopes / unit, -stiffness * cos * slopes / unit**2
     return {
-        "equilibrium_contact_force_by_newton": (
-            "law",
-            [-offset[law] / slope[law] * lever[law] / drift for law in _LAWS],
-            _force("zero of N'' by the equations of motion"),
-        ),
-        "jacobian_trace": variable(("case", "law"), jacobian[..., 0], "1", "trace of the Jacobian of N''"),
-        "jacobian_determinant": variable(("case", "law"), jacobian[..., 1], "1", "determinant of the Jacobian of N''"),
+        "equilibrium_contact_force_by_newton": ("law", zeros, _force("zero of N'' by the equations of motion")),
+        "jacobian_trace": variable(dims, trace, "1", "trace of the Jacobian of N''"),
+        "jacobian_determinant": variable(dims, determinant, "1", "determinant of the Jacobian of N''"),
     }
 
 
@@ -276,14 +238,6 @@ def within_separatrix(case: xr.Dataset) -> np.ndarray:
     return ((energy < float(_potential(case, saddle))) & (force > saddle)).values
 
 
-def _energy_spread(case: xr.Dataset) -> float:
-    """Largest spread of the energy along a motion, relative to the largest of its two parts on the way."""
-    parts = _potential(case, case.contact_force), case.contact_force_rate**2 / 2
-    total = sum(parts)
-    size = xr.concat([abs(part) for part in parts], "part").max(["part", "sample"])
-    return float(((total.max("sample") - total.min("sample")) / size).max())
-
-
 def _potential(case: xr.Dataset, force: xr.DataArray) -> xr.DataArray:
     """Potential of x″: −ρ² x²/2 − x/Γ₋ on the side of law +, x²/2 − x/Γ₋ on that of law −."""
     plus, minus = (case.effective_inertia_of_law.sel(law=law, drop=True) for law in (1, -1))
@@ -294,7 +248,10 @@ def _potential(case: xr.Dataset, force: xr.DataArray) -> xr.DataArray:
 
 def energy_check(dataset: xr.Dataset) -> Check:
     """Check that the energy integral is constant along the motions of the case without contact damping, the first."""
-    spread = _energy_spread(dataset.isel(case=0))
+    case = dataset.isel(case=0)
+    parts = xr.concat([_potential(case, case.contact_force), case.contact_force_rate**2 / 2], "part")
+    total, size = parts.sum("part"), abs(parts).max(["part", "sample"])
+    spread = float(((total.max("sample") - total.min("sample")) / size).max())
     return Check.holds(
         "Along each motion without contact damping the energy integral of (8.11) is constant, to 1e-12",
         "eqs 8.11, 8.12",
@@ -306,15 +263,10 @@ def energy_check(dataset: xr.Dataset) -> Check:
 def newton_checks(dataset: xr.Dataset) -> list[Check]:
     """Check equilibria and eigenvalues against Newton's laws, of which the closed forms (8.11), (8.12) make no use."""
     gap = float(np.abs(dataset.equilibrium_contact_force / dataset.equilibrium_contact_force_by_newton - 1).max())
-    first, second = (
-        dataset.scaled_eigenvalue_real_part.isel(eigenvalue=k)
-        + 1j * dataset.scaled_eigenvalue_imaginary_part.isel(eigenvalue=k)
-        for k in (0, 1)
-    )
-    off = [
-        np.abs(first + second - dataset.jacobian_trace) / np.abs(first),
-        np.abs(first * second / dataset.jacobian_determinant - 1),
-    ]
+    values = dataset.scaled_eigenvalue_real_part + 1j * dataset.scaled_eigenvalue_imaginary_part
+    first, second = values.isel(eigenvalue=0), values.isel(eigenvalue=1)
+    trace = float((np.abs(first + second - dataset.jacobian_trace) / np.abs(first)).max())
+    product = float(np.abs(first * second / dataset.jacobian_determinant - 1).max())
     return [
         Check.holds(
             "The equilibria are the zeros of N″ by the two equations of motion, to 1e-12",
@@ -325,9 +277,9 @@ def newton_checks(dataset: xr.Dataset) -> list[Check]:
         Check.holds(
             "The eigenvalues of each law are those of the Jacobian of N″ by the two equations of motion, to 1e-12",
             "eqs 8.6, 8.7, 8.12",
-            f"their sum differs from its trace by {float(off[0].max()):.1e} of them, their product from its "
-            f"determinant by {float(off[1].max()):.1e}",
-            all(float(x.max()) <= 1e-12 for x in off),
+            f"their sum differs from its trace by {trace:.1e} of them, their product from its determinant by "
+            f"{product:.1e}",
+            max(trace, product) <= 1e-12,
         ),
     ]
 
