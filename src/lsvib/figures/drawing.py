@@ -4,7 +4,7 @@ Arrows of time and words beside a line stand where the picture has room for them
 printed page, in points, of a panel as large as it is when the functions are called.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ _PLACES = 150  # places compared on one line
 _ASIDE = (1.2, 1.6, 2.0, 2.5, 3.0, 4.0)  # distances of a word's middle from its line, in sizes of the letters
 
 MOTIONS = (style.BLUE, style.ORANGE, style.SKY, style.PURPLE)
+EVEN = (1.1, 1.1, 1.1, 1.1)  # widths of the lines of up to four motions, in points
 OVERLAID = (2.2, 1.0, 1.0, 1.0)  # where a later motion lies on the first, that one still shows on both sides
 
 
@@ -28,12 +29,8 @@ DrawnLine = tuple[np.ndarray, np.ndarray, str | None]
 def single(dataset: xr.Dataset) -> Figure:
     """Return a figure of the only case of a dataset."""
     figure = style.new_figure(style.SINGLE * 1.25, 3.4)
-    axes = figure.add_subplot()
-    case = dataset.isel(case=0)
-    draw_motions(axes, case)
-    draw_cycle(axes, case)
-    mark_origin(axes)
-    widen(axes, case)
+    axes, case = figure.add_subplot(), dataset.isel(case=0)
+    phase_plane(axes, case)
     draw_lines(axes, case)
     guide(axes, case)
     label_axes(axes, dataset)
@@ -41,6 +38,21 @@ def single(dataset: xr.Dataset) -> Figure:
     style.state_values(figure, dataset)
     style.legend(figure, [axes], 3)
     return figure
+
+
+def phase_plane(
+    axes: Axes, case: xr.Dataset, widths: Sequence[float] = EVEN, cycle: float = 1.8, margin: float = 0.06
+) -> None:
+    """Draw motions, limit cycle and origin of one case, with limits around the motions and the line θ′ = 0.
+
+    ``widths`` of the motions and the cycle in points; ``margin`` beyond the motions, in their extent.
+    """
+    draw_motions(axes, case, widths)
+    draw_cycle(axes, case, width=cycle)
+    mark_origin(axes)
+    u, w = case.angle_deviation.values, np.append(case.velocity_deviation.values, float(case.stop_velocity))
+    for limits, x in ((axes.set_xlim, u), (axes.set_ylim, w)):
+        limits(x.min() - margin * np.ptp(x), x.max() + margin * np.ptp(x))
 
 
 def label_axes(axes: Axes, dataset: xr.Dataset) -> None:
@@ -65,40 +77,41 @@ def draw_stop(axes: Axes, rate: float) -> None:
                  zorder=1.4)  # fmt: skip
 
 
-def draw_motions(axes: Axes, case: xr.Dataset, widths: Sequence[float] = (1.1, 1.1, 1.1, 1.1)) -> None:
+def draw_motions(axes: Axes, case: xr.Dataset, widths: Sequence[float] = EVEN) -> None:
     """Draw the motions of one case: jumps dotted, rest thick, starts and seizures marked."""
-    for index, colour, width in zip(range(case.sizes["start"]), MOTIONS, widths, strict=False):
-        motion = case.isel(start=index)
-        u, w, time = (motion[name].values for name in ("angle_deviation", "velocity_deviation", "time"))
-        _broken_line(axes, u, w, (np.diff(time) == 0) & (np.diff(w) != 0), colour, width, "motion")
-        rests = named(motion["mode"], "rest")
+    for (motion, u, w, jumps, colour), width in zip(_motions(case), widths, strict=False):
+        _broken_line(axes, u, w, jumps, colour, width, "motion")
+        rests, seized = named(motion["mode"], "rest"), named(motion.event_kind, "seizure")
         if rests.any():
             still = np.where(rests, u, np.nan), np.where(rests, w, np.nan)
             axes.plot(*still, color=style.GREEN, linewidth=3, solid_capstyle="butt", label="rest", zorder=2.5)
-        seized = named(motion.event_kind, "seizure")
         if seized.any():
-            mark_seizures(
-                axes,
-                motion.event_angle_deviation_before.values[seized],
-                motion.event_velocity_deviation_before.values[seized],
-                colour,
-            )
+            before = (motion[f"event_{name}_deviation_before"].values[seized] for name in ("angle", "velocity"))
+            mark_seizures(axes, *before, colour)
         axes.plot(u[0], w[0], "o", color=colour, markerfacecolor="white", label="start", zorder=3)
+
+
+def _motions(case: xr.Dataset) -> Iterator[tuple[xr.Dataset, np.ndarray, np.ndarray, np.ndarray, str]]:
+    """Each motion with u, u′, whether the rate jumps after each sample, and a colour."""
+    for index, colour in zip(range(case.sizes["start"]), MOTIONS, strict=False):
+        motion = case.isel(start=index)
+        u, w, time = (motion[name].values for name in ("angle_deviation", "velocity_deviation", "time"))
+        yield motion, u, w, (np.diff(time) == 0) & (np.diff(w) != 0), colour
 
 
 def draw_cycle(
     axes: Axes, case: xr.Dataset, colour: str = style.BLACK, width: float = 1.8, name: str = "limit cycle"
 ) -> None:
     """Draw the limit cycle of one case, if it has one, its jumps dotted."""
-    u, w = (np.append(x, x[0]) for x in (case.cycle_angle.values, case.cycle_velocity.values))
+    u, w, jumps = cycle_of(case)
     if np.isfinite(u).any():
-        _broken_line(axes, u, w, cycle_jumps(case), colour, width, name)
+        _broken_line(axes, u, w, jumps, colour, width, name)
 
 
-def cycle_jumps(case: xr.Dataset) -> np.ndarray:
-    """Return, for each sample of a limit cycle, whether the rate jumps before the next (the first follows the last)."""
+def cycle_of(case: xr.Dataset) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return u and u′ of a limit cycle, closed, and for each sample whether the rate jumps before the next."""
     u, w = (np.append(x, x[0]) for x in (case.cycle_angle.values, case.cycle_velocity.values))
-    return (np.abs(np.diff(u)) < 1e-9 * np.ptp(u)) & (np.abs(np.diff(w)) > 0.05 * np.ptp(w))
+    return u, w, (np.abs(np.diff(u)) < 1e-9 * np.ptp(u)) & (np.abs(np.diff(w)) > 0.05 * np.ptp(w))
 
 
 def mark_seizures(axes: Axes, u, w, colour: str) -> None:
@@ -135,11 +148,13 @@ def guide(axes: Axes, case: xr.Dataset, size: float = 10.0) -> None:
     paths.append((sides * 1e-2, np.zeros(2), None))  # the mark of the origin
     if slope:
         low, high = np.clip(np.sort((sides - angle) / slope), low, high)
-    if float(case.effective_inertia_plus) > 0:
-        _name_sides(axes, angle, slope, (low, high), ("$N > 0$", "$N < 0$"), paths, size)
-    else:
-        _name_sides(axes, angle, slope, (max(low, stop), high), ("", "$N < 0$"), paths, size)
-        _name_sides(axes, angle, slope, (low, min(high, stop)), ("$N > 0$", ""), paths, size)
+    spans = [(low, high, ("$N > 0$", "$N < 0$"))]
+    if float(case.effective_inertia_plus) < 0:
+        spans = [(max(low, stop), high, ("", "$N < 0$")), (low, min(high, stop), ("$N > 0$", ""))]
+    for first, last, words in spans:
+        if last > first:  # in view
+            ends = np.array([[angle + slope * rate, rate] for rate in (first, last)])
+            name_sides(axes, ends, words, paths, 0.8 * size)
 
 
 def draw_arrows(axes: Axes, case: xr.Dataset, size: float = 10.0) -> None:
@@ -154,36 +169,14 @@ def draw_arrows(axes: Axes, case: xr.Dataset, size: float = 10.0) -> None:
 
 def _paths(case: xr.Dataset) -> list[DrawnLine]:
     """Return the motions and the limit cycle of one case as lines with colours, parted at their jumps."""
-    paths: list[DrawnLine] = []
-    for index, colour in zip(range(case.sizes["start"]), MOTIONS, strict=False):
-        motion = case.isel(start=index)
-        u, w, time = (motion[name].values for name in ("angle_deviation", "velocity_deviation", "time"))
-        paths.append((*parted(u, w, (np.diff(time) == 0) & (np.diff(w) != 0)), colour))
-    u, w = (np.append(x, x[0]) for x in (case.cycle_angle.values, case.cycle_velocity.values))
-    if np.isfinite(u).any():
-        paths.append((*parted(u, w, cycle_jumps(case)), style.BLACK))
-    return paths
-
-
-def _name_sides(axes: Axes, angle: float, slope: float, rates, words: tuple[str, str], paths, size: float) -> None:
-    """Write words to the right and to the left of the line N = 0 between two rates, if it is in view there."""
-    low, high = rates
-    if high > low:
-        ends = np.array([[angle + slope * low, low], [angle + slope * high, high]])
-        name_sides(axes, ends, words, paths, 0.8 * size)
+    u, w, jumps = cycle_of(case)
+    cycle = [(*parted(u, w, jumps), style.BLACK)] if np.isfinite(u).any() else []
+    return [*((*parted(u, w, jumps), colour) for _, u, w, jumps, colour in _motions(case)), *cycle]
 
 
 def mark_origin(axes: Axes) -> None:
     """Mark steady sliding, the origin."""
     axes.plot(0, 0, "+", color=style.BLACK, markersize=6, markeredgewidth=1.2, label="steady sliding", zorder=4)
-
-
-def widen(axes: Axes, case: xr.Dataset, margin: float = 0.06) -> None:
-    """Set limits around the motions and the line θ′ = 0 of one case."""
-    u, w = case.angle_deviation.values, np.append(case.velocity_deviation.values, float(case.stop_velocity))
-    for limits, x in ((axes.set_xlim, u), (axes.set_ylim, w)):
-        room = margin * np.ptp(x)
-        limits(x.min() - room, x.max() + room)
 
 
 def regions(axes: Axes, x: Any, y: Any, flags: xr.DataArray, colours: Mapping[str, str], **look: Any) -> None:
@@ -216,15 +209,8 @@ def arrows(axes: Axes, lines: Sequence[DrawnLine], size: float = 10.0) -> None:
         place = _roomiest(path, [other[:, :2] for k, other in enumerate(paths) if k != number], page.size)
         if place is not None:
             tail, head = (page.data(path[k, :2]) for k in (place - 1, place))
-            look = {
-                "arrowstyle": "-|>",
-                "color": colour,
-                "linewidth": 0,
-                "mutation_scale": size,
-                "shrinkA": 0,
-                "shrinkB": 0,
-            }
-            axes.annotate("", head, tail, arrowprops=look, zorder=3.2)
+            look = {"color": colour, "linewidth": 0, "mutation_scale": size, "shrinkA": 0, "shrinkB": 0}
+            axes.annotate("", head, tail, arrowprops={"arrowstyle": "-|>", **look}, zorder=3.2)
 
 
 def name_sides(

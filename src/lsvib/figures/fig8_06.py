@@ -311,10 +311,7 @@ def draw(dataset: xr.Dataset) -> Figure:
 
 def _inset(small: Axes, case: xr.Dataset) -> None:
     """Draw the phase portrait of one force."""
-    drawing.draw_motions(small, case, widths=[0.6] * case.sizes["start"])
-    drawing.draw_cycle(small, case, width=1.4)
-    drawing.mark_origin(small)
-    drawing.widen(small, case, 0.2)
+    drawing.phase_plane(small, case, [0.6] * case.sizes["start"], 1.4, 0.2)
     drawing.draw_lines(small, case)
     drawing.guide(small, case, size=7.5)
     small.locator_params(nbins=4)

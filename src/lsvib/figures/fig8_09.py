@@ -132,10 +132,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     for index, axes in enumerate(planes):
         case = dataset.isel(case=index)
         relation = "<" if float(case.mass) < float(dataset.critical_mass) else ">"
-        drawing.draw_motions(axes, case)
-        drawing.draw_cycle(axes, case)
-        drawing.mark_origin(axes)
-        drawing.widen(axes, case)
+        drawing.phase_plane(axes, case)
         left, right = axes.get_xlim()
         axes.set_xlim(left, right + 0.35 * (right - left))  # room for words beyond the line
         drawing.draw_lines(axes, case)

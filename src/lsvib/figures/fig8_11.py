@@ -97,9 +97,9 @@ def draw(dataset: xr.Dataset) -> Figure:
     for case, colour in zip(cases, colours, strict=False):
         unit = style.unit(case.support_damping.attrs["units"])[1:-1]
         drawing.draw_cycle(axes, case, colour, name=f"$c$ = {style.number(case.support_damping)} {unit}")
-        u, w, seized = case.cycle_angle.values, case.cycle_velocity.values, drawing.cycle_jumps(case)
-        drawing.mark_seizures(axes, u[seized], w[seized], colour)
-        lines.append((*drawing.parted(u, w, seized[:-1]), colour))
+        u, w, seized = drawing.cycle_of(case)
+        drawing.mark_seizures(axes, u[:-1][seized], w[:-1][seized], colour)
+        lines.append((*drawing.parted(u[:-1], w[:-1], seized[:-1]), colour))
     drawing.mark_origin(axes)
     axes.margins(0.08)
     axes.autoscale_view()

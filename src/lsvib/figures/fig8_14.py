@@ -364,9 +364,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     cases = [dataset.isel(case=index) for index in range(4)]
     for axes, case, letter in zip(panels, cases, "abcd", strict=True):
         _starts(axes, case)
-        drawing.draw_motions(axes, case, widths=drawing.OVERLAID)
-        drawing.draw_cycle(axes, case)
-        drawing.mark_origin(axes)
+        drawing.phase_plane(axes, case, drawing.OVERLAID)
         note = "as printed" if letter in "ab" else "$m > m_\\mathrm{cr}$"
         force, mass = style.number(case.axial_force), style.number(case.mass)
         axes.set_title(f"({letter}) $R$ = {force} N, $m$ = {mass} kg, {note}")
