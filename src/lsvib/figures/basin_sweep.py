@@ -63,9 +63,7 @@ class Settings(of.FigureSettings):
     support_damping: of.PositiveSpan = Field(description="c [N m s/rad].")
     mass: of.PositiveSpan = Field(description="m [kg].")
     friction_coefficient: of.PositiveSpan = Field(description="mu [1].")
-    cases: list[SweepCase] = Field(
-        min_length=1, max_length=3, description="Drives whose basins are drawn and compared with grids."
-    )
+    cases: of.several(SweepCase, 1, 3, "Drives whose basins are drawn and compared with grids.")
     resolutions: Annotated[list[Annotated[int, Field(ge=2, le=10_000)]], *of.Unique] = Field(
         min_length=2, description="Starts along each edge of the grids, ascending."
     )

@@ -1,6 +1,6 @@
 """Critical mass of the drive with compliant threads over its contact, and the growth rates of Lemma 8.1."""
 
-from typing import Annotated, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 import xarray as xr
@@ -19,9 +19,9 @@ from lsvib.figures.settings import (
     FigureSettings,
     MassPair,
     PositiveSpan,
-    Unique,
     Values,
     parameter,
+    several,
 )
 from lsvib.figures.style import Axes, Figure
 from lsvib.models.coefficients import coefficients
@@ -53,17 +53,18 @@ class Settings(FigureSettings):
     unused: ClassVar = ("mass",)
 
     drive: DriveChanges
-    stiffnesses: Annotated[list[parameter("contact_stiffness", of=ThreadsDrive)], *Unique] = Field(
-        min_length=1, max_length=6, description="Contact stiffnesses k_c of the curves [N/m]."
+    stiffnesses: several(
+        parameter("contact_stiffness", of=ThreadsDrive), 1, 6, "Contact stiffnesses k_c of the curves [N/m]."
     )
     contact_damping: PositiveSpan = Field(description="c_c [N s/m] along the curves, spaced logarithmically.")
-    contacts: list[Contact] = Field(
-        min_length=2, max_length=5, description="Contacts that figures draw, the stiffest first."
-    )
+    contacts: several(Contact, 2, 5, "Contacts that figures draw, the stiffest first.")
     masses: MassPair = Field(description="Masses above and below the critical mass of the rigid drive [kg].")
     stiffness: PositiveSpan = Field(description="k_c [N/m] of the growth rates, spaced logarithmically.")
-    dampings: Annotated[list[parameter("contact_damping", of=ThreadsDrive)], *Unique] = Field(
-        min_length=2, max_length=5, description="Contact dampings of the growth rates, the first zero [N s/m]."
+    dampings: several(
+        parameter("contact_damping", of=ThreadsDrive),
+        2,
+        5,
+        "Contact dampings of the growth rates, the first zero [N s/m].",
     )
 
 

@@ -12,7 +12,7 @@ from lsvib.datasets.checks import Check
 from lsvib.datasets.parameter_origins import drive_parameters, labels
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, flag_names, named
-from lsvib.figures.settings import DriveChanges, FigureSettings, Span, Values
+from lsvib.figures.settings import DriveChanges, FigureSettings, Span, Values, several
 from lsvib.figures.style import Axes, Figure
 from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
@@ -42,7 +42,7 @@ class Settings(FigureSettings):
     drive: DriveChanges
     inertia: Span = Field(description="Effective inertia [kg m2].")
     damping: Span = Field(description="Effective damping [N m s/rad].")
-    cases: list[DriveChanges] = Field(max_length=5, description="Drives to place in the plane, as changes of `drive`.")
+    cases: several(DriveChanges, 0, 5, "Drives to place in the plane, as changes of `drive`.")
 
 
 def build(settings: Values) -> xr.Dataset:

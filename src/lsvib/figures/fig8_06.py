@@ -7,7 +7,7 @@ to the stated one.
 
 from collections.abc import Sequence
 from enum import IntEnum
-from typing import TYPE_CHECKING, Annotated, ClassVar, Self
+from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 import xarray as xr
@@ -20,7 +20,7 @@ from lsvib.datasets.checks import Check
 from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters, labels, start_state
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, flag_names, named, spread
-from lsvib.figures.settings import MassPair, PhasePlane, Span, State, Unique, Values, parameter
+from lsvib.figures.settings import MassPair, PhasePlane, Span, State, Values, parameter, several
 from lsvib.figures.style import Axes, Figure
 from lsvib.models import chapter
 from lsvib.models.coefficients import coefficients
@@ -60,10 +60,8 @@ class Settings(PhasePlane):
 
     axial_force: Span = Field(description="R [N].")
     start: State
-    insets: list[parameter("axial_force")] = Field(
-        min_length=1, max_length=3, description="Axial forces of the inset phase portraits [N]."
-    )
-    mass_readings: Annotated[MassPair, *Unique] = Field(
+    insets: several(parameter("axial_force"), 1, 3, "Axial forces of the inset phase portraits [N].")
+    mass_readings: MassPair = Field(
         description="Mass as stated, and mass to which the printed effective inertias belong [kg]."
     )
 

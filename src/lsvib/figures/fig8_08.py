@@ -13,7 +13,7 @@ from lsvib.datasets.checks import Check
 from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters
 from lsvib.figures import style
 from lsvib.figures.common import EIGENVALUE, about, existing
-from lsvib.figures.settings import Damping, DriveChanges, FigureSettings, PositiveSpan, Values
+from lsvib.figures.settings import Damping, DriveChanges, FigureSettings, PositiveSpan, Values, several
 from lsvib.figures.style import Axes, Figure
 from lsvib.models import chapter
 from lsvib.models.coefficients import coefficients
@@ -39,8 +39,8 @@ class Settings(FigureSettings):
 
     drive: DriveChanges
     mass: PositiveSpan = Field(description="Translating mass [kg].")
-    dampings: list[Annotated[Damping, Gt(0)]] = Field(
-        min_length=1, description="Support dampings at which the loss of stability is located [N m s/rad]."
+    dampings: several(
+        Annotated[Damping, Gt(0)], 1, None, "Support dampings at which the loss of stability is located [N m s/rad]."
     )
 
 

@@ -12,7 +12,7 @@ from lsvib.datasets.checks import Check
 from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters, labels
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, existing, named, spread
-from lsvib.figures.settings import DriveChanges, PhasePlane, PositiveSpan, Values
+from lsvib.figures.settings import DriveChanges, PhasePlane, PositiveSpan, Values, several
 from lsvib.figures.style import Axes, Figure
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import rigid_automaton
@@ -33,11 +33,7 @@ class Settings(PhasePlane):
 
     unused: ClassVar = ("mass",)
 
-    cases: list[DriveChanges] = Field(
-        min_length=2,
-        max_length=2,
-        description="Changes of `drive`, one for each panel, the one below the critical mass first.",
-    )
+    cases: several(DriveChanges, 2, 2, "Changes of `drive`, one for each panel, the one below the critical mass first.")
     axial_force: PositiveSpan = Field(description="R [N] over which the dependence on it is shown.")
 
 

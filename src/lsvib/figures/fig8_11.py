@@ -1,16 +1,15 @@
 """Figure 8.11: effect of the support damping on the sprag–slip cycle, with the line N = 0 of each damping."""
 
-from typing import Annotated, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import xarray as xr
-from pydantic import Field
 
 from lsvib.datasets.checks import Check
 from lsvib.datasets.parameter_origins import drive_parameters, labels
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, named
-from lsvib.figures.settings import Damping, PhasePlane, Unique, Values
+from lsvib.figures.settings import Damping, PhasePlane, Values, several
 from lsvib.figures.style import Figure
 from lsvib.models.drive import RigidDrive
 
@@ -26,9 +25,7 @@ class Settings(PhasePlane):
 
     unused: ClassVar = ("support_damping",)
 
-    support_dampings: Annotated[list[Damping], *Unique] = Field(
-        min_length=2, max_length=4, description="Support dampings in ascending order [N m s/rad]."
-    )
+    support_dampings: several(Damping, 2, 4, "Support dampings in ascending order [N m s/rad].")
 
 
 def build(settings: Values) -> xr.Dataset:

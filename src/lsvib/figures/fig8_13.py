@@ -15,7 +15,7 @@ from lsvib.errors import InputError
 from lsvib.figures import drawing, style
 from lsvib.figures.common import CRITICAL_MASS_WITH_CONTACT, about, named
 from lsvib.figures.fig8_10 import compliant_cycle, cycle_curves
-from lsvib.figures.settings import Contact, DriveChanges, FigureSettings, PositiveSpan, Samples, State, Values
+from lsvib.figures.settings import Contact, DriveChanges, FigureSettings, PositiveSpan, Samples, State, Values, several
 from lsvib.figures.style import Axes, Figure
 from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import ThreadsDrive
@@ -51,9 +51,7 @@ class Settings(FigureSettings):
     """Cycles with softer contacts, and where the coupling deflection turns positive."""
 
     drive: DriveChanges
-    contacts: list[Contact] = Field(
-        min_length=2, max_length=4, description="Contacts whose cycles are drawn, the stiffest first."
-    )
+    contacts: several(Contact, 2, 4, "Contacts whose cycles are drawn, the stiffest first.")
     start: State
     samples: Samples
     contact_stiffness: PositiveSpan = Field(description="k_c [N/m] of the grid, spaced logarithmically.")

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from enum import IntEnum
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 import xarray as xr
@@ -22,9 +22,9 @@ from lsvib.figures.settings import (
     FigureSettings,
     NotZero,
     State,
-    Unique,
     Values,
     parameter,
+    several,
 )
 from lsvib.figures.style import Axes, Figure
 from lsvib.models.drive import RigidDrive, ThreadsDrive
@@ -69,17 +69,13 @@ class Settings(FigureSettings):
     unused: ClassVar = ("support_damping", "translation_damping", "axial_force")
 
     drive: DriveChanges
-    axial_forces: Annotated[list[parameter("axial_force", *NotZero)], *Unique] = Field(
-        min_length=2, max_length=4, description="Axial forces [N], of both signs."
-    )
-    support_dampings: Annotated[list[Damping], *Unique] = Field(
-        min_length=1, max_length=4, description="Support dampings c [N m s/rad], a small and a large one."
-    )
+    axial_forces: several(parameter("axial_force", *NotZero), 2, 4, "Axial forces [N], of both signs.")
+    support_dampings: several(Damping, 1, 4, "Support dampings c [N m s/rad], a small and a large one.")
     speed: float = Field(gt=0, le=1e9, description="Screw speed before an impact [rad/s].")
     duration: Duration
     start: State
-    stiffness: Annotated[list[parameter("contact_stiffness", of=ThreadsDrive)], *Unique] = Field(
-        min_length=3, max_length=50, description="Contact stiffnesses k_c [N/m], ascending."
+    stiffness: several(
+        parameter("contact_stiffness", of=ThreadsDrive), 3, 50, "Contact stiffnesses k_c [N/m], ascending."
     )
     fit_from: float = Field(gt=0, description="Least stiffness that orders are fitted to [N/m].")
     damping_ratio: float = Field(gt=0, le=1000, description="Damping ratio of the nut in its family [1].")

@@ -114,6 +114,11 @@ def _zero(value: float) -> float:
 Unique = (AfterValidator(_unique),)  # add to the type of a list
 
 
+def several(kind: Any, least: int, most: int | None, description: str) -> Any:
+    """Return the type of a list of so many entries, none of them twice."""
+    return Annotated[list[kind], *Unique, Field(min_length=least, max_length=most, description=description)]
+
+
 def parameter(key: str, *more: Any, of: type[Drive] = Drive) -> Any:
     """Return the type of a parameter of a drive, with its range, and with ``more`` bounds."""
     bounds = [bound for bound in of.model_fields[key].metadata if isinstance(bound, _BOUNDS)]
@@ -167,12 +172,8 @@ Samples = Annotated[int, Field(ge=100, le=100_000, description="Samples of each 
 Damping = Annotated[float, Field(ge=0, le=1, description="Support damping c [N m s/rad].")]
 CaseSeed = Annotated[int, Field(ge=0, description="Seed of the random cases.")]
 Repeats = Annotated[int, Field(ge=1, le=1000, description="Repeats of each measurement.")]
-MassPair = Annotated[
-    list[parameter("mass")], Field(min_length=2, max_length=2, description="Two readings of the mass [kg].")
-]
-OpposingForces = Annotated[
-    list[parameter("axial_force", Lt(0))], Field(min_length=2, max_length=2, description="Two forces R < 0 [N].")
-]
+MassPair = several(parameter("mass"), 2, 2, "Two readings of the mass [kg].")
+OpposingForces = several(parameter("axial_force", Lt(0)), 2, 2, "Two forces R < 0 [N].")
 Tolerances = Annotated[
     list[Annotated[float, Field(gt=0, le=10)]],
     *Unique,
