@@ -8,10 +8,9 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import named_index, variable
+from lsvib.datasets.attributes import drive_parameters, named_index, variable
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import drive_parameters
-from lsvib.datasets.provenance import machine
+from lsvib.datasets.io import machine
 from lsvib.figures import style
 from lsvib.figures.settings import CaseSeed, DriveChanges, FigureSettings, PlaneWindow, PositiveSpan, SettingsSection
 from lsvib.figures.style import Axes, Figure
@@ -81,7 +80,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Run the methods of :data:`benchmarks.maps.map_methods.METHODS` on some boxes."""
     from benchmarks.maps.map_methods import METHODS
     from benchmarks.maps.map_race import RaceBox, contest
-    from lsvib.basins.clipping import Window
+    from lsvib.basins.curves import Window
     from lsvib.datasets import phase_plane
 
     cells = {name: count for name, count in settings["cells"].items() if count}

@@ -16,7 +16,7 @@ from benchmarks.record import Verdict
 from benchmarks.rivals.methods import MODULES
 from lsvib.datasets.attributes import flagged, named_index, variable
 from lsvib.datasets.checks import Check
-from lsvib.datasets.provenance import machine
+from lsvib.datasets.io import machine
 from lsvib.figures import style
 from lsvib.figures.common import flag_names, named
 from lsvib.figures.settings import FigureSettings, Unique

@@ -11,9 +11,9 @@ from pathlib import Path
 import grimp
 from references.figure_checks import dataset_of, draft
 
-from lsvib.datasets.writer import write_dataset
+from lsvib.datasets.io import write_dataset
 from lsvib.figures.configuration import default_figures
-from lsvib.models.model_files import model_names
+from lsvib.models.model import model_names
 
 FIGURES = default_figures()
 CHEAP = ("fig8_01", "fig8_02", "fig8_03", "fig8_04", "fig8_05", "fig8_07", "fig8_08", "fig8_09", "fig8_11", "fig8_15")
@@ -98,7 +98,7 @@ def test_a_dataset_is_built_without_matplotlib():
 def test_a_picture_is_drawn_from_its_file_without_the_engine(tmp_path):
     for figure in FIGURES:
         write_dataset(dataset_of(figure), tmp_path / f"{figure}.nc")
-    code = "from lsvib.datasets.writer import read_dataset; module.draw(read_dataset(figure + '.nc'))"
+    code = "from lsvib.datasets.io import read_dataset; module.draw(read_dataset(figure + '.nc'))"
     for figure, (numba, ours) in loaded("matplotlib.backends.backend_agg", "numba", code, tmp_path).items():
         assert not numba, figure
         assert "lsvib.engine.motion" not in ours, figure

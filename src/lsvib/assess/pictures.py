@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
 from lsvib.assess.assessment import AssessedMotion, Assessment
-from lsvib.assess.operating_chart import KINDS, Chart
+from lsvib.assess.margins import KINDS, Chart
 from lsvib.assess.uncertainty import BINS
 from lsvib.assess.words import CHANGES, MECHANISMS, entry_name
 from lsvib.figures import style

@@ -5,10 +5,9 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from lsvib.cli.app import app
+from lsvib.cli.app import ProgressLine, app
 from lsvib.cli.options import MODEL, ONE_VALUE, RESUME, AsJson, Changes, pairs, refuse_results_of_the_workflow
 from lsvib.cli.printing import picture_files, print_map, show
-from lsvib.cli.terminal import ProgressLine
 from lsvib.errors import InputError
 
 Axes = Annotated[
@@ -50,8 +49,8 @@ def attraction(
     """
     from lsvib.api import drive_class
     from lsvib.basins.grid import Grid
-    from lsvib.datasets.attraction_map import map_attraction, summary
-    from lsvib.datasets.writer import write_dataset
+    from lsvib.datasets.io import write_dataset
+    from lsvib.datasets.map import map_attraction, summary
     from lsvib.files import Outputs
 
     refuse_results_of_the_workflow(out, figure)

@@ -1,6 +1,6 @@
 """Map of regions of attraction: the attractor as colour, the time until it is reached as shade.
 
-The rule `attraction` of the workflow makes its dataset in tiles (:mod:`lsvib.datasets.tiles`).
+The rule `attraction` of the workflow makes its dataset in tiles (:mod:`lsvib.datasets.map`).
 """
 
 from typing import Annotated, Literal
@@ -15,9 +15,7 @@ from lsvib.figures import drawing, style
 from lsvib.figures.common import flag_names
 from lsvib.figures.settings import Cells, FigureSettings, Unique
 from lsvib.figures.style import Axes, Figure
-from lsvib.models.model_files import model_names
-from lsvib.models.registry import all_models
-from lsvib.models.resumption import Resume
+from lsvib.models.model import Resume, all_models, model_names
 
 CAPTION = """\
 Regions of attraction: the attractor of the motion from every start, and the time until it is reached as shade, with the

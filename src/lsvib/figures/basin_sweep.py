@@ -9,20 +9,19 @@ from pydantic import Field
 
 from lsvib.basins.grid import Axis, Grid
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import CRITICAL_MASS, flagged, variable
+from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, drive_parameters, flagged, labels, variable
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters, labels
 from lsvib.figures import drawing, style
 from lsvib.figures import settings as of
 from lsvib.figures.common import about, flag_names, named, spread
 from lsvib.figures.style import Axes, Figure
 from lsvib.models.drive import RigidDrive
 from lsvib.stability.conditions import critical_friction, critical_mass
-from lsvib.stability.thresholds import global_stability_force
+from lsvib.stability.force_thresholds import global_stability_force
 
 if TYPE_CHECKING:
-    from lsvib.basins.clipping import Window
-    from lsvib.basins.exact_basin import Basin
+    from lsvib.basins.boundary import Basin
+    from lsvib.basins.curves import Window
 
 CAPTION = """\
 The basin of steady sliding: (a) to (c) its exact boundary, one kind to a panel, with the part of the window that it
@@ -73,7 +72,7 @@ class Settings(of.FigureSettings):
 
 def build(settings: of.Values) -> xr.Dataset:
     """Compute the basins of a few drives, exactly and on grids, and the exact share of a window along four sweeps."""
-    from lsvib.basins.clipping import Window
+    from lsvib.basins.curves import Window
     from lsvib.datasets import phase_plane
 
     drive, window = RigidDrive.of(settings["drive"]), Window(**settings["window"])
@@ -99,7 +98,7 @@ def build(settings: of.Values) -> xr.Dataset:
 
 def _swept(drive: RigidDrive, name: str, values: np.ndarray) -> "tuple[np.ndarray, list[Basin]]":
     """The basins along one parameter; where the kind of boundary changes, two more values close to the change."""
-    from lsvib.basins.exact_basin import basin
+    from lsvib.basins.boundary import basin
 
     def at(value: float) -> "Basin":
         return basin(drive.replace(**{name: float(value)}))
@@ -122,7 +121,7 @@ def _swept(drive: RigidDrive, name: str, values: np.ndarray) -> "tuple[np.ndarra
 
 def _along(name: str, basins: "Sequence[Basin]", window: "Window") -> Variables:
     """Fraction of the window and kind of boundary along a sweep; along that of the force also the area."""
-    from lsvib.basins.exact_basin import Boundary
+    from lsvib.basins.boundary import Boundary
 
     dim, fraction, kinds = f"swept_{name}", [b.fraction(window) for b in basins], [b.boundary for b in basins]
     variables = {
@@ -153,9 +152,8 @@ def _critical_values(drive: RigidDrive, dampings: np.ndarray) -> Variables:
 
 def _cases(drive: RigidDrive, cases: Sequence[of.Values], resolutions: Sequence[int]) -> Variables:
     """Basins to be drawn: boundary and region as sampled curves, exact fraction of their window, fractions on grids."""
-    from lsvib.basins.clipping import Window
-    from lsvib.basins.curves import sampled
-    from lsvib.basins.exact_basin import Boundary, basin
+    from lsvib.basins.boundary import Boundary, basin
+    from lsvib.basins.curves import Window, sampled
     from lsvib.datasets import phase_plane
 
     drives, windows = [drive.replace(**c["drive"]) for c in cases], [Window(**c["window"]) for c in cases]
@@ -212,7 +210,7 @@ def _cut_cells(line: np.ndarray, window: "Window", count: int) -> float:
 
 def _readings(drive: RigidDrive, masses: Sequence[float], forces: Sequence[float], window: "Window") -> Variables:
     """Fraction of the window for both readings of the mass and both forces of Fig. 8.14."""
-    from lsvib.basins.exact_basin import basin
+    from lsvib.basins.boundary import basin
 
     table = [[basin(drive.replace(mass=m, axial_force=r)).fraction(window) for r in forces] for m in masses]
     return {

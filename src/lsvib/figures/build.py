@@ -12,7 +12,7 @@ from typing import Any
 import xarray as xr
 
 from lsvib.datasets.checks import Check
-from lsvib.datasets.writer import read_dataset, write_dataset
+from lsvib.datasets.io import read_dataset, write_dataset
 from lsvib.errors import InputError
 from lsvib.figures import style
 from lsvib.figures.configuration import complete_settings, load

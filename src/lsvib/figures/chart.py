@@ -1,6 +1,6 @@
 """Chart over two parameters: what the drive does as colour, the exact curves on top, each with its name.
 
-The rule `chart` of the workflow makes its dataset in tiles (:mod:`lsvib.datasets.chart_tiles`).
+The rule `chart` of the workflow makes its dataset in tiles (:mod:`lsvib.datasets.chart`).
 """
 
 from typing import Any, Literal
@@ -13,8 +13,7 @@ from lsvib.figures import drawing, style
 from lsvib.figures.common import flag_names
 from lsvib.figures.settings import Cells, FigureSettings
 from lsvib.figures.style import Axes, Figure
-from lsvib.models.registry import all_models
-from lsvib.models.resumption import Resume
+from lsvib.models.model import Resume, all_models
 
 CAPTION = """\
 What the drive does over two of its parameters, by two motions in each cell, with the exact curves that divide it. Sects
@@ -34,7 +33,7 @@ _LOOKS = {  # colour, and words of the legend
 }
 _CURVES = {  # words on a curve, where they are not its name, and how it is drawn
     "onset": (r"onset, $\tilde R = 0$", "-"),
-    "kinematic": (r"kinematic, $\Gamma_+ = 0$", (0, (5, 1.5))),
+    "kinematic constraint": (r"kinematic constraint, $\Gamma_+ = 0$", (0, (5, 1.5))),
     "negative damping": (r"negative damping, $C_+ = 0$", (0, (1.5, 1))),
     "stick slip birth": ("birth of stick–slip", "-"),
 }

@@ -19,7 +19,7 @@ from pydantic import Field, ValidationError, create_model
 
 from lsvib.errors import InputError
 from lsvib.figures.settings import FigureSettings, SettingsSection, Unique
-from lsvib.models.ranges import range_in_words
+from lsvib.models.drive import range_in_words
 from lsvib.numbers import shown
 
 DEFAULT = Path(__file__).with_name("config.yaml")

@@ -14,16 +14,15 @@ import xarray as xr
 from lsvib.contact import contact_force
 from lsvib.contact.contact_force import ForceArc, ForceFlow, ForceOutcome, Paradox
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import attributes, flagged, named_index, variable
+from lsvib.datasets.attributes import Variables, attributes, drive_parameters, flagged, labels, named_index, variable
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import Variables, drive_parameters, labels
 from lsvib.errors import InputError
 from lsvib.figures import drawing, style
 from lsvib.figures.common import EIGENVALUE, named
 from lsvib.figures.settings import ContactPortrait, Values
 from lsvib.figures.style import Axes, Figure
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import ThreadsDrive
+from lsvib.models.mechanics import coefficients
 
 Flows = dict[int, ForceFlow]  # by law
 _LAWS = (1, -1)  # sgn(θ′) sgn(N), in the order of the dimension

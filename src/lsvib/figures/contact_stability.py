@@ -7,9 +7,17 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import CRITICAL_MASS, variable, yes_no
+from lsvib.datasets.attributes import (
+    CRITICAL_MASS,
+    Variables,
+    axis,
+    drive_parameters,
+    labels,
+    origin_of,
+    variable,
+    yes_no,
+)
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters, labels, origin_of
 from lsvib.errors import InputError
 from lsvib.figures import style
 from lsvib.figures.common import CRITICAL_MASS_WITH_CONTACT, about
@@ -24,13 +32,12 @@ from lsvib.figures.settings import (
     several,
 )
 from lsvib.figures.style import Axes, Figure
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive, ThreadsDrive
-from lsvib.stability import stiff_contact
+from lsvib.models.mechanics import coefficients
+from lsvib.stability import conditions
 from lsvib.stability.boundaries import stable_set
 from lsvib.stability.conditions import critical_mass
-from lsvib.stability.eigenvalues_two_coordinates import eigenvalues, routh_hurwitz
-from lsvib.stability.linearised import threads_model
+from lsvib.stability.linear import eigenvalues, routh_hurwitz, threads_model
 
 CAPTION = """\
 Steady sliding with compliant threads (drive of Table 8.1, force with the motion; contacts assumed): (a) the mass at
@@ -80,7 +87,7 @@ def build(settings: Values) -> xr.Dataset:
     along, stiffness = (spans.logarithmic(settings[name]) for name in ("contact_damping", "stiffness"))
     curves, dampings = np.array(settings["stiffnesses"], float), np.array(settings["dampings"], float)
     contacts = [drive.replace(**contact) for contact in settings["contacts"]]
-    critical = [stiff_contact.critical_mass_of_contact(d) for d in contacts]
+    critical = [conditions.critical_mass_of_contact(d) for d in contacts]
     return xr.Dataset(
         _curves(drive, curves, along)
         | {"critical_mass_with_contact": variable("contact", critical, *CRITICAL_MASS_WITH_CONTACT)}
@@ -115,10 +122,10 @@ def build(settings: Values) -> xr.Dataset:
 def _curves(drive: ThreadsDrive, curves: np.ndarray, along: np.ndarray) -> Variables:
     """Masses between which steady sliding is stable, over contact stiffness k_c [N/m] and damping c_c [N s/m]."""
     contacts = [[drive.replace(contact_stiffness=float(k), contact_damping=float(c)) for c in along] for k in curves]
-    found = [[stiff_contact.stable_masses(contact) for contact in row] for row in contacts]
+    found = [[conditions.stable_masses(contact) for contact in row] for row in contacts]
     grid = np.array([[intervals[0][1] if intervals else np.nan for intervals in row] for row in found])
     again = np.array([[intervals[1][0] if len(intervals) > 1 else np.nan for intervals in row] for row in found])
-    dims, whole = ("curve_contact_stiffness", "curve_contact_damping"), grid >= stiff_contact.LARGEST_MASS
+    dims, whole = ("curve_contact_stiffness", "curve_contact_damping"), grid >= conditions.LARGEST_MASS
     words, lost = "mass from which on steady sliding is stable again, missing if from none", ~whole & np.isfinite(grid)
     return {
         "curve_critical_mass_with_contact": variable(dims, np.where(lost, grid, np.nan), *CRITICAL_MASS_WITH_CONTACT),
@@ -137,7 +144,7 @@ def _growth_rates(
     stable = [stable_set(drive.replace(mass=light, contact_stiffness=k), "contact_damping") for k in stiffness]
     dampings_of = [[(float(a), float(b)) for a, b in found.intervals] for found in stable]
     window = np.array([row[0] if len(row) > 1 else (np.nan, np.nan) for row in dampings_of])
-    above = [stiff_contact.unstable_contact_stiffness(d) for d in drives[0]]
+    above = [conditions.unstable_contact_stiffness(d) for d in drives[0]]
     damping, stiff = "growth_contact_damping", "growth_contact_stiffness"
     largest, proved = "largest real part of the eigenvalues", "contact stiffness beyond which Lemma 8.1 is proved"
     enough = "contact damping above which the smaller mass is stable for all"
@@ -156,7 +163,7 @@ def _limits(drive: ThreadsDrive, heavy: float, light: float) -> Variables:
     beta = float(np.cos(drive.lead_angle) ** 2 * (1 + drive.friction_coefficient * np.tan(drive.lead_angle)))
     lever = beta * abs(gamma[heavy]) / (drive.screw_inertia * heavy)
     elastic = drive.support_damping / 2 * (1 / gamma[light] - 1 / drive.screw_inertia)
-    least = stiff_contact.least_damping_of_stiff_contact(drive.replace(mass=light))
+    least = conditions.least_damping_of_stiff_contact(drive.replace(mass=light))
     limit = "its limit for a stiff contact"
     words = "limit of the growth rate of the smaller mass for a stiff elastic contact"
     scale = "beta |Gamma_0| / (I m) of the larger mass, to which its growth rates are scaled"

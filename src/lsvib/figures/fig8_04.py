@@ -3,17 +3,16 @@
 import numpy as np
 import xarray as xr
 
-from lsvib.datasets.attributes import variable
+from lsvib.datasets.attributes import drive_parameters, labels, variable
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import drive_parameters, labels
 from lsvib.figures import drawing, style
 from lsvib.figures.common import EIGENVALUE, about, named, spread
 from lsvib.figures.settings import PhasePlane, Values
 from lsvib.figures.style import Figure
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.stability.conditions import conditions
-from lsvib.stability.eigenvalues_rigid import eigenvalues
+from lsvib.stability.linear import eigenvalue_pair
 
 CAPTION = """\
 Phase plane of the rigid drive under negative effective damping (8.19) with a contact force of the direction of motion
@@ -43,7 +42,7 @@ def build(settings: Values, figure: str = "8.4", what: str = "contact force alon
     c = coefficients(drive)
     inertia, damping = float(c.gamma[c.steady_law]), float(c.damping[c.steady_law])
     margins = conditions(drive)["negative_damping"]["margins"]
-    real, dims = eigenvalues(inertia, damping, drive.coupling_stiffness).real[None], ("case", "eigenvalue")
+    real, dims = eigenvalue_pair(inertia, damping, drive.coupling_stiffness).real[None], ("case", "eigenvalue")
     return xr.Dataset(
         phase_plane.portraits([drive], settings["starts"], settings["duration"], settings["samples"])
         | {f"margin_{key}": variable("case", [margins[key]], *words) for key, words in MARGINS.items()}

@@ -15,18 +15,17 @@ from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from lsvib.datasets import printed, spans
-from lsvib.datasets.attributes import flagged, variable
+from lsvib.datasets.attributes import Variables, axis, drive_parameters, flagged, labels, start_state, variable
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters, labels, start_state
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, flag_names, named, spread
 from lsvib.figures.settings import MassPair, PhasePlane, Span, State, Values, parameter, several
 from lsvib.figures.style import Axes, Figure
 from lsvib.models import chapter
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import EventKind, rigid_automaton
-from lsvib.stability import thresholds
+from lsvib.stability import force_thresholds
 
 if TYPE_CHECKING:
     from lsvib.dynamics.attractors import SteadyState
@@ -90,7 +89,7 @@ def build(settings: Values) -> xr.Dataset:
     from lsvib.dynamics.attractors import steady_state
 
     drive = RigidDrive.of(settings["drive"])
-    values = {name: getattr(thresholds, name)(drive) for name in _THRESHOLDS}
+    values = {name: getattr(force_thresholds, name)(drive) for name in _THRESHOLDS}
     beside = [value * (1 + sign * _ASIDE) for value in values.values() for sign in (-1, 1)]
     forces = np.unique(np.concatenate([spans.even(settings["axial_force"]), list(values.values()), beside]))
     start, tangent = np.array([settings["start"]["u"], settings["start"]["w"]]), float(drive.exact().tan_lead)
@@ -161,7 +160,7 @@ def _readings(drives: Sequence[RigidDrive]) -> Variables:
             ),
         }
     for name in ("stick_force", "detach_force"):
-        forces, words = [getattr(thresholds, name)(d) for d in drives], f"{name.replace('_', ' ')} for this mass"
+        forces, words = [getattr(force_thresholds, name)(d) for d in drives], f"{name.replace('_', ' ')} for this mass"
         found[f"reading_{name}"] = variable(dim, forces, "N", words, "$R$")
     return found
 

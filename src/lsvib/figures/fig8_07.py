@@ -7,17 +7,16 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from lsvib.contact.existence import Existence, existence
+from lsvib.contact.contact_force import Existence, existence
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import flagged, variable
+from lsvib.datasets.attributes import drive_parameters, flagged, labels, variable
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import drive_parameters, labels
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, named
 from lsvib.figures.settings import PhasePlane, Span, Values
 from lsvib.figures.style import Axes, Figure
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import MotionMode, rigid_automaton
 
 CAPTION = """\

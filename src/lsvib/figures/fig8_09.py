@@ -7,9 +7,8 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import CRITICAL_MASS, flagged, variable
+from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, drive_parameters, flagged, labels, variable
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters, labels
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, existing, named, spread
 from lsvib.figures.settings import DriveChanges, PhasePlane, PositiveSpan, Values, several

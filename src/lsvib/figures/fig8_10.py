@@ -8,9 +8,8 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import printed, spans
-from lsvib.datasets.attributes import flagged, quantity, variable
+from lsvib.datasets.attributes import Variables, axis, drive_parameters, flagged, quantity, start_state, variable
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters, start_state
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, named
 from lsvib.figures.settings import (

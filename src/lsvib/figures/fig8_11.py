@@ -5,8 +5,8 @@ from typing import ClassVar
 import numpy as np
 import xarray as xr
 
+from lsvib.datasets.attributes import drive_parameters, labels
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import drive_parameters, labels
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, named
 from lsvib.figures.settings import Damping, PhasePlane, Values, several

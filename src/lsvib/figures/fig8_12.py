@@ -7,16 +7,15 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import flagged, variable
+from lsvib.datasets.attributes import axis, drive_parameters, flagged, start_state, variable
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import axis, drive_parameters, start_state
 from lsvib.errors import InputError
 from lsvib.figures import style
 from lsvib.figures.common import about, flag_names, named
 from lsvib.figures.settings import DriveChanges, FigureSettings, Span, State, Values
 from lsvib.figures.style import Axes, Figure
 from lsvib.models.drive import RigidDrive
-from lsvib.models.resumption import RULES
+from lsvib.models.model import RULES
 from lsvib.models.rigid import MotionMode, rigid_automaton
 from lsvib.numbers import bisected
 

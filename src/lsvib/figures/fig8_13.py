@@ -8,19 +8,18 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import flagged, variable
+from lsvib.datasets.attributes import Variables, axis, drive_parameters, flagged, labels, start_state, variable
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters, labels, start_state
 from lsvib.errors import InputError
 from lsvib.figures import drawing, style
 from lsvib.figures.common import CRITICAL_MASS_WITH_CONTACT, about, named
 from lsvib.figures.fig8_10 import compliant_cycle, cycle_curves
 from lsvib.figures.settings import Contact, DriveChanges, FigureSettings, PositiveSpan, Samples, State, Values, several
 from lsvib.figures.style import Axes, Figure
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import ThreadsDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import rigid_automaton
-from lsvib.stability.stiff_contact import critical_mass_of_contact
+from lsvib.stability.conditions import critical_mass_of_contact
 
 if TYPE_CHECKING:
     from lsvib.dynamics.attractors import SteadyState

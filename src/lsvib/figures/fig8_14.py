@@ -18,18 +18,17 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import flagged, variable
+from lsvib.datasets.attributes import Variables, drive_parameters, flagged, labels, variable
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import Variables, drive_parameters, labels
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, flag_names, named
 from lsvib.figures.settings import MassPair, OpposingForces, PhasePlane, Span, Values
 from lsvib.figures.style import Axes, Figure
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
-from lsvib.models.resumption import RULES
+from lsvib.models.mechanics import coefficients
+from lsvib.models.model import RULES
 from lsvib.models.rigid import EventKind, rigid_automaton
-from lsvib.stability.thresholds import global_stability_force
+from lsvib.stability.force_thresholds import global_stability_force
 
 if TYPE_CHECKING:
     from lsvib.engine.motion import Motion

@@ -7,9 +7,8 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import printed, spans
-from lsvib.datasets.attributes import flagged, variable
+from lsvib.datasets.attributes import Variables, axis, drive_parameters, flagged, variable
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters
 from lsvib.errors import InputError
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, named
@@ -17,10 +16,9 @@ from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, S
 from lsvib.figures.style import Figure
 from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive, SupportDrive
-from lsvib.stability import support_conditions
+from lsvib.stability import conditions
 from lsvib.stability.conditions import critical_friction, critical_mass
-from lsvib.stability.eigenvalues_two_coordinates import UndampedClass, eigenvalues, undamped_class
-from lsvib.stability.linearised import support_model, values_of
+from lsvib.stability.linear import UndampedClass, eigenvalues, support_model, undamped_class, values_of
 
 CAPTION = """\
 Stability of the undamped drive with axial support over friction coefficient and support stiffness, by the generalised
@@ -42,7 +40,7 @@ _REGIONS = {
         "#FBE3B5", "....", "third region: both modes diverge, $\\Gamma_0 < 0 < \\tilde\\Gamma_0$",
         "third\nregion", (0.247, 2.5e8),
     ),
-    "kinematic": (
+    "kinematic constraint": (
         "#F7D9C4", "---", "primary region of the kinematic constraint, $\\tilde\\Gamma_0 < 0$",
         "primary\nkinematic\nregion", (0.343, 1e7),
     ),
@@ -73,10 +71,10 @@ def build(settings: Values) -> xr.Dataset:
     curve = _curve(friction, float(np.tan(drive.lead_angle)), critical)
     grid = {**dict(drive), "friction_coefficient": friction[:, None], "support_stiffness": stiffness}
     kinds, plane = undamped_class(support_model(grid, law=1)), ("friction_coefficient", "support_stiffness")
-    branches = support_conditions.flutter_boundaries({**dict(drive), "friction_coefficient": curve}, law=1)
+    branches = conditions.flutter_boundaries({**dict(drive), "friction_coefficient": curve}, law=1)
     along, word = "boundary_friction_coefficient", "critical friction coefficient"
     passing = "friction coefficient where an eigenvalue 1/omega^2 passes through zero"
-    by_eigenvalues = support_conditions.critical_friction_by_eigenvalues(drive)
+    by_eigenvalues = conditions.critical_friction_by_eigenvalues(drive)
     return xr.Dataset(
         {
             "stability": flagged(plane, kinds, "class of the steady sliding", UndampedClass),
@@ -127,7 +125,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the critical friction, the classes by the printed conditions and by LAPACK, and the boundaries."""
     drive, critical = {name: float(dataset[name]) for name in _PARAMETERS}, float(dataset.critical_friction)
     grid = _grid(dataset, drive)
-    a_4, a_2, a_0 = support_conditions.characteristic_polynomial(grid, law=1)
+    a_4, a_2, a_0 = conditions.characteristic_polynomial(grid, law=1)
     discriminant, size = a_2**2 - 4 * a_0 * a_4, a_2**2 + 4 * a_0 * np.abs(a_4)
     inertia = drive["screw_inertia"] * (drive["mass"] + drive["screw_mass"])
     # Closer to a boundary rounding may decide the class.
@@ -157,9 +155,9 @@ def _grid(dataset: xr.Dataset, drive: Values) -> dict[str, Any]:
 
 def _class_checks(dataset: xr.Dataset, drive: Values, grid: Values, clear: np.ndarray) -> list[Check]:
     """Check the classes by the critical friction, the printed conditions and LAPACK, but for rounding (``clear``)."""
-    kinematic = named(dataset.stability, "kinematic")
+    kinematic = named(dataset.stability, "kinematic constraint")
     off = kinematic != (dataset.friction_coefficient.values > float(dataset.critical_friction))[:, None]
-    wrong = int(np.sum(clear & (support_conditions.printed_class(grid, law=1) != dataset.stability.values)))
+    wrong = int(np.sum(clear & (conditions.printed_class(grid, law=1) != dataset.stability.values)))
     differ, compared = _against_lapack(dataset, drive, clear)
     return [
         Check.holds(
@@ -184,14 +182,16 @@ def _region_checks(
     dataset: xr.Dataset, grid: Values, clear: np.ndarray, a_4: np.ndarray, discriminant: np.ndarray
 ) -> list[Check]:
     """Check by the signs of a_4 and the discriminant of (8.24) that no point is in two regions, and their bounds."""
-    flutter, kinematic, divergence = (named(dataset.stability, x) for x in ("flutter", "kinematic", "divergence"))
+    flutter, kinematic, divergence = (
+        named(dataset.stability, x) for x in ("flutter", "kinematic constraint", "divergence")
+    )
     both = int(np.sum((discriminant < 0) & kinematic) + np.sum((a_4 < 0) & flutter))
     friction, stiffness = dataset.friction_coefficient.values, dataset.support_stiffness.values
     lower, upper = (
         dataset[name].reindex(boundary_friction_coefficient=friction).values[:, None]
         for name in ("lower_boundary", "upper_boundary")
     )
-    beyond = (stiffness > upper) & (support_conditions.rigid_inertia(grid, law=1) < 0)
+    beyond = (stiffness > upper) & (conditions.effective_inertia(grid, law=1) < 0)
     judged = clear & ~kinematic
     off = int(np.sum(judged & ((flutter != ((stiffness > lower) & (stiffness < upper))) | (divergence != beyond))))
     return [
@@ -236,9 +236,9 @@ def _branch_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
 def _condition_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
     """Check both necessary conditions of the kinematic constraint, μ > tan λ and R Ω > 0, and Remark 8.3."""
     friction = dataset.friction_coefficient.values
-    early = int(named(dataset.stability, "kinematic")[friction <= np.tan(drive["lead_angle"])].sum())
+    early = int(named(dataset.stability, "kinematic constraint")[friction <= np.tan(drive["lead_angle"])].sum())
     own = {**drive, "friction_coefficient": friction}
-    inertias = (support_conditions.rigid_inertia(own, law=-1), support_conditions.reduced_inertia(own, law=-1))
+    inertias = (conditions.effective_inertia(own, law=-1), conditions.reduced_inertia(own, law=-1))
     against = np.min(np.concatenate(np.broadcast_arrays(*inertias)))
     reduced_mass = drive["mass"] * drive["screw_mass"] / (drive["mass"] + drive["screw_mass"])
     rigid = {name: value for name, value in drive.items() if name != "screw_mass"}
@@ -266,11 +266,11 @@ def _real_branches(dataset: xr.Dataset, own: Values) -> tuple[int, int, float]:
 
     ``own``: parameters with the friction coefficients of the map. Where (8.30) is zero to rounding it does not count.
     """
-    b_1, b_2, b_3 = support_conditions.boundary_coefficients(own, law=1)
+    b_1, b_2, b_3 = conditions.boundary_coefficients(own, law=1)
     p = values_of(own, law=1)
     lever, total = p.factor * p.pitch_radius**2 * p.tan_lead, p.mass + p.screw_mass
     discriminant = b_2**2 - 4 * b_1 * b_3
-    reduced = support_conditions.reduced_inertia(own, law=1)
+    reduced = conditions.reduced_inertia(own, law=1)
     form = 16 * lever * p.mass**2 * total * reduced
     clear = np.abs(discriminant) > 1e-9 * b_2**2
     together = (discriminant >= 0) & (b_2 < 0)
@@ -282,7 +282,7 @@ def _real_branches(dataset: xr.Dataset, own: Values) -> tuple[int, int, float]:
 def _residual(dataset: xr.Dataset, drive: Values) -> float:
     """Largest remainder [1] of (8.29) on both branches, relative to its largest term."""
     own = {**drive, "friction_coefficient": dataset.boundary_friction_coefficient.values}
-    b_1, b_2, b_3 = support_conditions.boundary_coefficients(own, law=1)
+    b_1, b_2, b_3 = conditions.boundary_coefficients(own, law=1)
     k = drive["coupling_stiffness"]
     terms = [
         np.stack([b_1 * branch**2, b_2 * k * branch, b_3 * k**2 * np.ones_like(branch)])
@@ -299,7 +299,7 @@ def _against_lapack(dataset: xr.Dataset, drive: Values, clear: np.ndarray) -> tu
     limit = 1e-7 * np.abs(values).max(axis=-1)  # LAPACK keeps 1.5e-8 where two coincide
     growing = (values.real > limit[..., None]).sum(axis=-1)
     oscillates = np.abs(values[..., -1].imag) > limit
-    kinds = [UndampedClass.STABLE, UndampedClass.FLUTTER, UndampedClass.KINEMATIC]
+    kinds = [UndampedClass.STABLE, UndampedClass.FLUTTER, UndampedClass.KINEMATIC_CONSTRAINT]
     theirs = np.select([growing == 0, oscillates, growing == 1], kinds, UndampedClass.DIVERGENCE)
     compared = clear[np.ix_(rows, columns)]
     return int(np.sum(compared & (theirs != part.stability.values))), int(compared.sum())

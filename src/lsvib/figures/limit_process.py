@@ -9,10 +9,20 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from lsvib.datasets.attributes import SIGNS, attributes, flagged, variable, yes_no
+from lsvib.datasets.attributes import (
+    SIGNS,
+    VARIED,
+    Variables,
+    attributes,
+    axis,
+    drive_parameters,
+    flagged,
+    start_state,
+    variable,
+    yes_no,
+)
+from lsvib.datasets.attributes import parameter as parameter_attributes
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import VARIED, Variables, axis, drive_parameters, start_state
-from lsvib.datasets.parameter_origins import parameter as parameter_attributes
 from lsvib.figures import style
 from lsvib.figures.common import about, flag_names, named
 from lsvib.figures.settings import (
@@ -28,10 +38,10 @@ from lsvib.figures.settings import (
 )
 from lsvib.figures.style import Axes, Figure
 from lsvib.models.drive import RigidDrive, ThreadsDrive
-from lsvib.models.resumption import RULES
+from lsvib.models.model import RULES
 
 if TYPE_CHECKING:
-    from lsvib.contact.limit_process import LimitBranch
+    from lsvib.contact.stiff_limit import LimitBranch
 
 CAPTION = """\
 The limit process. Each column of (a) to (c) is a branch: drive on top; below, the sign of N in the impact and the
@@ -96,8 +106,8 @@ def build(settings: Values) -> xr.Dataset:
     ``settings``: see ``Settings``; Γ₊ < 0, c_x = 0; the pairs of forces and dampings are the drives, ``start`` is that
     of the cycles, ``duration`` that of the motions after impacts. Raises ``InputError``.
     """
-    from lsvib.contact import limit_process
-    from lsvib.contact.limit_process import BranchFamily
+    from lsvib.contact import stiff_limit
+    from lsvib.contact.stiff_limit import BranchFamily
     from lsvib.datasets import phase_plane
 
     stiffness, base = np.array(settings["stiffness"], dtype=float), RigidDrive.of(settings["drive"])
@@ -105,10 +115,10 @@ def build(settings: Values) -> xr.Dataset:
     drives = [base.replace(axial_force=r, support_damping=c) for r, c in pairs]
     start, speed, ratio = settings["start"], settings["speed"], settings["damping_ratio"]
     state = [start["u"], start["w"]]
-    branches = [b for d in drives for b in limit_process.branches(d, speed, settings["duration"], state)]
-    stiffened = [[limit_process.stiffened(drives[0], family, k, ratio) for k in stiffness] for family in BranchFamily]
+    branches = [b for d in drives for b in stiff_limit.branches(d, speed, settings["duration"], state)]
+    stiffened = [[stiff_limit.stiffened(drives[0], family, k, ratio) for k in stiffness] for family in BranchFamily]
     damping = [[drive.contact_damping for drive in row] for row in stiffened]
-    rebound = [[limit_process.rebound_force(drive, speed) for drive in row] for row in stiffened]
+    rebound = [[stiff_limit.rebound_force(drive, speed) for drive in row] for row in stiffened]
     dims, thrown = ("family", "contact_stiffness"), "force with which the contact throws the nut back"
     deviations = _deviations(branches, stiffness, ratio, settings["fit_from"])
     varied = ("axial_force", "support_damping")
@@ -139,16 +149,16 @@ def _deviations(branches: "Sequence[LimitBranch]", stiffness: np.ndarray, ratio:
 
     ``ratio``: the damping ratio [1] of its family; ``fit_from`` [N/m]: the least stiffness that orders are fitted to.
     """
-    from lsvib.contact import limit_process
-    from lsvib.contact.limit_process import BranchFamily
+    from lsvib.contact import stiff_limit
+    from lsvib.contact.stiff_limit import BranchFamily
 
     size = (len(BranchFamily), len(branches), stiffness.size)
     found = {name: np.full((*size, len(RULES)) if name in _BY_RULE else size, np.nan) for name in _QUANTITIES}
     for family in BranchFamily:
         for j, k in enumerate(stiffness):
             for i, branch in enumerate(branches):
-                compliant = limit_process.stiffened(branch.drive, family, k, ratio)
-                for name, value in limit_process.deviations(branch, compliant).items():
+                compliant = stiff_limit.stiffened(branch.drive, family, k, ratio)
+                for name, value in stiff_limit.deviations(branch, compliant).items():
                     found[name][family, i, j] = value
     variables, fitted = {}, stiffness >= fit_from
     for name, values in found.items():
@@ -156,7 +166,7 @@ def _deviations(branches: "Sequence[LimitBranch]", stiffness: np.ndarray, ratio:
         variables[name] = variable((*dims[:2], "contact_stiffness", *dims[2:]), values, *_QUANTITIES[name])
         if name == "rests":
             continue
-        fits = np.apply_along_axis(lambda error: limit_process.fitted_order(stiffness[fitted], error), 2,
+        fits = np.apply_along_axis(lambda error: stiff_limit.fitted_order(stiffness[fitted], error), 2,
                                    values[:, :, fitted])  # fmt: skip
         order, error = f"order of the {words} in one over the stiffness", f"standard error of the order of the {words}"
         variables[f"{name}_order"] = variable(dims, fits[:, :, 0], "1", order)
@@ -184,14 +194,14 @@ def _rules_followed(branches: "Sequence[LimitBranch]", variables: Variables) -> 
 
 
 def _branch_coordinates(branches: "Sequence[LimitBranch]") -> Variables:
-    from lsvib.contact import limit_process
-    from lsvib.contact.limit_process import ImpactOutcome, Region
+    from lsvib.contact import stiff_limit
+    from lsvib.contact.stiff_limit import ImpactOutcome, Region
 
     hits = [b.impact for b in branches]
     signs = {key: SIGNS[key] for key in ("flag_values", "flag_meanings")}
     sign = np.array([0 if hit is None else hit.sign for hit in hits], dtype=np.int8)
     region = [Region.CYCLE if hit is None else hit.region for hit in hits]
-    after, dims = [[limit_process.outcome(motion) for motion in b.rigid] for b in branches], ("branch", "rule")
+    after, dims = [[stiff_limit.outcome(motion) for motion in b.rigid] for b in branches], ("branch", "rule")
     differ, words = [b.differ for b in branches], "what follows the first seizure of the rigid drive"
     return {
         "branch": variable("branch", np.arange(len(branches)), "1", "index of the branch"),

@@ -7,19 +7,24 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import CRITICAL_MASS, flagged, variable
+from lsvib.datasets.attributes import CRITICAL_MASS, axis, drive_parameters, flagged, origin_of, parameter, variable
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import axis, drive_parameters, origin_of, parameter
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, existing, named
 from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Span, Values
 from lsvib.figures.style import Axes, Figure
 from lsvib.models.drive import NutDrive
 from lsvib.numbers import bisected
-from lsvib.stability.conditions import critical_mass
-from lsvib.stability.eigenvalues_two_coordinates import UndampedClass, eigenvalues, reciprocal_squares, undamped_class
-from lsvib.stability.linearised import determinant, nut_model, values_of
-from lsvib.stability.nut_conditions import effective_screw_inertia, kinematic_inertia, kinematic_mass
+from lsvib.stability.conditions import critical_mass, effective_screw_inertia, kinematic_inertia, kinematic_mass
+from lsvib.stability.linear import (
+    UndampedClass,
+    determinant,
+    eigenvalues,
+    nut_model,
+    reciprocal_squares,
+    undamped_class,
+    values_of,
+)
 
 CAPTION = """\
 Steady sliding with a rotating nut (drive of Table 8.1, force with the motion; mass and nut assumed): (a) the critical
@@ -32,7 +37,7 @@ _PARAMETERS = (
     *("mass", "screw_inertia", "pitch_radius", "lead_angle", "coupling_stiffness", "support_damping"),
     *("translation_damping", "nut_stiffness", "nut_damping"),
 )
-_COLOURS = {"stable": "#FFFFFF", "kinematic": "#F7D9C4", "flutter": style.SKY, "divergence": style.BLUE}
+_COLOURS = {"stable": "#FFFFFF", "kinematic constraint": "#F7D9C4", "flutter": style.SKY, "divergence": style.BLUE}
 
 
 class Settings(FigureSettings):
@@ -148,7 +153,7 @@ def _grid(dataset: xr.Dataset, drive: Values) -> dict[str, Any]:
 
 def _class_checks(dataset: xr.Dataset, grid: Values, clear: np.ndarray) -> list[Check]:
     """Check the classes against (8.33) and the printed inertia matrix, where rounding does not decide (``clear``)."""
-    kinematic, other = (named(dataset.stability, *x) for x in (["kinematic"], ["flutter", "divergence"]))
+    kinematic, other = (named(dataset.stability, *x) for x in (["kinematic constraint"], ["flutter", "divergence"]))
     wrong = int(np.sum(clear & (kinematic != (kinematic_inertia(grid, law=1) < 0))))
     opposite = np.sum(clear & ((determinant(nut_model(grid, law=1).mass) < 0) != kinematic))
     return [
@@ -176,7 +181,7 @@ def _damping_check(dataset: xr.Dataset, drive: Values, clear: np.ndarray) -> Che
     part = dataset.isel(friction_coefficient=rows, nut_inertia=columns)
     grows = eigenvalues(nut_model(_grid(part, drive), law=1))[..., -1].real > 0
     compared = clear[np.ix_(rows, columns)]
-    differ = compared & (grows != named(part.stability, "kinematic"))
+    differ = compared & (grows != named(part.stability, "kinematic constraint"))
     claim = "With damping of screw and nut the real parts of LAPACK's eigenvalues give the same classes"
     return Check.without_exception(claim, "Sect. 8.8.2, docs/lemmas.md", differ.sum(), compared.sum())
 
@@ -187,7 +192,7 @@ def _boundary_checks(dataset: xr.Dataset, drive: Values, clear: np.ndarray) -> l
     # Beyond the boundary all is stable; where there is none, all without self-locking.
     locking = friction > np.tan(drive["lead_angle"])
     stable = np.where(np.isnan(boundary), ~locking, dataset.nut_inertia.values > boundary)
-    off = np.sum(clear & (named(dataset.stability, "kinematic") == stable))
+    off = np.sum(clear & (named(dataset.stability, "kinematic constraint") == stable))
     edge = dataset.critical_friction_with_nut.values
     on_edge = {**drive, "friction_coefficient": edge, "nut_inertia": dataset.nut_inertia.values}
     left = float(np.nanmax(np.abs(kinematic_inertia(on_edge, law=1)) / effective_screw_inertia(on_edge)))
@@ -244,7 +249,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     _critical_mass(mass, dataset)
     _map(plane, dataset)
     style.state_values(figure, dataset)
-    words = {"kinematic": "unstable: kinematic constraint", "stable": "stable"}
+    words = {"kinematic constraint": "unstable: kinematic constraint", "stable": "stable"}
     edge = {"edgecolor": style.GREY, "linewidth": 0.5}
     patches = [Patch(facecolor=_COLOURS[name], label=label, **edge) for name, label in words.items()]
     style.legend(figure, [mass, plane], 4, patches)
@@ -257,7 +262,9 @@ def _critical_mass(axes: Axes, dataset: xr.Dataset) -> None:
     axes.plot(inertia, dataset.critical_mass_with_nut, color=style.BLUE, label="boundary by (8.33)")
     axes.plot(some.nut_inertia, some.critical_mass_with_nut_by_eigenvalues, "o", color=style.VERMILION, zorder=3,
               label="by eigenvalues", clip_on=False)  # fmt: skip
-    axes.fill_between(inertia, dataset.critical_mass_with_nut, 1.15 * rigid, color=_COLOURS["kinematic"], linewidth=0)
+    axes.fill_between(
+        inertia, dataset.critical_mass_with_nut, 1.15 * rigid, color=_COLOURS["kinematic constraint"], linewidth=0
+    )
     axes.axhline(rigid, color=style.GREY, linewidth=0.9, linestyle="--")
     axes.annotate(f"nut that cannot turn: {rigid:.3f} kg", (0.03, rigid), (0, 3), color="#505050", fontsize=6.5,
                   xycoords=axes.get_yaxis_transform(), textcoords="offset points")  # fmt: skip

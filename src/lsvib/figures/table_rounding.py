@@ -8,21 +8,19 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets import printed
-from lsvib.datasets.attributes import flagged, variable, yes_no
+from lsvib.datasets.attributes import Variables, drive_parameters, flagged, origin_of, parameter, variable, yes_no
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import Variables, drive_parameters, origin_of, parameter
 from lsvib.figures import style
 from lsvib.figures.common import about, flag_names
 from lsvib.figures.settings import DriveChanges, FigureSettings, Values
 from lsvib.figures.style import Figure
 from lsvib.models import chapter
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive, SupportDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.numbers import bisected
-from lsvib.stability import thresholds
+from lsvib.stability import force_thresholds
 from lsvib.stability.conditions import critical_friction, critical_mass
-from lsvib.stability.input_rounding import HALF_UNITS, ROUND, propagated
-from lsvib.stability.solved_threshold import solve_threshold
+from lsvib.stability.threshold import HALF_UNITS, ROUND, propagated, solve_threshold
 
 CAPTION = """\
 What the rounding of Table 8.1 explains of the distance between printed thresholds and computed ones (in brackets): half
@@ -33,8 +31,8 @@ not. See docs/physics.md.
 
 # Of each printed threshold half a unit of its last digit, its name among those that are solved, and for what.
 _PRINTED = {
-    "critical_mass": (0.005, "kinematic", "mass"),
-    "critical_friction": (0.0005, "kinematic", "friction_coefficient"),
+    "critical_mass": (0.005, "kinematic constraint", "mass"),
+    "critical_friction": (0.0005, "kinematic constraint", "friction_coefficient"),
     "onset_force": (0.5, "onset", "axial_force"),
     "stick_force": (0.05, "stick", "axial_force"),
     "detach_force": (0.05, "detach", "axial_force"),
@@ -75,7 +73,7 @@ def build(settings: Values) -> xr.Dataset:
     functions = {
         "critical_mass": critical_mass,
         "critical_friction": lambda drive: critical_friction(drive, screw_mass),
-        **{name: getattr(thresholds, name) for name in ("onset_force", "stick_force", "detach_force")},
+        **{name: getattr(force_thresholds, name) for name in ("onset_force", "stick_force", "detach_force")},
     }
     computed = np.array([functions[name](drives[name]) for name in _PRINTED])
     asked = drives | {"critical_friction": SupportDrive.of(drives["critical_friction"], screw_mass=screw_mass)}

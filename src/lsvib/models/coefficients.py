@@ -5,9 +5,8 @@ from decimal import Decimal, localcontext
 from typing import Any
 
 from lsvib.engine.exact.precision import PLACES
-from lsvib.models import friction
-from lsvib.models.drive import Drive
-from lsvib.models.once import once
+from lsvib.models import mechanics
+from lsvib.models.drive import Drive, once
 
 
 @dataclass(frozen=True)
@@ -38,9 +37,9 @@ def coefficients_of(d: Any) -> Coefficients:
     """Return the coefficients from exact parameters, of one drive or of many (:mod:`lsvib.models.many`)."""
     with localcontext(prec=PLACES):
         r, tan = d.pitch_radius, d.tan_lead
-        xi = {s: friction.friction_factor(d.friction_coefficient, tan, s) for s in (1, -1)}
-        gamma = {s: friction.effective_inertia(d.screw_inertia, d.mass, r, tan, xi[s]) for s in xi}
-        damping = {s: friction.effective_damping(d.support_damping, d.translation_damping, r, tan, xi[s]) for s in xi}
+        xi = {s: mechanics.friction_factor(d.friction_coefficient, tan, s) for s in (1, -1)}
+        gamma = {s: mechanics.effective_inertia(d.screw_inertia, d.mass, r, tan, xi[s]) for s in xi}
+        damping = {s: mechanics.effective_damping(d.support_damping, d.translation_damping, r, tan, xi[s]) for s in xi}
         net_force = d.axial_force - r * tan * d.translation_damping * d.input_speed
         law = -1 if net_force * d.input_speed < 0 else 1
         return Coefficients(

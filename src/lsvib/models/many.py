@@ -1,6 +1,6 @@
 """Many drives at once: their parameters in pairs of doubles, for the formulas that make the tables of one.
 
-The formulas are those of one drive (:func:`lsvib.models.coefficients.coefficients_of`, ``automaton_of`` of the model);
+The formulas are those of one drive (:func:`lsvib.models.mechanics.coefficients_of`, ``automaton_of`` of the model);
 only the kind of number differs. Their doubles are the same to the last bit (:mod:`lsvib.engine.exact.pair_arrays`).
 :mod:`lsvib.models.tables_of_models` makes the tables.
 """

@@ -54,12 +54,9 @@ from lsvib.engine.exact.precision import PLACES
 from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
 from lsvib.errors import InputError
-from lsvib.models.coefficients import Coefficients, coefficients
-from lsvib.models.drive import RigidDrive
-from lsvib.models.once import once
-from lsvib.models.powers import Powers
-from lsvib.models.registry import Model
-from lsvib.models.resumption import Resume
+from lsvib.models.drive import RigidDrive, once
+from lsvib.models.mechanics import Coefficients, coefficients
+from lsvib.models.model import Model, Powers, Resume
 
 STATES = ("angle_deviation", "velocity_deviation")
 
@@ -363,8 +360,8 @@ MODEL = Model(
     equations="eqs 8.13-8.17",
     characteristic=lambda p, parts: parts.rigid(),
     constraint="Γ₊ = I − ξ₊ tan λ m r_m² = 0 (eq. 8.20)",
-    thresholds=("onset", "kinematic", "negative_damping", *_FORCES, "fold", "cycle_birth", "rest_loss"),
-    curves=("onset", *_FORCES, "kinematic", "negative_damping", "stick_slip_birth"),
+    thresholds=("onset", "kinematic_constraint", "negative_damping", *_FORCES, "fold", "cycle_birth", "rest_loss"),
+    curves=("onset", *_FORCES, "kinematic_constraint", "negative_damping", "stick_slip_birth"),
     powers=Powers,
     section="5.3",
 )

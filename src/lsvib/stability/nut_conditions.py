@@ -4,9 +4,9 @@ from decimal import localcontext
 from typing import Any
 
 from lsvib.engine.exact.precision import PLACES
-from lsvib.models import friction
+from lsvib.models import mechanics
 from lsvib.models.drive import NutDrive
-from lsvib.stability.linearised import DriveValues, values_of
+from lsvib.stability.linear import DriveValues, values_of
 
 
 def effective_screw_inertia(drive: DriveValues) -> Any:
@@ -25,7 +25,7 @@ def kinematic_inertia(drive: DriveValues, law: int) -> Any:
     p = values_of(drive, law)
     with localcontext(prec=PLACES):
         inertia = effective_screw_inertia(drive)
-        return friction.effective_inertia(inertia, p.mass, p.pitch_radius, p.tan_lead, p.factor)
+        return mechanics.effective_inertia(inertia, p.mass, p.pitch_radius, p.tan_lead, p.factor)
 
 
 def kinematic_mass(drive: NutDrive) -> float | None:

@@ -25,13 +25,11 @@ from lsvib.dynamics.kernels.plan import CYCLE, OPEN, SETTLED, Facts, SearchLimit
 from lsvib.dynamics.steady_states import Attractor, orbit_extremes
 from lsvib.engine.kernels import columns
 from lsvib.errors import EngineError
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
-from lsvib.models.many import ManyDrives
-from lsvib.models.registry import find_model
-from lsvib.models.resumption import Resume
+from lsvib.models.many import Group, ManyDrives, groups, steady_force
+from lsvib.models.mechanics import coefficients
+from lsvib.models.model import Resume, find_model
 from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
-from lsvib.models.tables_of_models.rigid import Group, groups, steady_force
 
 _SEARCH = SearchLimits(
     chunk=more_states.CHUNK,

@@ -8,9 +8,9 @@ from enum import IntEnum
 
 from lsvib.engine.automaton import Row, scaled
 from lsvib.engine.exact.reach import SWINGS
-from lsvib.models import friction
+from lsvib.models import mechanics
 from lsvib.models.drive import NutDrive, SupportDrive
-from lsvib.models.second_body.mechanics import Solution, normal_force
+from lsvib.models.two_bodies import Solution, normal_force
 
 
 class TwoBodies(ABC):
@@ -47,7 +47,7 @@ class TwoBodies(ABC):
         d = self.d
         self.slide, self.bearing = d.slide_friction * slide, d.bearing_friction * bearing
         self.reach = d.pitch_radius * d.tan_lead
-        self.xi = {s: friction.friction_factor(d.friction_coefficient, d.tan_lead, s) for s in (1, -1)}
+        self.xi = {s: mechanics.friction_factor(d.friction_coefficient, d.tan_lead, s) for s in (1, -1)}
         self.turned = self.xi[1] * self.reach * d.pitch_radius
         self.turning = 1 if d.input_speed > 0 else -1
         self.force = d.axial_force - self.reach * d.translation_damping * d.input_speed - self.slide * self.turning
@@ -70,7 +70,7 @@ class TwoBodies(ABC):
 
     @abstractmethod
     def released(self, direction: int, side: int) -> int:
-        """Return the sign of n with which slip begins at the end of static friction."""
+        """Return the sign of n with which slip begins at the end of static mechanics."""
 
     @abstractmethod
     def tied(self, slip: bool, second: bool) -> tuple[Row, ...]:

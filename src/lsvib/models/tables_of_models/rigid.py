@@ -8,9 +8,9 @@ import numpy as np
 
 from lsvib.engine.automaton import DIMENSIONS, Automaton
 from lsvib.engine.exact.pair_arrays import double, in_groups
-from lsvib.models.coefficients import Coefficients, coefficients_of
 from lsvib.models.many import ManyDrives
-from lsvib.models.resumption import Resume
+from lsvib.models.mechanics import Coefficients, coefficients_of
+from lsvib.models.model import Resume
 from lsvib.models.rigid import automaton_of
 
 
