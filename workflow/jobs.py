@@ -5,7 +5,6 @@ server of the standard library, loads them once, and every job is a copy of it. 
 in it, and what a job changes dies with the job.
 """
 
-import importlib
 import multiprocessing
 import os
 import resource
@@ -198,13 +197,11 @@ def whole_chart(settings: dict[str, Any], tiles: Texts, file: str) -> None:
     gather_chart(settings, tiles, file)
 
 
-def overview(figure: str, cells: str, png: str, pdf: str) -> None:
+def overview(figure: str, cells: str, png: str, pdf: str, caption: str) -> None:
     """Draw the map or the chart, a large one from the middle cells of blocks of cells."""
-    from lsvib.figures.build import overview
-    from lsvib.figures.configuration import picture_module
-    from lsvib.figures.style import save
+    from lsvib.figures.build import draw_overview
 
-    save(importlib.import_module(picture_module(figure)).draw(overview(cells)), png, pdf)
+    draw_overview(figure, cells, png, pdf, caption)
 
 
 def assess(sheet: str, page: str, samples: int) -> None:

@@ -14,7 +14,7 @@ from lsvib.contact.contact_force import ForceOutcome
 from lsvib.datasets.attributes import ASSUMED, FIELDS, NO_EFFECT, VARIED
 from lsvib.dynamics.attractors import Attractor
 from lsvib.figures.configuration import default_figures
-from lsvib.figures.limit_process.dataset import BranchVerdict
+from lsvib.figures.limit_process import BranchVerdict
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import EventKind
 from lsvib.stability.linear import Stability, UndampedClass
