@@ -121,10 +121,8 @@ def _margins(drive: Drive, law: int, neutral: bool) -> list[RootCondition]:
     if len(model.states) == 2:
         words = [model.constraint, _DAMPING][: 1 if neutral else 2]
     else:
-        coefficients = [
-            f"p_{4 - (2 if neutral else 1) * k} of det(M s² + C s + K) = 0" for k in range(2 if neutral else 4)
-        ]
-        words = [*coefficients, _COUPLING if neutral else _FLUTTER]
+        powers = (4, 2) if neutral else (4, 3, 2, 1)
+        words = [*(f"p_{n} of det(M s² + C s + K) = 0" for n in powers), _COUPLING if neutral else _FLUTTER]
         if model.constrained is None:
             words[0] = model.constraint
 
@@ -150,9 +148,8 @@ class Line:
         elif unknown == "lead_angle":
             self.limit = min(1 / friction, _STEEPEST) if friction else _STEEPEST
         else:
-            self.limit = fmpq(
-                *float(self.kind.model_json_schema()["properties"][unknown]["maximum"]).as_integer_ratio()
-            )
+            most = self.kind.model_json_schema()["properties"][unknown]["maximum"]
+            self.limit = fmpq(*float(most).as_integer_ratio())
         slide = getattr(drive, "slide_friction", 0.0) or unknown == "slide_friction"
         self.force = RootCondition(_NET_FORCE_OF_SLIDE if slide else _NET_FORCE, net_force)
 
