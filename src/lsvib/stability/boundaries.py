@@ -15,6 +15,7 @@ kept on each side of zero.
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from itertools import pairwise
 from typing import Any
 
@@ -148,8 +149,7 @@ class Line:
         elif unknown == "lead_angle":
             self.limit = min(1 / friction, _STEEPEST) if friction else _STEEPEST
         else:
-            most = self.kind.model_json_schema()["properties"][unknown]["maximum"]
-            self.limit = fmpq(*float(most).as_integer_ratio())
+            self.limit = fmpq(*float(_range(self.kind, unknown)["maximum"]).as_integer_ratio())
         slide = getattr(drive, "slide_friction", 0.0) or unknown == "slide_friction"
         self.force = RootCondition(_NET_FORCE_OF_SLIDE if slide else _NET_FORCE, net_force)
 
@@ -221,8 +221,15 @@ class Line:
     @classmethod
     def all_of(cls, drive: Drive, unknown: str) -> "list[Line]":
         """Return both sides of zero where the parameter may be negative, else the positive one."""
-        lowest = type(drive).model_json_schema()["properties"][unknown].get("minimum", 0)
+        lowest = _range(type(drive), unknown).get("minimum", 0)
         return [cls(drive, unknown, side) for side in ((-1, 1) if lowest < 0 else (1,))]
+
+
+@cache  # pydantic takes milliseconds for it
+def _range(kind: type[Drive], key: str) -> dict[str, Any]:
+    """The schema of a parameter, with ``minimum`` and ``maximum``."""
+    found: dict[str, Any] = kind.model_json_schema()["properties"][key]
+    return found
 
 
 def stable_set(drive: Drive, key: str) -> StableSet | None:
