@@ -15,6 +15,7 @@ kept on each side of zero.
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from itertools import pairwise
 from typing import Any
 
@@ -121,10 +122,8 @@ def _margins(drive: Drive, law: int, neutral: bool) -> list[RootCondition]:
     if len(model.states) == 2:
         words = [model.constraint, _DAMPING][: 1 if neutral else 2]
     else:
-        coefficients = [
-            f"p_{4 - (2 if neutral else 1) * k} of det(M s² + C s + K) = 0" for k in range(2 if neutral else 4)
-        ]
-        words = [*coefficients, _COUPLING if neutral else _FLUTTER]
+        powers = (4, 2) if neutral else (4, 3, 2, 1)
+        words = [*(f"p_{n} of det(M s² + C s + K) = 0" for n in powers), _COUPLING if neutral else _FLUTTER]
         if model.constrained is None:
             words[0] = model.constraint
 
@@ -150,9 +149,7 @@ class Line:
         elif unknown == "lead_angle":
             self.limit = min(1 / friction, _STEEPEST) if friction else _STEEPEST
         else:
-            self.limit = fmpq(
-                *float(self.kind.model_json_schema()["properties"][unknown]["maximum"]).as_integer_ratio()
-            )
+            self.limit = fmpq(*float(_range(self.kind, unknown)["maximum"]).as_integer_ratio())
         slide = getattr(drive, "slide_friction", 0.0) or unknown == "slide_friction"
         self.force = RootCondition(_NET_FORCE_OF_SLIDE if slide else _NET_FORCE, net_force)
 
@@ -224,8 +221,15 @@ class Line:
     @classmethod
     def all_of(cls, drive: Drive, unknown: str) -> "list[Line]":
         """Return both sides of zero where the parameter may be negative, else the positive one."""
-        lowest = type(drive).model_json_schema()["properties"][unknown].get("minimum", 0)
+        lowest = _range(type(drive), unknown).get("minimum", 0)
         return [cls(drive, unknown, side) for side in ((-1, 1) if lowest < 0 else (1,))]
+
+
+@cache  # pydantic takes milliseconds for it
+def _range(kind: type[Drive], key: str) -> dict[str, Any]:
+    """The schema of a parameter, with ``minimum`` and ``maximum``."""
+    found: dict[str, Any] = kind.model_json_schema()["properties"][key]
+    return found
 
 
 def stable_set(drive: Drive, key: str) -> StableSet | None:

@@ -121,11 +121,14 @@ def _by_polynomials(drive: Drive, name: str, unknown: str) -> Threshold:
     found = stable.places() if stable else None if name == "onset" else places(drive, name, unknown)
     if found is None:
         raise NoThreshold(f"the threshold {name} of model {drive.model} does not depend on {unknown}.")
-    solutions = [_at_place(drive, name, unknown, place) for place in found]
-    reason = stable.why_no_change() if stable else (
-        f"no {unknown} in the allowed range {allowed_range(type(drive), unknown)} is the threshold {name}, "
-        "all other parameters held."
-    )  # fmt: skip
+    solutions, reason = [_at_place(drive, name, unknown, place) for place in found], ""
+    if stable:
+        reason = stable.why_no_change()
+    elif not solutions:
+        reason = (
+            f"no {unknown} in the allowed range {allowed_range(type(drive), unknown)} is the threshold {name}, "
+            "all other parameters held."
+        )
     how = "All of them: the roots of polynomials are isolated with certainty."
     return _result(drive, name, unknown, solutions, how, reason, stable)
 
