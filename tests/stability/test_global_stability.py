@@ -14,7 +14,7 @@ from references.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
 
 from lsvib.basins.boundary import Boundary, basin
 from lsvib.dynamics.attractors import Attractor, steady_state
-from lsvib.engine.kernels.status import Status
+from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import follow
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import rigid_automaton

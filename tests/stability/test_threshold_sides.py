@@ -14,7 +14,7 @@ import math
 import numpy as np
 import pytest
 
-from lsvib.engine.kernels.status import Status
+from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import follow
 from lsvib.errors import DivergenceError, EngineError, InputError, NoThreshold
 from lsvib.models.drive import RigidDrive

@@ -130,12 +130,12 @@ def _beyond_line(dataset: xr.Dataset, u, w):
 
 def _end_of_flow(drive: RigidDrive, start: Values) -> np.ndarray:
     """State in which the closed-form flow of law −1 ends, guards left out."""
-    from lsvib.engine.kernels import columns, flow_planar
+    from lsvib.engine.kernels import flow_planar, layout
 
     automaton = rigid_automaton(drive)
     mode = int(np.flatnonzero(automaton.codes == MotionMode.SLIP_FORWARD_NEGATIVE)[0])
     row = automaton.tables.flow[mode]
-    slowest = row[columns.ALPHA] if row[columns.BETA] > 0 else -row[columns.R1]
+    slowest = row[layout.ALPHA] if row[layout.BETA] > 0 else -row[layout.R1]
     state = np.array([start["u"], start["w"]])
     end = 60.0 / slowest if slowest > 0 else math.inf  # e⁻⁶⁰ of the start is left
     flow_planar.advance(automaton.tables.flow, mode, state, end, state)

@@ -31,8 +31,8 @@ from contourpy import contour_generator
 
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.engine.kernels import columns
-from lsvib.engine.kernels.status import Status
+from lsvib.engine.kernels import layout
+from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import follow
 from lsvib.errors import InputError, NoThreshold
 from lsvib.models.drive import Drive, zero_if_close
@@ -208,7 +208,7 @@ def stops_again(drive: Drive) -> float:
     (rest,) = np.flatnonzero(automaton.codes == model.modes["REST"])
     tables = automaton.tables
     row = tables.surfaces[tables.guard_surface[tables.guard_start[rest]]]  # of the end of rest
-    before = math.copysign(float(tables.flow[0, columns.TIME_SCALE]), drive.input_speed) * abs(drive.input_speed)
+    before = math.copysign(float(tables.flow[0, layout.TIME_SCALE]), drive.input_speed) * abs(drive.input_speed)
     start = (-row[2] / row[0] + before, -drive.input_speed)
     motion = follow(automaton, start, math.inf, mode=int(rest), max_events=_TURNS)
     stands: list[Any] = [model.events[name] for name in ("STICK", "REVERSAL", "ACCUMULATION")]  # θ′ = 0
