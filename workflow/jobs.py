@@ -102,9 +102,9 @@ def compile_engine(part: str, sources: Texts, marker: str) -> None:
 
         mapper(RigidDrive()).cells(Grid.parse(["u=-1:1:1", "w=-1:1:1"]), quantities=QUANTITIES)
     else:
-        from lsvib.engine.kernels import compile_ahead
+        from lsvib.engine import motion
 
-        compile_ahead.compile_engine((part,))
+        motion.compile_engine((part,))
     digest = hashlib.sha256(b"".join(Path(file).read_bytes() for file in sources))
     write_text(f"{digest.hexdigest()}\n", marker)
 

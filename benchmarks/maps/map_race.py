@@ -19,7 +19,7 @@ from lsvib.basins.exact_basin import Basin, basin
 from lsvib.basins.kernels.labelling import UNRESOLVED
 from lsvib.basins.mapper import mapper
 from lsvib.dynamics.attractors import Attractor
-from lsvib.engine.kernels import columns
+from lsvib.engine.kernels import layout
 from lsvib.errors import InputError
 from lsvib.models.drive import RigidDrive
 
@@ -145,7 +145,7 @@ def _tangent(flow: np.ndarray, piece: Piece, point: np.ndarray) -> np.ndarray:
     if not isinstance(piece, Arc):
         return piece.end - piece.start
     row, (u, w) = flow[piece.mode], point
-    return np.array([w, row[columns.B] - row[columns.A0] * u - row[columns.A1] * w])
+    return np.array([w, row[layout.B] - row[layout.A0] * u - row[layout.A1] * w])
 
 
 def _judged(labels: np.ndarray, truth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

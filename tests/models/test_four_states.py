@@ -11,8 +11,8 @@ import pytest
 from references.four_states_digits import simulate
 
 import lsvib
-from lsvib.engine.kernels import columns, dispatch
-from lsvib.engine.kernels.status import FIRST_MODEL_KIND
+from lsvib.engine.kernels import event_loop, layout
+from lsvib.engine.kernels.layout import FIRST_MODEL_KIND
 from lsvib.engine.motion import enter, follow
 from lsvib.errors import InputError
 from lsvib.models.drive import NutDrive, RigidDrive, SupportDrive, ThreadsDrive
@@ -237,12 +237,12 @@ def test_energy_balance(name):
     motion = follow(automaton, start, duration, max_events=60)
     for mode, first, last, stay in zip(*motion.arcs(), strict=True):
         rows = flow.oscillators[mode]
-        rate = np.max(np.abs(rows[:, columns.ALPHA]) + rows[:, columns.BETA] + rows[:, columns.DELTA])
+        rate = np.max(np.abs(rows[:, layout.ALPHA]) + rows[:, layout.BETA] + rows[:, layout.DELTA])
         pieces = max(1, math.ceil(rate * stay))
         times = ((np.arange(pieces)[:, None] + 0.5 * (nodes + 1)) / pieces * stay).ravel()
         states = np.empty((times.size, 4))
         for time, state in zip(times, states, strict=True):
-            dispatch.advance(flow, mode, first, time, state)
+            event_loop.advance(flow, mode, first, time, state)
         works = balance.power(mode, states) @ np.tile(0.5 * weights, pieces) / pieces * stay
         before, after = balance.energy(np.stack([first, last]))
         assert abs(after - before - works.sum()) <= 1e-11 * (before + after + np.abs(works).sum())

@@ -15,7 +15,7 @@ from references.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
 from lsvib.basins.exact_basin import Boundary, basin
 from lsvib.dynamics.attractors import Attractor, steady_state
 from lsvib.dynamics.forward_slip import ForwardDrive
-from lsvib.engine.kernels.status import Status
+from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import follow
 from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive

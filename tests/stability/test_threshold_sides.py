@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from lsvib.dynamics.forward_slip import ForwardDrive
-from lsvib.engine.kernels.status import Status
+from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import follow
 from lsvib.errors import DivergenceError, EngineError, InputError, NoThreshold
 from lsvib.models.coefficients import coefficients

@@ -10,8 +10,8 @@ from lsvib.dynamics.attractors import steady_state
 from lsvib.dynamics.return_map import ReturnSection
 from lsvib.dynamics.return_section import section_key
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import columns
-from lsvib.engine.kernels.status import Status
+from lsvib.engine.kernels import layout
+from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError, InputError
 from lsvib.models.drive import RigidDrive
@@ -34,7 +34,7 @@ def wind_up(drive: RigidDrive, back: Automaton, state, mode: int) -> Motion | No
     are leapt over along their return map (:mod:`lsvib.dynamics.drift_two_states`).
     """
     start = state = np.array(state, dtype=float)
-    scale = back.tables.flow[mode, columns.TIME_SCALE]
+    scale = back.tables.flow[mode, layout.TIME_SCALE]
     for _ in range(_LEAPS):
         for _ in range(_ROUNDS):
             trace = traced(back, state, mode, _EVENTS)

@@ -17,9 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 from mpmath import mp, mpf
 
-from lsvib.engine.kernels import columns, flow_planar, search_planar
-from lsvib.engine.kernels.affine import level
-from lsvib.engine.kernels.status import Found
+from lsvib.engine.kernels import flow_planar, layout, search_planar
+from lsvib.engine.kernels.flow_planar import level
+from lsvib.engine.kernels.layout import Found
 
 _DIGITS = 60  # of an area: the strips under its boundary nearly cancel, in a narrow window to 24 digits and 20 more
 
@@ -100,7 +100,7 @@ def _strip(flow: np.ndarray, piece: Piece) -> tuple[mpf, tuple[mpf, mpf]]:
     if isinstance(piece, Segment):
         end = _digits(piece.end)
         return _under_line((u, w), end), end
-    a0, a1, b = (mpf(float(flow[piece.mode, k])) for k in (columns.A0, columns.A1, columns.B))
+    a0, a1, b = (mpf(float(flow[piece.mode, k])) for k in (layout.A0, layout.A1, layout.B))
     little = mp.log10(a1 * a1 / abs(a0)) / 2 if a1 else 0
     with mp.workdps(_DIGITS + max(0, -int(little))):  # the division by a₁ costs as many digits
         time, root, y = mpf(piece.duration), mp.sqrt(mp.mpc(a1 * a1 / 4 - a0)), u - b / a0
@@ -134,7 +134,7 @@ def _rising_parts(flow: np.ndarray, piece: Piece) -> list[Piece]:
     if isinstance(piece, Segment):
         return [piece]
     row = flow[piece.mode]
-    acceleration = np.array([-row[columns.A0], -row[columns.A1], row[columns.B]])
+    acceleration = np.array([-row[layout.A0], -row[layout.A1], row[layout.B]])
     return split(flow, piece, sign_changes(flow, piece, acceleration))
 
 

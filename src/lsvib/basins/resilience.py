@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from lsvib.basins.clipping import Window
 from lsvib.basins.curves import Arc, Piece, Segment, sign_changes, state_on
 from lsvib.basins.exact_basin import AttractsNothing, Basin, Boundary, basin
-from lsvib.engine.kernels import columns
+from lsvib.engine.kernels import layout
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import rigid_automaton
 
@@ -139,7 +139,7 @@ def _candidates(
     if isinstance(piece, Segment):
         yield _nearest(piece, stiffness, inertia)
         return
-    a0, a1, b = (float(flow[piece.mode, k]) for k in (columns.A0, columns.A1, columns.B))
+    a0, a1, b = (float(flow[piece.mode, k]) for k in (layout.A0, layout.A1, layout.B))
     rows = np.array([[0.0, 1.0, 0.0], [stiffness - inertia * a0, -inertia * a1, inertia * b]])
     yield piece.start[0], piece.start[1]
     yield piece.end[0], piece.end[1]

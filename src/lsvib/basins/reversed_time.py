@@ -27,7 +27,7 @@ from lsvib.engine.automaton import (
     oscillator,
 )
 from lsvib.engine.exact.precision import PLACES
-from lsvib.engine.kernels.status import Test
+from lsvib.engine.kernels.layout import Test
 from lsvib.errors import InputError
 from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive

@@ -34,7 +34,7 @@ from lsvib.basins.section_tables import FAR, LabelSection, releases_of, with_com
 from lsvib.dynamics import drift_two_states, return_map
 from lsvib.dynamics.attractors import Attractor, Passage
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import columns, flow_planar
+from lsvib.engine.kernels import flow_planar, layout
 from lsvib.engine.motion import follow
 from lsvib.errors import EngineError
 
@@ -75,7 +75,7 @@ class Sections:
             self._same_for_all()
             return
         for section in courses.sections:
-            if not (courses.point(section, 0.0).any() or automaton.tables.flow[section.mode, columns.EQUILIBRIUM]):
+            if not (courses.point(section, 0.0).any() or automaton.tables.flow[section.mode, layout.EQUILIBRIUM]):
                 courses.absorb_by_corner(section, 1)
                 courses.absorb_by_corner(section, -1)
         releases = releases_of(automaton, self.known)
@@ -123,7 +123,7 @@ class Sections:
             u, w, constant = tables.guard_sign[guard] * tables.surfaces[tables.guard_surface[guard]]
             if tables.guard_surface[guard] == section.surface:
                 flow = tables.flow[section.mode]
-                u, w, constant = -w * flow[columns.A0], u - w * flow[columns.A1], w * flow[columns.B]
+                u, w, constant = -w * flow[layout.A0], u - w * flow[layout.A1], w * flow[layout.B]
             rows.append((u, w, constant))
         low, high = -FAR, FAR
         for u, w, constant in rows:

@@ -10,7 +10,7 @@ from lsvib.basins.pieces import Pieces
 from lsvib.dynamics.attractors import Attractor, SteadyState
 from lsvib.dynamics.return_section import nearest_to_origin
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import columns, event_loop, flow_planar
+from lsvib.engine.kernels import event_loop, flow_planar, layout
 
 FAR = 1e3  # Sections are labelled up to so many times the size of the drive's motions.
 ON_CYCLE = 1e-9  # A state this close to a point of a cycle, relative to the cycle's size, is on it.
@@ -28,9 +28,9 @@ class LabelSection(NamedTuple):
 def sizes(automaton: Automaton) -> np.ndarray:
     """Return the sizes (2) of u [rad] and w [rad/s] in a drive's motions, from corners of surfaces and equilibria."""
     rows, flow = automaton.tables.surfaces, automaton.tables.flow
-    stiff = flow[:, columns.A0] != 0
-    tau = float(flow[stiff, columns.TIME_SCALE].max())
-    points = [np.array([u, 0.0]) for u in flow[stiff, columns.EQUILIBRIUM]]
+    stiff = flow[:, layout.A0] != 0
+    tau = float(flow[stiff, layout.TIME_SCALE].max())
+    points = [np.array([u, 0.0]) for u in flow[stiff, layout.EQUILIBRIUM]]
     for i, one in enumerate(rows):
         point = nearest_to_origin(one)
         if point is not None:
@@ -48,10 +48,10 @@ def nothing_known(automaton: Automaton, size: np.ndarray) -> Known:
     tables = automaton.tables
     modes, surfaces = len(tables.flow), len(tables.surfaces)
     rests = np.isin(automaton.codes, automaton.rest_codes)
-    alpha = tables.flow[:, columns.ALPHA]
+    alpha = tables.flow[:, layout.ALPHA]
     settled = np.where(alpha > 0, Attractor.STEADY_SLIDING, np.where(alpha < 0, Attractor.UNBOUNDED, 0))
     undamped = (alpha == 0) & ~rests
-    settled[undamped] = np.where(tables.flow[undamped, columns.BETA] > 0, Attractor.NEUTRAL_FAMILY, Attractor.UNBOUNDED)
+    settled[undamped] = np.where(tables.flow[undamped, layout.BETA] > 0, Attractor.NEUTRAL_FAMILY, Attractor.UNBOUNDED)
     settled[rests] = Attractor.REST
     return Known(
         landing=_landings(automaton, rests),
@@ -123,15 +123,15 @@ def _trap(automaton: Automaton, mode: int, size: np.ndarray) -> tuple[float, flo
     """
     tables = automaton.tables
     row = tables.flow[mode]
-    kappa, radius = max(row[columns.ALPHA], row[columns.BETA]), np.inf
-    if not (row[columns.ALPHA] > 0 and row[columns.A0] > 0 and kappa < event_loop.LARGEST):  # whose square overflows
+    kappa, radius = max(row[layout.ALPHA], row[layout.BETA]), np.inf
+    if not (row[layout.ALPHA] > 0 and row[layout.A0] > 0 and kappa < event_loop.LARGEST):  # whose square overflows
         return 0.0, 0.0, 0.0
     with np.errstate(all="ignore"):  # a guard that hardly depends on the state is beyond all numbers: so is the square
         for guard in range(tables.guard_start[mode], tables.guard_start[mode + 1]):
             u, w, constant = tables.guard_sign[guard] * tables.surfaces[tables.guard_surface[guard]]
-            least = constant + u * row[columns.EQUILIBRIUM]
-            slack = 64 * flow_planar.EPS * (abs(constant) + abs(u * row[columns.EQUILIBRIUM]))
-            radius = min(radius, max(0.0, least - slack) / np.hypot(w, (u - row[columns.ALPHA] * w) / kappa))
+            least = constant + u * row[layout.EQUILIBRIUM]
+            slack = 64 * flow_planar.EPS * (abs(constant) + abs(u * row[layout.EQUILIBRIUM]))
+            radius = min(radius, max(0.0, least - slack) / np.hypot(w, (u - row[layout.ALPHA] * w) / kappa))
         if radius == np.inf:
             radius = float(size[1])
         return kappa**2, radius**2, max(radius, ON_CYCLE * size[1]) ** 2
@@ -150,8 +150,8 @@ def with_labels(known: Known, found: dict[LabelSection, Pieces]) -> Known:
 
 def _shares(flow: np.ndarray) -> np.ndarray:
     """Return the part of an amplitude that is left after a turn; 0 for modes that do not oscillate."""
-    beta = flow[:, columns.BETA]
-    turns = -2 * np.pi * flow[:, columns.ALPHA] / np.where(beta > 0, beta, 1.0)
+    beta = flow[:, layout.BETA]
+    turns = -2 * np.pi * flow[:, layout.ALPHA] / np.where(beta > 0, beta, 1.0)
     return np.where(beta > 0, np.exp(np.minimum(turns, flow_planar.OVERFLOW)), 0.0)
 
 
@@ -177,8 +177,8 @@ def with_common_labels(
         row, kappa = tables.flow[mode], np.sqrt(known.trap[mode, 0])
         if len(labels) == 1 and kappa > 0:
             known.common[mode] = labels.pop()
-            room = max(0.0, FAR * size[0] - abs(row[columns.EQUILIBRIUM]))
-            known.reach[mode] = min(kappa * room, FAR * size[1] / (1 + row[columns.ALPHA] / kappa)) ** 2
+            room = max(0.0, FAR * size[0] - abs(row[layout.EQUILIBRIUM]))
+            known.reach[mode] = min(kappa * room, FAR * size[1] / (1 + row[layout.ALPHA] / kappa)) ** 2
     return known
 
 

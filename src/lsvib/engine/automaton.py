@@ -13,9 +13,8 @@ import numpy as np
 
 from lsvib.engine.exact.pair_arrays import Pairs, double, doubles, exactly
 from lsvib.engine.exact.precision import PLACES
-from lsvib.engine.kernels import columns
-from lsvib.engine.kernels.status import Test
-from lsvib.engine.kernels.tables import Tables
+from lsvib.engine.kernels import layout
+from lsvib.engine.kernels.layout import Tables, Test
 from lsvib.errors import EngineError
 
 Row = Sequence[Decimal | Pairs | np.ndarray | float | int]
@@ -81,9 +80,10 @@ class Automaton:
     ``observables[name]`` has shape (modes, n + 1): the affine function of the state that gives the quantity in each
     mode. ``condition`` is the largest amplification of rounding by the modal form of a mode, 1 for two states.
     ``rest_codes`` are the codes of the modes at rest, and ``release_kinds`` the kinds of the events that end rest; a
-    motion sprags in modes of ``sprag_codes`` and at events of ``sprag_kinds``. The model vouches for two facts: ``passive``, energy enters as the work of constant forces
-    only, so that no motion grows faster than in proportion to time; ``contracts``, slip makes every area of the phase
-    plane smaller, or leaves every one as it is, and passing θ′ = 0 makes none larger (see docs/attraction.md).
+    motion sprags in modes of ``sprag_codes`` and at events of ``sprag_kinds``. The model vouches for two facts:
+    ``passive``, energy enters as the work of constant forces only, so that no motion grows faster than in proportion to
+    time; ``contracts``, slip makes every area of the phase plane smaller, or leaves every one as it is, and passing
+    θ′ = 0 makes none larger (see docs/attraction.md).
     """
 
     tables: Tables = field(repr=False)
@@ -97,6 +97,7 @@ class Automaton:
     sprag_kinds: tuple[int, ...] = ()
     passive: bool = False
     contracts: bool = False
+    rooms: list[Any] = field(init=False, repr=False, compare=False, default_factory=list)  # of runs that have ended
 
     def observe(self, name: str, states: np.ndarray, modes: np.ndarray) -> np.ndarray:
         """Return an observable [its SI unit] at ``states`` (k, n) in ``modes`` (k); shape (k)."""
@@ -114,16 +115,16 @@ def oscillator(inertia, damping, stiffness, force) -> np.ndarray:
         a0, a1, b = stiffness / inertia, damping / inertia, force / inertia
         alpha = a1 / 2
         discriminant = alpha * alpha - a0
-        row: list[Any] = [0.0] * columns.COUNT
-        row[columns.A0], row[columns.A1], row[columns.B], row[columns.ALPHA] = a0, a1, b, alpha
+        row: list[Any] = [0.0] * layout.COUNT
+        row[layout.A0], row[layout.A1], row[layout.B], row[layout.ALPHA] = a0, a1, b, alpha
         if discriminant < 0:
-            row[columns.BETA] = (-discriminant).sqrt()
+            row[layout.BETA] = (-discriminant).sqrt()
         else:
-            row[columns.DELTA] = discriminant.sqrt()
-            row[columns.R1], row[columns.R2] = _real_rates(alpha, a0)
-        row[columns.EQUILIBRIUM] = b / a0 if a0 else 0
-        row[columns.TIME_SCALE] = 1 / abs(a0).sqrt() if a0 else 0
-        return doubles(row, (columns.COUNT,))
+            row[layout.DELTA] = discriminant.sqrt()
+            row[layout.R1], row[layout.R2] = _real_rates(alpha, a0)
+        row[layout.EQUILIBRIUM] = b / a0 if a0 else 0
+        row[layout.TIME_SCALE] = 1 / abs(a0).sqrt() if a0 else 0
+        return doubles(row, (layout.COUNT,))
 
 
 def eigenform(inertia, damping, stiffness, force) -> tuple[Decimal, Decimal, Decimal] | None:
@@ -156,7 +157,7 @@ def _guard_parts(mode: Mode, guard: Guard, surfaces: dict[str, Surface]) -> tupl
 def _parts_of_guards(modes: dict[str, Mode], surfaces: dict[str, Surface], n: int, forms: Callable | None):
     """Return the table ``guard_parts`` of all guards; arguments as of :func:`assemble`."""
     parts = None
-    if n == 2:
+    if n == 2 and not forms:
         parts = [_guard_parts(mode, guard, surfaces) for mode in modes.values() for guard in mode.guards]
     elif forms:
         rows = [[scaled(surfaces[guard.surface].row, guard.sign) for guard in mode.guards] for mode in modes.values()]

@@ -15,7 +15,7 @@ from bokeh.server.views.ws import WSHandler
 from tornado.web import RequestHandler
 
 from lsvib.api import RigidDrive
-from lsvib.engine.kernels.compile_ahead import compile_engine
+from lsvib.engine.motion import compile_engine
 from lsvib.errors import InputError, LsvibError
 from lsvib.explore import answers
 from lsvib.explore.downloads import EXPORTS, export

@@ -51,8 +51,8 @@ from lsvib.engine.automaton import (
 )
 from lsvib.engine.exact.pair_arrays import double
 from lsvib.engine.exact.precision import PLACES
-from lsvib.engine.kernels import columns
-from lsvib.engine.kernels.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
+from lsvib.engine.kernels import layout
+from lsvib.engine.kernels.layout import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
 from lsvib.errors import InputError
 from lsvib.models.coefficients import Coefficients, coefficients
 from lsvib.models.drive import RigidDrive
@@ -141,7 +141,7 @@ def automaton_of(c: Coefficients, d: Any, rest: bool, resume: Resume) -> Automat
             modes=modes,
             transitions=transitions,
             observables=_observables(c, d, modes),
-            shortest_stay=SHORT_STAY * np.min([flow.row[..., columns.TIME_SCALE] for flow in flows.values()], axis=0),
+            shortest_stay=SHORT_STAY * np.min([flow.row[..., layout.TIME_SCALE] for flow in flows.values()], axis=0),
             rest_codes=(MotionMode.REST,),
             release_kinds=(EventKind.RELEASE,),
             sprag_kinds=(EventKind.SEIZURE,),
@@ -274,7 +274,7 @@ def _stop(stand: _Stand) -> tuple[Branch, ...]:
 def _entry(modes, flows, stand: _Stand, rest: bool):
     """Where a motion starts: by the signs of θ′ and Q; on Q = 0 by the sign of Q′; at θ′ = 0 as on stopping there."""
     flow = flows[1].row
-    a0, a1, b = flow[..., columns.A0], flow[..., columns.A1], flow[..., columns.B]
+    a0, a1, b = flow[..., layout.A0], flow[..., layout.A1], flow[..., layout.B]
     q_u, q_w = double(stand.q[0]), double(stand.q[1])
     with np.errstate(over="ignore", invalid="ignore"):  # what is beyond all numbers is refused with the tables
         q_rate = (-q_w * a0, q_u - q_w * a1, q_w * b)

@@ -35,7 +35,7 @@ from lsvib.engine.exact.linear_mode import linear_mode
 from lsvib.engine.exact.modal_form import ModalMode, guard_forms, modal_flow
 from lsvib.engine.exact.precision import PLACES
 from lsvib.engine.exact.reach import SWINGS
-from lsvib.engine.kernels.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
+from lsvib.engine.kernels.layout import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
 from lsvib.models.coefficients import Coefficients, coefficients
 from lsvib.models.drive import ThreadsDrive
 from lsvib.models.linear_parts import LinearParts, Polynomial

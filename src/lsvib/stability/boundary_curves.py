@@ -27,8 +27,8 @@ import numpy as np
 from lsvib.dynamics.attractors import Attractor
 from lsvib.dynamics.endings_of_models.rigid import endings_at_once
 from lsvib.engine.automaton import Automaton, one_of_many
-from lsvib.engine.kernels import columns
-from lsvib.engine.kernels.status import Status
+from lsvib.engine.kernels import layout
+from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import follow
 from lsvib.errors import InputError, NoThreshold
 from lsvib.models.coefficients import Coefficients, coefficients
@@ -266,7 +266,7 @@ def _slip_stops(automaton: Automaton, speed: float) -> float:
     (rest,) = np.flatnonzero(automaton.codes == MotionMode.REST)
     tables = automaton.tables
     row = tables.surfaces[tables.guard_surface[tables.guard_start[rest]]]  # of the end of rest
-    before = math.copysign(float(tables.flow[0, columns.TIME_SCALE]), speed) * abs(speed)
+    before = math.copysign(float(tables.flow[0, layout.TIME_SCALE]), speed) * abs(speed)
     motion = follow(automaton, (-row[2] / row[0] + before, -speed), math.inf, mode=int(rest), max_events=_TURNS)
     if np.isin(motion.kind, _STOPS).any():
         return 1.0

@@ -4,10 +4,9 @@ import math
 
 from lsvib.basins.kernels.labelling import UNKNOWN, ellipse, new_scratch, put, step
 from lsvib.engine.kernels import event_loop, flow_planar
-from lsvib.engine.kernels.columns import A0, ALPHA, BETA, DELTA, EQUILIBRIUM
 from lsvib.engine.kernels.flow_planar import EPS
 from lsvib.engine.kernels.jit import allocating_entry, entry, kernel
-from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Status
+from lsvib.engine.kernels.layout import A0, ACCUMULATION_KIND, ALPHA, BETA, DELTA, EQUILIBRIUM, GRAZE_KIND, Status
 
 _SETTLED = int(Status.SETTLED)
 _STEPS = 4000  # 2098 doublings lead from the smallest double to the largest, and some 105 halvings end a bracket

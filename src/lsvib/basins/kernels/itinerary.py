@@ -4,10 +4,9 @@ import numpy as np
 
 from lsvib.basins.kernels.labelling import UNKNOWN, ellipse, new_scratch, put, step
 from lsvib.engine.kernels import event_loop
-from lsvib.engine.kernels.affine import level
-from lsvib.engine.kernels.flow_planar import EPS
+from lsvib.engine.kernels.flow_planar import EPS, level
 from lsvib.engine.kernels.jit import allocating_entry, entry, kernel
-from lsvib.engine.kernels.status import GRAZE_KIND, Status
+from lsvib.engine.kernels.layout import GRAZE_KIND, Status
 
 TOO_LONG, GRAZED, DIVERGED, STUCK = -3, -4, -5, -6  # codes of itineraries that end nowhere
 _SETTLED = int(Status.SETTLED)

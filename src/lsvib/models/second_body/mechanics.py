@@ -12,7 +12,7 @@ from decimal import Decimal
 from enum import IntEnum
 
 from lsvib.engine.automaton import Row, scaled
-from lsvib.engine.kernels.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND
+from lsvib.engine.kernels.layout import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND
 from lsvib.models.drive import ExactParameters
 
 DIRECTIONS = {1: "forward", -1: "backward"}

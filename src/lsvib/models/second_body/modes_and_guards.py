@@ -32,7 +32,7 @@ from lsvib.engine.automaton import (
 from lsvib.engine.exact.linear_mode import linear_mode
 from lsvib.engine.exact.modal_form import guard_forms, modal_flow
 from lsvib.engine.exact.precision import PLACES
-from lsvib.engine.kernels.status import Test
+from lsvib.engine.kernels.layout import Test
 from lsvib.models.drive import NutDrive, SupportDrive
 from lsvib.models.once import once
 from lsvib.models.second_body.mechanics import DIRECTIONS, HELD, SIGNS, SLIPS, Solution, constant, plus
