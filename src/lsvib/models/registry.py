@@ -22,11 +22,12 @@ if TYPE_CHECKING:  # a scene can be read and refused without the engine
 class Model:
     """A model of the drive; the file of each has one as ``MODEL``.
 
-    The simulation needs of it ``build(drive, physics, resume)``, which makes the automaton; ``start(drive, values)``,
-    which makes the state of a start from the keys ``required`` and ``optional``, one for each of the coordinates
-    ``states``; ``terms``, the parameters that a scene may leave out (then they must be zero); ``options``, the other
-    words that its ``physics`` may hold; ``outputs``, its observables, and ``quantities``, long name, unit and symbol of
-    those coordinates and observables that no other model has.
+    The simulation needs of it ``build(drive, physics, resume)``, which makes the automaton – an attribute ``many(d,
+    resume)`` of it makes those of many drives at once, from arrays of parameters –; ``start(drive, values)``, which
+    makes the state of a start from the keys ``required`` and ``optional``, one for each of the coordinates ``states``;
+    ``terms``, the parameters that a scene may leave out (then they must be zero); ``options``, the other words that its
+    ``physics`` may hold; ``outputs``, its observables, and ``quantities``, long name, unit and symbol of those
+    coordinates and observables that no other model has.
 
     Its linear stability needs ``characteristic(parameters, parts)``, the characteristic polynomial of steady sliding in
     the arithmetic of the parameters, as :class:`~lsvib.models.linear_parts.LinearParts` helps to make it;

@@ -16,6 +16,9 @@ from lsvib.errors import EngineError
 
 DIGITS = 150  # with rates thirty decades apart, a product of four of their differences leaves 30 digits
 
+_CANCELLED = 1e-40  # radius of a sum that holds zero, relative to its terms: fewer digits do not show that it is zero
+_HELD = 1e-13  # relative error that a sum of arrays may have
+
 Number = Any  # arb, arb_series, an array of doubles, or a float or int
 _precision = RLock()  # FLINT has one precision for all threads
 
@@ -77,7 +80,7 @@ def root(number: Number) -> Number:
 
 def double(number: Number) -> Any:
     """Return a number rounded to double once; an array of doubles as it is."""
-    return number if isinstance(number, np.ndarray) else float(number)
+    return number.astype(float, copy=False) if isinstance(number, np.ndarray) else float(number)
 
 
 def doubles(numbers: Sequence[Number], shape: tuple[int, ...]) -> np.ndarray:
@@ -86,3 +89,21 @@ def doubles(numbers: Sequence[Number], shape: tuple[int, ...]) -> np.ndarray:
         return np.array([*map(float, numbers)]).reshape(shape)
     columns = np.broadcast_arrays(*map(double, numbers))
     return np.stack(columns, axis=-1).reshape(columns[0].size, *shape)
+
+
+def added(*terms: Number) -> Number:
+    """Return the sum of terms; those that cancel leave exactly zero, for tan λ is transcendental.
+
+    A sum of arrays that has lost more digits than 1e-13 of it allows is not a number. Raises ``EngineError`` if too few
+    digits are left of a ball that holds zero.
+    """
+    if any(isinstance(term, np.ndarray) for term in terms):
+        total, size = sum(terms), np.maximum.reduce(np.broadcast_arrays(*map(np.abs, terms)))
+        left, eps = np.abs(total), np.finfo(total.dtype).eps
+        return np.where(left <= 8 * eps * size, 0, np.where(left < eps / _HELD * size, np.nan, total))
+    total = sum(terms, arb(0))
+    if not total.contains(0) or total.is_zero():
+        return total
+    if total.rad() > _CANCELLED * max(abs(ball(x)).mid() for x in terms):
+        sign(total)  # too few digits are left
+    return arb(0)

@@ -10,9 +10,11 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 
+import numpy as np
 from flint import arb
 
 from lsvib.engine.exact.field import Field, Rows
+from lsvib.engine.exact.modal_arrays import ModalModes, modal_modes
 from lsvib.engine.exact.modal_form import ModalMode, modal_mode
 from lsvib.engine.exact.reach import reached, slow_reaches
 from lsvib.errors import EngineError
@@ -24,7 +26,7 @@ def linear_mode(
     frozen: Mapping[int, arb | float] | None,
     horizon: float,
     movable: str,
-) -> ModalMode:
+) -> ModalMode | ModalModes:
     """Return a mode of a model.
 
     Arguments: rows of A and b (n, n + 1), balls or floats; typical sizes of the coordinates (n); ``frozen``,
@@ -32,6 +34,8 @@ def linear_mode(
     :func:`lsvib.engine.exact.reach.reached`; ``movable``, the parameter to change where two rates coincide.
     Raises ``EngineError`` for a mode whose rates double precision cannot distinguish.
     """
+    if any(isinstance(x, np.ndarray) for row in rows for x in row):
+        return modal_modes(rows, sizes, frozen or {})
     field = Field.of(rows, sizes, frozen)
     with suppress(ArithmeticError):
         return modal_mode(field)

@@ -21,6 +21,7 @@ from flint import arb, arb_mat
 from lsvib.engine.exact.arithmetic import ball, many_digits
 from lsvib.engine.exact.factors import subspaces
 from lsvib.engine.exact.field import WORST_CONDITION, Field, amplification
+from lsvib.engine.exact.modal_arrays import ModalModes, guard_columns, stacked
 from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import ModalFlow
 
@@ -271,6 +272,8 @@ def guard_forms(modes: Sequence[ModalMode], rows: Sequence[Sequence[Sequence]]) 
     An entry that the doubles of the tables give to 1e-12 is the one that they give. None if all are so. An entry that
     is nothing but the rounding of the coefficients is zero: a speed that dies away would seem to stop there.
     """
+    if isinstance(modes[0], ModalModes):
+        return guard_columns(modes, rows)
     width, found, lost = max(len(mode.to_modal) for mode in modes) + 1, [], False
     with many_digits():
         for mode, guards in zip(modes, rows, strict=True):
@@ -293,6 +296,8 @@ def guard_forms(modes: Sequence[ModalMode], rows: Sequence[Sequence[Sequence]]) 
 
 def modal_flow(modes: Sequence[ModalMode]) -> ModalFlow:
     """Put modes together in one table; modes with fewer pairs or singles leave the rest zero."""
+    if isinstance(modes[0], ModalModes):
+        return stacked(modes)
     pairs, singles = np.array([len(mode.oscillators) for mode in modes]), np.array([mode.rates.size for mode in modes])
     size, n = (2 * pairs + singles).max(), modes[0].field.shape[0]
     flow = ModalFlow(

@@ -13,7 +13,7 @@ from enum import IntEnum
 from flint import arb
 
 from lsvib.engine.automaton import Row, scaled
-from lsvib.engine.exact.arithmetic import ball, sign
+from lsvib.engine.exact.arithmetic import added, ball
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND
 from lsvib.models.drive import ExactParameters
 
@@ -21,7 +21,6 @@ DIRECTIONS = {1: "forward", -1: "backward"}
 HELD = {**DIRECTIONS, 0: "held"}
 SIGNS = {1: "positive", -1: "negative"}
 SLIPS = tuple((d, q) for d in DIRECTIONS for q in SIGNS)
-_CANCELLED = 1e-40  # radius of a sum that holds zero, relative to its terms: fewer digits do not show that it is zero
 
 
 @dataclass(frozen=True)
@@ -74,16 +73,7 @@ def constant(value) -> tuple:
 
 def plus(*rows: Row) -> tuple:
     """Return the sum of rows; terms that cancel leave exactly zero."""
-    return tuple(_settled(sum(column, arb(0)), column) for column in zip(*rows, strict=True))
-
-
-def _settled(total: arb, terms: Sequence) -> arb:
-    """Return a sum, exactly zero if its ball holds zero: tan λ is transcendental, so that its terms cancel for ever."""
-    if not total.contains(0) or total.is_zero():
-        return total
-    if total.rad() > _CANCELLED * max(abs(ball(x)).mid() for x in terms):
-        sign(total)  # too few digits are left
-    return arb(0)
+    return tuple(added(*column) for column in zip(*rows, strict=True))
 
 
 def solved(matrix: Sequence[Sequence], sides: Sequence[Row]) -> list[tuple]:
@@ -102,5 +92,5 @@ def solved(matrix: Sequence[Sequence], sides: Sequence[Row]) -> list[tuple]:
             if i != k:
                 factor = table[i][k]
                 pairs = [(x, -factor * y) for x, y in zip(table[i], table[k], strict=True)]
-                table[i] = [_settled(x + y, (x, y)) for x, y in pairs]
+                table[i] = [added(x, y) for x, y in pairs]
     return [tuple(row[n:]) for row in table]
