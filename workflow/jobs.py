@@ -95,9 +95,8 @@ def compile_engine(part: str, sources: Texts, marker: str) -> None:
     from lsvib.files import write_text
 
     if part == "mapper":
-        from lsvib.basins.cells import QUANTITIES
         from lsvib.basins.grid import Grid
-        from lsvib.basins.mapper import mapper
+        from lsvib.basins.mapper import QUANTITIES, mapper
         from lsvib.models.drive import RigidDrive
 
         mapper(RigidDrive()).cells(Grid.parse(["u=-1:1:1", "w=-1:1:1"]), quantities=QUANTITIES)
@@ -140,8 +139,7 @@ def draft(figures: dict[str, dict[str, Any]], datasets: Texts, checks: Texts, pn
 
 def all_checks(files: Texts, json: str, text: str, page: str, printed: str) -> None:
     """Collect the checks of all figures: for programs, as a text and as a page, and the printed numbers."""
-    from lsvib.datasets.checks import read_checks
-    from lsvib.datasets.checks_report import checks_page, checks_text, printed_table
+    from lsvib.datasets.checks import checks_page, checks_text, printed_table, read_checks
     from lsvib.files import write_json, write_text
 
     checks = [pair for file in files for pair in read_checks(file)]
@@ -166,7 +164,7 @@ def verdict(file: str, marker: str) -> None:
 def first_cell(settings: dict[str, Any], marker: str) -> None:
     """Map one cell of the region of attraction and note its label."""
     from lsvib.basins.grid import Grid
-    from lsvib.datasets.tiles import mapper_of
+    from lsvib.datasets.map import mapper_of
     from lsvib.files import write_text
 
     cells = mapper_of(settings).cells(Grid.of(settings["grid"]), slice(0, 1), slice(0, 1), settings["quantities"])
@@ -175,28 +173,28 @@ def first_cell(settings: dict[str, Any], marker: str) -> None:
 
 def map_tile(settings: dict[str, Any], item: str, file: str, workers: int) -> None:
     """Map one tile of the region of attraction."""
-    from lsvib.datasets.tiles import map_tile
+    from lsvib.datasets.map import map_tile
 
     map_tile(settings, item, file, workers)
 
 
 def whole_map(settings: dict[str, Any], tiles: Texts, file: str) -> None:
     """Put the tiles of the region of attraction together."""
-    from lsvib.datasets.tiles import gather_map
+    from lsvib.datasets.map import gather_map
 
     gather_map(settings, tiles, file)
 
 
 def chart_tile(settings: dict[str, Any], item: str, file: str, workers: int) -> None:
     """Chart one tile of the chart."""
-    from lsvib.datasets.chart_tiles import chart_tile
+    from lsvib.datasets.chart import chart_tile
 
     chart_tile(settings, item, file, workers)
 
 
 def whole_chart(settings: dict[str, Any], tiles: Texts, file: str) -> None:
     """Put the tiles of the chart together."""
-    from lsvib.datasets.chart_tiles import gather_chart
+    from lsvib.datasets.chart import gather_chart
 
     gather_chart(settings, tiles, file)
 

@@ -28,7 +28,7 @@ _GROUPS = {
 _OTHER = "Others"
 # Modules that the other pages name, by subject; docs/design.md has the layers.
 MODULES = {
-    "Drives": ["lsvib.models.drive", "lsvib.models.scene", "lsvib.models.chapter", "lsvib.models.registry"],
+    "Drives": ["lsvib.models.drive", "lsvib.models.scene", "lsvib.models.chapter", "lsvib.models.model"],
     "Engine": ["lsvib.engine.automaton", "lsvib.engine.motion"],
     "Steady sliding": [
         "lsvib.stability.linearised",
@@ -51,13 +51,13 @@ MODULES = {
         "lsvib.datasets.cycles",
     ],
     "Regions of attraction": [
-        "lsvib.basins.exact_basin",
+        "lsvib.basins.boundary",
         "lsvib.basins.resilience",
         "lsvib.basins.grid",
-        "lsvib.basins.clipping",
-        "lsvib.datasets.resilience",
+        "lsvib.basins.curves",
+        "lsvib.datasets.sweep",
     ],
-    "Data": ["lsvib.datasets.simulation", "lsvib.datasets.sweep", "lsvib.datasets.checks", "lsvib.datasets.writer"],
+    "Data": ["lsvib.datasets.motion", "lsvib.datasets.sweep", "lsvib.datasets.checks", "lsvib.datasets.io"],
     "Figures": ["lsvib.figures.build", "lsvib.figures.configuration", "lsvib.figures.folders"],
 }
 

@@ -1,13 +1,13 @@
 """The names of the package for type checkers; ``__init__.py`` loads them on first use."""
 
 from lsvib.api import DriveMethods
-from lsvib.basins.clipping import Window as Window
-from lsvib.basins.exact_basin import Basin as Basin
+from lsvib.basins.boundary import Basin as Basin
+from lsvib.basins.curves import Window as Window
 from lsvib.basins.grid import Axis as Axis
 from lsvib.basins.grid import Grid as Grid
 from lsvib.basins.resilience import Resilience as Resilience
 from lsvib.datasets.cycles import Cycles as Cycles
-from lsvib.datasets.simulation import simulate as simulate
+from lsvib.datasets.motion import simulate as simulate
 from lsvib.dynamics.attractors import Attractor as Attractor
 from lsvib.dynamics.attractors import SteadyState as SteadyState
 from lsvib.dynamics.continuation import CycleBranch as CycleBranch

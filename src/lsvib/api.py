@@ -8,17 +8,17 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, cast
 
 from lsvib.errors import InputError
-from lsvib.models.coefficients import Coefficients, coefficients
 from lsvib.models.drive import Drive, NutDrive, RigidDrive, SupportDrive, ThreadsDrive
-from lsvib.models.registry import find_model
+from lsvib.models.mechanics import Coefficients, coefficients
+from lsvib.models.model import find_model
 from lsvib.numbers import Progress
 from lsvib.results import SolvedThreshold, StabilityReport, Threshold
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from lsvib.basins.clipping import Window
-    from lsvib.basins.exact_basin import Basin
+    from lsvib.basins.boundary import Basin
+    from lsvib.basins.curves import Window
     from lsvib.basins.grid import Grid
     from lsvib.basins.resilience import Resilience
     from lsvib.datasets.cycles import Cycles
@@ -136,7 +136,7 @@ class DriveMethods(_Base):
         >>> motion.sizes["time"], motion.sizes["event"], motion.normal_force.units
         (1001, 12, 'N')
         """
-        from lsvib.datasets.simulation import run, trajectory
+        from lsvib.datasets.motion import run, trajectory
 
         scene = self._scene(start, duration, samples=samples, resume=resume, physics=physics, outputs=outputs)
         return trajectory(scene, run(scene))
@@ -283,7 +283,7 @@ class DriveMethods(_Base):
         >>> found.label.shape, f"{found.basin_area.item():.4f} {found.basin_area.units}"
         ((30, 40), '0.9553 rad2 s-1')
         """
-        from lsvib.datasets.attraction_map import map_attraction
+        from lsvib.datasets.map import map_attraction
 
         return map_attraction(self, grid, quantities, resume, workers, progress).dataset
 
@@ -303,7 +303,7 @@ class DriveMethods(_Base):
         >>> basin.boundary.name, basin.contains((0.0, 0.0)), basin.contains((0.1, 0.0))
         ('TOUCHING_MOTION', True, False)
         """
-        from lsvib.basins.exact_basin import basin
+        from lsvib.basins.boundary import basin
 
         return basin(_rigid(self))
 
@@ -321,7 +321,7 @@ class DriveMethods(_Base):
         '0.0223138 rad, 7.46627 rad/s, 0.000154064 J, 0.00530736'
         """
         from lsvib.basins.resilience import resilience
-        from lsvib.datasets.resilience import window_of
+        from lsvib.datasets.sweep import window_of
 
         return resilience(_rigid(self), window_of(window))
 
@@ -345,7 +345,7 @@ class DriveMethods(_Base):
         >>> [f"{energy:.3g}" for energy in found.fatal_energy.values]
         ['inf', '0.000616', '0.000154']
         """
-        from lsvib.datasets.resilience import resilience_sweep, window_of
+        from lsvib.datasets.sweep import resilience_sweep, window_of
 
         return resilience_sweep(_rigid(self), over, window_of(window), progress)
 

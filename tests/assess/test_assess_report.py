@@ -18,7 +18,7 @@ from lsvib.assess.run import assess_file
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.shown_numbers import change, percent, shown
 from lsvib.assess.words import ATTRACTORS
-from lsvib.datasets.simulation import simulate
+from lsvib.datasets.motion import simulate
 from lsvib.errors import InputError
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

@@ -11,7 +11,7 @@ import xarray as xr
 import yaml
 from references.command_line import MOTION, refused
 
-from lsvib.datasets.writer import read_dataset
+from lsvib.datasets.io import read_dataset
 from lsvib.engine.motion import follow
 from lsvib.figures.compute import compute_figure
 from lsvib.models.drive import RigidDrive

@@ -6,8 +6,8 @@ import xarray as xr
 
 import lsvib
 from lsvib.basins.grid import Grid
-from lsvib.datasets.tiles import gather_map, map_tile, rows_of
-from lsvib.datasets.writer import read_dataset, write_dataset
+from lsvib.datasets.io import read_dataset, write_dataset
+from lsvib.datasets.map import gather_map, map_tile, rows_of
 from lsvib.errors import InputError
 from lsvib.figures.drawing.overview import overview
 

@@ -12,8 +12,8 @@ import yaml
 
 import lsvib
 from lsvib.api import DRIVES
-from lsvib.basins.clipping import Window
-from lsvib.datasets.writer import read_dataset
+from lsvib.basins.curves import Window
+from lsvib.datasets.io import read_dataset
 from lsvib.dynamics.attractors import Attractor
 from lsvib.errors import InputError
 from lsvib.explore import answers, downloads

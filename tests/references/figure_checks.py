@@ -10,7 +10,7 @@ import yaml
 from matplotlib.figure import Figure
 
 from lsvib.datasets.checks import Check
-from lsvib.datasets.writer import read_dataset, write_dataset
+from lsvib.datasets.io import read_dataset, write_dataset
 from lsvib.figures.folders import dataset_module, picture_module
 
 CONFIG = Path(__file__).parents[2] / "config"

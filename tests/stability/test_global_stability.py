@@ -12,13 +12,13 @@ import pytest
 from mpmath import diff, findroot, mp, mpf
 from references.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
 
-from lsvib.basins.exact_basin import Boundary, basin
+from lsvib.basins.boundary import Boundary, basin
 from lsvib.dynamics.attractors import Attractor, steady_state
 from lsvib.dynamics.forward_slip import ForwardDrive
 from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import follow
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import rigid_automaton
 from lsvib.stability.global_stability import widest_return
 from lsvib.stability.thresholds import NoThreshold, global_stability_force

@@ -14,7 +14,7 @@ import pytest
 import yaml
 from conftest import ROOT, TINY
 
-from lsvib.datasets.writer import read_dataset
+from lsvib.datasets.io import read_dataset
 from lsvib.figures.configuration import settings_of
 from lsvib.figures.folders import accuracy_figures, default_figures
 
@@ -120,7 +120,7 @@ def test_a_second_run_does_nothing(finished):
             {"Computing fig8_08", "Drawing fig8_08", "Collecting the checks", "Judging the checks"},
         ),
         (
-            "src/lsvib/models/friction.py",
+            "src/lsvib/models/mechanics.py",
             {*(f"{verb} {f}" for verb in ("Computing", "Drawing") for f in FIGURES), "Collecting the checks"}
             | {"Judging the checks"},
         ),

@@ -14,8 +14,8 @@ from pathlib import Path
 import grimp
 from lsvib.datasets.checks import counts, failures, printed_thresholds, read_checks, verdict
 from lsvib.errors import LsvibError
-from lsvib.models.model_files import model_module, modules_of
-from lsvib.models.registry import all_models
+from lsvib.models.model import model_module, modules_of
+from lsvib.models.model import all_models
 from lsvib.models.scene import read_yaml
 from lsvib.figures.configuration import check, selected, settings_of
 from lsvib.figures.folders import (
@@ -119,7 +119,7 @@ def modules_with_model(module, settings):
 
 def map_modules():
     """Return the modules that the map depends on."""
-    return modules_with_model("lsvib.datasets.tiles", MAP)
+    return modules_with_model("lsvib.datasets.map", MAP)
 
 
 def map_sources():
@@ -129,7 +129,7 @@ def map_sources():
 
 def chart_modules():
     """Return the modules that the chart depends on."""
-    return modules_with_model("lsvib.datasets.chart_tiles", CHART)
+    return modules_with_model("lsvib.datasets.chart", CHART)
 
 
 def chart_sources():
@@ -141,7 +141,7 @@ def chart_sources():
 ENGINE = {
     "planar": ("lsvib.engine.kernels.jit",),  # all compiled code imports it
     "modal": tuple(model_module(name) for name, model in all_models().items() if len(model.states) > 2),
-    "mapper": ("lsvib.basins.planar_mapper",),
+    "mapper": ("lsvib.basins.labels",),
 }
 
 

@@ -11,16 +11,16 @@ from numpy.typing import NDArray
 from lsvib.assess.mechanisms import DRIVES, drive_of
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.shown_numbers import shown
-from lsvib.basins.exact_basin import AttractsNothing, basin
+from lsvib.basins.boundary import AttractsNothing, basin
 from lsvib.basins.resilience import smallest_push
 from lsvib.dynamics.attractors import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.dynamics.impulses import event_impulses
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError, InputError
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import Drive
-from lsvib.models.registry import Model, find_model
+from lsvib.models.mechanics import coefficients
+from lsvib.models.model import Model, find_model
 from lsvib.models.rigid import rigid_automaton
 
 AUDIBLE = (20.0, 20e3)  # Hz, what a young ear hears

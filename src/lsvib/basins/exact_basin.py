@@ -24,14 +24,13 @@ from flint import arb
 from numpy.typing import ArrayLike, NDArray
 
 from lsvib.basins.backward_motions import forward_arcs, mode_index, traced, wind_up
-from lsvib.basins.clipping import Window, clip, inside
-from lsvib.basins.curves import Arc, Curve, Segment, area, contains, sampled
+from lsvib.basins.curves import Arc, Curve, Segment, Window, area, clip, contains, inside, sampled
 from lsvib.basins.reversed_time import BEGINNING, backward_automaton
 from lsvib.dynamics.forward_slip import ForwardDrive, exactly, many
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import EngineError, InputError
-from lsvib.models.coefficients import Coefficients, coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import Coefficients, coefficients
 from lsvib.models.rigid import MotionMode, rigid_automaton
 
 _NARROW = 1e-10  # width of a window, of the size of the boundary, in which a share is still good to 1e-4

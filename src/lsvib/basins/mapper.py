@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 
-from lsvib.basins.cells import Mapper
-from lsvib.basins.planar_mapper import PlanarMapper
+from lsvib.basins.labels import PlanarMapper
+from lsvib.basins.mapper import Mapper
 from lsvib.basins.slice_mapper import StateMapper
 from lsvib.models.drive import Drive
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model
 
 
 def mapper(

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lsvib.basins.kernels.itinerary import GRAZED
-from lsvib.basins.kernels.labelling import UNKNOWN, UNRESOLVED
+from lsvib.basins.kernels.labels import UNKNOWN, UNRESOLVED
 
 
 class Pieces(NamedTuple):

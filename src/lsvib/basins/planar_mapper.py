@@ -4,10 +4,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from lsvib.basins.cells import NO_DOUBT, Mapper
 from lsvib.basins.grid import Grid
-from lsvib.basins.kernels import arrival, labelling
-from lsvib.basins.section_labels import Sections
+from lsvib.basins.kernels import arrival
+from lsvib.basins.labels import Sections
+from lsvib.basins.mapper import NO_DOUBT, Mapper
 from lsvib.dynamics.attractors import Doubt
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
@@ -20,7 +20,7 @@ class PlanarMapper(Mapper):
     """Maps the starts of a drive with two states to what becomes of them.
 
     * ``label``: the attractor (``lsvib.dynamics.attractors.Attractor``), by the table of
-      :mod:`lsvib.basins.section_labels`; unresolved (−1) is a start that lies on a boundary to rounding or, where the
+      :mod:`lsvib.basins.labels`; unresolved (−1) is a start that lies on a boundary to rounding or, where the
       table has gaps, one whose motion comes to none of its labels in time. ``doubt`` says which of the two it is.
     * ``time`` [s] until it is reached: for steady sliding the entry into the largest ellipse around the equilibrium in
       which no guard can fire (closed form); for a cycle the first event after which the motion is on it to 1e-9 of its
@@ -50,12 +50,12 @@ class PlanarMapper(Mapper):
         tables, known, across = self.automaton.tables, self.sections.known, int(grid.x.coordinate == "w")
         labels, times = found["label"], found["time"]
         first_events = found["first_event"][:, : x.size if "first_event" in quantities else 0]
-        labelling.map_labels(tables, known, x, y, across, self._events, labels, first_events)
+        labels.map_labels(tables, known, x, y, across, self._events, labels, first_events)
         if not {"time", "seizures"}.isdisjoint(quantities):
             arrival.map_approaches(tables, known, self._sprags, x, y, across, _EVENTS, times, found["seizures"])
-            times[labels == labelling.UNRESOLVED] = np.inf
+            times[labels == labels.UNRESOLVED] = np.inf
         if "doubt" in quantities:
-            found["doubt"][:] = np.where(labels == labelling.UNRESOLVED, list(Doubt).index(self.doubt), NO_DOUBT)
+            found["doubt"][:] = np.where(labels == labels.UNRESOLVED, list(Doubt).index(self.doubt), NO_DOUBT)
 
     def check(self, grid: Grid) -> None:
         """Raise ``InputError`` unless the axes are u and w and nothing is fixed."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from lsvib.basins.kernels import itinerary
 from lsvib.basins.kernels.itinerary import DIVERGED, GRAZED, STUCK, TOO_LONG
-from lsvib.basins.kernels.labelling import UNKNOWN, UNRESOLVED
+from lsvib.basins.kernels.labels import UNKNOWN, UNRESOLVED
 from lsvib.basins.section_tables import ON_CYCLE, LabelSection, find_sections, nothing_known, sizes
 from lsvib.dynamics.attractors import Attractor, Passage, SteadyState, steady_state
 from lsvib.engine.automaton import Automaton

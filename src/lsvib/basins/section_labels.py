@@ -27,7 +27,7 @@ from heapq import heappop, heappush
 
 import numpy as np
 
-from lsvib.basins.kernels.labelling import UNKNOWN, UNRESOLVED
+from lsvib.basins.kernels.labels import UNKNOWN, UNRESOLVED
 from lsvib.basins.pieces import Pieces, agreed, completed, merged, opened, touching
 from lsvib.basins.section_courses import EVENTS, WORK, Courses, Push, Stretch
 from lsvib.basins.section_tables import FAR, LabelSection, releases_of, with_common_labels, with_cycles, with_labels

@@ -1,11 +1,11 @@
-"""The tables that the kernels of :mod:`lsvib.basins.kernels.labelling` work with."""
+"""The tables that the kernels of :mod:`lsvib.basins.kernels.labels` work with."""
 
 from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.basins.kernels import arrival, labelling
-from lsvib.basins.kernels.labelling import UNKNOWN, UNRESOLVED, Known
+from lsvib.basins.kernels import arrival, labels
+from lsvib.basins.kernels.labels import UNKNOWN, UNRESOLVED, Known
 from lsvib.basins.pieces import Pieces
 from lsvib.dynamics.attractors import Attractor, SteadyState
 from lsvib.dynamics.return_section import nearest_to_origin
@@ -197,7 +197,7 @@ def with_cycles(automaton: Automaton, known: Known, attractors: list[SteadyState
     for mode, state in releases:
         transition = tables.guard_transition[tables.guard_start[mode]]
         branch = event_loop.choose_branch(tables, transition, state, np.abs(state))
-        scratch = labelling.new_scratch(tables)
+        scratch = labels.new_scratch(tables)
         scratch.state[:], scratch.scale[:] = state, np.abs(state)
         sprags = np.array(automaton.sprag_kinds, dtype=np.int64)
         known.release[mode] = arrival.approach(tables, known, sprags, tables.branch_mode[branch], scratch, _EVENTS)

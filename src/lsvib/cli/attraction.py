@@ -50,8 +50,8 @@ def attraction(
     """
     from lsvib.api import drive_class
     from lsvib.basins.grid import Grid
-    from lsvib.datasets.attraction_map import map_attraction, summary
-    from lsvib.datasets.writer import write_dataset
+    from lsvib.datasets.io import write_dataset
+    from lsvib.datasets.map import map_attraction, summary
     from lsvib.files import Outputs
 
     refuse_results_of_the_workflow(out, figure)

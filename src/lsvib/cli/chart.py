@@ -41,7 +41,7 @@ def chart(
     from lsvib.api import drive_class
     from lsvib.datasets.chart import chart as charted
     from lsvib.datasets.chart import summary
-    from lsvib.datasets.writer import write_dataset
+    from lsvib.datasets.io import write_dataset
     from lsvib.files import Outputs
 
     refuse_results_of_the_workflow(out, figure)

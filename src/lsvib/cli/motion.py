@@ -51,8 +51,8 @@ def simulate(
     out:
         netCDF file to write; one that is there is replaced.
     """
-    from lsvib.datasets.simulation import as_scene, attractor_of, motion_file, run, summary
-    from lsvib.datasets.writer import write_dataset
+    from lsvib.datasets.io import write_dataset
+    from lsvib.datasets.motion import as_scene, attractor_of, motion_file, run, summary
     from lsvib.files import Outputs
 
     refuse_results_of_the_workflow(out)
@@ -95,10 +95,10 @@ def sweep(
     from time import perf_counter
 
     from lsvib.api import drive_class
+    from lsvib.datasets.io import write_dataset
     from lsvib.datasets.sweep import evenly
     from lsvib.datasets.sweep import summary as swept_summary
     from lsvib.datasets.sweep import sweep as swept
-    from lsvib.datasets.writer import write_dataset
     from lsvib.files import Outputs
 
     refuse_results_of_the_workflow(out)

@@ -8,12 +8,11 @@ from typing import Any
 import numpy as np
 from matplotlib.colors import to_rgba
 
-from lsvib.basins.cells import Mapper
-from lsvib.basins.clipping import Window
+from lsvib.basins.curves import Window
 from lsvib.basins.grid import Axis, Grid
-from lsvib.basins.mapper import mapper
+from lsvib.basins.mapper import Mapper, mapper
+from lsvib.datasets.motion import run
 from lsvib.datasets.phase_plane import lines, sample
-from lsvib.datasets.simulation import run
 from lsvib.datasets.spans import stepped
 from lsvib.datasets.sweep import START
 from lsvib.dynamics.attractors import Attractor, SteadyState, steady_state
@@ -22,7 +21,7 @@ from lsvib.errors import EngineError, LsvibError
 from lsvib.explore.view import View
 from lsvib.figures.attraction.picture import COLOURS
 from lsvib.models.drive import Drive
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model
 
 DRAGGED = (
     120,

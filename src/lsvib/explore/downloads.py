@@ -5,9 +5,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from lsvib.basins.mapper import mapper
-from lsvib.datasets.attraction_map import attraction_map
-from lsvib.datasets.simulation import attractor_of, motion_file, run
-from lsvib.datasets.writer import write_dataset
+from lsvib.datasets.io import write_dataset
+from lsvib.datasets.map import attraction_map
+from lsvib.datasets.motion import attractor_of, motion_file, run
 from lsvib.explore import answers
 from lsvib.explore.view import View
 from lsvib.figures.attraction import picture

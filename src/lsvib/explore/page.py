@@ -13,7 +13,7 @@ from bokeh.layouts import column, row
 from bokeh.models import CustomJS, Div, Row
 
 from lsvib import numbers
-from lsvib.basins.clipping import Window
+from lsvib.basins.curves import Window
 from lsvib.dynamics.attractors import Attractor
 from lsvib.errors import InputError, LsvibError
 from lsvib.explore import answers
@@ -21,7 +21,7 @@ from lsvib.explore.controls import Controls
 from lsvib.explore.plots import Plots
 from lsvib.explore.view import View
 from lsvib.figures.attraction.picture import COLOURS
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model
 
 _THROTTLE = 8  # ms for which requests that came while an answer was made are gathered
 _PAUSE = 0.02  # s after an answer; a request that comes later comes alone, and is answered at once

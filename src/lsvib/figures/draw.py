@@ -6,7 +6,7 @@ from importlib import import_module
 
 from matplotlib.figure import Figure
 
-from lsvib.datasets.writer import read_dataset
+from lsvib.datasets.io import read_dataset
 from lsvib.figures.drawing.style import plain, save
 from lsvib.figures.folders import caption_file, picture_module
 from lsvib.files import write_text

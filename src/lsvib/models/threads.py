@@ -34,13 +34,9 @@ from lsvib.engine.exact.linear_mode import linear_mode
 from lsvib.engine.exact.modal_form import ModalMode, guard_forms, modal_flow
 from lsvib.engine.exact.reach import SWINGS
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
-from lsvib.models.coefficients import Coefficients, coefficients, coefficients_of
-from lsvib.models.drive import ThreadsDrive
-from lsvib.models.linear_parts import LinearParts, Polynomial
-from lsvib.models.once import once
-from lsvib.models.powers import Powers, product
-from lsvib.models.registry import Model, seizures_only_by_contact
-from lsvib.models.second_body.mechanics import DIRECTIONS, SIGNS, plus
+from lsvib.models.drive import ThreadsDrive, once
+from lsvib.models.mechanics import Coefficients, LinearParts, Polynomial, coefficients, coefficients_of, plus
+from lsvib.models.model import DIRECTIONS, SIGNS, Model, Powers, product, seizures_only_by_contact
 
 STATES = ("angle_deviation", "velocity_deviation", "thread_mismatch", "mismatch_rate")
 
@@ -246,6 +242,14 @@ def _start(drive: ThreadsDrive, values) -> np.ndarray:
 def _automaton(drive: ThreadsDrive, physics: tuple[str, ...], resume: str) -> Automaton:
     seizures_only_by_contact("threads", resume)
     return threads_automaton(drive)
+
+
+def _many(d: Any, resume: str) -> Automaton:
+    seizures_only_by_contact("threads", resume)
+    return automaton_of(coefficients_of(d), d)
+
+
+_automaton.many = _many  # type: ignore[attr-defined]
 
 
 def _many(d: Any, resume: str) -> Automaton:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from lsvib.basins.kernels.labelling import UNKNOWN, ellipse, new_scratch, put, step
+from lsvib.basins.kernels.labels import UNKNOWN, ellipse, new_scratch, put, step
 from lsvib.engine.kernels import event_loop
 from lsvib.engine.kernels.flow_planar import EPS, level
 from lsvib.engine.kernels.jit import allocating_entry, entry, kernel

@@ -1,7 +1,7 @@
 """Where motions with two states end up: many starts at once, by what is known of motions that start on a few lines.
 
 A motion that passes from mode to mode goes on from a point of a surface, so what becomes of it is a function of one
-coordinate. ``Known`` holds that function as a table of intervals (made by :mod:`lsvib.basins.section_labels`), so that
+coordinate. ``Known`` holds that function as a table of intervals (made by :mod:`lsvib.basins.labels`), so that
 a start needs its first event and one look-up. Every rest ends in the same state, so a rest mode needs only one label.
 
 Labels are numbers that the caller chooses, but for two: ``UNKNOWN`` where the table does not say, and ``UNRESOLVED``

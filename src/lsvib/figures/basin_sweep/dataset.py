@@ -6,14 +6,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.basins.clipping import Window
-from lsvib.basins.curves import sampled
-from lsvib.basins.exact_basin import Basin, Boundary, basin
+from lsvib.basins.boundary import Basin, Boundary, basin
+from lsvib.basins.curves import Window, sampled
 from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapper import mapper
 from lsvib.datasets import phase_plane, spans
-from lsvib.datasets.attributes import CRITICAL_MASS, flagged, variable
-from lsvib.datasets.parameter_origins import axis, drive_parameters, labels
+from lsvib.datasets.attributes import CRITICAL_MASS, axis, drive_parameters, flagged, labels, variable
 from lsvib.dynamics.attractors import Attractor
 from lsvib.figures.basin_sweep.checks import checks
 from lsvib.models.drive import RigidDrive

@@ -7,13 +7,21 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import CRITICAL_MASS, variable, yes_no
-from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters, labels, origin_of
+from lsvib.datasets.attributes import (
+    CRITICAL_MASS,
+    Variables,
+    axis,
+    drive_parameters,
+    labels,
+    origin_of,
+    variable,
+    yes_no,
+)
 from lsvib.errors import InputError
 from lsvib.figures.common.compliant_cycles import CRITICAL_MASS_WITH_CONTACT
 from lsvib.figures.contact_stability.checks import checks
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import ThreadsDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.stability.boundaries import stable_set
 from lsvib.stability.conditions import critical_mass
 from lsvib.stability.eigenvalues_two_coordinates import eigenvalues

@@ -7,11 +7,10 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import attributes, flagged, variable
+from lsvib.datasets.attributes import attributes, drive_parameters, flagged, labels, variable
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import drive_parameters, labels
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.stability.eigenvalues_rigid import Stability, eigenvalues, stability_class
 
 _HALVINGS = 100  # to the last bit, also where the boundary lies decades below its bracket

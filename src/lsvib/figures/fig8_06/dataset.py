@@ -8,14 +8,13 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets import phase_plane, printed, spans
-from lsvib.datasets.attributes import flagged, variable
+from lsvib.datasets.attributes import axis, drive_parameters, flagged, labels, start_state, variable
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import axis, drive_parameters, labels, start_state
 from lsvib.dynamics.attractors import Attractor, SteadyState, steady_state
 from lsvib.figures.common import mass_readings
 from lsvib.models import chapter
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import EventKind, rigid_automaton
 from lsvib.stability import thresholds
 

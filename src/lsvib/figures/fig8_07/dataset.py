@@ -7,15 +7,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.contact.existence import Existence, existence
+from lsvib.contact.contact_force import Existence, existence
 from lsvib.datasets import phase_plane, spans
-from lsvib.datasets.attributes import flagged, variable
+from lsvib.datasets.attributes import drive_parameters, flagged, labels, variable
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import drive_parameters, labels
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.kernels import flow_planar, layout
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
 
 _LONG = 60.0  # times the decay time of law −1, after which e⁻⁶⁰ of a start is left

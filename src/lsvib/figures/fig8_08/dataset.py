@@ -7,13 +7,12 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets import printed, spans
-from lsvib.datasets.attributes import CRITICAL_MASS, variable
+from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, drive_parameters, variable
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters
 from lsvib.errors import InputError
 from lsvib.models import chapter
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.numbers import bisected
 from lsvib.stability.conditions import critical_mass
 from lsvib.stability.eigenvalues_rigid import eigenvalues

@@ -11,13 +11,12 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets import phase_plane, spans
-from lsvib.datasets.attributes import flagged, variable
+from lsvib.datasets.attributes import drive_parameters, flagged, labels, variable
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import drive_parameters, labels
 from lsvib.dynamics.attractors import Attractor, steady_state
 from lsvib.figures.common import accumulation
 from lsvib.models.drive import RigidDrive
-from lsvib.models.resumption import RULES
+from lsvib.models.model import RULES
 from lsvib.models.rigid import EventKind, rigid_automaton
 from lsvib.stability.thresholds import global_stability_force
 

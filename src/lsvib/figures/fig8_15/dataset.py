@@ -7,8 +7,7 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets import printed, spans
-from lsvib.datasets.attributes import flagged, variable
-from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters
+from lsvib.datasets.attributes import Variables, axis, drive_parameters, flagged, variable
 from lsvib.errors import InputError
 from lsvib.figures.fig8_15.checks import DAMPINGS, checks
 from lsvib.models import chapter

@@ -7,9 +7,17 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import CRITICAL_MASS, flagged, variable
+from lsvib.datasets.attributes import (
+    CRITICAL_MASS,
+    Variables,
+    axis,
+    drive_parameters,
+    flagged,
+    origin_of,
+    parameter,
+    variable,
+)
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters, origin_of, parameter
 from lsvib.datasets.spans import evenly_chosen
 from lsvib.errors import InputError
 from lsvib.models.drive import NutDrive
