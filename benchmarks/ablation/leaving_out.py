@@ -13,8 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.exact.linear_mode import linear_mode
-from lsvib.engine.exact.modal_form import modal_flow
+from lsvib.engine.exact.modal_form import linear_mode, modal_flow
 from lsvib.engine.kernels import layout
 from lsvib.engine.motion import Motion, follow
 from lsvib.models.drive import RigidDrive, SupportDrive, forget

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from lsvib.dynamics.attractors import Attractor, steady_state
-from lsvib.engine.exact.linear_mode import linear_mode
-from lsvib.engine.exact.modal_form import modal_flow
+from lsvib.engine.exact.modal_form import linear_mode, modal_flow
 from lsvib.engine.kernels import event_loop
 from lsvib.engine.motion import follow
 from lsvib.errors import EngineError

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from references.newton import eigenvalues, is_stable, steady_law
 
-from lsvib.engine.exact.polynomials import multiplied
+from lsvib.engine.exact.arithmetic import multiplied
 from lsvib.models.drive import NutDrive, RigidDrive, SupportDrive, ThreadsDrive
 from lsvib.stability import real_roots
 from lsvib.stability.stability_table import stability_table

@@ -9,8 +9,7 @@ import numpy as np
 
 from lsvib import numbers
 from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, oscillator
-from lsvib.engine.exact.linear_mode import linear_mode
-from lsvib.engine.exact.modal_form import guard_forms, modal_flow
+from lsvib.engine.exact.modal_form import guard_forms, linear_mode, modal_flow
 from lsvib.engine.kernels import event_loop
 from lsvib.engine.kernels.layout import FIRST_MODEL_KIND, Status
 from lsvib.errors import (

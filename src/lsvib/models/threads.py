@@ -30,9 +30,8 @@ import numpy as np
 from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, scaled
 from lsvib.engine.exact import arithmetic
 from lsvib.engine.exact.arithmetic import double, many_digits, root
-from lsvib.engine.exact.linear_mode import linear_mode
-from lsvib.engine.exact.modal_form import ModalMode, guard_forms, modal_flow
-from lsvib.engine.exact.reach import SWINGS
+from lsvib.engine.exact.field import SWINGS
+from lsvib.engine.exact.modal_form import ModalMode, guard_forms, linear_mode, modal_flow
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
 from lsvib.models.drive import ThreadsDrive, once
 from lsvib.models.mechanics import Coefficients, LinearParts, Polynomial, coefficients, coefficients_of, plus

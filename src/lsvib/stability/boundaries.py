@@ -12,7 +12,7 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
-from lsvib.engine.exact.polynomials import multiplied
+from lsvib.engine.exact.arithmetic import multiplied
 from lsvib.models.drive import Drive
 from lsvib.stability.characteristic import DIGITS, Polynomial, hurwitz, polynomial, rationals, tangents
 from lsvib.stability.linearised import steady_law

@@ -12,8 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from lsvib.engine.exact.factors import APART, SLOW
-from lsvib.engine.exact.field import WORST_CONDITION
+from lsvib.engine.exact.field import APART, SLOW, WORST_CONDITION
 from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import ModalFlow
 

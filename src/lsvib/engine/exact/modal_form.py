@@ -2,14 +2,19 @@
 
 The characteristic polynomial is split into factors: s² + a₁ s + a₀ for two complex rates or the two closest real ones,
 s − r for a single real rate, s for zero. With P the product of the other factors, Π = m(A) P(A) projects on the
-subspace of a factor, where m is the inverse of P modulo the factor (:mod:`lsvib.engine.exact.factors`). None of this is
+subspace of a factor, where m is the inverse of P modulo the factor (:mod:`lsvib.engine.exact.field`). None of this is
 sensitive where the two rates of a factor coincide. On the subspace, q = ℓΠx with a row ℓ obeys the scalar equation of
 the factor, so (q, q′) is an oscillator, or q alone is an exponential. Rates that are repeated without a chain share a
 factor, and each of them gets such a row.
+
+The loss of digits of a form is judged by the typical sizes of the coordinates and, if they are not good enough, by what
+changes until some times, beside the sizes that a motion reaches by then (:mod:`lsvib.engine.exact.field`). A mode that
+would still lose more than six digits is refused: its rates coincide, or lie too far apart.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import combinations
@@ -19,11 +24,11 @@ import numpy as np
 from flint import arb, arb_mat
 
 from lsvib.engine.exact.arithmetic import ball, many_digits
-from lsvib.engine.exact.factors import subspaces
-from lsvib.engine.exact.field import WORST_CONDITION, Field, amplification
-from lsvib.engine.exact.modal_arrays import ModalModes, guard_columns, stacked
+from lsvib.engine.exact.field import WORST_CONDITION, Field, Rows, amplification, reached, slow_reaches, subspaces
+from lsvib.engine.exact.modal_arrays import ModalModes, guard_columns, modal_modes, stacked
 from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import ModalFlow
+from lsvib.errors import EngineError
 
 _LOST = 1e-12  # of an entry of a guard in modal coordinates: from here on it is computed with all digits
 _NOTHING = 1e-40  # of the terms of a sum: the rounding of coefficients
@@ -60,7 +65,7 @@ def modal_mode(field: Field, reaches: Sequence[tuple[float, np.ndarray]] | None 
     """Decompose a field.
 
     Its loss of digits is judged by states of the sizes of the field, or by the changes until some times [s], with
-    which states have come to other sizes (n) there (:func:`lsvib.engine.exact.reach.slow_reaches`).
+    which states have come to other sizes (n) there (:func:`lsvib.engine.exact.field.slow_reaches`).
     Raises ``ArithmeticError`` if rates coincide with a chain, other than two real ones, or if rates of different
     factors lie so close together that double precision cannot carry the modal form (condition above 1e6).
     """
@@ -264,6 +269,35 @@ def _tables(field: Field, pairs: list[_Piece], singles: list[_Piece]) -> ModalMo
         condition,
         exact,
     )
+
+
+def linear_mode(
+    rows: Rows,
+    sizes: Sequence[float],
+    frozen: Mapping[int, arb | float] | None,
+    horizon: float,
+    movable: str,
+) -> ModalMode | ModalModes:
+    """Return a mode of a model.
+
+    Arguments: rows of A and b (n, n + 1), balls or floats; typical sizes of the coordinates (n); ``frozen``,
+    coordinates that keep a value in this mode, with that value; the horizon [s] of
+    :func:`lsvib.engine.exact.field.reached`; ``movable``, the parameter to change where two rates coincide.
+    Raises ``EngineError`` for a mode whose rates double precision cannot distinguish.
+    """
+    if any(isinstance(x, np.ndarray) for row in rows for x in row):
+        return modal_modes(rows, sizes, frozen or {})
+    field = Field.of(rows, sizes, frozen)
+    with suppress(ArithmeticError):
+        return modal_mode(field)
+    reaches = slow_reaches(field, horizon) if horizon < math.inf else None
+    field = reached(field, horizon) if reaches is None else replace(field, sizes=reaches[0][1])
+    try:
+        return modal_mode(field, reaches)
+    except ArithmeticError as error:
+        raise EngineError(
+            f"two rates of one mode of motion cannot be distinguished in double precision ({error}); change {movable}."
+        ) from None
 
 
 def guard_forms(modes: Sequence[ModalMode], rows: Sequence[Sequence[Sequence]]) -> list[list[float]] | None:
