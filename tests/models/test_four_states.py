@@ -21,7 +21,7 @@ from lsvib.models.nut import NutMode
 from lsvib.models.rigid import rigid_automaton
 from lsvib.models.support import SupportMode
 from lsvib.models.threads import ThreadsMode
-from lsvib.stability import linearised
+from lsvib.stability import linear
 
 KINDS = {
     "threads": (ThreadsDrive, ThreadsMode),
@@ -119,13 +119,13 @@ def test_motion_against_40_digits(name):
 @pytest.mark.parametrize("force", [50.0, -50.0])
 @pytest.mark.parametrize("model", ["support", "nut"])
 def test_steady_sliding_is_the_linear_model(model, force):
-    """The field around steady sliding is the state matrix of steady_sliding/linearised.py, without a constant."""
+    """The field around steady sliding is the state matrix of steady_sliding/linear.py, without a constant."""
     own = {"axial_support_damping": 30.0} if model == "support" else {"nut_inertia": 5e-6, "nut_stiffness": 3.0}
     drive, automaton, _ = build(model, own | {"mass": 1.5, "translation_damping": 70.0, "axial_force": force})
     mode, _ = enter(automaton, np.zeros(4))
-    law = linearised.steady_law(drive)
+    law = linear.steady_law(drive)
     assert key_of(model, automaton, mode) == (1, law, None)
-    expected = getattr(linearised, f"{model}_model")(drive, law).jacobian()
+    expected = getattr(linear, f"{model}_model")(drive, law).jacobian()
     field = automaton.tables.flow.field[mode]
     np.testing.assert_allclose(field[:, :4], expected, rtol=1e-13, atol=0)
     assert np.abs(field[:, 4]).max() <= 1e-30

@@ -76,8 +76,8 @@ def resilience(drive: RigidDrive, window: Window | None = None) -> Resilience:
     energy, state = least_energy(region)
     return Resilience(
         boundary=region.boundary.name.lower(),
-        angle=smallest_push(region, 0),
-        speed=smallest_push(region, 1),
+        angle=tolerated(region, 0),
+        speed=tolerated(region, 1),
         energy=energy,
         state=state,
         fraction=math.nan if window is None else region.fraction(window),
@@ -91,7 +91,7 @@ def _all(boundary: Boundary, window: Window | None) -> Resilience:
     return Resilience(boundary.name.lower(), math.inf, math.inf, math.inf, (math.nan, math.nan), share, window)
 
 
-def smallest_push(region: Basin, coordinate: int) -> float:
+def tolerated(region: Basin, coordinate: int) -> float:
     """Return the largest tolerated perturbation of one coordinate (0: u [rad], 1: w [rad/s]) as a size, or infinity.
 
     It is the crossing of the boundary that lies nearest to the origin, where the other coordinate is zero.

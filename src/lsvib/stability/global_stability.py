@@ -13,7 +13,7 @@ from lsvib.dynamics.forward_slip import ForwardDrive, many
 from lsvib.engine.automaton import oscillator
 from lsvib.engine.kernels import flow_planar, layout
 from lsvib.errors import NoThreshold
-from lsvib.stability.threshold_motions import ReturnEquations, Start
+from lsvib.stability.motion_equations import ReturnEquations, Start
 
 _GRID = 240  # durations of slip in equal ratios, of which the best is refined
 _FARTHEST = 700.0  # logarithm of the ratio of the longest duration to the shortest; that of the largest double is 709
