@@ -51,7 +51,7 @@ def nodes_of(flow, modes, starts, guards, zero):
             taken.append((arguments[3], arguments[6], outcome[0]))
             return outcome
 
-        names = {**vars(search_steps), "decide": decide}
+        names = {**vars(search_modal), "decide": decide}
         search = types.FunctionType(search_modal.search.py_func.__code__, names)
         found, guard, when = search(flow, mode, state, rows, on.copy(), _LIMIT, guard_sums.room_for(flow, 2))
         roots.append((int(found), guard, when))

@@ -7,7 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 
 from lsvib.engine.kernels import event_loop, jit
-from lsvib.engine.motion import tables_of
+from lsvib.engine.motion import bouncing
 
 NOWHERE = "/dev/null/nowhere"  # cannot be made, not even by root
 
@@ -64,14 +64,14 @@ def test_many_writers_of_one_cache_lose_nothing(tmp_path):
 
 def test_compiling_is_said_once_for_each_part(caplog):
     caplog.set_level(logging.INFO, "lsvib")
-    jit.said.clear()  # by what this process has compiled before
+    jit.notice.said -= {*jit.notice.said} - {None}  # by what this process has compiled before
     small = jit.numba.njit(lambda tables: tables.shortest_stay)
     other = jit.numba.njit(lambda tables: -tables.shortest_stay)
     for kernel in (small, other):
         kernel.py_func.__module__ = "lsvib.engine.kernels.small"
     for kernel in (small, small, other):
         for kind in ("planar", "modal"):
-            kernel(tables_of(kind))
+            kernel(bouncing(kind).tables)
     told = [record.getMessage() for record in caplog.records]
     assert [words for words in told if "two-state models, once, about 10 s" in words] == told[:1]
     assert [words for words in told if "three or four states, once, about 30 s" in words] == told[1:]

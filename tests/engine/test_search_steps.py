@@ -85,7 +85,7 @@ def test_bounds_bound_the_derivatives(factors, numbers, angle):
     for t in np.linspace(left, right, 41):
         x, terms = np.empty(n), np.empty(n)
         flow_modal.advance(flow, 0, state, t, x)
-        flow_modal.travel(flow, 0, state.copy(), t, terms, room.states)
+        flow_modal.travel(flow, 0, state.copy(), t, terms, room)
         derivative, weights = A @ x + b, guard[:-1]
         for k in range(guard_sums.ORDERS):
             sizes = np.abs(weights) @ np.linalg.matrix_power(np.abs(A), k) @ (np.abs(x) + np.abs(state) + terms)

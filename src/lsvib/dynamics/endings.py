@@ -7,7 +7,6 @@ drives are shared out.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import suppress
 from functools import partial
 from multiprocessing import get_context
 from typing import Any, NamedTuple, TypeVar
@@ -23,7 +22,7 @@ from lsvib.engine.automaton import Automaton
 from lsvib.engine.motion import enter
 from lsvib.errors import EngineError
 from lsvib.models.drive import Drive
-from lsvib.models.many import ManyDrives
+from lsvib.models.many import ManyDrives, automata
 from lsvib.models.model import Model, Resume, find_model, of_model
 
 _SHARE = 1024  # most drives whose tables are made at once: arrays pay, and a process has some seconds of work
@@ -49,10 +48,7 @@ class Prepared(NamedTuple):
 def prepared(drives: ManyDrives, resume: str) -> Iterator[Prepared]:
     """Yield drives of one model, each with all its terms that are not zero; raises ``InputError`` as the model does."""
     model = find_model(drives.drive_class.model)
-    for k in range(drives.size):
-        drive, automaton = drives.one(k), None
-        with suppress(EngineError):  # rates that lie too far apart: nothing can be determined
-            automaton = model.build(drive, model.physics_of(drive), resume)
+    for k, drive, automaton in automata(drives, resume):
         yield Prepared(k, model, drive, automaton)
 
 

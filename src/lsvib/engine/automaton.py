@@ -13,7 +13,7 @@ from flint import arb
 
 from lsvib.engine.exact.arithmetic import alike, double, doubles, many_digits, root, sign
 from lsvib.engine.kernels import layout
-from lsvib.engine.kernels.layout import Tables, Test
+from lsvib.engine.kernels.layout import ModalFlow, Tables, Test
 from lsvib.errors import EngineError
 
 Row = Sequence[arb | np.ndarray | float | int]
@@ -96,6 +96,7 @@ class Automaton:
     sprag_kinds: tuple[int, ...] = ()
     passive: bool = False
     contracts: bool = False
+    rooms: list[Any] = field(init=False, repr=False, compare=False, default_factory=list)  # of runs that have ended
 
     def observe(self, name: str, states: np.ndarray, modes: np.ndarray) -> np.ndarray:
         """Return an observable [its SI unit] at ``states`` (k, n) in ``modes`` (k); shape (k)."""
@@ -158,7 +159,7 @@ def _guard_parts(mode: Mode, guard: Guard, surfaces: dict[str, Surface]) -> tupl
 def _parts_of_guards(modes: dict[str, Mode], surfaces: dict[str, Surface], n: int, forms: Callable | None):
     """Return the table ``guard_parts`` of all guards; arguments as of :func:`assemble`."""
     parts = None
-    if n == 2:
+    if n == 2 and not forms:
         parts = [_guard_parts(mode, guard, surfaces) for mode in modes.values() for guard in mode.guards]
     elif forms:
         rows = [[scaled(surfaces[guard.surface].row, guard.sign) for guard in mode.guards] for mode in modes.values()]
@@ -221,7 +222,7 @@ def assemble(
         codes=np.array([mode.code for mode in modes.values()], dtype=np.int8),
         states=states,
         observables={name: _rows([rows[mode] for mode in modes], n) for name, rows in observables.items()},
-        condition=1.0 if n == 2 else max(mode.flow.condition for mode in modes.values()),
+        condition=1.0 if n == 2 else np.max([mode.flow.condition for mode in modes.values()], axis=0),
         **facts,
     )
 
@@ -238,10 +239,12 @@ def one_of_many(automaton: Automaton, place: int) -> Automaton:
         return table[place] if np.ndim(table) > dimensions else table
 
     tables = automaton.tables
+    flow = tables.flow
     return replace(
         automaton,
         tables=tables._replace(
-            flow=tables.flow[place], **{name: own(getattr(tables, name), n) for name, n in DIMENSIONS.items()}
+            flow=flow[place] if isinstance(flow, np.ndarray) else ModalFlow(*(part[place] for part in flow)),
+            **{name: own(getattr(tables, name), n) for name, n in DIMENSIONS.items()},
         ),
         observables={name: own(table, 2) for name, table in automaton.observables.items()},
         condition=float(own(np.asarray(automaton.condition), 0)),

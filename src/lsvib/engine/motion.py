@@ -1,15 +1,17 @@
 """Run an automaton: the engine's kernels for Python, their statuses turned into results or clear messages."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
 from lsvib import numbers
-from lsvib.engine.automaton import Automaton
+from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, oscillator
+from lsvib.engine.exact.modal_form import guard_forms, linear_mode, modal_flow
 from lsvib.engine.kernels import event_loop
-from lsvib.engine.kernels.layout import Status
+from lsvib.engine.kernels.layout import FIRST_MODEL_KIND, Status
 from lsvib.errors import (
     AccumulationError,
     DivergenceError,
@@ -140,14 +142,15 @@ def follow(
     start_mode, start_state = mode, state.copy()
     budget = budget or Budget(math.inf)
     budget.spend(CALL)
+    room = automaton.rooms.pop() if automaton.rooms else event_loop.room_for(automaton.tables)
     scale, clock = np.abs(state), np.array([0.0, 0.0, 0.0, budget.left / _STEP])
     most = _MANY_EVENTS if max_events is None else max_events
     pieces, total, capacity, undone = [], 0, min(_FIRST_CAPACITY, most), _Undone(-1.0, 0)
     while True:
         events = _room(capacity, state.size)
         steps, entered = clock[3], mode
-        status, mode, count = event_loop.run(
-            automaton.tables, mode, state, scale, clock, t_end, stop[0], stop[1], events
+        status, mode, count = event_loop.run_in(
+            room, automaton.tables, mode, state, scale, clock, t_end, stop[0], stop[1], events
         )
         if status == Status.WORK_SPENT:
             budget.left = 0.0
@@ -162,6 +165,7 @@ def follow(
         if status != Status.EVENTS_FULL or total >= most:
             break
         capacity = min(max(2 * total, _FIRST_CAPACITY), most - total)
+    automaton.rooms.append(room)
     end_time = float(clock[0] + clock[1])
     _complain(Status(status), end_time, state, most if max_events is None else None)
     columns = [np.concatenate(column) for column in zip(*pieces, strict=True)] if len(pieces) > 1 else pieces[0]
@@ -223,3 +227,35 @@ def _complain(status: Status, time: float, state: np.ndarray, most: int | None) 
     if status == Status.NO_BRANCH:
         raise EngineError(f"no branch of a transition fits {where}; this is a fault of the model, please report it.")
     raise EngineError(f"the clock left the range of numbers ({where}).")
+
+
+def compile_engine(kinds: Sequence[str] = ("planar", "modal")) -> None:
+    """Compile and cache the engine for some kinds of flow, so that parallel jobs find a filled cache.
+
+    The kernels of maps are compiled when they are first used.
+    """
+    for kind in kinds:
+        automaton = bouncing(kind)
+        motion = follow(automaton, [1.0, 0.0], 10.0)
+        if motion.time.size != 2:
+            raise EngineError(f"the compiled engine bounced {motion.time.size} times instead of 2")
+        motion.at([1.0])
+        event_loop.extremes_of_arcs(automaton.tables.flow, *motion.arcs()[:2], np.ones(3), automaton.tables.surfaces)
+
+
+def bouncing(kind: str) -> Automaton:
+    """Return the automaton of an oscillator that bounces off a wall; ``kind`` of its flow: planar or modal."""
+    planar = kind == "planar"
+    field = [(0, 1, 0), (-1, 0, 0)]
+    flow = oscillator(1, 0, 1, 0) if planar else linear_mode(field, (1.0, 1.0), None, math.inf, "the wall")
+    free = (Branch("free", FIRST_MODEL_KIND),)
+    return assemble(
+        states=("u", "w"),
+        surfaces={"wall": Surface((1, 0, 0.5), 0)},
+        modes={"free": Mode(0, flow, (Guard("wall", 1, "bounce"),))},
+        transitions={"entry": Transition(free), "bounce": Transition(free, reset=((1, 0, 0), (0, -1, 0)))},
+        observables={},
+        shortest_stay=0.0,
+        stack=None if planar else modal_flow,
+        forms=None if planar else guard_forms,
+    )

@@ -4,20 +4,22 @@ Drives whose tables differ in structure – in a sign, say – are divided into 
 formulas cancels by more than three decades, so that its tables hold to 1e-12; the others are made exactly, one by one.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-from lsvib.engine.automaton import DIMENSIONS, Automaton
+from lsvib.engine.automaton import DIMENSIONS, Automaton, one_of_many
 from lsvib.engine.exact.arithmetic import Divided
 from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import Tables
+from lsvib.errors import EngineError
 from lsvib.models.drive import Drive, RigidDrive
 from lsvib.models.mechanics import Coefficients, coefficients_of, steady_force
-from lsvib.models.model import Resume
+from lsvib.models.model import Resume, find_model
 from lsvib.models.rigid import automaton_of
 
 _CANCELLED = 1e3  # terms of a sum over the sum: beyond, doubles do not hold 1e-12 of it
@@ -45,9 +47,9 @@ class ManyDrives:
         """Return one of the drives."""
         return self.drive_class(**{name: float(column[entry]) for name, column in self.values.items()})
 
-    def doubles(self, entries: np.ndarray) -> SimpleNamespace:
-        """Return some of the drives (j) with attributes as those of ``Drive.exact()``, arrays of doubles (j)."""
-        d = SimpleNamespace(**{name: column[entries] for name, column in self.values.items()})
+    def doubles(self, entries: np.ndarray, kind: type = float) -> SimpleNamespace:
+        """Return some of the drives (j) with attributes as those of ``Drive.exact()``, arrays (j) of a ``kind``."""
+        d = SimpleNamespace(**{name: column[entries].astype(kind) for name, column in self.values.items()})
         d.sin_lead, d.cos_lead, d.tan_lead = (f(d.lead_angle) for f in (np.sin, np.cos, np.tan))
         return d
 
@@ -132,3 +134,41 @@ def _layered(automaton: Automaton, size: int) -> Automaton:
         tables=tables._replace(**layered),
         observables={name: layers(table, 2) for name, table in automaton.observables.items()},
     )
+
+
+def automata(drives: ManyDrives, resume: str) -> Iterator[tuple[int, Drive, Automaton | None]]:
+    """Yield drives of one model by their indices, with their automata, whose tables hold to 1e-12.
+
+    Those of a model that can make ``many`` at once come in groups; what does not hold so many digits is made exactly.
+    The automaton is None if the engine has none. Raises ``InputError`` as the model does.
+    """
+    model = find_model(drives.drive_class.model)
+    many: Callable[[Any, str], Automaton] | None = getattr(model.build, "many", None)  # not of a build that replaces it
+    waiting = [np.arange(drives.size)]
+    made: dict[int, Automaton] = {}
+    while many and waiting:
+        members = waiting.pop()
+        try:
+            with np.errstate(all="ignore"):
+                together = many(drives.doubles(members, np.longdouble), resume)
+        except Divided as parts:
+            waiting += [members[parts.signs == value] for value in np.unique(parts.signs)]
+            continue
+        for place in np.flatnonzero(_finite(together, members.size)).tolist():
+            made[int(members[place])] = one_of_many(together, place)
+    for k in range(drives.size):
+        drive, automaton = drives.one(k), made.get(k)
+        if automaton is None:
+            with suppress(EngineError):  # rates that lie too far apart: nothing can be determined
+                automaton = model.build(drive, model.physics_of(drive), resume)
+        yield k, drive, automaton
+
+
+def _finite(automaton: Automaton, size: int) -> np.ndarray:
+    """Whether all tables of drives (j) hold: the formulas leave what does not as no finite number."""
+    found = np.isfinite(automaton.condition)
+    tables = [(getattr(automaton.tables, name), n) for name, n in DIMENSIONS.items()]
+    for table, dimensions in (*tables, *((rows, 2) for rows in automaton.observables.values())):
+        if np.ndim(table) > dimensions:
+            found &= np.isfinite(table).reshape(size, -1).all(axis=1)
+    return found

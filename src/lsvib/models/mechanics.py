@@ -12,14 +12,13 @@ from typing import TYPE_CHECKING, Any, Self
 
 from flint import arb
 
-from lsvib.engine.exact.arithmetic import ball, many_digits, multiplied, sign
+from lsvib.engine.exact.arithmetic import added, ball, many_digits, multiplied, sign
 from lsvib.models.drive import Drive, once
 
 if TYPE_CHECKING:
     from lsvib.engine.automaton import Row
 
 Polynomial = tuple[Any, ...]  # highest power first
-_CANCELLED = 1e-40  # radius of a sum that holds zero, relative to its terms: fewer digits do not show that it is zero
 
 
 def friction_factor(friction_coefficient: Any, tan_lead: Any, law: Any) -> Any:
@@ -143,17 +142,8 @@ class LinearParts:
 
 
 def plus(*rows: "Row") -> tuple[Any, ...]:
-    """Return the sum of rows of balls; terms that cancel leave exactly zero."""
-    return tuple(_settled(sum(column, arb(0)), column) for column in zip(*rows, strict=True))
-
-
-def _settled(total: arb, terms: Sequence[Any]) -> arb:
-    """Return a sum, exactly zero if its ball holds zero: tan λ is transcendental, so such terms cancel for good."""
-    if not total.contains(0) or total.is_zero():
-        return total
-    if total.rad() > _CANCELLED * max(abs(ball(x)).mid() for x in terms):
-        sign(total)  # refused: too few digits are left
-    return arb(0)
+    """Return the sum of rows; terms that cancel leave exactly zero."""
+    return tuple(added(*column) for column in zip(*rows, strict=True))
 
 
 def constant(value: Any) -> tuple[Any, ...]:
@@ -177,5 +167,5 @@ def solved(matrix: Sequence[Sequence[Any]], sides: Sequence["Row"]) -> list[tupl
             if i != k:
                 factor = table[i][k]
                 pairs = [(x, -factor * y) for x, y in zip(table[i], table[k], strict=True)]
-                table[i] = [_settled(x + y, (x, y)) for x, y in pairs]
+                table[i] = [added(x, y) for x, y in pairs]
     return [tuple(row[n:]) for row in table]

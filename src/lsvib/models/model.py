@@ -127,7 +127,8 @@ def product(left: np.ndarray, right: np.ndarray) -> np.ndarray:
 class Model:
     """A model of the drive; the file of each has one as ``MODEL``. How to write one: see the text of the module.
 
-    *Motion.* ``build(drive, physics, resume)`` makes the automaton; ``start(drive, values)`` makes the state of a start
+    *Motion.* ``build(drive, physics, resume)`` makes the automaton, and its attribute ``many(d, resume)``, where it has
+    one, those of many drives at once, from arrays of parameters; ``start(drive, values)`` makes the state of a start
     from the keys ``required`` and ``optional``, one for each of the coordinates ``states``. ``modes`` and ``events``
     name the codes of datasets. ``terms`` are the parameters that a scene may leave out (then they must be zero),
     ``options`` the other words that its ``physics`` may hold, ``outputs`` its observables, and ``quantities`` long

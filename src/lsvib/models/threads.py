@@ -21,7 +21,6 @@ Painlevé region. Nothing is imposed: N is a function of the state, so a seizure
 s = +1, which stops the screw, and the motion after it follows from the same equations.
 """
 
-import math
 from collections.abc import Iterator, Mapping
 from enum import IntEnum
 from typing import Any
@@ -29,12 +28,13 @@ from typing import Any
 import numpy as np
 
 from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, scaled
-from lsvib.engine.exact.arithmetic import many_digits
+from lsvib.engine.exact import arithmetic
+from lsvib.engine.exact.arithmetic import double, many_digits, root
 from lsvib.engine.exact.field import SWINGS
 from lsvib.engine.exact.modal_form import ModalMode, guard_forms, linear_mode, modal_flow
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
 from lsvib.models.drive import ThreadsDrive, once
-from lsvib.models.mechanics import Coefficients, LinearParts, Polynomial, coefficients, plus
+from lsvib.models.mechanics import Coefficients, LinearParts, Polynomial, coefficients, coefficients_of, plus
 from lsvib.models.model import DIRECTIONS, SIGNS, Model, Powers, product, seizures_only_by_contact
 
 STATES = ("angle_deviation", "velocity_deviation", "thread_mismatch", "mismatch_rate")
@@ -72,9 +72,13 @@ def threads_automaton(drive: ThreadsDrive) -> Automaton:
     Observables: normal_force [N], coupling_torque [N m], coupling_deflection [rad], screw_speed [rad/s]. Raises
     ``EngineError`` if the coordinates of a mode cannot be distinguished in double precision.
     """
-    c = coefficients(drive)
+    return automaton_of(coefficients(drive), drive.exact())
+
+
+def automaton_of(c: Coefficients, d: Any) -> Automaton:
+    """Return the automaton from coefficients and exact parameters, of one drive or of many at once."""
     with many_digits():
-        build = _ThreadsBuild(c, drive.exact())
+        build = _ThreadsBuild(c, d)
         surfaces, transitions = build.surfaces(), build.transitions()
         slip, rest = {law: build.slip(law) for law in (1, -1)}, build.rest()
         modes: dict[str, Mode] = {}
@@ -122,12 +126,12 @@ class _ThreadsBuild:
         pull = scaled(self.deflection, -d.coupling_stiffness / d.pitch_radius / d.cos_lead)
         self.friction = plus(pull, scaled(self.normal, d.tan_lead))
         # The contact gives way by N/k_c, or by as much as damping and inertia let it in a swing of the coupling.
-        force = abs(float(d.axial_force)) + 1.0
-        stiffness, damping = float(d.contact_stiffness), float(d.contact_damping)
-        mass, swing = float(d.mass), float((d.screw_inertia / d.coupling_stiffness).sqrt())
+        force = abs(double(d.axial_force)) + 1.0
+        stiffness, damping = double(d.contact_stiffness), double(d.contact_damping)
+        mass, swing = double(d.mass), double(root(d.screw_inertia / d.coupling_stiffness))
         mismatch = force / (stiffness + damping / swing + mass / swing**2)
-        rate = force / (damping + math.sqrt(stiffness * mass) + mass / swing)
-        self.sizes = (0.1, abs(float(d.input_speed)), mismatch, rate)
+        rate = force / (damping + root(stiffness * mass) + mass / swing)
+        self.sizes = (0.1, abs(double(d.input_speed)), mismatch, rate)
         self.horizon = SWINGS * swing
 
     def slip(self, law: int) -> ModalMode:
@@ -159,9 +163,9 @@ class _ThreadsBuild:
     def surfaces(self) -> dict[str, Surface]:
         """N = 0, θ′ = 0, and the ends of static friction, positive where it holds: s μ N ∓ F with s = sgn N."""
         # Of e and v the one that moves N more is set on N = 0: the other's rounding would be amplified by their ratio.
-        by_mismatch, by_rate = (abs(float(self.normal[i])) * self.sizes[i] for i in (2, 3))
+        by_mismatch, by_rate = (abs(double(self.normal[i])) * self.sizes[i] for i in (2, 3))
         found = {
-            "contact": Surface(self.normal, 2 if by_mismatch >= by_rate else 3),
+            "contact": Surface(self.normal, 2 if arithmetic.sign(by_mismatch - by_rate) >= 0 else 3),
             "screw_speed": Surface(self.speed, 1),
         }
         for sign, contact in SIGNS.items():
@@ -237,6 +241,22 @@ def _start(drive: ThreadsDrive, values) -> np.ndarray:
 def _automaton(drive: ThreadsDrive, physics: tuple[str, ...], resume: str) -> Automaton:
     seizures_only_by_contact("threads", resume)
     return threads_automaton(drive)
+
+
+def _many(d: Any, resume: str) -> Automaton:
+    seizures_only_by_contact("threads", resume)
+    return automaton_of(coefficients_of(d), d)
+
+
+_automaton.many = _many  # type: ignore[attr-defined]
+
+
+def _many(d: Any, resume: str) -> Automaton:
+    seizures_only_by_contact("threads", resume)
+    return automaton_of(coefficients_of(d), d)
+
+
+_automaton.many = _many  # type: ignore[attr-defined]
 
 
 def _characteristic(p: Mapping[str, Any], parts: LinearParts) -> Polynomial:

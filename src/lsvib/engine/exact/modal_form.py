@@ -6,10 +6,15 @@ subspace of a factor, where m is the inverse of P modulo the factor (:mod:`lsvib
 sensitive where the two rates of a factor coincide. On the subspace, q = ℓΠx with a row ℓ obeys the scalar equation of
 the factor, so (q, q′) is an oscillator, or q alone is an exponential. Rates that are repeated without a chain share a
 factor, and each of them gets such a row.
+
+The loss of digits of a form is judged by the typical sizes of the coordinates and, if they are not good enough, by what
+changes until some times, beside the sizes that a motion reaches by then (:mod:`lsvib.engine.exact.field`). A mode that
+would still lose more than six digits is refused: its rates coincide, or lie too far apart.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import combinations
@@ -19,9 +24,11 @@ import numpy as np
 from flint import arb, arb_mat
 
 from lsvib.engine.exact.arithmetic import ball, many_digits
-from lsvib.engine.exact.field import WORST_CONDITION, Field, amplification, subspaces
+from lsvib.engine.exact.field import WORST_CONDITION, Field, Rows, amplification, reached, slow_reaches, subspaces
+from lsvib.engine.exact.modal_arrays import ModalModes, guard_columns, modal_modes, stacked
 from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import ModalFlow
+from lsvib.errors import EngineError
 
 _LOST = 1e-12  # of an entry of a guard in modal coordinates: from here on it is computed with all digits
 _NOTHING = 1e-40  # of the terms of a sum: the rounding of coefficients
@@ -264,12 +271,43 @@ def _tables(field: Field, pairs: list[_Piece], singles: list[_Piece]) -> ModalMo
     )
 
 
+def linear_mode(
+    rows: Rows,
+    sizes: Sequence[float],
+    frozen: Mapping[int, arb | float] | None,
+    horizon: float,
+    movable: str,
+) -> ModalMode | ModalModes:
+    """Return a mode of a model.
+
+    Arguments: rows of A and b (n, n + 1), balls or floats; typical sizes of the coordinates (n); ``frozen``,
+    coordinates that keep a value in this mode, with that value; the horizon [s] of
+    :func:`lsvib.engine.exact.field.reached`; ``movable``, the parameter to change where two rates coincide.
+    Raises ``EngineError`` for a mode whose rates double precision cannot distinguish.
+    """
+    if any(isinstance(x, np.ndarray) for row in rows for x in row):
+        return modal_modes(rows, sizes, frozen or {})
+    field = Field.of(rows, sizes, frozen)
+    with suppress(ArithmeticError):
+        return modal_mode(field)
+    reaches = slow_reaches(field, horizon) if horizon < math.inf else None
+    field = reached(field, horizon) if reaches is None else replace(field, sizes=reaches[0][1])
+    try:
+        return modal_mode(field, reaches)
+    except ArithmeticError as error:
+        raise EngineError(
+            f"two rates of one mode of motion cannot be distinguished in double precision ({error}); change {movable}."
+        ) from None
+
+
 def guard_forms(modes: Sequence[ModalMode], rows: Sequence[Sequence[Sequence]]) -> list[list[float]] | None:
     """Return the guards of all modes in modal coordinates (g, q + 1), from their rows (n + 1) of balls by mode.
 
     An entry that the doubles of the tables give to 1e-12 is the one that they give. None if all are so. An entry that
     is nothing but the rounding of the coefficients is zero: a speed that dies away would seem to stop there.
     """
+    if isinstance(modes[0], ModalModes):
+        return guard_columns(modes, rows)
     width, found, lost = max(len(mode.to_modal) for mode in modes) + 1, [], False
     with many_digits():
         for mode, guards in zip(modes, rows, strict=True):
@@ -292,6 +330,8 @@ def guard_forms(modes: Sequence[ModalMode], rows: Sequence[Sequence[Sequence]]) 
 
 def modal_flow(modes: Sequence[ModalMode]) -> ModalFlow:
     """Put modes together in one table; modes with fewer pairs or singles leave the rest zero."""
+    if isinstance(modes[0], ModalModes):
+        return stacked(modes)
     pairs, singles = np.array([len(mode.oscillators) for mode in modes]), np.array([mode.rates.size for mode in modes])
     size, n = (2 * pairs + singles).max(), modes[0].field.shape[0]
     flow = ModalFlow(

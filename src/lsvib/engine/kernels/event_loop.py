@@ -7,19 +7,18 @@ tolerance in time is involved.
 """
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from lsvib.engine.kernels import event_loop
+from lsvib.engine.kernels import flow_modal, flow_planar, guard_sums, search_modal, search_planar
 from lsvib.engine.kernels.flow_planar import level
 from lsvib.engine.kernels.jit import (
     allocating_entry,
-    allocating_kernel,
     by_kind,
     entry,
     inlined_entry,
     inlined_kernel,
-    kernel,
     merged_kernel,
 )
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND, Found, Status, Test
@@ -37,6 +36,15 @@ NO_KIND = -1  # stands for an event kind where nothing has happened; no kind is 
 MANY = 24  # this many stays in a row below ``shortest_stay`` are an accumulation
 LARGEST = 1e150  # a coordinate beyond it has left the range of numbers: its square is close to overflow
 
+# What depends on the kind of flow.
+advance = by_kind(flow_planar.advance, flow_modal.advance)
+travel = by_kind(flow_planar.travel, flow_modal.travel)
+slopes_at = by_kind(flow_planar.slopes_at, flow_modal.slopes_at)
+workspace = by_kind(search_planar.room_for, guard_sums.room_for)
+search = by_kind(search_planar.search, search_modal.search)
+extremes = by_kind(search_planar.extremes, search_modal.extremes)
+extremes_of_arcs = by_kind(search_planar.extremes_of_arcs, search_modal.extremes_of_arcs)
+
 
 @merged_kernel
 def next_event(tables, mode, state, scale, limit, room, zeros, work):
@@ -45,12 +53,12 @@ def next_event(tables, mode, state, scale, limit, room, zeros, work):
     ``scale`` (n) are the magnitudes that the state was computed from; a guard below their rounding counts as zero.
     A guard that is negative at ``state`` fires at once, so a model may enter a mode from a state outside it where a
     jump is due. ``room`` (g, n + 1 + parts) and ``zeros`` (g) are scratch space for the guards of the mode, and
-    ``work`` is the scratch space of the search (:func:`lsvib.engine.kernels.event_loop.workspace`).
+    ``work`` is the scratch space of the search (:func:`workspace`).
     Returns (``Found``, guard index, time [s]).
     """
     first_guard = tables.guard_start[mode]
     count = tables.guard_start[mode + 1] - first_guard
-    guards, on_surface, touched = room[:count], zeros[:count], False
+    guards, on_surface = room[:count], zeros[:count]
     for k in range(count):
         guard = first_guard + k
         for i in range(state.size + 1):
@@ -60,8 +68,7 @@ def next_event(tables, mode, state, scale, limit, room, zeros, work):
         value, size = level(guards[k], state, scale)
         on_surface[k] = value <= size
         if on_surface[k]:
-            touched = True
-            rate, rate_size, bend, bend_size = event_loop.slopes_at(tables.flow, mode, state, scale, guards[k])
+            rate, rate_size, bend, bend_size = slopes_at(tables.flow, mode, state, scale, guards[k])
             falls = rate < -rate_size or (rate <= rate_size and bend < -bend_size)
             # A guard that turns back before it is below zero by its own rounding does not fall: friction lets go of a
             # second body without acceleration, and what the rounding of that instant makes of it is no end of slip.
@@ -69,9 +76,7 @@ def next_event(tables, mode, state, scale, limit, room, zeros, work):
                 falls = False
             if value < -size or falls:
                 return _CROSSING, guard, 0.0
-    if _stays(tables.flow, mode, state) or (touched and event_loop.is_still(tables.flow, mode, state)):
-        return _NONE, first_guard, limit
-    found, k, when = event_loop.search(tables.flow, mode, state, guards, on_surface, limit, work)
+    found, k, when = search(tables.flow, mode, state, guards, on_surface, limit, work)
     return found, first_guard + k, when
 
 
@@ -141,7 +146,7 @@ def apply_reset(tables, transition, state, scratch):
 def arrive(tables, mode, state, scale, guard, stay, work):
     """Move ``state`` in place to the event of ``guard`` after a stay [s] in ``mode``; ``scale`` (n) follows it."""
     if stay > 0.0:
-        event_loop.travel(tables.flow, mode, state, stay, scale, work)
+        travel(tables.flow, mode, state, stay, scale, work)
         put_on_surface(tables, guard, state, scale)
     for i in range(state.size):
         scale[i] = max(scale[i], abs(state[i]))
@@ -166,49 +171,51 @@ def leave(tables, mode, found, guard, short_stays, state, scale, scratch):
     return GOES_ON, tables.branch_mode[branch], tables.branch_kind[branch], tables.branch_sign[branch]
 
 
+class Room(NamedTuple):
+    """Scratch space of a run, which makes no array itself: what makes none counts no references."""
+
+    state: np.ndarray  # (n,)
+    guards: np.ndarray  # (g, n + 1 + parts)
+    on_surface: np.ndarray  # (g,)
+    work: Any  # of the search
+
+
 @allocating_entry
-def run(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events):
-    """Follow the motion from ``mode`` and ``state`` until ``t_end`` [s] or another end.
+def room_for(tables):
+    """Return scratch space for runs with these tables, one at a time."""
+    n, count = tables.surfaces.shape[1] - 1, tables.guard_sign.size
+    guards = np.empty((count, n + 1 + tables.guard_parts.shape[1]))
+    return Room(np.empty(n), guards, np.empty(count, dtype=np.bool_), workspace(tables.flow, count))
+
+
+@entry
+def run_in(room, tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events):
+    """Follow the motion from ``mode`` and ``state`` until ``t_end`` [s] or another end, in the scratch space ``room``.
 
     Arguments: tables; mode; state (n), replaced by the final state; scale (n), the magnitudes that it was computed
-    from, replaced; clock (4): time [s], its compensation, the number of stays below
-    ``shortest_stay`` so far in a row, and the number of steps that searches may still take, replaced; t_end, which may
-    be infinite; stop_kind and stop_mode: the run ends after an event of that kind that enters that mode (mode −1: any
-    mode; kind −1: never);
+    from, replaced; clock (4): time [s], its compensation, the number of stays below ``shortest_stay`` so far in a row,
+    and the number of steps that searches may still take, replaced; t_end, which may be infinite; stop_kind and
+    stop_mode: the run ends after an event of that kind that enters that mode (mode −1: any mode; kind −1: never);
     events: tuple of arrays (time, kind, sign, mode after, state before, state after), filled from index 0. If a run
     ends because these are full, a second run with the replaced arguments goes on as if the first had never ended.
     Returns (``Status``, mode, number of events).
     """
-    n = state.size
-    scratch = np.empty(n)
-    room = np.empty((tables.guard_sign.size, n + 1 + tables.guard_parts.shape[1]))
-    zeros = np.empty(tables.guard_sign.size, dtype=np.bool_)
-    work = event_loop.workspace(tables.flow, tables.guard_sign.size)
-    event_loop.allow(tables.flow, work, clock[3])
-    return _follow(
-        tables.flow, tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events, scratch, room, zeros, work
-    )
-
-
-def _loop(flow, tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events, scratch, room, zeros, work):
-    """Run, as :func:`run` says, in the room that it has made: what makes no array counts no references.
-
-    ``flow`` is that of the tables.
-    """
+    flow, work = tables.flow, room.work
+    work.steps[0] = clock[3]
     times, kinds, signs, modes, before, after = events
     n = state.size
     count = 0
     while True:
-        clock[3] = event_loop.steps_left(flow, work)
+        clock[3] = work.steps[0]
         remaining = (t_end - clock[0]) - clock[1]
-        found, guard, stay = next_event(tables, mode, state, scale, remaining, room, zeros, work)
+        found, guard, stay = next_event(tables, mode, state, scale, remaining, room.guards, room.on_surface, work)
         if found == _LOST:
-            clock[3] = event_loop.steps_left(flow, work)
+            clock[3] = work.steps[0]
             return Status.WORK_SPENT if clock[3] < 0.0 else Status.UNDECIDED, mode, count
         if found == _NONE:
             if remaining == math.inf:
                 return Status.SETTLED, mode, count
-            _move(flow, mode, state, remaining, state)
+            advance(flow, mode, state, remaining, state)
             clock[0], clock[1] = t_end, 0.0
             return Status.TIME_REACHED, mode, count
         if count == times.size:
@@ -220,7 +227,7 @@ def _loop(flow, tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, 
             if not abs(state[i]) < LARGEST:
                 return Status.DIVERGED, mode, count
         clock[2] = clock[2] + 1.0 if stay < tables.shortest_stay else 0.0
-        end, mode, kind, sign = leave(tables, mode, found, guard, clock[2], state, scale, scratch)
+        end, mode, kind, sign = leave(tables, mode, found, guard, clock[2], state, scale, room.state)
         if end != GOES_ON:
             return end, mode, count
         if kind == ACCUMULATION_KIND:
@@ -233,9 +240,10 @@ def _loop(flow, tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, 
             return Status.STOP_EVENT, mode, count
 
 
-# With two states it is compiled into ``run``: handing on the tables takes as long as an event. With more an event takes
-# so long that this does not show, but compiling the loop once more would take a quarter of the whole time.
-_follow = by_kind(inlined_kernel(_loop), kernel(_loop))
+@allocating_entry
+def run(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events):
+    """Follow a motion as :func:`run_in` does, in scratch space of its own."""
+    return run_in(room_for(tables), tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events)
 
 
 @allocating_entry
@@ -246,16 +254,16 @@ def returns(tables, mode, states, limit, kind, kinds, modes, counts):
     counts (k), filled with their number: 0 for a motion that does not come back or is back at once, −1 for one that
     has more events than there is room for.
     """
-    room, n = kinds.shape[1], states.shape[1]
+    most, n, room = kinds.shape[1], states.shape[1], room_for(tables)
     scale, clock = np.empty(n), np.empty(4)
-    times, signs = np.empty(room), np.empty(room, dtype=np.int8)
-    before, after = np.empty((room, n)), np.empty((room, n))
+    times, signs = np.empty(most), np.empty(most, dtype=np.int8)
+    before, after = np.empty((most, n)), np.empty((most, n))
     for k in range(states.shape[0]):
         for i in range(n):
             scale[i] = abs(states[k, i])
         clock[:3], clock[3] = 0.0, math.inf
         events = (times, kinds[k], signs, modes[k], before, after)
-        status, _, count = run(tables, mode, states[k], scale, clock, limit, kind, mode, events)
+        status, _, count = run_in(room, tables, mode, states[k], scale, clock, limit, kind, mode, events)
         back = status == Status.STOP_EVENT and math.isfinite(clock[0] + clock[1]) and times[0] != 0.0
         counts[k] = count if back else (-1 if status == Status.EVENTS_FULL else 0)
 
@@ -269,25 +277,6 @@ def add_time(clock, stay):
     else:
         clock[1] += (stay - total) + clock[0]
     clock[0] = total
-
-
-@kernel
-def _stays(flow, mode, state):
-    """Whether a state is zero where nothing pushes: an equilibrium beyond all rounding, however much it repels."""
-    for i in range(state.size):
-        if state[i] != 0.0:
-            return False
-    return event_loop.is_still(flow, mode, state)
-
-
-@allocating_kernel
-def _move(flow, mode, state, t, out):
-    """Write the state after a time t [s] to ``out`` (may be ``state``)."""
-    if not _stays(flow, mode, state):
-        event_loop.advance(flow, mode, state, t, out)
-        return
-    for i in range(state.size):
-        out[i] = 0.0
 
 
 @entry
@@ -304,7 +293,7 @@ def states_at(
             event += 1
         if event < 0:
             modes[k] = start_mode
-            _move(tables.flow, start_mode, start_state, times[k] - start_time, states[k])
+            advance(tables.flow, start_mode, start_state, times[k] - start_time, states[k])
         else:
             modes[k] = event_modes[event]
-            _move(tables.flow, event_modes[event], event_states[event], times[k] - event_times[event], states[k])
+            advance(tables.flow, event_modes[event], event_states[event], times[k] - event_times[event], states[k])

@@ -80,24 +80,49 @@ def carry(flow, mode, start, t, out):
         k += 1
 
 
+@inlined_kernel
+def is_still(flow, mode, state):
+    """Whether a state is an equilibrium of a mode to the last bit; where N is zero there a guard rests on zero."""
+    field, n = flow.field[mode], state.size
+    for i in range(n):
+        rate = field[i, n]
+        for j in range(n):
+            rate += field[i, j] * state[j]
+        if rate != 0.0:
+            return False
+    return True
+
+
+@inlined_kernel
+def stays(flow, mode, state):
+    """Whether a state is zero where nothing pushes: an equilibrium beyond all rounding, however much it repels."""
+    for i in range(state.size):
+        if state[i] != 0.0:
+            return False
+    return is_still(flow, mode, state)
+
+
 @allocating_entry
 def advance(flow, mode, state, t, out):
     """Write the state after a time t [s] in ``mode`` to ``out`` (may be ``state`` itself)."""
-    count = size_of(flow, mode)
-    coordinates = np.empty(count)
+    if stays(flow, mode, state):
+        for i in range(state.size):
+            out[i] = 0.0
+        return
+    coordinates = np.empty(size_of(flow, mode))
     apply(flow.to_modal[mode], state, coordinates)
     carry(flow, mode, coordinates, t, coordinates)
     apply(flow.from_modal[mode], coordinates, out)
 
 
 @inlined_kernel
-def travel(flow, mode, state, stay, scale, room):
+def travel(flow, mode, state, stay, scale, work):
     """Replace ``state`` by the one after a stay [s] in ``mode``, and write to ``scale`` (n) the sizes of its terms.
 
-    ``room`` (2, q or more) is scratch space.
+    ``work`` is the scratch space of the search (:func:`lsvib.engine.kernels.guard_sums.room_for`).
     """
     n, count, last = state.size, size_of(flow, mode), flow.from_modal.shape[2] - 1
-    coordinates, sizes, table = room[0, :count], room[1, :count], flow.from_modal[mode]
+    coordinates, sizes, table = work.states[0, :count], work.states[1, :count], flow.from_modal[mode]
     apply(flow.to_modal[mode], state, coordinates)
     k = 2 * flow.pairs[mode]
     for pair in range(flow.pairs[mode]):
@@ -118,19 +143,6 @@ def travel(flow, mode, state, stay, scale, room):
             total += abs(table[i, j]) * sizes[j]
         scale[i] = total
     apply(table, coordinates, state)
-
-
-@inlined_kernel
-def is_still(flow, mode, state):
-    """Whether a state is an equilibrium of a mode to the last bit; where N is zero there a guard rests on zero."""
-    field, n = flow.field[mode], state.size
-    for i in range(n):
-        rate = field[i, n]
-        for j in range(n):
-            rate += field[i, j] * state[j]
-        if rate != 0.0:
-            return False
-    return True
 
 
 @inlined_kernel

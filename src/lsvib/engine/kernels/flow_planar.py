@@ -24,6 +24,30 @@ ROUNDING = 16.0 * EPS  # sums below this, relative to the sizes that they are ma
 
 
 @inlined_kernel
+def apply(table, vector, out):
+    """Write the affine image of ``vector`` under the first columns and the last one of ``table`` to ``out``."""
+    last = table.shape[1] - 1
+    for i in range(out.size):
+        total = table[i, last]
+        for j in range(vector.size):
+            total += table[i, j] * vector[j]
+        out[i] = total
+
+
+@inlined_entry
+def level(row, state, scale):
+    """Value of an affine function at a state (n), and the size below which it is rounding only.
+
+    ``scale`` (n) are the magnitudes that the state was computed from; what stands in ``row`` behind n + 1 is not read.
+    """
+    value, size = row[state.size], abs(row[state.size])
+    for i in range(state.size):
+        value += row[i] * state[i]
+        size += abs(row[i]) * scale[i]
+    return value, ROUNDING * size
+
+
+@inlined_kernel
 def own_rate(row):
     """Rate ρ [1/s] at which the slower, or faster growing, part of the free motion changes: −α or r₁."""
     return -row[ALPHA] if row[BETA] > 0.0 else row[R1]
@@ -119,6 +143,13 @@ def magnitudes(flow, mode, state, stay, scale):
         reach = row[TIME_SCALE] if row[A0] != 0.0 else 1.0 / rate
         scale[0] += more * (speed + push * reach) * reach
         scale[1] += more * (speed + push * reach)
+
+
+@inlined_kernel
+def travel(flow, mode, state, stay, scale, work):
+    """Replace ``state`` by the one after a stay [s] in ``mode``, and write to ``scale`` (2) the sizes of its terms."""
+    magnitudes(flow, mode, state, stay, scale)
+    advance(flow, mode, state, stay, state)
 
 
 @inlined_entry

@@ -8,10 +8,14 @@ own in the folder for temporary files takes its place; where that cannot either,
 Several processes may fill the cache at once. numba writes each file of it whole, but it numbers the compiled versions
 of a kernel after the index that it has just read: two processes that compile a kernel for different types could give
 both the same number, and one would later run what the other has compiled. So one process at a time may add to it.
+
+The first use of the engine takes much longer than all later ones, so a sentence to the log of the package says what is
+being compiled; the ``lsvib`` command shows it. What numba finds in its cache starts no compilation.
 """
 
 import fcntl
 import hashlib
+import logging
 import os
 import tempfile
 import warnings
@@ -21,11 +25,45 @@ from pathlib import Path
 from typing import Any
 
 import numba
+import numpy as np
+from numba import types
 from numba.core import event
 from numba.core.caching import IndexDataCacheFile
 from numba.core.registry import CPUDispatcher
+from numba.core.typing.templates import AbstractTemplate, infer_global
 
-from lsvib.engine.kernels.jit import Notice
+# What is compiled, by the folder of the kernel and a word in the types of its arguments, the first that fits; with the
+# processor time that was measured. Kernels that fit nothing are small and are compiled for one of the others.
+_PARTS = (
+    ("lsvib.", "ModalFlow", "the engine for models with three or four states, once, about 30 s"),
+    ("lsvib.basins.", "", "the mapper of two-state models, once, 6 to 15 s"),
+    ("lsvib.dynamics.", "Tables", "the search for many drives at once, once, half a minute or so"),
+    ("lsvib.engine.", "Tables", "the engine for two-state models, once, about 10 s"),
+)
+
+
+def sentence(module: str, arguments: str) -> str | None:
+    """Return what is said of compiling a kernel of ``module``, by the types of its arguments; None if nothing."""
+    return next((f"compiling {words}" for a, b, words in _PARTS if module.startswith(a) and b in arguments), None)
+
+
+class Notice(event.Listener):
+    """Log one sentence for each part of the engine when numba starts to compile the first kernel of it."""
+
+    def __init__(self) -> None:
+        self.depth, self.said = 0, set[str | None]({None})  # kernels being compiled, each for the one before; sentences
+
+    def on_start(self, event: event.Event) -> None:
+        """Say what is compiled, unless it has been said, or is part of what is being compiled."""
+        words = sentence(event.data["dispatcher"].py_func.__module__, " ".join(map(str, event.data["args"])))
+        if self.depth == 0 and words not in self.said:
+            self.said.add(words)
+            logging.getLogger("lsvib").info(words)
+        self.depth += 1
+
+    def on_end(self, event: event.Event) -> None:
+        """Count the kernel as compiled."""
+        self.depth -= 1
 
 
 def source_digest() -> str:
@@ -50,7 +88,7 @@ def _folders() -> Iterator[Path]:
 def cache_folder() -> Path | None:
     """Return the folder of the cache, made if need be; None if no folder can be written."""
     for folder in _folders():
-        try:
+        with suppress(OSError):
             folder.parent.parent.mkdir(parents=True, exist_ok=True)
             folder.parent.mkdir(exist_ok=True, mode=0o700)
             folder.mkdir(exist_ok=True, mode=0o700)
@@ -59,12 +97,10 @@ def cache_folder() -> Path | None:
                 continue  # somebody else could put kernels there, and reading them is running them
             with tempfile.TemporaryFile(dir=folder):
                 return folder
-        except OSError:
-            continue
     return None
 
 
-_folder = cache_folder()
+_folder, notice = cache_folder(), Notice()
 if _folder is None:
     warnings.warn(
         "No folder for the compiled engine can be written, so it is compiled in memory, in every process anew, which "
@@ -74,7 +110,7 @@ if _folder is None:
     )
 else:
     numba.config.CACHE_DIR = str(_folder)
-    event.register("numba:compile", Notice())
+    event.register("numba:compile", notice)
 
 OPTIONS = {
     "cache": _folder is not None,
@@ -139,3 +175,33 @@ inlined_kernel = _compiler(_nrt=False, forceinline=True, no_cpython_wrapper=True
 # A kernel that is put into its few callers before types are inferred: it is not compiled alone, with all that it calls,
 # as every other one is. Of kernels with many callers that would make more to compile.
 merged_kernel = _compiler(_nrt=False, inline="always", no_cpython_wrapper=True)
+merged_allocating_kernel = _compiler(_nrt=True, inline="always", no_cpython_wrapper=True)
+
+
+def by_kind(planar_kernel: Any, modal_kernel: Any) -> Any:
+    """Return a function that chooses a kernel by the kind of flow, its first argument.
+
+    A flow is a plain table of oscillators (two states, :mod:`lsvib.engine.kernels.flow_planar`) or a ``ModalFlow``
+    (:mod:`lsvib.engine.kernels.flow_modal`). Kernels choose by type when they are compiled, so that a model compiles
+    none of the kernels of the other kind.
+    """
+
+    def choose(flow, *arguments):
+        return (planar_kernel if isinstance(flow, np.ndarray) else modal_kernel)(flow, *arguments)
+
+    class Choice(AbstractTemplate):
+        """A call of the chosen kernel itself. An overload would call it in a function that is compiled with it."""
+
+        key = choose
+
+        def generic(self, arguments, keywords):
+            return self._kernel(arguments).get_call_type(self.context, arguments, keywords)
+
+        def get_impl_key(self, signature):
+            return self._kernel(signature.args).get_impl_key(signature)
+
+        def _kernel(self, arguments):
+            return types.Dispatcher(planar_kernel if isinstance(arguments[0], types.Array) else modal_kernel)
+
+    infer_global(choose, types.Function(Choice))
+    return choose

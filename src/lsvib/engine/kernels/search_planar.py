@@ -8,19 +8,50 @@ makes the search certain.
 """
 
 import math
+from typing import NamedTuple
+
+import numpy as np
 
 from lsvib.engine.kernels.flow_planar import EPS, far, integrated_response, responses
-from lsvib.engine.kernels.jit import entry, inlined_entry, inlined_kernel, kernel
+from lsvib.engine.kernels.jit import allocating_kernel, entry, inlined_entry, inlined_kernel, kernel
 from lsvib.engine.kernels.layout import A0, A1, ALPHA, BETA, DELTA, EQUILIBRIUM, R1, R2, B, Found
-from lsvib.engine.kernels.search_planar import GUESSES, next_guess
 
 _TWO_PI = 2.0 * math.pi  # one turn of the phase
 _HUGE = 1e250  # beyond it a value is on its way to overflow, and its sign means nothing
 _SOON = 1e-8  # phase of a maximum; a guard that rises and falls again sooner does not leave its rounding
+_PATIENCE = 8  # steps before bisection takes turns
+_LAST_STEP = 1e-6  # in units of the times g′/g″ and 1/rate
+# At most so many steps for a root. Half of those after the first eight halve the bracket, so it shrinks by 10⁴³: to two
+# neighbouring doubles, unless the root is 10²⁷ times nearer to zero than the bracket is wide.
+GUESSES = 300
 _NEAR, _FAR, _SPLIT = range(3)  # forms of a guard along the flow
 _NONE = int(Found.NONE)
 _CROSSING = int(Found.CROSSING)
 _GRAZE = int(Found.GRAZE)
+
+
+@inlined_kernel
+def next_guess(t, value, slope, curvature, low, high, rate, count):
+    """A step towards the root of a function that falls there, between ``low`` and ``high``, or their middle.
+
+    Arguments: present guess t, value and two derivatives there, the bracket, fastest rate of the mode, number of steps
+    so far. The step goes to the root of the constant plus exponential that has this value and these derivatives (a
+    term that grows or decays fast is met at once), near the root to that of Halley's hyperbola, which is the same to
+    third order. Its error is of the order of the cube of the step, in units of g′/g″ and 1/rate; a step below 10⁻⁶ of
+    both is the last, so that rounding alone is left, and so is one that does not move t. Returns (new guess, whether it
+    is the root).
+    """
+    bend = value * curvature / (slope * slope)
+    if abs(bend) < 0.1:
+        new = t - 2.0 * value / (slope * (2.0 - bend))
+    else:
+        new = t + math.log1p(-bend) * slope / curvature if bend < 1.0 else math.nan
+    if new == t:
+        return t, True
+    if low < new < high and (count < _PATIENCE or count % 2 == 0):
+        return new, abs(new - t) * max(rate, abs(curvature / slope)) < _LAST_STEP
+    middle = 0.5 * (low + high)
+    return middle, middle in (low, high)
 
 
 @inlined_kernel
@@ -118,6 +149,32 @@ def crossing(flow, mode, state, guard, on_surface, limit):
     if row[A0] == 0.0 and row[A1] == 0.0:
         return _parabolic_crossing(shape, on_surface, limit)
     return _monotone_crossing(row, shape, bend, on_surface, limit)
+
+
+class Work(NamedTuple):
+    """What a search needs beside its arguments: that of two states has no steps and no sums."""
+
+    steps: np.ndarray  # (1,) steps that searches may still take; infinite at first
+
+
+@allocating_kernel
+def room_for(flow, guards):
+    """Return the ``Work`` for any number of guards, with steps without end."""
+    return Work(np.full(1, math.inf))
+
+
+@inlined_kernel
+def search(flow, mode, state, guards, on_surface, limit, work):
+    """Find the first of several guards (g) that fires within ``limit`` [s]; arguments as of :func:`crossing`.
+
+    Returns (``Found``, index of the guard or −1, time [s]).
+    """
+    found, first, when = _NONE, -1, limit
+    for guard in range(guards.shape[0]):
+        outcome, t = crossing(flow, mode, state, guards[guard], on_surface[guard], when)
+        if outcome != _NONE:
+            found, first, when = outcome, guard, t
+    return found, first, when
 
 
 @inlined_kernel
@@ -284,4 +341,18 @@ def extremes(flow, mode, state, functional, duration):
     if turn < duration:
         value = _value(row, shape, turn)[0]
         low, high = min(low, value), max(high, value)
+    return low, high
+
+
+@entry
+def extremes_of_arcs(flow, modes, starts, durations, functionals):
+    """Smallest and largest value over many arcs of a function that is affine in the state in each mode.
+
+    Arguments: for each arc its mode (k), the state at its start (k, n) and its duration [s] (k); ``functionals``
+    (modes, n + 1). Returns (smallest, largest), infinite if those of an arc are.
+    """
+    low, high = math.inf, -math.inf
+    for k in range(modes.size):
+        a, b = extremes(flow, modes[k], starts[k], functionals[modes[k]], durations[k])
+        low, high = min(low, a), max(high, b)
     return low, high

@@ -1,0 +1,111 @@
+"""How an automaton is laid out as plain tables of numbers, and the numbers by which kernels answer.
+
+:mod:`lsvib.engine.automaton` fills the tables; nothing here loads numba. Kernels never raise: they return a number of
+one of the enumerations below.
+
+A row that describes an oscillator  u″ + a₁ u′ + a₀ u = b  has the columns A0 to TIME_SCALE. Such rows are the flow
+table of modes with two states and, without b, the pairs of modes with more states.
+"""
+
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+
+A0, A1, B = 0, 1, 2  # coefficients a₀ [1/s²], a₁ [1/s] and b
+ALPHA, BETA, DELTA = 3, 4, 5  # rates −α ± iβ, or −α ± δ [1/s]; of β and δ one is zero
+R1, R2 = 6, 7  # the real rates r₁ ≥ r₂ [1/s]; zero where the rates are complex
+EQUILIBRIUM = 8  # b / a₀; zero where a₀ is
+TIME_SCALE = 9  # 1 / √|a₀| [s]; zero where a₀ is
+COUNT = 10  # of all columns
+
+
+class Status(IntEnum):
+    """How a run ended."""
+
+    TIME_REACHED = 0  # the requested end time
+    STOP_EVENT = 1  # the event that the caller asked for
+    SETTLED = 2  # no guard can ever fire again: the motion stays in its mode for ever
+    EVENTS_FULL = 3  # the caller's event list is full; the run can go on from its last state
+    DIVERGED = 4  # the state left the range of numbers
+    ACCUMULATED = 5  # infinitely many events in finite time, and the model names no mode beyond them
+    NO_BRANCH = 6  # a transition whose conditions exclude each other: the model is incomplete
+    UNDECIDED = 7  # the search for the next event did not come to an end
+    WORK_SPENT = 8  # the search for the next event took all steps that it was allowed
+
+
+class Found(IntEnum):
+    """What the search for a root of one guard found."""
+
+    NONE = 0
+    CROSSING = 1
+    GRAZE = 2
+    UNDECIDED = 3  # the search did not come to an end
+
+
+class Decision(IntEnum):
+    """What is proved of a guard on one step of the search; of several guards the largest number counts."""
+
+    POSITIVE = 0  # no root
+    TOUCHES = 1  # zero to rounding
+    ROOT = 2  # one root
+    UNDECIDED = 3
+
+
+class Test(IntEnum):
+    """Sign test of an affine function of the state; 'zero' means zero to rounding."""
+
+    POSITIVE = 0
+    NOT_NEGATIVE = 1
+    ZERO = 2
+
+
+# Event kinds. The engine itself writes the first two; models number theirs from FIRST_MODEL_KIND on.
+GRAZE_KIND = 0  # a guard is touched, not crossed
+ACCUMULATION_KIND = 1  # infinitely many events in finite time end here
+FIRST_MODEL_KIND = 2
+
+
+class Tables(NamedTuple):
+    """A piecewise-linear automaton with n states as plain arrays (m modes, g guards, t transitions, b branches).
+
+    An affine function of the state is a row of n + 1 numbers, the constant last. Guards of mode i are
+    ``guard_start[i]:guard_start[i + 1]``; the other ``*_start`` arrays work alike. Transition 0 is the entry: it puts a
+    start into its mode.
+    """
+
+    flow: np.ndarray  # (m, columns) coefficients of the linear flow of each mode
+    surfaces: np.ndarray  # (s, n + 1) affine functions whose zero sets bound the modes
+    snap: np.ndarray  # (s,) the coordinate that is set so that the surface is met to the last bit
+    guard_start: np.ndarray  # (m + 1,)
+    guard_surface: np.ndarray  # (g,)
+    guard_sign: np.ndarray  # (g,) sign of the surface function inside the mode, ±1
+    guard_transition: np.ndarray  # (g,)
+    guard_parts: np.ndarray  # (g, 3) of planar flows, see ``crossing._shape``; modal forms (g, q + 1), or none (g, 0)
+    transition_reset: np.ndarray  # (t,) index of the reset, −1 for none
+    resets: np.ndarray  # (r, n, n + 1) affine maps of the state
+    branch_start: np.ndarray  # (t + 1,)
+    branch_mode: np.ndarray  # (b,)
+    branch_kind: np.ndarray  # (b,) event kind
+    branch_sign: np.ndarray  # (b,) sign that the event carries (impulse), 0 for none
+    condition_start: np.ndarray  # (b + 1,)
+    condition_row: np.ndarray  # (c, n + 1)
+    condition_test: np.ndarray  # (c,) lsvib.engine.kernels.layout.Test
+    beyond_accumulation: np.ndarray  # (m,) mode that continues after infinitely many events in finite time, −1 for none
+    shortest_stay: float  # stays shorter than this [s], many in a row, are an accumulation
+
+
+class ModalFlow(NamedTuple):
+    """Flow tables of m modes with n states, up to p pairs and s singles; what a mode does not use is zero.
+
+    The modal coordinates of a mode are those of its own pairs, two each, and then those of its singles: q in all.
+    """
+
+    pairs: np.ndarray  # (m,) pairs of each mode
+    singles: np.ndarray  # (m,) singles of each mode
+    oscillators: np.ndarray  # (m, p, planar columns)
+    rates: np.ndarray  # (m, s) r [1/s]
+    pushes: np.ndarray  # (m, s) f, zero where the single is carried about its equilibrium
+    to_modal: np.ndarray  # (m, q, n + 1)
+    from_modal: np.ndarray  # (m, n, q + 1)
+    field: np.ndarray  # (m, n, n + 1), A and b
