@@ -36,7 +36,6 @@ three forces. Circles mark the forces of the portraits. Vibration sets in at the
 stick force, and no longer reaches N = 0 beyond the detach force.
 """
 
-_ASIDE = 1e-9  # relative distance from a threshold at which the regime is also computed, on either side
 _THRESHOLDS = {  # word in the picture, and what the chapter says
     "onset_force": ("onset", "Axial force at which vibration sets in"),
     "stick_force": ("stick", "Axial force at which the cycle first touches rest"),
@@ -89,8 +88,9 @@ def build(settings: Values) -> xr.Dataset:
     from lsvib.dynamics.attractors import steady_state
 
     drive = RigidDrive.of(settings["drive"])
-    values = {name: getattr(force_thresholds, name)(drive) for name in _THRESHOLDS}
-    beside = [value * (1 + sign * _ASIDE) for value in values.values() for sign in (-1, 1)]
+    values = {name: getattr(thresholds, name)(drive) for name in _THRESHOLDS}
+    # Also at a relative distance of 1e-9 on either side of a threshold.
+    beside = [value * (1 + sign * 1e-9) for value in values.values() for sign in (-1, 1)]
     forces = np.unique(np.concatenate([spans.even(settings["axial_force"]), list(values.values()), beside]))
     start, tangent = np.array([settings["start"]["u"], settings["start"]["w"]]), float(drive.exact().tan_lead)
     drives = [drive.replace(axial_force=float(force)) for force in forces]

@@ -44,7 +44,6 @@ By the sign of the contact force, the limit of a stiff contact, the screw rests 
 """
 
 _CHANGED = ("mass", "axial_force")  # in which the cases differ
-_ASIDE = 1e-9  # relative distance from the threshold at which the attractor is computed, on either side
 _DISTANCES = np.concatenate([[0.0], np.geomspace(1e-4, 2.0, 60)])  # rad; the cycles of the figure are 0.1 rad wide
 _ROUNDING = 16 * np.finfo(float).eps  # of the corner: a few rounding errors of u and of the line N = 0
 _RULES = {  # colour, dashes, mark, words
@@ -82,7 +81,8 @@ def build(settings: Values) -> xr.Dataset:
     plane = ("case", "grid_angle_deviation", "grid_velocity_deviation")
     grid = [[_labels(d, RULES[0], [(u, w) for w in velocity]) for u in angle] for d in drives]
     threshold = global_stability_force(drives[-1])
-    bracket = [threshold * (1 + sign * _ASIDE) for sign in (-1, 1)]
+    # Also at a relative distance of 1e-9 on either side of a threshold.
+    bracket = [threshold * (1 + sign * 1e-9) for sign in (-1, 1)]
     # The end of rest is u = c Ω / k, u′ = −Ω.
     release = drive.support_damping * drive.input_speed / drive.coupling_stiffness, -drive.input_speed
     beside = [drives[-1].replace(axial_force=force) for force in bracket]
