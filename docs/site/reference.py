@@ -5,7 +5,8 @@ from importlib import import_module
 from pathlib import Path
 
 import lsvib
-from lsvib.models.drive import allowed_range, described
+from lsvib.api import DriveMethods
+from lsvib.models.drive import Drive, allowed_range, described
 from lsvib.models.model import all_models
 
 _GROUPS = {
@@ -130,6 +131,8 @@ def module_pages(source: Path) -> str:
         for name in names:
             module = import_module(name)
             others = [key for key in getattr(module, "__all__", ()) if getattr(module, key).__module__ != name]
+            if name == Drive.__module__:  # what can be asked of a drive stands on the page of the public interface
+                others += [key for key in vars(DriveMethods) if not key.startswith("_")]
             text = f"{_heading(name, '=')}\n.. automodule:: {name}\n   :members:\n"
             text += f"   :exclude-members: {', '.join(others)}\n" if others else ""
             (folder / f"{name.removeprefix('lsvib.')}.rst").write_text(text, encoding="utf-8")

@@ -13,6 +13,7 @@ from lsvib.models import drive as _drives
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import Coefficients, coefficients
 from lsvib.models.model import find_model
+from lsvib.models.scene import Scene
 from lsvib.numbers import Progress
 from lsvib.results import StabilityReport, Threshold
 
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
     from lsvib.dynamics.continuation import CycleBranch
     from lsvib.dynamics.periodic import Cycle
     from lsvib.engine.automaton import Automaton
-    from lsvib.models.scene import Scene
 
     _Base = Drive
 else:
@@ -258,7 +258,7 @@ class DriveMethods(_Base):
 
         * ``cycle``: one of :meth:`cycles`.
         * ``parameter``: its name; ``span``: its smallest and largest value [SI unit], with the drive's own between
-        them.
+          them.
         * ``points``: most of them each way; ``resume`` and ``physics`` as of :meth:`automaton`.
 
         Returns the branch: its points, folds and changes of the itinerary.
@@ -467,9 +467,7 @@ class DriveMethods(_Base):
 
         return resilience_sweep(_rigid(self), over, window_of(window), progress)
 
-    def _scene(self, start: Mapping[str, float], duration: float, **more: Any) -> "Scene":
-        from lsvib.models.scene import Scene
-
+    def _scene(self, start: Mapping[str, float], duration: float, **more: Any) -> Scene:
         return Scene(model=self.model, drive=self, start=start, duration=duration, **more)
 
     def _automaton_and_state(
@@ -480,7 +478,7 @@ class DriveMethods(_Base):
         return definition.build(self, scene.terms, scene.resume), definition.initial_state(self, scene.start)
 
 
-def simulate(scene: "Scene | Mapping[str, Any] | str | Path") -> "xr.Dataset":
+def simulate(scene: Scene | Mapping[str, Any] | str | Path) -> "xr.Dataset":
     """Return the exact motion of a scene, with its events.
 
     Arguments: a :class:`lsvib.Scene`, its names and values, or the path of a YAML file that holds them, as

@@ -137,10 +137,14 @@ def resilience(
     show(result, as_json, lambda result: print(text))
 
 
-def _print_map(result: Mapping[str, Any]) -> None:
+def _print_shares(result: Mapping[str, Any]) -> None:
     for kind, part in result["fractions"].items():
         if part:
             print(f"{name(kind)}: {100 * part:.6g} % of {result['cells']} cells")
+
+
+def _print_map(result: Mapping[str, Any]) -> None:
+    _print_shares(result)
     print(f"unresolved: {result['unresolved']} cells")
     for doubt, cells in result["unresolved_because"].items():
         print(f"  {cells} cells unresolved: {doubt}")
@@ -151,8 +155,7 @@ def _print_map(result: Mapping[str, Any]) -> None:
 
 
 def _print_chart(result: Mapping[str, Any]) -> None:
-    for kind, part in result["fractions"].items():
-        print(f"{name(kind)}: {100 * part:.6g} % of {result['cells']} cells")
+    _print_shares(result)
     print(f"exact curves: {', '.join(map(name, result['curves'])) or 'none'}")
     print(f"{rate(result['cells_per_second'])} cells per second")
 

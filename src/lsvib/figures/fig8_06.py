@@ -88,7 +88,7 @@ def build(settings: Values) -> xr.Dataset:
     from lsvib.dynamics.attractors import steady_state
 
     drive = RigidDrive.of(settings["drive"])
-    values = {name: getattr(thresholds, name)(drive) for name in _THRESHOLDS}
+    values = {name: getattr(force_thresholds, name)(drive) for name in _THRESHOLDS}
     # Also at a relative distance of 1e-9 on either side of a threshold.
     beside = [value * (1 + sign * 1e-9) for value in values.values() for sign in (-1, 1)]
     forces = np.unique(np.concatenate([spans.even(settings["axial_force"]), list(values.values()), beside]))
