@@ -100,7 +100,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         attrs={
             "title": "The limit process: convergence of compliant threads to the rigid drive",
             "source": "lsvib, exact event-driven motion of both models",
-            "references": "doi:10.1007/978-1-4419-1752-2_8, Sects 8.2, 8.6; docs/stiff_limit.md",
+            "references": "doi:10.1007/978-1-4419-1752-2_8, Sects 8.2, 8.6; docs/limit_process.md",
         },
     )
 
