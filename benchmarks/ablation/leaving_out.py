@@ -17,10 +17,9 @@ from lsvib.engine.exact.linear_mode import linear_mode
 from lsvib.engine.exact.modal_form import modal_flow
 from lsvib.engine.kernels import columns
 from lsvib.engine.motion import Motion, follow
-from lsvib.models.drive import RigidDrive, SupportDrive
-from lsvib.models.once import forget
+from lsvib.models.drive import RigidDrive, SupportDrive, forget
 from lsvib.models.rigid import rigid_automaton
-from lsvib.models.second_body.support import MODEL as SUPPORT
+from lsvib.models.support import MODEL as SUPPORT
 
 _CONTACT_SIZES = (1e-6, 1e-3)  # of mismatch [m] and its rate [m/s]; they only scale coordinates that stay zero
 _NOTHING = 1e-18  # N

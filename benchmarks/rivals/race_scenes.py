@@ -6,9 +6,9 @@ from functools import cache
 import numpy as np
 
 from lsvib.engine.automaton import Automaton
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import Drive, RigidDrive, ThreadsDrive
-from lsvib.models.registry import Model, find_model
+from lsvib.models.mechanics import coefficients
+from lsvib.models.model import Model, find_model
 from lsvib.models.threads import seated_state
 from lsvib.stability.conditions import critical_mass
 from lsvib.stability.thresholds import global_stability_force, stick_force

@@ -9,8 +9,8 @@ from references.wide_drives import power, rigid_values, sign
 
 from benchmarks.sweeps import cases_four_states
 from benchmarks.sweeps.families import Case, CaseFamily
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.stability import thresholds
 from lsvib.stability.conditions import critical_mass
 

@@ -28,7 +28,7 @@ _GROUPS = {
 _OTHER = "Others"
 # Modules that the other pages name, by subject; docs/design.md has the layers.
 MODULES = {
-    "Drives": ["lsvib.models.drive", "lsvib.models.scene", "lsvib.models.chapter", "lsvib.models.registry"],
+    "Drives": ["lsvib.models.drive", "lsvib.models.scene", "lsvib.models.chapter", "lsvib.models.model"],
     "Engine": ["lsvib.engine.automaton", "lsvib.engine.motion"],
     "Steady sliding": [
         "lsvib.stability.linearised",

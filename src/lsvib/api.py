@@ -8,9 +8,9 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, cast
 
 from lsvib.errors import InputError
-from lsvib.models.coefficients import Coefficients, coefficients
 from lsvib.models.drive import Drive, NutDrive, RigidDrive, SupportDrive, ThreadsDrive
-from lsvib.models.registry import find_model
+from lsvib.models.mechanics import Coefficients, coefficients
+from lsvib.models.model import find_model
 from lsvib.numbers import Progress
 from lsvib.results import SolvedThreshold, StabilityReport, Threshold
 

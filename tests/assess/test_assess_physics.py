@@ -20,8 +20,8 @@ from lsvib.assess.operating_chart import charts
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.window import corners, worst
 from lsvib.dynamics.attractors import Attractor, steady_state
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import rigid_automaton
 from lsvib.stability.boundaries import stable_set
 from lsvib.stability.conditions import critical_mass

@@ -19,7 +19,7 @@ from lsvib.assess.vibration import springy_push, survived_push
 from lsvib.assess.window import corners, worst
 from lsvib.assess.words import ATTRACTORS
 from lsvib.dynamics.attractors import Attractor, steady_state
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model
 from lsvib.models.rigid import rigid_automaton
 from lsvib.stability.conditions import conditions
 

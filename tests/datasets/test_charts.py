@@ -14,7 +14,7 @@ from lsvib.datasets.chart import ChartAxis, Plane, chart_tile, gather_chart
 from lsvib.datasets.io import write_dataset
 from lsvib.dynamics.behaviour import Behaviour
 from lsvib.errors import NoThreshold
-from lsvib.models.coefficients import coefficients
+from lsvib.models.mechanics import coefficients
 from lsvib.stability import thresholds
 from lsvib.stability.boundary_curves import ChartBoundary, _function, boundary_curves, stops_again
 

@@ -8,7 +8,7 @@ import lsvib
 from lsvib.datasets.cycles import branch_dataset, branch_json
 from lsvib.dynamics.forward_slip import ForwardDrive
 from lsvib.errors import InputError
-from lsvib.models.coefficients import coefficients
+from lsvib.models.mechanics import coefficients
 from lsvib.stability import global_stability
 
 NEAR_FOLD = lsvib.RigidDrive(mass=11, support_damping=2e-3, axial_force=-18.37)

@@ -108,7 +108,7 @@ FOUND = [
 
 
 def cycle_after(drive, initial):
-    from lsvib.models.registry import find_model
+    from lsvib.models.model import find_model
 
     steady = steady_state(drive.automaton(), find_model(drive.model).initial_state(drive, initial))
     return cycle_of(drive, steady), steady

@@ -16,10 +16,10 @@ from lsvib.engine.kernels.status import FIRST_MODEL_KIND
 from lsvib.engine.motion import enter, follow
 from lsvib.errors import InputError
 from lsvib.models.drive import NutDrive, RigidDrive, SupportDrive, ThreadsDrive
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model
+from lsvib.models.nut import NutMode
 from lsvib.models.rigid import rigid_automaton
-from lsvib.models.second_body.nut import NutMode
-from lsvib.models.second_body.support import SupportMode
+from lsvib.models.support import SupportMode
 from lsvib.models.threads import ThreadsMode
 from lsvib.stability import linearised
 

@@ -4,16 +4,16 @@ from importlib.util import find_spec
 
 import pytest
 
-from lsvib.dynamics import endings_of_models
+from lsvib.datasets import maps_of_models
 from lsvib.errors import InputError
-from lsvib.models.model_files import model_names, modules_of, of_model
+from lsvib.models.model import model_names, modules_of, of_model
 
 
 def test_the_modules_of_a_model_are_its_own_and_those_of_the_rooms():
     """The workflow makes a map anew if one of them changes."""
     assert modules_of("rigid")[0] == "lsvib.models.rigid"
-    assert "lsvib.dynamics.endings_of_models.rigid" in modules_of("rigid")
-    assert modules_of("nut") == ("lsvib.models.second_body.nut", "lsvib.stability.stability_of_models.nut")
+    assert {"lsvib.datasets.maps_of_models.rigid", "lsvib.dynamics.endings_of_models.rigid"} < set(modules_of("rigid"))
+    assert modules_of("nut") == ("lsvib.models.nut", "lsvib.stability.stability_of_models.nut")
     for name in model_names():
         assert all(find_spec(module) for module in modules_of(name))
     with pytest.raises(InputError, match="model = 'wood' is not one of rigid"):
@@ -21,7 +21,7 @@ def test_the_modules_of_a_model_are_its_own_and_those_of_the_rooms():
 
 
 def test_a_model_without_a_file_has_what_serves_all():
-    found = of_model(endings_of_models, "rigid", "all_endings", len)
-    assert found.__module__ == "lsvib.dynamics.endings_of_models.rigid"
-    assert of_model(endings_of_models, "nut", "all_endings", len) is len
-    assert of_model(endings_of_models, "rigid", "nothing", len) is len
+    found = of_model(maps_of_models, "rigid", "surroundings", len)
+    assert found.__module__ == "lsvib.datasets.maps_of_models.rigid"
+    assert of_model(maps_of_models, "nut", "surroundings", len) is len
+    assert of_model(maps_of_models, "rigid", "nothing", len) is len

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import lsvib
-from lsvib.models.model_files import model_names
+from lsvib.models.model import model_names
 
 PACKAGE = Path(lsvib.__file__).parent
 # Compliant threads on a slope, along which a part of the weight adds to the axial force.
@@ -109,7 +109,7 @@ lsvib.__path__.append(sys.argv[1])
 from lsvib.api import drive_class
 from lsvib.basins.grid import coordinates
 from lsvib.cli.app import main
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model
 
 found = {}
 for name, arguments in json.loads(sys.argv[2]).items():

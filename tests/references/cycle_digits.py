@@ -13,7 +13,7 @@ import numpy as np
 from mpmath import mp, mpf
 
 from lsvib.engine.kernels.status import GRAZE_KIND
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model
 from references.exponential_sums import Function
 from references.four_states_digits import FourStatesDrive, mode_name
 

@@ -17,8 +17,8 @@ from lsvib.dynamics.attractors import Attractor, steady_state
 from lsvib.dynamics.forward_slip import ForwardDrive
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.motion import follow
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import rigid_automaton
 from lsvib.stability.global_stability import widest_return
 from lsvib.stability.thresholds import NoThreshold, global_stability_force

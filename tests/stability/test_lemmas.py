@@ -8,8 +8,8 @@ from references.classes import growth_rate
 from references.newton import eigenvalues
 
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import ThreadsDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.stability import eigenvalues_two_coordinates, linearised, stiff_contact, support_conditions
 
 STIFFNESSES = [1e11, 1e14]

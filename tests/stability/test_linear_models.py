@@ -11,8 +11,8 @@ from references.newton import accelerations, eigenvalues
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import InputError
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import NutDrive, SupportDrive, ThreadsDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.stability import eigenvalues_rigid, eigenvalues_two_coordinates, linearised, support_conditions
 from lsvib.stability.eigenvalues_two_coordinates import UndampedClass
 from lsvib.stability.stability_table import stability_table

@@ -10,8 +10,8 @@ from references import threshold_digits
 from lsvib.dynamics.forward_slip import ForwardDrive
 from lsvib.dynamics.slip_cycle import half_return, leaving
 from lsvib.errors import InputError
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import NutDrive, RigidDrive, SupportDrive, ThreadsDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.stability import solved_threshold
 from lsvib.stability.solved_threshold import solve_threshold
 

@@ -18,8 +18,8 @@ from lsvib.dynamics.forward_slip import ForwardDrive
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.motion import follow
 from lsvib.errors import DivergenceError, EngineError, InputError, NoThreshold
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import EventKind, rigid_automaton
 from lsvib.stability import thresholds
 from lsvib.stability.global_stability import widest_return

@@ -18,8 +18,8 @@ from references.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
 
 from lsvib.dynamics.attractors import Attractor, orbit_extremes, steady_state
 from lsvib.models import chapter
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive, ThreadsDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import EventKind, rigid_automaton
 from lsvib.models.threads import seated_state, threads_automaton
 from lsvib.stability import thresholds

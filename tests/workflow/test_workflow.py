@@ -120,7 +120,7 @@ def test_a_second_run_does_nothing(finished):
             {"Computing fig8_08", "Drawing fig8_08", "Collecting the checks", "Judging the checks"},
         ),
         (
-            "src/lsvib/models/friction.py",
+            "src/lsvib/models/mechanics.py",
             {*(f"{verb} {f}" for verb in ("Computing", "Drawing") for f in FIGURES), "Collecting the checks"}
             | {"Judging the checks"},
         ),

@@ -6,7 +6,7 @@ SHEETS = {Path(sheet).stem: sheet for sheet in config["assessments"]}
 ASSESSMENT = (
     imports("lsvib.assess.run")
     | imports("lsvib.models.rigid")
-    | imports("lsvib.models.second_body.support")
+    | imports("lsvib.models.support")
     | imports("lsvib.models.threads")
 )
 

@@ -14,8 +14,8 @@ from pathlib import Path
 import grimp
 from lsvib.datasets.checks import counts, failures, printed_thresholds, read_checks, verdict
 from lsvib.errors import LsvibError
-from lsvib.models.model_files import model_module, modules_of
-from lsvib.models.registry import all_models
+from lsvib.models.model import model_module, modules_of
+from lsvib.models.model import all_models
 from lsvib.models.scene import read_yaml
 from lsvib.figures.configuration import check, selected, settings_of
 from lsvib.figures.folders import (

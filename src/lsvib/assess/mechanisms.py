@@ -24,7 +24,7 @@ import numpy as np
 from lsvib.assess import sheet_to_drive as sheets
 from lsvib.assess.flank_friction import damping_by_slope
 from lsvib.assess.sheet import Sheet
-from lsvib.models import friction
+from lsvib.models import mechanics
 from lsvib.models.drive import RigidDrive, SupportDrive, ThreadsDrive, zero_if_close
 from lsvib.stability.characteristic import polynomial
 from lsvib.stability.conditions import conditions
@@ -65,13 +65,13 @@ def reserves(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any
     law = np.where(np.real(carried) * np.real(p["input_speed"]) >= 0, 1, -1)
     size = np.where(np.real(carried) < 0, -carried, carried)
     by_slope = damping_by_slope(at.slope, size, p["friction_coefficient"], p["pitch_radius"], p["lead_angle"], law)
-    factor = friction.friction_factor(p["friction_coefficient"], tangent, law)
+    factor = mechanics.friction_factor(p["friction_coefficient"], tangent, law)
     geometry = (p["pitch_radius"], tangent, factor)
     mass = p["mass"]
     if sheet.support is not None:
         mass = mass * values["screw_mass"] / (mass + values["screw_mass"])
-    inertia = friction.effective_inertia(p["screw_inertia"], mass, *geometry)
-    damping = friction.effective_damping(p["support_damping"], p["translation_damping"], *geometry)
+    inertia = mechanics.effective_inertia(p["screw_inertia"], mass, *geometry)
+    damping = mechanics.effective_damping(p["support_damping"], p["translation_damping"], *geometry)
     base = _balance(p["support_damping"], damping - p["support_damping"])
     sloped = _balance(p["support_damping"], damping - p["support_damping"], by_slope)
     found = {
@@ -85,16 +85,16 @@ def reserves(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any
     if sheet.contact is not None:
         own = sheets.own_parameters(values, "contact")
         full = _full_reserve("contact", {**p, **own}, law)
-        whole = friction.effective_inertia(p["screw_inertia"], p["mass"], *geometry)  # the support is rigid here
+        whole = mechanics.effective_inertia(p["screw_inertia"], p["mass"], *geometry)  # the support is rigid here
         own_fault = (np.real(helped) >= 0) & (np.real(whole) > 0)
         found["thread_contact"] = np.where(own_fault, full, _larger(full, 0 * full))
         if sheet.support is None:
             for name in ("negative_damping", "kinematic_constraint"):
                 found[name] = _larger(found[name], full)
-    plus = friction.friction_factor(p["friction_coefficient"], tangent, 1)
+    plus = mechanics.friction_factor(p["friction_coefficient"], tangent, 1)
     geometry = (p["pitch_radius"], tangent, plus)
-    of_plus = friction.effective_inertia(p["screw_inertia"], mass, *geometry) - p["screw_inertia"]
-    fed = friction.effective_damping(0.0, p["translation_damping"], *geometry)
+    of_plus = mechanics.effective_inertia(p["screw_inertia"], mass, *geometry) - p["screw_inertia"]
+    fed = mechanics.effective_damping(0.0, p["translation_damping"], *geometry)
     # Without damping of the load there is nothing that law + could turn round.
     damped = np.where(np.real(fed) == 0, 1.0, _balance(p["support_damping"], fed))
     reserve = _balance(p["screw_inertia"], of_plus)

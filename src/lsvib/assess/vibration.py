@@ -18,9 +18,9 @@ from lsvib.dynamics.impulses import event_impulses
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError, InputError
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import Drive
-from lsvib.models.registry import Model, find_model
+from lsvib.models.mechanics import coefficients
+from lsvib.models.model import Model, find_model
 from lsvib.models.rigid import rigid_automaton
 
 AUDIBLE = (20.0, 20e3)  # Hz, what a young ear hears

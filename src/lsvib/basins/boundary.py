@@ -32,8 +32,8 @@ from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError, InputError, LsvibError
-from lsvib.models.coefficients import Coefficients, coefficients
 from lsvib.models.drive import Drive, RigidDrive
+from lsvib.models.mechanics import Coefficients, coefficients
 from lsvib.models.rigid import MotionMode, rigid_automaton
 
 _NARROW = 1e-10  # width of a window, of the size of the boundary, in which a share is still good to 1e-4

@@ -29,8 +29,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lsvib.errors import InputError
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive, ThreadsDrive
+from lsvib.models.mechanics import coefficients
 
 ForceState = tuple[float, float]
 _ARCS = 1000  # A motion that still crosses N = 0 after so many arcs counts as bounded.

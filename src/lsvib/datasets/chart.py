@@ -37,8 +37,7 @@ from lsvib.dynamics.compliant_behaviour import compliant_behaviours
 from lsvib.errors import InputError
 from lsvib.models import chapter
 from lsvib.models.drive import Drive, RigidDrive
-from lsvib.models.registry import all_models, find_model
-from lsvib.models.resumption import Resume, rule
+from lsvib.models.model import Resume, all_models, find_model, rule
 from lsvib.numbers import Progress
 from lsvib.stability.boundary_curves import LOGARITHMIC, ChartBoundary, boundary_curves, curves_of
 

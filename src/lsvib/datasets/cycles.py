@@ -20,7 +20,7 @@ from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import columns
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive, described, zero_if_close
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model
 
 
 @dataclass(frozen=True)

@@ -22,8 +22,7 @@ from lsvib.datasets.io import joined, rows_of, write_dataset
 from lsvib.dynamics.attractors import Attractor, Doubt
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive, RigidDrive, names_and_values
-from lsvib.models.registry import find_model
-from lsvib.models.resumption import rule
+from lsvib.models.model import find_model, rule
 from lsvib.numbers import Progress
 
 _CYCLE_SAMPLES = 400  # of a limit cycle that is drawn: corners that no picture shows

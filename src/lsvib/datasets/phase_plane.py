@@ -27,9 +27,9 @@ from lsvib.dynamics.impulses import Impulses, event_impulses
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import InputError
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
-from lsvib.models.resumption import RULES
+from lsvib.models.mechanics import coefficients
+from lsvib.models.model import RULES
 from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
 
 _STATES = ("angle_deviation", "velocity_deviation")

@@ -24,9 +24,7 @@ from lsvib.engine.motion import enter
 from lsvib.errors import EngineError
 from lsvib.models.drive import Drive
 from lsvib.models.many import ManyDrives
-from lsvib.models.model_files import of_model
-from lsvib.models.registry import Model, find_model
-from lsvib.models.resumption import Resume
+from lsvib.models.model import Model, Resume, find_model, of_model
 
 _SHARE = 1024  # most drives whose tables are made at once: arrays pay, and a process has some seconds of work
 _LEAST = 64  # drives that a process takes at a time where there are few

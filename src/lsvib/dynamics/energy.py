@@ -20,8 +20,7 @@ from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import columns
 from lsvib.engine.motion import Motion
 from lsvib.models.drive import Drive
-from lsvib.models.powers import product
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model, product
 
 _SHORT = 0.5  # phase of the first step at the fastest rate: the rule is then wrong by less than 1e-20
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)  # exact up to the 15th power of the time

@@ -23,7 +23,7 @@ from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND
 from lsvib.engine.motion import Motion, follow
 from lsvib.models.drive import Drive
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model
 
 _NEWTON = 40  # steps; a start that Newton's method likes needs six
 _HALVINGS = 8  # of a step that leads to where motions do not come back

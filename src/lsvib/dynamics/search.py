@@ -24,8 +24,8 @@ from lsvib.dynamics.return_section import lines, nearest_to_origin
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import columns
 from lsvib.errors import EngineError
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import Drive
+from lsvib.models.mechanics import coefficients
 
 _DECADES = (-4.0, 3.0)  # Lines are searched from 10^-4 to 10^3 of the size of a swing of the screw.
 _SAMPLES = 160  # on each side of a line: each lies a tenth farther out than the one before

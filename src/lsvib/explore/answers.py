@@ -21,7 +21,7 @@ from lsvib.errors import EngineError, LsvibError
 from lsvib.explore.view import View
 from lsvib.figures.attraction.picture import COLOURS
 from lsvib.models.drive import Drive
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model
 
 DRAGGED = (
     120,

@@ -21,7 +21,7 @@ from lsvib.explore.controls import Controls
 from lsvib.explore.plots import Plots
 from lsvib.explore.view import View
 from lsvib.figures.attraction.picture import COLOURS
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model
 
 _THROTTLE = 8  # ms for which requests that came while an answer was made are gathered
 _PAUSE = 0.02  # s after an answer; a request that comes later comes alone, and is answered at once

@@ -5,16 +5,25 @@ or refused without loading the automata that the models make.
 """
 
 import math
-from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, ParamSpec, Self, TypeVar
 
 from flint import arb
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    ValidationError,
+)
+from pydantic_core import PydanticCustomError, core_schema
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import InputError
-from lsvib.models.once import once
-from lsvib.models.ranges import Least, range_in_words
 from lsvib.numbers import NotNumber, number, shown, whole
 
 
@@ -22,6 +31,73 @@ def _quantity_of(value: Any) -> float:
     if type(value) is float and value == value:  # nearly always, and quick
         return value + 0.0  # -0.0 and 0.0 are one drive
     return number(value) + 0.0
+
+
+P = ParamSpec("P")
+T = TypeVar("T")
+_forget: list[Callable[[], None]] = []
+
+
+def once(make: Callable[P, T]) -> Callable[P, T]:
+    """Decorate a function of a drive, and of what else can be hashed, so that it computes each result once.
+
+    Drives are values, so that what was made from one serves every equal one, in every layer; of the last 256 drives, as
+    a sweep goes through a hundred thousand. Results are shared, so nobody may change them. Arguments must be given in
+    one and the same way.
+    """
+    kept: Any = lru_cache(maxsize=256)(make)
+    _forget.append(kept.cache_clear)
+    return kept  # type: ignore[no-any-return]
+
+
+def forget() -> None:
+    """Forget all results of :func:`once`, so that the time to make one can be measured."""
+    for clear in _forget:
+        clear()
+
+
+@dataclass(frozen=True)
+class Least:
+    """The least magnitude of a parameter that is not zero; ``zero`` says whether it may be zero."""
+
+    magnitude: float
+    zero: bool = True
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        """Check this bound after the others."""
+        return core_schema.no_info_after_validator_function(self._checked, handler(source))
+
+    def __get_pydantic_json_schema__(self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler) -> Any:
+        """Say this bound beside the others."""
+        rule = handler(schema)
+        sides: list[dict[str, float]] = [{"minimum": self.magnitude}]
+        if rule.get("minimum", 0) < 0:
+            sides.insert(0, {"maximum": -self.magnitude})
+        return {**rule, "anyOf": [*([{"const": 0}] if self.zero else []), *sides]}
+
+    def _checked(self, value: float) -> float:
+        if abs(value) >= self.magnitude or (self.zero and value == 0):
+            return value
+        raise PydanticCustomError("too_close_to_zero", "is too close to zero")
+
+
+def range_in_words(name: str, rule: Mapping[str, Any], form: str = "g") -> str:
+    """Return the range that a JSON schema states for a number, e.g. ``0 or 1e-18 <= |R| <= 1e+12``; empty if none."""
+    alternatives = [bound for bound in rule.get("anyOf", ()) if bound.keys() <= {"const", "minimum", "maximum"}]
+    zero, size = "", name
+    if alternatives:
+        least = alternatives[-1]["minimum"]
+        if rule.get("exclusiveMaximum") == 0:
+            rule = {"minimum": rule["minimum"], "maximum": -least}
+        elif "exclusiveMinimum" in rule:
+            rule = {"minimum": least, "maximum": rule["maximum"]}
+        else:
+            zero = "0 or " if {"const": 0} in alternatives and "not" not in rule else ""
+            size = f"|{name}|" if rule["minimum"] < 0 else name
+            rule = {**rule, "minimum": least}
+    low = [f"{rule[k]:{form}} {sign} " for k, sign in (("minimum", "<="), ("exclusiveMinimum", "<")) if k in rule]
+    high = [f" {sign} {rule[k]:{form}}" for k, sign in (("maximum", "<="), ("exclusiveMaximum", "<")) if k in rule]
+    return f"{zero}{''.join(low)}{size}{''.join(high)}" if low or high else ""
 
 
 Number = Annotated[float, BeforeValidator(number)]
@@ -66,7 +142,7 @@ class Drive(BaseModel):
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-    model: ClassVar[str]  # one of lsvib.models.model_files.model_names()
+    model: ClassVar[str]  # one of lsvib.models.model.model_names()
     own_damping: ClassVar[str] = ""  # the damping that the model adds to the rigid drive
 
     pitch_radius: Value = quantity(5.18e-3, "r_m", "m", "pitch radius of the screw", ge=1e-6, le=1.0)

@@ -15,9 +15,9 @@ from lsvib.engine.automaton import DIMENSIONS, Automaton
 from lsvib.engine.exact.arithmetic import Divided
 from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.tables import Tables
-from lsvib.models.coefficients import Coefficients, coefficients_of, steady_force
 from lsvib.models.drive import Drive, RigidDrive
-from lsvib.models.resumption import Resume
+from lsvib.models.mechanics import Coefficients, coefficients_of, steady_force
+from lsvib.models.model import Resume
 from lsvib.models.rigid import automaton_of
 
 _CANCELLED = 1e3  # terms of a sum over the sum: beyond, doubles do not hold 1e-12 of it
@@ -80,7 +80,7 @@ def groups(drives: ManyDrives, resume: Resume, entries: np.ndarray) -> Iterator[
         try:
             with np.errstate(all="ignore"):  # what overflows or divides by zero is not safe
                 c = coefficients_of(d)
-                automaton = automaton_of(c, d, True, resume if c.paradox else "contact_sign")
+                automaton = automaton_of(c, d, True, resume)
                 automaton = _layered(automaton, members.size)
                 yield Group(members, _safe(c, d, automaton.tables), automaton, c, steady_force(c, d))
         except Divided as parts:

@@ -34,13 +34,9 @@ from lsvib.engine.exact.linear_mode import linear_mode
 from lsvib.engine.exact.modal_form import ModalMode, guard_forms, modal_flow
 from lsvib.engine.exact.reach import SWINGS
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
-from lsvib.models.coefficients import Coefficients, coefficients
-from lsvib.models.drive import ThreadsDrive
-from lsvib.models.linear_parts import LinearParts, Polynomial
-from lsvib.models.once import once
-from lsvib.models.powers import Powers, product
-from lsvib.models.registry import Model, seizures_only_by_contact
-from lsvib.models.second_body.mechanics import DIRECTIONS, SIGNS, plus
+from lsvib.models.drive import ThreadsDrive, once
+from lsvib.models.mechanics import Coefficients, LinearParts, Polynomial, coefficients, plus
+from lsvib.models.model import DIRECTIONS, SIGNS, Model, Powers, product, seizures_only_by_contact
 
 STATES = ("angle_deviation", "velocity_deviation", "thread_mismatch", "mismatch_rate")
 
@@ -109,6 +105,7 @@ def threads_automaton(drive: ThreadsDrive) -> Automaton:
             stack=modal_flow,
             forms=guard_forms,
             rest_codes=(ThreadsMode.REST_POSITIVE, ThreadsMode.REST_NEGATIVE),
+            release_kinds=(ThreadsEvent.RELEASE,),
             sprag_codes=_UNDER_LAW_PLUS if c.paradox else (),
         )
 

@@ -31,11 +31,10 @@ from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.motion import follow
 from lsvib.errors import InputError, NoThreshold
-from lsvib.models.coefficients import Coefficients, coefficients
 from lsvib.models.drive import Drive, zero_if_close
-from lsvib.models.friction import effective_damping, effective_inertia, friction_factor
 from lsvib.models.many import ManyDrives, groups
-from lsvib.models.registry import find_model
+from lsvib.models.mechanics import Coefficients, coefficients, effective_damping, effective_inertia, friction_factor
+from lsvib.models.model import find_model
 from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
 from lsvib.stability import thresholds
 from lsvib.stability.characteristic import DIGITS, hurwitz, polynomial, rationals, tangents

@@ -7,7 +7,7 @@ from typing import Any
 
 from lsvib.errors import EngineError, InputError, NoThreshold
 from lsvib.models.drive import Drive, allowed_range, described
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model
 from lsvib.numbers import shown
 from lsvib.results import Quantity, SolvedThreshold, ThresholdSolution
 from lsvib.stability import sprag_thresholds, threshold_motions, thresholds

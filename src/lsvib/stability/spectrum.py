@@ -12,8 +12,8 @@ from typing import Any
 from flint import arb
 
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.models.coefficients import Coefficients
 from lsvib.models.drive import Drive, RigidDrive
+from lsvib.models.mechanics import Coefficients
 from lsvib.stability.characteristic import Polynomial, hurwitz, settled
 from lsvib.stability.eigenvalues_rigid import Stability
 from lsvib.stability.eigenvalues_two_coordinates import routh_hurwitz

@@ -12,8 +12,8 @@ import math
 from flint import arb
 
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import ThreadsDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.stability.boundaries import stable_set
 from lsvib.stability.linearised import steady_law
 

@@ -12,7 +12,7 @@ from flint import arb
 from numpy.typing import NDArray
 
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.models import friction
+from lsvib.models import mechanics
 from lsvib.models.drive import SupportDrive
 from lsvib.numbers import bisected
 from lsvib.stability.eigenvalues_two_coordinates import UndampedClass, reciprocal_squares
@@ -54,14 +54,14 @@ def reduced_inertia(drive: DriveValues, law: int) -> Any:
     """Return Γ̃_0 = I − ξ_s tan λ m̃ r_m² [kg m²] (eqs 8.27, 8.28)."""
     p = values_of(drive, law)
     with many_digits():
-        return friction.effective_inertia(p.screw_inertia, reduced_mass(drive), p.pitch_radius, p.tan_lead, p.factor)
+        return mechanics.effective_inertia(p.screw_inertia, reduced_mass(drive), p.pitch_radius, p.tan_lead, p.factor)
 
 
 def rigid_inertia(drive: DriveValues, law: int) -> Any:
     """Return Γ_0 = I − ξ_s tan λ m r_m² [kg m²], which steady sliding needs positive as k_1 → ∞ (eq. 8.20)."""
     p = values_of(drive, law)
     with many_digits():
-        return friction.effective_inertia(p.screw_inertia, p.mass, p.pitch_radius, p.tan_lead, p.factor)
+        return mechanics.effective_inertia(p.screw_inertia, p.mass, p.pitch_radius, p.tan_lead, p.factor)
 
 
 def boundary_coefficients(drive: DriveValues, law: int) -> tuple[Any, Any, Any]:

@@ -20,8 +20,8 @@ from typing import Any
 from lsvib.engine.exact.duals import tangent
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
-from lsvib.models.linear_parts import LinearParts
-from lsvib.models.registry import find_model
+from lsvib.models.mechanics import LinearParts
+from lsvib.models.model import find_model
 from lsvib.stability.boundaries import interpolated, largest_friction, margins, undamped
 from lsvib.stability.characteristic import DIGITS, polynomial, rationals, tangents
 from lsvib.stability.real_roots import SAME, positive_roots

@@ -11,8 +11,8 @@ from lsvib.dynamics.forward_slip import ForwardDrive, many
 from lsvib.dynamics.slip_cycle import decay_of_large_motions, slowest_point
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import NoThreshold
-from lsvib.models.coefficients import Coefficients, coefficients
 from lsvib.models.drive import RigidDrive, allowed_range
+from lsvib.models.mechanics import Coefficients, coefficients
 from lsvib.stability.threshold_motions import Start
 
 __all__ = ["NoThreshold", "detach_force", "global_stability_force", "onset_force", "stick_force"]

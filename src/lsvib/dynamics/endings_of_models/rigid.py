@@ -26,11 +26,10 @@ from lsvib.dynamics.steady_states import Attractor, orbit_extremes
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.kernels import columns
 from lsvib.errors import EngineError
-from lsvib.models.coefficients import coefficients, steady_force
 from lsvib.models.drive import RigidDrive
 from lsvib.models.many import Group, ManyDrives, groups
-from lsvib.models.registry import find_model
-from lsvib.models.resumption import Resume
+from lsvib.models.mechanics import coefficients, steady_force
+from lsvib.models.model import Resume, find_model
 from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
 
 _SEARCH = SearchLimits(

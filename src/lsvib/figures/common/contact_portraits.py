@@ -16,8 +16,8 @@ from lsvib.contact.contact_force import ForceArc, ForceFlow, ForceOutcome, Parad
 from lsvib.datasets import spans
 from lsvib.datasets.attributes import Variables, attributes, drive_parameters, flagged, labels, named_index, variable
 from lsvib.errors import InputError
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import ThreadsDrive
+from lsvib.models.mechanics import coefficients
 
 _LAWS = (1, -1)  # sgn(θ′) sgn(N), in the order of the dimension
 # The contact force in its own scale and time depends on inertias, geometry, friction and contact alone.

@@ -12,8 +12,8 @@ from lsvib.datasets import phase_plane, printed
 from lsvib.datasets.attributes import variable
 from lsvib.datasets.checks import Check
 from lsvib.models import chapter
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.stability import thresholds
 
 

@@ -8,8 +8,8 @@ import xarray as xr
 
 from lsvib.datasets import phase_plane
 from lsvib.datasets.attributes import drive_parameters, labels, variable
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.stability.conditions import conditions
 from lsvib.stability.eigenvalues_rigid import eigenvalues
 

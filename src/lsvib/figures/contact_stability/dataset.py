@@ -20,8 +20,8 @@ from lsvib.datasets.attributes import (
 from lsvib.errors import InputError
 from lsvib.figures.common.compliant_cycles import CRITICAL_MASS_WITH_CONTACT
 from lsvib.figures.contact_stability.checks import checks
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import ThreadsDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.stability.boundaries import stable_set
 from lsvib.stability.conditions import critical_mass
 from lsvib.stability.eigenvalues_two_coordinates import eigenvalues

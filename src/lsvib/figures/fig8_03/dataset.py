@@ -9,8 +9,8 @@ import xarray as xr
 from lsvib.datasets import spans
 from lsvib.datasets.attributes import attributes, drive_parameters, flagged, labels, variable
 from lsvib.datasets.checks import Check
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.stability.eigenvalues_rigid import Stability, eigenvalues, stability_class
 
 _HALVINGS = 100  # to the last bit, also where the boundary lies decades below its bracket

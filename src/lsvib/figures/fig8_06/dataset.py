@@ -13,8 +13,8 @@ from lsvib.datasets.checks import Check
 from lsvib.dynamics.attractors import Attractor, SteadyState, steady_state
 from lsvib.figures.common import mass_readings
 from lsvib.models import chapter
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import EventKind, rigid_automaton
 from lsvib.stability import thresholds
 

@@ -13,8 +13,8 @@ from lsvib.datasets.attributes import drive_parameters, flagged, labels, variabl
 from lsvib.datasets.checks import Check
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.kernels import columns, flow_planar
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
 
 _LONG = 60.0  # times the decay time of law −1, after which e⁻⁶⁰ of a start is left

@@ -11,8 +11,8 @@ from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, drive_para
 from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
 from lsvib.models import chapter
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.numbers import bisected
 from lsvib.stability.conditions import critical_mass
 from lsvib.stability.eigenvalues_rigid import eigenvalues

@@ -13,7 +13,7 @@ from lsvib.dynamics.attractors import Attractor, SteadyState, steady_state
 from lsvib.dynamics.impulses import mean_load
 from lsvib.errors import InputError
 from lsvib.models.drive import RigidDrive
-from lsvib.models.resumption import RULES
+from lsvib.models.model import RULES
 from lsvib.models.rigid import MotionMode, rigid_automaton
 from lsvib.numbers import bisected
 

@@ -17,8 +17,8 @@ from lsvib.figures.common.compliant_cycles import (
     compliant_cycle,
     cycle_curves,
 )
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import ThreadsDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import rigid_automaton
 from lsvib.stability.stiff_contact import critical_mass_of_contact
 

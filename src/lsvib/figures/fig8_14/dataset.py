@@ -16,7 +16,7 @@ from lsvib.datasets.checks import Check
 from lsvib.dynamics.attractors import Attractor, steady_state
 from lsvib.figures.common import accumulation
 from lsvib.models.drive import RigidDrive
-from lsvib.models.resumption import RULES
+from lsvib.models.model import RULES
 from lsvib.models.rigid import EventKind, rigid_automaton
 from lsvib.stability.thresholds import global_stability_force
 

@@ -24,7 +24,7 @@ from lsvib.datasets.attributes import (
 )
 from lsvib.datasets.checks import Check
 from lsvib.models.drive import RigidDrive
-from lsvib.models.resumption import RULES
+from lsvib.models.model import RULES
 
 _CONVERGED = 1e-3  # deviation at the stiffest contact, relative to the motion: nothing that a picture shows
 _ORDER = 0.8  # of convergence, at least: the first order shows as 0.86 to 0.94 at stiffnesses that are finite

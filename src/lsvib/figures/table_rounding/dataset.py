@@ -11,8 +11,8 @@ from lsvib.datasets import printed
 from lsvib.datasets.attributes import Variables, drive_parameters, flagged, origin_of, parameter, variable, yes_no
 from lsvib.datasets.checks import Check
 from lsvib.models import chapter
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive, SupportDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.numbers import bisected
 from lsvib.stability import thresholds
 from lsvib.stability.conditions import critical_friction, critical_mass

@@ -3,7 +3,7 @@
 from typing import Any
 
 from lsvib.models.drive import NutDrive
-from lsvib.models.linear_parts import Polynomial
+from lsvib.models.mechanics import Polynomial
 from lsvib.stability import nut_conditions
 from lsvib.stability.stability_of_models import condition, quantity
 

@@ -3,7 +3,7 @@
 from typing import Any
 
 from lsvib.models.drive import SupportDrive
-from lsvib.models.linear_parts import Polynomial
+from lsvib.models.mechanics import Polynomial
 from lsvib.stability import support_conditions
 from lsvib.stability.characteristic import scale
 from lsvib.stability.conditions import critical_friction

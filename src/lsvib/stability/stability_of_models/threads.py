@@ -3,9 +3,8 @@
 from fractions import Fraction
 from typing import Any
 
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import ThreadsDrive
-from lsvib.models.linear_parts import Polynomial
+from lsvib.models.mechanics import Polynomial, coefficients
 from lsvib.stability import boundaries, stiff_contact
 from lsvib.stability.stability_of_models import condition, quantity
 

@@ -1,0 +1,182 @@
+"""Coefficients of the equations of motion (8.13)–(8.17), and what the characteristic polynomials of all models share.
+
+The formulas are plain arithmetic, and decide by the sign of a number alone. So the same lines serve the balls of one
+drive (``Drive.exact()``), arrays of doubles, which are many drives, and power series, which carry derivatives
+(:mod:`lsvib.engine.exact.arithmetic`). Symbols are those of the chapter: ``law`` is s = sgn(θ̇)·sgn(N) = ±1,
+``tan_lead`` is tan λ, ``factor`` is ξ_s.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Self
+
+from flint import arb
+
+from lsvib.engine.exact.arithmetic import ball, many_digits, sign
+from lsvib.engine.exact.polynomials import multiplied
+from lsvib.models.drive import Drive, once
+
+if TYPE_CHECKING:
+    from lsvib.engine.automaton import Row
+
+Polynomial = tuple[Any, ...]  # highest power first
+_CANCELLED = 1e-40  # radius of a sum that holds zero, relative to its terms: fewer digits do not show that it is zero
+
+
+def friction_factor(friction_coefficient: Any, tan_lead: Any, law: Any) -> Any:
+    """Friction factor of the threads, ξ_s = (s μ − tan λ) / (1 + s μ tan λ) [1] (eqs 5.11, 8.4).
+
+    >>> round(friction_factor(0.218, 0.0975, 1), 4)
+    0.118
+    """
+    return (law * friction_coefficient - tan_lead) / (1 + law * friction_coefficient * tan_lead)
+
+
+def effective_inertia(screw_inertia: Any, mass: Any, pitch_radius: Any, tan_lead: Any, factor: Any) -> Any:
+    """Effective inertia Γ_s = I − ξ_s tan λ m r_m² [kg m²] (eq. 8.2)."""
+    return screw_inertia - factor * tan_lead * mass * pitch_radius**2
+
+
+def effective_damping(
+    support_damping: Any, translation_damping: Any, pitch_radius: Any, tan_lead: Any, factor: Any
+) -> Any:
+    """Effective damping C_s = c − ξ_s r_m² tan λ c_x [N m s/rad] (below eq. 8.13)."""
+    return support_damping - factor * tan_lead * translation_damping * pitch_radius**2
+
+
+@dataclass(frozen=True)
+class Coefficients:
+    """Coefficients of eqs (8.13)–(8.17) as balls (``flint.arb``: a midpoint and a radius), in SI units.
+
+    ``xi`` ξ_s [1], ``gamma`` Γ_s [kg m²] and ``damping`` C_s [N m s/rad] by the law s = ±1; ``steady_law`` s_0 =
+    sgn(R̃ Ω); ``net_force`` R̃ = R − r_m tan λ c_x Ω [N]; ``deflection`` z_0 of the coupling in steady sliding [rad];
+    ``q_row``, Q as an affine function of u and w, the constant last. ``float()`` rounds a ball to double.
+    """
+
+    xi: dict[int, arb]
+    gamma: dict[int, arb]
+    damping: dict[int, arb]
+    steady_law: int
+    net_force: arb
+    deflection: arb
+    q_row: tuple[arb, arb, arb]
+
+    @property
+    def paradox(self) -> bool:
+        """True in the Painlevé region, Γ₊ ≤ 0."""
+        return sign(self.gamma[1], "mass") <= 0
+
+    def slack(self, law: int) -> arb | int:
+        """Return ξ_0 − ξ_s [1], exactly zero for the law of steady sliding."""
+        return 0 if law == self.steady_law else self.xi[self.steady_law] - self.xi[law]
+
+
+@once
+def coefficients(drive: Drive) -> Coefficients:
+    """Return the coefficients of eqs (8.13)–(8.17) for a drive, as balls."""
+    return coefficients_of(drive.exact())
+
+
+def coefficients_of(d: Any) -> Coefficients:
+    """Return the coefficients from parameters as balls, arrays of doubles or power series."""
+    with many_digits():
+        r, tan = d.pitch_radius, d.tan_lead
+        xi = {s: friction_factor(d.friction_coefficient, tan, s) for s in (1, -1)}
+        gamma = {s: effective_inertia(d.screw_inertia, d.mass, r, tan, xi[s]) for s in xi}
+        damping = {s: effective_damping(d.support_damping, d.translation_damping, r, tan, xi[s]) for s in xi}
+        net_force = d.axial_force - r * tan * d.translation_damping * d.input_speed
+        law = -1 if sign(net_force * d.input_speed, "axial_force") < 0 else 1
+        return Coefficients(
+            xi=xi,
+            gamma=gamma,
+            damping=damping,
+            steady_law=law,
+            net_force=net_force,
+            deflection=-(damping[law] * d.input_speed + r * xi[law] * d.axial_force) / d.coupling_stiffness,
+            q_row=(
+                r * tan * d.mass * d.coupling_stiffness,
+                r * tan * (d.mass * d.support_damping - d.screw_inertia * d.translation_damping),
+                gamma[law] * net_force,
+            ),
+        )
+
+
+def steady_force(c: Coefficients, d: Any) -> Any:
+    """Return |N_0| of steady sliding [N] (eq. 8.15): N_0 (cos λ + s_0 μ sin λ) = R̃."""
+    return abs(c.net_force / (d.cos_lead + c.steady_law * d.friction_coefficient * d.sin_lead))
+
+
+@dataclass(frozen=True)
+class LinearParts:
+    """The parts of the characteristic polynomials of all models, in any kind of number (SI units).
+
+    With t = tan λ, g = 1 + s_0 μ t, h = r_m² t (s_0 μ − t), the ``screw`` A = I s² + c s + k and the translating mass,
+    ``slide``, B = m s² + c_x s, the polynomial of the rigid drive (8.13) is D = g A − h B = g (Γ_0 s² + C_0 s + k). A
+    model with a second coordinate has factor · A B + own · D; its file states factor and ``own``.
+    """
+
+    t: Any
+    g: Any
+    h: Any
+    screw: Polynomial
+    slide: Polynomial
+
+    @classmethod
+    def of(cls, p: Mapping[str, Any], law: int, t: Any) -> Self:
+        """Make the parts from the parameters ``p`` of a drive, the law s_0 = ±1 and tan λ."""
+        friction = law * p["friction_coefficient"]
+        return cls(
+            t=t,
+            g=1 + friction * t,
+            h=p["pitch_radius"] ** 2 * t * (friction - t),
+            screw=(p["screw_inertia"], p["support_damping"], p["coupling_stiffness"]),
+            slide=(p["mass"], p["translation_damping"], 0),
+        )
+
+    def rigid(self) -> Polynomial:
+        """Return D, the polynomial of the rigid drive."""
+        return tuple(self.g * a - self.h * b for a, b in zip(self.screw, self.slide, strict=True))
+
+    def coupled(self, factor: Any, own: Polynomial) -> Polynomial:
+        """Return factor · A B + own · D, the polynomial of a model with a second coordinate."""
+        free, tied = multiplied(self.screw, self.slide), multiplied(own, self.rigid())
+        return tuple(factor * a + b for a, b in zip(free, tied, strict=True))
+
+
+def plus(*rows: "Row") -> tuple[Any, ...]:
+    """Return the sum of rows of balls; terms that cancel leave exactly zero."""
+    return tuple(_settled(sum(column, arb(0)), column) for column in zip(*rows, strict=True))
+
+
+def _settled(total: arb, terms: Sequence[Any]) -> arb:
+    """Return a sum, exactly zero if its ball holds zero: tan λ is transcendental, so such terms cancel for good."""
+    if not total.contains(0) or total.is_zero():
+        return total
+    if total.rad() > _CANCELLED * max(abs(ball(x)).mid() for x in terms):
+        sign(total)  # refused: too few digits are left
+    return arb(0)
+
+
+def constant(value: Any) -> tuple[Any, ...]:
+    """Return the row of a constant."""
+    return (0, 0, 0, 0, value)
+
+
+def solved(matrix: Sequence[Sequence[Any]], sides: Sequence["Row"]) -> list[tuple[Any, ...]]:
+    """Solve linear equations whose right-hand sides are rows, by elimination.
+
+    What cancels is exactly zero, so that steady sliding is an equilibrium to the last bit.
+    """
+    n = len(matrix)
+    table = [[ball(x) for x in (*left, *right)] for left, right in zip(matrix, sides, strict=True)]
+    for k in range(n):
+        pivot = max(range(k, n), key=lambda i: abs(table[i][k]).mid())
+        table[k], table[pivot] = table[pivot], table[k]
+        first = table[k][k]
+        table[k] = [x / first for x in table[k]]
+        for i in range(n):
+            if i != k:
+                factor = table[i][k]
+                pairs = [(x, -factor * y) for x, y in zip(table[i], table[k], strict=True)]
+                table[i] = [_settled(x + y, (x, y)) for x, y in pairs]
+    return [tuple(row[n:]) for row in table]

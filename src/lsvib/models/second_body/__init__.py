@@ -1,1 +1,0 @@
-"""Drives with a second body: axial support and rotating nut."""
