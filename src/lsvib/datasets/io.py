@@ -23,7 +23,6 @@ _REQUIRED = ("title", "source", "references")
 _UNITS = re.compile(r"1|[A-Za-z]+-?\d*( [A-Za-z]+-?\d*)*")
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _ATTRIBUTE_TYPES = (str, int, float, np.integer, np.floating, np.ndarray, list, tuple)
-_BIG = 1024  # elements; below that, compression costs more bytes than it saves
 _LIBRARIES = ("numpy", "numba", "xarray", "netCDF4")
 
 
@@ -107,7 +106,7 @@ def _encoding(variable: xr.Variable, is_coordinate: bool) -> dict[str, Any]:
     """Encode without fill value unless values are missing (CF forbids it on coordinates); compress what is big."""
     missing = not is_coordinate and variable.dtype.kind == "f" and bool(np.isnan(variable.values).any())
     encoding: dict[str, Any] = {"_FillValue": variable.dtype.type(np.nan) if missing else None}
-    if variable.size >= _BIG:
+    if variable.size >= 1024:  # below that, compression costs more bytes than it saves
         encoding |= {"zlib": True, "complevel": 4, "shuffle": True}
     return encoding
 

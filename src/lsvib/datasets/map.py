@@ -25,8 +25,6 @@ from lsvib.models.drive import Drive, RigidDrive, names_and_values
 from lsvib.models.model import find_model, rule
 from lsvib.numbers import Progress
 
-_CYCLE_SAMPLES = 400  # of a limit cycle that is drawn: corners that no picture shows
-
 
 @dataclass(frozen=True)
 class AttractionMap:
@@ -153,7 +151,8 @@ def surroundings(mapper: Mapper, grid: Grid) -> dict[str, Variable]:
     if (grid.x.coordinate, grid.y.coordinate) != ("u", "w"):
         return data
     orbits = [found.orbit for found in mapper.attractors if found.orbit is not None]
-    count = max([_CYCLE_SAMPLES, *(2 * (orbit.time.size + 1) for orbit in orbits)])  # two at least for each arc
+    # So many that no picture shows corners, and two at least for each arc.
+    count = max([400, *(2 * (orbit.time.size + 1) for orbit in orbits)])
     points = np.array([phase_plane.sample(orbit, count)[1][:, :2] for orbit in orbits])
     if orbits:
         data |= phase_plane.curve("cycle", ("cycle", "sample"), points, "on the limit cycle")
