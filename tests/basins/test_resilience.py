@@ -1,4 +1,4 @@
-"""The largest tolerated perturbations: motions from just within settle, from just beyond do not, none of less energy fails to."""
+"""The largest tolerated perturbations: motions from just within settle, from just beyond do not."""
 
 import json
 import math
