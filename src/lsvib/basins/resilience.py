@@ -71,8 +71,8 @@ def resilience(drive: RigidDrive, window: Window | None = None) -> Resilience:
     energy, state = least_energy(region)
     return Resilience(
         boundary=region.boundary.name.lower(),
-        angle=tolerated(region, 0),
-        speed=tolerated(region, 1),
+        angle=largest_tolerated(region, 0),
+        speed=largest_tolerated(region, 1),
         energy=energy,
         state=state,
         fraction=math.nan if window is None else region.fraction(window),
@@ -80,7 +80,7 @@ def resilience(drive: RigidDrive, window: Window | None = None) -> Resilience:
     )
 
 
-def tolerated(region: Basin, coordinate: int) -> float:
+def largest_tolerated(region: Basin, coordinate: int) -> float:
     """Return the largest tolerated perturbation of one coordinate (0: u [rad], 1: w [rad/s]) as a size, or infinity.
 
     It is the crossing of the boundary that lies nearest to the origin, where the other coordinate is zero.
