@@ -56,7 +56,7 @@ class DriveMethods(_Base):
 
         >>> import lsvib
         >>> report = lsvib.RigidDrive(mass=11).stability()
-        >>> report.stable, report.kind, report.conditions["paradox"].hold
+        >>> report.stable, report.kind, report.conditions["kinematic_constraint"].hold
         (False, 'saddle', True)
         """
         from lsvib.stability.stability_table import stability_table
@@ -91,13 +91,13 @@ class DriveMethods(_Base):
 
         >>> import lsvib
         >>> drive = lsvib.RigidDrive(mass=11, support_damping=2e-3)
-        >>> drive.threshold("kinematic", unknown="mass").value
+        >>> drive.threshold("kinematic_constraint", unknown="mass").value
         10.106965213139869
         >>> force = drive.threshold("global_stability")
         >>> f"{force.value:.12g} {force.unit}, and {force.derivatives['mass'].value:.6g} N/kg"
         '-18.3754629689 N, and -1.63148 N/kg'
         """
-        from lsvib.stability.solved_threshold import solve_threshold
+        from lsvib.stability.threshold import solve_threshold
 
         return solve_threshold(self, name, unknown)
 

@@ -15,8 +15,7 @@ import yaml
 from conftest import ROOT, TINY
 
 from lsvib.datasets.io import read_dataset
-from lsvib.figures.configuration import settings_of
-from lsvib.figures.folders import accuracy_figures, default_figures
+from lsvib.figures.configuration import accuracy_figures, default_figures, settings_of
 
 pytestmark = pytest.mark.workflow
 
@@ -30,7 +29,7 @@ NEW_FIGURE = {  # file of its folder: what is in it
 
 from pydantic import Field
 
-from lsvib.figures.common.settings import DriveChanges, FigureSettings
+from lsvib.figures.settings import DriveChanges, FigureSettings
 
 
 class Settings(FigureSettings):
@@ -66,7 +65,7 @@ def checks(dataset):
 ''',
     "picture.py": '''"""The picture of the new figure."""
 
-from lsvib.figures.drawing.style import new_figure, styled
+from lsvib.figures.style import new_figure, styled
 
 
 @styled

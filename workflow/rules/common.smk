@@ -18,7 +18,7 @@ from lsvib.models.model import model_module, modules_of
 from lsvib.models.model import all_models
 from lsvib.models.scene import read_yaml
 from lsvib.figures.configuration import check, selected, settings_of
-from lsvib.figures.folders import (
+from lsvib.figures.configuration import (
     accuracy_figures,
     caption_file,
     dataset_module,
@@ -45,7 +45,7 @@ FIGURES = selected(config)
 ACCURACY_FIGURES = selected(config, "accuracy_figures")
 
 # What the jobs import of ours besides the modules of their figure.
-JOB_IMPORTS = {"datasets": "lsvib.figures.compute", "figures": "lsvib.figures.draw"}
+JOB_IMPORTS = {"datasets": "lsvib.figures.build", "figures": "lsvib.figures.build"}
 
 # The region of attraction but for its tiles. In alphabetical order, because Snakemake compares parameters as text, and a
 # second configuration file changes the order.

@@ -5,7 +5,7 @@ of both. It is 1 where nothing destabilises, 0 at the onset and negative where t
 
     kinematic constraint   Γ_0, or Γ̃_0 with a support (eqs 8.20, 8.27), over the sum of the sizes of its two terms
     negative damping       C_0 likewise (8.19)
-    falling friction       C_0 + S likewise, where the slope of μ gives S (:mod:`lsvib.assess.flank_friction`); with a
+    falling friction       C_0 + S likewise, where the slope of μ gives S (:mod:`lsvib.assess.drive`); with a
                            support that is stable without the slope, its Hurwitz determinant with C_0 + S
     mode coupling          the Hurwitz determinant of the drive with support, or without any damping p_2² − 4 p_4 p_0
     thread contact         the Hurwitz determinant of the drive with compliant threads
@@ -21,15 +21,14 @@ from typing import Any
 
 import numpy as np
 
-from lsvib.assess import sheet_to_drive as sheets
-from lsvib.assess.flank_friction import damping_by_slope
+from lsvib.assess import drive as sheets
+from lsvib.assess.drive import damping_by_slope
 from lsvib.assess.sheet import Sheet
 from lsvib.models import mechanics
 from lsvib.models.drive import RigidDrive, SupportDrive, ThreadsDrive, zero_if_close
-from lsvib.stability.characteristic import polynomial
 from lsvib.stability.conditions import conditions
-from lsvib.stability.linearised import steady_law, support_model, threads_model
-from lsvib.stability.spectrum import spectrum
+from lsvib.stability.linear import steady_law, support_model, threads_model
+from lsvib.stability.spectrum import polynomial, spectrum
 
 NAMES = ("negative_damping", "kinematic_constraint", "mode_coupling", "falling_friction", "thread_contact")
 """All mechanisms; mode coupling needs a support, thread contact a compliant contact."""
@@ -183,8 +182,8 @@ def certain(sheet: Sheet, values: Mapping[str, float], direction: int, speed: fl
     found = conditions(rigid)
     law = steady_law(rigid)
     occurs = {
-        "negative_damping": found["negative_damping"]["hold"],
-        "kinematic_constraint": found["negative_inertia"]["hold"],
+        "negative_damping": found["negative_damping"].hold,
+        "kinematic_constraint": found["kinematic_constraint"].hold,
         "falling_friction": False,
     }
     stable = not (occurs["negative_damping"] or occurs["kinematic_constraint"])
@@ -193,10 +192,10 @@ def certain(sheet: Sheet, values: Mapping[str, float], direction: int, speed: fl
         kind = spectrum(supported, law)[0]
         bare = spectrum(supported.replace(**dict.fromkeys(_UNDAMPED[:3], 0.0)), law)[0]
         unstable = kind in ("flutter", "divergence")
-        occurs["kinematic_constraint"] = kind == "kinematic"
+        occurs["kinematic_constraint"] = kind == "kinematic_constraint"
         fed = occurs["negative_damping"]
         occurs["mode_coupling"] = unstable and (not fed or bare in ("flutter", "divergence"))
-        occurs["negative_damping"] &= unstable or kind == "kinematic"
+        occurs["negative_damping"] &= unstable or kind == "kinematic_constraint"
     if sheet.contact is not None:
         kind = spectrum(drive_of(sheet, values, direction, speed, force, "contact"), law)[0]
         unstable = kind not in ("stable", "neutral")

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from lsvib.assess.mechanisms import DRIVES, drive_of
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.shown_numbers import shown
+from lsvib.assess.words import shown
 from lsvib.basins.boundary import AttractsNothing, basin
 from lsvib.basins.resilience import largest_tolerated
 from lsvib.dynamics.attractors import Attractor, SteadyState, orbit_extremes, steady_state

@@ -28,8 +28,8 @@ from lsvib.basins.reversed_time import BEGINNING, backward_automaton
 from lsvib.dynamics.attractors import steady_state
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.engine.kernels import columns
-from lsvib.engine.kernels.status import Status
+from lsvib.engine.kernels import layout
+from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError, InputError, LsvibError
 from lsvib.models.drive import Drive, RigidDrive
@@ -313,7 +313,7 @@ def _wind_up(drive: RigidDrive, back: Automaton, start: NDArray[np.float64], mod
     each turn is in proportion to the one before, so they grow for ever.
     """
     state, used, chunk = start, 0, 32
-    scale = back.tables.flow[mode, columns.TIME_SCALE]
+    scale = back.tables.flow[mode, layout.TIME_SCALE]
     while used < _EVENTS:
         trace = _traced(back, state, mode, chunk)
         if trace is None or trace.status == Status.SETTLED or np.abs(trace.after).max() > _FAR * np.abs(start).max():

@@ -21,9 +21,9 @@ import numpy as np
 from flint import arb
 
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.engine.kernels import columns, flow_planar, search_planar
-from lsvib.engine.kernels.affine import level
-from lsvib.engine.kernels.status import Found
+from lsvib.engine.kernels import flow_planar, layout, search_planar
+from lsvib.engine.kernels.flow_planar import level
+from lsvib.engine.kernels.layout import Found
 
 
 @dataclass(frozen=True)
@@ -154,7 +154,7 @@ def _strip(flow: np.ndarray, piece: Piece) -> tuple[arb, tuple[arb, arb]]:
     if isinstance(piece, Segment):
         end = _balls(piece.end)
         return _under_line((u, w), end), end
-    a0, a1, b = (arb(float(flow[piece.mode, k])) for k in (columns.A0, columns.A1, columns.B))
+    a0, a1, b = (arb(float(flow[piece.mode, k])) for k in (layout.A0, layout.A1, layout.B))
     time = arb(piece.duration)
     square, y, decay = a1 * a1 / 4 - a0, u - b / a0, (-a1 * time / 2).exp()
     root = abs(square).sqrt()
@@ -192,7 +192,7 @@ def _rising_parts(flow: np.ndarray, piece: Piece) -> list[Piece]:
     if isinstance(piece, Segment):
         return [piece]
     row = flow[piece.mode]
-    acceleration = np.array([-row[columns.A0], -row[columns.A1], row[columns.B]])
+    acceleration = np.array([-row[layout.A0], -row[layout.A1], row[layout.B]])
     return split(flow, piece, sign_changes(flow, piece, acceleration))
 
 

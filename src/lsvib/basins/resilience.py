@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from lsvib.basins.boundary import AttractsNothing, Basin, basin
 from lsvib.basins.curves import Arc, Piece, Window, sign_changes, state_on
-from lsvib.engine.kernels import columns
+from lsvib.engine.kernels import layout
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import rigid_automaton
 
@@ -116,7 +116,7 @@ def _candidates(
 ) -> Iterator[NDArray[np.float64]]:
     """States on a piece among which the energy is smallest."""
     if isinstance(piece, Arc):
-        a0, a1, b = (float(flow[piece.mode, k]) for k in (columns.A0, columns.A1, columns.B))
+        a0, a1, b = (float(flow[piece.mode, k]) for k in (layout.A0, layout.A1, layout.B))
         yield from (piece.start, piece.end)
         for row in ([0.0, 1.0, 0.0], [stiffness - inertia * a0, -inertia * a1, inertia * b]):
             yield from (state_on(flow, piece, time) for time in sign_changes(flow, piece, np.array(row)))

@@ -28,7 +28,7 @@ from lsvib.engine.automaton import (
     oscillator,
 )
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.engine.kernels.status import Test
+from lsvib.engine.kernels.layout import Test
 from lsvib.errors import InputError
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients

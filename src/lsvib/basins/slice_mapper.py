@@ -25,7 +25,7 @@ from lsvib.basins.mapper import NO_DOUBT, Mapper
 from lsvib.dynamics.attractors import Attractor, Doubt, SteadyState, steady_state
 from lsvib.dynamics.settling import settled
 from lsvib.dynamics.steady_states import out_of_range
-from lsvib.engine.kernels.status import Status
+from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import Budget, Motion, follow
 from lsvib.errors import DivergenceError, EngineError, InputError
 from lsvib.models.drive import Drive

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from lsvib.cli.app import app
+from lsvib.cli.app import ProgressLine, app
 from lsvib.cli.options import (
     MODEL,
     MODEL_IF_GIVEN,
@@ -20,7 +20,6 @@ from lsvib.cli.options import (
     refuse_results_of_the_workflow,
 )
 from lsvib.cli.printing import print_motion, print_sweep, show
-from lsvib.cli.terminal import ProgressLine
 from lsvib.errors import InputError
 
 

@@ -5,10 +5,9 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from lsvib.cli.app import app
+from lsvib.cli.app import ProgressLine, app
 from lsvib.cli.options import ONE_VALUE, AsJson, Changes, OutFile, ends, pairs, refuse_results_of_the_workflow
 from lsvib.cli.printing import show
-from lsvib.cli.terminal import ProgressLine
 from lsvib.errors import InputError
 
 

@@ -39,7 +39,7 @@ from lsvib.models import chapter
 from lsvib.models.drive import Drive, RigidDrive
 from lsvib.models.model import Resume, all_models, find_model, rule
 from lsvib.numbers import Progress
-from lsvib.stability.boundary_curves import LOGARITHMIC, ChartBoundary, boundary_curves, curves_of
+from lsvib.stability.curves import LOGARITHMIC, ChartBoundary, boundary_curves, curves_of
 
 Curves = dict[ChartBoundary, list[np.ndarray]]
 _MOST = 100_000_000  # cells, of which each takes some hundred bytes while it is computed

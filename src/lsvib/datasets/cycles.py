@@ -17,7 +17,7 @@ from lsvib.dynamics.continuation import CycleBranch, follow_cycle
 from lsvib.dynamics.periodic import Cycle
 from lsvib.dynamics.search import Seed, search, starts
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import columns
+from lsvib.engine.kernels import layout
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive, described, zero_if_close
 from lsvib.models.model import find_model
@@ -57,7 +57,7 @@ def find_cycles(drive: Drive, automaton: Automaton) -> Cycles:
 
     From starts, on the edges of basins, and at the exact boundary of the basin of steady sliding where that is known.
     """
-    if automaton.contracts and (automaton.tables.flow[:, columns.ALPHA] > 0).any():
+    if automaton.contracts and (automaton.tables.flow[:, layout.ALPHA] > 0).any():
         return Cycles((), (), "There is no cycle: slip makes every area of the phase plane smaller.")
     proved, seeds = "", []
     if (basin := known_basin(drive)) is not None:

@@ -27,8 +27,8 @@ from lsvib.dynamics.steady_states import (
     out_of_range,
 )
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import columns
-from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Status
+from lsvib.engine.kernels import layout
+from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND, Status
 from lsvib.engine.motion import Budget, Motion, follow
 from lsvib.errors import DivergenceError, EngineError
 
@@ -83,7 +83,7 @@ def _steady_state(
     automaton: Automaton, state: np.ndarray, mode: int | None, max_events: int, patience: int, twice: bool
 ) -> SteadyState:
     """Search as :func:`steady_state`; with ``twice``, two motions must end alike where a drift leaves its line."""
-    if automaton.contracts and (automaton.tables.flow[:, columns.ALPHA] > 0).any():
+    if automaton.contracts and (automaton.tables.flow[:, layout.ALPHA] > 0).any():
         return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(state))
     used, chunk, faint = 0, min(CHUNK, patience), None
     while used < max_events:
@@ -165,7 +165,7 @@ def _only_touches(motion: Motion) -> bool:
     half = motion.time.size // 2
     flow = motion.automaton.tables.flow
     touches = isinstance(flow, np.ndarray) and bool((motion.kind[half:] == GRAZE_KIND).all())
-    return touches and flow[motion.end_mode, columns.ALPHA] == 0 and flow[motion.end_mode, columns.BETA] > 0
+    return touches and flow[motion.end_mode, layout.ALPHA] == 0 and flow[motion.end_mode, layout.BETA] > 0
 
 
 def _neutral(automaton: Automaton, motion: Motion) -> SteadyState:
@@ -175,7 +175,7 @@ def _neutral(automaton: Automaton, motion: Motion) -> SteadyState:
     """
     state, mode = motion.end_state, motion.end_mode
     if _only_touches(motion):
-        orbit = follow(automaton, state, 2 * math.pi / automaton.tables.flow[mode, columns.BETA], mode=mode)
+        orbit = follow(automaton, state, 2 * math.pi / automaton.tables.flow[mode, layout.BETA], mode=mode)
     else:
         own = np.flatnonzero(~np.isin(motion.kind, (GRAZE_KIND, ACCUMULATION_KIND)))[-1]
         state, mode, kind = motion.after[own], int(motion.mode[own]), int(motion.kind[own])

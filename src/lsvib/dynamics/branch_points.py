@@ -19,7 +19,7 @@ from lsvib.dynamics.return_map import ReturnSection
 from lsvib.dynamics.variational import derivative
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import flow_planar
-from lsvib.engine.kernels.status import GRAZE_KIND
+from lsvib.engine.kernels.layout import GRAZE_KIND
 from lsvib.engine.motion import Motion
 from lsvib.errors import EngineError, InputError
 from lsvib.models.drive import Drive

@@ -20,7 +20,7 @@ from lsvib.dynamics.branch_points import BranchEquations, Build, Solved, events_
 from lsvib.dynamics.moving_section import MovingSection
 from lsvib.dynamics.periodic import Cycle
 from lsvib.dynamics.return_map import ReturnSection
-from lsvib.engine.kernels.status import GRAZE_KIND
+from lsvib.engine.kernels.layout import GRAZE_KIND
 from lsvib.errors import InputError
 
 _FIRST, _LARGEST, _SMALLEST = 1e-2, 4e-2, 1e-7  # steps, in widths of the range and sizes of the motion

@@ -21,7 +21,7 @@ from lsvib.dynamics.recurrences import CORNERS
 from lsvib.dynamics.return_map import ReturnSection
 from lsvib.dynamics.return_section import section_key
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels.status import ACCUMULATION_KIND
+from lsvib.engine.kernels.layout import ACCUMULATION_KIND
 from lsvib.engine.motion import Budget, Motion, follow
 from lsvib.errors import EngineError
 from lsvib.models.drive import Drive

@@ -17,7 +17,7 @@ import numpy as np
 
 from lsvib.dynamics.variational import inner_coordinates, propagator
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import columns
+from lsvib.engine.kernels import layout
 from lsvib.engine.motion import Motion
 from lsvib.models.drive import Drive
 from lsvib.models.model import find_model, product
@@ -83,7 +83,7 @@ def _fastest(automaton: Automaton, mode: int) -> float:
         rows, singles = flow[mode][None], np.zeros(0)
     else:
         rows, singles = flow.oscillators[mode, : flow.pairs[mode]], flow.rates[mode, : flow.singles[mode]]
-    pairs = np.hypot(rows[:, columns.ALPHA], rows[:, columns.BETA]) + rows[:, columns.DELTA]
+    pairs = np.hypot(rows[:, layout.ALPHA], rows[:, layout.BETA]) + rows[:, layout.DELTA]
     return float(np.max(np.concatenate([np.abs(pairs), np.abs(singles)]), initial=0.0))
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from lsvib.dynamics.return_map import ReturnSection
 from lsvib.dynamics.return_section import section_key
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels.status import Status
+from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import Budget, Motion, follow
 from lsvib.errors import WorkSpentError
 

@@ -9,7 +9,7 @@ from lsvib.dynamics.recurrences import recurrence
 from lsvib.dynamics.settling import settled
 from lsvib.dynamics.steady_states import Doubt, SteadyState, out_of_range
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels.status import Status
+from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import Budget, Motion, enter, follow
 from lsvib.errors import DivergenceError, EngineError, WorkSpentError
 

@@ -20,7 +20,7 @@ from lsvib.dynamics.return_map import ReturnSection
 from lsvib.dynamics.return_section import section_key
 from lsvib.dynamics.steady_states import cycle_label
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND
+from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND
 from lsvib.engine.motion import Motion, follow
 from lsvib.models.drive import Drive
 from lsvib.models.model import find_model

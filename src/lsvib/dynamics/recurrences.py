@@ -9,7 +9,7 @@ from lsvib.dynamics.return_map import FixedPoint, ReturnSection, conserves
 from lsvib.dynamics.return_section import MARGIN, section_key
 from lsvib.dynamics.steady_states import Attractor, SteadyState, cycle_label
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import columns, flow_planar
+from lsvib.engine.kernels import flow_planar, layout
 from lsvib.engine.motion import Budget, Motion
 
 PERIODS = 64  # most returns to the section in a cycle that is recognised because it repeats
@@ -107,7 +107,7 @@ def _pushed(motion: Motion) -> bool:
     Then steady sliding lies on no surface, and no events are left near it: what is small is a cycle.
     """
     flow, modes = motion.automaton.tables.flow, np.unique(motion.mode[motion.time.size // 2 :])
-    return bool((flow[modes, columns.EQUILIBRIUM] if isinstance(flow, np.ndarray) else flow.field[modes, :, -1]).any())
+    return bool((flow[modes, layout.EQUILIBRIUM] if isinstance(flow, np.ndarray) else flow.field[modes, :, -1]).any())
 
 
 def _on_its_cycle(section: ReturnSection) -> bool:

@@ -8,7 +8,7 @@ import numpy as np
 from lsvib.dynamics.variational import derivative, eigenvalues, field, rounding
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import event_loop, flow_planar
-from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Status
+from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND, Status
 from lsvib.engine.motion import Budget, Motion, follow
 from lsvib.errors import EngineError, WorkSpentError
 from lsvib.models.rigid import EventKind

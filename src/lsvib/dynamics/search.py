@@ -22,7 +22,7 @@ from lsvib.dynamics.periodic import Cycle, cycle_from, cycle_of, cycle_on
 from lsvib.dynamics.return_map import ReturnSection
 from lsvib.dynamics.return_section import lines, nearest_to_origin
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import columns
+from lsvib.engine.kernels import layout
 from lsvib.errors import EngineError
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
@@ -179,7 +179,7 @@ def _to_edges(section: ReturnSection, places: np.ndarray, gaps: list[float]) -> 
 
 def _patience(automaton: Automaton) -> float:
     """Longest time [s] that a return may take."""
-    scales = automaton.tables.flow[:, columns.TIME_SCALE]
+    scales = automaton.tables.flow[:, layout.TIME_SCALE]
     return _SWINGS * float(scales.max())
 
 

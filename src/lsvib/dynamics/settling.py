@@ -7,7 +7,7 @@ import numpy as np
 from lsvib.dynamics.return_section import ROUNDING
 from lsvib.dynamics.steady_states import Attractor, SteadyState, out_of_range
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import columns
+from lsvib.engine.kernels import layout
 from lsvib.engine.motion import Motion, follow
 
 # Damping over frequency that is zero: modes of two states are rounded once, others are made from 60 digits, which leave
@@ -28,7 +28,7 @@ def settled(automaton: Automaton, motion: Motion) -> SteadyState:
     if automaton.codes[mode] in automaton.rest_codes:
         return SteadyState(Attractor.REST, state)
     if isinstance(flow, np.ndarray):
-        rows, equilibrium = flow[mode][None], np.array([flow[mode, columns.EQUILIBRIUM], 0.0])
+        rows, equilibrium = flow[mode][None], np.array([flow[mode, layout.EQUILIBRIUM], 0.0])
         excited = np.array([(state != equilibrium).any()])
     else:
         pairs = flow.pairs[mode]
@@ -39,16 +39,16 @@ def settled(automaton: Automaton, motion: Motion) -> SteadyState:
         if (moved[2 * pairs :] & (flow.rates[mode, : flow.singles[mode]] > 0)).any():
             return out_of_range(automaton, state)
         excited = moved[: 2 * pairs].reshape(-1, 2).any(axis=1)
-    damping = rows[:, columns.ALPHA]
-    undamped = np.abs(damping) <= _UNDAMPED[state.size > 2] * rows[:, columns.BETA]
+    damping = rows[:, layout.ALPHA]
+    undamped = np.abs(damping) <= _UNDAMPED[state.size > 2] * rows[:, layout.BETA]
     if (excited & ~undamped & (damping < 0)).any():
         return out_of_range(automaton, state)
-    lasting = np.flatnonzero(excited & undamped & (rows[:, columns.BETA] > 0))
+    lasting = np.flatnonzero(excited & undamped & (rows[:, layout.BETA] > 0))
     if lasting.size == 0:
         return SteadyState(Attractor.STEADY_SLIDING, equilibrium)
     if lasting.size > 1:
         return SteadyState(Attractor.NEUTRAL_FAMILY, state, multiplier=1.0)
-    orbit = follow(automaton, state, 2 * math.pi / rows[lasting[0], columns.BETA], mode=mode)
+    orbit = follow(automaton, state, 2 * math.pi / rows[lasting[0], layout.BETA], mode=mode)
     return SteadyState(Attractor.NEUTRAL_FAMILY, state, orbit, 1, 0.0, 0.0, 1.0)
 
 

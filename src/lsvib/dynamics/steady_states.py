@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import columns, dispatch
+from lsvib.engine.kernels import event_loop, layout
 from lsvib.engine.motion import Motion
 from lsvib.errors import (
     AccumulationError,
@@ -148,7 +148,7 @@ def orbit_extremes(orbit: Motion, row: np.ndarray, wanted: np.ndarray | None = N
             return math.nan, math.nan
         modes, starts, durations = modes[chosen], starts[chosen], durations[chosen]
     functionals = np.array(np.broadcast_to(row, (len(automaton.codes), row.shape[-1])))
-    low, high = dispatch.extremes_of_arcs(automaton.tables.flow, modes, starts, durations, functionals)
+    low, high = event_loop.extremes_of_arcs(automaton.tables.flow, modes, starts, durations, functionals)
     if not (math.isfinite(low) and math.isfinite(high)):
         raise EngineError("the extremes of the motion cannot be isolated: the rates of a mode lie too far apart.")
     return low, high
@@ -162,7 +162,7 @@ def arc_integrals(orbit: Motion) -> tuple[np.ndarray, np.ndarray]:
     modes, starts, ends, durations = orbit.arcs()
     flow = orbit.automaton.tables.flow[modes]
     change = ends - starts
-    a0, a1, b = flow[:, columns.A0], flow[:, columns.A1], flow[:, columns.B]
+    a0, a1, b = flow[:, layout.A0], flow[:, layout.A1], flow[:, layout.B]
     resting = a0 == 0
     spring = (b * durations - change[:, 1] - a1 * change[:, 0]) / np.where(resting, 1.0, a0)
     drift = starts[:, 0] * durations + 0.5 * starts[:, 1] * durations**2

@@ -17,8 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import columns, flow_planar
-from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND
+from lsvib.engine.kernels import flow_planar, layout
+from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND
 from lsvib.engine.motion import Motion
 
 _TERMS = 8.0  # most roundings in a term of a product of two matrices with up to five rows
@@ -50,7 +50,7 @@ def propagator(automaton: Automaton, mode: int, time: float) -> np.ndarray:
         row = flow[mode]
         c, s, s_rate = flow_planar.responses(row, time)
         moved = flow_planar.integrated_response(row, time)
-        a0, b = row[columns.A0], row[columns.B]
+        a0, b = row[layout.A0], row[layout.B]
         pushed = b * moved if b else 0.0  # in a rest so long that t² is beyond all numbers as well
         return np.array([[c, s, pushed], [-a0 * s, s_rate, b * s], [0.0, 0.0, 1.0]])
     pairs, singles = int(flow.pairs[mode]), int(flow.singles[mode])
@@ -58,7 +58,7 @@ def propagator(automaton: Automaton, mode: int, time: float) -> np.ndarray:
     for pair in range(pairs):
         row = flow.oscillators[mode, pair]
         c, s, s_rate = flow_planar.responses(row, time)
-        found[2 * pair : 2 * pair + 2, 2 * pair : 2 * pair + 2] = [[c, s], [-row[columns.A0] * s, s_rate]]
+        found[2 * pair : 2 * pair + 2, 2 * pair : 2 * pair + 2] = [[c, s], [-row[layout.A0] * s, s_rate]]
     for single in range(singles):
         k, rate, push = 2 * pairs + single, float(flow.rates[mode, single]), float(flow.pushes[mode, single])
         more = math.expm1(min(rate * time, flow_planar.OVERFLOW))
@@ -82,7 +82,7 @@ def field(automaton: Automaton, mode: int, state: np.ndarray) -> tuple[np.ndarra
     flow = automaton.tables.flow
     if isinstance(flow, np.ndarray):
         row = flow[mode]
-        rows = np.array([[0.0, 1.0, 0.0], [-row[columns.A0], -row[columns.A1], row[columns.B]]])
+        rows = np.array([[0.0, 1.0, 0.0], [-row[layout.A0], -row[layout.A1], row[layout.B]]])
     else:
         rows = flow.field[mode]
     return rows[:, :-1] @ state + rows[:, -1], np.abs(rows[:, :-1]) @ np.abs(state) + np.abs(rows[:, -1])
@@ -186,7 +186,7 @@ def rounding(motion: Motion) -> np.ndarray:
     modes, _, states, durations = motion.arcs()
     for k in reversed(range(motion.time.size)):
         mode, (angle, speed) = int(modes[k]), np.maximum(np.abs(states[k]), np.abs(motion.before[k]))
-        turning = automaton.tables.flow[mode, columns.BETA]
+        turning = automaton.tables.flow[mode, layout.BETA]
         swing = np.array([angle + (speed / turning if turning > 0 else 0.0), speed + turning * angle])
         flow = flow_derivative(automaton, mode, float(durations[k]), (np.eye(3), np.eye(3)))
         event = event_derivative(automaton, mode, int(motion.kind[k]), int(motion.mode[k]), motion.before[k])

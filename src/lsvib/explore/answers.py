@@ -19,7 +19,7 @@ from lsvib.dynamics.attractors import Attractor, SteadyState, steady_state
 from lsvib.engine.motion import Motion
 from lsvib.errors import EngineError, LsvibError
 from lsvib.explore.view import View
-from lsvib.figures.attraction.picture import COLOURS
+from lsvib.figures.attraction import COLOURS
 from lsvib.models.drive import Drive
 from lsvib.models.model import find_model
 

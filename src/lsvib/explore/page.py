@@ -20,7 +20,7 @@ from lsvib.explore import answers
 from lsvib.explore.controls import Controls
 from lsvib.explore.plots import Plots
 from lsvib.explore.view import View
-from lsvib.figures.attraction.picture import COLOURS
+from lsvib.figures.attraction import COLOURS
 from lsvib.models.model import find_model
 
 _THROTTLE = 8  # ms for which requests that came while an answer was made are gathered

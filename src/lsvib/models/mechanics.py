@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from flint import arb
 
-from lsvib.engine.exact.arithmetic import ball, many_digits, sign
-from lsvib.engine.exact.polynomials import multiplied
+from lsvib.engine.exact.arithmetic import ball, many_digits, multiplied, sign
 from lsvib.models.drive import Drive, once
 
 if TYPE_CHECKING:

@@ -51,8 +51,8 @@ from lsvib.engine.automaton import (
     scaled,
 )
 from lsvib.engine.exact.arithmetic import double, many_digits, root, sign
-from lsvib.engine.kernels import columns
-from lsvib.engine.kernels.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
+from lsvib.engine.kernels import layout
+from lsvib.engine.kernels.layout import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
 from lsvib.errors import InputError
 from lsvib.models.drive import RigidDrive, once
 from lsvib.models.mechanics import Coefficients, coefficients
@@ -123,7 +123,7 @@ def automaton_of(c: Coefficients, d: Any, rest: bool, resume: Resume) -> Automat
             surfaces["screw_speed"] = Surface(build.speed, 1)
             surfaces["band_end"] = Surface(build.band_end, 0)
         modes, transitions = build.painleve(resume) if c.paradox else build.regular(rest)
-        scales = [flow[..., columns.TIME_SCALE] for flow, _ in build.flows.values()]
+        scales = [flow[..., layout.TIME_SCALE] for flow, _ in build.flows.values()]
         return assemble(
             states=STATES,
             surfaces=surfaces,
@@ -230,7 +230,7 @@ class _Build:
         Q′ at Q = 0 is the same under both laws.
         """
         flow, q = self.flows[1][0], self.c.q_row
-        a0, a1, b = flow[..., columns.A0], flow[..., columns.A1], flow[..., columns.B]
+        a0, a1, b = flow[..., layout.A0], flow[..., layout.A1], flow[..., layout.B]
         q_u, q_w = double(q[0]), double(q[1])
         with np.errstate(over="ignore", invalid="ignore"):  # what is beyond all numbers is refused with the tables
             q_rate = (-q_w * a0, q_u - q_w * a1, q_w * b)
@@ -323,8 +323,8 @@ MODEL = Model(
     equations="eqs 8.13-8.17",
     characteristic=lambda p, parts: parts.rigid(),
     constraint="Γ₊ = I − ξ₊ tan λ m r_m² = 0 (eq. 8.20)",
-    thresholds=("onset", "kinematic", "negative_damping", *_FORCES, "fold", "cycle_birth", "rest_loss"),
-    curves=("onset", *_FORCES, "kinematic", "negative_damping", "stick_slip_birth"),
+    thresholds=("onset", "kinematic_constraint", "negative_damping", *_FORCES, "fold", "cycle_birth", "rest_loss"),
+    curves=("onset", *_FORCES, "kinematic_constraint", "negative_damping", "stick_slip_birth"),
     powers=Powers,
     section="5.3",
 )

@@ -30,10 +30,9 @@ import numpy as np
 
 from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, scaled
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.engine.exact.linear_mode import linear_mode
-from lsvib.engine.exact.modal_form import ModalMode, guard_forms, modal_flow
-from lsvib.engine.exact.reach import SWINGS
-from lsvib.engine.kernels.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
+from lsvib.engine.exact.field import SWINGS
+from lsvib.engine.exact.modal_form import ModalMode, guard_forms, linear_mode, modal_flow
+from lsvib.engine.kernels.layout import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
 from lsvib.models.drive import ThreadsDrive, once
 from lsvib.models.mechanics import Coefficients, LinearParts, Polynomial, coefficients, plus
 from lsvib.models.model import DIRECTIONS, SIGNS, Model, Powers, product, seizures_only_by_contact

@@ -39,10 +39,9 @@ from lsvib.engine.automaton import (
     scaled,
 )
 from lsvib.engine.exact.arithmetic import many_digits, sign
-from lsvib.engine.exact.linear_mode import linear_mode
-from lsvib.engine.exact.modal_form import guard_forms, modal_flow
-from lsvib.engine.exact.reach import SWINGS
-from lsvib.engine.kernels.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
+from lsvib.engine.exact.field import SWINGS
+from lsvib.engine.exact.modal_form import guard_forms, linear_mode, modal_flow
+from lsvib.engine.kernels.layout import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
 from lsvib.models.drive import Drive, NutDrive, SupportDrive, once
 from lsvib.models.mechanics import constant, friction_factor, plus
 from lsvib.models.model import DIRECTIONS, SIGNS, Model, Powers, product, seizures_only_by_contact

@@ -1,7 +1,7 @@
 """Characteristic polynomials of steady sliding in exact rational numbers, for the rigid drive and all others.
 
 Each model states its own (:mod:`lsvib.models.mechanics` has the parts that all are made of). It is
-det(M s² + C s + K) of :mod:`lsvib.stability.linearised` times a positive factor, g = 1 + s_0 μ tan λ or, with
+det(M s² + C s + K) of :mod:`lsvib.stability.linear` times a positive factor, g = 1 + s_0 μ tan λ or, with
 compliant threads, 1 + tan² λ. The coefficients are linear in every parameter except r_m and λ, and nothing cancels in
 them but what the physics subtracts.
 

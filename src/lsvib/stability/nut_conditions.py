@@ -5,7 +5,7 @@ from typing import Any
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.models import mechanics
 from lsvib.models.drive import NutDrive
-from lsvib.stability.linearised import DriveValues, values_of
+from lsvib.stability.linear import DriveValues, values_of
 
 
 def effective_screw_inertia(drive: DriveValues) -> Any:

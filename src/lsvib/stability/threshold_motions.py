@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from lsvib.dynamics.slip_cycle import half_return, leaving
 from lsvib.engine.exact.duals import Dual, cosine_of_root, exponential, sine_ratio_of_root, tangent
 from lsvib.models import mechanics
-from lsvib.stability.threshold_solver import Equations
+from lsvib.stability.solve import Equations
 
 
 class Start(NamedTuple):

@@ -24,7 +24,7 @@ from lsvib.dynamics.kernels.endings_at_once import RESTS, SPRAGS
 from lsvib.dynamics.kernels.plan import CYCLE, OPEN, SETTLED, Facts, SearchLimits
 from lsvib.dynamics.steady_states import Attractor, orbit_extremes
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.engine.kernels import columns
+from lsvib.engine.kernels import layout
 from lsvib.errors import EngineError
 from lsvib.models.drive import RigidDrive
 from lsvib.models.many import Group, ManyDrives, groups
@@ -159,7 +159,7 @@ def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray) -> tupl
     """Return which motions of a group (j), from ``starts`` (j, 2), are known to end, and what all end on."""
     automaton, size, found = group.automaton, group.members.size, Endings.unknown(group.members.size)
     if automaton.contracts:  # steady sliding attracts all motions, but without damping
-        damped = (automaton.tables.flow[..., columns.ALPHA] > 0).any(axis=1)
+        damped = (automaton.tables.flow[..., layout.ALPHA] > 0).any(axis=1)
         _slides(group, group.safe & damped, found)
         return group.safe & damped, found
     (rest,) = np.flatnonzero(automaton.codes == MotionMode.REST)

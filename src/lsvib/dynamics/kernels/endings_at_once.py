@@ -32,9 +32,9 @@ from lsvib.dynamics.kernels.plan import (
     Room,
     put,
 )
-from lsvib.engine.kernels import dispatch, event_loop
+from lsvib.engine.kernels import event_loop
 from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel
-from lsvib.engine.kernels.tables import Tables
+from lsvib.engine.kernels.layout import Tables
 
 AMPLITUDE, PERIOD, MULTIPLIER, FORCE, SEIZURE_SPEED = range(5)  # columns of the numbers of a cycle
 NUMBERS = 5  # how many they are
@@ -57,9 +57,9 @@ def _describe(tables, facts, plan, room, count, force, speed, numbers):
     bits = RESTS if mode == facts.rest else 0
     for k in range(count + 1):
         until = room.times[k] if k < count else numbers[PERIOD]
-        a, b = dispatch.extremes(tables.flow, mode, state, row, until - time)
+        a, b = event_loop.extremes(tables.flow, mode, state, row, until - time)
         low, high = min(low, a), max(high, b)
-        a, b = dispatch.extremes(tables.flow, mode, state, force[mode], until - time)
+        a, b = event_loop.extremes(tables.flow, mode, state, force[mode], until - time)
         least, most = min(least, a), max(most, b)
         if k < count:
             time, mode = until, room.modes[k]

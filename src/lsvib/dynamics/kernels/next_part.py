@@ -50,10 +50,9 @@ from lsvib.dynamics.kernels.plan import (
     place,
     return_from,
 )
-from lsvib.engine.kernels.columns import A0, A1, ALPHA, BETA, EQUILIBRIUM, B
 from lsvib.engine.kernels.flow_planar import EPS, ROUNDING
 from lsvib.engine.kernels.jit import allocating_kernel, kernel
-from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Status
+from lsvib.engine.kernels.layout import A0, A1, ACCUMULATION_KIND, ALPHA, BETA, EQUILIBRIUM, GRAZE_KIND, B, Status
 
 _SETTLED, _STOPPED, _FULL = int(Status.SETTLED), int(Status.STOP_EVENT), int(Status.EVENTS_FULL)
 

@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.engine.kernels.columns import A0, A1, B
 from lsvib.engine.kernels.flow_planar import ROUNDING
 from lsvib.engine.kernels.jit import kernel
+from lsvib.engine.kernels.layout import A0, A1, B
 
 OPEN, SETTLED, CYCLE = range(3)  # outcomes: left to the caller; in one mode for ever; on a cycle
 # What a motion is followed for; the numbers lie beyond those of outcomes.

@@ -6,7 +6,7 @@ from pydantic import AfterValidator, Discriminator, Field, Tag
 from pydantic_core import PydanticCustomError
 
 from lsvib.basins.grid import coordinates
-from lsvib.figures.common.settings import Cells, FigureSettings, Unique
+from lsvib.figures.settings import Cells, FigureSettings, Unique
 from lsvib.models.model import Resume, all_models, model_names
 
 Coordinate = Annotated[

@@ -16,7 +16,7 @@ from lsvib.dynamics.attractors import Attractor
 from lsvib.figures.basin_sweep.checks import checks
 from lsvib.models.drive import RigidDrive
 from lsvib.stability.conditions import critical_friction, critical_mass
-from lsvib.stability.thresholds import global_stability_force
+from lsvib.stability.force_thresholds import global_stability_force
 
 __all__ = ["build", "checks"]
 

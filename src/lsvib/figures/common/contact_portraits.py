@@ -43,7 +43,7 @@ _SETTLING = 8.0  # times the decay time for which a motion that ends in the focu
 def portrait(settings: Mapping[str, Any], paradox: Paradox) -> xr.Dataset:
     """Compute motions of the contact force, their outcomes on a grid, and the manifolds of the saddle, θ′ > 0.
 
-    ``settings``: see :class:`lsvib.figures.common.settings.ContactPortrait`; Γ₊ < 0, and a panel for each contact
+    ``settings``: see :class:`lsvib.figures.settings.ContactPortrait`; Γ₊ < 0, and a panel for each contact
     damping. Raises ``InputError``.
     """
     base = ThreadsDrive.of({"contact_stiffness": settings["contact_stiffness"], **settings["drive"]})

@@ -23,16 +23,15 @@ from lsvib.figures.contact_stability.checks import checks
 from lsvib.models.drive import ThreadsDrive
 from lsvib.models.mechanics import coefficients
 from lsvib.stability.boundaries import stable_set
-from lsvib.stability.conditions import critical_mass
-from lsvib.stability.eigenvalues_two_coordinates import eigenvalues
-from lsvib.stability.linearised import threads_model
-from lsvib.stability.stiff_contact import (
+from lsvib.stability.conditions import (
     LARGEST_MASS,
+    critical_mass,
     critical_mass_of_contact,
     least_damping_of_stiff_contact,
     stable_masses,
     unstable_contact_stiffness,
 )
+from lsvib.stability.linear import eigenvalues, threads_model
 
 __all__ = ["build", "checks"]
 

@@ -16,7 +16,7 @@ from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import EventKind, rigid_automaton
-from lsvib.stability import thresholds
+from lsvib.stability import force_thresholds
 
 _ASIDE = 1e-9  # relative distance from a threshold at which the regime is also computed, on either side
 _FORCES = ("onset_force", "stick_force", "detach_force")
@@ -35,7 +35,7 @@ class Regime(IntEnum):
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the amplitude curve, its thresholds, the inset portraits, and the coefficients for both masses."""
     drive = RigidDrive.of(settings["drive"])
-    values = {name: getattr(thresholds, name)(drive) for name in _FORCES}
+    values = {name: getattr(force_thresholds, name)(drive) for name in _FORCES}
     beside = [value * (1 + sign * _ASIDE) for value in values.values() for sign in (-1, 1)]
     forces = np.unique(np.concatenate([spans.even(settings["axial_force"]), list(values.values()), beside]))
     start, tangent = np.array([settings["start"]["u"], settings["start"]["w"]]), float(drive.exact().tan_lead)

@@ -20,7 +20,7 @@ from lsvib.figures.common.compliant_cycles import (
 from lsvib.models.drive import ThreadsDrive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import rigid_automaton
-from lsvib.stability.stiff_contact import critical_mass_of_contact
+from lsvib.stability.conditions import critical_mass_of_contact
 
 _CONTACT = ("contact_stiffness", "contact_damping")
 _TURNS = 1e-10  # rad: deflection that counts as zero at the boundary

@@ -18,7 +18,7 @@ from lsvib.figures.common import accumulation
 from lsvib.models.drive import RigidDrive
 from lsvib.models.model import RULES
 from lsvib.models.rigid import EventKind, rigid_automaton
-from lsvib.stability.thresholds import global_stability_force
+from lsvib.stability.force_thresholds import global_stability_force
 
 _CHANGED = ("mass", "axial_force")  # in which the cases differ
 _ASIDE = 1e-9  # relative distance from the threshold at which the attractor is computed, on either side
