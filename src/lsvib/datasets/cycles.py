@@ -128,7 +128,7 @@ def branch_dataset(drive: Drive, branch: CycleBranch) -> xr.Dataset:
         "multiplier_error": ("multiplier_error", "1", "bound of the multipliers' errors"),
         "residual": ("period_residual", "1", "change of the state over a period"),
     }
-    values, along = (np.array([getattr(p, name) for p in branch.points]) for name in ("value", "along"))
+    values, along = (np.array([getattr(point, name) for point in branch.points]) for name in ("value", "along"))
     data: dict[str, Any] = {
         branch.parameter: variable("point", values, about["unit"], about["long_name"]),
         "along": variable("point", along, "1", "length of the branch from its start"),
