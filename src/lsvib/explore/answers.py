@@ -1,6 +1,7 @@
 """What the page asks of the engine, without a page: maps, motions and curves as plain arrays; and its exports."""
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
