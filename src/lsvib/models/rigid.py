@@ -143,6 +143,7 @@ def automaton_of(c: Coefficients, d: Any, rest: bool, resume: Resume) -> Automat
             observables=_observables(c, d, modes),
             shortest_stay=SHORT_STAY * np.min([flow.row[..., columns.TIME_SCALE] for flow in flows.values()], axis=0),
             rest_codes=(MotionMode.REST,),
+            release_kinds=(EventKind.RELEASE,),
             sprag_kinds=(EventKind.SEIZURE,),
             passive=rest,
             contracts=_contracts(c),

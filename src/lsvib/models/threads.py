@@ -111,6 +111,7 @@ def threads_automaton(drive: ThreadsDrive) -> Automaton:
             stack=modal_flow,
             forms=guard_forms,
             rest_codes=(ThreadsMode.REST_POSITIVE, ThreadsMode.REST_NEGATIVE),
+            release_kinds=(ThreadsEvent.RELEASE,),
             sprag_codes=_UNDER_LAW_PLUS if c.paradox else (),
         )
 

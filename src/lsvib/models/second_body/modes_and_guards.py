@@ -103,6 +103,7 @@ class _Layout:
             stack=modal_flow,
             forms=guard_forms,
             rest_codes=tuple(mode.code for name, mode in modes.items() if name.startswith("rest")),
+            release_kinds=(self.release,),
             passive=True,
             sprag_kinds=(self.seizure,),
         )
