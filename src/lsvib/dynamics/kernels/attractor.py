@@ -1,0 +1,397 @@
+"""The rule of what a motion ends in, compiled for any number of states; it stands in :mod:`lsvib.dynamics.attractor`."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from lsvib.dynamics.kernels import poincare_map
+from lsvib.dynamics.kernels.poincare_map import LONGEST, NEAR, NEUTRAL, NONE, ON_CIRCLE, STEP
+from lsvib.engine.kernels import dispatch, event_loop
+from lsvib.engine.kernels.choice import by_kind
+from lsvib.engine.kernels.columns import ALPHA, BETA, EQUILIBRIUM
+from lsvib.engine.kernels.flow_planar import ROUNDING
+from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, kernel, merged_kernel
+from lsvib.engine.kernels.status import Status
+
+# Outcomes. What never leaves its mode slides steadily, rests, oscillates for ever or grows.
+SLIDES, RESTS, OSCILLATES, GROWS, CYCLE, KNOWN = range(6)
+# Unresolved outcomes: the budget is spent, or spent by a vibration that hardly changes; a search for one event has
+# taken all of it; events accumulate, which the caller may see through; the engine has no answer.
+SPENT, SPENT_STEADILY, SEARCH_SPENT, ACCUMULATES, LOST = range(6, 11)
+
+CHUNK = 64  # events that are looked at first; every further look takes twice as many
+SIGHT = 4096  # most events between two looks
+_STEADY = 1000  # events, over whose halves a vibration that hardly changes has one size
+_SAME_SIZE = 0.01  # relative difference of these sizes
+_REPEATS = 1e-10  # change of the state over a period, relative to the motion, that is rounding
+_PERIODS, _SOLVED = 64, 8  # most returns in a period that repeats, and in one that the map is solved for
+_FEWEST, _WATCHED, _POINTS = 4, 10, 1000  # returns that show where a motion goes: for a look, to be near, at most
+_PATIENCE = 10.0  # time that a return may take, in times of the longest one seen
+_CORNER = 1e-5  # size of a fixed point, relative to the motion, that is steady sliding
+_SAME_POINT = 1e-9  # distance of two points, relative to the motion, that are one
+_JOINED, _BESIDE = 1e-3, 0.1  # distances from a known cycle, in its sizes: at the end of the way, and of the way
+_STILL = 1e-12  # a step of this size, in sizes of a known cycle, is rounding
+_UNDAMPED = 1e-30  # damping over frequency that is zero in a modal form, which is made from 150 digits
+
+KIND, MODE, RETURNS, EVENTS, DIMENSION, FIRST_EVENT, SPRAGS, INDEX = range(8)  # of ``Found.whole``
+TIME, FREQUENCY, LEFT = range(3)  # of ``Found.real``
+
+
+_FULL, _SETTLED, _DIVERGED, _ACCUMULATED, _NO_BRANCH = (
+    int(status)
+    for status in (Status.EVENTS_FULL, Status.SETTLED, Status.DIVERGED, Status.ACCUMULATED, Status.NO_BRANCH)
+)
+
+
+class Facts(NamedTuple):
+    """What the modes and events of a model mean."""
+
+    rests: np.ndarray  # (m,) modes at rest
+    sprag_modes: np.ndarray  # (m,)
+    sprag_kinds: np.ndarray  # (128,)
+    conserves: bool  # all modes in motion preserve volumes, because nothing damps
+
+
+class Known(NamedTuple):
+    """Cycles that a motion may be found to join: their events on a section, and how many there are in a period."""
+
+    kind: np.ndarray  # (c,)
+    mode: np.ndarray  # (c,)
+    visits: np.ndarray  # (c,) events on the section in a period
+    events: np.ndarray  # (c,) all events in a period
+    point: np.ndarray  # (c, n) on the section
+    size: np.ndarray  # (c, n)
+
+
+class Found(NamedTuple):
+    """What is found of a motion."""
+
+    whole: np.ndarray  # (8,) by the names above
+    real: np.ndarray  # (3,) by the names above
+    state: np.ndarray  # (n,) on the section, or where the motion was left
+    slopes: np.ndarray  # (n, n) P′, the first d rows and columns
+
+
+@kernel
+def _stays_planar(flow, mode, state):
+    row = flow[mode]
+    if state[0] == row[EQUILIBRIUM] and state[1] == 0.0:
+        return SLIDES, 0.0
+    if row[ALPHA] < 0.0:
+        return GROWS, 0.0
+    lasts = row[ALPHA] == 0.0 and row[BETA] > 0.0
+    return (OSCILLATES, row[BETA]) if lasts else (SLIDES, 0.0)
+
+
+@kernel
+def _excited(flow, mode, k, state):
+    """Whether a modal coordinate of a state is not zero to rounding."""
+    n = state.size
+    value, size = flow.to_modal[mode, k, n], abs(flow.to_modal[mode, k, n])
+    for i in range(n):
+        value += flow.to_modal[mode, k, i] * state[i]
+        size += abs(flow.to_modal[mode, k, i] * state[i])
+    return abs(value) > ROUNDING * size
+
+
+@kernel
+def _stays_modal(flow, mode, state):
+    pairs, lasting, frequency = flow.pairs[mode], 0, 0.0
+    for single in range(flow.singles[mode]):
+        if flow.rates[mode, single] > 0.0 and _excited(flow, mode, 2 * pairs + single, state):
+            return GROWS, 0.0
+    for pair in range(pairs):
+        damping, turning = flow.oscillators[mode, pair, ALPHA], flow.oscillators[mode, pair, BETA]
+        if not (_excited(flow, mode, 2 * pair, state) or _excited(flow, mode, 2 * pair + 1, state)):
+            continue
+        if abs(damping) > _UNDAMPED * turning:
+            if damping < 0.0:
+                return GROWS, 0.0
+        elif turning > 0.0:
+            lasting, frequency = lasting + 1, turning
+    return (OSCILLATES, frequency if lasting == 1 else 0.0) if lasting > 0 else (SLIDES, 0.0)
+
+
+_stays = by_kind(_stays_planar, _stays_modal)
+
+
+@kernel
+def stays(tables, facts, mode, state, found):
+    """Return what a motion that never leaves its mode ends in; the frequency [1/s] of what lasts, 0 if several do."""
+    found.whole[MODE] = mode
+    if facts.rests[mode]:
+        return RESTS
+    outcome, found.real[FREQUENCY] = _stays(tables.flow, mode, state)
+    return outcome
+
+
+@kernel
+def _pushed_planar(flow, mode):
+    return flow[mode, EQUILIBRIUM] != 0.0
+
+
+@kernel
+def _pushed_modal(flow, mode):
+    field, pushed = flow.field[mode], False
+    for i in range(field.shape[0]):
+        pushed = pushed or field[i, field.shape[0]] != 0.0
+    return pushed
+
+
+_pushed = by_kind(_pushed_planar, _pushed_modal)  # whether a mode has its equilibrium elsewhere than at steady sliding
+
+
+@kernel
+def _fits(known, c, kinds, modes, after, at, k):
+    """Whether four points in a row, the last of them number k, show that a motion tends to known cycle ``c``."""
+    n, size, steps = known.size.shape[1], known.size[c], (0.0, 0.0, 0.0)
+    for j in range(3):
+        i, before = at[k - 2 + j], at[k - 3 + j]
+        if i - before != known.events[c]:
+            return False
+        step = 0.0
+        for x in range(n):
+            step = max(step, abs(after[i, x] - after[before, x]) / size[x])
+        steps = (steps[1], steps[2], step)
+    first, second, third = steps
+    if second > max(first, _STILL) or (third > _STILL and third >= second):
+        return False
+    ratio = third / second if third > _STILL else 0.0
+    for x in range(n):
+        way = ratio / (1.0 - ratio) * (after[at[k], x] - after[at[k - 1], x])
+        if not (abs(way) <= _BESIDE * size[x] and abs(after[at[k], x] + way - known.point[c, x]) <= _JOINED * size[x]):
+            return False
+    return True
+
+
+@allocating_kernel
+def _joins(known, kinds, modes, after):
+    """Return the known cycle that a motion (k events) joins, and the event that shows it; −1 if it joins none."""
+    at = np.empty(kinds.size, dtype=np.int64)
+    for c in range(known.kind.size):
+        seen = count = 0
+        for i in range(kinds.size):
+            if kinds[i] == known.kind[c] and modes[i] == known.mode[c]:
+                if seen % known.visits[c] == 0:
+                    at[count], count = i, count + 1
+                seen += 1
+        for k in range(3, count):
+            if _fits(known, c, kinds, modes, after, at, k):
+                return c, at[k]
+    return -1, -1
+
+
+@kernel
+def _count_sprags(facts, kinds, modes, found):
+    for i in range(kinds.size):
+        found.whole[SPRAGS] += facts.sprag_kinds[kinds[i]] or facts.sprag_modes[modes[i]]
+
+
+@kernel
+def _fewer_returns(section, events, count, state, size):
+    """Return the fewest returns, a divisor of those of the section, after which a period is back, and its events."""
+    for returns in range(1, section.returns):
+        seen = 0
+        for i in range(count if section.returns % returns == 0 else 0):
+            seen += events[1][i] == section.kind and events[3][i] == section.mode
+            if seen == returns:
+                back = True
+                for x in range(state.size):
+                    back = back and abs(events[5][i, x] - state[x]) <= _SAME_POINT * size[x]
+                if back:
+                    return returns, i + 1
+                break
+    return section.returns, count
+
+
+@merged_kernel
+def _period(tables, facts, section, points, size, pushed, events, room, budget, found):
+    """Return what a motion with these ``points`` (k, n) on a section tends to by its map: CYCLE, SLIDES or SPENT.
+
+    SPENT stands for nothing that is known.
+    """
+    n, d, step = size.size, section.dimension, section.returns
+    place, state = np.empty(d), np.empty(n)
+    slopes, form = np.empty((d, d)), np.empty((d, d))
+    count, lost = poincare_map.newton(tables, section, place, state, slopes, events, budget)
+    if count == 0:
+        return SPENT
+    verdict = poincare_map.judge(poincare_map.growth(slopes, form), lost, facts.conserves)
+    if verdict == NONE:
+        return SPENT
+    away, reach, last = 0.0, 0.0, points.shape[0] - 1
+    for f in range(d):
+        away = max(away, abs(place[f]))
+    for i in range(n):
+        reach = max(reach, abs(state[i]) / size[i])
+    earlier = points[last // 2 + 1 + (last - last // 2 - 1) % step :: step]
+    if away > NEAR:
+        few = d > 1 and earlier.shape[0] <= _WATCHED
+        if few or verdict == NEUTRAL or not poincare_map.approaches(section, place, earlier, form):
+            return SPENT
+    if d > 0 and not poincare_map.same_events(tables, section, place, events, count, room, budget):
+        return SPENT
+    if reach < _CORNER:  # steady sliding, if that lies on a surface and the motion shrinks towards it
+        nearer = farther = 0.0
+        for i in range(n):
+            nearer = max(nearer, abs(points[last, i]) / size[i])
+            farther = max(farther, abs(points[last - step, i]) / size[i])
+        found.whole[MODE] = -1
+        return SLIDES if nearer < farther and not pushed else SPENT
+    returns, fewer = _fewer_returns(section, events, count, state, size)
+    if fewer < count:
+        poincare_map.slopes_of(tables, section, events, fewer, slopes)
+    found.whole[KIND], found.whole[MODE], found.whole[RETURNS] = section.kind, section.mode, returns
+    found.whole[EVENTS], found.whole[DIMENSION] = fewer, d
+    for i in range(n):
+        found.state[i] = state[i]
+    for f in range(d):
+        for g in range(d):
+            found.slopes[f, g] = slopes[f, g]
+    return CYCLE
+
+
+@merged_kernel
+def _look(tables, facts, mode, state, events, count, one, other, budget, found):
+    """Return what a motion tends to by its last events, ``count`` of them; SPENT if they do not show it.
+
+    ``one`` and ``other`` are room for the events of periods.
+    """
+    times, kinds, _, modes, _, after = events
+    n, size = state.size, np.zeros(state.size)
+    for k in range(count):
+        for i in range(n):
+            size[i] = max(size[i], abs(after[k, i]))
+    for i in range(n):
+        size[i] = size[i] if size[i] > 0.0 else 1.0  # a coordinate that is zero at every event may have any scale
+    key = poincare_map.rarest_event(tables, kinds[:count], modes[:count], after[:count], size)
+    if key < 0:  # it only touches guards: rounding decides whether there is an event
+        outcome = stays(tables, facts, mode, state, found)
+        return OSCILLATES if outcome == OSCILLATES else SPENT
+    seen, longest, last, pushed = 0, 0.0, -1, False
+    all_points = np.empty((count, n))
+    for k in range(count):
+        pushed = pushed or (k >= count // 2 and _pushed(tables.flow, modes[k]))
+        if kinds[k] == kinds[key] and modes[k] == modes[key]:
+            longest = max(longest, times[k] - times[last]) if last >= 0 else 0.0
+            for i in range(n):
+                all_points[seen, i] = after[k, i]
+            seen, last = seen + 1, k
+    points = all_points[max(0, seen - _POINTS) : seen]
+    seen = points.shape[0]
+    nearest, smallest, repeats = 1, math.inf, False
+    for back in range(1, min(_PERIODS, seen - 1) + 1):
+        change = 0.0
+        for i in range(n):
+            change = max(change, abs(points[seen - 1, i] - points[seen - 1 - back, i]) / size[i])
+        repeats = change <= _REPEATS
+        if repeats or (back <= _SOLVED and change < smallest):
+            nearest, smallest = back, change
+        if repeats:
+            break
+    if seen < 2 or (seen < _FEWEST and not repeats):
+        return SPENT
+    for returns in range(1, nearest + 1):  # a slow cycle may seem to have a multiple of its returns
+        if nearest % returns == 0 and (repeats or seen - 1 - returns > seen // 2):
+            watched = points[max(0, seen - 1 - _SOLVED) :]
+            section = poincare_map.section_through(
+                tables, kinds[key], modes[key], returns, _PATIENCE * longest, watched, size
+            )
+            outcome = _period(tables, facts, section, points, size, pushed, one, other, budget, found)
+            if outcome != SPENT:
+                return outcome
+    return SPENT
+
+
+@kernel
+def _hardly_changes(after, count):
+    """Whether both halves of the latest events of a motion have the same size in every coordinate."""
+    half, same = count // 2, count >= _STEADY
+    for i in range(after.shape[1]):
+        first = last = 0.0
+        for k in range(half):
+            first, last = max(first, abs(after[k, i])), max(last, abs(after[half + k, i]))
+        same = same and abs(last - first) <= _SAME_SIZE * max(first, last)
+    return same
+
+
+@kernel
+def _complaint(status):
+    """Return the outcome that stands for a status of the engine that ends a run without an answer."""
+    if status == _DIVERGED:
+        return GROWS
+    if status == _ACCUMULATED:
+        return ACCUMULATES
+    return LOST if status == _NO_BRANCH else SEARCH_SPENT
+
+
+@allocating_kernel
+def new_events(size, n):
+    """Return room for so many events, as the event loop writes them."""
+    kinds, signs = np.empty(size, dtype=np.int8), np.empty(size, dtype=np.int8)
+    return np.empty(size), kinds, signs, np.empty(size, dtype=np.int64), np.empty((size, n)), np.empty((size, n))
+
+
+@merged_kernel
+def end_of(tables, facts, known, mode, state, patience, events, one, other, found):
+    """Return what the motion from ``state`` (n), replaced, in a mode ends in.
+
+    Arguments: known cycles; ``patience``, events after which others are looked for as well; room for the events of the
+    motion and of two periods; ``found``, filled, in which ``real[LEFT]`` is the work that may be spent, in events.
+    """
+    n, used, chunk, last = state.size, 0, CHUNK, 0
+    scale, clock, budget = np.empty(n), np.zeros(4), np.empty(1)
+    budget[0] = found.real[LEFT]
+    times, kinds, signs, modes, before, after = events
+    still = dispatch.is_still(tables.flow, mode, state)
+    for i in range(n):
+        scale[i], still = abs(state[i]), still and state[i] == 0.0
+    found.whole[FIRST_EVENT], found.whole[SPRAGS], found.real[TIME] = event_loop.NO_KIND, 0, 0.0
+    if still:
+        found.whole[MODE], found.real[FREQUENCY] = mode, 0.0
+        return SLIDES
+    outcome = SPENT
+    while budget[0] > 0.0:
+        for i in range(n):
+            found.state[i] = state[i]
+        given = clock[3] = budget[0] / STEP
+        found.whole[MODE] = mode
+        part = (times[:chunk], kinds[:chunk], signs[:chunk], modes[:chunk], before[:chunk], after[:chunk])
+        status, mode, count = event_loop.run(tables, mode, state, scale, clock, math.inf, -1, -1, part)
+        budget[0] -= count + (STEP * (given - clock[3]) if clock[3] < math.inf else 0.0)
+        found.real[LEFT] = budget[0]
+        if found.whole[FIRST_EVENT] == event_loop.NO_KIND and count > 0:
+            found.whole[FIRST_EVENT] = kinds[0]
+        if not math.isfinite(clock[0] + clock[1]):
+            return LOST
+        if status != _FULL and status != _SETTLED:  # noqa: PLR1714
+            return _complaint(status)
+        if status == _FULL and known.kind.size > 0:
+            found.whole[INDEX], shows = _joins(known, kinds[:count], modes[:count], after[:count])
+            if shows >= 0:
+                _count_sprags(facts, kinds[: shows + 1], modes[: shows + 1], found)
+                found.real[TIME] = times[shows]
+                return KNOWN
+        _count_sprags(facts, kinds[:count], modes[:count], found)
+        found.real[TIME] = clock[0] + clock[1]
+        for i in range(n):
+            found.state[i] = state[i]
+        if status == _SETTLED:
+            return stays(tables, facts, mode, state, found)
+        used, last = used + count, count
+        if used < patience:
+            continue
+        outcome = _look(tables, facts, mode, state, events, count, one, other, budget, found)
+        if outcome != SPENT:
+            return outcome
+        chunk = min(2 * chunk, SIGHT)
+    return SPENT_STEADILY if _hardly_changes(after, last) else SPENT
+
+
+@allocating_entry
+def attractor(tables, facts, known, mode, state, patience, found):
+    """Return what one motion ends in; see :func:`end_of`."""
+    n = state.size
+    one, other = new_events(LONGEST, n), new_events(LONGEST, n)
+    return end_of(tables, facts, known, mode, state, patience, new_events(SIGHT, n), one, other, found)
