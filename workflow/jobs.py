@@ -95,9 +95,8 @@ def compile_engine(part: str, sources: Texts, marker: str) -> None:
     from lsvib.files import write_text
 
     if part == "mapper":
-        from lsvib.basins.cells import QUANTITIES
         from lsvib.basins.grid import Grid
-        from lsvib.basins.mapper import mapper
+        from lsvib.basins.mapper import QUANTITIES, mapper
         from lsvib.models.drive import RigidDrive
 
         mapper(RigidDrive()).cells(Grid.parse(["u=-1:1:1", "w=-1:1:1"]), quantities=QUANTITIES)

@@ -5,7 +5,7 @@ steady sliding, or once the label after an event is found in the engine's table 
 """
 
 from benchmarks.jit import allocating_kernel, kernel
-from lsvib.basins.kernels.labelling import UNKNOWN, UNRESOLVED, ellipse, look_up, new_scratch
+from lsvib.basins.kernels.labels import UNKNOWN, UNRESOLVED, ellipse, look_up, new_scratch
 from lsvib.engine.kernels import event_loop
 from lsvib.engine.kernels.columns import A0, A1, B
 from lsvib.engine.kernels.flow_planar import ROUNDING
@@ -110,7 +110,7 @@ def _label(tables, known, mode, scratch, step, limit):
 def stepped_labels(tables, known, x, y, step, limit, labels):
     """Label the starts u = x, w = y of a grid by Runge–Kutta of order four with a fixed step; fills ``labels``.
 
-    Arguments: tables, what is known (:class:`lsvib.basins.kernels.labelling.Known`); x (columns) [rad], y (rows)
+    Arguments: tables, what is known (:class:`lsvib.basins.kernels.labels.Known`); x (columns) [rad], y (rows)
     [rad/s]; step [s]; limit [s], after which a motion is unresolved. Where a guard is negative after a step, the step
     is cut where a straight line between both values is zero; the stick test, and the jump from a start beyond a guard,
     are those of the tables.

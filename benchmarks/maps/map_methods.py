@@ -7,8 +7,7 @@ from functools import partial
 import numpy as np
 
 from benchmarks.maps.map_kernels import stepped_labels
-from lsvib.basins.kernels import labelling
-from lsvib.basins.planar_mapper import PlanarMapper
+from lsvib.basins.labels import PlanarMapper
 
 _HORIZON = 1.0  # [s] after which the motion of a rival is unresolved: some hundred swings of the drive
 _BUDGET = 100_000  # events after which a motion is unresolved
@@ -27,7 +26,7 @@ class MapMethod:
 def _engine(mapper: PlanarMapper) -> Label:
     tables, known = mapper.automaton.tables, mapper.sections.known
     none = np.empty((0, 0), dtype=np.int8)
-    return lambda x, y, labels: labelling.map_labels(tables, known, x, y, 0, _BUDGET, labels, none)
+    return lambda x, y, labels: labels.map_labels(tables, known, x, y, 0, _BUDGET, labels, none)
 
 
 def _stepped(mapper: PlanarMapper, step: float) -> Label:

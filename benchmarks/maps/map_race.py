@@ -1,6 +1,6 @@
 """Ways to map a region of attraction in one run: labels per second, wrong labels, how near to the boundary they lie.
 
-The judge is the exact boundary of the basin (:mod:`lsvib.basins.exact_basin`), which no map knows of: a label is wrong
+The judge is the exact boundary of the basin (:mod:`lsvib.basins.boundary`), which no map knows of: a label is wrong
 if it says steady sliding outside of it or anything else inside. Distances are in widths of the box along each axis, so
 that a cell of a map of n × n cells is 1/n wide.
 """
@@ -13,10 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.maps.map_methods import METHODS, Label
-from lsvib.basins.clipping import Window, inside
-from lsvib.basins.curves import Arc, Piece, state_on
-from lsvib.basins.exact_basin import Basin, basin
-from lsvib.basins.kernels.labelling import UNRESOLVED
+from lsvib.basins.boundary import Basin, basin
+from lsvib.basins.curves import Arc, Piece, Window, inside, state_on
+from lsvib.basins.kernels.labels import UNRESOLVED
 from lsvib.basins.mapper import mapper
 from lsvib.dynamics.attractors import Attractor
 from lsvib.engine.kernels import columns

@@ -51,10 +51,10 @@ MODULES = {
         "lsvib.datasets.cycles",
     ],
     "Regions of attraction": [
-        "lsvib.basins.exact_basin",
+        "lsvib.basins.boundary",
         "lsvib.basins.resilience",
         "lsvib.basins.grid",
-        "lsvib.basins.clipping",
+        "lsvib.basins.curves",
         "lsvib.datasets.resilience",
     ],
     "Data": ["lsvib.datasets.simulation", "lsvib.datasets.sweep", "lsvib.datasets.checks", "lsvib.datasets.writer"],

@@ -1,8 +1,8 @@
 """The names of the package for type checkers; ``__init__.py`` loads them on first use."""
 
 from lsvib.api import DriveMethods
-from lsvib.basins.clipping import Window as Window
-from lsvib.basins.exact_basin import Basin as Basin
+from lsvib.basins.boundary import Basin as Basin
+from lsvib.basins.curves import Window as Window
 from lsvib.basins.grid import Axis as Axis
 from lsvib.basins.grid import Grid as Grid
 from lsvib.basins.resilience import Resilience as Resilience

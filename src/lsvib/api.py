@@ -17,8 +17,8 @@ from lsvib.results import SolvedThreshold, StabilityReport, Threshold
 if TYPE_CHECKING:
     import xarray as xr
 
-    from lsvib.basins.clipping import Window
-    from lsvib.basins.exact_basin import Basin
+    from lsvib.basins.boundary import Basin
+    from lsvib.basins.curves import Window
     from lsvib.basins.grid import Grid
     from lsvib.basins.resilience import Resilience
     from lsvib.datasets.cycles import Cycles
@@ -303,7 +303,7 @@ class DriveMethods(_Base):
         >>> basin.boundary.name, basin.contains((0.0, 0.0)), basin.contains((0.1, 0.0))
         ('TOUCHING_MOTION', True, False)
         """
-        from lsvib.basins.exact_basin import basin
+        from lsvib.basins.boundary import basin
 
         return basin(_rigid(self))
 

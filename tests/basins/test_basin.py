@@ -15,9 +15,8 @@ from mpmath import findroot, mp, mpf, quad
 from references.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
 from references.wide_drives import wide_drive
 
-from lsvib.basins.clipping import Window
-from lsvib.basins.curves import Arc, state_on
-from lsvib.basins.exact_basin import Boundary, basin
+from lsvib.basins.boundary import Boundary, basin
+from lsvib.basins.curves import Arc, Window, state_on
 from lsvib.dynamics.attractors import Attractor, steady_state
 from lsvib.errors import InputError
 from lsvib.models.drive import RigidDrive

@@ -12,7 +12,7 @@ import yaml
 
 import lsvib
 from lsvib.api import DRIVES
-from lsvib.basins.clipping import Window
+from lsvib.basins.curves import Window
 from lsvib.datasets.writer import read_dataset
 from lsvib.dynamics.attractors import Attractor
 from lsvib.errors import InputError

@@ -9,7 +9,7 @@ import pytest
 from references.figure_checks import assert_drawn_from_file, checks_of, dataset_of, scale, set_to
 from references.listed_claims import assert_listed_checks_exist
 
-from lsvib.basins.exact_basin import Boundary
+from lsvib.basins.boundary import Boundary
 from lsvib.contact.contact_force import ForceOutcome
 from lsvib.datasets.parameter_origins import ASSUMED, FIELDS, NO_EFFECT, VARIED
 from lsvib.dynamics.attractors import Attractor

@@ -3,7 +3,7 @@
 import pytest
 
 from lsvib import RigidDrive
-from lsvib.basins.exact_basin import basin
+from lsvib.basins.boundary import basin
 from lsvib.dynamics.attractors import steady_state
 from lsvib.engine.motion import follow
 from lsvib.models.rigid import rigid_automaton

@@ -7,7 +7,7 @@ import re
 import pytest
 
 import lsvib
-from lsvib.basins.exact_basin import Boundary, basin
+from lsvib.basins.boundary import Boundary, basin
 from lsvib.models.rigid import MotionMode
 from lsvib.stability import boundaries, thresholds
 from lsvib.stability.conditions import critical_friction, critical_mass

@@ -141,7 +141,7 @@ def chart_sources():
 ENGINE = {
     "planar": ("lsvib.engine.kernels.jit",),  # all compiled code imports it
     "modal": tuple(model_module(name) for name, model in all_models().items() if len(model.states) > 2),
-    "mapper": ("lsvib.basins.planar_mapper",),
+    "mapper": ("lsvib.basins.labels",),
 }
 
 

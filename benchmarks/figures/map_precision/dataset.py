@@ -8,7 +8,7 @@ import xarray as xr
 
 from benchmarks.maps.map_methods import METHODS
 from benchmarks.maps.map_race import MapOutcome, RaceBox, contest, wrong_share
-from lsvib.basins.clipping import Window
+from lsvib.basins.curves import Window
 from lsvib.datasets import phase_plane, spans
 from lsvib.datasets.attributes import named_index, variable
 from lsvib.datasets.checks import Check

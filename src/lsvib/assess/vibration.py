@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from lsvib.assess.mechanisms import DRIVES, drive_of
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.shown_numbers import shown
-from lsvib.basins.exact_basin import AttractsNothing, basin
+from lsvib.basins.boundary import AttractsNothing, basin
 from lsvib.basins.resilience import smallest_push
 from lsvib.dynamics.attractors import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.dynamics.impulses import event_impulses

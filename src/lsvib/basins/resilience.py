@@ -20,9 +20,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.basins.clipping import Window
-from lsvib.basins.curves import Arc, Piece, Segment, sign_changes, state_on
-from lsvib.basins.exact_basin import AttractsNothing, Basin, Boundary, basin
+from lsvib.basins.boundary import AttractsNothing, Basin, Boundary, basin
+from lsvib.basins.curves import Arc, Piece, Segment, Window, sign_changes, state_on
 from lsvib.engine.kernels import columns
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import rigid_automaton
@@ -63,7 +62,7 @@ def resilience(drive: RigidDrive, window: Window | None = None) -> Resilience:
     """Return the perturbations that the steady sliding of a rigid drive tolerates.
 
     Arguments: drive; a ``window`` of the phase plane. Raises ``InputError`` and ``EngineError`` where the basin is not
-    covered (:func:`lsvib.basins.exact_basin.basin`).
+    covered (:func:`lsvib.basins.boundary.basin`).
     """
     if rigid_automaton(drive).contracts and drive.support_damping > 0:
         return _all(Boundary.NONE, window)  # every motion settles, however slowly: no boundary is looked for

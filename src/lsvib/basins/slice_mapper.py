@@ -20,8 +20,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.basins.cells import NO_DOUBT, Mapper
 from lsvib.basins.grid import Grid, coordinates
+from lsvib.basins.mapper import NO_DOUBT, Mapper
 from lsvib.dynamics.attractors import Attractor, Doubt, SteadyState, steady_state
 from lsvib.dynamics.settling import settled
 from lsvib.dynamics.steady_states import out_of_range

@@ -11,9 +11,9 @@ import numpy as np
 import xarray as xr
 
 from lsvib import numbers
-from lsvib.basins.cells import NO_DOUBT, Mapper
-from lsvib.basins.clipping import Window
+from lsvib.basins.curves import Window
 from lsvib.basins.grid import Axis, Grid, coordinates
+from lsvib.basins.mapper import NO_DOUBT, Mapper
 from lsvib.basins.mapper import mapper as mapper_of
 from lsvib.datasets import maps_of_models, phase_plane
 from lsvib.datasets.attributes import Variable, attributes, flags, flags_or_none, fractions, quantity

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from lsvib import numbers
-from lsvib.basins.clipping import Window
+from lsvib.basins.curves import Window
 from lsvib.basins.resilience import Resilience, resilience
 from lsvib.datasets.attributes import variable
 from lsvib.datasets.sweep import axes_of, coordinate

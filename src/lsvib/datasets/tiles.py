@@ -6,9 +6,8 @@ from typing import Any
 
 import xarray as xr
 
-from lsvib.basins.cells import Mapper
 from lsvib.basins.grid import Grid
-from lsvib.basins.mapper import mapper
+from lsvib.basins.mapper import Mapper, mapper
 from lsvib.datasets.attraction_map import cells, count, dimensions, frame, parameters, surroundings
 from lsvib.datasets.attributes import fractions
 from lsvib.datasets.writer import read_dataset, write_dataset

@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 from matplotlib.colors import to_rgba
 
-from lsvib.basins.cells import Mapper
-from lsvib.basins.clipping import Window
+from lsvib.basins.curves import Window
 from lsvib.basins.grid import Axis, Grid
-from lsvib.basins.mapper import mapper
+from lsvib.basins.mapper import Mapper, mapper
 from lsvib.datasets.phase_plane import lines, sample
 from lsvib.datasets.simulation import run
 from lsvib.datasets.spans import stepped
@@ -94,13 +93,9 @@ def at_once(drive: Drive) -> bool:
     return len(find_model(drive.model).states) == 2
 
 
-def labels(drive: Drive, window: Window, cells: tuple[int, int], rounding: bool = True) -> np.ndarray:
-    """Return the labels (rows, columns) of the attractors from every cell of a window; raises ``LsvibError``.
-
-    Without ``rounding`` cells on a boundary, which are unresolved, have the label of one side; that saves a third of
-    the time.
-    """
-    return _mapper(drive, rounding).cells(grid_of(window, cells), quantities=("label",))["label"]
+def labels(drive: Drive, window: Window, cells: tuple[int, int]) -> np.ndarray:
+    """Return the labels (rows, columns) of the attractors from every cell of a window; raises ``LsvibError``."""
+    return _mapper(drive).cells(grid_of(window, cells), quantities=("label",))["label"]
 
 
 def label_rows(drive: Drive, window: Window, cells: tuple[int, int]) -> Iterator[tuple[int, np.ndarray]]:
@@ -183,8 +178,8 @@ def grid_of(window: Window, cells: tuple[int, int]) -> Grid:
 
 
 @lru_cache(maxsize=4)  # the drives of a few pages; a mapper holds the cycles of its drive
-def _mapper(drive: Drive, rounding: bool = True) -> Mapper:
-    return mapper(drive, drive.model, rounding=rounding)
+def _mapper(drive: Drive) -> Mapper:
+    return mapper(drive, drive.model)
 
 
 def _palette() -> np.ndarray:

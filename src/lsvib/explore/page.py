@@ -13,7 +13,7 @@ from bokeh.layouts import column, row
 from bokeh.models import CustomJS, Div, Row
 
 from lsvib import numbers
-from lsvib.basins.clipping import Window
+from lsvib.basins.curves import Window
 from lsvib.dynamics.attractors import Attractor
 from lsvib.errors import InputError, LsvibError
 from lsvib.explore import answers
@@ -163,7 +163,7 @@ class Page:
         assert window is not None
         found = None
         if answers.at_once(view.drive):
-            found = answers.labels(view.drive, window, answers.DRAGGED, rounding=False)
+            found = answers.labels(view.drive, window, answers.DRAGGED)
         elif (view.drive, view.window) != (self.view.drive, self.view.window):
             found = np.full(answers.COARSE[::-1], -2)
         self.view, self.shown = view, shown

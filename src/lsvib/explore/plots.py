@@ -22,7 +22,7 @@ from bokeh.models import (
 )
 from bokeh.plotting import figure
 
-from lsvib.basins.clipping import Window
+from lsvib.basins.curves import Window
 from lsvib.explore import answers
 from lsvib.explore.answers import AmplitudePoint, Followed
 from lsvib.explore.view import View

@@ -6,7 +6,7 @@ from itertools import product
 from typing import Any
 
 from lsvib.api import DRIVES
-from lsvib.basins.clipping import Window
+from lsvib.basins.curves import Window
 from lsvib.explore.view import View
 from lsvib.figures.configuration import DEFAULT
 from lsvib.models.drive import Drive, described

@@ -9,7 +9,7 @@ import yaml
 
 from lsvib import numbers
 from lsvib.api import RigidDrive, drive_class
-from lsvib.basins.clipping import Window
+from lsvib.basins.curves import Window
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
 from lsvib.models.scene import Scene

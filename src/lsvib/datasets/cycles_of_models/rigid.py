@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from lsvib.basins.exact_basin import Basin, Boundary, basin
+from lsvib.basins.boundary import Basin, Boundary, basin
 from lsvib.datasets.cycles import Cycles, searched
 from lsvib.dynamics.search import Seed
 from lsvib.engine.automaton import Automaton

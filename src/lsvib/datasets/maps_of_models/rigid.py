@@ -1,7 +1,7 @@
 """Around a map of the rigid drive: the lines Q = 0 and θ′ = 0, and the exact boundary of its basin."""
 
-from lsvib.basins.clipping import Window
-from lsvib.basins.exact_basin import basin
+from lsvib.basins.boundary import basin
+from lsvib.basins.curves import Window
 from lsvib.datasets import phase_plane
 from lsvib.datasets.attributes import Variable, variable
 from lsvib.errors import InputError
@@ -12,7 +12,7 @@ _BOUNDARY_SAMPLES = 100  # of each arc
 
 
 def surroundings(drive: RigidDrive, window: Window) -> dict[str, Variable]:
-    """Return the lines of a drive and, where :mod:`lsvib.basins.exact_basin` covers it, boundary and area of its basin.
+    """Return the lines of a drive and, where :mod:`lsvib.basins.boundary` covers it, boundary and area of its basin.
 
     The area is that within a window of u [rad] and w [rad/s].
     """

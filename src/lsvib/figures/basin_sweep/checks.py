@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from lsvib.basins.exact_basin import Boundary
+from lsvib.basins.boundary import Boundary
 from lsvib.datasets.checks import Check
 
 _NONE = 1e-12  # error of a fraction that counts as none where its logarithm is taken

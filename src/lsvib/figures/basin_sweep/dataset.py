@@ -6,9 +6,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.basins.clipping import Window
-from lsvib.basins.curves import sampled
-from lsvib.basins.exact_basin import Basin, Boundary, basin
+from lsvib.basins.boundary import Basin, Boundary, basin
+from lsvib.basins.curves import Window, sampled
 from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapper import mapper
 from lsvib.datasets import phase_plane, spans

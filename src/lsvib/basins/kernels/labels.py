@@ -1,7 +1,7 @@
 """Where motions with two states end up: many starts at once, by what is known of motions that start on a few lines.
 
 A motion that passes from mode to mode goes on from a point of a surface, so what becomes of it is a function of one
-coordinate. ``Known`` holds that function as a table of intervals (made by :mod:`lsvib.basins.section_labels`), so that
+coordinate. ``Known`` holds that function as a table of intervals (made by :mod:`lsvib.basins.labels`), so that
 a start needs its first event and one look-up. Every rest ends in the same state, so a rest mode needs only one label.
 
 Labels are numbers that the caller chooses, but for two: ``UNKNOWN`` where the table does not say, and ``UNRESOLVED``
@@ -13,8 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.engine.kernels import dispatch, event_loop
-from lsvib.engine.kernels.columns import A0, A1, ALPHA, BETA, EQUILIBRIUM
+from lsvib.engine.kernels import dispatch, event_loop, flow_planar
+from lsvib.engine.kernels.affine import level
+from lsvib.engine.kernels.columns import A0, A1, ALPHA, BETA, DELTA, EQUILIBRIUM
 from lsvib.engine.kernels.flow_planar import EPS, ROUNDING
 from lsvib.engine.kernels.jit import allocating_entry, entry, kernel
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Found, Status
@@ -22,12 +23,14 @@ from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Found, St
 UNRESOLVED = -1  # as ``Attractor.UNRESOLVED``
 UNKNOWN = -2  # no label of the caller is so low
 NO_EVENT = event_loop.NO_KIND  # first event of a motion that has none
+TOO_LONG, UNDETERMINED, DIVERGED = -1, -2, -3  # codes of itineraries that end nowhere
 _NONE = int(Found.NONE)
 _CROSSING = int(Found.CROSSING)
 _GRAZE = int(Found.GRAZE)
 _UNDECIDED = int(Found.UNDECIDED)
 _SETTLED = int(Status.SETTLED)
 _DIVERGED = int(Status.DIVERGED)
+_HALVINGS = 4000  # 2098 doublings lead from the smallest double to the largest, and some 105 halvings end a bracket
 _MARGIN = 4096.0 * EPS  # within it bounds of a minimum do not decide; the minimum itself is computed
 
 
@@ -248,3 +251,178 @@ def map_labels(tables, known, x, y, across, budget, labels, first_events):
             labels[i, j] = label
             if first_events.size > 0:
                 first_events[i, j] = first
+
+
+@entry
+def put_on(tables, surface, state):
+    """Set the dependent coordinate of a point of a surface, as :func:`lsvib.engine.kernels.event_loop.put_on_surface`
+    does."""
+    row, chosen = tables.surfaces[surface], tables.snap[surface]
+    state[chosen] = -(row[2] + row[1 - chosen] * state[1 - chosen]) / row[chosen]
+
+
+@kernel
+def _signs(tables, transition, state, scale):
+    """The signs of all conditions of a transition at a state, as a number in base three."""
+    number = 0
+    for k in range(
+        tables.condition_start[tables.branch_start[transition]],
+        tables.condition_start[tables.branch_start[transition + 1]],
+    ):
+        value, size = level(tables.condition_row[k], state, scale)
+        number = 3 * number + (0 if abs(value) <= size else 1 if value > 0.0 else 2)
+    return number
+
+
+@allocating_entry
+def itinerary(tables, known, absorbing, mode, state, symbols):
+    """Follow the motion from ``state`` (2, replaced by the last state) in ``mode`` and write what decides its course.
+
+    Arguments: ``absorbing`` (j, 4), intervals of sections: mode, surface, low, high; ``symbols``, filled: a number for
+    each event, of the guard and the signs of all conditions of its transition. Returns (code, number of events, mode):
+    code TOO_LONG if the symbols are used up, UNDETERMINED where the motion touches a guard or meets a corner, DIVERGED;
+    3 i if the motion settles in mode i, 3 i + 1 if it comes to rest in it, 3 i + 2 if it enters absorbing interval i.
+    """
+    scratch, short = new_scratch(tables), 0
+    put(scratch, state[0], state[1])
+    code, count = TOO_LONG, 0
+    while count < symbols.size and code == TOO_LONG:
+        if ellipse(tables, known, mode, scratch.state) < known.trap[mode, 1]:
+            code = 3 * mode
+            break
+        before = mode
+        outcome, guard, kind, mode, stay, short = step(tables, mode, short, scratch)
+        if outcome != event_loop.GOES_ON:
+            code = 3 * before if outcome == _SETTLED else DIVERGED if outcome == _DIVERGED else UNDETERMINED
+            break
+        if kind == GRAZE_KIND:
+            code = UNDETERMINED
+            break
+        transition = tables.guard_transition[guard]
+        number = _signs(tables, transition, scratch.state, scratch.scale)
+        symbols[count] = (number * tables.guard_sign.size + guard) * 2 + (stay == 0.0)
+        count += 1
+        surface = known.landing[transition]
+        if known.resting[mode] != UNKNOWN:
+            code = 3 * mode + 1
+        elif surface >= 0:
+            x = scratch.state[known.free[surface]]
+            for k in range(absorbing.shape[0]):
+                here = absorbing[k, 0] == mode and absorbing[k, 1] == surface
+                if here and absorbing[k, 2] <= x <= absorbing[k, 3]:
+                    code = 3 * k + 2
+                    break
+    state[0], state[1] = scratch.state
+    return code, count, mode
+
+
+@allocating_entry
+def last_agreement(tables, known, absorbing, mode, surface, low, high, resolution, course, position):
+    """Bisect a section between ``low``, whose motion has the ``course``, and ``high``, whose motion leaves it.
+
+    ``course``: itinerary with −10 − code appended; ``position``: index at which ``high`` differs first. Returns the
+    last coordinate that agrees up to there and the first that does not, apart by ``resolution`` or rounding at most.
+    """
+    symbols, state, free = np.empty(position + 1, dtype=np.int64), np.empty(2), known.free[surface]
+    while high - low > max(resolution, EPS * min(abs(low), abs(high))):
+        middle = 0.5 * (low + high)
+        state[free] = middle
+        put_on(tables, surface, state)
+        code, count, _ = itinerary(tables, known, absorbing, mode, state, symbols)
+        agrees = count == position + 1 or (count == position and -10 - code == course[position])
+        for k in range(count):
+            agrees = agrees and symbols[k] == course[k]
+        if agrees:
+            low = middle
+        else:
+            high = middle
+    return low, high
+
+
+@kernel
+def _arrival_time(tables, known, mode, state):
+    """Time [s] from ``state`` until the motion, which stays in a damped ``mode``, is within the ellipse of arrival."""
+    row = tables.flow[mode]
+    kappa2, goal = known.trap[mode, 0], known.trap[mode, 2]
+    size = ellipse(tables, known, mode, state)
+    if size <= goal:
+        return 0.0
+    if row[BETA] * row[BETA] == kappa2:  # the ellipse shrinks as e^{−2αt}
+        return 0.5 * math.log(size / goal) / row[ALPHA]
+    y, w = state[0] - row[EQUILIBRIUM], state[1]
+    low, high = 0.0, 1.0 / (row[ALPHA] + row[BETA] + row[DELTA])
+    for _ in range(_HALVINGS):
+        middle = high if low == 0.0 else 0.5 * (low + high)
+        c, s, s_rate = flow_planar.responses(row, middle)
+        there, rate = y * c + w * s, w * s_rate - row[A0] * y * s
+        eta = rate + row[ALPHA] * there
+        if eta * eta + kappa2 * there * there > goal:
+            low, high = (middle, high) if low > 0.0 else (0.0, 2.0 * high)
+        elif low == 0.0:
+            low = EPS * high
+        else:
+            high = middle
+        if low > 0.0 and high - low <= 4.0 * EPS * high:
+            break
+    return high
+
+
+@kernel
+def _on_cycle(known, mode, state):
+    for k in range(known.cycle_mode.size):
+        near = abs(state[0] - known.cycle_state[k, 0]) <= known.cycle_reach[k, 0]
+        near = near and abs(state[1] - known.cycle_state[k, 1]) <= known.cycle_reach[k, 1]
+        if near and known.cycle_mode[k] == mode:
+            return True
+    return False
+
+
+@entry
+def approach(tables, known, sprags, mode, scratch, budget):
+    """Return the time [s] until the motion from ``scratch.state`` in ``mode`` is at its attractor, and its sprags.
+
+    ``sprags`` (b): whether a branch is an event that sprags. Arrival: in the trapping ellipse; at an event of a cycle,
+    within ``cycle_reach``; at the event after which an undamped mode is never left. The time is infinite if the motion
+    diverges, or if ``budget`` events are not enough.
+    """
+    state, clock, short, count = scratch.state, scratch.clock, 0, 0
+    clock[0] = clock[1] = 0.0
+    if _on_cycle(known, mode, state):
+        return 0.0, 0
+    for _ in range(budget):
+        if ellipse(tables, known, mode, state) < known.trap[mode, 2]:
+            return clock[0] + clock[1], count
+        start = mode
+        outcome, _, kind, mode, stay, short = step(tables, mode, short, scratch)
+        if outcome == _SETTLED:
+            if known.trap[mode, 2] > 0.0:
+                return clock[0] + clock[1] + _arrival_time(tables, known, mode, state), count
+            if known.settled[mode] == known.diverged:
+                return math.inf, count
+            return clock[0] + clock[1], count
+        if outcome != event_loop.GOES_ON:
+            return math.inf, count
+        event_loop.add_time(clock, stay)
+        if kind != GRAZE_KIND and kind != ACCUMULATION_KIND:
+            for k in range(sprags.size):
+                count += kind == sprags[k]
+        if known.resting[start] != UNKNOWN:
+            return clock[0] + clock[1] + known.release[start, 0], count + int(known.release[start, 1])
+        if _on_cycle(known, mode, state):
+            return clock[0] + clock[1], count
+    return math.inf, count
+
+
+@allocating_entry
+def map_approaches(tables, known, sprags, x, y, across, budget, times, counts):
+    """Fill ``times`` [s] and ``counts`` (rows, columns) by :func:`approach`; other arguments as ``map_labels`` has."""
+    scratch = new_scratch(tables)
+    for i in range(y.size):
+        for j in range(x.size):
+            put(scratch, y[i] if across else x[j], x[j] if across else y[i])
+            branch = event_loop.choose_branch(tables, 0, scratch.state, scratch.scale)
+            if branch < 0:
+                times[i, j], counts[i, j] = math.inf, 0
+                continue
+            time, count = approach(tables, known, sprags, tables.branch_mode[branch], scratch, budget)
+            times[i, j], counts[i, j] = time, count

@@ -23,12 +23,15 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lsvib.basins.backward_motions import forward_arcs, mode_index, traced, wind_up
-from lsvib.basins.clipping import Window, clip, inside
-from lsvib.basins.curves import Arc, Curve, Segment, area, contains, sampled
+from lsvib.basins.curves import Arc, Curve, Segment, Window, area, clip, contains, inside, sampled
 from lsvib.basins.reversed_time import BEGINNING, backward_automaton
+from lsvib.dynamics.attractors import steady_state
 from lsvib.dynamics.forward_slip import ForwardDrive, many
+from lsvib.engine.automaton import Automaton
 from lsvib.engine.exact.precision import PLACES
+from lsvib.engine.kernels import columns
+from lsvib.engine.kernels.status import Status
+from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError, InputError
 from lsvib.models.coefficients import Coefficients, coefficients
 from lsvib.models.drive import RigidDrive
@@ -36,7 +39,10 @@ from lsvib.models.rigid import MotionMode, rigid_automaton
 
 _NARROW = 1e-10  # width of a window, of the size of the boundary, in which a share is still good to 1e-4
 _SEEN = 0.1  # part of a rate that doubles hold to fifteen digits
+_CLOSED = 1e-9  # relative gap of an orbit that is closed
 _NEAR = 0.5  # distance from the equilibrium at which the motion backwards starts, in distances to the first guard
+_EVENTS = 2_000_000  # of a motion backwards, some seconds, after which its turns hardly grow and it is given up
+_FAR = 1e9  # growth of the turns after which they grow for ever: the constants of the drive are 1e-9 of the state
 
 
 class AttractsNothing(InputError):
@@ -110,7 +116,7 @@ class Basin:
                     f"window {name} = {float(low)!r} to {float(high)!r} is too narrow for the boundary that passes "
                     f"through it; the allowed range of high - low is at least {least:g} there."
                 )
-            return float(self.contains([0.5 * (window.left + window.right), 0.5 * (window.bottom + window.top)]))
+            return float(self.contains(window.middle))
         return min(max(self.area(window) / window.area, 0.0), 1.0)
 
     def _size(self, window: Window) -> np.ndarray:
@@ -161,10 +167,10 @@ def _continuous(drive: RigidDrive, c: Coefficients) -> tuple[Boundary, list[Curv
     q_u, q_w, q_0 = (abs(float(x)) for x in c.q_row)
     change = q_u + q_w * rate
     start = _NEAR * min(q_0 / change if change else math.inf, drive.input_speed / rate)
-    orbit = wind_up(drive, back, [start, 0.0], mode_index(back, mode))
+    orbit = _wind_up(drive, back, np.array([start, 0.0]), _row_of(back, mode))
     if orbit is None:
         return Boundary.NONE, []
-    return Boundary.CYCLE, [[*forward_arcs(orbit, rigid_automaton(drive))]]
+    return Boundary.CYCLE, [_forward_arcs(orbit, drive)]
 
 
 def _in_paradox(drive: RigidDrive, c: Coefficients) -> tuple[Boundary, list[Curve]]:
@@ -172,14 +178,14 @@ def _in_paradox(drive: RigidDrive, c: Coefficients) -> tuple[Boundary, list[Curv
     touch = _touch(drive, c)
     if touch is None:
         return Boundary.NONE, []
-    back, drive_forward = backward_automaton(drive, touch[0]), rigid_automaton(drive)
+    back = backward_automaton(drive, touch[0])
     earlier, before = _before_touch(drive, c, touch)
-    start, mode = before * [1, -1], mode_index(back, MotionMode.SLIP_FORWARD_NEGATIVE)
-    trace = traced(back, start, mode, 2)
+    start, mode = before * [1, -1], _row_of(back, MotionMode.SLIP_FORWARD_NEGATIVE)
+    trace = _traced(back, start, mode, 2)
     if trace is None or trace.time.size == 0:
         return Boundary.NONE, []  # The motion comes from far away, so slip from θ′ = 0 never gets as far as T.
     end = np.array([float(touch[0]), float(touch[1])])
-    arcs = forward_arcs(trace, drive_forward)
+    arcs = _forward_arcs(trace, drive)
     arcs[-1] = replace(arcs[-1], end=end, duration=arcs[-1].duration + earlier)
     ended = trace.automaton.codes[trace.end_mode] == BEGINNING
     if trace.before[0, 1] != drive.input_speed:  # The motion comes from Q = 0.
@@ -193,10 +199,10 @@ def _in_paradox(drive: RigidDrive, c: Coefficients) -> tuple[Boundary, list[Curv
     if c.q_row[1] == 0:
         return Boundary.NONE, []
     if not ended:
-        orbit = wind_up(drive, back, start, mode)
+        orbit = _wind_up(drive, back, start, mode)
         if orbit is None:
             return Boundary.NONE, []
-        arcs = forward_arcs(orbit, drive_forward)
+        arcs = _forward_arcs(orbit, drive)
     if c.q_row[1] < 0:
         raise EngineError(
             "seizures on the boundary of the basin end backward slip, which should be impossible; please report it."
@@ -281,6 +287,54 @@ def _everything() -> Curve:
     return [Segment(np.array([-1e300, -math.inf]), np.array([-1e300, math.inf]))]
 
 
+def _wind_up(drive: RigidDrive, back: Automaton, start: NDArray[np.float64], mode: int) -> Motion | None:
+    """Return one turn of the cycle on to which a motion backwards winds; None if it grows or does not come back.
+
+    The turns only grow (docs/basin.md). Once they have grown by ``_FAR`` the constants of the drive no longer count:
+    each turn is in proportion to the one before, so they grow for ever.
+    """
+    state, used, chunk = start, 0, 32
+    scale = back.tables.flow[mode, columns.TIME_SCALE]
+    while used < _EVENTS:
+        trace = _traced(back, state, mode, chunk)
+        if trace is None or trace.status == Status.SETTLED or np.abs(trace.after).max() > _FAR * np.abs(start).max():
+            return None
+        state, mode = trace.end_state, trace.end_mode
+        found = steady_state(back, state, mode=mode, max_events=1)
+        # An event that recurs at once, within a small part of a time scale of slip, is not a turn, which has some six.
+        if found.orbit is not None and found.residual < _CLOSED and found.period > 1e-3 * found.returns * scale:
+            once = found.orbit.time.size // found.returns
+            return follow(back, found.orbit.start_state, math.inf, mode=found.orbit.start_mode, max_events=once)
+        used, chunk = used + chunk, 2 * chunk
+    raise InputError(
+        f"support_damping = {drive.support_damping:g} and translation_damping = {drive.translation_damping:g} change a "
+        "motion so little in a turn that the boundary of the basin cannot be followed to its end."
+    )
+
+
+def _traced(back: Automaton, state: NDArray[np.float64], mode: int, events: int) -> Motion | None:
+    """Follow a motion backwards over some events; None if it leaves the range of numbers, as it does far away."""
+    try:
+        return follow(back, state, math.inf, mode=mode, max_events=events)
+    except EngineError:
+        return None
+
+
+def _forward_arcs(trace: Motion, drive: RigidDrive) -> Curve:
+    """Return the arcs of a motion backwards as arcs forward in time, the earliest first; none has zero duration."""
+    codes, turned = trace.automaton.codes, np.array([1.0, -1.0])
+    return [
+        Arc(_row_of(rigid_automaton(drive), codes[mode]), end * turned, start * turned, float(duration))
+        for mode, start, end, duration in zip(*trace.arcs(), strict=True)
+        if duration > 0
+    ][::-1]
+
+
+def _row_of(automaton: Automaton, mode: int) -> int:
+    """Return the row of a mode in the tables of an automaton, by its code."""
+    return automaton.codes.tolist().index(int(mode))
+
+
 def _mirrored(found: Basin, drive: RigidDrive) -> Basin:
     """Return the basin of a drive from that of the drive with Ω and R reversed: the plane turned by half a turn."""
     codes = rigid_automaton(found.drive).codes.tolist()
@@ -291,7 +345,7 @@ def _mirrored(found: Basin, drive: RigidDrive) -> Basin:
         if isinstance(piece, Segment):
             return Segment(-piece.start, -piece.end)
         code = MotionMode.SLIP_BACKWARD_NEGATIVE - codes[piece.mode]
-        return Arc(mode_index(automaton, code), -piece.start, -piece.end, piece.duration)
+        return Arc(_row_of(automaton, code), -piece.start, -piece.end, piece.duration)
 
     curves = tuple([turned(piece) for piece in curve] for curve in found.curves)
     return Basin(drive, found.boundary, curves, automaton.tables.flow)
