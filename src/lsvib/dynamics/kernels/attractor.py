@@ -351,14 +351,14 @@ def end_of(tables, facts, known, mode, state, patience, events, one, other, foun
     if still:
         found.whole[MODE], found.real[FREQUENCY] = mode, 0.0
         return SLIDES
-    outcome = SPENT
+    outcome, never = SPENT, np.int64(event_loop.NO_KIND)  # a literal would be another type, and compile the loop anew
     while budget[0] > 0.0:
         for i in range(n):
             found.state[i] = state[i]
         given = clock[3] = budget[0] / STEP
         found.whole[MODE] = mode
         part = (times[:chunk], kinds[:chunk], signs[:chunk], modes[:chunk], before[:chunk], after[:chunk])
-        status, mode, count = event_loop.run(tables, mode, state, scale, clock, math.inf, -1, -1, part)
+        status, mode, count = event_loop.run(tables, mode, state, scale, clock, math.inf, never, never, part)
         budget[0] -= count + (STEP * (given - clock[3]) if clock[3] < math.inf else 0.0)
         found.real[LEFT] = budget[0]
         if found.whole[FIRST_EVENT] == event_loop.NO_KIND and count > 0:

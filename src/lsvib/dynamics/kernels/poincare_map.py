@@ -151,7 +151,7 @@ def section_through(tables, kind, mode, returns, limit, points, size):
         origin[i] = points[points.shape[0] - 1, i]
         unit[i] = max(abs(origin[i]), _LEAST * size[i])
     d = lay(tables.surfaces, met, unit, rows, tied, free, directions)
-    return Section(int(kind), int(mode), returns, limit, d, origin, unit, free, directions)
+    return Section(np.int64(kind), np.int64(mode), returns, limit, d, origin, unit, free, directions)
 
 
 @merged_kernel
