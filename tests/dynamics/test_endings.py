@@ -8,9 +8,8 @@ from lsvib.dynamics.ending_numbers import Endings
 from lsvib.dynamics.endings import all_endings
 from lsvib.dynamics.endings_of_models.rigid import _block_endings, ending
 from lsvib.models.drive import RigidDrive
-from lsvib.models.many import ManyDrives
+from lsvib.models.many import ManyDrives, groups
 from lsvib.models.rigid import rigid_automaton
-from lsvib.models.tables_of_models.rigid import groups
 
 RULES = ("contact_sign", "at_once")
 

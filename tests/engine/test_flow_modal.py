@@ -5,10 +5,10 @@ condition of the mode and the growth of its fastest part; how near two rates of 
 """
 
 import math
-from decimal import Decimal, localcontext
 
 import numpy as np
 import pytest
+from flint import arb, ctx
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
@@ -179,13 +179,13 @@ def test_a_slow_rate_is_carried_about_an_equilibrium_nearby(push):
 
 def test_a_guard_has_no_part_that_is_rounding_of_its_coefficients():
     """x₁ rests at −Ω, so that r (x₁ + Ω) is zero, however r Ω has been rounded to 50 digits."""
-    with localcontext(prec=50):
-        radius, speed = Decimal(1) / 3, Decimal(30) / 7
+    with ctx.workdps(50):
+        radius, speed = (arb(1) / 3).mid(), (arb(30) / 7).mid()
         rows = [[0, 1, 0, 0, 0], [0, 0, 0, 0, 0], [0, 0, 0, 1, 0], [0, 0, -7000, -800, 0]]
         mode = modal_mode(Field.of(rows, [1.0] * 4, {1: -speed}))
-        row = (0, radius, 0, 1, radius * speed)
-    with mp.workdps(DIGITS):
-        assert 0 < abs(mpf(str(row[4])) - mpf(str(radius)) * mpf(str(speed))) < mpf(10) ** -49
+        row = (0, radius, 0, 1, (radius * speed).mid())
+    with ctx.workdps(150):
+        assert 0 < abs(row[4] - radius * speed) < 1e-49
     (form,) = guard_forms([mode], [[row]])
     assert form[-1] == 0.0
     assert np.count_nonzero(form) == 2  # both rates of x₂

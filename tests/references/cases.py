@@ -11,17 +11,17 @@ STARTS = [(1.0, 0.0), (0.0, 1.0), (1.0, -2.0), (-0.3, 5.0), (1e-3, 1e-3), (0.0, 
 
 
 def roots(first, second, force="0"):
-    """Coefficients (inertia, damping, stiffness, force) of an oscillator with two given real roots, as decimals."""
+    """Coefficients (inertia, damping, stiffness, force) of an oscillator with two given real roots, as text."""
     first, second = Decimal(first), Decimal(second)
     with localcontext(prec=60):
-        return Decimal(1), -(first + second), first * second, Decimal(force)
+        return "1", str(-(first + second)), str(first * second), str(force)
 
 
 def split(distance: str, side: int):
     """Roots −3 and −3 (1 ± distance), or a complex pair that far apart (side 0)."""
     with localcontext(prec=60):
         if side == 0:
-            return Decimal(1), Decimal(6), Decimal(9) * (1 + Decimal(distance)), Decimal(1)
+            return "1", "6", str(9 * (1 + Decimal(distance))), "1"
         return roots(-3, -3 * (1 + side * Decimal(distance)), 1)
 
 

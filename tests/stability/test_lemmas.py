@@ -1,13 +1,13 @@
 """Lemmas 8.1 and 8.2, and what they do not say: the statements of docs/lemmas.md on threads and axial support."""
 
-from decimal import Decimal
-
 import mpmath
 import numpy as np
 import pytest
+from flint import arb
 from references.classes import growth_rate
 from references.newton import eigenvalues
 
+from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import ThreadsDrive
 from lsvib.stability import eigenvalues_two_coordinates, linearised, stiff_contact, support_conditions
@@ -22,7 +22,7 @@ def exact_growth(drive: ThreadsDrive, law: int) -> float:
         return float(max(mpmath.re(z) for z in eigenvalues("threads", drive, law)))
 
 
-def factored(drive: ThreadsDrive, law: int) -> list[Decimal]:
+def factored(drive: ThreadsDrive, law: int) -> list[arb]:
     """The polynomial of docs/lemmas.md, coefficient by coefficient."""
     d, c = drive.exact(), coefficients(drive)
     gamma, damping = c.gamma[law], c.damping[law]
@@ -45,8 +45,9 @@ def factored(drive: ThreadsDrive, law: int) -> list[Decimal]:
 def test_polynomial_of_the_threads_factors_into_the_rigid_drive(law, slide):
     drive = ThreadsDrive.of(mass=11.0, contact_stiffness=1e9, contact_damping=1e4, translation_damping=slide)
     polynomial = linearised.threads_model(drive.exact(), law).polynomial()
-    for ours, expected in zip(polynomial, factored(drive, law), strict=True):
-        assert abs(ours - expected) < Decimal(10) ** -20 * abs(expected)  # Decimal sums outside round to 28 digits
+    with many_digits():
+        for ours, expected in zip(polynomial, factored(drive, law), strict=True):
+            assert abs(ours - expected) < 1e-100 * abs(expected)
 
 
 @pytest.mark.parametrize("damping", DAMPINGS)

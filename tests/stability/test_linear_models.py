@@ -1,15 +1,15 @@
 """Linearised models against Newton's laws in 40 digits, their eigenvalues, classes and plain-value summary."""
 
-from decimal import Decimal, localcontext
-
 import mpmath
 import numpy as np
 import pytest
+from flint import arb
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from references.classes import damped_class, growth_rate
 from references.newton import accelerations, eigenvalues
 
+from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import InputError
 from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import NutDrive, SupportDrive, ThreadsDrive
@@ -52,11 +52,11 @@ def test_matrices_follow_from_newtons_laws(model, law):
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_polynomial_in_decimals_and_in_floats(model):
+def test_polynomial_in_balls_and_in_floats(model):
     kind, build = KINDS[model]
     drive = kind.of(mass=7.0, **DAMPED, **OWN[model])
     exact = build(drive.exact(), 1).polynomial()
-    assert all(isinstance(p, Decimal) for p in exact)
+    assert all(isinstance(p, arb) for p in exact)
     np.testing.assert_allclose([float(p) for p in build(drive, 1).polynomial()], [float(p) for p in exact], rtol=1e-12)
     values = eigenvalues_two_coordinates.eigenvalues(build(drive, 1))
     assert (np.diff(values.real) >= 0).all()
@@ -89,7 +89,15 @@ def test_generalised_eigenvalues_keep_their_digits(friction, mass, screw_mass, p
     squares = eigenvalues_two_coordinates.reciprocal_squares(linearised.support_model(drive, law))
     model = linearised.support_model(drive.exact(), law)
     with mpmath.workdps(40):
-        m, k = (mpmath.matrix([[mpmath.mpf(str(x)) for x in row] for row in a]) for a in (model.mass, model.stiffness))
+        m, k = (
+            mpmath.matrix(
+                [
+                    [mpmath.mpf(x.str(60, radius=False)) if isinstance(x, arb) else mpmath.mpf(x) for x in row]
+                    for row in a
+                ]
+            )
+            for a in (model.mass, model.stiffness)
+        )
         whole = mpmath.inverse(k) * m
         trace, det = whole[0, 0] + whole[1, 1], mpmath.det(whole)
         gap = mpmath.sqrt(trace * trace / 4 - det)
@@ -131,8 +139,8 @@ def test_printed_polynomial_is_that_of_the_matrices(law):
     drive = SupportDrive.of(mass=15.0, support_damping=0.0)
     p_4, _, p_2, _, p_0 = linearised.support_model(drive.exact(), law).polynomial()
     printed = support_conditions.characteristic_polynomial(drive.exact(), law)
-    with localcontext(prec=60):
-        assert all(abs(a - b) < Decimal(10) ** -45 * abs(b) for a, b in zip((p_4, -p_2, p_0), printed, strict=True))
+    with many_digits():
+        assert all(abs(a - b) < 1e-100 * abs(b) for a, b in zip((p_4, -p_2, p_0), printed, strict=True))
 
 
 def test_steady_law_counts_the_friction_of_the_slide():

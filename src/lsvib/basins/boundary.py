@@ -17,18 +17,18 @@ The boundary is found by following one motion backwards in time; docs/basin.md p
 
 import math
 from dataclasses import dataclass, field, replace
-from decimal import Decimal, localcontext
 from enum import IntEnum
 
 import numpy as np
+from flint import arb
 from numpy.typing import ArrayLike, NDArray
 
 from lsvib.basins.curves import Arc, Curve, Segment, Window, area, clip, contains, inside, sampled
 from lsvib.basins.reversed_time import BEGINNING, backward_automaton
 from lsvib.dynamics.attractors import steady_state
-from lsvib.dynamics.forward_slip import ForwardDrive, many
+from lsvib.dynamics.forward_slip import ForwardDrive, exactly, many
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.exact.precision import PLACES
+from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.status import Status
 from lsvib.engine.motion import Motion, follow
@@ -155,7 +155,9 @@ def _require_attraction(c: Coefficients) -> None:
 
 def _continuous(drive: RigidDrive, c: Coefficients) -> tuple[Boundary, list[Curve]]:
     """Return the basin for Γ₊ > 0: the inside of the cycle on to which a motion winds that is followed backwards."""
-    if c.damping[1] < 0 and c.damping[1] ** 2 >= 4 * drive.exact().coupling_stiffness * c.gamma[1]:
+    with many_digits():
+        turns = c.damping[1] >= 0 or c.damping[1] ** 2 < 4 * drive.exact().coupling_stiffness * c.gamma[1]
+    if not turns:
         raise InputError(
             f"translation_damping = {drive.translation_damping:g} is so large that slip under law + may grow for ever "
             "without a turn; the basin of such a drive is not covered."
@@ -210,14 +212,14 @@ def _in_paradox(drive: RigidDrive, c: Coefficients) -> tuple[Boundary, list[Curv
     return (Boundary.TOUCHING_SLIP if ended else Boundary.CYCLE), [_with_seizures(arcs[-1], c)]
 
 
-def _touch(drive: RigidDrive, c: Coefficients) -> tuple[Decimal, Decimal] | None:
+def _touch(drive: RigidDrive, c: Coefficients) -> tuple[arb, arb] | None:
     """Return the state in which slip touches Q = 0 from within; None if slip never crosses Q = 0 outwards.
 
     On the line u″ = R̃ / (m r_m tan λ) − c_x w / m under either law, so Q′ = κ w + ρ along it.
     """
     d = drive.exact()
     q_u, q_w, q_0 = c.q_row
-    with localcontext(prec=PLACES):
+    with many_digits():
         kappa = q_u - q_w * d.translation_damping / d.mass
         rho = q_w * c.net_force / (d.mass * d.pitch_radius * d.tan_lead)
         at_stand = rho - kappa * d.input_speed
@@ -232,9 +234,7 @@ def _touch(drive: RigidDrive, c: Coefficients) -> tuple[Decimal, Decimal] | None
         return -(q_w * w + q_0) / q_u, w
 
 
-def _before_touch(
-    drive: RigidDrive, c: Coefficients, touch: tuple[Decimal, Decimal]
-) -> tuple[float, NDArray[np.float64]]:
+def _before_touch(drive: RigidDrive, c: Coefficients, touch: tuple[arb, arb]) -> tuple[float, NDArray[np.float64]]:
     """Return a time [s] and the state (u, w) in which the motion that touches Q = 0 was so long before.
 
     Where the rates of slip lie far apart, their ratio being q, the touching state is on the slow eigenvector but for a
@@ -242,9 +242,10 @@ def _before_touch(
     with many digits it is followed until it is ``_SEEN`` of the rate w, and of Ω, so that θ′ = 0 is not met before.
     """
     here = 0.0, np.array([float(x) for x in touch])
-    if c.damping[-1] ** 2 <= 4 * drive.exact().coupling_stiffness * c.gamma[-1]:
-        return here
-    u, w = (many.mpf(str(x)) for x in touch)
+    with many_digits():
+        if c.damping[-1] ** 2 <= 4 * drive.exact().coupling_stiffness * c.gamma[-1]:
+            return here
+    u, w = map(exactly, touch)
     slip = ForwardDrive(drive, c).slip(-1)
     part = (w - slip.slow * u) * slip.fast / (slip.fast - slip.slow)  # of w along the fast eigenvector
     wanted = _SEEN * min(abs(w), many.mpf(drive.input_speed))
@@ -257,10 +258,10 @@ def _before_touch(
 def _require_rest_in_basin(drive: RigidDrive, c: Coefficients, edge: float) -> None:
     """Refuse drives with R > 0 > R̃ in which slip from θ′ = 0 may settle although release from rest does not."""
     d = drive.exact()
-    with localcontext(prec=PLACES):
+    with many_digits():
         upper = 1 if d.axial_force >= 0 else -1
         released = (
-            c.damping[-1] * d.input_speed + d.pitch_radius * (c.xi[-1] - c.xi[upper]) * d.axial_force
+            c.damping[-1] * d.input_speed + d.pitch_radius * c.slack(upper) * d.axial_force
         ) / d.coupling_stiffness
     if not edge < released:
         raise InputError(

@@ -13,7 +13,8 @@ ends a backward slip, which began at θ′ = 0 after a seizure that is traced in
 """
 
 import math
-from decimal import Decimal, localcontext
+
+from flint import arb
 
 from lsvib.engine.automaton import (
     Automaton,
@@ -26,20 +27,18 @@ from lsvib.engine.automaton import (
     eigenform,
     oscillator,
 )
-from lsvib.engine.exact.precision import PLACES
+from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.kernels.status import Test
 from lsvib.errors import InputError
 from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
-from lsvib.models.once import once
 from lsvib.models.rigid import SLIPS, EventKind, MotionMode, rigid_automaton
 
 BEGINNING = int(MotionMode.REST)  # code of the mode in which a trace ends
 _SIGNS = {MotionMode[name.upper()]: signs for name, signs in SLIPS.items()}
 
 
-@once
-def backward_automaton(drive: RigidDrive, touch: Decimal | None = None) -> Automaton:
+def backward_automaton(drive: RigidDrive, touch: arb | None = None) -> Automaton:
     """Return the automaton of a drive in reversed time, Ω > 0.
 
     ``touch`` [rad], for Γ₊ ≤ 0: the deviation u at which a motion touches Q = 0; slip forward ends on one side of it
@@ -50,16 +49,18 @@ def backward_automaton(drive: RigidDrive, touch: Decimal | None = None) -> Autom
     c, d = coefficients(drive), drive.exact()
     forward = rigid_automaton(drive)
     q_u, q_w, q_0 = c.q_row
+    with many_digits():
+        backward = q_u, -q_w, q_0
     surfaces = {
-        "contact": Surface((q_u, -q_w, q_0), int(forward.tables.snap[0])),
+        "contact": Surface(backward, int(forward.tables.snap[0])),
         "screw_speed": Surface((0, -1, d.input_speed), 1),
     }
     modes = {}
     for code in forward.codes[forward.codes != MotionMode.REST]:
         mode = MotionMode(int(code))
         law = math.prod(_SIGNS[mode])
-        with localcontext(prec=PLACES):
-            force = d.pitch_radius * (c.xi[c.steady_law] - c.xi[law]) * c.net_force
+        with many_digits():
+            force = d.pitch_radius * c.slack(law) * c.net_force
             terms = c.gamma[law], -c.damping[law], d.coupling_stiffness, force
         modes[mode.name] = Mode(int(mode), oscillator(*terms), _guards(mode, c.paradox), exact=eigenform(*terms))
     if not c.paradox:
@@ -93,7 +94,7 @@ def _pass_to(direction: int, q_sign: int, kind: EventKind) -> Transition:
     return Transition((Branch(mode.name, kind),))
 
 
-def _seizures(q_row, touch: Decimal) -> dict[str, Transition]:
+def _seizures(q_row, touch: arb) -> dict[str, Transition]:
     """Transitions for Γ₊ ≤ 0: from θ′ = 0 to the state of Q = 0 in which the seizure began."""
     q_u, q_w, q_0 = q_row
     forward, backward = MotionMode.SLIP_FORWARD_NEGATIVE.name, MotionMode.SLIP_BACKWARD_POSITIVE.name
@@ -101,7 +102,7 @@ def _seizures(q_row, touch: Decimal) -> dict[str, Transition]:
     if q_w == 0:  # every seizure ends in the corner, in rest
         ends = Transition((nothing,))
         return {"nothing": ends, f"stand_{forward}": ends, f"stand_{backward}": ends}
-    with localcontext(prec=PLACES):
+    with many_digits():
         reset = ((1, 0, 0), (q_u / q_w, 0, q_0 / q_w))
         # Q = 0 is arrived at from inside beyond the point of touching only.
         ended_forward = Branch(forward, EventKind.SEIZURE, (((-q_w, 0, q_w * touch), Test.POSITIVE),))

@@ -30,6 +30,7 @@ import numpy as np
 from lsvib.dynamics.attractors import orbit_extremes, steady_state
 from lsvib.dynamics.curve_distance import Orbit, rest_count, rest_duration
 from lsvib.dynamics.impulses import seizure_impulses
+from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import InputError
 from lsvib.models.coefficients import coefficients
@@ -94,7 +95,8 @@ def impacts(drive: RigidDrive, speed: float) -> Iterator[Impact]:
     """
     c, torque = coefficients(drive), drive.pitch_radius * drive.axial_force
     damping, stiffness = float(c.damping[c.steady_law]), drive.coupling_stiffness
-    ends = [(damping * drive.input_speed + torque * float(c.xi[c.steady_law] - c.xi[s])) / stiffness for s in (1, -1)]
+    with many_digits():
+        ends = [(damping * drive.input_speed + torque * float(c.slack(s))) / stiffness for s in (1, -1)]
     low, high = min(ends), max(ends)
 
     def weightless(w: float) -> float:

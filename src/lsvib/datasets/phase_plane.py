@@ -24,6 +24,7 @@ from lsvib.datasets.attributes import (
 from lsvib.datasets.parameter_origins import Variables
 from lsvib.dynamics.attractors import Attractor, SteadyState, steady_state
 from lsvib.dynamics.impulses import event_impulses
+from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import InputError
 from lsvib.models.coefficients import coefficients
@@ -94,7 +95,8 @@ def portraits(
 def lines(drives: Sequence[RigidDrive]) -> Variables:
     """Return, along ``case``, the line N = 0 as u = angle + slope · u′ (Q = 0, eq. 8.17), θ′ = 0 as u′ = −Ω, and Γ₊."""
     exact = [coefficients(drive) for drive in drives]
-    angle, slope = ([float(-c.q_row[k] / c.q_row[0]) for c in exact] for k in (2, 1))
+    with many_digits():
+        angle, slope = ([float(-c.q_row[k] / c.q_row[0]) for c in exact] for k in (2, 1))
     stop, inertia = [-drive.input_speed for drive in drives], [float(c.gamma[1]) for c in exact]
     return {
         "contact_line_angle": variable(

@@ -7,19 +7,18 @@ derivative  p S′ + q S, whose zeros are known in closed form.
 
 import math
 from collections.abc import Callable, Iterator
-from decimal import Decimal
 from itertools import count
 from types import SimpleNamespace
 from typing import Any
 
+from flint import arb
 from mpmath import MPContext
 
-from lsvib.engine.exact.precision import PLACES
 from lsvib.models.coefficients import Coefficients
 from lsvib.models.drive import RigidDrive
 
 many = MPContext()  # a context of its own, because the precision of the global one belongs to the caller
-many.dps = PLACES
+many.dps = 50
 double = SimpleNamespace(
     mpf=float, **{name: getattr(math, name) for name in ("exp", "log", "cos", "sin", "atan2", "pi")}
 )
@@ -41,14 +40,18 @@ class ForwardDrive:
         d = drive.exact()
         self._slips: dict[tuple[int, bool], Slip] = {}
         self.xi, self.inertia, self.damping = (
-            {law: _exact(value) for law, value in by_law.items()} for by_law in (c.xi, c.gamma, c.damping)
+            {law: exactly(value) for law, value in by_law.items()} for by_law in (c.xi, c.gamma, c.damping)
         )
-        self.speed, self.stiffness, self.mass = abs(_exact(d.input_speed)), _exact(d.coupling_stiffness), _exact(d.mass)
-        self.radius, self.screw_inertia = _exact(d.pitch_radius), _exact(d.screw_inertia)
-        self.lever = self.radius * _exact(d.tan_lead)
-        self.contact = _exact(c.q_row[0]), _exact(c.q_row[1])
+        self.speed, self.stiffness, self.mass = (
+            abs(exactly(d.input_speed)),
+            exactly(d.coupling_stiffness),
+            exactly(d.mass),
+        )
+        self.radius, self.screw_inertia = exactly(d.pitch_radius), exactly(d.screw_inertia)
+        self.lever = self.radius * exactly(d.tan_lead)
+        self.contact = exactly(c.q_row[0]), exactly(c.q_row[1])
         self.decimals = c.gamma[-1], c.damping[-1], d.coupling_stiffness  # of slip under law −1
-        translation_damping = _exact(d.translation_damping)
+        translation_damping = exactly(d.translation_damping)
         self.outward = self.contact[0] - self.contact[1] * translation_damping / self.mass
         self.onset = self.lever * translation_damping * self.speed
 
@@ -60,8 +63,10 @@ class ForwardDrive:
         return self._slips[key]
 
 
-def _exact(value: Decimal):
-    return many.mpf(str(value))
+def exactly(value: arb):
+    """Return the midpoint of a ball in the digits of this module."""
+    mantissa, exponent = value.mid().man_exp()
+    return many.ldexp(many.mpf(int(mantissa)), int(exponent))
 
 
 class Slip:

@@ -1,24 +1,23 @@
 """From a model in words – surfaces, modes, transitions – to the tables that the engine runs.
 
-Every number may be a ``Decimal``; it is rounded to double once, here. It may also be a ``Pairs``, the numbers of many
-drives; then all tables of doubles have one more axis, the first, for the drives.
+Every number may be a ball (``flint.arb``); it is rounded to double once, here. It may also be an array of doubles, the
+numbers of many drives; then all tables of doubles have one more axis, the first, for the drives.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from decimal import Decimal, localcontext
 from typing import Any
 
 import numpy as np
+from flint import arb
 
-from lsvib.engine.exact.pair_arrays import Pairs, double, doubles, exactly
-from lsvib.engine.exact.precision import PLACES
+from lsvib.engine.exact.arithmetic import alike, double, doubles, many_digits, root, sign
 from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.status import Test
 from lsvib.engine.kernels.tables import Tables
 from lsvib.errors import EngineError
 
-Row = Sequence[Decimal | Pairs | np.ndarray | float | int]
+Row = Sequence[arb | np.ndarray | float | int]
 
 # Part of a drive's shortest time scale below which a stay counts as short: some hundred roundings of a time.
 SHORT_STAY = 1e-13
@@ -53,7 +52,7 @@ class Mode:
     flow: Any
     guards: tuple[Guard, ...]
     beyond_accumulation: str | None = None
-    exact: tuple[Decimal, Decimal, Decimal] | None = None
+    exact: tuple[arb, arb, arb] | None = None
 
 
 @dataclass(frozen=True)
@@ -107,48 +106,51 @@ class Automaton:
 def oscillator(inertia, damping, stiffness, force) -> np.ndarray:
     """Row of the flow table of  inertia·u″ + damping·u′ + stiffness·u = force  (any consistent units, inertia ≠ 0).
 
-    The characteristic roots are formed in decimal arithmetic, free of cancellation.
+    The characteristic roots are formed in balls, free of cancellation.
     """
-    with localcontext(prec=PLACES):
-        inertia, damping, stiffness, force = (exactly(x) for x in (inertia, damping, stiffness, force))
-        a0, a1, b = stiffness / inertia, damping / inertia, force / inertia
-        alpha = a1 / 2
-        discriminant = alpha * alpha - a0
+    with many_digits():
+        inertia, damping, stiffness, force = alike(inertia, damping, stiffness, force)
+        square = stiffness / inertia
         row: list[Any] = [0.0] * columns.COUNT
-        row[columns.A0], row[columns.A1], row[columns.B], row[columns.ALPHA] = a0, a1, b, alpha
-        if discriminant < 0:
-            row[columns.BETA] = (-discriminant).sqrt()
+        row[columns.A0], row[columns.A1], row[columns.B] = square, damping / inertia, force / inertia
+        row[columns.ALPHA] = alpha = damping / inertia / 2
+        discriminant = (damping * damping - 4 * inertia * stiffness) / (4 * inertia * inertia)
+        if sign(discriminant, "a damping") < 0:
+            row[columns.BETA] = root(-discriminant)
         else:
-            row[columns.DELTA] = discriminant.sqrt()
-            row[columns.R1], row[columns.R2] = _real_rates(alpha, a0)
-        row[columns.EQUILIBRIUM] = b / a0 if a0 else 0
-        row[columns.TIME_SCALE] = 1 / abs(a0).sqrt() if a0 else 0
+            row[columns.DELTA] = root(discriminant)
+            row[columns.R1], row[columns.R2] = _real_rates(alpha, square, row[columns.DELTA])
+        if sign(stiffness):
+            row[columns.EQUILIBRIUM] = force / stiffness
+            row[columns.TIME_SCALE] = 1 / root(abs(square))
         return doubles(row, (columns.COUNT,))
 
 
-def eigenform(inertia, damping, stiffness, force) -> tuple[Decimal, Decimal, Decimal] | None:
-    """Equilibrium and real rates r₁ > r₂ of the oscillator of :func:`oscillator`, to 50 digits; None if it has none."""
-    with localcontext(prec=PLACES):
-        inertia, damping, stiffness, force = (exactly(x) for x in (inertia, damping, stiffness, force))
-        alpha, square = damping / inertia / 2, stiffness / inertia
-        if not stiffness or alpha * alpha <= square:
+def eigenform(inertia, damping, stiffness, force) -> tuple[arb, arb, arb] | None:
+    """Equilibrium and real rates r₁ > r₂ of the oscillator of :func:`oscillator`, as balls; None if it has none."""
+    with many_digits():
+        inertia, damping, stiffness, force = alike(inertia, damping, stiffness, force)
+        discriminant = (damping * damping - 4 * inertia * stiffness) / (4 * inertia * inertia)
+        if not sign(stiffness) or sign(discriminant, "a damping") <= 0:
             return None
-        return force / stiffness, *_real_rates(alpha, square)
+        return force / stiffness, *_real_rates(damping / inertia / 2, stiffness / inertia, root(discriminant))
 
 
-def _real_rates(alpha: Decimal, square: Decimal) -> tuple[Decimal, Decimal]:
-    """Real roots r₁ ≥ r₂ of r² + 2α r + square: the larger one first, so that nothing cancels."""
-    large = -alpha - (alpha * alpha - square).sqrt().copy_sign(alpha)
-    small = square / large if large else Decimal(0)
-    return max(large, small), min(large, small)
+def _real_rates(alpha: arb, square: arb, delta: arb) -> tuple[arb, arb]:
+    """Real roots r₁ ≥ r₂ of r² + 2α r + square, with (r₁ − r₂) / 2 = delta: the larger one first, nothing cancels."""
+    if sign(alpha) >= 0:
+        large = -alpha - delta
+        return (square / large if sign(large) else large), large
+    large = delta - alpha
+    return large, square / large
 
 
 def _guard_parts(mode: Mode, guard: Guard, surfaces: dict[str, Surface]) -> tuple:
     """The guard at the equilibrium of its mode, and along either eigenvector (1, r): differences that may cancel."""
     if mode.exact is None:
         return 0, 0, 0
-    with localcontext(prec=PLACES):
-        place, rate, constant = (guard.sign * exactly(x) for x in surfaces[guard.surface].row)
+    with many_digits():
+        place, rate, constant = scaled(surfaces[guard.surface].row, guard.sign)
         equilibrium, slow, fast = mode.exact
         return place * equilibrium + constant, place + rate * slow, place + rate * fast
 

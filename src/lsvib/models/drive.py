@@ -6,12 +6,12 @@ or refused without loading the automata that the models make.
 
 import math
 from collections.abc import Iterator, Mapping
-from decimal import Decimal, localcontext
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
+from flint import arb
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
-from lsvib.engine.exact.precision import PLACES
+from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import InputError
 from lsvib.models.once import once
 from lsvib.models.ranges import Least, range_in_words
@@ -141,7 +141,7 @@ class Drive(BaseModel):
         return type(self)(**{**self.model_dump(), **_in_radians(changes)})
 
     def exact(self) -> "ExactParameters":
-        """Return the same drive with every value as a ``Decimal``, and tan λ, sin λ, cos λ to 50 digits."""
+        """Return the same drive with every value as a ball (``flint.arb``), and tan λ, sin λ, cos λ."""
         return _exact(self)
 
 
@@ -215,36 +215,26 @@ class NutDrive(Drive):
 
 
 class ExactParameters:
-    """A drive in 50-digit decimal arithmetic: attributes as in :class:`Drive`, plus the functions of λ.
+    """A drive in balls of 150 digits (``flint.arb``): attributes as in :class:`Drive`, plus the functions of λ.
 
     It is made once and shared, so it cannot be changed: an attempt raises ``AttributeError``.
     """
 
     def __init__(self, drive: Drive) -> None:
-        values = {key: Decimal(value) for key, value in drive.__dict__.items()}
-        with localcontext(prec=PLACES + 10):
-            sine, cosine = sine_and_cosine(values["lead_angle"])
-            self.__dict__.update(values, sin_lead=sine, cos_lead=cosine, tan_lead=sine / cosine)
+        values = {key: arb(value) for key, value in drive.__dict__.items()}
+        with many_digits():
+            angle = values["lead_angle"]
+            self.__dict__.update(values, sin_lead=angle.sin(), cos_lead=angle.cos(), tan_lead=angle.tan())
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"{name} cannot be set: exact parameters are shared.")
 
     if TYPE_CHECKING:
 
-        def __getattr__(self, name: str) -> Decimal: ...
+        def __getattr__(self, name: str) -> arb: ...
 
 
 _exact = once(ExactParameters)
-
-
-def sine_and_cosine(angle: Decimal) -> tuple[Decimal, Decimal]:
-    """Sine and cosine [1] of an angle in (0, π/2) [rad] by their Taylor series, to the precision of the context."""
-    sums = [Decimal(0), Decimal(1)]
-    term = Decimal(1)
-    for n in range(1, 100):
-        term = term * angle / n
-        sums[(n + 1) % 2] += term if n % 4 < 2 else -term
-    return sums[0], sums[1]
 
 
 def _in_radians(values: dict[str, Any]) -> dict[str, Any]:

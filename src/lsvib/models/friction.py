@@ -1,6 +1,6 @@
 """Friction laws of the threads and the effective coefficients that follow from them.
 
-Plain arithmetic only, so that the same lines serve floats, numpy arrays and ``decimal.Decimal``.
+Plain arithmetic only, so that the same lines serve floats, numpy arrays, balls and power series (``flint``).
 Symbols follow the chapter: ``law`` is s = sgn(θ̇)·sgn(N) = ±1, ``tan_lead`` is tan λ.
 """
 

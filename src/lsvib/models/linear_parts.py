@@ -7,12 +7,11 @@ second coordinate has factor · A B + own · D, with a factor and a polynomial `
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Any, Self
 
 from lsvib.engine.exact.polynomials import multiplied
 
-Polynomial = tuple[Fraction, ...]  # highest power first
+Polynomial = tuple[Any, ...]  # highest power first
 
 
 @dataclass(frozen=True)
@@ -34,7 +33,7 @@ class LinearParts:
             g=1 + friction * t,
             h=p["pitch_radius"] ** 2 * t * (friction - t),
             screw=(p["screw_inertia"], p["support_damping"], p["coupling_stiffness"]),
-            slide=(p["mass"], p["translation_damping"], Fraction(0)),
+            slide=(p["mass"], p["translation_damping"], 0),
         )
 
     def rigid(self) -> Polynomial:

@@ -1,29 +1,26 @@
-"""Many drives at once: their parameters in pairs of doubles, for the formulas that make the tables of one.
+"""The tables of many rigid drives at once, in plain arrays of doubles, from the formulas that make those of one.
 
-The formulas are those of one drive (:func:`lsvib.models.coefficients.coefficients_of`, ``automaton_of`` of the model);
-only the kind of number differs. Their doubles are the same to the last bit (:mod:`lsvib.engine.exact.pair_arrays`).
-:mod:`lsvib.models.tables_of_models` makes the tables.
+Drives whose tables differ in structure – in a sign, say – are divided into groups. A drive is *safe* if no sum in its
+formulas cancels by more than three decades, so that its tables hold to 1e-12; the others are made exactly, one by one.
 """
 
-import math
-from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
-from lsvib.engine.exact.pair_arrays import Pairs
-from lsvib.models.drive import Drive, RigidDrive, sine_and_cosine
+from lsvib.engine.automaton import DIMENSIONS, Automaton
+from lsvib.engine.exact.arithmetic import Divided
+from lsvib.engine.kernels import columns
+from lsvib.engine.kernels.tables import Tables
+from lsvib.models.coefficients import Coefficients, coefficients_of, steady_force
+from lsvib.models.drive import Drive, RigidDrive
+from lsvib.models.resumption import Resume
+from lsvib.models.rigid import automaton_of
 
-
-class ExactMany:
-    """Many drives in pairs of doubles: attributes as those of :class:`lsvib.models.drive.ExactParameters`."""
-
-    def __init__(self, values: Mapping[str, Pairs]) -> None:
-        self.__dict__.update(values)
-
-    if TYPE_CHECKING:
-
-        def __getattr__(self, name: str) -> Pairs: ...
+_CANCELLED = 1e3  # terms of a sum over the sum: beyond, doubles do not hold 1e-12 of it
 
 
 class ManyDrives:
@@ -35,17 +32,10 @@ class ManyDrives:
 
     def __init__(self, values: Mapping[str, np.ndarray | float], drive_class: type[Drive] = RigidDrive) -> None:
         self.drive_class = drive_class
-        # -0.0 and 0.0 are one drive, hence + 0.0 below
         self.size = max(np.size(value) for value in values.values())
-        self.values = {
+        self.values = {  # -0.0 and 0.0 are one drive
             name: np.broadcast_to(np.asarray(x, dtype=float) + 0.0, (self.size,)) for name, x in values.items()
         }
-        # The sine of an angle takes three hundred operations, but few drives of a sweep differ in it.
-        angles, self._angle = np.unique(self.values["lead_angle"], return_inverse=True)
-        with np.errstate(all="ignore"):  # far terms of the series underflow
-            self._sine, self._cosine = sine_and_cosine(Pairs.exactly(angles, np.zeros(angles.size, dtype=bool)))
-
-        self._sines = np.array([math.sin(angle) for angle in angles])  # numpy's may differ in the last bit
 
     def some(self, entries: np.ndarray) -> "ManyDrives":
         """Return some of the drives, by their indices (j)."""
@@ -55,13 +45,90 @@ class ManyDrives:
         """Return one of the drives."""
         return self.drive_class(**{name: float(column[entry]) for name, column in self.values.items()})
 
-    def exact(self, entries: np.ndarray, unsafe: np.ndarray) -> ExactMany:
-        """Return some of the drives (j) in pairs of doubles, with a record of what is unsafe (j)."""
-        d = ExactMany({name: Pairs.exactly(column[entries], unsafe) for name, column in self.values.items()})
-        d.sin_lead, d.cos_lead = (x.at(self._angle[entries], unsafe) for x in (self._sine, self._cosine))
-        d.tan_lead = d.sin_lead / d.cos_lead
+    def doubles(self, entries: np.ndarray) -> SimpleNamespace:
+        """Return some of the drives (j) with attributes as those of ``Drive.exact()``, arrays of doubles (j)."""
+        d = SimpleNamespace(**{name: column[entries] for name, column in self.values.items()})
+        d.sin_lead, d.cos_lead, d.tan_lead = (f(d.lead_angle) for f in (np.sin, np.cos, np.tan))
         return d
 
-    def sines(self, entries: np.ndarray) -> np.ndarray:
-        """Return sin λ (j) of some drives as doubles, as formulas in doubles have it."""
-        return self._sines[self._angle[entries]]
+
+@dataclass(frozen=True)
+class Group:
+    """Drives whose automata differ in doubles only.
+
+    ``members`` (j) are their indices, and ``safe`` (j) says for which of them all holds to 1e-12; the others must be
+    made exactly. ``automaton``: its tables of doubles have an axis for the drives, the first; ``coefficients`` are
+    arrays (j); ``steady_force`` (j) [N], |N_0| of steady sliding.
+    """
+
+    members: np.ndarray
+    safe: np.ndarray
+    automaton: Automaton
+    coefficients: Coefficients
+    steady_force: np.ndarray
+
+
+def groups(drives: ManyDrives, resume: Resume, entries: np.ndarray) -> Iterator[Group]:
+    """Yield some rigid drives, ``entries`` (j, indices), in groups, under a rule of resuming.
+
+    Drives that are in no group must be made exactly, too.
+    """
+    waiting = [entries]
+    while waiting:
+        members = waiting.pop()
+        d = drives.doubles(members)
+        try:
+            with np.errstate(all="ignore"):  # what overflows or divides by zero is not safe
+                c = coefficients_of(d)
+                automaton = automaton_of(c, d, True, resume if c.paradox else "contact_sign")
+                automaton = _layered(automaton, members.size)
+                yield Group(members, _safe(c, d, automaton.tables), automaton, c, steady_force(c, d))
+        except Divided as parts:
+            waiting += [members[parts.signs == value] for value in np.unique(parts.signs)]
+
+
+def _safe(c: Coefficients, d: Any, tables: Tables) -> np.ndarray:
+    """Whether no sum of the formulas cancels (j): the sizes of its terms over that of the sum."""
+    lever, force, speed = d.pitch_radius * d.tan_lead, d.axial_force, d.input_speed
+    steady = c.damping[c.steady_law] * speed
+    sums = [
+        (force, -lever * d.translation_damping * speed),
+        (steady, d.pitch_radius * c.xi[c.steady_law] * force),
+        (d.mass * d.support_damping, -d.screw_inertia * d.translation_damping),
+        (force * d.cos_lead, d.coupling_stiffness * c.deflection * d.sin_lead / d.pitch_radius),
+    ]
+    for law, xi in c.xi.items():
+        friction, turned = law * d.friction_coefficient, xi * lever * d.pitch_radius
+        sums += [(friction, -d.tan_lead), (np.ones_like(lever), friction * d.tan_lead)]
+        sums += [(d.screw_inertia, -turned * d.mass), (d.support_damping, -turned * d.translation_damping)]
+        sums.append((c.damping[law] ** 2, -4 * c.gamma[law] * d.coupling_stiffness))
+        if law != c.steady_law:
+            sums += [(c.xi[c.steady_law], -xi), (steady, d.pitch_radius * c.slack(law) * force)]
+    modes = np.repeat(np.arange(tables.flow.shape[1]), np.diff(tables.guard_start))
+    flow, rows = tables.flow[:, modes], tables.surfaces[:, tables.guard_surface]
+    real = flow[..., columns.DELTA] > 0
+    for constant, at in ((2, columns.EQUILIBRIUM), (0, columns.R1), (0, columns.R2)):
+        other = rows[..., 0 if constant else 1] * flow[..., at]
+        sums += list(zip(np.where(real, rows[..., constant], 0.0).T, np.where(real, other, 0.0).T, strict=True))
+    return np.logical_and.reduce([abs(a) + abs(b) <= _CANCELLED * abs(a + b) for a, b in sums])
+
+
+def _layered(automaton: Automaton, size: int) -> Automaton:
+    """Give the tables that are the same for all drives of a group, being numbers, the axis for the drives, too."""
+
+    def layers(table: np.ndarray, dimensions: int) -> np.ndarray:
+        """Return a table with a first axis for the drives, which it may have already."""
+        table = np.asarray(table)
+        if table.ndim > dimensions:
+            return table
+        # a copy, so that kernels see the same type of array for every group
+        return np.array(np.broadcast_to(table, (size, *table.shape)), order="C")
+
+    tables = automaton.tables
+    dimensions = {"flow": 2, **DIMENSIONS}
+    layered: dict[str, Any] = {name: layers(getattr(tables, name), n) for name, n in dimensions.items()}
+    return replace(
+        automaton,
+        tables=tables._replace(**layered),
+        observables={name: layers(table, 2) for name, table in automaton.observables.items()},
+    )

@@ -30,7 +30,6 @@ so that infinitely many accumulate in the corner in finite time; after three or 
 of a double. The screw rests there for no time, and is released to the other side.
 """
 
-from decimal import localcontext
 from enum import IntEnum
 from typing import Any, NamedTuple
 
@@ -49,8 +48,7 @@ from lsvib.engine.automaton import (
     oscillator,
     scaled,
 )
-from lsvib.engine.exact.pair_arrays import double
-from lsvib.engine.exact.precision import PLACES
+from lsvib.engine.exact.arithmetic import double, many_digits, root, sign
 from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
 from lsvib.errors import InputError
@@ -118,13 +116,13 @@ def automaton_of(c: Coefficients, d: Any, rest: bool, resume: Resume) -> Automat
     The tables of doubles of many drives have one more axis, the first. ``resume`` is contact_sign outside the Painlevé
     region.
     """
-    with localcontext(prec=PLACES):
+    with many_digits():
         terms = {
             s: (
                 c.gamma[s],
                 c.damping[s],
                 d.coupling_stiffness,
-                d.pitch_radius * (c.xi[c.steady_law] - c.xi[s]) * c.net_force,
+                d.pitch_radius * c.slack(s) * c.net_force,
             )
             for s in ((-1,) if c.paradox else (1, -1))
         }
@@ -156,14 +154,14 @@ def _contracts(c: Coefficients) -> bool:
     Slip changes an area at the rate −C_s / Γ_s. Both laws agree on Q = 0. Where θ′ passes zero, friction reverses: the
     acceleration forward is below that backward by |Q| (1/Γ₊ − 1/Γ₋) / (m r_m tan λ), so that areas are squeezed.
     """
-    undamped = c.damping[1] == 0 == c.damping[-1]
-    return not c.paradox and (undamped or all(damping > 0 for damping in c.damping.values()))
+    signs = [sign(damping, "support_damping") for damping in c.damping.values()]
+    return not c.paradox and signs in ([0, 0], [1, 1])
 
 
 def _mover(c: Coefficients, d) -> int:
     """Coordinate that is set on Q = 0: the one that moves Q more, so that its own rounding is not amplified."""
-    time = (c.gamma[-1] / d.coupling_stiffness).sqrt()
-    return 0 if abs(c.q_row[0]) * time >= abs(c.q_row[1]) else 1
+    time = root(c.gamma[-1] / d.coupling_stiffness)
+    return 0 if sign(abs(c.q_row[0]) * time - abs(c.q_row[1])) >= 0 else 1
 
 
 class _SlipFlow(NamedTuple):
@@ -178,10 +176,11 @@ class _Stand:
         def torque_above(law: int) -> tuple:
             """(T_r − r_m ξ R) / k [rad] as a function of (u, w) under a law; k z_0 is inserted: nothing cancels."""
             steady = (c.damping[c.steady_law] * d.input_speed) / d.coupling_stiffness
-            friction = d.pitch_radius * (c.xi[c.steady_law] - c.xi[law]) * d.axial_force / d.coupling_stiffness
+            friction = d.pitch_radius * c.slack(law) * d.axial_force / d.coupling_stiffness
             return -1, 0, steady + friction
 
-        upper, lower = (1, -1) if d.axial_force >= 0 else (-1, 1)
+        force = sign(d.axial_force)
+        upper, lower = (1, -1) if force >= 0 else (-1, 1)
         self.above = torque_above(upper)
         self.below = scaled(torque_above(lower), -1)
         self.pushes_forward = torque_above(-1)  # slip under law −1 accelerates forward
@@ -190,7 +189,7 @@ class _Stand:
         self.speed = (0, 1, d.input_speed)
         self.to_rest = ((1, 0, 0), (0, 0, -d.input_speed))
         # T_r grows at k Ω while the screw rests, so one end of the band is ahead; this row is positive before it.
-        self.turning = 1 if d.input_speed > 0 else -1
+        self.turning = sign(d.input_speed)
         self.band_end = scaled(self.above if self.turning > 0 else self.below, -1)
         # Without R the band is a point, the corner of θ′ = 0 and Q = 0. Events accumulate there when what is left of
         # them lies below rounding; rest then ends as soon as it begins, and the release begins in the very corner:
@@ -198,7 +197,7 @@ class _Stand:
         self.cornered = _cornered(c, d, self.band_end[2])
         self.after_all = "rest" if self.cornered else None
         self.to_corner = ((0, 0, -self.turning * self.band_end[2]), (0, 1, 0)) if self.cornered else None
-        self.release_sign = (1 if d.axial_force > 0 else -1) if d.axial_force else -self.turning
+        self.release_sign = force or -self.turning
 
     def beyond_band(self, kinds: tuple[int, int], sign: int = 0) -> tuple[Branch, ...]:
         """Rest within the band, else slip under law −1 in the direction of the excess torque; kinds (rest, slip)."""
@@ -218,11 +217,11 @@ def _cornered(c: Coefficients, d: Any, place: Any) -> bool:
     ``place``: u at the end of the band, or −u [rad]. At θ′ = 0 the band is R (Γ₋ − Γ₊) / (m k r_m tan λ) wide, and Q =
     0 lies R Γ₊ / (m k r_m tan λ) from its end.
     """
-    if not d.axial_force:
+    if sign(d.axial_force) == 0:
         return True
     least = abs(place) * d.mass * d.coupling_stiffness * d.pitch_radius * d.tan_lead
     force = _CORNERED * abs(d.axial_force)
-    return force * abs(c.gamma[1]) <= least or force * (c.gamma[-1] - c.gamma[1]) <= least
+    return any(sign(force * x - least) <= 0 for x in (abs(c.gamma[1]), c.gamma[-1] - c.gamma[1]))
 
 
 def _name(direction: int, q_sign: int) -> str:

@@ -23,17 +23,15 @@ s = +1, which stops the screw, and the motion after it follows from the same equ
 
 import math
 from collections.abc import Iterator, Mapping
-from decimal import localcontext
 from enum import IntEnum
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
 
 from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, scaled
+from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.exact.linear_mode import linear_mode
 from lsvib.engine.exact.modal_form import ModalMode, guard_forms, modal_flow
-from lsvib.engine.exact.precision import PLACES
 from lsvib.engine.exact.reach import SWINGS
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
 from lsvib.models.coefficients import Coefficients, coefficients
@@ -80,7 +78,7 @@ def threads_automaton(drive: ThreadsDrive) -> Automaton:
     ``EngineError`` if the coordinates of a mode cannot be distinguished in double precision.
     """
     c = coefficients(drive)
-    with localcontext(prec=PLACES):
+    with many_digits():
         build = _ThreadsBuild(c, drive.exact())
         surfaces, transitions = build.surfaces(), build.transitions()
         slip, rest = {law: build.slip(law) for law in (1, -1)}, build.rest()
@@ -230,7 +228,7 @@ def _rate(row: tuple, field: list[tuple]) -> tuple:
 def seated_state(drive: ThreadsDrive, u: float, w: float) -> np.ndarray:
     """State with the contact compressed as in steady sliding, N = N_0 and v = 0; u [rad], w [rad/s] (eq. 8.15)."""
     c, d = coefficients(drive), drive.exact()
-    with localcontext(prec=PLACES):
+    with many_digits():
         normal = c.net_force / (d.cos_lead + c.steady_law * d.friction_coefficient * d.sin_lead)
         return np.array([u, w, float(normal / (d.cos_lead * d.contact_stiffness)), 0.0])
 
@@ -248,7 +246,7 @@ def _automaton(drive: ThreadsDrive, physics: tuple[str, ...], resume: str) -> Au
 
 def _characteristic(p: Mapping[str, Any], parts: LinearParts) -> Polynomial:
     """(1 + t²) A B + (k_c + c_c s) D, which is (1 + t²) det(M s² + C s + K) with the matrices of (8.6), (8.7)."""
-    return parts.coupled(1 + parts.t**2, (Fraction(0), p["contact_damping"], p["contact_stiffness"]))
+    return parts.coupled(1 + parts.t**2, (0, p["contact_damping"], p["contact_stiffness"]))
 
 
 class ThreadsPowers(Powers):

@@ -34,10 +34,9 @@ from lsvib.errors import InputError, NoThreshold
 from lsvib.models.coefficients import Coefficients, coefficients
 from lsvib.models.drive import Drive, zero_if_close
 from lsvib.models.friction import effective_damping, effective_inertia, friction_factor
-from lsvib.models.many import ManyDrives
+from lsvib.models.many import ManyDrives, groups
 from lsvib.models.registry import find_model
 from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
-from lsvib.models.tables_of_models.rigid import groups
 from lsvib.stability import thresholds
 from lsvib.stability.characteristic import DIGITS, hurwitz, polynomial, rationals, tangents
 from lsvib.stability.contours import contour
@@ -252,7 +251,7 @@ def stops_again(drive: Drive) -> float:
     nan but for Γ₊ > 0 > C₊ and R̃ Ω < 0, and where nothing damps slip under law −.
     """
     c = coefficients(drive)
-    if c.paradox or not c.damping[1] < 0 < c.damping[-1] or not c.net_force * drive.exact().input_speed < 0:
+    if c.paradox or not c.damping[1] < 0 < c.damping[-1] or not float(c.net_force) * drive.input_speed < 0:
         return math.nan
     return _slip_stops(rigid_automaton(drive), drive.input_speed)
 

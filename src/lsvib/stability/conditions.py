@@ -1,9 +1,10 @@
 """The chapter's closed-form conditions (8.19), (8.20), (8.21), and the critical values that follow from them."""
 
 import math
-from decimal import Decimal, localcontext
 
-from lsvib.engine.exact.precision import PLACES
+from flint import arb
+
+from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.models import friction
 from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import Drive, RigidDrive
@@ -19,15 +20,16 @@ def conditions(drive: RigidDrive) -> dict[str, dict[str, object]]:
     """
     c = coefficients(drive)
     d = drive.exact()
-    both = {
-        "self_locking": d.friction_coefficient - d.tan_lead,
-        "force_with_motion": c.net_force * d.input_speed,
-    }
-    margins = {
-        "negative_damping": {**both, "negative_effective_damping": -c.damping[1]},
-        "negative_inertia": {"negative_effective_inertia": -c.gamma[c.steady_law]},
-        "paradox": {**both, "negative_effective_inertia": -c.gamma[1]},
-    }
+    with many_digits():
+        both = {
+            "self_locking": d.friction_coefficient - d.tan_lead,
+            "force_with_motion": c.net_force * d.input_speed,
+        }
+        margins = {
+            "negative_damping": {**both, "negative_effective_damping": -c.damping[1]},
+            "negative_inertia": {"negative_effective_inertia": -c.gamma[c.steady_law]},
+            "paradox": {**both, "negative_effective_inertia": -c.gamma[1]},
+        }
     return {
         name: {"margins": {k: float(v) for k, v in parts.items()}, "hold": all(v > 0 for v in parts.values())}
         for name, parts in margins.items()
@@ -37,7 +39,7 @@ def conditions(drive: RigidDrive) -> dict[str, dict[str, object]]:
 def critical_mass(drive: RigidDrive) -> float | None:
     """Mass [kg] at which Γ₊ = 0, m_cr = I / (ξ₊ tan λ r_m²) (eq. 8.20); None if the drive is not self-locking."""
     d = drive.exact()
-    with localcontext(prec=PLACES):
+    with many_digits():
         xi = friction.friction_factor(d.friction_coefficient, d.tan_lead, 1)
         if xi <= 0:
             return None
@@ -52,8 +54,8 @@ def critical_friction(drive: Drive, screw_mass: float = math.inf) -> float | Non
     Returns μ_kc = (ξ + tan λ) / (1 − ξ tan λ) with ξ = I / (tan λ m̃ r_m²), or None if no μ below cot λ reaches it.
     """
     d = drive.exact()
-    with localcontext(prec=PLACES):
-        mass = d.mass if math.isinf(screw_mass) else d.mass * Decimal(screw_mass) / (d.mass + Decimal(screw_mass))
+    with many_digits():
+        mass = d.mass if math.isinf(screw_mass) else d.mass * arb(screw_mass) / (d.mass + arb(screw_mass))
         xi = d.screw_inertia / (d.tan_lead * mass * d.pitch_radius**2)
         # ξ₊ grows with μ and reaches (cot λ − tan λ) / 2 at the end of the valid range.
         if xi * d.tan_lead >= 1 or (xi + d.tan_lead) * d.tan_lead >= 1 - xi * d.tan_lead:

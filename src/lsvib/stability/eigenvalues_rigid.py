@@ -5,8 +5,6 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lsvib.engine.exact.pair_arrays import rounded_product
-
 
 class Stability(IntEnum):
     """Class of the steady sliding by its eigenvalues; the values are the ``int8`` flags of datasets."""
@@ -66,7 +64,18 @@ def stability_class(inertia: ArrayLike, damping: ArrayLike, stiffness: ArrayLike
     return np.select([*first_of.values()], [*first_of], Stability.SADDLE).astype(np.int8)
 
 
+def _rounded_product(a: NDArray, b: NDArray) -> tuple[NDArray, NDArray]:
+    """Return the rounded product of doubles and what its rounding has cut off, by Dekker's splitting (1971)."""
+    halves = []
+    for x in (a, b):
+        t = (2.0**27 + 1) * x
+        high = t - (t - x)
+        halves.append((high, x - high))
+    (a1, a2), (b1, b2), product = *halves, a * b
+    return product, ((a1 * b1 - product) + a1 * b2 + a2 * b1) + a2 * b2
+
+
 def _discriminant(gamma: NDArray, c: NDArray, k: NDArray) -> NDArray:
     """C_0² − 4kΓ_0 with the rounding errors of both products added back, so nearly equal roots keep their digits."""
-    (square, of_square), (product, of_product) = rounded_product(c, c), rounded_product(4 * k, gamma)
+    (square, of_square), (product, of_product) = _rounded_product(c, c), _rounded_product(4 * k, gamma)
     return (square - product) + (of_square - of_product)

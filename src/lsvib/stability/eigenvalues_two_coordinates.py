@@ -5,6 +5,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.stability import eigenvalues_rigid
 from lsvib.stability.linearised import LinearModel
 
@@ -48,6 +49,8 @@ def eigenvalues(model: LinearModel) -> NDArray[np.complex128]:
 
 
 def routh_hurwitz(polynomial: tuple) -> bool:
-    """Whether all roots of p_4 s⁴ + … + p_0, p_4 > 0, have negative real parts; with decimals the answer is certain."""
+    """Whether all roots of p_4 s⁴ + … + p_0, p_4 > 0, have negative real parts; with balls yes is certain."""
     p_4, p_3, p_2, p_1, p_0 = polynomial
-    return bool(min(p_3, p_2, p_1, p_0) > 0 and (p_3 * p_2 - p_4 * p_1) * p_1 > p_3**2 * p_0)
+    with many_digits():
+        hurwitz = (p_3 * p_2 - p_4 * p_1) * p_1 - p_3**2 * p_0
+    return all(p > 0 for p in (p_3, p_2, p_1, p_0, hurwitz))

@@ -9,32 +9,32 @@ contact force N of law s (μ_s = s μ, Sect. 5.3), Newton's laws are
 with T = k (Ω t − θ) − c θ′ and P = R − c_x x′. The models differ in what ties x to θ. Coulomb friction F_0 and T_0 is
 constant in steady sliding, so it shifts the equilibrium – and may turn the sign of N – but is in no matrix.
 
-The entries are plain arithmetic: they serve floats, numpy arrays that broadcast (whole grids at once) and 50-digit
-decimals alike.
+The entries are plain arithmetic: they serve floats, numpy arrays that broadcast (whole grids at once) and balls
+(``flint.arb``) alike.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from decimal import Decimal, localcontext
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+from flint import arb
 from numpy.typing import ArrayLike, NDArray
 
-from lsvib.engine.exact.precision import PLACES
+from lsvib.engine.exact.arithmetic import many_digits, sign
 from lsvib.errors import InputError
 from lsvib.models import friction
 from lsvib.models.drive import Drive, ExactParameters
 
 TwoByTwo = tuple[tuple[Any, Any], tuple[Any, Any]]
 DriveValues = Drive | ExactParameters | Mapping[str, ArrayLike]
-"""A drive, the same in 50-digit decimals (``drive.exact()``), or its keys with arrays that broadcast."""
+"""A drive, the same in balls (``drive.exact()``), or its keys with arrays that broadcast."""
 
 
 @dataclass(frozen=True)
 class LinearModel:
-    """M q″ + C q′ + K q = 0 with two coordinates; each entry of a matrix is a float, an array or a ``Decimal``."""
+    """M q″ + C q′ + K q = 0 with two coordinates; each entry of a matrix is a float, an array or a ball."""
 
     mass: TwoByTwo
     damping: TwoByTwo
@@ -43,7 +43,7 @@ class LinearModel:
     def polynomial(self) -> tuple[Any, Any, Any, Any, Any]:
         """Return the coefficients of det(M s² + C s + K), highest power first, in the arithmetic of the entries."""
         m, c, k = self.mass, self.damping, self.stiffness
-        with localcontext(prec=PLACES):
+        with many_digits():
             return determinant(m), _mixed(m, c), determinant(c) + _mixed(m, k), _mixed(c, k), determinant(k)
 
     def jacobian(self) -> NDArray[np.float64]:
@@ -66,14 +66,14 @@ def steady_law(drive: Drive) -> int:
     """
     sense = 1 if drive.input_speed > 0 else -1
     exact = drive.exact()
-    with localcontext(prec=PLACES):
-        friction = getattr(exact, "slide_friction", Decimal(0))
+    with many_digits():
+        friction = getattr(exact, "slide_friction", arb(0))
         # The friction first: it can balance R but for a drag that is lost in the digits of R. It is not multiplied by
         # the sense, which would round it, so that a balance without drag is exactly zero.
         drag = exact.pitch_radius * exact.tan_lead * exact.translation_damping * exact.input_speed
         rest = exact.axial_force - friction if sense > 0 else exact.axial_force + friction
         force = rest - drag
-    if force == 0:
+    if sign(force, "axial_force") == 0:
         raise InputError("axial_force balances damping and friction exactly, so the contact carries no force.")
     return sense if force > 0 else -sense
 
@@ -93,7 +93,7 @@ def threads_model(drive: DriveValues, law: int) -> LinearModel:
     first equation [N m], of the second [N].
     """
     p = values_of(drive, law)
-    with localcontext(prec=PLACES):
+    with many_digits():
         lead = p.pitch_radius * p.tan_lead
         b = p.cos_lead * (1 + law * p.friction_coefficient * p.tan_lead)
         a = -p.pitch_radius * p.factor * b
@@ -121,7 +121,7 @@ def support_model(drive: DriveValues, law: int) -> LinearModel:
     ``axial_support_damping`` c_1 [N s/m] (not the c_1 of eq. 8.15, which is c_x).
     """
     p = values_of(drive, law)
-    with localcontext(prec=PLACES):
+    with many_digits():
         lead, lever = p.pitch_radius * p.tan_lead, p.factor * p.pitch_radius
         return LinearModel(
             mass=((p.screw_inertia - lever * lead * p.mass, -lever * p.mass), (lead * p.mass, p.mass + p.screw_mass)),
@@ -144,7 +144,7 @@ def nut_model(drive: DriveValues, law: int) -> LinearModel:
     ``nut_damping`` c_2 [N m s/rad].
     """
     p = values_of(drive, law)
-    with localcontext(prec=PLACES):
+    with many_digits():
         lever = p.factor * p.pitch_radius**2 * p.tan_lead
         mass, damping = lever * p.mass, lever * p.translation_damping
         return LinearModel(
@@ -179,6 +179,6 @@ def values_of(drive: DriveValues, law: int) -> SimpleNamespace:
     else:
         p = SimpleNamespace(**{key: np.asarray(value, dtype=float) for key, value in dict(drive).items()})
         p.sin_lead, p.cos_lead, p.tan_lead = (f(p.lead_angle) for f in (np.sin, np.cos, np.tan))
-    with localcontext(prec=PLACES):
+    with many_digits():
         p.factor = friction.friction_factor(p.friction_coefficient, p.tan_lead, law)
     return p

@@ -1,9 +1,8 @@
 """Rotating nut: the kinematic condition (8.33) and what it does to the critical mass (Remarks 8.5 and 8.6)."""
 
-from decimal import localcontext
 from typing import Any
 
-from lsvib.engine.exact.precision import PLACES
+from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.models import friction
 from lsvib.models.drive import NutDrive
 from lsvib.stability.linearised import DriveValues, values_of
@@ -12,7 +11,7 @@ from lsvib.stability.linearised import DriveValues, values_of
 def effective_screw_inertia(drive: DriveValues) -> Any:
     """Return I_eff = I I_2 / (I + I_2) [kg m²] (Remark 8.6); below I, so the rotation of the nut destabilises."""
     p = values_of(drive, 1)
-    with localcontext(prec=PLACES):
+    with many_digits():
         return p.screw_inertia * p.nut_inertia / (p.screw_inertia + p.nut_inertia)
 
 
@@ -23,7 +22,7 @@ def kinematic_inertia(drive: DriveValues, law: int) -> Any:
     neither by flutter nor – as det K > 0 – by divergence.
     """
     p = values_of(drive, law)
-    with localcontext(prec=PLACES):
+    with many_digits():
         inertia = effective_screw_inertia(drive)
         return friction.effective_inertia(inertia, p.mass, p.pitch_radius, p.tan_lead, p.factor)
 
@@ -35,7 +34,7 @@ def kinematic_mass(drive: NutDrive) -> float | None:
     steady sliding can be lost at a smaller mass already (:mod:`lsvib.stability.boundaries`).
     """
     p = values_of(drive.exact(), 1)
-    with localcontext(prec=PLACES):
+    with many_digits():
         if p.factor <= 0:
             return None
         return float(effective_screw_inertia(drive.exact()) / (p.factor * p.tan_lead * p.pitch_radius**2))

@@ -5,13 +5,13 @@ their real parts need to show their signs. So both agree, however far apart the 
 :mod:`lsvib.stability.eigenvalues_two_coordinates` and :mod:`lsvib.stability.eigenvalues_rigid`.
 """
 
-import math
 from collections.abc import Iterable
-from decimal import Decimal, localcontext
 from fractions import Fraction
 from typing import Any
 
-from lsvib.engine.exact.precision import PLACES
+from flint import arb
+
+from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.models.coefficients import Coefficients
 from lsvib.models.drive import Drive, RigidDrive
 from lsvib.stability.characteristic import Polynomial, hurwitz, settled
@@ -19,8 +19,8 @@ from lsvib.stability.eigenvalues_rigid import Stability
 from lsvib.stability.eigenvalues_two_coordinates import routh_hurwitz
 from lsvib.stability.real_roots import all_roots
 
-# Below this share of its first term a sum has lost so many of its 50 digits that exact signs must decide.
-_CLEAR = Decimal("1e-25")
+# Below this share of its first term a sum has lost so many digits that exact signs must decide.
+_CLEAR = 1e-25
 _SMALLEST = 5e-324  # A rate that is not zero must not be rounded to zero, because its sign decides on stability.
 
 
@@ -30,11 +30,11 @@ def rigid_spectrum(drive: RigidDrive, c: Coefficients) -> tuple[Stability, list[
     Γ_0 is never exactly zero and C_0 only without any damping, as tan λ is transcendental.
     """
     law = c.steady_law
-    inertia, damping, stiffness = p = c.gamma[law], c.damping[law], Decimal(drive.coupling_stiffness)
-    with localcontext(prec=PLACES):
+    inertia, damping, stiffness = p = c.gamma[law], c.damping[law], arb(drive.coupling_stiffness)
+    with many_digits():
         discriminant = damping**2 - 4 * inertia * stiffness
         sums = ((inertia, drive.screw_inertia), (damping, drive.support_damping), (discriminant, damping**2))
-        if all(abs(total) >= _CLEAR * Decimal(part) for total, part in sums):
+        if all(abs(total) >= _CLEAR * arb(part) for total, part in sums):
             return _rigid_class(p), _rounded(_pair(*p, discriminant))
     kind, exact = settled(drive, law, _rigid_class)
     return kind, _rounded(all_roots(exact))
@@ -84,14 +84,14 @@ def _class(p: Polynomial) -> str:
     return "neutral" if hurwitz(p) == 0 and p_3 > 0 and p_1 > 0 else "unstable"
 
 
-def _pair(a: Decimal, b: Decimal, c: Decimal, discriminant: Decimal) -> list[tuple[Decimal, Decimal]]:
-    """Real and imaginary parts of the roots of a s² + b s + c in decimals; a part that is zero is exactly zero."""
+def _pair(a: arb, b: arb, c: arb, discriminant: arb) -> list[tuple[arb, arb]]:
+    """Real and imaginary parts of the roots of a s² + b s + c in balls; a part that is zero is exactly zero."""
     root = abs(discriminant).sqrt()
     if discriminant < 0:
         real, half = -b / (2 * a), root / abs(2 * a)
         return [(real, -half), (real, half)]
-    larger = -(b + root.copy_sign(b)) / 2
-    return [(larger / a, Decimal(0)), (c / larger, Decimal(0))]
+    larger = -(b + (root if b >= 0 else -root)) / 2
+    return [(larger / a, arb(0)), (c / larger, arb(0))]
 
 
 def _rounded(roots: Iterable[tuple[Any, Any]]) -> list[complex]:
@@ -100,6 +100,6 @@ def _rounded(roots: Iterable[tuple[Any, Any]]) -> list[complex]:
     return sorted(values, key=lambda z: (z.real, z.imag))
 
 
-def _double(x: Fraction | Decimal) -> float:
+def _double(x: Fraction | arb) -> float:
     value = float(x)
-    return math.copysign(_SMALLEST, x) if value == 0 != x else value
+    return (_SMALLEST if x > 0 else -_SMALLEST) if value == 0 != x else value

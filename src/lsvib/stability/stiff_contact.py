@@ -8,9 +8,10 @@ Sect. 5.5 (:func:`lsvib.stability.linearised.threads_model`) has the coefficient
 """
 
 import math
-from decimal import Decimal, localcontext
 
-from lsvib.engine.exact.precision import PLACES
+from flint import arb
+
+from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import ThreadsDrive
 from lsvib.stability.boundaries import stable_set
@@ -25,12 +26,12 @@ def unstable_contact_stiffness(drive: ThreadsDrive) -> float | None:
     k_c = max[0, (c c_x + m k + β c_c C_0) / (β |Γ_0|)]: sufficient, whatever the contact damping. None unless Γ_0 < 0.
     """
     d = drive.exact()
-    with localcontext(prec=PLACES):
+    with many_digits():
         gamma, damping, beta = _effective(drive)
         if gamma >= 0:
             return None
         rest = d.support_damping * d.translation_damping + d.mass * d.coupling_stiffness
-        return float(max(Decimal(0), (rest + beta * d.contact_damping * damping) / (beta * -gamma)))
+        return max(0.0, float((rest + beta * d.contact_damping * damping) / (beta * -gamma)))
 
 
 def least_damping_of_stiff_contact(drive: ThreadsDrive) -> float | None:
@@ -41,12 +42,12 @@ def least_damping_of_stiff_contact(drive: ThreadsDrive) -> float | None:
     The least damping at the drive's own k_c (:mod:`lsvib.stability.boundaries`) may be many times larger.
     """
     d = drive.exact()
-    with localcontext(prec=PLACES):
+    with many_digits():
         gamma, damping, beta = _effective(drive)
         if gamma <= 0 or damping <= 0:
             return None
         excess = d.support_damping * d.mass * (d.screw_inertia - gamma) - d.screw_inertia**2 * d.translation_damping
-        return float(max(Decimal(0), excess / (beta * gamma**2)))
+        return max(0.0, float(excess / (beta * gamma**2)))
 
 
 def stable_masses(drive: ThreadsDrive) -> list[tuple[float, float]]:
@@ -67,8 +68,9 @@ def critical_mass_of_contact(drive: ThreadsDrive) -> float:
     return found[0][1] if found and found[0][1] < LARGEST_MASS else math.nan
 
 
-def _effective(drive: ThreadsDrive) -> tuple[Decimal, Decimal, Decimal]:
+def _effective(drive: ThreadsDrive) -> tuple[arb, arb, arb]:
     """Γ_0 [kg m²], C_0 [N m s/rad] and β [1] of the steady law."""
     d, c, law = drive.exact(), coefficients(drive), steady_law(drive)
-    beta = d.cos_lead * (d.cos_lead + law * d.friction_coefficient * d.sin_lead)
+    with many_digits():
+        beta = d.cos_lead * (d.cos_lead + law * d.friction_coefficient * d.sin_lead)
     return c.gamma[law], c.damping[law], beta

@@ -5,13 +5,13 @@ Functions take the ``DriveValues`` of a drive (:mod:`lsvib.stability.linearised`
 """
 
 import math
-from decimal import Decimal, localcontext
 from typing import Any
 
 import numpy as np
+from flint import arb
 from numpy.typing import NDArray
 
-from lsvib.engine.exact.precision import PLACES
+from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.models import friction
 from lsvib.models.drive import SupportDrive
 from lsvib.numbers import bisected
@@ -22,7 +22,7 @@ from lsvib.stability.linearised import DriveValues, support_model, values_of
 def characteristic_polynomial(drive: DriveValues, law: int) -> tuple[Any, Any, Any]:
     """Return a_4, a_2, a_0 of det(K − ω² M) = a_4 ω⁴ + a_2 ω² + a_0 as printed below eq. 8.23, undamped (SI units)."""
     p = values_of(drive, law)
-    with localcontext(prec=PLACES):
+    with many_digits():
         lever = p.factor * p.pitch_radius**2 * p.tan_lead
         total = p.mass + p.screw_mass
         return (
@@ -46,21 +46,22 @@ def printed_class(drive: DriveValues, law: int) -> NDArray[np.int8]:
 def reduced_mass(drive: DriveValues) -> Any:
     """Return m̃ = m m_1 / (m + m_1) [kg]."""
     p = values_of(drive, 1)
-    with localcontext(prec=PLACES):
+    with many_digits():
         return p.mass * p.screw_mass / (p.mass + p.screw_mass)
 
 
 def reduced_inertia(drive: DriveValues, law: int) -> Any:
     """Return Γ̃_0 = I − ξ_s tan λ m̃ r_m² [kg m²] (eqs 8.27, 8.28)."""
     p = values_of(drive, law)
-    with localcontext(prec=PLACES):
+    with many_digits():
         return friction.effective_inertia(p.screw_inertia, reduced_mass(drive), p.pitch_radius, p.tan_lead, p.factor)
 
 
 def rigid_inertia(drive: DriveValues, law: int) -> Any:
     """Return Γ_0 = I − ξ_s tan λ m r_m² [kg m²], which steady sliding needs positive as k_1 → ∞ (eq. 8.20)."""
     p = values_of(drive, law)
-    return friction.effective_inertia(p.screw_inertia, p.mass, p.pitch_radius, p.tan_lead, p.factor)
+    with many_digits():
+        return friction.effective_inertia(p.screw_inertia, p.mass, p.pitch_radius, p.tan_lead, p.factor)
 
 
 def boundary_coefficients(drive: DriveValues, law: int) -> tuple[Any, Any, Any]:
@@ -96,14 +97,14 @@ def flutter_boundaries(drive: DriveValues, law: int) -> NDArray[np.float64]:
         return np.stack([p.coupling_stiffness * branch**2 for branch in branches], axis=-1)
 
 
-def exact_flutter_boundaries(drive: SupportDrive, law: int) -> tuple[Decimal | None, Decimal | None]:
-    """Return :func:`flutter_boundaries` of one drive [N/m] from 50 digits, None where there is none.
+def exact_flutter_boundaries(drive: SupportDrive, law: int) -> tuple[arb | None, arb | None]:
+    """Return :func:`flutter_boundaries` of one drive [N/m] from balls, None where there is none.
 
     In doubles Γ_0 and Γ̃_0 lose, next to where they vanish, all digits that the stiffness is printed with.
     """
     d = drive.exact()
     p = values_of(d, law)
-    with localcontext(prec=PLACES):
+    with many_digits():
         reduced, whole = reduced_inertia(d, law), rigid_inertia(d, law)
         lever = p.factor * p.pitch_radius**2 * p.tan_lead
         if lever < 0 or reduced < 0:

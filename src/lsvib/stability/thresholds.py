@@ -9,6 +9,7 @@ from itertools import takewhile
 
 from lsvib.dynamics.forward_slip import ForwardDrive, many
 from lsvib.dynamics.slip_cycle import decay_of_large_motions, slowest_point
+from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import NoThreshold
 from lsvib.models.coefficients import Coefficients, coefficients
 from lsvib.models.drive import RigidDrive, allowed_range
@@ -72,7 +73,8 @@ def onset_force(drive: RigidDrive) -> float:
     """
     _negatively_damped(drive)
     d = drive.exact()
-    return float(d.pitch_radius * d.tan_lead * d.translation_damping * d.input_speed)
+    with many_digits():
+        return float(d.pitch_radius * d.tan_lead * d.translation_damping * d.input_speed)
 
 
 def stick_force(drive: RigidDrive) -> float:

@@ -23,15 +23,15 @@ from lsvib.dynamics.kernels import endings_at_once as kernels
 from lsvib.dynamics.kernels.endings_at_once import RESTS, SPRAGS
 from lsvib.dynamics.kernels.plan import CYCLE, OPEN, SETTLED, Facts, SearchLimits
 from lsvib.dynamics.steady_states import Attractor, orbit_extremes
+from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.kernels import columns
 from lsvib.errors import EngineError
-from lsvib.models.coefficients import coefficients
+from lsvib.models.coefficients import coefficients, steady_force
 from lsvib.models.drive import RigidDrive
-from lsvib.models.many import ManyDrives
+from lsvib.models.many import Group, ManyDrives, groups
 from lsvib.models.registry import find_model
 from lsvib.models.resumption import Resume
 from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
-from lsvib.models.tables_of_models.rigid import Group, groups, steady_force
 
 _SEARCH = SearchLimits(
     chunk=more_states.CHUNK,
@@ -66,7 +66,8 @@ def ending(drive: RigidDrive, state: Sequence[float], resume: Resume) -> Ending:
     if found.label in _WITHOUT_EXTREMES:
         return Ending.without_numbers(found.label)
     if found.orbit is None:  # steady sliding: a drive that turns does not rest for ever
-        force = float(steady_force(coefficients(drive), drive.exact()))
+        with many_digits():
+            force = float(steady_force(coefficients(drive), drive.exact()))
         return Ending(label, 0, 0.0, math.nan, math.nan, force, 0.0)
     try:
         amplitude = found.amplitude
@@ -188,7 +189,9 @@ def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray) -> tupl
     found.peak_normal_force[cycles] = numbers[cycles, kernels.FORCE]
     members = group.members[cycles]
     values = {name: drives.values[name][members] for name in ("mass", "pitch_radius", "screw_inertia")}
-    impulses = normal_impulse(numbers[cycles, kernels.SEIZURE_SPEED], drives.sines(members), **values)
+    impulses = normal_impulse(
+        numbers[cycles, kernels.SEIZURE_SPEED], np.sin(drives.values["lead_angle"][members]), **values
+    )
     found.peak_normal_impulse[cycles] = np.abs(impulses)
     return outcomes != OPEN, found
 

@@ -3,31 +3,31 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from decimal import Decimal
 
 import numpy as np
-from flint import arb, arb_mat, ctx
+from flint import arb, arb_mat
 
-DIGITS = 150  # with rates thirty decades apart, a product of four of their differences leaves 30 digits
+from lsvib.engine.exact.arithmetic import ball
+
 WORST_CONDITION = 1e6  # rounding grows by so much at most: 1e-9 of the sizes of the coordinates
 
-Rows = Sequence[Sequence[Decimal | float | int]]
+Rows = Sequence[Sequence[arb | float | int]]
 
 
 @dataclass(frozen=True)
 class Field:
     """The field of a mode.
 
-    ``rows`` of A and b (n, n + 1), decimals or floats; typical ``sizes`` of the coordinates (n); ``kept``, the
+    ``rows`` of A and b (n, n + 1), balls or floats; typical ``sizes`` of the coordinates (n); ``kept``, the
     coordinates that do not change in the mode, with their values.
     """
 
     rows: Rows
     sizes: np.ndarray
-    kept: Mapping[int, Decimal | float]
+    kept: Mapping[int, arb | float]
 
     @classmethod
-    def of(cls, rows: Rows, sizes: Sequence[float], kept: Mapping[int, Decimal | float] | None = None) -> "Field":
+    def of(cls, rows: Rows, sizes: Sequence[float], kept: Mapping[int, arb | float] | None = None) -> "Field":
         """Make a field; a size that has underflown is the least double."""
         positive = np.maximum(np.asarray(sizes, dtype=float), np.finfo(float).tiny)
         return cls(tuple(tuple(row) for row in rows), positive, dict(kept or {}))
@@ -37,7 +37,7 @@ class Field:
         """Return the coordinates that may change."""
         return [i for i in range(len(self.rows)) if i not in self.kept]
 
-    def matrix(self) -> tuple[tuple[Decimal | float | int, ...], ...]:
+    def matrix(self) -> tuple[tuple[arb | float | int, ...], ...]:
         """Return A between the coordinates that may change."""
         return tuple(tuple(self.rows[i][j] for j in self.alive) for i in self.alive)
 
@@ -53,16 +53,6 @@ class Field:
     def table(self) -> np.ndarray:
         """Return A and b (n, n + 1) in doubles."""
         return np.array([[float(x) for x in row] for row in self.rows])
-
-
-def many_digits() -> object:
-    """Return the context in which balls have ``DIGITS``."""
-    return ctx.workdps(DIGITS)
-
-
-def ball(number: Decimal | float | int) -> arb:
-    """Return a number in the digits of the context; floats and integers are taken exactly."""
-    return arb(number) if isinstance(number, (int, float)) else arb(str(number))
 
 
 def balls(rows: Rows) -> arb_mat:

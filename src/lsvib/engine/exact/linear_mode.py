@@ -9,7 +9,8 @@ import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from decimal import Decimal
+
+from flint import arb
 
 from lsvib.engine.exact.field import Field, Rows
 from lsvib.engine.exact.modal_form import ModalMode, modal_mode
@@ -20,13 +21,13 @@ from lsvib.errors import EngineError
 def linear_mode(
     rows: Rows,
     sizes: Sequence[float],
-    frozen: Mapping[int, Decimal | float] | None,
+    frozen: Mapping[int, arb | float] | None,
     horizon: float,
     movable: str,
 ) -> ModalMode:
     """Return a mode of a model.
 
-    Arguments: rows of A and b (n, n + 1), decimals or floats; typical sizes of the coordinates (n); ``frozen``,
+    Arguments: rows of A and b (n, n + 1), balls or floats; typical sizes of the coordinates (n); ``frozen``,
     coordinates that keep a value in this mode, with that value; the horizon [s] of
     :func:`lsvib.engine.exact.reach.reached`; ``movable``, the parameter to change where two rates coincide.
     Raises ``EngineError`` for a mode whose rates double precision cannot distinguish.

@@ -18,13 +18,14 @@ from typing import NamedTuple
 import numpy as np
 from flint import arb, arb_mat
 
+from lsvib.engine.exact.arithmetic import ball, many_digits
 from lsvib.engine.exact.factors import subspaces
-from lsvib.engine.exact.field import WORST_CONDITION, Field, amplification, ball, balls, many_digits
+from lsvib.engine.exact.field import WORST_CONDITION, Field, amplification
 from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.tables import ModalFlow
 
 _LOST = 1e-12  # of an entry of a guard in modal coordinates: from here on it is computed with all digits
-_NOTHING = 1e-40  # of the terms of a sum: the rounding of coefficients, which have 50 digits
+_NOTHING = 1e-40  # of the terms of a sum: the rounding of coefficients
 _KEPT = 8  # matrices whose subspaces are kept: with all frictions the modes of a model have six
 
 
@@ -64,7 +65,8 @@ def modal_mode(field: Field, reaches: Sequence[tuple[float, np.ndarray]] | None 
     """
     with many_digits():
         push, pairs, singles = field.push(), [], []
-        for space in _spaces(field.matrix(), tuple(field.scale())):
+        rows = tuple(tuple(ball(x).mid().man_exp() for x in row) for row in field.matrix())
+        for space in _spaces(rows, tuple(field.scale())):
             if len(space.factor) == 3:
                 pairs += [_pair(push, space.factor, frame) for frame in space.frames]
             else:
@@ -114,11 +116,11 @@ class _Space(NamedTuple):
 
 @lru_cache(maxsize=_KEPT)
 def _spaces(rows: tuple, scale: tuple[float, ...]) -> list[_Space]:
-    """Return the subspaces of a matrix, by its rows.
+    """Return the subspaces of a matrix, by its rows of midpoints (mantissa, exponent).
 
     Most modes of a model differ from another one by their constants only, so the answers are kept.
     """
-    matrix, found = balls(rows), []
+    matrix, found = arb_mat([[arb(x) for x in row] for row in rows]), []
     for factor, projector, slow in subspaces(matrix, list(scale)):
         rank = round(sum(float(projector[i, i]) for i in range(projector.nrows())))
         frames = _frames(matrix, factor, projector, scale, rank // 2) if len(factor) == 3 else []
@@ -264,7 +266,7 @@ def _tables(field: Field, pairs: list[_Piece], singles: list[_Piece]) -> ModalMo
 
 
 def guard_forms(modes: Sequence[ModalMode], rows: Sequence[Sequence[Sequence]]) -> list[list[float]] | None:
-    """Return the guards of all modes in modal coordinates (g, q + 1), from their rows (n + 1) of decimals by mode.
+    """Return the guards of all modes in modal coordinates (g, q + 1), from their rows (n + 1) of balls by mode.
 
     An entry that the doubles of the tables give to 1e-12 is the one that they give. None if all are so. An entry that
     is nothing but the rounding of the coefficients is zero: a speed that dies away would seem to stop there.

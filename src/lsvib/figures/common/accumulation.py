@@ -14,6 +14,7 @@ import xarray as xr
 from lsvib.datasets import phase_plane
 from lsvib.datasets.attributes import variable
 from lsvib.datasets.checks import Check
+from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.motion import Motion, follow
 from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
@@ -125,8 +126,9 @@ def _seizures(motion: Motion, drive: RigidDrive) -> tuple[np.ndarray, np.ndarray
 def corner(drive: RigidDrive) -> float:
     """Return u_0 = c Ω / k − Γ₋ R / (k m r_m tan λ) [rad], R < 0 and Ω > 0 (Sect. 8.7)."""
     c, p = coefficients(drive), drive.exact()
-    lever = p.coupling_stiffness * p.mass * p.pitch_radius * p.tan_lead
-    return float(p.support_damping * p.input_speed / p.coupling_stiffness - c.gamma[-1] * p.axial_force / lever)
+    with many_digits():
+        lever = p.coupling_stiffness * p.mass * p.pitch_radius * p.tan_lead
+        return float(p.support_damping * p.input_speed / p.coupling_stiffness - c.gamma[-1] * p.axial_force / lever)
 
 
 def _limits(drive: RigidDrive) -> tuple[float, float]:
@@ -135,5 +137,7 @@ def _limits(drive: RigidDrive) -> tuple[float, float]:
     if c.gamma[1] > 0:
         return np.nan, np.nan
     length = corner(drive) - float(c.damping[-1]) * drive.input_speed / drive.coupling_stiffness
-    gain = float(c.q_row[1] / c.q_row[0]) * drive.coupling_stiffness * length / float(c.gamma[-1])  # |σ| a
+    with many_digits():
+        slope = float(c.q_row[1] / c.q_row[0])
+    gain = slope * drive.coupling_stiffness * length / float(c.gamma[-1])  # |σ| a
     return gain / (drive.input_speed + gain), length

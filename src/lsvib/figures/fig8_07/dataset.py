@@ -12,6 +12,7 @@ from lsvib.datasets import phase_plane, spans
 from lsvib.datasets.attributes import flagged, variable
 from lsvib.datasets.checks import Check
 from lsvib.datasets.parameter_origins import drive_parameters, labels
+from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.kernels import columns, flow_planar
 from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
@@ -26,7 +27,8 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     angle, velocity = spans.even(settings["angle"]), spans.even(settings["velocity"])
     kinds = existence(drive, *np.meshgrid(angle, velocity, indexing="ij"))
     xi = coefficients(drive).xi
-    equilibrium = drive.pitch_radius * float(xi[1] - xi[-1]) * drive.axial_force / drive.coupling_stiffness
+    with many_digits():
+        equilibrium = drive.pitch_radius * float(xi[1] - xi[-1]) * drive.axial_force / drive.coupling_stiffness
     u, w = np.array([_end_of_flow(drive, start) for start in settings["starts"]]).T
     ended = "at which the flow of law - ends, if nothing stops it"
     return xr.Dataset(

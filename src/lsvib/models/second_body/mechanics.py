@@ -8,10 +8,12 @@ the mode, with a = 0 while it is held. A model solves Newton's laws in each mode
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from decimal import Decimal
 from enum import IntEnum
 
+from flint import arb
+
 from lsvib.engine.automaton import Row, scaled
+from lsvib.engine.exact.arithmetic import ball, sign
 from lsvib.engine.kernels.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND
 from lsvib.models.drive import ExactParameters
 
@@ -19,9 +21,7 @@ DIRECTIONS = {1: "forward", -1: "backward"}
 HELD = {**DIRECTIONS, 0: "held"}
 SIGNS = {1: "positive", -1: "negative"}
 SLIPS = tuple((d, q) for d in DIRECTIONS for q in SIGNS)
-# Two numbers that differ by less than this share of the larger one are equal: what differs is the rounding of their 50
-# digits.
-_CANCELLED = Decimal("1e-40")
+_CANCELLED = 1e-40  # radius of a sum that holds zero, relative to its terms: fewer digits do not show that it is zero
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Solution:
 
     law: int
     field: tuple[Row, ...]
-    frozen: Mapping[int, Decimal]
+    frozen: Mapping[int, arb]
     contact: Row
     torque: Row
     slip_rate: Row
@@ -69,40 +69,38 @@ def normal_force(drive: ExactParameters, solution: Solution) -> tuple:
 
 def constant(value) -> tuple:
     """Return the row of a constant."""
-    return (Decimal(0),) * 4 + (Decimal(value),)
+    return (0, 0, 0, 0, value)
 
 
 def plus(*rows: Row) -> tuple:
-    """Return the sum of rows; where terms cancel to within the rounding of their decimals it is exactly zero."""
-    return tuple(_sum([Decimal(x) for x in column]) for column in zip(*rows, strict=True))
+    """Return the sum of rows; terms that cancel leave exactly zero."""
+    return tuple(_settled(sum(column, arb(0)), column) for column in zip(*rows, strict=True))
 
 
-def _sum(terms: list[Decimal]) -> Decimal:
-    total = sum(terms, Decimal(0))
-    return Decimal(0) if abs(total) < _CANCELLED * max(map(abs, terms)) else total
+def _settled(total: arb, terms: Sequence) -> arb:
+    """Return a sum, exactly zero if its ball holds zero: tan λ is transcendental, so that its terms cancel for ever."""
+    if not total.contains(0) or total.is_zero():
+        return total
+    if total.rad() > _CANCELLED * max(abs(ball(x)).mid() for x in terms):
+        sign(total)  # too few digits are left
+    return arb(0)
 
 
 def solved(matrix: Sequence[Sequence], sides: Sequence[Row]) -> list[tuple]:
-    """Solve linear equations whose right-hand sides are rows, by elimination in decimal arithmetic.
+    """Solve linear equations whose right-hand sides are rows, by elimination.
 
-    What cancels to within the rounding of all terms that it was formed from, step after step, is exactly zero: steady
-    sliding is an equilibrium to the last bit, however large the forces over a small inertia are.
+    What cancels is exactly zero, so that steady sliding is an equilibrium to the last bit.
     """
     n = len(matrix)
-    table = [[Decimal(x) for x in (*left, *right)] for left, right in zip(matrix, sides, strict=True)]
-    sizes = [[abs(x) for x in row] for row in table]  # of the largest term of each sum
+    table = [[ball(x) for x in (*left, *right)] for left, right in zip(matrix, sides, strict=True)]
     for k in range(n):
-        pivot = max(range(k, n), key=lambda i: abs(table[i][k]))
+        pivot = max(range(k, n), key=lambda i: abs(table[i][k]).mid())
         table[k], table[pivot] = table[pivot], table[k]
-        sizes[k], sizes[pivot] = sizes[pivot], sizes[k]
         first = table[k][k]
-        table[k], sizes[k] = [x / first for x in table[k]], [x / abs(first) for x in sizes[k]]
+        table[k] = [x / first for x in table[k]]
         for i in range(n):
             if i != k:
                 factor = table[i][k]
-                sizes[i] = [max(x, abs(factor) * y) for x, y in zip(sizes[i], sizes[k], strict=True)]
-                sums = [x - factor * y for x, y in zip(table[i], table[k], strict=True)]
-                table[i] = [
-                    Decimal(0) if abs(x) < _CANCELLED * size else x for x, size in zip(sums, sizes[i], strict=True)
-                ]
+                pairs = [(x, -factor * y) for x, y in zip(table[i], table[k], strict=True)]
+                table[i] = [_settled(x + y, (x, y)) for x, y in pairs]
     return [tuple(row[n:]) for row in table]

@@ -15,7 +15,6 @@ the signs of speeds and forces.
 """
 
 from collections.abc import Callable, Mapping
-from decimal import localcontext
 
 from lsvib.engine.automaton import (
     SHORT_STAY,
@@ -29,9 +28,9 @@ from lsvib.engine.automaton import (
     assemble,
     scaled,
 )
+from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.exact.linear_mode import linear_mode
 from lsvib.engine.exact.modal_form import guard_forms, modal_flow
-from lsvib.engine.exact.precision import PLACES
 from lsvib.engine.kernels.status import Test
 from lsvib.models.drive import NutDrive, SupportDrive
 from lsvib.models.once import once
@@ -47,7 +46,7 @@ def automaton_of(model: type[TwoBodies], drive: SupportDrive | NutDrive, slide: 
     [rad/s], nut_speed [m/s]. Raises ``InputError`` where F_0 or T_0 leaves the motion undetermined (see the models),
     ``EngineError`` if the rates of a mode cannot be separated in double precision.
     """
-    with localcontext(prec=PLACES):
+    with many_digits():
         return _Layout(model(drive, slide, bearing)).automaton()
 
 
@@ -58,7 +57,7 @@ class _Layout:
         self.b = bodies
         _, _, self.reversal, self.stick, self.turn, self.release, self.seizure, *self.second_kinds = bodies.events
         # Directions of the second body; without friction a single one stands for all of them.
-        self.ways = tuple(HELD) if bodies.limit else (1,)
+        self.ways = tuple(HELD) if bodies.limited else (1,)
         self.slips = tuple(x for x in SLIPS if not bodies.paradox or x[0] * x[1] < 0)
         self.solutions = {self.name(d, q, a): bodies.solve(d, d * q, a) for d, q in self.slips for a in self.ways}
         self.lasting = {a: bodies.solve(0, 1, a) for a in self.ways}  # at rest
@@ -79,7 +78,7 @@ class _Layout:
         return f"rest{'_' + SIGNS[side] if side else ''}{self._suffix(a)}"
 
     def _suffix(self, a: int) -> str:
-        return f"_{self.b.second}_{HELD[a]}" if self.b.limit else ""
+        return f"_{self.b.second}_{HELD[a]}" if self.b.limited else ""
 
     def automaton(self) -> Automaton:
         """Assemble the tables of all modes; the shortest stay that counts as one is set by their time scales [s]."""
@@ -131,7 +130,7 @@ class _Layout:
         self.transitions[f"stop{suffix}"] = self._stop(a)
         contact = self._guard(f"contact_{DIRECTIONS[d]}{suffix}", self.gauge[d, a], q, f"contact_{here}")
         stop = self._guard("slip_speed", self.b.slip, d, f"stop{suffix}", self.b.snaps[0])
-        if self.b.limit:
+        if self.b.limited:
             self.transitions[f"second_stop_{DIRECTIONS[d]}"] = Transition(
                 tuple(self._second_stopped(d)), reset=self.b.tied(False, True)
             )
@@ -151,14 +150,14 @@ class _Layout:
             self.transitions[f"contact_{here}"] = Transition((turned,))
             row = self.lasting[a].contact
             guards.append(self._guard(f"contact_rest{self._suffix(a)}", row, side, f"contact_{here}"))
-        if self.b.limit:
+        if self.b.limited:
             self.transitions["second_stop_rest"] = self._all_stopped(self._second_kind)
         onward = {way: self.rest(side, way) for way in DIRECTIONS}
         return (*guards, *self._second_guards(here, a, "second_stop_rest", onward))
 
     def _second_guards(self, here: str, a: int, stop: str, onward: Mapping[int, str]):
         """Guards of the second body: its speed while it slides, both ends of its friction while it is held."""
-        if not self.b.limit:
+        if not self.b.limited:
             return
         if a:
             yield self._guard("second_speed", self.b.sliding, a, stop, self.b.snaps[1])
@@ -256,7 +255,7 @@ class _Layout:
 
     def _entry(self):
         """Transition that starts a motion: by the signs of the speeds; where one is zero, as on stopping there."""
-        ways = tuple(DIRECTIONS) if self.b.limit else ()
+        ways = tuple(DIRECTIONS) if self.b.limited else ()
         for d in DIRECTIONS:
             slips = (scaled(self.b.slip, d), Test.POSITIVE)
             for a in ways or (1,):

@@ -32,10 +32,12 @@ the rule for the motion after an impact does not cover it.
 """
 
 from collections.abc import Mapping
-from decimal import Decimal
 from typing import Any
 
+from flint import arb
+
 from lsvib.engine.automaton import Automaton, scaled
+from lsvib.engine.exact.arithmetic import sign
 from lsvib.errors import InputError
 from lsvib.models.drive import NutDrive
 from lsvib.models.linear_parts import LinearParts, Polynomial
@@ -59,35 +61,35 @@ class _Nut(TwoBodies):
         d = self.d
         total = d.screw_inertia + d.nut_inertia
         inertia = d.screw_inertia * d.nut_inertia / total
-        self.paradox = inertia <= self.turned * d.mass
-        if self.bearing and self.paradox:
+        self.paradox = sign(inertia - self.turned * d.mass, "mass") <= 0
+        if self.bears and self.paradox:
+            most = float(inertia / self.turned)
             raise InputError(
-                f"bearing_friction = {drive.bearing_friction:g} needs mass < {inertia / self.turned:.6g} kg in model "
+                f"bearing_friction = {drive.bearing_friction:g} needs mass < {most:.6g} kg in model "
                 "nut: above, the threads can seize, and what follows is not determined while the bearing holds the "
                 "screw."
             )
         self.angle = (0, 0, 1, 0, self.twist / d.nut_stiffness)
         self.slip = plus(self.speed, (0, 0, 0, -1, 0))
         self.nut_speed = scaled(self.slip, self.reach)
-        self.sliding, self.limit = self.speed, self.bearing
+        self.sliding, self.limited, self.limit = self.speed, self.bears, self.bearing
         speed = abs(float(d.input_speed))
-        self.sizes = (0.1, speed, 0.1 * float(min(d.coupling_stiffness / d.nut_stiffness, 1)), speed)
+        self.sizes = (0.1, speed, 0.1 * min(float(d.coupling_stiffness / d.nut_stiffness), 1.0), speed)
         common = plus(scaled(self.speed, d.screw_inertia / total), (0, 0, 0, d.nut_inertia / total, 0))
         self.impact = ((1, 0, 0, 0, 0), plus(common, constant(-d.input_speed)), (0, 0, 1, 0, 0), common)
 
-    def _force(self, direction: int) -> Decimal:
+    def _force(self, direction: int) -> arb:
         """R ∓ F_0 [N], which the threads carry as slip in a direction begins from rest."""
         return self.d.axial_force - self.slide * direction
 
     def released(self, direction: int, side: int) -> int:
         """The sign of R ∓ F_0; without that force the threads resist."""
-        force = self._force(direction)
-        return (force > 0) - (force < 0) or -direction
+        return sign(self._force(direction), "axial_force") or -direction
 
     def solve(self, direction: int, law: int, way: int) -> Solution:
         """Newton's laws for θ″, θ_2″, n, the torque that the threads take, and the friction of the bearing."""
         d, zero = self.d, constant(0)
-        rests, held = direction == 0, bool(self.bearing) and way == 0
+        rests, held = direction == 0, self.bears and way == 0
         turning = zero if held else self.speed
         rate = turning if rests else (0, 0, 0, 1, 0)
         travel = zero if rests else plus(scaled(turning, self.reach), scaled(rate, -self.reach))
@@ -124,7 +126,8 @@ class _Nut(TwoBodies):
 
         def left(direction: int) -> tuple:
             force = self._force(direction)
-            most = self.d.pitch_radius * self.xi[1 if direction * force > 0 else -1] * force
+            law = 1 if sign(direction * force, "axial_force") > 0 else -1
+            most = self.d.pitch_radius * self.xi[law] * force
             return scaled(plus(constant(most), scaled(torque, -1)), direction)
 
         return {0: {direction: left(direction) for direction in (1, -1)}}

@@ -32,6 +32,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from lsvib.engine.automaton import Automaton, scaled
+from lsvib.engine.exact.arithmetic import sign
 from lsvib.errors import InputError
 from lsvib.models.drive import SupportDrive
 from lsvib.models.linear_parts import LinearParts, Polynomial
@@ -53,15 +54,18 @@ class _Support(TwoBodies):
     def __init__(self, drive: SupportDrive, slide: bool, bearing: bool) -> None:
         super().__init__(drive, slide, bearing)
         d = self.d
-        self.paradox = d.screw_inertia <= self.turned * d.mass * d.screw_mass / (d.mass + d.screw_mass)
-        if self.slide and d.screw_inertia <= self.turned * d.screw_mass:
+        reduced = d.mass * d.screw_mass / (d.mass + d.screw_mass)
+        self.paradox = sign(d.screw_inertia - self.turned * reduced, "mass") <= 0
+        if self.slides and sign(d.screw_inertia - self.turned * d.screw_mass, "screw_mass") <= 0:
+            most = float(d.screw_inertia / self.turned)
             raise InputError(
-                f"slide_friction = {drive.slide_friction:g} needs screw_mass < {d.screw_inertia / self.turned:.6g} kg "
+                f"slide_friction = {drive.slide_friction:g} needs screw_mass < {most:.6g} kg "
                 "in model support: above, the threads jam while the slide is held, and the motion is not determined."
             )
         self.shift = (0, 0, 1, 0, self.force / d.support_stiffness)
         self.nut_speed = self.sliding = plus(scaled(self.speed, self.reach), (0, 0, 0, 1, 0))  # x′
-        self.slip, self.limit, self.turns_over = self.speed, self.slide, bool(self.bearing)
+        self.slip, self.turns_over = self.speed, self.bears
+        self.limited, self.limit = self.slides, self.slide
         rate = float(self.reach * abs(d.input_speed))
         loaded = (abs(float(d.axial_force)) + 1) / float(d.support_stiffness)
         swing = rate * math.sqrt(float(d.screw_mass / d.support_stiffness))
@@ -72,7 +76,7 @@ class _Support(TwoBodies):
     def solve(self, direction: int, law: int, way: int) -> Solution:
         """Newton's laws for θ″, x_1″, n, the torque of friction on the screw, and the friction of the slide."""
         d, zero = self.d, constant(0)
-        rests, held = direction == 0, bool(self.slide) and way == 0
+        rests, held = direction == 0, self.slides and way == 0
         turning = self.speed if direction else zero
         rate = scaled(turning, -self.reach) if held else (0, 0, 0, 1, 0)
         travel = zero if held else plus(scaled(turning, self.reach), rate)

@@ -3,10 +3,12 @@
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from decimal import Decimal
 from enum import IntEnum
 
+from flint import arb
+
 from lsvib.engine.automaton import Row, scaled
+from lsvib.engine.exact.arithmetic import sign
 from lsvib.engine.exact.reach import SWINGS
 from lsvib.models import friction
 from lsvib.models.drive import NutDrive, SupportDrive
@@ -14,7 +16,7 @@ from lsvib.models.second_body.mechanics import Solution, normal_force
 
 
 class TwoBodies(ABC):
-    """Constants of a drive and rows over its state (u, w, and two of the second body) and 1, to 50 digits.
+    """Constants of a drive and rows over its state (u, w, and two of the second body) and 1, as balls.
 
     In steady sliding the threads carry the force ``force`` = R − r_m tan λ c_x Ω − F_0 sgn Ω [N] with the torque
     ``twist`` = r_m ξ_s0 · force [N m] (eq. 8.15). ``reach``: r_m tan λ; ``xi``: ξ_s by law; ``turned``: ξ₊ tan λ r_m²;
@@ -24,8 +26,8 @@ class TwoBodies(ABC):
     A model names its ``states``, ``modes``, ``events``, and the ``second`` body with the coordinates ``snaps`` that are
     moved to put the speeds ``slip`` and ``sliding`` on zero. It sets the attributes that are only declared here: the
     typical ``sizes`` of the state, the rows of ``slip``, ``sliding`` and ``nut_speed`` (of the nut against the ground
-    [m/s]), the rows of the reset of a seizure, ``impact``, the size of the friction of the second body, ``limit`` (0:
-    none), whether Γ₊ ≤ 0, ``paradox``, and whether n may pass zero at rest, ``turns_over``.
+    [m/s]), the rows of the reset of a seizure, ``impact``, whether the second body has friction, ``limited``, and its
+    size, ``limit``, whether Γ₊ ≤ 0, ``paradox``, and whether n may pass zero at rest, ``turns_over``.
     """
 
     states: tuple[str, ...]
@@ -38,7 +40,8 @@ class TwoBodies(ABC):
     sliding: Row
     nut_speed: Row
     impact: tuple[Row, ...]
-    limit: Decimal
+    limited: bool
+    limit: arb
     paradox: bool
     turns_over: bool
 
@@ -46,12 +49,15 @@ class TwoBodies(ABC):
         self.d, self.movable = drive.exact(), drive.own_damping
         d = self.d
         self.slide, self.bearing = d.slide_friction * slide, d.bearing_friction * bearing
+        self.slides, self.bears = slide and drive.slide_friction > 0, bearing and drive.bearing_friction > 0
         self.reach = d.pitch_radius * d.tan_lead
         self.xi = {s: friction.friction_factor(d.friction_coefficient, d.tan_lead, s) for s in (1, -1)}
         self.turned = self.xi[1] * self.reach * d.pitch_radius
-        self.turning = 1 if d.input_speed > 0 else -1
+        self.turning = sign(d.input_speed)
         self.force = d.axial_force - self.reach * d.translation_damping * d.input_speed - self.slide * self.turning
-        self.twist = d.pitch_radius * self.xi[-1 if self.force * self.turning < 0 else 1] * self.force
+        self.twist = (
+            d.pitch_radius * self.xi[-1 if sign(self.force * self.turning, "axial_force") < 0 else 1] * self.force
+        )
         torque = d.support_damping * d.input_speed + self.bearing * self.turning + self.twist
         self.horizon = SWINGS * math.sqrt(float(d.screw_inertia / d.coupling_stiffness))
         self.deflection = (1, 0, 0, 0, -torque / d.coupling_stiffness)

@@ -6,17 +6,18 @@ there is to say, from the law s_0 of steady sliding, its characteristic polynomi
 """
 
 import math
-from decimal import Decimal
 from fractions import Fraction
 from typing import Any
 
+from flint import arb
 
-def condition(**margins: Decimal | Fraction | float | None) -> dict[str, Any]:
+
+def condition(**margins: arb | Fraction | float | None) -> dict[str, Any]:
     """Return the margins of a condition, missing ones left out, and whether all of them exist and are positive."""
     known = {name: float(value) for name, value in margins.items() if value is not None}
     return {"margins": known, "hold": all(value is not None and value > 0 for value in margins.values())}
 
 
-def quantity(value: Decimal | Fraction | float | None, unit: str) -> dict[str, Any]:
+def quantity(value: arb | Fraction | float | None, unit: str) -> dict[str, Any]:
     """Return a quantity with its unit; None where there is none, and where it is beyond the range of doubles."""
     return {"value": None if value is None or math.isinf(float(value)) else float(value), "unit": unit}

@@ -12,7 +12,7 @@ def said(drive: NutDrive, law: int, polynomial: Polynomial, flutter: float | Non
     """Return conditions and quantities of a drive; arguments as the folder says."""
     inertia = nut_conditions.kinematic_inertia(drive.exact(), law)
     return {
-        "conditions": {"kinematic": condition(negative_effective_inertia=-inertia)},
+        "conditions": {"kinematic": condition(negative_effective_inertia=-float(inertia))},
         "quantities": {
             "kinematic_inertia": quantity(inertia, "kg m2"),
             "effective_screw_inertia": quantity(nut_conditions.effective_screw_inertia(drive.exact()), "kg m2"),

@@ -21,7 +21,7 @@ def said(drive: SupportDrive, law: int, polynomial: Polynomial, flutter: float |
     a_4, minus_a_2, discriminant = neutral_margins(tuple(p / scale(drive, law) for p in undamped_polynomial))
     lower, upper = support_conditions.exact_flutter_boundaries(drive, law)
     return {
-        "conditions": {"kinematic": condition(negative_reduced_inertia=-inertia)},
+        "conditions": {"kinematic": condition(negative_reduced_inertia=-float(inertia))},
         "quantities": {
             "reduced_inertia": quantity(inertia, "kg m2"),
             "reduced_mass": quantity(support_conditions.reduced_mass(drive.exact()), "kg"),

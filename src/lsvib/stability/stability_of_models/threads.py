@@ -20,7 +20,7 @@ def said(drive: ThreadsDrive, law: int, polynomial: Polynomial, flutter: float |
         "conditions": {
             # Lemma 8.1 at the stiffness of this very contact: p_2 < 0.
             "negative_inertia": condition(
-                negative_effective_inertia=-c.gamma[law], negative_coefficient_of_s2=-polynomial[2]
+                negative_effective_inertia=-float(c.gamma[law]), negative_coefficient_of_s2=-polynomial[2]
             ),
             "contact_flutter": condition(missing_contact_damping=missing, growth_rate=flutter),
         },

@@ -1,0 +1,88 @@
+"""The one exact arithmetic: balls of FLINT (Arb), a midpoint and a radius, and what formulas need of any number.
+
+A formula that is written once serves balls (``flint.arb``), arrays of doubles, which hold the numbers of many drives,
+and power series (``flint.arb_series``), which carry derivatives. It decides by :func:`sign` alone, which is certain.
+"""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from threading import RLock
+from typing import Any
+
+import numpy as np
+from flint import arb, ctx
+
+from lsvib.errors import EngineError
+
+DIGITS = 150  # with rates thirty decades apart, a product of four of their differences leaves 30 digits
+
+Number = Any  # arb, arb_series, an array of doubles, or a float or int
+_precision = RLock()  # FLINT has one precision for all threads
+
+
+class Divided(Exception):
+    """The signs of an array of numbers (k) are not all the same; ``signs`` (k)."""
+
+    def __init__(self, signs: np.ndarray) -> None:
+        super().__init__("a decision does not come out the same for all of many numbers")
+        self.signs = signs
+
+
+@contextmanager
+def many_digits() -> Iterator[None]:
+    """Compute with balls of ``DIGITS``; the precision outside belongs to the caller."""
+    with _precision, ctx.workdps(DIGITS):
+        yield
+
+
+def ball(number: Number) -> arb:
+    """Return a number as a ball; floats and integers are taken exactly."""
+    return number if isinstance(number, arb) else arb(number)
+
+
+def alike(*numbers: Number) -> tuple[Number, ...]:
+    """Return numbers of one formula as arrays or floats if one of them is an array, as balls or series else."""
+    if any(isinstance(number, np.ndarray) for number in numbers):
+        return tuple(number if isinstance(number, np.ndarray) else float(number) for number in numbers)
+    return tuple(arb(number) if isinstance(number, (int, float, str)) else number for number in numbers)
+
+
+def sign(number: Number, parameter: str = "a parameter") -> int:
+    """Return the sign of a number, or the one that all entries of an array have.
+
+    Raises ``EngineError``, which names the ``parameter`` to change, if a ball holds zero without being zero, and
+    :class:`Divided` if the signs of an array differ.
+    """
+    if isinstance(number, np.ndarray):
+        signs = np.sign(number)
+        if signs.size and not (signs == signs.flat[0]).all():
+            raise Divided(signs)
+        return int(signs.flat[0]) if signs.size else 0
+    value = number if isinstance(number, (arb, float, int)) else number[0]  # of a series
+    if value > 0:
+        return 1
+    if value < 0:
+        return -1
+    if value == 0:
+        return 0
+    raise EngineError(
+        f"{DIGITS} digits do not determine on which side of a limit the drive lies; change {parameter} a little."
+    )
+
+
+def root(number: Number) -> Number:
+    """Return the square root."""
+    return np.sqrt(number) if isinstance(number, (np.ndarray, float, int)) else number.sqrt()
+
+
+def double(number: Number) -> Any:
+    """Return a number rounded to double once; an array of doubles as it is."""
+    return number if isinstance(number, np.ndarray) else float(number)
+
+
+def doubles(numbers: Sequence[Number], shape: tuple[int, ...]) -> np.ndarray:
+    """Return numbers, in a flat list, as a table of doubles; of arrays one for each entry, along the first axis."""
+    if not any(isinstance(number, np.ndarray) for number in numbers):
+        return np.array([*map(float, numbers)]).reshape(shape)
+    columns = np.broadcast_arrays(*map(double, numbers))
+    return np.stack(columns, axis=-1).reshape(columns[0].size, *shape)
