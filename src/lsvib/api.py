@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from lsvib.basins.grid import Grid
     from lsvib.basins.resilience import Resilience
     from lsvib.datasets.cycles import Cycles
-    from lsvib.dynamics.attractors import SteadyState
+    from lsvib.dynamics.attractor import SteadyState
     from lsvib.dynamics.continuation import CycleBranch
-    from lsvib.dynamics.periodic import Cycle
+    from lsvib.dynamics.cycles import Cycle
     from lsvib.engine.automaton import Automaton
     from lsvib.models.scene import Scene
 
@@ -155,7 +155,7 @@ class DriveMethods(_Base):
         >>> found.label.name, f"{found.amplitude:.6f} rad, {found.period:.6f} s"
         ('SPRAG_SLIP_CYCLE', '0.055997 rad, 0.010944 s')
         """
-        from lsvib.dynamics.attractors import steady_state
+        from lsvib.dynamics.attractor import steady_state
         from lsvib.engine.motion import enter
 
         scene = self._scene(start, 1.0, resume=resume, physics=physics)

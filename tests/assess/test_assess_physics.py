@@ -19,7 +19,7 @@ from lsvib.assess.mechanisms import certain, drive_of, reserves
 from lsvib.assess.operating_chart import charts
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.window import corners, worst
-from lsvib.dynamics.attractors import Attractor, steady_state
+from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import rigid_automaton

@@ -18,7 +18,7 @@ from lsvib.assess.plain_values import as_json
 from lsvib.assess.vibration import springy_push, survived_push
 from lsvib.assess.window import corners, worst
 from lsvib.assess.words import ATTRACTORS
-from lsvib.dynamics.attractors import Attractor, steady_state
+from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.models.registry import find_model
 from lsvib.models.rigid import rigid_automaton
 from lsvib.stability.conditions import conditions

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from lsvib.dynamics.attractors import Attractor, steady_state
+from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.engine.exact.linear_mode import linear_mode
 from lsvib.engine.exact.modal_form import modal_flow
 from lsvib.engine.kernels import dispatch

@@ -7,7 +7,7 @@ import pytest
 
 from lsvib.contact import limit_process
 from lsvib.contact.limit_process import BranchFamily, Region
-from lsvib.dynamics.attractors import Attractor, orbit_extremes, steady_state
+from lsvib.dynamics.attractor import Attractor, orbit_extremes, steady_state
 from lsvib.dynamics.impulses import seizure_impulses
 from lsvib.engine.motion import follow
 from lsvib.errors import InputError

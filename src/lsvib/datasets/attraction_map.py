@@ -18,7 +18,7 @@ from lsvib.basins.mapper import mapper as mapper_of
 from lsvib.datasets import maps_of_models, phase_plane
 from lsvib.datasets.attributes import Variable, attributes, flags, flags_or_none, fractions, quantity
 from lsvib.datasets.parameter_origins import GIVEN, parameter
-from lsvib.dynamics.attractors import Attractor, Doubt
+from lsvib.dynamics.attractor import Attractor, Doubt
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive, names_and_values
 from lsvib.models.model_files import of_model

@@ -19,7 +19,6 @@ from lsvib.datasets.parameter_origins import GIVEN, VARIED, axis, parameter
 from lsvib.datasets.spans import zero_where_rounded
 from lsvib.datasets.sweep import product_of
 from lsvib.dynamics.behaviour import Behaviour, behaviours
-from lsvib.dynamics.compliant_behaviour import compliant_behaviours
 from lsvib.errors import InputError
 from lsvib.models import chapter
 from lsvib.models.drive import Drive, RigidDrive
@@ -115,8 +114,7 @@ class Plane:
         parts = ((self.y, rows), (self.x, columns))
         axes = {one.name: one.centres(*part.indices(one.count)[:2]).tolist() for one, part in parts}
         shape = tuple(map(len, axes.values()))
-        of_drives = behaviours if _two_states(self.drive) else compliant_behaviours
-        return of_drives(product_of(self.drive, axes), resume, workers, progress).reshape(shape)
+        return behaviours(product_of(self.drive, axes), resume, workers, progress).reshape(shape)
 
     def axes(self, resume: Resume = "contact_sign") -> xr.Dataset:
         """Return the axes of the chart with the global attributes."""

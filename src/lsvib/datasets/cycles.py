@@ -11,10 +11,9 @@ import xarray as xr
 from lsvib import numbers
 from lsvib.datasets import cycles_of_models
 from lsvib.datasets.attributes import flagged, variable, yes_no
-from lsvib.dynamics.attractors import Attractor, SteadyState
+from lsvib.dynamics.attractor import Attractor, SteadyState
 from lsvib.dynamics.continuation import CycleBranch, follow_cycle
-from lsvib.dynamics.periodic import Cycle
-from lsvib.dynamics.search import Seed, search, starts
+from lsvib.dynamics.cycles import Cycle, Seed, search, starts
 from lsvib.engine.automaton import Automaton
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive, described, zero_if_close

@@ -11,7 +11,7 @@ import xarray as xr
 from lsvib.datasets import phase_plane
 from lsvib.datasets.attributes import IMPULSES, SIGNS, WITHOUT_IMPULSES, attributes, flagged, flags, quantity, variable
 from lsvib.datasets.parameter_origins import GIVEN, parameter
-from lsvib.dynamics.attractors import Attractor, SteadyState, orbit_extremes, steady_state
+from lsvib.dynamics.attractor import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.dynamics.impulses import event_impulses
 from lsvib.engine.motion import Motion, follow
 from lsvib.models.drive import Drive, changed, names_and_values, parameters_of

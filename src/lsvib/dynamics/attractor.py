@@ -8,13 +8,16 @@ The rule, for any number of states. The motion is followed, 64 events and then t
 
 1. The engine proves that no guard can fire again: the motion stays in one linear mode for ever, and ends in steady
    sliding or rest; if nothing damps what is excited, in one of a *neutral* family; if that grows, it is unbounded.
-2. Otherwise its events recur. The *section* is that of the rarest events of the later half. If the section state repeats
-   after 1 to 64 returns, or comes nearest after 1 to 8, Newton's method with the exact derivative P′ solves P(y) = y for
-   the Poincaré map P of so many returns (:mod:`lsvib.dynamics.poincare_map`). The fixed point is where the motion ends
-   if its multipliers, the eigenvalues of P′, lie inside the unit circle beyond the rounding of P′ – or on it, if the
-   motion repeats and nothing damps –; if the motion has come nearer with every return, in the norm in which P′
-   contracts; and if returns from all along the way there have the same events. It is a cycle, or steady sliding where
-   that lies on a surface.
+2. Otherwise its events recur. The *section* is that of the rarest events of the later half. If its state repeats after
+   1 to 64 returns, or comes nearest after 1 to 8, Newton's method with the exact derivative P′ solves P(y) = y for the
+   Poincaré map P of so many returns (:mod:`lsvib.dynamics.poincare_map`). The motion ends in that fixed point if
+
+   * its multipliers, the eigenvalues of P′, lie inside the unit circle beyond the rounding of P′ – or on it, if the
+     motion repeats and nothing damps –,
+   * the motion has come nearer with every return, in the norm in which P′ contracts, and
+   * returns from all along the way to it have the same events.
+
+   It is a cycle, or steady sliding where that lies on a surface.
 3. A motion that leaves the range of numbers is unbounded, if energy can grow in the model.
 4. What the budget does not suffice for is unresolved, for a reason that is named (:class:`Doubt`): this happens to
    chaos, to cycles of more than 8 returns that attract slowly, and where so little damps that a turn changes nothing.
@@ -300,7 +303,9 @@ def _cycle(automaton: Automaton, found: rule.Found) -> SteadyState:
     orbit = follow(automaton, state, math.inf, mode=whole[rule.MODE], max_events=whole[rule.EVENTS])
     label, leading = cycle_label(orbit), largest(found.slopes[:d, :d])
     neutral = facts.conserves and abs(leading) > 1 - rule.ON_CIRCLE and label != Attractor.SPRAG_SLIP_CYCLE
-    touches = facts.conserves and label == Attractor.STICK_SLIP_CYCLE and rest_duration(orbit) <= _TOUCH * orbit.end_time
+    touches = (
+        facts.conserves and label == Attractor.STICK_SLIP_CYCLE and rest_duration(orbit) <= _TOUCH * orbit.end_time
+    )
     label = Attractor.NEUTRAL_FAMILY if neutral or touches else label
     size = np.maximum(np.abs(orbit.after).max(axis=0), np.finfo(float).tiny)
     residual = float(np.max(np.abs(orbit.end_state - state) / size))

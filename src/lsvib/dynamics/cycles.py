@@ -12,7 +12,7 @@ between two samples without an extremum that shows stays unseen.
 """
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -427,9 +427,7 @@ def _within(drive: Drive, section: Section, low: float, high: float) -> Cycle | 
         middle = 0.5 * (low + high)
         try:
             state, line = section.state(np.array([middle])), section.line
-            there = Section(
-                section.automaton, section.key, state, section.size, 1, section.longest, section.size, line
-            )
+            there = Section(section.automaton, section.key, state, section.size, 1, section.longest, section.size, line)
             cycle = cycle_on(drive, there, "return map")
         except EngineError:
             cycle = None

@@ -24,8 +24,8 @@ from typing import Any
 
 import numpy as np
 
-from lsvib.dynamics.attractors import Attractor
-from lsvib.dynamics.endings_of_models.rigid import endings_at_once
+from lsvib.dynamics.attractor import Attractor
+from lsvib.dynamics.sweep import endings_at_once
 from lsvib.engine.automaton import Automaton, one_of_many
 from lsvib.engine.kernels import columns
 from lsvib.engine.kernels.status import Status
@@ -137,7 +137,9 @@ def _after_rest(drive: Drive, names: tuple[str, str], nodes: list) -> np.ndarray
     plus, minus = (friction_factor(d.friction_coefficient, tangent, law) for law in (1, -1))
     damping = effective_damping(d.support_damping, d.translation_damping, d.pitch_radius, tangent, minus)
     middle = (damping * d.input_speed - 0.5 * d.pitch_radius * (plus - minus) * d.axial_force) / d.coupling_stiffness
-    ends, is_open = endings_at_once(drives, np.stack([middle, -d.input_speed], axis=1), "contact_sign")
+    middles = np.stack([middle, -d.input_speed], axis=1)
+    ends, is_open = endings_at_once(drives, middles, "contact_sign", work=2000.0)
+    is_open |= ends.attractor == Attractor.UNRESOLVED
     found = np.where(ends.attractor == Attractor.STEADY_SLIDING, -1.0, np.where(ends.attractor > 0, 1.0, 0.0))
     found[is_open] = np.nan
     for group in groups(drives, "contact_sign", np.flatnonzero(is_open)):

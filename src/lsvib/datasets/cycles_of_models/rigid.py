@@ -4,7 +4,7 @@ import numpy as np
 
 from lsvib.basins.boundary import Basin, Boundary, basin
 from lsvib.datasets.cycles import Cycles, searched
-from lsvib.dynamics.search import Seed
+from lsvib.dynamics.cycles import Seed
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import columns
 from lsvib.errors import LsvibError

@@ -1,4 +1,4 @@
-"""The rule of what a motion ends in, compiled for any number of states; it stands in :mod:`lsvib.dynamics.attractor`."""
+"""The rule of what a motion ends in, which :mod:`lsvib.dynamics.attractor` states; for any number of states."""
 
 import math
 from typing import NamedTuple
@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lsvib.dynamics.kernels import poincare_map
-from lsvib.dynamics.kernels.poincare_map import LONGEST, NEAR, NEUTRAL, NONE, ON_CIRCLE, STEP
+from lsvib.dynamics.kernels.poincare_map import LONGEST, NEAR, NEUTRAL, NONE, STEP
 from lsvib.engine.kernels import dispatch, event_loop
 from lsvib.engine.kernels.choice import by_kind
 from lsvib.engine.kernels.columns import ALPHA, BETA, EQUILIBRIUM
@@ -365,7 +365,7 @@ def end_of(tables, facts, known, mode, state, patience, events, one, other, foun
             found.whole[FIRST_EVENT] = kinds[0]
         if not math.isfinite(clock[0] + clock[1]):
             return LOST
-        if status != _FULL and status != _SETTLED:  # noqa: PLR1714
+        if status != _FULL and status != _SETTLED:
             return _complaint(status)
         if status == _FULL and known.kind.size > 0:
             found.whole[INDEX], shows = _joins(known, kinds[:count], modes[:count], after[:count])

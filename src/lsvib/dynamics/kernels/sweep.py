@@ -12,7 +12,6 @@ from lsvib.dynamics.kernels.attractor import (
     LONGEST,
     MODE,
     SIGHT,
-    Facts,
     Found,
     end_of,
     new_events,

@@ -13,7 +13,7 @@ from lsvib.basins.mapper import mapper
 from lsvib.datasets import phase_plane, spans
 from lsvib.datasets.attributes import CRITICAL_MASS, flagged, variable
 from lsvib.datasets.parameter_origins import axis, drive_parameters, labels
-from lsvib.dynamics.attractors import Attractor
+from lsvib.dynamics.attractor import Attractor
 from lsvib.figures.basin_sweep.checks import checks
 from lsvib.models.drive import RigidDrive
 from lsvib.stability.conditions import critical_friction, critical_mass

@@ -7,7 +7,7 @@ import numpy as np
 from lsvib.datasets import phase_plane
 from lsvib.datasets.attributes import variable
 from lsvib.datasets.phase_plane import Variables
-from lsvib.dynamics.attractors import SteadyState, steady_state
+from lsvib.dynamics.attractor import SteadyState, steady_state
 from lsvib.engine.automaton import Automaton
 from lsvib.models.drive import ThreadsDrive
 from lsvib.models.threads import seated_state, threads_automaton

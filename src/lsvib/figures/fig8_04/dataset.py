@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets.checks import Check
-from lsvib.dynamics.attractors import Attractor
+from lsvib.dynamics.attractor import Attractor
 from lsvib.figures.common.negative_damping import MARGINS, margins_text, plane, radii
 
 

@@ -6,7 +6,7 @@ from typing import Any
 import xarray as xr
 
 from lsvib.datasets.checks import Check
-from lsvib.dynamics.attractors import Attractor
+from lsvib.dynamics.attractor import Attractor
 from lsvib.figures.common.negative_damping import margins_text, plane, radii
 
 

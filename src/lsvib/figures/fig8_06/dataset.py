@@ -11,7 +11,7 @@ from lsvib.datasets import phase_plane, printed, spans
 from lsvib.datasets.attributes import flagged, variable
 from lsvib.datasets.checks import Check
 from lsvib.datasets.parameter_origins import axis, drive_parameters, labels, start_state
-from lsvib.dynamics.attractors import Attractor, SteadyState, steady_state
+from lsvib.dynamics.attractor import Attractor, SteadyState, steady_state
 from lsvib.figures.common import mass_readings
 from lsvib.models import chapter
 from lsvib.models.coefficients import coefficients

@@ -9,7 +9,7 @@ import xarray as xr
 from lsvib.datasets import phase_plane
 from lsvib.datasets.checks import Check
 from lsvib.datasets.parameter_origins import drive_parameters, labels
-from lsvib.dynamics.attractors import Attractor
+from lsvib.dynamics.attractor import Attractor
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import EventKind
 

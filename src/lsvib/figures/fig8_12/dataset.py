@@ -10,7 +10,7 @@ from lsvib.datasets import phase_plane, spans
 from lsvib.datasets.attributes import flagged, variable
 from lsvib.datasets.checks import Check
 from lsvib.datasets.parameter_origins import axis, drive_parameters, start_state
-from lsvib.dynamics.attractors import Attractor, SteadyState, steady_state
+from lsvib.dynamics.attractor import Attractor, SteadyState, steady_state
 from lsvib.dynamics.impulses import mean_load
 from lsvib.errors import InputError
 from lsvib.models.drive import RigidDrive

@@ -10,7 +10,7 @@ from lsvib.datasets import phase_plane, spans
 from lsvib.datasets.attributes import flagged, variable
 from lsvib.datasets.checks import Check
 from lsvib.datasets.parameter_origins import axis, drive_parameters, labels, start_state
-from lsvib.dynamics.attractors import Attractor, SteadyState, orbit_extremes, steady_state
+from lsvib.dynamics.attractor import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.errors import InputError
 from lsvib.figures.common.compliant_cycles import (
     CRITICAL_MASS_WITH_CONTACT,

@@ -14,7 +14,7 @@ from lsvib.datasets import phase_plane, spans
 from lsvib.datasets.attributes import flagged, variable
 from lsvib.datasets.checks import Check
 from lsvib.datasets.parameter_origins import drive_parameters, labels
-from lsvib.dynamics.attractors import Attractor, steady_state
+from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.figures.common import accumulation
 from lsvib.models.drive import RigidDrive
 from lsvib.models.resumption import RULES
