@@ -35,6 +35,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lsvib.dynamics.kernels import attractor as rule
+from lsvib.dynamics.kernels.poincare_map import ON_CIRCLE
 from lsvib.dynamics.orbit import rest_duration
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import columns, dispatch
@@ -232,7 +233,7 @@ def _conserves(automaton: Automaton, rests: np.ndarray) -> bool:
     """Whether all modes in motion preserve volumes, because nothing damps them."""
     flow = automaton.tables.flow
     if isinstance(flow, np.ndarray):
-        return not flow[~rests, columns.A1].any()
+        return not flow[..., ~rests, columns.A1].any()
     return not np.trace(flow.field[~rests][:, :, :-1], axis1=1, axis2=2).any()
 
 
@@ -251,7 +252,7 @@ def _meant(automaton: Automaton, outcome: int, found: rule.Found, known: KnownCy
     """Return the attractor that an outcome of the rule stands for."""
     state, mode = found.state.copy(), int(found.whole[rule.MODE])
     if outcome == rule.KNOWN:
-        return known.cycles[found.whole[rule.INDEX]]
+        return known.cycles[int(found.whole[rule.INDEX])]
     if outcome == rule.SLIDES:
         return SteadyState(Attractor.STEADY_SLIDING, _equilibrium(automaton, mode, state.size))
     if outcome == rule.RESTS:
@@ -302,7 +303,7 @@ def _cycle(automaton: Automaton, found: rule.Found) -> SteadyState:
     d, facts = whole[rule.DIMENSION], facts_of(automaton)
     orbit = follow(automaton, state, math.inf, mode=whole[rule.MODE], max_events=whole[rule.EVENTS])
     label, leading = cycle_label(orbit), largest(found.slopes[:d, :d])
-    neutral = facts.conserves and abs(leading) > 1 - rule.ON_CIRCLE and label != Attractor.SPRAG_SLIP_CYCLE
+    neutral = facts.conserves and abs(leading) > 1 - ON_CIRCLE and label != Attractor.SPRAG_SLIP_CYCLE
     touches = (
         facts.conserves and label == Attractor.STICK_SLIP_CYCLE and rest_duration(orbit) <= _TOUCH * orbit.end_time
     )

@@ -7,6 +7,7 @@ coexist. Nothing else is taken from the equations of the drive: no threshold, no
 
 from collections.abc import Callable
 from enum import IntEnum
+from typing import Any
 
 import numpy as np
 
@@ -69,14 +70,14 @@ def behaviour_of(attractor: np.ndarray, happens: np.ndarray) -> np.ndarray:
     Arguments (k): ``Attractor``, and what happens on a cycle as :class:`lsvib.dynamics.sweep.Ending` has it.
     """
     sticks = np.where(happens & REVERSES, Behaviour.STICK_SLIP_WITH_CONTACT_REVERSAL, Behaviour.STICK_SLIP)
-    kinds = {
+    kinds: dict[Attractor, Any] = {
         Attractor.OTHER_CYCLE: Behaviour.PURE_SLIP,
         Attractor.STICK_SLIP_CYCLE: sticks,
         Attractor.SPRAG_SLIP_CYCLE: Behaviour.SPRAG_SLIP,
         Attractor.NEUTRAL_FAMILY: Behaviour.NEUTRAL,
     }
     here = [attractor == kind for kind in kinds]
-    return np.select(here, list(kinds.values()), Behaviour.UNRESOLVED).astype(np.int8)
+    return np.asarray(np.select(here, list(kinds.values()), Behaviour.UNRESOLVED), dtype=np.int8)
 
 
 @np.errstate(all="ignore")  # a drive whose lengths are beyond all numbers is refused with its tables

@@ -93,7 +93,7 @@ class MovingSection:
 
     def place(self, state: np.ndarray) -> np.ndarray:
         """Return y (d) of a state (n)."""
-        return state[self.free] / self.size[self.free]
+        return np.asarray(state[self.free] / self.size[self.free])
 
     def state(self, automaton: Automaton, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the state (n) at y on the section of an automaton, and its derivative (n, d)."""
@@ -163,29 +163,29 @@ class BranchEquations:
         step, here = np.eye(d + 1)[-1] * _PARAMETER_STEP, self.section.place(motion.end_state)
         beside = {0.0: here}
         for sign in (1.0, -1.0):
-            found = self.at(z + sign * step)
-            if found is not None and events_of(found[2]) == events_of(motion):  # else the difference is that of a kink
-                beside[sign] = self.section.place(found[2].end_state)
+            there = self.at(z + sign * step)
+            if there is not None and events_of(there[2]) == events_of(motion):  # else the difference is that of a kink
+                beside[sign] = self.section.place(there[2].end_state)
         if len(beside) == 1:
             return None
-        first, last = min(beside), max(beside)
-        found = np.column_stack([inner, (beside[last] - beside[first]) / ((last - first) * _PARAMETER_STEP)])
+        low, high = min(beside), max(beside)
+        found = np.column_stack([inner, (beside[high] - beside[low]) / ((high - low) * _PARAMETER_STEP)])
         return found if np.isfinite(found).all() else None
 
     def corrected(self, guess: np.ndarray, tangent: np.ndarray) -> Solved | None:
         """The point of the branch in the plane through ``guess`` across ``tangent``, with its tangent."""
-        z, slopes, last, length = guess.copy(), None, math.inf, math.inf
-        events: tuple = ()
+        slopes: np.ndarray | None = None
+        z, last, length, events = guess.copy(), math.inf, math.inf, None
         for _ in range(_NEWTON):
             found = self.at(z)
             if found is None:
                 return None
             gap = self.section.place(found[2].end_state) - z[:-1]
-            same = slopes is not None and events == events_of(found[2])
-            slopes = self.slopes(z, found[2], slopes[:, -1] if same else None)
+            same = events == events_of(found[2])
+            slopes = self.slopes(z, found[2], None if slopes is None or not same else slopes[:, -1])
             events = events_of(found[2])
             step = None if slopes is None else _bordered(slopes, tangent, gap, float(tangent @ (z - guess)))
-            if step is None:
+            if step is None or slopes is None:
                 return None
             length = float(np.abs(step).max(initial=0.0))
             if length <= 4 * flow_planar.EPS or (last <= _CONVERGED and length >= 0.5 * last):
@@ -194,7 +194,9 @@ class BranchEquations:
                 return None
             z, last = z + step, length
         found = self.at(z)
-        slopes = None if found is None or not length <= _CONVERGED else self.slopes(z, found[2], slopes[:, -1])
+        if found is None or slopes is None or not length <= _CONVERGED:
+            return None
+        slopes = self.slopes(z, found[2], slopes[:, -1])
         if slopes is None:
             return None
         drive, section, motion = found
@@ -228,7 +230,7 @@ def null_direction(slopes: np.ndarray) -> np.ndarray:
     """Unit vector that the slopes (d, d + 1) take to zero."""
     if not len(slopes):
         return np.ones(1)
-    return np.linalg.svd(slopes)[2][-1]
+    return np.asarray(np.linalg.svd(slopes)[2][-1])
 
 
 def follow_cycle(

@@ -12,6 +12,7 @@ surface.
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TypeVar
 
 import numpy as np
@@ -74,13 +75,13 @@ def _cycle_between(
 ) -> Cycle | None:
     """The cycle on the edge between two starts (n), of which the first has this ending; None if none is found."""
 
-    def on_first_side(state: np.ndarray, mode: int | None) -> bool:
+    def on_first_side(mode: int | None, state: np.ndarray) -> bool:
         return alike(steady_state(automaton, state, mode=mode, max_events=_WORK), ending)
 
     mode: int | None = None
     size = np.maximum(np.abs(low), np.abs(high))
     for _ in range(_ROUNDS):
-        low, high = _closer(low, high, size, lambda state, mode=mode: on_first_side(state, mode))
+        low, high = _closer(low, high, size, partial(on_first_side, mode))
         finest = _distance(low, high, size) <= _FINEST
         both = _side_by_side(automaton, low, high, mode)
         if both is None and finest:

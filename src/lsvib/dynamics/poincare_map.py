@@ -86,11 +86,11 @@ class Section:
 
     def state(self, place: np.ndarray) -> np.ndarray:
         """Return the state (n) at y = ``place`` (d)."""
-        return self.origin + self.directions @ place
+        return np.asarray(self.origin + self.directions @ place)
 
     def place(self, states: np.ndarray) -> np.ndarray:
         """Return y (..., d) of states (..., n) on the section."""
-        return ((states - self.origin) / self.unit)[..., self.free]
+        return np.asarray(((states - self.origin) / self.unit)[..., self.free])
 
     def come_back(self, state: np.ndarray) -> Motion | None:
         """Follow the motion from a state (n) of the section until it is back; None if it does not come back."""
@@ -115,7 +115,7 @@ class Section:
         motion = self.come_back(self.state(place))
         if motion is None or motion.time[0] == 0.0:
             return np.full(self.dimension, math.nan)
-        return self.place(motion.end_state) - place
+        return np.asarray(self.place(motion.end_state) - place)
 
     def derivative(self, orbit: Motion) -> Derivative:
         """Return P′ (d, d) along a motion that returns to the section, with the bound of its rounding."""
