@@ -35,6 +35,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lsvib.dynamics.kernels import attractor as rule
+from lsvib.dynamics.kernels.attractor import Outcome
 from lsvib.dynamics.kernels.poincare_map import ON_CIRCLE
 from lsvib.dynamics.orbit import rest_duration
 from lsvib.engine.automaton import Automaton
@@ -84,10 +85,10 @@ _MEANT = {
     WorkSpentError: Doubt.EVENT_BUDGET,
 }
 _UNRESOLVED = {
-    rule.SPENT: Doubt.EVENT_BUDGET,
-    rule.SPENT_STEADILY: Doubt.RECURRENT,
-    rule.SEARCH_SPENT: Doubt.WORK_BUDGET,
-    rule.LOST: Doubt.ENGINE,
+    Outcome.SPENT: Doubt.EVENT_BUDGET,
+    Outcome.SPENT_STEADILY: Doubt.RECURRENT,
+    Outcome.SEARCH_SPENT: Doubt.WORK_BUDGET,
+    Outcome.LOST: Doubt.ENGINE,
 }
 
 
@@ -203,16 +204,16 @@ def end_of_motion(
     time, sprags, first = 0.0, 0, -1
     while True:
         outcome = rule.attractor(automaton.tables, facts, known.table, mode, here, known.patience, found)
-        time, sprags = time + float(found.real[rule.TIME]), sprags + int(found.whole[rule.SPRAGS])
-        first = int(found.whole[rule.FIRST_EVENT]) if first < 0 else first
-        if outcome != rule.ACCUMULATES:
+        time, sprags = time + float(found.notes[0]["time"]), sprags + int(found.notes[0]["sprags"])
+        first = int(found.notes[0]["first_event"]) if first < 0 else first
+        if outcome != Outcome.ACCUMULATES:
             break
         try:  # judgements that contradict each other at one instant are seen through by the engine
-            motion = follow(automaton, found.state, math.inf, mode=int(found.whole[rule.MODE]), max_events=rule.SIGHT)
+            motion = follow(automaton, found.state, math.inf, mode=int(found.notes[0]["mode"]), max_events=rule.SIGHT)
         except EngineError as error:
             return _without_answer(automaton, found.state.copy(), error), Course(time, sprags, first)
         mode, here, time = motion.end_mode, motion.end_state.copy(), time + motion.end_time
-        found.real[rule.LEFT] -= motion.time.size
+        found.notes[0]["left"] -= motion.time.size
     return _meant(automaton, outcome, found, known), Course(time, sprags, first)
 
 
@@ -238,8 +239,9 @@ def _conserves(automaton: Automaton, rests: np.ndarray) -> bool:
 
 
 def _new_found(states: int, work: float) -> rule.Found:
-    whole, real = np.zeros(8, dtype=np.int64), np.array([0.0, 0.0, work])
-    return rule.Found(whole, real, np.zeros(states), np.zeros((states, states)))
+    notes = np.zeros(1, dtype=rule.NOTES)
+    notes["left"] = work
+    return rule.Found(notes, np.zeros(states), np.zeros((states, states)))
 
 
 def _without_answer(automaton: Automaton, state: np.ndarray, error: EngineError) -> SteadyState:
@@ -250,22 +252,22 @@ def _without_answer(automaton: Automaton, state: np.ndarray, error: EngineError)
 
 def _meant(automaton: Automaton, outcome: int, found: rule.Found, known: KnownCycles) -> SteadyState:
     """Return the attractor that an outcome of the rule stands for."""
-    state, mode = found.state.copy(), int(found.whole[rule.MODE])
-    if outcome == rule.KNOWN:
-        return known.cycles[int(found.whole[rule.INDEX])]
-    if outcome == rule.SLIDES:
+    state, mode = found.state.copy(), int(found.notes[0]["mode"])
+    if outcome == Outcome.KNOWN:
+        return known.cycles[int(found.notes[0]["index"])]
+    if outcome == Outcome.SLIDES:
         return SteadyState(Attractor.STEADY_SLIDING, _equilibrium(automaton, mode, state.size))
-    if outcome == rule.RESTS:
+    if outcome == Outcome.RESTS:
         return SteadyState(Attractor.REST, state)
-    if outcome == rule.GROWS:
+    if outcome == Outcome.GROWS:
         if automaton.passive:  # only rounding hides the next event
             return SteadyState.unresolved(state, Doubt.RANGE)
         return SteadyState(Attractor.UNBOUNDED, state)
     if outcome in _UNRESOLVED:
         return SteadyState.unresolved(state, _UNRESOLVED[outcome])
     try:
-        if outcome == rule.OSCILLATES:
-            return _oscillation(automaton, mode, state, float(found.real[rule.FREQUENCY]))
+        if outcome == Outcome.OSCILLATES:
+            return _oscillation(automaton, mode, state, float(found.notes[0]["frequency"]))
         return _cycle(automaton, found)
     except EngineError as error:
         return SteadyState.unresolved(state, error)
@@ -299,9 +301,9 @@ def _oscillation(automaton: Automaton, mode: int, state: np.ndarray, frequency: 
 
 def _cycle(automaton: Automaton, found: rule.Found) -> SteadyState:
     """Return the cycle through the fixed point that was found."""
-    whole, state = found.whole.tolist(), found.state.copy()
-    d, facts = whole[rule.DIMENSION], facts_of(automaton)
-    orbit = follow(automaton, state, math.inf, mode=whole[rule.MODE], max_events=whole[rule.EVENTS])
+    notes, state, facts = found.notes[0], found.state.copy(), facts_of(automaton)
+    d = int(notes["dimension"])
+    orbit = follow(automaton, state, math.inf, mode=int(notes["mode"]), max_events=int(notes["events"]))
     label, leading = cycle_label(orbit), largest(found.slopes[:d, :d])
     neutral = facts.conserves and abs(leading) > 1 - ON_CIRCLE and label != Attractor.SPRAG_SLIP_CYCLE
     touches = (
@@ -310,7 +312,7 @@ def _cycle(automaton: Automaton, found: rule.Found) -> SteadyState:
     label = Attractor.NEUTRAL_FAMILY if neutral or touches else label
     size = np.maximum(np.abs(orbit.after).max(axis=0), np.finfo(float).tiny)
     residual = float(np.max(np.abs(orbit.end_state - state) / size))
-    return SteadyState(label, state, orbit, whole[rule.RETURNS], residual, leading)
+    return SteadyState(label, state, orbit, int(notes["returns"]), residual, leading)
 
 
 def cycle_label(orbit: Motion) -> Attractor:

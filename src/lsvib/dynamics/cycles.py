@@ -12,7 +12,7 @@ between two samples without an extremum that shows stays unseen.
 """
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -344,7 +344,7 @@ def _same(one: Cycle, other: Cycle) -> bool:
     return all(abs(a - b) <= _SAME * (one.amplitude + other.amplitude) for a, b in ends)
 
 
-def _on_line(drive: Drive, automaton: Automaton, key: tuple[int, int], row: np.ndarray):
+def _on_line(drive: Drive, automaton: Automaton, key: tuple[int, int], row: np.ndarray) -> Iterator[Cycle]:
     """Yield the cycles that the return map of a line shows."""
     sizes = np.array(swing(drive))
     middle = nearest_to_origin(np.append(row[:2] * sizes, row[2]))  # in these sizes

@@ -24,8 +24,8 @@ from lsvib.dynamics.attractor import (
     steady_state,
 )
 from lsvib.dynamics.impulses import event_impulses, normal_impulse
-from lsvib.dynamics.kernels import attractor as rule
 from lsvib.dynamics.kernels import sweep as kernels
+from lsvib.dynamics.kernels.attractor import Outcome
 from lsvib.dynamics.kernels.sweep import RESTS, REVERSES, SPRAGS
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import columns
@@ -247,7 +247,7 @@ def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray, work: f
         slides = done & (flow[..., columns.ALPHA] > 0).any(axis=1)
         _slide(group, slides, found)
         return slides, found
-    outcomes, numbers = np.full(size, kernels.UNDECIDED, dtype=np.int8), np.full((size, kernels.NUMBERS), np.nan)
+    outcomes, numbers = np.full(size, Outcome.OPEN, dtype=np.int8), np.full(size, np.nan, dtype=kernels.NUMBERS)
     facts = facts_of(automaton)._replace(conserves=False)
     reversal = np.int64(find_model(drives.drive_class.model).events["CONTACT_REVERSAL"])
     known, force = KnownCycles.of((), 2, 0).table, automaton.observables["normal_force"]
@@ -256,21 +256,21 @@ def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray, work: f
         automaton.tables, np.flatnonzero(done), facts, known, reversal, work, starts, force, speed,
         outcomes, found.happens, numbers,
     )  # fmt: skip
-    _slide(group, outcomes == rule.SLIDES, found)
-    cycles = outcomes == rule.CYCLE
+    _slide(group, outcomes == Outcome.SLIDES, found)
+    cycles = outcomes == Outcome.CYCLE
     bits = found.happens[cycles]
     labels = np.where(bits & RESTS, Attractor.STICK_SLIP_CYCLE, Attractor.OTHER_CYCLE)
     found.attractor[cycles] = np.where(bits & SPRAGS, Attractor.SPRAG_SLIP_CYCLE, labels)
-    found.amplitude[cycles] = numbers[cycles, kernels.AMPLITUDE]
-    found.period[cycles] = numbers[cycles, kernels.PERIOD]
-    found.multiplier[cycles] = numbers[cycles, kernels.MULTIPLIER]
-    found.peak_normal_force[cycles] = numbers[cycles, kernels.FORCE]
+    found.amplitude[cycles] = numbers["amplitude"][cycles]
+    found.period[cycles] = numbers["period"][cycles]
+    found.multiplier[cycles] = numbers["multiplier"][cycles]
+    found.peak_normal_force[cycles] = numbers["force"][cycles]
     own = {name: column[group.members[cycles]] for name, column in drives.values.items()}
     values = {name: own[name] for name in ("mass", "pitch_radius", "screw_inertia")}
-    impulses = normal_impulse(numbers[cycles, kernels.SEIZURE_SPEED], np.sin(own["lead_angle"]), **values)
+    impulses = normal_impulse(numbers["seizure_speed"][cycles], np.sin(own["lead_angle"]), **values)
     found.peak_normal_impulse[cycles] = np.abs(impulses)
-    spent = (outcomes == rule.SPENT) | (outcomes == rule.SPENT_STEADILY)
-    return cycles | spent | (outcomes == rule.SLIDES), found
+    spent = (outcomes == Outcome.SPENT) | (outcomes == Outcome.SPENT_STEADILY)
+    return cycles | spent | (outcomes == Outcome.SLIDES), found
 
 
 def _slide(group: Group, here: np.ndarray, found: Endings) -> None:

@@ -1,12 +1,13 @@
 """The rule of what a motion ends in, which :mod:`lsvib.dynamics.attractor` states; for any number of states."""
 
 import math
+from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
 
 from lsvib.dynamics.kernels import poincare_map
-from lsvib.dynamics.kernels.poincare_map import LONGEST, NEAR, NEUTRAL, NONE, STEP
+from lsvib.dynamics.kernels.poincare_map import LONGEST, NEAR, STEP, Verdict
 from lsvib.engine.kernels import dispatch, event_loop
 from lsvib.engine.kernels.choice import by_kind
 from lsvib.engine.kernels.columns import ALPHA, BETA, EQUILIBRIUM
@@ -14,11 +15,23 @@ from lsvib.engine.kernels.flow_planar import ROUNDING
 from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, kernel, merged_kernel
 from lsvib.engine.kernels.status import Status
 
-# Outcomes. What never leaves its mode slides steadily, rests, oscillates for ever or grows.
-SLIDES, RESTS, OSCILLATES, GROWS, CYCLE, KNOWN = range(6)
-# Unresolved outcomes: the budget is spent, or spent by a vibration that hardly changes; a search for one event has
-# taken all of it; events accumulate, which the caller may see through; the engine has no answer.
-SPENT, SPENT_STEADILY, SEARCH_SPENT, ACCUMULATES, LOST = range(6, 11)
+
+class Outcome(IntEnum):
+    """What a motion ends in, and why that is unresolved."""
+
+    SLIDES = 0  # what never leaves its mode slides steadily, rests, oscillates for ever or grows
+    RESTS = 1
+    OSCILLATES = 2
+    GROWS = 3
+    CYCLE = 4
+    KNOWN = 5  # it joins a known cycle
+    SPENT = 6  # the budget is spent,
+    SPENT_STEADILY = 7  # by a vibration that hardly changes,
+    SEARCH_SPENT = 8  # or by the search for one event
+    ACCUMULATES = 9  # events accumulate, which the caller may see through
+    LOST = 10  # the engine has no answer
+    OPEN = 11  # no mode fits the start
+
 
 CHUNK = 64  # events that are looked at first; every further look takes twice as many
 SIGHT = 4096  # most events between two looks
@@ -33,9 +46,6 @@ _SAME_POINT = 1e-9  # distance of two points, relative to the motion, that are o
 _JOINED, _BESIDE = 1e-3, 0.1  # distances from a known cycle, in its sizes: at the end of the way, and of the way
 _STILL = 1e-12  # a step of this size, in sizes of a known cycle, is rounding
 _UNDAMPED = 1e-30  # damping over frequency that is zero in a modal form, which is made from 150 digits
-
-KIND, MODE, RETURNS, EVENTS, DIMENSION, FIRST_EVENT, SPRAGS, INDEX = range(8)  # of ``Found.whole``
-TIME, FREQUENCY, LEFT = range(3)  # of ``Found.real``
 
 
 _FULL, _SETTLED, _DIVERGED, _ACCUMULATED, _NO_BRANCH = (
@@ -64,11 +74,21 @@ class Known(NamedTuple):
     size: np.ndarray  # (c, n)
 
 
+NOTES = np.dtype(
+    [
+        *(
+            (name, np.int64)
+            for name in ("kind", "mode", "returns", "events", "dimension", "first_event", "sprags", "index")
+        ),
+        *((name, np.float64) for name in ("time", "frequency", "left")),  # [s], [1/s], work in events
+    ]
+)
+
+
 class Found(NamedTuple):
     """What is found of a motion."""
 
-    whole: np.ndarray  # (8,) by the names above
-    real: np.ndarray  # (3,) by the names above
+    notes: np.ndarray  # (1,) of ``NOTES``
     state: np.ndarray  # (n,) on the section, or where the motion was left
     slopes: np.ndarray  # (n, n) P′, the first d rows and columns
 
@@ -77,11 +97,11 @@ class Found(NamedTuple):
 def _stays_planar(flow, mode, state):
     row = flow[mode]
     if state[0] == row[EQUILIBRIUM] and state[1] == 0.0:
-        return SLIDES, 0.0
+        return Outcome.SLIDES, 0.0
     if row[ALPHA] < 0.0:
-        return GROWS, 0.0
+        return Outcome.GROWS, 0.0
     lasts = row[ALPHA] == 0.0 and row[BETA] > 0.0
-    return (OSCILLATES, row[BETA]) if lasts else (SLIDES, 0.0)
+    return (Outcome.OSCILLATES, row[BETA]) if lasts else (Outcome.SLIDES, 0.0)
 
 
 @kernel
@@ -100,17 +120,17 @@ def _stays_modal(flow, mode, state):
     pairs, lasting, frequency = flow.pairs[mode], 0, 0.0
     for single in range(flow.singles[mode]):
         if flow.rates[mode, single] > 0.0 and _excited(flow, mode, 2 * pairs + single, state):
-            return GROWS, 0.0
+            return Outcome.GROWS, 0.0
     for pair in range(pairs):
         damping, turning = flow.oscillators[mode, pair, ALPHA], flow.oscillators[mode, pair, BETA]
         if not (_excited(flow, mode, 2 * pair, state) or _excited(flow, mode, 2 * pair + 1, state)):
             continue
         if abs(damping) > _UNDAMPED * turning:
             if damping < 0.0:
-                return GROWS, 0.0
+                return Outcome.GROWS, 0.0
         elif turning > 0.0:
             lasting, frequency = lasting + 1, turning
-    return (OSCILLATES, frequency if lasting == 1 else 0.0) if lasting > 0 else (SLIDES, 0.0)
+    return (Outcome.OSCILLATES, frequency if lasting == 1 else 0.0) if lasting > 0 else (Outcome.SLIDES, 0.0)
 
 
 _stays = by_kind(_stays_planar, _stays_modal)
@@ -119,10 +139,10 @@ _stays = by_kind(_stays_planar, _stays_modal)
 @kernel
 def stays(tables, facts, mode, state, found):
     """Return what a motion that never leaves its mode ends in; the frequency [1/s] of what lasts, 0 if several do."""
-    found.whole[MODE] = mode
+    found.notes[0]["mode"] = mode
     if facts.rests[mode]:
-        return RESTS
-    outcome, found.real[FREQUENCY] = _stays(tables.flow, mode, state)
+        return Outcome.RESTS
+    outcome, found.notes[0]["frequency"] = _stays(tables.flow, mode, state)
     return outcome
 
 
@@ -185,7 +205,7 @@ def _joins(known, kinds, modes, after):
 @kernel
 def _count_sprags(facts, kinds, modes, found):
     for i in range(kinds.size):
-        found.whole[SPRAGS] += facts.sprag_kinds[kinds[i]] or facts.sprag_modes[modes[i]]
+        found.notes[0]["sprags"] += facts.sprag_kinds[kinds[i]] or facts.sprag_modes[modes[i]]
 
 
 @kernel
@@ -207,19 +227,19 @@ def _fewer_returns(section, events, count, state, size):
 
 @merged_kernel
 def _period(tables, facts, section, points, size, pushed, events, room, budget, found):
-    """Return what a motion with these ``points`` (k, n) on a section tends to by its map: CYCLE, SLIDES or SPENT.
+    """Return what a motion with these ``points`` (k, n) on a section tends to by its map.
 
-    SPENT stands for nothing that is known.
+    It is CYCLE, SLIDES, or SPENT, which stands for nothing that is known.
     """
     n, d, step = size.size, section.dimension, section.returns
     place, state = np.empty(d), np.empty(n)
     slopes, form = np.empty((d, d)), np.empty((d, d))
     count, lost = poincare_map.newton(tables, section, place, state, slopes, events, budget)
     if count == 0:
-        return SPENT
+        return Outcome.SPENT
     verdict = poincare_map.judge(poincare_map.growth(slopes, form), lost, facts.conserves)
-    if verdict == NONE:
-        return SPENT
+    if verdict == Verdict.NONE:
+        return Outcome.SPENT
     away, reach, last = 0.0, 0.0, points.shape[0] - 1
     for f in range(d):
         away = max(away, abs(place[f]))
@@ -228,33 +248,33 @@ def _period(tables, facts, section, points, size, pushed, events, room, budget, 
     earlier = points[last // 2 + 1 + (last - last // 2 - 1) % step :: step]
     if away > NEAR:
         few = d > 1 and earlier.shape[0] <= _WATCHED
-        if few or verdict == NEUTRAL or not poincare_map.approaches(section, place, earlier, form):
-            return SPENT
+        if few or verdict == Verdict.NEUTRAL or not poincare_map.approaches(section, place, earlier, form):
+            return Outcome.SPENT
     if d > 0 and not poincare_map.same_events(tables, section, place, events, count, room, budget):
-        return SPENT
+        return Outcome.SPENT
     if reach < _CORNER:  # steady sliding, if that lies on a surface and the motion shrinks towards it
         nearer = farther = 0.0
         for i in range(n):
             nearer = max(nearer, abs(points[last, i]) / size[i])
             farther = max(farther, abs(points[last - step, i]) / size[i])
-        found.whole[MODE] = -1
-        return SLIDES if nearer < farther and not pushed else SPENT
+        found.notes[0]["mode"] = -1
+        return Outcome.SLIDES if nearer < farther and not pushed else Outcome.SPENT
     returns, fewer = _fewer_returns(section, events, count, state, size)
     if fewer < count:
         poincare_map.slopes_of(tables, section, events, fewer, slopes)
-    found.whole[KIND], found.whole[MODE], found.whole[RETURNS] = section.kind, section.mode, returns
-    found.whole[EVENTS], found.whole[DIMENSION] = fewer, d
+    found.notes[0]["kind"], found.notes[0]["mode"], found.notes[0]["returns"] = section.kind, section.mode, returns
+    found.notes[0]["events"], found.notes[0]["dimension"] = fewer, d
     for i in range(n):
         found.state[i] = state[i]
     for f in range(d):
         for g in range(d):
             found.slopes[f, g] = slopes[f, g]
-    return CYCLE
+    return Outcome.CYCLE
 
 
 @merged_kernel
 def _look(tables, facts, mode, state, events, count, one, other, budget, found):
-    """Return what a motion tends to by its last events, ``count`` of them; SPENT if they do not show it.
+    """Return what a motion tends to by its last events, ``count`` of them; Outcome.SPENT if they do not show it.
 
     ``one`` and ``other`` are room for the events of periods.
     """
@@ -268,7 +288,7 @@ def _look(tables, facts, mode, state, events, count, one, other, budget, found):
     key = poincare_map.rarest_event(tables, kinds[:count], modes[:count], after[:count], size)
     if key < 0:  # it only touches guards: rounding decides whether there is an event
         outcome = stays(tables, facts, mode, state, found)
-        return OSCILLATES if outcome == OSCILLATES else SPENT
+        return Outcome.OSCILLATES if outcome == Outcome.OSCILLATES else Outcome.SPENT
     seen, longest, last, pushed = 0, 0.0, -1, False
     all_points = np.empty((count, n))
     for k in range(count):
@@ -291,7 +311,7 @@ def _look(tables, facts, mode, state, events, count, one, other, budget, found):
         if repeats:
             break
     if seen < 2 or (seen < _FEWEST and not repeats):
-        return SPENT
+        return Outcome.SPENT
     for returns in range(1, nearest + 1):  # a slow cycle may seem to have a multiple of its returns
         if nearest % returns == 0 and (repeats or seen - 1 - returns > seen // 2):
             watched = points[max(0, seen - 1 - _SOLVED) :]
@@ -299,9 +319,9 @@ def _look(tables, facts, mode, state, events, count, one, other, budget, found):
                 tables, kinds[key], modes[key], returns, _PATIENCE * longest, watched, size
             )
             outcome = _period(tables, facts, section, points, size, pushed, one, other, budget, found)
-            if outcome != SPENT:
+            if outcome != Outcome.SPENT:
                 return outcome
-    return SPENT
+    return Outcome.SPENT
 
 
 @kernel
@@ -320,10 +340,10 @@ def _hardly_changes(after, count):
 def _complaint(status):
     """Return the outcome that stands for a status of the engine that ends a run without an answer."""
     if status == _DIVERGED:
-        return GROWS
+        return Outcome.GROWS
     if status == _ACCUMULATED:
-        return ACCUMULATES
-    return LOST if status == _NO_BRANCH else SEARCH_SPENT
+        return Outcome.ACCUMULATES
+    return Outcome.LOST if status == _NO_BRANCH else Outcome.SEARCH_SPENT
 
 
 @allocating_kernel
@@ -338,43 +358,46 @@ def end_of(tables, facts, known, mode, state, patience, events, one, other, foun
     """Return what the motion from ``state`` (n), replaced, in a mode ends in.
 
     Arguments: known cycles; ``patience``, events after which others are looked for as well; room for the events of the
-    motion and of two periods; ``found``, filled, in which ``real[LEFT]`` is the work that may be spent, in events.
+    motion and of two periods; ``found``, filled, in which ``notes["left"]`` is the work that may be spent, in events.
     """
     n, used, chunk, last = state.size, 0, CHUNK, 0
     scale, clock, budget = np.empty(n), np.zeros(4), np.empty(1)
-    budget[0] = found.real[LEFT]
+    budget[0] = found.notes[0]["left"]
     times, kinds, signs, modes, before, after = events
     still = dispatch.is_still(tables.flow, mode, state)
     for i in range(n):
         scale[i], still = abs(state[i]), still and state[i] == 0.0
-    found.whole[FIRST_EVENT], found.whole[SPRAGS], found.real[TIME] = event_loop.NO_KIND, 0, 0.0
+    found.notes[0]["first_event"], found.notes[0]["sprags"], found.notes[0]["time"] = event_loop.NO_KIND, 0, 0.0
     if still:
-        found.whole[MODE], found.real[FREQUENCY] = mode, 0.0
-        return SLIDES
-    outcome, never = SPENT, np.int64(event_loop.NO_KIND)  # a literal would be another type, and compile the loop anew
+        found.notes[0]["mode"], found.notes[0]["frequency"] = mode, 0.0
+        return Outcome.SLIDES
+    outcome, never = (
+        Outcome.SPENT,
+        np.int64(event_loop.NO_KIND),
+    )  # a literal would be another type, and compile the loop anew
     while budget[0] > 0.0:
         for i in range(n):
             found.state[i] = state[i]
         given = clock[3] = budget[0] / STEP
-        found.whole[MODE] = mode
+        found.notes[0]["mode"] = mode
         part = (times[:chunk], kinds[:chunk], signs[:chunk], modes[:chunk], before[:chunk], after[:chunk])
         status, mode, count = event_loop.run(tables, mode, state, scale, clock, math.inf, never, never, part)
         budget[0] -= count + (STEP * (given - clock[3]) if clock[3] < math.inf else 0.0)
-        found.real[LEFT] = budget[0]
-        if found.whole[FIRST_EVENT] == event_loop.NO_KIND and count > 0:
-            found.whole[FIRST_EVENT] = kinds[0]
+        found.notes[0]["left"] = budget[0]
+        if found.notes[0]["first_event"] == event_loop.NO_KIND and count > 0:
+            found.notes[0]["first_event"] = kinds[0]
         if not math.isfinite(clock[0] + clock[1]):
-            return LOST
+            return Outcome.LOST
         if status != _FULL and status != _SETTLED:
             return _complaint(status)
         if status == _FULL and known.kind.size > 0:
-            found.whole[INDEX], shows = _joins(known, kinds[:count], modes[:count], after[:count])
+            found.notes[0]["index"], shows = _joins(known, kinds[:count], modes[:count], after[:count])
             if shows >= 0:
                 _count_sprags(facts, kinds[: shows + 1], modes[: shows + 1], found)
-                found.real[TIME] = times[shows]
-                return KNOWN
+                found.notes[0]["time"] = times[shows]
+                return Outcome.KNOWN
         _count_sprags(facts, kinds[:count], modes[:count], found)
-        found.real[TIME] = clock[0] + clock[1]
+        found.notes[0]["time"] = clock[0] + clock[1]
         for i in range(n):
             found.state[i] = state[i]
         if status == _SETTLED:
@@ -383,10 +406,10 @@ def end_of(tables, facts, known, mode, state, patience, events, one, other, foun
         if used < patience:
             continue
         outcome = _look(tables, facts, mode, state, events, count, one, other, budget, found)
-        if outcome != SPENT:
+        if outcome != Outcome.SPENT:
             return outcome
         chunk = min(2 * chunk, SIGHT)
-    return SPENT_STEADILY if _hardly_changes(after, last) else SPENT
+    return Outcome.SPENT_STEADILY if _hardly_changes(after, last) else Outcome.SPENT
 
 
 @allocating_entry

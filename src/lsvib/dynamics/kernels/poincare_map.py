@@ -7,6 +7,7 @@ derivative P′ of :mod:`lsvib.dynamics.kernels.saltation`.
 """
 
 import math
+from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
@@ -28,7 +29,14 @@ ON_CIRCLE = 1e-6  # distance from the unit circle of multipliers on it: defectiv
 _DOUBLINGS = 40  # of the number of returns over which growth is determined: 2⁴⁰, more than a slow multiplier needs
 _PARTS = 8  # of the way to a fixed point, at the ends of which the events of a return are compared
 _STOPPED = int(Status.STOP_EVENT)
-NONE, ATTRACTS, NEUTRAL = range(3)  # what is found of a fixed point
+
+
+class Verdict(IntEnum):
+    """What a fixed point does to motions beside it."""
+
+    NONE = 0  # it repels, or that is lost in rounding
+    ATTRACTS = 1
+    NEUTRAL = 2  # one of a family
 
 
 class Section(NamedTuple):
@@ -322,8 +330,8 @@ def judge(radius, lost, conserves):
     """Whether a fixed point attracts, by its largest multiplier, or is one of a neutral family: nothing damps."""
     margin = min(max(lost, _MARGINS[0]), _MARGINS[1])
     if conserves and abs(radius - 1.0) <= max(margin, ON_CIRCLE):
-        return NEUTRAL
-    return ATTRACTS if radius < 1.0 - margin else NONE
+        return Verdict.NEUTRAL
+    return Verdict.ATTRACTS if radius < 1.0 - margin else Verdict.NONE
 
 
 @allocating_kernel

@@ -4,26 +4,13 @@ import math
 
 import numpy as np
 
-from lsvib.dynamics.kernels.attractor import (
-    CYCLE,
-    DIMENSION,
-    EVENTS,
-    LEFT,
-    LONGEST,
-    MODE,
-    SIGHT,
-    Found,
-    end_of,
-    new_events,
-)
+from lsvib.dynamics.kernels.attractor import LONGEST, NOTES, SIGHT, Found, Outcome, end_of, new_events
 from lsvib.engine.kernels import dispatch, event_loop
 from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel
 from lsvib.engine.kernels.tables import Tables
 
-AMPLITUDE, PERIOD, MULTIPLIER, FORCE, SEIZURE_SPEED = range(5)  # columns of the numbers of a cycle
-NUMBERS = 5  # how many they are
+NUMBERS = np.dtype([(name, np.float64) for name in ("amplitude", "period", "multiplier", "force", "seizure_speed")])
 SPRAGS, RESTS, REVERSES = 1, 2, 4  # bits that say what happens on a cycle
-UNDECIDED = -1  # no mode fits the start, or nothing damps: the caller follows the motion alone
 
 
 @allocating_kernel
@@ -34,7 +21,7 @@ def _describe(tables, facts, reversal, found, events, force, speed, numbers):
     of the motor.
     """
     times, kinds, _, modes, before, after = events
-    count, mode, time, state, row = found.whole[EVENTS], found.whole[MODE], 0.0, np.empty(2), np.zeros(3)
+    count, mode, time, state, row = found.notes[0]["events"], found.notes[0]["mode"], 0.0, np.empty(2), np.zeros(3)
     low, high, least, most, fastest = math.inf, -math.inf, math.inf, -math.inf, 0.0
     row[0] = 1.0
     state[0], state[1] = found.state[0], found.state[1]
@@ -49,11 +36,11 @@ def _describe(tables, facts, reversal, found, events, force, speed, numbers):
         if facts.sprag_kinds[kinds[k]]:
             bits |= SPRAGS
             fastest = max(fastest, abs(speed + before[k, 1]))
-    numbers[PERIOD], numbers[SEIZURE_SPEED] = time, fastest
-    numbers[MULTIPLIER] = found.slopes[0, 0] if found.whole[DIMENSION] > 0 else 0.0
+    numbers["period"], numbers["seizure_speed"] = time, fastest
+    numbers["multiplier"] = found.slopes[0, 0] if found.notes[0]["dimension"] > 0 else 0.0
     bounded = math.isfinite(low + high + least + most)
-    numbers[AMPLITUDE] = 0.5 * (high - low) if bounded else math.nan
-    numbers[FORCE] = max(abs(least), abs(most)) if bounded else math.nan
+    numbers["amplitude"] = 0.5 * (high - low) if bounded else math.nan
+    numbers["force"] = max(abs(least), abs(most)) if bounded else math.nan
     return bits
 
 
@@ -63,10 +50,10 @@ def ends_of_many(many, members, facts, known, reversal, work, starts, force, spe
 
     Arguments: tables whose doubles have a first axis (k) for drives; the drives that are wanted (j); the work for each,
     in events; ``starts`` (k, 2); ``force`` (k, m, 3); ``speed`` (k). ``outcomes``, ``bits`` (k) and ``numbers``
-    (k, NUMBERS) are filled for the drives that are wanted.
+    (k, of ``NUMBERS``) are filled for the drives that are wanted.
     """
     events, one, other = new_events(SIGHT, 2), new_events(LONGEST, 2), new_events(LONGEST, 2)
-    found = Found(np.zeros(8, dtype=np.int64), np.zeros(3), np.zeros(2), np.zeros((2, 2)))
+    found = Found(np.zeros(1, dtype=NOTES), np.zeros(2), np.zeros((2, 2)))
     state, scale = np.empty(2), np.empty(2)
     for k in members:
         tables = Tables(
@@ -92,11 +79,11 @@ def ends_of_many(many, members, facts, known, reversal, work, starts, force, spe
         )
         for i in range(2):
             state[i], scale[i] = starts[k, i], abs(starts[k, i])
-        found.real[LEFT], bits[k] = work, 0
+        found.notes[0]["left"], bits[k] = work, 0
         branch = event_loop.choose_branch(tables, 0, state, scale)
-        outcomes[k] = UNDECIDED
+        outcomes[k] = Outcome.OPEN
         if branch >= 0:
             mode = tables.branch_mode[branch]
             outcomes[k] = end_of(tables, facts, known, mode, state, 0, events, one, other, found)
-        if outcomes[k] == CYCLE:
+        if outcomes[k] == Outcome.CYCLE:
             bits[k] = _describe(tables, facts, reversal, found, one, force[k], speed[k], numbers[k])
