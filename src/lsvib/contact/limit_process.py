@@ -27,9 +27,9 @@ from typing import Any, Self
 
 import numpy as np
 
+from lsvib.contact.curve_distance import Orbit, rest_count, rest_duration
 from lsvib.dynamics.attractor import orbit_extremes, steady_state
 from lsvib.dynamics.impulses import seizure_impulses
-from lsvib.dynamics.orbit import Orbit, rest_count, rest_duration
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import InputError

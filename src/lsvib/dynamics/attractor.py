@@ -37,7 +37,6 @@ from numpy.typing import ArrayLike
 from lsvib.dynamics.kernels import attractor as rule
 from lsvib.dynamics.kernels.attractor import Outcome
 from lsvib.dynamics.kernels.poincare_map import ON_CIRCLE
-from lsvib.dynamics.orbit import rest_duration
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import columns, dispatch
 from lsvib.engine.motion import Motion, enter, follow
@@ -306,10 +305,9 @@ def _cycle(automaton: Automaton, found: rule.Found) -> SteadyState:
     orbit = follow(automaton, state, math.inf, mode=int(notes["mode"]), max_events=int(notes["events"]))
     label, leading = cycle_label(orbit), largest(found.slopes[:d, :d])
     neutral = facts.conserves and abs(leading) > 1 - ON_CIRCLE and label != Attractor.SPRAG_SLIP_CYCLE
-    touches = (
-        facts.conserves and label == Attractor.STICK_SLIP_CYCLE and rest_duration(orbit) <= _TOUCH * orbit.end_time
-    )
-    label = Attractor.NEUTRAL_FAMILY if neutral or touches else label
+    modes, _, _, durations = orbit.arcs()
+    brief = label == Attractor.STICK_SLIP_CYCLE and durations[facts.rests[modes]].sum() <= _TOUCH * orbit.end_time
+    label = Attractor.NEUTRAL_FAMILY if neutral or (facts.conserves and brief) else label
     size = np.maximum(np.abs(orbit.after).max(axis=0), np.finfo(float).tiny)
     residual = float(np.max(np.abs(orbit.end_state - state) / size))
     return SteadyState(label, state, orbit, int(notes["returns"]), residual, leading)

@@ -19,8 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lsvib.dynamics.cycles import Cycle
-from lsvib.dynamics.poincare_map import Section, multipliers
-from lsvib.dynamics.saltation import derivative
+from lsvib.dynamics.poincare_map import Section, derivative, multipliers
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import flow_planar
 from lsvib.engine.kernels.status import GRAZE_KIND

@@ -2,8 +2,8 @@
 
 The events of one kind that enter one mode lie on one surface, or on the intersection of several; the states there form
 an affine section. The map P takes a place y (d) on it to that of the motion after some returns; it is followed from
-event to event in closed form, and its derivative P′ is the exact product of :mod:`lsvib.dynamics.saltation`. Newton's
-step  y ← y + (I − P′)⁻¹ (P(y) − y)  asks nothing of the stability.
+event to event in closed form, and its derivative P′ is the exact product of flows and saltation matrices of
+:mod:`lsvib.dynamics.kernels.saltation`. Newton's step  y ← y + (I − P′)⁻¹ (P(y) − y)  asks nothing of the stability.
 
 The multipliers are the n − 1 eigenvalues of P′, zero where the section has fewer dimensions than n − 1. Their error
 has three parts: the rounding of the product, carried along entry by entry and weighted with the condition of the
@@ -13,11 +13,12 @@ has died away; there the rounding is measured instead, by how P′ scatters betw
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from lsvib.dynamics.kernels import poincare_map as kernels
-from lsvib.dynamics.saltation import Derivative, derivative, eigenvalues
+from lsvib.dynamics.kernels import saltation
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import flow_planar
 from lsvib.engine.kernels.status import Status
@@ -34,6 +35,43 @@ _PROMISED = 1e-10  # size of the rounding of P′ below which its bound is good 
 _SENSITIVITY = 1e-6  # step in y by which the change of P′ along the section is measured
 _BESIDE, _SCATTERS = 1e-12, 5  # step between places whose P′ scatters by rounding, and how many there are
 _SAFE = 30.0  # by which rounding may exceed a few samples of it, and by which that of the tables counts
+
+
+@dataclass(frozen=True)
+class Derivative:
+    """Derivative ``matrix`` (n, n) of a state with respect to an earlier one; a bound (n, n) of its ``rounding``."""
+
+    matrix: np.ndarray
+    rounding: np.ndarray
+
+
+def derivative(motion: Motion) -> Derivative:
+    """Return the derivative of the state after a motion's last event with respect to its start.
+
+    nan if an event has none. The start's own mode is kept: neighbours start in it. A rounding beyond all numbers is
+    infinite or nan: a surface is hardly crossed there.
+    """
+    n = motion.start_state.size
+    matrix, rounding = np.empty((n, n)), np.empty((n, n))
+    saltation.derivative(
+        motion.automaton.tables, motion.start_mode, motion.start_time, motion.time, motion.kind, motion.mode,
+        motion.before, matrix, rounding,
+    )  # fmt: skip
+    return Derivative(matrix, rounding)
+
+
+def eigenvalues(matrix: np.ndarray) -> tuple[np.ndarray, float]:
+    """Return the eigenvalues of a real matrix, complex, and the largest condition of one, |y| |x| / |yᵀx|."""
+    if len(matrix) == 1:
+        return matrix[0].astype(complex), 1.0
+    values, right = np.linalg.eig(matrix)
+    try:
+        left = np.linalg.inv(right)
+    except np.linalg.LinAlgError:
+        return values.astype(complex), math.inf
+    with np.errstate(over="ignore"):  # hypot alone keeps the squares of large entries within the range of numbers
+        conditions = np.hypot.reduce(np.abs(left), axis=1) * np.hypot.reduce(np.abs(right), axis=0)
+    return values.astype(complex), float(np.max(conditions))
 
 
 def section_key(motion: Motion) -> tuple[int, int] | None:

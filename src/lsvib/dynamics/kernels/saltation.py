@@ -1,6 +1,16 @@
-"""The derivative of a motion with respect to its start, compiled: flows of modes, and what events do to neighbours.
+r"""The derivative of a motion with respect to its start: the flow of a mode, and the saltation matrix of an event.
 
-The formulas stand in :mod:`lsvib.dynamics.saltation`. Every matrix comes with a bound of its rounding, entry by entry.
+In a mode x′ = A x + b, so that neighbours separate as e^{Aτ}. A neighbour meets the surface gᵀx + g₀ = 0 of an event
+earlier or later; seen from event to event, with the field f before it and the affine reset x ↦ R x + r of the event,
+
+    D = R (I − f gᵀ / gᵀf) e^{Aτ}
+
+is the derivative of the state after the event with respect to that after the one before. Times and the field after the
+event do not enter: the product over a period is the derivative of the Poincaré map, whose eigenvalues are the Floquet
+multipliers without the trivial 1. (With it, the saltation matrix is R + (f⁺ − R f) gᵀ / gᵀf.) Release from rest of the
+rigid drive has g = ±(1, 0) and f = (−Ω, 0), so that D is zero: a rest phase makes a cycle superstable.
+
+Every matrix comes with a bound of its rounding, entry by entry.
 """
 
 import math

@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from lsvib.contact.curve_distance import Orbit
 from lsvib.datasets import phase_plane, printed, spans
 from lsvib.datasets.attributes import flagged, quantity, variable
 from lsvib.datasets.checks import Check
 from lsvib.datasets.parameter_origins import axis, drive_parameters, start_state
 from lsvib.dynamics.attractor import Attractor, SteadyState, orbit_extremes, steady_state
-from lsvib.dynamics.orbit import Orbit
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.motion import Motion, follow
 from lsvib.figures.common.compliant_cycles import compliant_attractors, compliant_cycle, cycle_curves
