@@ -43,8 +43,6 @@ from lsvib.engine.motion import Motion, enter, follow
 from lsvib.errors import AccumulationError, DivergenceError, EngineError, UndecidedError, WorkSpentError
 
 _ONE_PERIOD = 1e-6  # relative difference of the periods of one cycle, as two motions reach it
-_TOUCH = 1e-6  # part of a period for which the largest of a neutral family seems to rest where it touches θ′ = 0
-_KINDS = 128  # kinds of events are numbers of eight bits
 
 
 class Attractor(IntEnum):
@@ -223,7 +221,7 @@ def shrinks_areas(automaton: Automaton) -> bool:
 
 def facts_of(automaton: Automaton) -> rule.Facts:
     """Return what the rule needs to know of the modes and events of a model."""
-    codes, sprag_kinds = automaton.codes, np.zeros(_KINDS, dtype=bool)
+    codes, sprag_kinds = automaton.codes, np.zeros(128, dtype=bool)  # kinds of events are numbers of eight bits
     sprag_kinds[list(automaton.sprag_kinds)] = True
     rests = np.isin(codes, automaton.rest_codes)
     return rule.Facts(rests, np.isin(codes, automaton.sprag_codes), sprag_kinds, _conserves(automaton, rests))
@@ -306,7 +304,8 @@ def _cycle(automaton: Automaton, found: rule.Found) -> SteadyState:
     label, leading = cycle_label(orbit), largest(found.slopes[:d, :d])
     neutral = facts.conserves and abs(leading) > 1 - ON_CIRCLE and label != Attractor.SPRAG_SLIP_CYCLE
     modes, _, _, durations = orbit.arcs()
-    brief = label == Attractor.STICK_SLIP_CYCLE and durations[facts.rests[modes]].sum() <= _TOUCH * orbit.end_time
+    # part of a period for which the largest of a neutral family seems to rest where it touches θ′ = 0
+    brief = label == Attractor.STICK_SLIP_CYCLE and durations[facts.rests[modes]].sum() <= 1e-6 * orbit.end_time
     label = Attractor.NEUTRAL_FAMILY if neutral or (facts.conserves and brief) else label
     size = np.maximum(np.abs(orbit.after).max(axis=0), np.finfo(float).tiny)
     residual = float(np.max(np.abs(orbit.end_state - state) / size))

@@ -28,16 +28,10 @@ from lsvib.errors import EngineError, InputError
 from lsvib.models.drive import Drive
 
 _FIRST, _LARGEST, _SMALLEST = 1e-2, 4e-2, 1e-7  # steps, in widths of the range and sizes of the motion
-_GROWS = 1.5  # factor from a step that was taken whole to the next one
-_TURN = 0.2  # smallest cosine between tangents: beyond it the step was too long
-_VANISHED = 1e-4  # amplitude, relative to that at the start, of a cycle that is about to vanish
-_NEWTON = 30  # steps; where the derivative jumps as an event appears they converge slowly at first
-_PARTS = 1.0  # size of a step of Newton's method, in sizes of the motion, beyond which it has left the branch
 _CONVERGED = 1e-8  # a step of Newton's method after which one more is rounding only
 _ROUNDING = 1e-12  # residual of a point of the branch, times the growth of neighbours over a period
 _PARAMETER_STEP = 1e-5  # of the central difference for F_p, in widths of the range
 _HALVINGS = 50  # more than a step needs to shrink to _NARROW
-_SECANTS = 60  # more than halving alone takes from a step to rounding
 _AT_FOLD = 1e-13  # part of the tangent along p that counts as none: the branch turns there
 _NARROW = 1e-12  # length of the branch within which a change is located
 
@@ -175,7 +169,7 @@ class BranchEquations:
         """The point of the branch in the plane through ``guess`` across ``tangent``, with its tangent."""
         slopes: np.ndarray | None = None
         z, last, length, events = guess.copy(), math.inf, math.inf, None
-        for _ in range(_NEWTON):
+        for _ in range(30):  # steps; where the derivative jumps as an event appears they converge slowly at first
             found = self.at(z)
             if found is None:
                 return None
@@ -189,7 +183,8 @@ class BranchEquations:
             length = float(np.abs(step).max(initial=0.0))
             if length <= 4 * flow_planar.EPS or (last <= _CONVERGED and length >= 0.5 * last):
                 break
-            if length > _PARTS:
+            # size of a step of Newton's method, in sizes of the motion, beyond which it has left the branch
+            if length > 1.0:
                 return None
             z, last = z + step, length
         found = self.at(z)
@@ -264,7 +259,8 @@ def _followed(
     while len(points) < most:
         there, curve, here, taken = _next(curve, here, step, low, width)
         if there is None:
-            small = here.cycle.amplitude < _VANISHED * cycle.amplitude
+            # amplitude, relative to that at the start, of a cycle that is about to vanish
+            small = here.cycle.amplitude < 1e-4 * cycle.amplitude
             what = "it shrinks to nothing" if small else "no cycle continues this one"
             changes.append(Change("end", curve.value(here.z), what, along))
             break
@@ -279,7 +275,8 @@ def _followed(
         changes += changes_between(curve, here, there, taken, along)
         along += taken
         points.append(BranchPoint(value, there.cycle, along))
-        step = min(step * _GROWS, _LARGEST) if taken >= step else max(taken, _SMALLEST)
+        # factor from a step that was taken whole to the next one
+        step = min(step * 1.5, _LARGEST) if taken >= step else max(taken, _SMALLEST)
         here = there
     else:
         changes.append(Change("end", points[-1].value, "the branch is longer than the number of points", along))
@@ -327,7 +324,8 @@ def _stepped(curve: BranchEquations, here: Solved, step: float) -> tuple[Solved 
             turned = there.tangent @ (there.z - here.z) < 0  # across a kink the tangents tell no direction
             there = replace(there, tangent=-there.tangent) if turned else there
             kink = events_of(there.cycle.orbit) != events_of(here.cycle.orbit)
-            if there.tangent @ here.tangent >= (-1.0 if kink else _TURN):
+            # smallest cosine between tangents: beyond it the step was too long
+            if there.tangent @ here.tangent >= (-1.0 if kink else 0.2):
                 return there, step
         step *= 0.5
     return None, 0.0
@@ -398,7 +396,7 @@ def _zero(
     if end is None:
         return 0.0, None
     at_high = function(end)
-    for _ in range(_SECANTS):
+    for _ in range(60):  # more than halving alone takes from a step to rounding
         middle = high - at_high * (high - low) / (at_high - at_low)
         if not low < middle < high:
             middle = 0.5 * (low + high)

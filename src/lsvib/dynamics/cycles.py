@@ -35,9 +35,7 @@ from lsvib.models.registry import find_model
 
 _LONGER = 2.0  # a return may take so many times what it did
 _DECADES = (-4.0, 3.0)  # Lines are searched from 10^-4 to 10^3 of the size of a swing of the screw.
-_SAMPLES = 160  # on each side of a line: each lies a tenth farther out than the one before
 _GOLDEN = 0.3819660112501051  # (3 − √5) / 2
-_NARROW = 60  # steps of the golden section, which leave 1e-12 of the bracket
 _HALVINGS = 60  # of a bracket in which Newton's method fails: to the last bit
 _CLOSER = np.append(
     0.7 ** np.arange(1, 40), 0.0
@@ -45,8 +43,6 @@ _CLOSER = np.append(
 _BEYOND = 1e-9  # part of a bracket by which a cycle may lie beyond it, for the rounding of its place
 _SAME = 1e-7  # Two cycles of one stability that differ by less, relatively, are the same cycle.
 _MOST, _LESS = 300_000, 30_000  # work for a start, and for one after another remained unresolved
-_VANISHED = 1e-5  # size of a cycle, relative to the motion, that is steady sliding
-_SWINGS = 200.0  # turns of the slowest oscillator that a return may take
 
 
 @dataclass(frozen=True)
@@ -322,7 +318,8 @@ def search(
 def _on_edge(drive: Drive, section: Section) -> Cycle | None:
     """Return the repelling cycle near the origin of a section, unless it is steady sliding, which lies on a surface."""
     cycle = cycle_on(drive, section, "edge of a basin")
-    small = cycle is not None and np.abs(cycle.state / section.size).max() < _VANISHED
+    # size of a cycle, relative to the motion, that is steady sliding
+    small = cycle is not None and np.abs(cycle.state / section.size).max() < 1e-5
     return cycle if cycle is not None and cycle.repelling and not small else None
 
 
@@ -351,7 +348,7 @@ def _on_line(drive: Drive, automaton: Automaton, key: tuple[int, int], row: np.n
     if middle is None:
         return
     section = Section(automaton, key, middle * sizes, sizes, 1, _patience(automaton), sizes, row)
-    steps = np.logspace(*_DECADES, _SAMPLES)
+    steps = np.logspace(*_DECADES, 160)  # on each side of a line: each lies a tenth farther out than the one before
     coarse = np.concatenate([-steps[::-1], [0.0], steps])
     places = _to_edges(section, coarse, [_gap(section, y) for y in coarse])
     gaps = [_gap(section, y) for y in places]
@@ -388,7 +385,7 @@ def _to_edges(section: Section, places: np.ndarray, gaps: list[float]) -> np.nda
 def _patience(automaton: Automaton) -> float:
     """Longest time [s] that a return may take."""
     scales = automaton.tables.flow[:, columns.TIME_SCALE]
-    return _SWINGS * float(scales.max())
+    return 200.0 * float(scales.max())  # turns of the slowest oscillator that a return may take
 
 
 def _gap(section: Section, place: float) -> float:
@@ -405,7 +402,7 @@ def _extremum(section: Section, low: float, high: float, sign: float) -> float:
 
     left, right = low + _GOLDEN * (high - low), high - _GOLDEN * (high - low)
     at_left, at_right = height(left), height(right)
-    for _ in range(_NARROW):
+    for _ in range(60):  # steps of the golden section, which leave 1e-12 of the bracket
         if min(at_left, at_right) < 0:
             break
         if at_left < at_right:

@@ -24,16 +24,9 @@ from lsvib.engine.kernels.status import ACCUMULATION_KIND
 from lsvib.engine.motion import Budget, Motion, follow
 from lsvib.errors import EngineError
 
-_FINER = 1e-3  # factor by which two states come together between two attempts of Newton's method: ten halvings
 _FINEST = 1e-12  # distance, in sizes of the motion, beyond which halving meets the rounding of the motions
 _PARTED = 1e-2  # distance at which two motions no longer follow the edge
-_CLOSE = 1e-5  # distance at which they are still on the edge, to so many digits
-_LATER = 1e-4  # distance at which they are taken up again: eight digits were gained on the way
-_ROUNDS = 8  # attempts of Newton's method: four on the first line, the others from later events
-_EVENTS = 2000  # that two motions are followed side by side
-_RETURNS = 4  # most returns to the section in a period that are tried
 _WORK = 10_000  # of determining one ending, in units of one event: some hundred returns and a slow approach
-_LONGER = 4.0  # a return may take so many times the longest one on the edge
 
 StateEnding = tuple[np.ndarray, SteadyState]
 Cycle = TypeVar("Cycle")
@@ -80,7 +73,7 @@ def _cycle_between(
 
     mode: int | None = None
     size = np.maximum(np.abs(low), np.abs(high))
-    for _ in range(_ROUNDS):
+    for _ in range(8):  # attempts of Newton's method: four on the first line, the others from later events
         low, high = _closer(low, high, size, partial(on_first_side, mode))
         finest = _distance(low, high, size) <= _FINEST
         both = _side_by_side(automaton, low, high, mode)
@@ -94,7 +87,8 @@ def _cycle_between(
             if cycle is not None:
                 return cycle
         if finest:
-            later = int(np.searchsorted(gaps, _LATER))
+            # distance at which they are taken up again: eight digits were gained on the way
+            later = int(np.searchsorted(gaps, 1e-4))
             if later in (0, len(gaps)):
                 return None
             low, high, mode = motion.after[later], others[later], int(motion.mode[later])
@@ -106,7 +100,8 @@ def _closer(
     low: np.ndarray, high: np.ndarray, size: np.ndarray, on_first_side: Callable[[np.ndarray], bool]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Halve the way between states on two sides until it is some digits shorter, or meets rounding."""
-    end = max(_FINER * _distance(low, high, size), _FINEST)
+    # factor by which two states come together between two attempts of Newton's method: ten halvings
+    end = max(1e-3 * _distance(low, high, size), _FINEST)
     while _distance(low, high, size) > end:
         middle = 0.5 * (low + high)
         if (middle == low).all() or (middle == high).all():
@@ -129,7 +124,8 @@ def _side_by_side(
     """
     try:
         one, other = (
-            follow(automaton, state, np.inf, mode=mode, max_events=_EVENTS, budget=Budget(_WORK))
+            # that two motions are followed side by side
+            follow(automaton, state, np.inf, mode=mode, max_events=2000, budget=Budget(_WORK))
             for state in (low, high)
         )
     except EngineError:
@@ -164,8 +160,10 @@ def _sections(motion: Motion, gaps: np.ndarray) -> Iterator[Section]:
     met = np.flatnonzero((motion.kind == key[0]) & (motion.mode == key[1]))
     size, points = size_of(motion), motion.after[met]
     longest = float(np.diff(motion.time[met], prepend=0.0).max())
-    for last in sorted({max(int(np.searchsorted(gaps[met], near)) - 1, 0) for near in (_CLOSE, _PARTED)}):
-        earlier = range(1, min(_RETURNS, last) + 1)
+    # distance at which they are still on the edge, to so many digits
+    for last in sorted({max(int(np.searchsorted(gaps[met], near)) - 1, 0) for near in (1e-5, _PARTED)}):
+        earlier = range(1, min(4, last) + 1)  # most returns to the section in a period that are tried
         changes = {r: float(np.max(np.abs(points[last] - points[last - r]) / size)) for r in earlier}
         for returns in sorted(changes, key=lambda r: changes[r]) or [1]:
-            yield Section(motion.automaton, key, points[last], size, returns, _LONGER * longest)
+            # a return may take so many times the longest one on the edge
+            yield Section(motion.automaton, key, points[last], size, returns, 4.0 * longest)

@@ -22,7 +22,6 @@ from lsvib.models.drive import Drive
 from lsvib.models.powers import product
 from lsvib.models.registry import find_model
 
-_SHORT = 0.5  # phase of the first step at the fastest rate: the rule is then wrong by less than 1e-20
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)  # exact up to the 15th power of the time
 
 
@@ -62,7 +61,8 @@ def quadratic_integrals(
         return np.zeros(len(forms))
     into, out = _inner_coordinates(automaton, mode)
     inner = out.T @ forms @ out
-    doublings = max(0, math.ceil(math.log2(max(_fastest(automaton, mode) * time / _SHORT, 1e-300))))
+    # phase of the first step at the fastest rate: the rule is then wrong by less than 1e-20
+    doublings = max(0, math.ceil(math.log2(max(_fastest(automaton, mode) * time / 0.5, 1e-300))))
     step = time * 0.5**doublings
     total = np.zeros_like(inner)
     for node, weight in zip(_NODES, _WEIGHTS, strict=True):

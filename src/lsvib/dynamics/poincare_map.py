@@ -29,9 +29,6 @@ PATIENCE = 10  # time that a return may take, in times of the longest return see
 AT_REST = 4 * flow_planar.EPS  # of a step of Newton's method: rounding
 CLOSE = 1e-8  # residual of a motion that is periodic, well above rounding times the growth of neighbours
 _NEWTON, _HALVINGS = 40, 8  # steps, of which a start that Newton's method likes needs six; halvings of one
-_LEAST = 1e-6  # least unit of a coordinate of the origin, relative to its size in the whole motion
-_MOVED = 1e-9  # way of a return at one of its quarters, in sizes of the motion; a touch lasts for a few roundings
-_PROMISED = 1e-10  # size of the rounding of P′ below which its bound is good enough
 _SENSITIVITY = 1e-6  # step in y by which the change of P′ along the section is measured
 _BESIDE, _SCATTERS = 1e-12, 5  # step between places whose P′ scatters by rounding, and how many there are
 _SAFE = 30.0  # by which rounding may exceed a few samples of it, and by which that of the tables counts
@@ -110,7 +107,8 @@ class Section:
     ) -> None:
         self.automaton, self.key, self.origin, self.size = automaton, key, origin, size
         self.returns, self.longest, self.line = returns, longest, line
-        least = np.maximum(_LEAST * size, np.finfo(float).tiny)
+        # least unit of a coordinate of the origin, relative to its size in the whole motion
+        least = np.maximum(1e-6 * size, np.finfo(float).tiny)
         self.unit = np.maximum(np.abs(origin), least) if unit is None else unit
         surfaces = automaton.tables.surfaces if line is None else line[None]
         values = np.abs(surfaces[:, :-1] @ origin + surfaces[:, -1])
@@ -233,7 +231,8 @@ def solve(section: Section) -> tuple[Motion, float] | None:
 def _moves(orbit: Motion, size: np.ndarray) -> bool:
     """Whether a return is no mere touch: two events that rounding separates come back to where they began as well."""
     states, _ = orbit.at(orbit.end_time * np.array([0.25, 0.5, 0.75]))
-    return bool((np.abs(states - orbit.start_state) > _MOVED * size).any())
+    # way of a return at one of its quarters, in sizes of the motion; a touch lasts for a few roundings
+    return bool((np.abs(states - orbit.start_state) > 1e-9 * size).any())
 
 
 def _newton_step(slopes: np.ndarray, gap: np.ndarray) -> np.ndarray | None:
@@ -257,7 +256,7 @@ def multipliers(section: Section, orbit: Motion, residual: float) -> tuple[np.nd
         return np.zeros(count, dtype=complex), 0.0
     values, condition = eigenvalues(found.matrix)
     lost = found.rounding * orbit.automaton.condition
-    if not np.linalg.norm(lost) <= _PROMISED:
+    if not np.linalg.norm(lost) <= 1e-10:  # size of the rounding of P′ below which its bound is good enough
         lost = np.fmin(lost, _scatter(section, orbit, found.matrix))
     least = float(np.linalg.svd(np.eye(section.dimension) - found.matrix, compute_uv=False).min())
     uncertain = (residual + AT_REST) / max(least, flow_planar.EPS)

@@ -37,9 +37,7 @@ from lsvib.models.registry import Model, find_model
 from lsvib.models.resumption import Resume
 
 WORK = 300_000.0  # events that a motion may take
-_BLOCK = 8192  # drives whose tables are made at once: half a gigabyte of numbers for a million would be too many
 _SHARE, _LEAST = 1024, 64  # most and fewest drives that a process takes at a time: some seconds of work
-_WORTH = 1000  # motions left alone that make it worth while to start processes, which takes some seconds
 _WITHOUT_NUMBERS = (Attractor.UNRESOLVED, Attractor.UNBOUNDED)
 
 Done = TypeVar("Done")
@@ -170,7 +168,8 @@ def all_endings(
     if len(find_model(drives.drive_class.model).states) == 2:
         found, is_open = endings_at_once(drives, starts, resume, workers)
         alone = np.flatnonzero(is_open)
-        workers = workers if alone.size >= _WORTH else 1
+        # motions left alone that make it worth while to start processes, which takes some seconds
+        workers = workers if alone.size >= 1000 else 1
     done = drives.size - alone.size
     if progress is not None and done:
         progress(done, drives.size)
@@ -223,7 +222,8 @@ def endings_at_once(
     each motion may take.
     """
     found, is_open = Endings.unknown(drives.size), np.ones(drives.size, dtype=bool)
-    size = max(1, min(_BLOCK, -(-drives.size // workers)))
+    # drives whose tables are made at once: half a gigabyte of numbers for a million would be too many
+    size = max(1, min(8192, -(-drives.size // workers)))
     blocks = [np.arange(first, min(first + size, drives.size)) for first in range(0, drives.size, size)]
 
     def fill(block: np.ndarray) -> None:

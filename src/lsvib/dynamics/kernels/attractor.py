@@ -35,17 +35,10 @@ class Outcome(IntEnum):
 
 CHUNK = 64  # events that are looked at first; every further look takes twice as many
 SIGHT = 4096  # most events between two looks
-_STEADY = 1000  # events, over whose halves a vibration that hardly changes has one size
-_SAME_SIZE = 0.01  # relative difference of these sizes
-_REPEATS = 1e-10  # change of the state over a period, relative to the motion, that is rounding
 _PERIODS, _SOLVED = 64, 8  # most returns in a period that repeats, and in one that the map is solved for
 _FEWEST, _WATCHED, _POINTS = 4, 10, 1000  # returns that show where a motion goes: for a look, to be near, at most
-_PATIENCE = 10.0  # time that a return may take, in times of the longest one seen
-_CORNER = 1e-5  # size of a fixed point, relative to the motion, that is steady sliding
-_SAME_POINT = 1e-9  # distance of two points, relative to the motion, that are one
 _JOINED, _BESIDE = 1e-3, 0.1  # distances from a known cycle, in its sizes: at the end of the way, and of the way
 _STILL = 1e-12  # a step of this size, in sizes of a known cycle, is rounding
-_UNDAMPED = 1e-30  # damping over frequency that is zero in a modal form, which is made from 150 digits
 
 
 _FULL, _SETTLED, _DIVERGED, _ACCUMULATED, _NO_BRANCH = (
@@ -125,7 +118,8 @@ def _stays_modal(flow, mode, state):
         damping, turning = flow.oscillators[mode, pair, ALPHA], flow.oscillators[mode, pair, BETA]
         if not (_excited(flow, mode, 2 * pair, state) or _excited(flow, mode, 2 * pair + 1, state)):
             continue
-        if abs(damping) > _UNDAMPED * turning:
+        # damping over frequency that is zero in a modal form, which is made from 150 digits
+        if abs(damping) > 1e-30 * turning:
             if damping < 0.0:
                 return Outcome.GROWS, 0.0
         elif turning > 0.0:
@@ -218,14 +212,15 @@ def _fewer_returns(section, events, count, state, size):
             if seen == returns:
                 back = True
                 for x in range(state.size):
-                    back = back and abs(events[5][i, x] - state[x]) <= _SAME_POINT * size[x]
+                    # distance of two points, relative to the motion, that are one
+                    back = back and abs(events[5][i, x] - state[x]) <= 1e-9 * size[x]
                 if back:
                     return returns, i + 1
                 break
     return section.returns, count
 
 
-@merged_kernel
+@allocating_kernel
 def _period(tables, facts, section, points, size, pushed, events, room, budget, found):
     """Return what a motion with these ``points`` (k, n) on a section tends to by its map.
 
@@ -252,7 +247,8 @@ def _period(tables, facts, section, points, size, pushed, events, room, budget, 
             return Outcome.SPENT
     if d > 0 and not poincare_map.same_events(tables, section, place, events, count, room, budget):
         return Outcome.SPENT
-    if reach < _CORNER:  # steady sliding, if that lies on a surface and the motion shrinks towards it
+    # size of a fixed point, relative to the motion, that is steady sliding
+    if reach < 1e-5:  # steady sliding, if that lies on a surface and the motion shrinks towards it
         nearer = farther = 0.0
         for i in range(n):
             nearer = max(nearer, abs(points[last, i]) / size[i])
@@ -305,7 +301,7 @@ def _look(tables, facts, mode, state, events, count, one, other, budget, found):
         change = 0.0
         for i in range(n):
             change = max(change, abs(points[seen - 1, i] - points[seen - 1 - back, i]) / size[i])
-        repeats = change <= _REPEATS
+        repeats = change <= 1e-10  # change of the state over a period, relative to the motion, that is rounding
         if repeats or (back <= _SOLVED and change < smallest):
             nearest, smallest = back, change
         if repeats:
@@ -316,7 +312,14 @@ def _look(tables, facts, mode, state, events, count, one, other, budget, found):
         if nearest % returns == 0 and (repeats or seen - 1 - returns > seen // 2):
             watched = points[max(0, seen - 1 - _SOLVED) :]
             section = poincare_map.section_through(
-                tables, kinds[key], modes[key], returns, _PATIENCE * longest, watched, size
+                # time that a return may take, in times of the longest one seen
+                tables,
+                kinds[key],
+                modes[key],
+                returns,
+                10.0 * longest,
+                watched,
+                size,
             )
             outcome = _period(tables, facts, section, points, size, pushed, one, other, budget, found)
             if outcome != Outcome.SPENT:
@@ -327,12 +330,12 @@ def _look(tables, facts, mode, state, events, count, one, other, budget, found):
 @kernel
 def _hardly_changes(after, count):
     """Whether both halves of the latest events of a motion have the same size in every coordinate."""
-    half, same = count // 2, count >= _STEADY
+    half, same = count // 2, count >= 1000  # events, over whose halves a vibration that hardly changes has one size
     for i in range(after.shape[1]):
         first = last = 0.0
         for k in range(half):
             first, last = max(first, abs(after[k, i])), max(last, abs(after[half + k, i]))
-        same = same and abs(last - first) <= _SAME_SIZE * max(first, last)
+        same = same and abs(last - first) <= 0.01 * max(first, last)  # relative difference of these sizes
     return same
 
 

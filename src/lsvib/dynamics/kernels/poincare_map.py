@@ -20,13 +20,9 @@ from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Status
 
 LONGEST = 1024  # events in a period
 STEP = 0.1  # cost of a step of the search for an event, in events
-_ONE_PLANE = 1e-9  # relative pivot below which surfaces count as one
-_LEAST = 1e-6  # least unit of a coordinate of the origin, relative to its size in the whole motion
-_NEWTONS = 16  # steps at most; each doubles the digits
 NEAR = 1e-6  # distance within which a motion has reached a fixed point, well above rounding even in a stiff contact
 _MARGINS = (1e-12, 2e-8)  # by which multipliers must lie inside the unit circle: the rounding of P′ between these
 ON_CIRCLE = 1e-6  # distance from the unit circle of multipliers on it: defective ones scatter by the root of 1e-12
-_DOUBLINGS = 40  # of the number of returns over which growth is determined: 2⁴⁰, more than a slow multiplier needs
 _PARTS = 8  # of the way to a fixed point, at the ends of which the events of a return are compared
 _STOPPED = int(Status.STOP_EVENT)
 
@@ -115,7 +111,7 @@ def lay(surfaces, met, unit, rows, tied, free, directions):
         for i in range(n):
             table[s, i] = surfaces[s, i] * unit[i] / length if met[s] and length > 0.0 else 0.0
     while rank < n:
-        largest, row, column = _ONE_PLANE, -1, -1
+        largest, row, column = 1e-9, -1, -1  # relative pivot below which surfaces count as one
         for s in range(count):
             for i in range(n):
                 if abs(table[s, i]) > largest and not (used[s] or used[count + i]):
@@ -157,7 +153,8 @@ def section_through(tables, kind, mode, returns, limit, points, size):
             met[s] = met[s] and meets(tables.surfaces[s], points[k], size)
     for i in range(n):
         origin[i] = points[points.shape[0] - 1, i]
-        unit[i] = max(abs(origin[i]), _LEAST * size[i])
+        # least unit of a coordinate of the origin, relative to its size in the whole motion
+        unit[i] = max(abs(origin[i]), 1e-6 * size[i])
     d = lay(tables.surfaces, met, unit, rows, tied, free, directions)
     return Section(np.int64(kind), np.int64(mode), returns, limit, d, origin, unit, free, directions)
 
@@ -252,7 +249,7 @@ def newton(tables, section, place, state, slopes, events, budget):
     end = np.empty(state.size)
     for f in range(d):
         place[f] = 0.0
-    for _ in range(_NEWTONS):
+    for _ in range(16):  # steps at most; each doubles the digits
         put(section, 1.0, place, state)
         for i in range(state.size):
             end[i] = state[i]
@@ -293,7 +290,8 @@ def growth(slopes, form):
     for i in range(d):
         for j in range(d):
             form[i, j] = 1.0 if i == j else 0.0
-    for _ in range(_DOUBLINGS):
+    # of the number of returns over which growth is determined: 2⁴⁰, more than a slow multiplier needs
+    for _ in range(40):
         largest = 0.0
         for i in range(d):
             for j in range(d):
