@@ -18,9 +18,6 @@ from lsvib.models import friction
 from lsvib.models.many import ManyDrives
 from lsvib.models.resumption import Resume
 
-_NEAR = 1e-6  # u of the near start, in distances to the nearest event: it stays in one mode, and is no rounding
-_FAR = 10.0  # u of the far start, in sums of all lengths of the drive along u
-
 
 class Behaviour(IntEnum):
     """What a drive does."""
@@ -100,5 +97,7 @@ def near_and_far(drives: ManyDrives) -> tuple[np.ndarray, np.ndarray]:
     lengths = to_contact + to_stop + band + np.abs(damping * speed) / stiffness
     # Without a net force steady sliding lies on Q = 0: beside it θ′ = 0 alone gives a length.
     nearest = np.where(to_contact > 0, np.minimum(to_contact, to_stop), to_stop)
-    near = np.stack([_NEAR * nearest, np.zeros(drives.size)], axis=1)
-    return near, np.stack([-np.sign(speed) * _FAR * lengths, -speed], axis=1)
+    # u of the near start, in distances to the nearest event: it stays in one mode, and is no rounding
+    near = np.stack([1e-6 * nearest, np.zeros(drives.size)], axis=1)
+    # u of the far start, in sums of all lengths of the drive along u
+    return near, np.stack([-np.sign(speed) * 10.0 * lengths, -speed], axis=1)

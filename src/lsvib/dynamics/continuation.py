@@ -31,7 +31,6 @@ _FIRST, _LARGEST, _SMALLEST = 1e-2, 4e-2, 1e-7  # steps, in widths of the range 
 _CONVERGED = 1e-8  # a step of Newton's method after which one more is rounding only
 _ROUNDING = 1e-12  # residual of a point of the branch, times the growth of neighbours over a period
 _PARAMETER_STEP = 1e-5  # of the central difference for F_p, in widths of the range
-_HALVINGS = 50  # more than a step needs to shrink to _NARROW
 _AT_FOLD = 1e-13  # part of the tangent along p that counts as none: the branch turns there
 _NARROW = 1e-12  # length of the branch within which a change is located
 
@@ -419,7 +418,7 @@ def _zero(
 def _halved(curve: BranchEquations, here: Solved, step: float, holds: Callable[[Solved], bool]) -> tuple[float, Solved]:
     """The last place within a step at which a condition holds, to rounding; nearly that where points are missing."""
     low, high, point = 0.0, step, here
-    for _ in range(_HALVINGS):
+    for _ in range(50):  # more than a step needs to shrink to _NARROW
         middle = 0.5 * (low + high)
         solved = curve.corrected(here.z + middle * here.tangent, here.tangent)
         if solved is not None and holds(solved):

@@ -34,7 +34,6 @@ from lsvib.models.drive import Drive
 from lsvib.models.registry import find_model
 
 _LONGER = 2.0  # a return may take so many times what it did
-_DECADES = (-4.0, 3.0)  # Lines are searched from 10^-4 to 10^3 of the size of a swing of the screw.
 _GOLDEN = 0.3819660112501051  # (3 − √5) / 2
 _HALVINGS = 60  # of a bracket in which Newton's method fails: to the last bit
 _CLOSER = np.append(
@@ -348,7 +347,8 @@ def _on_line(drive: Drive, automaton: Automaton, key: tuple[int, int], row: np.n
     if middle is None:
         return
     section = Section(automaton, key, middle * sizes, sizes, 1, _patience(automaton), sizes, row)
-    steps = np.logspace(*_DECADES, 160)  # on each side of a line: each lies a tenth farther out than the one before
+    # Lines are searched from 10^-4 to 10^3 of the size of a swing of the screw.
+    steps = np.logspace(*(-4.0, 3.0), 160)  # on each side of a line: each lies a tenth farther out than the one before
     coarse = np.concatenate([-steps[::-1], [0.0], steps])
     places = _to_edges(section, coarse, [_gap(section, y) for y in coarse])
     gaps = [_gap(section, y) for y in places]
