@@ -101,23 +101,23 @@ def compile_engine(part: str, sources: Texts, marker: str) -> None:
 
         mapper(RigidDrive()).cells(Grid.parse(["u=-1:1:1", "w=-1:1:1"]), quantities=QUANTITIES)
     else:
-        from lsvib.engine.kernels import compile_ahead
+        from lsvib.engine import motion
 
-        compile_ahead.compile_engine((part,))
+        motion.compile_engine((part,))
     digest = hashlib.sha256(b"".join(Path(file).read_bytes() for file in sources))
     write_text(f"{digest.hexdigest()}\n", marker)
 
 
 def dataset(figure: str, settings: dict[str, Any], file: str, checks: str) -> None:
     """Compute the dataset of a figure and its checks."""
-    from lsvib.figures.compute import compute_figure
+    from lsvib.figures.build import compute_figure
 
     compute_figure(figure, settings, file, checks)
 
 
 def picture(figure: str, dataset: str, png: str, pdf: str, caption: str) -> None:
     """Draw a figure from its dataset."""
-    from lsvib.figures.draw import draw_figure
+    from lsvib.figures.build import draw_figure
 
     draw_figure(figure, dataset, png, pdf, caption)
 
@@ -125,8 +125,7 @@ def picture(figure: str, dataset: str, png: str, pdf: str, caption: str) -> None
 def draft(figures: dict[str, dict[str, Any]], datasets: Texts, checks: Texts, pngs: Texts, captions: Texts) -> None:
     """Compute several figures and draw them, without the PDF of an earlier full run."""
     from lsvib.errors import LsvibError
-    from lsvib.figures.build import build_figure
-    from lsvib.figures.draw import DRAFT
+    from lsvib.figures.build import DRAFT, build_figure
 
     files = zip(datasets, checks, pngs, captions, strict=True)
     for (figure, settings), (dataset, judged, png, caption) in zip(figures.items(), files, strict=True):
@@ -139,8 +138,7 @@ def draft(figures: dict[str, dict[str, Any]], datasets: Texts, checks: Texts, pn
 
 def all_checks(files: Texts, json: str, text: str, page: str, printed: str) -> None:
     """Collect the checks of all figures: for programs, as a text and as a page, and the printed numbers."""
-    from lsvib.datasets.checks import read_checks
-    from lsvib.datasets.checks_report import checks_page, checks_text, printed_table
+    from lsvib.datasets.checks import checks_page, checks_text, printed_table, read_checks
     from lsvib.files import write_json, write_text
 
     checks = [pair for file in files for pair in read_checks(file)]
@@ -165,7 +163,7 @@ def verdict(file: str, marker: str) -> None:
 def first_cell(settings: dict[str, Any], marker: str) -> None:
     """Map one cell of the region of attraction and note its label."""
     from lsvib.basins.grid import Grid
-    from lsvib.datasets.tiles import mapper_of
+    from lsvib.datasets.map import mapper_of
     from lsvib.files import write_text
 
     cells = mapper_of(settings).cells(Grid.of(settings["grid"]), slice(0, 1), slice(0, 1), settings["quantities"])
@@ -174,50 +172,50 @@ def first_cell(settings: dict[str, Any], marker: str) -> None:
 
 def map_tile(settings: dict[str, Any], item: str, file: str, workers: int) -> None:
     """Map one tile of the region of attraction."""
-    from lsvib.datasets.tiles import map_tile
+    from lsvib.datasets.map import map_tile
 
     map_tile(settings, item, file, workers)
 
 
 def whole_map(settings: dict[str, Any], tiles: Texts, file: str) -> None:
     """Put the tiles of the region of attraction together."""
-    from lsvib.datasets.tiles import gather_map
+    from lsvib.datasets.map import gather_map
 
     gather_map(settings, tiles, file)
 
 
 def chart_tile(settings: dict[str, Any], item: str, file: str, workers: int) -> None:
     """Chart one tile of the chart."""
-    from lsvib.datasets.chart_tiles import chart_tile
+    from lsvib.datasets.chart import chart_tile
 
     chart_tile(settings, item, file, workers)
 
 
 def whole_chart(settings: dict[str, Any], tiles: Texts, file: str) -> None:
     """Put the tiles of the chart together."""
-    from lsvib.datasets.chart_tiles import gather_chart
+    from lsvib.datasets.chart import gather_chart
 
     gather_chart(settings, tiles, file)
 
 
 def overview(figure: str, cells: str, png: str, pdf: str) -> None:
     """Draw the map or the chart, a large one from the middle cells of blocks of cells."""
-    from lsvib.figures.drawing.overview import overview
-    from lsvib.figures.drawing.style import save
-    from lsvib.figures.folders import picture_module
+    from lsvib.figures.build import overview
+    from lsvib.figures.configuration import picture_module
+    from lsvib.figures.style import save
 
     save(importlib.import_module(picture_module(figure)).draw(overview(cells)), png, pdf)
 
 
 def assess(sheet: str, page: str, samples: int) -> None:
     """Assess one drive from its data sheet."""
-    from lsvib.assess.run import assess_file
+    from lsvib.assess.output import assess_file
 
     assess_file(Path(sheet), Path(page).parent, samples=samples)
 
 
 def compare(verdicts: Texts, page: str, table: str) -> None:
     """Put the verdicts on all drives in one table."""
-    from lsvib.assess.compare import compare
+    from lsvib.assess.report import compare
 
     compare([Path(file) for file in verdicts], Path(page), Path(table))

@@ -17,7 +17,7 @@ print(json.dumps([len(sys.modules), time.perf_counter() - begun, sorted({{m.spli
 _COMPILE = """
 import json, time
 from numba.core import event
-from lsvib.engine.kernels.compile_ahead import compile_engine
+from lsvib.engine.motion import compile_engine
 with event.install_recorder("numba:compile") as recorder:
     begun = time.process_time()
     compile_engine({kinds!r})

@@ -13,14 +13,12 @@ from typing import NamedTuple
 import numpy as np
 
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.exact.linear_mode import linear_mode
-from lsvib.engine.exact.modal_form import modal_flow
-from lsvib.engine.kernels import columns
+from lsvib.engine.exact.modal_form import linear_mode, modal_flow
+from lsvib.engine.kernels import layout
 from lsvib.engine.motion import Motion, follow
-from lsvib.models.drive import RigidDrive, SupportDrive
-from lsvib.models.once import forget
+from lsvib.models.drive import RigidDrive, SupportDrive, forget
 from lsvib.models.rigid import rigid_automaton
-from lsvib.models.second_body.support import MODEL as SUPPORT
+from lsvib.models.support import MODEL as SUPPORT
 
 _CONTACT_SIZES = (1e-6, 1e-3)  # of mismatch [m] and its rate [m/s]; they only scale coordinates that stay zero
 _NOTHING = 1e-18  # N
@@ -89,7 +87,7 @@ def generalised(automaton: Automaton, input_speed: float) -> Automaton:
     tables, rest = automaton.tables, automaton.rest_codes
     modes = []
     for row, code in zip(tables.flow, automaton.codes, strict=True):
-        acceleration = (-row[columns.A0], -row[columns.A1], 0, 0, row[columns.B])
+        acceleration = (-row[layout.A0], -row[layout.A1], 0, 0, row[layout.B])
         held = {2: 0, 3: 0} | ({1: -input_speed} if code in rest else {})
         field = [(0, 1, 0, 0, 0), acceleration, (0, 0, 0, 1, 0), (0, 0, 0, 0, 0)]
         modes.append(linear_mode(field, (0.1, abs(input_speed), *_CONTACT_SIZES), held, math.inf, "the drive"))

@@ -7,8 +7,8 @@ steady sliding, or once the label after an event is found in the engine's table 
 from benchmarks.jit import allocating_kernel, kernel
 from lsvib.basins.kernels.labels import UNKNOWN, UNRESOLVED, ellipse, look_up, new_scratch
 from lsvib.engine.kernels import event_loop
-from lsvib.engine.kernels.columns import A0, A1, B
 from lsvib.engine.kernels.flow_planar import ROUNDING
+from lsvib.engine.kernels.layout import A0, A1, B
 
 
 @kernel

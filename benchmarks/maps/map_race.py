@@ -18,7 +18,7 @@ from lsvib.basins.curves import Arc, Piece, Window, inside, state_on
 from lsvib.basins.kernels.labels import UNRESOLVED
 from lsvib.basins.mapper import mapper
 from lsvib.dynamics.attractor import Attractor
-from lsvib.engine.kernels import columns
+from lsvib.engine.kernels import layout
 from lsvib.errors import InputError
 from lsvib.models.drive import RigidDrive
 
@@ -144,7 +144,7 @@ def _tangent(flow: np.ndarray, piece: Piece, point: np.ndarray) -> np.ndarray:
     if not isinstance(piece, Arc):
         return piece.end - piece.start
     row, (u, w) = flow[piece.mode], point
-    return np.array([w, row[columns.B] - row[columns.A0] * u - row[columns.A1] * w])
+    return np.array([w, row[layout.B] - row[layout.A0] * u - row[layout.A1] * w])
 
 
 def _judged(labels: np.ndarray, truth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -16,8 +16,8 @@ from benchmarks.record import Record
 from benchmarks.rivals.race_scenes import RaceScene
 from benchmarks.sweeps.paths import fields
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import dispatch
-from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Test
+from lsvib.engine.kernels import event_loop
+from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND, Test
 
 ROUNDING = 1e-12  # A sum that is smaller, relative to its terms, is zero.
 RETRIES = 8  # repetitions, each with steps a quarter as long, where a solver steps over a root next to its start
@@ -264,8 +264,8 @@ def arc_extremes(automaton: Automaton, modes, starts, times, end: float, steady_
         if stop < steady_from:
             continue
         late = max(steady_from - begin, 0.0)
-        dispatch.advance(flow, int(mode), np.asarray(start, dtype=float), late, state)
-        a, b = dispatch.extremes(flow, int(mode), state, angle, stop - begin - late)
+        event_loop.advance(flow, int(mode), np.asarray(start, dtype=float), late, state)
+        a, b = event_loop.extremes(flow, int(mode), state, angle, stop - begin - late)
         low, high = min(low, a), max(high, b)
     return low, high
 

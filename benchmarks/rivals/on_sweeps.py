@@ -22,7 +22,7 @@ from benchmarks.sweeps.cases import Case
 from benchmarks.sweeps.paths import INSTANT, automaton
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.motion import Motion, follow
-from lsvib.models.coefficients import coefficients
+from lsvib.models.mechanics import coefficients
 
 MOST_EVALUATIONS = 50_000  # evaluations of the field by a solver that calls Python for each of them: some 0.1 s
 MOST_STEPS = 1_000_000  # steps of a method whose steps are compiled: some 0.1 to 0.5 s

@@ -38,7 +38,7 @@ from lsvib.engine.kernels import event_loop
 from lsvib.engine.kernels.flow_planar import ROUNDING
 from lsvib.engine.motion import Motion
 from lsvib.models.drive import Drive, NutDrive, SupportDrive, ThreadsDrive
-from lsvib.models.friction import friction_factor
+from lsvib.models.mechanics import friction_factor
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)  # the error falls with the 24th power of a panel's width
 _FIRST = 1.5  # width of the first panel, in units of the fastest time

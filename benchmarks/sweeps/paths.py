@@ -12,11 +12,11 @@ from references import four_states_digits, rigid_digits
 from benchmarks.record import Record
 from benchmarks.sweeps.families import Case
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import columns
-from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND
+from lsvib.engine.kernels import layout
+from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND
 from lsvib.engine.motion import Motion
 from lsvib.models.drive import Drive
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model
 
 MOST_EVENTS = 60  # events of a motion; one with 40 digits is then compared in a fraction of a second
 # Parts of an arc at which its size is looked at: what dies away at once, or has not begun to, belongs to it as well.
@@ -56,7 +56,7 @@ def fields(automaton: Automaton) -> np.ndarray:
         return flow.field
     table = np.zeros((len(flow), 2, 3))
     table[:, 0, 1] = 1.0
-    table[:, 1] = np.stack([-flow[:, columns.A0], -flow[:, columns.A1], flow[:, columns.B]], axis=1)
+    table[:, 1] = np.stack([-flow[:, layout.A0], -flow[:, layout.A1], flow[:, layout.B]], axis=1)
     return table
 
 

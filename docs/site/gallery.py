@@ -8,8 +8,8 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from lsvib.figures.drawing.style import save
-from lsvib.figures.folders import caption_file, dataset_module, default_figures, picture_module
+from lsvib.figures.configuration import caption_file, dataset_module, default_figures, picture_module
+from lsvib.figures.style import save
 
 _RESOLUTION = 110  # dots per inch, enough for a screen
 _HEADER = """

@@ -28,19 +28,19 @@ _GROUPS = {
 _OTHER = "Others"
 # Modules that the other pages name, by subject; docs/design.md has the layers.
 MODULES = {
-    "Drives": ["lsvib.models.drive", "lsvib.models.scene", "lsvib.models.chapter", "lsvib.models.registry"],
+    "Drives": ["lsvib.models.drive", "lsvib.models.scene", "lsvib.models.chapter", "lsvib.models.model"],
     "Engine": ["lsvib.engine.automaton", "lsvib.engine.motion"],
     "Steady sliding": [
-        "lsvib.stability.linearised",
+        "lsvib.stability.linear",
         "lsvib.stability.stability_table",
         "lsvib.stability.threshold_table",
-        "lsvib.stability.thresholds",
-        "lsvib.stability.solved_threshold",
-        "lsvib.stability.threshold_polynomials",
-        "lsvib.stability.threshold_motions",
-        "lsvib.stability.threshold_search",
-        "lsvib.stability.threshold_solver",
-        "lsvib.stability.sprag_thresholds",
+        "lsvib.stability.force_thresholds",
+        "lsvib.stability.threshold",
+        "lsvib.stability.boundaries",
+        "lsvib.stability.motion_equations",
+        "lsvib.stability.solve",
+        "lsvib.stability.solve",
+        "lsvib.stability.force_thresholds",
         "lsvib.engine.exact.duals",
     ],
     "Cycles": [
@@ -55,10 +55,10 @@ MODULES = {
         "lsvib.basins.resilience",
         "lsvib.basins.grid",
         "lsvib.basins.curves",
-        "lsvib.datasets.resilience",
+        "lsvib.datasets.sweep",
     ],
-    "Data": ["lsvib.datasets.simulation", "lsvib.datasets.sweep", "lsvib.datasets.checks", "lsvib.datasets.writer"],
-    "Figures": ["lsvib.figures.build", "lsvib.figures.configuration", "lsvib.figures.folders"],
+    "Data": ["lsvib.datasets.motion", "lsvib.datasets.sweep", "lsvib.datasets.checks", "lsvib.datasets.io"],
+    "Figures": ["lsvib.figures.build", "lsvib.figures.configuration", "lsvib.figures.configuration"],
 }
 
 

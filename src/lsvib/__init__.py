@@ -14,7 +14,7 @@ _HOMES = {
     "SupportDrive": "lsvib.api",
     "NutDrive": "lsvib.api",
     "Scene": "lsvib.models.scene",
-    "simulate": "lsvib.datasets.simulation",
+    "simulate": "lsvib.datasets.motion",
     "StabilityReport": "lsvib.results",
     "UndampedStability": "lsvib.results",
     "Condition": "lsvib.results",

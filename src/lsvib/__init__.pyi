@@ -7,7 +7,7 @@ from lsvib.basins.grid import Axis as Axis
 from lsvib.basins.grid import Grid as Grid
 from lsvib.basins.resilience import Resilience as Resilience
 from lsvib.datasets.cycles import Cycles as Cycles
-from lsvib.datasets.simulation import simulate as simulate
+from lsvib.datasets.motion import simulate as simulate
 from lsvib.dynamics.attractor import Attractor as Attractor
 from lsvib.dynamics.attractor import SteadyState as SteadyState
 from lsvib.dynamics.continuation import CycleBranch as CycleBranch

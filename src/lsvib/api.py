@@ -8,9 +8,9 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, cast
 
 from lsvib.errors import InputError
-from lsvib.models.coefficients import Coefficients, coefficients
 from lsvib.models.drive import Drive, NutDrive, RigidDrive, SupportDrive, ThreadsDrive
-from lsvib.models.registry import find_model
+from lsvib.models.mechanics import Coefficients, coefficients
+from lsvib.models.model import find_model
 from lsvib.numbers import Progress
 from lsvib.results import SolvedThreshold, StabilityReport, Threshold
 
@@ -56,7 +56,7 @@ class DriveMethods(_Base):
 
         >>> import lsvib
         >>> report = lsvib.RigidDrive(mass=11).stability()
-        >>> report.stable, report.kind, report.conditions["paradox"].hold
+        >>> report.stable, report.kind, report.conditions["kinematic_constraint"].hold
         (False, 'saddle', True)
         """
         from lsvib.stability.stability_table import stability_table
@@ -91,13 +91,13 @@ class DriveMethods(_Base):
 
         >>> import lsvib
         >>> drive = lsvib.RigidDrive(mass=11, support_damping=2e-3)
-        >>> drive.threshold("kinematic", unknown="mass").value
+        >>> drive.threshold("kinematic_constraint", unknown="mass").value
         10.106965213139869
         >>> force = drive.threshold("global_stability")
         >>> f"{force.value:.12g} {force.unit}, and {force.derivatives['mass'].value:.6g} N/kg"
         '-18.3754629689 N, and -1.63148 N/kg'
         """
-        from lsvib.stability.solved_threshold import solve_threshold
+        from lsvib.stability.threshold import solve_threshold
 
         return solve_threshold(self, name, unknown)
 
@@ -136,7 +136,7 @@ class DriveMethods(_Base):
         >>> motion.sizes["time"], motion.sizes["event"], motion.normal_force.units
         (1001, 12, 'N')
         """
-        from lsvib.datasets.simulation import run, trajectory
+        from lsvib.datasets.motion import run, trajectory
 
         scene = self._scene(start, duration, samples=samples, resume=resume, physics=physics, outputs=outputs)
         return trajectory(scene, run(scene))
@@ -283,7 +283,7 @@ class DriveMethods(_Base):
         >>> found.label.shape, f"{found.basin_area.item():.4f} {found.basin_area.units}"
         ((30, 40), '0.9553 rad2 s-1')
         """
-        from lsvib.datasets.attraction_map import map_attraction
+        from lsvib.datasets.map import map_attraction
 
         return map_attraction(self, grid, quantities, resume, workers, progress).dataset
 
@@ -321,7 +321,7 @@ class DriveMethods(_Base):
         '0.0223138 rad, 7.46627 rad/s, 0.000154064 J, 0.00530736'
         """
         from lsvib.basins.resilience import resilience
-        from lsvib.datasets.resilience import window_of
+        from lsvib.datasets.sweep import window_of
 
         return resilience(_rigid(self), window_of(window))
 
@@ -345,7 +345,7 @@ class DriveMethods(_Base):
         >>> [f"{energy:.3g}" for energy in found.fatal_energy.values]
         ['inf', '0.000616', '0.000154']
         """
-        from lsvib.datasets.resilience import resilience_sweep, window_of
+        from lsvib.datasets.sweep import resilience_sweep, window_of
 
         return resilience_sweep(_rigid(self), over, window_of(window), progress)
 

@@ -21,7 +21,7 @@ import lsvib
 from lsvib import api
 from lsvib.dynamics.attractor import steady_state
 from lsvib.models.drive import RigidDrive
-from lsvib.models.model_files import model_names
+from lsvib.models.model import model_names
 from lsvib.stability.stability_table import stability_table
 from lsvib.stability.threshold_table import threshold_table
 
@@ -202,7 +202,6 @@ def test_basin_is_handed_the_drive_itself():
 
 def test_examples_of_docstrings_and_documentation():
     failed = doctest.testmod(api).failed
-    from lsvib.datasets import simulation
 
     failed += doctest.testmod(simulation).failed
     page = ROOT / "docs" / "python.md"

@@ -13,14 +13,14 @@ pytest.importorskip("scipy")
 from references.chapter_sheet import sheet
 
 from lsvib.assess.assessment import assess
-from lsvib.assess.flank_friction import (
+from lsvib.assess.drive import (
     coefficient_from_efficiency,
     lifting_efficiency,
     lowering_efficiency,
     square_coefficient,
 )
+from lsvib.assess.fields import thread_size
 from lsvib.assess.report import locking_sentence
-from lsvib.assess.thread_sizes import thread_size
 
 # PBC Linear, white paper "Lead Screw Efficiency": per cent by lead [mm]; diameters 6, 10, 12, 16 mm.
 COATED = {

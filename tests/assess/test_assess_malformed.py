@@ -10,9 +10,9 @@ from cyclopts import CycloptsError
 pytest.importorskip("pint")
 pytest.importorskip("scipy")
 
-from lsvib.assess.units import NotQuantity, quantity
-from lsvib.cli.assess import app
-from lsvib.cli.terminal import told
+from lsvib.assess.fields import NotQuantity, quantity
+from lsvib.cli.app import told
+from lsvib.cli.pages import app
 
 BASE = {
     "name": "a drive",

@@ -11,22 +11,20 @@ pytest.importorskip("scipy")
 
 from references.chapter_sheet import sheet, values_of
 
-from lsvib.assess import sheet_to_drive as sheets
+from lsvib.assess import drive as sheets
 from lsvib.assess.assessment import assess
-from lsvib.assess.flank_friction import damping_by_slope
-from lsvib.assess.margins import margins, sensitivities
-from lsvib.assess.mechanisms import certain, drive_of, reserves
-from lsvib.assess.operating_chart import charts
+from lsvib.assess.drive import damping_by_slope
+from lsvib.assess.margins import charts, margins, sensitivities
+from lsvib.assess.mechanisms import certain, corners, drive_of, reserves, worst
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.window import corners, worst
 from lsvib.dynamics.attractor import Attractor, steady_state
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import rigid_automaton
 from lsvib.stability.boundaries import stable_set
 from lsvib.stability.conditions import critical_mass
-from lsvib.stability.eigenvalues_rigid import eigenvalues
-from lsvib.stability.thresholds import detach_force, onset_force, stick_force
+from lsvib.stability.force_thresholds import detach_force, onset_force, stick_force
+from lsvib.stability.linear import eigenvalue_pair
 
 
 def test_the_chapters_drive_has_the_thresholds_of_the_figures():
@@ -278,7 +276,7 @@ def test_slope_damping_against_eigenvalues_with_forty_digits():
         c = coefficients(drive)
         law, carried = c.steady_law, abs(float(c.net_force))
         more = damping_by_slope(slope, carried, drive.friction_coefficient, drive.pitch_radius, drive.lead_angle, law)
-        found = eigenvalues(float(c.gamma[law]), float(c.damping[law]) + more, drive.coupling_stiffness)
+        found = eigenvalue_pair(float(c.gamma[law]), float(c.damping[law]) + more, drive.coupling_stiffness)
         expected = _eigenvalues_in_many_digits(drive, slope, law)
         size = max(abs(z) for z in expected)
         for a, b in zip(sorted(found, key=lambda z: (z.real, z.imag)), expected, strict=True):

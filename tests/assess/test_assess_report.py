@@ -13,12 +13,11 @@ import numpy as np
 import xarray as xr
 import yaml
 
-from lsvib.assess.compare import compare
-from lsvib.assess.run import assess_file
+from lsvib.assess.output import assess_file
+from lsvib.assess.report import compare
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.shown_numbers import change, percent, shown
-from lsvib.assess.words import ATTRACTORS
-from lsvib.datasets.simulation import simulate
+from lsvib.assess.words import ATTRACTORS, change, percent, shown
+from lsvib.datasets.motion import simulate
 from lsvib.errors import InputError
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

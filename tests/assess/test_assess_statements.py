@@ -11,15 +11,14 @@ pytest.importorskip("scipy")
 from references.chapter_sheet import sheet, values_of
 
 from lsvib.assess.assessment import assess
-from lsvib.assess.flank_friction import lifting_efficiency, sliding_speed
+from lsvib.assess.drive import lifting_efficiency, sliding_speed
 from lsvib.assess.margins import ANY, margins
-from lsvib.assess.mechanisms import NAMES, applicable, drive_of, reserves
-from lsvib.assess.plain_values import as_json
+from lsvib.assess.mechanisms import NAMES, applicable, corners, drive_of, reserves, worst
+from lsvib.assess.output import as_json
 from lsvib.assess.vibration import springy_push, survived_push
-from lsvib.assess.window import corners, worst
 from lsvib.assess.words import ATTRACTORS
 from lsvib.dynamics.attractor import Attractor, steady_state
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model
 from lsvib.models.rigid import rigid_automaton
 from lsvib.stability.conditions import conditions
 

@@ -10,12 +10,11 @@ pytest.importorskip("scipy")
 
 from references.chapter_sheet import sheet
 
-from lsvib.assess import sheet_to_drive as sheets
+from lsvib.assess import drive as sheets
 from lsvib.assess.assessment import assess
-from lsvib.assess.mechanisms import drive_of, reserves
+from lsvib.assess.mechanisms import corners, drive_of, reserves
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.uncertainty import draw_of, evaluated, study
-from lsvib.assess.window import corners
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.models.rigid import rigid_automaton
 

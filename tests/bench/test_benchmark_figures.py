@@ -9,8 +9,8 @@ import xarray as xr
 
 from benchmarks.ablation.cost_of_starting import imports
 from benchmarks.record import Verdict
-from lsvib.datasets.writer import read_dataset, write_dataset
-from lsvib.figures.folders import accuracy_figures, dataset_module, picture_module
+from lsvib.datasets.io import read_dataset, write_dataset
+from lsvib.figures.configuration import accuracy_figures, dataset_module, picture_module
 
 DRIVE = {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0}
 SETTINGS = {

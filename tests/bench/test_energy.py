@@ -8,7 +8,7 @@ import pytest
 from benchmarks.sweeps.energy_balance import balance, residual, terms
 from lsvib.engine.motion import follow
 from lsvib.models.drive import NutDrive, RigidDrive, SupportDrive, ThreadsDrive
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model
 from lsvib.models.rigid import rigid_automaton
 
 LOADED = {"mass": 1.0, "translation_damping": 1000.0, "axial_force": 40.0}

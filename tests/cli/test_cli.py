@@ -11,9 +11,9 @@ import xarray as xr
 import yaml
 from references.command_line import MOTION, refused
 
-from lsvib.datasets.writer import read_dataset
+from lsvib.datasets.io import read_dataset
 from lsvib.engine.motion import follow
-from lsvib.figures.compute import compute_figure
+from lsvib.figures.build import compute_figure
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import rigid_automaton
 

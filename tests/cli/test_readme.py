@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from lsvib.datasets.writer import read_dataset
+from lsvib.datasets.io import read_dataset
 from lsvib.stability.threshold_table import threshold_table
 
 ROOT = Path(__file__).parents[2]

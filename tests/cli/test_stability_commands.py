@@ -63,10 +63,10 @@ def test_thresholds_of_another_model(run, model, damping, unit):
 
 
 def test_a_threshold_solved_for_a_parameter(run):
-    arguments = ("thresholds", "--solve", "kinematic", "--for", "lead_angle", "--set", "mass=11")
+    arguments = ("thresholds", "--solve", "kinematic_constraint", "--for", "lead_angle", "--set", "mass=11")
     code, out, error = run(*arguments, "--json")
     assert (code, error) == (0, "")
-    found = lsvib.RigidDrive(mass=11).threshold("kinematic", "lead_angle")
+    found = lsvib.RigidDrive(mass=11).threshold("kinematic_constraint", "lead_angle")
     assert json.loads(out) == json.loads(json.dumps(found.to_json()))
     text = run(*arguments)[1]
     assert text.startswith("kinematic: 2 solutions for lead_angle. All of them: ")

@@ -6,8 +6,7 @@ from html.parser import HTMLParser
 
 import docutils.core
 
-from lsvib.datasets.checks import Check
-from lsvib.datasets.checks_report import checks_page, checks_text, printed, printed_table
+from lsvib.datasets.checks import Check, checks_page, checks_text, printed, printed_table
 from lsvib.models.chapter import PRINTED, THRESHOLDS
 
 MASS = THRESHOLDS["critical_mass"]

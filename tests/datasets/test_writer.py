@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 from lsvib import files
-from lsvib.datasets.writer import read_dataset, write_dataset
+from lsvib.datasets.io import read_dataset, write_dataset
 from lsvib.errors import InputError, LsvibError
 
 

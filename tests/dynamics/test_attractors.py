@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from lsvib.dynamics.attractor import Attractor, arc_integrals, orbit_extremes, steady_state
-from lsvib.engine.kernels import columns, flow_planar
+from lsvib.engine.kernels import flow_planar, layout
 from lsvib.engine.motion import follow
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import EventKind, rigid_automaton
-from lsvib.stability.thresholds import onset_force
+from lsvib.stability.force_thresholds import onset_force
 
 NEGATIVE_DAMPING = RigidDrive.of(mass=1.0, translation_damping=1e3)
 PARADOX = RigidDrive.of(mass=11.0, support_damping=1e-3, axial_force=-10.0)
@@ -27,7 +27,7 @@ def attractor(drive, start=(0.05, 5.0), **options):
 
 def liouville(cycle) -> float:
     modes, _, _, durations = cycle.orbit.arcs()
-    return math.exp(-float(np.sum(cycle.orbit.automaton.tables.flow[modes, columns.A1] * durations)))
+    return math.exp(-float(np.sum(cycle.orbit.automaton.tables.flow[modes, layout.A1] * durations)))
 
 
 @pytest.mark.parametrize("force", [20.3, 22.0, 25.0, 30.0, 34.0, 35.0])
@@ -109,8 +109,8 @@ def test_undamped_slip_is_one_of_a_neutral_family():
     assert found.label == Attractor.NEUTRAL_FAMILY
     assert found.multiplier == 1.0
     row = rigid_automaton(drive).tables.flow[found.orbit.start_mode]
-    assert found.period == pytest.approx(2 * math.pi / row[columns.BETA], rel=4 * flow_planar.EPS)
-    assert found.amplitude == pytest.approx(math.hypot(0.01, 5.0 / row[columns.BETA]), rel=1e-14)
+    assert found.period == pytest.approx(2 * math.pi / row[layout.BETA], rel=4 * flow_planar.EPS)
+    assert found.amplitude == pytest.approx(math.hypot(0.01, 5.0 / row[layout.BETA]), rel=1e-14)
 
 
 @pytest.mark.parametrize(("mass", "translation_damping"), [(8.0, 3000.0), (10.0, 1000.0)])

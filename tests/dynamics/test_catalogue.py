@@ -14,7 +14,7 @@ from references.catalogue import MODELS, catalogue_drive
 from lsvib.dynamics.attractor import Attractor, Doubt, SteadyState, steady_state
 from lsvib.engine.motion import Budget, Motion, follow
 from lsvib.errors import WorkSpentError
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model
 
 DRIVES, STARTS = 5, 4  # of each model
 CYCLES = (Attractor.STICK_SLIP_CYCLE, Attractor.SPRAG_SLIP_CYCLE, Attractor.OTHER_CYCLE)

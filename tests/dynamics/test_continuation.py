@@ -8,8 +8,8 @@ import lsvib
 from lsvib.datasets.cycles import branch_dataset, branch_json
 from lsvib.dynamics.forward_slip import ForwardDrive
 from lsvib.errors import InputError
-from lsvib.models.coefficients import coefficients
-from lsvib.stability import global_stability
+from lsvib.models.mechanics import coefficients
+from lsvib.stability import force_thresholds
 
 NEAR_FOLD = lsvib.RigidDrive(mass=11, support_damping=2e-3, axial_force=-18.37)
 SLIP = lsvib.RigidDrive(mass=1, translation_damping=1e3, axial_force=25)
@@ -19,7 +19,7 @@ SLIP = lsvib.RigidDrive(mass=1, translation_damping=1e3, axial_force=25)
 def test_fold_is_the_threshold_of_global_stability(damping):
     """The attracting branch turns into the repelling one at the force that the closed form gives, to rounding."""
     drive = NEAR_FOLD.replace(support_damping=damping)
-    threshold = float(global_stability.start(ForwardDrive(drive, coefficients(drive))).force)
+    threshold = float(force_thresholds.start(ForwardDrive(drive, coefficients(drive))).force)
     drive = drive.replace(axial_force=threshold * (1 - 3e-4))
     attracting, repelling = drive.cycles().cycles
     branch = drive.follow(attracting, "axial_force", (threshold * 1.01, threshold * (1 - 4e-4)))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import lsvib
-from lsvib.datasets.simulation import as_scene, run, summary
+from lsvib.datasets.motion import as_scene, run, summary
 from lsvib.dynamics.impulses import event_impulses, seizure_impulses, seizure_speeds
 
 SPRAG = {"mass": 40.0, "support_damping": 1e-3, "duration": 0.05}

@@ -13,7 +13,7 @@ import lsvib
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.dynamics.continuation import other_sections
 from lsvib.dynamics.cycles import cycle_of, cycle_on, search, starts
-from lsvib.engine.kernels import columns
+from lsvib.engine.kernels import layout
 from lsvib.models.threads import seated_state
 
 NEAR_FOLD = lsvib.RigidDrive(mass=11, support_damping=2e-3, axial_force=-18.37)
@@ -79,7 +79,7 @@ def test_multiplier_of_slip_is_that_of_liouville(drive):
     """Where no rest and no seizure is, the multiplier is exp(−Σ a₁ τ): areas on both sides of Q = 0 join smoothly."""
     (cycle,) = [cycle for cycle in drive.cycles().cycles if cycle.label == Attractor.OTHER_CYCLE]
     modes, _, _, durations = cycle.orbit.arcs()
-    expected = math.exp(-float(np.sum(cycle.orbit.automaton.tables.flow[modes, columns.A1] * durations)))
+    expected = math.exp(-float(np.sum(cycle.orbit.automaton.tables.flow[modes, layout.A1] * durations)))
     assert cycle.multipliers[0].real == pytest.approx(expected, rel=1e-12)
     assert abs(cycle.multipliers[0].real - expected) <= 2 * cycle.multiplier_error
 
@@ -107,7 +107,7 @@ FOUND = [
 
 
 def cycle_after(drive, initial):
-    from lsvib.models.registry import find_model
+    from lsvib.models.model import find_model
 
     steady = steady_state(drive.automaton(), find_model(drive.model).initial_state(drive, initial))
     return cycle_of(drive, steady), steady

@@ -12,7 +12,7 @@ import pytest
 
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.engine.motion import follow
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model
 
 SUPPORT = {
     "mass": 1.6, "friction_coefficient": 0.304, "axial_force": -156.0, "input_speed": -56.5,

@@ -11,9 +11,9 @@ import numba
 import numpy as np
 import pytest
 
-from lsvib.engine.kernels import guard_sums, search_steps, step_sums
-from lsvib.engine.kernels.affine import level
-from lsvib.engine.kernels.status import Decision
+from lsvib.engine.kernels import guard_sums, search_modal
+from lsvib.engine.kernels.flow_planar import level
+from lsvib.engine.kernels.layout import Decision
 from lsvib.engine.motion import follow
 from lsvib.models.drive import ThreadsDrive
 from lsvib.models.threads import threads_automaton
@@ -47,12 +47,12 @@ def nodes_of(flow, modes, starts, guards, zero):
         taken = []
 
         def decide(*arguments, taken=taken):
-            outcome = step_sums.decide(*arguments)
+            outcome = search_modal.decide(*arguments)
             taken.append((arguments[3], arguments[6], outcome[0]))
             return outcome
 
         names = {**vars(search_steps), "decide": decide}
-        search = types.FunctionType(search_steps.search.py_func.__code__, names)
+        search = types.FunctionType(search_modal.search.py_func.__code__, names)
         found, guard, when = search(flow, mode, state, rows, on.copy(), _LIMIT, guard_sums.room_for(flow, 2))
         roots.append((int(found), guard, when))
         undecided = {step for _, step, outcome in taken if outcome == Decision.UNDECIDED}
@@ -92,8 +92,8 @@ def test_certainty_costs_less_than_twice_a_plain_search():
                 guard_sums.evaluate(flow, mode, work, guard, 1)
                 change = change or work.values[1, guard, 0] <= 0.0
             if change:
-                return search_steps._earliest(
-                    flow, mode, work, count, 1, a, b, off_surface, step_sums.fastest(flow, mode)
+                return search_modal._earliest(
+                    flow, mode, work, count, 1, a, b, off_surface, search_modal.fastest(flow, mode)
                 )[1]
             a = b
         return a
@@ -103,7 +103,7 @@ def test_certainty_costs_less_than_twice_a_plain_search():
         work = guard_sums.room_for(flow, 2)
         for i in range(modes.size):
             on = zero[i].copy()
-            out[i] = search_steps.search(flow, modes[i], starts[i], guards[i], on, _LIMIT, work)[2]
+            out[i] = search_modal.search(flow, modes[i], starts[i], guards[i], on, _LIMIT, work)[2]
 
     @numba.njit(error_model="numpy")
     def all_plain(flow, modes, starts, guards, nodes, out):

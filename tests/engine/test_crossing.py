@@ -15,9 +15,9 @@ from references.cases import CASES, EPS, STARTS, advanced, rate_of
 from references.oscillator import flow
 
 from lsvib.engine.automaton import Branch, Guard, Mode, Surface, Transition, assemble, oscillator
-from lsvib.engine.kernels import columns, event_loop, search_planar
-from lsvib.engine.kernels.status import Found, Status
-from lsvib.engine.kernels.status import Test as Sign
+from lsvib.engine.kernels import event_loop, layout, search_planar
+from lsvib.engine.kernels.layout import Found, Status
+from lsvib.engine.kernels.layout import Test as Sign
 
 INF = math.inf
 
@@ -51,7 +51,7 @@ def test_first_root_against_mpmath(name, state, part_u, part_w, level, angle):
     points = np.array([advanced(row, state, time) for time in times])
     assert np.isfinite(points).all()
     values = points @ guard[:2] + guard[2]
-    terms = np.abs(points[-1]) @ np.abs(guard[:2]) + abs(guard[2]) + abs(row[columns.EQUILIBRIUM] * part_u)
+    terms = np.abs(points[-1]) @ np.abs(guard[:2]) + abs(guard[2]) + abs(row[layout.EQUILIBRIUM] * part_u)
     rounding = 32 * EPS * (1 + angle) * max(terms, np.abs(values).max())
     assert values.min() >= -rounding
     if found == Found.CROSSING:
@@ -80,12 +80,12 @@ def test_guard_touched_exactly_is_a_graze():
 def test_grazing_level_constructed_in_mpmath(name):
     """The level of the guard is minus the minimum of u along the orbit, found with 40 digits and rounded once."""
     coefficients, row = CASES[name], oscillator(*CASES[name])
-    equilibrium = float(row[columns.EQUILIBRIUM])
+    equilibrium = float(row[layout.EQUILIBRIUM])
     state = (equilibrium, -1.0)  # leaves the equilibrium downwards and turns once, whatever the damping
     with mp.workdps(40):
-        guess = math.atan2(row[columns.BETA], row[columns.ALPHA]) / row[columns.BETA] if row[columns.BETA] > 0 else None
+        guess = math.atan2(row[layout.BETA], row[layout.ALPHA]) / row[layout.BETA] if row[layout.BETA] > 0 else None
         if guess is None:
-            slow, fast = float(-row[columns.R1]), float(-row[columns.R2])
+            slow, fast = float(-row[layout.R1]), float(-row[layout.R2])
             guess = math.log(fast / slow) / (fast - slow) if fast > slow else 1 / slow
         bottom = mp.findroot(lambda t: flow(*coefficients, *state, t)[1], (guess, guess * (1 + 1e-9)))
         level = float(-flow(*coefficients, *state, bottom)[0])
@@ -206,7 +206,7 @@ def test_growing_oscillation_that_just_misses_or_meets_its_nth_minimum(turns, mi
     """A minimum that is missed by more than rounding is not the last: the oscillation grows and falls in the next."""
     coefficients = ("1", "-0.2", "1", "0")
     row, state = oscillator(*coefficients), (1.0, 0.0)
-    half_turn = math.pi / row[columns.BETA]  # u has extrema at whole numbers of it
+    half_turn = math.pi / row[layout.BETA]  # u has extrema at whole numbers of it
     lowest = float(flow(*coefficients, *state, mpf((2 * turns + 1) * half_turn))[0])
     guard = (1.0, 0.0, -lowest * (1.0 + miss))
     found, t = search(row, state, guard)

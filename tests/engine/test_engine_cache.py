@@ -6,8 +6,8 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from lsvib.engine.kernels import compilation_notice, event_loop, jit
-from lsvib.engine.kernels.compile_ahead import tables_of
+from lsvib.engine.kernels import event_loop, jit
+from lsvib.engine.motion import tables_of
 
 NOWHERE = "/dev/null/nowhere"  # cannot be made, not even by root
 
@@ -64,7 +64,7 @@ def test_many_writers_of_one_cache_lose_nothing(tmp_path):
 
 def test_compiling_is_said_once_for_each_part(caplog):
     caplog.set_level(logging.INFO, "lsvib")
-    compilation_notice.said.clear()  # by what this process has compiled before
+    jit.said.clear()  # by what this process has compiled before
     small = jit.numba.njit(lambda tables: tables.shortest_stay)
     other = jit.numba.njit(lambda tables: -tables.shortest_stay)
     for kernel in (small, other):
@@ -76,8 +76,8 @@ def test_compiling_is_said_once_for_each_part(caplog):
     assert [words for words in told if "two-state models, once, about 10 s" in words] == told[:1]
     assert [words for words in told if "three or four states, once, about 30 s" in words] == told[1:]
     assert len(told) == 2
-    say = compilation_notice.sentence
+    say = jit.sentence
     assert "mapper of two-state models" in say("lsvib.basins.kernels.labels", "Tables(array(float64, 2d, C))")
     assert "many drives at once" in say("lsvib.dynamics.kernels.sweep", "Tables(array(float64, 2d, C))")
-    assert say("lsvib.engine.kernels.affine", "array(float64, 1d, C)") is None
+    assert say("lsvib.engine.kernels.flow_planar", "array(float64, 1d, C)") is None
     assert say("somebody.else", "Tables") is None

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from lsvib.engine.kernels import dispatch, jit
-from lsvib.engine.kernels.compile_ahead import tables_of
+from lsvib.engine.kernels import event_loop, jit
+from lsvib.engine.motion import tables_of
 
 if jit.numba.config.DISABLE_JIT:
     pytest.skip("nothing is compiled", allow_module_level=True)
@@ -14,7 +14,7 @@ if jit.numba.config.DISABLE_JIT:
 def test_a_kernel_calls_the_kernel_of_the_kind_of_flow(kind):
     @jit.numba.njit
     def quarter(flow, state, out):
-        dispatch.advance(flow, 0, state, 0.5 * np.pi, out)
+        event_loop.advance(flow, 0, state, 0.5 * np.pi, out)
 
     flow, out = tables_of(kind).flow, np.empty(2)
     quarter(flow, np.array([1.0, 0.0]), out)

@@ -17,7 +17,7 @@ from references.modal_fields import DIGITS, as_decimals, rate_of
 from lsvib.engine.exact.field import Field
 from lsvib.engine.exact.modal_form import guard_forms, modal_flow, modal_mode
 from lsvib.engine.kernels import flow_modal
-from lsvib.engine.kernels.columns import ALPHA, BETA, R1
+from lsvib.engine.kernels.layout import ALPHA, BETA, R1
 
 EPS = float(np.finfo(float).eps)
 

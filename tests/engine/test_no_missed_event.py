@@ -20,7 +20,7 @@ import numpy as np
 from references.drives import RULES, random_drive, random_start
 
 from lsvib.engine.automaton import oscillator
-from lsvib.engine.kernels import columns, flow_planar
+from lsvib.engine.kernels import flow_planar, layout
 from lsvib.engine.motion import follow
 from lsvib.models.rigid import rigid_automaton
 
@@ -72,16 +72,16 @@ def lowest(tables, modes, starts, durations, clock):
         if duration == 0.0:
             continue  # a seizure at the very start
         row = tables.flow[mode]
-        rate = abs(row[columns.ALPHA]) + row[columns.BETA] + row[columns.DELTA]
+        rate = abs(row[layout.ALPHA]) + row[layout.BETA] + row[layout.DELTA]
         # Sizes of the terms that the states of the arc are summed from.
-        reach = min(duration, row[columns.TIME_SCALE]) if row[columns.A0] != 0.0 else duration
-        push = (abs(row[columns.B]) + abs(row[columns.A0] * state[0])) * reach
-        u_terms = abs(state[0]) + abs(state[1]) * reach + push * reach + abs(row[columns.EQUILIBRIUM])
+        reach = min(duration, row[layout.TIME_SCALE]) if row[layout.A0] != 0.0 else duration
+        push = (abs(row[layout.B]) + abs(row[layout.A0] * state[0])) * reach
+        u_terms = abs(state[0]) + abs(state[1]) * reach + push * reach + abs(row[layout.EQUILIBRIUM])
         w_terms = abs(state[1]) + push
         # Durations are differences of event times, which are rounded to eps of the clock.
-        pull = abs(row[columns.B]) + abs(row[columns.A0] * state[0]) + abs(row[columns.A1] * state[1])
+        pull = abs(row[layout.B]) + abs(row[layout.A0] * state[0]) + abs(row[layout.A1] * state[1])
         u_terms, w_terms = u_terms + clock * w_terms, w_terms + clock * pull
-        count = int(max(200.0, 20.0 * row[columns.BETA] * duration))
+        count = int(max(200.0, 20.0 * row[layout.BETA] * duration))
         older[:], old[:] = math.inf, math.inf
         for k in range(1, count + 1):
             flow_planar.advance(tables.flow, mode, state, duration * k / count, out)
@@ -128,11 +128,11 @@ def tangencies(automaton):
     tables = automaton.tables
     for mode, row in enumerate(tables.flow):
         guards = range(tables.guard_start[mode], tables.guard_start[mode + 1])
-        flow = np.array([[0.0, 1.0, 0.0], [-row[columns.A0], -row[columns.A1], row[columns.B]], [0.0, 0.0, 0.0]])
+        flow = np.array([[0.0, 1.0, 0.0], [-row[layout.A0], -row[layout.A1], row[layout.B]], [0.0, 0.0, 0.0]])
         rows = {g: tables.guard_sign[g] * tables.surfaces[tables.guard_surface[g]] for g in guards}
         for guard, level in rows.items():
             system = np.array([level, level @ flow])
-            if row[columns.A0] == 0 or abs(np.linalg.det(system[:, :2])) < 1e-12 * np.prod(np.abs(system).max(axis=1)):
+            if row[layout.A0] == 0 or abs(np.linalg.det(system[:, :2])) < 1e-12 * np.prod(np.abs(system).max(axis=1)):
                 continue
             state = np.array([*np.linalg.solve(system[:, :2], -system[:, 2]), 1.0])
             others = [other @ state for g, other in rows.items() if g != guard]
@@ -147,13 +147,13 @@ def near_tangencies(count: int, seed: int) -> np.ndarray:
         automaton = rigid_automaton(random_drive(rng), resume=RULES[rng.integers(2)])
         for mode, level, touch in tangencies(automaton):
             row = automaton.tables.flow[mode]
-            backward = np.array([oscillator(1.0, -row[columns.A1], row[columns.A0], row[columns.B])])
+            backward = np.array([oscillator(1.0, -row[layout.A1], row[layout.A0], row[layout.B])])
             axis = int(np.argmax(np.abs(level[:2] * touch)))
             state = touch.copy()
             state[axis] *= 1 + rng.choice([-1, 1]) * 10 ** rng.uniform(-11.0, -2.0)
             state[1] *= -1
-            flow_planar.advance(backward, 0, state, rng.uniform(0.05, 0.5) * row[columns.TIME_SCALE], state)
-            check_motion(automaton, (state[0], -state[1]), 3 * row[columns.TIME_SCALE], tally)
+            flow_planar.advance(backward, 0, state, rng.uniform(0.05, 0.5) * row[layout.TIME_SCALE], state)
+            check_motion(automaton, (state[0], -state[1]), 3 * row[layout.TIME_SCALE], tally)
     return tally
 
 

@@ -18,21 +18,21 @@ from references.cases import CASES, EPS, STARTS, advanced, rate_of
 from references.oscillator import flow, number
 
 from lsvib.engine.automaton import oscillator
-from lsvib.engine.kernels import columns, flow_planar, search_planar
+from lsvib.engine.kernels import flow_planar, layout, search_planar
 
 ANGLES = [1e-6, 1e-3, 0.1, 1.0, 3.0, 10.0, 40.0]  # rate · t
 
 
 def growth(row, t) -> float:
     """How much the mode grows in a time."""
-    return math.exp(max(0.0, -row[columns.ALPHA] if row[columns.BETA] > 0 else row[columns.R1]) * t)
+    return math.exp(max(0.0, -row[layout.ALPHA] if row[layout.BETA] > 0 else row[layout.R1]) * t)
 
 
 def magnitude(row, state, t) -> np.ndarray:
     """The natural magnitude, see the module docstring."""
     u, w = state
-    scale = row[columns.TIME_SCALE] if row[columns.A0] != 0 else t
-    push = (abs(row[columns.B]) + abs(row[columns.A0] * u)) * min(t, scale)
+    scale = row[layout.TIME_SCALE] if row[layout.A0] != 0 else t
+    push = (abs(row[layout.B]) + abs(row[layout.A0] * u)) * min(t, scale)
     return growth(row, t) * np.array([abs(u) + abs(w) * scale + push * min(t, scale), abs(w) + push])
 
 
@@ -42,7 +42,7 @@ def error(row, coefficients, state, t) -> float:
     gap = np.array([abs(float(number(float(x)) - y)) for x, y in zip(advanced(row, state, t), exact, strict=True)])
     sizes = magnitude(row, state, t)
     if not flow_planar.far(row, *state):
-        sizes[0] += growth(row, t) * abs(row[columns.EQUILIBRIUM])
+        sizes[0] += growth(row, t) * abs(row[layout.EQUILIBRIUM])
     unit = EPS * (1 + rate_of(row) * t) * sizes
     return float(np.max(np.divide(gap, unit, out=np.where(gap > 0, np.inf, 0.0), where=unit > 0)))
 
@@ -81,7 +81,7 @@ def test_flows_compose(name, state, first, second):
     gap = np.abs(advanced(row, middle, s) - advanced(row, state, t + s))
     # Three flows of 4 units each, the first one carried on by the second: an error of w moves u, and one of u moves w.
     own = magnitude(row, state, t + s) + magnitude(row, middle, s)
-    carried = magnitude(row, magnitude(row, state, t), s) + np.abs(row[columns.B]) * np.array([s * s, s])
+    carried = magnitude(row, magnitude(row, state, t), s) + np.abs(row[layout.B]) * np.array([s * s, s])
     assert (gap <= 4 * EPS * (1 + rate_of(row) * (t + s)) * (own + carried)).all()
 
 
@@ -111,11 +111,11 @@ def test_extremes_against_dense_evaluation(name, state, angle, part_u, part_w):
 def test_magnitudes_grow_with_the_motion(coefficients):
     """From 1e-9 off the equilibrium, a millionfold: the terms are as large as the motion has become."""
     row = oscillator(*coefficients)
-    state = np.array([row[columns.EQUILIBRIUM] + 1e-9, 0.0])
-    rate = -row[columns.ALPHA] if row[columns.BETA] > 0 else row[columns.R1]
+    state = np.array([row[layout.EQUILIBRIUM] + 1e-9, 0.0])
+    rate = -row[layout.ALPHA] if row[layout.BETA] > 0 else row[layout.R1]
     stay = math.log(1e6) / rate
     scale = np.zeros(2)
     flow_planar.magnitudes(np.array([row]), 0, state, stay, scale)
     size = 1e-9 * 1e6 * max(1.0, rate)
-    assert 1e-3 * 0.99 <= scale[0] - abs(row[columns.EQUILIBRIUM]) <= 4 * size
+    assert 1e-3 * 0.99 <= scale[0] - abs(row[layout.EQUILIBRIUM]) <= 4 * size
     assert 1e-3 * 0.99 <= scale[1] <= 4 * size

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from lsvib.dynamics.attractor import Attractor, steady_state
-from lsvib.engine.exact.linear_mode import linear_mode
-from lsvib.engine.exact.modal_form import modal_flow
-from lsvib.engine.kernels import dispatch
+from lsvib.engine.exact.modal_form import linear_mode, modal_flow
+from lsvib.engine.kernels import event_loop
 from lsvib.engine.motion import follow
 from lsvib.errors import EngineError
 from lsvib.models.drive import RigidDrive, ThreadsDrive
@@ -41,7 +40,7 @@ def test_growth_beyond_all_numbers_does_not_move_a_pair_in_equilibrium():
     rows = [[0, 1, 0, 0, 0], [-1e10, 3e5, 0, 0, 0], [0, 0, 0, 1, 0], [0, 0, -100, -1, 0]]
     flow = modal_flow([linear_mode(rows, [1.0] * 4, None, math.inf, "a parameter")])
     out, turning = np.empty(4), math.sqrt(99.75)
-    dispatch.advance(flow, 0, np.array([0.0, 0.0, 1.0, 0.0]), 0.1, out)
+    event_loop.advance(flow, 0, np.array([0.0, 0.0, 1.0, 0.0]), 0.1, out)
     assert out[:2].tolist() == [0.0, 0.0]
     assert out[2] == pytest.approx(
         math.exp(-0.05) * (math.cos(0.1 * turning) + 0.5 / turning * math.sin(0.1 * turning)), rel=1e-12

@@ -4,8 +4,7 @@ import math
 
 import pytest
 
-from lsvib.engine.exact.field import Field
-from lsvib.engine.exact.reach import reached
+from lsvib.engine.exact.field import Field, reached
 
 
 @pytest.mark.parametrize(("sizes", "found"), [((1e-7, 1.0), (0.25, 1.0)), ((1.0, 1e-7), (1.0, 4.0))])

@@ -15,9 +15,8 @@ from references.modal_fields import DIGITS, rate_of
 
 from lsvib.engine.exact.field import Field
 from lsvib.engine.exact.modal_form import modal_flow, modal_mode
-from lsvib.engine.kernels import flow_modal, guard_sums, search_steps
-from lsvib.engine.kernels.columns import A0, R1, R2
-from lsvib.engine.kernels.status import Found
+from lsvib.engine.kernels import flow_modal, guard_sums, search_modal
+from lsvib.engine.kernels.layout import A0, R1, R2, Found
 
 EPS = float(np.finfo(float).eps)
 
@@ -105,7 +104,7 @@ def test_bounds_bound_the_derivatives(factors, numbers, angle):
 
 def search(flow, state, guard, on_surface=False, limit=10.0):
     guards = np.array(guard, dtype=float).reshape(-1, len(state) + 1)
-    found, index, t = search_steps.search(
+    found, index, t = search_modal.search(
         flow,
         0,
         np.array(state, dtype=float),

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from lsvib.contact import limit_process
-from lsvib.contact.limit_process import BranchFamily, Region
+from lsvib.contact import stiff_limit
+from lsvib.contact.stiff_limit import BranchFamily, Region
 from lsvib.dynamics.attractor import Attractor, orbit_extremes, steady_state
 from lsvib.dynamics.impulses import seizure_impulses
 from lsvib.engine.motion import follow
@@ -44,20 +44,20 @@ def test_the_peak_of_the_contact_force_is_where_the_screw_stops():
 def test_limit_process_refuses_drives_that_it_does_not_fit(changes):
     drive = RigidDrive.of({"mass": 15.0, "axial_force": 60.0, "support_damping": 2e-3} | changes)
     with pytest.raises(InputError, match=r"needs a drive with|reaches no cycle"):
-        list(limit_process.branches(drive, 80.0, 1e-3, [0.1, -20.0]))
+        list(stiff_limit.branches(drive, 80.0, 1e-3, [0.1, -20.0]))
 
 
 def test_impulse_is_the_integral_of_the_contact_force():
     base = RigidDrive.of(mass=15.0, axial_force=60.0, support_damping=2e-3)
-    drive = limit_process.stiffened(base, BranchFamily.VISCOUS, 1e8, 2.0)
-    impact = next(limit_process.impacts(base, 80.0))
+    drive = stiff_limit.stiffened(base, BranchFamily.VISCOUS, 1e8, 2.0)
+    impact = next(stiff_limit.impacts(base, 80.0))
     automaton = threads_automaton(drive)
     motion = follow(automaton, seated_state(drive, impact.u, impact.w), 1e-3)
     release = motion.time[np.flatnonzero(motion.kind == ThreadsEvent.RELEASE)[0]]
     times = np.linspace(0.0, release, 2_000_001)
     force = automaton.observe("normal_force", *motion.at(times))
     integral = float(np.sum(0.5 * (force[1:] + force[:-1])) * times[1])
-    impulse = limit_process.impact_impulse(drive, motion)
+    impulse = stiff_limit.impact_impulse(drive, motion)
     assert impulse == pytest.approx(integral, rel=2e-4)  # the static force during the rest is left out of the impulse
     assert impulse == pytest.approx(float(seizure_impulses(base, 80.0).normal), rel=1e-3)
 
@@ -72,9 +72,9 @@ def test_rebound_force_of_an_overdamped_contact(stiffness, axial_force):
     4ζ² times as fast, is gone.
     """
     base = RigidDrive.of(mass=15.0, axial_force=axial_force, support_damping=2e-3)
-    drive, speed = limit_process.stiffened(base, BranchFamily.DAMPING_RATIO, stiffness, 20.0), 80.0
+    drive, speed = stiff_limit.stiffened(base, BranchFamily.DAMPING_RATIO, stiffness, 20.0), 80.0
     (impact,) = (
-        x for x in limit_process.impacts(base, speed) if x.sign > 0 and x.region == Region.IN_BAND_FORCE_POSITIVE
+        x for x in stiff_limit.impacts(base, speed) if x.sign > 0 and x.region == Region.IN_BAND_FORCE_POSITIVE
     )
     automaton = threads_automaton(drive)
     motion = follow(automaton, seated_state(drive, impact.u, impact.w), 7e-4)
@@ -87,4 +87,4 @@ def test_rebound_force_of_an_overdamped_contact(stiffness, axial_force):
     static = axial_force * math.cos(drive.lead_angle) - torque * math.sin(drive.lead_angle) / drive.pitch_radius
     fall = (static - force) / math.cos(drive.lead_angle)
     assert abs(fall[-1]) < 0.02 * fall.max() < 0.02 * axial_force
-    assert fall.max() == pytest.approx(limit_process.rebound_force(drive, speed), rel=0.03)
+    assert fall.max() == pytest.approx(stiff_limit.rebound_force(drive, speed), rel=0.03)

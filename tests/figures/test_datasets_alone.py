@@ -6,11 +6,11 @@ import xarray as xr
 from references.figure_checks import dataset_of
 from scipy.integrate import solve_ivp
 
-from lsvib.datasets.parameter_origins import (
+from lsvib.datasets.attributes import (
     ASSUMED,
     origin_of,
 )
-from lsvib.datasets.writer import write_dataset
+from lsvib.datasets.io import write_dataset
 from lsvib.models.drive import RigidDrive
 
 

@@ -5,12 +5,12 @@ import pytest
 import xarray as xr
 from references.figure_checks import dataset_of, draft
 
-from lsvib.contact import existence
+from lsvib.contact import contact_force
 from lsvib.datasets import phase_plane
-from lsvib.figures.draw import caption_of
-from lsvib.figures.drawing import phase_planes as drawn
-from lsvib.figures.drawing import style
-from lsvib.figures.fig8_07 import picture as fig8_07
+from lsvib.figures import drawing as drawn
+from lsvib.figures import fig8_07 as fig8_07
+from lsvib.figures import style
+from lsvib.figures.build import caption_of
 from lsvib.models.drive import RigidDrive
 
 
@@ -70,7 +70,7 @@ def test_the_sides_of_the_line_have_the_sign_of_the_contact_force(words):
     named = {text.get_text(): text.get_position() for text in axes.texts if text.get_text()}
     assert set(named) == {"$N > 0$", "$N < 0$"}
     for text, (u, w) in named.items():
-        forces = existence.contact_forces(drive, u, w)
+        forces = contact_force.contact_forces(drive, u, w)
         direction = np.sign(drive.input_speed + w)
         solving = [force for law, force in zip((-1, 1), forces[::-1], strict=True) if np.sign(force) * direction == law]
         assert (solving[0] > 0) == (">" in text)
@@ -84,7 +84,7 @@ def test_the_sectors_of_figure_8_7_have_the_signs_of_the_contact_force():
     assert len(sectors) == 4
     for text in sectors:
         u, w = axes.transLimits.inverted().transform(np.round(text.get_position()))
-        forces = existence.contact_forces(drive, u, w)
+        forces = contact_force.contact_forces(drive, u, w)
         direction = np.sign(drive.input_speed + w)
         relation = {True: ">", False: "<"}
         expected = rf"$\dot\theta {relation[direction > 0]} 0$: "

@@ -11,17 +11,17 @@ import pytest
 from references.four_states_digits import simulate
 
 import lsvib
-from lsvib.engine.kernels import columns, dispatch
-from lsvib.engine.kernels.status import FIRST_MODEL_KIND
+from lsvib.engine.kernels import event_loop, layout
+from lsvib.engine.kernels.layout import FIRST_MODEL_KIND
 from lsvib.engine.motion import enter, follow
 from lsvib.errors import InputError
 from lsvib.models.drive import NutDrive, RigidDrive, SupportDrive, ThreadsDrive
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model
+from lsvib.models.nut import NutMode
 from lsvib.models.rigid import rigid_automaton
-from lsvib.models.second_body.nut import NutMode
-from lsvib.models.second_body.support import SupportMode
+from lsvib.models.support import SupportMode
 from lsvib.models.threads import ThreadsMode
-from lsvib.stability import linearised
+from lsvib.stability import linear
 
 KINDS = {
     "threads": (ThreadsDrive, ThreadsMode),
@@ -119,13 +119,13 @@ def test_motion_against_40_digits(name):
 @pytest.mark.parametrize("force", [50.0, -50.0])
 @pytest.mark.parametrize("model", ["support", "nut"])
 def test_steady_sliding_is_the_linear_model(model, force):
-    """The field around steady sliding is the state matrix of steady_sliding/linearised.py, without a constant."""
+    """The field around steady sliding is the state matrix of steady_sliding/linear.py, without a constant."""
     own = {"axial_support_damping": 30.0} if model == "support" else {"nut_inertia": 5e-6, "nut_stiffness": 3.0}
     drive, automaton, _ = build(model, own | {"mass": 1.5, "translation_damping": 70.0, "axial_force": force})
     mode, _ = enter(automaton, np.zeros(4))
-    law = linearised.steady_law(drive)
+    law = linear.steady_law(drive)
     assert key_of(model, automaton, mode) == (1, law, None)
-    expected = getattr(linearised, f"{model}_model")(drive, law).jacobian()
+    expected = getattr(linear, f"{model}_model")(drive, law).jacobian()
     field = automaton.tables.flow.field[mode]
     np.testing.assert_allclose(field[:, :4], expected, rtol=1e-13, atol=0)
     assert np.abs(field[:, 4]).max() <= 1e-30
@@ -237,12 +237,12 @@ def test_energy_balance(name):
     motion = follow(automaton, start, duration, max_events=60)
     for mode, first, last, stay in zip(*motion.arcs(), strict=True):
         rows = flow.oscillators[mode]
-        rate = np.max(np.abs(rows[:, columns.ALPHA]) + rows[:, columns.BETA] + rows[:, columns.DELTA])
+        rate = np.max(np.abs(rows[:, layout.ALPHA]) + rows[:, layout.BETA] + rows[:, layout.DELTA])
         pieces = max(1, math.ceil(rate * stay))
         times = ((np.arange(pieces)[:, None] + 0.5 * (nodes + 1)) / pieces * stay).ravel()
         states = np.empty((times.size, 4))
         for time, state in zip(times, states, strict=True):
-            dispatch.advance(flow, mode, first, time, state)
+            event_loop.advance(flow, mode, first, time, state)
         works = balance.power(mode, states) @ np.tile(0.5 * weights, pieces) / pieces * stay
         before, after = balance.energy(np.stack([first, last]))
         assert abs(after - before - works.sum()) <= 1e-11 * (before + after + np.abs(works).sum())

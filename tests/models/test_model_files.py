@@ -6,14 +6,14 @@ import pytest
 
 from lsvib.datasets import maps_of_models
 from lsvib.errors import InputError
-from lsvib.models.model_files import model_names, modules_of, of_model
+from lsvib.models.model import model_names, modules_of, of_model
 
 
 def test_the_modules_of_a_model_are_its_own_and_those_of_the_rooms():
     """The workflow makes a map anew if one of them changes."""
     assert modules_of("rigid")[0] == "lsvib.models.rigid"
     assert {"lsvib.datasets.maps_of_models.rigid", "lsvib.dynamics.sweep"} < set(modules_of("rigid"))
-    assert modules_of("nut") == ("lsvib.models.second_body.nut", "lsvib.stability.stability_of_models.nut")
+    assert modules_of("nut") == ("lsvib.models.nut", "lsvib.stability.stability_of_models.nut")
     for name in model_names():
         assert all(find_spec(module) for module in modules_of(name))
     with pytest.raises(InputError, match="model = 'wood' is not one of rigid"):

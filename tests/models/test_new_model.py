@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import lsvib
-from lsvib.models.model_files import model_names
+from lsvib.models.model import model_names
 
 PACKAGE = Path(lsvib.__file__).parent
 # Compliant threads on a slope, along which a part of the weight adds to the axial force.
@@ -109,7 +109,7 @@ lsvib.__path__.append(sys.argv[1])
 from lsvib.api import drive_class
 from lsvib.basins.grid import coordinates
 from lsvib.cli.app import main
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model
 
 found = {}
 for name, arguments in json.loads(sys.argv[2]).items():
@@ -122,7 +122,7 @@ with xr.open_dataset("slope.nc") as motion:
 drive = drive_class("slope")(weight=3)
 found["drive"] = [repr(drive), drive.stability().kind]
 drives = [drive_class(model)(contact_damping=5e4) for model in ("slope", "threads")]
-for name in ("flutter", "kinematic"):
+for name in ("flutter", "kinematic_constraint"):
     found[name] = [drive.threshold(name).value for drive in drives]
 for name in ("slope_sweep", "sweep"):
     with xr.open_dataset(f"{name}.nc") as sweep:
@@ -167,7 +167,7 @@ def test_its_stability_is_decided_by_its_polynomial_and_damper(found):
     assert found["thresholds"] == found["thresholds of threads"]
     assert found["thresholds"]["least_contact_damping"]["value"] > 5e4
     assert found["flutter"][0] == found["flutter"][1] > 0
-    assert found["kinematic"][0] == found["kinematic"][1] > 0
+    assert found["kinematic_constraint"][0] == found["kinematic_constraint"][1] > 0
 
 
 def test_its_motion_is_that_of_the_equations_in_its_file(found):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from lsvib.engine.motion import follow
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive, ThreadsDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
 from lsvib.models.threads import threads_automaton
 from lsvib.stability.conditions import critical_mass

@@ -22,7 +22,7 @@ from hypothesis import strategies as st
 from references.drives import RULES, drives, starts
 
 from lsvib.dynamics.impulses import seizure_impulses
-from lsvib.engine.kernels import columns, flow_planar
+from lsvib.engine.kernels import flow_planar, layout
 from lsvib.engine.motion import follow
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
@@ -96,7 +96,7 @@ def integrals(motion, function):
     sums = []
     for mode, start, _, duration in zip(*motion.arcs(), strict=True):
         row = flow[mode]
-        rate = abs(row[columns.ALPHA]) + row[columns.BETA] + row[columns.DELTA]
+        rate = abs(row[layout.ALPHA]) + row[layout.BETA] + row[layout.DELTA]
         pieces = max(1, math.ceil(rate * duration))
         times = (np.arange(pieces)[:, None] + 0.5 * (NODES + 1)) / pieces * duration
         states = np.empty((times.size, 2))

@@ -10,8 +10,8 @@ import sys
 import grimp
 import pytest
 
-from lsvib.figures.folders import dataset_module, default_figures, picture_module
-from lsvib.models.model_files import model_names
+from lsvib.figures.configuration import dataset_module, default_figures, picture_module
+from lsvib.models.model import model_names
 
 FIGURES = default_figures()
 WITHOUT_ENGINE = [

@@ -4,7 +4,7 @@ from decimal import Decimal, localcontext
 
 import numpy as np
 
-from lsvib.engine.kernels import columns, flow_planar
+from lsvib.engine.kernels import flow_planar, layout
 
 EPS = float(np.finfo(float).eps)
 STARTS = [(1.0, 0.0), (0.0, 1.0), (1.0, -2.0), (-0.3, 5.0), (1e-3, 1e-3), (0.0, 0.0)]
@@ -51,7 +51,7 @@ CASES |= {f"roots 1e-{n} apart, side {side}": split(f"1e-{n}", side) for n in ra
 
 def rate_of(row) -> float:
     """The fastest rate of a mode, or 1."""
-    return float(abs(row[columns.ALPHA]) + row[columns.BETA] + row[columns.DELTA]) or 1.0
+    return float(abs(row[layout.ALPHA]) + row[layout.BETA] + row[layout.DELTA]) or 1.0
 
 
 def advanced(row, state, t) -> np.ndarray:

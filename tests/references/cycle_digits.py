@@ -12,8 +12,8 @@ from functools import cached_property
 import numpy as np
 from mpmath import mp, mpf
 
-from lsvib.engine.kernels.status import GRAZE_KIND
-from lsvib.models.registry import find_model
+from lsvib.engine.kernels.layout import GRAZE_KIND
+from lsvib.models.model import find_model
 from references.exponential_sums import Function
 from references.four_states_digits import FourStatesDrive, mode_name
 

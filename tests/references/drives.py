@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from hypothesis import strategies as st
 
-from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND
+from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND
 from lsvib.engine.motion import Motion, follow
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import EventKind, rigid_automaton

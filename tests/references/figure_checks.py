@@ -10,8 +10,8 @@ import yaml
 from matplotlib.figure import Figure
 
 from lsvib.datasets.checks import Check
-from lsvib.datasets.writer import read_dataset, write_dataset
-from lsvib.figures.folders import dataset_module, picture_module
+from lsvib.datasets.io import read_dataset, write_dataset
+from lsvib.figures.configuration import dataset_module, picture_module
 
 CONFIG = Path(__file__).parents[2] / "config"
 Spoiler = Callable[[xr.Dataset], xr.Dataset]

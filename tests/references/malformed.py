@@ -1,7 +1,7 @@
 """Inputs that users get wrong, each with words of the sentence that refuses it: commands, files, Python."""
 
 import lsvib
-from lsvib.datasets.writer import read_dataset
+from lsvib.datasets.io import read_dataset
 from lsvib.figures.configuration import DEFAULT, check
 from lsvib.models.scene import read_yaml
 from lsvib.stability.threshold_table import threshold_table

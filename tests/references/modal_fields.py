@@ -3,7 +3,7 @@
 import numpy as np
 from mpmath import mp
 
-from lsvib.engine.kernels.columns import ALPHA, BETA, R1, R2
+from lsvib.engine.kernels.layout import ALPHA, BETA, R1, R2
 
 DIGITS = 60
 

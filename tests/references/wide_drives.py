@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lsvib.models.drive import NutDrive, RigidDrive, SupportDrive, ThreadsDrive
-from lsvib.models.friction import friction_factor
+from lsvib.models.mechanics import friction_factor
 from references.rigid_digits import RigidTrueDrive
 
 MODELS = ("rigid", "threads", "support", "nut")

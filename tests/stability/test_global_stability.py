@@ -15,13 +15,12 @@ from references.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
 from lsvib.basins.boundary import Boundary, basin
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.dynamics.forward_slip import ForwardDrive
-from lsvib.engine.kernels.status import Status
+from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import follow
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import rigid_automaton
-from lsvib.stability.global_stability import widest_return
-from lsvib.stability.thresholds import NoThreshold, global_stability_force
+from lsvib.stability.force_thresholds import NoThreshold, global_stability_force, widest_return
 
 DIGITS = 40
 PARADOX = RigidDrive.of(mass=11.0, support_damping=1e-3)

@@ -12,9 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from references.newton import eigenvalues, is_stable, steady_law
 
-from lsvib.engine.exact.polynomials import multiplied
+from lsvib.engine.exact.arithmetic import multiplied
 from lsvib.models.drive import NutDrive, RigidDrive, SupportDrive, ThreadsDrive
-from lsvib.stability import real_roots
+from lsvib.stability import spectrum
 from lsvib.stability.stability_table import stability_table
 from lsvib.stability.threshold_table import threshold_table
 
@@ -150,7 +150,7 @@ def test_positive_roots_of_known_polynomials(halves, power):
     polynomial = (Fraction(3),)
     for half in halves:
         polynomial = multiplied(polynomial, (Fraction(1), -Fraction(half, 2) * size))
-    found = real_roots.positive_roots(polynomial, 1000 * size)
+    found = spectrum.positive_roots(polynomial, 1000 * size)
     assert [float(x) for x in found] == [
         float(Fraction(half, 2) * size) for half in sorted({h for h in halves if h > 0})
     ]

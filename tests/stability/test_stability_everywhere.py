@@ -38,7 +38,7 @@ def judge_stability(model: str, drive: RigidDrive, law: int, tally: dict) -> Non
         fastest = max(growing, key=mpmath.re, default=None)
         if table["class"] in ("divergence", "flutter"):
             assert (table["class"] == "divergence") == (abs(mpmath.im(fastest)) < VANISHES * abs(fastest))
-        assert (table["class"] == "kinematic") == (table["characteristic_polynomial"][0] < 0)
+        assert (table["class"] == "kinematic_constraint") == (table["characteristic_polynomial"][0] < 0)
     tally[table["class"]] = tally.get(table["class"], 0) + 1
 
 

@@ -10,10 +10,10 @@ from references import threshold_digits
 from lsvib.dynamics.forward_slip import ForwardDrive
 from lsvib.dynamics.slip_cycle import half_return, leaving
 from lsvib.errors import InputError
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import NutDrive, RigidDrive, SupportDrive, ThreadsDrive
-from lsvib.stability import solved_threshold
-from lsvib.stability.solved_threshold import solve_threshold
+from lsvib.models.mechanics import coefficients
+from lsvib.stability import threshold
+from lsvib.stability.threshold import solve_threshold
 
 DRIVES = 8  # of each threshold
 SLOPES = 2  # of these whose derivatives are compared
@@ -68,9 +68,9 @@ def accepted(name: str, unknown: str, count: int, draw=drawn):
 
 def hint(name: str, drive: RigidDrive):
     """Where the references look for the root of a motion: nearly, and nothing that counts in the result."""
-    if name in ("onset", "kinematic", "negative_damping"):
+    if name in ("onset", "kinematic_constraint", "negative_damping"):
         return ()
-    time = solved_threshold._start(name, drive)[1].times[0]
+    time = threshold._start(name, drive)[1].times[0]
     if name != "stick":
         return (time,)
     forward = ForwardDrive(drive, coefficients(drive))
@@ -88,7 +88,7 @@ def judged(name, drive, solved, solution, rng, slopes):
 
     which = name
     if name == "onset":  # by the equation that it is
-        which = {"R̃": "onset", "Γ₊": "kinematic", "C₊": "negative_damping"}[solution.equation.split(" ")[0]]
+        which = {"R̃": "onset", "Γ₊": "kinematic_constraint", "C₊": "negative_damping"}[solution.equation.split(" ")[0]]
     if name == "global_stability" and "dh/dτ" in solution.equation:
         which = "fold"
     compared(drive, solved, solution, truth, rng, slopes)
@@ -114,7 +114,7 @@ def compared(drive, solved, solution, truth, rng, slopes):
     [
         ("onset", "axial_force"),
         ("onset", "friction_coefficient"),
-        ("kinematic", "lead_angle"),
+        ("kinematic_constraint", "lead_angle"),
         ("negative_damping", "pitch_radius"),
         ("stick", "axial_force"),
         ("detach", "axial_force"),
@@ -171,7 +171,7 @@ KINDS = {"threads": ThreadsDrive, "support": SupportDrive, "nut": NutDrive}
     [
         ("threads", "flutter", "mass"),
         ("support", "flutter", "support_stiffness"),
-        ("support", "kinematic", "friction_coefficient"),
+        ("support", "kinematic_constraint", "friction_coefficient"),
         ("nut", "flutter", "translation_damping"),
     ],
 )

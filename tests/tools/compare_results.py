@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from lsvib.datasets.provenance import provenance
+from lsvib.datasets.io import provenance
 
 PROVENANCE = set(provenance("anything"))  # the attributes of a file that name its origin, not its content
 

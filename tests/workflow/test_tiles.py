@@ -5,7 +5,7 @@ import shutil
 import pytest
 from conftest import ROOT, copy_of_sources
 
-from lsvib.datasets.writer import read_dataset
+from lsvib.datasets.io import read_dataset
 
 pytestmark = pytest.mark.workflow
 

@@ -14,9 +14,8 @@ import pytest
 import yaml
 from conftest import ROOT, TINY
 
-from lsvib.datasets.writer import read_dataset
-from lsvib.figures.configuration import settings_of
-from lsvib.figures.folders import accuracy_figures, default_figures
+from lsvib.datasets.io import read_dataset
+from lsvib.figures.configuration import accuracy_figures, default_figures, settings_of
 
 pytestmark = pytest.mark.workflow
 
@@ -30,7 +29,7 @@ NEW_FIGURE = {  # file of its folder: what is in it
 
 from pydantic import Field
 
-from lsvib.figures.common.settings import DriveChanges, FigureSettings
+from lsvib.figures.settings import DriveChanges, FigureSettings
 
 
 class Settings(FigureSettings):
@@ -66,7 +65,7 @@ def checks(dataset):
 ''',
     "picture.py": '''"""The picture of the new figure."""
 
-from lsvib.figures.drawing.style import new_figure, styled
+from lsvib.figures.style import new_figure, styled
 
 
 @styled
@@ -120,7 +119,7 @@ def test_a_second_run_does_nothing(finished):
             {"Computing fig8_08", "Drawing fig8_08", "Collecting the checks", "Judging the checks"},
         ),
         (
-            "src/lsvib/models/friction.py",
+            "src/lsvib/models/mechanics.py",
             {*(f"{verb} {f}" for verb in ("Computing", "Drawing") for f in FIGURES), "Collecting the checks"}
             | {"Judging the checks"},
         ),

@@ -14,7 +14,7 @@ rule accuracy:
 
 use rule checks as accuracy_checks with:
     input:
-        sources=source_files(imports("lsvib.datasets.checks_report")),
+        sources=source_files(imports("lsvib.datasets.checks")),
         checks=collect("results/checks/{figure}.json", figure=ACCURACY_FIGURES),
     output:
         json="results/accuracy/checks.json",

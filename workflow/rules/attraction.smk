@@ -76,7 +76,7 @@ rule draw_map:
     """Draw the map, a large one from the middle cells of blocks of cells."""
     input:
         map="results/attraction/map.nc",
-        sources=source_files(imports("lsvib.figures.attraction.picture") | imports("lsvib.figures.drawing.overview")),
+        sources=source_files(imports("lsvib.figures.attraction") | imports("lsvib.figures.build")),
     output:
         png=report(
             "results/figures/attraction.png",

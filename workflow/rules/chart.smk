@@ -58,7 +58,7 @@ rule draw_chart:
     """Draw the chart, a large one from the middle cells of blocks of cells."""
     input:
         chart="results/chart/chart.nc",
-        sources=source_files(imports("lsvib.figures.chart.picture") | imports("lsvib.figures.drawing.overview")),
+        sources=source_files(imports("lsvib.figures.chart") | imports("lsvib.figures.build")),
     output:
         png=report(
             "results/figures/chart.png",

@@ -4,7 +4,7 @@
 rule checks:
     """Collect the checks of all figures: for machines, as a text by figure, and as a page that can be filtered."""
     input:
-        sources=source_files(imports("lsvib.datasets.checks_report")),
+        sources=source_files(imports("lsvib.datasets.checks")),
         checks=collect("results/checks/{figure}.json", figure=FIGURES),
     output:
         json="results/checks.json",

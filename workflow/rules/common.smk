@@ -14,11 +14,11 @@ from pathlib import Path
 import grimp
 from lsvib.datasets.checks import counts, failures, printed_thresholds, read_checks, verdict
 from lsvib.errors import LsvibError
-from lsvib.models.model_files import model_module, modules_of
-from lsvib.models.registry import all_models
+from lsvib.models.model import model_module, modules_of
+from lsvib.models.model import all_models
 from lsvib.models.scene import read_yaml
 from lsvib.figures.configuration import check, selected, settings_of
-from lsvib.figures.folders import (
+from lsvib.figures.configuration import (
     accuracy_figures,
     caption_file,
     dataset_module,
@@ -45,7 +45,7 @@ FIGURES = selected(config)
 ACCURACY_FIGURES = selected(config, "accuracy_figures")
 
 # What the jobs import of ours besides the modules of their figure.
-JOB_IMPORTS = {"datasets": "lsvib.figures.compute", "figures": "lsvib.figures.draw"}
+JOB_IMPORTS = {"datasets": "lsvib.figures.build", "figures": "lsvib.figures.build"}
 
 # The region of attraction but for its tiles. In alphabetical order, because Snakemake compares parameters as text, and a
 # second configuration file changes the order.
@@ -119,7 +119,7 @@ def modules_with_model(module, settings):
 
 def map_modules():
     """Return the modules that the map depends on."""
-    return modules_with_model("lsvib.datasets.tiles", MAP)
+    return modules_with_model("lsvib.datasets.map", MAP)
 
 
 def map_sources():
@@ -129,7 +129,7 @@ def map_sources():
 
 def chart_modules():
     """Return the modules that the chart depends on."""
-    return modules_with_model("lsvib.datasets.chart_tiles", CHART)
+    return modules_with_model("lsvib.datasets.chart", CHART)
 
 
 def chart_sources():

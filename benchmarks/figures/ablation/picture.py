@@ -5,7 +5,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lsvib.figures.drawing import style
+from lsvib.figures import style
 
 _COLOURS = (style.BLUE, style.GREY)
 

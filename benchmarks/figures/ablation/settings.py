@@ -4,7 +4,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from lsvib.figures.common.settings import Duration, FigureSettings, Repeats, Unique
+from lsvib.figures.settings import Duration, FigureSettings, Repeats, Unique
 
 MODULES = {  # what a dataset or a picture imports; measured in processes of their own
     "figure": "lsvib.figures.fig8_08.picture",

@@ -10,10 +10,9 @@ from benchmarks.maps.map_methods import METHODS
 from benchmarks.maps.map_race import MapOutcome, RaceBox, contest, wrong_share
 from lsvib.basins.curves import Window
 from lsvib.datasets import phase_plane, spans
-from lsvib.datasets.attributes import named_index, variable
+from lsvib.datasets.attributes import drive_parameters, named_index, variable
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import drive_parameters
-from lsvib.datasets.provenance import machine
+from lsvib.datasets.io import machine
 from lsvib.models.drive import RigidDrive
 
 _SOURCE = "docs/attraction.md"

@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from lsvib.figures.drawing import style
+from lsvib.figures import style
 
 _STYLES = {  # colour, dashes
     "engine": (style.BLACK, "-"),

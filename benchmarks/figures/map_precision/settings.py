@@ -4,7 +4,7 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from lsvib.figures.common.settings import (
+from lsvib.figures.settings import (
     CaseSeed,
     DriveChanges,
     FigureSettings,

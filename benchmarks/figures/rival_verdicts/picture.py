@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from lsvib.figures.drawing import style
+from lsvib.figures import style
 
 _PARTS = {  # verdict: colour, hatch, words
     "right": ("#D9E6F2", "", "right"),

@@ -6,7 +6,7 @@ from pydantic import Field
 
 from benchmarks.rivals.methods import MODULES
 from benchmarks.sweeps.families import FamilyName
-from lsvib.figures.common.settings import CaseSeed, FigureSettings, Tolerances
+from lsvib.figures.settings import CaseSeed, FigureSettings, Tolerances
 
 
 class Settings(FigureSettings):

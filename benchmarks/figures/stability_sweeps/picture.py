@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from lsvib.figures.drawing import style
+from lsvib.figures import style
 
 _ALL = 17.0  # digits of an error that is zero
 _EDGES = {  # families with a distance from the edge: colour, marker, words

@@ -5,7 +5,7 @@ from typing import Annotated
 from pydantic import Field
 
 from benchmarks.sweeps.families import FamilyName
-from lsvib.figures.common.settings import CaseSeed, FigureSettings
+from lsvib.figures.settings import CaseSeed, FigureSettings
 
 
 class Settings(FigureSettings):

@@ -15,7 +15,7 @@ from benchmarks.rivals.method_list import METHODS, MethodFamily
 from benchmarks.rivals.race import Entry, RaceBudget, contest, fastest
 from lsvib.datasets.attributes import flagged, named_index, variable
 from lsvib.datasets.checks import Check
-from lsvib.datasets.provenance import machine
+from lsvib.datasets.io import machine
 
 _CONTROLS = {
     "relative_tolerance": ("1", "relative tolerance of the method"),

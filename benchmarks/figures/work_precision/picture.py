@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from lsvib.figures.drawing import style
+from lsvib.figures import style
 
 _STYLES = {  # colour, marker, dashes of the methods that are drawn; the dataset has more
     "exact": (style.BLACK, "*", "-"),

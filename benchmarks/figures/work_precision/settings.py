@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field
 
 from benchmarks.rivals.methods import MODULES
-from lsvib.figures.common.settings import FigureSettings, Unique
+from lsvib.figures.settings import FigureSettings, Unique
 
 SCENES = (
     "stick_slip", "graze_above", "graze_below", "sprag_slip", "sprag_graze", "stiff_contact", "near_critical",

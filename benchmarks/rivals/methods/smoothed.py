@@ -16,8 +16,8 @@ from benchmarks.jit import kernel
 from benchmarks.record import Record
 from benchmarks.rivals.hybrid import Clock, Hybrid
 from benchmarks.rivals.race_scenes import RaceScene
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive, ThreadsDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.models.threads import seated_state
 
 _TOLERANCE = 1e-8  # relative; below the error of any width ε

@@ -6,7 +6,7 @@ import numpy as np
 
 from benchmarks.record import Record
 from benchmarks.rivals.hybrid import Clock, GaveUp, Hybrid, Recorder, counted
-from lsvib.engine.kernels.status import Status
+from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError
 

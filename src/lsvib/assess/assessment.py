@@ -8,13 +8,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsvib.assess import mechanisms
-from lsvib.assess.flank_friction import lifting_efficiency, lowering_efficiency
+from lsvib.assess.drive import (
+    lifting_efficiency,
+    lowering_efficiency,
+    nominal_draw,
+    quantities,
+    random_entries,
+    square_thread,
+)
 from lsvib.assess.margins import ANY, Margin, margins, sensitivities
+from lsvib.assess.mechanisms import Worst, corners, worst
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.sheet_to_drive import nominal_draw, quantities, random_entries, square_thread
 from lsvib.assess.uncertainty import Uncertainty, draw_of, evaluated, first_shares, study, worst_shares
 from lsvib.assess.vibration import STRONG, Vibration, springy_push, survived_push, vibration
-from lsvib.assess.window import Worst, corners, worst
 from lsvib.errors import InputError
 
 _BEYOND = (
@@ -62,7 +68,7 @@ class AssessedMotion:
 class Assessment:
     """A data sheet with all that is said of it.
 
-    ``values``: :data:`lsvib.assess.sheet_to_drive.QUANTITIES` at the middle values; ``verdict``: a key of
+    ``values``: :data:`lsvib.assess.drive.QUANTITIES` at the middle values; ``verdict``: a key of
     :data:`lsvib.assess.words.VERDICTS`; ``efficiency`` [1] ``lifting``, ``lowering`` (None if self-locking);
     ``margins``: those of all mechanisms together, nearest first; ``nominal``, ``worst``: the motion at the middle
     values and in the worst case, each where the reserve is lowest.

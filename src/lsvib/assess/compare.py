@@ -5,10 +5,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from lsvib.assess import page
-from lsvib.assess.page import Html
-from lsvib.assess.shown_numbers import change, percent, shown
-from lsvib.assess.words import CHANGES, MECHANISMS
+from lsvib.assess import report
+from lsvib.assess.report import Html
+from lsvib.assess.words import CHANGES, MECHANISMS, change, percent, shown
 from lsvib.errors import InputError
 from lsvib.files import write_json, write_text
 
@@ -42,13 +41,13 @@ def compare(verdicts: Sequence[Path], page_file: Path, json_file: Path) -> None:
     found.sort(key=lambda pair: (-pair[1]["any_mechanism"]["probability"], _lowest(pair[1])[1]["reserve"]))
     rows = [_row(folder, verdict) for folder, verdict in found]
     parts = [
-        page.heading("Which drives vibrate?", 1),
-        page.paragraph(
+        report.heading("Which drives vibrate?", 1),
+        report.paragraph(
             "One row for each data sheet, the most likely to vibrate first. The name leads to the report on the drive."
         ),
-        page.table(_COLUMNS, rows),
+        report.table(_COLUMNS, rows),
     ]
-    write_text(page.page("Which drives vibrate?", parts), page_file)
+    write_text(report.page("Which drives vibrate?", parts), page_file)
     write_json([{"report": f"{folder}/index.html", **_short(verdict)} for folder, verdict in found], json_file)
 
 
@@ -95,19 +94,19 @@ def _short(verdict: dict[str, Any]) -> dict[str, Any]:
 def _row(folder: str, verdict: dict[str, Any]) -> list[object]:
     short = _short(verdict)
     low, high = short["interval"]
-    spread = "" if low == high else page.small(f"95 % sure: {percent(low)} to {percent(high)}")
+    spread = "" if low == high else report.small(f"95 % sure: {percent(low)} to {percent(high)}")
     worst, nearest = short["worst_case"], short["nearest_change"]
     end = _ENDS.get(worst["attractor"], "vibrates")
     motion = end if worst["frequency"] is None else shown(worst["frequency"], "Hz")
-    swing = "" if worst["amplitude"] is None else page.small(f"± {shown(worst['amplitude'], 'm')} at the load")
+    swing = "" if worst["amplitude"] is None else report.small(f"± {shown(worst['amplitude'], 'm')} at the load")
     moved = "none" if nearest["factor"] is None else f"{CHANGES[nearest['quantity']]} {change(nearest['factor'])}"
-    reserve = page.small(f"reserve {short['reserve']:+.2f}")
-    link = Html(f'<a href="{page.text(folder)}/index.html">{page.text(short["name"])}</a>')
+    reserve = report.small(f"reserve {short['reserve']:+.2f}")
+    link = Html(f'<a href="{report.text(folder)}/index.html">{report.text(short["name"])}</a>')
     return [
         link,
         short["verdict"],
         Html(f"{percent(short['probability'])}{spread}"),
-        Html(f"{page.text(MECHANISMS[short['nearest_mechanism']][0])}{reserve}"),
+        Html(f"{report.text(MECHANISMS[short['nearest_mechanism']][0])}{reserve}"),
         moved,
         Html(f"{motion}{swing}"),
         "yes" if short["self_locking"] else "no",

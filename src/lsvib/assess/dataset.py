@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from lsvib.assess.assessment import AssessedMotion, Assessment
-from lsvib.assess.operating_chart import KINDS, Chart
+from lsvib.assess.margins import KINDS, Chart
 from lsvib.assess.uncertainty import BINS
 from lsvib.assess.words import VERDICTS
 from lsvib.datasets.attributes import named_flags, named_index, variable, yes_no

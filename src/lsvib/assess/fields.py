@@ -7,9 +7,7 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator
 
-from lsvib.assess.spread import Spread, spread
-from lsvib.assess.thread_sizes import ThreadSize, thread_size
-from lsvib.assess.units import NotQuantity, quantity
+from lsvib.assess.fields import NotQuantity, Spread, ThreadSize, quantity, spread, thread_size
 from lsvib.models.drive import Drive, ThreadsDrive
 
 _READABLE = {"rad": ("deg", 180 / math.pi), "rad/s": ("rpm", 30 / math.pi)}  # units for the eye, and how many make one

@@ -9,7 +9,7 @@ Functions are plain arithmetic for floats, complex numbers and arrays.
 
 import numpy as np
 
-from lsvib.models.friction import friction_factor
+from lsvib.models.mechanics import friction_factor
 
 
 def square_coefficient(coefficient, lead_angle, half_angle):

@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsvib.assess.fields import LARGEST_HALF_ANGLE
-from lsvib.assess.mechanisms import NAMES, reserves
+from lsvib.assess.mechanisms import NAMES, corners, reserves, worst
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.window import corners, worst
 
 ANY = "any"
 """Stands in for a mechanism where all of them together are meant: whether steady sliding is unstable at all."""

@@ -5,7 +5,7 @@ of both. It is 1 where nothing destabilises, 0 at the onset and negative where t
 
     kinematic constraint   Γ_0, or Γ̃_0 with a support (eqs 8.20, 8.27), over the sum of the sizes of its two terms
     negative damping       C_0 likewise (8.19)
-    falling friction       C_0 + S likewise, where the slope of μ gives S (:mod:`lsvib.assess.flank_friction`); with a
+    falling friction       C_0 + S likewise, where the slope of μ gives S (:mod:`lsvib.assess.drive`); with a
                            support that is stable without the slope, its Hurwitz determinant with C_0 + S
     mode coupling          the Hurwitz determinant of the drive with support, or without any damping p_2² − 4 p_4 p_0
     thread contact         the Hurwitz determinant of the drive with compliant threads
@@ -21,15 +21,14 @@ from typing import Any
 
 import numpy as np
 
-from lsvib.assess import sheet_to_drive as sheets
-from lsvib.assess.flank_friction import damping_by_slope
+from lsvib.assess import drive as sheets
+from lsvib.assess.drive import damping_by_slope
 from lsvib.assess.sheet import Sheet
-from lsvib.models import friction
+from lsvib.models import mechanics
 from lsvib.models.drive import RigidDrive, SupportDrive, ThreadsDrive, zero_if_close
-from lsvib.stability.characteristic import polynomial
 from lsvib.stability.conditions import conditions
-from lsvib.stability.linearised import steady_law, support_model, threads_model
-from lsvib.stability.spectrum import spectrum
+from lsvib.stability.linear import steady_law, support_model, threads_model
+from lsvib.stability.spectrum import polynomial, spectrum
 
 NAMES = ("negative_damping", "kinematic_constraint", "mode_coupling", "falling_friction", "thread_contact")
 """All mechanisms; mode coupling needs a support, thread contact a compliant contact."""
@@ -65,13 +64,13 @@ def reserves(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any
     law = np.where(np.real(carried) * np.real(p["input_speed"]) >= 0, 1, -1)
     size = np.where(np.real(carried) < 0, -carried, carried)
     by_slope = damping_by_slope(at.slope, size, p["friction_coefficient"], p["pitch_radius"], p["lead_angle"], law)
-    factor = friction.friction_factor(p["friction_coefficient"], tangent, law)
+    factor = mechanics.friction_factor(p["friction_coefficient"], tangent, law)
     geometry = (p["pitch_radius"], tangent, factor)
     mass = p["mass"]
     if sheet.support is not None:
         mass = mass * values["screw_mass"] / (mass + values["screw_mass"])
-    inertia = friction.effective_inertia(p["screw_inertia"], mass, *geometry)
-    damping = friction.effective_damping(p["support_damping"], p["translation_damping"], *geometry)
+    inertia = mechanics.effective_inertia(p["screw_inertia"], mass, *geometry)
+    damping = mechanics.effective_damping(p["support_damping"], p["translation_damping"], *geometry)
     base = _balance(p["support_damping"], damping - p["support_damping"])
     sloped = _balance(p["support_damping"], damping - p["support_damping"], by_slope)
     found = {
@@ -85,16 +84,16 @@ def reserves(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any
     if sheet.contact is not None:
         own = sheets.own_parameters(values, "contact")
         full = _full_reserve("contact", {**p, **own}, law)
-        whole = friction.effective_inertia(p["screw_inertia"], p["mass"], *geometry)  # the support is rigid here
+        whole = mechanics.effective_inertia(p["screw_inertia"], p["mass"], *geometry)  # the support is rigid here
         own_fault = (np.real(helped) >= 0) & (np.real(whole) > 0)
         found["thread_contact"] = np.where(own_fault, full, _larger(full, 0 * full))
         if sheet.support is None:
             for name in ("negative_damping", "kinematic_constraint"):
                 found[name] = _larger(found[name], full)
-    plus = friction.friction_factor(p["friction_coefficient"], tangent, 1)
+    plus = mechanics.friction_factor(p["friction_coefficient"], tangent, 1)
     geometry = (p["pitch_radius"], tangent, plus)
-    of_plus = friction.effective_inertia(p["screw_inertia"], mass, *geometry) - p["screw_inertia"]
-    fed = friction.effective_damping(0.0, p["translation_damping"], *geometry)
+    of_plus = mechanics.effective_inertia(p["screw_inertia"], mass, *geometry) - p["screw_inertia"]
+    fed = mechanics.effective_damping(0.0, p["translation_damping"], *geometry)
     # Without damping of the load there is nothing that law + could turn round.
     damped = np.where(np.real(fed) == 0, 1.0, _balance(p["support_damping"], fed))
     reserve = _balance(p["screw_inertia"], of_plus)
@@ -183,8 +182,8 @@ def certain(sheet: Sheet, values: Mapping[str, float], direction: int, speed: fl
     found = conditions(rigid)
     law = steady_law(rigid)
     occurs = {
-        "negative_damping": found["negative_damping"]["hold"],
-        "kinematic_constraint": found["negative_inertia"]["hold"],
+        "negative_damping": found["negative_damping"].hold,
+        "kinematic_constraint": found["kinematic_constraint"].hold,
         "falling_friction": False,
     }
     stable = not (occurs["negative_damping"] or occurs["kinematic_constraint"])
@@ -193,10 +192,10 @@ def certain(sheet: Sheet, values: Mapping[str, float], direction: int, speed: fl
         kind = spectrum(supported, law)[0]
         bare = spectrum(supported.replace(**dict.fromkeys(_UNDAMPED[:3], 0.0)), law)[0]
         unstable = kind in ("flutter", "divergence")
-        occurs["kinematic_constraint"] = kind == "kinematic"
+        occurs["kinematic_constraint"] = kind == "kinematic_constraint"
         fed = occurs["negative_damping"]
         occurs["mode_coupling"] = unstable and (not fed or bare in ("flutter", "divergence"))
-        occurs["negative_damping"] &= unstable or kind == "kinematic"
+        occurs["negative_damping"] &= unstable or kind == "kinematic_constraint"
     if sheet.contact is not None:
         kind = spectrum(drive_of(sheet, values, direction, speed, force, "contact"), law)[0]
         unstable = kind not in ("stable", "neutral")

@@ -4,12 +4,11 @@ import math
 
 import yaml
 
-from lsvib.assess import page, pictures
+from lsvib.assess import pictures, report
 from lsvib.assess.assessment import AssessedMotion, Assessment, Mechanism
-from lsvib.assess.page import Html
-from lsvib.assess.sheet_to_drive import point, random_entries
-from lsvib.assess.shown_numbers import shown
-from lsvib.assess.words import ATTRACTORS, entry_name
+from lsvib.assess.drive import point, random_entries
+from lsvib.assess.report import Html
+from lsvib.assess.words import ATTRACTORS, entry_name, shown
 
 
 def where(one: Mechanism | AssessedMotion, assessment: Assessment) -> str:
@@ -31,7 +30,7 @@ def rigid(assessment: Assessment) -> bool:
 def motions(assessment: Assessment) -> list[Html]:
     """Return what is said of the motion at the middle values and in the worst case."""
     same = assessment.worst is assessment.nominal
-    parts = [page.heading("What the vibration is")]
+    parts = [report.heading("What the vibration is")]
     shown_motions = [("At the given values" if same else "At the middle values", assessment.nominal)]
     if not same:
         shown_motions.append(("In the worst case within the uncertainties", assessment.worst))
@@ -43,8 +42,8 @@ def motions(assessment: Assessment) -> list[Html]:
 def _motion(title: str, motion: AssessedMotion, assessment: Assessment) -> list[Html]:
     start = "after a strong push" if motion.mechanism == "push_needed" else "after the slightest disturbance"
     parts = [
-        page.heading(title, 3),
-        page.paragraph(
+        report.heading(title, 3),
+        report.paragraph(
             f"The drive is {where(motion, assessment)}, where it is most at risk.{_taken(motion, assessment)}"
         ),
     ]
@@ -54,7 +53,7 @@ def _motion(title: str, motion: AssessedMotion, assessment: Assessment) -> list[
             f"{entry_name(path)} = {shown(motion.entries[path], spreads[path].unit)}"
             for path in random_entries(assessment.sheet)
         )
-        parts.append(page.paragraph(f"The values of this case: {values}."))
+        parts.append(report.paragraph(f"The values of this case: {values}."))
     return [
         *parts,
         _what_it_does(motion, start),
@@ -68,7 +67,7 @@ def _what_it_does(motion: AssessedMotion, start: str) -> Html:
     moved = motion.vibration
     ends = ATTRACTORS.get(moved.attractor, moved.attractor)
     if moved.reason is not None:
-        return page.paragraph(f"Of the motion {start} this is known: {moved.reason}")
+        return report.paragraph(f"Of the motion {start} this is known: {moved.reason}")
     if moved.frequency is None:
         swing = (
             ""
@@ -76,7 +75,7 @@ def _what_it_does(motion: AssessedMotion, start: str) -> Html:
             else f"; in the time shown the load oscillates by ± {shown(moved.amplitude, 'm')}"
         )
         verb = "returns to" if moved.attractor == "steady sliding" else "ends in"
-        return page.paragraph(f"{start[0].upper()}{start[1:]} it {verb} {ends}{swing}.")
+        return report.paragraph(f"{start[0].upper()}{start[1:]} it {verb} {ends}{swing}.")
     (low, high), (slow, fast) = moved.load_speed, moved.screw_speed
     heard = "audible as a tone" if moved.audible else "not a tone for the ear, but its knocks may be heard"
     rows = [
@@ -91,7 +90,7 @@ def _what_it_does(motion: AssessedMotion, start: str) -> Html:
         rows.append(
             ("Largest impact", f"{shown(moved.impulse, 'N s')}; its force depends on how stiff the threads are")
         )
-    return page.table(["", start[0].upper() + start[1:]], rows)
+    return report.table(["", start[0].upper() + start[1:]], rows)
 
 
 def _push_survived(motion: AssessedMotion) -> list[Html]:
@@ -105,7 +104,7 @@ def _push_survived(motion: AssessedMotion) -> list[Html]:
             f"Steady running tolerates a sudden change of the screw's speed of up to {shown(push, 'rad/s')}, which is "
             f"{load} at the load. {sentence}"
         )
-    return [page.paragraph(sentence)]
+    return [report.paragraph(sentence)]
 
 
 def _picture_and_scene(title: str, motion: AssessedMotion) -> list[Html]:
@@ -114,15 +113,15 @@ def _picture_and_scene(title: str, motion: AssessedMotion) -> list[Html]:
     if moved.time.size:
         caption = "Left alone " if motion.mechanism != "push_needed" else "Pushed "
         parts.append(
-            page.picture(
+            report.picture(
                 pictures.embedded(pictures.motion_chart, motion), f"{caption}, {title.lower()}.".replace(" ,", ",")
             )
         )
     if moved.scene and moved.time.size:
         parts += [
-            page.paragraph("To run this motion yourself, save these lines as scene.yaml and run"),
-            page.listing("lsvib simulate --scene scene.yaml --out motion.nc"),
-            page.listing(yaml.safe_dump(moved.scene, sort_keys=False)),
+            report.paragraph("To run this motion yourself, save these lines as scene.yaml and run"),
+            report.listing("lsvib simulate --scene scene.yaml --out motion.nc"),
+            report.listing(yaml.safe_dump(moved.scene, sort_keys=False)),
         ]  # fmt: skip
     return parts
 

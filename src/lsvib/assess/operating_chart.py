@@ -6,12 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.assess.mechanisms import applicable, drive_of, reserves
+from lsvib.assess.drive import GRAVITY
+from lsvib.assess.mechanisms import applicable, directions, drive_of, reserves
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.sheet_to_drive import GRAVITY
-from lsvib.assess.window import directions
 from lsvib.errors import EngineError, InputError
-from lsvib.stability import thresholds
+from lsvib.stability import force_thresholds
 
 KINDS = ("steady", "steady_until_pushed", "negative_damping", "kinematic_constraint", "mode_coupling",
          "falling_friction", "thread_contact")  # fmt: skip
@@ -90,7 +89,7 @@ def _boundaries(
         return found
     for name in ("stick_force", "detach_force", "global_stability_force"):
         try:
-            force = getattr(thresholds, name)(drive)
+            force = getattr(force_thresholds, name)(drive)
         except (InputError, EngineError):
             continue
         found[_BOUNDARIES[name]] = -force * turning / speed - weight

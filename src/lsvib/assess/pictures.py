@@ -13,10 +13,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
 from lsvib.assess.assessment import AssessedMotion, Assessment
-from lsvib.assess.operating_chart import KINDS, Chart
+from lsvib.assess.margins import KINDS, Chart
 from lsvib.assess.uncertainty import BINS
 from lsvib.assess.words import CHANGES, MECHANISMS, entry_name
-from lsvib.figures.drawing import style
+from lsvib.figures import style
 
 WIDTH = 3.7  # inch: on a phone one to one
 _COLOURS = {

@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 
 from lsvib.assess.assessment import AssessedMotion, Assessment
+from lsvib.assess.drive import UNITS
 from lsvib.assess.margins import Margin
-from lsvib.assess.sheet_to_drive import UNITS
 from lsvib.assess.words import VERDICTS
 
 _OF_VIBRATION = ("model", "attractor", "vibrates", "frequency", "audible", "amplitude")

@@ -2,16 +2,12 @@
 
 import math
 
-from lsvib.assess import page, pictures
+from lsvib.assess import pictures, report
 from lsvib.assess.assessment import Assessment
-from lsvib.assess.flank_friction import flank_coefficient
-from lsvib.assess.motions import motions, rigid, where
-from lsvib.assess.operating_chart import Chart
-from lsvib.assess.page import Html
-from lsvib.assess.sections import data_sheet, left_out, method
-from lsvib.assess.sheet_to_drive import UNITS
-from lsvib.assess.shown_numbers import change, percent, shown, signed
-from lsvib.assess.words import CHANGES, MECHANISMS, SHORT, VERDICTS
+from lsvib.assess.drive import UNITS, flank_coefficient
+from lsvib.assess.margins import Chart
+from lsvib.assess.report import Html, data_sheet, left_out, method, motions, rigid, where
+from lsvib.assess.words import CHANGES, MECHANISMS, SHORT, VERDICTS, change, percent, shown, signed
 
 _TONES = {"vibrates": "bad", "steady": "good"}  # all else warns
 _ADVICE = 3  # changes that the summary names
@@ -23,10 +19,10 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
     """Return the report on an assessment as the text of one HTML page, which needs no other file."""
     name = assessment.sheet.name
     parts = [
-        page.heading(f"Will it vibrate? {name}", 1),
-        page.paragraph(VERDICTS[assessment.verdict], kind=f"verdict {_TONES.get(assessment.verdict, 'warn')}"),
-        page.paragraph(_summary(assessment)),
-        page.cards(_cards(assessment)),
+        report.heading(f"Will it vibrate? {name}", 1),
+        report.paragraph(VERDICTS[assessment.verdict], kind=f"verdict {_TONES.get(assessment.verdict, 'warn')}"),
+        report.paragraph(_summary(assessment)),
+        report.cards(_cards(assessment)),
         *_mechanisms(assessment),
         *_changes(assessment),
         *_operating(assessment, charts),
@@ -37,7 +33,7 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
         *left_out(),
         *method(assessment),
     ]
-    return page.page(f"{name}: will it vibrate?", parts)
+    return report.page(f"{name}: will it vibrate?", parts)
 
 
 def shown_mechanisms(assessment: Assessment) -> list[str]:
@@ -123,11 +119,11 @@ def _mechanisms(assessment: Assessment) -> list[Html]:
         else:
             margin = f"the {CHANGES[best.quantity]} {change(best.factor)} {'ends' if one.occurs else 'starts'} it"
         place = where(one, assessment) if one.occurs else ""
-        verdict = Html(f"{'<b>occurs</b>' if one.occurs else 'does not occur'}{page.small(place) if place else ''}")
+        verdict = Html(f"{'<b>occurs</b>' if one.occurs else 'does not occur'}{report.small(place) if place else ''}")
         if name == "push_needed" and one.occurs and not rigid(assessment):
             how = "computed with stiff threads and support" if one.reserve < 0 else "found by perturbed motions"
-            verdict = Html(f"possible{page.small(f'{how}; {place}')}")
-        cause = Html(f"{page.text(title)}{page.small(meaning)}")
+            verdict = Html(f"possible{report.small(f'{how}; {place}')}")
+        cause = Html(f"{report.text(title)}{report.small(meaning)}")
         most = "at most " if name == "push_needed" and one.probability > 0 else ""  # beyond some force none does
         rows.append((cause, verdict, f"{most}{percent(one.probability)}{spread}", signed(one.reserve, 2), margin))
     absent = []
@@ -136,14 +132,14 @@ def _mechanisms(assessment: Assessment) -> list[Html]:
     if "thread_contact" not in assessment.mechanisms:
         absent.append("The thread contact is taken as rigid: the data sheet gives no stiffness of it.")
     return [
-        page.heading("What can make it vibrate"),
-        page.paragraph(
+        report.heading("What can make it vibrate"),
+        report.paragraph(
             "The reserve says how far each cause is from setting in: +1 means that nothing drives it, 0 is the brink, "
             "below 0 it occurs. It is what keeps the drive steady less what drives the oscillation, over the sum "
             "of both. The operating window is every speed and force that the data sheet allows."
         ),
-        page.table(["Cause", "At the given values", "Probability", "Reserve", "Nearest change"], rows),
-        *(page.paragraph(sentence) for sentence in absent),
+        report.table(["Cause", "At the given values", "Probability", "Reserve", "Nearest change"], rows),
+        *(report.paragraph(sentence) for sentence in absent),
     ]
 
 
@@ -155,7 +151,7 @@ def _changes(assessment: Assessment) -> list[Html]:
     if not names:
         return []
     charts = [
-        page.picture(
+        report.picture(
             pictures.embedded(pictures.margin_chart, assessment, name),
             f"{MECHANISMS[name][0]}: factor on each quantity at which it starts or ends.",
         )
@@ -167,26 +163,26 @@ def _changes(assessment: Assessment) -> list[Html]:
     if first is not None:
         best = max(assessment.mechanisms[first].sensitivities.items(), key=lambda pair: abs(pair[1]))
         text.append(
-            page.paragraph(
+            report.paragraph(
                 f"Per cent for per cent, the strongest single lever on {SHORT[first]} is the "
                 f"{CHANGES[best[0]]}: 1 % more changes the reserve by {signed(0.01 * best[1], 4)}."
             )
         )
         charts.append(
-            page.picture(
+            report.picture(
                 pictures.embedded(pictures.sensitivity_chart, assessment, first),
                 f"What 1 % more of each quantity does to the reserve against {SHORT[first]}.",
             )
         )
     return [
-        page.heading("How close it is, and what to change"),
+        report.heading("How close it is, and what to change"),
         *_single_changes(assessment),
-        page.paragraph(
+        report.paragraph(
             "Each bar is one quantity changed alone, all others as given, until the verdict on a cause changes: ×0.5 "
             "means half of it, ×3 three times as much. Bars that would need more than a factor of ten either way are "
             "left out; the complete table is in assessment.json."
         ),
-        page.side_by_side(*charts),
+        report.side_by_side(*charts),
         *text,
     ]
 
@@ -208,8 +204,8 @@ def _single_changes(assessment: Assessment) -> list[Html]:
     occurs = any(one.occurs for name, one in assessment.mechanisms.items() if name != "push_needed")
     effect = "ends all vibration that starts by itself" if occurs else "makes the drive start to vibrate by itself"
     return [
-        page.paragraph(f"At the middle values each of these changes alone {effect}."),
-        page.table(["One change alone", "Given", "Needed" if occurs else "Limit", "That is"], rows),
+        report.paragraph(f"At the middle values each of these changes alone {effect}."),
+        report.table(["One change alone", "Given", "Needed" if occurs else "Limit", "That is"], rows),
     ]
 
 
@@ -217,8 +213,8 @@ def _operating(assessment: Assessment, charts: list[Chart]) -> list[Html]:
     weight = assessment.values["tilt"] != 0
     note = " The weight of the load comes on top of the force shown." if weight else ""
     return [
-        page.heading("Where it vibrates"),
-        page.picture(
+        report.heading("Where it vibrates"),
+        report.picture(
             pictures.embedded(pictures.operating_chart, charts, assessment),
             "Operating chart at the middle values: what happens at each speed and force. The blue frame is the "
             f"operating window; a force above zero opposes outward travel.{note}",
@@ -230,33 +226,33 @@ def _uncertainty(assessment: Assessment) -> list[Html]:
     spread = assessment.uncertainty
     if spread.samples == 1:
         return [
-            page.heading("How sure this is"),
-            page.paragraph("The data sheet gives single values only, so nothing was sampled."),
+            report.heading("How sure this is"),
+            report.paragraph("The data sheet gives single values only, so nothing was sampled."),
         ]
     names = shown_mechanisms(assessment)
     low, high = spread.any.interval
     parts = [
-        page.heading("How sure this is"),
-        page.paragraph(
+        report.heading("How sure this is"),
+        report.paragraph(
             f"{spread.samples} drives were drawn from the given ranges and distributions. {percent(spread.any.value)} "
             f"of them vibrate somewhere in the operating window (95 % sure: {percent(low)} to {percent(high)})."
         ),
     ]
     charts = [
-        page.picture(
+        report.picture(
             pictures.embedded(pictures.reserve_chart, assessment, names), "How the reserve is spread over these drives."
         )
     ]
     name = next((name for name in names if name in spread.total), None)
     if name is not None:
         charts.append(
-            page.picture(
+            report.picture(
                 pictures.embedded(pictures.sobol_chart, assessment, name),
                 f"Which uncertainty causes the spread of the reserve against {SHORT[name]} (Sobol "
                 "indices). The longest bar is what to measure first.",
             )
         )
-    return [*parts, page.side_by_side(*charts)]
+    return [*parts, report.side_by_side(*charts)]
 
 
 def locking_sentence(assessment: Assessment) -> str:
@@ -286,9 +282,9 @@ def locking_sentence(assessment: Assessment) -> str:
 
 def _locking(assessment: Assessment) -> list[Html]:
     return [
-        page.heading("Efficiency and self-locking"),
-        page.paragraph(locking_sentence(assessment)),
-        page.picture(
+        report.heading("Efficiency and self-locking"),
+        report.paragraph(locking_sentence(assessment)),
+        report.picture(
             pictures.embedded(pictures.locking_chart, assessment),
             "Friction at which a thread holds its load by itself.",
         ),

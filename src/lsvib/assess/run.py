@@ -5,12 +5,11 @@ from typing import Any
 
 from lsvib import numbers
 from lsvib.assess.assessment import assess
-from lsvib.assess.dataset import dataset
-from lsvib.assess.operating_chart import charts
-from lsvib.assess.plain_values import as_json
+from lsvib.assess.margins import charts
+from lsvib.assess.output import as_json, dataset
 from lsvib.assess.report import report
 from lsvib.assess.sheet import Sheet
-from lsvib.datasets.writer import write_dataset
+from lsvib.datasets.io import write_dataset
 from lsvib.errors import InputError
 from lsvib.files import Outputs, write_json, write_text
 

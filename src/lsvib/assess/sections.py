@@ -1,13 +1,11 @@
 """The parts of the report that say what went in: the data sheet with its sources, the limits, and the method."""
 
-from lsvib.assess import page
+from lsvib.assess import report
 from lsvib.assess.assessment import Assessment
-from lsvib.assess.fields import FrictionBySpeed
-from lsvib.assess.page import Html
-from lsvib.assess.sheet_to_drive import QUANTITIES
-from lsvib.assess.shown_numbers import shown
-from lsvib.assess.spread import Spread
-from lsvib.assess.words import LEFT_OUT, entry_name
+from lsvib.assess.drive import QUANTITIES
+from lsvib.assess.fields import FrictionBySpeed, Spread
+from lsvib.assess.report import Html
+from lsvib.assess.words import LEFT_OUT, entry_name, shown
 
 _KINDS = {"uniform": "anywhere in the range", "triangular": "triangular", "normal": "normal", "lognormal": "lognormal"}
 _TAKEN = {
@@ -29,15 +27,15 @@ def data_sheet(assessment: Assessment) -> list[Html]:
         rows.append((entry_name(path), _entry(entry), _origin(assessment, path)))
     found = [(QUANTITIES[key][0], shown(value, QUANTITIES[key][1])) for key, value in assessment.values.items()]
     return [
-        page.heading("The data sheet"),
-        page.table(["Entry", "Given", "Where it comes from"], rows),
+        report.heading("The data sheet"),
+        report.table(["Entry", "Given", "Where it comes from"], rows),
         *(
-            [page.paragraph("Assumed because it is not given:"), page.bullets(_missing(assessment))]
+            [report.paragraph("Assumed because it is not given:"), report.bullets(_missing(assessment))]
             if _missing(assessment)
             else []
         ),
-        page.heading("What follows from it, at the middle values", 3),
-        page.table(["Quantity", "Value"], [(name[0].upper() + name[1:], value) for name, value in found]),
+        report.heading("What follows from it, at the middle values", 3),
+        report.table(["Quantity", "Value"], [(name[0].upper() + name[1:], value) for name, value in found]),
     ]
 
 
@@ -58,10 +56,10 @@ def _origin(assessment: Assessment, path: str) -> Html:
     sheet = assessment.sheet
     for key in (path, part):
         if key in sheet.assumptions:
-            return Html(f'<span class="assumed">assumed</span> {page.text(sheet.assumptions[key])}')
+            return Html(f'<span class="assumed">assumed</span> {report.text(sheet.assumptions[key])}')
         if key in sheet.sources:
-            return page.text(sheet.sources[key])
-    return page.text("as given")
+            return report.text(sheet.sources[key])
+    return report.text("as given")
 
 
 def _missing(assessment: Assessment) -> list[str]:
@@ -76,21 +74,21 @@ def _missing(assessment: Assessment) -> list[str]:
 
 def left_out() -> list[Html]:
     """What the model does not know."""
-    return [page.heading("What this model leaves out"), page.bullets(LEFT_OUT)]
+    return [report.heading("What this model leaves out"), report.bullets(LEFT_OUT)]
 
 
 def method(assessment: Assessment) -> list[Html]:
     """How the numbers were found, in a few sentences."""
     return [
-        page.heading("How it was computed"),
-        page.paragraph(
+        report.heading("How it was computed"),
+        report.paragraph(
             "The screw, its coupling and the load are an oscillator with friction in the threads (Vahid-Araghi and "
             "Golnaraghi, Friction-Induced Vibration in Lead Screw Drives, Springer 2011, chapter 8). Whether a cause "
             "occurs is decided by exact signs of closed formulas; where there is none, by the equation of small "
             "oscillations. Motions are computed exactly from one event (standstill, loss of contact, impact) to the "
             "next, without time steps. Margins are found by root finding on those conditions."
         ),
-        page.paragraph(
+        report.paragraph(
             f"{_samples(assessment)}All of the numbers are in assessment.json and, with the chart and the motions, in "
             "assessment.nc."
         ),

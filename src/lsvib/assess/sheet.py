@@ -8,8 +8,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
 from lsvib.assess import fields
-from lsvib.assess.spread import Spread
-from lsvib.assess.units import NotQuantity
+from lsvib.assess.fields import NotQuantity, Spread
 from lsvib.errors import InputError
 from lsvib.models.scene import read_yaml
 from lsvib.numbers import NotNumber, shown, whole

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.assess.flank_friction import (
+from lsvib.assess.drive import (
     coefficient_from_efficiency,
     flank_coefficient,
     sliding_speed,

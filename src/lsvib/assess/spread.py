@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtr, ndtri
 
-from lsvib.assess.units import NotQuantity, quantity
+from lsvib.assess.fields import NotQuantity, quantity
 from lsvib.numbers import shown
 
 _TAIL = 4.0  # standard deviations at which a normal distribution is cut off: 6e-5 of it lie beyond

@@ -5,7 +5,7 @@ import re
 from dataclasses import dataclass
 from fractions import Fraction
 
-from lsvib.assess.units import NotQuantity
+from lsvib.assess.fields import NotQuantity
 
 _INCH = 0.0254  # m
 _TRAPEZOIDAL = {  # nominal diameter: pitches [mm] of ISO 2902, and those of drive screws that printers use

@@ -12,10 +12,16 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.stats import binomtest, qmc, sobol_indices, uniform
 
-from lsvib.assess.flank_friction import lifting_efficiency, lowering_efficiency
+from lsvib.assess.drive import (
+    lifting_efficiency,
+    lowering_efficiency,
+    nominal_draw,
+    quantities,
+    random_entries,
+    square_thread,
+)
+from lsvib.assess.mechanisms import Worst, worst
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.sheet_to_drive import nominal_draw, quantities, random_entries, square_thread
-from lsvib.assess.window import Worst, worst
 from lsvib.errors import InputError
 
 BLOCK = 2**12  # samples at once: few enough for the processor's caches, many enough for NumPy

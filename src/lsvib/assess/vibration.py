@@ -10,17 +10,17 @@ from numpy.typing import NDArray
 
 from lsvib.assess.mechanisms import DRIVES, drive_of
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.shown_numbers import shown
+from lsvib.assess.words import shown
 from lsvib.basins.boundary import AttractsNothing, basin
-from lsvib.basins.resilience import smallest_push
+from lsvib.basins.resilience import largest_tolerated
 from lsvib.dynamics.attractor import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.dynamics.impulses import event_impulses
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError, InputError
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import Drive
-from lsvib.models.registry import Model, find_model
+from lsvib.models.mechanics import coefficients
+from lsvib.models.model import Model, find_model
 from lsvib.models.rigid import rigid_automaton
 
 AUDIBLE = (20.0, 20e3)  # Hz, what a young ear hears
@@ -187,7 +187,7 @@ def survived_push(sheet: Sheet, values: Mapping[str, float], corner: tuple[int, 
     """Smallest sudden change of the screw's speed [rad/s], as a size, after which steady sliding does not come back.
 
     By the boundary of the region of attraction of the rigid drive, in closed form
-    (:func:`lsvib.basins.resilience.smallest_push`). Returns the change, infinite if motion comes back from any, zero if
+    (:func:`lsvib.basins.resilience.largest_tolerated`). Returns the change, infinite if motion comes back from any, zero if
     steady sliding is unstable, None if it is not known; and a sentence.
     """
     drive = drive_of(sheet, values, *corner)
@@ -205,7 +205,7 @@ def survived_push(sheet: Sheet, values: Mapping[str, float], corner: tuple[int, 
         return None, str(error)
     if not region.curves:
         return math.inf, "Steady sliding is reached again after any perturbation."
-    found = smallest_push(region, 1)
+    found = largest_tolerated(region, 1)
     if found > _FARTHEST * abs(drive.input_speed):
         return math.inf, "Steady sliding is reached again after any sudden change of the screw's speed."
     return found, "A larger sudden change of the screw's speed ends in vibration that goes on."

@@ -7,10 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.assess.flank_friction import sliding_speed
+from lsvib.assess.drive import is_window, sliding_speed, without_friction
 from lsvib.assess.mechanisms import applicable, reserves
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.sheet_to_drive import is_window, without_friction
 
 # The slope of a curve is constant between its points, all of which are looked at from both sides; between them only the
 # level of friction changes, for which equal steps do.

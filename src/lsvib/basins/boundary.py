@@ -29,12 +29,12 @@ from lsvib.dynamics.attractor import steady_state
 from lsvib.dynamics.forward_slip import ForwardDrive, exactly, many
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.engine.kernels import columns
-from lsvib.engine.kernels.status import Status
+from lsvib.engine.kernels import layout
+from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError, InputError
-from lsvib.models.coefficients import Coefficients, coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import Coefficients, coefficients
 from lsvib.models.rigid import MotionMode, rigid_automaton
 
 _NARROW = 1e-10  # width of a window, of the size of the boundary, in which a share is still good to 1e-4
@@ -295,7 +295,7 @@ def _wind_up(drive: RigidDrive, back: Automaton, start: NDArray[np.float64], mod
     each turn is in proportion to the one before, so they grow for ever.
     """
     state, used, chunk = start, 0, 32
-    scale = back.tables.flow[mode, columns.TIME_SCALE]
+    scale = back.tables.flow[mode, layout.TIME_SCALE]
     while used < _EVENTS:
         trace = _traced(back, state, mode, chunk)
         if trace is None or trace.status == Status.SETTLED or np.abs(trace.after).max() > _FAR * np.abs(start).max():

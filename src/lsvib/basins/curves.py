@@ -19,9 +19,9 @@ from typing import NamedTuple
 import numpy as np
 from flint import arb, ctx
 
-from lsvib.engine.kernels import columns, flow_planar, search_planar
-from lsvib.engine.kernels.affine import level
-from lsvib.engine.kernels.status import Found
+from lsvib.engine.kernels import flow_planar, layout, search_planar
+from lsvib.engine.kernels.flow_planar import level
+from lsvib.engine.kernels.layout import Found
 
 _DIGITS = 60  # of an area: the strips under its boundary nearly cancel, in a narrow window to 24 digits and 20 more
 
@@ -153,10 +153,10 @@ def _strip(flow: np.ndarray, piece: Piece) -> tuple[arb, tuple[arb, arb]]:
     if isinstance(piece, Segment):
         end = _balls(piece.end)
         return _under_line((u, w), end), end
-    rates = [float(flow[piece.mode, k]) for k in (columns.A0, columns.A1)]
+    rates = [float(flow[piece.mode, k]) for k in (layout.A0, layout.A1)]
     little = math.log10(abs(rates[1])) - math.log10(abs(rates[0])) / 2 if rates[1] else 0.0
     with ctx.workdps(_DIGITS + max(0, -int(little))):  # the division by a₁ costs as many digits
-        (a0, a1), b, time = map(arb, rates), arb(float(flow[piece.mode, columns.B])), arb(piece.duration)
+        (a0, a1), b, time = map(arb, rates), arb(float(flow[piece.mode, layout.B])), arb(piece.duration)
         square, y, decay = a1 * a1 / 4 - a0, u - b / a0, (-a1 * time / 2).exp()
         root = abs(square).sqrt()
         if square == 0:  # critical damping has a double root
@@ -193,7 +193,7 @@ def _rising_parts(flow: np.ndarray, piece: Piece) -> list[Piece]:
     if isinstance(piece, Segment):
         return [piece]
     row = flow[piece.mode]
-    acceleration = np.array([-row[columns.A0], -row[columns.A1], row[columns.B]])
+    acceleration = np.array([-row[layout.A0], -row[layout.A1], row[layout.B]])
     return split(flow, piece, sign_changes(flow, piece, acceleration))
 
 

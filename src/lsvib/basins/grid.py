@@ -11,7 +11,7 @@ import numpy as np
 from lsvib import numbers
 from lsvib.errors import InputError
 from lsvib.models.drive import names_and_values
-from lsvib.models.registry import all_models
+from lsvib.models.model import all_models
 
 
 @cache

@@ -39,7 +39,7 @@ from lsvib.basins.kernels.labels import UNKNOWN, UNRESOLVED, Known
 from lsvib.basins.mapper import NO_DOUBT, Mapper
 from lsvib.dynamics.attractor import Attractor, Doubt, SteadyState, steady_state
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import columns, event_loop, flow_planar
+from lsvib.engine.kernels import event_loop, flow_planar, layout
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
 
@@ -143,7 +143,7 @@ class Sections:
             u, w, constant = tables.guard_sign[guard] * tables.surfaces[tables.guard_surface[guard]]
             if tables.guard_surface[guard] == section.surface:
                 flow = tables.flow[section.mode]
-                u, w, constant = -w * flow[columns.A0], u - w * flow[columns.A1], w * flow[columns.B]
+                u, w, constant = -w * flow[layout.A0], u - w * flow[layout.A1], w * flow[layout.B]
             slope, level = u * along[0] + w * along[1], u * origin[0] + w * origin[1] + constant
             rounding = _BAND * (abs(u * origin[0]) + abs(w * origin[1]) + abs(constant))
             if slope > 0:
@@ -255,9 +255,9 @@ def _merged(pieces: Sequence[tuple[float, float, int]], sliver: float, band: flo
 def _sizes(automaton: Automaton) -> np.ndarray:
     """Return the sizes (2) of u [rad] and w [rad/s] in a drive's motions, from corners of surfaces and equilibria."""
     rows, flow = automaton.tables.surfaces, automaton.tables.flow
-    stiff = flow[:, columns.A0] != 0
-    tau = float(flow[stiff, columns.TIME_SCALE].max())
-    points = [np.array([u, 0.0]) for u in flow[stiff, columns.EQUILIBRIUM]]
+    stiff = flow[:, layout.A0] != 0
+    tau = float(flow[stiff, layout.TIME_SCALE].max())
+    points = [np.array([u, 0.0]) for u in flow[stiff, layout.EQUILIBRIUM]]
     with np.errstate(all="ignore"):  # what is beyond all numbers is no size
         for i, one in enumerate(rows):
             length = np.hypot(*one[:2])
@@ -276,7 +276,7 @@ def _nothing_known(automaton: Automaton, size: np.ndarray) -> Known:
     tables = automaton.tables
     modes, surfaces = len(tables.flow), len(tables.surfaces)
     rests = np.isin(automaton.codes, automaton.rest_codes)
-    alpha, beta = tables.flow[:, columns.ALPHA], tables.flow[:, columns.BETA]
+    alpha, beta = tables.flow[:, layout.ALPHA], tables.flow[:, layout.BETA]
     undamped = np.where(beta > 0, Attractor.NEUTRAL_FAMILY, Attractor.UNBOUNDED)
     slip = np.where(alpha > 0, Attractor.STEADY_SLIDING, np.where(alpha < 0, Attractor.UNBOUNDED, undamped))
     turns = np.minimum(-2 * np.pi * alpha / np.where(beta > 0, beta, 1.0), flow_planar.OVERFLOW)
@@ -326,15 +326,15 @@ def _trap(automaton: Automaton, mode: int, size: np.ndarray) -> tuple[float, flo
     """
     tables = automaton.tables
     row = tables.flow[mode]
-    kappa, radius = max(row[columns.ALPHA], row[columns.BETA]), np.inf
-    if not (row[columns.ALPHA] > 0 and row[columns.A0] > 0 and kappa < event_loop.LARGEST):  # whose square overflows
+    kappa, radius = max(row[layout.ALPHA], row[layout.BETA]), np.inf
+    if not (row[layout.ALPHA] > 0 and row[layout.A0] > 0 and kappa < event_loop.LARGEST):  # whose square overflows
         return 0.0, 0.0, 0.0
     with np.errstate(all="ignore"):  # a guard that hardly depends on the state is beyond all numbers: so is the square
         for guard in range(*tables.guard_start[mode : mode + 2]):
             u, w, constant = tables.guard_sign[guard] * tables.surfaces[tables.guard_surface[guard]]
-            least = constant + u * row[columns.EQUILIBRIUM]
-            slack = 64 * flow_planar.EPS * (abs(constant) + abs(u * row[columns.EQUILIBRIUM]))
-            radius = min(radius, max(0.0, least - slack) / np.hypot(w, (u - row[columns.ALPHA] * w) / kappa))
+            least = constant + u * row[layout.EQUILIBRIUM]
+            slack = 64 * flow_planar.EPS * (abs(constant) + abs(u * row[layout.EQUILIBRIUM]))
+            radius = min(radius, max(0.0, least - slack) / np.hypot(w, (u - row[layout.ALPHA] * w) / kappa))
         if radius == np.inf:
             radius = float(size[1])
         return kappa**2, radius**2, max(radius, _ON_CYCLE * size[1]) ** 2
@@ -386,8 +386,8 @@ def _with_labels(automaton: Automaton, known: Known, found: Mapping[Section, Pie
         row, kappa = tables.flow[mode], np.sqrt(known.trap[mode, 0])
         if len(ends) == 1 and kappa > 0:
             known.common[mode] = ends.pop()
-            room = max(0.0, _FAR * size[0] - abs(row[columns.EQUILIBRIUM]))
-            known.reach[mode] = min(kappa * room, _FAR * size[1] / (1 + row[columns.ALPHA] / kappa)) ** 2
+            room = max(0.0, _FAR * size[0] - abs(row[layout.EQUILIBRIUM]))
+            known.reach[mode] = min(kappa * room, _FAR * size[1] / (1 + row[layout.ALPHA] / kappa)) ** 2
     return known._replace(edges=np.array(edges), labels=np.array(labels, dtype=np.int64))
 
 

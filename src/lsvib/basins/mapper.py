@@ -10,7 +10,7 @@ from lsvib.basins.grid import Grid
 from lsvib.dynamics.attractor import SteadyState
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model
 from lsvib.numbers import Progress
 
 QUANTITIES = {"label": np.int8, "time": np.float64, "seizures": np.int32, "first_event": np.int8, "doubt": np.int8}

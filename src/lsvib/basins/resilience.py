@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from lsvib.basins.boundary import AttractsNothing, Basin, Boundary, basin
 from lsvib.basins.curves import Arc, Piece, Segment, Window, sign_changes, state_on
-from lsvib.engine.kernels import columns
+from lsvib.engine.kernels import layout
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import rigid_automaton
 
@@ -76,8 +76,8 @@ def resilience(drive: RigidDrive, window: Window | None = None) -> Resilience:
     energy, state = least_energy(region)
     return Resilience(
         boundary=region.boundary.name.lower(),
-        angle=smallest_push(region, 0),
-        speed=smallest_push(region, 1),
+        angle=largest_tolerated(region, 0),
+        speed=largest_tolerated(region, 1),
         energy=energy,
         state=state,
         fraction=math.nan if window is None else region.fraction(window),
@@ -91,7 +91,7 @@ def _all(boundary: Boundary, window: Window | None) -> Resilience:
     return Resilience(boundary.name.lower(), math.inf, math.inf, math.inf, (math.nan, math.nan), share, window)
 
 
-def smallest_push(region: Basin, coordinate: int) -> float:
+def largest_tolerated(region: Basin, coordinate: int) -> float:
     """Return the largest tolerated perturbation of one coordinate (0: u [rad], 1: w [rad/s]) as a size, or infinity.
 
     It is the crossing of the boundary that lies nearest to the origin, where the other coordinate is zero.
@@ -138,7 +138,7 @@ def _candidates(
     if isinstance(piece, Segment):
         yield _nearest(piece, stiffness, inertia)
         return
-    a0, a1, b = (float(flow[piece.mode, k]) for k in (columns.A0, columns.A1, columns.B))
+    a0, a1, b = (float(flow[piece.mode, k]) for k in (layout.A0, layout.A1, layout.B))
     rows = np.array([[0.0, 1.0, 0.0], [stiffness - inertia * a0, -inertia * a1, inertia * b]])
     yield piece.start[0], piece.start[1]
     yield piece.end[0], piece.end[1]

@@ -28,10 +28,10 @@ from lsvib.engine.automaton import (
     oscillator,
 )
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.engine.kernels.status import Test
+from lsvib.engine.kernels.layout import Test
 from lsvib.errors import InputError
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import SLIPS, EventKind, MotionMode, rigid_automaton
 
 BEGINNING = int(MotionMode.REST)  # code of the mode in which a trace ends

@@ -7,7 +7,7 @@ from pkgutil import iter_modules
 from cyclopts import App, CycloptsError
 
 from lsvib import __version__, cli
-from lsvib.cli.terminal import told
+from lsvib.cli.app import told
 
 app = App(
     name="lsvib",

@@ -35,12 +35,12 @@ def assess(
     """
     refuse_results_of_the_workflow(out / "index.html")
     try:
-        from lsvib.assess import run
+        from lsvib.assess import output
     except ModuleNotFoundError as error:
         raise InputError(
             f"lsvib assess needs {error.name}, which is not installed: pip install 'lsvib[assess]'."
         ) from None
 
-    result = run.assess_file(sheet, out, samples, seed)
+    result = output.assess_file(sheet, out, samples, seed)
     written = f"wrote {out / 'index.html'}, assessment.nc and assessment.json"
     show(result, as_json, lambda result: print(result["sentence"], written, sep="\n"))

@@ -5,10 +5,9 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from lsvib.cli.app import app
+from lsvib.cli.app import ProgressLine, app
 from lsvib.cli.options import MODEL, ONE_VALUE, RESUME, AsJson, Changes, pairs, refuse_results_of_the_workflow
 from lsvib.cli.printing import picture_files, print_map, show
-from lsvib.cli.terminal import ProgressLine
 from lsvib.errors import InputError
 
 Axes = Annotated[
@@ -50,8 +49,8 @@ def attraction(
     """
     from lsvib.api import drive_class
     from lsvib.basins.grid import Grid
-    from lsvib.datasets.attraction_map import map_attraction, summary
-    from lsvib.datasets.writer import write_dataset
+    from lsvib.datasets.io import write_dataset
+    from lsvib.datasets.map import map_attraction, summary
     from lsvib.files import Outputs
 
     refuse_results_of_the_workflow(out, figure)
@@ -68,8 +67,8 @@ def attraction(
     with outputs.writing() as parts:
         write_dataset(dataset, parts[0], "lsvib.attraction")
         if pictures:
-            from lsvib.figures.attraction.picture import draw
-            from lsvib.figures.drawing.style import save
+            from lsvib.figures.attraction import draw
+            from lsvib.figures.style import save
 
             save(draw(dataset), *parts[1:])
     show(result, as_json, lambda result: print_map(result, counts), out)

@@ -5,10 +5,9 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from lsvib.cli.app import app
+from lsvib.cli.app import ProgressLine, app
 from lsvib.cli.options import MODEL, RESUME, AsJson, Changes, OutFile, pairs, refuse_results_of_the_workflow
 from lsvib.cli.printing import picture_files, print_chart, show
-from lsvib.cli.terminal import ProgressLine
 
 
 @app.command
@@ -41,7 +40,7 @@ def chart(
     from lsvib.api import drive_class
     from lsvib.datasets.chart import chart as charted
     from lsvib.datasets.chart import summary
-    from lsvib.datasets.writer import write_dataset
+    from lsvib.datasets.io import write_dataset
     from lsvib.files import Outputs
 
     refuse_results_of_the_workflow(out, figure)
@@ -55,8 +54,8 @@ def chart(
         if out:
             write_dataset(found, parts[0], "lsvib.chart")
         if pictures:
-            from lsvib.figures.chart.picture import draw
-            from lsvib.figures.drawing.style import save
+            from lsvib.figures.chart import draw
+            from lsvib.figures.style import save
 
             save(draw(found), *parts[-2:])
     show(result, as_json, print_chart)

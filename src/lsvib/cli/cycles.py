@@ -55,7 +55,7 @@ def follow(
     from lsvib import numbers
     from lsvib.api import drive_class
     from lsvib.datasets.cycles import branch_dataset, branch_json
-    from lsvib.datasets.writer import write_dataset
+    from lsvib.datasets.io import write_dataset
     from lsvib.files import Outputs
 
     refuse_results_of_the_workflow(out)

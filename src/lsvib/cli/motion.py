@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from lsvib.cli.app import app
+from lsvib.cli.app import ProgressLine, app
 from lsvib.cli.options import (
     MODEL,
     MODEL_IF_GIVEN,
@@ -20,7 +20,6 @@ from lsvib.cli.options import (
     refuse_results_of_the_workflow,
 )
 from lsvib.cli.printing import print_motion, print_sweep, show
-from lsvib.cli.terminal import ProgressLine
 from lsvib.errors import InputError
 
 
@@ -51,8 +50,8 @@ def simulate(
     out:
         netCDF file to write; one that is there is replaced.
     """
-    from lsvib.datasets.simulation import as_scene, attractor_of, motion_file, run, summary
-    from lsvib.datasets.writer import write_dataset
+    from lsvib.datasets.io import write_dataset
+    from lsvib.datasets.motion import as_scene, attractor_of, motion_file, run, summary
     from lsvib.files import Outputs
 
     refuse_results_of_the_workflow(out)
@@ -95,10 +94,10 @@ def sweep(
     from time import perf_counter
 
     from lsvib.api import drive_class
+    from lsvib.datasets.io import write_dataset
     from lsvib.datasets.sweep import evenly
     from lsvib.datasets.sweep import summary as swept_summary
     from lsvib.datasets.sweep import sweep as swept
-    from lsvib.datasets.writer import write_dataset
     from lsvib.files import Outputs
 
     refuse_results_of_the_workflow(out)

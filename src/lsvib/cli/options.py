@@ -7,7 +7,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from lsvib.errors import InputError
-from lsvib.models.model_files import model_names
+from lsvib.models.model import model_names
 
 # For options with several values: no --no-OPTION, or --empty-OPTION, beside them.
 ONE_VALUE = {"negative_iterable": ""}

@@ -5,10 +5,9 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from lsvib.cli.app import app
+from lsvib.cli.app import ProgressLine, app
 from lsvib.cli.options import ONE_VALUE, AsJson, Changes, OutFile, ends, pairs, refuse_results_of_the_workflow
 from lsvib.cli.printing import show
-from lsvib.cli.terminal import ProgressLine
 from lsvib.errors import InputError
 
 
@@ -36,9 +35,8 @@ def resilience(
         lsvib resilience --set mass=11 --set support_damping=1e-3 --over axial_force=-33:-1:65 --out reserve.nc
     """
     from lsvib import RigidDrive
-    from lsvib.datasets.resilience import resilience_sweep, window_of
-    from lsvib.datasets.sweep import evenly
-    from lsvib.datasets.writer import write_dataset
+    from lsvib.datasets.io import write_dataset
+    from lsvib.datasets.sweep import evenly, resilience_sweep, window_of
     from lsvib.files import Outputs
 
     refuse_results_of_the_workflow(out)

@@ -26,8 +26,8 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 from lsvib.errors import InputError
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import ThreadsDrive
+from lsvib.models.mechanics import coefficients
 
 ForceState = tuple[float, float]
 _ARCS = 1000  # A motion that still crosses N = 0 after so many arcs counts as bounded.

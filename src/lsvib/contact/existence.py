@@ -4,8 +4,8 @@ from enum import IntEnum
 
 import numpy as np
 
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
 
 
 class Existence(IntEnum):

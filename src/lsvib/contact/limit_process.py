@@ -33,9 +33,9 @@ from lsvib.dynamics.impulses import seizure_impulses
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import InputError
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive, ThreadsDrive
-from lsvib.models.resumption import RULES
+from lsvib.models.mechanics import coefficients
+from lsvib.models.model import RULES
 from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
 from lsvib.models.threads import ThreadsEvent, seated_state, threads_automaton
 

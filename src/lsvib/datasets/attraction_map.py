@@ -16,13 +16,11 @@ from lsvib.basins.grid import Axis, Grid, coordinates
 from lsvib.basins.mapper import NO_DOUBT, Mapper
 from lsvib.basins.mapper import mapper as mapper_of
 from lsvib.datasets import maps_of_models, phase_plane
-from lsvib.datasets.attributes import Variable, attributes, flags, flags_or_none, fractions, quantity
-from lsvib.datasets.parameter_origins import GIVEN, parameter
+from lsvib.datasets.attributes import GIVEN, Variable, attributes, flags, flags_or_none, fractions, parameter, quantity
 from lsvib.dynamics.attractor import Attractor, Doubt
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive, names_and_values
-from lsvib.models.model_files import of_model
-from lsvib.models.resumption import rule
+from lsvib.models.model import of_model, rule
 from lsvib.numbers import Progress
 
 _CYCLE_SAMPLES = 400  # of a limit cycle that is drawn: corners that no picture shows

@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from lsvib.models.model_files import model_names
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model, model_names
 
 _LONG_NAMES = {
     "angle_deviation": ("deviation of the coupling deflection from steady sliding", "rad", "$u$"),

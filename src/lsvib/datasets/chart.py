@@ -1,6 +1,6 @@
 """Charts: what a drive does over two of its parameters, cell by cell, with the exact curves that divide it.
 
-A cell depends on nothing but its own drive, so a large chart can be cut into tiles (:mod:`lsvib.datasets.chart_tiles`).
+A cell depends on nothing but its own drive, so a large chart can be cut into tiles (:mod:`lsvib.datasets.chart`).
 """
 
 import json
@@ -14,18 +14,28 @@ import xarray as xr
 
 from lsvib import numbers
 from lsvib.basins.grid import Axis
-from lsvib.datasets.attributes import Variable, attributes, flagged, flags, fractions, named_flags, variable
-from lsvib.datasets.parameter_origins import GIVEN, VARIED, axis, parameter
+from lsvib.datasets.attributes import (
+    GIVEN,
+    VARIED,
+    Variable,
+    attributes,
+    axis,
+    flagged,
+    flags,
+    fractions,
+    named_flags,
+    parameter,
+    variable,
+)
 from lsvib.datasets.spans import zero_where_rounded
 from lsvib.datasets.sweep import product_of
 from lsvib.dynamics.behaviour import Behaviour, behaviours
 from lsvib.errors import InputError
 from lsvib.models import chapter
 from lsvib.models.drive import Drive, RigidDrive
-from lsvib.models.registry import all_models, find_model
-from lsvib.models.resumption import Resume, rule
+from lsvib.models.model import Resume, all_models, find_model, rule
 from lsvib.numbers import Progress
-from lsvib.stability.boundary_curves import LOGARITHMIC, ChartBoundary, boundary_curves, curves_of
+from lsvib.stability.curves import LOGARITHMIC, ChartBoundary, boundary_curves, curves_of
 
 Curves = dict[ChartBoundary, list[np.ndarray]]
 _MOST = 100_000_000  # cells, of which each takes some hundred bytes while it is computed

@@ -5,10 +5,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from lsvib.datasets.chart import LABEL, Plane, shares
-from lsvib.datasets.tiles import joined, rows_of
-from lsvib.datasets.writer import write_dataset
+from lsvib.datasets.io import write_dataset
+from lsvib.datasets.map import joined, rows_of
 from lsvib.errors import InputError
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model
 
 
 def plane_of(settings: Mapping[str, Any]) -> Plane:

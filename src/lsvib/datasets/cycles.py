@@ -17,8 +17,7 @@ from lsvib.dynamics.cycles import Cycle, Seed, search, starts
 from lsvib.engine.automaton import Automaton
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive, described, zero_if_close
-from lsvib.models.model_files import of_model
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model, of_model
 
 
 @dataclass(frozen=True)

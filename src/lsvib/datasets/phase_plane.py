@@ -15,21 +15,21 @@ from lsvib.datasets.attributes import (
     SIGNS,
     WITHOUT_IMPULSES,
     Dims,
+    Variables,
     flagged,
     flags_or_none,
     named_index,
     quantity,
     variable,
 )
-from lsvib.datasets.parameter_origins import Variables
 from lsvib.dynamics.attractor import Attractor, SteadyState, steady_state
 from lsvib.dynamics.impulses import event_impulses
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import InputError
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
-from lsvib.models.resumption import RULES, Resume
+from lsvib.models.mechanics import coefficients
+from lsvib.models.model import RULES, Resume
 from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
 
 _STATES = ("angle_deviation", "velocity_deviation")

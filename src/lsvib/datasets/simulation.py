@@ -9,8 +9,18 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets import phase_plane
-from lsvib.datasets.attributes import IMPULSES, SIGNS, WITHOUT_IMPULSES, attributes, flagged, flags, quantity, variable
-from lsvib.datasets.parameter_origins import GIVEN, parameter
+from lsvib.datasets.attributes import (
+    GIVEN,
+    IMPULSES,
+    SIGNS,
+    WITHOUT_IMPULSES,
+    attributes,
+    flagged,
+    flags,
+    parameter,
+    quantity,
+    variable,
+)
 from lsvib.dynamics.attractor import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.dynamics.impulses import event_impulses
 from lsvib.engine.motion import Motion, follow

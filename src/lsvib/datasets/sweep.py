@@ -20,8 +20,7 @@ from lsvib.dynamics.sweep import all_endings
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive, RigidDrive, described, names_and_values
 from lsvib.models.many import ManyDrives
-from lsvib.models.registry import find_model
-from lsvib.models.resumption import rule
+from lsvib.models.model import find_model, rule
 from lsvib.numbers import Progress
 
 START = {"u": 1e-3, "w": 0.0}  # next to steady sliding: rad, and rad/s

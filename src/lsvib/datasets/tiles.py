@@ -8,11 +8,11 @@ import xarray as xr
 
 from lsvib.basins.grid import Grid
 from lsvib.basins.mapper import Mapper, mapper
-from lsvib.datasets.attraction_map import cells, count, dimensions, frame, parameters, surroundings
 from lsvib.datasets.attributes import fractions
-from lsvib.datasets.writer import read_dataset, write_dataset
+from lsvib.datasets.io import read_dataset, write_dataset
+from lsvib.datasets.map import cells, count, dimensions, frame, parameters, surroundings
 from lsvib.errors import InputError
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model
 
 
 def rows_of(item: str, rows: int) -> slice:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.datasets.provenance import provenance
+from lsvib.datasets.io import provenance
 from lsvib.errors import InputError, LsvibError
 from lsvib.files import replacing
 
@@ -25,7 +25,7 @@ def write_dataset(dataset: xr.Dataset, path: str | os.PathLike[str], maker: str 
     The dataset brings the global attributes ``title``, ``source`` and ``references``, and for every variable and
     coordinate ``units`` (UDUNITS syntax, "1" if dimensionless) and ``long_name``. Categories are ``int8`` with
     ``flag_values`` and ``flag_meanings``. Added here: ``Conventions`` and the attributes of
-    :func:`lsvib.datasets.provenance.provenance`, of which ``history`` names the ``maker``, a function; no clock time,
+    :func:`lsvib.datasets.io.provenance`, of which ``history`` names the ``maker``, a function; no clock time,
     so that equal runs give equal content. ``dataset`` itself is not changed. Raises ``InputError`` if the dataset
     breaks one of these rules, ``LsvibError`` if the file cannot be written.
     """

@@ -38,7 +38,7 @@ from lsvib.dynamics.kernels import attractor as rule
 from lsvib.dynamics.kernels.attractor import Outcome
 from lsvib.dynamics.kernels.poincare_map import ON_CIRCLE
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import columns, dispatch
+from lsvib.engine.kernels import event_loop, layout
 from lsvib.engine.motion import Motion, enter, follow
 from lsvib.errors import AccumulationError, DivergenceError, EngineError, UndecidedError, WorkSpentError
 
@@ -216,7 +216,7 @@ def end_of_motion(
 
 def shrinks_areas(automaton: Automaton) -> bool:
     """Whether the model vouches that every motion ends in steady sliding: areas shrink, so no orbit is closed."""
-    return automaton.contracts and bool((automaton.tables.flow[:, columns.ALPHA] > 0).any())
+    return automaton.contracts and bool((automaton.tables.flow[:, layout.ALPHA] > 0).any())
 
 
 def facts_of(automaton: Automaton) -> rule.Facts:
@@ -231,7 +231,7 @@ def _conserves(automaton: Automaton, rests: np.ndarray) -> bool:
     """Whether all modes in motion preserve volumes, because nothing damps them."""
     flow = automaton.tables.flow
     if isinstance(flow, np.ndarray):
-        return not flow[..., ~rests, columns.A1].any()
+        return not flow[..., ~rests, layout.A1].any()
     return not np.trace(flow.field[~rests][:, :, :-1], axis1=1, axis2=2).any()
 
 
@@ -280,7 +280,7 @@ def _equilibrium(automaton: Automaton, mode: int, states: int) -> np.ndarray:
     if mode < 0:
         return np.zeros(states)
     if isinstance(flow, np.ndarray):
-        return np.array([flow[mode, columns.EQUILIBRIUM], 0.0])
+        return np.array([flow[mode, layout.EQUILIBRIUM], 0.0])
     matrix, constant = flow.field[mode][:, :-1], flow.field[mode][:, -1]
     try:
         return np.linalg.solve(matrix, -constant)
@@ -343,7 +343,7 @@ def orbit_extremes(orbit: Motion, row: np.ndarray, wanted: np.ndarray | None = N
             return math.nan, math.nan
         modes, starts, durations = modes[chosen], starts[chosen], durations[chosen]
     functionals = np.array(np.broadcast_to(row, (len(automaton.codes), row.shape[-1])))
-    low, high = dispatch.extremes_of_arcs(automaton.tables.flow, modes, starts, durations, functionals)
+    low, high = event_loop.extremes_of_arcs(automaton.tables.flow, modes, starts, durations, functionals)
     if not (math.isfinite(low) and math.isfinite(high)):
         raise EngineError("the extremes of the motion cannot be isolated: the rates of a mode lie too far apart.")
     return low, high
@@ -357,7 +357,7 @@ def arc_integrals(orbit: Motion) -> tuple[np.ndarray, np.ndarray]:
     modes, starts, ends, durations = orbit.arcs()
     flow = orbit.automaton.tables.flow[modes]
     change = ends - starts
-    a0, a1, b = flow[:, columns.A0], flow[:, columns.A1], flow[:, columns.B]
+    a0, a1, b = flow[:, layout.A0], flow[:, layout.A1], flow[:, layout.B]
     resting = a0 == 0
     spring = (b * durations - change[:, 1] - a1 * change[:, 0]) / np.where(resting, 1.0, a0)
     drift = starts[:, 0] * durations + 0.5 * starts[:, 1] * durations**2

@@ -14,9 +14,9 @@ import numpy as np
 from lsvib.dynamics.attractor import Attractor
 from lsvib.dynamics.kernels.sweep import REVERSES
 from lsvib.dynamics.sweep import all_endings
-from lsvib.models import friction
+from lsvib.models import mechanics
 from lsvib.models.many import ManyDrives
-from lsvib.models.resumption import Resume
+from lsvib.models.model import Resume
 
 
 class Behaviour(IntEnum):
@@ -85,10 +85,10 @@ def near_and_far(drives: ManyDrives) -> tuple[np.ndarray, np.ndarray]:
     lever, speed, stiffness = v["pitch_radius"] * tangent, v["input_speed"], v["coupling_stiffness"]
     force = v["axial_force"] - lever * v["translation_damping"] * speed
     law = np.where(force * speed < 0, -1, 1)
-    factors = [friction.friction_factor(v["friction_coefficient"], tangent, s) for s in (1, -1)]
+    factors = [mechanics.friction_factor(v["friction_coefficient"], tangent, s) for s in (1, -1)]
     factor = np.where(law > 0, *factors)
-    inertia = friction.effective_inertia(v["screw_inertia"], v["mass"], v["pitch_radius"], tangent, factor)
-    damping = friction.effective_damping(
+    inertia = mechanics.effective_inertia(v["screw_inertia"], v["mass"], v["pitch_radius"], tangent, factor)
+    damping = mechanics.effective_damping(
         v["support_damping"], v["translation_damping"], v["pitch_radius"], tangent, factors[1]
     )
     to_contact = np.abs(inertia * force) / (lever * v["mass"] * stiffness)  # from steady sliding to Q = 0

@@ -22,7 +22,7 @@ from lsvib.dynamics.cycles import Cycle
 from lsvib.dynamics.poincare_map import Section, derivative, multipliers
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import flow_planar
-from lsvib.engine.kernels.status import GRAZE_KIND
+from lsvib.engine.kernels.layout import GRAZE_KIND
 from lsvib.engine.motion import Motion
 from lsvib.errors import EngineError, InputError
 from lsvib.models.drive import Drive

@@ -25,13 +25,13 @@ from lsvib.dynamics.energy import Work, means, work
 from lsvib.dynamics.impulses import Impulses, event_impulses
 from lsvib.dynamics.poincare_map import Section, lines, multipliers, nearest_to_origin, section_key, size_of, solve
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import columns
-from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND
+from lsvib.engine.kernels import layout
+from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import Drive
-from lsvib.models.registry import find_model
+from lsvib.models.mechanics import coefficients
+from lsvib.models.model import find_model
 
 _LONGER = 2.0  # a return may take so many times what it did
 _GOLDEN = 0.3819660112501051  # (3 − √5) / 2
@@ -384,7 +384,7 @@ def _to_edges(section: Section, places: np.ndarray, gaps: list[float]) -> np.nda
 
 def _patience(automaton: Automaton) -> float:
     """Longest time [s] that a return may take."""
-    scales = automaton.tables.flow[:, columns.TIME_SCALE]
+    scales = automaton.tables.flow[:, layout.TIME_SCALE]
     return 200.0 * float(scales.max())  # turns of the slowest oscillator that a return may take
 
 

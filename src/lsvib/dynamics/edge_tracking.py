@@ -20,7 +20,7 @@ import numpy as np
 from lsvib.dynamics.attractor import Attractor, SteadyState, steady_state
 from lsvib.dynamics.poincare_map import Section, section_key, size_of
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels.status import ACCUMULATION_KIND
+from lsvib.engine.kernels.layout import ACCUMULATION_KIND
 from lsvib.engine.motion import Budget, Motion, follow
 from lsvib.errors import EngineError
 

@@ -16,11 +16,10 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import columns, flow_planar
+from lsvib.engine.kernels import flow_planar, layout
 from lsvib.engine.motion import Motion
 from lsvib.models.drive import Drive
-from lsvib.models.powers import product
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model, product
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)  # exact up to the 15th power of the time
 
@@ -94,7 +93,7 @@ def _propagator(automaton: Automaton, mode: int, time: float) -> np.ndarray:
         row = flow[mode]
         c, s, s_rate = flow_planar.responses(row, time)
         moved = flow_planar.integrated_response(row, time)
-        a0, b = row[columns.A0], row[columns.B]
+        a0, b = row[layout.A0], row[layout.B]
         pushed = b * moved if b else 0.0  # in a rest so long that t² is beyond all numbers as well
         return np.array([[c, s, pushed], [-a0 * s, s_rate, b * s], [0.0, 0.0, 1.0]])
     pairs, singles = int(flow.pairs[mode]), int(flow.singles[mode])
@@ -102,7 +101,7 @@ def _propagator(automaton: Automaton, mode: int, time: float) -> np.ndarray:
     for pair in range(pairs):
         row = flow.oscillators[mode, pair]
         c, s, s_rate = flow_planar.responses(row, time)
-        found[2 * pair : 2 * pair + 2, 2 * pair : 2 * pair + 2] = [[c, s], [-row[columns.A0] * s, s_rate]]
+        found[2 * pair : 2 * pair + 2, 2 * pair : 2 * pair + 2] = [[c, s], [-row[layout.A0] * s, s_rate]]
     for single in range(singles):
         k, rate, push = 2 * pairs + single, float(flow.rates[mode, single]), float(flow.pushes[mode, single])
         more = math.expm1(min(rate * time, flow_planar.OVERFLOW))
@@ -117,7 +116,7 @@ def _fastest(automaton: Automaton, mode: int) -> float:
         rows, singles = flow[mode][None], np.zeros(0)
     else:
         rows, singles = flow.oscillators[mode, : flow.pairs[mode]], flow.rates[mode, : flow.singles[mode]]
-    pairs = np.hypot(rows[:, columns.ALPHA], rows[:, columns.BETA]) + rows[:, columns.DELTA]
+    pairs = np.hypot(rows[:, layout.ALPHA], rows[:, layout.BETA]) + rows[:, layout.DELTA]
     return float(np.max(np.concatenate([np.abs(pairs), np.abs(singles)]), initial=0.0))
 
 

@@ -14,8 +14,8 @@ from typing import Any
 from flint import arb
 from mpmath import MPContext
 
-from lsvib.models.coefficients import Coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import Coefficients
 
 many = MPContext()  # a context of its own, because the precision of the global one belongs to the caller
 many.dps = 50

@@ -21,7 +21,7 @@ from lsvib.dynamics.kernels import poincare_map as kernels
 from lsvib.dynamics.kernels import saltation
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import flow_planar
-from lsvib.engine.kernels.status import Status
+from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError
 

@@ -28,13 +28,12 @@ from lsvib.dynamics.kernels import sweep as kernels
 from lsvib.dynamics.kernels.attractor import Outcome
 from lsvib.dynamics.kernels.sweep import RESTS, REVERSES, SPRAGS
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import columns
+from lsvib.engine.kernels import layout
 from lsvib.engine.motion import enter
 from lsvib.errors import EngineError
 from lsvib.models.drive import Drive
 from lsvib.models.many import Group, ManyDrives, groups
-from lsvib.models.registry import Model, find_model
-from lsvib.models.resumption import Resume
+from lsvib.models.model import Model, Resume, find_model
 
 WORK = 300_000.0  # events that a motion may take
 _SHARE, _LEAST = 1024, 64  # most and fewest drives that a process takes at a time: some seconds of work
@@ -242,9 +241,9 @@ def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray, work: f
     """Return which motions of a group (j), from ``starts`` (j, 2), are done, and what these end on."""
     automaton, size, found = group.automaton, group.members.size, Endings.unknown(group.members.size)
     flow, moving = automaton.tables.flow, ~np.isin(automaton.codes, automaton.rest_codes)
-    done = group.safe & flow[:, moving, columns.A1].any(axis=1)
+    done = group.safe & flow[:, moving, layout.A1].any(axis=1)
     if automaton.contracts:
-        slides = done & (flow[..., columns.ALPHA] > 0).any(axis=1)
+        slides = done & (flow[..., layout.ALPHA] > 0).any(axis=1)
         _slide(group, slides, found)
         return slides, found
     outcomes, numbers = np.full(size, Outcome.OPEN, dtype=np.int8), np.full(size, np.nan, dtype=kernels.NUMBERS)

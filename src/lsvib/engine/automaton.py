@@ -12,9 +12,8 @@ import numpy as np
 from flint import arb
 
 from lsvib.engine.exact.arithmetic import alike, double, doubles, many_digits, root, sign
-from lsvib.engine.kernels import columns
-from lsvib.engine.kernels.status import Test
-from lsvib.engine.kernels.tables import Tables
+from lsvib.engine.kernels import layout
+from lsvib.engine.kernels.layout import Tables, Test
 from lsvib.errors import EngineError
 
 Row = Sequence[arb | np.ndarray | float | int]
@@ -111,19 +110,19 @@ def oscillator(inertia, damping, stiffness, force) -> np.ndarray:
     with many_digits():
         inertia, damping, stiffness, force = alike(inertia, damping, stiffness, force)
         square = stiffness / inertia
-        row: list[Any] = [0.0] * columns.COUNT
-        row[columns.A0], row[columns.A1], row[columns.B] = square, damping / inertia, force / inertia
-        row[columns.ALPHA] = alpha = damping / inertia / 2
+        row: list[Any] = [0.0] * layout.COUNT
+        row[layout.A0], row[layout.A1], row[layout.B] = square, damping / inertia, force / inertia
+        row[layout.ALPHA] = alpha = damping / inertia / 2
         discriminant = (damping * damping - 4 * inertia * stiffness) / (4 * inertia * inertia)
         if sign(discriminant, "a damping") < 0:
-            row[columns.BETA] = root(-discriminant)
+            row[layout.BETA] = root(-discriminant)
         else:
-            row[columns.DELTA] = root(discriminant)
-            row[columns.R1], row[columns.R2] = _real_rates(alpha, square, row[columns.DELTA])
+            row[layout.DELTA] = root(discriminant)
+            row[layout.R1], row[layout.R2] = _real_rates(alpha, square, row[layout.DELTA])
         if sign(stiffness):
-            row[columns.EQUILIBRIUM] = force / stiffness
-            row[columns.TIME_SCALE] = 1 / root(abs(square))
-        return doubles(row, (columns.COUNT,))
+            row[layout.EQUILIBRIUM] = force / stiffness
+            row[layout.TIME_SCALE] = 1 / root(abs(square))
+        return doubles(row, (layout.COUNT,))
 
 
 def eigenform(inertia, damping, stiffness, force) -> tuple[arb, arb, arb] | None:

@@ -9,7 +9,7 @@ import numpy as np
 from lsvib import numbers
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import event_loop
-from lsvib.engine.kernels.status import Status
+from lsvib.engine.kernels.layout import Status
 from lsvib.errors import (
     AccumulationError,
     DivergenceError,

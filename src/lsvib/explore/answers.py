@@ -11,17 +11,17 @@ from matplotlib.colors import to_rgba
 from lsvib.basins.curves import Window
 from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapper import Mapper, mapper
+from lsvib.datasets.motion import run
 from lsvib.datasets.phase_plane import lines, sample
-from lsvib.datasets.simulation import run
 from lsvib.datasets.spans import stepped
 from lsvib.datasets.sweep import START
 from lsvib.dynamics.attractor import Attractor, SteadyState, steady_state
 from lsvib.engine.motion import Motion
 from lsvib.errors import EngineError, LsvibError
 from lsvib.explore.view import View
-from lsvib.figures.attraction.picture import COLOURS
+from lsvib.figures.attraction import COLOURS
 from lsvib.models.drive import Drive
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model
 
 DRAGGED = (
     120,

@@ -7,7 +7,7 @@ from bokeh.models import Button, Column, Select, Slider, TextInput, Toggle
 
 from lsvib.api import DRIVES
 from lsvib.explore.view import View
-from lsvib.figures.drawing import style
+from lsvib.figures import style
 from lsvib.models.drive import Drive, allowed_range, described, may_vanish
 
 _STEPS = 200  # of a slider from end to end, finer than a hand

@@ -5,13 +5,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from lsvib.basins.mapper import mapper
-from lsvib.datasets.attraction_map import attraction_map
-from lsvib.datasets.simulation import attractor_of, motion_file, run
-from lsvib.datasets.writer import write_dataset
+from lsvib.datasets.io import write_dataset
+from lsvib.datasets.map import attraction_map
+from lsvib.datasets.motion import attractor_of, motion_file, run
 from lsvib.explore import answers
 from lsvib.explore.view import View
-from lsvib.figures.attraction import picture
-from lsvib.figures.drawing import style
+from lsvib.figures import attraction, style
 
 
 def scene(view: View, path: Path) -> None:
@@ -32,7 +31,7 @@ def drawing(view: View, path: Path) -> None:
     window = view.window or answers.window_around(view.drive, shown)
     grid = answers.grid_of(window, answers.SETTLED if answers.at_once(view.drive) else answers.COARSE)
     mapped = mapper(view.drive, view.drive.model)
-    figure = picture.draw(attraction_map(mapped, grid, mapped.cells(grid, quantities=("label",))))
+    figure = attraction.draw(attraction_map(mapped, grid, mapped.cells(grid, quantities=("label",))))
     figure.axes[0].plot(shown.u, shown.w, color=style.BLUE, linewidth=1.0)
     style.save(figure, path)
 
@@ -40,7 +39,7 @@ def drawing(view: View, path: Path) -> None:
 EXPORTS: dict[str, tuple[Callable[[View, Path], None], str]] = {
     "scene.yaml": (scene, "application/yaml"),
     "motion.nc": (motion, "application/x-netcdf"),
-    "picture.png": (drawing, "image/png"),
+    "attraction.png": (drawing, "image/png"),
 }
 
 

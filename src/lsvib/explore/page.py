@@ -20,8 +20,8 @@ from lsvib.explore import answers
 from lsvib.explore.controls import Controls
 from lsvib.explore.plots import Plots
 from lsvib.explore.view import View
-from lsvib.figures.attraction.picture import COLOURS
-from lsvib.models.registry import find_model
+from lsvib.figures.attraction import COLOURS
+from lsvib.models.model import find_model
 
 _THROTTLE = 8  # ms for which requests that came while an answer was made are gathered
 _PAUSE = 0.02  # s after an answer; a request that comes later comes alone, and is answered at once

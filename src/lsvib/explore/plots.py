@@ -26,8 +26,8 @@ from lsvib.basins.curves import Window
 from lsvib.explore import answers
 from lsvib.explore.answers import AmplitudePoint, Followed
 from lsvib.explore.view import View
-from lsvib.figures.attraction.picture import COLOURS
-from lsvib.figures.drawing import style
+from lsvib.figures import style
+from lsvib.figures.attraction import COLOURS
 from lsvib.models.drive import Drive, described
 
 SLOPE = 0.22  # of the drawn threads, whatever the lead angle: those of most screws are too flat to be seen

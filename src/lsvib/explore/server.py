@@ -15,13 +15,12 @@ from bokeh.server.views.ws import WSHandler
 from tornado.web import RequestHandler
 
 from lsvib.api import RigidDrive
-from lsvib.engine.kernels.compile_ahead import compile_engine
+from lsvib.engine.motion import compile_engine
 from lsvib.errors import InputError, LsvibError
 from lsvib.explore import answers
-from lsvib.explore.downloads import EXPORTS, export
+from lsvib.explore.answers import EXPORTS, export
 from lsvib.explore.page import Page
-from lsvib.explore.presets import presets
-from lsvib.explore.view import View
+from lsvib.explore.view import View, presets
 
 HOST = "localhost"  # nobody else is let in
 # What is shown first: the drive on the front page of the documentation, which slides or vibrates by the start.

@@ -8,8 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from lsvib.datasets.checks import Check
-from lsvib.figures.compute import compute_figure
-from lsvib.figures.draw import FULL, draw_figure
+from lsvib.figures.build import FULL, compute_figure, draw_figure
 
 
 def build_figure(

@@ -7,9 +7,8 @@ from importlib import import_module
 from typing import Any
 
 from lsvib.datasets.checks import Check
-from lsvib.datasets.writer import write_dataset
-from lsvib.figures.configuration import complete_settings
-from lsvib.figures.folders import dataset_module
+from lsvib.datasets.io import write_dataset
+from lsvib.figures.configuration import complete_settings, dataset_module
 from lsvib.files import write_json
 
 

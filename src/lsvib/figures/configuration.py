@@ -13,9 +13,9 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationError, create_model
 
 from lsvib.errors import InputError
-from lsvib.figures.common.settings import FigureSettings, SettingsSection, Unique
-from lsvib.figures.folders import accuracy_figures, default_figures, settings_module
-from lsvib.models.ranges import range_in_words
+from lsvib.figures.configuration import accuracy_figures, default_figures, settings_module
+from lsvib.figures.settings import FigureSettings, SettingsSection, Unique
+from lsvib.models.drive import range_in_words
 from lsvib.numbers import shown
 
 DEFAULT = Path(__file__).with_name("config.yaml")

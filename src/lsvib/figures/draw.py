@@ -6,9 +6,9 @@ from importlib import import_module
 
 from matplotlib.figure import Figure
 
-from lsvib.datasets.writer import read_dataset
-from lsvib.figures.drawing.style import plain, save
-from lsvib.figures.folders import caption_file, picture_module
+from lsvib.datasets.io import read_dataset
+from lsvib.figures.configuration import caption_file, picture_module
+from lsvib.figures.style import plain, save
 from lsvib.files import write_text
 
 FULL, DRAFT = 300, 100  # resolution of a PNG for print and of one for a quick look [dots per inch]

@@ -6,9 +6,8 @@ from typing import Any
 from flint import arb
 
 from lsvib.engine.exact.arithmetic import many_digits, sign
-from lsvib.models import friction
-from lsvib.models.drive import Drive
-from lsvib.models.once import once
+from lsvib.models import mechanics
+from lsvib.models.drive import Drive, once
 
 
 @dataclass(frozen=True)
@@ -43,9 +42,9 @@ def coefficients_of(d: Any) -> Coefficients:
     """Return the coefficients from parameters as balls, arrays of doubles or power series."""
     with many_digits():
         r, tan = d.pitch_radius, d.tan_lead
-        xi = {s: friction.friction_factor(d.friction_coefficient, tan, s) for s in (1, -1)}
-        gamma = {s: friction.effective_inertia(d.screw_inertia, d.mass, r, tan, xi[s]) for s in xi}
-        damping = {s: friction.effective_damping(d.support_damping, d.translation_damping, r, tan, xi[s]) for s in xi}
+        xi = {s: mechanics.friction_factor(d.friction_coefficient, tan, s) for s in (1, -1)}
+        gamma = {s: mechanics.effective_inertia(d.screw_inertia, d.mass, r, tan, xi[s]) for s in xi}
+        damping = {s: mechanics.effective_damping(d.support_damping, d.translation_damping, r, tan, xi[s]) for s in xi}
         net_force = d.axial_force - r * tan * d.translation_damping * d.input_speed
         law = -1 if sign(net_force * d.input_speed, "axial_force") < 0 else 1
         return Coefficients(

@@ -13,8 +13,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationEr
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import InputError
-from lsvib.models.once import once
-from lsvib.models.ranges import Least, range_in_words
+from lsvib.models.drive import Least, once, range_in_words
 from lsvib.numbers import NotNumber, number, shown, whole
 
 
@@ -66,7 +65,7 @@ class Drive(BaseModel):
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-    model: ClassVar[str]  # one of lsvib.models.model_files.model_names()
+    model: ClassVar[str]  # one of lsvib.models.model.model_names()
     own_damping: ClassVar[str] = ""  # the damping that the model adds to the rigid drive
 
     pitch_radius: Value = quantity(5.18e-3, "r_m", "m", "pitch radius of the screw", ge=1e-6, le=1.0)
@@ -177,7 +176,7 @@ class SupportDrive(Drive):
 
     >>> import lsvib
     >>> lsvib.SupportDrive(mass=15, friction_coefficient=0.3).stability().kind
-    'kinematic'
+    'kinematic_constraint'
     """
 
     model, own_damping = "support", "axial_support_damping"
@@ -197,7 +196,7 @@ class NutDrive(Drive):
     """A drive whose nut can rotate on a spring (Sect. 5.8); no values are printed, the screw's own are assumed.
 
     >>> import lsvib
-    >>> lsvib.NutDrive(mass=6).stability().conditions["kinematic"].hold
+    >>> lsvib.NutDrive(mass=6).stability().conditions["kinematic_constraint"].hold
     True
     """
 

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Self
 
-from lsvib.engine.exact.polynomials import multiplied
+from lsvib.engine.exact.arithmetic import multiplied
 
 Polynomial = tuple[Any, ...]  # highest power first
 

@@ -13,11 +13,11 @@ import numpy as np
 
 from lsvib.engine.automaton import DIMENSIONS, Automaton
 from lsvib.engine.exact.arithmetic import Divided
-from lsvib.engine.kernels import columns
-from lsvib.engine.kernels.tables import Tables
-from lsvib.models.coefficients import Coefficients, coefficients_of, steady_force
+from lsvib.engine.kernels import layout
+from lsvib.engine.kernels.layout import Tables
 from lsvib.models.drive import Drive, RigidDrive
-from lsvib.models.resumption import Resume
+from lsvib.models.mechanics import Coefficients, coefficients_of, steady_force
+from lsvib.models.model import Resume
 from lsvib.models.rigid import automaton_of
 
 _CANCELLED = 1e3  # terms of a sum over the sum: beyond, doubles do not hold 1e-12 of it
@@ -106,8 +106,8 @@ def _safe(c: Coefficients, d: Any, tables: Tables) -> np.ndarray:
             sums += [(c.xi[c.steady_law], -xi), (steady, d.pitch_radius * c.slack(law) * force)]
     modes = np.repeat(np.arange(tables.flow.shape[1]), np.diff(tables.guard_start))
     flow, rows = tables.flow[:, modes], tables.surfaces[:, tables.guard_surface]
-    real = flow[..., columns.DELTA] > 0
-    for constant, at in ((2, columns.EQUILIBRIUM), (0, columns.R1), (0, columns.R2)):
+    real = flow[..., layout.DELTA] > 0
+    for constant, at in ((2, layout.EQUILIBRIUM), (0, layout.R1), (0, layout.R2)):
         other = rows[..., 0 if constant else 1] * flow[..., at]
         sums += list(zip(np.where(real, rows[..., constant], 0.0).T, np.where(real, other, 0.0).T, strict=True))
     return np.logical_and.reduce([abs(a) + abs(b) <= _CANCELLED * abs(a + b) for a, b in sums])

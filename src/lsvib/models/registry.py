@@ -10,12 +10,12 @@ import numpy as np
 
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
-from lsvib.models.linear_parts import LinearParts, Polynomial
-from lsvib.models.model_files import model_module, model_names
+from lsvib.models.mechanics import LinearParts, Polynomial
+from lsvib.models.model import model_module, model_names
 
 if TYPE_CHECKING:  # a scene can be read and refused without the engine
     from lsvib.engine.automaton import Automaton
-    from lsvib.models.powers import Powers
+    from lsvib.models.model import Powers
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Model:
     those coordinates and observables that no other model has.
 
     Its linear stability needs ``characteristic(parameters, parts)``, the characteristic polynomial of steady sliding in
-    the arithmetic of the parameters, as :class:`~lsvib.models.linear_parts.LinearParts` helps to make it;
+    the arithmetic of the parameters, as :class:`~lsvib.models.mechanics.LinearParts` helps to make it;
     ``excess(parts)``, the positive factor by which it exceeds det(M s² + C s + K); and of the class ``drive`` the name
     of the damper that the model adds to the rigid drive, ``own_damping``. The kinematic constraint is where the leading
     coefficient of ``constrained(parameters, parts)`` vanishes, by default of the characteristic polynomial;
@@ -56,7 +56,7 @@ class Model:
     excess: Callable[[LinearParts], Any] = lambda parts: parts.g
     constrained: Callable[[Mapping[str, Any], LinearParts], Polynomial] | None = None
     constraint: str = "det M = 0"
-    thresholds: tuple[str, ...] = ("onset", "kinematic", "flutter")
+    thresholds: tuple[str, ...] = ("onset", "kinematic_constraint", "flutter")
     curves: tuple[str, ...] = ()
     quantities: Mapping[str, tuple[str, str, str]] = field(default_factory=dict)
     section: str = ""
@@ -89,5 +89,5 @@ def find_model(name: str) -> Model:
 
 
 def all_models() -> dict[str, Model]:
-    """Return all models by name, in the order of :func:`lsvib.models.model_files.model_names`."""
+    """Return all models by name, in the order of :func:`lsvib.models.model.model_names`."""
     return {name: find_model(name) for name in model_names()}

@@ -49,15 +49,12 @@ from lsvib.engine.automaton import (
     scaled,
 )
 from lsvib.engine.exact.arithmetic import double, many_digits, root, sign
-from lsvib.engine.kernels import columns
-from lsvib.engine.kernels.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
+from lsvib.engine.kernels import layout
+from lsvib.engine.kernels.layout import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
 from lsvib.errors import InputError
-from lsvib.models.coefficients import Coefficients, coefficients
-from lsvib.models.drive import RigidDrive
-from lsvib.models.once import once
-from lsvib.models.powers import Powers
-from lsvib.models.registry import Model
-from lsvib.models.resumption import Resume
+from lsvib.models.drive import RigidDrive, once
+from lsvib.models.mechanics import Coefficients, coefficients
+from lsvib.models.model import Model, Powers, Resume
 
 STATES = ("angle_deviation", "velocity_deviation")
 
@@ -139,7 +136,7 @@ def automaton_of(c: Coefficients, d: Any, rest: bool, resume: Resume) -> Automat
             modes=modes,
             transitions=transitions,
             observables=_observables(c, d, modes),
-            shortest_stay=SHORT_STAY * np.min([flow.row[..., columns.TIME_SCALE] for flow in flows.values()], axis=0),
+            shortest_stay=SHORT_STAY * np.min([flow.row[..., layout.TIME_SCALE] for flow in flows.values()], axis=0),
             rest_codes=(MotionMode.REST,),
             release_kinds=(EventKind.RELEASE,),
             sprag_kinds=(EventKind.SEIZURE,),
@@ -273,7 +270,7 @@ def _stop(stand: _Stand) -> tuple[Branch, ...]:
 def _entry(modes, flows, stand: _Stand, rest: bool):
     """Where a motion starts: by the signs of θ′ and Q; on Q = 0 by the sign of Q′; at θ′ = 0 as on stopping there."""
     flow = flows[1].row
-    a0, a1, b = flow[..., columns.A0], flow[..., columns.A1], flow[..., columns.B]
+    a0, a1, b = flow[..., layout.A0], flow[..., layout.A1], flow[..., layout.B]
     q_u, q_w = double(stand.q[0]), double(stand.q[1])
     with np.errstate(over="ignore", invalid="ignore"):  # what is beyond all numbers is refused with the tables
         q_rate = (-q_w * a0, q_u - q_w * a1, q_w * b)
@@ -363,8 +360,8 @@ MODEL = Model(
     equations="eqs 8.13-8.17",
     characteristic=lambda p, parts: parts.rigid(),
     constraint="Γ₊ = I − ξ₊ tan λ m r_m² = 0 (eq. 8.20)",
-    thresholds=("onset", "kinematic", "negative_damping", *_FORCES, "fold", "cycle_birth", "rest_loss"),
-    curves=("onset", *_FORCES, "kinematic", "negative_damping", "stick_slip_birth"),
+    thresholds=("onset", "kinematic_constraint", "negative_damping", *_FORCES, "fold", "cycle_birth", "rest_loss"),
+    curves=("onset", *_FORCES, "kinematic_constraint", "negative_damping", "stick_slip_birth"),
     powers=Powers,
     section="5.3",
 )

@@ -12,15 +12,14 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SerializeAsA
 
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive, Number, Whole, names_and_values, sentence_about
-from lsvib.models.registry import Model, find_model
-from lsvib.models.resumption import Resume
+from lsvib.models.model import Model, Resume, find_model
 from lsvib.numbers import NotNumber, number
 
 
 class Scene(BaseModel):
     """One simulation, immutable and checked.
 
-    ``model``: its name (:mod:`lsvib.models.model_files`); ``drive``: its parameters. ``physics``: the terms that the
+    ``model``: its name (:mod:`lsvib.models.model`); ``drive``: its parameters. ``physics``: the terms that the
     scene has – a damping or force that is listed nowhere must be zero in the drive, and without ``rest`` the motion of
     a rigid drive is taken never to reach θ′ = 0, so reversal, rest and seizure are left out; by default the non-zero
     terms and rest. ``resume``: how motion goes on after a seizure, see :mod:`lsvib.models.rigid`. ``start``: u [rad],

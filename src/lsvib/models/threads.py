@@ -30,17 +30,13 @@ import numpy as np
 
 from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, scaled
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.engine.exact.linear_mode import linear_mode
-from lsvib.engine.exact.modal_form import ModalMode, guard_forms, modal_flow
-from lsvib.engine.exact.reach import SWINGS
-from lsvib.engine.kernels.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
-from lsvib.models.coefficients import Coefficients, coefficients
-from lsvib.models.drive import ThreadsDrive
-from lsvib.models.linear_parts import LinearParts, Polynomial
-from lsvib.models.once import once
-from lsvib.models.powers import Powers, product
-from lsvib.models.registry import Model, seizures_only_by_contact
-from lsvib.models.second_body.mechanics import DIRECTIONS, SIGNS, plus
+from lsvib.engine.exact.field import SWINGS
+from lsvib.engine.exact.modal_form import ModalMode, guard_forms, linear_mode, modal_flow
+from lsvib.engine.kernels.layout import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
+from lsvib.models.drive import ThreadsDrive, once
+from lsvib.models.mechanics import Coefficients, LinearParts, Polynomial, coefficients
+from lsvib.models.model import Model, Powers, product, seizures_only_by_contact
+from lsvib.models.two_bodies import DIRECTIONS, SIGNS, plus
 
 STATES = ("angle_deviation", "velocity_deviation", "thread_mismatch", "mismatch_rate")
 

@@ -12,12 +12,21 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
-from lsvib.engine.exact.polynomials import multiplied
+from lsvib.engine.exact.arithmetic import multiplied
 from lsvib.models.drive import Drive
-from lsvib.stability.characteristic import DIGITS, Polynomial, hurwitz, polynomial, rationals, tangents
-from lsvib.stability.linearised import steady_law
-from lsvib.stability.real_roots import SAME, positive_roots, trimmed
-from lsvib.stability.spectrum import neutral_margins
+from lsvib.stability.linear import steady_law
+from lsvib.stability.spectrum import (
+    DIGITS,
+    SAME,
+    Polynomial,
+    hurwitz,
+    neutral_margins,
+    polynomial,
+    positive_roots,
+    rationals,
+    tangents,
+    trimmed,
+)
 
 
 @dataclass(frozen=True)

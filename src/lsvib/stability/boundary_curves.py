@@ -1,6 +1,6 @@
 """The exact curves, by name, at which a drive changes what it does, in the plane of two of its parameters.
 
-Rigid drive (:mod:`lsvib.stability.thresholds` proves what each one divides):
+Rigid drive (:mod:`lsvib.stability.force_thresholds` proves what each one divides):
 
 * ``kinematic``: Γ₊ = 0, the Painlevé region begins;
 * ``onset``: R̃ = 0, where Γ₊ ≤ 0 or C₊ < 0, so that steady sliding is unstable on the side R̃ Ω > 0;
@@ -27,20 +27,19 @@ import numpy as np
 from lsvib.dynamics.attractor import Attractor
 from lsvib.dynamics.sweep import endings_at_once
 from lsvib.engine.automaton import Automaton, one_of_many
-from lsvib.engine.kernels import columns
-from lsvib.engine.kernels.status import Status
+from lsvib.engine.kernels import layout
+from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import follow
 from lsvib.errors import InputError, NoThreshold
-from lsvib.models.coefficients import Coefficients, coefficients
 from lsvib.models.drive import Drive, zero_if_close
-from lsvib.models.friction import effective_damping, effective_inertia, friction_factor
 from lsvib.models.many import ManyDrives, groups
-from lsvib.models.registry import find_model
+from lsvib.models.mechanics import Coefficients, coefficients, effective_damping, effective_inertia, friction_factor
+from lsvib.models.model import find_model
 from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
-from lsvib.stability import thresholds
-from lsvib.stability.characteristic import DIGITS, hurwitz, polynomial, rationals, tangents
-from lsvib.stability.contours import contour
-from lsvib.stability.linearised import steady_law
+from lsvib.stability import force_thresholds
+from lsvib.stability.curves import contour
+from lsvib.stability.linear import steady_law
+from lsvib.stability.spectrum import DIGITS, hurwitz, polynomial, rationals, tangents
 
 LOGARITHMIC = ("contact_stiffness", "contact_damping")
 """Parameters that span many decades, so that their axes have equal ratios in place of equal steps."""
@@ -66,9 +65,9 @@ class ChartBoundary(IntEnum):
 
 
 _FORCES: dict[ChartBoundary, Callable[[Drive], float]] = {
-    ChartBoundary.STICK: thresholds.stick_force,
-    ChartBoundary.DETACH: thresholds.detach_force,
-    ChartBoundary.GLOBAL_STABILITY: thresholds.global_stability_force,
+    ChartBoundary.STICK: force_thresholds.stick_force,
+    ChartBoundary.DETACH: force_thresholds.detach_force,
+    ChartBoundary.GLOBAL_STABILITY: force_thresholds.global_stability_force,
 }
 AxisSpan = tuple[str, tuple[float, float]]
 
@@ -172,12 +171,12 @@ def _where(v: SimpleNamespace, values: Any, holds: Any) -> np.ndarray:
 
 
 _SIGNS: dict[ChartBoundary, Callable[[SimpleNamespace], np.ndarray]] = {
-    ChartBoundary.KINEMATIC: lambda v: _where(v, v.inertia, True),
+    ChartBoundary.KINEMATIC_CONSTRAINT: lambda v: _where(v, v.inertia, True),
     ChartBoundary.NEGATIVE_DAMPING: lambda v: _where(v, v.damping, (v.inertia > 0) & (v.drag > 0)),
     ChartBoundary.ONSET: lambda v: _where(v, v.drag, (v.inertia <= 0) | (v.damping < 0)),
 }
 _EXACT: dict[ChartBoundary, Callable[[Coefficients], float]] = {
-    ChartBoundary.KINEMATIC: lambda c: float(c.gamma[1]),
+    ChartBoundary.KINEMATIC_CONSTRAINT: lambda c: float(c.gamma[1]),
     ChartBoundary.NEGATIVE_DAMPING: lambda c: float(c.damping[1]),
     ChartBoundary.ONSET: lambda c: float(c.net_force),
 }
@@ -242,9 +241,9 @@ def _stick_or_onset(drive: Drive) -> float:
     Beyond the onset motions then come to rest at once. Where R is an axis that is no other curve than the onset.
     """
     try:
-        return thresholds.stick_force(drive)
+        return force_thresholds.stick_force(drive)
     except NoThreshold:
-        return thresholds.onset_force(drive)
+        return force_thresholds.onset_force(drive)
 
 
 def stops_again(drive: Drive) -> float:
@@ -267,7 +266,7 @@ def _slip_stops(automaton: Automaton, speed: float) -> float:
     (rest,) = np.flatnonzero(automaton.codes == MotionMode.REST)
     tables = automaton.tables
     row = tables.surfaces[tables.guard_surface[tables.guard_start[rest]]]  # of the end of rest
-    before = math.copysign(float(tables.flow[0, columns.TIME_SCALE]), speed) * abs(speed)
+    before = math.copysign(float(tables.flow[0, layout.TIME_SCALE]), speed) * abs(speed)
     motion = follow(automaton, (-row[2] / row[0] + before, -speed), math.inf, mode=int(rest), max_events=_TURNS)
     if np.isin(motion.kind, _STOPS).any():
         return 1.0

@@ -1,7 +1,7 @@
 """Characteristic polynomials of steady sliding in exact rational numbers, for the rigid drive and all others.
 
-Each model states its own (:mod:`lsvib.models.linear_parts` has the parts that all are made of). It is
-det(M s² + C s + K) of :mod:`lsvib.stability.linearised` times a positive factor, g = 1 + s_0 μ tan λ or, with
+Each model states its own (:mod:`lsvib.models.mechanics` has the parts that all are made of). It is
+det(M s² + C s + K) of :mod:`lsvib.stability.linear` times a positive factor, g = 1 + s_0 μ tan λ or, with
 compliant threads, 1 + tan² λ. The coefficients are linear in every parameter except r_m and λ, and nothing cancels in
 them but what the physics subtracts.
 
@@ -18,8 +18,8 @@ import mpmath
 
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
-from lsvib.models.linear_parts import LinearParts, Polynomial
-from lsvib.models.registry import find_model
+from lsvib.models.mechanics import LinearParts, Polynomial
+from lsvib.models.model import find_model
 
 DIGITS = 100  # of tan λ at first; a condition that vanishes to some 80 digits calls for four times as many
 

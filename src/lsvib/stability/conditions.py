@@ -5,9 +5,9 @@ import math
 from flint import arb
 
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.models import friction
-from lsvib.models.coefficients import coefficients
+from lsvib.models import mechanics
 from lsvib.models.drive import Drive, RigidDrive
+from lsvib.models.mechanics import coefficients
 
 
 def conditions(drive: RigidDrive) -> dict[str, dict[str, object]]:
@@ -40,7 +40,7 @@ def critical_mass(drive: RigidDrive) -> float | None:
     """Mass [kg] at which Γ₊ = 0, m_cr = I / (ξ₊ tan λ r_m²) (eq. 8.20); None if the drive is not self-locking."""
     d = drive.exact()
     with many_digits():
-        xi = friction.friction_factor(d.friction_coefficient, d.tan_lead, 1)
+        xi = mechanics.friction_factor(d.friction_coefficient, d.tan_lead, 1)
         if xi <= 0:
             return None
         return float(d.screw_inertia / (xi * d.tan_lead * d.pitch_radius**2))

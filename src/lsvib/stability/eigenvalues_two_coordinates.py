@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.stability import eigenvalues_rigid
-from lsvib.stability.linearised import LinearModel
+from lsvib.stability import linear
+from lsvib.stability.linear import LinearModel
 
 
 class UndampedClass(IntEnum):
@@ -26,7 +26,7 @@ def reciprocal_squares(model: LinearModel) -> NDArray[np.complex128]:
     ω² passes through infinity (eq. 8.27): a real one then changes its sign in a simple root.
     """
     a_4, _, minus_a_2, _, a_0 = LinearModel(model.mass, ((0, 0), (0, 0)), model.stiffness).polynomial()
-    return eigenvalues_rigid.eigenvalues(a_0, -minus_a_2, a_4)
+    return linear.eigenvalue_pair(a_0, -minus_a_2, a_4)
 
 
 def undamped_class(model: LinearModel) -> NDArray[np.int8]:
@@ -36,7 +36,7 @@ def undamped_class(model: LinearModel) -> NDArray[np.int8]:
     complex_pair = squares[..., 0].imag != 0
     lower, upper = squares[..., 0].real, squares[..., 1].real
     kinds = [UndampedClass.FLUTTER, UndampedClass.STABLE, UndampedClass.DIVERGENCE]
-    return np.select([complex_pair, lower > 0, upper < 0], kinds, UndampedClass.KINEMATIC).astype(np.int8)
+    return np.select([complex_pair, lower > 0, upper < 0], kinds, UndampedClass.KINEMATIC_CONSTRAINT).astype(np.int8)
 
 
 def eigenvalues(model: LinearModel) -> NDArray[np.complex128]:

@@ -11,9 +11,9 @@ from typing import Any
 
 from lsvib.dynamics.forward_slip import ForwardDrive, many
 from lsvib.engine.automaton import oscillator
-from lsvib.engine.kernels import columns, flow_planar
+from lsvib.engine.kernels import flow_planar, layout
 from lsvib.errors import NoThreshold
-from lsvib.stability.threshold_motions import ReturnEquations, Start
+from lsvib.stability.motion_equations import ReturnEquations, Start
 
 _GRID = 240  # durations of slip in equal ratios, of which the best is refined
 _FARTHEST = 700.0  # logarithm of the ratio of the longest duration to the shortest; that of the largest double is 709
@@ -97,7 +97,7 @@ def widest_return(forward: ForwardDrive):
     is formed with 50 digits. Minus infinity if no slip comes back.
     """
     row = oscillator(*forward.decimals, 0)
-    speed, (q_u, q_w), a0 = float(forward.speed), (float(x) for x in forward.contact), float(row[columns.A0])
+    speed, (q_u, q_w), a0 = float(forward.speed), (float(x) for x in forward.contact), float(row[layout.A0])
     largest = float(forward.damping[-1] * forward.speed / forward.stiffness)
 
     def height(time: float) -> float:
@@ -110,10 +110,10 @@ def widest_return(forward: ForwardDrive):
     # Q_uw ≤ q_u x + q_w Ω, since slip decays, and x lies between −2 Ω / (a₀ τ) and −Ω / (a₀ τ) as long as τ is short
     # against the slowest time: the maximum is not earlier. Slip that turns comes back within a turn; other slip has all
     # but stopped after 40 times its slowest time.
-    turns = row[columns.BETA] > 0
-    slowest = row[columns.TIME_SCALE] if turns else -1 / row[columns.R1]
+    turns = row[layout.BETA] > 0
+    slowest = row[layout.TIME_SCALE] if turns else -1 / row[layout.R1]
     low = 0.1 * min(q_u / (a0 * q_w), slowest)
-    high = 2 * float(many.pi) / row[columns.BETA] if turns else 40 * slowest
+    high = 2 * float(many.pi) / row[layout.BETA] if turns else 40 * slowest
     if not 0 < low < high < many.inf or math.log(high) - math.log(low) > _FARTHEST:
         raise OverflowError
     times = [low * (high / low) ** (k / _GRID) for k in range(_GRID)]

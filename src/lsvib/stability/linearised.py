@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lsvib.engine.exact.arithmetic import many_digits, sign
 from lsvib.errors import InputError
-from lsvib.models import friction
+from lsvib.models import mechanics
 from lsvib.models.drive import Drive, ExactParameters
 
 TwoByTwo = tuple[tuple[Any, Any], tuple[Any, Any]]
@@ -180,5 +180,5 @@ def values_of(drive: DriveValues, law: int) -> SimpleNamespace:
         p = SimpleNamespace(**{key: np.asarray(value, dtype=float) for key, value in dict(drive).items()})
         p.sin_lead, p.cos_lead, p.tan_lead = (f(p.lead_angle) for f in (np.sin, np.cos, np.tan))
     with many_digits():
-        p.factor = friction.friction_factor(p.friction_coefficient, p.tan_lead, law)
+        p.factor = mechanics.friction_factor(p.friction_coefficient, p.tan_lead, law)
     return p

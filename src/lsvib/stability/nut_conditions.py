@@ -3,9 +3,9 @@
 from typing import Any
 
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.models import friction
+from lsvib.models import mechanics
 from lsvib.models.drive import NutDrive
-from lsvib.stability.linearised import DriveValues, values_of
+from lsvib.stability.linear import DriveValues, values_of
 
 
 def effective_screw_inertia(drive: DriveValues) -> Any:
@@ -24,7 +24,7 @@ def kinematic_inertia(drive: DriveValues, law: int) -> Any:
     p = values_of(drive, law)
     with many_digits():
         inertia = effective_screw_inertia(drive)
-        return friction.effective_inertia(inertia, p.mass, p.pitch_radius, p.tan_lead, p.factor)
+        return mechanics.effective_inertia(inertia, p.mass, p.pitch_radius, p.tan_lead, p.factor)
 
 
 def kinematic_mass(drive: NutDrive) -> float | None:

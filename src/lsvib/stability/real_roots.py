@@ -5,7 +5,7 @@ from fractions import Fraction
 
 from flint import acb, arb, ctx, fmpq, fmpq_poly
 
-from lsvib.stability.characteristic import Polynomial
+from lsvib.stability.spectrum import Polynomial
 
 # Relative width to which a root is found, far below the spacing of doubles, 2⁻⁵²: no double lies between two roots that
 # are closer than SAME, and they count as one.

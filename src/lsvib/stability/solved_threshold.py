@@ -7,25 +7,29 @@ from typing import Any
 
 from lsvib.errors import EngineError, InputError, NoThreshold
 from lsvib.models.drive import Drive, allowed_range, described
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model
 from lsvib.numbers import shown
 from lsvib.results import Quantity, SolvedThreshold, ThresholdSolution
-from lsvib.stability import sprag_thresholds, threshold_motions, thresholds
-from lsvib.stability.threshold_motions import Start
-from lsvib.stability.threshold_polynomials import Place, places
-from lsvib.stability.threshold_search import DECADES, changes
-from lsvib.stability.threshold_solver import Root, Singular, solved
+from lsvib.stability import force_thresholds, motion_equations
+from lsvib.stability.boundaries import Place, places
+from lsvib.stability.motion_equations import Start
+from lsvib.stability.solve import DECADES, Root, Singular, changes, solved
 
 _FORCES: dict[str, Callable[[Any], Start]] = {
-    "stick": thresholds.stick_start,
-    "detach": thresholds.detach_start,
-    "global_stability": thresholds.global_stability_start,
-    "fold": sprag_thresholds.fold_start,
-    "cycle_birth": sprag_thresholds.cycle_birth_start,
+    "stick": force_thresholds.stick_start,
+    "detach": force_thresholds.detach_start,
+    "global_stability": force_thresholds.global_stability_start,
+    "fold": force_thresholds.fold_start,
+    "cycle_birth": force_thresholds.cycle_birth_start,
 }
 """Thresholds that are forces in closed form, for rigid drives mirrored to Ω > 0; no other model has one of the name."""
-_POLYNOMIALS = ("onset", "kinematic", "negative_damping", "flutter")  # where one of the parameters vanishes
-_USUAL = {"kinematic": "mass", "negative_damping": "support_damping", "flutter": "mass", "rest_loss": "support_damping"}
+_POLYNOMIALS = ("onset", "kinematic_constraint", "negative_damping", "flutter")  # where one of the parameters vanishes
+_USUAL = {
+    "kinematic_constraint": "mass",
+    "negative_damping": "support_damping",
+    "flutter": "mass",
+    "rest_loss": "support_damping",
+}
 
 
 def names(model: str) -> tuple[str, ...]:
@@ -118,15 +122,15 @@ def _why_not(name: str, drive: Drive) -> str:
 def _start(name: str, drive: Any) -> tuple[Any, Start]:
     """What is left of a threshold's equation at a drive, and where Newton's method starts."""
     if name == "rest_loss":
-        return sprag_thresholds.rest_left(drive)
+        return force_thresholds.rest_left(drive)
     start = _FORCES[name](drive)
     return start.force - drive.axial_force * (1 if drive.input_speed > 0 else -1), start
 
 
 def _newton(drive: Drive, unknown: str, start: Start, guess: Any) -> ThresholdSolution:
-    equations = threshold_motions.equations(start.system, 1 if drive.input_speed > 0 else -1)
+    equations = motion_equations.equations(start.system, 1 if drive.input_speed > 0 else -1)
     root = solved(drive, unknown, equations, guess, start.times)
-    return _solution(drive, unknown, root, threshold_motions.words(start.system))
+    return _solution(drive, unknown, root, motion_equations.words(start.system))
 
 
 def _solution(drive: Drive, unknown: str, root: Root, words: str) -> ThresholdSolution:

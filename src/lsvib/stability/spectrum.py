@@ -2,7 +2,7 @@
 
 The class follows from exact signs of the characteristic polynomial, the eigenvalues from roots in as many digits as
 their real parts need to show their signs. So both agree, however far apart the rates lie. Whole grids are the matter of
-:mod:`lsvib.stability.eigenvalues_two_coordinates` and :mod:`lsvib.stability.eigenvalues_rigid`.
+:mod:`lsvib.stability.linear` and :mod:`lsvib.stability.linear`.
 """
 
 from collections.abc import Iterable
@@ -12,12 +12,10 @@ from typing import Any
 from flint import arb
 
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.models.coefficients import Coefficients
 from lsvib.models.drive import Drive, RigidDrive
-from lsvib.stability.characteristic import Polynomial, hurwitz, settled
-from lsvib.stability.eigenvalues_rigid import Stability
-from lsvib.stability.eigenvalues_two_coordinates import routh_hurwitz
-from lsvib.stability.real_roots import all_roots
+from lsvib.models.mechanics import Coefficients
+from lsvib.stability.linear import Stability, routh_hurwitz
+from lsvib.stability.spectrum import Polynomial, all_roots, hurwitz, settled
 
 # Below this share of its first term a sum has lost so many digits that exact signs must decide.
 _CLEAR = 1e-25
@@ -45,7 +43,7 @@ def spectrum(drive: Drive, law: int) -> tuple[str, list[complex], Polynomial]:
 
     The class is ``stable`` (asymptotically), ``neutral`` (no eigenvalue to the right of the imaginary axis, simple ones
     on it, as without damping), ``kinematic`` (det M < 0), else ``divergence`` or ``flutter`` by whether the eigenvalue
-    that grows fastest is real. The polynomial is that of :mod:`lsvib.stability.characteristic`.
+    that grows fastest is real. The polynomial is that of :mod:`lsvib.stability.spectrum`.
     """
     kind, exact = settled(drive, law, _class)
     values = _rounded(all_roots(exact))
@@ -75,7 +73,7 @@ def _class(p: Polynomial) -> str:
     """The class by exact signs; ``unstable`` stands for divergence and flutter. p_0 > 0 and p_4 ≠ 0 in every model."""
     p_4, p_3, _, p_1, _ = p
     if p_4 < 0:
-        return "kinematic"
+        return "kinematic_constraint"
     if routh_hurwitz(p):
         return "stable"
     if p_3 == 0 == p_1:

@@ -1,7 +1,7 @@
 """Thresholds of cycles of seizures in the Painlevé region: where they are born, fold, and lose their rest.
 
 Slip under law − from θ′ = 0 that is back at its first deflection after τ started at x(τ), with h(τ) = Q_uw then
-(:mod:`lsvib.stability.threshold_motions`). If Q = h + Γ₋ R̃ = 0 there it seizes in the state that it started from:
+(:mod:`lsvib.stability.motion_equations`). If Q = h + Γ₋ R̃ = 0 there it seizes in the state that it started from:
 a cycle without rest. For R̃ < 0 < q_w two of these, one attracting and one repelling, exist on one side of the *fold*,
 where dh/dτ = 0; the repelling one goes on until it touches Q = 0 where it seizes, Q′ = 0, its *birth* seen from there.
 Slip from the end of rest that seizes just there leaves no time for rest: the *loss of the rest phase*.
@@ -13,8 +13,8 @@ from typing import Any
 from lsvib.dynamics.forward_slip import ForwardDrive, bracketed_root, double, many
 from lsvib.errors import NoThreshold
 from lsvib.models.drive import RigidDrive
-from lsvib.stability.threshold_motions import ReturnEquations, Start
-from lsvib.stability.thresholds import seizing
+from lsvib.stability.force_thresholds import seizing
+from lsvib.stability.motion_equations import ReturnEquations, Start
 
 _GRID = 240  # durations of slip that are looked at, in ratio, before a root among them is refined
 _CLOSE = 1e-13  # relative, of a root: Newton's method squares it in every step
@@ -94,7 +94,7 @@ def fold_start(drive: RigidDrive) -> Start:
 
     Raises ``NoThreshold`` where there is none.
     """
-    from lsvib.stability.global_stability import fold  # loads the engine
+    from lsvib.stability.force_thresholds import fold  # loads the engine
 
     forward = _without_rest(drive)
     found, x = fold(forward)

@@ -4,12 +4,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from lsvib.models.drive import Drive, model_of, parameters_of
-from lsvib.models.model_files import of_model
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model, of_model
 from lsvib.stability import stability_of_models
-from lsvib.stability.characteristic import scale
-from lsvib.stability.linearised import steady_law
-from lsvib.stability.spectrum import spectrum
+from lsvib.stability.linear import steady_law
+from lsvib.stability.spectrum import scale, spectrum
 from lsvib.stability.stability_of_models import condition
 
 
@@ -20,7 +18,7 @@ def stability_table(changes: Drive | Mapping[str, Any] | None = None, model: str
     real part, the ``steady_law`` s_0, and ``conditions`` of instability: margins of inequalities, each holding where
     positive, and whether all ``hold``.
 
-    Of the rigid drive (eqs 8.18–8.21) the class is one of :class:`~lsvib.stability.eigenvalues_rigid.Stability`,
+    Of the rigid drive (eqs 8.18–8.21) the class is one of :class:`~lsvib.stability.linear.Stability`,
     in lower case, and the conditions are those of :func:`~lsvib.stability.conditions.conditions`; there are also
     the effective coefficients of both laws, the steady deflection z_0 [rad] and whether Γ₊ ≤ 0 (``paradox_region``).
     With a negative effective inertia steady sliding is unstable by Lemma 8.1, whatever its eigenvalues.

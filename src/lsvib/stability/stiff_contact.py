@@ -1,7 +1,7 @@
 """Compliant threads: when the stiff contact is unstable (Lemma 8.1), and when it is not; see ``docs/lemmas.md``.
 
 With Γ_0 and C_0 of the steady law and β = cos λ (cos λ + s_0 μ sin λ), the characteristic polynomial of the model of
-Sect. 5.5 (:func:`lsvib.stability.linearised.threads_model`) has the coefficients
+Sect. 5.5 (:func:`lsvib.stability.linear.threads_model`) has the coefficients
 
     p_4 = I m,   p_3 = I c_x + m c + β c_c Γ_0,   p_2 = c c_x + m k + β (k_c Γ_0 + c_c C_0),
     p_1 = c_x k + β (k_c C_0 + c_c k),   p_0 = β k_c k.
@@ -12,10 +12,10 @@ import math
 from flint import arb
 
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import ThreadsDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.stability.boundaries import stable_set
-from lsvib.stability.linearised import steady_law
+from lsvib.stability.linear import steady_law
 
 LARGEST_MASS = 1e9  # kg, the end of the range of the mass
 

@@ -1,6 +1,6 @@
 """Axial support: the printed polynomial (8.23), conditions (8.24)–(8.28), and boundaries (8.29)–(8.32) in closed form.
 
-Functions take the ``DriveValues`` of a drive (:mod:`lsvib.stability.linearised`) and the law s = ±1. With
+Functions take the ``DriveValues`` of a drive (:mod:`lsvib.stability.linear`) and the law s = ±1. With
 χ = ξ_s r_m² tan λ, S = m + m_1 and m̃ = m m_1 / S the printed quantities are Γ_0 = I − m χ and Γ̃_0 = I − m̃ χ.
 """
 
@@ -12,11 +12,10 @@ from flint import arb
 from numpy.typing import NDArray
 
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.models import friction
+from lsvib.models import mechanics
 from lsvib.models.drive import SupportDrive
 from lsvib.numbers import bisected
-from lsvib.stability.eigenvalues_two_coordinates import UndampedClass, reciprocal_squares
-from lsvib.stability.linearised import DriveValues, support_model, values_of
+from lsvib.stability.linear import DriveValues, UndampedClass, reciprocal_squares, support_model, values_of
 
 
 def characteristic_polynomial(drive: DriveValues, law: int) -> tuple[Any, Any, Any]:
@@ -39,7 +38,7 @@ def printed_class(drive: DriveValues, law: int) -> NDArray[np.int8]:
     """
     a_4, a_2, a_0 = characteristic_polynomial(drive, law)
     conditions = [a_4 < 0, a_2**2 - 4 * a_0 * a_4 < 0, (a_4 > 0) & (a_2 > 0)]
-    kinds = [UndampedClass.KINEMATIC, UndampedClass.FLUTTER, UndampedClass.DIVERGENCE]
+    kinds = [UndampedClass.KINEMATIC_CONSTRAINT, UndampedClass.FLUTTER, UndampedClass.DIVERGENCE]
     return np.select(np.broadcast_arrays(*conditions), kinds, UndampedClass.STABLE).astype(np.int8)
 
 
@@ -54,14 +53,14 @@ def reduced_inertia(drive: DriveValues, law: int) -> Any:
     """Return Γ̃_0 = I − ξ_s tan λ m̃ r_m² [kg m²] (eqs 8.27, 8.28)."""
     p = values_of(drive, law)
     with many_digits():
-        return friction.effective_inertia(p.screw_inertia, reduced_mass(drive), p.pitch_radius, p.tan_lead, p.factor)
+        return mechanics.effective_inertia(p.screw_inertia, reduced_mass(drive), p.pitch_radius, p.tan_lead, p.factor)
 
 
-def rigid_inertia(drive: DriveValues, law: int) -> Any:
+def effective_inertia(drive: DriveValues, law: int) -> Any:
     """Return Γ_0 = I − ξ_s tan λ m r_m² [kg m²], which steady sliding needs positive as k_1 → ∞ (eq. 8.20)."""
     p = values_of(drive, law)
     with many_digits():
-        return friction.effective_inertia(p.screw_inertia, p.mass, p.pitch_radius, p.tan_lead, p.factor)
+        return mechanics.effective_inertia(p.screw_inertia, p.mass, p.pitch_radius, p.tan_lead, p.factor)
 
 
 def boundary_coefficients(drive: DriveValues, law: int) -> tuple[Any, Any, Any]:
@@ -93,7 +92,7 @@ def flutter_boundaries(drive: DriveValues, law: int) -> NDArray[np.float64]:
         total = p.mass + p.screw_mass
         lever = p.factor * p.pitch_radius**2 * p.tan_lead
         both = np.sqrt(total * reduced_inertia(drive, law)) + p.mass * np.sqrt(lever)
-        branches = (total / both, both / rigid_inertia(drive, law))
+        branches = (total / both, both / effective_inertia(drive, law))
         return np.stack([p.coupling_stiffness * branch**2 for branch in branches], axis=-1)
 
 
@@ -105,7 +104,7 @@ def exact_flutter_boundaries(drive: SupportDrive, law: int) -> tuple[arb | None,
     d = drive.exact()
     p = values_of(d, law)
     with many_digits():
-        reduced, whole = reduced_inertia(d, law), rigid_inertia(d, law)
+        reduced, whole = reduced_inertia(d, law), effective_inertia(d, law)
         lever = p.factor * p.pitch_radius**2 * p.tan_lead
         if lever < 0 or reduced < 0:
             return None, None

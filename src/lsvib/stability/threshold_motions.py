@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 
 from lsvib.dynamics.slip_cycle import half_return, leaving
 from lsvib.engine.exact.duals import Dual, cosine_of_root, exponential, sine_ratio_of_root, tangent
-from lsvib.models import friction
-from lsvib.stability.threshold_solver import Equations
+from lsvib.models import mechanics
+from lsvib.stability.solve import Equations
 
 
 class Start(NamedTuple):
@@ -53,12 +53,12 @@ class DualDrive:
         self.lever = self.radius * t
         self.speed, self.force = p["input_speed"] * sense, p["axial_force"] * sense
         self.net = self.force - self.lever * p["translation_damping"] * self.speed
-        self.xi = {law: friction.friction_factor(p["friction_coefficient"], t, law) for law in (1, -1)}
+        self.xi = {law: mechanics.friction_factor(p["friction_coefficient"], t, law) for law in (1, -1)}
         self.inertia: dict[int, Dual] = {}
         self.damping: dict[int, Dual] = {}
         for law, xi in self.xi.items():
-            self.inertia[law] = friction.effective_inertia(p["screw_inertia"], p["mass"], self.radius, t, xi)
-            self.damping[law] = friction.effective_damping(
+            self.inertia[law] = mechanics.effective_inertia(p["screw_inertia"], p["mass"], self.radius, t, xi)
+            self.damping[law] = mechanics.effective_damping(
                 p["support_damping"], p["translation_damping"], self.radius, t, xi
             )
         self.contact = (

@@ -1,6 +1,6 @@
 r"""Thresholds of steady sliding that are polynomials in every parameter: their equations, and all of their roots.
 
-With t = tan λ the coefficients of :func:`lsvib.stability.characteristic.polynomial` and the net force R̃ are
+With t = tan λ the coefficients of :func:`lsvib.stability.spectrum.polynomial` and the net force R̃ are
 polynomials in each parameter and in t. So all positive roots in any of them are isolated with certainty, in
 rational numbers, and a list of them is complete. The sign of Ω is kept on each side of zero.
 
@@ -20,12 +20,11 @@ from typing import Any
 from lsvib.engine.exact.duals import tangent
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
-from lsvib.models.linear_parts import LinearParts
-from lsvib.models.registry import find_model
+from lsvib.models.mechanics import LinearParts
+from lsvib.models.model import find_model
 from lsvib.stability.boundaries import interpolated, largest_friction, margins, undamped
-from lsvib.stability.characteristic import DIGITS, polynomial, rationals, tangents
-from lsvib.stability.real_roots import SAME, positive_roots
-from lsvib.stability.threshold_solver import Equations
+from lsvib.stability.solve import Equations
+from lsvib.stability.spectrum import DIGITS, SAME, polynomial, positive_roots, rationals, tangents
 
 ParameterValues = Mapping[str, Any]
 _DEGREE = 8  # more than that of any equation in any parameter: Hurwitz's is 6 in r_m and in t, since r_m² is in each p
@@ -85,7 +84,7 @@ def conditions(drive: Drive, name: str, unknown: str) -> list[RootCondition]:
     """Return the conditions one of which holds at a threshold, by its name."""
     model, neutral = find_model(drive.model), undamped(drive, unknown)
     kinematic = RootCondition(model.constraint, _leading)
-    if name == "kinematic":
+    if name == "kinematic_constraint":
         return [kinematic]
     if name == "negative_damping":
         return [RootCondition(_DAMPING, _damping)]

@@ -16,7 +16,7 @@ from typing import Any
 from lsvib.dynamics.forward_slip import bracketed_root
 from lsvib.errors import EngineError, InputError, NoThreshold
 from lsvib.models.drive import Drive, zero_if_close
-from lsvib.stability.threshold_polynomials import allowed, places
+from lsvib.stability.boundaries import allowed, places
 
 DECADES = 6  # on both sides of the middle of the search
 _EACH = 12  # samples a decade: a fifth from one to the next
@@ -81,7 +81,7 @@ def samples(drive: Drive, unknown: str) -> list[float]:
     sizes = [middle * 10.0 ** (k / _EACH) for k in range(-DECADES * _EACH, DECADES * _EACH + 1)]
     signs = (-1, 1) if unknown in ("axial_force", "input_speed") else (1,)
     values = {sign * size for sign in signs for size in sizes}
-    for name in ("kinematic", "negative_damping"):
+    for name in ("kinematic_constraint", "negative_damping"):
         for place in places(drive, name, unknown) or []:
             end = float(place.value)
             values |= {end * (1 + side * part) for side in (-1, 1) for part in _CLOSER}

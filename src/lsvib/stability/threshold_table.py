@@ -4,8 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from lsvib.models.drive import Drive, model_of, parameters_of
-from lsvib.models.model_files import of_model
-from lsvib.models.registry import find_model
+from lsvib.models.model import find_model, of_model
 from lsvib.stability import thresholds_of_models
 from lsvib.stability.boundaries import model_thresholds
 

@@ -11,9 +11,9 @@ from lsvib.dynamics.forward_slip import ForwardDrive, many
 from lsvib.dynamics.slip_cycle import decay_of_large_motions, slowest_point
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import NoThreshold
-from lsvib.models.coefficients import Coefficients, coefficients
 from lsvib.models.drive import RigidDrive, allowed_range
-from lsvib.stability.threshold_motions import Start
+from lsvib.models.mechanics import Coefficients, coefficients
+from lsvib.stability.motion_equations import Start
 
 __all__ = ["NoThreshold", "detach_force", "global_stability_force", "onset_force", "stick_force"]
 
@@ -166,7 +166,7 @@ def global_stability_force(drive: RigidDrive) -> float:
 def global_stability_start(drive: RigidDrive) -> Start:
     """Return :func:`global_stability_force` of the drive mirrored to Ω > 0, with its equations."""
     forward = seizing(drive, "without damping steady sliding attracts nothing.")
-    from lsvib.stability.global_stability import start  # loads the engine
+    from lsvib.stability.force_thresholds import start  # loads the engine
 
     found = start(forward)
     if found.force == many.inf:

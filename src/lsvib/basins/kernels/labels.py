@@ -13,12 +13,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.engine.kernels import dispatch, event_loop, flow_planar
-from lsvib.engine.kernels.affine import level
-from lsvib.engine.kernels.columns import A0, A1, ALPHA, BETA, DELTA, EQUILIBRIUM
-from lsvib.engine.kernels.flow_planar import EPS, ROUNDING
+from lsvib.engine.kernels import event_loop, flow_planar
+from lsvib.engine.kernels.flow_planar import EPS, ROUNDING, level
 from lsvib.engine.kernels.jit import allocating_entry, entry, kernel
-from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Found, Status
+from lsvib.engine.kernels.layout import (
+    A0,
+    A1,
+    ACCUMULATION_KIND,
+    ALPHA,
+    BETA,
+    DELTA,
+    EQUILIBRIUM,
+    GRAZE_KIND,
+    Found,
+    Status,
+)
 
 UNRESOLVED = -1  # as ``Attractor.UNRESOLVED``
 UNKNOWN = -2  # no label of the caller is so low
@@ -79,7 +88,7 @@ def new_scratch(tables):
     count = tables.guard_sign.size
     room, zeros = np.zeros((count, 3 + tables.guard_parts.shape[1])), np.zeros(count, dtype=np.bool_)
     return Scratch(
-        np.zeros(2), np.zeros(2), np.zeros(2), np.zeros(2), room, zeros, dispatch.workspace(tables.flow, count)
+        np.zeros(2), np.zeros(2), np.zeros(2), np.zeros(2), room, zeros, event_loop.workspace(tables.flow, count)
     )
 
 

@@ -6,7 +6,7 @@ from lsvib.basins.boundary import Basin, Boundary, basin
 from lsvib.datasets.cycles import Cycles, searched
 from lsvib.dynamics.cycles import Seed
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import columns
+from lsvib.engine.kernels import layout
 from lsvib.errors import LsvibError
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import rigid_automaton
@@ -14,7 +14,7 @@ from lsvib.models.rigid import rigid_automaton
 
 def find_cycles(drive: RigidDrive, automaton: Automaton) -> Cycles:
     """Return all cycles of a drive that are found, as :func:`lsvib.datasets.cycles.find_cycles` does."""
-    if automaton.contracts and (automaton.tables.flow[:, columns.ALPHA] > 0).any():
+    if automaton.contracts and (automaton.tables.flow[:, layout.ALPHA] > 0).any():
         return Cycles((), (), "There is no cycle: slip makes every area of the phase plane smaller.")
     try:
         exact = basin(drive)

@@ -8,12 +8,10 @@ import numpy as np
 
 from lsvib.dynamics.kernels import poincare_map
 from lsvib.dynamics.kernels.poincare_map import LONGEST, NEAR, STEP, Verdict
-from lsvib.engine.kernels import dispatch, event_loop
-from lsvib.engine.kernels.choice import by_kind
-from lsvib.engine.kernels.columns import ALPHA, BETA, EQUILIBRIUM
+from lsvib.engine.kernels import event_loop
 from lsvib.engine.kernels.flow_planar import ROUNDING
-from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, kernel, merged_kernel
-from lsvib.engine.kernels.status import Status
+from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, by_kind, kernel, merged_kernel
+from lsvib.engine.kernels.layout import ALPHA, BETA, EQUILIBRIUM, Status
 
 
 class Outcome(IntEnum):
@@ -367,7 +365,7 @@ def end_of(tables, facts, known, mode, state, patience, events, one, other, foun
     scale, clock, budget = np.empty(n), np.zeros(4), np.empty(1)
     budget[0] = found.notes[0]["left"]
     times, kinds, signs, modes, before, after = events
-    still = dispatch.is_still(tables.flow, mode, state)
+    still = event_loop.is_still(tables.flow, mode, state)
     for i in range(n):
         scale[i], still = abs(state[i]), still and state[i] == 0.0
     found.notes[0]["first_event"], found.notes[0]["sprags"], found.notes[0]["time"] = event_loop.NO_KIND, 0, 0.0

@@ -18,11 +18,9 @@ import math
 import numpy as np
 
 from lsvib.engine.kernels import flow_planar
-from lsvib.engine.kernels.choice import by_kind
-from lsvib.engine.kernels.columns import A0, A1, B
 from lsvib.engine.kernels.flow_planar import EPS, OVERFLOW
-from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, kernel
-from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND
+from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, by_kind, kernel
+from lsvib.engine.kernels.layout import A0, A1, ACCUMULATION_KIND, GRAZE_KIND, B
 
 _TERMS = 8.0  # most roundings in a term of a product of two matrices with up to five rows
 

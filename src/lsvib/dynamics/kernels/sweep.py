@@ -5,9 +5,9 @@ import math
 import numpy as np
 
 from lsvib.dynamics.kernels.attractor import LONGEST, NOTES, SIGHT, Found, Outcome, end_of, new_events
-from lsvib.engine.kernels import dispatch, event_loop
+from lsvib.engine.kernels import event_loop
 from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel
-from lsvib.engine.kernels.tables import Tables
+from lsvib.engine.kernels.layout import Tables
 
 NUMBERS = np.dtype([(name, np.float64) for name in ("amplitude", "period", "multiplier", "force", "seizure_speed")])
 SPRAGS, RESTS, REVERSES = 1, 2, 4  # bits that say what happens on a cycle
@@ -27,9 +27,9 @@ def _describe(tables, facts, reversal, found, events, force, speed, numbers):
     state[0], state[1] = found.state[0], found.state[1]
     bits = RESTS if facts.rests[mode] else 0
     for k in range(count):
-        a, b = dispatch.extremes(tables.flow, mode, state, row, times[k] - time)
+        a, b = event_loop.extremes(tables.flow, mode, state, row, times[k] - time)
         low, high = min(low, a), max(high, b)
-        a, b = dispatch.extremes(tables.flow, mode, state, force[mode], times[k] - time)
+        a, b = event_loop.extremes(tables.flow, mode, state, force[mode], times[k] - time)
         least, most = min(least, a), max(most, b)
         time, mode, state[0], state[1] = times[k], modes[k], after[k, 0], after[k, 1]
         bits |= (RESTS if facts.rests[mode] else 0) | (REVERSES if kinds[k] == reversal else 0)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from flint import acb, arb, arb_mat, fmpq, fmpq_poly, fmpz
 
-from lsvib.engine.exact.polynomials import inverse_modulo, modulo, multiplied
+from lsvib.engine.exact.arithmetic import inverse_modulo, modulo, multiplied
 
 # Relative sizes that only the rounding of coefficients of 50 digits can have: of a rate, and of the distance of two
 # rates, which is the root of that.

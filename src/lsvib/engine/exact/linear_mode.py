@@ -12,9 +12,8 @@ from dataclasses import replace
 
 from flint import arb
 
-from lsvib.engine.exact.field import Field, Rows
+from lsvib.engine.exact.field import Field, Rows, reached, slow_reaches
 from lsvib.engine.exact.modal_form import ModalMode, modal_mode
-from lsvib.engine.exact.reach import reached, slow_reaches
 from lsvib.errors import EngineError
 
 
@@ -29,7 +28,7 @@ def linear_mode(
 
     Arguments: rows of A and b (n, n + 1), balls or floats; typical sizes of the coordinates (n); ``frozen``,
     coordinates that keep a value in this mode, with that value; the horizon [s] of
-    :func:`lsvib.engine.exact.reach.reached`; ``movable``, the parameter to change where two rates coincide.
+    :func:`lsvib.engine.exact.field.reached`; ``movable``, the parameter to change where two rates coincide.
     Raises ``EngineError`` for a mode whose rates double precision cannot distinguish.
     """
     field = Field.of(rows, sizes, frozen)

@@ -2,7 +2,7 @@
 
 The characteristic polynomial is split into factors: s² + a₁ s + a₀ for two complex rates or the two closest real ones,
 s − r for a single real rate, s for zero. With P the product of the other factors, Π = m(A) P(A) projects on the
-subspace of a factor, where m is the inverse of P modulo the factor (:mod:`lsvib.engine.exact.factors`). None of this is
+subspace of a factor, where m is the inverse of P modulo the factor (:mod:`lsvib.engine.exact.field`). None of this is
 sensitive where the two rates of a factor coincide. On the subspace, q = ℓΠx with a row ℓ obeys the scalar equation of
 the factor, so (q, q′) is an oscillator, or q alone is an exponential. Rates that are repeated without a chain share a
 factor, and each of them gets such a row.
@@ -19,10 +19,9 @@ import numpy as np
 from flint import arb, arb_mat
 
 from lsvib.engine.exact.arithmetic import ball, many_digits
-from lsvib.engine.exact.factors import subspaces
-from lsvib.engine.exact.field import WORST_CONDITION, Field, amplification
-from lsvib.engine.kernels import columns
-from lsvib.engine.kernels.tables import ModalFlow
+from lsvib.engine.exact.field import WORST_CONDITION, Field, amplification, subspaces
+from lsvib.engine.kernels import layout
+from lsvib.engine.kernels.layout import ModalFlow
 
 _LOST = 1e-12  # of an entry of a guard in modal coordinates: from here on it is computed with all digits
 _NOTHING = 1e-40  # of the terms of a sum: the rounding of coefficients
@@ -34,7 +33,7 @@ class ModalMode:
     """One mode in modal form, with p pairs, s singles and q = 2p + s coordinates.
 
     Oscillator rows (p), rates and pushes (s), W and w₀ (q, n + 1), V and v₀ (n, q + 1), A and b (n, n + 1), see
-    :class:`lsvib.engine.kernels.tables.ModalFlow`. ``condition`` is the largest amplification of rounding,
+    :class:`lsvib.engine.kernels.layout.ModalFlow`. ``condition`` is the largest amplification of rounding,
     max_i Σ_j |V_ij| (|W| x)_j / x_i, for states of the sizes x, or of changes to them. ``exact``: V and v₀ before they
     were rounded.
     """
@@ -52,14 +51,14 @@ class ModalMode:
     def time_scales(self) -> list[float]:
         """Time scales [s] of the pairs, and of the singles that are carried about their equilibrium."""
         about = self.rates[(self.rates != 0.0) & (self.pushes == 0.0)]
-        return [*self.oscillators[:, columns.TIME_SCALE], *(1.0 / np.abs(about))]
+        return [*self.oscillators[:, layout.TIME_SCALE], *(1.0 / np.abs(about))]
 
 
 def modal_mode(field: Field, reaches: Sequence[tuple[float, np.ndarray]] | None = None) -> ModalMode:
     """Decompose a field.
 
     Its loss of digits is judged by states of the sizes of the field, or by the changes until some times [s], with
-    which states have come to other sizes (n) there (:func:`lsvib.engine.exact.reach.slow_reaches`).
+    which states have come to other sizes (n) there (:func:`lsvib.engine.exact.field.slow_reaches`).
     Raises ``ArithmeticError`` if rates coincide with a chain, other than two real ones, or if rates of different
     factors lie so close together that double precision cannot carry the modal form (condition above 1e6).
     """
@@ -89,7 +88,7 @@ def _loss(mode: ModalMode, time: float, sizes: np.ndarray) -> float:
     rows = mode.oscillators
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
         moves = np.abs(mode.to_modal) @ np.append(sizes, 1.0)
-        turned = np.minimum(1.0, time / rows[:, columns.TIME_SCALE] + np.abs(rows[:, columns.A1]) * time)
+        turned = np.minimum(1.0, time / rows[:, layout.TIME_SCALE] + np.abs(rows[:, layout.A1]) * time)
         moves[: 2 * pairs] *= np.repeat(turned, 2)
         moves[2 * pairs :] = (rates * moves[2 * pairs :] + pushes) * np.minimum(time, 1 / rates)
         found = float(np.max(np.abs(mode.from_modal[:, :-1]) @ moves / sizes))
@@ -214,18 +213,18 @@ def _row_of_pair(matrix: arb_mat, factor: list[arb], projector: arb_mat, scale: 
 
 def _row(a0: arb, a1: arb) -> np.ndarray:
     """Return the row of the oscillator table for s² + a₁ s + a₀, without force."""
-    row = np.zeros(columns.COUNT)
+    row = np.zeros(layout.COUNT)
     alpha, discriminant = a1 / 2, (a1 * a1 / 4 - a0).mid()
-    row[columns.A0], row[columns.A1], row[columns.ALPHA] = float(a0), float(a1), float(alpha)
+    row[layout.A0], row[layout.A1], row[layout.ALPHA] = float(a0), float(a1), float(alpha)
     if float(discriminant) < 0:
-        row[columns.BETA] = float((-discriminant).sqrt())
+        row[layout.BETA] = float((-discriminant).sqrt())
     else:
         delta = discriminant.sqrt()
         large = -(alpha + delta) if float(alpha) >= 0 else -alpha + delta
         small = a0 / large
-        row[columns.DELTA] = float(delta)
-        row[columns.R1], row[columns.R2] = sorted((float(large), float(small)), reverse=True)
-    row[columns.TIME_SCALE] = float(1 / abs(a0).sqrt())
+        row[layout.DELTA] = float(delta)
+        row[layout.R1], row[layout.R2] = sorted((float(large), float(small)), reverse=True)
+    row[layout.TIME_SCALE] = float(1 / abs(a0).sqrt())
     return row
 
 
@@ -255,7 +254,7 @@ def _tables(field: Field, pairs: list[_Piece], singles: list[_Piece]) -> ModalMo
     from_modal = np.array([_floats(row) for row in exact])
     condition = amplification(from_modal[:, :-1], to_modal, field.sizes)
     return ModalMode(
-        np.array([pair.row for pair in pairs]).reshape(-1, columns.COUNT),
+        np.array([pair.row for pair in pairs]).reshape(-1, layout.COUNT),
         *np.array([single.row for single in singles]).reshape(-1, 2).T.copy(),
         to_modal,
         from_modal,
@@ -298,7 +297,7 @@ def modal_flow(modes: Sequence[ModalMode]) -> ModalFlow:
     flow = ModalFlow(
         pairs,
         singles,
-        np.zeros((len(modes), pairs.max(), columns.COUNT)),
+        np.zeros((len(modes), pairs.max(), layout.COUNT)),
         np.zeros((len(modes), singles.max())),
         np.zeros((len(modes), singles.max())),
         np.zeros((len(modes), size, n + 1)),

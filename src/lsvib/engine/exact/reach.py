@@ -26,8 +26,7 @@ import numpy as np
 from flint import acb, arb, arb_mat, fmpq_poly
 
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.engine.exact.factors import identity, rates_of, rational
-from lsvib.engine.exact.field import Field, balls, homogeneous
+from lsvib.engine.exact.field import Field, balls, homogeneous, identity, rates_of, rational
 
 SWINGS = 100  # swings of the coupling in a horizon; a size that takes longer to reach does not count
 _NOTHING = 1e-35  # relative size of a rate that is zero but for the rounding of the coefficients

@@ -5,9 +5,8 @@ The kernels of maps are compiled when they are first used.
 
 import numpy as np
 
-from lsvib.engine.kernels import columns, dispatch, event_loop, search_planar
-from lsvib.engine.kernels.status import Test
-from lsvib.engine.kernels.tables import ModalFlow, Tables
+from lsvib.engine.kernels import event_loop, layout, search_planar
+from lsvib.engine.kernels.layout import ModalFlow, Tables, Test
 
 
 def compile_engine(kinds: tuple[str, ...] = ("planar", "modal")) -> None:
@@ -18,8 +17,8 @@ def compile_engine(kinds: tuple[str, ...] = ("planar", "modal")) -> None:
 
 def tables_of(kind: str) -> Tables:
     """Return the tables of an oscillator that bounces off a surface; ``kind`` of its flow: planar or modal."""
-    row = np.zeros(columns.COUNT)
-    row[[columns.A0, columns.BETA, columns.TIME_SCALE]] = 1.0
+    row = np.zeros(layout.COUNT)
+    row[[layout.A0, layout.BETA, layout.TIME_SCALE]] = 1.0
     same = np.array([[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]])
     one = np.array([1])
     field = np.array([[[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]])
@@ -67,7 +66,7 @@ def _bounce(tables: Tables) -> None:
         tables, 0.0, 0, state, events[0], events[3], events[5], times, np.zeros((2, 2)), np.zeros(2, dtype=np.int64)
     )
     surface, first = tables.surfaces[0], np.zeros(1, dtype=np.int64)
-    dispatch.extremes_of_arcs(flow, first, state[None], np.ones(1), surface[None])
-    dispatch.advance(flow, 0, state, 1.0, state)
+    event_loop.extremes_of_arcs(flow, first, state[None], np.ones(1), surface[None])
+    event_loop.advance(flow, 0, state, 1.0, state)
     if isinstance(flow, np.ndarray):
         search_planar.crossing(flow, 0, state, surface, False, 1.0)

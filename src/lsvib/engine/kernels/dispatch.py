@@ -1,4 +1,4 @@
-"""One name for each kernel that depends on the kind of flow (:mod:`lsvib.engine.kernels.choice`).
+"""One name for each kernel that depends on the kind of flow (:mod:`lsvib.engine.kernels.jit`).
 
 Since the choice is made by type when a kernel is compiled, a model compiles none of the kernels of the other kinds.
 """
@@ -7,11 +7,10 @@ import math
 
 import numpy as np
 
-from lsvib.engine.kernels import flow_modal, flow_planar, guard_sums, search_planar, search_steps
-from lsvib.engine.kernels.affine import level
-from lsvib.engine.kernels.choice import by_kind
-from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, inlined_kernel, kernel
-from lsvib.engine.kernels.status import Found
+from lsvib.engine.kernels import flow_modal, flow_planar, guard_sums, search_modal, search_planar
+from lsvib.engine.kernels.flow_planar import level
+from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, by_kind, inlined_kernel, kernel
+from lsvib.engine.kernels.layout import Found
 
 _NONE = int(Found.NONE)
 _CROSSING = int(Found.CROSSING)
@@ -77,7 +76,7 @@ allow = by_kind(_planar_allow, _allow)
 steps_left = by_kind(_planar_steps_left, _steps_left)
 slopes_at = by_kind(flow_planar.slopes_at, flow_modal.slopes_at)
 is_still = by_kind(_planar_is_still, flow_modal.is_still)
-search = by_kind(_planar_search, search_steps.search)
+search = by_kind(_planar_search, search_modal.search)
 
 
 @allocating_entry

@@ -10,19 +10,19 @@ import math
 
 import numpy as np
 
-from lsvib.engine.kernels import dispatch
-from lsvib.engine.kernels.affine import level
-from lsvib.engine.kernels.choice import by_kind
+from lsvib.engine.kernels import event_loop
+from lsvib.engine.kernels.flow_planar import level
 from lsvib.engine.kernels.jit import (
     allocating_entry,
     allocating_kernel,
+    by_kind,
     entry,
     inlined_entry,
     inlined_kernel,
     kernel,
     merged_kernel,
 )
-from lsvib.engine.kernels.status import ACCUMULATION_KIND, GRAZE_KIND, Found, Status, Test
+from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND, Found, Status, Test
 
 _NONE = int(Found.NONE)
 _CROSSING = int(Found.CROSSING)
@@ -45,7 +45,7 @@ def next_event(tables, mode, state, scale, limit, room, zeros, work):
     ``scale`` (n) are the magnitudes that the state was computed from; a guard below their rounding counts as zero.
     A guard that is negative at ``state`` fires at once, so a model may enter a mode from a state outside it where a
     jump is due. ``room`` (g, n + 1 + parts) and ``zeros`` (g) are scratch space for the guards of the mode, and
-    ``work`` is the scratch space of the search (:func:`lsvib.engine.kernels.dispatch.workspace`).
+    ``work`` is the scratch space of the search (:func:`lsvib.engine.kernels.event_loop.workspace`).
     Returns (``Found``, guard index, time [s]).
     """
     first_guard = tables.guard_start[mode]
@@ -61,7 +61,7 @@ def next_event(tables, mode, state, scale, limit, room, zeros, work):
         on_surface[k] = value <= size
         if on_surface[k]:
             touched = True
-            rate, rate_size, bend, bend_size = dispatch.slopes_at(tables.flow, mode, state, scale, guards[k])
+            rate, rate_size, bend, bend_size = event_loop.slopes_at(tables.flow, mode, state, scale, guards[k])
             falls = rate < -rate_size or (rate <= rate_size and bend < -bend_size)
             # A guard that turns back before it is below zero by its own rounding does not fall: friction lets go of a
             # second body without acceleration, and what the rounding of that instant makes of it is no end of slip.
@@ -69,9 +69,9 @@ def next_event(tables, mode, state, scale, limit, room, zeros, work):
                 falls = False
             if value < -size or falls:
                 return _CROSSING, guard, 0.0
-    if _stays(tables.flow, mode, state) or (touched and dispatch.is_still(tables.flow, mode, state)):
+    if _stays(tables.flow, mode, state) or (touched and event_loop.is_still(tables.flow, mode, state)):
         return _NONE, first_guard, limit
-    found, k, when = dispatch.search(tables.flow, mode, state, guards, on_surface, limit, work)
+    found, k, when = event_loop.search(tables.flow, mode, state, guards, on_surface, limit, work)
     return found, first_guard + k, when
 
 
@@ -141,7 +141,7 @@ def apply_reset(tables, transition, state, scratch):
 def arrive(tables, mode, state, scale, guard, stay, work):
     """Move ``state`` in place to the event of ``guard`` after a stay [s] in ``mode``; ``scale`` (n) follows it."""
     if stay > 0.0:
-        dispatch.travel(tables.flow, mode, state, stay, scale, work)
+        event_loop.travel(tables.flow, mode, state, stay, scale, work)
         put_on_surface(tables, guard, state, scale)
     for i in range(state.size):
         scale[i] = max(scale[i], abs(state[i]))
@@ -183,8 +183,8 @@ def run(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events):
     scratch = np.empty(n)
     room = np.empty((tables.guard_sign.size, n + 1 + tables.guard_parts.shape[1]))
     zeros = np.empty(tables.guard_sign.size, dtype=np.bool_)
-    work = dispatch.workspace(tables.flow, tables.guard_sign.size)
-    dispatch.allow(tables.flow, work, clock[3])
+    work = event_loop.workspace(tables.flow, tables.guard_sign.size)
+    event_loop.allow(tables.flow, work, clock[3])
     return _follow(
         tables.flow, tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events, scratch, room, zeros, work
     )
@@ -199,11 +199,11 @@ def _loop(flow, tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, 
     n = state.size
     count = 0
     while True:
-        clock[3] = dispatch.steps_left(flow, work)
+        clock[3] = event_loop.steps_left(flow, work)
         remaining = (t_end - clock[0]) - clock[1]
         found, guard, stay = next_event(tables, mode, state, scale, remaining, room, zeros, work)
         if found == _LOST:
-            clock[3] = dispatch.steps_left(flow, work)
+            clock[3] = event_loop.steps_left(flow, work)
             return Status.WORK_SPENT if clock[3] < 0.0 else Status.UNDECIDED, mode, count
         if found == _NONE:
             if remaining == math.inf:
@@ -277,14 +277,14 @@ def _stays(flow, mode, state):
     for i in range(state.size):
         if state[i] != 0.0:
             return False
-    return dispatch.is_still(flow, mode, state)
+    return event_loop.is_still(flow, mode, state)
 
 
 @allocating_kernel
 def _move(flow, mode, state, t, out):
     """Write the state after a time t [s] to ``out`` (may be ``state``)."""
     if not _stays(flow, mode, state):
-        dispatch.advance(flow, mode, state, t, out)
+        event_loop.advance(flow, mode, state, t, out)
         return
     for i in range(state.size):
         out[i] = 0.0

@@ -16,10 +16,9 @@ import math
 import numpy as np
 
 from lsvib.engine.kernels import flow_planar
-from lsvib.engine.kernels.affine import apply
-from lsvib.engine.kernels.columns import A0, ALPHA, BETA, DELTA, R1
-from lsvib.engine.kernels.flow_planar import OVERFLOW, ROUNDING, own_rate
+from lsvib.engine.kernels.flow_planar import OVERFLOW, ROUNDING, apply, own_rate
 from lsvib.engine.kernels.jit import allocating_entry, inlined_kernel
+from lsvib.engine.kernels.layout import A0, ALPHA, BETA, DELTA, R1
 
 
 @inlined_kernel

@@ -14,8 +14,8 @@ import math
 
 import numpy as np
 
-from lsvib.engine.kernels.columns import A0, A1, ALPHA, BETA, DELTA, EQUILIBRIUM, R1, R2, TIME_SCALE, B
 from lsvib.engine.kernels.jit import entry, inlined_entry, inlined_kernel, kernel
+from lsvib.engine.kernels.layout import A0, A1, ALPHA, BETA, DELTA, EQUILIBRIUM, R1, R2, TIME_SCALE, B
 
 EPS = float(np.finfo(np.float64).eps)
 OVERFLOW = 700.0  # of an exponent

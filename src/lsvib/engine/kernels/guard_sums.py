@@ -21,10 +21,9 @@ from typing import NamedTuple
 import numpy as np
 
 from lsvib.engine.kernels import flow_modal
-from lsvib.engine.kernels.affine import apply
-from lsvib.engine.kernels.columns import A0, A1, ALPHA, BETA, DELTA, R1, R2
-from lsvib.engine.kernels.flow_planar import EPS, own_rate
+from lsvib.engine.kernels.flow_planar import EPS, apply, own_rate
 from lsvib.engine.kernels.jit import allocating_kernel, inlined_kernel, kernel
+from lsvib.engine.kernels.layout import A0, A1, ALPHA, BETA, DELTA, R1, R2
 
 ORDERS = 5  # derivatives 0 to 4
 _LEAST = 2.0**-960  # a guard that is smaller is rounding: the smallest doubles, down to 2⁻¹⁰⁷⁴, have no digits

@@ -25,7 +25,7 @@ from numba.core import event
 from numba.core.caching import IndexDataCacheFile
 from numba.core.registry import CPUDispatcher
 
-from lsvib.engine.kernels.compilation_notice import Notice
+from lsvib.engine.kernels.jit import Notice
 
 
 def source_digest() -> str:

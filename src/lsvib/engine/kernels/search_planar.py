@@ -9,11 +9,10 @@ makes the search certain.
 
 import math
 
-from lsvib.engine.kernels.columns import A0, A1, ALPHA, BETA, DELTA, EQUILIBRIUM, R1, R2, B
 from lsvib.engine.kernels.flow_planar import EPS, far, integrated_response, responses
 from lsvib.engine.kernels.jit import entry, inlined_entry, inlined_kernel, kernel
-from lsvib.engine.kernels.newton import GUESSES, next_guess
-from lsvib.engine.kernels.status import Found
+from lsvib.engine.kernels.layout import A0, A1, ALPHA, BETA, DELTA, EQUILIBRIUM, R1, R2, B, Found
+from lsvib.engine.kernels.search_planar import GUESSES, next_guess
 
 _TWO_PI = 2.0 * math.pi  # one turn of the phase
 _HUGE = 1e250  # beyond it a value is on its way to overflow, and its sign means nothing

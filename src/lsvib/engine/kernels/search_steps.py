@@ -1,7 +1,7 @@
 """The certain search for the first guard that fires in a mode with many states.
 
 The search walks from time zero in steps [a, b] on which every guard is *decided*: proved to have no root, or one
-(:mod:`lsvib.engine.kernels.step_sums`). If a guard is undecided, the step is shortened, so no root is passed over. If
+(:mod:`lsvib.engine.kernels.search_modal`). If a guard is undecided, the step is shortened, so no root is passed over. If
 the step has become so short that the guard changes by less than its rounding on it, the guard grazes. With infinite
 time the walk ends when, for every guard, the bounds of all parts together are below the guard's constant.
 
@@ -11,12 +11,12 @@ what is known at a time.
 
 import math
 
-from lsvib.engine.kernels.affine import level
+from lsvib.engine.kernels.flow_planar import level
 from lsvib.engine.kernels.guard_sums import evaluate, go_to, lowest_from, prepare, rounding_at
 from lsvib.engine.kernels.jit import inlined_kernel, kernel
-from lsvib.engine.kernels.newton import GUESSES, next_guess
-from lsvib.engine.kernels.status import Decision, Found
-from lsvib.engine.kernels.step_sums import decide, fastest, fastest_growth, first_step
+from lsvib.engine.kernels.layout import Decision, Found
+from lsvib.engine.kernels.search_modal import decide, fastest, fastest_growth, first_step
+from lsvib.engine.kernels.search_planar import GUESSES, next_guess
 
 _NONE = int(Found.NONE)
 _CROSSING = int(Found.CROSSING)

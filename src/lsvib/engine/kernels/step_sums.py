@@ -17,10 +17,9 @@ step stays within its amplitude.
 import math
 
 from lsvib.engine.kernels import guard_sums
-from lsvib.engine.kernels.columns import ALPHA, BETA, R1, R2
 from lsvib.engine.kernels.flow_planar import own_rate
 from lsvib.engine.kernels.jit import inlined_kernel
-from lsvib.engine.kernels.status import Decision
+from lsvib.engine.kernels.layout import ALPHA, BETA, R1, R2, Decision
 
 _POSITIVE = int(Decision.POSITIVE)
 _TOUCHES = int(Decision.TOUCHES)

@@ -29,7 +29,7 @@ class Tables(NamedTuple):
     branch_sign: np.ndarray  # (b,) sign that the event carries (impulse), 0 for none
     condition_start: np.ndarray  # (b + 1,)
     condition_row: np.ndarray  # (c, n + 1)
-    condition_test: np.ndarray  # (c,) lsvib.engine.kernels.status.Test
+    condition_test: np.ndarray  # (c,) lsvib.engine.kernels.layout.Test
     beyond_accumulation: np.ndarray  # (m,) mode that continues after infinitely many events in finite time, −1 for none
     shortest_stay: float  # stays shorter than this [s], many in a row, are an accumulation
 

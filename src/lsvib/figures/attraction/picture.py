@@ -7,7 +7,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from lsvib.figures.drawing import phase_planes, style
+from lsvib.figures import drawing, style
 
 COLOURS = {
     "steady sliding": style.SKY,
@@ -30,14 +30,14 @@ def draw(dataset: xr.Dataset) -> Figure:
     first = draw_map(axes, dataset)
     draw_boundary(axes, dataset)
     for index in range(dataset.sizes.get("cycle", 0)):
-        phase_planes.draw_cycle(axes, dataset.isel(cycle=index), style.BLUE, 1.4)
-    phase_planes.mark_origin(axes)
+        drawing.draw_cycle(axes, dataset.isel(cycle=index), style.BLUE, 1.4)
+    drawing.mark_origin(axes)
     axes.axis(_limits(dataset))
     if "contact_line_angle" in dataset:
-        phase_planes.draw_lines(axes, dataset, style.VERMILION, "$Q = 0$")
-    phase_planes.label_axes(axes, dataset)
-    phase_planes.state_given(figure, dataset)
-    phase_planes.legend(figure, [axes], 2, first)
+        drawing.draw_lines(axes, dataset, style.VERMILION, "$Q = 0$")
+    drawing.label_axes(axes, dataset)
+    drawing.state_given(figure, dataset)
+    drawing.legend(figure, [axes], 2, first)
     return figure
 
 

@@ -6,10 +6,8 @@ from pydantic import AfterValidator, Discriminator, Field, Tag
 from pydantic_core import PydanticCustomError
 
 from lsvib.basins.grid import coordinates
-from lsvib.figures.common.settings import Cells, FigureSettings, Unique
-from lsvib.models.model_files import model_names
-from lsvib.models.registry import all_models
-from lsvib.models.resumption import Resume
+from lsvib.figures.settings import Cells, FigureSettings, Unique
+from lsvib.models.model import Resume, all_models, model_names
 
 Coordinate = Annotated[
     Annotated[float, Tag("number")] | Annotated[Cells, Tag("axis")],

@@ -11,13 +11,12 @@ from lsvib.basins.curves import Window, sampled
 from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapper import mapper
 from lsvib.datasets import phase_plane, spans
-from lsvib.datasets.attributes import CRITICAL_MASS, flagged, variable
-from lsvib.datasets.parameter_origins import axis, drive_parameters, labels
+from lsvib.datasets.attributes import CRITICAL_MASS, axis, drive_parameters, flagged, labels, variable
 from lsvib.dynamics.attractor import Attractor
 from lsvib.figures.basin_sweep.checks import checks
 from lsvib.models.drive import RigidDrive
 from lsvib.stability.conditions import critical_friction, critical_mass
-from lsvib.stability.thresholds import global_stability_force
+from lsvib.stability.force_thresholds import global_stability_force
 
 __all__ = ["build", "checks"]
 

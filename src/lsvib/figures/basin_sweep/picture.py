@@ -5,7 +5,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lsvib.figures.drawing import phase_planes, style
+from lsvib.figures import drawing, style
 
 _KINDS = {  # what bounds the basin: colour, words
     "none": (style.BLACK, "no boundary: globally stable"),
@@ -39,8 +39,8 @@ def draw(dataset: xr.Dataset) -> Figure:
     below = rows[1].subplots(1, len(_SWEEPS), sharey=True)
     for index, (axes, name) in enumerate(zip(below, _SWEEPS, strict=True)):
         _sweep(axes, dataset, name, "defg"[index])
-    phase_planes.legend(rows[0], np.atleast_1d(above), 4)
-    phase_planes.legend(rows[1], below, 2)
+    drawing.legend(rows[0], np.atleast_1d(above), 4)
+    drawing.legend(rows[1], below, 2)
     style.state_values(figure, dataset)
     return figure
 
@@ -61,16 +61,14 @@ def _basin(axes: Axes, case: xr.Dataset, letter: str) -> None:
         label="exact boundary, colours as below",
         zorder=2,
     )
-    phase_planes.mark_origin(axes)
+    drawing.mark_origin(axes)
     axes.set(xlim=case.case_angle.values, ylim=case.case_velocity.values)
-    phase_planes.draw_lines(axes, case)
+    drawing.draw_lines(axes, case)
     axes.set_xlabel(style.label(case.boundary_angle, "deviation"))
     axes.set_ylabel(style.label(case.boundary_velocity, "rate"), labelpad=1)
     axes.locator_params(nbins=5)
-    damping = (
-        f"$c$ = {phase_planes.number(case.case_support_damping)} {style.unit(case.case_support_damping.units)[1:-1]}"
-    )
-    axes.set_title(f"({letter}) $R$ = {phase_planes.number(case.case_axial_force)} N,\n{damping}", fontsize=7)
+    damping = f"$c$ = {drawing.number(case.case_support_damping)} {style.unit(case.case_support_damping.units)[1:-1]}"
+    axes.set_title(f"({letter}) $R$ = {drawing.number(case.case_axial_force)} N,\n{damping}", fontsize=7)
     starts = int(case.resolution[-1])
     axes.text(
         0.97,
@@ -118,7 +116,7 @@ def _threshold(axes: Axes, dataset: xr.Dataset, name: str, scale: float) -> None
         place = float(dataset[known])
     else:
         kinds = dataset[f"boundary_kind_{name}"]
-        stable = kinds.values == phase_planes.code(kinds, "none")
+        stable = kinds.values == drawing.code(kinds, "none")
         place = float(dataset[f"swept_{name}"].values[stable].min(initial=np.inf))
     if not axes.get_xlim()[0] <= place <= axes.get_xlim()[1]:
         return

@@ -8,7 +8,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from lsvib.figures.drawing import phase_planes, style
+from lsvib.figures import drawing, style
 
 # Light where nothing vibrates, so that the eye goes to what does; distinct for the colour-blind and in grey.
 _LOOKS = {  # colour, and words of the legend
@@ -23,7 +23,7 @@ _LOOKS = {  # colour, and words of the legend
 }
 _CURVES = {  # words on a curve, where they are not its name, and how it is drawn
     "onset": (r"onset, $\tilde R = 0$", "-"),
-    "kinematic": (r"kinematic, $\Gamma_+ = 0$", (0, (5, 1.5))),
+    "kinematic constraint": (r"kinematic constraint, $\Gamma_+ = 0$", (0, (5, 1.5))),
     "negative damping": (r"negative damping, $C_+ = 0$", (0, (1.5, 1))),
     "stick slip birth": ("birth of stick–slip", "-"),
 }
@@ -58,7 +58,7 @@ def draw(dataset: xr.Dataset) -> Figure:
         for kind, (colour, words) in ((kind, _LOOKS[name]) for kind, name in names.items())
         if shares[kind]
     ]
-    phase_planes.state_given(figure, dataset)
+    drawing.state_given(figure, dataset)
     figure.legend(handles=patches, loc="outside upper center", ncols=2)
     return figure
 

@@ -4,9 +4,8 @@ from typing import Literal
 
 from pydantic import Field
 
-from lsvib.figures.common.settings import Cells, FigureSettings
-from lsvib.models.registry import all_models
-from lsvib.models.resumption import Resume
+from lsvib.figures.settings import Cells, FigureSettings
+from lsvib.models.model import Resume, all_models
 
 _CHARTED = tuple(name for name, model in all_models().items() if model.curves)
 

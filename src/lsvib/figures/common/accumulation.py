@@ -16,9 +16,9 @@ from lsvib.datasets.attributes import variable
 from lsvib.datasets.checks import Check
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.motion import Motion, follow
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
-from lsvib.models.resumption import RULES
+from lsvib.models.mechanics import coefficients
+from lsvib.models.model import RULES
 from lsvib.models.rigid import EventKind, rigid_automaton
 
 _ROUNDING = 16 * np.finfo(float).eps  # of the corner: a few rounding errors of u and of the line N = 0

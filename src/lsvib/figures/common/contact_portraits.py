@@ -14,11 +14,10 @@ import xarray as xr
 from lsvib.contact import contact_force
 from lsvib.contact.contact_force import ForceArc, ForceFlow, ForceOutcome, Paradox
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import attributes, flagged, named_index, variable
-from lsvib.datasets.parameter_origins import Variables, drive_parameters, labels
+from lsvib.datasets.attributes import Variables, attributes, drive_parameters, flagged, labels, named_index, variable
 from lsvib.errors import InputError
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import ThreadsDrive
+from lsvib.models.mechanics import coefficients
 
 _LAWS = (1, -1)  # sgn(θ′) sgn(N), in the order of the dimension
 # The contact force in its own scale and time depends on inertias, geometry, friction and contact alone.
@@ -44,7 +43,7 @@ _SETTLING = 8.0  # times the decay time for which a motion that ends in the focu
 def portrait(settings: Mapping[str, Any], paradox: Paradox) -> xr.Dataset:
     """Compute motions of the contact force, their outcomes on a grid, and the manifolds of the saddle, θ′ > 0.
 
-    ``settings``: see :class:`lsvib.figures.common.settings.ContactPortrait`; Γ₊ < 0, and a panel for each contact
+    ``settings``: see :class:`lsvib.figures.settings.ContactPortrait`; Γ₊ < 0, and a panel for each contact
     damping. Raises ``InputError``.
     """
     base = ThreadsDrive.of({"contact_stiffness": settings["contact_stiffness"], **settings["drive"]})

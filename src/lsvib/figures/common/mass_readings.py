@@ -12,9 +12,9 @@ from lsvib.datasets import phase_plane, printed
 from lsvib.datasets.attributes import variable
 from lsvib.datasets.checks import Check
 from lsvib.models import chapter
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
-from lsvib.stability import thresholds
+from lsvib.models.mechanics import coefficients
+from lsvib.stability import force_thresholds
 
 
 def variables(drives: Sequence[RigidDrive]) -> phase_plane.Variables:
@@ -31,7 +31,7 @@ def variables(drives: Sequence[RigidDrive]) -> phase_plane.Variables:
             "reading_mass", damping, "N m s rad-1", f"effective damping {of_law}", f"$C_{symbol}$"
         )
     for name in ("stick_force", "detach_force"):
-        forces, words = [getattr(thresholds, name)(d) for d in drives], f"{name.replace('_', ' ')} for this mass"
+        forces, words = [getattr(force_thresholds, name)(d) for d in drives], f"{name.replace('_', ' ')} for this mass"
         variables[f"reading_{name}"] = variable("reading_mass", forces, "N", words, "$R$")
     return variables
 

@@ -7,12 +7,11 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets import phase_plane
-from lsvib.datasets.attributes import variable
-from lsvib.datasets.parameter_origins import drive_parameters, labels
-from lsvib.models.coefficients import coefficients
+from lsvib.datasets.attributes import drive_parameters, labels, variable
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.stability.conditions import conditions
-from lsvib.stability.eigenvalues_rigid import eigenvalues
+from lsvib.stability.linear import eigenvalue_pair
 
 MARGINS = {  # the inequalities of (8.19): unit and wording; each holds where its margin is positive
     "self_locking": ("1", "margin of self-locking, mu - tan(lambda)"),
@@ -30,7 +29,7 @@ def plane(settings: Mapping[str, Any], figure: str, what: str) -> xr.Dataset:
     c = coefficients(drive)
     inertia, damping = float(c.gamma[c.steady_law]), float(c.damping[c.steady_law])
     margins = conditions(drive)["negative_damping"]["margins"]
-    pair = eigenvalues(inertia, damping, drive.coupling_stiffness)
+    pair = eigenvalue_pair(inertia, damping, drive.coupling_stiffness)
     return xr.Dataset(
         phase_plane.portraits([drive], settings["starts"], settings["duration"], settings["samples"])
         | {f"margin_{key}": variable("case", [margins[key]], *words) for key, words in MARGINS.items()}

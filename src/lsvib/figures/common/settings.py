@@ -11,8 +11,7 @@ from annotated_types import Ge, Gt, Le, Lt
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model, model_validator
 from pydantic_core import PydanticCustomError
 
-from lsvib.models.drive import Drive, ThreadsDrive, described
-from lsvib.models.ranges import Least
+from lsvib.models.drive import Drive, Least, ThreadsDrive, described
 
 _BOUNDS = (Ge, Gt, Le, Lt)
 

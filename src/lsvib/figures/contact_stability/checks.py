@@ -7,8 +7,7 @@ import xarray as xr
 
 from lsvib.datasets.checks import Check
 from lsvib.models.drive import RigidDrive, ThreadsDrive
-from lsvib.stability.eigenvalues_two_coordinates import eigenvalues, routh_hurwitz
-from lsvib.stability.linearised import threads_model
+from lsvib.stability.linear import eigenvalues, routh_hurwitz, threads_model
 
 _LAW = 1  # R Ω > 0
 _BESIDE = 1e-6  # relative distance from a critical mass at which LAPACK must see the change

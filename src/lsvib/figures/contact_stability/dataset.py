@@ -7,24 +7,31 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import CRITICAL_MASS, variable, yes_no
-from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters, labels, origin_of
+from lsvib.datasets.attributes import (
+    CRITICAL_MASS,
+    Variables,
+    axis,
+    drive_parameters,
+    labels,
+    origin_of,
+    variable,
+    yes_no,
+)
 from lsvib.errors import InputError
 from lsvib.figures.common.compliant_cycles import CRITICAL_MASS_WITH_CONTACT
 from lsvib.figures.contact_stability.checks import checks
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import ThreadsDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.stability.boundaries import stable_set
-from lsvib.stability.conditions import critical_mass
-from lsvib.stability.eigenvalues_two_coordinates import eigenvalues
-from lsvib.stability.linearised import threads_model
-from lsvib.stability.stiff_contact import (
+from lsvib.stability.conditions import (
     LARGEST_MASS,
+    critical_mass,
     critical_mass_of_contact,
     least_damping_of_stiff_contact,
     stable_masses,
     unstable_contact_stiffness,
 )
+from lsvib.stability.linear import eigenvalues, threads_model
 
 __all__ = ["build", "checks"]
 

@@ -5,7 +5,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lsvib.figures.drawing import phase_planes, style
+from lsvib.figures import drawing, style
 
 _COLOURS = (style.VERMILION, style.ORANGE, style.BLUE, style.BLACK, style.GREEN, style.PURPLE)
 _DASHES = ("-", (0, (5, 1.5)), "-", (0, (5, 1.5)), "-", (0, (5, 1.5)))  # where two lines coincide both are seen
@@ -34,7 +34,7 @@ def _critical_mass(axes: Axes, dataset: xr.Dataset) -> None:
     for k, (colour, dashes) in enumerate(zip(_COLOURS, _DASHES, strict=True)):
         if k < dataset.sizes["curve_contact_stiffness"]:
             curve = dataset.isel(curve_contact_stiffness=k)
-            name = f"$k_c$ = {phase_planes.power(float(curve.curve_contact_stiffness))} N m⁻¹"
+            name = f"$k_c$ = {drawing.power(float(curve.curve_contact_stiffness))} N m⁻¹"
             axes.plot(
                 curve.curve_contact_damping,
                 curve.curve_critical_mass_with_contact,
@@ -48,7 +48,7 @@ def _critical_mass(axes: Axes, dataset: xr.Dataset) -> None:
         *(dataset[name].values for name in ("contact_damping", "contact_stiffness", "critical_mass_with_contact")),
         strict=True,
     ):
-        words = f"{value:.2f} kg at $k_c$ = {phase_planes.power(stiffness)}"
+        words = f"{value:.2f} kg at $k_c$ = {drawing.power(stiffness)}"
         top = value > 0.99 * rigid  # on the line of the rigid drive: written above it
         place, side = ((8, 5), "right") if top else ((4, -9), "left")
         axes.annotate(words, (damping, value), place, textcoords="offset points", fontsize=_SMALL, ha=side)
@@ -69,14 +69,14 @@ def _growth(axes: Axes, dataset: xr.Dataset, letter: str, rigid: float) -> None:
     for k, (colour, dashes) in enumerate(zip(_COLOURS, _DASHES, strict=True)):
         if k < dataset.sizes["growth_contact_damping"]:
             curve = dataset.isel(growth_contact_damping=k)
-            name = f"$c_c$ = {phase_planes.power(float(curve.growth_contact_damping))} N s m⁻¹"
+            name = f"$c_c$ = {drawing.power(float(curve.growth_contact_damping))} N s m⁻¹"
             axes.plot(curve.growth_contact_stiffness, curve.growth_rate, color=colour, linestyle=dashes, label=name)
     axes.axhline(0, color=style.BLACK, linewidth=0.5)
     sign = ">" if float(dataset.mass) > rigid else "<"
     axes.set_yscale("symlog", linthresh=_LINEAR)
     axes.set(
         xscale="log",
-        title=f"({letter}) growth rate, $m$ = {phase_planes.number(dataset.mass)} kg {sign} rigid $m_\\mathrm{{cr}}$",
+        title=f"({letter}) growth rate, $m$ = {drawing.number(dataset.mass)} kg {sign} rigid $m_\\mathrm{{cr}}$",
         xlabel=style.label(dataset.growth_contact_stiffness),
         ylabel="Largest real part [s⁻¹], stable below 0",
     )
@@ -110,7 +110,7 @@ def _least(axes: Axes, dataset: xr.Dataset) -> None:
         inside = 3 * float(dataset.growth_contact_stiffness[0]), np.sqrt(low[0] * high[0])
         axes.annotate("stable, too", inside, (0.28, 0.26), textcoords=axes.transAxes, va="center",
                       arrowprops={"arrowstyle": "-", "linewidth": 0.6, "color": style.BLACK})  # fmt: skip
-    mass = phase_planes.number(dataset.mass[1])
+    mass = drawing.number(dataset.mass[1])
     axes.set(
         xscale="log",
         yscale="log",

@@ -5,7 +5,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lsvib.figures.drawing import arrows, phase_planes, style
+from lsvib.figures import drawing, style
 
 _BASIN = "#DCEBF7"
 _PATCH = {"facecolor": "#FFFFFFC0", "linewidth": 0, "pad": 1.0}
@@ -33,13 +33,13 @@ def portrait(dataset: xr.Dataset, force_signs: tuple[str, str], columns: int) ->
         paths = [
             (m.contact_force.values, m.contact_force_rate.values, c) for m, c in zip(motions, colours, strict=True)
         ]
-        arrows.draw_arrows(axes, [*paths, *_manifolds(case), (np.zeros(2), limits[1], None)])
+        drawing.draw_arrows(axes, [*paths, *_manifolds(case), (np.zeros(2), limits[1], None)])
         for x, align, text in ((-0.02, "right", force_signs[0]), (0.02, "left", force_signs[1])):
             place = (x * np.ptp(limits[0]), limits[1][0] + 0.03 * np.ptp(limits[1]))
             axes.text(*place, text, ha=align, va="bottom", bbox=_PATCH, zorder=4)
     panels[0].set_ylabel(style.label(dataset.contact_force_rate, "rate"))
     style.state_values(figure, dataset)
-    phase_planes.legend(figure, panels, columns)
+    drawing.legend(figure, panels, columns)
     return figure
 
 
@@ -60,7 +60,7 @@ def _lines(axes: Axes, case: xr.Dataset) -> None:
     axes.plot(x, y, color=style.BLACK, linewidth=1.0, linestyle=(0, (4, 2)), label="asymptote from the virtual saddle")
 
 
-def _manifolds(case: xr.Dataset) -> list[arrows.DrawnLine]:
+def _manifolds(case: xr.Dataset) -> list[drawing.DrawnLine]:
     """Return the manifolds of the saddle in the direction of time; they are stored outwards from it."""
     if "manifold_force" not in case:
         return []

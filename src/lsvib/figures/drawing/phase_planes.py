@@ -8,8 +8,8 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, FigureBase
 
-from lsvib.figures.drawing import arrows, style
-from lsvib.figures.drawing.style import number
+from lsvib.figures import drawing, style
+from lsvib.figures.style import number
 
 MOTIONS = (style.BLUE, style.ORANGE, style.SKY, style.PURPLE)
 EVEN = (1.1, 1.1, 1.1, 1.1)  # widths of the lines of up to four motions, in points
@@ -138,12 +138,12 @@ def draw_arrows(axes: Axes, case: xr.Dataset, size: float = 10.0) -> None:
     """
     angle, slope = float(case.contact_line_angle), float(case.contact_line_slope)
     rates = np.array(axes.get_ylim())
-    arrows.draw_arrows(axes, [*_paths(case), (angle + slope * rates, rates, None)], size)
+    drawing.draw_arrows(axes, [*_paths(case), (angle + slope * rates, rates, None)], size)
 
 
-def _paths(case: xr.Dataset) -> list[arrows.DrawnLine]:
+def _paths(case: xr.Dataset) -> list[drawing.DrawnLine]:
     """Return the motions and the limit cycle of one case as lines with colours, parted at their jumps."""
-    paths: list[arrows.DrawnLine] = []
+    paths: list[drawing.DrawnLine] = []
     for index, colour in zip(range(case.sizes["start"]), MOTIONS, strict=False):
         motion = case.isel(start=index)
         u, w, time = (motion[name].values for name in ("angle_deviation", "velocity_deviation", "time"))
@@ -159,7 +159,7 @@ def _name_sides(axes: Axes, angle: float, slope: float, rates, words: tuple[str,
     low, high = rates
     if high > low:
         ends = np.array([[angle + slope * low, low], [angle + slope * high, high]])
-        arrows.name_sides(axes, ends, words, paths, 0.8 * size)
+        drawing.name_sides(axes, ends, words, paths, 0.8 * size)
 
 
 def mark_origin(axes: Axes) -> None:

@@ -3,7 +3,8 @@
 import xarray as xr
 from matplotlib.figure import Figure
 
-from lsvib.figures.drawing import contact_forces, style
+from lsvib.figures import style
+from lsvib.figures.drawing import contact_forces
 
 
 @style.styled

@@ -1,6 +1,6 @@
 """The settings of Figure 8.2."""
 
-from lsvib.figures.common.settings import ContactPortrait
+from lsvib.figures.settings import ContactPortrait
 
 
 class Settings(ContactPortrait):

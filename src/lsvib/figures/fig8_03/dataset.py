@@ -7,12 +7,11 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import attributes, flagged, variable
+from lsvib.datasets.attributes import attributes, drive_parameters, flagged, labels, variable
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import drive_parameters, labels
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
-from lsvib.stability.eigenvalues_rigid import Stability, eigenvalues, stability_class
+from lsvib.models.mechanics import coefficients
+from lsvib.stability.linear import Stability, eigenvalue_pair, stability_class
 
 _HALVINGS = 100  # to the last bit, also where the boundary lies decades below its bracket
 _CHANGED = ("mass", "translation_damping")  # in which the drives that are placed differ
@@ -109,7 +108,7 @@ def _node_focus_boundary(inertia: np.ndarray, stiffness: float) -> np.ndarray:
     focus, node = np.zeros_like(inertia), 4 * np.sqrt(stiffness * inertia)
     for _ in range(_HALVINGS):
         middle = (focus + node) / 2
-        oscillates = eigenvalues(inertia, middle, stiffness)[:, 1].imag != 0
+        oscillates = eigenvalue_pair(inertia, middle, stiffness)[:, 1].imag != 0
         focus, node = np.where(oscillates, middle, focus), np.where(oscillates, node, middle)
     return node
 
@@ -121,5 +120,5 @@ def _distance_from_lapack(inertia: np.ndarray, damping: np.ndarray, stiffness: f
     jacobian = np.zeros((gamma.size, 2, 2))
     jacobian[:, 0, 1], jacobian[:, 1, 0], jacobian[:, 1, 1] = 1, -stiffness / gamma, -c / gamma
     theirs = np.sort_complex(np.linalg.eigvals(jacobian).astype(complex))
-    ours = eigenvalues(gamma, c, stiffness)
+    ours = eigenvalue_pair(gamma, c, stiffness)
     return float(np.max(np.abs(ours - theirs) / np.abs(ours).max(axis=1, keepdims=True)))

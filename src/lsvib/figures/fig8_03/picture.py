@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 
-from lsvib.figures.drawing import style
+from lsvib.figures import style
 
 # Stable classes in blues and greens, unstable ones in warm colours; order of the flags.
 _DRIVES = (style.BLUE, style.VERMILION, style.BLACK, style.PURPLE, style.WINE)

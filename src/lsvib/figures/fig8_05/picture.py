@@ -3,10 +3,10 @@
 import xarray as xr
 from matplotlib.figure import Figure
 
-from lsvib.figures.drawing import phase_planes, style
+from lsvib.figures import drawing, style
 
 
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
     """Draw the motions, which all approach the origin, and the lines N = 0 and θ′ = 0."""
-    return phase_planes.single(dataset)
+    return drawing.single(dataset)

@@ -1,6 +1,6 @@
 """The settings of Figure 8.5."""
 
-from lsvib.figures.common.settings import PhasePlane
+from lsvib.figures.settings import PhasePlane
 
 
 class Settings(PhasePlane):

@@ -8,16 +8,15 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets import phase_plane, printed, spans
-from lsvib.datasets.attributes import flagged, variable
+from lsvib.datasets.attributes import axis, drive_parameters, flagged, labels, start_state, variable
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import axis, drive_parameters, labels, start_state
 from lsvib.dynamics.attractor import Attractor, SteadyState, steady_state
 from lsvib.figures.common import mass_readings
 from lsvib.models import chapter
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import EventKind, rigid_automaton
-from lsvib.stability import thresholds
+from lsvib.stability import force_thresholds
 
 _ASIDE = 1e-9  # relative distance from a threshold at which the regime is also computed, on either side
 _FORCES = ("onset_force", "stick_force", "detach_force")
@@ -36,7 +35,7 @@ class Regime(IntEnum):
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
     """Compute the amplitude curve, its thresholds, the inset portraits, and the coefficients for both masses."""
     drive = RigidDrive.of(settings["drive"])
-    values = {name: getattr(thresholds, name)(drive) for name in _FORCES}
+    values = {name: getattr(force_thresholds, name)(drive) for name in _FORCES}
     beside = [value * (1 + sign * _ASIDE) for value in values.values() for sign in (-1, 1)]
     forces = np.unique(np.concatenate([spans.even(settings["axial_force"]), list(values.values()), beside]))
     start, tangent = np.array([settings["start"]["u"], settings["start"]["w"]]), float(drive.exact().tan_lead)

@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from lsvib.figures.drawing import phase_planes, style
+from lsvib.figures import drawing, style
 
 _REGIMES = {
     "steady sliding": (style.BLACK, "no vibration"),
@@ -57,20 +57,20 @@ def draw(dataset: xr.Dataset) -> Figure:
         axes.add_patch(Rectangle((left - 0.055, bottom - 0.085), width + 0.06, height + 0.14, color="white", zorder=2,
                                  transform=axes.transAxes))  # fmt: skip
     style.state_values(figure, dataset)
-    phase_planes.legend(figure, [axes, *insets], 4)
+    drawing.legend(figure, [axes, *insets], 4)
     return figure
 
 
 def _inset(small: Axes, case: xr.Dataset) -> None:
     """Draw the phase portrait of one force."""
-    phase_planes.draw_motions(small, case, widths=_THIN)
-    phase_planes.draw_cycle(small, case, width=1.4)
-    phase_planes.mark_origin(small)
-    phase_planes.widen(small, case, 0.2)
-    phase_planes.draw_lines(small, case)
-    phase_planes.guide(small, case, size=7.5)
+    drawing.draw_motions(small, case, widths=_THIN)
+    drawing.draw_cycle(small, case, width=1.4)
+    drawing.mark_origin(small)
+    drawing.widen(small, case, 0.2)
+    drawing.draw_lines(small, case)
+    drawing.guide(small, case, size=7.5)
     small.locator_params(nbins=4)
-    title = small.set_title(f"$R$ = {phase_planes.number(case.axial_force)} N", fontsize=7, pad=4)
+    title = small.set_title(f"$R$ = {drawing.number(case.axial_force)} N", fontsize=7, pad=4)
     title.set_bbox({"facecolor": "white", "edgecolor": "none", "pad": 0})
     small.tick_params(labelsize=6.5, pad=1.5)
     small.set_xlabel(f"$u$ {style.unit(case.angle_deviation.attrs['units'])}", fontsize=7, labelpad=0)

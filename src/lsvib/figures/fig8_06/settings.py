@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar, Self
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from lsvib.figures.common.settings import MassPair, PhasePlane, Span, State, Unique, parameter
+from lsvib.figures.settings import MassPair, PhasePlane, Span, State, Unique, parameter
 
 
 class Settings(PhasePlane):

@@ -7,15 +7,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.contact.existence import Existence, existence
+from lsvib.contact.contact_force import Existence, existence
 from lsvib.datasets import phase_plane, spans
-from lsvib.datasets.attributes import flagged, variable
+from lsvib.datasets.attributes import drive_parameters, flagged, labels, variable
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import drive_parameters, labels
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.engine.kernels import columns, flow_planar
-from lsvib.models.coefficients import coefficients
+from lsvib.engine.kernels import flow_planar, layout
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
 
 _LONG = 60.0  # times the decay time of law −1, after which e⁻⁶⁰ of a start is left
@@ -118,7 +117,7 @@ def _end_of_flow(drive: RigidDrive, start: Mapping[str, float]) -> np.ndarray:
     automaton = rigid_automaton(drive)
     mode = int(np.flatnonzero(automaton.codes == MotionMode.SLIP_FORWARD_NEGATIVE)[0])
     row = automaton.tables.flow[mode]
-    slowest = row[columns.ALPHA] if row[columns.BETA] > 0 else -row[columns.R1]
+    slowest = row[layout.ALPHA] if row[layout.BETA] > 0 else -row[layout.R1]
     state = np.array([start["u"], start["w"]])
     flow_planar.advance(automaton.tables.flow, mode, state, _LONG / slowest if slowest > 0 else math.inf, state)
     return state

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from lsvib.figures.drawing import phase_planes, style
+from lsvib.figures import drawing, style
 
 _SECTORS = {"inconsistent": ("#F7D9C4", "no solution", "////"), "indeterminate": ("#FFFFFF", "two solutions", None)}
 
@@ -26,7 +26,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     case = _until_seizure(dataset.isel(case=0))
     patches = []
     for name, (colour, words, hatch) in _SECTORS.items():
-        inside = (dataset.existence == phase_planes.code(dataset.existence, name)).T.astype(float)
+        inside = (dataset.existence == drawing.code(dataset.existence, name)).T.astype(float)
         if hatch:
             area = axes.contourf(
                 dataset.grid_angle_deviation,
@@ -39,28 +39,28 @@ def draw(dataset: xr.Dataset) -> Figure:
             )
             area.set(edgecolor=_HATCH, linewidth=0)
         patches.append(Patch(facecolor=colour, hatch=hatch, edgecolor=_HATCH, linewidth=0.5, label=words))
-    phase_planes.draw_cycle(axes, case, width=1.1)
-    phase_planes.draw_motions(axes, case)
-    phase_planes.mark_origin(axes)
+    drawing.draw_cycle(axes, case, width=1.1)
+    drawing.draw_motions(axes, case)
+    drawing.mark_origin(axes)
     axes.plot(
         float(dataset.equilibrium_angle), 0, "*", color=style.BLACK, markersize=8, label="$u_0$, equilibrium of law −"
     )
     axes.set(xlim=dataset.grid_angle_deviation[[0, -1]], ylim=dataset.grid_velocity_deviation[[0, -1]])
-    phase_planes.draw_lines(axes, case)
-    phase_planes.draw_arrows(axes, case)
+    drawing.draw_lines(axes, case)
+    drawing.draw_arrows(axes, case)
     _name_sectors(axes, dataset)
-    phase_planes.label_axes(axes, dataset)
+    drawing.label_axes(axes, dataset)
     style.state_values(figure, dataset)
-    phase_planes.legend(figure, [axes], 3, patches)
+    drawing.legend(figure, [axes], 3, patches)
     return figure
 
 
 def _until_seizure(case: xr.Dataset) -> xr.Dataset:
     """Leave of each motion what comes before the end of the first seizure into which it slips, and its jump."""
-    seizures = phase_planes.events(case, "seizure") & (case.event_time > 0)
+    seizures = drawing.events(case, "seizure") & (case.event_time > 0)
     end = case.event_time.where(seizures, np.inf).min("event")
     kept = {name: case[name].where(case.time <= end) for name in ("angle_deviation", "velocity_deviation")}
-    none = phase_planes.code(case.event_kind, "none")
+    none = drawing.code(case.event_kind, "none")
     return case.assign(kept | {"event_kind": case.event_kind.where(case.event_time <= end, none)})
 
 

@@ -2,7 +2,7 @@
 
 from pydantic import Field
 
-from lsvib.figures.common.settings import PhasePlane, Span
+from lsvib.figures.settings import PhasePlane, Span
 
 
 class Settings(PhasePlane):

@@ -7,16 +7,15 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets import printed, spans
-from lsvib.datasets.attributes import CRITICAL_MASS, variable
+from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, drive_parameters, variable
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters
 from lsvib.errors import InputError
 from lsvib.models import chapter
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.numbers import bisected
 from lsvib.stability.conditions import critical_mass
-from lsvib.stability.eigenvalues_rigid import eigenvalues
+from lsvib.stability.linear import eigenvalue_pair
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
@@ -59,7 +58,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 def _spectrum(drive: RigidDrive, mass: np.ndarray) -> Variables:
     """Both eigenvalues and the effective inertia that decides on them, over the mass [kg]."""
     inertia = np.array([_inertia(drive, m) for m in mass])
-    pair = eigenvalues(inertia, drive.support_damping, drive.coupling_stiffness)
+    pair = eigenvalue_pair(inertia, drive.support_damping, drive.coupling_stiffness)
     dims, words = ("eigenvalue", "mass"), "part of the eigenvalue"
     return {
         "eigenvalue_real_part": variable(dims, pair.real.T, "s-1", f"real {words}", r"Re $\varepsilon$"),
@@ -120,7 +119,7 @@ def _loss_of_stability(drive: RigidDrive, critical: float) -> float:
     """Smallest mass [kg] with an eigenvalue of positive real part, by bisection around m_cr to the last bit."""
 
     def unstable(mass: float) -> bool:
-        pair = eigenvalues(_inertia(drive, mass), drive.support_damping, drive.coupling_stiffness)
+        pair = eigenvalue_pair(_inertia(drive, mass), drive.support_damping, drive.coupling_stiffness)
         return pair.real.max() >= 0
 
     return bisected(unstable, critical / 2, 3 * critical / 2)

@@ -4,7 +4,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lsvib.figures.drawing import phase_planes, style
+from lsvib.figures import drawing, style
 
 _LIMIT = 1.15  # half height of the overviews, in largest imaginary parts: real ones diverge and are cut here
 _CLOSE = (-16.0, 6.0)  # range of the close-ups [per mille of the critical mass]
@@ -46,7 +46,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     unit = style.unit(dataset.eigenvalue_imaginary_part.attrs["units"])[1:-1]
     close_imaginary.text(peak, 1.05 * largest, f"{largest:.0f} {unit}", ha="center", va="bottom")
     style.state_values(figure, dataset)
-    phase_planes.legend(figure, [real, close_real], 5)
+    drawing.legend(figure, [real, close_real], 5)
     return figure
 
 

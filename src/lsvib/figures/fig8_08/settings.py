@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar
 from annotated_types import Gt
 from pydantic import Field
 
-from lsvib.figures.common.settings import Damping, DriveChanges, FigureSettings, PositiveSpan
+from lsvib.figures.settings import Damping, DriveChanges, FigureSettings, PositiveSpan
 
 
 class Settings(FigureSettings):

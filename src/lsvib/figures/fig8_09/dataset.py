@@ -7,9 +7,8 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets import phase_plane, spans
-from lsvib.datasets.attributes import CRITICAL_MASS, flagged, variable
+from lsvib.datasets.attributes import CRITICAL_MASS, axis, drive_parameters, flagged, labels, variable
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import axis, drive_parameters, labels
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.dynamics.impulses import seizure_speeds
 from lsvib.errors import InputError

@@ -4,7 +4,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lsvib.figures.drawing import phase_planes, style
+from lsvib.figures import drawing, style
 
 
 @style.styled
@@ -15,21 +15,21 @@ def draw(dataset: xr.Dataset) -> Figure:
     for index, axes in enumerate(planes):
         case = dataset.isel(case=index)
         relation = "<" if float(case.mass) < float(dataset.critical_mass) else ">"
-        phase_planes.draw_motions(axes, case)
-        phase_planes.draw_cycle(axes, case)
-        phase_planes.mark_origin(axes)
-        phase_planes.widen(axes, case)
+        drawing.draw_motions(axes, case)
+        drawing.draw_cycle(axes, case)
+        drawing.mark_origin(axes)
+        drawing.widen(axes, case)
         left, right = axes.get_xlim()
         axes.set_xlim(left, right + 0.35 * (right - left))  # room for words beyond the line
-        phase_planes.draw_lines(axes, case)
-        phase_planes.draw_arrows(axes, case)
+        drawing.draw_lines(axes, case)
+        drawing.draw_arrows(axes, case)
         _name_sides(axes, index == 0)
-        phase_planes.label_axes(axes, dataset)
+        drawing.label_axes(axes, dataset)
         axes.locator_params(axis="x", nbins=3)
-        axes.set_title(f"({'ab'[index]}) $m$ = {phase_planes.number(case.mass)} kg ${relation} m_\\mathrm{{cr}}$")
+        axes.set_title(f"({'ab'[index]}) $m$ = {drawing.number(case.mass)} kg ${relation} m_\\mathrm{{cr}}$")
     _over_force(last, dataset)
     style.state_values(figure, dataset)
-    phase_planes.legend(figure, planes, 4)
+    drawing.legend(figure, planes, 4)
     return figure
 
 

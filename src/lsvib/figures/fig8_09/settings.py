@@ -4,7 +4,7 @@ from typing import ClassVar
 
 from pydantic import Field
 
-from lsvib.figures.common.settings import DriveChanges, PhasePlane, PositiveSpan
+from lsvib.figures.settings import DriveChanges, PhasePlane, PositiveSpan
 
 
 class Settings(PhasePlane):

@@ -8,9 +8,8 @@ import xarray as xr
 
 from lsvib.contact.curve_distance import Orbit
 from lsvib.datasets import phase_plane, printed, spans
-from lsvib.datasets.attributes import flagged, quantity, variable
+from lsvib.datasets.attributes import axis, drive_parameters, flagged, quantity, start_state, variable
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import axis, drive_parameters, start_state
 from lsvib.dynamics.attractor import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.motion import Motion, follow

@@ -5,7 +5,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lsvib.figures.drawing import arrows, phase_planes, style
+from lsvib.figures import drawing, style
 
 _SLIDING = (-60.0, 160.0)  # N: part of the force axis on which sliding is seen
 _CUT = {"marker": [(-1, -0.6), (1, 0.6)], "markersize": 7, "linestyle": "none", "color": style.BLACK, "mew": 0.8,
@@ -25,7 +25,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     _one_peak(peak, dataset)
     _sensitivity(force, dataset)
     style.state_values(figure, dataset)
-    phase_planes.legend(figure, [panels["a"], peak], 3)
+    drawing.legend(figure, [panels["a"], peak], 3)
     return figure
 
 
@@ -34,13 +34,13 @@ def _plane(axes: Axes, dataset: xr.Dataset) -> None:
     _cycles(axes, dataset)
     axes.plot(dataset.angle_deviation[0], dataset.velocity_deviation[0], "o", color=style.SKY, markerfacecolor="white",
               label="start")  # fmt: skip
-    phase_planes.mark_origin(axes)
+    drawing.mark_origin(axes)
     axes.axhline(
         -float(dataset.input_speed), color=style.GREY, linestyle=(0, (6, 2, 1, 2)), linewidth=1.0, zorder=1.4,
         label=r"$\dot\theta = 0$",
     )  # fmt: skip
-    arrows.draw_arrows(axes, [(dataset.cycle_angle.values, dataset.cycle_velocity.values, style.BLUE)])
-    phase_planes.label_axes(axes, dataset)
+    drawing.draw_arrows(axes, [(dataset.cycle_angle.values, dataset.cycle_velocity.values, style.BLUE)])
+    drawing.label_axes(axes, dataset)
     axes.locator_params(axis="x", nbins=5)
     axes.set_title("(a) phase plane")
 

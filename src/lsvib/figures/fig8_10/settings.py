@@ -2,7 +2,7 @@
 
 from pydantic import Field
 
-from lsvib.figures.common.settings import (
+from lsvib.figures.settings import (
     DriveChanges,
     Duration,
     FigureSettings,

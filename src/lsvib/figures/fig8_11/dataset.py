@@ -7,8 +7,8 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets import phase_plane
+from lsvib.datasets.attributes import drive_parameters, labels
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import drive_parameters, labels
 from lsvib.dynamics.attractor import Attractor
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import EventKind

@@ -7,14 +7,13 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets import phase_plane, spans
-from lsvib.datasets.attributes import flagged, variable
+from lsvib.datasets.attributes import axis, drive_parameters, flagged, start_state, variable
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import axis, drive_parameters, start_state
 from lsvib.dynamics.attractor import Attractor, SteadyState, steady_state
 from lsvib.dynamics.impulses import mean_load
 from lsvib.errors import InputError
 from lsvib.models.drive import RigidDrive
-from lsvib.models.resumption import RULES
+from lsvib.models.model import RULES
 from lsvib.models.rigid import MotionMode, rigid_automaton
 from lsvib.numbers import bisected
 

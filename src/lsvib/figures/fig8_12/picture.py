@@ -4,7 +4,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lsvib.figures.drawing import phase_planes, style
+from lsvib.figures import drawing, style
 
 _RULES = {
     "contact sign": (style.BLUE, "-", "resumes by the sign of the contact force"),
@@ -43,7 +43,7 @@ def draw(dataset: xr.Dataset) -> Figure:
                        label="part from impulses")  # fmt: skip
             whole.set_ylim(0, None)
     style.state_values(figure, dataset)
-    phase_planes.legend(figure, [panels[0, 2], panels[1, 0]], 2)
+    drawing.legend(figure, [panels[0, 2], panels[1, 0]], 2)
     return figure
 
 

@@ -7,9 +7,8 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets import phase_plane, spans
-from lsvib.datasets.attributes import flagged, variable
+from lsvib.datasets.attributes import axis, drive_parameters, flagged, labels, start_state, variable
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import axis, drive_parameters, labels, start_state
 from lsvib.dynamics.attractor import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.errors import InputError
 from lsvib.figures.common.compliant_cycles import (
@@ -18,10 +17,10 @@ from lsvib.figures.common.compliant_cycles import (
     compliant_cycle,
     cycle_curves,
 )
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import ThreadsDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import rigid_automaton
-from lsvib.stability.stiff_contact import critical_mass_of_contact
+from lsvib.stability.conditions import critical_mass_of_contact
 
 _CONTACT = ("contact_stiffness", "contact_damping")
 _TURNS = 1e-10  # rad: deflection that counts as zero at the boundary

@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-from lsvib.figures.drawing import arrows, phase_planes, style
+from lsvib.figures import drawing, style
 
 _COLOURS = (style.BLUE, style.ORANGE, style.VERMILION, style.GREEN)
 
@@ -22,7 +22,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     _map(figure, grid, dataset)
     _shortest(shortest, dataset)
     style.state_values(figure, dataset)
-    phase_planes.legend(figure, [plane, deflection], 2)
+    drawing.legend(figure, [plane, deflection], 2)
     return figure
 
 
@@ -30,13 +30,13 @@ def _name(dataset: xr.Dataset, index: int) -> str:
     stiffness, damping = (dataset[f"contact_{word}"].values[index] for word in ("stiffness", "damping"))
     critical = float(dataset.critical_mass_with_contact[index])
     words = f", $m_\\mathrm{{cr}}$ = {critical:.2f} kg"
-    return f"$k_c$ = {phase_planes.power(stiffness)} N m⁻¹, $c_c$ = {phase_planes.power(damping)} N s m⁻¹{words}"
+    return f"$k_c$ = {drawing.power(stiffness)} N m⁻¹, $c_c$ = {drawing.power(damping)} N s m⁻¹{words}"
 
 
 def _plane(axes: Axes, dataset: xr.Dataset) -> None:
     axes.plot(dataset.rigid_cycle_angle, dataset.rigid_cycle_velocity, color=style.BLACK, linewidth=0.9,
               linestyle=(0, (4, 2)), label="rigid drive")  # fmt: skip
-    cycles: list[arrows.DrawnLine] = []
+    cycles: list[drawing.DrawnLine] = []
     for k, colour in zip(range(dataset.sizes["contact"]), _COLOURS, strict=False):
         cycles.append((dataset.cycle_angle.values[k], dataset.cycle_velocity.values[k], colour))
         axes.plot(*cycles[-1][:2], color=colour, label=_name(dataset, k))
@@ -44,9 +44,9 @@ def _plane(axes: Axes, dataset: xr.Dataset) -> None:
     axes.text(-float(dataset.steady_deflection), 0.45, " $z = 0$", color=style.GREEN, fontsize=7,
               transform=axes.get_xaxis_transform())  # fmt: skip
     axes.locator_params(axis="x", nbins=5)
-    phase_planes.mark_origin(axes)
+    drawing.mark_origin(axes)
     axes.margins(0.06)
-    arrows.draw_arrows(axes, cycles)
+    drawing.draw_arrows(axes, cycles)
     axes.set(
         title="(a) phase plane",
         xlabel=style.label(dataset.cycle_angle, "deviation"),
@@ -114,7 +114,7 @@ def _shortest(axes: Axes, dataset: xr.Dataset) -> None:
     dashes = ("-", (0, (5, 1.5)), (0, (2, 1)), (0, (5, 1.5, 1, 1.5)))  # lines that nearly coincide are all seen
     for (row, colour), dash in zip(sorted(rows.items()), dashes, strict=False):
         curve = dataset.isel(grid_contact_stiffness=row)
-        name = f"$k_c$ = {phase_planes.power(float(curve.grid_contact_stiffness))} N m⁻¹"
+        name = f"$k_c$ = {drawing.power(float(curve.grid_contact_stiffness))} N m⁻¹"
         shortest = 1e6 * speed / curve.grid_largest_acceleration
         axes.plot(curve.grid_contact_damping, shortest, color=colour, linestyle=dash, label=name)
     axes.set(

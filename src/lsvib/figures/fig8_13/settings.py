@@ -2,7 +2,7 @@
 
 from pydantic import Field
 
-from lsvib.figures.common.settings import Contact, DriveChanges, FigureSettings, PositiveSpan, Samples, State
+from lsvib.figures.settings import Contact, DriveChanges, FigureSettings, PositiveSpan, Samples, State
 
 
 class Settings(FigureSettings):

@@ -11,15 +11,14 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets import phase_plane, spans
-from lsvib.datasets.attributes import flagged, variable
+from lsvib.datasets.attributes import drive_parameters, flagged, labels, variable
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import drive_parameters, labels
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.figures.common import accumulation
 from lsvib.models.drive import RigidDrive
-from lsvib.models.resumption import RULES
+from lsvib.models.model import RULES
 from lsvib.models.rigid import EventKind, rigid_automaton
-from lsvib.stability.thresholds import global_stability_force
+from lsvib.stability.force_thresholds import global_stability_force
 
 _CHANGED = ("mass", "axial_force")  # in which the cases differ
 _ASIDE = 1e-9  # relative distance from the threshold at which the attractor is computed, on either side

@@ -5,7 +5,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lsvib.figures.drawing import arrows, phase_planes, style
+from lsvib.figures import drawing, style
 
 _RULES = {  # colour, dashes, mark, words
     "contact sign": (style.BLUE, "-", "s", "by the sign of the contact force"),
@@ -27,23 +27,23 @@ def draw(dataset: xr.Dataset) -> Figure:
     for index, axes in enumerate(panels):
         case = dataset.isel(case=index)
         _starts(axes, case)
-        phase_planes.draw_motions(axes, case, widths=phase_planes.OVERLAID)
-        phase_planes.draw_cycle(axes, case)
-        phase_planes.mark_origin(axes)
+        drawing.draw_motions(axes, case, widths=drawing.OVERLAID)
+        drawing.draw_cycle(axes, case)
+        drawing.mark_origin(axes)
         note = "as printed" if index < 2 else "$m > m_\\mathrm{cr}$"
-        force, mass = phase_planes.number(case.axial_force), phase_planes.number(case.mass)
+        force, mass = drawing.number(case.axial_force), drawing.number(case.mass)
         axes.set_title(f"({'abcd'[index]}) $R$ = {force} N, $m$ = {mass} kg, {note}")
     _widen(panels[0], dataset)
     for index, axes in enumerate(panels):
-        phase_planes.draw_lines(axes, dataset.isel(case=index))
-        phase_planes.guide(axes, dataset.isel(case=index))
-        phase_planes.label_axes(axes, dataset)
+        drawing.draw_lines(axes, dataset.isel(case=index))
+        drawing.guide(axes, dataset.isel(case=index))
+        drawing.label_axes(axes, dataset)
         axes.label_outer()
     close, distance = below.subplots(1, 2)
     _close_up(close, dataset.isel(case=2))
     _distances(distance, dataset)
-    phase_planes.legend(above, panels, 4)
-    phase_planes.legend(below, [distance], 3)
+    drawing.legend(above, panels, 4)
+    drawing.legend(below, [distance], 3)
     style.state_values(figure, dataset)
     return figure
 
@@ -68,7 +68,7 @@ def _widen(axes: Axes, dataset: xr.Dataset) -> None:
 def _close_up(axes: Axes, case: xr.Dataset) -> None:
     """The motion close to the corner of N = 0 and θ′ = 0 under both rules, up to where the screw leaves rest."""
     corner, stop = float(case.corner_angle), float(case.stop_velocity)
-    paths: list[arrows.DrawnLine] = []
+    paths: list[drawing.DrawnLine] = []
     for index, rule in style.flag_names(case.rule).items():
         colour, dashes, mark, _ = _RULES[rule]
         part = case.sel(rule=index)
@@ -81,12 +81,12 @@ def _close_up(axes: Axes, case: xr.Dataset) -> None:
     reach = 1.15 * float(case.seizure_distance[0, 1])  # from the second seizure on
     depth = reach / -float(case.contact_line_slope)
     axes.set(xlim=(corner - 0.35 * reach, corner + reach), ylim=(stop - 1.05 * depth, stop + 0.12 * depth))
-    phase_planes.draw_lines(axes, case)
+    drawing.draw_lines(axes, case)
     axes.annotate("corner", (corner, stop), (-10, -30), textcoords="offset points", ha="right",
                   arrowprops={"arrowstyle": "-", "linewidth": 0.6})  # fmt: skip
     axes.locator_params(nbins=5)
     axes.set_title("(e) corner of (c): reverse slips, seizures")
-    phase_planes.label_axes(axes, case)
+    drawing.label_axes(axes, case)
 
 
 def _distances(axes: Axes, dataset: xr.Dataset) -> None:

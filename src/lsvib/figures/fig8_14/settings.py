@@ -4,7 +4,7 @@ from typing import ClassVar
 
 from pydantic import Field
 
-from lsvib.figures.common.settings import MassPair, OpposingForces, PhasePlane, Span
+from lsvib.figures.settings import MassPair, OpposingForces, PhasePlane, Span
 
 
 class Settings(PhasePlane):

@@ -11,10 +11,9 @@ from lsvib.datasets.checks import Check
 from lsvib.datasets.spans import evenly_chosen
 from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive
-from lsvib.stability import support_conditions
+from lsvib.stability import conditions
 from lsvib.stability.conditions import critical_mass
-from lsvib.stability.eigenvalues_two_coordinates import UndampedClass, eigenvalues
-from lsvib.stability.linearised import support_model, values_of
+from lsvib.stability.linear import UndampedClass, eigenvalues, support_model, values_of
 
 _LAW = 1  # R Ω > 0
 _SAME = 1e-9  # relative distance from a boundary within which rounding may decide the class
@@ -32,7 +31,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         "friction_coefficient": dataset.friction_coefficient.values[:, None],
         "support_stiffness": dataset.support_stiffness.values,
     }
-    a_4, a_2, a_0 = support_conditions.characteristic_polynomial(grid, _LAW)
+    a_4, a_2, a_0 = conditions.characteristic_polynomial(grid, _LAW)
     discriminant, size = a_2**2 - 4 * a_0 * a_4, a_2**2 + 4 * a_0 * np.abs(a_4)
     inertia = drive["screw_inertia"] * (drive["mass"] + drive["screw_mass"])
     clear = (np.abs(discriminant) > _SAME * size) & (np.abs(a_4) > _SAME * inertia)
@@ -50,7 +49,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 def _critical_friction_checks(dataset: xr.Dataset) -> list[Check]:
     """Check the critical friction against print and eigenvalues, and that it alone bounds the kinematic region."""
     critical = float(dataset.critical_friction)
-    kinematic = dataset.stability.values == UndampedClass.KINEMATIC
+    kinematic = dataset.stability.values == UndampedClass.KINEMATIC_CONSTRAINT
     right = kinematic == (dataset.friction_coefficient.values > critical)[:, None]
     return [
         printed.check(
@@ -75,7 +74,7 @@ def _class_checks(
     dataset: xr.Dataset, drive: Mapping[str, float], grid: Mapping[str, Any], clear: np.ndarray
 ) -> list[Check]:
     """Check the classes by the printed conditions and by LAPACK, where rounding does not decide (``clear``)."""
-    wrong = int(np.sum(clear & (support_conditions.printed_class(grid, _LAW) != dataset.stability.values)))
+    wrong = int(np.sum(clear & (conditions.printed_class(grid, _LAW) != dataset.stability.values)))
     differ, compared = _against_lapack(dataset, drive, clear)
     return [
         Check.holds(
@@ -93,7 +92,7 @@ def _class_checks(
 def _overlap_check(dataset: xr.Dataset, a_4: np.ndarray, discriminant: np.ndarray) -> Check:
     """Check by the signs of a_4 and of the discriminant of (8.24) that no point is in two regions."""
     kinds = dataset.stability.values
-    flutter, kinematic = kinds == UndampedClass.FLUTTER, kinds == UndampedClass.KINEMATIC
+    flutter, kinematic = kinds == UndampedClass.FLUTTER, kinds == UndampedClass.KINEMATIC_CONSTRAINT
     both = int(np.sum((discriminant < 0) & kinematic) + np.sum((a_4 < 0) & flutter))
     return Check.holds(
         "The regions of mode coupling and of the kinematic constraint do not overlap, and neither is empty",
@@ -106,13 +105,13 @@ def _overlap_check(dataset: xr.Dataset, a_4: np.ndarray, discriminant: np.ndarra
 def _region_check(dataset: xr.Dataset, grid: Mapping[str, Any], clear: np.ndarray) -> Check:
     """Check that the closed boundaries enclose the region of mode coupling, and that divergence lies beyond them."""
     kinds, stiffness = dataset.stability.values, dataset.support_stiffness.values
-    kinematic = kinds == UndampedClass.KINEMATIC
+    kinematic = kinds == UndampedClass.KINEMATIC_CONSTRAINT
     lower, upper = (
         dataset[name].reindex(boundary_friction_coefficient=dataset.friction_coefficient.values).values[:, None]
         for name in ("lower_boundary", "upper_boundary")
     )
     between = (stiffness > lower) & (stiffness < upper)
-    divergence = (stiffness > upper) & (support_conditions.rigid_inertia(grid, _LAW) < 0)
+    divergence = (stiffness > upper) & (conditions.effective_inertia(grid, _LAW) < 0)
     expected = np.select([between, divergence], [UndampedClass.FLUTTER, UndampedClass.DIVERGENCE], UndampedClass.STABLE)
     off = int(np.sum(clear & ~kinematic & (kinds != expected)))
     return Check.holds(
@@ -151,12 +150,10 @@ def _branch_checks(dataset: xr.Dataset, drive: Mapping[str, float]) -> list[Chec
 def _necessary_check(dataset: xr.Dataset, drive: Mapping[str, float]) -> Check:
     """Check the two necessary conditions of the kinematic constraint, μ > tan λ and R Ω > 0."""
     friction = dataset.friction_coefficient.values
-    kinematic = dataset.stability.values == UndampedClass.KINEMATIC
+    kinematic = dataset.stability.values == UndampedClass.KINEMATIC_CONSTRAINT
     early = int(kinematic[friction <= np.tan(drive["lead_angle"])].sum())
     own = {**drive, "friction_coefficient": friction}
-    against = min(
-        np.min(support_conditions.rigid_inertia(own, -_LAW)), np.min(support_conditions.reduced_inertia(own, -_LAW))
-    )
+    against = min(np.min(conditions.effective_inertia(own, -_LAW)), np.min(conditions.reduced_inertia(own, -_LAW)))
     return Check.holds(
         "The two necessary conditions of the kinematic constraint are μ > tan λ and R Ω > 0: it is active at no "
         "smaller μ, and under law −, whose effective inertia is positive, at none",
@@ -187,11 +184,11 @@ def _real_branches(dataset: xr.Dataset, own: Mapping[str, Any]) -> tuple[int, in
 
     ``own``: parameters with the friction coefficients of the map. Where (8.30) is zero to rounding it does not count.
     """
-    b_1, b_2, b_3 = support_conditions.boundary_coefficients(own, _LAW)
+    b_1, b_2, b_3 = conditions.boundary_coefficients(own, _LAW)
     p = values_of(own, _LAW)
     lever, total = p.factor * p.pitch_radius**2 * p.tan_lead, p.mass + p.screw_mass
     discriminant = b_2**2 - 4 * b_1 * b_3
-    reduced = support_conditions.reduced_inertia(own, _LAW)
+    reduced = conditions.reduced_inertia(own, _LAW)
     form = 16 * lever * p.mass**2 * total * reduced
     clear = np.abs(discriminant) > _SAME * b_2**2
     together = (discriminant >= 0) & (b_2 < 0)
@@ -203,7 +200,7 @@ def _real_branches(dataset: xr.Dataset, own: Mapping[str, Any]) -> tuple[int, in
 def _residual(dataset: xr.Dataset, drive: Mapping[str, float]) -> float:
     """Largest remainder [1] of (8.29) on both branches, relative to its largest term."""
     own = {**drive, "friction_coefficient": dataset.boundary_friction_coefficient.values}
-    b_1, b_2, b_3 = support_conditions.boundary_coefficients(own, _LAW)
+    b_1, b_2, b_3 = conditions.boundary_coefficients(own, _LAW)
     k = drive["coupling_stiffness"]
     terms = [
         np.stack([b_1 * branch**2, b_2 * k * branch, b_3 * k**2 * np.ones_like(branch)])
@@ -228,7 +225,7 @@ def _against_lapack(dataset: xr.Dataset, drive: Mapping[str, float], clear: np.n
     oscillates = np.abs(values[..., -1].imag) > limit
     theirs = np.select(
         [growing == 0, oscillates, growing == 1],
-        [UndampedClass.STABLE, UndampedClass.FLUTTER, UndampedClass.KINEMATIC],
+        [UndampedClass.STABLE, UndampedClass.FLUTTER, UndampedClass.KINEMATIC_CONSTRAINT],
         UndampedClass.DIVERGENCE,
     )
     compared = clear[np.ix_(rows, columns)]

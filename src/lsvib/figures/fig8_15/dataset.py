@@ -7,16 +7,14 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets import printed, spans
-from lsvib.datasets.attributes import flagged, variable
-from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters
+from lsvib.datasets.attributes import Variables, axis, drive_parameters, flagged, variable
 from lsvib.errors import InputError
 from lsvib.figures.fig8_15.checks import DAMPINGS, checks
 from lsvib.models import chapter
 from lsvib.models.drive import SupportDrive
-from lsvib.stability import support_conditions
+from lsvib.stability import conditions
 from lsvib.stability.conditions import critical_friction
-from lsvib.stability.eigenvalues_two_coordinates import UndampedClass, undamped_class
-from lsvib.stability.linearised import support_model
+from lsvib.stability.linear import UndampedClass, support_model, undamped_class
 
 __all__ = ["build", "checks"]
 
@@ -36,7 +34,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     dims = ("friction_coefficient", "support_stiffness")
     grid = {**dict(drive), "friction_coefficient": friction[:, None], "support_stiffness": stiffness}
     kinds = undamped_class(support_model(grid, _LAW))
-    by_eigenvalues = support_conditions.critical_friction_by_eigenvalues(drive)
+    by_eigenvalues = conditions.critical_friction_by_eigenvalues(drive)
     passing = "friction coefficient where an eigenvalue 1/omega^2 passes through zero"
     return xr.Dataset(
         {
@@ -65,7 +63,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 
 def _boundaries(drive: SupportDrive, friction: np.ndarray) -> Variables:
     """Both boundaries of mode coupling (8.29) at some friction coefficients."""
-    branches = support_conditions.flutter_boundaries({**dict(drive), "friction_coefficient": friction}, _LAW)
+    branches = conditions.flutter_boundaries({**dict(drive), "friction_coefficient": friction}, _LAW)
     return {
         f"{which}_boundary": variable(
             "boundary_friction_coefficient", branches[:, k], "N m-1", f"{which} boundary of mode coupling", "$k_1$"

@@ -6,7 +6,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from lsvib.figures.drawing import phase_planes, style
+from lsvib.figures import drawing, style
 
 # Fill, hatch, words of the legend, words in the region and their place; hatching as in the chapter.
 _REGIONS = {
@@ -16,7 +16,7 @@ _REGIONS = {
         "#FBE3B5", "....", "third region: both modes diverge, $\\Gamma_0 < 0 < \\tilde\\Gamma_0$",
         "third\nregion", (0.247, 2.5e8),
     ),
-    "kinematic": (
+    "kinematic constraint": (
         "#F7D9C4", "---", "primary region of the kinematic constraint, $\\tilde\\Gamma_0 < 0$",
         "primary\nkinematic\nregion", (0.343, 1e7),
     ),
@@ -74,7 +74,7 @@ def draw(dataset: xr.Dataset) -> Figure:
         ylim=(np.min(stiffness), np.max(stiffness)),
     )
     style.state_values(figure, dataset)
-    phase_planes.legend(figure, [axes], 2, patches)
+    drawing.legend(figure, [axes], 2, patches)
     return figure
 
 

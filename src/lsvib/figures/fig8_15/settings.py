@@ -4,7 +4,7 @@ from typing import ClassVar
 
 from pydantic import Field
 
-from lsvib.figures.common.settings import DriveChanges, FigureSettings, PositiveSpan, Span, parameter
+from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Span, parameter
 from lsvib.models.drive import SupportDrive
 
 

@@ -7,14 +7,24 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from lsvib.contact import limit_process
-from lsvib.contact.limit_process import BranchFamily, ImpactOutcome, LimitBranch, Region
+from lsvib.contact import stiff_limit
+from lsvib.contact.stiff_limit import BranchFamily, ImpactOutcome, LimitBranch, Region
 from lsvib.datasets import phase_plane
-from lsvib.datasets.attributes import SIGNS, attributes, flagged, variable, yes_no
+from lsvib.datasets.attributes import (
+    SIGNS,
+    VARIED,
+    attributes,
+    axis,
+    drive_parameters,
+    flagged,
+    parameter,
+    start_state,
+    variable,
+    yes_no,
+)
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import VARIED, axis, drive_parameters, parameter, start_state
 from lsvib.models.drive import RigidDrive
-from lsvib.models.resumption import RULES
+from lsvib.models.model import RULES
 
 _CONVERGED = 1e-3  # deviation at the stiffest contact, relative to the motion: nothing that a picture shows
 _ORDER = 0.8  # of convergence, at least: the first order shows as 0.86 to 0.94 at stiffnesses that are finite
@@ -57,9 +67,9 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     branches = [
         branch
         for drive in drives
-        for branch in limit_process.branches(drive, speed, settings["duration"], [start["u"], start["w"]])
+        for branch in stiff_limit.branches(drive, speed, settings["duration"], [start["u"], start["w"]])
     ]
-    stiffened = [[limit_process.stiffened(drives[0], family, k, ratio) for k in stiffness] for family in BranchFamily]
+    stiffened = [[stiff_limit.stiffened(drives[0], family, k, ratio) for k in stiffness] for family in BranchFamily]
     damping = [[drive.contact_damping for drive in row] for row in stiffened]
     deviations = _deviations(branches, stiffness, ratio, settings["fit_from"])
     return xr.Dataset(
@@ -67,7 +77,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         | {
             "rebound_force": variable(
                 ("family", "contact_stiffness"),
-                [[limit_process.rebound_force(drive, speed) for drive in row] for row in stiffened],
+                [[stiff_limit.rebound_force(drive, speed) for drive in row] for row in stiffened],
                 "N",
                 "force with which the contact throws the nut back",
             )
@@ -107,8 +117,8 @@ def _deviations(
     for family in BranchFamily:
         for j, k in enumerate(stiffness):
             for i, branch in enumerate(branches):
-                compliant = limit_process.stiffened(branch.drive, family, k, ratio)
-                for name, value in limit_process.deviations(branch, compliant).items():
+                compliant = stiff_limit.stiffened(branch.drive, family, k, ratio)
+                for name, value in stiff_limit.deviations(branch, compliant).items():
                     found[name][family, i, j] = value
     variables = {name: variable(_dims(name), found[name], *_QUANTITIES[name]) for name in _QUANTITIES}
     fitted = stiffness >= fit_from
@@ -243,7 +253,7 @@ def _dims(name: str) -> tuple[str, ...]:
 
 
 def _orders(name: str, stiffness: np.ndarray, errors: np.ndarray) -> phase_plane.Variables:
-    fits = np.apply_along_axis(lambda error: limit_process.fitted_order(stiffness, error), 2, errors)
+    fits = np.apply_along_axis(lambda error: stiff_limit.fitted_order(stiffness, error), 2, errors)
     dims = tuple(dim for dim in _dims(name) if dim != "contact_stiffness")
     words = name.replace("_", " ")
     return {
@@ -268,7 +278,7 @@ def _branch_coordinates(branches: Sequence[LimitBranch]) -> phase_plane.Variable
     signs = {key: SIGNS[key] for key in ("flag_values", "flag_meanings")}
     sign = np.array([0 if hit is None else hit.sign for hit in hits], dtype=np.int8)
     region = [Region.CYCLE if hit is None else hit.region for hit in hits]
-    after = [[limit_process.outcome(motion) for motion in b.rigid] for b in branches]
+    after = [[stiff_limit.outcome(motion) for motion in b.rigid] for b in branches]
     differ = [b.differ for b in branches]
     return {
         "branch": variable("branch", np.arange(len(branches)), "1", "index of the branch"),

@@ -7,7 +7,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lsvib.figures.drawing import phase_planes, style
+from lsvib.figures import drawing, style
 
 _ERRORS = {  # colour, words, mark
     "motion_distance": (style.BLUE, "distance", "o"),
@@ -56,7 +56,7 @@ def _distances(axes: Axes, viscous: xr.Dataset) -> None:
     for k in range(count):
         shade = 0.85 * (1 - k / max(1, count - 1))  # paler the softer
         colour = tuple(shade + (1 - shade) * part for part in (0.0, 0.447, 0.698))
-        stiffness = phase_planes.number(viscous.contact_stiffness[k])
+        stiffness = drawing.number(viscous.contact_stiffness[k])
         axes.plot(_places(viscous), viscous.motion_distance[:, k, 0], "o", color=colour, markeredgecolor=style.BLUE,
                   markeredgewidth=0.4, markersize=3.2, label=f"$k_c$ = {stiffness} N m⁻¹")  # fmt: skip
     differ = viscous.rules_differ.values == 1
@@ -83,7 +83,7 @@ def _others(axes: Axes, families: dict[str, xr.Dataset]) -> None:
         words = {_VISCOUS: "viscous", _RATIO: "fixed damping ratio", _ELASTIC: "elastic"}[name]
         axes.plot(_places(families[name]), families[name].motion_distance[:, -1, 0], mark, color=colour, markersize=3.2,
                   label=words)  # fmt: skip
-    stiffest = phase_planes.number(families[_VISCOUS].contact_stiffness[-1])
+    stiffest = drawing.number(families[_VISCOUS].contact_stiffness[-1])
     axes.set(
         yscale="log", title=f"(c) three limits at $k_c$ = {stiffest} N m⁻¹", ylabel="Distance to the\nrigid motion"
     )
@@ -120,7 +120,7 @@ def _name_branches(bottom: Axes, top: Axes, dataset: xr.Dataset) -> None:
     )
     first = _changes(dataset)
     for start, stop in pairwise(first):
-        force, damping = (phase_planes.number(dataset[name][start]) for name in ("axial_force", "support_damping"))
+        force, damping = (drawing.number(dataset[name][start]) for name in ("axial_force", "support_damping"))
         top.text((start + stop - 1) / 2, 1.02, f"$R$ = {force} N, $c$ = {damping}", ha="center", va="bottom",
                  fontsize=_SMALL, transform=top.get_xaxis_transform())  # fmt: skip
 

@@ -7,22 +7,31 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import CRITICAL_MASS, flagged, variable
+from lsvib.datasets.attributes import (
+    CRITICAL_MASS,
+    Variables,
+    axis,
+    drive_parameters,
+    flagged,
+    origin_of,
+    parameter,
+    variable,
+)
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import Variables, axis, drive_parameters, origin_of, parameter
 from lsvib.datasets.spans import evenly_chosen
 from lsvib.errors import InputError
 from lsvib.models.drive import NutDrive
 from lsvib.numbers import bisected
-from lsvib.stability.conditions import critical_mass
-from lsvib.stability.eigenvalues_two_coordinates import (
+from lsvib.stability.conditions import critical_mass, effective_screw_inertia, kinematic_inertia, kinematic_mass
+from lsvib.stability.linear import (
     UndampedClass,
+    determinant,
     eigenvalues,
+    nut_model,
     reciprocal_squares,
     undamped_class,
+    values_of,
 )
-from lsvib.stability.linearised import determinant, nut_model, values_of
-from lsvib.stability.nut_conditions import effective_screw_inertia, kinematic_inertia, kinematic_mass
 
 _LAW = 1  # R Ω > 0
 _SAME = 1e-9  # relative distance from (8.33) within which rounding may decide
@@ -119,7 +128,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 def _class_checks(dataset: xr.Dataset, grid: Mapping[str, Any], clear: np.ndarray) -> list[Check]:
     """Check the classes against (8.33) and the printed inertia matrix, where rounding does not decide (``clear``)."""
     kinds = dataset.stability.values
-    kinematic = kinds == UndampedClass.KINEMATIC
+    kinematic = kinds == UndampedClass.KINEMATIC_CONSTRAINT
     wrong = int(np.sum(clear & (kinematic != (kinematic_inertia(grid, _LAW) < 0))))
     other = int(np.sum(~kinematic & (kinds != UndampedClass.STABLE)))
     opposite = np.sum(clear & ((determinant(nut_model(grid, _LAW).mass) < 0) != kinematic))
@@ -153,14 +162,14 @@ def _damping_check(dataset: xr.Dataset, drive: Mapping[str, float], clear: np.nd
     }
     grows = eigenvalues(nut_model(own, _LAW))[..., -1].real > 0
     compared = clear[np.ix_(rows, columns)]
-    differ = compared & (grows != (part.stability.values == UndampedClass.KINEMATIC))
+    differ = compared & (grows != (part.stability.values == UndampedClass.KINEMATIC_CONSTRAINT))
     claim = "With damping of screw and nut the real parts of LAPACK's eigenvalues give the same classes"
     return Check.without_exception(claim, "Sect. 8.8.2, docs/lemmas.md", differ.sum(), compared.sum())
 
 
 def _boundary_checks(dataset: xr.Dataset, drive: Mapping[str, float], clear: np.ndarray) -> list[Check]:
     """Check both closed forms of the boundary (8.33): over the friction coefficient and over the nut's inertia."""
-    kinematic = dataset.stability.values == UndampedClass.KINEMATIC
+    kinematic = dataset.stability.values == UndampedClass.KINEMATIC_CONSTRAINT
     side = np.sum(clear & (kinematic == _stable_side(dataset)))
     edge = dataset.critical_friction_with_nut.values
     on_edge = {**drive, "friction_coefficient": edge, "nut_inertia": dataset.nut_inertia.values}

@@ -7,7 +7,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from lsvib.figures.drawing import phase_planes, style
+from lsvib.figures import drawing, style
 
 _KINEMATIC = "#F7D9C4"
 _MARKS = 12  # masses by eigenvalues that are marked along the curve
@@ -22,7 +22,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     _critical_mass(mass, dataset)
     patches = _map(plane, dataset)
     style.state_values(figure, dataset)
-    phase_planes.legend(figure, [mass, plane], 4, patches)
+    drawing.legend(figure, [mass, plane], 4, patches)
     return figure
 
 
@@ -40,7 +40,7 @@ def _critical_mass(axes: Axes, dataset: xr.Dataset) -> None:
     axes.text(float(dataset.screw_inertia), 0.06, " $I_2 = I$", fontsize=_SMALL, transform=axes.get_xaxis_transform())
     axes.set(
         xscale="log",
-        title=rf"(a) critical mass, $\mu$ = {phase_planes.number(dataset.drawn_friction_coefficient)}",
+        title=rf"(a) critical mass, $\mu$ = {drawing.number(dataset.drawn_friction_coefficient)}",
         xlabel=style.label(dataset.nut_inertia),
         ylabel="Critical mass $m_\\mathrm{cr}$ [kg]",
         ylim=(0, 1.15 * rigid),
@@ -49,7 +49,7 @@ def _critical_mass(axes: Axes, dataset: xr.Dataset) -> None:
 
 
 def _map(axes: Axes, dataset: xr.Dataset) -> list[Patch]:
-    kinematic = (dataset.stability == phase_planes.code(dataset.stability, "kinematic")).T
+    kinematic = (dataset.stability == drawing.code(dataset.stability, "kinematic constraint")).T
     colours = ListedColormap(["#FFFFFF", _KINEMATIC])
     axes.pcolormesh(dataset.friction_coefficient, dataset.nut_inertia, kinematic, cmap=colours, rasterized=True)
     axes.plot(dataset.critical_friction_with_nut, dataset.nut_inertia, color=style.BLUE)
@@ -63,7 +63,7 @@ def _map(axes: Axes, dataset: xr.Dataset) -> list[Patch]:
               transform=axes.get_xaxis_transform())  # fmt: skip
     axes.set(
         yscale="log",
-        title=f"(b) classes, $m$ = {phase_planes.number(dataset.mass)} kg",
+        title=f"(b) classes, $m$ = {drawing.number(dataset.mass)} kg",
         xlabel=style.label(dataset.friction_coefficient),
         ylabel=style.label(dataset.nut_inertia),
         xlim=(float(dataset.friction_coefficient[0]), float(dataset.friction_coefficient[-1])),

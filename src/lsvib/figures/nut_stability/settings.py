@@ -4,7 +4,7 @@ from typing import ClassVar
 
 from pydantic import Field
 
-from lsvib.figures.common.settings import DriveChanges, FigureSettings, PositiveSpan, Span
+from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Span
 
 
 class Settings(FigureSettings):

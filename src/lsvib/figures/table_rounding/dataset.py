@@ -8,17 +8,15 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets import printed
-from lsvib.datasets.attributes import flagged, variable, yes_no
+from lsvib.datasets.attributes import Variables, drive_parameters, flagged, origin_of, parameter, variable, yes_no
 from lsvib.datasets.checks import Check
-from lsvib.datasets.parameter_origins import Variables, drive_parameters, origin_of, parameter
 from lsvib.models import chapter
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive, SupportDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.numbers import bisected
-from lsvib.stability import thresholds
+from lsvib.stability import force_thresholds
 from lsvib.stability.conditions import critical_friction, critical_mass
-from lsvib.stability.input_rounding import HALF_UNITS, ROUND, propagated
-from lsvib.stability.solved_threshold import solve_threshold
+from lsvib.stability.threshold import HALF_UNITS, ROUND, propagated, solve_threshold
 
 # Half a unit of the last digit of the printed thresholds: 10.10 kg, 0.285, 20 N, 34.5 N, 46.5 N.
 _PRINTED_HALF_UNITS = {
@@ -33,8 +31,8 @@ _VARIED = ("mass", "translation_damping")  # in which they differ; the threshold
 _WORDS = {"critical_friction": "critical friction coefficient"}
 
 _SOLVED = {  # name of each threshold among those that are solved for a parameter, and the parameter
-    "critical_mass": ("kinematic", "mass"),
-    "critical_friction": ("kinematic", "friction_coefficient"),
+    "critical_mass": ("kinematic_constraint", "mass"),
+    "critical_friction": ("kinematic_constraint", "friction_coefficient"),
     "onset_force": ("onset", "axial_force"),
     "stick_force": ("stick", "axial_force"),
     "detach_force": ("detach", "axial_force"),
@@ -57,7 +55,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
     functions = {
         "critical_mass": critical_mass,
         "critical_friction": lambda drive: critical_friction(drive, screw_mass),
-        **{name: getattr(thresholds, name) for name in ("onset_force", "stick_force", "detach_force")},
+        **{name: getattr(force_thresholds, name) for name in ("onset_force", "stick_force", "detach_force")},
     }
     computed = np.array([functions[name](drives[name]) for name in _PRINTED_HALF_UNITS])
     with_screw = SupportDrive.of(drives["critical_friction"], screw_mass=screw_mass)

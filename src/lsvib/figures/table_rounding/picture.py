@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from lsvib.figures.drawing import phase_planes, style
+from lsvib.figures import drawing, style
 
 _SYMBOLS = {
     "pitch radius": ("$r_m$", style.BLUE),
@@ -44,7 +44,7 @@ def draw(dataset: xr.Dataset) -> Figure:
         axes.set(title=words, xlabel="Part of the threshold [%]", xlim=(0, 1.08 * max(residual.max(), width.max())))
         axes.tick_params(axis="y", length=0)
     panels[0].set_yticks(place, [_words(dataset, name) for name in names])
-    phase_planes.legend(figure, list(panels), 5)
+    drawing.legend(figure, list(panels), 5)
     return figure
 
 

@@ -2,7 +2,7 @@
 
 from typing import ClassVar
 
-from lsvib.figures.common.settings import DriveChanges, FigureSettings
+from lsvib.figures.settings import DriveChanges, FigureSettings
 
 
 class Settings(FigureSettings):

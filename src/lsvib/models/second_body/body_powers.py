@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from lsvib.models.powers import Powers, product
+from lsvib.models.model import Powers, product
 
 
 class TwoBodyPowers(Powers):

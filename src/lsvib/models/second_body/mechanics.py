@@ -3,7 +3,7 @@ r"""Drives with two coordinates whose threads stay rigid – axial support, rota
 The threads slip with a speed ω in the direction d = sgn ω under the law s = d sgn n, where n is the axial contact
 force, or they rest. A second body may slide against the ground with Coulomb friction; then its direction a is part of
 the mode, with a = 0 while it is held. A model solves Newton's laws in each mode, and
-:mod:`lsvib.models.second_body.modes_and_guards` makes the automaton from these solutions.
+:mod:`lsvib.models.two_bodies` makes the automaton from these solutions.
 """
 
 from collections.abc import Mapping, Sequence
@@ -14,7 +14,7 @@ from flint import arb
 
 from lsvib.engine.automaton import Row, scaled
 from lsvib.engine.exact.arithmetic import ball, sign
-from lsvib.engine.kernels.status import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND
+from lsvib.engine.kernels.layout import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND
 from lsvib.models.drive import ExactParameters
 
 DIRECTIONS = {1: "forward", -1: "backward"}

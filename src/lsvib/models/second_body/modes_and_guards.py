@@ -1,6 +1,6 @@
 r"""Modes, guards and transitions of a drive with two coordinates whose threads stay rigid: axial support, rotating nut.
 
-A model solves Newton's laws in each mode (:mod:`lsvib.models.second_body.mechanics`), and everything else follows from
+A model solves Newton's laws in each mode (:mod:`lsvib.models.two_bodies`), and everything else follows from
 the signs of speeds and forces.
 
 * n = Q / (positive factor × Γ_s), where Q does not depend on the law. If Γ₊ > 0, the sign of n is that of Q. If Γ₊ > 0
@@ -29,13 +29,10 @@ from lsvib.engine.automaton import (
     scaled,
 )
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.engine.exact.linear_mode import linear_mode
-from lsvib.engine.exact.modal_form import guard_forms, modal_flow
-from lsvib.engine.kernels.status import Test
-from lsvib.models.drive import NutDrive, SupportDrive
-from lsvib.models.once import once
-from lsvib.models.second_body.mechanics import DIRECTIONS, HELD, SIGNS, SLIPS, Solution, constant, plus
-from lsvib.models.second_body.two_bodies import TwoBodies
+from lsvib.engine.exact.modal_form import guard_forms, linear_mode, modal_flow
+from lsvib.engine.kernels.layout import Test
+from lsvib.models.drive import NutDrive, SupportDrive, once
+from lsvib.models.two_bodies import DIRECTIONS, HELD, SIGNS, SLIPS, Solution, TwoBodies, constant, plus
 
 
 @once

@@ -6,9 +6,8 @@ import numpy as np
 
 from lsvib.engine.automaton import Automaton
 from lsvib.models.drive import Drive
-from lsvib.models.registry import Model, seizures_only_by_contact
-from lsvib.models.second_body.modes_and_guards import automaton_of
-from lsvib.models.second_body.two_bodies import TwoBodies
+from lsvib.models.model import Model, seizures_only_by_contact
+from lsvib.models.two_bodies import TwoBodies, automaton_of
 
 
 def two_body_model(kind: type[TwoBodies], drive: type[Drive], **own: Any) -> Model:

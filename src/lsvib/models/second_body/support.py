@@ -35,11 +35,18 @@ from lsvib.engine.automaton import Automaton, scaled
 from lsvib.engine.exact.arithmetic import sign
 from lsvib.errors import InputError
 from lsvib.models.drive import SupportDrive
-from lsvib.models.linear_parts import LinearParts, Polynomial
-from lsvib.models.second_body.body_powers import TwoBodyPowers
-from lsvib.models.second_body.mechanics import Solution, constant, event_enum, mode_enum, plus, solved
-from lsvib.models.second_body.registration import two_body_model
-from lsvib.models.second_body.two_bodies import TwoBodies
+from lsvib.models.mechanics import LinearParts, Polynomial
+from lsvib.models.two_bodies import (
+    Solution,
+    TwoBodies,
+    TwoBodyPowers,
+    constant,
+    event_enum,
+    mode_enum,
+    plus,
+    solved,
+    two_body_model,
+)
 
 SupportMode = mode_enum("SupportMode", ("rest_positive", "rest_negative"), "nut")
 SupportEvent = event_enum("SupportEvent", "slide")

@@ -9,10 +9,10 @@ from flint import arb
 
 from lsvib.engine.automaton import Row, scaled
 from lsvib.engine.exact.arithmetic import sign
-from lsvib.engine.exact.reach import SWINGS
-from lsvib.models import friction
+from lsvib.engine.exact.field import SWINGS
+from lsvib.models import mechanics
 from lsvib.models.drive import NutDrive, SupportDrive
-from lsvib.models.second_body.mechanics import Solution, normal_force
+from lsvib.models.two_bodies import Solution, normal_force
 
 
 class TwoBodies(ABC):
@@ -20,7 +20,7 @@ class TwoBodies(ABC):
 
     In steady sliding the threads carry the force ``force`` = R − r_m tan λ c_x Ω − F_0 sgn Ω [N] with the torque
     ``twist`` = r_m ξ_s0 · force [N m] (eq. 8.15). ``reach``: r_m tan λ; ``xi``: ξ_s by law; ``turned``: ξ₊ tan λ r_m²;
-    ``turning``: sgn Ω; ``horizon`` [s]: that of :func:`lsvib.engine.exact.reach.reached`; ``movable``: the
+    ``turning``: sgn Ω; ``horizon`` [s]: that of :func:`lsvib.engine.exact.field.reached`; ``movable``: the
     parameter to change where rates coincide; ``speed``: row of θ′; ``deflection``: row of z.
 
     A model names its ``states``, ``modes``, ``events``, and the ``second`` body with the coordinates ``snaps`` that are
@@ -51,7 +51,7 @@ class TwoBodies(ABC):
         self.slide, self.bearing = d.slide_friction * slide, d.bearing_friction * bearing
         self.slides, self.bears = slide and drive.slide_friction > 0, bearing and drive.bearing_friction > 0
         self.reach = d.pitch_radius * d.tan_lead
-        self.xi = {s: friction.friction_factor(d.friction_coefficient, d.tan_lead, s) for s in (1, -1)}
+        self.xi = {s: mechanics.friction_factor(d.friction_coefficient, d.tan_lead, s) for s in (1, -1)}
         self.turned = self.xi[1] * self.reach * d.pitch_radius
         self.turning = sign(d.input_speed)
         self.force = d.axial_force - self.reach * d.translation_damping * d.input_speed - self.slide * self.turning
@@ -76,7 +76,7 @@ class TwoBodies(ABC):
 
     @abstractmethod
     def released(self, direction: int, side: int) -> int:
-        """Return the sign of n with which slip begins at the end of static friction."""
+        """Return the sign of n with which slip begins at the end of static mechanics."""
 
     @abstractmethod
     def tied(self, slip: bool, second: bool) -> tuple[Row, ...]:

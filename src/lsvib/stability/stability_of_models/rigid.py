@@ -3,10 +3,10 @@
 from typing import Any
 
 from lsvib.errors import InputError
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.stability.conditions import conditions
-from lsvib.stability.eigenvalues_rigid import Stability
+from lsvib.stability.linear import Stability
 from lsvib.stability.spectrum import rigid_spectrum
 
 

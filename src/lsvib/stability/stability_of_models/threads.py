@@ -3,10 +3,9 @@
 from fractions import Fraction
 from typing import Any
 
-from lsvib.models.coefficients import coefficients
 from lsvib.models.drive import ThreadsDrive
-from lsvib.models.linear_parts import Polynomial
-from lsvib.stability import boundaries, stiff_contact
+from lsvib.models.mechanics import Polynomial, coefficients
+from lsvib.stability import boundaries, conditions
 from lsvib.stability.stability_of_models import condition, quantity
 
 
@@ -27,8 +26,8 @@ def said(drive: ThreadsDrive, law: int, polynomial: Polynomial, flutter: float |
         "quantities": {
             "effective_inertia": quantity(c.gamma[law], "kg m2"),
             "effective_damping": quantity(c.damping[law], "N m s rad-1"),
-            "unstable_contact_stiffness": quantity(stiff_contact.unstable_contact_stiffness(drive), "N m-1"),
+            "unstable_contact_stiffness": quantity(conditions.unstable_contact_stiffness(drive), "N m-1"),
             "least_contact_damping": quantity(least, "N s m-1"),
-            "least_damping_of_stiff_contact": quantity(stiff_contact.least_damping_of_stiff_contact(drive), "N s m-1"),
+            "least_damping_of_stiff_contact": quantity(conditions.least_damping_of_stiff_contact(drive), "N s m-1"),
         },
     }

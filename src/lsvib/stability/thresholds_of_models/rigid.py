@@ -7,9 +7,8 @@ from typing import Any
 from lsvib.errors import NoThreshold
 from lsvib.models import chapter
 from lsvib.models.drive import Drive, RigidDrive, SupportDrive
-from lsvib.stability import thresholds as forces
-from lsvib.stability.conditions import critical_friction, critical_mass
-from lsvib.stability.support_conditions import critical_friction_by_eigenvalues
+from lsvib.stability import force_thresholds as forces
+from lsvib.stability.conditions import critical_friction, critical_friction_by_eigenvalues, critical_mass
 
 _COMPUTE: dict[str, Callable[[Any], float | None]] = {
     "critical_mass": critical_mass,
