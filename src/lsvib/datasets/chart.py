@@ -32,7 +32,7 @@ from lsvib.datasets.attributes import (
 from lsvib.datasets.io import joined, rows_of, write_dataset
 from lsvib.datasets.spans import zero_where_rounded
 from lsvib.datasets.sweep import product_of
-from lsvib.dynamics.behaviour import Behaviour, behaviours, compliant_behaviours
+from lsvib.dynamics.behaviour import Behaviour, behaviours
 from lsvib.errors import InputError
 from lsvib.models import chapter
 from lsvib.models.drive import Drive, RigidDrive
@@ -131,8 +131,7 @@ class Plane:
         parts = ((self.y, rows), (self.x, columns))
         axes = {one.name: one.centres(*part.indices(one.count)[:2]).tolist() for one, part in parts}
         shape = tuple(map(len, axes.values()))
-        of_drives = behaviours if len(find_model(self.drive.model).states) == 2 else compliant_behaviours
-        return of_drives(product_of(self.drive, axes), resume, workers, progress).reshape(shape)
+        return behaviours(product_of(self.drive, axes), resume, workers, progress).reshape(shape)
 
     def axes(self, resume: Resume = "contact_sign") -> xr.Dataset:
         """Return the axes of the chart with the global attributes."""
