@@ -5,7 +5,6 @@ server of the standard library, loads them once, and every job is a copy of it. 
 in it, and what a job changes dies with the job.
 """
 
-import importlib
 import multiprocessing
 import os
 import resource
@@ -110,14 +109,14 @@ def compile_engine(part: str, sources: Texts, marker: str) -> None:
 
 def dataset(figure: str, settings: dict[str, Any], file: str, checks: str) -> None:
     """Compute the dataset of a figure and its checks."""
-    from lsvib.figures.compute import compute_figure
+    from lsvib.figures.build import compute_figure
 
     compute_figure(figure, settings, file, checks)
 
 
 def picture(figure: str, dataset: str, png: str, pdf: str, caption: str) -> None:
     """Draw a figure from its dataset."""
-    from lsvib.figures.draw import draw_figure
+    from lsvib.figures.build import draw_figure
 
     draw_figure(figure, dataset, png, pdf, caption)
 
@@ -125,8 +124,7 @@ def picture(figure: str, dataset: str, png: str, pdf: str, caption: str) -> None
 def draft(figures: dict[str, dict[str, Any]], datasets: Texts, checks: Texts, pngs: Texts, captions: Texts) -> None:
     """Compute several figures and draw them, without the PDF of an earlier full run."""
     from lsvib.errors import LsvibError
-    from lsvib.figures.build import build_figure
-    from lsvib.figures.draw import DRAFT
+    from lsvib.figures.build import DRAFT, build_figure
 
     files = zip(datasets, checks, pngs, captions, strict=True)
     for (figure, settings), (dataset, judged, png, caption) in zip(figures.items(), files, strict=True):
@@ -199,24 +197,22 @@ def whole_chart(settings: dict[str, Any], tiles: Texts, file: str) -> None:
     gather_chart(settings, tiles, file)
 
 
-def overview(figure: str, cells: str, png: str, pdf: str) -> None:
+def overview(figure: str, cells: str, png: str, pdf: str, caption: str) -> None:
     """Draw the map or the chart, a large one from the middle cells of blocks of cells."""
-    from lsvib.figures.drawing.overview import overview
-    from lsvib.figures.drawing.style import save
-    from lsvib.figures.folders import picture_module
+    from lsvib.figures.build import draw_overview
 
-    save(importlib.import_module(picture_module(figure)).draw(overview(cells)), png, pdf)
+    draw_overview(figure, cells, png, pdf, caption)
 
 
 def assess(sheet: str, page: str, samples: int) -> None:
     """Assess one drive from its data sheet."""
-    from lsvib.assess.run import assess_file
+    from lsvib.assess.output import assess_file
 
     assess_file(Path(sheet), Path(page).parent, samples=samples)
 
 
 def compare(verdicts: Texts, page: str, table: str) -> None:
     """Put the verdicts on all drives in one table."""
-    from lsvib.assess.compare import compare
+    from lsvib.assess.report import compare
 
     compare([Path(file) for file in verdicts], Path(page), Path(table))

@@ -11,7 +11,7 @@ from lsvib.models.mechanics import coefficients
 from lsvib.models.model import Model, find_model
 from lsvib.models.threads import seated_state
 from lsvib.stability.conditions import critical_mass
-from lsvib.stability.thresholds import global_stability_force, stick_force
+from lsvib.stability.force_thresholds import global_stability_force, stick_force
 
 _NEAR = 1e-6  # relative distance of the grazing scenes from their threshold
 _GAMMA = 1e-9  # Γ₊ / I of the scene near the critical mass, reached to 7 digits: the mass is a double

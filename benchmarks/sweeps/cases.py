@@ -11,15 +11,15 @@ from benchmarks.sweeps import cases_four_states
 from benchmarks.sweeps.families import Case, CaseFamily
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
-from lsvib.stability import thresholds
+from lsvib.stability import force_thresholds
 from lsvib.stability.conditions import critical_mass
 
 _MOST_TURNS = 50  # of the fastest oscillation
 THRESHOLDS: tuple[tuple[Callable[[RigidDrive], float], RigidDrive], ...] = (
-    (thresholds.onset_force, RigidDrive.of(translation_damping=1e3)),
-    (thresholds.stick_force, RigidDrive.of(translation_damping=1e3)),
-    (thresholds.detach_force, RigidDrive.of(translation_damping=1e3)),
-    (thresholds.global_stability_force, RigidDrive.of(mass=11.0, support_damping=1e-3)),
+    (force_thresholds.onset_force, RigidDrive.of(translation_damping=1e3)),
+    (force_thresholds.stick_force, RigidDrive.of(translation_damping=1e3)),
+    (force_thresholds.detach_force, RigidDrive.of(translation_damping=1e3)),
+    (force_thresholds.global_stability_force, RigidDrive.of(mass=11.0, support_damping=1e-3)),
 )
 
 

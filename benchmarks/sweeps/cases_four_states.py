@@ -9,7 +9,7 @@ from references.wide_drives import heaviest, power, sign
 
 from benchmarks.sweeps.families import Case, CaseFamily
 from lsvib.models.drive import NutDrive, RigidDrive, SupportDrive, ThreadsDrive
-from lsvib.stability.linearised import nut_model, support_model
+from lsvib.stability.linear import nut_model, support_model
 
 _MOST_TURNS = 6.0  # of the fastest oscillation: bounds the work of the reference
 

@@ -10,8 +10,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 import lsvib
-from lsvib.figures.attraction import picture
-from lsvib.figures.drawing import phase_planes, style
+from lsvib.figures import attraction, drawing, style
 
 DRIVE = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
 START = {"u": 0.1, "w": 0.0}
@@ -24,14 +23,14 @@ def draw(found: xr.Dataset) -> Figure:
     """Draw the phase plane on the left, with its map, and the amplitude on the right."""
     figure = style.new_figure(style.DOUBLE, 2.9)
     plane, curve = figure.subplots(1, 2)
-    picture.draw_map(plane, found)
+    attraction.draw_map(plane, found)
     motion = DRIVE.simulate(START, 0.02, samples=4001)
     plane.plot(motion.angle_deviation, motion.velocity_deviation, color=style.BLUE, label="a motion", linewidth=1)
-    phase_planes.draw_cycle(plane, found.isel(cycle=0), name="its limit cycle")
+    drawing.draw_cycle(plane, found.isel(cycle=0), name="its limit cycle")
     plane.plot(0, 0, "+", color=style.BLACK)
     plane.axis((*GRID["u"][:2], *GRID["w"][:2]))
-    phase_planes.draw_lines(plane, found, style.VERMILION, "$N = 0$")
-    phase_planes.label_axes(plane, found)
+    drawing.draw_lines(plane, found, style.VERMILION, "$N = 0$")
+    drawing.label_axes(plane, found)
     plane.set_title("Blue region: tolerated perturbations")
     plane.legend(loc="upper right", fontsize=6.5)
     _draw_curve(curve)

@@ -1,23 +1,22 @@
-"""The gallery: a short script for every figure, written from its folder, and how Sphinx-Gallery finds the pictures."""
+"""The gallery: a short script for every figure, written from its file, and how Sphinx-Gallery finds the pictures."""
 
 import inspect
 import shutil
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from matplotlib.figure import Figure
 
-from lsvib.figures.drawing.style import save
-from lsvib.figures.folders import caption_file, dataset_module, default_figures, picture_module
+from lsvib.figures.configuration import default_figures, load
+from lsvib.figures.style import save
 
 _RESOLUTION = 110  # dots per inch, enough for a screen
 _HEADER = """
 Gallery
 =======
 
-Every figure that a run of the workflow draws, each with its caption, the script that makes it, and the two modules
-behind it: one computes the dataset, the other draws the picture from it. ``lsvib figure 8.6`` makes the same files.
+Every figure that a run of the workflow draws, each with its caption, the script that makes it, and the file behind it,
+which computes the dataset, judges it, and draws the picture from it. ``lsvib figure 8.6`` makes the same files.
 """
 _SECTIONS = {
     "1_chapter": "The chapter\n-----------\n\nThe fifteen figures of chapter 8.\n",
@@ -31,22 +30,16 @@ _SCRIPT = '''"""
 """
 
 from lsvib.figures.configuration import standard_settings
-from lsvib.figures.{name} import dataset, picture
+from lsvib.figures.{name} import build, draw
 
-found = dataset.build(standard_settings("{name}"))
-figure = picture.draw(found)
+found = build(standard_settings("{name}"))
+figure = draw(found)
 {shown}
 # %%
-# The dataset
-# -----------
+# The file of the figure
+# ----------------------
 #
-# .. literalinclude:: {dataset}
-#    :language: python
-#
-# The picture
-# -----------
-#
-# .. literalinclude:: {picture}
+# .. literalinclude:: {file}
 #    :language: python
 '''
 _SHOWN = """
@@ -66,22 +59,18 @@ def title(figure: str) -> str:
 
 
 def script(figure: str, source: Path, pictures: Path | None) -> str:
-    """Return the script of a figure, and copy its two modules to the sources of the site, which show them.
+    """Return the script of a figure, and copy its module to the sources of the site, which show it.
 
     ``pictures``: a folder with a picture of every figure, for a script that is shown and not run.
     """
-    modules, shown = {}, ""
-    for kind, module in (("dataset", dataset_module(figure)), ("picture", picture_module(figure))):
-        copy = source / "files" / "figures" / figure / f"{kind}.py"
-        copy.parent.mkdir(parents=True, exist_ok=True)
-        copy.write_text(inspect.getsource(import_module(module)), encoding="utf-8")
-        modules[kind] = f"/files/figures/{figure}/{kind}.py"
+    file, module, shown = f"files/figures/{figure}.py", load(figure), ""
+    (source / file).parent.mkdir(parents=True, exist_ok=True)
+    (source / file).write_text(inspect.getsource(module), encoding="utf-8")
     if pictures:
         shutil.copy2(pictures / f"{figure}.png", source / "files" / "figures" / f"{figure}.png")
         shown = _SHOWN.format(name=figure, words=_words(figure))
-    caption = caption_file(figure).read_text(encoding="utf-8").strip()
-    name = title(figure)
-    return _SCRIPT.format(title=name, rule="=" * len(name), caption=caption, name=figure, shown=shown, **modules)
+    name, caption = title(figure), module.CAPTION.strip()
+    return _SCRIPT.format(title=name, rule="=" * len(name), caption=caption, name=figure, shown=shown, file=f"/{file}")
 
 
 def _words(figure: str) -> str:

@@ -5,21 +5,22 @@ from importlib import import_module
 from pathlib import Path
 
 import lsvib
-from lsvib.api import DRIVES
-from lsvib.models.drive import allowed_range, described
+from lsvib.api import DriveMethods
+from lsvib.models.drive import Drive, allowed_range, described
+from lsvib.models.model import all_models
 
 _GROUPS = {
     "Drives": ["RigidDrive", "ThreadsDrive", "SupportDrive", "NutDrive"],
-    "Functions": ["stability", "thresholds", "simulate"],
-    "Simulation": ["Scene"],
+    "Simulation": ["simulate", "Scene"],
     "Stability and thresholds": [
         "StabilityReport",
         "UndampedStability",
         "Condition",
         "Quantity",
         "Threshold",
-        "SolvedThreshold",
         "ThresholdSolution",
+        "PrintedValue",
+        "Derivative",
     ],
     "Attractors": ["Attractor", "SteadyState"],
     "Regions of attraction": ["Basin", "Resilience", "Window", "Grid", "Axis"],
@@ -31,17 +32,16 @@ MODULES = {
     "Drives": ["lsvib.models.drive", "lsvib.models.scene", "lsvib.models.chapter", "lsvib.models.model"],
     "Engine": ["lsvib.engine.automaton", "lsvib.engine.motion"],
     "Steady sliding": [
-        "lsvib.stability.linearised",
-        "lsvib.stability.stability_table",
-        "lsvib.stability.threshold_table",
-        "lsvib.stability.thresholds",
-        "lsvib.stability.solved_threshold",
-        "lsvib.stability.threshold_polynomials",
-        "lsvib.stability.threshold_motions",
-        "lsvib.stability.threshold_search",
-        "lsvib.stability.threshold_solver",
-        "lsvib.stability.sprag_thresholds",
-        "lsvib.engine.exact.duals",
+        "lsvib.stability.linear",
+        "lsvib.stability.spectrum",
+        "lsvib.stability.conditions",
+        "lsvib.stability.threshold",
+        "lsvib.stability.boundaries",
+        "lsvib.stability.force_thresholds",
+        "lsvib.stability.motion_equations",
+        "lsvib.stability.slip",
+        "lsvib.stability.solve",
+        "lsvib.stability.curves",
     ],
     "Cycles": [
         "lsvib.dynamics.attractors",
@@ -58,7 +58,7 @@ MODULES = {
         "lsvib.datasets.sweep",
     ],
     "Data": ["lsvib.datasets.motion", "lsvib.datasets.sweep", "lsvib.datasets.checks", "lsvib.datasets.io"],
-    "Figures": ["lsvib.figures.build", "lsvib.figures.configuration", "lsvib.figures.folders"],
+    "Figures": ["lsvib.figures.build", "lsvib.figures.configuration", "lsvib.figures.configuration"],
 }
 
 
@@ -100,7 +100,8 @@ def parameter_tables() -> str:
         "from.\n``lsvib config`` prints the same.\n",
     ]
     seen: set[str] = set()
-    for model, kind in DRIVES.items():
+    for model, definition in all_models().items():
+        kind = definition.drive
         own = [key for key in kind.model_fields if key not in seen]
         seen |= set(own)
         words = "All models have" if model == "rigid" else "It adds"
@@ -130,6 +131,8 @@ def module_pages(source: Path) -> str:
         for name in names:
             module = import_module(name)
             others = [key for key in getattr(module, "__all__", ()) if getattr(module, key).__module__ != name]
+            if name == Drive.__module__:  # what can be asked of a drive stands on the page of the public interface
+                others += [key for key in vars(DriveMethods) if not key.startswith("_")]
             text = f"{_heading(name, '=')}\n.. automodule:: {name}\n   :members:\n"
             text += f"   :exclude-members: {', '.join(others)}\n" if others else ""
             (folder / f"{name.removeprefix('lsvib.')}.rst").write_text(text, encoding="utf-8")

@@ -1,51 +1,25 @@
 """lsvib: friction-induced vibration of lead-screw drives, computed exactly from event to event.
 
-The names below are loaded on first use, so that importing the package costs nothing that is not needed.
+The public names are those that ``__init__.pyi`` imports. They are loaded on first use, so that importing the package
+costs nothing that is not needed.
 """
 
+import re
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 __version__ = "0.1.0"
 
-_HOMES = {
-    "RigidDrive": "lsvib.api",
-    "ThreadsDrive": "lsvib.api",
-    "SupportDrive": "lsvib.api",
-    "NutDrive": "lsvib.api",
-    "Scene": "lsvib.models.scene",
-    "simulate": "lsvib.datasets.motion",
-    "StabilityReport": "lsvib.results",
-    "UndampedStability": "lsvib.results",
-    "Condition": "lsvib.results",
-    "Quantity": "lsvib.results",
-    "Threshold": "lsvib.results",
-    "SolvedThreshold": "lsvib.results",
-    "ThresholdSolution": "lsvib.results",
-    "Attractor": "lsvib.dynamics.attractors",
-    "SteadyState": "lsvib.dynamics.attractors",
-    "Cycle": "lsvib.dynamics.periodic",
-    "Cycles": "lsvib.datasets.cycles",
-    "CycleBranch": "lsvib.dynamics.continuation",
-    "Basin": "lsvib.basins.boundary",
-    "Grid": "lsvib.basins.grid",
-    "Axis": "lsvib.basins.grid",
-    "Window": "lsvib.basins.curves",
-    "Resilience": "lsvib.basins.resilience",
-    "LsvibError": "lsvib.errors",
-    "InputError": "lsvib.errors",
-    "NoThreshold": "lsvib.errors",
-    "EngineError": "lsvib.errors",
-    "DivergenceError": "lsvib.errors",
-}
+_STUB = Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8")
+_HOMES = {name: module for module, name in re.findall(r"^from (\S+) import (\w+) as \2$", _STUB, re.MULTILINE)}
 __all__ = ["__version__", *_HOMES]
 
 
 def __getattr__(name: str) -> Any:
     if name not in _HOMES:
         raise AttributeError(f"module 'lsvib' has no attribute {name!r}")
-    module, _, attribute = _HOMES[name].partition(":")
-    return getattr(import_module(module), attribute or name)
+    return getattr(import_module(_HOMES[name]), name)
 
 
 def __dir__() -> list[str]:

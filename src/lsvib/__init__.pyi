@@ -1,13 +1,16 @@
-"""The names of the package for type checkers; ``__init__.py`` loads them on first use."""
+"""The public names of the package and where they live; ``__init__.py`` loads each on first use."""
 
-from lsvib.api import DriveMethods
+from lsvib.api import NutDrive as NutDrive
+from lsvib.api import RigidDrive as RigidDrive
+from lsvib.api import SupportDrive as SupportDrive
+from lsvib.api import ThreadsDrive as ThreadsDrive
+from lsvib.api import simulate as simulate
 from lsvib.basins.boundary import Basin as Basin
 from lsvib.basins.curves import Window as Window
 from lsvib.basins.grid import Axis as Axis
 from lsvib.basins.grid import Grid as Grid
 from lsvib.basins.resilience import Resilience as Resilience
 from lsvib.datasets.cycles import Cycles as Cycles
-from lsvib.datasets.motion import simulate as simulate
 from lsvib.dynamics.attractors import Attractor as Attractor
 from lsvib.dynamics.attractors import SteadyState as SteadyState
 from lsvib.dynamics.continuation import CycleBranch as CycleBranch
@@ -17,51 +20,14 @@ from lsvib.errors import EngineError as EngineError
 from lsvib.errors import InputError as InputError
 from lsvib.errors import LsvibError as LsvibError
 from lsvib.errors import NoThreshold as NoThreshold
-from lsvib.models import drive
 from lsvib.models.scene import Scene as Scene
 from lsvib.results import Condition as Condition
+from lsvib.results import Derivative as Derivative
+from lsvib.results import PrintedValue as PrintedValue
 from lsvib.results import Quantity as Quantity
-from lsvib.results import SolvedThreshold as SolvedThreshold
 from lsvib.results import StabilityReport as StabilityReport
 from lsvib.results import Threshold as Threshold
 from lsvib.results import ThresholdSolution as ThresholdSolution
 from lsvib.results import UndampedStability as UndampedStability
 
-__all__ = [
-    "Attractor",
-    "Axis",
-    "Basin",
-    "Condition",
-    "Cycle",
-    "CycleBranch",
-    "Cycles",
-    "DivergenceError",
-    "EngineError",
-    "Grid",
-    "InputError",
-    "LsvibError",
-    "NoThreshold",
-    "NutDrive",
-    "Quantity",
-    "Resilience",
-    "RigidDrive",
-    "Scene",
-    "SolvedThreshold",
-    "StabilityReport",
-    "SteadyState",
-    "SupportDrive",
-    "ThreadsDrive",
-    "Threshold",
-    "ThresholdSolution",
-    "UndampedStability",
-    "Window",
-    "__version__",
-    "simulate",
-]
-
 __version__: str
-
-class RigidDrive(drive.RigidDrive, DriveMethods): ...
-class ThreadsDrive(drive.ThreadsDrive, DriveMethods): ...
-class SupportDrive(drive.SupportDrive, DriveMethods): ...
-class NutDrive(drive.NutDrive, DriveMethods): ...

@@ -5,16 +5,20 @@ asked: making a drive, or asking for its stability, loads no engine.
 """
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from lsvib.errors import InputError
-from lsvib.models.drive import Drive, NutDrive, RigidDrive, SupportDrive, ThreadsDrive
+from lsvib.models import drive as _drives
+from lsvib.models.drive import Drive
 from lsvib.models.mechanics import Coefficients, coefficients
 from lsvib.models.model import find_model
+from lsvib.models.scene import Scene
 from lsvib.numbers import Progress
-from lsvib.results import SolvedThreshold, StabilityReport, Threshold
+from lsvib.results import StabilityReport, Threshold
 
 if TYPE_CHECKING:
+    import numpy as np
     import xarray as xr
 
     from lsvib.basins.boundary import Basin
@@ -26,14 +30,12 @@ if TYPE_CHECKING:
     from lsvib.dynamics.continuation import CycleBranch
     from lsvib.dynamics.periodic import Cycle
     from lsvib.engine.automaton import Automaton
-    from lsvib.models.scene import Scene
 
-__all__ = ["DriveMethods", "NutDrive", "RigidDrive", "SupportDrive", "ThreadsDrive", "drive_class"]
-
-if TYPE_CHECKING:
     _Base = Drive
 else:
     _Base = object  # the methods go to the class Drive itself, below
+
+__all__ = ["DriveMethods", "NutDrive", "RigidDrive", "SupportDrive", "ThreadsDrive", "drive_class", "simulate"]
 
 
 class DriveMethods(_Base):
@@ -41,78 +43,107 @@ class DriveMethods(_Base):
 
     @property
     def coefficients(self) -> Coefficients:
-        """Coefficients of the equations of motion (8.13)–(8.17) of the rigid drive with these parameters, to 50 digits.
+        """Coefficients of the equations of motion (8.13)–(8.17) of the rigid drive with these parameters.
+
+        Under the friction law s = ±1 slip obeys Γ_s ü + C_s u̇ + k u = r_m (ξ_0 − ξ_s) R̃. Of it the result has, to the
+        digits of :meth:`exact`, the effective inertia Γ_s [kg m²], the effective damping C_s [N m s/rad] and the
+        friction factor ξ_s [1], each by s, and the load R̃ [N].
 
         >>> import lsvib
-        >>> lsvib.RigidDrive(mass=11).coefficients.paradox
+        >>> lsvib.RigidDrive(mass=11).coefficients.paradox  # Γ₊ < 0
         True
+
+        See also: :meth:`stability`, which judges by them.
         """
         return coefficients(self)
 
     def stability(self) -> StabilityReport:
-        """Return the linear stability of steady sliding (eqs 8.18–8.21).
+        """Return the linear stability of steady sliding, u = u̇ = 0.
 
-        Raises ``InputError`` if the contact carries no force.
+        Steady sliding of the rigid drive is unstable where Γ_0 < 0 or C_0 < 0 (eqs 8.18–8.21), that of a model with a
+        second body where its characteristic polynomial, of degree four, has a root with a positive real part. Signs
+        are decided exactly.
+
+        Returns whether it is stable and of which kind, the eigenvalues [1/s], the conditions of instability with their
+        margins, and quantities with units.
+
+        Raises ``InputError`` if the contact carries no force (R̃ = 0), which leaves the friction law open.
 
         >>> import lsvib
         >>> report = lsvib.RigidDrive(mass=11).stability()
-        >>> report.stable, report.kind, report.conditions["paradox"].hold
+        >>> report.stable, report.kind, report.conditions["kinematic_constraint"].hold
         (False, 'saddle', True)
+
+        See also: :meth:`thresholds`, where stability changes; :meth:`resilience`, how large a perturbation it
+        tolerates.
         """
-        from lsvib.stability.stability_table import stability_table
+        from lsvib.stability.conditions import stability
 
-        return StabilityReport.of(stability_table(self, self.model))
+        return stability(self)
 
-    def thresholds(self) -> dict[str, Threshold]:
-        """Return the thresholds of this very drive by name.
+    def thresholds(self, unknown: str | None = None) -> dict[str, Threshold]:
+        """Return all thresholds of this drive by name, each as :meth:`threshold` gives it.
 
-        Of the rigid model the critical mass and friction and the forces of Sects 8.5 to 8.7 (all other parameters are
-        this drive's), of another the boundaries of stability in mass, friction and the damping that it adds. The force
-        of global stability, which a rigid drive has in the Painlevé region, loads the engine. Raises ``InputError`` if
-        the contact carries no force.
+        Each is solved for its usual parameter, or all for the parameter ``unknown``. One that this drive does not have
+        is there without a value, and its ``reason`` says why. Raises ``InputError`` for another parameter, or if the
+        contact carries no force.
 
         >>> import lsvib
-        >>> mass = lsvib.RigidDrive().thresholds()["critical_mass"]
-        >>> f"{mass.value:.6f} {mass.unit}"
-        '10.106965 kg'
+        >>> found = lsvib.RigidDrive().thresholds()
+        >>> mass = found["kinematic_constraint"]  # the critical mass (8.20)
+        >>> f"{mass.value:.6f} {mass.unit}", mass.printed.value, mass.printed.passed
+        ('10.106965 kg', 10.1, True)
+        >>> found["stick"].reason
+        'the effective damping of law + is not negative, so conditions (8.19) hold for no axial force.'
         """
-        from lsvib.stability.threshold_table import threshold_table
+        from lsvib.stability.threshold import all_thresholds
 
-        return Threshold.by_name(threshold_table(self, self.model))
+        return all_thresholds(self, unknown)
 
-    def threshold(self, name: str, unknown: str | None = None) -> SolvedThreshold:
+    def threshold(self, name: str, unknown: str | None = None) -> Threshold:
         """Return a threshold of this drive, solved for one of its parameters, with the derivatives by all others.
 
-        ``name``: onset, kinematic (Γ₊ = 0), of the rigid model negative_damping (C₊ = 0), stick, detach,
+        ``name``: onset, kinematic_constraint (Γ₊ = 0), of the rigid model negative_damping (C₊ = 0), stick, detach,
         global_stability, fold, cycle_birth, rest_loss, of the others flutter; docs/thresholds.md has their equations.
         ``unknown``: any parameter, by default axial_force, or mass or support_damping where the threshold is usually
-        one of these; the drive's own value of it counts only as the middle of a search. Raises ``InputError`` for
-        another name, ``NoThreshold`` where there is no solution in the allowed range.
+        one of these; the drive's own value of it counts only as the middle of a search. The value and its derivatives
+        come with doubles that enclose them for certain. Raises ``InputError`` for another name, ``NoThreshold`` where
+        there is no solution in the allowed range.
 
         >>> import lsvib
         >>> drive = lsvib.RigidDrive(mass=11, support_damping=2e-3)
-        >>> drive.threshold("kinematic", unknown="mass").value
-        10.106965213139869
+        >>> critical = drive.threshold("kinematic_constraint", unknown="mass")
+        >>> critical.value, critical.enclosure
+        (10.106965213139869, (10.106965213139869, 10.10696521313987))
         >>> force = drive.threshold("global_stability")
         >>> f"{force.value:.12g} {force.unit}, and {force.derivatives['mass'].value:.6g} N/kg"
         '-18.3754629689 N, and -1.63148 N/kg'
+
+        See also: :meth:`thresholds`.
         """
-        from lsvib.stability.solved_threshold import solve_threshold
+        from lsvib.stability.threshold import solve_threshold
 
         return solve_threshold(self, name, unknown)
 
     def automaton(self, *, physics: Sequence[str] | None = None, resume: str = "contact_sign") -> "Automaton":
-        """Return the tables that the engine runs; made once, and shared: do not change them.
+        """Return the hybrid automaton of the drive: modes with linear fields, guards and resets, as tables of numbers.
 
-        ``physics``: the terms as in a scene, by default those that are not zero, and rest; ``resume``: the rule of
-        resuming after a seizure, contact_sign or at_once (:mod:`lsvib.models.rigid`). Raises ``InputError``.
+        Arguments:
+
+        * ``physics``: the terms that the equations of motion have, such as support_damping, axial_force and rest; by
+          default those that are not zero, and rest. A damping or force that is not listed must be zero.
+        * ``resume``: how motion goes on after a seizure: contact_sign (the contact keeps the sign of the impulse) or,
+          for the rigid drive, at_once (:mod:`lsvib.models.rigid`).
+
+        The tables are made once and shared by equal drives: do not change them.
+
+        Raises ``InputError``.
 
         >>> import lsvib
         >>> lsvib.RigidDrive().automaton().states
         ('angle_deviation', 'velocity_deviation')
         """
-        scene = self._scene({"u": 0.0, "w": 0.0}, 1.0, physics=physics, resume=resume)
-        return scene.definition.build(self, scene.terms, scene.resume)
+        return self._automaton_and_state({"u": 0.0, "w": 0.0}, resume, physics)[0]
 
     def simulate(
         self,
@@ -126,15 +157,30 @@ class DriveMethods(_Base):
     ) -> "xr.Dataset":
         """Return the exact motion from a start, with its events.
 
-        Arguments: ``start``, u [rad], w [rad/s], and what else the model has, by name; ``duration`` [s]; number of
-        ``samples``, both ends included; ``resume`` and ``physics`` as of :meth:`automaton`; ``outputs``, observables to
-        store. The dataset is that of :func:`lsvib.simulate`. Raises ``InputError``, ``EngineError``.
+        Between events the motion obeys Γ_s ü + C_s u̇ + k u = r_m (ξ_0 − ξ_s) R̃ (eq. 8.16; other models have two such
+        equations) and is sampled from its closed form. An event – reversal, loss of contact, seizure, sticking, release
+        – is a root of a guard along it. There is no step size.
+
+        Arguments:
+
+        * ``start``: deviation from steady sliding u [rad], its rate w [rad/s], and what else the model has, by name.
+        * ``duration`` [s], and the number of ``samples``, equidistant in time, both ends included.
+        * ``outputs``: observables to store besides the state, the mode and the events.
+        * ``resume`` and ``physics``: as of :meth:`automaton`.
+
+        Returns a dataset over ``time`` [s] with angle_deviation [rad], velocity_deviation [rad/s], the outputs and the
+        mode, and over ``event`` the time, kind and impulse of each event and the states before and after it.
+
+        Raises ``InputError`` for what is not acceptable, ``EngineError`` where events accumulate or the motion grows
+        without bound.
 
         >>> import lsvib
         >>> drive = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
         >>> motion = drive.simulate({"u": 0.1, "w": 0.0}, 0.1)
         >>> motion.sizes["time"], motion.sizes["event"], motion.normal_force.units
         (1001, 12, 'N')
+
+        See also: :func:`lsvib.simulate`, of a scene in a file; :meth:`steady_state`, what the motion ends on.
         """
         from lsvib.datasets.motion import run, trajectory
 
@@ -144,37 +190,53 @@ class DriveMethods(_Base):
     def steady_state(
         self, start: Mapping[str, float], *, resume: str = "contact_sign", physics: Sequence[str] | None = None
     ) -> "SteadyState":
-        """Return the attractor that the motion from a start reaches; arguments as of :meth:`simulate`.
+        """Return the attractor that the motion from a start reaches.
 
-        Its ``label`` is an :class:`lsvib.Attractor`; ``period`` [s] and ``amplitude`` [rad], half the peak-to-peak of
-        u, are exact. Raises ``InputError``, ``EngineError``.
+        It is decided by the Poincaré map on a section of the motion: a fixed point whose multipliers lie inside the
+        unit circle is an attracting cycle.
+
+        Arguments: ``start``, ``resume`` and ``physics`` as of :meth:`simulate`.
+
+        Returns the ``label``, an :class:`lsvib.Attractor`, and of a cycle its exact ``period`` [s] and ``amplitude``
+        [rad], half the peak-to-peak of u. A motion whose event budget is exhausted is unresolved.
+
+        Raises ``InputError``, ``EngineError``.
 
         >>> import lsvib
         >>> drive = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
         >>> found = drive.steady_state({"u": 0.1, "w": 0.0})
         >>> found.label.name, f"{found.amplitude:.6f} rad, {found.period:.6f} s"
         ('SPRAG_SLIP_CYCLE', '0.055997 rad, 0.010944 s')
+
+        See also: :meth:`attraction`, for the starts of a grid; :meth:`sweep`, for many drives.
         """
         from lsvib.dynamics.attractors import steady_state
         from lsvib.engine.motion import enter
 
-        scene = self._scene(start, 1.0, resume=resume, physics=physics)
-        automaton = scene.definition.build(self, scene.terms, scene.resume)
-        state = scene.definition.initial_state(self, scene.start)
+        automaton, state = self._automaton_and_state(start, resume, physics)
         enter(automaton, state)  # refuses what is no state
         return steady_state(automaton, state)
 
     def cycles(self, *, resume: str = "contact_sign", physics: Sequence[str] | None = None) -> "Cycles":
-        """Return the cycles of the drive that are found, attracting ones first, repelling ones as well.
+        """Return the limit cycles of the drive that are found, attracting and repelling.
 
-        Arguments as of :meth:`automaton`. Each of ``cycles`` has period, itinerary, extremes, means, work, impulses and
-        Floquet multipliers with a bound of their error (see docs/cycles.md); ``proved`` says what else is certain,
-        ``searched`` where cycles were looked for. Raises ``InputError``, ``EngineError``.
+        A cycle is a fixed point of a Poincaré map; its Floquet multipliers are those of the product of the flows and
+        the saltation matrices along it (docs/cycles.md).
+
+        Arguments: ``resume`` and ``physics`` as of :meth:`automaton`.
+
+        Returns ``cycles``, attracting ones first, each with period [s], itinerary, extremes, means, work [J], impulses
+        and multipliers with a bound of their error; ``proved`` says what else is certain, ``searched`` where cycles
+        were looked for.
+
+        Raises ``InputError``, ``EngineError``.
 
         >>> import lsvib
         >>> found = lsvib.RigidDrive(mass=11, support_damping=2e-3, axial_force=-18.37).cycles()
         >>> [(cycle.attracting, f"{cycle.multipliers[0].real:.6f}") for cycle in found.cycles]
         [(True, '0.745892'), (False, '1.557142')]
+
+        See also: :meth:`follow`, for one of them over a parameter.
         """
         from lsvib.datasets.cycles import find_cycles
 
@@ -190,23 +252,66 @@ class DriveMethods(_Base):
         physics: Sequence[str] | None = None,
         points: int = 1000,
     ) -> "CycleBranch":
-        """Follow a cycle of this drive over a parameter, both ways, through folds, as far as it goes within a span.
+        """Follow a cycle of this drive over a parameter, by pseudo-arclength continuation, both ways and through folds.
 
-        Arguments: one of :meth:`cycles`; name of the parameter; its smallest and largest value [SI unit], with this
-        drive's own between them; ``resume`` and ``physics`` as of :meth:`automaton`; most ``points`` each way. Raises
-        ``InputError`` for a parameter or span that is not acceptable.
+        Arguments:
+
+        * ``cycle``: one of :meth:`cycles`.
+        * ``parameter``: its name; ``span``: its smallest and largest value [SI unit], with the drive's own between
+          them.
+        * ``points``: most of them each way; ``resume`` and ``physics`` as of :meth:`automaton`.
+
+        Returns the branch: its points, folds and changes of the itinerary.
+
+        Raises ``InputError`` for a parameter or span that is not acceptable.
 
         >>> import lsvib
         >>> drive = lsvib.RigidDrive(mass=11, support_damping=2e-3, axial_force=-18.37)
         >>> branch = drive.follow(drive.cycles().cycles[0], "axial_force", (-18.5, -18.35))
         >>> [f"{force:.10f} N" for force in branch.folds]
         ['-18.3754629689 N']
+
+        See also: :meth:`threshold`, which solves for folds.
         """
         from lsvib.datasets.cycles import followed
 
         return followed(
             self, cycle, parameter, span, points, lambda drive: drive.automaton(resume=resume, physics=physics)
         )
+
+    def sweep(
+        self,
+        *,
+        start: Mapping[str, float] | None = None,
+        resume: str = "contact_sign",
+        workers: int = 1,
+        progress: Progress | None = None,
+        **over: "Sequence[float] | np.ndarray",
+    ) -> "xr.Dataset":
+        """Return what the drive ends on over values of some of its parameters.
+
+        Arguments:
+
+        * ``over``: values [SI units] of each parameter by its name; all combinations of them are taken.
+        * ``start``: as of :meth:`simulate`, by default next to steady sliding; ``resume`` as of :meth:`automaton`.
+        * ``workers``: number of threads or processes, which changes no number.
+        * ``progress``: called with the numbers of points done and in all.
+
+        Returns a dataset over the parameters with attractor, amplitude [rad], period [s], multiplier [1],
+        peak_normal_force [N] and peak_normal_impulse [N s].
+
+        Raises ``InputError``, ``EngineError``.
+
+        >>> import lsvib
+        >>> found = lsvib.RigidDrive(translation_damping=1000).sweep(axial_force=[10, 30, 60])
+        >>> [lsvib.Attractor(int(kind)).name for kind in found.attractor]
+        ['STEADY_SLIDING', 'OTHER_CYCLE', 'STICK_SLIP_CYCLE']
+
+        See also: :meth:`chart`, for two parameters with the exact curves between; :meth:`steady_state`, for one drive.
+        """
+        from lsvib.datasets.sweep import sweep
+
+        return sweep(self, over, start, resume, workers, progress)
 
     def chart(
         self,
@@ -219,9 +324,16 @@ class DriveMethods(_Base):
     ) -> "xr.Dataset":
         """Return what the drive does over two of its parameters, with the exact curves that divide the chart.
 
-        For rigid drives and those with compliant threads (docs/charts.md). Arguments: ``x`` and ``y``, each (parameter,
-        start, stop, number of cells) in SI units, or such text as "mass=1:20:400"; ``resume`` as of :meth:`automaton`;
-        number of ``workers``, which changes no label; ``progress``, called with numbers of motions done and in all.
+        For rigid drives and those with compliant threads (docs/charts.md).
+
+        Arguments:
+
+        * ``x`` and ``y``: each (parameter, start, stop, number of cells) in SI units, or such text as "mass=1:20:400".
+        * ``resume`` as of :meth:`automaton`; number of ``workers``, which changes no label; ``progress``, called with
+          the numbers of motions done and in all.
+
+        Returns a dataset with a ``label`` for each cell (y, x) and the curves Γ₊ = 0, C₊ = 0 … as points.
+
         Raises ``InputError``, ``EngineError``.
 
         >>> import lsvib
@@ -229,36 +341,12 @@ class DriveMethods(_Base):
         >>> names = found.label.flag_meanings.split()
         >>> [names[label + 1] for label in found.label.sel(mass=2).values]
         ['no_vibration', 'pure_slip', 'pure_slip', 'stick_slip_with_contact_reversal']
+
+        See also: :meth:`sweep`, over any number of parameters.
         """
         from lsvib.datasets.chart import chart
 
         return chart(self, x, y, resume, workers, progress)
-
-    def sweep(
-        self,
-        *,
-        start: Mapping[str, float] | None = None,
-        resume: str = "contact_sign",
-        workers: int = 1,
-        progress: Progress | None = None,
-        **over: Sequence[float],
-    ) -> "xr.Dataset":
-        """Return what the drive ends on over values of some of its parameters, as a dataset.
-
-        Arguments: ``over``, values [SI units] of each parameter by its name, all combinations of them; ``start``,
-        u [rad], w [rad/s] and what else the model has, by default next to steady sliding; ``resume`` as of
-        :meth:`automaton`; number of ``workers``, threads or processes, which changes no number; ``progress``, called
-        with the numbers of points done and in all. Variables: attractor, amplitude [rad], period [s], multiplier [1],
-        peak_normal_force [N], peak_normal_impulse [N s]. Raises ``InputError``, ``EngineError``.
-
-        >>> import lsvib
-        >>> found = lsvib.RigidDrive(translation_damping=1000).sweep(axial_force=[10, 30, 60])
-        >>> [lsvib.Attractor(int(kind)).name for kind in found.attractor]
-        ['STEADY_SLIDING', 'OTHER_CYCLE', 'STICK_SLIP_CYCLE']
-        """
-        from lsvib.datasets.sweep import sweep
-
-        return sweep(self, over, start, resume, workers, progress)
 
     def attraction(
         self,
@@ -269,31 +357,43 @@ class DriveMethods(_Base):
         workers: int = 1,
         progress: Progress | None = None,
     ) -> "xr.Dataset":
-        """Return the map of the attractors that motions reach from every cell of a grid.
+        """Return a map of the attractors that motions reach from every cell of a grid.
 
-        Arguments: ``grid``, two axes by coordinate, each (start, stop, count) in SI units, and values of others, as
-        ``{"u": (-0.1, 0.1, 40), "w": (-80, 80, 30)}``; ``quantities`` of label, time [s] (stored as settling_time),
-        seizures, first_event, doubt (why a label is unresolved; the label is always there); ``resume`` as of
-        :meth:`automaton`; number of ``workers``, which changes no number; ``progress``, called with the numbers of
-        rows done and in all. Raises ``InputError``, ``EngineError``.
+        Arguments:
+
+        * ``grid``: two axes by coordinate, each (start, stop, count) in SI units, and values of others, as
+          ``{"u": (-0.1, 0.1, 40), "w": (-80, 80, 30)}``; or a :class:`lsvib.Grid`.
+        * ``quantities``: any of label, time [s] (stored as settling_time), seizures, first_event and doubt (why a label
+          is unresolved); the label is always there.
+        * ``resume`` as of :meth:`automaton`; number of ``workers``, which changes no number; ``progress``, called with
+          the numbers of rows done and in all.
+
+        Returns a dataset over both coordinates with the label and the other quantities of each cell; of a rigid drive
+        also the exact boundary and area of the region of attraction [rad²/s].
+
+        Raises ``InputError``, ``EngineError``.
 
         >>> import lsvib
         >>> drive = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
         >>> found = drive.attraction({"u": (-0.1, 0.1, 40), "w": (-80, 80, 30)})
         >>> found.label.shape, f"{found.basin_area.item():.4f} {found.basin_area.units}"
         ((30, 40), '0.9553 rad2 s-1')
+
+        See also: :meth:`basin`, in closed form; :meth:`steady_state`, for one start.
         """
         from lsvib.datasets.map import map_attraction
 
         return map_attraction(self, grid, quantities, resume, workers, progress).dataset
 
-    def _scene(self, start: Mapping[str, float], duration: float, **more: Any) -> "Scene":
-        from lsvib.models.scene import Scene
-
-        return Scene(model=self.model, drive=self, start=start, duration=duration, **more)
-
     def basin(self) -> "Basin":
-        """Return the region of attraction of steady sliding, bounded in closed form; its areas are in rad²/s.
+        """Return the region of attraction of steady sliding of a rigid drive, bounded in closed form.
+
+        A motion leaves the mode of steady sliding through Q = 0 (eq. 8.17) or θ′ = 0. The boundary is a repelling
+        cycle, or the motion that only touches one of these lines, followed backwards in time from event to event
+        (docs/basin.md).
+
+        Returns the :class:`lsvib.Basin`, which says whether it contains a state (u [rad], w [rad/s]) and has its
+        boundary as curves and its area, of all or within a window [rad²/s].
 
         Raises ``InputError`` for other models than the rigid one, where steady sliding attracts nothing, and for the
         few drives that docs/basin.md lists; ``EngineError`` where the engine cannot follow the boundary.
@@ -302,6 +402,8 @@ class DriveMethods(_Base):
         >>> basin = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10).basin()
         >>> basin.boundary.name, basin.contains((0.0, 0.0)), basin.contains((0.1, 0.0))
         ('TOUCHING_MOTION', True, False)
+
+        See also: :meth:`attraction`, for every model; :meth:`resilience`.
         """
         from lsvib.basins.boundary import basin
 
@@ -310,15 +412,23 @@ class DriveMethods(_Base):
     def resilience(self, window: "Window | Mapping[str, tuple[float, float]] | None" = None) -> "Resilience":
         """Return the largest perturbations that steady sliding tolerates, and the share of a window that settles.
 
-        All is exact, from the boundary of the basin (docs/basin.md). ``window``: ends of u [rad] and w [rad/s].
-        The perturbations are in ``angle`` [rad], ``speed`` [rad/s] and ``energy`` [J]; infinite where all of them are
-        tolerated, zero where steady sliding is unstable. Raises ``InputError``, ``EngineError`` as :meth:`basin` does.
+        They are distances from (0, 0) to the boundary of the :meth:`basin`, along u, along w, and in the energy
+        k u² / 2 + (I + m r_m² tan² λ) w² / 2, all of them exact.
+
+        Arguments: ``window``, ends of u [rad] and w [rad/s], as ``{"u": (-0.3, 0.3), "w": (-150, 150)}``.
+
+        Returns ``angle`` [rad], ``speed`` [rad/s] and ``energy`` [J], infinite where all perturbations are tolerated,
+        zero where steady sliding is unstable; with a window the ``fraction`` [1] of it.
+
+        Raises ``InputError``, ``EngineError`` as :meth:`basin` does.
 
         >>> import lsvib
         >>> drive = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
         >>> found = drive.resilience({"u": (-0.3, 0.3), "w": (-150, 150)})
         >>> f"{found.angle:.6g} rad, {found.speed:.6g} rad/s, {found.energy:.6g} J, {found.fraction:.6g}"
         '0.0223138 rad, 7.46627 rad/s, 0.000154064 J, 0.00530736'
+
+        See also: :meth:`resilience_sweep`, over parameters.
         """
         from lsvib.basins.resilience import resilience
         from lsvib.datasets.sweep import window_of
@@ -330,24 +440,66 @@ class DriveMethods(_Base):
         window: "Window | Mapping[str, tuple[float, float]] | None" = None,
         *,
         progress: Progress | None = None,
-        **over: Sequence[float],
+        **over: "Sequence[float] | np.ndarray",
     ) -> "xr.Dataset":
-        """Return the perturbations that steady sliding tolerates over values of some parameters, as a dataset.
+        """Return the perturbations that steady sliding tolerates over values of some parameters.
 
-        Arguments: as of :meth:`resilience`; ``over``, values [SI units] of each parameter by its name, all combinations
-        of them; ``progress``, called with the numbers of points done and in all. Variables: fatal_angle [rad],
-        fatal_speed [rad/s], fatal_energy [J], with a window basin_fraction [1]; nan where the basin
-        is not covered. Raises ``InputError``.
+        Arguments:
+
+        * ``window``: as of :meth:`resilience`.
+        * ``over``: values [SI units] of each parameter by its name; all combinations of them are taken.
+        * ``progress``: called with the numbers of points done and in all.
+
+        Returns a dataset over the parameters with fatal_angle [rad], fatal_speed [rad/s], fatal_energy [J], and with a
+        window basin_fraction [1]; nan where docs/basin.md lists the drive as not covered.
+
+        Raises ``InputError``.
 
         >>> import lsvib
         >>> drive = lsvib.RigidDrive(mass=11, support_damping=1e-3)
         >>> found = drive.resilience_sweep(axial_force=[-40, -20, -10])
         >>> [f"{energy:.3g}" for energy in found.fatal_energy.values]
         ['inf', '0.000616', '0.000154']
+
+        See also: :meth:`resilience`, for one drive.
         """
         from lsvib.datasets.sweep import resilience_sweep, window_of
 
         return resilience_sweep(_rigid(self), over, window_of(window), progress)
+
+    def _scene(self, start: Mapping[str, float], duration: float, **more: Any) -> Scene:
+        return Scene(model=self.model, drive=self, start=start, duration=duration, **more)
+
+    def _automaton_and_state(
+        self, start: Mapping[str, float], resume: str, physics: Sequence[str] | None
+    ) -> tuple["Automaton", Any]:
+        scene = self._scene(start, 1.0, resume=resume, physics=physics)
+        definition = scene.definition
+        return definition.build(self, scene.terms, scene.resume), definition.initial_state(self, scene.start)
+
+
+def simulate(scene: Scene | Mapping[str, Any] | str | Path) -> "xr.Dataset":
+    """Return the exact motion of a scene, with its events.
+
+    Arguments: a :class:`lsvib.Scene`, its names and values, or the path of a YAML file that holds them, as
+    ``lsvib simulate --scene`` reads it.
+
+    Returns the dataset of :meth:`RigidDrive.simulate`.
+
+    Raises ``InputError``, ``EngineError`` in one sentence.
+
+    >>> import lsvib
+    >>> drive = {"mass": 11, "support_damping": 1e-3, "axial_force": -10}
+    >>> motion = lsvib.simulate({"model": "rigid", "drive": drive, "start": {"u": 0.1, "w": 0}, "duration": 0.1})
+    >>> motion.sizes["event"]
+    12
+
+    See also: :meth:`RigidDrive.simulate`, of a drive that is there.
+    """
+    from lsvib.datasets.motion import as_scene, run, trajectory
+
+    checked = as_scene(scene, {}, {})
+    return trajectory(checked, run(checked))
 
 
 def drive_class(model: str) -> type[DriveMethods]:
@@ -355,15 +507,28 @@ def drive_class(model: str) -> type[DriveMethods]:
     return cast(type[DriveMethods], find_model(model).drive)
 
 
-def _rigid(drive: Drive) -> RigidDrive:
+def _rigid(drive: Drive) -> _drives.RigidDrive:
     """Return a drive that is rigid; raises ``InputError`` for other ones."""
-    if not isinstance(drive, RigidDrive):
+    if not isinstance(drive, _drives.RigidDrive):
         raise InputError(
             f"the basin has a closed form for the rigid drive only; attraction maps that of model {drive.model}."
         )
     return drive
 
 
-for _name, _method in vars(DriveMethods).items():
-    if not _name.startswith("__"):
-        setattr(Drive, _name, _method)
+if TYPE_CHECKING:  # the classes with their methods, as users see them
+
+    class RigidDrive(_drives.RigidDrive, DriveMethods): ...
+
+    class ThreadsDrive(_drives.ThreadsDrive, DriveMethods): ...
+
+    class SupportDrive(_drives.SupportDrive, DriveMethods): ...
+
+    class NutDrive(_drives.NutDrive, DriveMethods): ...
+
+else:
+    from lsvib.models.drive import NutDrive, RigidDrive, SupportDrive, ThreadsDrive
+
+    for _name, _method in vars(DriveMethods).items():
+        if not _name.startswith("__"):
+            setattr(Drive, _name, _method)

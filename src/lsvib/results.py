@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from typing import Any, Self
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -24,11 +24,6 @@ class Condition:
     hold: bool
     margins: Mapping[str, float]
 
-    @classmethod
-    def by_name(cls, table: Mapping[str, Any]) -> dict[str, Self]:
-        """Make the conditions of a table of :func:`lsvib.stability`."""
-        return {name: cls(entry["hold"], dict(entry["margins"])) for name, entry in table.items()}
-
 
 @dataclass(frozen=True)
 class UndampedStability:
@@ -47,11 +42,11 @@ class StabilityReport:
     """Linear stability of steady sliding (eqs 8.18–8.21 of the rigid drive).
 
     ``model``; ``stable``, whether it is asymptotically stable; ``kind``, its class in words, such as saddle or flutter;
-    ``eigenvalues`` [1/s]; ``steady_law`` s_0, +1 or −1; ``conditions`` of instability by name; ``quantities`` by name,
-    each with its unit: of the rigid drive the effective inertia [kg m²] and damping [N m s/rad] of both laws and the
-    steady deflection [rad]; ``paradox_region``, whether Γ₊ ≤ 0 (rigid drive only, else None);
-    ``characteristic_polynomial``, of s [1/s], highest power first (not of the rigid drive, there empty);
-    ``without_damping`` (support only, else None).
+    ``eigenvalues`` [1/s] in ascending real part; ``steady_law`` s_0, +1 or −1; ``conditions`` of instability by name:
+    steady sliding is unstable exactly if one holds; ``quantities`` by name, each with its unit: of the rigid drive the
+    effective inertia [kg m²] and damping [N m s/rad] of both laws and the steady deflection [rad];
+    ``characteristic_polynomial``, of s [1/s], highest power first; ``paradox_region``, whether Γ₊ ≤ 0 (rigid drive
+    only, else None); ``without_damping`` (support only, else None).
     """
 
     model: str
@@ -61,53 +56,40 @@ class StabilityReport:
     steady_law: int
     conditions: Mapping[str, Condition]
     quantities: Mapping[str, Quantity]
+    characteristic_polynomial: tuple[float, ...]
     paradox_region: bool | None = None
-    characteristic_polynomial: tuple[float, ...] = ()
     without_damping: UndampedStability | None = None
 
-    @classmethod
-    def of(cls, table: Mapping[str, Any]) -> Self:
-        """Make the report of a table of :func:`lsvib.stability`."""
-        quantities = {name: Quantity(**entry) for name, entry in table.get("quantities", {}).items()}
-        for name in ("effective_inertia", "effective_damping"):
-            for law in ("plus", "minus") if name in table else ():
-                quantities[f"{name}_{law}"] = Quantity(table[name][law], table[name]["unit"])
-        if "steady_deflection" in table:
-            quantities["steady_deflection"] = Quantity(**table["steady_deflection"])
-        undamped = table.get("without_damping")
-        return cls(
-            model=table.get("model", "rigid"),
-            stable=table["stable"],
-            kind=table["class"],
-            eigenvalues=tuple(complex(value["real"], value["imaginary"]) for value in table["eigenvalues"]),
-            steady_law=table["steady_law"],
-            conditions=Condition.by_name(table["conditions"]),
-            quantities=quantities,
-            paradox_region=table.get("paradox_region"),
-            characteristic_polynomial=tuple(table.get("characteristic_polynomial", ())),
-            without_damping=undamped
-            and UndampedStability(
-                kind=undamped["class"],
-                conditions=Condition.by_name(undamped["conditions"]),
-                quantities={name: Quantity(**entry) for name, entry in undamped["quantities"].items()},
-            ),
-        )
+    def to_json(self) -> dict[str, Any]:
+        """Return the report as plain numbers and names; an eigenvalue has a ``real`` and an ``imaginary`` part."""
+        return asdict(self) | {"eigenvalues": [{"real": x.real, "imaginary": x.imag} for x in self.eigenvalues]}
+
+
+@dataclass(frozen=True)
+class Derivative:
+    """A derivative in its ``unit``: the double next to it, and doubles ``low`` and ``high`` that enclose it.
+
+    None beyond the range of doubles.
+    """
+
+    value: float | None
+    unit: str
+    low: float | None
+    high: float | None
 
 
 @dataclass(frozen=True)
 class ThresholdSolution:
     """One solution of the equations of a threshold for a parameter of a drive.
 
-    ``value`` of the parameter, a double in its SI unit; ``residual`` [1], what the equations leave at it, relative to
-    their terms; ``error_bound`` in its unit, which includes the rounding to a double; ``derivatives``, of the value by
-    every other parameter, by name, each with its unit, None beyond the range of doubles; ``equation``, what is solved,
+    ``value`` of the parameter, the double next to it, in its SI unit; ``enclosure``, doubles (low, high) between which
+    it lies for certain; ``derivatives``, of the value by every other parameter, by name; ``equation``, what is solved,
     in words.
     """
 
     value: float
-    residual: float
-    error_bound: float
-    derivatives: Mapping[str, Quantity]
+    enclosure: tuple[float, float]
+    derivatives: Mapping[str, Derivative]
     equation: str
 
     def change(self, by: Mapping[str, float]) -> dict[str, float]:
@@ -116,20 +98,44 @@ class ThresholdSolution:
 
 
 @dataclass(frozen=True)
-class SolvedThreshold:
-    """A threshold by ``name``, solved for the parameter ``unknown`` of a drive of a ``model``.
+class PrintedValue:
+    """What the chapter prints for a threshold of this very drive, and whether the computed value agrees.
 
-    ``solutions``, at least one, in ascending order, in ``unit``; ``how`` says whether these are all. ``value``,
-    ``residual``, ``error_bound``, ``derivatives`` and ``equation`` are those of the smallest one; ``several`` says that
-    there are more.
+    ``value`` as printed, in the unit of the threshold; relative ``tolerance`` [1] that its digits allow;
+    ``relative_error`` [1], None if there is no such threshold; whether it ``passed``; the ``source``, its place.
+    """
+
+    value: float
+    tolerance: float
+    relative_error: float | None
+    passed: bool
+    source: str
+
+
+@dataclass(frozen=True)
+class Threshold:
+    """Where a drive changes what it does: a condition by ``name``, solved for the parameter ``unknown`` of a drive of
+    a ``model``.
+
+    ``solutions``, all that were found, in ascending order, in ``unit`` (UDUNITS spelling); ``how`` says whether these
+    are all. ``value``, ``enclosure``, ``derivatives`` and ``equation`` are those of the smallest one; ``several`` says
+    that there are more. Without any, ``value`` and ``enclosure`` are None, and ``reason`` says why. ``statement``: what
+    it divides (forces for Ω > 0). ``printed``: the chapter's number, where it prints one for this very drive. Of
+    ``onset`` also ``stability``, asymptotic or neutral, in the ``stable_intervals`` of the unknown, from low to high,
+    None at the end of its range.
     """
 
     name: str
     model: str
     unknown: str
     unit: str
-    solutions: tuple[ThresholdSolution, ...]
-    how: str
+    solutions: tuple[ThresholdSolution, ...] = ()
+    statement: str = ""
+    how: str = ""
+    reason: str = ""
+    printed: PrintedValue | None = None
+    stability: str = ""
+    stable_intervals: tuple[tuple[float | None, float | None], ...] = field(default=())
 
     @property
     def several(self) -> bool:
@@ -137,66 +143,25 @@ class SolvedThreshold:
         return len(self.solutions) > 1
 
     @property
-    def value(self) -> float:
+    def value(self) -> float | None:
         """The smallest solution, in ``unit``."""
-        return self.solutions[0].value
+        return self.solutions[0].value if self.solutions else None
 
     @property
-    def residual(self) -> float:
-        """Residual [1] of the smallest solution."""
-        return self.solutions[0].residual
+    def enclosure(self) -> tuple[float, float] | None:
+        """Doubles between which the smallest solution lies for certain, in ``unit``."""
+        return self.solutions[0].enclosure if self.solutions else None
 
     @property
-    def error_bound(self) -> float:
-        """Bound of the error of the smallest solution, in ``unit``."""
-        return self.solutions[0].error_bound
-
-    @property
-    def derivatives(self) -> Mapping[str, Quantity]:
+    def derivatives(self) -> Mapping[str, Derivative]:
         """Derivatives of the smallest solution by all other parameters, by name."""
-        return self.solutions[0].derivatives
+        return self.solutions[0].derivatives if self.solutions else {}
 
     @property
     def equation(self) -> str:
         """Equation of the smallest solution, in words."""
-        return self.solutions[0].equation
+        return self.solutions[0].equation if self.solutions else ""
 
     def to_json(self) -> dict[str, Any]:
         """Return the threshold as plain numbers and names."""
-        return asdict(self)
-
-
-@dataclass(frozen=True)
-class Threshold:
-    """A value of a parameter at which the drive changes what it does.
-
-    ``value`` in ``unit`` (UDUNITS spelling), None if there is none, for the ``reason`` given; ``statement``, what it
-    divides (forces, for Ω > 0). Of the rigid drive, where the chapter prints the number for this very drive: its
-    ``expected`` value in the same unit, the relative ``tolerance`` [1], the ``relative_error`` [1], whether it
-    ``passed``; and the ``source``. ``by_eigenvalues``: the critical friction [1] as the root of an eigenvalue. Of other
-    models: ``stability``, asymptotic or neutral, in the ``stable_intervals`` of the parameter in the same unit, from
-    low to high, high None at the end of its range.
-    """
-
-    name: str
-    value: float | None
-    unit: str
-    reason: str = ""
-    statement: str = ""
-    source: str = ""
-    expected: float | None = None
-    tolerance: float | None = None
-    relative_error: float | None = None
-    passed: bool | None = None
-    by_eigenvalues: float | None = None
-    stability: str = ""
-    stable_intervals: tuple[tuple[float, float | None], ...] = field(default=())
-
-    @classmethod
-    def by_name(cls, table: Mapping[str, Mapping[str, Any]]) -> dict[str, Self]:
-        """Make the thresholds of a table of :func:`lsvib.thresholds`."""
-        found = {}
-        for name, entry in table.items():
-            intervals = tuple((part["low"], part["high"]) for part in entry.get("stable_intervals", ()))
-            found[name] = cls(name=name, **{**entry, "stable_intervals": intervals})
-        return found
+        return {"value": self.value, "enclosure": self.enclosure, **asdict(self)}

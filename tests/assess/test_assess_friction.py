@@ -13,14 +13,14 @@ pytest.importorskip("scipy")
 from references.chapter_sheet import sheet
 
 from lsvib.assess.assessment import assess
-from lsvib.assess.flank_friction import (
+from lsvib.assess.drive import (
     coefficient_from_efficiency,
     lifting_efficiency,
     lowering_efficiency,
     square_coefficient,
 )
+from lsvib.assess.fields import thread_size
 from lsvib.assess.report import locking_sentence
-from lsvib.assess.thread_sizes import thread_size
 
 # PBC Linear, white paper "Lead Screw Efficiency": per cent by lead [mm]; diameters 6, 10, 12, 16 mm.
 COATED = {
@@ -86,13 +86,13 @@ def test_the_report_says_for_which_friction_the_rule_of_a_third_is_right(lead_an
     """On either side of the friction that it names; at 8 degrees the rule is wrong above it, at 3 degrees below."""
     thread = {"lead_angle": f"{lead_angle} deg", "half_angle": f"{half_angle} deg", "pitch_diameter": "10.36 mm"}
 
-    def told(coefficient: float) -> tuple[bool, str]:
+    def said(coefficient: float) -> tuple[bool, str]:
         found = assess(sheet(thread=thread, friction={"coefficient": coefficient}), samples=64)
         return found.self_locking, locking_sentence(found)
 
-    side, limit = re.search(r"right for friction (above|below) (0\.\d+) only", told(0.1)[1]).groups()
+    side, limit = re.search(r"right for friction (above|below) (0\.\d+) only", said(0.1)[1]).groups()
     for coefficient in (float(limit) - 1e-3, float(limit) + 1e-3):
-        locks, sentence = told(coefficient)
+        locks, sentence = said(coefficient)
         right = (coefficient > float(limit)) == (side == "above")
         assert ("it would be self-locking" if locks == right else "it would be back-drivable") in sentence
 

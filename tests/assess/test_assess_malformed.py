@@ -5,14 +5,13 @@ import warnings
 
 import pytest
 import yaml
-from cyclopts import CycloptsError
 
 pytest.importorskip("pint")
 pytest.importorskip("scipy")
 
-from lsvib.assess.units import NotQuantity, quantity
-from lsvib.cli.assess import app
-from lsvib.cli.terminal import told
+from lsvib.assess.fields import NotQuantity, quantity
+from lsvib.cli.app import run
+from lsvib.cli.pages import app
 
 BASE = {
     "name": "a drive",
@@ -86,7 +85,7 @@ def refused(tmp_path, monkeypatch, capsys):
         before = sorted(tmp_path.rglob("*"))
         tokens = ["assess", str(file), "--out", str(tmp_path / "report"), *options]
         with pytest.raises(SystemExit) as end:
-            told(lambda: app(tokens, exit_on_error=False, print_error=False), CycloptsError)
+            run(lambda: app(tokens, exit_on_error=False, print_error=False))
         error = capsys.readouterr().err
         assert end.value.code == 2
         assert error.startswith("lsvib: ")

@@ -11,12 +11,11 @@ pytest.importorskip("scipy")
 from references.chapter_sheet import sheet, values_of
 
 from lsvib.assess.assessment import assess
-from lsvib.assess.flank_friction import lifting_efficiency, sliding_speed
+from lsvib.assess.drive import lifting_efficiency, sliding_speed
 from lsvib.assess.margins import ANY, margins
-from lsvib.assess.mechanisms import NAMES, applicable, drive_of, reserves
-from lsvib.assess.plain_values import as_json
-from lsvib.assess.vibration import springy_push, survived_push
-from lsvib.assess.window import corners, worst
+from lsvib.assess.mechanisms import NAMES, applicable, corners, drive_of, reserves, worst
+from lsvib.assess.output import as_json
+from lsvib.assess.vibration import tolerated_by_trial, tolerated_perturbation
 from lsvib.assess.words import ATTRACTORS
 from lsvib.dynamics.attractors import Attractor, steady_state
 from lsvib.models.model import find_model
@@ -122,7 +121,7 @@ def test_a_soft_contact_can_keep_a_drive_steady_that_stiff_threads_would_not():
     stiff, given = sheet(load=load, damping=damping), sheet(load=load, damping=damping, contact=soft)
     assert assess(stiff, samples=64).mechanisms["kinematic_constraint"].occurs
     found = assess(given, samples=64)
-    assert not any(one.occurs for name, one in found.mechanisms.items() if name != "push_needed")
+    assert not any(one.occurs for name, one in found.mechanisms.items() if name != "after_perturbation")
     assert found.nominal.vibration.model == "threads"
     assert found.nominal.vibration.attractor == "steady sliding"
 
@@ -130,8 +129,8 @@ def test_a_soft_contact_can_keep_a_drive_steady_that_stiff_threads_would_not():
 @pytest.mark.parametrize(
     ("stiffness", "damping", "share"), [("1e8 N/m", "1e8 N*s/m", 1.0), ("1e7 N/m", "1e3 N*s/m", 1.6)]
 )
-def test_the_push_that_springy_threads_survive_is_told_by_their_own_motions(stiffness, damping, share):
-    """Below it motions with springy threads come back, above it one does not; very stiff ones are as rigid ones."""
+def test_what_compliant_threads_tolerate_is_decided_by_their_own_motions(stiffness, damping, share):
+    """Below it motions with compliant threads come back, above it one does not; very stiff ones are as rigid ones."""
     given = sheet(
         load={"mass": "11 kg", "force": "10 N"},
         damping={"rotational": "1e-3 N*m*s/rad"},
@@ -139,16 +138,16 @@ def test_the_push_that_springy_threads_survive_is_told_by_their_own_motions(stif
     )
     values = values_of(given)
     corner = corners(given, values)[0]
-    stiff, _ = survived_push(given, values, corner)
-    push, sentence = springy_push(given, values, corner, stiff)
-    assert push == pytest.approx(share * stiff, rel=0.01 if share == 1 else 0.05)
+    stiff, _ = tolerated_perturbation(given, values, corner)
+    size, sentence = tolerated_by_trial(given, values, corner, stiff)
+    assert size == pytest.approx(share * stiff, rel=0.01 if share == 1 else 0.05)
     assert "perfectly stiff" in sentence
     drive = drive_of(given, values, *corner, "contact")
     model = find_model("threads")
     automaton = model.build(drive, ("support_damping", "axial_force", "contact_damping"), "contact_sign")
 
     def ends(part: float) -> set:
-        starts = [model.initial_state(drive, {"u": 0.0, "w": sign * part * push}) for sign in (1, -1)]
+        starts = [model.initial_state(drive, {"u": 0.0, "w": sign * part * size}) for sign in (1, -1)]
         return {steady_state(automaton, start).label for start in starts}
 
     assert ends(0.99) == {Attractor.STEADY_SLIDING}
@@ -180,17 +179,17 @@ PUSHED = [
 
 @pytest.mark.parametrize(("changes", "survived"), PUSHED)
 def test_a_load_that_resists_by_its_drag_alone_does_not_hide_a_vibration(changes, survived):
-    """C₊ < 0 < Γ₊ and R̃ Ω < 0: the basin ends at a cycle, so that a push starts a vibration."""
+    """C₊ < 0 < Γ₊ and R̃ Ω < 0: the basin ends at a cycle, so that a perturbation starts vibration."""
     found = assess(sheet(**changes), samples=64)
-    assert not any(one.occurs for name, one in found.mechanisms.items() if name != "push_needed")
-    assert found.verdict == "steady until pushed"
-    assert as_json(found)["after_a_push"] == {"possible": True, "probability": 1.0, "interval": [1.0, 1.0]}
+    assert not any(one.occurs for name, one in found.mechanisms.items() if name != "after_perturbation")
+    assert found.verdict == "steady until perturbed"
+    assert as_json(found)["after_perturbation"] == {"possible": True, "probability": 1.0, "interval": [1.0, 1.0]}
     assert found.nominal.vibration.vibrates
-    assert found.nominal.push[0] == (None if survived is None else pytest.approx(survived, abs=0.01))
+    assert found.nominal.tolerated[0] == (None if survived is None else pytest.approx(survived, abs=0.01))
 
 
-def test_a_verdict_of_steady_is_never_given_where_a_push_starts_vibration():
-    """Random drives that a load with drag resists: every motion after pushes of either sign comes back."""
+def test_a_verdict_of_steady_is_never_given_where_a_perturbation_starts_vibration():
+    """Random drives that a load with drag resists: every motion after perturbations of either sign comes back."""
     rng = np.random.default_rng(5)
     verdicts = []
     for _ in range(40):
@@ -203,9 +202,9 @@ def test_a_verdict_of_steady_is_never_given_where_a_push_starts_vibration():
         if found.verdict != "steady":
             continue
         automaton = rigid_automaton(drive_of(given, found.values, *corners(given, found.values)[0]))
-        for push in (-200.0, -39.0, 20.0, 400.0):
-            assert steady_state(automaton, [0.0, push]).label == Attractor.STEADY_SLIDING
-    assert min(verdicts.count("steady"), verdicts.count("steady until pushed")) > 4
+        for speed in (-200.0, -39.0, 20.0, 400.0):
+            assert steady_state(automaton, [0.0, speed]).label == Attractor.STEADY_SLIDING
+    assert min(verdicts.count("steady"), verdicts.count("steady until perturbed")) > 4
 
 
 def test_a_fall_between_two_points_of_a_curve_is_not_passed_over():

@@ -1,7 +1,6 @@
 """Each figure of the benchmarks on a few cases: its checks pass, fail on spoiled data, and its file alone is drawn."""
 
 from functools import cache
-from importlib import import_module
 
 import numpy as np
 import pytest
@@ -10,7 +9,7 @@ import xarray as xr
 from benchmarks.ablation.cost_of_starting import imports
 from benchmarks.record import Verdict
 from lsvib.datasets.io import read_dataset, write_dataset
-from lsvib.figures.folders import accuracy_figures, dataset_module, picture_module
+from lsvib.figures.configuration import accuracy_figures, load
 
 DRIVE = {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0}
 SETTINGS = {
@@ -85,13 +84,13 @@ SPOILED = {  # words of a check: variable, value, place
 def built(figure: str) -> xr.Dataset:
     pytest.importorskip("scipy")
     with pytest.MonkeyPatch.context() as patch:  # to compile the engine anew, and to import again, takes a minute
-        patch.setattr("benchmarks.figures.ablation.dataset.compilation", lambda kinds: (60, 9.0))
-        patch.setattr("benchmarks.figures.ablation.dataset.imports", lambda module, repeats: imports(module, 1))
-        return import_module(dataset_module(figure)).build(SETTINGS[figure])
+        patch.setattr("benchmarks.ablation.cost_of_starting.compilation", lambda kinds: (60, 9.0))
+        patch.setattr("benchmarks.ablation.cost_of_starting.imports", lambda module, repeats: imports(module, 1))
+        return load(figure).build(SETTINGS[figure])
 
 
 def passed(figure: str, dataset: xr.Dataset) -> dict[str, bool]:
-    return {check.claim: check.passed for check in import_module(dataset_module(figure)).checks(dataset)}
+    return {check.claim: check.passed for check in load(figure).checks(dataset)}
 
 
 @pytest.mark.slow
@@ -100,7 +99,7 @@ def test_a_figure_is_built_and_drawn_from_its_file(figure, tmp_path):
     dataset = built(figure)
     assert [claim for claim, good in passed(figure, dataset).items() if not good] == []
     write_dataset(dataset, tmp_path / "a.nc")
-    drawn = import_module(picture_module(figure)).draw(read_dataset(tmp_path / "a.nc"))
+    drawn = load(figure).draw(read_dataset(tmp_path / "a.nc"))
     drawn.draw_without_rendering()
     assert any(axes.has_data() for axes in drawn.axes)
 

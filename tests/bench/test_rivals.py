@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from benchmarks.figures.work_precision.settings import SCENES
+from benchmarks.figures.work_precision import SCENES
 from benchmarks.record import Record, Verdict, errors
 from benchmarks.rivals import method_list
 from benchmarks.rivals.answer_errors import compare
@@ -16,7 +16,7 @@ from benchmarks.rivals.race_scenes import scene
 from benchmarks.sweeps.cases import Case, CaseFamily
 from lsvib.errors import InputError
 from lsvib.models.drive import RigidDrive
-from lsvib.stability.thresholds import global_stability_force
+from lsvib.stability.force_thresholds import global_stability_force
 
 ONCE = RaceBudget(repeats=1, seconds=0.0, limit=20.0)
 SHORT = {"long_run": 0.015, "stick_slip": 0.4, "graze_above": 0.4, "graze_below": 0.4, "stiff_contact": 0.2}

@@ -13,7 +13,7 @@ from references.command_line import MOTION, refused
 
 from lsvib.datasets.io import read_dataset
 from lsvib.engine.motion import follow
-from lsvib.figures.compute import compute_figure
+from lsvib.figures.build import compute_figure
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import rigid_automaton
 

@@ -17,5 +17,5 @@ def test_commands(run):
     branch = json.loads(run("follow", *drive, *over, "--out", "branch.nc", "--json")[1])
     assert {point["attracting"] for point in branch["points"]} == {True, False}
     assert "fold" in [change["kind"] for change in branch["changes"]]
-    assert "KEY=START:STOP" in refused(run, "follow", *drive, "--over", "axial_force=-18")
+    assert "KEY=LOW:HIGH" in refused(run, "follow", *drive, "--over", "axial_force=-18")
     assert "1 <= cycle <= 2" in refused(run, "follow", *drive, *over, "--cycle", "3")

@@ -12,10 +12,7 @@ import lsvib
 from lsvib.errors import LsvibError
 from lsvib.figures.configuration import DEFAULT, check
 from lsvib.files import Outputs, target_of
-from lsvib.models.drive import RigidDrive
 from lsvib.models.scene import read_yaml
-from lsvib.stability.stability_table import stability_table
-from lsvib.stability.threshold_table import threshold_table
 
 ROOT = Path(__file__).parents[2]
 SETTINGS = read_yaml(DEFAULT)
@@ -98,7 +95,7 @@ def test_the_settings_of_the_package_are_those_of_the_repository():
 
 def test_drives_and_dictionaries_are_accepted_alike():
     values, start = {"mass": 11.0, "axial_force": -10.0}, {"start": {"u": 0.1, "w": 0.0}, "duration": 0.1}
-    drive = RigidDrive.of(values)
+    drive = lsvib.RigidDrive(**values)
     assert stability_table(drive) == stability_table(values)
     assert threshold_table(drive, model="threads") == threshold_table(values, model="threads")
     complete = dict(drive)
@@ -107,12 +104,6 @@ def test_drives_and_dictionaries_are_accepted_alike():
     assert own.pop("critical_friction")["source"] == "eq. 8.20"
     assert "eqs 8.27 and 8.28" in chapters.pop("critical_friction")["source"]
     assert own == chapters
-    expected = lsvib.simulate(**values, **start)
-    for motion in (
-        lsvib.simulate(drive, **start),
-        lsvib.simulate(drive=drive, **start),
-        lsvib.simulate(drive=values, **start),
-        lsvib.simulate(RigidDrive(), **values, **start),
-        lsvib.simulate({"drive": drive}, **start),
-    ):
+    expected = lsvib.simulate({"drive": values, **start})
+    for motion in (drive.simulate(**start), lsvib.simulate({"drive": drive, **start})):
         assert motion.identical(expected)

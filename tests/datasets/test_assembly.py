@@ -9,7 +9,7 @@ from lsvib.basins.grid import Grid
 from lsvib.datasets.io import read_dataset, write_dataset
 from lsvib.datasets.map import gather_map, map_tile, rows_of
 from lsvib.errors import InputError
-from lsvib.figures.drawing.overview import overview
+from lsvib.figures.build import overview
 
 ROWS, COLUMNS = 37, 58
 LABELS = {"flag_values": np.array([-1, 0, 2], np.int8), "flag_meanings": "unresolved steady cycle"}

@@ -35,9 +35,10 @@ def test_points_are_those_of_single_drives():
                 row = own.automaton().observables["normal_force"][follow(own.automaton(), (0, 0), 1e-9).end_mode]
                 assert here.peak_normal_force.item() == pytest.approx(abs(row[-1]), rel=1e-12)
                 continue
-            assert (here.amplitude, here.period, here.multiplier) == (
-                steady.amplitude, steady.period, pytest.approx(steady.multiplier, nan_ok=True),
-            )  # fmt: skip
+            numbers = [steady.amplitude, steady.period, steady.multiplier]
+            assert [here[name].item() for name in ("amplitude", "period", "multiplier")] == pytest.approx(
+                numbers, rel=1e-9, nan_ok=True
+            )
             late = follow(own.automaton(), steady.state, 3.5 * steady.period, mode=steady.orbit.start_mode)
             low, high = orbit_extremes(late, own.automaton().observables["normal_force"])
             assert here.peak_normal_force.item() == pytest.approx(max(-low, high), rel=1e-6)

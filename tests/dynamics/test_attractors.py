@@ -15,7 +15,7 @@ from lsvib.engine.kernels import flow_planar, layout
 from lsvib.engine.motion import follow
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import EventKind, rigid_automaton
-from lsvib.stability.thresholds import onset_force
+from lsvib.stability.force_thresholds import onset_force
 
 NEGATIVE_DAMPING = RigidDrive.of(mass=1.0, translation_damping=1e3)
 PARADOX = RigidDrive.of(mass=11.0, support_damping=1e-3, axial_force=-10.0)

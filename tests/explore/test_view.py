@@ -11,14 +11,14 @@ import pytest
 import yaml
 
 import lsvib
-from lsvib.api import DRIVES
+from lsvib.api import drive_class
 from lsvib.basins.curves import Window
 from lsvib.datasets.io import read_dataset
 from lsvib.dynamics.attractors import Attractor
 from lsvib.errors import InputError
-from lsvib.explore import answers, downloads
-from lsvib.explore.presets import presets
-from lsvib.explore.view import View
+from lsvib.explore import answers
+from lsvib.explore.view import View, presets
+from lsvib.models.model import model_names
 from lsvib.models.scene import Scene
 
 PRESETS = presets()
@@ -29,7 +29,7 @@ WINDOW = Window(-0.15, 0.13, -50.0, 35.0)
 def random_view(seed: int) -> View:
     """A view of any model with numbers of many digits."""
     draw = random.Random(seed)
-    kind = draw.choice(list(DRIVES.values()))
+    kind = drive_class(draw.choice(model_names()))
     drive = kind(
         mass=draw.uniform(1, 20), axial_force=draw.uniform(-50, 50), support_damping=10 ** draw.uniform(-5, -2)
     )
@@ -83,30 +83,30 @@ def test_the_amplitude_curve_is_the_sweep():
     swept = view.drive.sweep(axial_force=[point.value for point in points])
     assert [point.amplitude for point in points] == swept.amplitude.values.tolist()
     assert [int(point.label) for point in points] == swept.attractor.values.tolist()
-    assert set(answers.thresholds_over(view)) == {"onset_force", "stick_force", "detach_force"}
+    assert set(answers.thresholds_over(view)) == {"onset", "stick", "detach"}
 
 
 def test_the_critical_friction_on_the_page_is_that_of_its_drive():
     """Γ₊ of the rigid drive that is shown vanishes there; the chapter's is that of a drive with axial support."""
     view = View(lsvib.RigidDrive(mass=15), over="friction_coefficient", low=0.1, high=0.4)
     marked = answers.thresholds_over(view)
-    assert marked == {"critical_friction": view.drive.threshold("kinematic", "friction_coefficient").value}
+    assert marked == {"critical_friction": view.drive.threshold("kinematic_constraint", "friction_coefficient").value}
     sides = [view.drive.replace(friction_coefficient=marked["critical_friction"] * (1 + d)) for d in (-1e-9, 1e-9)]
     assert [drive.stability().kind == "saddle" for drive in sides] == [False, True]
 
 
 def test_exports_are_the_view(tmp_path):
     view = View(DRIVE, u=0.1, duration=0.05, window=WINDOW)
-    (tmp_path / "scene.yaml").write_bytes(downloads.export("scene.yaml", view))
+    (tmp_path / "scene.yaml").write_bytes(answers.export("scene.yaml", view))
     assert Scene.of(yaml.safe_load((tmp_path / "scene.yaml").read_text(encoding="utf-8"))) == view.scene()
-    (tmp_path / "motion.nc").write_bytes(downloads.export("motion.nc", view))
+    (tmp_path / "motion.nc").write_bytes(answers.export("motion.nc", view))
     motion = read_dataset(tmp_path / "motion.nc")
     assert motion.sizes["time"] == view.scene().samples
     assert (
         motion.angle_deviation.values == DRIVE.simulate({"u": 0.1, "w": 0.0}, 0.05, samples=2001).angle_deviation
     ).all()
     assert motion.mass == 11
-    picture = downloads.export("picture.png", view)
+    picture = answers.export("picture.png", view)
     assert picture.startswith(b"\x89PNG")
     assert len(picture) > 20_000  # a picture that shows something
 

@@ -8,7 +8,7 @@ import pytest
 import yaml
 from references.listed_claims import entries
 
-from lsvib.figures.folders import default_figures
+from lsvib.figures.configuration import default_figures
 from lsvib.models.drive import RigidDrive
 
 ROOT = Path(__file__).parents[2]

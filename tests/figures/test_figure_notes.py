@@ -7,10 +7,9 @@ from references.figure_checks import dataset_of, draft
 
 from lsvib.contact import contact_force
 from lsvib.datasets import phase_plane
-from lsvib.figures.draw import caption_of
-from lsvib.figures.drawing import phase_planes as drawn
-from lsvib.figures.drawing import style
-from lsvib.figures.fig8_07 import picture as fig8_07
+from lsvib.figures import drawing as drawn
+from lsvib.figures import fig8_07, style
+from lsvib.figures.build import caption_of
 from lsvib.models.drive import RigidDrive
 
 

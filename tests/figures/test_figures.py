@@ -13,12 +13,11 @@ from lsvib.basins.boundary import Boundary
 from lsvib.contact.contact_force import ForceOutcome
 from lsvib.datasets.attributes import ASSUMED, FIELDS, NO_EFFECT, VARIED
 from lsvib.dynamics.attractors import Attractor
-from lsvib.figures.folders import default_figures
-from lsvib.figures.limit_process.dataset import BranchVerdict
+from lsvib.figures.configuration import default_figures
+from lsvib.figures.limit_process import BranchVerdict
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import EventKind
-from lsvib.stability.eigenvalues_rigid import Stability
-from lsvib.stability.eigenvalues_two_coordinates import UndampedClass
+from lsvib.stability.linear import Stability, UndampedClass
 
 SPOILED = {  # words of a check, and what it must refuse
     "fig8_01": ("exactly inside the loop", set_to("grid_outcome", ForceOutcome.BOUNDED, 0, 0, 0)),
@@ -40,7 +39,10 @@ SPOILED = {  # words of a check, and what it must refuse
     "basin_sweep": ("Over the damping", set_to("boundary_kind_support_damping", Boundary.CYCLE, -1)),
     "table_rounding": ("One support damping that rounds to the printed one", set_to("matching_detach_force", 46.6)),
     "contact_stability": ("With enough contact damping", scale("least_contact_damping", 0.1)),
-    "nut_stability": ("kinematic exactly where (8.33) holds", set_to("stability", UndampedClass.KINEMATIC, 0, 0)),
+    "nut_stability": (
+        "kinematic exactly where (8.33) holds",
+        set_to("stability", UndampedClass.KINEMATIC_CONSTRAINT, 0, 0),
+    ),
 }
 
 

@@ -21,7 +21,7 @@ from lsvib.models.nut import NutMode
 from lsvib.models.rigid import rigid_automaton
 from lsvib.models.support import SupportMode
 from lsvib.models.threads import ThreadsMode
-from lsvib.stability import linearised
+from lsvib.stability import linear
 
 KINDS = {
     "threads": (ThreadsDrive, ThreadsMode),
@@ -119,13 +119,13 @@ def test_motion_against_40_digits(name):
 @pytest.mark.parametrize("force", [50.0, -50.0])
 @pytest.mark.parametrize("model", ["support", "nut"])
 def test_steady_sliding_is_the_linear_model(model, force):
-    """The field around steady sliding is the state matrix of steady_sliding/linearised.py, without a constant."""
+    """The field around steady sliding is the state matrix of steady_sliding/linear.py, without a constant."""
     own = {"axial_support_damping": 30.0} if model == "support" else {"nut_inertia": 5e-6, "nut_stiffness": 3.0}
     drive, automaton, _ = build(model, own | {"mass": 1.5, "translation_damping": 70.0, "axial_force": force})
     mode, _ = enter(automaton, np.zeros(4))
-    law = linearised.steady_law(drive)
+    law = linear.steady_law(drive)
     assert key_of(model, automaton, mode) == (1, law, None)
-    expected = getattr(linearised, f"{model}_model")(drive, law).jacobian()
+    expected = getattr(linear, f"{model}_model")(drive, law).jacobian()
     field = automaton.tables.flow.field[mode]
     np.testing.assert_allclose(field[:, :4], expected, rtol=1e-13, atol=0)
     assert np.abs(field[:, 4]).max() <= 1e-30
@@ -262,7 +262,7 @@ def test_energy_balance(name):
 def test_what_is_not_determined_is_refused(model, parameters, message):
     """With so much inertia the friction of the second body has several solutions."""
     with pytest.raises(InputError, match=message):
-        lsvib.simulate(model=model, start={"u": 0.1, "w": 0}, duration=0.1, **parameters)
+        lsvib.simulate({"model": model, "drive": parameters, "start": {"u": 0.1, "w": 0}, "duration": 0.1})
 
 
 @pytest.mark.parametrize(
@@ -270,6 +270,6 @@ def test_what_is_not_determined_is_refused(model, parameters, message):
     [("support", {"screw_shift": 1e-5, "shift_rate": 0.01}), ("nut", {"nut_angle": 0.05, "nut_rate": -3.0})],
 )
 def test_a_scene_starts_with_the_other_coordinate(model, extra):
-    motion = lsvib.simulate(model=model, start={"u": 0.1, "w": 5.0, **extra}, duration=0.02)
+    motion = lsvib.simulate({"model": model, "drive": {}, "start": {"u": 0.1, "w": 5.0, **extra}, "duration": 0.02})
     for name, value in extra.items():
         assert motion[name].values[0] == pytest.approx(value, rel=1e-12)

@@ -12,7 +12,7 @@ import pytest
 from references import chromium
 
 import lsvib
-from lsvib.figures.folders import default_figures
+from lsvib.figures.configuration import default_figures
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted(

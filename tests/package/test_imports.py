@@ -10,7 +10,7 @@ import sys
 import grimp
 import pytest
 
-from lsvib.figures.folders import dataset_module, default_figures, picture_module
+from lsvib.figures.configuration import dataset_module, default_figures, picture_module
 from lsvib.models.model import model_names
 
 FIGURES = default_figures()

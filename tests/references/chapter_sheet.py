@@ -4,7 +4,7 @@ import pytest
 
 pytest.importorskip("pint")
 
-from lsvib.assess import sheet_to_drive as sheets
+from lsvib.assess import drive as sheets
 from lsvib.assess.sheet import Sheet
 
 CHAPTER = {

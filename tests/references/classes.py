@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from lsvib.stability.eigenvalues_two_coordinates import UndampedClass, eigenvalues
-from lsvib.stability.linearised import LinearModel
+from lsvib.stability.linear import LinearModel, UndampedClass, eigenvalues
 
 
 def growth_rate(model: LinearModel) -> np.ndarray:
@@ -17,6 +16,6 @@ def damped_class(model: LinearModel) -> np.ndarray:
     The fastest growing one decides between divergence and flutter; det M < 0 is kinematic whatever the rest.
     """
     fastest = eigenvalues(model)[..., -1]
-    kinds = [UndampedClass.KINEMATIC, UndampedClass.STABLE, UndampedClass.DIVERGENCE]
+    kinds = [UndampedClass.KINEMATIC_CONSTRAINT, UndampedClass.STABLE, UndampedClass.DIVERGENCE]
     negative = np.broadcast_to(np.asarray(model.polynomial()[0]) < 0, fastest.shape)
     return np.select([negative, fastest.real < 0, fastest.imag == 0], kinds, UndampedClass.FLUTTER)

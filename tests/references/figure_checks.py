@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from functools import cache
-from importlib import import_module
 from pathlib import Path
 
 import xarray as xr
@@ -11,7 +10,7 @@ from matplotlib.figure import Figure
 
 from lsvib.datasets.checks import Check
 from lsvib.datasets.io import read_dataset, write_dataset
-from lsvib.figures.folders import dataset_module, picture_module
+from lsvib.figures.configuration import load
 
 CONFIG = Path(__file__).parents[2] / "config"
 Spoiler = Callable[[xr.Dataset], xr.Dataset]
@@ -29,11 +28,11 @@ def draft(figure: str) -> dict:
 
 @cache
 def dataset_of(figure: str) -> xr.Dataset:
-    return import_module(dataset_module(figure)).build(draft(figure))
+    return load(figure).build(draft(figure))
 
 
 def checks_of(figure: str, dataset: xr.Dataset) -> list[Check]:
-    return list(import_module(dataset_module(figure)).checks(dataset))
+    return list(load(figure).checks(dataset))
 
 
 def set_to(name: str, value, *where: int) -> Spoiler:
@@ -55,7 +54,7 @@ def scale(name: str, factor: float, *where: int) -> Spoiler:
 def assert_drawn_from_file(figure: str, dataset: xr.Dataset, path: Path) -> None:
     """The file alone gives a figure with something in every panel, and names in its legends that are all different."""
     write_dataset(dataset, path)
-    drawn: Figure = import_module(picture_module(figure)).draw(read_dataset(path))
+    drawn: Figure = load(figure).draw(read_dataset(path))
     drawn.draw_without_rendering()
     assert drawn.axes
     assert all(axes.has_data() for axes in drawn.axes)

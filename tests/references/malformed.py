@@ -4,7 +4,6 @@ import lsvib
 from lsvib.datasets.io import read_dataset
 from lsvib.figures.configuration import DEFAULT, check
 from lsvib.models.scene import read_yaml
-from lsvib.stability.threshold_table import threshold_table
 
 SETTINGS = read_yaml(DEFAULT)
 RANGE = "is outside the allowed range"
@@ -39,20 +38,22 @@ COMMANDS = [
     # Motions.
     ("simulate --start u=0.1 --duration 1 --out x.nc", "it needs u and w"),
     ("simulate --start u=0 w=0 --out x.nc", "duration is missing"),
-    ("simulate --start u=x w=0 --duration 1 --out x.nc", "start.u = 'x' is not a number"),
+    ("simulate --start u=x w=0 --duration 1 --out x.nc", "u=x has a part that is not a number"),
     ("simulate --start u=0 w=0 --duration -1 --out x.nc", "duration = -1"),
     (f"{MOTION} --samples 1", "samples = 1"),
-    (f"{MOTION} --resume never", "resume = 'never'"),
+    (f"{MOTION} --samples 10.5", "Invalid value for --samples: '10.5' is not a whole number."),
+    (f"{MOTION} --samples many", "Invalid value for --samples: 'many' is not a number."),
+    (f"{MOTION} --resume never", 'Invalid value "never" for --resume. Choose from: "contact_sign", "at_once"'),
     (f"{MOTION} --model threads --resume at_once", "resume = 'at_once'"),
     ("simulate --scene none.yaml --out x.nc", "none.yaml"),
     ("simulate --scene /dev/zero --out x.nc", "does not hold names and values"),
     # Maps, charts, sweeps and what else has axes.
-    ("attraction --grid u=-0.1:0.1:4 --out x.nc", "two axes"),
+    ("attraction --grid u=-0.1:0.1:4 --out x.nc", "grid spans 1 coordinates"),
     ("attraction --grid u=1:0:4 w=0:1:4 --out x.nc", "start < stop"),
     ("attraction --grid u=0:1:0 w=0:1:4 --out x.nc", "count = 0"),
     ("attraction --grid u=0:1 w=0:1:4 --out x.nc", "KEY=START:STOP:COUNT"),
     ("attraction --grid u=0:1:4 q=0:1:4 --out x.nc", "'q'"),
-    (f"{MAP} --quantities tim", "'tim'"),
+    (f"{MAP} --quantities colour", 'Invalid value "colour" for --quantities'),
     (f"{MAP} --workers 0", "workers = 0"),
     (f"{MAP} --figure map.pdf", ".png"),
     ("sweep --over axial_force=1:60 --out x.nc", "KEY=START:STOP:COUNT"),
@@ -60,8 +61,8 @@ COMMANDS = [
     ("sweep --over mass=1:2:3 --set mass=4 --out x.nc", "mass is given by --over and by --set"),
     ("attraction --grid u=0:1:20 w=0:1:1000000000 --out x.nc", "1 <= count <= 10000000"),
     ("chart --x mass=1:20:2 --y mass=1:20:2 --out x.nc", "both mass"),
-    ("follow --set mass=11 --over axial_force=-18 --out x.nc", "KEY=START:STOP"),
-    ("resilience --window u=-0.3", "window: u=-0.3 is not of the form KEY=LOW:HIGH"),
+    ("follow --set mass=11 --over axial_force=-18 --out x.nc", "KEY=LOW:HIGH"),
+    ("resilience --window u=-0.3", "Invalid value for --window: u=-0.3 is not of the form KEY=LOW:HIGH"),
     ("resilience --over mass=1:2:3", "over and out belong together"),
     # Figures.
     ("figure 8.99", "figure 8.99 is not one of 8.1, 8.2, "),
@@ -98,7 +99,7 @@ SECTIONS = [
 GRID = {"u": (0, 1, 4), "w": (0, 1, 4)}
 PYTHON = [
     (lambda: lsvib.simulate("none.yaml"), "none.yaml"),
-    (lambda: lsvib.simulate(start={"u": 0}, duration=1), "start"),
+    (lambda: lsvib.simulate({"start": {"u": 0}, "duration": 1}), "start"),
     (lambda: threshold_table({"mass": None}), "is not a number"),
     (lambda: lsvib.RigidDrive(mas=1), UNKNOWN),
     (lambda: lsvib.ThreadsDrive(screw_mass=1), UNKNOWN),

@@ -159,7 +159,7 @@ def _rest_loss(d, time):
 
 _GAPS = {
     "onset": lambda d: d.R_tilde,
-    "kinematic": lambda d: d.Gamma(1),
+    "kinematic_constraint": lambda d: d.Gamma(1),
     "negative_damping": lambda d: d.C(1),
     "stick": _stick,
     "detach": _touches(1),

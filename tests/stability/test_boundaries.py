@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from references.classes import damped_class
 
 from lsvib.models.drive import NutDrive, RigidDrive, SupportDrive
-from lsvib.stability import conditions, eigenvalues_two_coordinates, linearised, nut_conditions, support_conditions
-from lsvib.stability.eigenvalues_two_coordinates import UndampedClass
+from lsvib.stability import conditions, linear
+from lsvib.stability.linear import UndampedClass
 
 
 @settings(max_examples=100)
@@ -20,7 +20,7 @@ def test_boundaries_solve_the_printed_equation_in_40_digits(part, mass, screw_ma
     low = float(np.tan(drive.lead_angle))
     high = conditions.critical_friction(drive, screw_mass) or 5.0
     drive = drive.replace(friction_coefficient=low + (0.001 + 0.998 * part) * (high - low))
-    branches = support_conditions.flutter_boundaries(drive, 1)
+    branches = conditions.flutter_boundaries(drive, 1)
     with mpmath.workdps(40):
         p = {key: mpmath.mpf(value) for key, value in drive}
         tan = mpmath.tan(p["lead_angle"])
@@ -46,12 +46,12 @@ def test_boundaries_end_where_they_should():
     drive = SupportDrive.of(mass=15.0)
     below, beyond = np.tan(drive.lead_angle) * 0.999, conditions.critical_friction(drive, 11.6) * 1.001
     for friction in (below, beyond):
-        assert np.isnan(support_conditions.flutter_boundaries(drive.replace(friction_coefficient=friction), 1)).all()
-    start = support_conditions.flutter_boundaries(drive.replace(friction_coefficient=below / 0.999 * (1 + 1e-12)), 1)
+        assert np.isnan(conditions.flutter_boundaries(drive.replace(friction_coefficient=friction), 1)).all()
+    start = conditions.flutter_boundaries(drive.replace(friction_coefficient=below / 0.999 * (1 + 1e-12)), 1)
     np.testing.assert_allclose(start, 26.6 / drive.screw_inertia, rtol=1e-4)
-    end = support_conditions.flutter_boundaries(drive.replace(friction_coefficient=beyond / 1.001 * (1 - 1e-13)), 1)
+    end = conditions.flutter_boundaries(drive.replace(friction_coefficient=beyond / 1.001 * (1 - 1e-13)), 1)
     np.testing.assert_allclose(end, 26.6**2 * (15 * 11.6 / 26.6) / (15**2 * drive.screw_inertia), rtol=1e-4)
-    assert np.isnan(support_conditions.flutter_boundaries(drive, -1)).all()
+    assert np.isnan(conditions.flutter_boundaries(drive, -1)).all()
 
 
 @pytest.mark.parametrize("screw_mass", [11.6, 400.0])
@@ -59,7 +59,7 @@ def test_critical_friction_to_12_digits(screw_mass):
     """μ_kc (eqs 8.27, 8.28): closed form, eigenvalues and a root in 40 digits agree."""
     drive = SupportDrive.of(mass=15.0, screw_mass=screw_mass)
     closed = conditions.critical_friction(drive, screw_mass)
-    assert support_conditions.critical_friction_by_eigenvalues(drive) == pytest.approx(closed, rel=1e-12)
+    assert conditions.critical_friction_by_eigenvalues(drive) == pytest.approx(closed, rel=1e-12)
     with mpmath.workdps(40):
 
         def smallest(friction):
@@ -93,28 +93,28 @@ def random_nuts(count: int) -> dict[str, np.ndarray]:
 def test_rotating_nut_is_unstable_exactly_by_8_33(law):
     """No flutter by symmetry, no divergence as det K > 0, with damping and without (20000 random drives)."""
     values = random_nuts(20_000)
-    model = linearised.nut_model(values, law)
-    inertia = nut_conditions.kinematic_inertia(values, law)
-    squares = eigenvalues_two_coordinates.reciprocal_squares(model)
+    model = linear.nut_model(values, law)
+    inertia = conditions.kinematic_inertia(values, law)
+    squares = linear.reciprocal_squares(model)
     assert (squares.imag == 0).all()
     assert ((squares.real > 0).all(axis=-1) == (inertia > 0)).all()
-    clear = np.abs(inertia) > 1e-6 * nut_conditions.effective_screw_inertia(values)
+    clear = np.abs(inertia) > 1e-6 * conditions.effective_screw_inertia(values)
     kinds = damped_class(model)
-    assert (kinds == np.where(inertia > 0, UndampedClass.STABLE, UndampedClass.KINEMATIC))[clear].all()
+    assert (kinds == np.where(inertia > 0, UndampedClass.STABLE, UndampedClass.KINEMATIC_CONSTRAINT))[clear].all()
     if law == -1:
         assert (kinds == UndampedClass.STABLE).all()  # ξ_0 > 0 is necessary
     else:
         factor_positive = values["friction_coefficient"] > np.tan(values["lead_angle"])
-        assert factor_positive[kinds == UndampedClass.KINEMATIC].all()
-        assert (kinds == UndampedClass.KINEMATIC).any()
+        assert factor_positive[kinds == UndampedClass.KINEMATIC_CONSTRAINT].all()
+        assert (kinds == UndampedClass.KINEMATIC_CONSTRAINT).any()
 
 
 def test_rotation_of_the_nut_lowers_the_critical_mass():
     """Remark 8.6; and a very heavy nut is the rigid drive."""
     rigid = conditions.critical_mass(RigidDrive())
-    masses = [nut_conditions.kinematic_mass(NutDrive.of(nut_inertia=x)) for x in (1e-7, 3.12e-6, 1e-4, 1e3)]
+    masses = [conditions.kinematic_mass(NutDrive.of(nut_inertia=x)) for x in (1e-7, 3.12e-6, 1e-4, 1e3)]
     assert masses == sorted(masses)
     assert masses[1] == pytest.approx(rigid / 2, rel=1e-14)
     assert masses[-1] == pytest.approx(rigid, rel=1e-8)
     assert masses[-1] < rigid
-    assert nut_conditions.kinematic_mass(NutDrive.of(friction_coefficient=0.05)) is None
+    assert conditions.kinematic_mass(NutDrive.of(friction_coefficient=0.05)) is None

@@ -14,14 +14,12 @@ from references.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
 
 from lsvib.basins.boundary import Boundary, basin
 from lsvib.dynamics.attractors import Attractor, steady_state
-from lsvib.dynamics.forward_slip import ForwardDrive
 from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import follow
 from lsvib.models.drive import RigidDrive
-from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import rigid_automaton
-from lsvib.stability.global_stability import widest_return
-from lsvib.stability.thresholds import NoThreshold, global_stability_force
+from lsvib.stability.force_thresholds import NoThreshold, global_stability_force, widest_return
+from lsvib.stability.slip import SlipDrive
 
 DIGITS = 40
 PARADOX = RigidDrive.of(mass=11.0, support_damping=1e-3)
@@ -98,7 +96,7 @@ def test_forces_with_the_motion(speed):
         expected = float(-returning_force(drive.replace(input_speed=40.0)))
     limit = global_stability_force(drive)
     assert limit == pytest.approx(math.copysign(expected, speed), rel=1e-13)
-    inside = float(widest_return(ForwardDrive(drive, coefficients(drive)))[1])
+    inside = float(widest_return(SlipDrive.of(drive))[1])
     starts = [(math.copysign(1, speed) * u, math.copysign(1, speed) * w) for u, w in [*STARTS, (inside, -40.0)]]
     for share, stable in ((1 - 1e-6, True), (0.5, True), (-1.0, True), (1 + 1e-6, False), (1.2, False)):
         automaton = rigid_automaton(drive.replace(axial_force=share * limit))

@@ -10,7 +10,7 @@ from references.newton import eigenvalues
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.models.drive import ThreadsDrive
 from lsvib.models.mechanics import coefficients
-from lsvib.stability import eigenvalues_two_coordinates, linearised, stiff_contact, support_conditions
+from lsvib.stability import conditions, linear
 
 STIFFNESSES = [1e11, 1e14]
 DAMPINGS = [0.0, 1e3, 1e8]
@@ -44,7 +44,7 @@ def factored(drive: ThreadsDrive, law: int) -> list[arb]:
 @pytest.mark.parametrize("slide", [0.0, 300.0])
 def test_polynomial_of_the_threads_factors_into_the_rigid_drive(law, slide):
     drive = ThreadsDrive.of(mass=11.0, contact_stiffness=1e9, contact_damping=1e4, translation_damping=slide)
-    polynomial = linearised.threads_model(drive.exact(), law).polynomial()
+    polynomial = linear.threads_model(drive.exact(), law).polynomial()
     with many_digits():
         for ours, expected in zip(polynomial, factored(drive, law), strict=True):
             assert abs(ours - expected) < 1e-100 * abs(expected)
@@ -57,11 +57,11 @@ def test_lemma_8_1(mass, stiffness, damping):
     """Γ_0 < 0: the largest real part of the 4 × 4 Jacobian is positive and keeps its digits up to k_c = 1e14."""
     drive = ThreadsDrive.of(mass=mass, contact_stiffness=stiffness, contact_damping=damping)
     assert coefficients(drive).gamma[1] < 0
-    growth = float(growth_rate(linearised.threads_model(drive, 1)))
+    growth = float(growth_rate(linear.threads_model(drive, 1)))
     assert growth > 0
     assert growth == pytest.approx(exact_growth(drive, 1), rel=1e-10)
-    if stiffness > stiff_contact.unstable_contact_stiffness(drive):
-        assert linearised.threads_model(drive.exact(), 1).polynomial()[2] < 0
+    if stiffness > conditions.unstable_contact_stiffness(drive):
+        assert linear.threads_model(drive.exact(), 1).polynomial()[2] < 0
 
 
 @pytest.mark.parametrize("stiffness", STIFFNESSES)
@@ -69,27 +69,22 @@ def test_lemma_8_1(mass, stiffness, damping):
 def test_positive_inertia_is_stable_with_contact_damping_only(mass, stiffness):
     drive = ThreadsDrive.of(mass=mass, contact_stiffness=stiffness)
     assert coefficients(drive).gamma[1] > 0
-    least = stiff_contact.least_damping_of_stiff_contact(drive)
+    least = conditions.least_damping_of_stiff_contact(drive)
     for damping, stable in ((0.0, False), (2 * least, True)):
         contact = drive.replace(contact_damping=damping)
-        growth = float(growth_rate(linearised.threads_model(contact, 1)))
+        growth = float(growth_rate(linear.threads_model(contact, 1)))
         exact = exact_growth(contact, 1)
         assert (growth < 0, exact < 0) == (stable, stable)
         assert growth == pytest.approx(exact, rel=1e-8)
-        assert (
-            eigenvalues_two_coordinates.routh_hurwitz(linearised.threads_model(contact.exact(), 1).polynomial())
-            is stable
-        )
+        assert linear.routh_hurwitz(linear.threads_model(contact.exact(), 1).polynomial()) is stable
 
 
 @pytest.mark.parametrize("slide", [0.0, 0.5])
 def test_least_contact_damping_is_the_limit(slide):
     drive = ThreadsDrive.of(mass=9.0, contact_stiffness=1e15, translation_damping=slide)
-    least = stiff_contact.least_damping_of_stiff_contact(drive)
+    least = conditions.least_damping_of_stiff_contact(drive)
     verdicts = [
-        eigenvalues_two_coordinates.routh_hurwitz(
-            linearised.threads_model(drive.replace(contact_damping=least * f).exact(), 1).polynomial()
-        )
+        linear.routh_hurwitz(linear.threads_model(drive.replace(contact_damping=least * f).exact(), 1).polynomial())
         for f in (1 - 1e-6, 1 + 1e-6)
     ]
     assert verdicts == [False, True]
@@ -99,7 +94,7 @@ def test_elastic_contact_flutters_at_a_rate_that_does_not_depend_on_its_stiffnes
     drive = ThreadsDrive.of(mass=9.0, contact_stiffness=1e14, contact_damping=0.0)
     gamma = float(coefficients(drive).gamma[1])
     expected = drive.support_damping / 2 * (1 / gamma - 1 / drive.screw_inertia)
-    assert float(growth_rate(linearised.threads_model(drive, 1))) == pytest.approx(expected, rel=1e-3)
+    assert float(growth_rate(linear.threads_model(drive, 1))) == pytest.approx(expected, rel=1e-3)
     assert round(expected) == 261
 
 
@@ -124,15 +119,15 @@ def random_supports(count: int) -> dict[str, np.ndarray]:
 def test_lemma_8_2_over_1e5_random_drives():
     """Mode coupling and kinematic constraint never occur at once, and flutter is what lies between both branches."""
     values = random_supports(100_000)
-    a_4, a_2, a_0 = support_conditions.characteristic_polynomial(values, 1)
+    a_4, a_2, a_0 = conditions.characteristic_polynomial(values, 1)
     discriminant = a_2**2 - 4 * a_0 * a_4
     flutter, kinematic, near = discriminant < 0, a_4 < 0, np.abs(discriminant) < 1e-9 * a_2**2
-    lower, upper = np.moveaxis(support_conditions.flutter_boundaries(values, 1), -1, 0)
+    lower, upper = np.moveaxis(conditions.flutter_boundaries(values, 1), -1, 0)
     between = (values["support_stiffness"] > lower) & (values["support_stiffness"] < upper)
     assert not ((flutter != between) & ~near).any()
     assert not ((flutter | between) & kinematic).any()
-    kinds = eigenvalues_two_coordinates.undamped_class(linearised.support_model(values, 1))
+    kinds = linear.undamped_class(linear.support_model(values, 1))
     rounded = near | (np.abs(a_4) < 1e-9 * values["screw_inertia"] * (values["mass"] + values["screw_mass"]))
-    assert (kinds == support_conditions.printed_class(values, 1))[~rounded].all()
+    assert (kinds == conditions.printed_class(values, 1))[~rounded].all()
     assert rounded.mean() < 1e-3
     assert np.bincount(kinds, minlength=4).min() > 300

@@ -13,14 +13,14 @@ from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import InputError
 from lsvib.models.drive import NutDrive, SupportDrive, ThreadsDrive
 from lsvib.models.mechanics import coefficients
-from lsvib.stability import eigenvalues_rigid, eigenvalues_two_coordinates, linearised, support_conditions
-from lsvib.stability.eigenvalues_two_coordinates import UndampedClass
-from lsvib.stability.stability_table import stability_table
+from lsvib.stability import conditions, linear
+from lsvib.stability.conditions import stability
+from lsvib.stability.linear import UndampedClass
 
 KINDS = {
-    "threads": (ThreadsDrive, linearised.threads_model),
-    "support": (SupportDrive, linearised.support_model),
-    "nut": (NutDrive, linearised.nut_model),
+    "threads": (ThreadsDrive, linear.threads_model),
+    "support": (SupportDrive, linear.support_model),
+    "nut": (NutDrive, linear.nut_model),
 }
 MODELS = sorted(KINDS)
 DAMPED = {"support_damping": 3e-4, "translation_damping": 70.0}
@@ -58,7 +58,7 @@ def test_polynomial_in_balls_and_in_floats(model):
     exact = build(drive.exact(), 1).polynomial()
     assert all(isinstance(p, arb) for p in exact)
     np.testing.assert_allclose([float(p) for p in build(drive, 1).polynomial()], [float(p) for p in exact], rtol=1e-12)
-    values = eigenvalues_two_coordinates.eigenvalues(build(drive, 1))
+    values = linear.eigenvalues(build(drive, 1))
     assert (np.diff(values.real) >= 0).all()
     with mpmath.workdps(60):
         for root in eigenvalues(model, drive, 1):
@@ -76,7 +76,7 @@ def test_grids_give_what_single_drives_give(model):
         one = build(drive.replace(friction_coefficient=friction[i], mass=mass[j]), 1)
         np.testing.assert_array_equal(grid.jacobian()[i, j], one.jacobian())
         assert damped_class(grid)[i, j] == damped_class(one)
-        assert eigenvalues_two_coordinates.undamped_class(grid)[i, j] == eigenvalues_two_coordinates.undamped_class(one)
+        assert linear.undamped_class(grid)[i, j] == linear.undamped_class(one)
         assert growth_rate(grid)[i, j] == growth_rate(one)
 
 
@@ -86,8 +86,8 @@ def test_generalised_eigenvalues_keep_their_digits(friction, mass, screw_mass, p
     drive = SupportDrive.of(
         friction_coefficient=friction, mass=mass, screw_mass=screw_mass, support_stiffness=10.0**power
     )
-    squares = eigenvalues_two_coordinates.reciprocal_squares(linearised.support_model(drive, law))
-    model = linearised.support_model(drive.exact(), law)
+    squares = linear.reciprocal_squares(linear.support_model(drive, law))
+    model = linear.support_model(drive.exact(), law)
     with mpmath.workdps(40):
         m, k = (
             mpmath.matrix(
@@ -117,12 +117,12 @@ def test_every_class_occurs_and_is_what_the_eigenvalues_say():
     drive = SupportDrive.of(mass=15.0)
     found = {}
     for friction, stiffness in ((0.05, 1e7), (0.2, 1e7), (0.25, 1e9), (0.35, 1e7)):
-        model = linearised.support_model(
+        model = linear.support_model(
             {**dict(drive), "support_damping": 0.0, "friction_coefficient": friction, "support_stiffness": stiffness}, 1
         )
-        values = eigenvalues_two_coordinates.eigenvalues(model)
+        values = linear.eigenvalues(model)
         growing = values.real > 1e-7 * np.abs(values).max()
-        found[UndampedClass(int(eigenvalues_two_coordinates.undamped_class(model)))] = (
+        found[UndampedClass(int(linear.undamped_class(model)))] = (
             int(growing.sum()),
             bool((values.imag[growing] != 0).all()),
         )
@@ -130,35 +130,35 @@ def test_every_class_occurs_and_is_what_the_eigenvalues_say():
         UndampedClass.STABLE: (0, True),
         UndampedClass.FLUTTER: (2, True),
         UndampedClass.DIVERGENCE: (2, False),
-        UndampedClass.KINEMATIC: (1, False),
+        UndampedClass.KINEMATIC_CONSTRAINT: (1, False),
     }
 
 
 @pytest.mark.parametrize("law", [1, -1])
 def test_printed_polynomial_is_that_of_the_matrices(law):
     drive = SupportDrive.of(mass=15.0, support_damping=0.0)
-    p_4, _, p_2, _, p_0 = linearised.support_model(drive.exact(), law).polynomial()
-    printed = support_conditions.characteristic_polynomial(drive.exact(), law)
+    p_4, _, p_2, _, p_0 = linear.support_model(drive.exact(), law).polynomial()
+    printed = conditions.characteristic_polynomial(drive.exact(), law)
     with many_digits():
         assert all(abs(a - b) < 1e-100 * abs(b) for a, b in zip((p_4, -p_2, p_0), printed, strict=True))
 
 
 def test_steady_law_counts_the_friction_of_the_slide():
     drive = SupportDrive.of(axial_force=10.0)
-    assert linearised.steady_law(drive) == 1
-    assert linearised.steady_law(drive.replace(slide_friction=11.0)) == -1
-    assert linearised.steady_law(drive.replace(slide_friction=11.0, input_speed=-40.0)) == -1
-    assert linearised.steady_law(drive.replace(axial_force=-10.0)) == -1
+    assert linear.steady_law(drive) == 1
+    assert linear.steady_law(drive.replace(slide_friction=11.0)) == -1
+    assert linear.steady_law(drive.replace(slide_friction=11.0, input_speed=-40.0)) == -1
+    assert linear.steady_law(drive.replace(axial_force=-10.0)) == -1
     with pytest.raises(InputError, match="the contact carries no force"):
-        linearised.steady_law(drive.replace(slide_friction=10.0))
+        linear.steady_law(drive.replace(slide_friction=10.0))
 
 
 def test_slow_eigenvalues_tend_to_those_of_the_rigid_drive():
     for mass in (5.0, 11.0):
         drive = ThreadsDrive.of(mass=mass, contact_stiffness=1e14, contact_damping=1e8)
         gamma = float(coefficients(drive).gamma[1])
-        rigid = eigenvalues_rigid.eigenvalues(gamma, drive.support_damping, drive.coupling_stiffness)
-        values = eigenvalues_two_coordinates.eigenvalues(linearised.threads_model(drive, 1))
+        rigid = linear.eigenvalue_pair(gamma, drive.support_damping, drive.coupling_stiffness)
+        values = linear.eigenvalues(linear.threads_model(drive, 1))
         for value in rigid:
             assert np.abs(values / value - 1).min() < 1e-5
 
@@ -177,30 +177,30 @@ def test_slow_eigenvalues_tend_to_those_of_the_rigid_drive():
             {"mass": 15.0, "support_damping": 0, "support_stiffness": 1e9, "friction_coefficient": 0.25},
             "divergence",
         ),
-        ("support", {"mass": 15.0, "friction_coefficient": 0.3}, "kinematic"),
+        ("support", {"mass": 15.0, "friction_coefficient": 0.3}, "kinematic_constraint"),
         ("nut", {"mass": 5.0}, "stable"),
-        ("nut", {"mass": 5.1}, "kinematic"),
+        ("nut", {"mass": 5.1}, "kinematic_constraint"),
     ],
 )
 def test_summary(model, changes, kind):
-    table = stability_table(changes, model)
-    assert (table["class"], table["stable"]) == (kind, kind == "stable")
-    assert len(table["eigenvalues"]) == 4
-    parts = [value["real"] for value in table["eigenvalues"]]
+    report = stability(KINDS[model][0].of(changes))
+    assert (report.kind, report.stable) == (kind, kind == "stable")
+    assert len(report.eigenvalues) == 4
+    parts = [value.real for value in report.eigenvalues]
     assert parts == sorted(parts)
-    largest = max(abs(complex(value["real"], value["imaginary"])) for value in table["eigenvalues"])
+    largest = max(map(abs, report.eigenvalues))
     assert (parts[-1] > 1e-9 * largest) is (kind not in ("stable", "neutral"))
     assert (parts[-1] == 0) is (kind == "neutral")
 
 
 def test_summary_states_the_conditions():
-    table = stability_table({"mass": 15.0, "support_stiffness": 1e7}, "support")
-    assert [name for name, c in table["conditions"].items() if c["hold"]] == ["flutter"]
-    assert table["quantities"]["kinematic_friction"]["value"] == pytest.approx(0.2848594241193505, rel=1e-14)
-    undamped = table["without_damping"]
-    assert undamped["class"] == "flutter"
-    assert [name for name, c in undamped["conditions"].items() if c["hold"]] == ["mode_coupling"]
-    quantities = undamped["quantities"]
-    assert quantities["lower_flutter_stiffness"]["value"] < 1e7 < quantities["upper_flutter_stiffness"]["value"]
-    assert stability_table({"mass": 6}, "nut")["conditions"]["kinematic"]["hold"]
-    assert stability_table({"mass": 11}, "threads")["quantities"]["least_contact_damping"]["value"] is None
+    report = stability(SupportDrive.of(mass=15.0, support_stiffness=1e7))
+    assert [name for name, c in report.conditions.items() if c.hold] == ["flutter"]
+    assert report.quantities["critical_friction"].value == pytest.approx(0.2848594241193505, rel=1e-14)
+    undamped = report.without_damping
+    assert undamped.kind == "flutter"
+    assert [name for name, c in undamped.conditions.items() if c.hold] == ["mode_coupling"]
+    lower, upper = (undamped.quantities[f"{name}_flutter_stiffness"].value for name in ("lower", "upper"))
+    assert lower < 1e7 < upper
+    assert stability(NutDrive.of(mass=6)).conditions["kinematic_constraint"].hold
+    assert stability(ThreadsDrive.of(mass=11)).quantities["least_contact_damping"].value is None

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
 from lsvib.stability.conditions import critical_mass
-from lsvib.stability.eigenvalues_rigid import Stability, eigenvalues, stability_class
+from lsvib.stability.linear import Stability, eigenvalue_pair, stability_class
 
 SIGNED = st.floats(1e-12, 1e6) | st.floats(-1e6, -1e-12)
 
@@ -29,7 +29,7 @@ def exact_pair(gamma: float, c: float, k: float) -> list[mpmath.mpc]:
 @example(2.5e-9, 1e-4, 1.0)
 @example(1e-12, 1e6, 1e-9)  # roots 1e33 apart
 def test_eigenvalues_keep_all_digits(gamma, c, k):
-    pair = eigenvalues(gamma, c, k)
+    pair = eigenvalue_pair(gamma, c, k)
     for ours, exact in zip(pair, exact_pair(gamma, c, k), strict=True):
         with mpmath.workdps(60):
             for mine, theirs in ((ours.real, mpmath.re(exact)), (ours.imag, mpmath.im(exact))):
@@ -53,10 +53,10 @@ def test_limits():
     assert stability_class(1.0, 0.0, 1.0) == Stability.CENTRE
     assert stability_class(1.0, 2.0, 1.0) == Stability.STABLE_NODE
     assert stability_class(0.0, 1.0, 1.0) == Stability.DEGENERATE
-    first, second = eigenvalues(0.0, 2.0, 3.0)
+    first, second = eigenvalue_pair(0.0, 2.0, 3.0)
     assert first == -1.5
     assert np.isnan(second.real)
-    assert list(eigenvalues(1.0, 0.0, 0.0)) == [0, 0]
+    assert list(eigenvalue_pair(1.0, 0.0, 0.0)) == [0, 0]
 
 
 def test_spectrum_loses_stability_at_the_critical_mass():
@@ -65,4 +65,4 @@ def test_spectrum_loses_stability_at_the_critical_mass():
     critical = critical_mass(drive)
     for mass, kind in ((math.nextafter(critical, 0), True), (math.nextafter(critical, 99), False)):
         gamma = float(coefficients(drive.replace(mass=mass)).gamma[1])
-        assert bool((eigenvalues(gamma, drive.support_damping, drive.coupling_stiffness).real < 0).all()) is kind
+        assert bool((eigenvalue_pair(gamma, drive.support_damping, drive.coupling_stiffness).real < 0).all()) is kind

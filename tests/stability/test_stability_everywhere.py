@@ -5,14 +5,15 @@ import math
 import mpmath
 import numpy as np
 import pytest
+from flint import fmpq
 from references.newton import DIGITS, eigenvalues, is_stable, steady_law
 from references.wide_drives import wide_drive
 
 from lsvib.errors import InputError
 from lsvib.models.drive import RigidDrive, zero_if_close
 from lsvib.stability.boundaries import stable_set
-from lsvib.stability.stability_table import stability_table
-from lsvib.stability.threshold_table import threshold_table
+from lsvib.stability.conditions import stability
+from lsvib.stability.threshold import all_thresholds
 
 MODELS = ("rigid", "threads", "support", "nut")
 NEUTRAL = ("neutral", "centre")
@@ -20,30 +21,26 @@ VANISHES = mpmath.mpf(10) ** -60  # a real part below this share of its eigenval
 
 
 def judge_stability(model: str, drive: RigidDrive, law: int, tally: dict) -> None:
-    """Hold the whole stability table of a drive against eigenvalues in 250 digits."""
-    table = stability_table(dict(drive), model)
+    """Hold the whole report of the stability of a drive against eigenvalues in 250 digits."""
+    report = stability(drive)
     exact = eigenvalues(model, drive, law)
-    assert table["steady_law"] == law
+    assert report.steady_law == law
     zero = [abs(mpmath.re(z)) < VANISHES * abs(z) for z in exact]
     growing = [z for z, neutral in zip(exact, zero, strict=True) if not neutral and mpmath.re(z) > 0]
-    assert table["stable"] == (not growing and not any(zero))
-    for ours, theirs in zip(_values(table), _sorted(exact, zero), strict=True):
+    assert report.stable == (not growing and not any(zero))
+    for ours, theirs in zip(report.eigenvalues, _sorted(exact, zero), strict=True):
         assert math.isclose(ours.real, theirs.real, rel_tol=1e-15), (ours, theirs)
         assert math.isclose(ours.imag, theirs.imag, rel_tol=1e-15), (ours, theirs)
         assert (ours.real > 0) - (ours.real < 0) == (theirs.real > 0) - (theirs.real < 0)
-    unstable = any(condition["hold"] for condition in table["conditions"].values())
-    assert unstable == bool(growing), table
-    assert (table["class"] in NEUTRAL) == (not growing and any(zero))
+    unstable = any(condition.hold for condition in report.conditions.values())
+    assert unstable == bool(growing), report
+    assert (report.kind in NEUTRAL) == (not growing and any(zero))
     if model != "rigid":
         fastest = max(growing, key=mpmath.re, default=None)
-        if table["class"] in ("divergence", "flutter"):
-            assert (table["class"] == "divergence") == (abs(mpmath.im(fastest)) < VANISHES * abs(fastest))
-        assert (table["class"] == "kinematic") == (table["characteristic_polynomial"][0] < 0)
-    tally[table["class"]] = tally.get(table["class"], 0) + 1
-
-
-def _values(table: dict) -> list[complex]:
-    return [complex(x["real"], x["imaginary"]) for x in table["eigenvalues"]]
+        if report.kind in ("divergence", "flutter"):
+            assert (report.kind == "divergence") == (abs(mpmath.im(fastest)) < VANISHES * abs(fastest))
+        assert (report.kind == "kinematic_constraint") == (report.characteristic_polynomial[0] < 0)
+    tally[report.kind] = tally.get(report.kind, 0) + 1
 
 
 def _sorted(exact: list, zero: list[bool]) -> list[complex]:
@@ -56,41 +53,36 @@ def _sorted(exact: list, zero: list[bool]) -> list[complex]:
 
 def judge_thresholds(model: str, drive: RigidDrive, law: int, random: np.random.Generator, tally: dict) -> None:
     """Hold every boundary against Routh's array on both sides, and the set between them at random places."""
-    table = threshold_table(dict(drive), model)
-    own = drive.own_damping
-    for name, key in {
-        "critical_mass": "mass",
-        "critical_friction": "friction_coefficient",
-        f"least_{own}": own,
-    }.items():
-        entry, found = table[name], stable_set(drive, key)
-        ends = [end for interval in found.intervals for end in interval if 0 < end < found.limit]
-        assert entry["value"] is not None or entry["reason"].endswith(".")
-        if entry["value"]:
-            assert float(ends[0] if name.startswith("least") else ends[-1]) == entry["value"]
+    for key in ("mass", "friction_coefficient", drive.own_damping):
+        found, stable = all_thresholds(drive, key)["onset"], stable_set(drive, key)
+        ends = [end for interval in stable.intervals for end in interval if 0 < end < stable.limit]
+        assert found.solutions or found.reason.endswith(".")
+        values = [float(end) for end in ends if zero_if_close(type(drive), key, float(end)) == float(end)]
+        assert {solution.value for solution in found.solutions} <= set(values)
         lowest, highest = (-6.0, 9.0) if key == "mass" else (-8.0, 12.0)
         places = list(10 ** random.uniform(lowest, highest, 3))
         if key == "friction_coefficient":
-            places = [0.0, *random.uniform(0, float(found.limit), 3)]
+            places = [0.0, *random.uniform(0, float(stable.limit), 3)]
         for end in ends:
             for distance in (1e-12, 10 ** random.uniform(-12, -3)):
                 places += [float(end) * (1 + distance), float(end) * (1 - distance)]
         for place in places:
-            if not (0 if key != "mass" else 1e-18) <= place < found.limit:
+            if not (0 if key != "mass" else 1e-18) <= place < float(stable.limit):
                 continue
             if zero_if_close(type(drive), key, place) != place:
                 continue
-            inside = found.from_zero if place == 0 else any(low < place < high for low, high in found.intervals)
+            exact = fmpq(*place.as_integer_ratio())
+            inside = stable.from_zero if place == 0 else any(low < exact < high for low, high in stable.intervals)
             at = drive.replace(**{key: place})
-            expected = no_growth(model, at, law) if found.neutral else is_stable(model, at, law)
-            assert inside == expected, (name, place, found, dict(drive))
+            expected = no_growth(model, at, law) if stable.neutral else is_stable(model, at, law)
+            assert inside == expected, (key, place, stable, dict(drive))
             tally["places"] = tally.get("places", 0) + 1
         if ends:  # the boundary itself, to rounding
             end = float(ends[random.integers(len(ends))])
             place = [end, math.nextafter(end, 0), math.nextafter(end, math.inf)][random.integers(3)]
             if zero_if_close(type(drive), key, place) == place:
                 judge_stability(model, drive.replace(**{key: place}), law, tally)
-        tally[f"{name} {len(ends)}"] = tally.get(f"{name} {len(ends)}", 0) + 1
+        tally[f"{key} {len(ends)}"] = tally.get(f"{key} {len(ends)}", 0) + 1
 
 
 def no_growth(model: str, drive: RigidDrive, law: int) -> bool:
@@ -107,7 +99,7 @@ def test_random_drives(model):
             law = steady_law(drive)
             if law == 0:
                 with pytest.raises(InputError, match="contact carries no force"):
-                    stability_table(dict(drive), model)
+                    stability(drive)
                 continue
             judge_stability(model, drive, law, tally)
             if model != "rigid":

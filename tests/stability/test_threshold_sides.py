@@ -14,15 +14,15 @@ import math
 import numpy as np
 import pytest
 
-from lsvib.dynamics.forward_slip import ForwardDrive
 from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import follow
 from lsvib.errors import DivergenceError, EngineError, InputError, NoThreshold
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import EventKind, rigid_automaton
-from lsvib.stability import thresholds
-from lsvib.stability.global_stability import widest_return
+from lsvib.stability import force_thresholds
+from lsvib.stability.force_thresholds import widest_return
+from lsvib.stability.slip import SlipDrive
 
 DISTANCES = [10.0**-n for n in range(1, 10)]  # relative, of the forces beside a threshold
 STANDS = (EventKind.STICK, EventKind.REVERSAL)
@@ -65,8 +65,8 @@ def random_drive(rng, kind: str) -> RigidDrive:
             continue
 
 
-def forward(drive: RigidDrive) -> tuple[ForwardDrive, float]:
-    return ForwardDrive(drive, coefficients(drive)), math.copysign(1.0, drive.input_speed)
+def forward(drive: RigidDrive) -> tuple[SlipDrive, float]:
+    return SlipDrive.of(drive), math.copysign(1.0, drive.input_speed)
 
 
 def beside(rng, threshold: float, onset: float):
@@ -96,7 +96,7 @@ def changed(drive, force):
 
 
 def judge_onset(rng, drive):
-    onset = thresholds.onset_force(drive)
+    onset = force_thresholds.onset_force(drive)
     for side, force in beside(rng, abs(onset), 0.0):
         c = coefficients(drive.replace(axial_force=math.copysign(force, onset)))
         assert (c.damping[c.steady_law] > 0) == (side < 0)
@@ -110,7 +110,7 @@ def end_of_rest(drive: RigidDrive) -> tuple[float, float]:
 
 def slips_beside(rng, drive: RigidDrive, threshold: float, count: int):
     """Yield (side, |R|, first events of slip from the end of rest) for forces beside a threshold beyond the onset."""
-    onset, sign = thresholds.onset_force(drive), forward(drive)[1]
+    onset, sign = force_thresholds.onset_force(drive), forward(drive)[1]
     assert sign * threshold > sign * onset
     for side, force in beside(rng, sign * threshold, sign * onset):
         if sign * onset < force < 1e12 and force != sign * threshold:
@@ -119,7 +119,7 @@ def slips_beside(rng, drive: RigidDrive, threshold: float, count: int):
 
 def judge_stick(rng, drive):
     """The cycle is unique and what is inside of it winds outwards to it, what is outside inwards."""
-    for side, force, kinds in slips_beside(rng, drive, thresholds.stick_force(drive), 30):
+    for side, force, kinds in slips_beside(rng, drive, force_thresholds.stick_force(drive), 30):
         if EventKind.GRAZE in kinds:  # a turn grows by less than rounding
             continue
         if side > 0:
@@ -129,14 +129,14 @@ def judge_stick(rng, drive):
 
 
 def judge_detach(rng, drive):
-    for side, force, kinds in slips_beside(rng, drive, thresholds.detach_force(drive), 6):
+    for side, force, kinds in slips_beside(rng, drive, force_thresholds.detach_force(drive), 6):
         if side > 0:
             assert kinds[:2] == [EventKind.STICK, EventKind.RELEASE], force
         else:
             assert kinds[0] == EventKind.CONTACT_REVERSAL, force
 
 
-def starts(rng, made: ForwardDrive, force: float, count: int):
+def starts(rng, made: SlipDrive, force: float, count: int):
     """Starts (Ω > 0): the end of rest, the cycle without rest, others on θ′ = 0 left of the former, and anywhere."""
     speed, first = float(made.speed), float(made.damping[-1] * made.speed / made.stiffness)
     slip_time = float((made.inertia[-1] / made.stiffness) ** 0.5)
@@ -174,7 +174,7 @@ def settles(drive, force, start, made, sign, count=20_000) -> bool | None:
 
 def judge_global(rng, drive):
     made, sign = forward(drive)
-    threshold = sign * thresholds.global_stability_force(drive)
+    threshold = sign * force_thresholds.global_stability_force(drive)
     onset = float(made.onset)
     assert threshold < onset or onset == 0 > threshold
     below = [(side, force) for side, force in beside(rng, threshold, threshold)][:18]
@@ -200,7 +200,7 @@ def test_thresholds_of_random_drives(kind):
         drive = random_drive(rng, kind)
         for name, judge in JUDGES.items():
             try:
-                getattr(thresholds, f"{name}_force")(drive)
+                getattr(force_thresholds, f"{name}_force")(drive)
             except NoThreshold:
                 continue
             judge(rng, drive)

@@ -18,13 +18,13 @@ from references.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
 
 from lsvib.dynamics.attractors import Attractor, orbit_extremes, steady_state
 from lsvib.models import chapter
-from lsvib.models.drive import RigidDrive, ThreadsDrive
+from lsvib.models.drive import RigidDrive, SupportDrive, ThreadsDrive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import EventKind, rigid_automaton
 from lsvib.models.threads import seated_state, threads_automaton
-from lsvib.stability import thresholds
+from lsvib.stability import force_thresholds
 from lsvib.stability.conditions import critical_friction, critical_mass
-from lsvib.stability.threshold_table import threshold_table
+from lsvib.stability.threshold import solve_threshold
 
 DIGITS = 40
 PARADOX = RigidDrive.of(mass=11.0, support_damping=1e-3)
@@ -107,6 +107,10 @@ PRINTED = {
     "stick_force": (34.5, stick_reference),
     "detach_force": (46.5, detach_reference),
 }
+ASKED = {
+    "critical_mass": (RigidDrive(), "kinematic_constraint", "mass"),
+    "critical_friction": (SupportDrive.of(mass=15.0), "kinematic_constraint", "friction_coefficient"),
+}
 # Sect. 8.5.1: law, value, unit of its last digit.
 DAMPINGS = [(-1, 1.0e-3, 1e-4), (1, -1.1e-4, 1e-5)]  # N m s/rad
 INERTIAS = [(-1, 9.9e-6, 1e-7), (1, 6.5e-7, 1e-8)]  # kg m²
@@ -118,11 +122,13 @@ PEAK_FORCE = 320e3  # N, Fig. 8.10b
 def test_threshold_is_the_chapters_and_exact(name):
     """m_cr ≈ 10.10 kg (Sect. 8.6.1), μ_kc ≈ 0.285 (Fig. 8.15), R = 20, 34.5 and 46.5 N (Sect. 8.5.1, Fig. 8.6)."""
     printed, reference = PRINTED[name]
-    entry = threshold_table()[name]
-    assert entry["expected"] == printed
-    assert abs(entry["value"] - printed) <= 0.02 * printed
-    assert entry["passed"]
-    assert abs(mpf(entry["value"]) - reference()) <= mpf("1e-12") * abs(entry["value"])
+    found = solve_threshold(*ASKED.get(name, (NEGATIVE_DAMPING, name.removesuffix("_force"), "axial_force")))
+    assert found.printed.value == printed
+    assert abs(found.value - printed) <= 0.02 * printed
+    assert found.printed.passed
+    low, high = found.enclosure
+    assert high <= math.nextafter(low, math.inf)
+    assert low <= reference() <= high
 
 
 def test_what_the_checks_take_for_printed_is_what_stands_here():
@@ -180,7 +186,9 @@ def test_effective_inertia_changes_sign_at_the_critical_mass():
 def test_the_thresholds_separate_what_they_say(speed):
     """Just below and just above each force of Fig. 8.6 the attractor has, and has not, the property."""
     drive = NEGATIVE_DAMPING.replace(input_speed=speed)
-    onset, stick, detach = (f(drive) for f in (thresholds.onset_force, thresholds.stick_force, thresholds.detach_force))
+    onset, stick, detach = (
+        f(drive) for f in (force_thresholds.onset_force, force_thresholds.stick_force, force_thresholds.detach_force)
+    )
     assert [math.copysign(x, speed) == x for x in (onset, stick, detach)] == [True] * 3
 
     def attractor(force):
@@ -198,7 +206,7 @@ def test_the_thresholds_separate_what_they_say(speed):
 
 def test_global_stability_force_is_exact():
     """Sect. 8.7 describes it without a number."""
-    value = thresholds.global_stability_force(PARADOX)
+    value = force_thresholds.global_stability_force(PARADOX)
     assert abs(mpf(value) - global_reference()) <= mpf("1e-12") * abs(value)
 
 
@@ -206,7 +214,7 @@ def test_global_stability_force_is_exact():
 def test_limit_cycle_right_up_to_the_threshold_of_global_stability(speed):
     """m = 11 kg, c = 1e-3, c_x = 0: the cycle from −10 N to 1e-8 short of the threshold, the origin 1e-8 beyond it."""
     drive = PARADOX.replace(input_speed=speed)
-    limit = thresholds.global_stability_force(drive)
+    limit = force_thresholds.global_stability_force(drive)
     start_force = -math.copysign(10.0, speed)
     forces = [*np.linspace(start_force, limit, 8)[:-1], *(limit * (1 - 10.0**-n) for n in (3, 6, 8))]
     for force in forces:
@@ -226,7 +234,7 @@ def test_limit_cycle_right_up_to_the_threshold_of_global_stability(speed):
 
 def test_dip_of_microseconds_against_mpmath():
     """1e-8 short of the threshold slip would stay beyond Q = 0 for 1.0 µs only: every seizure is found."""
-    drive = PARADOX.replace(axial_force=thresholds.global_stability_force(PARADOX) * (1 - 1e-8))
+    drive = PARADOX.replace(axial_force=force_thresholds.global_stability_force(PARADOX) * (1 - 1e-8))
     d = exact(drive)
     flow = RigidTrueFlow(d, -1, d.c * d.Omega / d.k, -d.Omega)
     q = (d.p * d.m * d.k, d.p * (d.m * d.c - d.I * d.cx), d.Gamma(d.s0) * d.R_tilde)

@@ -15,22 +15,25 @@ import yaml
 from conftest import ROOT, TINY
 
 from lsvib.datasets.io import read_dataset
-from lsvib.figures.configuration import settings_of
-from lsvib.figures.folders import accuracy_figures, default_figures
+from lsvib.figures.configuration import accuracy_figures, default_figures, load, settings_of
 
 pytestmark = pytest.mark.workflow
 
-CAPTIONS = sorted(path for room in ("src/lsvib", "benchmarks") for path in (ROOT / room).glob("figures/*/caption.rst"))
+ALL_FIGURES = (*default_figures(), *accuracy_figures(), "attraction", "chart")
 CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
 FIGURES = ("fig8_03", "fig8_08")
-NEW_FIGURE = {  # file of its folder: what is in it
-    "__init__.py": '"""A new figure."""\n',
-    "caption.rst": "The self-locking of the drive.\n",
-    "settings.py": '''"""The settings of the new figure."""
+NEW_FIGURE = '''"""A new figure."""
 
+import numpy as np
+import xarray as xr
 from pydantic import Field
 
-from lsvib.figures.common.settings import DriveChanges, FigureSettings
+from lsvib.datasets.checks import Check
+from lsvib.figures import style
+from lsvib.figures.settings import DriveChanges, FigureSettings
+from lsvib.models.drive import RigidDrive
+
+CAPTION = "The self-locking of the drive.\\n"
 
 
 class Settings(FigureSettings):
@@ -38,14 +41,6 @@ class Settings(FigureSettings):
 
     drive: DriveChanges = DriveChanges()
     points: int = Field(default=5, ge=2, description="Number of lead angles.")
-''',
-    "dataset.py": '''"""The dataset of the new figure."""
-
-import numpy as np
-import xarray as xr
-
-from lsvib.datasets.checks import Check
-from lsvib.models.drive import RigidDrive
 
 
 def build(settings):
@@ -61,22 +56,17 @@ def build(settings):
 
 def checks(dataset):
     """Check that the tangent grows."""
-    grows = bool((np.diff(dataset.tangent) > 0).all())
+    grows = (np.diff(dataset.tangent) > 0).all()
     return [Check.holds("The tangent grows with the angle", "a test", "all differences", grows)]
-''',
-    "picture.py": '''"""The picture of the new figure."""
-
-from lsvib.figures.drawing.style import new_figure, styled
 
 
-@styled
+@style.styled
 def draw(dataset):
     """Draw the tangent over the angle."""
-    figure = new_figure()
+    figure = style.new_figure()
     figure.add_subplot().plot(dataset.angle, dataset.tangent)
     return figure
-''',
-}
+'''
 
 
 def test_a_run_makes_everything_and_says_where(finished):
@@ -114,7 +104,11 @@ def test_a_second_run_does_nothing(finished):
 @pytest.mark.parametrize(
     ("file", "jobs"),
     [
-        ("src/lsvib/figures/fig8_08/picture.py", {"Drawing fig8_08"}),
+        ("src/lsvib/figures/style.py", {"Drawing fig8_03", "Drawing fig8_08"}),
+        (
+            "src/lsvib/figures/fig8_08.py",
+            {"Computing fig8_08", "Drawing fig8_08", "Collecting the checks", "Judging the checks"},
+        ),
         (
             "src/lsvib/stability/conditions.py",  # imported by figure 8.8 only
             {"Computing fig8_08", "Drawing fig8_08", "Collecting the checks", "Judging the checks"},
@@ -159,9 +153,9 @@ def test_engine_is_compiled_first_for_the_figures_that_need_it(fresh):
         part: {figure for figure, reason in reasons.items() if f"results/engine/{part}.txt" in reason}
         for part in ("planar", "modal", "mapper")
     }
-    of_eigenvalues = {"nut_stability", *(f"fig8_{n}" for n in ("01", "02", "03", "08", "15"))}
+    of_eigenvalues = {"nut_stability", "contact_stability", *(f"fig8_{n}" for n in ("01", "02", "03", "08", "15"))}
     of_two_states = {f"fig8_{n}" for n in ("04", "05", "06", "07", "09", "11", "12", "14")}
-    of_more_states = {"fig8_10", "fig8_13", "limit_process", "contact_stability"}
+    of_more_states = {"fig8_10", "fig8_13", "limit_process"}
     assert waiting["planar"] >= of_two_states | of_more_states | {"basin_sweep"}
     assert waiting["modal"] >= of_more_states
     assert waiting["mapper"] >= {"basin_sweep"}
@@ -269,12 +263,10 @@ def test_accuracy_is_a_target_of_its_own(fresh):
 
 
 @pytest.mark.slow
-def test_a_new_figure_is_one_new_folder(built):
+def test_a_new_figure_is_one_new_file(built):
     """A figure with settings of its own and their defaults: the command builds it and the workflow finds it."""
-    folder = built.folder / "src" / "lsvib" / "figures" / "new_figure"
-    folder.mkdir()
-    for name, text in NEW_FIGURE.items():
-        (folder / name).write_text(text, encoding="utf-8")
+    file = built.folder / "src" / "lsvib" / "figures" / "new_figure.py"
+    file.write_text(NEW_FIGURE, encoding="utf-8")
     listed = "figures: [fig8_03, fig8_08, new_figure]\n"
     built.edit("config/config.yaml", TINY, listed)
     assert built.plan() == {f"{verb} new_figure" for verb in ("Computing", "Drawing")} | {
@@ -304,17 +296,16 @@ def test_lint_asks_for_nothing(fresh):
 
 
 def test_every_figure_has_a_caption_and_a_section_unless_its_settings_have_defaults():
-    figures = {*default_figures(), *accuracy_figures(), "attraction", "chart"}
-    assert {path.parent.name for path in CAPTIONS} == figures
+    assert all(load(figure).CAPTION.endswith("\n") for figure in ALL_FIGURES)
     sections = {name for name, section in CONFIG.items() if isinstance(section, dict)}
-    assert sections <= figures
-    for name in figures - sections:
+    assert sections <= set(ALL_FIGURES)
+    for name in set(ALL_FIGURES) - sections:
         settings_of(name)()
 
 
-@pytest.mark.parametrize("path", CAPTIONS, ids=lambda path: path.parent.name)
-def test_captions_are_restructured_text_without_a_complaint(path):
+@pytest.mark.parametrize("figure", ALL_FIGURES)
+def test_captions_are_restructured_text_without_a_complaint(figure):
     complaints = io.StringIO()
     settings = {"warning_stream": complaints, "report_level": 1}
-    docutils.core.publish_doctree(path.read_text(encoding="utf-8"), settings_overrides=settings)
+    docutils.core.publish_doctree(load(figure).CAPTION, settings_overrides=settings)
     assert complaints.getvalue() == ""

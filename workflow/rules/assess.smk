@@ -4,7 +4,7 @@ SHEETS = {Path(sheet).stem: sheet for sheet in config["assessments"]}
 
 # What an assessment depends on; the models, imported by their names, are unknown to the graph.
 ASSESSMENT = (
-    imports("lsvib.assess.run")
+    imports("lsvib.assess.output")
     | imports("lsvib.models.rigid")
     | imports("lsvib.models.support")
     | imports("lsvib.models.threads")
@@ -52,7 +52,7 @@ rule compare_drives:
     """Put the verdicts on all drives in one table."""
     input:
         verdicts=collect("results/assessments/{sheet}/assessment.json", sheet=SHEETS),
-        sources=source_files(imports("lsvib.assess.compare")),
+        sources=source_files(imports("lsvib.assess.report")),
     output:
         page="results/assessments/index.html",
         table="results/assessments/comparison.json",

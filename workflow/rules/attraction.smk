@@ -76,14 +76,15 @@ rule draw_map:
     """Draw the map, a large one from the middle cells of blocks of cells."""
     input:
         map="results/attraction/map.nc",
-        sources=source_files(imports("lsvib.figures.attraction.picture") | imports("lsvib.figures.drawing.overview")),
+        sources=figure_sources("figures", "attraction"),
     output:
         png=report(
             "results/figures/attraction.png",
-            caption="../../src/lsvib/figures/attraction/caption.rst",
+            caption="../report/figure.rst",
             category="Region of attraction",
         ),
         pdf="results/figures/attraction.pdf",
+        caption="results/figures/attraction.rst",
     log:
         "logs/draw_map.log",
     resources:
@@ -93,4 +94,4 @@ rule draw_map:
     message:
         "Drawing the region of attraction"
     run:
-        jobs.run(jobs.overview, log[0], "attraction", "attraction", input.map, output.png, output.pdf)
+        jobs.run(jobs.overview, log[0], "attraction", "attraction", input.map, output.png, output.pdf, output.caption)

@@ -58,14 +58,15 @@ rule draw_chart:
     """Draw the chart, a large one from the middle cells of blocks of cells."""
     input:
         chart="results/chart/chart.nc",
-        sources=source_files(imports("lsvib.figures.chart.picture") | imports("lsvib.figures.drawing.overview")),
+        sources=figure_sources("figures", "chart"),
     output:
         png=report(
             "results/figures/chart.png",
-            caption="../../src/lsvib/figures/chart/caption.rst",
+            caption="../report/figure.rst",
             category="Chart",
         ),
         pdf="results/figures/chart.pdf",
+        caption="results/figures/chart.rst",
     log:
         "logs/draw_chart.log",
     resources:
@@ -75,4 +76,4 @@ rule draw_chart:
     message:
         "Drawing the chart"
     run:
-        jobs.run(jobs.overview, log[0], "chart", "chart", input.chart, output.png, output.pdf)
+        jobs.run(jobs.overview, log[0], "chart", "chart", input.chart, output.png, output.pdf, output.caption)

@@ -5,7 +5,6 @@ import importlib.metadata
 import importlib.util
 import inspect
 import json
-import os
 import re
 import sys
 from functools import cache
@@ -17,15 +16,7 @@ from lsvib.errors import LsvibError
 from lsvib.models.model import model_module, modules_of
 from lsvib.models.model import all_models
 from lsvib.models.scene import read_yaml
-from lsvib.figures.configuration import check, selected, settings_of
-from lsvib.figures.folders import (
-    accuracy_figures,
-    caption_file,
-    dataset_module,
-    default_figures,
-    picture_module,
-    settings_module,
-)
+from lsvib.figures.configuration import accuracy_figures, check, default_figures, module_of, selected, settings_of
 from snakemake.exceptions import WorkflowError
 
 sys.path[:0] = [str(Path(workflow.basedir, "workflow")), workflow.basedir]
@@ -44,8 +35,9 @@ except LsvibError as error:
 FIGURES = selected(config)
 ACCURACY_FIGURES = selected(config, "accuracy_figures")
 
-# What the jobs import of ours besides the modules of their figure.
-JOB_IMPORTS = {"datasets": "lsvib.figures.compute", "figures": "lsvib.figures.draw"}
+# What the jobs import of ours besides the module of their figure, and what no dataset depends on.
+BUILD = "lsvib.figures.build"
+DRAWING = {"lsvib.figures.style", "lsvib.figures.drawing"}
 
 # The region of attraction but for its tiles. In alphabetical order, because Snakemake compares parameters as text, and a
 # second configuration file changes the order.
@@ -98,13 +90,23 @@ def code(job):
     return hashlib.sha256(inspect.getsource(job).encode()).hexdigest()[:16]
 
 
+@cache
+def drawn_from(module):
+    """Return the modules that a picture depends on: that of its figure, and those beside it that it imports."""
+    found, rest = set(), {module}
+    while rest:
+        found |= rest
+        beside = set().union(*map(import_graph().find_modules_directly_imported_by, rest))
+        rest = {name for name in beside if name.startswith("lsvib.figures.")} - found
+    return frozenset(found)
+
+
 def figure_sources(kind, figure):
-    """Return the source files of the figure's dataset or picture."""
-    if kind == "datasets":
-        own = (dataset_module(figure), settings_module(figure), *settings_of(figure).needs)
-    else:
-        own = (picture_module(figure),)
-    return source_files(frozenset().union(*map(imports, (*own, JOB_IMPORTS[kind]))))
+    """Return the source files of the figure's dataset or picture; a picture is drawn from its dataset alone."""
+    own = module_of(figure)
+    if kind == "figures":
+        return source_files(drawn_from(own) | imports(BUILD))
+    return source_files(frozenset().union(*map(imports, (own, *settings_of(figure).needs, BUILD))) - DRAWING)
 
 
 def sources(kind):
@@ -163,13 +165,8 @@ def cores(wildcards):
 
 
 def settings(wildcards):
-    """Return the section of the figure; what it does not name has the defaults of the figure's folder."""
+    """Return the section of the figure; what it does not name has the defaults of its ``Settings``."""
     return config.get(wildcards.figure, {})
-
-
-def caption(figure):
-    """Return the file with the words of a figure's caption, relative to the working directory."""
-    return os.path.relpath(caption_file(figure))
 
 
 def category(wildcards):

@@ -14,12 +14,9 @@ for number, figures in enumerate([FIGURES[k::BATCHES] for k in range(BATCHES)]):
             f"draft_{number + 1}"
         input:
             sources=sorted(
-                {file for f in figures for kind in JOB_IMPORTS for file in figure_sources(kind, f)}.union(
-                    source_files(imports("lsvib.figures.build"))
-                )
+                {file for f in figures for kind in ("datasets", "figures") for file in figure_sources(kind, f)}
             ),
-            engine=sorted({part for f in figures for part in engine(imports(dataset_module(f)))}),
-            captions=[caption(f) for f in figures],
+            engine=sorted({part for f in figures for part in engine(imports(module_of(f)))}),
         output:
             datasets=expand("results/datasets/{figure}.nc", figure=figures),
             checks=expand("results/checks/{figure}.json", figure=figures),

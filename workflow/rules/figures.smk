@@ -29,7 +29,7 @@ rule dataset:
     """Compute the dataset of a figure and check it against the chapter."""
     input:
         sources=sources("datasets"),
-        engine=lambda wildcards: engine(imports(dataset_module(wildcards.figure))),
+        engine=lambda wildcards: engine(imports(module_of(wildcards.figure))),
     output:
         dataset="results/datasets/{figure}.nc",
         checks="results/checks/{figure}.json",
@@ -51,7 +51,6 @@ rule figure:
     input:
         dataset="results/datasets/{figure}.nc",
         sources=sources("figures"),
-        caption=lambda wildcards: caption(wildcards.figure),
     output:
         png=report(
             "results/figures/{figure}.png",

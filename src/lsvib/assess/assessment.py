@@ -8,24 +8,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsvib.assess import mechanisms
-from lsvib.assess.flank_friction import lifting_efficiency, lowering_efficiency
+from lsvib.assess.drive import (
+    lifting_efficiency,
+    lowering_efficiency,
+    nominal_draw,
+    quantities,
+    random_entries,
+    square_thread,
+)
 from lsvib.assess.margins import ANY, Margin, margins, sensitivities
+from lsvib.assess.mechanisms import Worst, corners, worst
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.sheet_to_drive import nominal_draw, quantities, random_entries, square_thread
 from lsvib.assess.uncertainty import Uncertainty, draw_of, evaluated, first_shares, study, worst_shares
-from lsvib.assess.vibration import STRONG, Vibration, springy_push, survived_push, vibration
-from lsvib.assess.window import Worst, corners, worst
+from lsvib.assess.vibration import STRONG, Vibration, tolerated_by_trial, tolerated_perturbation, vibration
 from lsvib.errors import InputError
 
-_BEYOND = (
-    "friction that falls with speed makes steady running unstable there; the motion beyond that onset is not computed "
-    "yet, only the onset."
-)
-
-_UNTOLD = ("neutral family", "unresolved", "unknown")  # ends of motions that neither settle nor certainly vibrate
-
+# Lowest reserve [1] of a mechanism within the uncertainties, and the shares (d) of the unit cube that have it.
 WorstCase = tuple[float, NDArray[np.float64]]
-"""Lowest reserve [1] of a mechanism within the uncertainties, and the shares (d) of the unit cube that have it."""
 
 
 @dataclass(frozen=True)
@@ -55,14 +54,14 @@ class AssessedMotion:
     values: dict[str, float]
     corner: tuple[int, float, float]
     vibration: Vibration
-    push: tuple[float | None, str]
+    tolerated: tuple[float | None, str]
 
 
 @dataclass(frozen=True)
 class Assessment:
     """A data sheet with all that is said of it.
 
-    ``values``: :data:`lsvib.assess.sheet_to_drive.QUANTITIES` at the middle values; ``verdict``: a key of
+    ``values``: :data:`lsvib.assess.drive.QUANTITIES` at the middle values; ``verdict``: a key of
     :data:`lsvib.assess.words.VERDICTS`; ``efficiency`` [1] ``lifting``, ``lowering`` (None if self-locking);
     ``margins``: those of all mechanisms together, nearest first; ``nominal``, ``worst``: the motion at the middle
     values and in the worst case, each where the reserve is lowest.
@@ -96,7 +95,7 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
     lowering = float(lowering_efficiency(friction, angle))
     nominal = _motion(sheet, _critical(found), entries)
     if not any(one.occurs for one in found.values()) and _upset(nominal):
-        found["push_needed"] = _possible(found["push_needed"], nominal, spread)
+        found["after_perturbation"] = _possible(found["after_perturbation"], nominal, spread)
     worst_motion = _worst_motion(sheet, found, worst_cases) if worst_cases else nominal
     return Assessment(
         sheet=sheet,
@@ -151,9 +150,9 @@ def _mechanisms(
     for name, one in lowest.items():
         corner = _corner(places, one)
         share, interval = spread.probability[name].value, spread.probability[name].interval
-        occurs = _occurs(sheet, values, name, places, float(one.reserve[0]))
-        if name == "push_needed" and occurs and sheet.support is None:
-            occurs, corner = _most_pushed(sheet, values, places, corner)
+        occurs = bool(one.reserve[0] < 0)
+        if name == "after_perturbation" and occurs and sheet.support is None:
+            occurs, corner = _most_perturbed(sheet, values, places, corner)
         if spread.samples == 1:  # nothing is uncertain
             share, interval = float(occurs), (float(occurs), float(occurs))
         found[name] = Mechanism(
@@ -163,54 +162,41 @@ def _mechanisms(
     return found
 
 
-def _most_pushed(
+def _most_perturbed(
     sheet: Sheet, values: dict[str, float], places: list, corner: tuple[int, float, float]
 ) -> tuple[bool, tuple[int, float, float]]:
-    """Whether some push starts a vibration of the rigid drive at a corner, and the corner where the smallest does.
+    """Whether a perturbation starts vibration of the rigid drive at a corner, and the corner where the smallest does.
 
     Beyond a certain force against the motion none does (end of Sect. 8.7), although Γ₊ or C₊ is negative. Where it is
     not known of a corner it counts as possible.
     """
-    pushed = [place for place in places if mechanisms.reserves(sheet, values, *place)["push_needed"] < 0]
-    once = dict.fromkeys((int(direction), float(speed), float(force)) for direction, speed, force in pushed)
-    pushes = {place: survived_push(sheet, values, place)[0] for place in once}
-    known = {place: push for place, push in pushes.items() if push is not None}
+    places = [place for place in places if mechanisms.reserves(sheet, values, *place)["after_perturbation"] < 0]
+    once = dict.fromkeys((int(direction), float(speed), float(force)) for direction, speed, force in places)
+    sizes = {place: tolerated_perturbation(sheet, values, place)[0] for place in once}
+    known = {place: size for place, size in sizes.items() if size is not None}
     if not known:
         return True, corner
     first = min(known, key=known.__getitem__)
-    return len(known) < len(pushes) or bool(np.isfinite(known[first])), first
-
-
-def _occurs(sheet: Sheet, values: dict[str, float], name: str, places: list, reserve: float) -> bool:
-    """Whether a mechanism occurs at the middle values; by exact signs where friction has no slope."""
-    if name == "push_needed" or values["friction_slope"] != 0 or sheet.friction.curve is not None:
-        return reserve < 0
-    occurs = False
-    for corner in places:
-        try:
-            occurs |= mechanisms.certain(sheet, values, *corner)[name]
-        except InputError:  # the contact carries no force there: no exact sign for it
-            occurs |= bool(mechanisms.reserves(sheet, values, *corner)[name] < 0)
-    return occurs
+    return len(known) < len(sizes) or bool(np.isfinite(known[first])), first
 
 
 def _upset(motion: AssessedMotion) -> bool:
-    """Whether a push is known to start a vibration: by where the motion ends, or by the perturbation that is tolerated.
+    """Whether a perturbation is known to start vibration: by where the motion ends, or by what it tolerates.
 
-    A drive that nothing damps tolerates none, yet none starts more than a swing of its size: there only a push above
-    zero tells.
+    A drive that nothing damps tolerates none, yet none starts more than a swing of its size: there only a
+    perturbation above zero decides.
     """
-    push, end = motion.push[0], motion.vibration.attractor
-    fatal = push is not None and math.isfinite(push)
-    if end in _UNTOLD:
-        return fatal and push > 0
+    size, end = motion.tolerated[0], motion.vibration.attractor
+    fatal = size is not None and math.isfinite(size)
+    if end in ("neutral family", "unresolved", "unknown"):  # it neither settles nor certainly vibrates
+        return fatal and size > 0
     return fatal or end != "steady sliding"
 
 
-def _possible(pushed: Mechanism, nominal: AssessedMotion, spread: Uncertainty) -> Mechanism:
-    """Vibration after a push as the motion at the middle values shows it, whatever its reserve says."""
-    pushed = replace(pushed, occurs=True, corner=nominal.corner)
-    return replace(pushed, probability=1.0, interval=(1.0, 1.0)) if spread.samples == 1 else pushed
+def _possible(one: Mechanism, nominal: AssessedMotion, spread: Uncertainty) -> Mechanism:
+    """Vibration after a perturbation as the motion at the middle values shows it, whatever its reserve says."""
+    one = replace(one, occurs=True, corner=nominal.corner)
+    return replace(one, probability=1.0, interval=(1.0, 1.0)) if spread.samples == 1 else one
 
 
 def _worst_cases(sheet: Sheet, found: dict[str, Mechanism], spread: Uncertainty) -> dict[str, WorstCase]:
@@ -222,60 +208,65 @@ def _worst_cases(sheet: Sheet, found: dict[str, Mechanism], spread: Uncertainty)
     if not random_entries(sheet):
         return {}
     places = {name: worst_shares(sheet, name, start) for name, start in first_shares(sheet, spread.lowest).items()}
-    return {name: (float(evaluated(sheet, at[:, None])[name].reserve[0]), at) for name, at in places.items()}
+    return {name: (float(evaluated(sheet, at[:, None])[name][0]), at) for name, at in places.items()}
 
 
 def _verdict(
     found: dict[str, Mechanism], spread: Uncertainty, worst_cases: dict[str, WorstCase], worst_motion: AssessedMotion
 ) -> str:
     """The verdict, a key of :data:`lsvib.assess.words.VERDICTS`."""
-    steady = [one for name, one in found.items() if name != "push_needed"]
+    steady = [one for name, one in found.items() if name != "after_perturbation"]
     if any(one.occurs for one in steady):
         return "vibrates"
     if spread.any.value > 0:
         return "may vibrate"
-    if found["push_needed"].occurs or (spread.samples > 1 and found["push_needed"].probability > 0):
-        return "steady until pushed"
+    if found["after_perturbation"].occurs or (spread.samples > 1 and found["after_perturbation"].probability > 0):
+        return "steady until perturbed"
     if any(reserve < 0 for reserve, _ in worst_cases.values()) or _upset(worst_motion):
         return "steady but for rare values"
     return "steady without reserve" if min(one.reserve for one in steady) == 0 else "steady"
 
 
 def _critical(found: dict[str, Mechanism]) -> str:
-    """The mechanism with the lowest reserve; vibration after a push counts only where nothing else occurs."""
-    own = {name: one for name, one in found.items() if name != "push_needed"}
+    """The mechanism with the lowest reserve; vibration after a perturbation counts only where nothing else occurs."""
+    own = {name: one for name, one in found.items() if name != "after_perturbation"}
     name = min(own, key=lambda key: own[key].reserve)
-    return "push_needed" if own[name].reserve > 0 and found["push_needed"].occurs else name
+    return "after_perturbation" if own[name].reserve > 0 and found["after_perturbation"].occurs else name
 
 
 def _motion(sheet: Sheet, name: str, entries: dict[str, float]) -> AssessedMotion:
     values = _values(sheet, entries)
     places, lowest = corners(sheet, values), worst(sheet, values)
     corner = _corner(places, lowest[name])
-    if name == "push_needed" and sheet.support is None:
-        corner = _most_pushed(sheet, values, places, corner)[1]
+    if name == "after_perturbation" and sheet.support is None:
+        corner = _most_perturbed(sheet, values, places, corner)[1]
     part = "support" if sheet.support is not None else "contact" if sheet.contact is not None else "rigid"
     if name == "thread_contact":  # of which a drive with a support knows nothing
         part = "contact"
     if name == "falling_friction" and lowest[name].reserve[0] < 0:
-        beyond = Vibration("rigid", "unknown", reason=_BEYOND)
+        beyond = Vibration(
+            "rigid",
+            "unknown",
+            reason="friction that falls with speed makes steady running unstable there; the motion beyond that onset "
+            "is not computed, only the onset.",
+        )
         return AssessedMotion(name, dict(entries), values, corner, beyond, (0.0, "Steady running is unstable."))
-    strong = {"push": -STRONG} if name == "push_needed" else {}
+    strong = {"perturbation": -STRONG} if name == "after_perturbation" else {}
     moved = vibration(sheet, values, corner, part, **strong)
     if moved.attractor in ("unknown", "unresolved") and part != "rigid":  # the simpler drive says more than nothing
         moved = vibration(sheet, values, corner, "rigid", **strong)
-    push = (None, "") if sheet.support is not None else survived_push(sheet, values, corner)
+    tolerated = (None, "") if sheet.support is not None else tolerated_perturbation(sheet, values, corner)
     if part == "contact" and sheet.support is None:
-        push = springy_push(sheet, values, corner, push[0])
-    return AssessedMotion(name, dict(entries), values, corner, moved, push)
+        tolerated = tolerated_by_trial(sheet, values, corner, tolerated[0])
+    return AssessedMotion(name, dict(entries), values, corner, moved, tolerated)
 
 
 def _worst_motion(sheet: Sheet, found: dict[str, Mechanism], worst_cases: dict[str, WorstCase]) -> AssessedMotion:
     """The motion at the worst values within the uncertainties, of the mechanism that is most likely or nearest."""
-    own = {name: reserve for name, (reserve, _) in worst_cases.items() if name != "push_needed"}
+    own = {name: reserve for name, (reserve, _) in worst_cases.items() if name != "after_perturbation"}
     name = min(own, key=lambda key: (-found[key].probability, own[key]))
-    if own[name] > 0 > worst_cases["push_needed"][0]:
-        name = "push_needed"
+    if own[name] > 0 > worst_cases["after_perturbation"][0]:
+        name = "after_perturbation"
     draw = draw_of(sheet, worst_cases[name][1][:, None])
     entries = {path: float(np.ravel(value)[0]) for path, value in draw.items()}
     return _motion(sheet, name, entries)

@@ -1,83 +1,359 @@
-"""The types of the entries of a data sheet: quantities with units and allowed ranges."""
+"""The entries of a data sheet: quantities with units as people write them, single, in a range or distributed.
+
+A quantity such as ``5 mm`` is read by pint. What is not acceptable raises :class:`NotQuantity` with the end of a
+sentence, to which the sheet adds the name of the entry.
+"""
 
 import math
+import re
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
 from itertools import pairwise
 from typing import Annotated, Any
 
+import numpy as np
+import pint
+from numpy.typing import ArrayLike, NDArray
 from pydantic import BeforeValidator
+from scipy.special import ndtr, ndtri  # type: ignore[import-untyped]
 
-from lsvib.assess.spread import Spread, spread
-from lsvib.assess.thread_sizes import ThreadSize, thread_size
-from lsvib.assess.units import NotQuantity, quantity
 from lsvib.models.drive import Drive, ThreadsDrive
+from lsvib.numbers import NotNumber, number, shown
 
-_READABLE = {"rad": ("deg", 180 / math.pi), "rad/s": ("rpm", 30 / math.pi)}  # units for the eye, and how many make one
+_KINDS = {  # of quantities, by the unit in which the package counts them, each with an example
+    "m": ("a length", "5 mm"),
+    "rad": ("an angle", "4 deg"),
+    "kg": ("a mass", "20 kg"),
+    "kg/m^3": ("a density", "7850 kg/m^3"),
+    "kg m^2": ("a moment of inertia", "2.3e-6 kg*m^2"),
+    "N m/rad": ("a torsional stiffness", "30 N*m/rad"),
+    "N m s/rad": ("a rotational damping", "2e-4 N*m*s/rad"),
+    "N s/m": ("a damping", "100 N*s/m"),
+    "N": ("a force", "50 N"),
+    "N/m": ("a stiffness", "1e6 N/m"),
+    "rad/s": ("a rotational speed", "60 rpm"),
+    "m/s": ("a speed", "10 mm/s"),
+    "s/m": ("a slope of the friction coefficient over the sliding speed", "-0.02 s/m"),
+    "": ("a plain number or a percentage", "0.15"),
+}
+_TEXT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s(+\-][^+]*)?\s*")
+_UNIT = re.compile(r"[A-Za-z_µμ°²³%*/^·() 0-9.\-]{1,40}")  # the longest sensible one has a dozen characters
+
+
+class NotQuantity(ValueError):
+    """A value is not a quantity of the kind that is needed; the sentence has no name yet."""
+
+
+@cache
+def _registry() -> "pint.UnitRegistry[Any]":
+    return pint.UnitRegistry()
+
+
+def quantity(value: Any, *units: str) -> tuple[float, str]:
+    """Return a quantity in the first of ``units`` that it fits, and that unit.
+
+    ``value`` is text such as ``5 mm``, or a plain number where one of the units is empty. The radian counts as a
+    dimension of its own where pint would drop it: an angle needs an angular unit, a number must not have one. Raises
+    ``NotQuantity`` with the end of a sentence, such as ``is not a length, such as 5 mm``.
+    """
+    if isinstance(value, str):
+        match = _TEXT.fullmatch(value)
+        if not match:
+            raise NotQuantity(f"= {shown(value)} is not {_wanted(units)}")
+        figure, unit = number(match[1]), (match[2] or "").strip()
+    else:
+        try:
+            figure, unit = number(value), ""
+        except NotNumber:
+            raise NotQuantity(f"= {shown(value)} is not {_wanted(units)}") from None
+    if not math.isfinite(figure):
+        raise NotQuantity(f"= {shown(value)} is not finite")
+    if not unit:
+        if "" in units:
+            return figure, ""
+        raise NotQuantity(f"= {shown(value)} has no unit; write it with one, such as {_KINDS[units[0]][1]}")
+    if unit == "%" and "" in units:
+        return _hundredth(str(value).partition("%")[0].strip()), ""
+    if not _UNIT.fullmatch(unit):
+        raise NotQuantity(f"= {shown(value)} is not {_wanted(units)}")
+    return _converted(figure, unit, units, value)
+
+
+def _hundredth(digits: str) -> float:
+    """A number of per cent as a double: the one that is nearest, as 0.999 for 99.9, which a division may miss."""
+    mantissa, _, power = digits.lower().partition("e")
+    return float(f"{mantissa}e{int(power or 0) - 2}")
+
+
+def _converted(figure: float, unit: str, units: tuple[str, ...], value: Any) -> tuple[float, str]:
+    registry = _registry()
+    try:
+        given = registry.Quantity(1.0, registry.parse_units(unit.replace("·", "*").replace(" ", "*")))
+        angles = _angles(given)
+    except Exception:  # pint raises many kinds, some of them of the tokenizer of Python
+        raise NotQuantity(f"= {shown(value)} has the unit {shown(unit)}, which is not known") from None
+    for wanted in units:
+        if wanted and given.is_compatible_with(wanted) and angles == _angles(registry.Quantity(1.0, wanted)):
+            with_unit = registry.Quantity(figure, given.units).to(wanted)
+            return float(with_unit.magnitude), wanted
+    # A torsional stiffness may be written in N m, its radian being understood.
+    for wanted in units:
+        if "/rad" in wanted and angles == 0 and given.is_compatible_with(wanted):
+            return float(registry.Quantity(figure, given.units).to(wanted).magnitude), wanted
+    raise NotQuantity(f"= {shown(value)} is not {_wanted(units)}")
+
+
+def _angles(given: Any) -> int:
+    """The power of the radian in a quantity: 1 of an angle and of rpm, −1 of N m/deg, 2 of a square degree."""
+    return int(dict(given.to_base_units().unit_items()).get("radian", 0))
+
+
+def _wanted(units: tuple[str, ...]) -> str:
+    words, examples = (" or ".join(texts) for texts in zip(*(_KINDS[unit] for unit in units), strict=True))
+    return f"{words}, such as {examples}"
+
+
+_TAIL = 4.0  # standard deviations at which a normal distribution is cut off: 6e-5 of it lie beyond
+_FORMS = {
+    "uniform": ("low", "high"),
+    "triangular": ("low", "mode", "high"),
+    "normal": ("mean", "std"),
+    "lognormal": ("median", "factor"),
+}
 
 
 @dataclass(frozen=True)
-class Allowed:
-    """The range of a quantity in its unit; ``open_low``: the lower end is not part of it."""
+class Spread:
+    """A quantity in the unit ``unit`` of the package: ``kind`` is value or a name of a distribution.
 
+    ``numbers`` are its parameters, in the order of low, high (uniform), low, mode, high (triangular), mean, standard
+    deviation (normal), median, factor of one standard deviation (lognormal); ``low`` and ``high`` its ends, where the
+    last two are cut off at four standard deviations and at the ends of the allowed range. ``text``: as it was written.
+    """
+
+    kind: str
+    numbers: tuple[float, ...]
+    unit: str
     low: float
     high: float
-    open_low: bool = False
+    text: str
 
-    def problem(self, figure: float, unit: str) -> str | None:
-        """Return the end of a sentence about a figure outside the range, or None."""
-        if (figure > self.low or (figure == self.low and not self.open_low)) and figure <= self.high:
+    @property
+    def uncertain(self) -> bool:
+        """Whether it is more than one value."""
+        return self.low < self.high
+
+    @property
+    def nominal(self) -> float:
+        """The value in the middle: the value itself, the middle of a range, the mode, the mean or the median."""
+        if self.kind == "uniform":
+            return 0.5 * (self.low + self.high)
+        return self.numbers[1] if self.kind == "triangular" else self.numbers[0]
+
+    def quantile(self, share: ArrayLike) -> NDArray[np.float64]:
+        """Return the values (n) below which the shares (n) [1] of the distribution lie."""
+        share = np.asarray(share, dtype=float)
+        if not self.uncertain:
+            return np.full(share.shape, self.nominal)
+        if self.kind == "uniform":
+            return self.low + share * (self.high - self.low)
+        if self.kind == "triangular":
+            low, mode, high = self.numbers
+            rising = low + np.sqrt(share * (high - low) * (mode - low))
+            falling = high - np.sqrt((1 - share) * (high - low) * (high - mode))
+            return np.where(share * (high - low) < mode - low, rising, falling)
+        below, above = ndtr(self._score(self.low)), ndtr(self._score(self.high))
+        score = ndtri(below + share * (above - below))
+        middle, width = self.numbers
+        values = middle + width * score if self.kind == "normal" else middle * width**score
+        return np.asarray(np.clip(values, self.low, self.high))
+
+    def _score(self, value: float) -> float:
+        middle, width = self.numbers
+        return (value - middle) / width if self.kind == "normal" else float(np.log(value / middle) / np.log(width))
+
+
+def spread(value: Any, *units: str, check: Callable[[float, str], str | None]) -> Spread:
+    """Return what a data sheet says of one quantity, in the first of ``units`` that fits.
+
+    ``value``: a quantity, a list of two (a range), or a mapping with ``low`` and ``high``; ``low``, ``mode`` and
+    ``high``; ``mean`` and ``std``; ``median`` and ``factor``. ``check(figure, unit)`` returns what is wrong with a
+    figure, or None. Raises ``NotQuantity`` with the end of a sentence.
+    """
+    if isinstance(value, list):
+        if len(value) != 2:
+            raise NotQuantity(f"= {shown(value)} is not a range of two quantities, such as [a, b]")
+        value = {"low": value[0], "high": value[1]}
+    if not isinstance(value, Mapping):
+        figure, unit = quantity(value, *units)
+        _require(check(figure, unit))
+        return Spread("value", (figure,), unit, figure, figure, _plain(value))
+    kind = next((kind for kind, keys in _FORMS.items() if set(keys) == set(map(str, value))), None)
+    if kind is None:
+        raise NotQuantity(
+            f"has the keys {', '.join(map(str, value)) or 'none'}; "
+            "a distribution has low and high, low, mode and high, mean and std, or median and factor"
+        )
+    figures: list[float] = []
+    unit = ""
+    for key in _FORMS[kind]:
+        try:
+            figure, own = quantity(value[key], *(("",) if key == "factor" else units))
+        except NotQuantity as error:
+            raise NotQuantity(f"has {key} {error}") from None
+        unit = unit if figures else own
+        if key != "factor" and own != unit:
+            raise NotQuantity("mixes two kinds of quantity in one distribution")
+        figures.append(figure)
+    text = ", ".join(f"{key} {_plain(value[key])}" for key in _FORMS[kind])
+    low, high = _ends(kind, figures, unit, check)
+    return Spread(kind, tuple(figures), unit, low, high, text)
+
+
+def _ends(kind: str, figures: list[float], unit: str, check: Callable[[float, str], str | None]) -> tuple[float, float]:
+    """Where a distribution begins and ends; all of its parameters checked."""
+    if kind in ("uniform", "triangular"):
+        if figures != sorted(figures) or figures[0] == figures[-1]:
+            raise NotQuantity(f"has {' and '.join(_FORMS[kind])} that do not ascend")
+        for figure in figures:
+            _require(check(figure, unit))
+        return figures[0], figures[-1]
+    middle, width = figures
+    _require(check(middle, unit))
+    if not width > (0 if kind == "normal" else 1):
+        raise NotQuantity(f"has {_FORMS[kind][1]} = {width:g}, which is not above {0 if kind == 'normal' else 1}")
+    low, high = (
+        (middle - _TAIL * width, middle + _TAIL * width)
+        if kind == "normal"
+        else tuple(sorted((middle / width**_TAIL, middle * width**_TAIL)))
+    )
+    for end in (low, high):
+        problem = check(end, unit)
+        if problem:
+            value, _, rest = problem.removeprefix("= ").partition(" is")
+            raise NotQuantity(f"reaches {value} at four standard deviations, which is{rest}")
+    return low, high
+
+
+def _require(problem: str | None) -> None:
+    if problem:
+        raise NotQuantity(problem)
+
+
+def _plain(value: Any) -> str:
+    return value.strip() if isinstance(value, str) else shown(value)
+
+
+_TRAPEZOIDAL = {  # nominal diameter: pitches [mm] of ISO 2902, and those of drive screws that printers use
+    8: (1.5, 2), 9: (1.5, 2), 10: (1.5, 2, 3), 11: (2, 3), 12: (2, 3), 14: (2, 3, 4), 16: (2, 3, 4), 18: (2, 4),
+    20: (2, 4), 22: (3, 5, 8), 24: (3, 5, 8), 26: (3, 5, 8), 28: (3, 5, 8), 30: (3, 6, 10), 32: (3, 6, 10),
+    34: (3, 6, 10), 36: (3, 6, 10), 38: (3, 7, 10), 40: (3, 7, 10), 44: (3, 7, 12), 48: (3, 8, 12), 50: (3, 8, 12),
+    52: (3, 8, 12), 55: (3, 9, 14), 60: (3, 9, 14), 65: (4, 10, 16), 70: (4, 10, 16), 80: (4, 10, 16),
+}  # fmt: skip
+_ACME = {  # nominal diameter [inch]: threads per inch
+    "1/4": 16, "5/16": 14, "3/8": 12, "7/16": 12, "1/2": 10, "5/8": 8, "3/4": 6, "7/8": 6, "1": 5, "1-1/8": 5,
+    "1-1/4": 5, "1-3/8": 4, "1-1/2": 4, "1-3/4": 4, "2": 4, "2-1/4": 3, "2-1/2": 3, "2-3/4": 3, "3": 2,
+}  # fmt: skip
+_METRIC = re.compile(r"Tr\s*(\d+)\s*x\s*(\d+(?:\.\d+)?)(?:\s*\(?P(\d+(?:\.\d+)?)\)?)?", re.IGNORECASE)
+_INCHES = re.compile(r"Acme\s*((?:\d+-)?\d+/\d+|\d+)\s*-\s*(\d+)", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class ThreadSize:
+    """A thread: ``lead`` and ``pitch_diameter`` [m], ``half_angle`` of a flank in an axial section [rad]."""
+
+    lead: float
+    pitch_diameter: float
+    half_angle: float
+
+
+def thread_size(name: object) -> ThreadSize:
+    """Return the thread of a name such as ``Tr 10x2``, ``Tr 8x8 P2`` (lead, then pitch) or ``Acme 1/2-10``.
+
+    The pitch diameter is the nominal one less half a pitch. Raises ``NotQuantity`` with the end of a sentence.
+    """
+    text = name if isinstance(name, str) else ""
+    if match := _METRIC.fullmatch(text.strip()):
+        diameter, lead = int(match[1]), float(match[2])
+        pitch = float(match[3] or lead)
+        if diameter not in _TRAPEZOIDAL or pitch not in _TRAPEZOIDAL[diameter]:
+            pitches = ", ".join(f"{p:g}" for p in _TRAPEZOIDAL.get(diameter, ()))
+            hint = f"Tr {diameter} has the pitches {pitches} mm" if pitches else "diameters go from Tr 8 to Tr 80"
+            raise NotQuantity(f"= {name!r} is not in the catalogue: {hint}")
+        starts = lead / pitch
+        if starts != round(starts) or not 1 <= starts <= 8:
+            raise NotQuantity(f"= {name!r} has a lead that is not 1 to 8 times its pitch of {pitch:g} mm")
+        return ThreadSize(lead * 1e-3, (diameter - 0.5 * pitch) * 1e-3, math.radians(15))
+    if match := _INCHES.fullmatch(text.strip()):
+        threads = int(match[2])
+        if _ACME.get(match[1]) != threads:
+            raise NotQuantity(f"= {name!r} is not in the catalogue of general-purpose Acme threads")
+        whole, _, rest = match[1].rpartition("-")
+        inches = float(Fraction(rest) + (int(whole) if whole else 0))
+        return ThreadSize(0.0254 / threads, (inches - 0.5 / threads) * 0.0254, math.radians(14.5))
+    raise NotQuantity(f"= {name!r} is not the name of a thread, such as Tr 10x2, Tr 8x8 P2 or Acme 1/2-10")
+
+
+def _within(allowed: Mapping[str, tuple[float, float]], above: bool = False) -> Callable[[float, str], str | None]:
+    """Return a check of figures against the range of their unit; ``above``: its lower end is not part of it."""
+
+    def problem(figure: float, unit: str) -> str | None:
+        low, high = allowed[unit]
+        if (figure > low or (figure == low and not above)) and figure <= high:
             return None
-        name, factor = _READABLE.get(unit, (unit, 1.0))
-        value, low, high = (f"{factor * x:.6g} {name}".rstrip() for x in (figure, self.low, self.high))
-        return f"= {value} is outside the allowed range {low} {'<' if self.open_low else '<='} value <= {high}"
+        name, factor = {"rad": ("deg", 180 / math.pi), "rad/s": ("rpm", 30 / math.pi)}.get(unit, (unit, 1.0))
+        value, least, most = (f"{factor * x:.6g} {name}".rstrip() for x in (figure, low, high))
+        return f"= {value} is outside the allowed range {least} {'<' if above else '<='} value <= {most}"
+
+    return problem
 
 
-def _field(*units: str, allowed: dict[str, Allowed]) -> Any:
-    def check(figure: float, unit: str) -> str | None:
-        return allowed[unit].problem(figure, unit)
-
-    return Annotated[Spread, BeforeValidator(lambda value: spread(value, *units, check=check))]
+def _field(unit: str, low: float, high: float) -> Any:
+    check = _within({unit: (low, high)})
+    return Annotated[Spread, BeforeValidator(lambda value: spread(value, unit, check=check))]
 
 
-def _positive(high: float) -> Allowed:
-    return Allowed(0.0, high, open_low=True)
+def _positive(highest: Mapping[str, float]) -> Any:
+    """A quantity above zero, in one of some units, each with its largest value."""
+    allowed = {unit: (0.0, high) for unit, high in highest.items()}
+    return Annotated[Spread, BeforeValidator(lambda value: spread(value, *allowed, check=_within(allowed, above=True)))]
 
 
-def _from_least(key: str, high: float, kind: type[Drive] = Drive) -> Allowed:
-    """From the least value of a parameter of the package."""
-    return Allowed(kind.model_json_schema()["properties"][key]["minimum"], high)
+def _least(key: str, kind: type[Drive] = Drive) -> float:
+    """The least value of a parameter of the package."""
+    return float(kind.model_json_schema()["properties"][key]["minimum"])
 
 
-# The ranges are those of the drives of the package, or narrower where no screw of metal reaches.
-Length = _field("m", allowed={"m": _positive(100.0)})
-LeadAngle = _field("rad", allowed={"rad": _from_least("lead_angle", math.radians(80))})
 LARGEST_HALF_ANGLE = math.radians(60)
-HalfAngle = _field("rad", allowed={"rad": Allowed(0.0, LARGEST_HALF_ANGLE)})
-Mass = _field("kg", allowed={"kg": _from_least("mass", 1e9)})
-Density = _field("kg/m^3", allowed={"kg/m^3": _positive(3e4)})
-Inertia = _field("kg m^2", allowed={"kg m^2": _from_least("screw_inertia", 1e6)})
-MoreInertia = _field("kg m^2", allowed={"kg m^2": Allowed(0.0, 1e6)})
-Torsion = _field("N m/rad", allowed={"N m/rad": _from_least("coupling_stiffness", 1e12)})
-TurningDamping = _field("N m s/rad", allowed={"N m s/rad": Allowed(0.0, 1e12)})
-LinearDamping = _field("N s/m", allowed={"N s/m": Allowed(0.0, 1e15)})
-Stiffness = _field("N/m", allowed={"N/m": _from_least("contact_stiffness", 1e15, ThreadsDrive)})
-Force = _field("N", allowed={"N": Allowed(-1e10, 1e10)})
-Speed = _field("rad/s", "m/s", allowed={"rad/s": _positive(1e6), "m/s": _positive(1e4)})
-Ratio = _field("", allowed={"": _positive(1e4)})
-Coefficient = _field("", allowed={"": Allowed(0.0, 3.0)})
-Efficiency = _field("", allowed={"": Allowed(0.001, 0.999)})
-Slope = _field("s/m", allowed={"s/m": Allowed(-1e3, 1e3)})
-CurveFactor = _field("", allowed={"": _positive(10.0)})
-
-_TILT = Allowed(-math.pi / 2, math.pi / 2)
-_TILTS = {"horizontal": 0.0, "vertical": math.pi / 2}
+# The ranges are those of the drives of the package, or narrower where no screw of metal reaches.
+Length = _positive({"m": 100.0})
+LeadAngle = _field("rad", _least("lead_angle"), math.radians(80))
+HalfAngle = _field("rad", 0.0, LARGEST_HALF_ANGLE)
+Mass = _field("kg", _least("mass"), 1e9)
+Density = _positive({"kg/m^3": 3e4})
+Inertia = _field("kg m^2", _least("screw_inertia"), 1e6)
+MoreInertia = _field("kg m^2", 0.0, 1e6)
+Torsion = _field("N m/rad", _least("coupling_stiffness"), 1e12)
+TurningDamping = _field("N m s/rad", 0.0, 1e12)
+LinearDamping = _field("N s/m", 0.0, 1e15)
+Stiffness = _field("N/m", _least("contact_stiffness", ThreadsDrive), 1e15)
+Force = _field("N", -1e10, 1e10)
+Speed = _positive({"rad/s": 1e6, "m/s": 1e4})
+Ratio = _positive({"": 1e4})
+Coefficient = _field("", 0.0, 3.0)
+Efficiency = _field("", 0.001, 0.999)
+Slope = _field("s/m", -1e3, 1e3)
+CurveFactor = _positive({"": 10.0})
 
 
 def _tilt(value: Any) -> Spread:
-    if isinstance(value, str) and value in _TILTS:
-        return Spread("value", (_TILTS[value],), "rad", _TILTS[value], _TILTS[value], value)
+    named = {"horizontal": 0.0, "vertical": math.pi / 2}
+    if isinstance(value, str) and value in named:
+        return Spread("value", (named[value],), "rad", named[value], named[value], value)
     try:
-        return spread(value, "rad", check=_TILT.problem)
+        return spread(value, "rad", check=_within({"rad": (-math.pi / 2, math.pi / 2)}))
     except NotQuantity as error:
         if isinstance(value, str) and "is not an angle" in str(error):
             raise NotQuantity(f"{error}, horizontal or vertical") from None
@@ -85,8 +361,6 @@ def _tilt(value: Any) -> Spread:
 
 
 Tilt = Annotated[Spread, BeforeValidator(_tilt)]  # of the axis above the horizontal; outward is upward
-
-
 Size = Annotated[ThreadSize, BeforeValidator(thread_size)]
 
 

@@ -1,5 +1,6 @@
-"""How much of each quantity, as a factor, until a mechanism sets in or vanishes; and what changes the reserve most."""
+"""How far a drive is from vibration: margins of quantities, sensitivities of the reserve, and the operating chart."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -7,10 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lsvib.assess.drive import GRAVITY
 from lsvib.assess.fields import LARGEST_HALF_ANGLE
-from lsvib.assess.mechanisms import NAMES, reserves
+from lsvib.assess.mechanisms import NAMES, applicable, corners, directions, drive_of, reserves, worst
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.window import corners, worst
+from lsvib.errors import EngineError, InputError
+from lsvib.stability import force_thresholds
 
 ANY = "any"
 """Stands in for a mechanism where all of them together are meant: whether steady sliding is unstable at all."""
@@ -18,12 +21,7 @@ ANY = "any"
 PAIRS = {"force": ("force_low", "force_high"), "speed": ("speed_low", "speed_high")}
 """Quantities of the window, which are changed together."""
 
-_DECADES = 3  # factors from a thousandth to a thousandfold are looked at
-_DECADES_BELOW = 6  # a damping that is not given is looked for from a millionth of the critical one up to it
-_PER_DECADE = 200  # steps of 1.2 %; a narrower island of stability between two of them is not seen
-_ROUNDS, _PARTS = 10, 32  # a step of 1.2 % is cut into 32 parts ten times, which leaves the last bits
-_NEXT_TO_NONE = 1e-12  # of a critical damping; below it a damping is as good as none
-_STEP = 1e-30  # of the complex step: its square, relative, lies far below rounding
+_PER_DECADE = 200  # steps of 1.2 % in a scan over factors; a narrower island of stability between two is not seen
 
 
 @dataclass(frozen=True)
@@ -89,7 +87,7 @@ def margins(sheet: Sheet, values: Mapping[str, float]) -> dict[str, list[Margin]
     to a drive that cannot move at all (μ ≥ cot λ) does not count.
     """
     result: dict[str, list[Margin]] = {}
-    steps = np.linspace(0.0, _DECADES, _DECADES * _PER_DECADE + 1)
+    steps = np.linspace(0.0, 3.0, 3 * _PER_DECADE + 1)
     for name, keys in changeable(values).items():
         scans = [10.0**steps, 10.0**-steps]
         if name == "half_angle":  # beyond a right angle its tangent comes back, but there is no such thread
@@ -108,7 +106,7 @@ def margins(sheet: Sheet, values: Mapping[str, float]) -> dict[str, list[Margin]
             result.setdefault(mechanism, []).append(Margin(name, factor, value))
     for name, size in _absent_dampings(values).items():
         sized = {**values, name: size}
-        factors = np.concatenate([[0.0], 10.0 ** np.linspace(-_DECADES_BELOW, 0.0, _DECADES_BELOW * _PER_DECADE + 1)])
+        factors = np.concatenate([[0.0], 10.0 ** np.linspace(-6.0, 0.0, 6 * _PER_DECADE + 1)])
         for mechanism, occurs in _occurs(sheet, sized, (name,), factors).items():
             factor = _edge(sheet, sized, (name,), mechanism, factors, occurs)
             result.setdefault(mechanism, []).append(Margin(name, None, None if factor is None else size * factor))
@@ -124,11 +122,11 @@ def _edge(
     changed = np.flatnonzero(occurs != occurs[0])
     if not changed.size or occurs[changed[0]] < 0:
         return None
-    before, after = max(factors[changed[0] - 1], _NEXT_TO_NONE), factors[changed[0]]
-    for _ in range(_ROUNDS):
-        finer = np.geomspace(before, after, _PARTS + 1)
+    before, after = max(factors[changed[0] - 1], 1e-12), factors[changed[0]]  # such a damping is as good as none
+    for _ in range(10):  # a step of 1.2 % is cut into 32 parts ten times, which leaves the last bits
+        finer = np.geomspace(before, after, 33)
         there = np.flatnonzero(_occurs(sheet, values, keys, finer)[name] != occurs[0])
-        first = max(int(there[0]), 1) if there.size else _PARTS
+        first = max(int(there[0]), 1) if there.size else 32
         before, after = finer[first - 1], finer[first]
     return float(after)
 
@@ -139,14 +137,95 @@ def sensitivities(sheet: Sheet, values: Mapping[str, float]) -> dict[str, dict[s
     At the corner of the window where the reserve is lowest. The derivative is that of the closed forms, exact to
     rounding, by a complex step: ρ(q (1 + ih)) = ρ + i h dρ/d ln q + O(h²), with nothing to cancel.
     """
-    places = corners(sheet, values)
-    lowest = worst(sheet, values)
+    lowest, step = worst(sheet, values), 1e-30  # the square of the step, relative, lies far below rounding
     result: dict[str, dict[str, float]] = {name: {} for name in lowest}
     for quantity, keys in changeable(values).items():
-        changed = {key: complex(value) for key, value in _scaled(sheet, values, keys, 1 + 1j * _STEP).items()}
+        changed = {key: complex(value) for key, value in _scaled(sheet, values, keys, 1 + 1j * step).items()}
         moved = corners(sheet, changed)
         for name, one in lowest.items():
-            if places:
-                row = reserves(sheet, changed, *moved[int(one.corner[0])])
-                result[name][quantity] = float(np.imag(row[name]) / _STEP)
+            row = reserves(sheet, changed, *moved[int(one.corner[0])])
+            result[name][quantity] = float(np.imag(row[name]) / step)
     return result
+
+
+KINDS = ("steady", "steady_until_perturbed", "negative_damping", "kinematic_constraint", "mode_coupling",
+         "falling_friction", "thread_contact")  # fmt: skip
+"""What the chart distinguishes, by flag value."""
+
+_POINTS = 161  # of the operating chart along each axis: a step is finer than a line of the picture
+_BOUNDARIES = {
+    "onset_force": "the load begins to act with the motion",
+    "stick_force": "the oscillation reaches standstill (stick-slip)",
+    "detach_force": "the threads no longer lose contact",
+    "global_stability_force": "a perturbation can start vibration",
+}
+
+
+@dataclass(frozen=True)
+class Chart:
+    """One direction of travel: ``kind`` (force, speed) as flags of :data:`KINDS`, ``speed`` of the load [m/s] and
+    ``force`` against outward travel [N]; ``boundaries``: forces (speed) by what begins or ends there.
+    """
+
+    direction: int
+    speed: NDArray[np.float64]
+    force: NDArray[np.float64]
+    kind: NDArray[np.int8]
+    boundaries: dict[str, NDArray[np.float64]]
+
+
+def charts(sheet: Sheet, values: dict[str, float]) -> list[Chart]:
+    """Return the operating chart at given values, half as far again as the window, one for each direction of travel."""
+    lead = values["lead"] / (2 * math.pi)  # travel per radian
+    top = 1.5 * values["speed_high"]
+    turning = np.linspace(top / _POINTS, top, _POINTS)
+    weight = values["mass"] * GRAVITY * math.sin(values["tilt"])
+    ends = (values["force_low"], values["force_high"], 0.0, -weight)
+    room = 0.5 * max(max(ends) - min(ends), 0.1 * max(map(abs, ends)), 1.0)
+    force = np.linspace(min(ends) - room, max(ends) + room, _POINTS)
+    return [
+        Chart(
+            direction, lead * turning, force, _kinds(sheet, values, direction, turning, force),
+            _boundaries(sheet, values, direction, turning, weight),
+        )
+        for direction in directions(sheet)
+    ]  # fmt: skip
+
+
+def _kinds(
+    sheet: Sheet, values: dict[str, float], direction: int, turning: NDArray, force: NDArray
+) -> NDArray[np.int8]:
+    """Flag of the first mechanism in the order of :data:`KINDS` that occurs at each point (force, speed)."""
+    found = reserves(sheet, values, direction, turning[None, :], force[:, None])
+    shape = (force.size, turning.size)
+    kind = np.where(np.broadcast_to(found["after_perturbation"], shape) < 0, KINDS.index("steady_until_perturbed"), 0)
+    for name in reversed([name for name in KINDS if name in applicable(sheet)]):
+        kind = np.where(np.broadcast_to(found[name], shape) < 0, KINDS.index(name), kind)
+    return kind.astype(np.int8)
+
+
+def _boundaries(
+    sheet: Sheet, values: dict[str, float], direction: int, turning: NDArray, weight: float
+) -> dict[str, NDArray]:
+    """Forces at which the motion changes its kind, from the thresholds of the rigid drive.
+
+    All of them are proportional to Ω: with Ω and R multiplied alike, every motion of the drive is multiplied alike. So
+    one threshold gives a line. With friction that depends on speed they are left out.
+    """
+    if values["friction_slope"] != 0 or sheet.friction.curve is not None:
+        return {}
+    found = {}
+    speed = float(turning[-1])
+    drive = drive_of(sheet, values, direction, speed, 0.0)
+    if drive.translation_damping > 0 and drive.friction_coefficient > math.tan(drive.lead_angle):
+        lever = drive.pitch_radius * math.tan(drive.lead_angle)
+        found[_BOUNDARIES["onset_force"]] = -lever * drive.translation_damping * direction * turning - weight
+    if sheet.support is not None or sheet.contact is not None:  # the other thresholds are those of rigid parts
+        return found
+    for name in ("stick_force", "detach_force", "global_stability_force"):
+        try:
+            force = getattr(force_thresholds, name)(drive)
+        except (InputError, EngineError):
+            continue
+        found[_BOUNDARIES[name]] = -force * turning / speed - weight
+    return found

@@ -1,35 +1,37 @@
-r"""Which mechanism makes steady sliding unstable, and how much keeps it stable, for whole samples of drives at once.
+r"""Which mechanism makes steady sliding unstable in the operating window, and how far it is from that.
+
+All is for whole samples of drives at once.
 
 The reserve [1] of a mechanism is its balance: what keeps steady sliding stable less what destabilises it, over the sum
 of both. It is 1 where nothing destabilises, 0 at the onset and negative where the mechanism occurs:
 
     kinematic constraint   Γ_0, or Γ̃_0 with a support (eqs 8.20, 8.27), over the sum of the sizes of its two terms
     negative damping       C_0 likewise (8.19)
-    falling friction       C_0 + S likewise, where the slope of μ gives S (:mod:`lsvib.assess.flank_friction`); with a
+    falling friction       C_0 + S likewise, where the slope of μ gives S (:mod:`lsvib.assess.drive`); with a
                            support that is stable without the slope, its Hurwitz determinant with C_0 + S
     mode coupling          the Hurwitz determinant of the drive with support, or without any damping p_2² − 4 p_4 p_0
     thread contact         the Hurwitz determinant of the drive with compliant threads
 
-The last two are laid at the door of the mechanism only where the drive with rigid parts would be stable, or where the
+The last two are attributed to the mechanism only where the drive with rigid parts would be stable, or where the
 undamped drive with support is unstable already. A support or contact can also keep a drive stable that is unstable with
 rigid parts; then no mechanism occurs. With both, each is judged with the other rigid, and the support decides on the
 mechanisms of the rigid drive. Without any damping a reserve of damping is zero: motions neither grow nor decay.
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from lsvib.assess import sheet_to_drive as sheets
-from lsvib.assess.flank_friction import damping_by_slope
+from lsvib.assess import drive as sheets
+from lsvib.assess.drive import damping_by_slope, is_window, sliding_speed, without_friction
 from lsvib.assess.sheet import Sheet
 from lsvib.models import mechanics
 from lsvib.models.drive import RigidDrive, SupportDrive, ThreadsDrive, zero_if_close
-from lsvib.stability.characteristic import polynomial
-from lsvib.stability.conditions import conditions
-from lsvib.stability.linearised import steady_law, support_model, threads_model
-from lsvib.stability.spectrum import spectrum
+from lsvib.stability.linear import support_model, threads_model
+from lsvib.stability.spectrum import polynomial
 
 NAMES = ("negative_damping", "kinematic_constraint", "mode_coupling", "falling_friction", "thread_contact")
 """All mechanisms; mode coupling needs a support, thread contact a compliant contact."""
@@ -38,6 +40,7 @@ DRIVES = {"rigid": RigidDrive, "support": SupportDrive, "contact": ThreadsDrive}
 """The drive that a motion or verdict is of, by the part of the sheet that is compliant in it."""
 
 _MATRICES = {"support": support_model, "contact": threads_model}
+_BESIDE = 1e-9  # how near to a point of a curve, or to R̃ = 0, relative: far above rounding
 _UNDAMPED = ("support_damping", "translation_damping", "axial_support_damping", "contact_damping")
 
 
@@ -52,9 +55,9 @@ def reserves(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any
 
     ``values``: quantities of the drive, floats, complex floats (one drive) or arrays that broadcast with ``speed``
     [rad/s] and ``force`` [N]; ``direction`` of travel ±1. Besides the mechanisms: ``law``, s_0 = ±1, and
-    ``push_needed``, the lower of those of Γ₊ (Γ̃₊ with a support) and C₊ under law −: below zero steady sliding is
-    stable but need not be the only motion (Sect. 8.7), since slip under law + seizes or grows. NaN where μ is not below
-    cot λ.
+    ``after_perturbation``, the lower of those of Γ₊ (Γ̃₊ with a support) and C₊ under law −: below zero steady sliding
+    is stable but need not be the only motion (Sect. 8.7), since slip under law + seizes or grows. NaN where μ is not
+    below cot λ.
     """
     at = sheets.point(sheet, values, direction, speed, force)
     p = at.parameters
@@ -98,7 +101,7 @@ def reserves(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any
     # Without damping of the load there is nothing that law + could turn round.
     damped = np.where(np.real(fed) == 0, 1.0, _balance(p["support_damping"], fed))
     reserve = _balance(p["screw_inertia"], of_plus)
-    found["push_needed"] = np.where(law < 0, np.where(np.real(damped) < np.real(reserve), damped, reserve), 1.0)
+    found["after_perturbation"] = np.where(law < 0, np.where(np.real(damped) < np.real(reserve), damped, reserve), 1.0)
     valid = np.real(p["friction_coefficient"] * tangent) < 1
     return {name: np.where(valid, value, np.nan) for name, value in found.items()} | {"law": law}
 
@@ -173,35 +176,134 @@ def drive_of(
     return kind(**{key: zero_if_close(kind, key, float(value)) for key, value in given.items()})
 
 
-def certain(sheet: Sheet, values: Mapping[str, float], direction: int, speed: float, force: float) -> dict[str, bool]:
-    """Say which mechanisms occur in one drive without a slope of friction, decided by exact signs.
+@dataclass(frozen=True)
+class Worst:
+    """The lowest reserve of a mechanism in the window, arrays (n): ``reserve`` and the ``corner`` that has it."""
 
-    For the rigid drive by :func:`lsvib.stability.conditions.conditions`, with a support or contact by
-    :func:`lsvib.stability.spectrum.spectrum`. Raises ``InputError`` where the contact carries no force.
+    reserve: NDArray[np.float64]
+    corner: NDArray[np.int64]
+
+
+def directions(sheet: Sheet) -> tuple[int, ...]:
+    """Return the directions of travel, 1 outward and −1 back."""
+    return {"out": (1,), "back": (-1,), "both": (1, -1)}[sheet.operation.direction]
+
+
+def corners(sheet: Sheet, values: Mapping[str, Any]) -> list[tuple[int, Any, Any]]:
+    """Return direction, speed [rad/s] and force [N] of the points of the window where a reserve can be lowest.
+
+    All reserves depend on speed and force through R̃ = R − r_m tan λ c_x Ω alone, which is linear in both: through its
+    sign, for which the corners decide, and with a slope of friction through its size as well. Reserves of damping are
+    monotonic in that size, so that the corners and the neighbourhood of R̃ = 0 decide, which is looked for at the ends
+    of the speeds and of the forces; with a support, whose reserve need not be, 9 forces on each side are looked at, and
+    9 speeds where drag balances the end of the forces or the one force, and with a curve of friction 17 speeds and
+    either side of each of its points, where its slope changes.
     """
-    rigid = drive_of(sheet, values, direction, speed, force)
-    found = conditions(rigid)
-    law = steady_law(rigid)
-    occurs = {
-        "negative_damping": found["negative_damping"]["hold"],
-        "kinematic_constraint": found["negative_inertia"]["hold"],
-        "falling_friction": False,
-    }
-    stable = not (occurs["negative_damping"] or occurs["kinematic_constraint"])
-    if sheet.support is not None:
-        supported = drive_of(sheet, values, direction, speed, force, "support")
-        kind = spectrum(supported, law)[0]
-        bare = spectrum(supported.replace(**dict.fromkeys(_UNDAMPED[:3], 0.0)), law)[0]
-        unstable = kind in ("flutter", "divergence")
-        occurs["kinematic_constraint"] = kind == "kinematic"
-        fed = occurs["negative_damping"]
-        occurs["mode_coupling"] = unstable and (not fed or bare in ("flutter", "divergence"))
-        occurs["negative_damping"] &= unstable or kind == "kinematic"
-    if sheet.contact is not None:
-        kind = spectrum(drive_of(sheet, values, direction, speed, force, "contact"), law)[0]
-        unstable = kind not in ("stable", "neutral")
-        occurs["thread_contact"] = stable and unstable
-        if sheet.support is None:
-            for name in ("negative_damping", "kinematic_constraint"):
-                occurs[name] &= unstable
-    return occurs
+    return [
+        (direction, speed, force)
+        for direction in directions(sheet)
+        for speed, force in zip(*_points(sheet, values, direction), strict=True)
+    ]
+
+
+def _points(sheet: Sheet, values: Mapping[str, Any], direction: int) -> tuple[NDArray, NDArray]:
+    """Speeds [rad/s] and forces [N] of all corners of one direction: (k) for one drive, (k, n) for arrays of drives."""
+    shape = np.broadcast_shapes(*map(np.shape, values.values()))
+    speeds = _speeds(
+        sheet, values, direction, *(np.broadcast_to(values[f"speed_{end}"], shape) for end in ("low", "high"))
+    )
+    rows = np.broadcast_arrays(speeds, *_forces(sheet, values, direction, speeds))
+    forces = np.stack(rows[1:], axis=1)  # of each speed one after the other
+    return np.repeat(rows[0], forces.shape[1], axis=0), forces.reshape(-1, *forces.shape[2:])
+
+
+def _speeds(sheet: Sheet, values: Mapping[str, Any], direction: int, low: NDArray, high: NDArray) -> NDArray:
+    """Speeds of the screw [rad/s] from ``low`` to ``high`` at which forces are looked at, (k) or (k, n)."""
+    if not is_window(sheet, "operation.speed"):
+        return low[None]
+    # The slope of a curve is constant between its points, all of which are looked at from both sides; between them only
+    # the level of friction changes, for which 17 equal steps do.
+    curved = sheet.friction.curve is not None
+    shares = np.linspace(0.0, 1.0, 17 if curved else 2)
+    rows = [low + np.multiply.outer(shares, high - low)]
+    if curved:
+        rows.append(_beside_points(sheet, values, low, high))
+    if curved or sheet.friction.slope is not None:
+        for end in ("low", "high") if is_window(sheet, "load.force") else ("low",):
+            rows += _beside_balance(sheet, values, direction, low, high, values[f"force_{end}"])
+    return np.concatenate(rows)
+
+
+def _beside_points(sheet: Sheet, values: Mapping[str, Any], low: NDArray, high: NDArray) -> NDArray:
+    """Speeds of the screw [rad/s] just below and just above each point of the curve that lies in the window."""
+    radius = 0.5 * values["pitch_diameter"]
+    one = sliding_speed(1.0, radius, np.arctan(values["lead"] / (2 * np.pi * radius)))
+    sliding = np.multiply.outer(sheet.friction.curve.speeds, (1 - _BESIDE, 1 + _BESIDE)).ravel()
+    speeds = np.divide.outer(sliding, np.broadcast_to(one, low.shape))
+    inside = (np.real(low) < np.real(speeds)) & (np.real(speeds) < np.real(high))
+    # Of the drives that have it outside, the end of the window is looked at twice.
+    return np.where(inside, speeds, low)[np.any(inside, axis=tuple(range(1, inside.ndim)))]
+
+
+def _beside_balance(
+    sheet: Sheet, values: Mapping[str, Any], direction: int, low: NDArray, high: NDArray, force: Any
+) -> list[NDArray]:
+    """Speeds of the screw [rad/s] from the one in the window where |R̃| is least under a ``force`` [N] to its ends.
+
+    None for an end of a window of forces that is balanced at none of the speeds: where R̃ = 0 lies in the window at all,
+    it then lies at an end of the speeds too, for which :func:`_forces` finds it.
+    """
+    p = without_friction(values, direction, 1.0, force)
+    drag = p["pitch_radius"] * np.tan(p["lead_angle"]) * p["translation_damping"] * direction
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        balance = np.divide(p["axial_force"], drag)
+    balance = np.where(np.isfinite(balance), balance, low)  # else nothing drags: R̃ is the same at every speed
+    below, above = np.real(balance) < np.real(low), np.real(balance) > np.real(high)
+    if is_window(sheet, "load.force") and np.all(below | above | (np.real(balance) == np.real(low))):
+        return []
+    nearest = np.where(below, low, np.where(above, high, balance))
+    return [nearest + np.multiply.outer(_shares(sheet), end - nearest) for end in (low, high)]
+
+
+def _forces(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: NDArray) -> list[Any]:
+    """Forces [N] that are looked at, each for all speeds (k) or (k, n)."""
+    low, high = values["force_low"], values["force_high"]
+    if not is_window(sheet, "load.force"):
+        return [low]
+    if sheet.friction.curve is None and sheet.friction.slope is None:
+        return [low, high]
+    p = without_friction(values, direction, speed, 0.0)
+    free = p["axial_force"] - p["pitch_radius"] * np.tan(p["lead_angle"]) * p["translation_damping"] * p["input_speed"]
+    forces = [low, high]
+    for end in (low, high):
+        for share in _shares(sheet):
+            force = free + share * (end - free)
+            force = np.where(np.real(force) < np.real(low), low, force)
+            forces.append(np.where(np.real(force) > np.real(high), high, force))
+    return forces
+
+
+def _shares(sheet: Sheet) -> NDArray[np.float64]:
+    """Shares [1] of the way from R̃ = 0 to an end of the window."""
+    return np.linspace(_BESIDE, 1.0, 1 if sheet.support is None else 9)
+
+
+def worst(sheet: Sheet, values: Mapping[str, Any]) -> dict[str, Worst]:
+    """Return the lowest reserve of each mechanism over the window for drives given by arrays (n) or floats.
+
+    ``after_perturbation`` is among them, see :func:`lsvib.assess.mechanisms.reserves`. NaN where the friction is so
+    strong that the drive cannot move at all.
+    """
+    rows, sizes = [], []
+    for direction in directions(sheet):
+        speeds, forces = (table[:, None] if table.ndim == 1 else table for table in _points(sheet, values, direction))
+        rows.append(reserves(sheet, values, direction, speeds, forces))
+        sizes.append(len(speeds))
+    found = {}
+    for name in (*applicable(sheet), "after_perturbation"):
+        parts = [np.atleast_1d(row[name]) for row in rows]
+        width = max(part.shape[-1] for part in parts)
+        table = np.concatenate([np.broadcast_to(part, (size, width)) for part, size in zip(parts, sizes, strict=True)])
+        lowest = np.argmin(np.where(np.isnan(np.real(table)), -np.inf, np.real(table)), axis=0)
+        found[name] = Worst(np.take_along_axis(table, lowest[None], 0)[0], lowest)
+    return found

@@ -13,26 +13,22 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
 from lsvib.assess.assessment import AssessedMotion, Assessment
-from lsvib.assess.operating_chart import KINDS, Chart
+from lsvib.assess.margins import KINDS, Chart
 from lsvib.assess.uncertainty import BINS
 from lsvib.assess.words import CHANGES, MECHANISMS, entry_name
-from lsvib.figures.drawing import style
+from lsvib.figures import style
 
 WIDTH = 3.7  # inch: on a phone one to one
 _COLOURS = {
     "steady": "#E8F3EC",
-    "steady_until_pushed": "#F5EFC8",
+    "steady_until_perturbed": "#F5EFC8",
     "negative_damping": style.ORANGE,
     "kinematic_constraint": style.VERMILION,
     "mode_coupling": style.PURPLE,
     "falling_friction": style.SKY,
     "thread_contact": style.GREY,
 }
-_NAMES = {"steady": "steady", "steady_until_pushed": "steady until pushed"}
-_FACTORS = ((0.1, 0.3, 1, 3, 10), (0.5, 0.7, 1, 1.4, 2), (0.9, 1, 1.1))  # marks of the axis of margins, wide to narrow
-_MOST = 10.0  # factor beyond which a margin is only told
-_SMALL = 1e-4  # below it a thousandth of the usual unit reads better
-_NOTABLE = 0.5  # of the speed: a swing that comes so near to standstill that its line is drawn
+_NAMES = {"steady": "steady", "steady_until_perturbed": "steady until perturbed"}
 _SETTINGS = {"svg.hashsalt": "lsvib", "svg.fonttype": "path", "axes.formatter.limits": (-4, 5)}
 
 
@@ -83,9 +79,7 @@ def margin_chart(assessment: Assessment, name: str) -> Figure:
     """Factors on each quantity at which the verdict on one mechanism changes."""
     one = assessment.mechanisms[name]
     rows = [
-        (CHANGES[row.quantity], row.factor)
-        for row in one.margins
-        if row.factor is not None and 1 / _MOST <= row.factor <= _MOST
+        (CHANGES[row.quantity], row.factor) for row in one.margins if row.factor is not None and 0.1 <= row.factor <= 10
     ]
     figure, axis = _drawing(0.75 + 0.2 * max(len(rows), 1))
     for k, (_, factor) in enumerate(rows):
@@ -99,7 +93,8 @@ def margin_chart(assessment: Assessment, name: str) -> Figure:
     axis.axvline(0, color=style.BLACK, linewidth=0.8)
     span = max([abs(math.log10(row[1])) for row in rows], default=0.3) * 1.8 + 0.05
     axis.set_xlim(-span, span)
-    choices = [[factor for factor in marks if abs(math.log10(factor)) <= span] for marks in _FACTORS]
+    wide_to_narrow = ((0.1, 0.3, 1, 3, 10), (0.5, 0.7, 1, 1.4, 2), (0.9, 1, 1.1))
+    choices = [[factor for factor in marks if abs(math.log10(factor)) <= span] for marks in wide_to_narrow]
     ticks = next((marks for marks in choices if len(marks) > 2), choices[-1])
     axis.set_xticks([math.log10(factor) for factor in ticks], [f"×{factor:g}" for factor in ticks])
     axis.set_xlabel(f"Factor at which it {'ends' if one.occurs else 'starts'}")
@@ -111,16 +106,16 @@ def motion_chart(motion: AssessedMotion) -> Figure:
     figure = style.new_figure(WIDTH, 4.6)
     plane, history = figure.subplots(2, 1)
     moved = motion.vibration
-    turn, twist = (1e6, "µrad") if np.abs(moved.angle).max() < _SMALL else (1e3, "mrad")
+    turn, twist = (1e6, "µrad") if np.abs(moved.angle).max() < 1e-4 else (1e3, "mrad")
     plane.plot(turn * moved.angle, moved.speed * 60 / (2 * math.pi), color=style.BLUE, linewidth=0.9)
-    if np.ptp(moved.speed) > _NOTABLE * np.abs(moved.speed).max():
+    if np.ptp(moved.speed) > 0.5 * np.abs(moved.speed).max():
         plane.axhline(0, color=style.GREY, linewidth=0.6)
     plane.set(xlabel=f"Twist of the coupling from steady running [{twist}]", ylabel="Screw speed [rpm]")
     plane.set_title("How the screw turns")
     time = moved.time
     unit, factor = ("ms", 1e3) if time[-1] < 1 else ("s", 1.0)
-    size, micro = (1e6, "µm") if np.abs(moved.deviation).max() < _SMALL else (1e3, "mm")
-    if np.abs(moved.deviation).max() < 1e-3 * _SMALL:
+    size, micro = (1e6, "µm") if np.abs(moved.deviation).max() < 1e-4 else (1e3, "mm")
+    if np.abs(moved.deviation).max() < 1e-7:
         size, micro = 1e9, "nm"
     history.plot(factor * time, size * moved.deviation, color=style.VERMILION, linewidth=0.9)
     history.set(xlabel=f"Time [{unit}]", ylabel=f"Load off its steady path [{micro}]")
@@ -165,23 +160,6 @@ def sobol_chart(assessment: Assessment, name: str) -> Figure:
     _name_bars(axis, [entry_name(name) for name in names])
     axis.set(xlim=(0, 1.05), xlabel="Share of the spread that it causes")
     axis.legend(fontsize=7)
-    return figure
-
-
-def locking_chart(assessment: Assessment) -> Figure:
-    """The friction at which a thread holds its load by itself, over lead and diameter, and the rule of thumb."""
-    figure, axis = _drawing(2.6)
-    ratio = np.linspace(0.0, max(1.0, 1.3 * assessment.values["lead"] / assessment.values["pitch_diameter"]), 200)
-    axis.plot(ratio, ratio / math.pi, color=style.BLACK)
-    axis.fill_between(ratio, ratio / math.pi, 0.4, color="#E8F3EC", zorder=0)
-    axis.axvline(1 / 3, color=style.GREY, linestyle="--", linewidth=0.9, label="rule of thumb: lead < diameter / 3")
-    place = assessment.values["lead"] / assessment.values["pitch_diameter"]
-    axis.plot(place, assessment.square_friction, "o", color=style.BLUE, label="this drive")
-    axis.set(xlim=(0, ratio[-1]), ylim=(0, max(0.4, 1.2 * assessment.square_friction)))
-    axis.text(0.03, 0.9, "holds its load", transform=axis.transAxes, fontsize=7)
-    axis.text(0.97, 0.05, "can be driven back", transform=axis.transAxes, ha="right", fontsize=7)
-    axis.set(xlabel="Lead / pitch diameter", ylabel="Friction coefficient")
-    figure.legend(fontsize=6.5, loc="outside lower center", ncols=2)
     return figure
 
 

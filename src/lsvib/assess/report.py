@@ -1,262 +1,289 @@
-"""The report: the verdict on a drive in plain words, with pictures and numbers, for an engineer."""
+"""The report: the verdict on a drive in plain words, with pictures and numbers; and many drives in one table.
 
+What is said of every drive stands in the templates beside this file, what depends on the drive is put together here.
+"""
+
+import json
 import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
 
-from lsvib.assess import page, pictures
-from lsvib.assess.assessment import Assessment
-from lsvib.assess.flank_friction import flank_coefficient
-from lsvib.assess.motions import motions, rigid, where
-from lsvib.assess.operating_chart import Chart
-from lsvib.assess.page import Html
-from lsvib.assess.sections import data_sheet, left_out, method
-from lsvib.assess.sheet_to_drive import UNITS
-from lsvib.assess.shown_numbers import change, percent, shown, signed
-from lsvib.assess.words import CHANGES, MECHANISMS, SHORT, VERDICTS
+import yaml
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
 
-_TONES = {"vibrates": "bad", "steady": "good"}  # all else warns
-_ADVICE = 3  # changes that the summary names
-_MARGINS = 3  # causes whose margins are drawn
-_NEAR = 10.0  # factor within which a margin is worth a bar
+from lsvib.assess import pictures
+from lsvib.assess.assessment import AssessedMotion, Assessment, Mechanism
+from lsvib.assess.drive import QUANTITIES, UNITS, flank_coefficient, point, random_entries
+from lsvib.assess.fields import FrictionBySpeed, Spread, ThreadSize
+from lsvib.assess.margins import Chart
+from lsvib.assess.words import (
+    ATTRACTORS,
+    CHANGES,
+    MECHANISMS,
+    SHORT,
+    VERDICTS,
+    change,
+    entry_name,
+    percent,
+    shown,
+    signed,
+)
+from lsvib.errors import InputError
+from lsvib.files import write_json, write_text
+
+_NEAR = 10.0  # factor within which a margin is worth a bar and a row
+
+
+def _page(template: str, **values: Any) -> str:
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).parent),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.globals |= {
+        "CHANGES": CHANGES,
+        "QUANTITIES": QUANTITIES,
+        "UNITS": UNITS,
+        "VERDICTS": VERDICTS,
+        "capital": _capital,
+        "change": change,
+        "ends_in": ATTRACTORS,
+        "interval": _interval,
+        "percent": percent,
+        "shown": shown,
+    }
+    return environment.get_template(template).render(**values).lstrip()
 
 
 def report(assessment: Assessment, charts: list[Chart]) -> str:
     """Return the report on an assessment as the text of one HTML page, which needs no other file."""
-    name = assessment.sheet.name
-    parts = [
-        page.heading(f"Will it vibrate? {name}", 1),
-        page.paragraph(VERDICTS[assessment.verdict], kind=f"verdict {_TONES.get(assessment.verdict, 'warn')}"),
-        page.paragraph(_summary(assessment)),
-        page.cards(_cards(assessment)),
-        *_mechanisms(assessment),
-        *_changes(assessment),
-        *_operating(assessment, charts),
-        *motions(assessment),
-        *_uncertainty(assessment),
-        *_locking(assessment),
-        *data_sheet(assessment),
-        *left_out(),
-        *method(assessment),
-    ]
-    return page.page(f"{name}: will it vibrate?", parts)
+    sheet, names = assessment.sheet, shown_mechanisms(assessment)
+    margin_pictures, lever = _levers(assessment, names)
+    return _page(
+        "report.html.j2",
+        title=f"{sheet.name}: will it vibrate?",
+        assessment=assessment,
+        sheet=sheet,
+        given=sheet.paths(),
+        spread=assessment.uncertainty,
+        worst=assessment.worst.vibration,
+        summary=_summary(assessment),
+        causes=[_cause(assessment, name) for name in (*names, "after_perturbation")],
+        vibrates=any(assessment.mechanisms[name].occurs for name in names),
+        changes=[row for row in assessment.margins if row.factor and row.value and 1 / _NEAR <= row.factor <= _NEAR],
+        margin_pictures=margin_pictures,
+        lever=lever,
+        operating_chart=pictures.embedded(pictures.operating_chart, charts, assessment),
+        motions=_motions(assessment),
+        uncertainty_pictures=_uncertainty_pictures(assessment, names),
+        locking=locking_sentence(assessment),
+        entries=[
+            (entry_name(path), _entry(entry), _origin(assessment, path))
+            for path, entry in sheet.entries()
+            if entry is not None
+        ],
+    )
 
 
 def shown_mechanisms(assessment: Assessment) -> list[str]:
     """Return the names of the mechanisms proper, those that occur or are nearest first."""
-    own = [name for name in assessment.mechanisms if name != "push_needed"]
+    own = [name for name in assessment.mechanisms if name != "after_perturbation"]
     return sorted(own, key=lambda name: assessment.mechanisms[name].reserve)
+
+
+def _where(one: Mechanism | AssessedMotion, assessment: Assessment) -> str:
+    """The point of operation of a mechanism or motion in words."""
+    direction, speed, force = one.corner
+    lead = assessment.values["lead"] / (2 * math.pi)
+    way = "outward" if direction > 0 else "back"
+    side = "against" if force >= 0 else "in the direction of"
+    load = f"{shown(abs(force), 'N')} {side} outward travel" if force else "no force on the load"
+    weight = " besides its weight" if assessment.values["tilt"] != 0 else ""
+    return f"travelling {way} at {shown(lead * speed, 'm/s')} ({shown(speed, 'rad/s')}) with {load}{weight}"
 
 
 def _summary(assessment: Assessment) -> str:
     found = [assessment.mechanisms[name] for name in shown_mechanisms(assessment)]
-    occurring = [one for one in found if one.occurs]
+    occurring, absent = [one for one in found if one.occurs], _absent(assessment)
     if occurring:
         one, *others = occurring
         too = f" So does {' and '.join(SHORT[other.name] for other in others)}." if others else ""
-        best = [row for row in assessment.margins if row.factor is not None][:_ADVICE]
+        best = [row for row in assessment.margins if row.factor is not None][:3]
         changes = "; or ".join(f"the {CHANGES[row.quantity]} {change(row.factor)}" for row in best)
         advice = (
             f" The smallest single changes that make it run steadily at the middle values: {changes}."
             if best
             else " No single change of one quantity alone makes it run steadily."
         )
-        return f"The cause is {SHORT[one.name]}, worst {where(one, assessment)}.{too}{advice}{_absent(assessment)}"
+        return f"The cause is {SHORT[one.name]}, worst {_where(one, assessment)}.{too}{advice}{absent}"
     near = [(abs(math.log(row.factor)), one, row) for one in found for row in one.margins if row.factor is not None]
     if not near:
-        return (
-            "No single change of any quantity, from a thousandth to a thousandfold, would make it vibrate."
-            f"{_absent(assessment)}"
-        )
+        return f"No single change of any quantity, from a thousandth to a thousandfold, would make it vibrate.{absent}"
     _, one, row = min(near, key=lambda entry: entry[0])
     return (
         f"The nearest cause of vibration is {SHORT[one.name]}: it would set in with the "
-        f"{CHANGES[row.quantity]} {change(row.factor)}, {shown(row.value, UNITS[row.quantity])}.{_absent(assessment)}"
+        f"{CHANGES[row.quantity]} {change(row.factor)}, {shown(row.value, UNITS[row.quantity])}.{absent}"
     )
 
 
 def _absent(assessment: Assessment) -> str:
     """A sentence on each damping that the sheet leaves out and that would alter the verdict."""
     effect = "end" if assessment.verdict == "vibrates" else "start"
-    rows = [row for row in assessment.margins if row.factor is None and row.value is not None]
     return "".join(
         f" No {CHANGES[row.quantity]} is given; from {shown(row.value, UNITS[row.quantity])} on it would {effect} "
         "vibration."
-        for row in rows
+        for row in assessment.margins
+        if row.factor is None and row.value is not None
     )
 
 
-def _cards(assessment: Assessment) -> list[tuple[str, str]]:
-    lowering = assessment.efficiency["lowering"]
-    holds, least = assessment.uncertainty.holds, assessment.uncertainty.any
-    locking = "yes" if assessment.self_locking else "no"
-    if 0 < holds.value < 1:
-        locking = f"in {percent(holds.value)} of cases"
-    cards = [
-        (locking, "self-locking: holds its load without the motor"),
-        (percent(assessment.efficiency["lifting"]), "efficiency when moving against the load"),
-        ("needs torque" if lowering is None else percent(lowering), "efficiency when the load drives the screw back"),
-        (
-            percent(least.value) if least.value or least.interval[1] == 0 else f"below {percent(least.interval[1])}",
-            "probability that it vibrates somewhere in the window",
-        ),
-    ]
-    worst = assessment.worst.vibration
-    if worst.frequency is not None:
-        cards.append(
-            (shown(worst.frequency, "Hz"), "frequency in the worst case" + (", audible" if worst.audible else ""))
-        )
-    if worst.amplitude is not None:
-        cards.append((shown(worst.amplitude, "m"), "oscillation of the load in the worst case, to either side"))
-    return cards
+def _interval(ends: tuple[float, float]) -> str:
+    return f"{percent(ends[0])} to {percent(ends[1])}"
 
 
-def _mechanisms(assessment: Assessment) -> list[Html]:
-    rows = []
-    for name in (*shown_mechanisms(assessment), "push_needed"):
-        one, (title, meaning) = assessment.mechanisms[name], MECHANISMS[name]
-        low, high = one.interval
-        spread = "" if low == high else f" (95 % sure: {percent(low)} to {percent(high)})"
-        best = next((row for row in one.margins if row.factor is not None), None)
-        if name == "push_needed" and one.occurs != (one.reserve < 0):  # by its motions, to which the reserve is blind
-            margin = "not known"
-        elif best is None:
-            margin = "no single change brings it about" if not one.occurs else "no single change ends it"
-        else:
-            margin = f"the {CHANGES[best.quantity]} {change(best.factor)} {'ends' if one.occurs else 'starts'} it"
-        place = where(one, assessment) if one.occurs else ""
-        verdict = Html(f"{'<b>occurs</b>' if one.occurs else 'does not occur'}{page.small(place) if place else ''}")
-        if name == "push_needed" and one.occurs and not rigid(assessment):
+def _cause(assessment: Assessment, name: str) -> tuple[Any, ...]:
+    """A row of the table of causes."""
+    one, perturbed = assessment.mechanisms[name], name == "after_perturbation"
+    best = next((row for row in one.margins if row.factor is not None), None)
+    if perturbed and one.occurs != (one.reserve < 0):  # by its motions, of which the reserve knows nothing
+        margin = "not known"
+    elif best is None:
+        margin = f"no single change {'ends it' if one.occurs else 'brings it about'}"
+    else:
+        margin = f"the {CHANGES[best.quantity]} {change(best.factor)} {'ends' if one.occurs else 'starts'} it"
+    verdict: Any = "does not occur"
+    if one.occurs:
+        place, verdict = _where(one, assessment), Markup("<b>occurs</b>")
+        if perturbed and (assessment.sheet.contact is not None or assessment.sheet.support is not None):
             how = "computed with stiff threads and support" if one.reserve < 0 else "found by perturbed motions"
-            verdict = Html(f"possible{page.small(f'{how}; {place}')}")
-        cause = Html(f"{page.text(title)}{page.small(meaning)}")
-        most = "at most " if name == "push_needed" and one.probability > 0 else ""  # beyond some force none does
-        rows.append((cause, verdict, f"{most}{percent(one.probability)}{spread}", signed(one.reserve, 2), margin))
-    absent = []
-    if "mode_coupling" not in assessment.mechanisms:
-        absent.append("Mode coupling of the support was not examined: the data sheet gives no support.")
-    if "thread_contact" not in assessment.mechanisms:
-        absent.append("The thread contact is taken as rigid: the data sheet gives no stiffness of it.")
-    return [
-        page.heading("What can make it vibrate"),
-        page.paragraph(
-            "The reserve says how far each cause is from setting in: +1 means that nothing drives it, 0 is the brink, "
-            "below 0 it occurs. It is what keeps the drive steady less what drives the oscillation, over the sum "
-            "of both. The operating window is every speed and force that the data sheet allows."
-        ),
-        page.table(["Cause", "At the given values", "Probability", "Reserve", "Nearest change"], rows),
-        *(page.paragraph(sentence) for sentence in absent),
-    ]
+            place, verdict = f"{how}; {place}", "possible"
+        verdict = (verdict, place)
+    most = "at most " if perturbed and one.probability > 0 else ""  # beyond some force none does
+    spread = "" if one.interval[0] == one.interval[1] else f" (95 % sure: {_interval(one.interval)})"
+    return MECHANISMS[name], verdict, f"{most}{percent(one.probability)}{spread}", signed(one.reserve, 2), margin
 
 
-def _changes(assessment: Assessment) -> list[Html]:
-    names = [
-        name for name in shown_mechanisms(assessment)
-        if any(row.factor and 1 / _NEAR <= row.factor <= _NEAR for row in assessment.mechanisms[name].margins)
-    ]  # fmt: skip
-    if not names:
-        return []
+def _levers(assessment: Assessment, names: list[str]) -> tuple[list[tuple[str, str]], str]:
+    """Pictures of the margins of the nearest causes, and of what changes the reserve most, with a sentence on that."""
+    found = assessment.mechanisms
+    near = [n for n in names if any(row.factor and 1 / _NEAR <= row.factor <= _NEAR for row in found[n].margins)]
     charts = [
-        page.picture(
+        (
             pictures.embedded(pictures.margin_chart, assessment, name),
             f"{MECHANISMS[name][0]}: factor on each quantity at which it starts or ends.",
         )
-        for name in names[:_MARGINS]
+        for name in near[:3]
     ]
-    text = []
     # A reserve at its lower end, -1, has no slope: then no small change helps against that cause.
-    first = next((name for name in names if any(assessment.mechanisms[name].sensitivities.values())), None)
-    if first is not None:
-        best = max(assessment.mechanisms[first].sensitivities.items(), key=lambda pair: abs(pair[1]))
-        text.append(
-            page.paragraph(
-                f"Per cent for per cent, the strongest single lever on {SHORT[first]} is the "
-                f"{CHANGES[best[0]]}: 1 % more changes the reserve by {signed(0.01 * best[1], 4)}."
-            )
-        )
-        charts.append(
-            page.picture(
-                pictures.embedded(pictures.sensitivity_chart, assessment, first),
-                f"What 1 % more of each quantity does to the reserve against {SHORT[first]}.",
-            )
-        )
-    return [
-        page.heading("How close it is, and what to change"),
-        *_single_changes(assessment),
-        page.paragraph(
-            "Each bar is one quantity changed alone, all others as given, until the verdict on a cause changes: ×0.5 "
-            "means half of it, ×3 three times as much. Bars that would need more than a factor of ten either way are "
-            "left out; the complete table is in assessment.json."
-        ),
-        page.side_by_side(*charts),
-        *text,
-    ]
-
-
-def _single_changes(assessment: Assessment) -> list[Html]:
-    """Say in numbers which single changes alter the verdict on the whole drive, at the middle values."""
-    rows = [
+    first = next((name for name in near if any(found[name].sensitivities.values())), None)
+    if first is None:
+        return charts, ""
+    quantity, slope = max(found[first].sensitivities.items(), key=lambda item: abs(item[1]))
+    charts.append(
         (
-            CHANGES[row.quantity][0].upper() + CHANGES[row.quantity][1:],
-            shown(row.value / row.factor, UNITS[row.quantity]),
-            shown(row.value, UNITS[row.quantity]),
-            f"×{row.factor:.3g}" + (f", {change(row.factor)}" if row.factor < 2 else ""),  # else it says the same twice
+            pictures.embedded(pictures.sensitivity_chart, assessment, first),
+            f"What 1 % more of each quantity does to the reserve against {SHORT[first]}.",
         )
-        for row in assessment.margins
-        if row.factor is not None and row.value is not None and 1 / _NEAR <= row.factor <= _NEAR
+    )
+    return charts, (
+        f"Per cent for per cent, the strongest single lever on {SHORT[first]} is the {CHANGES[quantity]}: 1 % more "
+        f"changes the reserve by {signed(0.01 * slope, 4)}."
+    )
+
+
+def _motions(assessment: Assessment) -> list[dict[str, Any]]:
+    """What is said of the motion at the middle values and in the worst case."""
+    nominal, worst = assessment.nominal, assessment.worst
+    if worst is nominal:
+        return [_motion("At the given values", nominal, assessment)]
+    random, spreads = random_entries(assessment.sheet), assessment.sheet.spreads
+    values = (f"{entry_name(path)} = {shown(worst.entries[path], spreads[path].unit)}" for path in random)
+    return [
+        _motion("At the middle values", nominal, assessment),
+        _motion("In the worst case within the uncertainties", worst, assessment) | {"entries": ", ".join(values)},
     ]
-    if not rows:
+
+
+def _motion(title: str, motion: AssessedMotion, assessment: Assessment) -> dict[str, Any]:
+    moved, perturbed = motion.vibration, motion.mechanism == "after_perturbation"
+    start = f"after {'a strong perturbation' if perturbed else 'the slightest disturbance'}"
+    drawn = None
+    if moved.time.size:
+        caption = f"{'Perturbed' if perturbed else 'Left alone'}, {title.lower()}."
+        drawn = (pictures.embedded(pictures.motion_chart, motion), caption)
+    return {
+        "title": title,
+        "vibration": moved,
+        "where": _where(motion, assessment),
+        "simplified": _simplified(motion, assessment),
+        "entries": "",
+        "start": _capital(start),
+        "sentence": _end_in_words(motion, start),
+        "tolerated": _tolerated(motion),
+        "picture": drawn,
+        "scene": yaml.safe_dump(moved.scene, sort_keys=False) if moved.scene else "",
+    }
+
+
+def _end_in_words(motion: AssessedMotion, start: str) -> str:
+    """What becomes of a motion that is no cycle with a frequency."""
+    moved = motion.vibration
+    if moved.reason is not None:
+        return f"Of the motion {start} this is known: {moved.reason}"
+    if moved.frequency is not None:
+        return ""
+    swing = ""
+    if moved.amplitude is not None:
+        swing = f"; in the time shown the load oscillates by ± {shown(moved.amplitude, 'm')}"
+    verb = "returns to" if moved.attractor == "steady sliding" else "ends in"
+    return f"{_capital(start)} it {verb} {ATTRACTORS.get(moved.attractor, moved.attractor)}{swing}."
+
+
+def _tolerated(motion: AssessedMotion) -> str:
+    """Which sudden change of speed steady running tolerates, if that is known."""
+    size, sentence = motion.tolerated
+    if size is None or size <= 0:
+        return ""
+    if math.isinf(size):
+        return sentence
+    load = shown(motion.values["lead"] / (2 * math.pi) * size, "m/s")
+    return (
+        f"Steady running tolerates a sudden change of the screw's speed of up to {shown(size, 'rad/s')}, which is "
+        f"{load} at the load. {sentence}"
+    )
+
+
+def _simplified(motion: AssessedMotion, assessment: Assessment) -> str:
+    """What the motion leaves out of the data sheet, in sentences."""
+    sheet, model = assessment.sheet, motion.vibration.model
+    parts = {"threads": sheet.contact is not None, "support": sheet.support is not None}
+    stiff = " and ".join(name for name, given in parts.items() if given and name != model)
+    text = f" Its motion is computed with stiff {stiff}." if stiff else ""
+    slope = float(point(sheet, motion.values, *motion.corner).slope)
+    if slope != 0:
+        effect = "its rise with speed adds" if slope > 0 else "its fall with speed takes away"
+        text += f" Friction is taken as constant at its value there; the damping that {effect} is not in this motion."
+    return text
+
+
+def _uncertainty_pictures(assessment: Assessment, names: list[str]) -> list[tuple[str, str]]:
+    if assessment.uncertainty.samples == 1:
         return []
-    occurs = any(one.occurs for name, one in assessment.mechanisms.items() if name != "push_needed")
-    effect = "ends all vibration that starts by itself" if occurs else "makes the drive start to vibrate by itself"
-    return [
-        page.paragraph(f"At the middle values each of these changes alone {effect}."),
-        page.table(["One change alone", "Given", "Needed" if occurs else "Limit", "That is"], rows),
-    ]
-
-
-def _operating(assessment: Assessment, charts: list[Chart]) -> list[Html]:
-    weight = assessment.values["tilt"] != 0
-    note = " The weight of the load comes on top of the force shown." if weight else ""
-    return [
-        page.heading("Where it vibrates"),
-        page.picture(
-            pictures.embedded(pictures.operating_chart, charts, assessment),
-            "Operating chart at the middle values: what happens at each speed and force. The blue frame is the "
-            f"operating window; a force above zero opposes outward travel.{note}",
-        ),
-    ]
-
-
-def _uncertainty(assessment: Assessment) -> list[Html]:
-    spread = assessment.uncertainty
-    if spread.samples == 1:
-        return [
-            page.heading("How sure this is"),
-            page.paragraph("The data sheet gives single values only, so nothing was sampled."),
-        ]
-    names = shown_mechanisms(assessment)
-    low, high = spread.any.interval
-    parts = [
-        page.heading("How sure this is"),
-        page.paragraph(
-            f"{spread.samples} drives were drawn from the given ranges and distributions. {percent(spread.any.value)} "
-            f"of them vibrate somewhere in the operating window (95 % sure: {percent(low)} to {percent(high)})."
-        ),
-    ]
-    charts = [
-        page.picture(
-            pictures.embedded(pictures.reserve_chart, assessment, names), "How the reserve is spread over these drives."
-        )
-    ]
-    name = next((name for name in names if name in spread.total), None)
+    reserves = pictures.embedded(pictures.reserve_chart, assessment, names)
+    charts = [(reserves, "How the reserve is spread over these drives.")]
+    name = next((name for name in names if name in assessment.uncertainty.total), None)
     if name is not None:
-        charts.append(
-            page.picture(
-                pictures.embedded(pictures.sobol_chart, assessment, name),
-                f"Which uncertainty causes the spread of the reserve against {SHORT[name]} (Sobol "
-                "indices). The longest bar is what to measure first.",
-            )
+        caption = (
+            f"Which uncertainty causes the spread of the reserve against {SHORT[name]} (Sobol indices). The longest "
+            "bar is what to measure first."
         )
-    return [*parts, page.side_by_side(*charts)]
+        charts.append((pictures.embedded(pictures.sobol_chart, assessment, name), caption))
+    return charts
 
 
 def locking_sentence(assessment: Assessment) -> str:
@@ -284,12 +311,94 @@ def locking_sentence(assessment: Assessment) -> str:
     return f"Against the load the thread works with an efficiency of {percent(lifting)}{ends}. {holds} {rule}"
 
 
-def _locking(assessment: Assessment) -> list[Html]:
+def _entry(entry: object) -> str:
+    if isinstance(entry, Spread):
+        kind = "anywhere in the range" if entry.kind == "uniform" else entry.kind
+        return entry.text if kind == "value" else f"{entry.text} ({kind})"
+    if isinstance(entry, FrictionBySpeed):
+        points = zip(entry.speeds, entry.coefficients, strict=True)
+        return "; ".join(f"{coefficient:g} at {shown(speed, 'm/s')}" for speed, coefficient in points)
+    if isinstance(entry, ThreadSize):
+        return f"lead {shown(entry.lead, 'm')}, pitch diameter {shown(entry.pitch_diameter, 'm')}"
+    return str(entry)
+
+
+def _origin(assessment: Assessment, path: str) -> str:
+    sheet = assessment.sheet
+    for key in (path, path.partition(".")[0]):
+        if key in sheet.assumptions:
+            return Markup('<span class="assumed">assumed</span> {}').format(sheet.assumptions[key])
+        if key in sheet.sources:
+            return sheet.sources[key]
+    return "as given"
+
+
+def _capital(text: str) -> str:
+    return text[0].upper() + text[1:]
+
+
+def compare(verdicts: Sequence[Path], page_file: Path, json_file: Path) -> None:
+    """Write the comparison of drives from their files ``assessment.json``, the most likely to vibrate first.
+
+    The page links to ``index.html`` in the folder of each file, from the folder that holds these folders. Raises
+    ``InputError`` in one sentence if a file is missing or damaged.
+    """
+    found = [{"report": f"{path.parent.name}/index.html", **_short(path)} for path in verdicts]
+    found.sort(key=lambda short: (-short["probability"], short["reserve"]))
+    write_text(
+        _page("report_comparison.html.j2", title="Which drives vibrate?", rows=list(map(_compared, found))), page_file
+    )
+    write_json(found, json_file)
+
+
+def _short(path: Path) -> dict[str, Any]:
+    """What the comparison says of a drive, from its file ``assessment.json``."""
+    try:
+        verdict = json.loads(path.read_text(encoding="utf-8"))
+        name, one = min(verdict["mechanisms"].items(), key=lambda item: item[1]["reserve"])
+        margins = verdict["any_mechanism"]["margin"].items()
+        nearest = ((key, row["factor"]) for key, row in margins if row["factor"] is not None)
+        worst = verdict["worst_case"]
+        return {
+            "name": verdict["name"],
+            "verdict": verdict["verdict"],
+            "probability": verdict["any_mechanism"]["probability"],
+            "interval": verdict["any_mechanism"]["interval"],
+            "nearest_mechanism": name,
+            "reserve": one["reserve"],
+            "nearest_change": dict(zip(("quantity", "factor"), next(nearest, (None, None)), strict=True)),
+            "worst_case": {key: worst[key] for key in ("attractor", "frequency", "amplitude", "peak_contact_force")},
+            "self_locking": verdict["self_locking"],
+            "efficiency": verdict["efficiency"],
+        }
+    except OSError as error:
+        raise InputError(f"Cannot read {path}: {error.strerror}.") from None
+    except (ValueError, KeyError, TypeError, AttributeError):
+        raise InputError(f"{path} is not a readable assessment; delete it, and run again what makes it.") from None
+
+
+def _compared(short: dict[str, Any]) -> list[Any]:
+    """The row of a drive in the table of the comparison."""
+    low, high = short["interval"]
+    worst, nearest = short["worst_case"], short["nearest_change"]
+    end = {  # of motions without a frequency, by the names of ATTRACTORS
+        "steady sliding": "does not vibrate",
+        "rest": "stands still",
+        "neutral family": "oscillates, neither growing nor decaying",
+        "unbounded": "grows without limit",
+        "unresolved": "not known",
+        "unknown": "not known beyond its onset",
+    }.get(worst["attractor"], "vibrates")
+    motion = end if worst["frequency"] is None else shown(worst["frequency"], "Hz")
+    moved = "none" if nearest["factor"] is None else f"{CHANGES[nearest['quantity']]} {change(nearest['factor'])}"
+    share = percent(short["probability"])
     return [
-        page.heading("Efficiency and self-locking"),
-        page.paragraph(locking_sentence(assessment)),
-        page.picture(
-            pictures.embedded(pictures.locking_chart, assessment),
-            "Friction at which a thread holds its load by itself.",
-        ),
+        Markup('<a href="{}">{}</a>').format(short["report"], short["name"]),
+        short["verdict"],
+        share if low == high else (share, f"95 % sure: {_interval((low, high))}"),
+        (MECHANISMS[short["nearest_mechanism"]][0], f"reserve {short['reserve']:+.2f}"),
+        moved,
+        motion if worst["amplitude"] is None else (motion, f"± {shown(worst['amplitude'], 'm')} at the load"),
+        "yes" if short["self_locking"] else "no",
+        percent(short["efficiency"]["lifting"]),
     ]

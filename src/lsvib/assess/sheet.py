@@ -8,17 +8,13 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
 from lsvib.assess import fields
-from lsvib.assess.spread import Spread
-from lsvib.assess.units import NotQuantity
+from lsvib.assess.fields import NotQuantity, Spread
 from lsvib.errors import InputError
 from lsvib.models.scene import read_yaml
 from lsvib.numbers import NotNumber, shown, whole
 
 DENSITIES = {"steel": 7850.0, "stainless steel": 7900.0, "aluminium": 2700.0, "brass": 8500.0, "titanium": 4430.0}
 """kg/m³, of the usual alloys, to one per cent."""
-
-
-_MISMATCH = 0.01  # of a lead against starts times pitch: more than sizes in inches lose when written in millimetres
 
 
 class _Part(BaseModel):
@@ -66,8 +62,9 @@ class Thread(_Part):
             return f"thread.nominal_diameter and thread.pitch_diameter {which}."
         if diameters == ["nominal_diameter"] and not {"pitch", "lead"} & set(given):
             return "thread.nominal_diameter needs thread.pitch or thread.lead, from which the pitch diameter follows."
-        told = None not in (self.lead, self.pitch) and "starts" in self.model_fields_set
-        if told and abs(self.lead.nominal / (self.starts * self.pitch.nominal) - 1) > _MISMATCH:
+        twice = None not in (self.lead, self.pitch) and "starts" in self.model_fields_set
+        # One per cent is more than sizes in inches lose when they are written in millimetres.
+        if twice and abs(self.lead.nominal / (self.starts * self.pitch.nominal) - 1) > 0.01:
             return "thread.lead is not thread.starts times thread.pitch; leave one of them out."
         if self.nominal_diameter is not None:
             pitch = self.pitch.high if self.pitch is not None else self.lead.high / self.starts

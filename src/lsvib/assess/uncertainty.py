@@ -12,19 +12,20 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.stats import binomtest, qmc, sobol_indices, uniform
 
-from lsvib.assess.flank_friction import lifting_efficiency, lowering_efficiency
+from lsvib.assess.drive import (
+    lifting_efficiency,
+    lowering_efficiency,
+    nominal_draw,
+    quantities,
+    random_entries,
+    square_thread,
+)
+from lsvib.assess.mechanisms import worst
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.sheet_to_drive import nominal_draw, quantities, random_entries, square_thread
-from lsvib.assess.window import Worst, worst
 from lsvib.errors import InputError
 
 BLOCK = 2**12  # samples at once: few enough for the processor's caches, many enough for NumPy
-CONFIDENCE = 0.95  # of the intervals beside probabilities, the usual one
-BINS = np.linspace(-1.0, 1.0, 41)
-"""Edges of the classes of reserve that samples are counted in."""
-_EDGE = 1e-9  # of the unit interval: keeps quantiles off the ends
-_STARTS = 4  # of the search for the worst case
-_MOST_BITS = 12  # of its corners: no more of them are looked at than a block has samples
+BINS = np.linspace(-1.0, 1.0, 41)  # edges of the classes of reserve [1] that samples are counted in
 
 
 @dataclass(frozen=True)
@@ -60,27 +61,23 @@ def draw_of(sheet: Sheet, shares: NDArray[np.float64]) -> dict[str, Any]:
     draw: dict[str, Any] = dict(nominal_draw(sheet))
     spreads = sheet.spreads
     for path, share in zip(random_entries(sheet), np.atleast_2d(shares), strict=True):
-        draw[path] = spreads[path].quantile(np.clip(share, _EDGE, 1 - _EDGE))
+        draw[path] = spreads[path].quantile(np.clip(share, 1e-9, 1 - 1e-9))  # off the ends, where some are infinite
     return draw
 
 
-def evaluated(sheet: Sheet, shares: NDArray[np.float64]) -> dict[str, Worst]:
-    """Return the lowest reserve of each mechanism over the window for points (d, n) of the unit cube.
+def evaluated(sheet: Sheet, shares: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+    """Return the lowest reserve (n) [1] of each mechanism over the window for points (d, n) of the unit cube.
 
     Raises ``InputError`` if the friction of one of them is so strong that the drive cannot move at all.
     """
     found = worst(sheet, quantities(sheet, draw_of(sheet, shares)))
-    size = shares.shape[1]
-    found = {
-        name: Worst(np.broadcast_to(one.reserve, (size,)), np.broadcast_to(one.corner, (size,)))
-        for name, one in found.items()
-    }
-    if any(np.isnan(one.reserve).any() for one in found.values()):
+    reserves = {name: np.broadcast_to(one.reserve, shares.shape[1:]) for name, one in found.items()}
+    if any(np.isnan(reserve).any() for reserve in reserves.values()):
         raise InputError(
             "friction reaches values at which the threads jam whatever the torque, coefficient >= cot(lead angle); "
             "narrow friction or the lead of the thread."
         )
-    return found
+    return reserves
 
 
 def study(sheet: Sheet, samples: int, seed: int) -> Uncertainty:
@@ -88,66 +85,55 @@ def study(sheet: Sheet, samples: int, seed: int) -> Uncertainty:
 
     Raises ``InputError`` in one sentence.
     """
-    entries = random_entries(sheet)
+    entries, points = random_entries(sheet), np.zeros((0, 1))
+    first, whole = {}, {}
     if entries:
-        total, sequence = samples, qmc.Sobol(len(entries), scramble=True, rng=seed)
-        count = min(samples, BLOCK)
-        results = [_block(sheet, sequence.random(count).T) for _ in range(samples // count)]
-        first, whole = _indices(sheet, entries, count, seed)
-    else:
-        total, results, first, whole = 1, [_block(sheet, np.zeros((0, 1)))], {}, {}
-    names = list(results[0]["lowest"])
-    probability = {name: _probability(results, name, total, bool(entries)) for name in (*names, "any", "holds")}
-    least, most = zip(*(result["lifting"] for result in results), strict=True)
-    lowest = {name: min((result["lowest"][name] for result in results), key=lambda low: low[0])[1] for name in names}
+        points = qmc.Sobol(len(entries), scramble=True, rng=seed).random(samples).T
+        first, whole = _indices(sheet, entries, min(samples, BLOCK), seed)
+    blocks = [_block(sheet, part) for part in np.split(points, range(BLOCK, points.shape[1], BLOCK), axis=1)]
+    found = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
+    lifting, lowering = found.pop("lifting"), found.pop("lowering")
+    unstable = np.any([reserve < 0 for name, reserve in found.items() if name != "after_perturbation"], axis=0)
     return Uncertainty(
-        total, {name: probability[name] for name in names}, probability["any"], first, whole, lowest,
-        probability["holds"], (min(least), max(most)),
-    )  # fmt: skip
+        samples=points.shape[1],
+        probability={name: _probability(reserve < 0, bool(entries), reserve) for name, reserve in found.items()},
+        any=_probability(unstable, bool(entries)),
+        first_order=first,
+        total=whole,
+        lowest={name: points[:, np.argmin(reserve)] for name, reserve in found.items()},
+        holds=_probability(lowering <= 0, bool(entries)),
+        lifting=(float(lifting.min()), float(lifting.max())),
+    )
 
 
-def _block(sheet: Sheet, shares: NDArray[np.float64]) -> dict[str, Any]:
-    """What a block of samples says, points (d, n) of the unit cube.
-
-    Counts of occurrence by mechanism, and of threads that are self-locking; counts in classes of reserve; the lowest
-    reserve of each mechanism with its place; the ends of the lifting efficiency.
-    """
-    found = evaluated(sheet, shares)
+def _block(sheet: Sheet, shares: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+    """The reserves and the efficiencies [1] of a block of samples, points (d, n) of the unit cube."""
     angle, coefficient = square_thread(sheet, quantities(sheet, draw_of(sheet, shares)))
-    held = np.broadcast_to(lowering_efficiency(coefficient, angle) <= 0, shares.shape[1:])
-    lifting = lifting_efficiency(coefficient, angle)
-    occurs = {name: one.reserve < 0 for name, one in found.items()}
-    anything = np.any([flags for name, flags in occurs.items() if name != "push_needed"], axis=0)
-    return {
-        "counts": {name: np.count_nonzero(f) for name, f in {**occurs, "any": anything, "holds": held}.items()},
-        "classes": {name: np.histogram(np.clip(one.reserve, -1.0, 1.0), BINS)[0] for name, one in found.items()},
-        "lowest": {name: (one.reserve.min(), shares[:, np.argmin(one.reserve)]) for name, one in found.items()},
-        "lifting": (float(np.min(lifting)), float(np.max(lifting))),
+    efficiencies = {"lifting": lifting_efficiency, "lowering": lowering_efficiency}
+    return evaluated(sheet, shares) | {
+        name: np.broadcast_to(of(coefficient, angle), shares.shape[1:]) for name, of in efficiencies.items()
     }
 
 
-def _probability(results: list[dict[str, Any]], name: str, total: int, random: bool) -> Probability:
+def _probability(hits: NDArray[np.bool_], random: bool, reserve: Any = ()) -> Probability:
     """A share with the interval of Clopper and Pearson, as if the samples were independent.
 
-    Points of a scrambled Sobol sequence scatter less than independent ones, so the interval is on the safe side. A
-    sheet with nothing uncertain has a probability of exactly 0 or 1.
+    Points of a scrambled Sobol sequence scatter less, so it is on the safe side. If nothing is uncertain it is 0 or 1.
     """
-    hits = sum(result["counts"][name] for result in results)
-    classes = np.sum([result["classes"][name] for result in results], axis=0) if name in results[0]["classes"] else []
-    share = hits / total
-    if not random:
-        return Probability(share, (share, share), np.asarray(classes))
-    ends = binomtest(hits, total).proportion_ci(CONFIDENCE, "exact")
-    return Probability(share, (float(ends.low), float(ends.high)), np.asarray(classes))
+    count = np.count_nonzero(hits)
+    share = count / hits.size
+    ends = binomtest(count, hits.size).proportion_ci(0.95, "exact")
+    interval = (float(ends.low), float(ends.high)) if random else (share, share)
+    return Probability(share, interval, np.histogram(np.clip(reserve, -1.0, 1.0), BINS)[0])
 
 
 def _indices(sheet: Sheet, entries: Sequence[str], count: int, seed: int) -> tuple[dict, dict]:
     """Sobol indices of the reserve of each mechanism that varies, first order and total."""
-    names = [n for n, one in evaluated(sheet, np.full((len(entries), 1), 0.5)).items() if n != "push_needed"]
+    names = [n for n in evaluated(sheet, np.full((len(entries), 1), 0.5)) if n != "after_perturbation"]
 
     def reserve(shares: NDArray[np.float64]) -> NDArray[np.float64]:
         found = evaluated(sheet, shares)
-        return np.stack([found[name].reserve for name in names])
+        return np.stack([found[name] for name in names])
 
     trial = reserve(qmc.Sobol(len(entries), scramble=True, rng=seed).random(64).T)
     varied = [k for k, row in enumerate(trial) if np.ptp(row) > 0]
@@ -172,10 +158,10 @@ def first_shares(sheet: Sheet, lowest: Mapping[str, NDArray[np.float64]]) -> dic
     no step from a sample leads there. Corners at which the drive cannot move at all are left out.
     """
     size = len(random_entries(sheet))
-    if size <= _MOST_BITS:
+    if size <= 12:  # no more corners than a block has samples
         corners = (np.arange(2**size) >> np.arange(size)[:, None]) % 2.0
     else:
-        corners = np.round(qmc.Sobol(size, scramble=True, rng=size).random(2**_MOST_BITS).T)
+        corners = np.round(qmc.Sobol(size, scramble=True, rng=size).random(BLOCK).T)
     shares = np.concatenate([np.stack(list(lowest.values()), axis=1), corners], axis=1)
     found = worst(sheet, quantities(sheet, draw_of(sheet, shares)))
     rows = {name: np.broadcast_to(found[name].reserve, shares.shape[1:]) for name in lowest}
@@ -192,9 +178,9 @@ def worst_shares(sheet: Sheet, name: str, start: NDArray[np.float64]) -> NDArray
         return best
 
     def reserve(shares: NDArray[np.float64]) -> float:
-        return float(evaluated(sheet, np.clip(shares, 0.0, 1.0)[:, None])[name].reserve[0])
+        return float(evaluated(sheet, np.clip(shares, 0.0, 1.0)[:, None])[name][0])
 
-    for _ in range(_STARTS):
+    for _ in range(4):
         before = best.copy()
         for k in range(best.size):
             rows = [np.concatenate([best[:k], [end], best[k + 1 :]]) for end in (best[k], 0.0, 1.0)]

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from lsvib.assess.mechanisms import DRIVES, drive_of
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.shown_numbers import shown
+from lsvib.assess.words import shown
 from lsvib.basins.boundary import AttractsNothing, basin
-from lsvib.basins.resilience import smallest_push
+from lsvib.basins.resilience import largest_tolerated
 from lsvib.dynamics.attractors import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.dynamics.impulses import event_impulses
 from lsvib.engine.automaton import Automaton
@@ -23,23 +23,13 @@ from lsvib.models.mechanics import coefficients
 from lsvib.models.model import Model, find_model
 from lsvib.models.rigid import rigid_automaton
 
-AUDIBLE = (20.0, 20e3)  # Hz, what a young ear hears
 _NUDGE = 1e-3  # of the speed: how far from steady sliding a motion starts that shows whether it is stable
+STRONG = 5.0  # times the speed: a perturbation that counts as strong, and the largest that has to be tried
 _PERIODS = 6  # shown of a cycle
-_GROWN, _NEARLY = 0.3, 0.95  # of the cycle's speed: where the motion that is shown starts, and what it has to reach
-_DOUBLINGS = 6  # of the time shown; slower growth is shown in part
 _SAMPLES = 1200  # of the motion shown: 200 a period, more than the page has dots for
-_STANDSTILL = 1e-12  # relative: what is left by rounding of a speed of zero
 # Work after which a motion counts as unresolved, some seconds: events with two states, units of one with more. Of 180
-# random sheets with a support or springy threads 20 were unresolved with a tenth of it; 3 are now, 16 never repeat.
+# random sheets with a compliant support or threads 20 were unresolved with a tenth of it; 3 are now, 16 never repeat.
 _MOST_WORK = {"rigid": 4_000, "support": 2_000_000, "contact": 2_000_000}
-_LEAST_DAMPING = 2e-4  # damping ratio; below it the boundary of the basin winds through more than 10⁴ turns
-_FARTHEST = 1e4  # times the speed: a push beyond it is none that a drive meets
-# Pushes that are tried with springy threads, in times of the one that stiff threads tolerate, or of the speed; a fatal
-# one is closed in on until the ends of the bracket are some 1 % apart.
-_TRIED, _HALVINGS = (0.1, 0.25, 0.5, 0.75, 0.95, 1.2, 2.0, 5.0), 6
-STRONG = 5.0  # times the speed: a push that shows what a strong one does, and the largest that has to be tried
-_WORK_TRIED = 20_000  # units for each of them, a tenth of a second or two
 
 
 @dataclass(frozen=True)
@@ -76,14 +66,18 @@ class Vibration:
 
     @property
     def audible(self) -> bool:
-        """Whether its frequency lies within what people hear; the harmonics of a lower one may be heard as knocks."""
-        return self.frequency is not None and AUDIBLE[0] <= self.frequency <= AUDIBLE[1]
+        """Whether its frequency lies within what a young ear hears; a lower one may be heard as knocks."""
+        return self.frequency is not None and 20.0 <= self.frequency <= 20e3
 
 
 def vibration(
-    sheet: Sheet, values: Mapping[str, float], corner: tuple[int, Any, Any], part: str = "rigid", push: float = _NUDGE
+    sheet: Sheet,
+    values: Mapping[str, float],
+    corner: tuple[int, Any, Any],
+    part: str = "rigid",
+    perturbation: float = _NUDGE,
 ) -> Vibration:
-    """Follow the motion of a drive from near steady sliding, u = 0, w = ``push`` Ω, to where it ends.
+    """Follow the motion of a drive from near steady sliding, u = 0, w = ``perturbation`` Ω, to where it ends.
 
     ``part``: rigid, or with the ``contact`` or ``support`` of the sheet. Friction is that at the running speed: a slope
     is not part of the motion.
@@ -92,7 +86,7 @@ def vibration(
     try:
         drive = drive_of(sheet, values, *corner, part)
         definition = find_model(model)
-        start = {"u": 0.0, "w": push * drive.input_speed}
+        start = {"u": 0.0, "w": perturbation * drive.input_speed}
         automaton = definition.build(drive, definition.physics_of(drive), "contact_sign")
         state = definition.initial_state(drive, start)
         end = steady_state(automaton, state, max_events=_MOST_WORK[part])
@@ -136,12 +130,12 @@ def _shown(
         span = _PERIODS * end.period
         row = np.eye(1, len(automaton.states) + 1, 1)[0]  # w
         size = max(map(abs, orbit_extremes(end.orbit, row)))
-        start = {**start, "w": math.copysign(max(abs(start["w"]), _GROWN * size), start["w"])}
-    for _ in range(_DOUBLINGS):
+        start = {**start, "w": math.copysign(max(abs(start["w"]), 0.3 * size), start["w"])}
+    for _ in range(6):  # slower growth is shown in part
         motion = follow(automaton, definition.initial_state(drive, start), span)
         times = np.linspace(0.0, span, _SAMPLES + 1)
         states, _ = motion.at(times)
-        if np.abs(states[times > 0.5 * span, 1]).max() >= _NEARLY * size:
+        if np.abs(states[times > 0.5 * span, 1]).max() >= 0.95 * size:
             break
         span *= 2
     return start, span, times, states
@@ -175,19 +169,19 @@ def _of_cycle(drive: Drive, orbit: Motion, row: NDArray[np.float64]) -> dict[str
 
 def _speeds(orbit: Motion, row: NDArray[np.float64]) -> tuple[float, float]:
     """Lowest and highest speed on a cycle, a row over the state and 1; what rounding leaves of standstill is zero."""
-    slowest, fastest = orbit_extremes(orbit, row)
-    if abs(slowest) < _STANDSTILL * abs(fastest):
-        slowest = 0.0
-    elif abs(fastest) < _STANDSTILL * abs(slowest):
-        fastest = 0.0
+    speeds = orbit_extremes(orbit, row)
+    rounding = 1e-12 * max(map(abs, speeds))
+    slowest, fastest = (0.0 if abs(speed) < rounding else speed for speed in speeds)
     return slowest, fastest
 
 
-def survived_push(sheet: Sheet, values: Mapping[str, float], corner: tuple[int, Any, Any]) -> tuple[float | None, str]:
+def tolerated_perturbation(
+    sheet: Sheet, values: Mapping[str, float], corner: tuple[int, Any, Any]
+) -> tuple[float | None, str]:
     """Smallest sudden change of the screw's speed [rad/s], as a size, after which steady sliding does not come back.
 
     By the boundary of the region of attraction of the rigid drive, in closed form
-    (:func:`lsvib.basins.resilience.smallest_push`). Returns the change, infinite if motion comes back from any, zero if
+    (:func:`lsvib.basins.resilience.largest_tolerated`). Returns the change, infinite if motion comes back from any, zero if
     steady sliding is unstable, None if it is not known; and a sentence.
     """
     drive = drive_of(sheet, values, *corner)
@@ -196,7 +190,7 @@ def survived_push(sheet: Sheet, values: Mapping[str, float], corner: tuple[int, 
             return math.inf, "Steady sliding is reached again after any perturbation."
         c = coefficients(drive)
         ratio = 0.5 * float(c.damping[-1]) / math.sqrt(drive.coupling_stiffness * float(c.gamma[-1]))
-        if not c.paradox and 0 < ratio < _LEAST_DAMPING:
+        if not c.paradox and 0 < ratio < 2e-4:  # the boundary winds through more than 10⁴ turns
             return None, "The largest tolerated perturbation is not computed for a drive with so little damping."
         region = basin(drive)
     except AttractsNothing as error:
@@ -205,16 +199,16 @@ def survived_push(sheet: Sheet, values: Mapping[str, float], corner: tuple[int, 
         return None, str(error)
     if not region.curves:
         return math.inf, "Steady sliding is reached again after any perturbation."
-    found = smallest_push(region, 1)
-    if found > _FARTHEST * abs(drive.input_speed):
+    found = largest_tolerated(region, 1)
+    if found > 1e4 * abs(drive.input_speed):  # more than a drive meets
         return math.inf, "Steady sliding is reached again after any sudden change of the screw's speed."
     return found, "A larger sudden change of the screw's speed ends in vibration that goes on."
 
 
-def springy_push(
+def tolerated_by_trial(
     sheet: Sheet, values: Mapping[str, float], corner: tuple[int, Any, Any], stiff: float | None
 ) -> tuple[float | None, str]:
-    """The same with the springy threads of the sheet, by motions after perturbations of either sign; nothing is proved.
+    """The same with the compliant threads of the sheet, by motions after perturbations of either sign, without proof.
 
     ``stiff``: the largest change of speed [rad/s] that the drive with stiff threads tolerates, around which others are
     tried. Returns the largest one below which all that were tried come back, infinite if all do, None if a motion does
@@ -223,32 +217,32 @@ def springy_push(
     drive = drive_of(sheet, values, *corner, "contact")
     definition = find_model(drive.model)
 
-    def ends(push: float) -> str:
-        state = definition.initial_state(drive, {"u": 0.0, "w": push})
-        return _word(steady_state(automaton, state, max_events=_WORK_TRIED).label)
+    def ends(speed: float) -> str:
+        state = definition.initial_state(drive, {"u": 0.0, "w": speed})
+        return _word(steady_state(automaton, state, max_events=20_000).label)
 
     known = stiff is not None and 0 < stiff < math.inf
     scale = stiff if known else abs(drive.input_speed)
     beside = f" With perfectly stiff threads it would be {shown(stiff, 'rad/s')}." if known else ""
-    tried = f"Tried with the springy threads of the data sheet, by perturbations of either sign.{beside}"
+    tried = f"Tried with the compliant threads of the data sheet, by perturbations of either sign.{beside}"
     low = 0.0
     try:
         automaton = definition.build(drive, definition.physics_of(drive), "contact_sign")
         slightest = ends(_NUDGE**2 * scale)
         if slightest != "steady sliding":  # without damping it neither comes back nor vibrates more and more
             known = slightest not in ("neutral family", "unresolved")
-            return (0.0, "Steady running is unstable with springy threads.") if known else (None, "")
-        sizes = [scale * part for part in _TRIED]
+            return (0.0, "Steady running is unstable with compliant threads.") if known else (None, "")
+        sizes = [scale * part for part in (0.1, 0.25, 0.5, 0.75, 0.95, 1.2, 2.0, 5.0)]
         while sizes[-1] < STRONG * abs(drive.input_speed):
             sizes.append(2 * sizes[-1])
         for size in sizes:
             found = {sign: ends(sign * size) for sign in (1, -1)}
             lost = [sign for sign, end in found.items() if end != "steady sliding"]
             if "unresolved" in found.values():
-                return None, "How large a perturbation it tolerates with springy threads could not be determined."
+                return None, "How large a perturbation it tolerates with compliant threads could not be determined."
             if lost:
                 high = size
-                for _ in range(_HALVINGS):
+                for _ in range(6):  # until the ends of the bracket are some 1 % apart
                     middle = 0.5 * (low + high)
                     calm = all(ends(sign * middle) == "steady sliding" for sign in lost)
                     low, high = (middle, high) if calm else (low, middle)
@@ -258,5 +252,5 @@ def springy_push(
         return None, str(error)
     return (
         math.inf,
-        f"Perturbations of up to {shown(low, 'rad/s')} were tried with springy threads; all were tolerated.",
+        f"Perturbations of up to {shown(low, 'rad/s')} were tried with compliant threads; all were tolerated.",
     )

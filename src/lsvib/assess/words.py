@@ -1,4 +1,6 @@
-"""Plain words for what the theory calls by names; every term of the report has its meaning beside it."""
+"""The words of the report: every term of the theory with its plain meaning, and numbers with units."""
+
+import math
 
 MECHANISMS = {
     "negative_damping": (
@@ -10,7 +12,7 @@ MECHANISMS = {
     "kinematic_constraint": (
         "Kinematic constraint",
         "Wedging: a load heavy against the screw's inertia, behind a self-locking thread, presses the threads together "
-        "faster than the screw can give way, so that the screw seizes and lets go again and again (sprag-slip).",
+        "faster than the screw can yield, so that the screw seizes and lets go again and again (sprag-slip).",
     ),
     "mode_coupling": (
         "Mode coupling of the support",
@@ -23,14 +25,14 @@ MECHANISMS = {
         "damping, small oscillations grow.",
     ),
     "thread_contact": (
-        "Springy thread contact",
+        "Compliant thread contact",
         "Screw and nut oscillate against each other on the elasticity of the threads and draw energy through "
         "friction, although the drive would run quietly with perfectly stiff threads.",
     ),
-    "push_needed": (
-        "Vibration after a push",
-        "Steady running is stable, but it is not the only motion that keeps itself going: after a push that is large "
-        "enough the drive does not return to it, but seizes and slips again and again.",
+    "after_perturbation": (
+        "Vibration after a perturbation",
+        "Steady running is stable, but it is not the only motion that sustains itself: after a perturbation that is "
+        "large enough, a knock for instance, the drive does not return to it, but seizes and slips again and again.",
     ),
 }
 """Name and plain meaning of each mechanism."""
@@ -40,8 +42,8 @@ SHORT = {
     "kinematic_constraint": "kinematic constraint (the threads wedge and let go)",
     "mode_coupling": "mode coupling of the support (turning and shifting of the screw lock together)",
     "falling_friction": "friction that falls with speed",
-    "thread_contact": "springy thread contact",
-    "push_needed": "vibration after a push",
+    "thread_contact": "compliant thread contact",
+    "after_perturbation": "vibration after a perturbation",
 }
 """The same in a few words, for the middle of a sentence."""
 
@@ -84,8 +86,8 @@ VERDICTS = {
     "operating window.",
     "may vibrate": "This drive may vibrate: at the middle values of the data sheet it runs steadily, but not for all "
     "values within the given uncertainties.",
-    "steady until pushed": "This drive runs steadily when left alone, but a strong push may start a vibration that "
-    "goes on.",
+    "steady until perturbed": "This drive runs steadily when left alone, but a strong perturbation, such as a knock, "
+    "can start vibration that goes on.",
     "steady without reserve": "Nothing in the data sheet makes this drive vibrate, but nothing damps it either: "
     "oscillations that something else starts do not decay.",
     "steady but for rare values": "This drive runs steadily in the whole operating window for every one of the drives "
@@ -94,22 +96,84 @@ VERDICTS = {
 }
 """The verdict in one sentence, by its name."""
 
-LEFT_OUT = (
-    "Bending of the screw: two bending modes of similar frequency can squeal on their own (Nam et al., Sensors 23: "
-    "6169, 2023); long, thin screws need a calculation of their own.",
-    "A springy support and springy threads at once, and springy threads with friction that falls with speed: each is "
-    "judged with the others as stiff, and with the friction of the running speed.",
-    "Backlash of the nut, and screws or nuts that are bent, worn or out of line.",
-    "Coulomb friction of the guides and bearings; it damps, so leaving it out is on the safe side for small "
-    "oscillations, except where friction falls with speed: what the guides resist with is pressed through the threads "
-    "as well, and the fall amplifies an oscillation the more, the larger the force on them.",
-    "Static friction that is larger than kinetic friction; it makes stick-slip at very low speeds more likely.",
-    "The dynamics of the motor and its controller: the motor is taken to turn at constant speed.",
-    "The motion beyond the onset of vibration by friction that falls with speed: only the onset is computed.",
-)
-"""What the model does not know, in sentences."""
-
 
 def entry_name(path: str) -> str:
     """Return an entry of the data sheet, such as coupling.gear_ratio, as a reader meets it: coupling: gear ratio."""
     return path.replace(".", ": ").replace("_", " ")
+
+
+_PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
+_PREFIXED = {"N": "N", "m": "m", "m/s": "m/s", "Hz": "Hz", "N s": "N s", "N/m": "N/m", "N m/rad": "N m/rad", "s": "s"}
+_READABLE = {
+    "kg m2": "kg m²",
+    "kg m^2": "kg m²",
+    "kg/m^3": "kg/m³",
+    "N m rad-1": "N m/rad",
+    "N m s rad-1": "N m s/rad",
+    "N s m-1": "N s/m",
+    "N m-1": "N/m",
+    "s m-1": "s/m",
+    "m s-1": "m/s",
+}
+
+
+def shown(value: float | None, unit: str) -> str:
+    """Return a quantity in SI units with a prefix where one is usual, rad and rad/s in degrees and rpm.
+
+    ``unit`` in the spelling of datasets (``N m s rad-1``) or of people; an empty text or 1 for plain numbers.
+    """
+    if value is None:
+        return "–"
+    if math.isinf(value):
+        return "any" if value > 0 else "none"
+    if unit in ("rad s-1", "rad/s"):
+        return f"{_figure(value * 60 / (2 * math.pi))} rpm"
+    if unit == "rad":
+        return f"{_figure(math.degrees(value))}°"
+    unit = _READABLE.get(unit, unit)
+    if unit in ("", "1"):
+        return _figure(value)
+    if unit in _PREFIXED and value != 0:
+        size = abs(value) * (1 + 0.5 * 1e-3)  # so that 999.7 becomes 1 k
+        factor, prefix = next((pair for pair in _PREFIXES if size >= pair[0]), _PREFIXES[-1])
+        return f"{_figure(value / factor)} {prefix}{unit}"
+    return f"{_figure(value)} {unit}"
+
+
+def percent(value: float | None) -> str:
+    """Return a share as a percentage, with enough digits near its ends."""
+    if value is None:
+        return "–"
+    share, digits = 100 * value, 4
+    if share <= 99 or value >= 1:
+        return f"{_figure(share)} %"
+    while (text := f"{share:.{digits}g}") == "100":  # only what is sure is 100 %
+        digits += 1
+    return f"{text} %"
+
+
+def signed(value: float, places: int) -> str:
+    """Return a plain number with its sign and so many decimal places."""
+    return f"{value:+.{places}f}".replace("-", "−")
+
+
+def change(factor: float | None) -> str:
+    """Return a factor in words: 20 % larger, 3 times as large."""
+    if factor is None:
+        return "no change of it does"
+    if factor >= 2:
+        return f"{factor:.3g} times as large"
+    return f"{abs(factor - 1) * 100:.3g} % {'larger' if factor > 1 else 'smaller'}"
+
+
+def _figure(value: float) -> str:
+    if value == 0:
+        return "0"
+    text = f"{value:.3g}"
+    if "e" not in text:
+        return text.replace("-", "−")
+    mantissa, _, exponent = text.partition("e")
+    if 0 < int(exponent) < 6:
+        return f"{value:.0f}".replace("-", "−")
+    small = str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    return f"{mantissa} × 10{small}".replace("-", "−")

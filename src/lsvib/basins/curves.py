@@ -1,4 +1,4 @@
-r"""Curves in the phase plane made of arcs of a flow and straight segments: crossings, areas, points – all exact.
+r"""Regions of the phase plane bounded by arcs of a flow and straight segments: areas, points, windows – all exact.
 
 A curve is a list of pieces, each beginning where the one before ends; the region that it bounds lies on its *right*: a
 motion turns clockwise in the phase plane. By Green's theorem the area is then ∮ w du; with du = w dt and the balance of
@@ -6,22 +6,24 @@ energy of the oscillator  u″ + a₁ u′ + a₀ u = b
 
     ∫ w du = ∫ w² dt = −Δ(w²/2 + a₀ u²/2 − b u) / a₁         along an arc,
 
-evaluated with 60 digits, and more for a small a₁. Along a line w = const, from u = −∞ on, the region is
+evaluated in balls of 150 digits: the strips under a boundary nearly cancel, in a narrow window to 24 digits and 20
+more, and the division by a small a₁ costs as many. Along a line w = const, from u = −∞ on, the region is
 entered where a curve rises and left where one falls; if it is left once more than it is entered, it holds u = −∞.
 """
 
+import itertools
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
-from mpmath import mp, mpf
+from flint import arb
 
+from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.kernels import flow_planar, layout, search_planar
 from lsvib.engine.kernels.flow_planar import level
 from lsvib.engine.kernels.layout import Found
-
-_DIGITS = 60  # of an area: the strips under its boundary nearly cancel, in a narrow window to 24 digits and 20 more
 
 
 @dataclass(frozen=True)
@@ -46,6 +48,37 @@ Piece = Arc | Segment
 Curve = list[Piece]
 
 
+class Window(NamedTuple):
+    """A rectangle in the phase plane: u from ``left`` to ``right`` [rad], w from ``bottom`` to ``top`` [rad/s]."""
+
+    left: float
+    right: float
+    bottom: float
+    top: float
+
+    @property
+    def area(self) -> float:
+        """Area [rad²/s]."""
+        return (self.right - self.left) * (self.top - self.bottom)
+
+    @property
+    def middle(self) -> np.ndarray:
+        """Middle (u [rad], w [rad/s])."""
+        return np.array([0.5 * (self.left + self.right), 0.5 * (self.bottom + self.top)])
+
+    def holds(self, state: np.ndarray) -> bool:
+        """Whether a state (2) lies inside."""
+        return bool(self.left < state[0] < self.right and self.bottom < state[1] < self.top)
+
+    def widened(self, width: float, height: float) -> "Window":
+        """Return the window about the same middle that is at least so wide [rad] and high [rad/s]."""
+        (left, right), (bottom, top) = (
+            (low, high) if high - low >= least else (0.5 * (low + high - least), 0.5 * (low + high + least))
+            for low, high, least in ((self.left, self.right, width), (self.bottom, self.top, height))
+        )
+        return Window(left, right, bottom, top)
+
+
 def state_on(flow: np.ndarray, arc: Arc, time: float) -> np.ndarray:
     """Return the state (2) on an arc at a time [s] after its start."""
     state = np.empty(2)
@@ -55,7 +88,8 @@ def state_on(flow: np.ndarray, arc: Arc, time: float) -> np.ndarray:
 
 def sign_changes(flow: np.ndarray, arc: Arc, row: np.ndarray) -> list[float]:
     """Return the times [s] in (0, duration) at which an affine function (3) of the state changes sign along an arc."""
-    times, time, state = [], 0.0, np.asarray(arc.start, dtype=float)
+    times: list[float] = []
+    time, state = 0.0, np.asarray(arc.start, dtype=float)
     value, size = level(row, state, np.abs(state))
     rate, rate_size, bend, _ = flow_planar.slopes_at(flow, arc.mode, state, np.abs(state), row)
     touches = abs(value) <= size
@@ -71,51 +105,75 @@ def sign_changes(flow: np.ndarray, arc: Arc, row: np.ndarray) -> list[float]:
         state, touches = state_on(flow, arc, time), True
 
 
+def split(flow: np.ndarray, arc: Arc, times: Sequence[float]) -> list[Piece]:
+    """Return an arc as arcs between ascending ``times`` [s] in (0, duration)."""
+    bounds = [0.0, *times, arc.duration]
+    states = [arc.start, *(state_on(flow, arc, t) for t in times), arc.end]
+    return [Arc(arc.mode, states[k], states[k + 1], bounds[k + 1] - bounds[k]) for k in range(len(bounds) - 1)]
+
+
+def sampled(flow: np.ndarray, curves: Iterable[Curve], count: int = 100) -> np.ndarray:
+    """Return points (n, 2) along curves for drawing, ``count`` to an arc, with a row of NaN between two curves."""
+    points: list[Any] = []
+    for curve in curves:
+        points += [[math.nan, math.nan]] if points else []
+        for piece in curve:
+            if isinstance(piece, Arc):
+                points += [state_on(flow, piece, t) for t in np.linspace(0.0, piece.duration, count)]
+            else:
+                points += [piece.start, piece.end]
+    return np.array(points).reshape(-1, 2)
+
+
 def area(flow: np.ndarray, curves: Iterable[Curve]) -> float:
     """Return the area [rad²/s] to the right of closed curves (flow table, curves), by Green's theorem.
 
     Neighbouring pieces meet to rounding; a straight line closes each gap, so that it counts for no more than it holds.
     """
-    total = mpf(0)
-    with mp.workdps(_DIGITS):
+    with many_digits():
+        total = arb(0)
         for curve in curves:
             for piece, following in zip(curve, [*curve[1:], curve[0]], strict=True):
                 strip, end = _strip(flow, piece)
-                total += strip + _under_line(end, _digits(following.start))
-    return float(total)
+                total += strip + _under_line(end, _balls(following.start))
+        return float(total)
 
 
-def _digits(point) -> tuple[mpf, mpf]:
-    return mpf(float(point[0])), mpf(float(point[1]))
+def _balls(point: np.ndarray) -> tuple[arb, arb]:
+    return arb(float(point[0])), arb(float(point[1]))
 
 
-def _under_line(start: tuple[mpf, mpf], end: tuple[mpf, mpf]) -> mpf:
+def _under_line(start: tuple[arb, arb], end: tuple[arb, arb]) -> arb:
     """∫ w du along a straight line."""
     return (start[1] + end[1]) * (end[0] - start[0]) / 2
 
 
-def _strip(flow: np.ndarray, piece: Piece) -> tuple[mpf, tuple[mpf, mpf]]:
+def _strip(flow: np.ndarray, piece: Piece) -> tuple[arb, tuple[arb, arb]]:
     """∫ w du along a piece, and its end: of the end in double, the difference of energies would keep too few digits."""
-    u, w = _digits(piece.start)
+    u, w = _balls(piece.start)
     if isinstance(piece, Segment):
-        end = _digits(piece.end)
+        end = _balls(piece.end)
         return _under_line((u, w), end), end
-    a0, a1, b = (mpf(float(flow[piece.mode, k])) for k in (layout.A0, layout.A1, layout.B))
-    little = mp.log10(a1 * a1 / abs(a0)) / 2 if a1 else 0
-    with mp.workdps(_DIGITS + max(0, -int(little))):  # the division by a₁ costs as many digits
-        time, root, y = mpf(piece.duration), mp.sqrt(mp.mpc(a1 * a1 / 4 - a0)), u - b / a0
-        decay = mp.exp(-a1 * time / 2)
-        s = mp.re(decay * (mp.sinh(root * time) / root if root else time))  # critical damping has a double root
-        even = mp.re(decay * mp.cosh(root * time))  # S′ = even − a₁ S / 2 of the response S to a blow
-        y_end, w_end = y * (even + a1 / 2 * s) + w * s, w * (even - a1 / 2 * s) - a0 * y * s
-        if a1:
-            strip = (w * w - w_end * w_end + a0 * (y * y - y_end * y_end)) / (2 * a1)
-        else:  # energy stays, and ∫ w² dt + a₀ ∫ y² dt is it twice over time, ∫ w² dt − a₀ ∫ y² dt = Δ(y w)
-            strip = ((w * w + a0 * y * y) * time + y_end * w_end - y * w) / 2
+    a0, a1, b = (arb(float(flow[piece.mode, k])) for k in (layout.A0, layout.A1, layout.B))
+    time = arb(piece.duration)
+    square, y, decay = a1 * a1 / 4 - a0, u - b / a0, (-a1 * time / 2).exp()
+    root = abs(square).sqrt()
+    if square == 0:  # critical damping has a double root
+        s, even = decay * time, decay
+    elif square > 0:
+        s, even = decay * (root * time).sinh() / root, decay * (root * time).cosh()
+    else:
+        s, even = decay * (root * time).sin() / root, decay * (root * time).cos()
+    # S′ = even − a₁ S / 2 of the response S to a blow
+    y_end, w_end = y * (even + a1 / 2 * s) + w * s, w * (even - a1 / 2 * s) - a0 * y * s
+    if a1 == 0:  # energy stays, and ∫ w² dt + a₀ ∫ y² dt is it twice over time, ∫ w² dt − a₀ ∫ y² dt = Δ(y w)
+        strip = ((w * w + a0 * y * y) * time + y_end * w_end - y * w) / 2
+    else:
+        strip = (w * w - w_end * w_end + a0 * (y * y - y_end * y_end)) / (2 * a1)
     return strip, (y_end + b / a0, w_end)
 
 
-def contains(flow: np.ndarray, curves: Iterable[Curve], state) -> bool:
+def contains(flow: np.ndarray, curves: Iterable[Curve], state: np.ndarray) -> bool:
     """Return whether the region to the right of curves holds a state (2)."""
     u, w = float(state[0]), float(state[1])
     left, total = 0, 0
@@ -140,35 +198,119 @@ def _rising_parts(flow: np.ndarray, piece: Piece) -> list[Piece]:
 
 def _angle_at(flow: np.ndarray, part: Piece, w: float) -> float:
     """Return the deviation u at which a part, on which the rate only rises or only falls, has the rate w."""
+    if part.start[1] == w:
+        return float(part.start[0])
     if isinstance(part, Segment):
-        if part.start[0] == part.end[0]:
+        if part.start[0] == part.end[0]:  # it may begin or end at infinity
             return float(part.start[0])
         share = (w - part.start[1]) / (part.end[1] - part.start[1])
         return float(part.start[0] + share * (part.end[0] - part.start[0]))
-    sign = 1.0 if part.start[1] > w else -1.0
-    if part.start[1] == w:
-        return float(part.start[0])
-    found, time = search_planar.crossing(
-        flow, part.mode, np.asarray(part.start), sign * np.array([0.0, 1.0, -w]), False, part.duration
-    )
+    row = math.copysign(1.0, part.start[1] - w) * np.array([0.0, 1.0, -w])
+    found, time = search_planar.crossing(flow, part.mode, np.asarray(part.start), row, False, part.duration)
     return float(state_on(flow, part, time)[0] if found == Found.CROSSING else part.end[0])
 
 
-def split(flow: np.ndarray, arc: Arc, times: Sequence[float]) -> list[Arc]:
-    """Return an arc as arcs between ascending ``times`` [s] in (0, duration)."""
-    bounds = [0.0, *times, arc.duration]
-    states = [arc.start, *(state_on(flow, arc, t) for t in times), arc.end]
-    return [Arc(arc.mode, states[k], states[k + 1], bounds[k + 1] - bounds[k]) for k in range(len(bounds) - 1)]
+def clip(flow: np.ndarray, curves: Sequence[Curve], window: Window) -> list[Curve]:
+    """Return the closed curves around the part of a region that lies in a window.
+
+    ``curves`` are closed or reach infinity at both ends, with the region on their right; so are the curves returned,
+    which follow the edges of the window clockwise where the region goes on beyond them.
+    """
+    closed, paths = inside(flow, curves, window)
+    if not paths and not closed:
+        return [_edges(window, 0.0, 4.0)] if contains(flow, curves, window.middle) else []
+    while paths:
+        loop = paths.pop(0)
+        while True:
+            leaves = _place(window, loop[-1].end)
+            ahead = {((_place(window, path[0].start) - leaves) % 4.0): path for path in [loop, *paths]}
+            way = min(ahead)
+            loop = [*loop, *_edges(window, leaves, way)]
+            if ahead[way][0] is loop[0]:
+                break
+            paths = [path for path in paths if path is not ahead[way]]
+            loop = [*loop, *ahead[way]]
+        closed.append(loop)
+    return closed
 
 
-def sampled(flow: np.ndarray, curves: Iterable[Curve], count: int = 100) -> np.ndarray:
-    """Return points (n, 2) along curves for drawing, ``count`` to an arc, with a row of NaN between two curves."""
-    points = []
+def inside(flow: np.ndarray, curves: Iterable[Curve], window: Window) -> tuple[list[Curve], list[Curve]]:
+    """Return the parts of curves inside a window: the closed curves, and the paths from one edge to another."""
+    closed, paths = [], []
     for curve in curves:
-        points += [[math.nan, math.nan]] if points else []
-        for piece in curve:
-            if isinstance(piece, Arc):
-                points += [state_on(flow, piece, t) for t in np.linspace(0.0, piece.duration, count)]
-            else:
-                points += [piece.start, piece.end]
-    return np.array(points).reshape(-1, 2)
+        parts = [(part, window.holds(_middle(flow, part))) for piece in curve for part in _cut(flow, piece, window)]
+        if all(kept for _, kept in parts):
+            closed.append([part for part, _ in parts])
+        elif any(kept for _, kept in parts):
+            gap = next(k for k, (_, kept) in enumerate(parts) if not kept)  # no run of kept pieces passes it
+            runs = itertools.groupby(parts[gap:] + parts[:gap], key=lambda part: part[1])
+            paths += [[part for part, _ in run] for kept, run in runs if kept]
+    return closed, paths
+
+
+def _middle(flow: np.ndarray, piece: Piece) -> np.ndarray:
+    if isinstance(piece, Segment):
+        return np.asarray(0.5 * (piece.start + piece.end))
+    return state_on(flow, piece, 0.5 * piece.duration)
+
+
+def _cut(flow: np.ndarray, piece: Piece, window: Window) -> list[Piece]:
+    """Cut a piece where it crosses the lines through the edges of a window; cuts lie on them to the last bit."""
+    lines = [(0, window.left), (0, window.right), (1, window.bottom), (1, window.top)]
+    parts: list[Piece]
+    cuts = []
+    if isinstance(piece, Arc):
+        for axis, place in lines:
+            row = np.array([1.0 - axis, float(axis), -place])
+            cuts += [(time, axis, place) for time in sign_changes(flow, piece, row)]
+        cuts.sort()
+        parts = split(flow, piece, [time for time, _, _ in cuts])
+    else:
+        piece = _finite(piece, window)
+        for axis, place in lines:
+            first, last = piece.start[axis] - place, piece.end[axis] - place
+            if (first < 0) != (last < 0) and first != 0 and last != 0:
+                cuts.append((first / (first - last), axis, place))
+        cuts.sort()
+        points = [piece.start, *(piece.start + share * (piece.end - piece.start) for share, _, _ in cuts), piece.end]
+        parts = [Segment(one, other) for one, other in itertools.pairwise(points)]
+    for k, (_, axis, place) in enumerate(cuts):
+        point = parts[k].end.copy()
+        point[axis] = place
+        parts[k], parts[k + 1] = replace(parts[k], end=point), replace(parts[k + 1], start=point)
+    return parts
+
+
+def _finite(piece: Segment, window: Window) -> Segment:
+    """Replace the infinite ends of a segment by points beyond the window and beyond the other end."""
+    height, ends = window.top - window.bottom, []
+    for point, other in ((piece.start, piece.end), (piece.end, piece.start)):
+        beyond = point[1]
+        if beyond == -math.inf:
+            beyond = min(window.bottom, other[1]) - height
+        elif beyond == math.inf:
+            beyond = max(window.top, other[1]) + height
+        ends.append(np.array([point[0], beyond]))
+    return Segment(*ends)
+
+
+def _place(window: Window, point: np.ndarray) -> float:
+    """Return how far round the window a point of its edge lies, clockwise from the top left corner: 0 to 4."""
+    u = (point[0] - window.left) / (window.right - window.left)
+    w = (window.top - point[1]) / (window.top - window.bottom)
+    gaps = {u: abs(w), 1 + w: abs(1 - u), 3 - u: abs(1 - w), 4 - w: abs(u)}
+    return float(min(gaps, key=gaps.__getitem__) % 4.0)
+
+
+def _edges(window: Window, start: float, way: float) -> Curve:
+    """Return the edges of a window as segments, clockwise from a place and over a length, of which 4 is once round."""
+    (left, right, bottom, top) = window
+    corners = np.array([(left, top), (right, top), (right, bottom), (left, bottom)], dtype=float)
+
+    def point(place: float) -> np.ndarray:
+        side, share = divmod(place % 4.0, 1.0)
+        here, there = corners[int(side)], corners[(int(side) + 1) % 4]
+        return np.asarray(here + share * (there - here))
+
+    stops = [start, *(float(k) for k in range(math.floor(start) + 1, math.ceil(start + way))), start + way]
+    return [Segment(point(a), point(b)) for a, b in itertools.pairwise(stops) if b > a]

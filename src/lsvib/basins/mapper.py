@@ -1,28 +1,105 @@
 """The region of attraction: the attractor of every start in a grid, how long it takes, and what happens on the way."""
 
-from collections.abc import Sequence
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 
-from lsvib.basins.labels import PlanarMapper
-from lsvib.basins.mapper import Mapper
-from lsvib.basins.slice_mapper import StateMapper
+import numpy as np
+
+from lsvib.basins.grid import Grid
+from lsvib.dynamics.attractors import SteadyState
+from lsvib.errors import InputError
 from lsvib.models.drive import Drive
 from lsvib.models.model import find_model
+from lsvib.numbers import Progress
+
+QUANTITIES = {"label": np.int8, "time": np.float64, "seizures": np.int32, "first_event": np.int8, "doubt": np.int8}
+NO_DOUBT = -1  # of a cell whose label is known
+
+
+class Mapper(ABC):
+    """Maps the starts of a drive to what becomes of them, whatever the number of states of its model.
+
+    ``drive``, ``model``, ``physics`` and ``resume`` are those of the scene; ``definition`` is what the model is, and
+    ``events`` are the codes of its events by name; ``attractors`` are the cycles that motions are known to reach. A
+    mapper fills blocks of about ``block`` cells at a time.
+    """
+
+    attractors: Sequence[SteadyState]
+    block: int
+
+    def __init__(self, drive: Drive, model: str, physics: tuple[str, ...], resume: str) -> None:
+        self.drive, self.model, self.physics, self.resume = drive, model, physics, resume
+        self.definition = find_model(model)
+        self.events = self.definition.events
+        self.automaton = self.definition.build(drive, physics, resume)
+
+    def cells(
+        self,
+        grid: Grid,
+        rows: slice = slice(None),
+        columns: slice = slice(None),
+        quantities: Sequence[str] = tuple(QUANTITIES),
+        workers: int = 1,
+        progress: Progress | None = None,
+    ) -> dict[str, np.ndarray]:
+        """Map the cells ``rows`` × ``columns`` of a grid.
+
+        Every cell is computed on its own: no number depends on the grid around it, on tiles or on ``workers``.
+
+        Arguments: ``quantities`` wanted; number of ``workers``; ``progress``, called with the numbers of rows done
+        and in all. Returns arrays of shape (rows, columns): label int8, time float64 [s], seizures int32, first_event
+        int8, doubt int8 (the place in ``Doubt`` of why the label is unresolved, −1 if it is not). Raises ``InputError``
+        if the grid's coordinates are not those of the state, or a quantity is not known.
+        """
+        for name in quantities:
+            if name not in QUANTITIES:
+                raise InputError(f"quantity {name!r} is not one of {', '.join(QUANTITIES)}.")
+        self.check(grid)
+        y = grid.y.centres(*rows.indices(grid.y.count)[:2])
+        x = grid.x.centres(*columns.indices(grid.x.count)[:2])
+        # An array that nobody fills takes no memory.
+        found = {name: np.empty((y.size, x.size), dtype) for name, dtype in QUANTITIES.items()}
+        height = max(1, self.block // max(1, x.size))
+        parts = [slice(i, min(i + height, y.size)) for i in range(0, y.size, height)]
+
+        def fill(part: slice) -> None:
+            """Fill some rows."""
+            self.fill({name: array[part] for name, array in found.items()}, grid, x, y[part], quantities)
+
+        with ThreadPoolExecutor(workers) as pool:
+            for part, _ in zip(parts, pool.map(fill, parts), strict=True):
+                if progress is not None:
+                    progress(part.stop, y.size)
+        return {name: found[name] for name in quantities}
+
+    @abstractmethod
+    def check(self, grid: Grid) -> None:
+        """Raise ``InputError`` if the coordinates of a grid are not those of the state."""
+
+    @abstractmethod
+    def fill(
+        self, found: Mapping[str, np.ndarray], grid: Grid, x: np.ndarray, y: np.ndarray, quantities: Sequence[str]
+    ) -> None:
+        """Fill arrays (rows, columns) of at least the ``quantities`` of cells at ``x`` (columns) and ``y`` (rows)."""
 
 
 def mapper(
-    drive: Drive,
-    model: str = "rigid",
-    physics: Sequence[str] | None = None,
-    resume: str = "contact_sign",
-    rounding: bool = True,
+    drive: Drive, model: str = "rigid", physics: Sequence[str] | None = None, resume: str = "contact_sign"
 ) -> Mapper:
     """Return the mapper of a drive: a ``PlanarMapper`` for two states, a ``StateMapper`` for more.
 
-    Arguments: drive; name of the model; ``physics`` and ``resume`` as in a scene; ``rounding`` as a
-    ``PlanarMapper`` has it. Raises ``InputError``.
+    Arguments: drive; name of the model; ``physics`` and ``resume`` as in a scene. Raises ``InputError``.
+
+    >>> import lsvib
+    >>> mapped = mapper(lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10))
+    >>> mapped.cells(Grid.parse(["u=-0.03:0.03:4", "w=-5:5:2"]), quantities=("label",))["label"].tolist()
+    [[2, 2, 0, 0], [2, 0, 0, 2]]
     """
+    from lsvib.basins.labels import PlanarMapper
+    from lsvib.basins.slice_mapper import StateMapper
+
     definition = find_model(model)
     physics = (*definition.terms, *definition.options) if physics is None else tuple(physics)
-    if len(definition.states) == 2:
-        return PlanarMapper(drive, model, physics, resume, rounding)
-    return StateMapper(drive, model, physics, resume)
+    kind = PlanarMapper if len(definition.states) == 2 else StateMapper
+    return kind(drive, model, physics, resume)

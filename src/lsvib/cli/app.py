@@ -1,13 +1,19 @@
-"""The application that the commands join, and its entry point."""
+"""The application that the commands join, its entry point, and what it says on the terminal."""
 
+import logging
+import os
 import sys
+import warnings
+from collections.abc import Callable
+from contextlib import suppress
 from importlib import import_module
 from pkgutil import iter_modules
+from typing import Any, NoReturn
 
 from cyclopts import App, CycloptsError
 
 from lsvib import __version__, cli
-from lsvib.cli.terminal import told
+from lsvib.errors import LsvibError
 
 app = App(
     name="lsvib",
@@ -24,4 +30,73 @@ def main() -> None:
     """
     for module in iter_modules(cli.__path__, f"{cli.__name__}."):
         import_module(module.name)
-    told(lambda: app(sys.argv[1:], exit_on_error=False, print_error=False), CycloptsError)
+    run(lambda: app(sys.argv[1:], exit_on_error=False, print_error=False))
+
+
+def run(call: Callable[[], object]) -> None:
+    """Run a command; what it refuses, and the log and warnings of the package, are single sentences."""
+    log = logging.getLogger("lsvib")
+    log.addHandler(_SENTENCES)  # the same one however often, so nothing is said twice
+    log.setLevel(logging.INFO)
+    warnings.showwarning = lambda message, *more, **where: _say(str(message))
+    try:
+        call()
+        if sys.stdout is not None:  # None: the standard output is closed
+            sys.stdout.flush()
+    except BrokenPipeError:  # the reader of our output, such as head, has seen enough
+        _discard(sys.stdout)
+    except KeyboardInterrupt:
+        _fail("interrupted.", 130)  # as a shell reports a program that SIGINT ended
+    except MemoryError:
+        _fail("there is not enough memory; take fewer cells or samples.")
+    except (CycloptsError, LsvibError) as error:
+        _fail(str(error))
+    except OSError as error:
+        # Files that we open ourselves raise errors of the package; so this is one of the standard streams.
+        _discard(sys.stdout)
+        _fail(f"Cannot write to the standard output: {error.strerror or error}.")
+
+
+class ProgressLine:
+    """Show on the error stream how far a work is: a line that is rewritten, or in a log one line for every 5 %."""
+
+    def __init__(self, what: str = "rows") -> None:
+        self.shown, self.what = -1, what
+
+    def __call__(self, done: int, total: int) -> None:
+        terminal = sys.stderr.isatty()
+        percent = 100 * done // total
+        step = percent if terminal else percent // 5
+        if step == self.shown or total == 1:  # one piece of work is not far until it is done
+            return
+        self.shown = step
+        end = "\n" if done == total or not terminal else ""
+        print(
+            f"{chr(13) if terminal else ''}{percent:3d} % of {total} {self.what}", end=end, file=sys.stderr, flush=True
+        )
+
+
+class _Sentences(logging.Handler):
+    def emit(self, record: logging.LogRecord) -> None:
+        _say(record.getMessage())
+
+
+_SENTENCES = _Sentences()
+
+
+def _say(text: str) -> None:
+    """Print one line on the error stream, of letters that can be printed."""
+    line = "".join(letter if letter.isprintable() else "?" for letter in " ".join(text.split()))
+    if sys.stderr is not None:
+        with suppress(OSError):  # nobody is there to read it
+            print(f"lsvib: {line}", file=sys.stderr, flush=True)
+
+
+def _fail(text: str, code: int = 2) -> NoReturn:
+    _say(text)
+    sys.exit(code)
+
+
+def _discard(stream: Any) -> None:
+    """Let the rest of a stream, which cannot be written, vanish, so that Python does not complain at its end."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())

@@ -1,24 +1,18 @@
 """The commands that simulate nothing: parameters, thresholds and stability of a drive."""
 
-from pathlib import Path
+from collections.abc import Mapping
 from typing import Annotated, Any
 
 from cyclopts import Parameter
 
 from lsvib.cli.app import app
-from lsvib.cli.options import MODEL, MODEL_IF_GIVEN, AsJson, Changes, SceneFile, pairs
-from lsvib.cli.printing import print_parameters, print_solved_threshold, print_stability, print_thresholds, show
+from lsvib.cli.options import CHAPTER, AsJson, DriveOptions, SceneFile
+from lsvib.cli.printing import name, quantity, show, table, with_unit
 from lsvib.errors import InputError
 
 
 @app.command
-def config(
-    *,
-    model: Annotated[str | None, MODEL_IF_GIVEN] = None,
-    changes: Changes = None,
-    scene: SceneFile = None,
-    as_json: AsJson = False,
-) -> None:
+def config(*, drive: DriveOptions = CHAPTER, scene: SceneFile = None, as_json: AsJson = False) -> None:
     """Show the effective parameters of a drive, with units and allowed ranges.
 
     Examples of use:
@@ -31,71 +25,77 @@ def config(
     """
     from lsvib.api import drive_class
     from lsvib.models.drive import allowed_range, described, names_and_values
+    from lsvib.models.scene import Scene, read_yaml
 
-    start = _known_keys(scene) if scene else {}
-    kind = drive_class(model or start.get("model", "rigid"))
-    drive = kind.of(names_and_values("drive", start.get("drive"))).replace(**pairs(changes))
+    start = read_yaml(scene) if scene else {}
+    for key in start:
+        if key not in Scene.model_fields:
+            raise InputError(f"{key} is not a known key; the known keys are {', '.join(Scene.model_fields)}.")
+    kind = drive_class(drive.model or start.get("model", "rigid"))
     fields = {}
-    for key, value in drive:
+    for key, value in kind.of(names_and_values("drive", start.get("drive"))).replace(**drive.values()):
         about = described(kind, key)
         allowed = allowed_range(kind, key)
         fields[key] = {"value": value, "unit": about["unit"], "symbol": about["symbol"], "allowed": allowed}
-    show(fields, as_json, print_parameters)
+
+    def text(fields: Mapping[str, Any]) -> None:
+        rows = [
+            (key, one["symbol"], f"{one['value']:.15g}", one["unit"], one["allowed"]) for key, one in fields.items()
+        ]
+        table(rows, "parameter", "symbol", "value", "unit", "allowed range")
+
+    show(fields, as_json, text)
 
 
 @app.command
 def thresholds(
     *,
-    model: Annotated[str, MODEL] = "rigid",
-    changes: Changes = None,
+    drive: DriveOptions = CHAPTER,
     solve: Annotated[
         str | None,
         Parameter(
-            help="One threshold by name: onset, kinematic, negative_damping, flutter, stick, detach, global_stability, "
-            "fold, cycle_birth or rest_loss."
+            help="One threshold by name: onset, kinematic_constraint, negative_damping, flutter, stick, detach, "
+            "global_stability, fold, cycle_birth or rest_loss."
         ),
     ] = None,
     unknown: Annotated[
-        str | None, Parameter(name="--for", help="The parameter that --solve solves it for; others are held.")
+        str | None,
+        Parameter(name="--for", help="The parameter to solve for; others are held. By default the usual one of each."),
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Compute thresholds of a drive.
+    """Compute the thresholds of the drive that --set makes, each solved for one parameter.
 
-    Of the rigid model the chapter's: critical mass and friction, the forces of Fig. 8.6, that of global stability. Of
-    another model the boundaries of stability of steady sliding in mass, friction, and the damping that it adds. With
-    --solve one threshold of the drive that --set makes, with residual, error bound, and derivatives by all parameters.
+    All of them by name, beside what the chapter prints for this very drive, or with --solve one of them with its
+    enclosure, all solutions, and derivatives by all other parameters.
 
     Examples of use:
 
         lsvib thresholds
 
-        lsvib thresholds --set translation_damping=2000 --json
+        lsvib thresholds --set translation_damping=1000 --json
 
-        lsvib thresholds --model threads --set mass=9 --set contact_damping=5e4
+        lsvib thresholds --model threads --set mass=9 --set contact_damping=5e4 --for contact_damping
 
-        lsvib thresholds --solve stick --for translation_damping --set axial_force=35
+        lsvib thresholds --solve stick --for translation_damping --set translation_damping=1000 --set axial_force=35
 
         lsvib thresholds --solve flutter --for mass --model threads --set contact_damping=5e4 --json
     """
-    from lsvib.stability.threshold_table import threshold_table, without_effect
 
-    changed = pairs(changes)
     if solve is not None:
-        from lsvib.api import drive_class
-
-        show(drive_class(model).of(changed).threshold(solve, unknown).to_json(), as_json, print_solved_threshold)
+        show(drive.drive().threshold(solve, unknown).to_json(), as_json, _print_solved)
         return
     if unknown is not None:
         raise InputError(f"--for {unknown} needs --solve, the threshold that is to be solved for it.")
-    for name, reason in without_effect(model).items():
-        if name in changed:
-            raise InputError(f"{reason}, so --set {name} would change nothing.")
-    show(threshold_table(changed, model), as_json, print_thresholds)
+    changed, model = drive.values(), drive.model or "rigid"
+    for key, reason in without_effect(model).items():
+        if key in changed:
+            raise InputError(f"{reason}, so --set {key} would change nothing.")
+    show(threshold_table(changed, model), as_json, _print_thresholds)
 
 
 @app.command
-def stability(*, model: Annotated[str, MODEL] = "rigid", changes: Changes = None, as_json: AsJson = False) -> None:
+def stability(*, drive: DriveOptions = CHAPTER, as_json: AsJson = False) -> None:
     """Classify the steady sliding of a drive by eqs (8.18) to (8.21).
 
     Examples of use:
@@ -108,17 +108,59 @@ def stability(*, model: Annotated[str, MODEL] = "rigid", changes: Changes = None
 
         lsvib stability --model support --set mass=15 --set friction_coefficient=0.3
     """
-    from lsvib.stability.stability_table import stability_table
 
-    show(stability_table(pairs(changes), model), as_json, print_stability)
+    show(stability_table(drive.values(), drive.model or "rigid"), as_json, _print_stability)
 
 
-def _known_keys(scene: Path) -> dict[str, Any]:
-    """Read the file of a scene; every key is one of a scene."""
-    from lsvib.models.scene import Scene, read_yaml
+def _print_thresholds(found: Mapping[str, Any]) -> None:
+    rows = []
+    for key, entry in found.items():
+        if entry["value"] is None:
+            about = entry.get("reason", "")
+        elif entry.get("expected") is None:
+            about = ""
+        else:
+            verdict = "pass" if entry["passed"] else "FAIL"
+            about = f"chapter {entry['expected']:g}, relative error {entry['relative_error']:.2%}, {verdict}"
+        rows.append((key, quantity(entry), about))
+        for interval in entry.get("stable_intervals", ()):
+            high = "on" if interval["high"] is None else f"to {interval['high']:.12g}"
+            ends = f"from {interval['low']:.12g} {with_unit(high, entry['unit'])}"
+            rows.append(("", f"{entry['stability']} stability", ends))
+    table(rows)
 
-    values = read_yaml(scene)
-    for key in values:
-        if key not in Scene.model_fields:
-            raise InputError(f"{key} is not a known key; the known keys are {', '.join(Scene.model_fields)}.")
-    return values
+
+def _print_solved(found: Mapping[str, Any]) -> None:
+    unknown, count = found["unknown"], len(found["solutions"])
+    print(f"{found['name']}: {count} solution{'s' if count > 1 else ''} for {unknown}. {found['how']}")
+    for solution in found["solutions"]:
+        value = with_unit(repr(solution["value"]), found["unit"])
+        print(f"{unknown} = {value}, in error by at most {solution['error_bound']:.1g}")
+        print(f"  equation: {solution['equation']}")
+        print(f"  residual {solution['residual']:.1g} of its terms")
+        for key, slope in solution["derivatives"].items():
+            if slope["value"]:
+                print(f"  d/d {key} = {quantity(slope)}")
+
+
+def _print_stability(found: Mapping[str, Any]) -> None:
+    neutral = found["class"] in ("neutral", "centre")
+    verdict = "stable" if found["stable"] else "neutral" if neutral else "unstable"
+    kind = name(found["class"])
+    print(f"steady sliding is {verdict}{'' if kind == verdict else f' ({kind})'}")
+    for value in found["eigenvalues"]:
+        print(f"  eigenvalue {value['real']:.10g} {value['imaginary']:+.10g}i 1/s")
+    for key in ("effective_inertia", "effective_damping") if "effective_inertia" in found else ():
+        entry = found[key]
+        print(f"  {key}: law + {entry['plus']:.10g}, law - {entry['minus']:.10g} {entry['unit']}")
+    _print_quantities_and_conditions(found)
+    if "without_damping" in found:
+        print(f"without any damping: {found['without_damping']['class']}")
+        _print_quantities_and_conditions(found["without_damping"])
+
+
+def _print_quantities_and_conditions(found: Mapping[str, Any]) -> None:
+    for key, entry in found.get("quantities", {}).items():
+        print(f"  {key}: {quantity(entry)}")
+    for key, condition in found["conditions"].items():
+        print(f"  {key}: {'holds' if condition['hold'] else 'does not hold'}")

@@ -7,8 +7,8 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from lsvib.cli.app import app
-from lsvib.cli.options import AsJson, Changes, pairs, refuse_results_of_the_workflow
-from lsvib.cli.printing import print_checks
+from lsvib.cli.options import AsJson, Changes, refuse_results_of_the_workflow
+from lsvib.cli.printing import show
 from lsvib.errors import InputError, LsvibError
 
 # What a figure is written to: the end of the name after that of the figure, and what the file is called in messages.
@@ -54,19 +54,30 @@ def figure(
     config = config or (here if here.is_file() else DEFAULT)
     settings = section(read_yaml(config), name)
     if changes:
-        settings = {**settings, "drive": _changed_drive(number, name, settings, pairs(changes))}
+        settings = {**settings, "drive": _changed_drive(number, name, settings, dict(changes))}
     files = [(out / f"{name}{ending}", kind) for ending, kind in _FILES.items()]
     refuse_results_of_the_workflow(*(path for path, _ in files))
     with Outputs(files, [config], make_folders=True).writing() as parts:
         checks = build_figure(name, settings, *parts)
-    print_checks(out / f"{name}.png", checks, as_json)
+
+    def text(result: Mapping[str, Any]) -> None:
+        """Print a sentence for each check, and last where the picture lies."""
+        for check in checks:
+            print(check.sentence())
+        failed = sum(not check.passed for check in checks)
+        if checks:
+            print(f"{failed} of {len(checks)} checks failed." if failed else f"All {len(checks)} checks passed.")
+        print(f"wrote {result['figure']}, its PDF, dataset and checks")
+
+    picture = str(out / f"{name}.png")
+    show({"figure": picture, "checks": [check.to_json() for check in checks]}, as_json, text)
     if not changes and not all(check.passed for check in checks):
         raise LsvibError(f"figure {number}: a check failed; see above.")
 
 
 def _name(number: str) -> str:
     """Return the name of a figure, which may be given by its number in the chapter."""
-    from lsvib.figures.folders import accuracy_figures, default_figures
+    from lsvib.figures.configuration import accuracy_figures, default_figures
 
     labels = {name: _label(name) for name in (*default_figures(), *accuracy_figures())}
     for name, label in labels.items():

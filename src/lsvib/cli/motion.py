@@ -1,26 +1,27 @@
-"""The commands that follow motions: one of them, or many over a range of parameters."""
+"""The commands that follow motions: one of them, many over a range of parameters, and limit cycles."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from lsvib.cli.app import app
+from lsvib.cli.app import ProgressLine, app
 from lsvib.cli.options import (
-    MODEL,
-    MODEL_IF_GIVEN,
-    ONE_VALUE,
-    RESUME,
+    CHAPTER,
     AsJson,
-    Changes,
+    DriveOptions,
+    Ends,
+    Files,
     OutFile,
+    Over,
+    Resume,
     SceneFile,
-    StartItems,
-    pairs,
-    refuse_results_of_the_workflow,
+    Start,
+    Whole,
+    Workers,
 )
-from lsvib.cli.printing import print_motion, print_sweep, show
-from lsvib.cli.terminal import ProgressLine
+from lsvib.cli.printing import name, rate, show, table
 from lsvib.errors import InputError
 
 
@@ -28,13 +29,12 @@ from lsvib.errors import InputError
 def simulate(
     *,
     out: Path,
-    model: Annotated[str | None, MODEL_IF_GIVEN] = None,
+    drive: DriveOptions = CHAPTER,
     scene: SceneFile = None,
-    changes: Changes = None,
-    start: StartItems = None,
-    duration: Annotated[str | None, Parameter(help="Time [s] that the motion is followed.")] = None,
-    samples: Annotated[str | None, Parameter(help="Number of output times, both ends included.")] = None,
-    resume: Annotated[str | None, RESUME] = None,
+    start: Start = None,
+    duration: Annotated[float | None, Parameter(help="Time [s] that the motion is followed.")] = None,
+    samples: Annotated[Whole | None, Parameter(help="Number of output times, both ends included.")] = None,
+    resume: Resume | None = None,
     as_json: AsJson = False,
 ) -> None:
     """Simulate a drive exactly and write its motion and events as netCDF.
@@ -51,34 +51,27 @@ def simulate(
     out:
         netCDF file to write; one that is there is replaced.
     """
-    from lsvib.datasets.io import write_dataset
     from lsvib.datasets.motion import as_scene, attractor_of, motion_file, run, summary
-    from lsvib.files import Outputs
 
-    refuse_results_of_the_workflow(out)
-    outputs = Outputs([(out, "netCDF")], [scene] if scene else [])
-    given: dict[str, Any] = {"model": model, "duration": duration, "samples": samples, "resume": resume}
-    given = {key: value for key, value in given.items() if value is not None}
+    files = Files(out, reads=scene)
+    given: dict[str, Any] = {"model": drive.model, "duration": duration, "samples": samples, "resume": resume}
     if start:
-        given["start"] = pairs(start)
-    checked = as_scene(scene, given, pairs(changes))
+        given["start"] = dict(start)
+    checked = as_scene(scene, {key: value for key, value in given.items() if value is not None}, drive.values())
     motion = run(checked)
     steady = attractor_of(motion)
-    result = summary(checked, motion, steady)
-    with outputs.writing() as (part,):
-        write_dataset(motion_file(checked, motion, steady), part, "lsvib.simulate")
-    show(result, as_json, print_motion, out)
+    files.write(motion_file(checked, motion, steady), "lsvib.simulate")
+    show(summary(checked, motion, steady), as_json, _print_motion, out)
 
 
 @app.command
 def sweep(
     *,
-    over: Annotated[list[str], Parameter(help="KEY=START:STOP:COUNT: a parameter to vary; repeatable.", **ONE_VALUE)],
-    model: Annotated[str, MODEL] = "rigid",
-    changes: Changes = None,
-    start: StartItems = None,
-    resume: Annotated[str, RESUME] = "contact_sign",
-    workers: Annotated[str, Parameter(help="Number of threads; with more than two states of processes.")] = "1",
+    over: Over,
+    drive: DriveOptions = CHAPTER,
+    start: Start = None,
+    resume: Resume = "contact_sign",
+    workers: Workers = 1,
     out: OutFile = None,
     as_json: AsJson = False,
 ) -> None:
@@ -94,23 +87,120 @@ def sweep(
     """
     from time import perf_counter
 
-    from lsvib.api import drive_class
-    from lsvib.datasets.io import write_dataset
-    from lsvib.datasets.sweep import evenly
-    from lsvib.datasets.sweep import summary as swept_summary
-    from lsvib.datasets.sweep import sweep as swept
-    from lsvib.files import Outputs
+    from lsvib.datasets.sweep import summary
 
-    refuse_results_of_the_workflow(out)
-    outputs = Outputs([(out, "netCDF")] if out else [])
-    axes, given = {name: evenly(name, text) for name, text in pairs(over).items()}, pairs(changes)
-    for name in axes.keys() & given:
-        raise InputError(f"{name} is given by --over and by --set; give it once.")
-    begin = perf_counter()
-    wanted = pairs(start) if start else None
-    found = swept(drive_class(model).of(given), axes, wanted, resume, workers, ProgressLine("points"))
+    files = Files(out)
+    for axis in over:
+        if axis.key in drive.values():
+            raise InputError(f"{axis.key} is given by --over and by --set; give it once.")
+    begin, wanted = perf_counter(), dict(start) if start else None
+    found = drive.drive().sweep(
+        start=wanted, resume=resume, workers=workers, progress=ProgressLine("points"),
+        **{axis.key: axis.values() for axis in over},
+    )  # fmt: skip
     seconds = perf_counter() - begin
-    with outputs.writing() as parts:
-        for part in parts:
-            write_dataset(found, part)
-    show(swept_summary(found, seconds), as_json, print_sweep)
+    files.write(found)
+    show(summary(found, seconds), as_json, _print_sweep)
+
+
+@app.command
+def cycles(*, drive: DriveOptions = CHAPTER, resume: Resume = "contact_sign", as_json: AsJson = False) -> None:
+    """Find the cycles of a drive, attracting and repelling: period, multipliers, amplitude, work.
+
+    Examples of use:
+
+        lsvib cycles --set mass=11 --set support_damping=2e-3 --set axial_force=-18.37
+
+        lsvib cycles --model threads --set mass=11 --json
+    """
+    show(drive.drive().cycles(resume=resume).to_json(), as_json, _print_cycles)
+
+
+@app.command
+def follow(
+    *,
+    over: Ends,
+    drive: DriveOptions = CHAPTER,
+    cycle: Annotated[Whole, Parameter(help="Which of the cycles that lsvib cycles lists, from 1.")] = 1,
+    resume: Resume = "contact_sign",
+    points: Annotated[Whole, Parameter(help="Most points each way.")] = 1000,
+    out: OutFile = None,
+    as_json: AsJson = False,
+) -> None:
+    """Follow a cycle over a parameter, both ways, through folds; changes of its events are named.
+
+    Examples of use:
+
+        lsvib follow --over axial_force=-19:-15 --set mass=11 --set support_damping=2e-3 --set axial_force=-18
+
+        lsvib follow --over mass=10.2:14 --set mass=11 --out branch.nc --json
+    """
+    from lsvib.datasets.cycles import branch_dataset, branch_json
+    from lsvib.numbers import whole_between
+
+    files, made = Files(out), drive.drive()
+    listed = made.cycles(resume=resume).cycles
+    if not listed:
+        raise InputError("the drive has no cycle to follow; see lsvib cycles.")
+    chosen = listed[whole_between("cycle", cycle, 1, len(listed)) - 1]
+    branch = made.follow(chosen, over.key, (over.low, over.high), resume=resume, points=points)
+    files.write(branch_dataset(made, branch))
+
+    def text(result: Mapping[str, Any]) -> None:
+        """Print how far the branch goes, and what changes on it."""
+        values = [point.value for point in branch.points]
+        print(f"{len(values)} cycles, {over.key} from {min(values):.9g} to {max(values):.9g}")
+        for change in branch.changes:
+            print(f"{change.kind} at {over.key} = {change.value:.12g}: {change.what}")
+
+    show(branch_json(branch), as_json, text)
+
+
+def _print_motion(result: Mapping[str, Any]) -> None:
+    final = result["final_state"]
+    numbers = ", ".join(f"{key} = {value:.15g}" for key, value in final.items() if key != "mode")
+    print(f"final state: {numbers}, {name(final['mode'])} (SI units)")
+    print("events: " + (", ".join(f"{n} {name(kind)}" for kind, n in result["events"].items()) or "none"))
+    doubt = result.get("unresolved_because")
+    print(f"attractor: {name(result['attractor'])}{f': {doubt}' if doubt else ''}")
+    print(f"peak normal force: {result['peak_normal_force']:.10g} N, without the impulses of seizures")
+    if result.get("peak_normal_impulse"):
+        print(f"peak normal impulse of a seizure: {result['peak_normal_impulse']:.10g} N s")
+
+
+def _print_sweep(result: Mapping[str, Any]) -> None:
+    for kind, count in result["attractors"].items():
+        print(f"{name(kind)}: {count} of {result['points']} points")
+    print(f"{rate(result['points_per_second'])} points per second")
+
+
+def _print_cycles(found: Mapping[str, Any]) -> None:
+    for sentence in filter(None, (found["proved"], found["searched"])):
+        print(sentence)
+    if not found["cycles"]:
+        print("no cycle found")
+    for cycle in found["cycles"]:
+        print(f"{name(cycle['label'])}, {cycle['stability']} (found by: {cycle['found_by']})")
+        multipliers = ", ".join(map(_multiplier, cycle["multipliers"]))
+        if cycle["multiplier_error"] is not None:
+            multipliers += f" (± {cycle['multiplier_error']:.1g})"
+        work = {key: f"{key} {value:.6g} J" for key, value in cycle["work"].items()}
+        rows = [
+            ("period", f"{cycle['period']:.12g} s"),
+            ("amplitude", f"{cycle['amplitude']:.12g} rad"),
+            ("multipliers", multipliers),
+            ("residual", f"{cycle['residual']:.1g}"),
+            ("work per cycle", f"done by {work['motor']}, {work['load']}"),
+            ("", f"dissipated by {work['friction']}, {work['damping']}, {work['impacts']}"),
+        ]
+        table([("", *row) for row in rows])
+    for family in found["neutral_families"]:
+        period = family["period"]
+        words = "of several frequencies" if period is None else f"one of them with period {period:.9g} s"
+        print(f"neutral oscillations side by side, {words}")
+
+
+def _multiplier(value: float | list[float] | None) -> str:
+    if value is None:
+        return "none"
+    return f"{value:.9g}" if isinstance(value, float) else f"{value[0]:.9g} {value[1]:+.9g}i"

@@ -1,46 +1,175 @@
-"""Options that several commands share, and how KEY=VALUE items are read."""
+"""The options that several commands share: their types, and how their texts are read, each in one place."""
 
 import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 from cyclopts import Parameter
 
+from lsvib import numbers
 from lsvib.errors import InputError
 from lsvib.models.model import model_names
 
-# For options with several values: no --no-OPTION, or --empty-OPTION, beside them.
-ONE_VALUE = {"negative_iterable": ""}
-_MODELS = f"{', '.join(model_names()[:-1])} or {model_names()[-1]}."
-MODEL = Parameter(help=_MODELS)
-MODEL_IF_GIVEN = Parameter(help=f"Model of the drive: {_MODELS.replace(',', ' (the default),', 1)}")
-RESUME = Parameter(help="Motion after a seizure: contact_sign or at_once.")
+if TYPE_CHECKING:
+    import numpy as np
+    import xarray as xr
+
+    from lsvib.api import DriveMethods
+
+
+class Pair(NamedTuple):
+    """KEY=VALUE; the value stays text, which the models read and check."""
+
+    key: str
+    value: str
+
+
+class Coordinate(NamedTuple):
+    """KEY=NUMBER, in SI units."""
+
+    key: str
+    value: float
+
+
+class Span(NamedTuple):
+    """KEY=LOW:HIGH, in SI units."""
+
+    key: str
+    low: float
+    high: float
+
+
+class Steps(NamedTuple):
+    """KEY=START:STOP:COUNT, in SI units."""
+
+    key: str
+    start: float
+    stop: float
+    count: int  # type: ignore[assignment]  # it hides tuple.count, which nobody calls
+
+    def values(self) -> "np.ndarray":
+        """Return so many values with equal steps, both ends included; raises ``InputError``."""
+        from lsvib.datasets.spans import stepped
+
+        numbers.whole_between(f"{self.key}: count", self.count, 1, 10_000_000)
+        return stepped(self.start, self.stop, self.count)
+
+
+def _pair(text: str) -> Pair:
+    key, equals, value = text.partition("=")
+    if not equals or not key or not value:
+        raise InputError(f"{text!r} is not of the form KEY=VALUE.")
+    return Pair(key, value)
+
+
+def _numbers(text: str, *readers: Callable[[Any], Any], form: str) -> tuple[Any, ...]:
+    """The key and the numbers of KEY=NUMBER:NUMBER."""
+    key, value = _pair(text)
+    parts = value.split(":")
+    if len(parts) != len(readers):
+        raise InputError(f"{text} is not of the form {form}.")
+    try:
+        return key, *(read(part) for read, part in zip(readers, parts, strict=True))
+    except numbers.NotNumber as error:
+        raise InputError(f"{text} has a part that {error}.") from None
+
+
+def _coordinate(text: str) -> Coordinate:
+    return Coordinate(*_numbers(text, numbers.number, form="KEY=NUMBER"))
+
+
+def _span(text: str) -> Span:
+    return Span(*_numbers(text, numbers.number, numbers.number, form="KEY=LOW:HIGH"))
+
+
+def _steps(text: str) -> Steps:
+    readers = (numbers.number, numbers.number, numbers.whole)
+    return Steps(*_numbers(text, *readers, form="KEY=START:STOP:COUNT"))
+
+
+def _whole(text: str) -> int:
+    try:
+        return numbers.whole(text)
+    except numbers.NotNumber as error:
+        raise InputError(f"{text!r} {error}.") from None
+
+
+def one(read: Callable[[str], Any], help: str = "", **more: Any) -> Parameter:
+    """Return an option whose text ``read`` reads."""
+    return Parameter(converter=lambda kind, tokens: read(tokens[0].value), n_tokens=1, accepts_keys=False,
+                     help=help, **more)  # fmt: skip
+
+
+def several(read: Callable[[str], Any], help: str, **more: Any) -> Parameter:
+    """Return an option with several values, each of which ``read`` reads; none of them may have the key of another."""
+
+    def convert(kind: Any, tokens: Sequence[Any]) -> list[Any]:
+        found: dict[str, Any] = {}
+        for token in tokens:
+            item = read(token.value)
+            if item.key in found:
+                raise InputError(f"{item.key} is given twice; give it once.")
+            found[item.key] = item
+        return list(found.values())
+
+    # No --no-OPTION, or --empty-OPTION, beside it.
+    return Parameter(converter=convert, n_tokens=1, accepts_keys=False, negative="", help=help, **more)
+
+
+def _axis(text: str) -> Steps | Coordinate:
+    return _steps(text) if ":" in text else _coordinate(text)
+
+
+Whole = Annotated[int, one(_whole)]
+Workers = Annotated[int, one(_whole, "Number of threads or processes; it changes no result.")]
+Resume = Annotated[Literal["contact_sign", "at_once"], Parameter(help="Motion after a seizure.")]
+Start = Annotated[
+    list[Coordinate] | None, several(_coordinate, "State at t = 0: u=RAD w=RAD_PER_S ...", consume_multiple=True)
+]
+Over = Annotated[list[Steps], several(_steps, "KEY=START:STOP:COUNT: a parameter to vary; repeatable.")]
+Along = Annotated[Steps, one(_steps, "KEY=START:STOP:COUNT: the parameter along this axis, and its cells.")]
+Ends = Annotated[Span, one(_span, "KEY=LOW:HIGH: the parameter and its range, with the drive's own value.")]
+Window = Annotated[
+    list[Span] | None, several(_span, "Part of the phase plane: u=LOW:HIGH w=LOW:HIGH.", consume_multiple=True)
+]
+GridOfStarts = Annotated[
+    list[Steps | Coordinate],
+    several(_axis, "Two axes KEY=START:STOP:COUNT; KEY=VALUE fixes another.", consume_multiple=True),
+]
 Changes = Annotated[
-    list[str] | None,
-    Parameter(name="--set", help="KEY=VALUE: change a parameter of the drive; repeatable.", **ONE_VALUE),
+    list[Pair] | None, several(_pair, "KEY=VALUE: change a parameter of the drive; repeatable.", name="--set")
 ]
 SceneFile = Annotated[Path | None, Parameter(help="YAML file of a scene to start from.")]
-StartItems = Annotated[
-    list[str] | None, Parameter(consume_multiple=True, help="State at t = 0: u=RAD w=RAD_PER_S ...", **ONE_VALUE)
-]
 OutFile = Annotated[Path | None, Parameter(help="netCDF file to write; one that is there is replaced.")]
+Picture = Annotated[Path | None, Parameter(help="PNG file to draw it to; a PDF is written beside it.")]
 AsJson = Annotated[bool, Parameter(name="--json", negative="", help="Print one JSON object.")]
 
 
-def pairs(items: list[str] | None) -> dict[str, str]:
-    """Split KEY=VALUE items; the values stay text, which the models read and check.
+@Parameter(name="*")
+@dataclass(frozen=True)
+class DriveOptions:
+    """The drive that a command is about."""
 
-    Raises :class:`~lsvib.errors.InputError` if an item has another form or a key is given twice.
-    """
-    found: dict[str, str] = {}
-    for item in items or []:
-        key, equals, value = item.partition("=")
-        if not equals or not key or not value:
-            raise InputError(f"{item!r} is not of the form KEY=VALUE.")
-        if key in found:
-            raise InputError(f"{key} is given twice, as {found[key]} and as {value}; give it once.")
-        found[key] = value
-    return found
+    model: Annotated[
+        str | None, Parameter(help=f"{', '.join(model_names())}; by default that of the scene, or {model_names()[0]}.")
+    ] = None
+    changes: Changes = None
+
+    def values(self) -> dict[str, str]:
+        """Return the changed parameters, as text by name."""
+        return dict(self.changes or [])
+
+    def drive(self) -> "DriveMethods":
+        """Return the drive; raises ``InputError``."""
+        from lsvib.api import drive_class
+
+        return drive_class(self.model or model_names()[0]).of(self.values())
+
+
+CHAPTER = DriveOptions()
+"""The drive of Table 8.1."""
 
 
 def refuse_results_of_the_workflow(*files: Path | None) -> None:
@@ -57,9 +186,31 @@ def refuse_results_of_the_workflow(*files: Path | None) -> None:
             raise InputError(f"{file.parent} belongs to the workflow, which fills it by itself; name another folder.")
 
 
-def ends(option: str, key: str, text: str, form: str) -> tuple[str, str]:
-    """Split the value of KEY=LOW:HIGH; raises :class:`~lsvib.errors.InputError`, with the ``form``, for another one."""
-    low, colon, high = text.partition(":")
-    if not colon or ":" in high:
-        raise InputError(f"{option}: {key}={text} is not of the form {form}.")
-    return low, high
+class Files:
+    """The dataset and the picture that a command writes: checked before its work begins, both put in place or none."""
+
+    def __init__(self, out: Path | None, figure: Path | None = None, reads: Path | None = None) -> None:
+        from lsvib.files import Outputs
+
+        refuse_results_of_the_workflow(out, figure)
+        if figure is not None and figure.suffix != ".png":
+            raise InputError(f"figure = {figure} does not end in .png; a PDF is written beside it.")
+        self.out, self.figure = out, figure
+        files = [(out, "netCDF")] if out else []
+        if figure is not None:
+            files += [(figure, "PNG"), (figure.with_suffix(".pdf"), "PDF")]
+        self._outputs: Outputs = Outputs(files, [reads] if reads else [])
+
+    def write(self, dataset: "xr.Dataset", command: str = "lsvib", drawn_by: str = "") -> None:
+        """Write a dataset, and the picture that the module ``drawn_by`` draws of it."""
+        from importlib import import_module
+
+        from lsvib.datasets.io import write_dataset
+
+        with self._outputs.writing() as parts:
+            if self.out:
+                write_dataset(dataset, parts[0], command)
+            if self.figure:
+                from lsvib.figures.style import save
+
+                save(import_module(drawn_by).draw(dataset), *parts[-2:])

@@ -1,14 +1,10 @@
-"""The results of the commands as text, for people; ``--json`` prints the same as one object."""
+"""How results are printed: tables and sentences for people, one JSON object for programs."""
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+import sys
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-from lsvib.errors import InputError
-
-if TYPE_CHECKING:
-    from lsvib.datasets.checks import Check
+from typing import Any
 
 
 def show(
@@ -23,158 +19,36 @@ def show(
     text(result)
 
 
-def print_thresholds(table: Mapping[str, Any]) -> None:
-    """Print a table of :func:`lsvib.thresholds`."""
-    for name, entry in table.items():
-        if "stable_intervals" in entry:
-            _print_boundary(name, entry)
-            continue
-        if entry["value"] is None:
-            print(f"{name:22s} none: {entry['reason']}")
-            continue
-        line = f"{name:22s} {_value(entry)}"
-        if entry["expected"] is not None:
-            verdict = "pass" if entry["passed"] else "FAIL"
-            line += f"   chapter {entry['expected']:g}, relative error {entry['relative_error']:.2%}, {verdict}"
-        print(line)
+def table(rows: Iterable[Iterable[object]], *columns: str) -> None:
+    """Print rows in columns, with a heading where there are names of columns."""
+    from rich.console import Console
+    from rich.table import Table
+
+    made = Table(*columns, box=None, show_header=bool(columns), pad_edge=False, header_style="bold")
+    for row in rows:
+        made.add_row(*map(str, row))
+    # A file or a pipe has no width, so that no line is broken there.
+    console = Console(width=None if sys.stdout and sys.stdout.isatty() else 500, highlight=False, markup=False)
+    with console.capture() as lines:
+        console.print(made)
+    print("\n".join(line.rstrip() for line in lines.get().splitlines()))
 
 
-def print_solved_threshold(found: Mapping[str, Any]) -> None:
-    """Print all solutions of a threshold, with the derivatives that are not zero."""
-    unknown, count = found["unknown"], len(found["solutions"])
-    print(f"{found['name']}: {count} solution{'s' if count > 1 else ''} for {unknown}. {found['how']}")
-    for solution in found["solutions"]:
-        value = _with_unit(repr(solution["value"]), found["unit"])
-        print(f"{unknown} = {value}, in error by at most {solution['error_bound']:.1g}")
-        print(f"  equation: {solution['equation']}")
-        print(f"  residual {solution['residual']:.1g} of its terms")
-        for name, slope in solution["derivatives"].items():
-            if slope["value"]:
-                print(f"  d/d {name} = {_value(slope)}")
+def name(key: str) -> str:
+    """Return a name of a dataset or of JSON as a person writes it."""
+    return key.replace("_", " ")
 
 
-def print_stability(table: Mapping[str, Any]) -> None:
-    """Print a table of :func:`lsvib.stability`."""
-    neutral = table["class"] in ("neutral", "centre")
-    verdict = "stable" if table["stable"] else "neutral" if neutral else "unstable"
-    kind = table["class"].replace("_", " ")
-    print(f"steady sliding is {verdict}{'' if kind == verdict else f' ({kind})'}")
-    for value in table["eigenvalues"]:
-        print(f"  eigenvalue {value['real']:.10g} {value['imaginary']:+.10g}i 1/s")
-    _print_quantities(table.get("quantities", {}))
-    for quantity in ("effective_inertia", "effective_damping") if "effective_inertia" in table else ():
-        entry = table[quantity]
-        print(f"  {quantity}: law + {entry['plus']:.10g}, law - {entry['minus']:.10g} {entry['unit']}")
-    _print_conditions(table["conditions"])
-    if "without_damping" in table:
-        print(f"without any damping: {table['without_damping']['class']}")
-        _print_quantities(table["without_damping"]["quantities"])
-        _print_conditions(table["without_damping"]["conditions"])
+def rate(value: float) -> str:
+    """Return a rate in three digits, without a power of ten."""
+    return f"{float(f'{value:.3g}'):.15g}"
 
 
-def print_motion(result: Mapping[str, Any]) -> None:
-    """Print the summary of a motion."""
-    final = result["final_state"]
-    numbers = ", ".join(f"{key} = {value:.15g}" for key, value in final.items() if key != "mode")
-    print(f"final state: {numbers}, {final['mode'].replace('_', ' ')} (SI units)")
-    print("events: " + (", ".join(f"{n} {kind.replace('_', ' ')}" for kind, n in result["events"].items()) or "none"))
-    doubt = result.get("unresolved_because")
-    print(f"attractor: {result['attractor'].replace('_', ' ')}{f': {doubt}' if doubt else ''}")
-    print(f"peak normal force: {result['peak_normal_force']:.10g} N, without the impulses of seizures")
-    if result.get("peak_normal_impulse"):
-        print(f"peak normal impulse of a seizure: {result['peak_normal_impulse']:.10g} N s")
+def quantity(entry: Mapping[str, Any]) -> str:
+    """Return the value and the unit of an entry; the word none if it has no value."""
+    return "none" if entry["value"] is None else with_unit(f"{entry['value']:.12g}", entry["unit"])
 
 
-def print_sweep(result: Mapping[str, Any]) -> None:
-    """Print the summary of a sweep."""
-    for kind, count in result["attractors"].items():
-        print(f"{kind.replace('_', ' ')}: {count} of {result['points']} points")
-    print(f"{_plain(result['points_per_second'])} points per second")
-
-
-def print_chart(result: Mapping[str, Any]) -> None:
-    """Print the summary of a chart."""
-    for name, part in result["fractions"].items():
-        print(f"{name.replace('_', ' ')}: {100 * part:.6g} % of {result['cells']} cells")
-    curves = ", ".join(name.replace("_", " ") for name in result["curves"])
-    print(f"exact curves: {curves or 'none'}")
-    print(f"{_plain(result['cells_per_second'])} cells per second")
-
-
-def picture_files(figure: Path | None) -> list[tuple[Path, str]]:
-    """Return the files to draw a picture to and what they are called in messages; none if no figure is asked for."""
-    if figure is None:
-        return []
-    if figure.suffix != ".png":
-        raise InputError(f"figure = {figure} does not end in .png; a PDF is written beside it.")
-    return [(figure, "PNG"), (figure.with_suffix(".pdf"), "PDF")]
-
-
-def print_map(result: Mapping[str, Any], counts: Mapping[Any, int]) -> None:
-    """Print the summary of a map; ``counts``, cells by attractor."""
-    for kind, cells in counts.items():
-        if cells and kind >= 0:
-            share = f"{100 * cells / result['cells']:.6g} %"
-            print(f"{kind.name.lower().replace('_', ' ')}: {share} of {result['cells']} cells")
-    print(f"unresolved: {result['unresolved']} cells")
-    for doubt, cells in result["unresolved_because"].items():
-        print(f"  {cells} cells unresolved: {doubt}")
-    area = result["exact_basin_area"]
-    if area is not None:
-        print(f"exact area of the basin of steady sliding in the map: {area:.12g} rad2/s")
-    print(f"{_plain(result['cells_per_second'])} cells per second")
-
-
-def print_checks(picture: Path, checks: Sequence["Check"], as_json: bool) -> None:
-    """Print the checks of a figure and where its picture lies."""
-
-    def text(result: Mapping[str, Any]) -> None:
-        """Print a sentence for each check, and last where the picture lies."""
-        for check in checks:
-            print(check.sentence())
-        failed = sum(not check.passed for check in checks)
-        if checks:
-            print(f"{failed} of {len(checks)} checks failed." if failed else f"All {len(checks)} checks passed.")
-        print(f"wrote {picture}, its PDF, dataset and checks")
-
-    show({"figure": str(picture), "checks": [check.to_json() for check in checks]}, as_json, text)
-
-
-def print_parameters(fields: Mapping[str, Any]) -> None:
-    """Print the parameters of a drive with units and allowed ranges."""
-    for key, entry in fields.items():
-        print(f"{key:21s} {entry['symbol']:7s} = {entry['value']:<20.15g} {entry['unit']:15s} {entry['allowed']}")
-
-
-def _print_boundary(name: str, entry: Mapping[str, Any]) -> None:
-    """Print a boundary of stability, why there is none, and the intervals of the parameter that are stable."""
-    print(f"{name:27s} {_value(entry)}")
-    for interval in entry["stable_intervals"]:
-        high = "on" if interval["high"] is None else f"to {interval['high']:.12g}"
-        print(f"  {entry['stability']} stability from {interval['low']:.12g} {_with_unit(high, entry['unit'])}")
-    if "reason" in entry:
-        print(f"  {entry['reason']}")
-
-
-def _plain(rate: float) -> str:
-    """A rate in three digits, without a power of ten."""
-    return f"{float(f'{rate:.3g}'):.15g}"
-
-
-def _value(entry: Mapping[str, Any]) -> str:
-    return "none" if entry["value"] is None else _with_unit(f"{entry['value']:.12g}", entry["unit"])
-
-
-def _with_unit(text: str, unit: str) -> str:
-    """A number with its unit; a pure number, whose unit is "1" in files, stands alone."""
+def with_unit(text: str, unit: str) -> str:
+    """Return a number with its unit; a pure number, whose unit is "1" in files, stands alone."""
     return text if unit == "1" else f"{text} {unit}"
-
-
-def _print_quantities(quantities: Mapping[str, Any]) -> None:
-    for name, entry in quantities.items():
-        print(f"  {name}: {_value(entry)}")
-
-
-def _print_conditions(conditions: Mapping[str, Any]) -> None:
-    for name, condition in conditions.items():
-        print(f"  {name}: {'holds' if condition['hold'] else 'does not hold'}")

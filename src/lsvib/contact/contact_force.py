@@ -1,4 +1,4 @@
-"""Contact force while the threads are stiff: the limit process of Sect. 8.2 (8.6)–(8.12) in closed form.
+"""The contact force: how many the rigid drive has (8.5), and how it moves while the threads are stiff (8.6)–(8.12).
 
 For the short time of a contact transient θ′, T and P are constant. With N = k_c δ + c_c δ′ Newton's laws give, for
 the law s = sgn(θ′) sgn(N), b_s = cos λ + s μ sin λ and W = I P − m r_m tan λ T,
@@ -25,8 +25,11 @@ import math
 from dataclasses import dataclass
 from enum import IntEnum
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from lsvib.errors import InputError
-from lsvib.models.drive import ThreadsDrive
+from lsvib.models.drive import RigidDrive, ThreadsDrive
 from lsvib.models.mechanics import coefficients
 
 ForceState = tuple[float, float]
@@ -193,3 +196,35 @@ def follow(flows: dict[int, ForceFlow], start: ForceState) -> tuple[list[ForceAr
 def reversed_in_time(flows: dict[int, ForceFlow]) -> dict[int, ForceFlow]:
     """Return the flows of (x, −x′) as time runs backwards: the saddle's stable manifold is an unstable one there."""
     return {law: ForceFlow(flow.side, flow.equilibrium, -flow.damping, flow.stiffness) for law, flow in flows.items()}
+
+
+class Existence(IntEnum):
+    """How many contact forces solve the rigid-body equations at a state."""
+
+    INCONSISTENT = 0  # none
+    UNIQUE = 1
+    INDETERMINATE = 2  # two
+    BOUNDARY = 3  # Q = 0 or θ′ = 0: the sign functions of (8.3) are not defined
+
+
+def contact_forces(drive: RigidDrive, u: ArrayLike, w: ArrayLike) -> np.ndarray:
+    """Contact force that each friction law would give, N_s = Q / [Γ_s (cos λ + s μ sin λ)] (eqs 8.5, 8.17).
+
+    Arguments: u [rad], w = u′ [rad/s], arrays of one shape. Returns N₊ and N₋ [N], shape (2, ...). The law is
+    admissible where sgn(N_s) sgn(θ′) = s; Γ_s = 0 gives an infinite force.
+    """
+    c = coefficients(drive)
+    q_u, q_w, q_0 = (float(x) for x in c.q_row)
+    q = q_u * np.asarray(u) + q_w * np.asarray(w) + q_0
+    cosine, sine = np.cos(drive.lead_angle), np.sin(drive.lead_angle)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.stack([q / (float(c.gamma[s]) * (cosine + s * drive.friction_coefficient * sine)) for s in (1, -1)])
+
+
+def existence(drive: RigidDrive, u: ArrayLike, w: ArrayLike) -> np.ndarray:
+    """Classify states by their number of admissible contact forces; equal shapes in, ``Existence`` (int8) out."""
+    forces = contact_forces(drive, u, w)
+    direction = np.sign(drive.input_speed + np.asarray(w))
+    admissible = [np.sign(force) * direction == s for force, s in zip(forces, (1, -1), strict=True)]
+    count = np.where((direction == 0) | (forces[1] == 0), Existence.BOUNDARY, np.sum(admissible, axis=0))
+    return count.astype(np.int8)

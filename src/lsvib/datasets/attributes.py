@@ -1,4 +1,19 @@
-"""Attributes of the variables that datasets share: names, units, symbols, flags."""
+"""Variables of datasets with their attributes, and the parameters of drives as such, with where their values come from.
+
+Functions return variables ``(dimensions, values, attributes)`` as ``xarray.Dataset`` takes them, or several by name.
+
+Whoever opens a file shall be able to repeat it: every parameter of its drives is a variable of the file under the name
+that it has in :mod:`lsvib.models.drive`, without dimensions where all drives share the value, else along theirs.
+Its attribute ``origin`` begins with one of five words:
+
+* ``printed: Table 8.1``, or another place of the chapter;
+* ``assumed: not stated in the text``; if some of several values are printed they follow after ``except``;
+* ``varied: an axis of this file``;
+* ``given: by whoever asked for this file``, of a single motion or of a map;
+* ``of no effect: the results of this file do not depend on it``, but for the sign of a product that the file names.
+
+A parameter that a file needs twice bears a qualifier in front, one of :data:`QUALIFIERS`.
+"""
 
 from collections.abc import Iterable, Mapping, Sequence
 from enum import IntEnum
@@ -6,6 +21,8 @@ from typing import Any
 
 import numpy as np
 
+from lsvib.models import chapter
+from lsvib.models.drive import Drive
 from lsvib.models.model import find_model, model_names
 
 _LONG_NAMES = {
@@ -22,6 +39,7 @@ _LONG_NAMES = {
 
 Dims = str | tuple[str, ...]
 Variable = tuple[Dims, Any, dict[str, Any]]  # as xarray.Dataset takes one
+Variables = dict[str, Variable]
 
 
 def flags(kinds: Iterable[IntEnum]) -> dict[str, Any]:
@@ -43,14 +61,12 @@ def flags_or_none(kinds: Iterable[IntEnum]) -> dict[str, Any]:
 
 def quantity(name: str, when: str = "") -> dict[str, str]:
     """Return ``long_name``, ``units`` and ``symbol`` of a quantity of a drive, before or after an event if so said."""
-    long_name, units, symbol = _LONG_NAMES[name] if name in _LONG_NAMES else _of_one_model(name)
+    own = _LONG_NAMES.get(name)
+    for model in () if own else model_names():  # imported one by one, up to the one that has it
+        own = own or find_model(model).quantities.get(name)
+    assert own is not None, name
+    long_name, units, symbol = own
     return {"long_name": f"{long_name}, {when} the event" if when else long_name, "units": units, "symbol": symbol}
-
-
-def _of_one_model(name: str) -> tuple[str, str, str]:
-    """Long name, unit and symbol of a quantity that only one model has."""
-    models = map(find_model, model_names())  # imported one by one, up to the one that has it
-    return next(model.quantities[name] for model in models if name in model.quantities)
 
 
 def attributes(units: str, long_name: str, symbol: str = "", **more: Any) -> dict[str, Any]:
@@ -82,11 +98,6 @@ def yes_no(dims: Dims, values: Any, long_name: str) -> Variable:
     return named_flags(dims, values, long_name, {0: "no", 1: "yes"})
 
 
-def yes_no_or(other: str, dims: Dims, values: Sequence[bool | None], long_name: str) -> Variable:
-    """Return a variable as :func:`yes_no`, −1 and named ``other`` where a value is None."""
-    return named_flags(dims, [-1 if x is None else x for x in values], long_name, {-1: other, 0: "no", 1: "yes"})
-
-
 def named_flags(dims: Dims, values: Any, long_name: str, words: Mapping[int, str], **more: Any) -> Variable:
     """Return a variable of numbers that ``words`` name, as int8 with flags."""
     flag_values = np.array(list(words), dtype=np.int8)
@@ -113,3 +124,106 @@ SIGNS = attributes(
     flag_values=np.array([-1, 0, 1], dtype=np.int8),
     flag_meanings="negative none positive",
 )
+
+
+ASSUMED = "assumed: not stated in the text"
+GIVEN = "given: by whoever asked for this file"
+VARIED = "varied: an axis of this file"
+NO_EFFECT = "of no effect: the results of this file do not depend on it"
+# In front of a parameter's name: along a sweep, a grid, a curve, growth rates or a boundary; of readings of the text;
+# of the cases, where the name alone is that of the drive that they change; of what is drawn.
+QUALIFIERS = ("swept", "grid", "curve", "growth", "boundary", "reading", "case", "drawn")
+
+
+def _fields(kind: type[Drive] = Drive) -> dict[str, Any]:
+    """What the classes of drives that are loaded say of their parameters, by name."""
+    fields = {name: field.json_schema_extra for name, field in kind.model_fields.items()}
+    for more in kind.__subclasses__():
+        fields = _fields(more) | fields
+    return fields
+
+
+FIELDS = _fields()
+_GREEK = ("Omega", "lambda", "mu")
+
+
+def parameter(name: str, origin: str, **more: Any) -> dict[str, Any]:
+    """Return the attributes of a parameter, whose name may bear one of :data:`QUALIFIERS`, with its ``origin``."""
+    qualifier, _, rest = name.partition("_")
+    fields = FIELDS if name in FIELDS or rest in FIELDS else _fields()  # of a model that was loaded since
+    known = fields[rest if name not in fields and qualifier in QUALIFIERS else name]
+    symbol = f"$\\{known['symbol']}$" if known["symbol"] in _GREEK else f"${known['symbol']}$"
+    return attributes(known["unit"], known["long_name"], symbol, origin=origin, **more)
+
+
+def given(values: Iterable[tuple[str, Any]]) -> Variables:
+    """Return names and values of parameters as variables that were given by whoever asked for the file."""
+    return {name: ((), value, parameter(name, GIVEN)) for name, value in values}
+
+
+def axis(name: str, values: Any, dims: str | tuple[str, ...] = "", origin: str = VARIED) -> Variables:
+    """Return a parameter as the axis of a file (its dimension has its name), or along the dimensions ``dims``."""
+    return {name: (dims or name, np.asarray(values, dtype=float), parameter(name, origin))}
+
+
+def drive_parameters(
+    drives: Drive | Sequence[Drive],
+    dim: str = "case",
+    *,
+    along: Sequence[str] = (),
+    printed: Sequence[str] = (),
+    assumed: Sequence[str] = (),
+    no_effect: Sequence[str] = (),
+    axes: Sequence[str] = (),
+) -> Variables:
+    """Return every parameter of some drives of one class as variables.
+
+    Arguments: a drive, or several along ``dim``; parameters that differ by design and therefore lie ``along`` it even
+    where they agree; places of the chapter whose values the drives may have, keys of :data:`chapter.STATED`; parameters
+    that are ``assumed`` although Table 8.1 states their value, for other drives; parameters that have ``no_effect``;
+    those which are ``axes`` of the file and therefore are left out here.
+    """
+    row = [drives] if isinstance(drives, Drive) else list(drives)
+    result: Variables = {}
+    for name in type(row[0]).model_fields:
+        if name in axes:
+            continue
+        values = np.array([getattr(drive, name) for drive in row])
+        origin = NO_EFFECT if name in no_effect else ASSUMED if name in assumed else origin_of(name, values, printed)
+        shared = name not in along and (values == values[0]).all()
+        result[name] = ((), values[0], parameter(name, origin)) if shared else (dim, values, parameter(name, origin))
+    return result
+
+
+def origin_of(name: str, values: Any, printed: Sequence[str] = ()) -> str:
+    """Return where the values of a parameter come from, of Table 8.1 and the ``printed`` places: the first of each."""
+    stated: Mapping[str, Mapping[str, tuple[float, ...]]] = chapter.STATED
+    kinds = np.unique(values).tolist()
+    known: dict[float, str] = {}
+    for place in ("Table 8.1", *printed):
+        known |= {x: place for x in kinds if x not in known and x in stated[place].get(name, ())}
+    known = {value: known[value] for value in kinds if value in known}
+    if len(known) == len(kinds):
+        return f"printed: {', '.join(dict.fromkeys(known.values()))}"
+    if not known:
+        return ASSUMED
+    return f"{ASSUMED}, except {', '.join(f'{value:g} (printed: {place})' for value, place in known.items())}"
+
+
+def labels(dim: str, drives: Sequence[Drive], names: Sequence[str]) -> Variables:
+    """Return the coordinate of some drives: an index, whose ``flag_meanings`` name what makes each of them.
+
+    ``names``: the parameters in which they differ; without any, the only one is called ``drive``.
+    """
+    words = ["_".join(f"{name}_{getattr(drive, name)!r}" for name in names) or "drive" for drive in drives]
+    return {dim: named_index(dim, f"index of the {dim}", words)}
+
+
+def start_state(start: Mapping[str, float], words: str) -> Variables:
+    """Return the state that motions start from, u [rad] and w [rad/s]; ``words`` say which motions."""
+    u, w, about = float(start["u"]), float(start["w"]), {"comment": words}
+    rate = "rate of the deviation at the start"
+    return {
+        "initial_angle_deviation": variable((), u, "rad", "deviation at the start", "$u$", **about),
+        "initial_velocity_deviation": variable((), w, "rad s-1", rate, r"$\dot u$", **about),
+    }

@@ -1,9 +1,11 @@
 """Charts: what a drive does over two of its parameters, cell by cell, with the exact curves that divide it.
 
-A cell depends on nothing but its own drive, so a large chart can be cut into tiles (:mod:`lsvib.datasets.chart`).
+A cell depends on nothing but its own drive, so a large chart can be cut into tiles, as a map of attraction may be.
 """
 
 import json
+import os
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from multiprocessing import get_context
@@ -15,7 +17,6 @@ import xarray as xr
 from lsvib import numbers
 from lsvib.basins.grid import Axis
 from lsvib.datasets.attributes import (
-    GIVEN,
     VARIED,
     Variable,
     attributes,
@@ -23,10 +24,12 @@ from lsvib.datasets.attributes import (
     flagged,
     flags,
     fractions,
+    given,
     named_flags,
     parameter,
     variable,
 )
+from lsvib.datasets.io import joined, rows_of, write_dataset
 from lsvib.datasets.spans import zero_where_rounded
 from lsvib.datasets.sweep import product_of
 from lsvib.dynamics.behaviour import Behaviour, behaviours
@@ -36,7 +39,7 @@ from lsvib.models import chapter
 from lsvib.models.drive import Drive, RigidDrive
 from lsvib.models.model import Resume, all_models, find_model, rule
 from lsvib.numbers import Progress
-from lsvib.stability.boundary_curves import LOGARITHMIC, ChartBoundary, boundary_curves, curves_of
+from lsvib.stability.curves import LOGARITHMIC, ChartBoundary, boundary_curves, curves_of
 
 Curves = dict[ChartBoundary, list[np.ndarray]]
 _MOST = 100_000_000  # cells, of which each takes some hundred bytes while it is computed
@@ -147,7 +150,7 @@ class Plane:
 
         ``curves``: those of :meth:`curves`, if they are there already.
         """
-        fixed = {name: ((), value, parameter(name, GIVEN)) for name, value in self.drive if name not in self.dims}
+        fixed = given((name, value) for name, value in self.drive if name not in self.dims)
         points = self._points(self.curves() if curves is None else curves)
         return self.axes(resume).assign(fixed | points | self._readings())
 
@@ -280,3 +283,40 @@ def _coordinate(axis: ChartAxis) -> dict[str, Any]:
         return parameter(axis.name, VARIED, cell_width=axis.width)
     first, second = axis.middles(np.array([-0.5, 0.5]))  # edges
     return parameter(axis.name, VARIED, cell_ratio=float(second / first))
+
+
+def plane_of(settings: Mapping[str, Any]) -> Plane:
+    """Return the plane of a chart from its settings.
+
+    ``model``; ``drive``, changes of Table 8.1; ``x`` and ``y``, each with ``parameter``, ``start``, ``stop`` and
+    ``count``. Raises ``InputError``.
+    """
+    drive = find_model(settings.get("model", "rigid")).drive.of(settings["drive"])
+    axes = []
+    for name in ("x", "y"):
+        given = settings[name]
+        if set(given) != {"parameter", "start", "stop", "count"}:
+            raise InputError(f"{name} has the keys {', '.join(given)}; it needs parameter, start, stop and count.")
+        axes.append(tuple(given[key] for key in ("parameter", "start", "stop", "count")))
+    return Plane.of(drive, *axes)
+
+
+def chart_tile(settings: Mapping[str, Any], item: str, path: str | os.PathLike[str], workers: int = 1) -> None:
+    """Chart one tile, such as "3-of-6", and write it; ``settings`` as of :func:`plane_of`, and ``resume``.
+
+    Raises ``InputError`` and ``EngineError``.
+    """
+    plane, resume = plane_of(settings), settings.get("resume", "contact_sign")
+    rows = rows_of(item, plane.y.count)
+    labels = plane.labels(rows, resume=resume, workers=workers)
+    write_dataset(plane.axes(resume).isel({plane.y.name: rows}).assign(label=(plane.dims, labels, LABEL)), path)
+
+
+def gather_chart(
+    settings: Mapping[str, Any], tiles: Sequence[str | os.PathLike[str]], path: str | os.PathLike[str]
+) -> None:
+    """Write the chart, the dataset of ``drive.chart(…)``, from the files of its tiles; ``settings`` as of a tile."""
+    plane = plane_of(settings)
+    labels = joined(tiles, plane.y.name).label
+    whole = plane.frame(settings.get("resume", "contact_sign"))
+    write_dataset(whole.assign({"label": labels, **shares(labels.values)}), path)

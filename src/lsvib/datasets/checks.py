@@ -1,18 +1,23 @@
-"""Checks of computed values against the chapter, kept as data: claim, expected, computed, error, tolerance, verdict."""
+"""Checks of computed values against the chapter, kept as data: claim, expected, computed, error, tolerance, verdict.
+
+Those of a run are shown as a text by figure, and as a page with a table that can be filtered (``checks.html.j2``).
+"""
 
 import json
 import math
 import os
+import re
 import textwrap
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Self
 
 from lsvib.errors import InputError
-from lsvib.models.chapter import THRESHOLDS
+from lsvib.models.chapter import PRINTED, THRESHOLDS
 
-_TERMINAL = 120  # columns
+NamedChecks = Sequence[tuple[str, "Check"]]  # pairs (figure, check)
+_HEADING = "Printed by the chapter"
 
 
 @dataclass(frozen=True)
@@ -92,7 +97,8 @@ class Check:
         """Rebuild a check from :meth:`to_json`."""
         texts = ("nan", "inf", "-inf")
         numbers = ("computed", "error")
-        return cls(**{key: float(v) if key in numbers and v in texts else v for key, v in values.items()})
+        plain: dict[str, Any] = {k: float(v) if k in numbers and v in texts else v for k, v in values.items()}
+        return cls(**plain)
 
     def sentence(self) -> str:
         """Return the verdict as one sentence."""
@@ -119,16 +125,16 @@ def read_checks(path: str | os.PathLike[str]) -> list[tuple[str, Check]]:
         raise InputError(f"{path} is not a readable file of checks; delete it, and run again what makes it.") from None
 
 
-def verdict(checks: Sequence[tuple[str, Check]]) -> str:
-    """Return one line: how many checks, pairs (figure, check), passed, and in which figures some failed."""
+def verdict(checks: NamedChecks) -> str:
+    """Return one line: how many checks passed, and in which figures some failed."""
     failed = [figure for figure, check in checks if not check.passed]
     if not failed:
         return f"All {len(checks)} checks passed."
     return f"{len(failed)} of {len(checks)} checks FAILED: {', '.join(dict.fromkeys(failed))}."
 
 
-def failures(checks: Sequence[tuple[str, Check]]) -> list[str]:
-    """Return for each check, pairs (figure, check), that failed, one sentence and what would make it pass."""
+def failures(checks: NamedChecks) -> list[str]:
+    """Return for each check that failed, one sentence and what would make it pass."""
     return [f"{figure}: {check.sentence()} {_remedy(check)}" for figure, check in checks if not check.passed]
 
 
@@ -139,7 +145,7 @@ def _remedy(check: Check) -> str:
     return f"It passes from {quantity(ends[0], check.unit)} to {quantity(ends[1], check.unit)}."
 
 
-def printed_thresholds(checks: Iterable[tuple[str, Check]]) -> list[str]:
+def printed_thresholds(checks: NamedChecks) -> list[str]:
     """Return a line for each threshold that the chapter prints, as far as it is among the checks: printed, computed."""
     found = {(check.source, check.expected): (figure, check) for figure, check in checks}
     lines = []
@@ -152,13 +158,13 @@ def printed_thresholds(checks: Iterable[tuple[str, Check]]) -> list[str]:
     return lines
 
 
-def counts(checks: Iterable[tuple[str, Check]]) -> str:
+def counts(checks: NamedChecks) -> str:
     """Return how many checks passed in which figures, in lines of at most 120 columns."""
     passed: dict[str, list[bool]] = {}
     for figure, check in checks:
         passed.setdefault(figure, []).append(check.passed)
     parts = [f"{figure} {sum(found)}/{len(found)}" for figure, found in passed.items()]
-    return "\n".join(textwrap.wrap(f"Passed: {', '.join(parts)}.", _TERMINAL, break_on_hyphens=False))
+    return "\n".join(textwrap.wrap(f"Passed: {', '.join(parts)}.", 120, break_on_hyphens=False))
 
 
 def percent(error: float | None) -> str:
@@ -176,3 +182,96 @@ def text(value: float | str | None) -> str:
     if value is None:
         return "-"
     return f"{value:.6g}" if isinstance(value, float) else value
+
+
+def printed(checks: NamedChecks) -> list[tuple[str, Check]]:
+    """Return those of some checks whose number the chapter prints, in its order."""
+    order: dict[tuple[str, float | str], int] = {
+        (claim.source, claim.value): k for k, claim in reversed(list(enumerate(PRINTED)))
+    }
+    found = [pair for pair in checks if (pair[1].source, pair[1].expected) in order]
+    return sorted(found, key=lambda pair: order[pair[1].source, pair[1].expected])
+
+
+def checks_text(checks: NamedChecks) -> str:
+    """Return checks as Markdown that reads well as text.
+
+    First a table of the numbers that the chapter prints, if some are among them; then for each figure how many checks
+    passed, and a line for each of them.
+    """
+    lines = ["# Checks", "", verdict(checks), ""]
+    if found := printed(checks):
+        rows = [["number", "printed", "computed", "error", "allowed", "verdict", "figure"]]
+        rows += [[check.claim, *_numbers(check), _verdict(check), figure] for figure, check in found]
+        lines += [f"## {_HEADING}", "", *_table(rows), ""]
+    for figure in dict.fromkeys(figure for figure, _ in checks):
+        own = [check for name, check in checks if name == figure]
+        lines += [f"## {figure}: {sum(check.passed for check in own)} of {len(own)} passed", ""]
+        lines += [f"- {_verdict(check)}: {_flat(check.claim)} [{check.source}]: {_found(check)}" for check in own]
+        lines.append("")
+    return "\n".join(lines)
+
+
+def printed_table(checks: NamedChecks) -> str:
+    """Return the printed numbers among checks as a table in reStructuredText, for a report."""
+    found = printed(checks)
+    if not found:
+        return "None of the figures of this run has a number that the chapter prints.\n"
+    rows = [["number", "printed", "computed", "error", "figure"]]
+    rows += [[check.claim, *_numbers(check)[:3], figure] for figure, check in found]
+    lines = [".. list-table::", "   :header-rows: 1", ""]
+    for row in rows:  # no character of a cell means anything but itself
+        cells = [re.sub(r"([*`|_\\])", r"\\\1", _flat(cell)) for cell in row]
+        lines += [f"   {'*' if k == 0 else ' '} - {cell}" for k, cell in enumerate(cells)]
+    return "\n".join([*lines, ""])
+
+
+def checks_page(checks: NamedChecks) -> str:
+    """Return checks as an HTML page that needs no other file: numbers first, then every check.
+
+    The table of every check can be filtered by words, by figure, and for those that failed; on a phone its rows become
+    lists.
+    """
+    from jinja2 import Environment, PackageLoader
+
+    def rows(some: NamedChecks) -> list[tuple[str, Check, list[str]]]:
+        return [(figure, check, [*_numbers(check), _verdict(check), figure]) for figure, check in some]
+
+    pages = Environment(loader=PackageLoader("lsvib.datasets", "."), autoescape=True, trim_blocks=True)
+    return pages.get_template("checks.html.j2").render(
+        verdict=verdict(checks),
+        heading=_HEADING,
+        printed=rows(printed(checks)),
+        every=rows(checks),
+        figures=dict.fromkeys(figure for figure, _ in checks),
+    )
+
+
+def _numbers(check: Check) -> list[str]:
+    """What was expected and computed, the relative error and the largest allowed."""
+    values = [_flat(quantity(value, check.unit)) for value in (check.expected, check.computed)]
+    return [*values, percent(check.error), percent(check.tolerance)]
+
+
+def _found(check: Check) -> str:
+    expected, computed, error, allowed = _numbers(check)
+    if check.tolerance is None:
+        return f"{'true' if check.passed else 'NOT true'} ({computed})"
+    return f"{computed}, expected {expected}, error {error} of at most {allowed}"
+
+
+def _verdict(check: Check) -> str:
+    return "pass" if check.passed else "FAIL"
+
+
+def _flat(text: str) -> str:
+    return " ".join(text.split())
+
+
+def _table(rows: Sequence[Sequence[str]]) -> list[str]:
+    """A Markdown table whose columns are aligned; the first row is its head."""
+    cells = [[_flat(cell).replace("|", "\\|") for cell in row] for row in rows]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    padded = [[cell.ljust(width) for cell, width in zip(row, widths, strict=True)] for row in cells]
+    lines = [f"| {' | '.join(row)} |" for row in padded]
+    return [lines[0], f"|{'|'.join('-' * (width + 2) for width in widths)}|", *lines[1:]]

@@ -1,7 +1,7 @@
 """All cycles of a drive, with what is proved about them, and how a cycle changes over a parameter."""
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,16 +9,18 @@ import numpy as np
 import xarray as xr
 
 from lsvib import numbers
-from lsvib.datasets import cycles_of_models
+from lsvib.basins.boundary import Boundary, known_basin
+from lsvib.basins.curves import Arc
 from lsvib.datasets.attributes import flagged, variable, yes_no
 from lsvib.dynamics.attractors import Attractor, SteadyState
 from lsvib.dynamics.continuation import CycleBranch, follow_cycle
 from lsvib.dynamics.periodic import Cycle
 from lsvib.dynamics.search import Seed, search, starts
 from lsvib.engine.automaton import Automaton
+from lsvib.engine.kernels import layout
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive, described, zero_if_close
-from lsvib.models.model import find_model, of_model
+from lsvib.models.model import find_model
 
 
 @dataclass(frozen=True)
@@ -53,18 +55,23 @@ class Cycles:
 def find_cycles(drive: Drive, automaton: Automaton) -> Cycles:
     """Return all cycles of a drive that are found; ``automaton`` is the drive's, with its rule of resuming.
 
-    From starts and on the edges of basins; of a model with a file in :mod:`lsvib.datasets.cycles_of_models` as that
-    says.
+    From starts, on the edges of basins, and at the exact boundary of the basin of steady sliding where that is known.
     """
-    found: Cycles = of_model(cycles_of_models, drive.model, "find_cycles", searched)(drive, automaton)
-    return found
-
-
-def searched(drive: Drive, automaton: Automaton, more: Sequence[Seed] = (), proved: str = "") -> Cycles:
-    """Return the cycles of a drive that a search finds from its starts and ``more``, beside what is ``proved``."""
+    if automaton.contracts and (automaton.tables.flow[:, layout.ALPHA] > 0).any():
+        return Cycles((), (), "There is no cycle: slip makes every area of the phase plane smaller.")
+    proved, seeds = "", []
+    if (basin := known_basin(drive)) is not None:
+        if basin.boundary == Boundary.NONE:
+            return Cycles((), (), "There is no cycle: steady sliding is globally stable.")
+        kind = basin.boundary.name.lower().replace("_", " ")
+        proved = f"Not every motion settles; the boundary of the basin of steady sliding is exact (its kind: {kind})."
+        if basin.boundary == Boundary.CYCLE:
+            arcs = [piece for piece in basin.curves[0] if isinstance(piece, Arc)]
+            mode = automaton.codes.tolist().index(basin.codes[arcs[0].mode])
+            seeds = [Seed(np.array(arcs[0].start, dtype=float), mode, len(arcs), "boundary of the basin")]
     model = find_model(drive.model)
     states = [model.initial_state(drive, {"u": u, "w": w}) for u, w in starts(drive)]
-    found = search(drive, automaton, states, more)
+    found = search(drive, automaton, states, seeds)
     return Cycles(found.cycles, found.families, proved, f"Searched: {found.searched}.")
 
 

@@ -23,13 +23,13 @@ from lsvib.datasets.attributes import (
     variable,
 )
 from lsvib.dynamics.attractors import Attractor, SteadyState, steady_state
-from lsvib.dynamics.impulses import event_impulses
+from lsvib.dynamics.impulses import Impulses, event_impulses
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import InputError
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.model import RULES, Resume
+from lsvib.models.model import RULES
 from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
 
 _STATES = ("angle_deviation", "velocity_deviation")
@@ -83,13 +83,16 @@ def portraits(
     """Compute the phase planes of some drives.
 
     Arguments: drives; starts, each with u [rad] and w = u′ [rad/s]; duration [s] and number of samples of a motion.
-    Returns the variables of :func:`lines`, :func:`motions` and :func:`attractors`, the dimension ``case`` first.
-    Raises ``InputError`` if the samples are too few for the events.
+    Returns the :func:`lines`, the sampled motions (case, start, sample) with their events (case, start, event), what
+    they settle on (case, rule, start), and the limit cycle of the first one (case, sample). Raises ``InputError`` if
+    the samples are too few for the events.
     """
     states = [np.array([start["u"], start["w"]]) for start in starts]
-    steady = [[[_attractor(d, rule, x) for x in states] for rule in RULES] for d in drives]
-    followed = [[follow(rigid_automaton(d), x, duration) for x in states] for d in drives]
-    return lines(drives) | motions(drives, followed, samples) | attractors(steady, samples)
+    automata = [[rigid_automaton(drive, resume=rule) for rule in RULES] for drive in drives]
+    steady = [[[steady_state(automaton, x) for x in states] for automaton in case] for case in automata]
+    followed = [[follow(case[0], x, duration) for x in states] for case in automata]
+    impulses = [[event_impulses(drive, motion) for motion in row] for drive, row in zip(drives, followed, strict=True)]
+    return lines(drives) | _motions(followed, samples) | _events(followed, impulses) | _attractors(steady, samples)
 
 
 def lines(drives: Sequence[RigidDrive]) -> Variables:
@@ -110,55 +113,58 @@ def lines(drives: Sequence[RigidDrive]) -> Variables:
     }
 
 
-def motions(drives: Sequence[RigidDrive], followed: Sequence[Sequence[Motion]], samples: int) -> Variables:
-    """Return sampled motions, dimensions (case, start, sample), and their events, (case, start, event)."""
-    sampled = [[sample(motion, samples) for motion in row] for row in followed]
-    dims = ("case", "start", "sample")
-    time, states, _ = (np.array([[s[i] for s in row] for row in sampled]) for i in range(3))
-    pairs = [list(zip(*rows, strict=True)) for rows in zip(followed, sampled, strict=True)]
-    modes = np.array([[motion.automaton.codes[s[2]] for motion, s in row] for row in pairs])
-    observed = {
-        name: np.array([[motion.automaton.observe(name, *s[1:]) for motion, s in row] for row in pairs])
-        for name in ("normal_force", "coupling_deflection")
-    }
+def _motions(followed: Sequence[Sequence[Motion]], samples: int) -> Variables:
+    """Return sampled motions, dimensions (case, start, sample)."""
+    dims, sampled = (
+        ("case", "start", "sample"),
+        [[(motion, *sample(motion, samples)) for motion in row] for row in followed],
+    )
+    time, states = (np.array([[each[k] for each in row] for row in sampled]) for k in (1, 2))
+    modes = np.array([[motion.automaton.codes[places] for motion, *_, places in row] for row in sampled])
     variables = {
         "time": variable(dims, time, "s", "time", "$t$"),
         "angle_deviation": (dims, states[..., 0], quantity("angle_deviation")),
         "velocity_deviation": (dims, states[..., 1], quantity("velocity_deviation")),
         "mode": flagged(dims, modes, "mode of motion", MotionMode),
-        **{name: (dims, values, quantity(name)) for name, values in observed.items()},
     }
+    for name in ("normal_force", "coupling_deflection"):
+        observed = [[motion.automaton.observe(name, *of) for motion, _, *of in row] for row in sampled]
+        variables[name] = (dims, np.array(observed), quantity(name))
     variables["normal_force"][2]["comment"] = WITHOUT_IMPULSES
-    return variables | _events(drives, followed)
+    return variables
 
 
-def _events(drives: Sequence[RigidDrive], followed: Sequence[Sequence[Motion]]) -> Variables:
+def _events(followed: Sequence[Sequence[Motion]], impulses: Sequence[Sequence[Impulses]]) -> Variables:
     """The events of motions; rows with fewer events than the longest end in NaN, kind −1 and sign 0."""
-    dims = ("case", "start", "event")
-    size = (len(followed), len(followed[0]), max(1, max(m.time.size for row in followed for m in row)))
-    states = [(f"{name}_{when}", k, when) for when in ("before", "after") for k, name in enumerate(_STATES)]
-    numbers = {name: np.full(size, np.nan) for name in ("time", *(name for name, _, _ in states), *IMPULSES)}
-    kind, sign = np.full(size, -1, dtype=np.int8), np.zeros(size, dtype=np.int8)
-    for i, (drive, row) in enumerate(zip(drives, followed, strict=True)):
-        for j, motion in enumerate(row):
-            here = (i, j, slice(motion.time.size))
-            kind[here], sign[here] = motion.kind, motion.sign
-            numbers["time"][here] = motion.time
-            for name, column, when in states:
-                numbers[name][here] = getattr(motion, when)[:, column]
-            impulses = event_impulses(drive, motion)
-            for name in IMPULSES:
-                numbers[name][here] = getattr(impulses, name.removesuffix("_impulse"))
-    return {
-        "event_time": variable(dims, numbers["time"], "s", "time of the event"),
-        "event_kind": variable(dims, kind, "1", "kind of the event", **flags_or_none(EventKind)),
-        "event_sign": (dims, sign, SIGNS),
-        **{f"event_{name}": (dims, numbers[name], quantity(_STATES[k], when)) for name, k, when in states},
-        **{f"event_{name}": (dims, numbers[name], known) for name, known in IMPULSES.items()},
+    dims, longest = ("case", "start", "event"), max(1, max(motion.time.size for row in followed for motion in row))
+
+    def padded(values: Sequence[Sequence[np.ndarray]], empty: float, dtype: type = float) -> np.ndarray:
+        """Return values of each event of each motion as one array."""
+        rows = [[np.append(x, [empty] * (longest - x.size)) for x in row] for row in values]
+        return np.array(rows, dtype=dtype)
+
+    def each(name: str, column: int | None = None) -> list[list[np.ndarray]]:
+        """Return an attribute of each motion, or one of its columns."""
+        found = [[getattr(motion, name) for motion in row] for row in followed]
+        return found if column is None else [[x[:, column] for x in row] for row in found]
+
+    events = {
+        "event_time": variable(dims, padded(each("time"), np.nan), "s", "time of the event"),
+        "event_kind": variable(
+            dims, padded(each("kind"), -1, np.int8), "1", "kind of the event", **flags_or_none(EventKind)
+        ),
+        "event_sign": (dims, padded(each("sign"), 0, np.int8), SIGNS),
     }
+    for when in ("before", "after"):
+        for k, name in enumerate(_STATES):
+            events[f"event_{name}_{when}"] = (dims, padded(each(when, k), np.nan), quantity(name, when))
+    for name, known in IMPULSES.items():
+        own = [[getattr(x, name.removesuffix("_impulse")) for x in row] for row in impulses]
+        events[f"event_{name}"] = (dims, padded(own, np.nan), known)
+    return events
 
 
-def attractors(steady: Sequence[Sequence[Sequence[SteadyState]]], samples: int) -> Variables:
+def _attractors(steady: Sequence[Sequence[Sequence[SteadyState]]], samples: int) -> Variables:
     """Return what motions settle on, (case, rule, start), and the limit cycle of the first one, (case, sample)."""
     dims = ("case", "rule", "start")
 
@@ -198,7 +204,3 @@ def sample(motion: Motion, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarr
     last = np.cumsum(share) - 1
     states[last - share + 1], states[last] = starts, ends
     return times, states, np.repeat(modes, share)
-
-
-def _attractor(drive: RigidDrive, rule: Resume, state: np.ndarray) -> SteadyState:
-    return steady_state(rigid_automaton(drive, resume=rule), state)

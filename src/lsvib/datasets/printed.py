@@ -5,7 +5,7 @@ from lsvib.datasets.checks import Check
 from lsvib.models.chapter import Claim
 
 
-def variable(claim: Claim, words: str) -> tuple:
+def variable(claim: Claim, words: str) -> attributes.Variable:
     """Return a printed number, whose ``words`` say what it is, as a variable without dimensions."""
     return attributes.variable((), claim.value, claim.unit, f"{words}, as printed", relative_tolerance=claim.tolerance)
 

@@ -1,4 +1,4 @@
-"""What a drive ends on over values of its parameters: attractor, amplitude, period, forces of every point.
+"""Over values of a drive's parameters: what motions end on, with its numbers, and the perturbations it tolerates.
 
 A point depends on nothing but its own drive and start, so that no number depends on the other points, their order, or
 the number of threads. Nothing is simulated for some time and looked at: the return map decides, as for one drive.
@@ -7,17 +7,20 @@ the number of threads. Nothing is simulated for some time and looked at: the ret
 import json
 import math
 from collections.abc import Mapping, Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from lsvib import numbers
-from lsvib.datasets.attributes import attributes, flags
+from lsvib.basins.curves import Window
+from lsvib.basins.resilience import Resilience, resilience
+from lsvib.datasets.attributes import attributes, flags, variable
 from lsvib.datasets.spans import stepped
 from lsvib.dynamics.attractors import Attractor
 from lsvib.dynamics.endings import all_endings
-from lsvib.errors import InputError
+from lsvib.errors import EngineError, InputError
 from lsvib.models.drive import Drive, RigidDrive, described, names_and_values
 from lsvib.models.many import ManyDrives
 from lsvib.models.model import find_model, rule
@@ -28,6 +31,8 @@ START = {"u": 1e-3, "w": 0.0}  # next to steady sliding: rad, and rad/s
 # and angles with the smallest friction, so that of a pair which does not go together the friction is refused.
 _COUPLED = {"friction_coefficient": ("lead_angle", max), "lead_angle": ("friction_coefficient", min)}
 _MOST = 10_000_000  # points, of which each has some hundred bytes
+_MOST_POINTS = 1_000_000  # of a sweep: at some 10 ms each three hours
+_FARTHEST = 1e150  # of an edge of a window: its area is still a number
 
 
 _VARIABLES = {
@@ -37,6 +42,12 @@ _VARIABLES = {
     "multiplier": attributes("1", "largest multiplier of the return map"),
     "peak_normal_force": attributes("N", "largest magnitude of the normal force, without the impulses of seizures"),
     "peak_normal_impulse": attributes("N s", "largest magnitude of the normal impulse of a seizure"),
+}
+_PERTURBATIONS = {  # where a resilience has it, unit, words
+    "fatal_angle": ("angle", "rad", "largest tolerated perturbation of the deflection alone"),
+    "fatal_speed": ("speed", "rad s-1", "largest tolerated perturbation of the speed alone"),
+    "fatal_energy": ("energy", "J", "energy up to which every perturbation is tolerated"),
+    "basin_fraction": ("fraction", "1", "share of the window that settles, exact"),
 }
 
 
@@ -153,3 +164,76 @@ def coordinate(name: str, kind: type[Drive] = RigidDrive) -> dict[str, Any]:
     """Return the attributes of a parameter of a model as a coordinate."""
     about = described(kind, name)
     return attributes(about["unit"], about["long_name"])
+
+
+def resilience_sweep(
+    drive: RigidDrive,
+    over: Mapping[str, Any],
+    window: Window | None = None,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Return the perturbations that steady sliding of the rigid drive tolerates over all combinations of some values.
+
+    Arguments: ``over``, values [SI units] by name of a parameter; ``window`` as of
+    :func:`lsvib.basins.resilience.resilience`; ``progress``, called with the numbers of points done and in all. Numbers
+    are infinite where every perturbation is tolerated, zero where none is, nan where the basin is not covered, for the
+    reasons in the attribute ``refused``. Raises ``InputError`` for values that are not acceptable.
+    """
+    axes = axes_of(over, RigidDrive, _MOST_POINTS)
+    drives = [drive.replace(**dict(zip(axes, values, strict=True))) for values in product(*axes.values())]
+    found: list[Resilience | None] = []
+    refused: list[str] = []
+    for one in drives:
+        try:
+            found.append(resilience(one, window))
+        except (InputError, EngineError) as error:
+            found.append(None)
+            refused.append(str(error))
+        if progress is not None:
+            progress(len(found), len(drives))
+    sizes = tuple(map(len, axes.values()))
+
+    def column(where: str) -> np.ndarray[Any, Any]:
+        return np.array([math.nan if one is None else getattr(one, where) for one in found]).reshape(sizes)
+
+    asked = {name: about for name, about in _PERTURBATIONS.items() if name != "basin_fraction" or window is not None}
+    return xr.Dataset(
+        {name: variable(tuple(axes), column(where), *words) for name, (where, *words) in asked.items()},
+        coords={name: (name, np.array(values), coordinate(name)) for name, values in axes.items()},
+        attrs={
+            "title": f"Perturbations that the rigid lead-screw drive tolerates over {', '.join(axes)}",
+            "source": "lsvib, exact boundary of the region of attraction",
+            "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.7",
+            "model": drive.model,
+            "parameters": json.dumps({key: value for key, value in drive if key not in axes}),
+            "window": json.dumps(None if window is None else window._asdict()),
+            "refused": json.dumps(sorted(set(refused))),
+        },
+    )
+
+
+def window_of(given: Any) -> Window | None:
+    """Return a window from one, None, or edges ``{"u": (low, high), "w": (low, high)}``, else raise ``InputError``."""
+    if given is None:
+        return None
+    if isinstance(given, Window):
+        given = {"u": (given.left, given.right), "w": (given.bottom, given.top)}
+    edges = names_and_values("window", given)
+    if set(edges) != {"u", "w"}:
+        raise InputError(f"window has the keys {', '.join(edges) or 'none'}; it needs u and w.")
+    ends: list[float] = []
+    for name in ("u", "w"):
+        pair = edges[name]
+        if not isinstance(pair, tuple | list) or len(pair) != 2:
+            raise InputError(f"window {name} = {numbers.shown(pair)} is not a low and a high end.")
+        try:
+            low, high = (numbers.number(value) for value in pair)
+        except numbers.NotNumber as error:
+            raise InputError(f"window {name} = {numbers.shown(pair)} has an end that {error}.") from None
+        if not -_FARTHEST <= low < high <= _FARTHEST:
+            raise InputError(
+                f"window {name} = {low:g} to {high:g} is outside the allowed range "
+                f"-{_FARTHEST:g} <= low < high <= {_FARTHEST:g}."
+            )
+        ends += [low, high]
+    return Window(*ends)

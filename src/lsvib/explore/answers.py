@@ -1,8 +1,10 @@
-"""What the page asks of the engine, without a page: maps, motions, curves and lines as plain arrays."""
+"""What the page asks of the engine, without a page: maps, motions and curves as plain arrays; and its exports."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -11,7 +13,9 @@ from matplotlib.colors import to_rgba
 from lsvib.basins.curves import Window
 from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapper import Mapper, mapper
-from lsvib.datasets.motion import run
+from lsvib.datasets.io import write_dataset
+from lsvib.datasets.map import attraction_map
+from lsvib.datasets.motion import attractor_of, motion_file, run
 from lsvib.datasets.phase_plane import lines, sample
 from lsvib.datasets.spans import stepped
 from lsvib.datasets.sweep import START
@@ -19,21 +23,13 @@ from lsvib.dynamics.attractors import Attractor, SteadyState, steady_state
 from lsvib.engine.motion import Motion
 from lsvib.errors import EngineError, LsvibError
 from lsvib.explore.view import View
-from lsvib.figures.attraction.picture import COLOURS
+from lsvib.figures import attraction, style
 from lsvib.models.drive import Drive
 from lsvib.models.model import find_model
 
-DRAGGED = (
-    120,
-    90,
-)  # cells of the map while a drive with two states is dragged, a seventieth of a second
-SETTLED = (320, 240)  # cells of the map of such a drive when the hand rests, a fortieth of a second
-COARSE = (36, 27)  # cells of the map of any other model, of which every motion is followed, about a millisecond each
-_SAMPLES = 2000  # of a drawn motion, as many as a screen has columns
-_PER_ARC = 4  # samples of an arc at least, so that a motion of many events can be drawn
-_MARGIN = 0.12  # of the window around what it holds
-_DECADES = 1e3  # ratio of its ends beyond which a parameter is drawn over its logarithm
-_ALPHA = 0.45  # of the map, so that the motion and the lines show on it
+# Cells of the map of a drive with two states while it is dragged, a seventieth of a second, and when the hand rests, a
+# fortieth; and of any other model, of which every motion is followed, about a millisecond each.
+DRAGGED, SETTLED, COARSE = (120, 90), (320, 240), (36, 27)
 
 
 @dataclass(frozen=True)
@@ -76,7 +72,7 @@ def window_around(drive: Drive, shown: Followed) -> Window:
     w = np.concatenate([shown.w, shown.cycle[:, 1], [0.0, -drive.input_speed]])
     edges = []
     for values in (u, w):
-        margin = _MARGIN * (np.ptp(values) or 1.0)
+        margin = 0.12 * (np.ptp(values) or 1.0)
         edges += [float(values.min() - margin), float(values.max() + margin)]
     return Window(*edges)
 
@@ -93,13 +89,9 @@ def at_once(drive: Drive) -> bool:
     return len(find_model(drive.model).states) == 2
 
 
-def labels(drive: Drive, window: Window, cells: tuple[int, int], rounding: bool = True) -> np.ndarray:
-    """Return the labels (rows, columns) of the attractors from every cell of a window; raises ``LsvibError``.
-
-    Without ``rounding`` cells on a boundary, which are unresolved, have the label of one side; that saves a third of
-    the time.
-    """
-    return _mapper(drive, rounding).cells(grid_of(window, cells), quantities=("label",))["label"]
+def labels(drive: Drive, window: Window, cells: tuple[int, int]) -> np.ndarray:
+    """Return the labels (rows, columns) of the attractors from every cell of a window; raises ``LsvibError``."""
+    return _mapper(drive).cells(grid_of(window, cells), quantities=("label",))["label"]
 
 
 def label_rows(drive: Drive, window: Window, cells: tuple[int, int]) -> Iterator[tuple[int, np.ndarray]]:
@@ -108,6 +100,11 @@ def label_rows(drive: Drive, window: Window, cells: tuple[int, int]) -> Iterator
     middle = cells[1] // 2
     for row in sorted(range(cells[1]), key=lambda k: abs(k - middle)):
         yield row, mapped.cells(grid, rows=slice(row, row + 1), quantities=("label",))["label"][0]
+
+
+def name_of(kind: Any) -> str:
+    """Return a member of an enumeration, or a word with underscores, as a person writes it."""
+    return str(getattr(kind, "name", kind)).lower().replace("_", " ")
 
 
 def rgba(found: np.ndarray) -> np.ndarray:
@@ -151,7 +148,7 @@ def amplitudes(view: View, count: int) -> Iterator[AmplitudePoint]:
 
 def logarithmic(view: View) -> bool:
     """Return whether the parameter of the amplitude curve spans decades, so that it is drawn over its logarithm."""
-    return view.low > 0 and view.high >= _DECADES * view.low
+    return view.low > 0 and view.high >= 1e3 * view.low
 
 
 def values_over(view: View, count: int) -> np.ndarray:
@@ -162,17 +159,20 @@ def values_over(view: View, count: int) -> np.ndarray:
 
 def thresholds_over(view: View) -> dict[str, float]:
     """Return, by name, the thresholds of the drive that are values of the parameter of the amplitude curve."""
-    found: dict[str, Any] = view.drive.thresholds()  # type: ignore[attr-defined]
-    names = {
-        "mass": ("critical_mass",),
-        "friction_coefficient": ("critical_friction",),
-        "axial_force": ("onset_force", "stick_force", "detach_force", "global_stability_force"),
-    }.get(view.over, (f"least_{view.over}",))
-    return {name: found[name].value for name in names if name in found and found[name].value is not None}
+    known: tuple[str, ...] = ("onset",)
+    if view.drive.model == "rigid":
+        forces = ("onset", "stick", "detach", "global_stability")
+        known = forces if view.over == "axial_force" else ("kinematic_constraint",)
+    found = {}
+    for name in known:
+        with suppress(LsvibError):
+            found[name] = view.drive.threshold(name, view.over).value  # type: ignore[attr-defined]
+    return found
 
 
 def _sampled(motion: Motion) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    return sample(motion, max(_SAMPLES, _PER_ARC * (motion.time.size + 1)))
+    """As many samples as a screen has columns, and at least four of each arc."""
+    return sample(motion, max(2000, 4 * (motion.time.size + 1)))
 
 
 def grid_of(window: Window, cells: tuple[int, int]) -> Grid:
@@ -182,16 +182,55 @@ def grid_of(window: Window, cells: tuple[int, int]) -> Grid:
 
 
 @lru_cache(maxsize=4)  # the drives of a few pages; a mapper holds the cycles of its drive
-def _mapper(drive: Drive, rounding: bool = True) -> Mapper:
-    return mapper(drive, drive.model, rounding=rounding)
+def _mapper(drive: Drive) -> Mapper:
+    return mapper(drive, drive.model)
 
 
 def _palette() -> np.ndarray:
-    """Colours of a map's labels, from −2 (not computed yet) on, as little-endian RGBA."""
+    """Colours of a map's labels, from −2 (not computed yet) on, as little-endian RGBA; motion and lines show on it."""
     colours = np.zeros((len(Attractor) + 1, 4), dtype=np.uint8)
     for kind in Attractor:
-        colours[kind + 2] = np.round(255 * np.array(to_rgba(COLOURS[kind.name.lower().replace("_", " ")], _ALPHA)))
+        colours[kind + 2] = np.round(255 * np.array(to_rgba(attraction.COLOURS[name_of(kind)], 0.45)))
     return colours.view(np.uint32)[:, 0]
 
 
 _PALETTE = _palette()
+
+
+def scene(view: View, path: Path) -> None:
+    """Write the scene of a view as YAML."""
+    path.write_text(view.yaml(), encoding="utf-8")
+
+
+def motion(view: View, path: Path) -> None:
+    """Write the motion of a view as netCDF, as ``lsvib simulate`` writes it."""
+    checked = view.scene()
+    made = run(checked)
+    write_dataset(motion_file(checked, made, attractor_of(made)), path, "lsvib.explore")
+
+
+def drawing(view: View, path: Path) -> None:
+    """Draw the map of the window of a view and its motion on it as PNG, in the look of the figures."""
+    shown = followed(view)
+    window = view.window or window_around(view.drive, shown)
+    grid = grid_of(window, SETTLED if at_once(view.drive) else COARSE)
+    mapped = mapper(view.drive, view.drive.model)
+    figure = attraction.draw(attraction_map(mapped, grid, mapped.cells(grid, quantities=("label",))))
+    figure.axes[0].plot(shown.u, shown.w, color=style.BLUE, linewidth=1.0)
+    style.save(figure, path)
+
+
+EXPORTS: dict[str, tuple[Callable[[View, Path], None], str]] = {
+    "scene.yaml": (scene, "application/yaml"),
+    "motion.nc": (motion, "application/x-netcdf"),
+    "attraction.png": (drawing, "image/png"),
+}
+
+
+def export(name: str, view: View) -> bytes:
+    """Return an export of a view by its name, one of :data:`EXPORTS`; raises ``LsvibError``."""
+    write, _ = EXPORTS[name]
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / name
+        write(view, path)
+        return path.read_bytes()

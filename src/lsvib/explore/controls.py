@@ -5,13 +5,11 @@ from collections.abc import Callable, Mapping
 from bokeh.layouts import column, row
 from bokeh.models import Button, Column, Select, Slider, TextInput, Toggle
 
-from lsvib.api import DRIVES
 from lsvib.explore.view import View
-from lsvib.figures.drawing import style
+from lsvib.figures import style
 from lsvib.models.drive import Drive, allowed_range, described, may_vanish
+from lsvib.models.model import model_names
 
-_STEPS = 200  # of a slider from end to end, finer than a hand
-_REACH = 2.0  # times its value, as far as a slider goes
 _FROM_ZERO = {  # end of a slider whose parameter is zero: enough to change what the chapter's drive does
     "translation_damping": 2000.0,
     "axial_force": 100.0,
@@ -35,7 +33,7 @@ class Controls:
         self._asked, self._silent = asked, False
         choices = [("", "– choose one –"), *((name, name) for name in presets)]
         self.preset = Select(title="Figure of the chapter", options=choices, value="", width=300)
-        self.model = Select(title="Model of the drive", options=list(DRIVES), value=view.drive.model, width=300)
+        self.model = Select(title="Model of the drive", options=list(model_names()), value=view.drive.model, width=300)
         self.over = Select(title="Parameter of the amplitude curve", width=190)
         self.texts = {
             key: TextInput(title=title, width=90)
@@ -54,12 +52,12 @@ class Controls:
         self.fields: dict[str, TextInput] = {}
         self.parameters: Column = column(width=320, name="parameters")
         for key, control in (("preset", self.preset), ("model", self.model), ("over", self.over), *self.texts.items()):
-            control.on_change("value", self._tell(key))
+            control.on_change("value", self._ask(key))
         self.fit.on_click(lambda: asked("fit", ""))
         self.show(view)
 
     def show(self, view: View) -> None:
-        """Let the controls say what a view is; nothing is asked by that."""
+        """Set the controls to a view, without asking anything by that."""
         self._silent = True
         try:
             if set(self.fields) != set(type(view.drive).model_fields):
@@ -92,22 +90,22 @@ class Controls:
                 start=0, end=1, value=0, step=0.1, width=150, show_value=False, align="end", name=f"slider_{key}",
                 html_attributes={"role": "group", "aria-label": name},
             )  # fmt: skip
-            self.fields[key].on_change("value", self._tell(key))
-            self.sliders[key].on_change("value", self._tell(f"slider:{key}"))
+            self.fields[key].on_change("value", self._ask(key))
+            self.sliders[key].on_change("value", self._ask(f"slider:{key}"))
             rows.append(row(self.fields[key], self.sliders[key]))
         self.parameters.children = rows
 
     def _place(self, kind: type[Drive], key: str, value: float) -> None:
         """Give a slider its ends around a value, and the value."""
-        end = _REACH * abs(value) or _FROM_ZERO.get(key, 1.0)
-        step = 2 * end / _STEPS if key in _SIGNED else end / _STEPS
+        end = 2 * abs(value) or _FROM_ZERO.get(key, 1.0)
+        step = (2 if key in _SIGNED else 1) * end / 200  # finer than a hand
         zero = 0.0 if may_vanish(kind, key) else step
         start = -end if key in _SIGNED else zero
         self.sliders[key].update(start=start, end=end, step=step, value=value)
 
-    def _tell(self, key: str) -> Callable[[str, object, object], None]:
-        def told(attribute: str, old: object, new: object) -> None:
+    def _ask(self, key: str) -> Callable[[str, object, object], None]:
+        def changed(attribute: str, old: object, new: object) -> None:
             if not self._silent and new != old:
                 self._asked(key, str(new))
 
-        return told
+        return changed

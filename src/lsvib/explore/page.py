@@ -13,24 +13,18 @@ from bokeh.layouts import column, row
 from bokeh.models import CustomJS, Div, Row
 
 from lsvib import numbers
+from lsvib.api import drive_class
 from lsvib.basins.curves import Window
 from lsvib.dynamics.attractors import Attractor
 from lsvib.errors import InputError, LsvibError
 from lsvib.explore import answers
+from lsvib.explore.answers import AmplitudePoint, name_of
 from lsvib.explore.controls import Controls
 from lsvib.explore.plots import Plots
 from lsvib.explore.view import View
-from lsvib.figures.attraction.picture import COLOURS
+from lsvib.figures.attraction import COLOURS
 from lsvib.models.model import find_model
 
-_THROTTLE = 8  # ms for which requests that came while an answer was made are gathered
-_PAUSE = 0.02  # s after an answer; a request that comes later comes alone, and is answered at once
-_REST = 500  # ms without a request after which the hand counts as at rest
-_SLICE = 0.04  # s of slow work at a time, between which the page answers
-_FRAME = 80  # ms of a frame of the animation
-_FRAMES = 100  # of the animation of a motion, which so lasts 8 s
-_POINTS = 61  # of the amplitude curve
-_FEW_POINTS = 21  # of the amplitude curve of models with more states, a point of which may take half a second
 _TO_ADDRESS = """
 const link = new DOMParser().parseFromString(cb_obj.text, "text/html").querySelector("a");
 if (link) window.history.replaceState(null, "", link.getAttribute("href"));
@@ -42,7 +36,8 @@ _HEADING = """
 A motor turns a screw through a spring, the screw pushes a mass, and its threads rub. Drag a slider to change the drive;
 click in the phase plane to push the screw: colours say where the motion from there ends.
 """
-_TEMPLATE = """{% block preamble %}<meta name="viewport" content="width=device-width, initial-scale=1">{% endblock %}"""
+_TEMPLATE = """{% block preamble %}<meta name="viewport" content="width=device-width, initial-scale=1">
+<link rel="icon" href="data:,">{% endblock %}"""
 _NARROW = {"sizing_mode": "scale_width", "max_width": 640, "min_width": 320}  # as narrow as a telephone
 
 
@@ -85,8 +80,9 @@ class Page:
         self._asked[key] = text
         if not self._waiting:
             self._waiting = True
-            alone = perf_counter() > self._answered + _PAUSE
-            self.document.add_timeout_callback(self._answer, 0 if alone else _THROTTLE)
+            alone = perf_counter() > self._answered + 0.02  # s
+            # Requests that come while an answer is made are gathered for 8 ms; a single one is answered at once.
+            self.document.add_timeout_callback(self._answer, 0 if alone else 8)
 
     def start_at(self, u: float, w: float) -> None:
         """Start the motion in a point of the phase plane."""
@@ -145,13 +141,11 @@ class Page:
 
     def _of_model(self, model: str) -> View:
         """The same drive in another model, as far as the parameters of both are the same."""
-        kind = find_model(model).drive
-        from lsvib.api import drive_class
-
+        kind = drive_class(model)
         shared = {key: value for key, value in self.view.drive if key in kind.model_fields}
         over = self.view.over if self.view.over in kind.model_fields else "axial_force"
         ends = {} if over == self.view.over else _around(self.view.drive.axial_force)
-        return replace(self.view, drive=drive_class(model).of(shared), over=over, **ends)
+        return replace(self.view, drive=kind.of(shared), over=over, **ends)
 
     def _redraw(self, view: View) -> None:
         """Draw what can be drawn at once; a view without an answer leaves the page as it is."""
@@ -163,7 +157,7 @@ class Page:
         assert window is not None
         found = None
         if answers.at_once(view.drive):
-            found = answers.labels(view.drive, window, answers.DRAGGED, rounding=False)
+            found = answers.labels(view.drive, window, answers.DRAGGED)
         elif (view.drive, view.window) != (self.view.drive, self.view.window):
             found = np.full(answers.COARSE[::-1], -2)
         self.view, self.shown = view, shown
@@ -176,7 +170,7 @@ class Page:
         self._slow = iter(())
         if self._settling is not None:
             self.document.remove_timeout_callback(self._settling)
-        self._settling = self.document.add_timeout_callback(self._settle, _REST)
+        self._settling = self.document.add_timeout_callback(self._settle, 500)  # ms: the hand rests
 
     def _settle(self) -> None:
         """The hand rests: say in words and links what is shown, and begin what takes longer."""
@@ -191,7 +185,7 @@ class Page:
 
     def _step(self) -> None:
         """Do a slice of the slow work, and come back while there is more."""
-        end = perf_counter() + _SLICE
+        end = perf_counter() + 0.04  # s, after which the page answers
         for _ in self._slow:
             if perf_counter() > end:
                 self.document.add_timeout_callback(self._step, 5)
@@ -216,8 +210,9 @@ class Page:
             self._say_words()
             yield
             self.plots.start_curve(view, answers.thresholds_over(view))
-            points: list[answers.AmplitudePoint] = []
-            for point in answers.amplitudes(view, _POINTS if answers.at_once(view.drive) else _FEW_POINTS):
+            points: list[AmplitudePoint] = []
+            # Of models with more states a point may take half a second.
+            for point in answers.amplitudes(view, 61 if answers.at_once(view.drive) else 21):
                 points.append(point)
                 if len(points) % 10 == 0:
                     self.plots.draw_curve(points)
@@ -227,43 +222,39 @@ class Page:
         except LsvibError as error:
             self._say(self._alert, escape(str(error)))
 
-    def _say_words(self, points: Sequence[answers.AmplitudePoint] = ()) -> None:
+    def _say_words(self, points: Sequence[AmplitudePoint] = ()) -> None:
         """Say in words what the drawings show."""
         view, shown, steady = self.view, self.shown, self.shown.steady
         words = [f"The motion of {view.duration:g} s has {shown.events} events."]
         if steady is None:
-            words.append("The engine does not decide what it ends on.")
+            words.append("What it ends on is unresolved.")
         elif steady.orbit is None:
-            words.append(f"It ends on {_name(steady.label)}.")
+            words.append(f"It ends on {name_of(steady.label)}.")
         else:
             words.append(
-                f"It ends on a {_name(steady.label)} of amplitude {steady.amplitude:.4g} rad and period "
+                f"It ends on a {name_of(steady.label)} of amplitude {steady.amplitude:.4g} rad and period "
                 f"{steady.period:.4g} s."
             )
         try:
             stability = view.drive.stability()  # type: ignore[attr-defined]
-            words.append(f"Steady sliding is {'stable' if stability.stable else 'unstable'} ({_name(stability.kind)}).")
+            words.append(
+                f"Steady sliding is {'stable' if stability.stable else 'unstable'} ({name_of(stability.kind)})."
+            )
         except InputError as error:
             words.append(str(error))
         if self._shares:
-            parts = [f"{_name(kind)} {100 * share:.1f} %" for kind, share in self._shares.items()]
+            parts = [f"{name_of(kind)} {100 * share:.1f} %" for kind, share in self._shares.items()]
             words.append(f"Of the starts in the window: {', '.join(parts)}.")
         if points:
-            counts = []
-            for near in (True, False):
-                vibrating = [point.value for point in points if point.near == near and point.amplitude > 0]
-                first = f", the first at {vibrating[0]:.4g}" if vibrating else ""
-                counts.append((f"{len(vibrating) or 'none'}", first))
-            (near_count, near_first), (count, first) = counts
             drives = f"{len(points) // 2} drives with {view.over} from {view.low:g} to {view.high:g}"
             words.append(
-                f"Of {drives}, {near_count} vibrate when started next to steady sliding{near_first}, and {count} when "
-                f"started where the motion does{first}."
+                f"Of {drives}, {_vibrating(points, True, 'next to steady sliding')}, and "
+                f"{_vibrating(points, False, 'where the motion does')}."
             )
         self._say(self._words, escape(" ".join(words)))
         patches = [
-            f'<span style="display:inline-block;width:1em;height:1em;background:{COLOURS[_name(kind)]};opacity:.5">'
-            f"</span>&nbsp;{_name(kind)}"
+            f'<span style="display:inline-block;width:1em;height:1em;background:{COLOURS[name_of(kind)]};opacity:.5">'
+            f"</span>&nbsp;{name_of(kind)}"
             for kind in self._shares
         ]
         self._say(self._legend, "&emsp;".join(["Regions of attraction:", *patches]) if patches else "")
@@ -286,7 +277,7 @@ class Page:
         shown = self.shown
         time = 0.01 * float(self.controls.moment.value) * float(shown.time[-1])
         k = min(int(np.searchsorted(shown.time, time)), shown.time.size - 1)
-        mode = _name(find_model(self.view.drive.model).modes(int(shown.mode[k])))
+        mode = name_of(find_model(self.view.drive.model).modes(int(shown.mode[k])))
         words = f"t = {shown.time[k]:.4g} s: {mode}, N = {shown.force[k]:.4g} N"
         self.plots.draw_moment(self.view.drive, shown, k, words)
 
@@ -297,10 +288,10 @@ class Page:
         if playing:
             if self.controls.moment.value >= 100:
                 self.controls.moment.value = 0
-            self._frames = self.document.add_periodic_callback(self._next_frame, _FRAME)
+            self._frames = self.document.add_periodic_callback(self._next_frame, 80)  # ms: 100 frames, 8 s
 
     def _next_frame(self) -> None:
-        self.controls.moment.value = min(100.0, self.controls.moment.value + 100 / _FRAMES)
+        self.controls.moment.value = min(100.0, self.controls.moment.value + 1)
         if self.controls.moment.value >= 100:
             self.controls.play.active = False
 
@@ -328,9 +319,11 @@ def _line(*parts: Any) -> Row:
     return row(*parts, sizing_mode="stretch_width", styles={"flex-wrap": "wrap"})
 
 
-def _name(kind: Any) -> str:
-    """A member of an enumeration, or a word with underscores, as a person writes it."""
-    return str(getattr(kind, "name", kind)).lower().replace("_", " ")
+def _vibrating(points: Sequence[AmplitudePoint], near: bool, place: str) -> str:
+    """How many points of the amplitude curve vibrate, from one of their two starts."""
+    values = [point.value for point in points if point.near == near and point.amplitude > 0]
+    first = f", the first at {values[0]:.4g}" if values else ""
+    return f"{len(values) or 'none'} vibrate when started {place}{first}"
 
 
 def _around(value: float) -> dict[str, float]:

@@ -24,17 +24,14 @@ from bokeh.plotting import figure
 
 from lsvib.basins.curves import Window
 from lsvib.explore import answers
-from lsvib.explore.answers import AmplitudePoint, Followed
+from lsvib.explore.answers import AmplitudePoint, Followed, name_of
 from lsvib.explore.view import View
-from lsvib.figures.attraction.picture import COLOURS
-from lsvib.figures.drawing import style
+from lsvib.figures import style
+from lsvib.figures.attraction import COLOURS
 from lsvib.models.drive import Drive, described
 
 SLOPE = 0.22  # of the drawn threads, whatever the lead angle: those of most screws are too flat to be seen
-_GAP = 0.06  # backlash of the drawn threads, in pitches; real ones have less
-_SLIDE = 2.0  # lengths of the drawing that the screw moves for one radian
 _MARKS = 0.5  # distance of the marks on the drawn screw
-_BEYOND = 20  # heights of its drawing that the line of the moment goes beyond it, for a hand that zooms out
 _TOOLS = "pan,wheel_zoom,box_zoom,reset,save"
 _NARROW = {"sizing_mode": "scale_width", "min_width": 320}  # a drawing shrinks with its column, down to a telephone
 _LOOKS: dict[str, dict[str, list[Any]]] = {  # of the rows of sources that the browser draws anew in a redraw
@@ -209,16 +206,18 @@ class Plots:
         force, time = float(shown.force[k]), float(shown.time[k])
         side = math.copysign(1.0, force) if force else 0.0
         tooth = np.array([-0.9, 0.9, 0.9, -0.9])
-        half = 0.25 - _GAP
+        gap = 0.06  # backlash in pitches; real threads have less
+        half = 0.25 - gap
         turned = drive.input_speed * time + float(shown.u[k])
-        at = (np.arange(-5, 5) * _MARKS - _SLIDE * turned) % (10 * _MARKS) - 5 * _MARKS
+        at = (np.arange(-5, 5) * _MARKS - 2 * turned) % (10 * _MARKS) - 5 * _MARKS
         at = np.concatenate([at, at])
         base = SLOPE * at + np.repeat([-0.5, 0.5], 10)
-        gap = np.full(at.size, np.nan)  # ends the line of a mark
+        breaks = np.full(at.size, np.nan)  # each ends the line of a mark
         most = float(np.abs(shown.force).max()) or 1.0
         tip = side * (0.25 - 0.42 * abs(force) / most)
         least, most = self.force.y_range.start, self.force.y_range.end
-        ends = [least - _BEYOND * (most - least), most + _BEYOND * (most - least)]
+        beyond = 20 * (most - least)  # for a hand that zooms out
+        ends = [least - beyond, most + beyond]
         self._fill(
             "points",
             {"x": [0.0, float(shown.u[0]), float(shown.u[k])], "y": [0.0, float(shown.w[0]), float(shown.w[k])]},
@@ -227,11 +226,11 @@ class Plots:
         self._fill(
             "screw",
             {
-                "x": [np.stack([at, at, gap], axis=1).ravel(), [0.0, 0.0]],
-                "y": [np.stack([base - 0.15, base + 0.15, gap], axis=1).ravel(), [side * 0.25, tip]],
+                "x": [np.stack([at, at, breaks], axis=1).ravel(), [0.0, 0.0]],
+                "y": [np.stack([base - 0.15, base + 0.15, breaks], axis=1).ravel(), [side * 0.25, tip]],
             },
         )
-        height = SLOPE * tooth + side * _GAP + np.array([-half, -half, half, half])
+        height = SLOPE * tooth + side * gap + np.array([-half, -half, half, half])
         self._fill("nut", {"x": [tooth], "y": [height], "tip": [tip], "words": [words]})
 
     def start_curve(self, view: View, thresholds: Mapping[str, float]) -> None:
@@ -245,7 +244,7 @@ class Plots:
         self.curve.x_range.update(start=view.low, end=view.high)
         self.sources["bar"].data = {"x": [getattr(view.drive, view.over)]}
         inside = {name: value for name, value in thresholds.items() if view.low <= value <= view.high}
-        self.sources["marks"].data = {"x": list(inside.values()), "name": [name.replace("_", " ") for name in inside]}
+        self.sources["marks"].data = {"x": list(inside.values()), "name": [name_of(name) for name in inside]}
         self.draw_curve([])
 
     def draw_curve(self, points: Sequence[AmplitudePoint]) -> None:
@@ -255,7 +254,7 @@ class Plots:
             self.sources[name].data = {
                 "x": [point.value for point in here],
                 "y": [point.amplitude for point in here],
-                "colour": [COLOURS[point.label.name.lower().replace("_", " ")] for point in here],
+                "colour": [COLOURS[name_of(point.label)] for point in here],
             }
         amplitudes = np.array([point.amplitude for point in points if math.isfinite(point.amplitude)])
         # An axis of 0.01 rad where nothing vibrates; a range without numbers would be a warning of Bokeh's.

@@ -18,12 +18,10 @@ from lsvib.api import RigidDrive
 from lsvib.engine.motion import compile_engine
 from lsvib.errors import InputError, LsvibError
 from lsvib.explore import answers
-from lsvib.explore.downloads import EXPORTS, export
+from lsvib.explore.answers import EXPORTS, export
 from lsvib.explore.page import Page
-from lsvib.explore.presets import presets
-from lsvib.explore.view import View
+from lsvib.explore.view import View, presets
 
-HOST = "localhost"  # nobody else is let in
 # What is shown first: the drive on the front page of the documentation, which slides or vibrates by the start.
 FRONT = View(
     RigidDrive(mass=11, support_damping=1e-3, axial_force=-10), u=0.1, over="axial_force", low=-40.0, high=-0.5
@@ -61,14 +59,6 @@ class PromptSocket(WSHandler):
         self.set_nodelay(True)
 
 
-class Icon(RequestHandler):
-    """Tells a browser that asks for an icon that there is none."""
-
-    def get(self) -> None:
-        """Send nothing."""
-        self.set_status(204)
-
-
 def make_server(port: int) -> Server:
     """Return a server of the page that listens already; raises ``InputError`` if the port cannot be had."""
     known = presets()
@@ -92,9 +82,9 @@ def make_server(port: int) -> Server:
     try:
         server = Server(
             {"/": Application(FunctionHandler(page))},
-            address=HOST,
+            address="localhost",
             port=port,
-            extra_patterns=[(rf"/export/({names})", Export), (r"/favicon\.ico", Icon)],
+            extra_patterns=[(rf"/export/({names})", Export)],
         )
     except OSError as error:
         reason = "another program uses it" if error.errno == errno.EADDRINUSE else error.strerror
@@ -109,7 +99,7 @@ def serve(port: int, show: bool) -> None:
     server = make_server(port)
     compile_engine()  # at once, so that no page waits for a compiler
     answers.labels(FRONT.drive, answers.window_around(FRONT.drive, answers.followed(FRONT)), answers.DRAGGED)
-    address = f"http://{HOST}:{server.port}/"
+    address = f"http://localhost:{server.port}/"
     print(f"The explorer is at {address}; Ctrl+C ends it.", flush=True)
     server.start()
     if show:

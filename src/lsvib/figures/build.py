@@ -1,26 +1,37 @@
 """A whole figure: dataset, checks and picture, the same from Python, from the command and in the workflow.
 
-The workflow calls the two halves in jobs of their own, or this whole for a quick look.
+The workflow calls the two halves in jobs of their own, or the whole for a quick look.
 """
 
+import json
 import os
+import re
 from collections.abc import Mapping
 from typing import Any
 
+import xarray as xr
+
 from lsvib.datasets.checks import Check
-from lsvib.figures.compute import compute_figure
-from lsvib.figures.draw import FULL, draw_figure
+from lsvib.datasets.io import read_dataset, write_dataset
+from lsvib.errors import InputError
+from lsvib.figures import style
+from lsvib.figures.configuration import complete_settings, load
+from lsvib.figures.style import Figure
+from lsvib.files import write_json, write_text
+
+FULL, DRAFT = 300, 100  # resolution of a PNG for print and of one for a quick look [dots per inch]
+File = str | os.PathLike[str]
 
 
 def build_figure(
     figure: str,
     given: Mapping[str, Any],
-    dataset_file: str | os.PathLike[str],
-    checks_file: str | os.PathLike[str],
-    png: str | os.PathLike[str],
-    pdf: str | os.PathLike[str] | None = None,
+    dataset_file: File,
+    checks_file: File,
+    png: File,
+    pdf: File | None = None,
     *,
-    caption: str | os.PathLike[str] | None = None,
+    caption: File | None = None,
     resolution: float = FULL,
 ) -> list[Check]:
     """Compute, judge and draw a figure; write its dataset, checks and picture, and return the checks.
@@ -31,3 +42,80 @@ def build_figure(
     checks = compute_figure(figure, given, dataset_file, checks_file)
     draw_figure(figure, dataset_file, png, pdf, caption, resolution=resolution)
     return checks
+
+
+def compute_figure(figure: str, given: Mapping[str, Any], dataset_file: File, checks_file: File) -> list[Check]:
+    """Compute the dataset of a figure and judge it, by the functions ``build`` and ``checks`` of its module.
+
+    ``build`` takes all values of the class ``Settings`` beside it; for values that it cannot use it raises
+    ``InputError``. Both results are written.
+    ``given``: settings as in its section of ``config/config.yaml``; those that it does not name have their defaults.
+    The dataset carries the settings as JSON in its attribute ``settings``. Raises ``InputError`` about the settings and
+    ``LsvibError`` about files, in one sentence.
+    """
+    settings, module = complete_settings(figure, given), load(figure)
+    dataset = module.build(settings).assign_attrs(settings=json.dumps(settings))
+    write_dataset(dataset, dataset_file, f"{module.__name__}.build")
+    checks: list[Check] = module.checks(dataset)
+    write_json([check.to_json() for check in checks], checks_file)
+    return checks
+
+
+def draw_figure(
+    figure: str,
+    dataset_file: File,
+    png: File,
+    pdf: File | None = None,
+    caption: File | None = None,
+    *,
+    resolution: float = FULL,
+) -> None:
+    """Draw a figure from its dataset and write it; ``pdf`` None for no PDF; ``resolution`` of the PNG [dots per inch].
+
+    ``caption``: file for the caption, reStructuredText; None for no such file. Raises ``LsvibError`` about files, in
+    one sentence.
+    """
+    picture = load(figure).draw(read_dataset(dataset_file))
+    style.save(picture, png, pdf, resolution=resolution)
+    if caption is not None:
+        write_text(caption_of(figure, picture), caption)
+
+
+def draw_overview(figure: str, cells_file: File, png: File, pdf: File, caption: File) -> None:
+    """Draw ``attraction`` or ``chart`` from the file of its cells, a large one from :func:`overview`."""
+    picture = load(figure).draw(overview(cells_file))
+    style.save(picture, png, pdf)
+    write_text(caption_of(figure, picture), caption)
+
+
+def caption_of(figure: str, picture: Figure) -> str:
+    """Return the caption of a figure in reStructuredText: what it shows, then the values for which ``picture`` does.
+
+    These are the words under the picture, which say what is printed and what is assumed, without mathematics.
+    """
+    values = re.sub(r"([*`|_\\])", r"\\\1", style.plain(picture.get_supxlabel()))  # so that they mean themselves
+    words = load(figure).CAPTION
+    return f"{words}\nValues: {values}\n" if values else words
+
+
+def overview(path: File, most: int = 1000) -> xr.Dataset:
+    """Return a map with at most ``most`` rows and columns: of each block of cells the one in its middle.
+
+    The coordinates are the middles of the blocks, whose sides are odd numbers of cells, and ``cell_width`` is theirs;
+    cells beyond the last whole block are left out. ``fraction`` remains that of all cells. Raises ``InputError`` if the
+    file cannot be read.
+    """
+    try:
+        with xr.open_dataset(path, engine="netcdf4", cache=False) as whole:
+            steps = {dim: -(-whole.sizes[dim] // most) | 1 for dim in whole["label"].dims}
+            middles = {dim: slice(n // 2, whole.sizes[dim] // n * n, n) for dim, n in steps.items()}
+            coarse = whole.isel(middles).load()
+    except (OSError, RuntimeError, ValueError, KeyError) as error:
+        raise InputError(f"{path} is not a readable map: {error}.") from error
+    for dim, step in steps.items():
+        attrs = coarse[dim].attrs
+        if "cell_ratio" in attrs:  # cells of equal ratio, not of equal width
+            attrs["cell_ratio"] **= step
+        else:
+            attrs["cell_width"] *= step
+    return coarse

@@ -1,20 +1,24 @@
-"""The configuration of the workflow: its types, and one sentence about what is wrong with one.
+"""Which figures there are, their settings, and one sentence about what is wrong with a configuration.
 
-The values are those of ``config/config.yaml``, to which the file beside this module is a link (an installed package
-holds a copy); the type of each section is the class ``Settings`` in the folder of its figure.
+A figure is a module of this package, or of ``benchmarks.figures``, with a function ``build``: its name is found there.
+The values of settings are those of ``config/config.yaml``, to which the file beside this module is a link (an installed
+package holds a copy); their type is the class ``Settings`` in the module of the figure. The benchmarks come with a
+checkout only: an installed lsvib knows their names, so that a configuration may have their sections.
 """
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from functools import cache
 from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
+from types import ModuleType
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError, create_model
 
 from lsvib.errors import InputError
-from lsvib.figures.common.settings import FigureSettings, SettingsSection, Unique
-from lsvib.figures.folders import accuracy_figures, default_figures, settings_module
+from lsvib.figures.settings import FigureSettings, SettingsSection, Unique
 from lsvib.models.drive import range_in_words
 from lsvib.numbers import shown
 
@@ -33,17 +37,49 @@ _NO_TYPE = {  # complaint of pydantic: what the value should be
     "dict_type": "a set of names and values",
 }
 _ALTERNATIVES = ("number", "axis")  # which of two types a value was taken for; no part of its place
-_DEFAULT_FIGURES, _ACCURACY_FIGURES = default_figures(), accuracy_figures()
+_BENCHMARKS = ("ablation", "map_precision", "rival_verdicts", "stability_sweeps", "work_precision")
+
+
+@cache
+def default_figures() -> tuple[str, ...]:
+    """Return the names of the figures that a bare ``snakemake`` builds: those of the chapter first."""
+    files = Path(__file__).parent.glob("*.py")
+    names = [file.stem for file in files if "\ndef build(" in file.read_text(encoding="utf-8")]
+    return tuple(sorted(names, key=lambda name: (not name.startswith("fig"), name)))
+
+
+def accuracy_figures() -> tuple[str, ...]:
+    """Return the names of the figures of the target ``accuracy``."""
+    return _BENCHMARKS
+
+
+def module_of(figure: str) -> str:
+    """Return the name of the module of a figure; raises ``InputError`` if there is no such figure."""
+    room = "benchmarks.figures" if figure in _BENCHMARKS else "lsvib.figures"
+    with suppress(ModuleNotFoundError):  # no benchmarks, or others
+        if figure in (*default_figures(), *_BENCHMARKS, "attraction", "chart") and find_spec(f"{room}.{figure}"):
+            return f"{room}.{figure}"
+    if figure in _BENCHMARKS:
+        raise InputError(f"figure {figure} does not exist here: the benchmarks come with a checkout of lsvib only.")
+    raise InputError(f"figure = {figure!r} has no file in lsvib.figures.")
+
+
+def load(figure: str) -> ModuleType:
+    """Return the module of a figure, with ``Settings``, ``build``, ``checks``, ``draw`` and ``CAPTION``.
+
+    ``attraction`` and ``chart`` have no ``build`` and no ``checks``. Raises ``InputError`` if there is no such figure.
+    """
+    return import_module(module_of(figure))
 
 
 class Selection(SettingsSection):
     """What is built, and how; each figure has a section of its own beside it."""
 
-    figures: Annotated[list[Literal[*_DEFAULT_FIGURES]], *Unique] = Field(
-        default=list(_DEFAULT_FIGURES), min_length=1, description="Figures to build; all if it is left out."
+    figures: Annotated[list[Literal[*default_figures()]], *Unique] = Field(
+        default=list(default_figures()), min_length=1, description="Figures to build; all if it is left out."
     )
-    accuracy_figures: Annotated[list[Literal[*_ACCURACY_FIGURES]], *Unique] = Field(
-        default=list(_ACCURACY_FIGURES), min_length=1, description="Figures of the target `accuracy`, as `figures`."
+    accuracy_figures: Annotated[list[Literal[*_BENCHMARKS]], *Unique] = Field(
+        default=list(_BENCHMARKS), min_length=1, description="Figures of the target `accuracy`, as `figures`."
     )
     draft: bool = Field(
         default=False,
@@ -102,7 +138,7 @@ def standard_settings(figure: str) -> dict[str, Any]:
 
 def settings_of(figure: str) -> type[FigureSettings]:
     """Return the type of the settings of a figure; raises ``InputError`` if there is no such figure."""
-    found: type[FigureSettings] = import_module(settings_module(figure)).Settings
+    found: type[FigureSettings] = load(figure).Settings
     return found
 
 

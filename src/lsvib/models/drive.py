@@ -253,7 +253,7 @@ class SupportDrive(Drive):
 
     >>> import lsvib
     >>> lsvib.SupportDrive(mass=15, friction_coefficient=0.3).stability().kind
-    'kinematic'
+    'kinematic_constraint'
     """
 
     model, own_damping = "support", "axial_support_damping"
@@ -273,7 +273,7 @@ class NutDrive(Drive):
     """A drive whose nut can rotate on a spring (Sect. 5.8); no values are printed, the screw's own are assumed.
 
     >>> import lsvib
-    >>> lsvib.NutDrive(mass=6).stability().conditions["kinematic"].hold
+    >>> lsvib.NutDrive(mass=6).stability().conditions["kinematic_constraint"].hold
     True
     """
 

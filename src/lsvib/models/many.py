@@ -75,7 +75,7 @@ def groups(drives: ManyDrives, resume: Resume, entries: np.ndarray) -> Iterator[
 
     Drives that are in no group must be made exactly, too.
     """
-    waiting = [entries]
+    waiting = [entries] if entries.size else []
     while waiting:
         members = waiting.pop()
         d = drives.doubles(members)

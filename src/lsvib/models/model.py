@@ -163,7 +163,7 @@ class Model:
     excess: Callable[[LinearParts], Any] = lambda parts: parts.g
     constrained: Callable[[Mapping[str, Any], LinearParts], Polynomial] | None = None
     constraint: str = "det M = 0"
-    thresholds: tuple[str, ...] = ("onset", "kinematic", "flutter")
+    thresholds: tuple[str, ...] = ("onset", "kinematic_constraint", "flutter")
     curves: tuple[str, ...] = ()
     quantities: Mapping[str, tuple[str, str, str]] = field(default_factory=dict)
     section: str = ""

@@ -323,8 +323,8 @@ MODEL = Model(
     equations="eqs 8.13-8.17",
     characteristic=lambda p, parts: parts.rigid(),
     constraint="Γ₊ = I − ξ₊ tan λ m r_m² = 0 (eq. 8.20)",
-    thresholds=("onset", "kinematic", "negative_damping", *_FORCES, "fold", "cycle_birth", "rest_loss"),
-    curves=("onset", *_FORCES, "kinematic", "negative_damping", "stick_slip_birth"),
+    thresholds=("onset", "kinematic_constraint", "negative_damping", *_FORCES, "fold", "cycle_birth", "rest_loss"),
+    curves=("onset", *_FORCES, "kinematic_constraint", "negative_damping", "stick_slip_birth"),
     powers=Powers,
     section="5.3",
 )

@@ -1,161 +1,284 @@
-"""Boundaries of stability of steady sliding in one parameter, from the full characteristic polynomial of a drive.
+r"""Places at which steady sliding changes, as all roots of polynomials in one parameter of a drive.
 
-All coefficients of the polynomial are linear in the mass, in μ (after multiplication by 1 + s_0 μ tan λ) and in every
-damping; so the Hurwitz determinant is a cubic, and steady sliding changes its stability only at positive roots of these
-five polynomials. They are isolated with certainty, and exact signs between them decide. The steady law s_0 depends on
-none of these parameters but c_x, which is therefore left out.
+With t = tan λ the coefficients of :func:`lsvib.stability.spectrum.polynomial` and the net force R̃ are polynomials in
+every parameter and in t. So all roots in any one of them are isolated with certainty, in rational numbers of FLINT, and
+a list of them is complete. Steady sliding changes its stability only at roots of R̃ and of the numbers whose signs
+decide (:func:`lsvib.stability.spectrum.margins`); exact signs between them say where it is stable. The sign of Ω is
+kept on each side of zero.
+
+    onset                  steady sliding gains or loses its asymptotic stability; one of the equations below, or R̃ = 0
+    kinematic_constraint   det M = 0 under law +: Γ₊ = 0 (8.20), Γ̃₊ = 0 (8.28), Γ̂₊ = 0 (8.33)
+    negative_damping       C₊ = 0 (8.19)
+    flutter                two eigenvalues on the imaginary axis: Hurwitz determinant of det(M s² + C s + K) = 0
 """
 
-from collections.abc import Iterable, Sequence
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from fractions import Fraction
+from functools import cache
 from itertools import pairwise
 from typing import Any
 
-from lsvib.engine.exact.arithmetic import multiplied
-from lsvib.models.drive import Drive
-from lsvib.stability.characteristic import DIGITS, Polynomial, hurwitz, polynomial, rationals, tangents
-from lsvib.stability.linearised import steady_law
-from lsvib.stability.real_roots import SAME, positive_roots, trimmed
-from lsvib.stability.spectrum import neutral_margins
+from flint import arb, fmpq, fmpq_poly
+
+from lsvib.engine.exact.arithmetic import many_digits
+from lsvib.models.drive import Drive, may_vanish
+from lsvib.models.mechanics import LinearParts
+from lsvib.models.model import find_model
+from lsvib.stability.solve import Equations, allowed
+from lsvib.stability.spectrum import SAME, margins, polynomial, positive_roots, rationals, tangents, undamped
+
+NAMES = ("onset", "kinematic_constraint", "negative_damping", "flutter")
+"""Thresholds that are roots of polynomials."""
+_STEEPEST = fmpq(10**17)  # more than tan λ of the largest double below π/2
+
+ParameterValues = Mapping[str, Any]
+_DAMPING = "C₊ = c − ξ₊ r_m² tan λ c_x = 0 (eq. 8.19)"
+_NET_FORCE = "R̃ = R − r_m tan λ c_x Ω = 0 (eqs 8.15, 8.19)"
+_NET_FORCE_OF_SLIDE = "R − r_m tan λ c_x Ω − F_0 sgn Ω = 0 (eq. 8.15)"
+_FLUTTER = "Hurwitz determinant (p_3 p_2 − p_4 p_1) p_1 − p_3² p_0 of det(M s² + C s + K) = 0: two eigenvalues ± i ω"
+_COUPLING = "p_2² − 4 p_4 p_0 of det(M s² + K) = 0: two frequencies meet (8.29)"
+
+
+@dataclass(frozen=True)
+class RootCondition:
+    """``of(kind, values, tan λ, sgn Ω)`` vanishes at the threshold; ``words`` say the equation."""
+
+    words: str
+    of: Callable[[type[Drive], ParameterValues, Any, int], Any]
+
+    def equations(self, kind: type[Drive], sense: int) -> Equations:
+        """Return the same equation for balls and power series."""
+        return lambda values, inner: [self.of(kind, values, values["lead_angle"].tan(), sense)]
+
+
+@dataclass(frozen=True)
+class Place:
+    """A root of a ``condition``: the unknown as a ball (``value``) and sgn Ω there."""
+
+    value: arb
+    condition: RootCondition
+    sense: int
 
 
 @dataclass(frozen=True)
 class StableSet:
     """Values of one parameter at which steady sliding is stable, all others held at those of the drive.
 
-    ``intervals`` are open intervals (low, high) [unit of the parameter] in ascending order, within 0 and ``limit``, the
-    end of the range of the parameter. With ``neutral`` the drive has no damping, and they are the values at which no
-    motion grows; else those at which steady sliding is asymptotically stable. ``from_zero`` says that zero belongs to
-    the first interval.
+    ``intervals`` are open intervals (low, high) [unit of the parameter; of the lead angle its tangent] in ascending
+    order, within the ``limit`` on either side of zero, the end of the range of the parameter. With ``neutral`` the
+    drive has no damping, and they are the values at which no motion grows; else those at which steady sliding is
+    asymptotically stable. ``from_zero`` says that zero belongs to the first interval; ``changes`` are the places where
+    stability changes.
     """
 
     key: str
-    intervals: tuple[tuple[Fraction, Fraction], ...]
-    limit: Fraction
+    intervals: tuple[tuple[fmpq, fmpq], ...]
+    limit: fmpq
     neutral: bool
     from_zero: bool
+    changes: tuple[Place, ...]
+    drive: Drive
+
+    def places(self) -> list[Place]:
+        """Return the changes that the drive can have, in ascending order."""
+        found = [place for place in self.changes if allowed(self.drive, self.key, float(place.value))]
+        return sorted(found, key=lambda place: float(place.value))
+
+    def in_doubles(self) -> tuple[tuple[float | None, float | None], ...]:
+        """Return the intervals in the unit of the parameter, None at the end of its range."""
+
+        def end(x: fmpq) -> float | None:
+            if abs(x) == self.limit:
+                return None
+            return math.atan(float(x)) if self.key == "lead_angle" else float(x)
+
+        return tuple((end(low), end(high)) for low, high in self.intervals)
+
+    def why_no_change(self) -> str:
+        """Say in a sentence that stability never changes, as where it has no change within the range."""
+        adverb, name = "neutrally" if self.neutral else "asymptotically", self.key.replace("_", " ")
+        if not self.intervals:
+            return f"steady sliding is {adverb} stable for no {name}, all other parameters held."
+        if self.from_zero or self.intervals[0][0] < 0 or not may_vanish(type(self.drive), self.key):
+            return f"steady sliding is {adverb} stable for every {name} in its range, all other parameters held."
+        return f"steady sliding is not {adverb} stable without {name}, but with any above zero, however small."
 
 
-def stable_set(drive: Drive, key: str) -> StableSet:
+def net_force(kind: type[Drive], values: ParameterValues, t: Any, sense: int) -> Any:
+    """Return R̃ less the friction of the slide, R − r_m tan λ c_x Ω − F_0 sgn Ω [N] (eq. 8.15)."""
+    drag = values["pitch_radius"] * t * values["translation_damping"] * values["input_speed"]
+    return values["axial_force"] - drag - values.get("slide_friction", 0) * sense
+
+
+def _leading(kind: type[Drive], values: ParameterValues, t: Any, sense: int) -> Any:
+    model = find_model(kind.model)
+    return (model.constrained or model.characteristic)(values, LinearParts.of(values, 1, t))[0]
+
+
+def _margins(drive: Drive, law: int, neutral: bool) -> list[RootCondition]:
+    """The numbers whose signs decide on stability under a law, each as a condition."""
+    model = find_model(drive.model)
+    if len(model.states) == 2:
+        words = [model.constraint, _DAMPING][: 1 if neutral else 2]
+    else:
+        powers = (4, 2) if neutral else (4, 3, 2, 1)
+        words = [*(f"p_{n} of det(M s² + C s + K) = 0" for n in powers), _COUPLING if neutral else _FLUTTER]
+        if model.constrained is None:
+            words[0] = model.constraint
+
+    def condition(which: int, text: str) -> RootCondition:
+        return RootCondition(
+            text, lambda kind, values, t, sense: margins(polynomial(kind, values, law, t), neutral)[which]
+        )
+
+    return [condition(k, text) for k, text in enumerate(words)]
+
+
+class Line:
+    """The values that one parameter of a drive may take, on one side of zero, all others held."""
+
+    def __init__(self, drive: Drive, unknown: str, side: int) -> None:
+        self.drive, self.unknown, self.side, self.kind = drive, unknown, side, type(drive)
+        self.fixed, self.tangent = rationals(drive), tangents(drive)[0]
+        self.neutral = undamped(drive, unknown)
+        self.sense = side if unknown == "input_speed" else 1 if drive.input_speed > 0 else -1
+        friction = self.fixed["friction_coefficient"]
+        if unknown == "friction_coefficient":
+            self.limit = 1 / self.tangent  # cot λ
+        elif unknown == "lead_angle":
+            self.limit = min(1 / friction, _STEEPEST) if friction else _STEEPEST
+        else:
+            self.limit = fmpq(*float(_range(self.kind, unknown)["maximum"]).as_integer_ratio())
+        slide = getattr(drive, "slide_friction", 0.0) or unknown == "slide_friction"
+        self.force = RootCondition(_NET_FORCE_OF_SLIDE if slide else _NET_FORCE, net_force)
+
+    def at(self, x: Any) -> tuple[type[Drive], ParameterValues, Any, int]:
+        """Return the arguments of a condition at a distance x ≥ 0 from zero, a number or the unknown of a polynomial.
+
+        Of λ it is tan λ.
+        """
+        if self.unknown == "lead_angle":
+            return self.kind, self.fixed, x, self.sense
+        return self.kind, {**self.fixed, self.unknown: self.side * x}, self.tangent, self.sense
+
+    def roots(self, values: Any) -> list[fmpq] | None:
+        """Return the x ≥ 0 at which a polynomial in x vanishes; None if it does not depend on x."""
+        p = fmpq_poly([0]) + values
+        if p.degree() < 1:
+            return None
+        # At the end of its range, as at μ = cot λ under law −, coefficients may vanish; nothing changes there.
+        return ([fmpq(0)] if p[0] == 0 else []) + positive_roots(p, self.limit * (1 - SAME))
+
+    def roots_of(self, condition: RootCondition) -> list[fmpq] | None:
+        """Return the distances x ≥ 0 from zero at which a condition vanishes; None if it does not depend on x."""
+        return self.roots(condition.of(*self.at(fmpq_poly([0, 1]))))
+
+    def law(self, x: fmpq) -> int:
+        """Return the law s_0 of steady sliding, 0 where the contact carries no force."""
+        force = net_force(*self.at(x)) * self.sense
+        return int(force > 0) - int(force < 0)
+
+    def margins(self, x: Any, law: int) -> tuple[Any, ...]:
+        """Return the numbers that are all positive where steady sliding is stable under a law."""
+        kind, values, t, _ = self.at(x)
+        return margins(polynomial(kind, values, law, t), self.neutral)
+
+    def stable(self, x: fmpq) -> bool:
+        """Whether steady sliding is stable (asymptotically; neutrally where nothing damps)."""
+        law = self.law(x)
+        return bool(law) and min(self.margins(x, law)) > 0
+
+    def place(self, x: fmpq, condition: RootCondition) -> Place:
+        """Return the place at a distance from zero."""
+        with many_digits():
+            value = arb(x).atan() if self.unknown == "lead_angle" else arb(self.side * x)
+        return Place(value, condition, self.sense)
+
+    def stability(self) -> tuple[list[tuple[fmpq, fmpq, bool]], list[Place], bool]:
+        """Return intervals (distances from zero, whether stable), places of a change, whether anything depends on x."""
+        found = self.roots_of(self.force)
+        ends = [fmpq(0), *(x for x in found or [] if x), self.limit]
+        laws = {self.law((a + b) / 2) for a, b in pairwise(ends)} - {0}
+        candidates = [(x, self.force) for x in found or []]
+        depends = found is not None
+        for law in sorted(laws, reverse=True):
+            numbers = self.margins(fmpq_poly([0, 1]), law)
+            for condition, values in zip(_margins(self.drive, law, self.neutral), numbers, strict=True):
+                roots = self.roots(values)
+                depends |= roots is not None
+                candidates += [(x, condition) for x in roots or [] if self.law(x) == law]
+        candidates = sorted(((x, c) for x, c in candidates if x), key=lambda at: at[0])
+        cuts: list[tuple[fmpq, RootCondition]] = []
+        for x, condition in candidates:
+            if not cuts or x - cuts[-1][0] > SAME * x:
+                cuts.append((x, condition))
+        edges = [fmpq(0), *(x for x, _ in cuts), self.limit]
+        parts = [(a, b, self.stable((a + b) / 2)) for a, b in pairwise(edges)]
+        changed = [cut for cut, before, after in zip(cuts, parts, parts[1:], strict=False) if before[2] != after[2]]
+        return parts, [self.place(*cut) for cut in changed], depends
+
+    @classmethod
+    def all_of(cls, drive: Drive, unknown: str) -> "list[Line]":
+        """Return both sides of zero where the parameter may be negative, else the positive one."""
+        lowest = _range(type(drive), unknown).get("minimum", 0)
+        return [cls(drive, unknown, side) for side in ((-1, 1) if lowest < 0 else (1,))]
+
+
+@cache  # pydantic takes milliseconds for it
+def _range(kind: type[Drive], key: str) -> dict[str, Any]:
+    """The schema of a parameter, with ``minimum`` and ``maximum``."""
+    found: dict[str, Any] = kind.model_json_schema()["properties"][key]
+    return found
+
+
+def stable_set(drive: Drive, key: str) -> StableSet | None:
     """Compute the values of the parameter ``key`` at which the steady sliding of a drive is stable.
 
-    Arguments: drive with compliant threads, axial support or rotating nut; ``mass``, ``friction_coefficient``,
-    ``support_damping`` or the drive's ``own_damping``. Raises ``InputError`` if the contact carries no force.
+    None if stability does not depend on it.
     """
-    kind, law, neutral = type(drive), steady_law(drive), undamped(drive, key)
-    tangent = tangents(drive, DIGITS)[0]
-    if key == "friction_coefficient":
-        limit = largest_friction(tangent)
+    lines = Line.all_of(drive, key)
+    found = [line.stability() for line in lines]
+    if not any(depends for *_, depends in found):
+        return None
+    intervals, changes = [], []
+    for line, (parts, places, _) in zip(lines, found, strict=True):
+        intervals += [(min(line.side * a, line.side * b), max(line.side * a, line.side * b)) for a, b, s in parts if s]
+        changes += places
+    if len(lines) == 2 and key != "input_speed":  # zero lies between both sides
+        (before, *_), (after, *_) = found[0][0], found[1][0]
+        vanishes = lines[1].roots_of(lines[1].force)
+        if before[2] != after[2] and vanishes and vanishes[0] == 0:
+            changes.append(lines[1].place(fmpq(0), lines[1].force))
+    line = lines[-1]
+    return StableSet(
+        key, tuple(sorted(intervals)), line.limit, line.neutral, line.stable(fmpq(0)), tuple(changes), drive
+    )
+
+
+def places(drive: Drive, name: str, unknown: str) -> list[Place] | None:
+    """Return all places at which one condition vanishes, in ascending order; None if the unknown is not in it."""
+    found = _roots_of(drive, name, unknown)
+    if found is None:
+        return None
+    return sorted((p for p in found if allowed(drive, unknown, float(p.value))), key=lambda p: float(p.value))
+
+
+def _roots_of(drive: Drive, name: str, unknown: str) -> list[Place] | None:
+    """The roots of the one condition of a threshold; of flutter of that of the law that holds there."""
+    lines, neutral = Line.all_of(drive, unknown), undamped(drive, unknown)
+    if name == "flutter":
+        wanted = {law: _margins(drive, law, neutral)[-1] for law in (1, -1)}
+    elif name == "kinematic_constraint":
+        wanted = {0: RootCondition(find_model(drive.model).constraint, _leading)}
     else:
-        limit = Fraction(kind.model_json_schema()["properties"][key]["maximum"])
-    values = rationals(drive)
-
-    def at(value: Fraction) -> tuple[Fraction, ...]:
-        return margins(polynomial(kind, {**values, key: value}, law, tangent), neutral)
-
-    def stable(value: Fraction) -> bool:
-        return min(at(value)) > 0
-
-    conditions = [interpolated(samples) for samples in zip(*(at(Fraction(x)) for x in range(4)), strict=True)]
-    if not all(conditions):  # one vanishes for every value of the parameter
-        return StableSet(key, (), limit, neutral, False)
-    places = [root for p in conditions for root in positive_roots(p, limit)]
-    ends = [Fraction(0), *_apart(places, limit), limit]
-    intervals = tuple((a, b) for a, b in pairwise(ends) if stable((a + b) / 2))
-    return StableSet(key, intervals, limit, neutral, stable(Fraction(0)))
-
-
-def largest_friction(tangent: Fraction) -> Fraction:
-    """Return the end of the range of the friction coefficient, cot λ."""
-    return 1 / tangent
-
-
-def threshold_of(drive: Drive, key: str) -> dict[str, Any]:
-    """The threshold of a parameter as plain values: ``value``, ``unit``, ``stable_intervals``, perhaps a ``reason``.
-
-    For a damping the value is the least one: below it steady sliding is stable at none. For the mass and the friction
-    coefficient it is the critical one: above it steady sliding is stable at none. ``stable_intervals`` is the whole
-    set, with ``low`` and ``high``; ``high`` is None at the end of the range of the parameter. ``stability`` says of
-    what: ``asymptotic`` or, for a drive without any damping, ``neutral``. The value is None, with a ``reason``, if the
-    set is empty or reaches the end of the range.
-    """
-    found = stable_set(drive, key)
-    schema = type(drive).model_fields[key].json_schema_extra
-    least = key not in ("mass", "friction_coefficient")
-    value, reason = None, None
-    name, adverb = key.replace("_", " "), "neutrally" if found.neutral else "asymptotically"
-    if not found.intervals:
-        reason = f"Steady sliding is {adverb} stable for no {name}, all other parameters held."
-    elif least:
-        value = float(found.intervals[0][0])
-        if value == 0 and not found.from_zero:
-            reason = f"Steady sliding is not {adverb} stable without it, but with any {name} above zero, however small."
-    elif found.intervals[-1][1] == found.limit:
-        reason = (
-            f"Steady sliding is {adverb} stable up to the end of the range of {name}, {_end(found, schema['unit'])}"
-        )
-        gaps = len(found.intervals) > 1 or found.intervals[0][0] > 0
-        reason += ", though not for every smaller one." if gaps else "."
-    else:
-        value = float(found.intervals[-1][1])
-    intervals = [{"low": float(a), "high": None if b == found.limit else float(b)} for a, b in found.intervals]
-    return {
-        "value": value,
-        "unit": schema["unit"],
-        "stability": "neutral" if found.neutral else "asymptotic",
-        "stable_intervals": intervals,
-        **({"reason": reason} if reason else {}),
-    }
-
-
-def model_thresholds(drive: Drive) -> dict[str, dict[str, Any]]:
-    """Return a drive's critical mass, critical friction and least own damping, each as :func:`threshold_of`."""
-    own = drive.own_damping
-    keys = {"critical_mass": "mass", "critical_friction": "friction_coefficient", f"least_{own}": own}
-    return {name: threshold_of(drive, key) for name, key in keys.items()}
-
-
-def margins(p: tuple[Any, ...], neutral: bool) -> tuple[Any, ...]:
-    """Return numbers that are all positive exactly where steady sliding is stable; p_0 always is.
-
-    Without damping (``neutral``) those for which no motion grows and all frequencies are distinct.
-    """
-    if len(p) == 3:
-        return p[:1] if neutral else p[:2]
-    return neutral_margins(p) if neutral else (*p[:4], hurwitz(p))
-
-
-def undamped(drive: Drive, key: str) -> bool:
-    """Whether nothing damps the drive, whatever the parameter ``key`` is: stability is then neutral stability."""
-    dampings = ["support_damping", "translation_damping", drive.own_damping]
-    return key not in dampings and not any(getattr(drive, name) for name in dampings if name)
-
-
-def _end(found: StableSet, unit: str) -> str:
-    return "cot(lead_angle)" if found.key == "friction_coefficient" else f"{float(found.limit):g} {unit}"
-
-
-def interpolated(values: Sequence[Fraction]) -> Polynomial:
-    """The polynomial through ``values`` at 0, 1, 2, …, by Newton's divided differences; leading zeros left out."""
-    differences = list(values)
-    for order in range(1, len(values)):
-        for i in range(len(values) - 1, order - 1, -1):
-            differences[i] = (differences[i] - differences[i - 1]) / order
-    result: Polynomial = (Fraction(0),)
-    for place in range(len(values) - 1, -1, -1):
-        *others, last = multiplied(result, (Fraction(1), Fraction(-place)))
-        result = (*others, last + differences[place])
-    return trimmed(result)
-
-
-def _apart(places: Iterable[Fraction], limit: Fraction) -> list[Fraction]:
-    """Places below the limit in ascending order, each once even if it is a root of two polynomials.
-
-    The limit itself is left out, although the coefficients vanish at μ = cot λ under law −.
-    """
-    kept: list[Fraction] = []
-    for place in sorted(places):
-        if limit - place > SAME * limit and (not kept or place - kept[-1] > SAME * place):
-            kept.append(place)
-    return kept
+        wanted = {0: RootCondition(_DAMPING, lambda kind, values, t, sense: polynomial(kind, values, 1, t)[1])}
+    roots = [(line, law, condition, line.roots_of(condition)) for line in lines for law, condition in wanted.items()]
+    if all(found is None for *_, found in roots):
+        return None
+    return [
+        line.place(x, condition)
+        for line, law, condition, found in roots
+        for x in found or []
+        if (x or line is lines[0]) and (not law or (line.law(x) == law and min(line.margins(x, law)[:-1]) > 0))
+    ]

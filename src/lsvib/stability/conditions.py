@@ -1,63 +1,419 @@
-"""The chapter's closed-form conditions (8.19), (8.20), (8.21), and the critical values that follow from them."""
+"""The chapter's conditions in closed form, and the linear stability of one drive of any model (eqs 8.18–8.33).
+
+Functions of ``DriveValues`` (:mod:`lsvib.stability.linear`) and a law s = ±1 serve whole grids, and one drive in balls.
+With χ = ξ_s r_m² tan λ, S = m + m_1 and m̃ = m m_1 / S the printed quantities of the axial support are Γ_0 = I − m χ and
+Γ̃_0 = I − m̃ χ. Of compliant threads, with Γ_0 and C_0 of the steady law and β = cos λ (cos λ + s_0 μ sin λ), the
+characteristic polynomial has the coefficients
+
+    p_4 = I m,   p_3 = I c_x + m c + β c_c Γ_0,   p_2 = c c_x + m k + β (k_c Γ_0 + c_c C_0),
+    p_1 = c_x k + β (k_c C_0 + c_c k),   p_0 = β k_c k.
+"""
 
 import math
+from collections.abc import Callable
+from typing import Any
 
-from flint import arb
+import numpy as np
+from flint import fmpq
+from numpy.typing import NDArray
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.models import mechanics
-from lsvib.models.drive import Drive, RigidDrive
-from lsvib.models.mechanics import coefficients
+from lsvib.models.drive import Drive, RigidDrive, SupportDrive, ThreadsDrive
+from lsvib.numbers import bisected
+from lsvib.results import Condition, Quantity, StabilityReport, UndampedStability
+from lsvib.stability.boundaries import places, stable_set
+from lsvib.stability.linear import (
+    DriveValues,
+    UndampedClass,
+    reciprocal_squares,
+    steady_law,
+    support_model,
+    values_of,
+)
+from lsvib.stability.spectrum import Polynomial, margins, scale, spectrum
+
+LARGEST_MASS = 1e9  # kg, the end of the range of the mass
 
 
-def conditions(drive: RigidDrive) -> dict[str, dict[str, object]]:
-    """Evaluate the instability conditions of a drive.
-
-    Returns, by name, the margins of the inequalities (each holds where positive; SI units) and whether all ``hold``:
-    ``negative_damping`` (8.19): μ − tan λ, N_0 Ω (by its sign as R̃ Ω), ξ₊ r_m² tan λ c_x − c;
-    ``negative_inertia`` (8.20): −Γ_0;
-    ``paradox`` (8.21): μ − tan λ, R̃ Ω, ξ₊ tan λ m r_m² − I.
-    """
-    c = coefficients(drive)
-    d = drive.exact()
+def effective_inertia(drive: DriveValues, law: int) -> Any:
+    """Return Γ_s = I − ξ_s tan λ m r_m² [kg m²] of the rigid drive (eqs 8.2, 8.20)."""
+    p = values_of(drive, law)
     with many_digits():
-        both = {
-            "self_locking": d.friction_coefficient - d.tan_lead,
-            "force_with_motion": c.net_force * d.input_speed,
-        }
-        margins = {
-            "negative_damping": {**both, "negative_effective_damping": -c.damping[1]},
-            "negative_inertia": {"negative_effective_inertia": -c.gamma[c.steady_law]},
-            "paradox": {**both, "negative_effective_inertia": -c.gamma[1]},
-        }
+        return mechanics.effective_inertia(p.screw_inertia, p.mass, p.pitch_radius, p.tan_lead, p.factor)
+
+
+def effective_damping(drive: DriveValues, law: int) -> Any:
+    """Return C_s = c − ξ_s tan λ c_x r_m² [N m s/rad] of the rigid drive (eq. 8.19)."""
+    p = values_of(drive, law)
+    with many_digits():
+        return mechanics.effective_damping(
+            p.support_damping, p.translation_damping, p.pitch_radius, p.tan_lead, p.factor
+        )
+
+
+def conditions(drive: RigidDrive) -> dict[str, Condition]:
+    """Return the instability conditions of a rigid drive; margins in SI units.
+
+    ``negative_damping`` (8.19): μ − tan λ, N_0 Ω (by its sign as R̃ Ω), −C₊; ``kinematic_constraint`` (8.21): μ − tan λ,
+    R̃ Ω, −Γ₊, which hold exactly where Γ_0 < 0 (8.20), as Γ₋ > 0.
+    """
+    with many_digits():
+        d = drive.exact()
+        net = d.axial_force - d.pitch_radius * d.tan_lead * d.translation_damping * d.input_speed
+        both = {"self_locking": d.friction_coefficient - d.tan_lead, "force_with_motion": net * d.input_speed}
     return {
-        name: {"margins": {k: float(v) for k, v in parts.items()}, "hold": all(v > 0 for v in parts.values())}
-        for name, parts in margins.items()
+        "negative_damping": _condition(**both, negative_effective_damping=-effective_damping(d, 1)),
+        "kinematic_constraint": _condition(**both, negative_effective_inertia=-effective_inertia(d, 1)),
     }
 
 
-def critical_mass(drive: RigidDrive) -> float | None:
-    """Mass [kg] at which Γ₊ = 0, m_cr = I / (ξ₊ tan λ r_m²) (eq. 8.20); None if the drive is not self-locking."""
-    d = drive.exact()
-    with many_digits():
-        xi = mechanics.friction_factor(d.friction_coefficient, d.tan_lead, 1)
-        if xi <= 0:
-            return None
-        return float(d.screw_inertia / (xi * d.tan_lead * d.pitch_radius**2))
+def critical_mass(drive: Drive) -> float | None:
+    """Mass [kg] at which Γ₊ = 0, m_cr = I / (ξ₊ tan λ r_m²) (eq. 8.20): ``kinematic_constraint``, its value alone.
+
+    That of a rigid drive with the parameters of ``drive``. None if it is not self-locking.
+    """
+    return kinematic_mass(RigidDrive.of({name: getattr(drive, name) for name in RigidDrive.model_fields}))
+
+
+def kinematic_mass(drive: Drive) -> float | None:
+    """Mass [kg] of ``kinematic_constraint`` of a drive of any model (eqs 8.20, 8.28, 8.33), its value alone, or None.
+
+    That of a rotating nut is smaller than the critical mass by the factor I_2 / (I + I_2).
+    """
+    found = places(drive, "kinematic_constraint", "mass")
+    return float(found[0].value) if found else None
 
 
 def critical_friction(drive: Drive, screw_mass: float = math.inf) -> float | None:
-    """Friction coefficient at which Γ̃_0 = I − ξ₊ tan λ m̃ r_m² = 0, m̃ = m m_1 / (m + m_1) (eqs 8.27, 8.28).
+    """Friction coefficient of ``kinematic_constraint``, its value alone: μ_kc (eqs 8.20; 8.27, 8.28).
 
-    Arguments: drive (its own friction coefficient plays no part); screw mass m_1 [kg] of the model with axial support,
-    infinite for the rigid drive, m̃ = m and Γ₊ = 0.
-    Returns μ_kc = (ξ + tan λ) / (1 − ξ tan λ) with ξ = I / (tan λ m̃ r_m²), or None if no μ below cot λ reaches it.
+    With a finite ``screw_mass`` m_1 [kg], that of the same drive with axial support. None if no μ below cot λ is one.
     """
-    d = drive.exact()
+    if math.isfinite(screw_mass):
+        drive = SupportDrive.of({**dict(drive), "screw_mass": screw_mass})
+    found = places(drive, "kinematic_constraint", "friction_coefficient")
+    return float(found[0].value) if found else None
+
+
+def effective_screw_inertia(drive: DriveValues) -> Any:
+    """Return I_eff = I I_2 / (I + I_2) [kg m²] (Remark 8.6); below I, so the rotation of the nut destabilises."""
+    p = values_of(drive, 1)
     with many_digits():
-        mass = d.mass if math.isinf(screw_mass) else d.mass * arb(screw_mass) / (d.mass + arb(screw_mass))
-        xi = d.screw_inertia / (d.tan_lead * mass * d.pitch_radius**2)
-        # ξ₊ grows with μ and reaches (cot λ − tan λ) / 2 at the end of the valid range.
-        if xi * d.tan_lead >= 1 or (xi + d.tan_lead) * d.tan_lead >= 1 - xi * d.tan_lead:
+        return p.screw_inertia * p.nut_inertia / (p.screw_inertia + p.nut_inertia)
+
+
+def kinematic_inertia(drive: DriveValues, law: int) -> Any:
+    """Return I_eff − ξ_s tan λ m r_m² [kg m²]; steady sliding under law s = ±1 is unstable where it is negative (8.33).
+
+    It equals det M_0 / (I + I_2). M_0 and K are symmetric and K is positive, so without it steady sliding can be lost
+    neither by flutter nor – as det K > 0 – by divergence.
+    """
+    p = values_of(drive, law)
+    with many_digits():
+        inertia = effective_screw_inertia(drive)
+        return mechanics.effective_inertia(inertia, p.mass, p.pitch_radius, p.tan_lead, p.factor)
+
+
+def characteristic_polynomial(drive: DriveValues, law: int) -> tuple[Any, Any, Any]:
+    """Return a_4, a_2, a_0 of det(K − ω² M) = a_4 ω⁴ + a_2 ω² + a_0 as printed below eq. 8.23, undamped (SI units)."""
+    p = values_of(drive, law)
+    with many_digits():
+        lever = p.factor * p.pitch_radius**2 * p.tan_lead
+        total = p.mass + p.screw_mass
+        return (
+            p.screw_inertia * total - p.mass * p.screw_mass * lever,
+            -p.coupling_stiffness * total - p.support_stiffness * (p.screw_inertia - lever * p.mass),
+            p.coupling_stiffness * p.support_stiffness,
+        )
+
+
+def printed_class(drive: DriveValues, law: int) -> NDArray[np.int8]:
+    """Class (:class:`UndampedClass`) by the printed conditions (8.24) to (8.26).
+
+    a_4 < 0 is the kinematic constraint, a_2² < 4 a_0 a_4 flutter, a_4 > 0 with a_2 > 0 divergence; flutter where the
+    last two hold.
+    """
+    a_4, a_2, a_0 = characteristic_polynomial(drive, law)
+    holds = [a_4 < 0, a_2**2 - 4 * a_0 * a_4 < 0, (a_4 > 0) & (a_2 > 0)]
+    kinds = [UndampedClass.KINEMATIC_CONSTRAINT, UndampedClass.FLUTTER, UndampedClass.DIVERGENCE]
+    return np.select(np.broadcast_arrays(*holds), kinds, UndampedClass.STABLE).astype(np.int8)
+
+
+def reduced_mass(drive: DriveValues) -> Any:
+    """Return m̃ = m m_1 / (m + m_1) [kg]."""
+    p = values_of(drive, 1)
+    with many_digits():
+        return p.mass * p.screw_mass / (p.mass + p.screw_mass)
+
+
+def reduced_inertia(drive: DriveValues, law: int) -> Any:
+    """Return Γ̃_0 = I − ξ_s tan λ m̃ r_m² [kg m²] (eqs 8.27, 8.28)."""
+    p = values_of(drive, law)
+    with many_digits():
+        return mechanics.effective_inertia(p.screw_inertia, reduced_mass(drive), p.pitch_radius, p.tan_lead, p.factor)
+
+
+def boundary_coefficients(drive: DriveValues, law: int) -> tuple[Any, Any, Any]:
+    """Return b_1, b_2, b_3 of the flutter boundary b_1 k_1² + b_2 k k_1 + b_3 k² = 0 as printed (eq. 8.29)."""
+    p = values_of(drive, law)
+    turned = p.factor * p.mass * p.pitch_radius**2 * p.tan_lead
+    return (
+        (p.screw_inertia - turned) ** 2,
+        2 * (p.screw_mass * (turned - p.screw_inertia) - p.mass * (turned + p.screw_inertia)),
+        (p.mass + p.screw_mass) ** 2,
+    )
+
+
+def _flutter_terms(drive: DriveValues, law: int, root: Callable[[Any], Any]) -> tuple[Any, Any, Any]:
+    """S, A + B and Γ_0 of the closed form of the flutter boundary."""
+    p = values_of(drive, law)
+    total, lever = p.mass + p.screw_mass, p.factor * p.pitch_radius**2 * p.tan_lead
+    return total, root(total * reduced_inertia(drive, law)) + p.mass * root(lever), effective_inertia(drive, law)
+
+
+def flutter_boundaries(drive: DriveValues, law: int) -> NDArray[np.float64]:
+    """Support stiffness k_1 [N/m] on both branches of the flutter boundary (8.29), the lower one first, last axis.
+
+    With A² = S Γ̃_0 and B² = m² χ the coefficients of (8.29) are −b_2 = 2 (A² + B²), b_2² − 4 b_1 b_3 = 16 A² B² and
+    S Γ_0 = A² − B², so the branches are perfect squares,
+
+        k_1 = k [S / (A + B)]²   and   k_1 = k [(A + B) / Γ_0]²,
+
+    without any subtraction but that inside Γ_0 and Γ̃_0. They are real and positive exactly if ξ_0 ≥ 0 and Γ̃_0 ≥ 0
+    (8.32), NaN elsewhere; the upper one is infinite where Γ_0 = 0. They meet at μ = tan λ in k_1 = k S / I and on the
+    kinematic constraint Γ̃_0 = 0 in k_1 = k S² m̃ / (m² I). The upper one is a boundary of stability only where Γ_0 > 0:
+    beyond it, where Γ_0 < 0, both modes diverge (8.25).
+    """
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        total, both, inertia = _flutter_terms(drive, law, np.sqrt)
+        stiffness = values_of(drive, law).coupling_stiffness
+        return np.stack([stiffness * branch**2 for branch in (total / both, both / inertia)], axis=-1)
+
+
+def exact_flutter_boundaries(drive: SupportDrive, law: int) -> tuple[Any, Any]:
+    """Return :func:`flutter_boundaries` of one drive [N/m] in balls, None where there is none.
+
+    In doubles Γ_0 and Γ̃_0 lose, next to where they vanish, all digits that the stiffness is printed with.
+    """
+    with many_digits():
+        d = drive.exact()
+        if values_of(d, law).factor < 0 or reduced_inertia(d, law) < 0:
+            return None, None
+        total, both, inertia = _flutter_terms(d, law, lambda x: x.sqrt())
+        return d.coupling_stiffness * (total / both) ** 2, d.coupling_stiffness * (both / inertia) ** 2
+
+
+def critical_friction_by_eigenvalues(drive: SupportDrive) -> float | None:
+    """Friction coefficient μ_kc at which an eigenvalue of K⁻¹ M passes through zero, by bisection to the last bit.
+
+    That 1/ω² belongs to the undamped model (8.23) under law +; it has a simple root where ω² has a pole, and it
+    decreases as ξ₊ grows with μ. Returns None if it does not change its sign below cot λ. Independent of
+    :func:`critical_friction`.
+    """
+    largest = math.nextafter(1 / math.tan(drive.lead_angle), 0)
+
+    def turned(coefficient: float) -> bool:
+        model = support_model({**dict(drive), "friction_coefficient": coefficient}, 1)
+        return bool(np.prod(np.sign(reciprocal_squares(model).real)) < 0)
+
+    return bisected(turned, 0.0, largest) if turned(largest) else None
+
+
+def _contact_terms(drive: ThreadsDrive) -> tuple[Any, Any, Any, Any]:
+    """Parameters of a drive in balls, Γ_0 [kg m²], C_0 [N m s/rad] and β [1] of its steady law."""
+    d, law = drive.exact(), steady_law(drive)
+    beta = d.cos_lead * (d.cos_lead + law * d.friction_coefficient * d.sin_lead)
+    return d, effective_inertia(d, law), effective_damping(d, law), beta
+
+
+def unstable_contact_stiffness(drive: ThreadsDrive) -> float | None:
+    """Contact stiffness k_c [N/m] beyond which p_2 < 0, so that steady sliding is unstable (Lemma 8.1).
+
+    k_c = max[0, (c c_x + m k + β c_c C_0) / (β |Γ_0|)]: sufficient, whatever the contact damping. None unless Γ_0 < 0.
+    """
+    with many_digits():
+        d, gamma, damping, beta = _contact_terms(drive)
+        if not gamma < 0:
             return None
-        return float((xi + d.tan_lead) / (1 - xi * d.tan_lead))
+        rest = d.support_damping * d.translation_damping + d.mass * d.coupling_stiffness
+        return max(0.0, float((rest + beta * d.contact_damping * damping) / (beta * -gamma)))
+
+
+def least_damping_of_stiff_contact(drive: ThreadsDrive) -> float | None:
+    """Contact damping c_c [N s/m] above which steady sliding stays stable as k_c → ∞; None unless Γ_0 > 0 and C_0 > 0.
+
+    c_c = max[0, (c m (I − Γ_0) − I² c_x) / (β Γ_0²)], from the Routh–Hurwitz condition p_3 Γ_0 > I m C_0 that is left
+    in the limit. With less damping a contact that is stiff enough flutters, although the rigid drive (8.13) is stable.
+    The least damping at the drive's own k_c (:mod:`lsvib.stability.boundaries`) may be many times larger.
+    """
+    with many_digits():
+        d, gamma, damping, beta = _contact_terms(drive)
+        if not (gamma > 0 and damping > 0):
+            return None
+        excess = d.support_damping * d.mass * (d.screw_inertia - gamma) - d.screw_inertia**2 * d.translation_damping
+        return max(0.0, float(excess / (beta * gamma**2)))
+
+
+def stable_masses(drive: ThreadsDrive) -> list[tuple[float, float]]:
+    """Intervals of masses [kg] at which steady sliding with the contact of a drive is stable, ascending, up to 1e9 kg.
+
+    As a rule there is one, from zero to the critical mass. A soft contact with little damping keeps steady sliding
+    stable at every mass, or again beyond a large one: the nut is then too heavy to follow the screw.
+    """
+    found = stable_set(drive, "mass")
+    return [(float(a), float(b)) for a, b in found.intervals] if found else []
+
+
+def critical_mass_of_contact(drive: ThreadsDrive) -> float:
+    """Mass [kg] at which steady sliding with the contact of a drive loses its stability, all masses below it stable.
+
+    Exact and rounded once; NaN if no mass is stable, or every one.
+    """
+    found = stable_set(drive, "mass")
+    return float(found.intervals[0][1]) if found and found.changes and found.intervals else math.nan
+
+
+def stability(drive: Drive) -> StabilityReport:
+    """Return the linear stability of the steady sliding of a drive of any model.
+
+    Of the rigid drive (eqs 8.18–8.21) the class is one of :class:`~lsvib.stability.linear.Stability`, in lower case,
+    and the conditions are those of :func:`conditions`. With a negative effective inertia steady sliding is unstable by
+    Lemma 8.1, whatever its eigenvalues. Of the others (Sect. 5.5; 5.6, eqs 8.23–8.32; 5.8, eq. 8.33) the class is that
+    of :func:`~lsvib.stability.spectrum.spectrum`; ``divergence`` holds if a real eigenvalue is positive, ``flutter`` if
+    a complex pair grows, and the other conditions say why. What the chapter says of the undamped drive with axial
+    support stands apart, under ``without_damping``. Raises ``InputError`` for a contact that carries no force.
+    """
+    law = steady_law(drive)
+    kind, values, exact = spectrum(drive, law)
+    factor = scale(drive, law)
+    polynomial = tuple(p / factor for p in exact)
+    details: dict[str, Any] = {"conditions": {}, "quantities": {}}
+    if drive.model in _SAID:
+        details = _SAID[drive.model](drive, law, polynomial, values)
+    if len(values) > 2:
+        rates = {
+            "divergence": max((x.real for x in values if x.imag == 0 < x.real), default=None),
+            "flutter": _growth(values),
+        }
+        details["conditions"] |= {name: _condition(growth_rate=rate) for name, rate in rates.items()}
+    return StabilityReport(
+        model=drive.model,
+        stable=kind.startswith("stable"),
+        kind=kind,
+        eigenvalues=tuple(values),
+        steady_law=law,
+        characteristic_polynomial=tuple(float(p) for p in polynomial),
+        **details,
+    )
+
+
+def _growth(values: list[complex]) -> float | None:
+    """Growth rate of flutter [1/s]; None if nothing grows."""
+    return max((x.real for x in values if x.imag != 0 < x.real), default=None)
+
+
+def _condition(**numbers: Any) -> Condition:
+    """A condition by its margins, missing ones left out: it holds if all of them exist and are positive."""
+    known = {name: float(value) for name, value in numbers.items() if value is not None}
+    return Condition(all(value is not None and value > 0 for value in numbers.values()), known)
+
+
+def _quantity(value: Any, unit: str) -> Quantity:
+    """A quantity; without a value where there is none, and where it is beyond the range of doubles."""
+    number = None if value is None else float(value)
+    return Quantity(number if number is None or math.isfinite(number) else None, unit)
+
+
+def _of_rigid(drive: RigidDrive, law: int, polynomial: Polynomial, values: list[complex]) -> dict[str, Any]:
+    """Of the rigid drive (Sects 5.3, 8.5, 8.6): what eqs (8.18) to (8.21) say of it."""
+    with many_digits():
+        d = drive.exact()
+        torque = effective_damping(d, law) * d.input_speed + d.pitch_radius * values_of(d, law).factor * d.axial_force
+        deflection = -torque / d.coupling_stiffness
+    found = {}
+    for name, of, unit in (("inertia", effective_inertia, "kg m2"), ("damping", effective_damping, "N m s rad-1")):
+        for word, s in (("plus", 1), ("minus", -1)):
+            found[f"effective_{name}_{word}"] = _quantity(of(d, s), unit)
+    return {
+        "conditions": conditions(drive),
+        "quantities": {**found, "steady_deflection": _quantity(deflection, "rad")},
+        "paradox_region": bool(effective_inertia(d, 1) <= 0),
+    }
+
+
+def _of_threads(drive: ThreadsDrive, law: int, polynomial: Polynomial, values: list[complex]) -> dict[str, Any]:
+    """Of compliant threads (Sect. 5.5): Lemma 8.1 at the stiffness of this very contact, p_2 < 0; its least damping."""
+    with many_digits():
+        _, inertia, damping, _ = _contact_terms(drive)
+    damped = stable_set(drive, "contact_damping")
+    least = damped.intervals[0][0] if damped and damped.intervals else None
+    missing = None if least is None else least - fmpq(*drive.contact_damping.as_integer_ratio())
+    return {
+        "conditions": {
+            "kinematic_constraint": _condition(
+                negative_effective_inertia=-inertia, negative_coefficient_of_s2=-polynomial[2]
+            ),
+            "contact_flutter": _condition(missing_contact_damping=missing, growth_rate=_growth(values)),
+        },
+        "quantities": {
+            "effective_inertia": _quantity(inertia, "kg m2"),
+            "effective_damping": _quantity(damping, "N m s rad-1"),
+            "unstable_contact_stiffness": _quantity(unstable_contact_stiffness(drive), "N m-1"),
+            "least_contact_damping": _quantity(least, "N s m-1"),
+            "least_damping_of_stiff_contact": _quantity(least_damping_of_stiff_contact(drive), "N s m-1"),
+        },
+    }
+
+
+def _of_support(drive: SupportDrive, law: int, polynomial: Polynomial, values: list[complex]) -> dict[str, Any]:
+    """Of axial support (Sect. 5.6): the kinematic constraint, and mode coupling of the undamped drive (8.29)."""
+    d = drive.exact()
+    inertia = reduced_inertia(d, law)
+    undamped = drive.replace(support_damping=0.0, translation_damping=0.0, axial_support_damping=0.0)
+    undamped_class, _, exact = spectrum(undamped, law)
+    factor = scale(drive, law)
+    a_4, minus_a_2, discriminant = margins(tuple(p / factor for p in exact), neutral=True)
+    lower, upper = exact_flutter_boundaries(drive, law)
+    return {
+        "conditions": {"kinematic_constraint": _condition(negative_reduced_inertia=-inertia)},
+        "quantities": {
+            "reduced_inertia": _quantity(inertia, "kg m2"),
+            "reduced_mass": _quantity(reduced_mass(d), "kg"),
+            "critical_friction": _quantity(critical_friction(drive) if law > 0 else None, "1"),
+        },
+        "without_damping": UndampedStability(
+            kind=undamped_class,
+            conditions={
+                "divergence": _condition(positive_a_4=a_4, positive_a_2=-minus_a_2),
+                "mode_coupling": _condition(negative_discriminant=-discriminant),
+            },
+            quantities={
+                "lower_flutter_stiffness": _quantity(lower, "N m-1"),
+                "upper_flutter_stiffness": _quantity(upper, "N m-1"),
+            },
+        ),
+    }
+
+
+def _of_nut(drive: Drive, law: int, polynomial: Polynomial, values: list[complex]) -> dict[str, Any]:
+    """Of a rotating nut (Sect. 5.8): the kinematic constraint (8.33)."""
+    d = drive.exact()
+    inertia = kinematic_inertia(d, law)
+    return {
+        "conditions": {"kinematic_constraint": _condition(negative_effective_inertia=-inertia)},
+        "quantities": {
+            "kinematic_inertia": _quantity(inertia, "kg m2"),
+            "effective_screw_inertia": _quantity(effective_screw_inertia(d), "kg m2"),
+            "kinematic_mass": _quantity(kinematic_mass(drive) if law > 0 else None, "kg"),
+        },
+    }
+
+
+_SAID: dict[str, Callable[..., dict[str, Any]]] = {
+    "rigid": _of_rigid,
+    "threads": _of_threads,
+    "support": _of_support,
+    "nut": _of_nut,
+}
+"""What the chapter says of a model beyond its eigenvalues: conditions, quantities and other fields of the report."""

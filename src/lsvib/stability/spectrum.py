@@ -1,105 +1,167 @@
-"""Eigenvalues and class of the steady sliding of one drive, decided with certainty and rounded once.
+"""Characteristic polynomial, eigenvalues and class of the steady sliding of one drive, with certainty, for every model.
 
-The class follows from exact signs of the characteristic polynomial, the eigenvalues from roots in as many digits as
-their real parts need to show their signs. So both agree, however far apart the rates lie. Whole grids are the matter of
-:mod:`lsvib.stability.eigenvalues_two_coordinates` and :mod:`lsvib.stability.eigenvalues_rigid`.
+Each model states its polynomial (:class:`lsvib.models.mechanics.LinearParts` has the parts that all are made of). It
+is det(M s² + C s + K) of :mod:`lsvib.stability.linear` times a positive factor, g = 1 + s_0 μ tan λ or, with compliant
+threads, 1 + tan² λ. Its coefficients are polynomials in every parameter and in t = tan λ, and nothing cancels in them
+but what the physics subtracts.
+
+A double is a rational number and t is transcendental for every double λ > 0 (Lindemann), so a polynomial in t with
+rational coefficients vanishes only if it vanishes for every t. A sign is therefore certain if it is the same at both
+ends of a narrow enclosure of t: zero at both ends means zero identically, and otherwise more digits separate them. All
+is done in rational numbers and balls of FLINT.
 """
 
-from collections.abc import Iterable
-from fractions import Fraction
+import math
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-from flint import arb
+from flint import acb, arb, ctx, fmpq, fmpq_poly
 
-from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.models.drive import Drive, RigidDrive
-from lsvib.models.mechanics import Coefficients
-from lsvib.stability.characteristic import Polynomial, hurwitz, settled
-from lsvib.stability.eigenvalues_rigid import Stability
-from lsvib.stability.eigenvalues_two_coordinates import routh_hurwitz
-from lsvib.stability.real_roots import all_roots
+from lsvib.errors import InputError
+from lsvib.models.drive import Drive
+from lsvib.models.mechanics import LinearParts
+from lsvib.models.model import find_model
+from lsvib.stability.linear import Stability, hurwitz
 
-# Below this share of its first term a sum has lost so many digits that exact signs must decide.
-_CLEAR = 1e-25
-_SMALLEST = 5e-324  # A rate that is not zero must not be rounded to zero, because its sign decides on stability.
+DIGITS = 100  # of tan λ at first; a condition that vanishes to some 80 digits calls for four times as many
+_BITS = 100  # relative width to which a root is found, far below the spacing of doubles
+SAME = fmpq(1, 2**88)  # relative: no double lies between two roots that are closer, so they count as one
+
+Polynomial = tuple[Any, ...]
+"""Coefficients, highest power first; rational numbers, or polynomials in an unknown parameter."""
 
 
-def rigid_spectrum(drive: RigidDrive, c: Coefficients) -> tuple[Stability, list[complex]]:
-    """Class and both eigenvalues [1/s] of a rigid drive (8.18) with coefficients ``c``, in ascending real part.
+def polynomial(kind: type[Drive], values: Mapping[str, Any], law: int, tan_lead: Any) -> Polynomial:
+    """Return the coefficients of the characteristic polynomial, times :func:`scale`, highest power first (SI units).
 
-    Γ_0 is never exactly zero and C_0 only without any damping, as tan λ is transcendental.
+    Arguments: class of the drive; its parameters, law s = ±1 and tan λ, in any one arithmetic: floats, rationals,
+    polynomials in an unknown, balls or power series.
     """
-    law = c.steady_law
-    inertia, damping, stiffness = p = c.gamma[law], c.damping[law], arb(drive.coupling_stiffness)
-    with many_digits():
-        discriminant = damping**2 - 4 * inertia * stiffness
-        sums = ((inertia, drive.screw_inertia), (damping, drive.support_damping), (discriminant, damping**2))
-        if all(abs(total) >= _CLEAR * arb(part) for total, part in sums):
-            return _rigid_class(p), _rounded(_pair(*p, discriminant))
-    kind, exact = settled(drive, law, _rigid_class)
-    return kind, _rounded(all_roots(exact))
+    return find_model(kind.model).characteristic(values, LinearParts.of(values, law, tan_lead))
+
+
+def rationals(drive: Drive) -> dict[str, fmpq]:
+    """Return the parameters of a drive as exact rationals."""
+    return {key: fmpq(*value.as_integer_ratio()) for key, value in drive}
+
+
+def tangents(drive: Drive, digits: int = DIGITS) -> tuple[fmpq, ...]:
+    """Return rationals just below and just above tan λ, a relative 10^−digits apart from it."""
+    with ctx.workdps(digits + 10):
+        tangent, apart = arb(drive.lead_angle).tan().mid(), arb(10) ** -digits
+        return tuple((tangent * (1 + side * apart)).mid().fmpq() for side in (-1, 1))
+
+
+def settled(drive: Drive, law: int, judge: Callable[[Polynomial], Any]) -> tuple[Any, Polynomial]:
+    """Return what ``judge`` says of the polynomial, the same at both ends of an enclosure of tan λ, and the polynomial.
+
+    ``judge`` must depend on signs of polynomials of the coefficients alone, so that enough digits always decide. Raises
+    ``InputError`` where μ is below cot λ only by the rounding of cot λ to a double.
+    """
+    values, digits = rationals(drive), DIGITS
+    if values["friction_coefficient"] * tangents(drive, digits)[1] >= 1:
+        raise InputError(f"friction_coefficient = {drive.friction_coefficient!r} is not below cot(lead_angle).")
+    while True:
+        low, high = (polynomial(type(drive), values, law, t) for t in tangents(drive, digits))
+        if (verdict := judge(low)) == judge(high):
+            return verdict, low
+        digits *= 4
+
+
+def scale(drive: Drive, law: int) -> fmpq:
+    """Return the positive factor by which :func:`polynomial` exceeds det(M s² + C s + K)."""
+    return find_model(drive.model).excess(LinearParts.of(rationals(drive), law, tangents(drive)[0]))
 
 
 def spectrum(drive: Drive, law: int) -> tuple[str, list[complex], Polynomial]:
-    """Class, four eigenvalues [1/s] in ascending real part, and characteristic polynomial of a drive of two bodies.
+    """Class, eigenvalues [1/s] in ascending real part, and characteristic polynomial of the steady sliding of a drive.
 
-    The class is ``stable`` (asymptotically), ``neutral`` (no eigenvalue to the right of the imaginary axis, simple ones
-    on it, as without damping), ``kinematic`` (det M < 0), else ``divergence`` or ``flutter`` by whether the eigenvalue
-    that grows fastest is real. The polynomial is that of :mod:`lsvib.stability.characteristic`.
+    Of the rigid drive (8.18) the class is one of :class:`~lsvib.stability.linear.Stability`, in lower case. Of a drive
+    of two bodies it is ``stable`` (asymptotically), ``neutral`` (no eigenvalue to the right of the imaginary axis,
+    simple ones on it, as without damping), ``kinematic_constraint`` (det M < 0), else ``divergence`` or ``flutter`` by
+    whether the eigenvalue that grows fastest is real. Signs are certain, eigenvalues rounded once.
     """
     kind, exact = settled(drive, law, _class)
-    values = _rounded(all_roots(exact))
+    values = sorted((_rounded(root) for root in _all_roots(exact)), key=lambda z: (z.real, z.imag))
     if kind == "unstable":
         kind = "divergence" if values[-1].imag == 0 else "flutter"
     return kind, values, exact
 
 
-def neutral_margins(p: Polynomial) -> tuple[Fraction, Fraction, Fraction]:
-    """Return p_4, p_2, p_2² − 4 p_4 p_0: without damping all frequencies are real and distinct if all are positive."""
-    p_4, _, p_2, _, p_0 = p
-    return p_4, p_2, p_2**2 - 4 * p_4 * p_0
+def margins(p: Polynomial, neutral: bool) -> Polynomial:
+    """Return numbers that are all positive exactly where steady sliding is stable; p_0 always is.
+
+    Without damping (``neutral``) those for which no motion grows and all frequencies are real and distinct: p_4, p_2
+    and p_2² − 4 p_4 p_0.
+    """
+    if len(p) == 3:
+        return p[:1] if neutral else p[:2]
+    return (p[0], p[2], p[2] ** 2 - 4 * p[0] * p[4]) if neutral else (*p[:4], hurwitz(p))
 
 
-def _rigid_class(p: Polynomial) -> Stability:
-    inertia, damping, stiffness = p
-    if inertia < 0:
-        return Stability.SADDLE
-    if damping == 0:
-        return Stability.CENTRE
-    if damping**2 < 4 * inertia * stiffness:
-        return Stability.STABLE_FOCUS if damping > 0 else Stability.UNSTABLE_FOCUS
-    return Stability.STABLE_NODE if damping > 0 else Stability.UNSTABLE_NODE
+def undamped(drive: Drive, key: str = "") -> bool:
+    """Whether nothing damps the drive, whatever the parameter ``key`` is: stability is then neutral stability."""
+    dampings = ["support_damping", "translation_damping", drive.own_damping]
+    return key not in dampings and not any(getattr(drive, name) for name in dampings if name)
 
 
 def _class(p: Polynomial) -> str:
     """The class by exact signs; ``unstable`` stands for divergence and flutter. p_0 > 0 and p_4 ≠ 0 in every model."""
+    if len(p) == 3:
+        inertia, damping, stiffness = p
+        if inertia < 0:
+            return Stability.SADDLE.name.lower()
+        if damping == 0:
+            return Stability.CENTRE.name.lower()
+        shape = "focus" if damping**2 < 4 * inertia * stiffness else "node"
+        return f"{'stable' if damping > 0 else 'unstable'}_{shape}"
     p_4, p_3, _, p_1, _ = p
     if p_4 < 0:
-        return "kinematic"
-    if routh_hurwitz(p):
+        return "kinematic_constraint"
+    if min(margins(p, False)) > 0:
         return "stable"
     if p_3 == 0 == p_1:
-        return "neutral" if min(neutral_margins(p)) > 0 else "unstable"
+        return "neutral" if min(margins(p, True)) > 0 else "unstable"
     # With ω² = p_1/p_3 the polynomial is (s² + ω²)(p_4 s² + p_3 s + p_0/ω²) if the Hurwitz determinant vanishes.
     return "neutral" if hurwitz(p) == 0 and p_3 > 0 and p_1 > 0 else "unstable"
 
 
-def _pair(a: arb, b: arb, c: arb, discriminant: arb) -> list[tuple[arb, arb]]:
-    """Real and imaginary parts of the roots of a s² + b s + c in balls; a part that is zero is exactly zero."""
-    root = abs(discriminant).sqrt()
-    if discriminant < 0:
-        real, half = -b / (2 * a), root / abs(2 * a)
-        return [(real, -half), (real, half)]
-    larger = -(b + (root if b >= 0 else -root)) / 2
-    return [(larger / a, arb(0)), (c / larger, arb(0))]
+def positive_roots(p: fmpq_poly, limit: fmpq) -> list[fmpq]:
+    """Distinct roots in (0, limit] of a polynomial that is not zero, in ascending order, each to a relative 2⁻⁹⁰."""
+    with ctx.workprec(_BITS):
+        roots = [root.real.mid().fmpq() for root, _ in p.complex_roots() if root.imag == 0]
+    return sorted(root for root in roots if 0 < root <= limit)
 
 
-def _rounded(roots: Iterable[tuple[Any, Any]]) -> list[complex]:
-    """Eigenvalues, given by real and imaginary parts, as doubles in ascending real, then imaginary part."""
-    values = [complex(_double(real), _double(imaginary)) for real, imaginary in roots]
-    return sorted(values, key=lambda z: (z.real, z.imag))
+def _all_roots(p: Polynomial) -> list[acb]:
+    """All roots, those that coincide as often as they do, each part to a relative 2⁻⁹⁰, or exactly zero.
+
+    Real ones are isolated by FLINT; imaginary ones are the roots that the parts of the polynomial of even and of odd
+    powers share, in s².
+    """
+    both = fmpq_poly(list(reversed(p)))
+    shared = fmpq_poly(both.coeffs()[::2]).gcd(fmpq_poly(both.coeffs()[1::2]))
+    rest, _ = divmod(both, fmpq_poly([c for x in shared.coeffs() for c in (x, 0)]))
+    bits = _BITS
+    while True:
+        with ctx.workprec(bits):
+            found = [*_signed_roots(shared), *(root for root, n in rest.complex_roots() for _ in range(int(n)))]
+        if all(part == 0 or part.rel_accuracy_bits() >= 90 for root in found for part in (root.real, root.imag)):
+            return found
+        bits *= 2
 
 
-def _double(x: Fraction | arb) -> float:
-    value = float(x)
-    return (_SMALLEST if x > 0 else -_SMALLEST) if value == 0 != x else value
+def _signed_roots(squares: fmpq_poly) -> Iterator[acb]:
+    """Yield both square roots of each root of a polynomial; a part that vanishes is exactly zero."""
+    for square, count in squares.complex_roots():
+        root = square.sqrt()
+        if square.imag == 0:
+            root = acb(0, (-square.real).sqrt()) if square.real < 0 else acb(square.real.sqrt())
+        yield from [root, -root] * int(count)
+
+
+def _rounded(root: acb) -> complex:
+    """An eigenvalue in doubles; a part that is not zero is not rounded to zero, as its sign decides on stability."""
+    parts = (float(part) or (math.copysign(math.ulp(0.0), float(part.sgn())) if part != 0 else 0.0)
+             for part in (root.real, root.imag))  # fmt: skip
+    return complex(*parts)

@@ -1,0 +1,198 @@
+"""What a scene saves by leaving out what it does not need: run time, construction, compilation, data and imports."""
+
+import os
+import platform
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal
+
+import numpy as np
+import xarray as xr
+from pydantic import Field
+
+from benchmarks.ablation.cost_of_starting import compilation, imports
+from lsvib.datasets.attributes import named_index, variable, yes_no
+from lsvib.datasets.checks import Check
+from lsvib.figures import style
+from lsvib.figures.common import flag_names
+from lsvib.figures.settings import Duration, FigureSettings, Repeats, Unique
+from lsvib.figures.style import Axes, Figure
+
+CAPTION = """\
+What a scene saves by leaving out what it does not need: (a) run time and (b) construction of its own model beside a
+general one in which every term is present and zero, (c) compilation of the engine for two states, and for any number as
+well, (d) what datasets and pictures import.
+"""
+
+MODULES = {  # what drawing a figure or building its dataset imports; measured in processes of their own
+    "figure": "lsvib.figures.fig8_09, matplotlib.backends.backend_agg",
+    "eigenvalues": "lsvib.figures.fig8_08",
+    "motion": "lsvib.figures.fig8_09, lsvib.datasets.phase_plane",
+    "everything": "lsvib.figures.fig8_09, lsvib.datasets.phase_plane, matplotlib.backends.backend_agg, lsvib.cli.app",
+}
+_SOURCE = "docs/validation.md"
+_ROUNDING = 1e-12  # of the size of a state: what half a second of events may make of the last digit
+_MODELS = ("pared", "general")
+_PACKAGES = ("numba", "matplotlib", "xarray")
+_NUMBERS = {
+    "run_time": ("s", "fastest time to follow the motion"),
+    "build_time": ("s", "fastest time to build the model"),
+    "modes": ("1", "number of modes"),
+    "guards": ("1", "number of guards"),
+    "states": ("1", "number of states"),
+    "table_bytes": ("byte", "size of the tables"),
+}
+_COLOURS = (style.BLUE, style.GREY)
+
+
+class Settings(FigureSettings):
+    """What a scene saves by leaving out what it does not need."""
+
+    timed: ClassVar = True
+    needs: ClassVar = ("lsvib.figures.fig8_08", "lsvib.figures.fig8_09", "lsvib.cli.app")
+
+    duration: Duration
+    repeats: Repeats
+    compile: Annotated[list[Literal["planar", "modal"]], *Unique] = Field(
+        min_length=1, description="Kinds of flow whose compilation is measured, each with those before it."
+    )
+
+
+def build(settings: Mapping[str, Any]) -> xr.Dataset:
+    """Measure the scenes of :func:`benchmarks.ablation.leaving_out.scenes`, the imports and the compilation.
+
+    ``settings``: see ``Settings``; compilation takes about 7 s of CPU time for two states and 33 s for any number.
+    """
+    from benchmarks.ablation import leaving_out
+
+    scenes = leaving_out.scenes(settings["duration"])
+    kinds = {
+        "_and_".join(settings["compile"][: k + 1]): tuple(settings["compile"][: k + 1])
+        for k in range(len(settings["compile"]))
+    }
+    pairs = [leaving_out.measure(scene, settings["repeats"]) for scene in scenes.values()]
+    variables: dict[str, tuple] = {
+        name: variable(("scene", "model"), np.array([[getattr(m, name) for m in pair] for pair in pairs]), units, words)
+        for name, (units, words) in _NUMBERS.items()
+    }
+    compared = [leaving_out.difference(pared.motion, general.motion) for pared, general in pairs]
+    apart = "largest difference of states and event times, relative to their size"
+    variables |= {
+        "same_events": yes_no("scene", [same for same, _ in compared], "both models have the same events"),
+        "difference": variable("scene", [gap for _, gap in compared], "1", apart),
+    }
+    variables |= _imports(settings) | _compilation(kinds)
+    return xr.Dataset(
+        variables,
+        coords={
+            "scene": named_index("scene", "scene", list(scenes)),
+            "model": named_index("model", "extent of the model", _MODELS),
+            "imported_for": named_index("imported_for", "what is imported", list(MODULES)),
+            "package": named_index("package", "package", _PACKAGES),
+            "compiled": named_index("compiled", "kinds of flow that are compiled", kinds),
+        },
+        attrs={
+            "title": "Nothing that a scene does not need",
+            "source": "lsvib, its own models and general ones of the same motion",
+            "references": "docs/validation.md",
+            "left_out": "; ".join(f"{name}: {scene.left_out}" for name, scene in scenes.items()),
+            "modules": "; ".join(f"{name}: {module}" for name, module in MODULES.items()),
+            "hardware": f"{platform.machine()}, {os.cpu_count()} CPUs",
+        },
+    )
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check that both models have one motion, that every scene gains, and what is imported."""
+    speed_up = (dataset.run_time[:, 1] / dataset.run_time[:, 0]).values
+    built = (dataset.build_time[:, 1] / dataset.build_time[:, 0]).values
+    loads = dataset.loads.astype(bool).values
+    row = {name: k for k, name in enumerate(MODULES)}
+    column = {name: k for k, name in enumerate(_PACKAGES)}
+    return [
+        Check.holds(
+            f"The pared and the general model of each scene have the same events, and states to {_ROUNDING:.0e}",
+            _SOURCE,
+            f"largest difference {float(dataset.difference.max()):.1e}",
+            bool(dataset.same_events.all() and (dataset.difference <= _ROUNDING).all()),
+        ),
+        Check.holds(
+            "Every scene that leaves something out runs faster and is built faster",
+            _SOURCE,
+            f"runs {speed_up.min():.1f} to {speed_up.max():.1f} times as fast, "
+            f"built {built.min():.1f} to {built.max():.0f} times as fast",
+            bool((speed_up > 1).all() and (built > 1).all()),
+        ),
+        Check.holds(
+            "Datasets of eigenvalues import no numba, datasets of motions no matplotlib, pictures no engine",
+            _SOURCE,
+            ", ".join(f"{name}: {int(n)} modules" for name, n in zip(MODULES, dataset.imported.values, strict=True)),
+            not (
+                loads[row["eigenvalues"], column["numba"]]
+                or loads[row["motion"], column["matplotlib"]]
+                or loads[row["figure"], column["numba"]]
+            ),
+        ),
+    ]
+
+
+def _imports(settings: Mapping[str, Any]) -> dict[str, tuple]:
+    found = [imports(module, settings["repeats"]) for module in MODULES.values()]
+    (counts, seconds, packages), dim = zip(*found, strict=True), "imported_for"
+    loads = [[package in names for package in _PACKAGES] for names in packages]
+    return {
+        "imported": variable(dim, list(counts), "1", "number of modules that are imported"),
+        "import_time": variable(dim, list(seconds), "s", "fastest time to import them"),
+        "loads": yes_no((dim, "package"), loads, "the package is imported"),
+    }
+
+
+def _compilation(kinds: Mapping[str, tuple[str, ...]]) -> dict[str, tuple]:
+    counts, seconds = zip(*map(compilation, kinds.values()), strict=True)
+    return {
+        "specialisations": variable("compiled", list(counts), "1", "number of compiled specialisations"),
+        "compile_time": variable("compiled", list(seconds), "s", "CPU time to compile the engine"),
+    }
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Draw (a) run time and (b) construction of both models, (c) compilation, (d) imports."""
+    figure = style.new_figure(style.DOUBLE, 4.4)
+    run, built, compiled, imported = figure.subplots(2, 2).ravel()
+    _pairs(run, dataset, dataset.run_time * 1e3, "(a) following the motion", "Run time [ms]")
+    _pairs(built, dataset, dataset.build_time * 1e3, "(b) building the model", "Time [ms]")
+    figure.legend(*run.get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    _bars(compiled, dataset.compiled, dataset.compile_time, "(c) compiling the engine, cache empty", "CPU time [s]",
+          [f"{int(n)} kernels" for n in dataset.specialisations])  # fmt: skip
+    names = flag_names(dataset.package)
+    loaded = [
+        ", ".join(names[int(p)] for p, yes in zip(dataset.package.values, row, strict=True) if yes) or "–"
+        for row in dataset.loads.values
+    ]
+    words = [f"{int(n)} modules:\n{text}" for n, text in zip(dataset.imported, loaded, strict=True)]
+    _bars(imported, dataset.imported_for, dataset.import_time, "(d) importing what it needs", "Time [s]", words)
+    return figure
+
+
+def _pairs(axes: Axes, dataset: xr.Dataset, values: xr.DataArray, title: str, label: str) -> None:
+    """Two bars for each scene, and how many times longer the general model takes."""
+    names = flag_names(dataset.scene)
+    models = flag_names(dataset.model)
+    place = np.arange(dataset.sizes["scene"])
+    for k, colour in enumerate(_COLOURS):
+        axes.barh(place + 0.2 * (2 * k - 1), values.values[:, k], 0.36, color=colour, label=f"{models[k]} model")
+    for row, (pared, general) in enumerate(values.values):
+        axes.text(general * 1.08, row + 0.2, f"× {general / pared:.2g}", va="center", fontsize=7)
+    axes.set_yticks(place, list(names.values()))
+    axes.set(title=title, xlabel=label, xscale="log", ylim=(place[-1] + 0.6, -0.6))
+    axes.set_xlim(values.values.min() / 2, values.values.max() * 6)
+
+
+def _bars(axes: Axes, kinds: xr.DataArray, values: xr.DataArray, title: str, label: str, words: list[str]) -> None:
+    place = np.arange(values.size)
+    axes.barh(place, values.values, 0.5, color=style.BLUE)
+    largest = float(values.max())
+    for row, text in enumerate(words):
+        axes.text(values.values[row] + 0.02 * largest, row, text, va="center", fontsize=6.5)
+    axes.set_yticks(place, [name.replace(" and ", "\nand ") for name in flag_names(kinds).values()])
+    axes.set(title=title, xlabel=label, xlim=(0, largest * 1.9), ylim=(place[-1] + 0.6, -0.6))

@@ -1,0 +1,308 @@
+"""Stability on stiff and extreme cases: the engine judged at the edge of the domain, family by family."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+import xarray as xr
+from pydantic import Field
+
+from benchmarks.record import Verdict
+from benchmarks.sweeps.families import Case, CaseFamily, FamilyName
+from lsvib.datasets.attributes import flagged, variable
+from lsvib.datasets.checks import Check
+from lsvib.figures import style
+from lsvib.figures.common import flag_names
+from lsvib.figures.settings import CaseSeed, FigureSettings
+from lsvib.figures.style import Axes, Figure
+
+if TYPE_CHECKING:
+    from benchmarks.sweeps.case_judge import CaseOutcome
+
+CAPTION = """\
+The engine at the edge of the domain. (a) Digits of the final state that are right, judged by the reference with 40
+digits, family by family; black: what 16 units in the last place of the input may change. (b, c) Compliant threads over
+stiffness and damping of the contact, and the condition number of the modal form; circles mark cases that did not pass.
+(d) Digits against the distance from an edge. (e) Digits to which the energy of each motion balances; orange where
+rounding alone may open the balance by more than the tolerance. See docs/validation.md.
+"""
+
+_SOURCE = "docs/validation.md"
+_NUMBERS = {
+    "state_error": ("1", "error of the final state, relative to the size of the motion"),
+    "time_error": ("1", "largest error of an event time, relative to the duration"),
+    "sensitivity": ("1", "change of the final state when the input is moved in its last places"),
+    "condition": ("1", "largest condition number of the modal forms"),
+    "energy_residual": ("1", "residual of the energy balance, relative to the largest energy or work in it"),
+    "energy_rounding": ("1", "residual of the energy balance that rounding may make"),
+}
+_WORDS = {
+    "level": "decimal logarithm of the parameter or of its distance from the edge",
+    "damping_level": "decimal logarithm of the contact damping in N s/m",
+    "energy_tolerance": "residual of the energy balance that passes, beyond rounding",
+}
+_WITH_FOUR_STATES = (CaseFamily.CONTACT, CaseFamily.SUPPORT, CaseFamily.NUT)
+# Of the size or the duration: a speed that is zero to rounding ends a little early, see docs/validation.md.
+_TOLERANCE_WITH_FOUR_STATES = 1e-8
+_NOT_PASSED = 1e-3  # share of the cases that need not pass, without a wrong one among them,
+_FEW = 3  # or this number, if that is more
+_BALANCED = 0.99  # share of the motions whose energy must be balanced
+_ALL = 17.0  # digits of an error that is zero
+_EDGES = {  # families with a distance from the edge: colour, marker, words
+    "critical mass": (style.BLUE, "o", "critical mass"),
+    "friction": (style.GREEN, "^", "friction: 0, tan λ, cot λ"),
+    "axial force": (style.ORANGE, "s", "thresholds of R"),
+    "double rate": (style.PURPLE, "D", "double rate"),
+}
+_PASSED = ("right", "corner")
+
+
+class Settings(FigureSettings):
+    """The engine at the edge of the domain."""
+
+    seed: CaseSeed
+    counts: dict[FamilyName, Annotated[int, Field(ge=1, le=10_000_000)]] = Field(
+        min_length=1, description="Number of cases of each family."
+    )
+    thorough: int = Field(ge=1, description="Cases of each family that the reference judges in any case.")
+
+
+def build(settings: Mapping[str, Any]) -> xr.Dataset:
+    """Run the sweeps; ``settings``: see ``Settings``."""
+    from benchmarks.sweeps.case_judge import ENERGY_TOLERANCE, TOLERANCE, VERDICTS, judge
+    from benchmarks.sweeps.cases import cases
+
+    rows = []
+    for name, count in settings["counts"].items():
+        family = CaseFamily[name.upper()]
+        rng = np.random.default_rng([settings["seed"], family])
+        for k, case in enumerate(cases(family, count, rng)):
+            outcome = judge(case, rng, thorough=k < settings["thorough"])
+            outcome.path = None  # of no further use, and most of the memory
+            rows.append((case, outcome))
+    families = sorted({case.family for case, _ in rows})
+    return xr.Dataset(
+        _cases(rows) | _summary(rows, families),
+        coords={
+            "case": variable("case", np.arange(len(rows)), "1", "index of the case"),
+            "edge_family": flagged("edge_family", families, "what is driven to the edge", CaseFamily),
+            "outcome": flagged("outcome", VERDICTS, "verdict", VERDICTS),
+            "passing_error": variable((), TOLERANCE, "1", "relative error that passes"),
+            "energy_tolerance": variable((), ENERGY_TOLERANCE, "1", _WORDS["energy_tolerance"]),
+        },
+        attrs={
+            "title": "The engine at the edge of the domain",
+            "source": "lsvib, exact event-driven motion; judge: a reference with 40 digits",
+            "references": "doi:10.1007/978-1-4419-1752-2_8; docs/validation.md",
+        },
+    )
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check that no verdict is wrong and hardly one but passed, accuracy and energy."""
+    from benchmarks.sweeps.case_judge import TOLERANCE, VERDICTS
+
+    total = dataset.sizes["case"]
+    verdict, rigid = dataset.case_verdict.values, ~np.isin(dataset.case_family.values, _WITH_FOUR_STATES)
+    inaccurate = verdict == Verdict.INACCURATE
+    count = {kind: int((verdict == kind).sum()) for kind in VERDICTS}
+    failed = total - count[Verdict.RIGHT] - count[Verdict.CORNER]
+    worst = float(np.nanmax(dataset.state_error.values[rigid & (verdict != Verdict.BEYOND_INPUT)]))
+    others = ~rigid & (verdict != Verdict.BEYOND_INPUT)
+    errors = np.fmax(dataset.state_error.values, dataset.time_error.values)[others]
+    return [
+        Check.holds(
+            "No wrong verdict: the engine has the events of an independent computation, in order, in every case",
+            _SOURCE,
+            f"{count[Verdict.WRONG]} wrong of {total}",
+            count[Verdict.WRONG] == 0,
+        ),
+        Check.holds(
+            f"At most one case in {1 / _NOT_PASSED:g}, or {_FEW} if that is more, does not pass",
+            _SOURCE,
+            f"{failed} of {total} do not: {count[Verdict.BEYOND_INPUT]} decided by digits beyond those of the input, "
+            f"{count[Verdict.REFUSED]} refused in a sentence, {count[Verdict.INACCURATE]} inaccurate, "
+            f"{count[Verdict.UNBALANCED]} unbalanced; in {count[Verdict.CORNER]} others events swap at a corner",
+            failed <= max(_FEW, _NOT_PASSED * total),
+        ),
+        Check.holds(
+            f"Rigid drive: final states and event times to {TOLERANCE:.0e} in every case",
+            _SOURCE,
+            f"{int((inaccurate & rigid).sum())} above it; worst error against 40 digits {worst:.1e}",
+            not bool((inaccurate & rigid).any()),
+        ),
+        Check.holds(
+            f"Drives with four states: final states and event times to {_TOLERANCE_WITH_FOUR_STATES:.0e} in every case "
+            "that its input decides",
+            _SOURCE,
+            f"worst error {errors.max(initial=0.0, where=np.isfinite(errors)):.1e} of {errors.size} cases, in "
+            f"{int(np.isnan(errors).sum())} unknown",
+            bool(errors.size and (errors <= _TOLERANCE_WITH_FOUR_STATES).all()),
+        ),
+        _energy_check(dataset),
+    ]
+
+
+def _energy_check(dataset: xr.Dataset) -> Check:
+    from benchmarks.sweeps.case_judge import allowed_residual
+
+    residual, rounding = dataset.energy_residual.values, dataset.energy_rounding.values
+    tolerance = float(dataset.energy_tolerance)
+    drawn = np.isfinite(residual)
+    astray = int((residual[drawn] > allowed_residual(rounding[drawn])).sum())
+    sharp = drawn & (rounding <= tolerance)
+    return Check.holds(
+        f"Energy balances in every motion: supply, storage, friction, dampers and seizures, to {tolerance:.0e} of the "
+        "largest of them and what rounding makes of it",
+        _SOURCE,
+        f"{astray} of {int(drawn.sum())} do not, {int((~drawn).sum())} not drawn; where rounding makes less than "
+        f"{tolerance:.0e}, in {int(sharp.sum())}, the largest residual is {float(residual[sharp].max()):.1e}",
+        astray == 0 and bool(drawn[dataset.case_verdict.values != Verdict.REFUSED].mean() > _BALANCED),
+    )
+
+
+def _cases(rows: "list[tuple[Case, CaseOutcome]]") -> dict[str, tuple]:
+    from benchmarks.sweeps.case_judge import VERDICTS
+
+    damping = [_log(getattr(c.drive, "contact_damping", 0.0)) for c, _ in rows]
+    # On the edge itself the logarithm is −inf, which is stored as missing.
+    level = np.array([case.level for case, _ in rows])
+    return {
+        "case_family": flagged("case", [c.family for c, _ in rows], "family of the case", CaseFamily),
+        "level": variable("case", np.where(np.isfinite(level), level, np.nan).astype(np.float32), "1", _WORDS["level"]),
+        "damping_level": variable("case", np.array(damping, np.float32), "1", _WORDS["damping_level"]),
+        "case_verdict": flagged("case", [o.verdict for _, o in rows], "verdict on the case", VERDICTS),
+        "events": variable("case", np.array([o.events for _, o in rows], np.int32), "1", "number of events"),
+        **{
+            name: variable("case", np.array([_number(o, name) for _, o in rows], np.float32), *about)
+            for name, about in _NUMBERS.items()
+        },
+    }
+
+
+def _number(outcome: "CaseOutcome", name: str) -> float:
+    if not name.startswith("energy_"):
+        return getattr(outcome, name)
+    return np.nan if outcome.energy is None else getattr(outcome.energy, name.removeprefix("energy_"))
+
+
+def _log(value: float) -> float:
+    return float(np.log10(value)) if value else np.nan
+
+
+def _summary(rows: "list[tuple[Case, CaseOutcome]]", families: list[CaseFamily]) -> dict[str, tuple]:
+    from benchmarks.sweeps.case_judge import VERDICTS
+
+    count = np.array([[sum(c.family == f and o.verdict == v for c, o in rows) for v in VERDICTS] for f in families])
+    return {"case_count": variable(("edge_family", "outcome"), count, "1", "number of cases")}
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Draw (a) the digits of every case, (b, c) the contact, (d) digits near the edges, (e) the energy balance."""
+    figure = style.new_figure(style.DOUBLE, 7.0)
+    axes = figure.subplot_mosaic([["a", "b"], ["a", "c"], ["d", "e"]], width_ratios=[1.5, 1],
+                                 height_ratios=[1.1, 1.1, 0.9])  # fmt: skip
+    digits = -np.log10(np.maximum(dataset.state_error.values, 10.0**-_ALL))
+    asked = np.isfinite(digits)
+    _families(axes["a"], dataset, digits, asked)
+    _contact(figure, axes["b"], dataset, digits, "(b) compliant threads: digits right", "digits", 6, 16)
+    condition = np.log10(dataset.condition.values)
+    _contact(figure, axes["c"], dataset, condition, "(c) condition of the modal form", "log$_{10}$ condition", 0, None)
+    _edges(axes["d"], dataset, digits, asked)
+    _energy(axes["e"], dataset)
+    return figure
+
+
+def _is(variable: xr.DataArray, word: str) -> np.ndarray:
+    values = {name: value for value, name in flag_names(variable).items()}
+    return variable.values == values[word]
+
+
+def _families(axes: Axes, dataset: xr.Dataset, digits: np.ndarray, asked: np.ndarray) -> None:
+    from matplotlib.lines import Line2D
+
+    names = flag_names(dataset.edge_family)
+    outcomes = flag_names(dataset.outcome)
+    total = int(dataset.case_count.sum())
+    rng = np.random.default_rng(0)  # scatter of the dots across their row, no data
+    for row, family in enumerate(dataset.edge_family.values):
+        chosen = asked & (dataset.case_family.values == family)
+        good = np.isin(dataset.case_verdict.values, [v for v, n in outcomes.items() if n in _PASSED])
+        for part, colour, size in ((chosen & good, style.BLUE, 2.0), (chosen & ~good, style.VERMILION, 8.0)):
+            height = row + rng.uniform(-0.3, 0.3, part.sum())
+            axes.scatter(digits[part], height, s=size, color=colour, linewidths=0, alpha=0.6, rasterized=True)
+        limits = dataset.sensitivity.values[chosen]
+        limits = limits[np.isfinite(limits) & (limits > 0)]
+        if limits.size:
+            axes.plot(-np.log10(limits.max()), row, marker="|", markersize=13, color=style.BLACK, linestyle="none")
+        counts = {outcomes[int(v)]: int(n) for v, n in zip(dataset.outcome.values, dataset.case_count.values[row],
+                                                           strict=True) if n}  # fmt: skip
+        rest = ", ".join(f"{n} {word}" for word, n in counts.items() if word not in _PASSED)
+        text = f"{sum(counts.values()):,} cases" + (f"\n{rest}" if rest else "")
+        axes.text(17.6, row, text, va="center", fontsize=6, linespacing=1.1)
+    axes.axvline(-np.log10(float(dataset.passing_error)), color=style.GREY, linestyle=":", linewidth=0.9)
+    axes.set_yticks(range(dataset.sizes["edge_family"]), [names[int(f)] for f in dataset.edge_family.values])
+    axes.set(
+        title=f"(a) {total:,} cases, judged by 40 digits",
+        xlabel="Digits that are right",
+        xlim=(-3.5, 24.5),
+        ylim=(dataset.sizes["edge_family"] - 0.4, -0.6),
+    )
+    axes.set_xticks([4, 8, 12, 16])
+    handles = (
+        Line2D([], [], color=style.BLUE, marker="o", markersize=2.5, linestyle="none", label="a case"),
+        Line2D([], [], color=style.VERMILION, marker="o", markersize=3.5, linestyle="none", label="not passed"),
+        Line2D([], [], color=style.BLACK, marker="|", markersize=9, linestyle="none",
+               label="what 16 units in the\nlast place of the\ninput may change"),
+    )  # fmt: skip
+    axes.legend(handles=handles, loc="upper left", fontsize=6.5, handletextpad=0.1, borderpad=0.2,
+                frameon=True, framealpha=1.0, edgecolor="none")  # fmt: skip
+    axes.text(9.15, dataset.sizes["edge_family"] - 0.6, "tolerance", fontsize=6, color=style.GREY, va="center")
+
+
+def _contact(figure: Figure, axes: Axes, dataset: xr.Dataset, values: np.ndarray, title: str, words: str,
+             low: float, high: float | None) -> None:  # fmt: skip
+    here = _is(dataset.case_family, "contact")
+    marks = axes.scatter(dataset.level.values[here], dataset.damping_level.values[here], c=values[here], s=7,
+                         cmap="cividis", vmin=low, vmax=high, linewidths=0, rasterized=True)  # fmt: skip
+    bad = here & ~_is(dataset.case_verdict, "right")
+    axes.scatter(dataset.level.values[bad], dataset.damping_level.values[bad], s=22, facecolors="none",
+                 edgecolors=style.VERMILION, linewidths=0.7)  # fmt: skip
+    figure.colorbar(marks, ax=axes, label=words, pad=0.02)
+    axes.set(title=title, xlabel=r"log$_{10}$ $k_c$ [N m⁻¹]", ylabel=r"log$_{10}$ $c_c$ [N s m⁻¹]")
+
+
+def _edges(axes: Axes, dataset: xr.Dataset, digits: np.ndarray, asked: np.ndarray) -> None:
+    for name, (colour, marker, words) in _EDGES.items():
+        chosen = asked & _is(dataset.case_family, name)
+        axes.scatter(dataset.level.values[chosen], digits[chosen], s=7, color=colour, marker=marker, linewidths=0,
+                     alpha=0.7, label=words, rasterized=True)  # fmt: skip
+    axes.axhline(-np.log10(float(dataset.passing_error)), color=style.GREY, linestyle=":", linewidth=0.9)
+    axes.set(
+        title="(d) next to the edges",
+        xlabel="log$_{10}$ of the relative distance from the edge",
+        ylabel="Digits of the final state",
+        xlim=(-17, -1),
+        ylim=(3.5, 18),
+    )
+    axes.legend(ncols=2, loc="lower left", fontsize=6.5, handletextpad=0.1, columnspacing=0.8)
+
+
+def _energy(axes: Axes, dataset: xr.Dataset) -> None:
+    residual, rounding = dataset.energy_residual.values, dataset.energy_rounding.values
+    tolerance = float(dataset.energy_tolerance)
+    digits = np.clip(-np.log10(np.maximum(residual, 10.0**-_ALL)), 0, _ALL)
+    drawn = np.isfinite(residual)
+    bins = np.arange(5.0, _ALL + 0.5, 0.5)
+    parts = (
+        (drawn & (rounding <= tolerance), style.BLUE, "rounding < 10$^{-10}$"),
+        (drawn & ~(rounding <= tolerance), style.ORANGE, "more"),
+    )
+    axes.hist([digits[part] for part, *_ in parts], bins, stacked=True, color=[colour for _, colour, _ in parts],
+              label=[label for *_, label in parts])  # fmt: skip
+    axes.axvline(-np.log10(tolerance), color=style.GREY, linestyle=":", linewidth=0.9)
+    axes.set_yscale("log")
+    axes.set(title=f"(e) energy balance, {drawn.sum():,} motions", xlabel="Digits to which energy balances",
+             ylabel="Motions")  # fmt: skip
+    axes.legend(loc="upper left", handlelength=1.0)

@@ -1,0 +1,274 @@
+r"""From the entries of a data sheet to the parameters of a drive: plain arithmetic, whole samples at once.
+
+A flank with half angle α in an axial section has the angle α_n in the section normal to the thread, tan α_n = cos λ
+tan α. It carries the normal force N / cos α_n where a square thread carries N, so that the thread behaves as a square
+one with the coefficient μ / cos α_n; that is the μ of all equations of the package (Sect. 5.3).
+
+Functions are plain arithmetic for floats, complex numbers and arrays.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsvib.assess.sheet import DENSITIES, Sheet
+from lsvib.models.mechanics import friction_factor
+
+GRAVITY = 9.80665  # m/s², standard
+DrawnValues = Mapping[str, Any]  # floats, or arrays that broadcast
+
+QUANTITIES = {
+    "lead": ("lead of the thread", "m"),
+    "pitch_diameter": ("pitch diameter of the thread", "m"),
+    "half_angle": ("half angle of the thread", "rad"),
+    "friction": ("friction coefficient of the threads", "1"),
+    "friction_slope": ("slope of the friction coefficient over the sliding speed", "s m-1"),
+    "inertia": ("rotating inertia", "kg m2"),
+    "coupling_stiffness": ("stiffness of the coupling, at the screw", "N m rad-1"),
+    "rotational_damping": ("rotational damping", "N m s rad-1"),
+    "translational_damping": ("damping of the load", "N s m-1"),
+    "mass": ("moved mass", "kg"),
+    "tilt": ("angle of the axis above the horizontal", "rad"),
+    "force_low": ("smallest force against outward travel", "N"),
+    "force_high": ("largest force against outward travel", "N"),
+    "speed_low": ("smallest speed of the screw", "rad s-1"),
+    "speed_high": ("largest speed of the screw", "rad s-1"),
+    "contact_stiffness": ("stiffness of the thread contact", "N m-1"),
+    "contact_damping": ("damping of the thread contact", "N s m-1"),
+    "support_stiffness": ("axial stiffness of the support", "N m-1"),
+    "support_damping": ("axial damping of the support", "N s m-1"),
+    "screw_mass": ("mass of the screw", "kg"),
+}
+"""What the verdict depends on: long name and unit. Values of these names are floats or arrays that broadcast."""
+UNITS = {key: unit for key, (_, unit) in QUANTITIES.items()} | {"force": "N", "speed": "rad s-1"}
+"""The units of the quantities, and of those of the window that are changed together."""
+
+_OWN = {  # parameters of a drive that a part adds, each with its quantity
+    "rigid": {},
+    "contact": {"contact_stiffness": "contact_stiffness", "contact_damping": "contact_damping"},
+    "support": {
+        "screw_mass": "screw_mass",
+        "support_stiffness": "support_stiffness",
+        "axial_support_damping": "support_damping",
+    },
+}
+
+
+def nominal_draw(sheet: Sheet) -> dict[str, float]:
+    """Return the entries of a sheet, each at the value in its middle."""
+    return {path: entry.nominal for path, entry in sheet.spreads.items()}
+
+
+def random_entries(sheet: Sheet) -> list[str]:
+    """Return the entries that are uncertain: all but ranges of force and speed, which are the operating window."""
+    return [path for path, entry in sheet.spreads.items() if entry.uncertain and not is_window(sheet, path)]
+
+
+def is_window(sheet: Sheet, path: str) -> bool:
+    """Whether an entry is a side of the operating window: a range of force or speed, all of which is used."""
+    entry = sheet.spreads.get(path)
+    return path in ("load.force", "operation.speed") and entry is not None and entry.kind == "uniform"
+
+
+def quantities(sheet: Sheet, draw: DrawnValues) -> dict[str, Any]:
+    """Return the quantities of :data:`QUANTITIES` from the entries (floats, or arrays of one shape) of a sheet.
+
+    Quantities that the sheet does not give are zero, or absent for a contact or support that it does not have.
+    """
+    lead, diameter, half_angle = _thread(sheet, draw)
+    angle = np.arctan(lead / (math.pi * diameter))
+    inertia, screw_mass = _screw(sheet, draw, diameter)
+    ratio = draw.get("coupling.gear_ratio", 1.0)
+    found = {
+        "lead": lead,
+        "pitch_diameter": diameter,
+        "half_angle": half_angle,
+        "friction": _coefficient(sheet, draw, angle, half_angle),
+        "friction_slope": draw.get("friction.slope", 0.0),
+        "inertia": inertia + draw.get("coupling.inertia", 0.0),
+        "coupling_stiffness": draw["coupling.stiffness"] * ratio**2,
+        "rotational_damping": draw.get("damping.rotational", 0.0),
+        "translational_damping": draw.get("damping.translational", 0.0),
+        "mass": draw["load.mass"],
+        "tilt": draw.get("load.orientation", 0.0),
+    }
+    for part, keys in (("contact", sheet.contact), ("support", sheet.support)):
+        if keys is not None:
+            found[f"{part}_stiffness"] = draw[f"{part}.stiffness"]
+            found[f"{part}_damping"] = draw.get(f"{part}.damping", 0.0)
+    if sheet.support is not None:
+        found["screw_mass"] = screw_mass
+    for key, path, scale in (("force", "load.force", 1.0), ("speed", "operation.speed", _turns(sheet, lead))):
+        if is_window(sheet, path):
+            entry = sheet.spreads[path]
+            found[f"{key}_low"], found[f"{key}_high"] = entry.low * scale, entry.high * scale
+        else:
+            found[f"{key}_low"] = found[f"{key}_high"] = draw.get(path, 0.0) * scale
+    return found
+
+
+def _turns(sheet: Sheet, lead: Any) -> Any:
+    """Factor from the speed as given to rad/s."""
+    return 2 * math.pi / lead if sheet.operation.speed.unit == "m/s" else 1.0
+
+
+def _thread(sheet: Sheet, draw: DrawnValues) -> tuple[Any, Any, Any]:
+    thread = sheet.thread
+    if thread.size is not None:
+        return thread.size.lead, thread.size.pitch_diameter, thread.size.half_angle
+    half_angle = draw.get("thread.half_angle", 0.0)
+    pitch = draw.get("thread.pitch")
+    lead = draw.get("thread.lead", pitch * thread.starts if pitch is not None else None)
+    if thread.pitch_diameter is not None:
+        diameter = draw["thread.pitch_diameter"]
+    else:
+        diameter = draw["thread.nominal_diameter"] - 0.5 * (lead / thread.starts if pitch is None else pitch)
+    if lead is None or thread.lead_angle is not None:
+        lead = math.pi * diameter * np.tan(draw["thread.lead_angle"])
+    return lead, diameter, half_angle
+
+
+def _screw(sheet: Sheet, draw: DrawnValues, pitch_diameter: Any) -> tuple[Any, Any]:
+    """Inertia [kg m²] and mass [kg] of the screw, a cylinder where they are not given."""
+    screw = sheet.screw
+    if screw.inertia is not None:
+        return draw["screw.inertia"], draw.get("screw.mass")
+    density = draw.get("screw.density", DENSITIES[screw.material or "steel"])
+    diameter = draw.get("screw.diameter", pitch_diameter)
+    mass = density * math.pi / 4 * diameter**2 * draw["screw.length"]
+    return mass * diameter**2 / 8, draw.get("screw.mass", mass)
+
+
+def _coefficient(sheet: Sheet, draw: DrawnValues, angle: Any, half_angle: Any) -> Any:
+    """Friction coefficient of the flanks; with a curve, its mean over the curve's points stands for the middle."""
+    if sheet.friction.coefficient is not None:
+        return draw["friction.coefficient"]
+    if sheet.friction.efficiency is not None:
+        square = coefficient_from_efficiency(draw["friction.efficiency"], angle)
+        return flank_coefficient(square, angle, half_angle)
+    return float(np.mean(sheet.friction.curve.coefficients)) * draw.get("friction.curve_factor", 1.0)
+
+
+@dataclass(frozen=True)
+class Point:
+    """Points of operation: ``speed`` Ω [rad/s] and ``force`` R [N] of the package, with the shape of the quantities.
+
+    ``parameters``: those of :class:`lsvib.models.drive.SupportDrive` or a part of them; ``slope`` μ′ of the
+    square thread [s/m].
+    """
+
+    parameters: dict[str, Any]
+    slope: Any
+
+
+def point(sheet: Sheet, values: DrawnValues, direction: int, speed: Any, force: Any) -> Point:
+    """Return a point of operation: direction of travel ±1, ``speed`` > 0 [rad/s], ``force`` against outward travel [N].
+
+    The axis leans by ``tilt``, so that the weight m g sin(tilt) adds to the force. The force R of the
+    package acts along outward travel, whence the sign.
+    """
+    parameters = without_friction(values, direction, speed, force)
+    radius, angle = parameters["pitch_radius"], parameters["lead_angle"]
+    coefficient, slope = values["friction"], values["friction_slope"]
+    if sheet.friction.curve is not None:
+        mean = float(np.mean(sheet.friction.curve.coefficients))
+        scale = coefficient / mean if mean > 0 else 1.0  # a curve that is zero throughout stays so, whatever the factor
+        coefficient, slope = (scale * x for x in _along(sheet, sliding_speed(speed, radius, angle)))
+    parameters["friction_coefficient"] = square_coefficient(coefficient, angle, values["half_angle"])
+    return Point(parameters, square_coefficient(slope, angle, values["half_angle"]))
+
+
+def without_friction(values: DrawnValues, direction: int, speed: Any, force: Any) -> dict[str, Any]:
+    """Return the parameters of a point of operation but for friction, arguments as :func:`point`."""
+    radius = 0.5 * values["pitch_diameter"]
+    return {
+        "pitch_radius": radius,
+        "lead_angle": np.arctan(values["lead"] / (2 * math.pi * radius)),
+        "screw_inertia": values["inertia"],
+        "coupling_stiffness": values["coupling_stiffness"],
+        "support_damping": values["rotational_damping"],
+        "input_speed": direction * speed,
+        "mass": values["mass"],
+        "translation_damping": values["translational_damping"],
+        "axial_force": -(force + values["mass"] * GRAVITY * np.sin(values["tilt"])),
+    }
+
+
+def square_thread(sheet: Sheet, values: DrawnValues) -> tuple[Any, Any]:
+    """Return lead angle [rad] and friction coefficient [1] of the square thread that behaves alike.
+
+    With a curve of friction at the middle of the speeds.
+    """
+    at = point(sheet, values, 1, 0.5 * (values["speed_low"] + values["speed_high"]), 0.0).parameters
+    return at["lead_angle"], at["friction_coefficient"]
+
+
+def _along(sheet: Sheet, sliding: Any) -> tuple[NDArray, NDArray]:
+    """Coefficient and slope of the curve at sliding speeds [m/s]; constant beyond its ends."""
+    curve = sheet.friction.curve
+    real = np.real(sliding)
+    speeds, coefficients = np.array(curve.speeds), np.array(curve.coefficients)
+    slopes = np.concatenate([[0.0], np.diff(coefficients) / np.diff(speeds), [0.0]])
+    piece = np.searchsorted(speeds, real, side="right")
+    start = np.clip(piece - 1, 0, None)
+    return coefficients[start] + slopes[piece] * (sliding - speeds[start]), slopes[piece]
+
+
+def own_parameters(values: DrawnValues, part: str) -> dict[str, Any]:
+    """Return the parameters that a part, ``contact`` or ``support``, adds to those of the ``rigid`` drive."""
+    return {key: values[quantity] for key, quantity in _OWN[part].items()}
+
+
+def square_coefficient(coefficient: Any, lead_angle: Any, half_angle: Any) -> Any:
+    """Return the coefficient of the square thread that behaves alike, μ / cos α_n [1]; angles λ and α [rad]."""
+    return coefficient * np.sqrt(1 + (np.cos(lead_angle) * np.tan(half_angle)) ** 2)
+
+
+def flank_coefficient(coefficient: Any, lead_angle: Any, half_angle: Any) -> Any:
+    """Return the coefficient of the flank [1] from that of the square thread, the inverse of the function above."""
+    return coefficient / np.sqrt(1 + (np.cos(lead_angle) * np.tan(half_angle)) ** 2)
+
+
+def lifting_efficiency(coefficient: Any, lead_angle: Any) -> Any:
+    """Return η = tan λ / tan(λ + arctan μ) = −tan λ / ξ₋ [1] of motion against the load, μ of the square thread."""
+    tangent = np.tan(lead_angle)
+    return -tangent / friction_factor(coefficient, tangent, -1)
+
+
+def lowering_efficiency(coefficient: Any, lead_angle: Any) -> Any:
+    """Return η = tan(λ − arctan μ) / tan λ = −ξ₊ / tan λ [1] of motion with the load; negative if self-locking."""
+    tangent = np.tan(lead_angle)
+    return -friction_factor(coefficient, tangent, 1) / tangent
+
+
+def coefficient_from_efficiency(efficiency: Any, lead_angle: Any) -> Any:
+    """Return the μ of the square thread at which the lifting efficiency is ``efficiency``, tan(arctan(t/η) − λ)."""
+    tangent = np.tan(lead_angle)
+    return tangent * (1 - efficiency) / (efficiency + tangent**2)
+
+
+def sliding_speed(speed: Any, pitch_radius: Any, lead_angle: Any) -> Any:
+    """Return the speed at which the threads slide, r_m Ω / cos λ [m/s]."""
+    return pitch_radius * speed / np.cos(lead_angle)
+
+
+def damping_by_slope(slope: Any, force: Any, coefficient: Any, pitch_radius: Any, lead_angle: Any, law: Any) -> Any:
+    """Damping that a friction coefficient adds which depends on the sliding speed v [N m s/rad].
+
+    With μ(v) = μ + μ′ (v − v₀) the torque of the threads r_m ξ_s n, n = R̃ in steady sliding, changes with θ′ at the
+    rate
+
+        |R̃| r_m² μ′ / [cos³ λ (1 + s μ tan λ)²],
+
+    because dξ_s/dμ = s (1 + tan² λ) / (1 + s μ tan λ)², dv/d|θ′| = r_m / cos λ and s = sgn(R̃ Ω). It is added to the
+    effective damping C_s; steady sliding with Γ_s > 0 loses its stability where the sum passes zero.
+
+    Arguments: ``slope`` μ′ of the square thread [s/m]; ``force`` |R̃| [N]; the others as in the package.
+    """
+    return (
+        slope * force * pitch_radius**2 / (np.cos(lead_angle) ** 3 * (1 + law * coefficient * np.tan(lead_angle)) ** 2)
+    )

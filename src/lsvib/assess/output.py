@@ -1,0 +1,169 @@
+"""Assess one data sheet and write the report, the dataset and the JSON file: all of them or none."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib import numbers
+from lsvib.assess.assessment import AssessedMotion, Assessment, assess
+from lsvib.assess.drive import UNITS
+from lsvib.assess.margins import KINDS, Chart, Margin, charts
+from lsvib.assess.report import report
+from lsvib.assess.sheet import Sheet
+from lsvib.assess.uncertainty import BINS
+from lsvib.assess.words import VERDICTS
+from lsvib.datasets.attributes import named_flags, named_index, variable
+from lsvib.datasets.io import write_dataset
+from lsvib.errors import InputError
+from lsvib.files import Outputs, write_json, write_text
+
+
+def assess_file(path: Path, out: Path, samples: Any = 4096, seed: Any = 1) -> dict[str, Any]:
+    """Assess the data sheet in a YAML file; write ``index.html``, ``assessment.nc``, ``assessment.json`` to ``out``.
+
+    ``samples``: a power of two. Returns what ``assessment.json`` holds. Raises ``InputError`` or another ``LsvibError``
+    in one sentence; then nothing is written.
+    """
+    count = numbers.whole_between("samples", samples, 64, 2**20)  # seconds; a share is in error by less than 1e-3
+    if count & (count - 1):
+        raise InputError(f"samples = {count} is not a power of two, as the sequence of samples needs.")
+    start = numbers.whole_between("seed", seed, 0, 2**32 - 1)
+    sheet = Sheet.read(path)
+    files = [(out / "index.html", "HTML"), (out / "assessment.nc", "netCDF"), (out / "assessment.json", "JSON")]
+    outputs = Outputs(files, [path], make_folders=True)
+    found = assess(sheet, count, start)
+    operating = charts(sheet, found.values)
+    result = as_json(found)
+    with outputs.writing() as (page, data, verdict):
+        write_text(report(found, operating), page)
+        write_dataset(dataset(found, operating), data)
+        write_json(result, verdict)
+    return result
+
+
+def as_json(assessment: Assessment) -> dict[str, Any]:
+    """Return the verdict as plain values for JSON: SI units, None for what does not exist or is infinite."""
+    perturbed = assessment.mechanisms["after_perturbation"]
+    return {
+        "name": assessment.sheet.name,
+        "verdict": assessment.verdict,
+        "sentence": VERDICTS[assessment.verdict],
+        "self_locking": assessment.self_locking,
+        "self_locking_probability": assessment.uncertainty.holds.value,
+        "efficiency": {**assessment.efficiency, "lifting_range": list(assessment.uncertainty.lifting)},
+        "mechanisms": {
+            name: {
+                "occurs": one.occurs,
+                "probability": one.probability,
+                "interval": list(one.interval),
+                "reserve": one.reserve,
+                "at": _place(one.corner),
+                "margin": _margins_json(one.margins),
+                "sensitivity": one.sensitivities,
+            }
+            for name, one in assessment.mechanisms.items()
+            if name != "after_perturbation"
+        },
+        "after_perturbation": {
+            "possible": perturbed.occurs,
+            "probability": perturbed.probability,
+            "interval": list(perturbed.interval),
+        },
+        "quantities": {key: {"value": value, "unit": UNITS[key]} for key, value in assessment.values.items()},
+        "samples": assessment.uncertainty.samples,
+        "seed": assessment.seed,
+        "any_mechanism": {
+            "probability": assessment.uncertainty.any.value,
+            "interval": list(assessment.uncertainty.any.interval),
+            "margin": _margins_json(assessment.margins),
+        },
+        "sobol": {"first_order": assessment.uncertainty.first_order, "total": assessment.uncertainty.total},
+        "nominal": _motion_json(assessment.nominal),
+        "worst_case": _motion_json(assessment.worst),
+        "assumptions": dict(assessment.sheet.assumptions),
+        "sources": dict(assessment.sheet.sources),
+    }
+
+
+def _place(corner: tuple[int, float, float]) -> dict[str, float]:
+    return dict(zip(("direction", "screw_speed", "force"), corner, strict=True))
+
+
+def _margins_json(rows: list[Margin]) -> dict[str, Any]:
+    return {row.quantity: {"factor": row.factor, "value": row.value, "unit": UNITS[row.quantity]} for row in rows}
+
+
+def _motion_json(motion: AssessedMotion) -> dict[str, Any]:
+    moved, (size, sentence) = motion.vibration, motion.tolerated
+    return {
+        "mechanism": motion.mechanism,
+        "entries": motion.entries,
+        "at": _place(motion.corner),
+        "model": moved.model,
+        "attractor": moved.attractor,
+        "vibrates": moved.vibrates,
+        "frequency": moved.frequency,
+        "audible": moved.audible,
+        "amplitude": moved.amplitude,
+        "load_speed": moved.load_speed and list(moved.load_speed),
+        "screw_speed": moved.screw_speed and list(moved.screw_speed),
+        "peak_contact_force": moved.peak_force,
+        "peak_impulse": moved.impulse,
+        "reason": moved.reason,
+        "scene": moved.scene,
+        "tolerated_perturbation": None if size is None or not np.isfinite(size) else size,
+        "tolerated_perturbation_sentence": sentence,
+    }
+
+
+def dataset(assessment: Assessment, charts: list[Chart]) -> xr.Dataset:
+    """Return the operating chart, the reserves of the samples, and the motions at middle and worst values."""
+    mechanisms = list(assessment.mechanisms)
+    counts = [assessment.uncertainty.probability[name].counts for name in mechanisms]
+    kinds, words = np.stack([chart.kind for chart in charts]), "what occurs at a point of operation"
+    variables: dict[str, Any] = {
+        "reserve_counts": variable(
+            ("mechanism", "class"), np.array(counts, dtype=np.int64), "1", "number of samples by reserve"
+        ),
+        "chart": named_flags(("direction", "force", "speed"), kinds, words, dict(enumerate(KINDS))),
+    }
+    directions, middles = [chart.direction for chart in charts], 0.5 * (BINS[1:] + BINS[:-1])
+    coordinates = {
+        "mechanism": named_index("mechanism", "mechanism", mechanisms),
+        "direction": variable("direction", directions, "1", "direction, 1 is outward"),
+        "force": variable("force", charts[0].force, "N", "force against outward travel"),
+        "speed": variable("speed", charts[0].speed, "m s-1", "speed of the load"),
+        "class": variable("class", middles, "1", "reserve, middle of its class"),
+    }
+    for name, motion in (("nominal", assessment.nominal), ("worst", assessment.worst)):
+        coordinates[f"{name}_time"], more = _motion(name, motion)
+        variables |= more
+    return xr.Dataset(
+        variables,
+        coordinates,
+        attrs={
+            "title": f"Assessment of a lead-screw drive: {assessment.sheet.name}",
+            "source": "lsvib assess",
+            "references": "Vahid-Araghi and Golnaraghi, Friction-Induced Vibration in Lead Screw Drives, Springer "
+            "2011, chapter 8",
+            "verdict": f"{assessment.verdict}. {VERDICTS[assessment.verdict]}",
+            "samples": assessment.uncertainty.samples,
+            "seed": assessment.seed,
+            "worst_case_scene": json.dumps(assessment.worst.vibration.scene),
+        },
+    )
+
+
+def _motion(name: str, motion: AssessedMotion) -> tuple[Any, dict[str, Any]]:
+    """Time and samples of a motion; a motion that is not known has none."""
+    moved, dim = motion.vibration, f"{name}_time"
+    where = {"nominal": "at the middle values", "worst": "in the worst case"}[name]
+    variables = {
+        f"{name}_deviation": variable(dim, moved.deviation, "m", f"deviation of the load {where}"),
+        f"{name}_screw_speed": variable(dim, moved.speed, "rad s-1", f"speed of the screw {where}"),
+        f"{name}_angle": variable(dim, moved.angle, "rad", f"angle deviation of the screw {where}"),
+    }
+    return variable(dim, moved.time, "s", f"time of the motion {where}"), variables

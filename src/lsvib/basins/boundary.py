@@ -1,0 +1,369 @@
+r"""The basin of steady sliding in the rigid drive: its boundary in closed form, its area (Sect. 8.7).
+
+The boundary is found by following one motion backwards in time; docs/basin.md proves that this is enough. Let Ω > 0
+(otherwise the drive is mirrored), let M_0 be the slip mode that holds the equilibrium, and Q = q_u u + q_w w + q_0
+(eq. 8.17). There are two cases.
+
+* Γ₊ > 0. The motion depends continuously on its start, so the basin is the inside of the innermost closed orbit, or the
+  whole plane if there is none. A motion that starts near the equilibrium and is followed backwards winds on to that
+  orbit, or grows without bound.
+* Γ₊ ≤ 0, the Painlevé region, with R̃ Ω < 0. The motion that touches Q = 0, at a point T, is followed backwards. If it
+  comes from Q = 0 itself, no motion that has stood still settles, and this motion and the line Q = 0 enclose the basin.
+  Otherwise it comes from θ′ = 0, from a state (x, −Ω), and every motion that stands or lands there with u > x settles.
+  If a seizure that ends in that state begins beyond T, the slip before the seizure is followed backwards in turn, and
+  so on, until x reaches a cycle without rest, which repels, or goes to −∞. A seizure changes w only, so beyond M_0 the
+  boundary goes on along the line u = x.
+"""
+
+import math
+from dataclasses import dataclass, field, replace
+from enum import IntEnum
+
+import numpy as np
+from flint import arb
+from numpy.typing import ArrayLike, NDArray
+
+from lsvib.basins.curves import Arc, Curve, Segment, Window, area, clip, contains, inside, sampled
+from lsvib.basins.reversed_time import BEGINNING, backward_automaton
+from lsvib.dynamics.attractors import steady_state
+from lsvib.engine.automaton import Automaton
+from lsvib.engine.exact.arithmetic import many_digits
+from lsvib.engine.kernels import layout
+from lsvib.engine.kernels.layout import Status
+from lsvib.engine.motion import Motion, follow
+from lsvib.errors import EngineError, InputError, LsvibError
+from lsvib.models.drive import Drive, RigidDrive
+from lsvib.models.mechanics import Coefficients, coefficients
+from lsvib.models.rigid import MotionMode, rigid_automaton
+
+_NARROW = 1e-10  # width of a window, of the size of the boundary, in which a share is still good to 1e-4
+_EVENTS = 2_000_000  # of a motion backwards, some seconds, after which its turns hardly grow and it is given up
+_FAR = 1e9  # growth of the turns after which they grow for ever: the constants of the drive are 1e-9 of the state
+
+
+class AttractsNothing(InputError):
+    """Steady sliding is not asymptotically stable, so it has no basin; ``neutral``: motions near it do not grow."""
+
+    def __init__(self, sentence: str, neutral: bool) -> None:
+        super().__init__(sentence)
+        self.neutral = neutral
+
+
+class Boundary(IntEnum):
+    """What bounds the basin."""
+
+    NONE = 0  # steady sliding is globally stable
+    TOUCHING_MOTION = 1  # the motion that touches Q = 0, and the line Q = 0; no motion that has stood still settles
+    TOUCHING_SLIP = 2  # the slip from θ′ = 0 that touches Q = 0
+    CYCLE = 3  # a cycle that repels
+
+
+@dataclass(frozen=True)
+class Basin:
+    """The basin of steady sliding of ``drive``.
+
+    ``boundary`` says what bounds it; ``curves`` are the boundary, with the basin on their right, each closed or from
+    infinity to infinity; ``flow`` is the flow table of the drive's automaton, to which the arcs refer.
+    """
+
+    drive: RigidDrive
+    boundary: Boundary
+    curves: tuple[Curve, ...] = field(repr=False)
+    flow: np.ndarray = field(repr=False)
+
+    @property
+    def codes(self) -> list[int]:
+        """Codes of the modes to whose rows of ``flow`` the arcs refer."""
+        return [int(code) for code in rigid_automaton(self.drive).codes]
+
+    @property
+    def bounded(self) -> bool:
+        """Whether the basin has a finite area."""
+        return bool(self.curves) and all(math.isfinite(curve[0].start[1]) for curve in self.curves)
+
+    def contains(self, state: ArrayLike) -> bool:
+        """Whether the motion from ``state`` (u [rad], w [rad/s]) settles; on the boundary itself either answer."""
+        return not self.curves or contains(self.flow, self.curves, np.asarray(state, dtype=float))
+
+    def clipped(self, window: Window) -> list[Curve]:
+        """Return the closed curves around the part of the basin that lies in a window."""
+        return clip(self.flow, self.curves or [_everything()], window)
+
+    def line(self, window: Window, count: int = 100) -> np.ndarray:
+        """Return points (n, 2) of the boundary in a window for drawing, NaN where it is interrupted."""
+        closed, paths = inside(self.flow, self.curves, window)
+        return sampled(self.flow, [*closed, *paths], count)
+
+    def area(self, window: Window | None = None) -> float:
+        """Return the area [rad²/s] of the basin, or of its part in a window; infinite if it is not bounded."""
+        if window is not None:
+            return area(self.flow, self.clipped(window))
+        return area(self.flow, self.curves) if self.bounded else math.inf
+
+    def fraction(self, window: Window) -> float:
+        """Return the share [1] of a window that belongs to the basin.
+
+        Raises ``InputError`` where the boundary passes through a window that is too narrow for doubles.
+        """
+        if not self.curves:
+            return 1.0
+        narrow = _NARROW * self._size(window)
+        wide = window.widened(*narrow)
+        if wide != window:
+            if any(inside(self.flow, self.curves, wide)):
+                sides = ("u", window.left, window.right, narrow[0]), ("w", window.bottom, window.top, narrow[1])
+                name, low, high, least = next(side for side in sides if side[2] - side[1] < side[3])
+                raise InputError(
+                    f"window {name} = {float(low)!r} to {float(high)!r} is too narrow for the boundary that passes "
+                    f"through it; the allowed range of high - low is at least {least:g} there."
+                )
+            return float(self.contains(window.middle))
+        return min(max(self.area(window) / window.area, 0.0), 1.0)
+
+    def _size(self, window: Window) -> np.ndarray:
+        """Largest |u| [rad] and |w| [rad/s] of the boundary and of a window: what their last digits are relative to."""
+        points = np.abs([*sampled(self.flow, self.curves), (window.left, window.bottom), (window.right, window.top)])
+        return np.asarray(np.where(np.isfinite(points), points, 0.0).max(axis=0))
+
+
+def basin(drive: RigidDrive) -> Basin:
+    """Compute the basin of steady sliding of the rigid drive.
+
+    It is the same under both rules of resuming after a seizure. Raises ``InputError`` where steady sliding attracts
+    nothing, and for the few drives whose basin has another shape (see docs/basin.md); ``EngineError`` where the engine
+    cannot follow the boundary.
+    """
+    if drive.input_speed < 0:
+        return _mirrored(basin(drive.replace(input_speed=-drive.input_speed, axial_force=-drive.axial_force)), drive)
+    c = coefficients(drive)
+    _require_attraction(c)
+    find = _in_paradox if c.paradox else _continuous
+    boundary, curves = find(drive, c)
+    return Basin(drive, boundary, tuple(curves), rigid_automaton(drive).tables.flow)
+
+
+def known_basin(drive: Drive) -> Basin | None:
+    """Return the basin of a drive of any model; None where its boundary is not known in closed form.
+
+    Those are drives of all models but the rigid one, and the few rigid drives for which :func:`basin` raises.
+    """
+    try:
+        return basin(drive) if isinstance(drive, RigidDrive) else None
+    except LsvibError:
+        return None
+
+
+def _require_attraction(c: Coefficients) -> None:
+    if c.net_force == 0:
+        raise InputError(
+            "axial_force balances the translation damping exactly, so the contact carries no force and no law holds."
+        )
+    if c.damping[c.steady_law] <= 0 or c.gamma[c.steady_law] <= 0:
+        raise AttractsNothing(
+            "steady sliding attracts nothing in this drive: its effective damping or inertia is not positive.",
+            neutral=c.damping[c.steady_law] == 0 < c.gamma[c.steady_law],
+        )
+
+
+def _continuous(drive: RigidDrive, c: Coefficients) -> tuple[Boundary, list[Curve]]:
+    """Return the basin for Γ₊ > 0: the inside of the cycle on to which a motion winds that is followed backwards."""
+    with many_digits():
+        turns = c.damping[1] >= 0 or c.damping[1] ** 2 < 4 * drive.exact().coupling_stiffness * c.gamma[1]
+    if not turns:
+        raise InputError(
+            f"translation_damping = {drive.translation_damping:g} is so large that slip under law + may grow for ever "
+            "without a turn; the basin of such a drive is not covered."
+        )
+    if rigid_automaton(drive).contracts:  # areas shrink everywhere, so there is no closed orbit
+        return Boundary.NONE, []
+    back = backward_automaton(drive)
+    mode = MotionMode.SLIP_FORWARD_NEGATIVE if c.steady_law < 0 else MotionMode.SLIP_FORWARD_POSITIVE
+    # Slip from (start, 0) never leaves |u| <= start, |w| <= start √(k/Γ_0).
+    rate = math.sqrt(drive.coupling_stiffness / float(c.gamma[c.steady_law]))
+    q_u, q_w, q_0 = (abs(float(x)) for x in c.q_row)
+    change = q_u + q_w * rate
+    start = 0.5 * min(q_0 / change if change else math.inf, drive.input_speed / rate)
+    orbit = _wind_up(drive, back, np.array([start, 0.0]), _row_of(back, mode))
+    if orbit is None:
+        return Boundary.NONE, []
+    return Boundary.CYCLE, [[*_forward_arcs(orbit, drive)]]
+
+
+def _in_paradox(drive: RigidDrive, c: Coefficients) -> tuple[Boundary, list[Curve]]:
+    """Return the basin in the Painlevé region, from the motion that touches Q = 0."""
+    touch = _touch(drive, c)
+    if touch is None:
+        return Boundary.NONE, []
+    back = backward_automaton(drive, touch[0])
+    earlier, before = _before_touch(drive, c, touch)
+    start, mode = before * [1, -1], _row_of(back, MotionMode.SLIP_FORWARD_NEGATIVE)
+    trace = _traced(back, start, mode, 2)
+    if trace is None or trace.time.size == 0:
+        return Boundary.NONE, []  # The motion comes from far away, so slip from θ′ = 0 never gets as far as T.
+    end = np.array([float(touch[0]), float(touch[1])])
+    arcs = _forward_arcs(trace, drive)
+    arcs[-1] = replace(arcs[-1], end=end, duration=arcs[-1].duration + earlier)
+    ended = trace.automaton.codes[trace.end_mode] == BEGINNING
+    if trace.before[0, 1] != drive.input_speed:  # The motion comes from Q = 0.
+        return Boundary.TOUCHING_MOTION, [[arcs[-1], Segment(end, arcs[-1].start)]]
+    _require_rest_in_basin(drive, c, float(trace.before[0, 0]))
+    if ended and c.q_row[1] > 0 and trace.before[-1, 1] == drive.input_speed and trace.end_state[0] < touch[0]:
+        raise InputError(
+            f"support_damping = {drive.support_damping:g} is so large that doubles do not determine where slip from "
+            "screw speed 0 comes from; the basin of such a drive is not covered."
+        )
+    if c.q_row[1] == 0:
+        return Boundary.NONE, []
+    if not ended:
+        orbit = _wind_up(drive, back, start, mode)
+        if orbit is None:
+            return Boundary.NONE, []
+        arcs = _forward_arcs(orbit, drive)
+    if c.q_row[1] < 0:
+        raise EngineError(
+            "seizures on the boundary of the basin end backward slip, which should be impossible; please report it."
+        )
+    return (Boundary.TOUCHING_SLIP if ended else Boundary.CYCLE), [_with_seizures(arcs[-1], c)]
+
+
+def _touch(drive: RigidDrive, c: Coefficients) -> tuple[arb, arb] | None:
+    """Return the state in which slip touches Q = 0 from within; None if slip never crosses Q = 0 outwards.
+
+    On the line u″ = R̃ / (m r_m tan λ) − c_x w / m under either law, so Q′ = κ w + ρ along it.
+    """
+    d = drive.exact()
+    q_u, q_w, q_0 = c.q_row
+    with many_digits():
+        kappa = q_u - q_w * d.translation_damping / d.mass
+        rho = q_w * c.net_force / (d.mass * d.pitch_radius * d.tan_lead)
+        at_stand = rho - kappa * d.input_speed
+        if at_stand <= 0 and kappa <= 0:
+            return None
+        if at_stand >= 0 or kappa <= 0:
+            raise InputError(
+                f"translation_damping = {drive.translation_damping:g} is so large that slip crosses the line of no "
+                "contact force in the opposite direction; the basin of such a drive is not covered."
+            )
+        w = -rho / kappa
+        return -(q_w * w + q_0) / q_u, w
+
+
+def _before_touch(drive: RigidDrive, c: Coefficients, touch: tuple[arb, arb]) -> tuple[float, NDArray[np.float64]]:
+    """Return a time [s] and the state (u, w) in which the motion that touches Q = 0 was so long before.
+
+    Where the rates of slip lie far apart, their ratio being q, the touching state is on the slow eigenvector but for a
+    part q² of it, which doubles do not hold. Backwards this part grows fast, and decides where the motion comes from:
+    with many digits it is followed until it is a tenth of the rate w, and of Ω, so that θ′ = 0 is not met before.
+    """
+    (u, w), k = touch, drive.exact().coupling_stiffness
+    here = 0.0, np.array([float(u), float(w)])
+    with many_digits():
+        square = c.damping[-1] ** 2 - 4 * k * c.gamma[-1]
+        if square <= 0:
+            return here
+        fast = -(c.damping[-1] + square.sqrt()) / (2 * c.gamma[-1])
+        slow = k / (c.gamma[-1] * fast)
+        part = (w - slow * u) / (fast - slow)  # of u along the fast eigenvector
+        wanted = arb(0.1) * abs(w).min(arb(drive.input_speed))
+        size = abs(fast * part)
+        if not 0 < size < wanted:
+            return here
+        time = (wanted / size).log() / -fast
+        fast_end, slow_end = part * wanted / size, (u - part) * (-slow * time).exp()
+        return float(time), np.array([float(slow_end + fast_end), float(slow * slow_end + fast * fast_end)])
+
+
+def _require_rest_in_basin(drive: RigidDrive, c: Coefficients, edge: float) -> None:
+    """Refuse drives with R > 0 > R̃ in which slip from θ′ = 0 may settle although release from rest does not."""
+    d = drive.exact()
+    with many_digits():
+        upper = 1 if d.axial_force >= 0 else -1
+        released = (
+            c.damping[-1] * d.input_speed + d.pitch_radius * c.slack(upper) * d.axial_force
+        ) / d.coupling_stiffness
+    if not edge < released:
+        raise InputError(
+            f"axial_force = {drive.axial_force:g} has the sign of input_speed although the net force has not, and rest "
+            "does not settle; the basin of such a drive is not covered."
+        )
+
+
+def _with_seizures(slip: Arc, c: Coefficients) -> Curve:
+    """Return the boundary along slip from (x, −Ω), continued along the line u = x, on which seizures end and begin."""
+    q_u, q_w, q_0 = (float(x) for x in c.q_row)
+    x = slip.start[0]
+    seizure = np.array([x, -(q_u * x + q_0) / q_w])
+    return [
+        Segment(np.array([x, -math.inf]), slip.start),
+        slip,
+        Segment(slip.end, seizure),
+        Segment(seizure, np.array([x, math.inf])),
+    ]
+
+
+def _everything() -> Curve:
+    """Return a curve that has the whole plane on its right."""
+    return [Segment(np.array([-1e300, -math.inf]), np.array([-1e300, math.inf]))]
+
+
+def _wind_up(drive: RigidDrive, back: Automaton, start: NDArray[np.float64], mode: int) -> Motion | None:
+    """Return one turn of the cycle on to which a motion backwards winds; None if it grows or does not come back.
+
+    The turns only grow (docs/basin.md). Once they have grown by ``_FAR`` the constants of the drive no longer count:
+    each turn is in proportion to the one before, so they grow for ever.
+    """
+    state, used, chunk = start, 0, 32
+    scale = back.tables.flow[mode, layout.TIME_SCALE]
+    while used < _EVENTS:
+        trace = _traced(back, state, mode, chunk)
+        if trace is None or trace.status == Status.SETTLED or np.abs(trace.after).max() > _FAR * np.abs(start).max():
+            return None
+        state, mode = trace.end_state, trace.end_mode
+        found = steady_state(back, state, mode=mode, max_events=1)
+        # An event that recurs at once, within a small part of a time scale of slip, is not a turn, which has some six.
+        if found.orbit is not None and found.residual < 1e-9 and found.period > 1e-3 * found.returns * scale:
+            once = found.orbit.time.size // found.returns
+            return follow(back, found.orbit.start_state, math.inf, mode=found.orbit.start_mode, max_events=once)
+        used, chunk = used + chunk, 2 * chunk
+    raise InputError(
+        f"support_damping = {drive.support_damping:g} and translation_damping = {drive.translation_damping:g} change a "
+        "motion so little in a turn that the boundary of the basin cannot be followed to its end."
+    )
+
+
+def _traced(back: Automaton, state: NDArray[np.float64], mode: int, events: int) -> Motion | None:
+    """Follow a motion backwards over some events; None if it leaves the range of numbers, as it does far away."""
+    try:
+        return follow(back, state, math.inf, mode=mode, max_events=events)
+    except EngineError:
+        return None
+
+
+def _forward_arcs(trace: Motion, drive: RigidDrive) -> list[Arc]:
+    """Return the arcs of a motion backwards as arcs forward in time, the earliest first; none has zero duration."""
+    codes, turned = trace.automaton.codes, np.array([1.0, -1.0])
+    return [
+        Arc(_row_of(rigid_automaton(drive), codes[mode]), end * turned, start * turned, float(duration))
+        for mode, start, end, duration in zip(*trace.arcs(), strict=True)
+        if duration > 0
+    ][::-1]
+
+
+def _row_of(automaton: Automaton, mode: int) -> int:
+    """Return the row of a mode in the tables of an automaton, by its code."""
+    return int(np.flatnonzero(automaton.codes == mode)[0])
+
+
+def _mirrored(found: Basin, drive: RigidDrive) -> Basin:
+    """Return the basin of a drive from that of the drive with Ω and R reversed: the plane turned by half a turn."""
+    automaton = rigid_automaton(drive)
+
+    def turned(piece: Segment | Arc) -> Segment | Arc:
+        """A piece of the boundary, turned by half a turn, with the mode that has both signs reversed."""
+        if isinstance(piece, Segment):
+            return Segment(-piece.start, -piece.end)
+        code = MotionMode.SLIP_BACKWARD_NEGATIVE - found.codes[piece.mode]
+        return Arc(_row_of(automaton, code), -piece.start, -piece.end, piece.duration)
+
+    curves = tuple([turned(piece) for piece in curve] for curve in found.curves)
+    return Basin(drive, found.boundary, curves, automaton.tables.flow)

@@ -1,0 +1,174 @@
+"""The commands about regions: of attraction in the phase plane, of behaviour over two parameters, and resilience."""
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from cyclopts import Parameter
+
+from lsvib.cli.app import ProgressLine, app
+from lsvib.cli.options import (
+    CHAPTER,
+    Along,
+    AsJson,
+    DriveOptions,
+    Files,
+    GridOfStarts,
+    OutFile,
+    Over,
+    Picture,
+    Resume,
+    Steps,
+    Window,
+    Workers,
+)
+from lsvib.cli.printing import name, rate, show
+from lsvib.errors import InputError
+
+Quantities = Annotated[
+    list[Literal["label", "time", "seizures", "first_event", "doubt"]],
+    Parameter(consume_multiple=True, negative="", help="What to store of each cell; the label always is."),
+]
+
+
+@app.command
+def attraction(
+    *,
+    grid: GridOfStarts,
+    out: Path,
+    drive: DriveOptions = CHAPTER,
+    resume: Resume = "contact_sign",
+    quantities: Quantities = ["label"],  # noqa: B006
+    workers: Workers = 1,
+    figure: Picture = None,
+    as_json: AsJson = False,
+) -> None:
+    """Map the region of attraction: the attractor of the motion from every start of a grid.
+
+    Examples of use:
+
+        lsvib attraction --set mass=11 --set support_damping=1e-3 --set axial_force=-10 --grid u=-0.3:0.3:2000
+        w=-150:150:2000 --out map.nc --workers 2
+
+        lsvib attraction --model threads --set mass=11 --grid u=-0.05:0.05:100 w=-15:15:100 --out slice.nc
+
+    Parameters
+    ----------
+    out:
+        netCDF file to write; one that is there is replaced.
+    """
+    from lsvib.datasets.map import map_attraction, summary
+
+    files = Files(out, figure)
+    starts = {axis.key: tuple(axis[1:]) if isinstance(axis, Steps) else axis.value for axis in grid}
+    if figure and {axis.key for axis in grid if isinstance(axis, Steps)} != {"u", "w"}:
+        raise InputError("figure is for maps of u and w; leave it out for a plane of other coordinates.")
+    found = map_attraction(drive.drive(), starts, quantities, resume, workers, ProgressLine())
+    dataset = found.dataset
+    files.write(dataset, "lsvib.attraction", drawn_by="lsvib.figures.attraction")
+    area = dataset["basin_area"].item() if "basin_area" in dataset else None
+    show(summary(found.counts, found.doubts, area, found.seconds), as_json, _print_map, out)
+
+
+@app.command
+def chart(
+    *,
+    x: Along,
+    y: Along,
+    drive: DriveOptions = CHAPTER,
+    resume: Resume = "contact_sign",
+    workers: Workers = 1,
+    out: OutFile = None,
+    figure: Picture = None,
+    as_json: AsJson = False,
+) -> None:
+    """Chart what a drive does over two of its parameters, with the exact curves that divide the chart.
+
+    Examples of use:
+
+        lsvib chart --x mass=1:20:400 --y axial_force=-60:60:400 --set translation_damping=300 --workers 2 --out
+        chart.nc --figure chart.png
+
+        lsvib chart --model threads --x contact_stiffness=1e4:1e9:30 --y contact_damping=1:1e9:30 --set mass=9 --out
+        contacts.nc
+    """
+    from time import perf_counter
+
+    from lsvib.datasets.chart import summary
+
+    files, begin = Files(out, figure), perf_counter()
+    found = drive.drive().chart(x, y, resume=resume, workers=workers, progress=ProgressLine("motions"))
+    result = summary(found, perf_counter() - begin)
+    files.write(found, "lsvib.chart", drawn_by="lsvib.figures.chart")
+    show(result, as_json, _print_chart)
+
+
+@app.command
+def resilience(
+    *,
+    drive: DriveOptions = CHAPTER,
+    window: Window = None,
+    over: Over | None = None,
+    out: OutFile = None,
+    as_json: AsJson = False,
+) -> None:
+    """Find the largest perturbations that the rigid drive's steady sliding tolerates, and how much of a window settles.
+
+    Examples of use:
+
+        lsvib resilience --set mass=11 --set support_damping=1e-3 --set axial_force=-10 --window u=-0.3:0.3 w=-150:150
+
+        lsvib resilience --set mass=11 --set support_damping=1e-3 --over axial_force=-33:-1:65 --out reserve.nc
+    """
+    files = Files(out)
+    if (over is None) != (out is None):
+        raise InputError("over and out belong together: the values over a parameter are written to a file.")
+    part = {span.key: (span.low, span.high) for span in window} if window else None
+    if over is None:
+        reserve = drive.drive().resilience(part)
+        show(reserve.to_json(), as_json, lambda result: _print_resilience(reserve))
+        return
+    axes = {axis.key: axis.values() for axis in over}
+    found = drive.drive().resilience_sweep(part, progress=ProgressLine("points"), **axes)
+    files.write(found)
+    result = {"points": int(found.fatal_energy.size), "not_covered": int(found.fatal_energy.isnull().sum())}
+    text = f"wrote {out}: {result['points']} points, {result['not_covered']} of them not covered"
+    show(result, as_json, lambda result: print(text))
+
+
+def _print_shares(result: Mapping[str, Any]) -> None:
+    for kind, part in result["fractions"].items():
+        if part:
+            print(f"{name(kind)}: {100 * part:.6g} % of {result['cells']} cells")
+
+
+def _print_map(result: Mapping[str, Any]) -> None:
+    _print_shares(result)
+    print(f"unresolved: {result['unresolved']} cells")
+    for doubt, cells in result["unresolved_because"].items():
+        print(f"  {cells} cells unresolved: {doubt}")
+    area = result["exact_basin_area"]
+    if area is not None:
+        print(f"exact area of the basin of steady sliding in the map: {area:.12g} rad2/s")
+    print(f"{rate(result['cells_per_second'])} cells per second")
+
+
+def _print_chart(result: Mapping[str, Any]) -> None:
+    _print_shares(result)
+    print(f"exact curves: {', '.join(map(name, result['curves'])) or 'none'}")
+    print(f"{rate(result['cells_per_second'])} cells per second")
+
+
+def _print_resilience(found: Any) -> None:
+    def size(value: float, unit: str) -> str:
+        return f"{value:.12g} {unit}" if math.isfinite(value) else "unlimited"
+
+    print(f"boundary of the region of attraction: {name(found.boundary)}")
+    print(f"largest tolerated perturbation of the deflection: {size(found.angle, 'rad')}")
+    print(f"largest tolerated perturbation of the speed: {size(found.speed, 'rad/s')}")
+    u, w = found.state
+    state = f", at u = {u:.12g} rad, w = {w:.12g} rad/s" if math.isfinite(found.energy) else ""
+    print(f"largest tolerated perturbation by energy: {size(found.energy, 'J')}{state}")
+    if found.window is not None:
+        print(f"share of the window that settles: {found.fraction:.12g}")

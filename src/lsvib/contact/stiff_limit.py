@@ -1,0 +1,260 @@
+r"""The limit process: what a compliant contact does after an impact, branch by branch, against the rigid drive.
+
+After a seizure (Γ₊ < 0) the rigid drive stands at some u, where the coupling torque T_r falls and Q grows with u. With
+the band of static friction between r_m R ξ₊ and r_m R ξ₋, four regions follow each other along u,
+
+    T_r above the band, Q < 0 | in the band, Q < 0 | in the band, Q > 0 | T_r below the band, Q > 0,
+
+and with two signs of R and of the impact there are sixteen branches of the rule of resuming. Which of them an impact
+from the speed θ′ = ±v can reach is decided by the damping c, since the impact needs Q of its sign before it.
+
+The contact stiffens in one of three ways: viscous, c_c = k_c · 1 s; with a fixed damping ratio ζ of the nut on the
+standing screw, c_c = 2 ζ √(k_c m); elastic, c_c = 0. An overdamped contact throws the nut back with the force
+
+    m² r_m tan λ v k_c² / c_c³.
+
+As the screw stops the nut still has some speed v_0, and the damper has taken the rest of its momentum over the mismatch
+m (r_m tan λ v − v_0) / c_c. Of both together the slow part of the free motion, of rate k_c / c_c, keeps m r_m tan λ v /
+c_c, whatever v_0 is, after the fast one, of rate c_c / m, has died out. A contact keeps the sign of the impulse until
+it carries its static force only if this is small beside |R|, so c_c must grow faster than k_c^(2/3).
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any, Self
+
+import numpy as np
+
+from lsvib.dynamics.attractors import orbit_extremes, steady_state
+from lsvib.dynamics.curve_distance import Orbit, rest_count, rest_duration
+from lsvib.dynamics.impulses import seizure_impulses
+from lsvib.engine.exact.arithmetic import many_digits
+from lsvib.engine.motion import Motion, follow
+from lsvib.errors import InputError
+from lsvib.models.drive import RigidDrive, ThreadsDrive
+from lsvib.models.mechanics import coefficients
+from lsvib.models.model import RULES
+from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
+from lsvib.models.threads import ThreadsEvent, seated_state, threads_automaton
+
+_SAME = 1e-9  # Two rigid motions whose times differ by less, relatively, are the same.
+# Corners that represent a motion after one impact, and a cycle, which is longer and bends more.
+_IMPACT_CORNERS, _CYCLE_CORNERS = 800, 3000
+_WORK = 100_000  # units of an ordinary event, within which the cycle of a compliant motion must be found
+
+
+class BranchFamily(IntEnum):
+    """How the contact's damping grows with its stiffness."""
+
+    VISCOUS = 0
+    DAMPING_RATIO = 1
+    ELASTIC = 2
+
+
+class Region(IntEnum):
+    """Where the screw stands after an impact, in ascending order of u; CYCLE for a branch that is a whole cycle."""
+
+    CYCLE = 0
+    TORQUE_ABOVE_BAND = 1
+    IN_BAND_FORCE_NEGATIVE = 2  # Q < 0
+    IN_BAND_FORCE_POSITIVE = 3  # Q > 0
+    TORQUE_BELOW_BAND = 4
+
+
+class ImpactOutcome(IntEnum):
+    """What follows a seizure of the rigid drive."""
+
+    REST = 0
+    FORWARD_SLIP = 1
+    BACKWARD_SLIP = 2
+
+
+_OUTCOMES = {
+    MotionMode.REST: ImpactOutcome.REST,
+    MotionMode.SLIP_FORWARD_NEGATIVE: ImpactOutcome.FORWARD_SLIP,
+    MotionMode.SLIP_BACKWARD_POSITIVE: ImpactOutcome.BACKWARD_SLIP,
+}
+
+
+@dataclass(frozen=True)
+class Impact:
+    """A start that seizes at once: sign of θ′, region in which the screw then stands, u [rad] and w [rad/s]."""
+
+    sign: int
+    region: Region
+    u: float
+    w: float
+
+
+def impacts(drive: RigidDrive, speed: float) -> Iterator[Impact]:
+    """Yield an impact from θ′ = ±``speed`` [rad/s] for each region that it can reach, in the middle of what it reaches.
+
+    The outer regions are taken as wide as the band.
+    """
+    c, torque = coefficients(drive), drive.pitch_radius * drive.axial_force
+    damping, stiffness = float(c.damping[c.steady_law]), drive.coupling_stiffness
+    with many_digits():
+        ends = [(damping * drive.input_speed + torque * float(c.slack(s))) / stiffness for s in (1, -1)]
+    low, high = min(ends), max(ends)
+
+    def weightless(w: float) -> float:
+        """Deviation [rad] at which Q = 0."""
+        slope_u, slope_w, constant = (float(x) for x in c.q_row)
+        return -(slope_w * w + constant) / slope_u
+
+    turn = weightless(-drive.input_speed)
+    bounds = (2 * low - high, low, turn, high, 2 * high - low)
+    for sign in (1, -1):
+        w = sign * speed - drive.input_speed
+        reach = weightless(w)
+        for region, left, right in zip(list(Region)[1:], bounds[:-1], bounds[1:], strict=True):
+            left, right = (max(left, reach), right) if sign > 0 else (left, min(right, reach))
+            if left < right:
+                yield Impact(sign, region, 0.5 * (left + right), w)
+
+
+def stiffened(drive: RigidDrive, family: BranchFamily, stiffness: float, damping_ratio: float) -> ThreadsDrive:
+    """Return the drive with a compliant contact of ``stiffness`` k_c [N/m]; ``damping_ratio`` ζ [1] for its family."""
+    damping = {
+        BranchFamily.VISCOUS: stiffness,
+        BranchFamily.DAMPING_RATIO: 2 * damping_ratio * math.sqrt(stiffness * drive.mass),
+        BranchFamily.ELASTIC: 0.0,
+    }[family]
+    return ThreadsDrive.of(drive.model_dump(), contact_stiffness=stiffness, contact_damping=damping)
+
+
+def rebound_force(drive: ThreadsDrive, speed: float) -> float:
+    """Return the force [N] with which the nut is thrown back after an impact from θ′ = ``speed`` [rad/s]; see above."""
+    if drive.contact_damping == 0:
+        return math.inf
+    nut = drive.pitch_radius * math.tan(drive.lead_angle) * speed
+    return drive.mass**2 * nut * drive.contact_stiffness**2 / drive.contact_damping**3
+
+
+@dataclass(frozen=True)
+class LimitBranch:
+    """A branch of the rule: drive, impact (none for the cycle), start (u, w), and the rigid motions to compare with.
+
+    ``rigid`` and ``orbits``: one for each rule of resuming; ``differ``: whether the rules lead to different motions.
+    """
+
+    drive: RigidDrive
+    impact: Impact | None
+    start: Sequence[float]
+    rigid: list[Motion]
+    orbits: list[Orbit]
+    differ: bool
+
+    @classmethod
+    def of(cls, drive: RigidDrive, impact: Impact | None, start: Sequence[float], rigid: list[Motion]) -> Self:
+        """Prepare the comparison; scales are half the peak-to-peak of u [rad] of the first motion, and |Ω| [rad/s]."""
+        one, other = rigid
+        differ = one.time.size != other.time.size or bool(
+            np.any(np.abs(one.time - other.time) > _SAME * one.end_time) or np.any(one.mode != other.mode)
+        )
+        low, high = orbit_extremes(one, np.array([1.0, 0.0, 0.0]))
+        scales = (0.5 * (high - low), abs(drive.input_speed))
+        orbits = [Orbit.of(motion, scales, _corners(impact)) for motion in rigid]
+        return cls(drive, impact, start, rigid, orbits, differ)
+
+
+def _corners(impact: Impact | None) -> int:
+    """Number of corners that represent a motion."""
+    return _CYCLE_CORNERS if impact is None else _IMPACT_CORNERS
+
+
+def branches(drive: RigidDrive, speed: float, duration: float, start: Sequence[float]) -> Iterator[LimitBranch]:
+    """Yield the impacts from θ′ = ±``speed`` [rad/s], followed for ``duration`` [s], and the cycle from ``start``.
+
+    Raises ``InputError`` if the drive is outside the Painlevé region, has c_x ≠ 0, or has no cycle.
+    """
+    if not coefficients(drive).paradox or drive.translation_damping != 0:
+        raise InputError("The limit process needs a drive with Γ₊ <= 0 (mass above m_cr) and translation_damping = 0.")
+    automata = [rigid_automaton(drive, resume=rule) for rule in RULES]
+    for impact in impacts(drive, speed):
+        state = (impact.u, impact.w)
+        yield LimitBranch.of(drive, impact, state, [follow(automaton, state, duration) for automaton in automata])
+    reached = [steady_state(automaton, start).orbit for automaton in automata]
+    cycles = [orbit for orbit in reached if orbit is not None]
+    if len(cycles) < len(reached):
+        raise InputError(
+            f"From start the drive with axial_force = {drive.axial_force:g} reaches no cycle; give another one."
+        )
+    yield LimitBranch.of(drive, None, start, cycles)
+
+
+def deviations(branch: LimitBranch, drive: ThreadsDrive) -> dict[str, Any]:
+    """Return how far the compliant motion deviates from the rigid ones; empty if it should have a cycle and has none.
+
+    ``motion_distance`` [1], ``rest_error`` [s] and, of a cycle, ``period_error`` [1], one for each rule;
+    ``impulse_error`` [1] and ``stop_time`` [s] of an impact, until the screw first stands; ``rests``, their number.
+    """
+    automaton, seated = threads_automaton(drive), seated_state(drive, *branch.start)
+    if branch.impact is None:
+        motion = steady_state(automaton, seated, max_events=_WORK).orbit
+    else:
+        motion = follow(automaton, seated, branch.rigid[0].end_time)
+    if motion is None:
+        return {}
+    orbit, rest = Orbit.of(motion, branch.orbits[0].scales, _corners(branch.impact)), rest_duration(motion)
+    distance = [orbit.distance(rigid) for rigid in (branch.orbits if branch.differ else branch.orbits[:1])]
+    values = {
+        "motion_distance": distance if branch.differ else 2 * distance,
+        "rest_error": [rest - rest_duration(rigid) for rigid in branch.rigid],
+        "rests": rest_count(motion),
+    }
+    if branch.impact is None:
+        return values | {"period_error": [motion.end_time / rigid.end_time - 1 for rigid in branch.rigid]}
+    expected = float(seizure_impulses(drive, drive.input_speed + branch.impact.w).normal)
+    stops = motion.time[np.isin(motion.kind, (ThreadsEvent.STICK, ThreadsEvent.REVERSAL))]
+    return values | {
+        "impulse_error": impact_impulse(drive, motion) / expected - 1,
+        "stop_time": stops[0] if stops.size else math.nan,
+    }
+
+
+def outcome(motion: Motion) -> ImpactOutcome:
+    """Return what follows the first seizure of a rigid motion."""
+    first = motion.mode[motion.kind == EventKind.SEIZURE][0]
+    return _OUTCOMES[MotionMode(int(motion.automaton.codes[first]))]
+
+
+def impact_impulse(drive: ThreadsDrive, motion: Motion) -> float:
+    """Return the normal impulse [N s] of the first impact of a compliant motion (c_x = 0); nan if it never stands.
+
+    The impact lasts from the last reversal of the contact force before the first rest to the end of that rest; the
+    impulse of the static force during the rest is not counted. The momentum of the nut gives the impulse: in slip under
+    law s ∫N dt = (R Δt − m Δx′) / (cos λ + s μ sin λ), at rest ∫(N − N_static) dt = −m cos λ Δx′.
+    """
+    modes, starts, ends, durations = motion.arcs()
+    codes = motion.automaton.codes[modes]
+    rests = np.flatnonzero(np.isin(codes, motion.automaton.rest_codes))
+    if rests.size == 0:
+        return math.nan
+    stand = rests[0]
+    reversals = np.flatnonzero(motion.kind[:stand] == ThreadsEvent.CONTACT_REVERSAL) + 1
+    begin = reversals[-1] if reversals.size else 0
+    reach = drive.pitch_radius * math.tan(drive.lead_angle)
+    change = (ends[:, 3] - starts[:, 3]) + reach * (ends[:, 1] - starts[:, 1])  # of x′
+    sine, cosine = math.sin(drive.lead_angle), math.cos(drive.lead_angle)
+    law = np.where(np.isin(codes, motion.automaton.sprag_codes), 1, -1)
+    slip = (drive.axial_force * durations - drive.mass * change) / (cosine + law * drive.friction_coefficient * sine)
+    return float(slip[begin:stand].sum() - drive.mass * cosine * change[stand])
+
+
+def fitted_order(stiffness: np.ndarray, error: np.ndarray) -> tuple[float, float]:
+    """Return the order p of error ∝ stiffness^(−p) and its standard error, by least squares in logarithms.
+
+    Both nan with fewer than three finite errors that are not zero.
+    """
+    error = np.abs(error)
+    good = np.isfinite(error) & (error > 0)
+    if good.sum() < 3:
+        return math.nan, math.nan
+    x, y = np.log(stiffness[good]), np.log(error[good])
+    x, y = x - x.mean(), y - y.mean()
+    slope = float(x @ y / (x @ x))
+    misfit = float(np.sum((y - slope * x) ** 2)) / (x.size - 2)
+    return -slope, math.sqrt(misfit / float(x @ x))

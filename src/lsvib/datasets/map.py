@@ -1,0 +1,235 @@
+"""Regions of attraction as a CF dataset: what becomes of every start of a grid, with the lines and cycles around it."""
+
+import json
+import os
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib import numbers
+from lsvib.basins.boundary import known_basin
+from lsvib.basins.curves import Window
+from lsvib.basins.grid import Grid, coordinates
+from lsvib.basins.mapper import NO_DOUBT, Mapper, mapper
+from lsvib.datasets import phase_plane
+from lsvib.datasets.attributes import Variable, attributes, flags, flags_or_none, fractions, given, quantity, variable
+from lsvib.datasets.io import joined, rows_of, write_dataset
+from lsvib.dynamics.attractors import Attractor, Doubt
+from lsvib.errors import InputError
+from lsvib.models.drive import Drive, RigidDrive, names_and_values
+from lsvib.models.model import find_model, rule
+from lsvib.numbers import Progress
+
+_CYCLE_SAMPLES = 400  # of a limit cycle that is drawn: corners that no picture shows
+
+
+@dataclass(frozen=True)
+class AttractionMap:
+    """A ``dataset`` of ``drive.attraction(…)``, its cells counted by attractor, and the ``seconds`` it took.
+
+    ``doubts`` counts the unresolved cells by why they are, as ends of sentences.
+    """
+
+    dataset: xr.Dataset
+    counts: Mapping[Attractor, int]
+    seconds: float
+    doubts: Mapping[str, int]
+
+
+def map_attraction(
+    drive: Drive,
+    grid: Grid | Mapping[str, Any],
+    quantities: Sequence[str] = ("label",),
+    resume: str = "contact_sign",
+    workers: Any = 1,
+    progress: Progress | None = None,
+) -> AttractionMap:
+    """Map the region of attraction of a drive as ``drive.attraction(…)``; the seconds are without compiling."""
+    at_once = numbers.workers(workers)
+    starts = _grid(grid)
+    mapped = mapper(drive, drive.model, resume=rule(resume))
+    if isinstance(quantities, str) or not isinstance(quantities, Sequence):
+        raise InputError(f"quantities = {numbers.shown(quantities)} is not a list of names.")
+    wanted = list(dict.fromkeys(["label", *quantities]))
+    asked = list(dict.fromkeys([*wanted, "doubt"]))
+    mapped.cells(starts, slice(0, 1), slice(0, 1), asked)  # so that compiling is not part of the speed
+    begin = perf_counter()
+    found = mapped.cells(starts, quantities=asked, workers=at_once, progress=progress)
+    seconds = perf_counter() - begin
+    shown = {name: found[name] for name in wanted}
+    return AttractionMap(attraction_map(mapped, starts, shown), count(found["label"]), seconds, doubts(found["doubt"]))
+
+
+def count(labels: np.ndarray) -> dict[Attractor, int]:
+    """Return the number of cells of each attractor."""
+    return {kind: int(np.count_nonzero(labels == kind)) for kind in Attractor}
+
+
+def doubts(codes: np.ndarray) -> dict[str, int]:
+    """Return the numbers of unresolved cells by why they are, from the quantity ``doubt`` of a map."""
+    kinds = list(Doubt)
+    return dict(sorted(Counter(str(kinds[code]) for code in codes[codes != NO_DOUBT]).items()))
+
+
+def attraction_map(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) -> xr.Dataset:
+    """Return the dataset of a map.
+
+    Arguments: mapper; grid; ``found``, the arrays (rows, columns) that :meth:`Mapper.cells` gave for the whole grid.
+    The coordinates are those of the grid's axes, at the middles of the cells. Besides the quantities of the map:
+    ``fraction`` of each attractor, and the :func:`surroundings`. Times that never come are missing.
+    """
+    return frame(mapper, grid).assign(
+        cells(mapper, grid, found)
+        | fractions("attractor", "attractor", count(found["label"]))
+        | given(mapper.drive)
+        | surroundings(mapper, grid)
+    )
+
+
+def frame(mapper: Mapper, grid: Grid) -> xr.Dataset:
+    """Return a map without its cells: coordinates, the middles of the cells, and global attributes."""
+    axes = {
+        name: (name, axis.centres(), {**quantity(name), "cell_width": axis.width})
+        for name, axis in zip(dimensions(grid), (grid.y, grid.x), strict=True)
+    }
+    return xr.Dataset(coords=axes, attrs=global_attributes(mapper, grid))
+
+
+def dimensions(grid: Grid) -> tuple[str, str]:
+    """Return the names of the dimensions of a map, rows first."""
+    return coordinates()[grid.y.coordinate], coordinates()[grid.x.coordinate]
+
+
+def cells(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) -> dict[str, Variable]:
+    """Return the arrays of some cells as variables; in its file the quantity ``time`` is that of a motion."""
+    return {
+        "settling_time" if name == "time" else name: (
+            dimensions(grid),
+            np.where(np.isfinite(array), array, np.nan) if name == "time" else array,
+            variable_attributes(mapper, name),
+        )
+        for name, array in found.items()
+    }
+
+
+def variable_attributes(mapper: Mapper, name: str) -> dict[str, Any]:
+    """Return the attributes of a quantity of a map, by its name."""
+    if name == "label":
+        return attributes("1", phase_plane.ATTRACTOR, **flags(Attractor))
+    if name == "time":
+        return attributes("s", "time until the attractor is reached", "$t$", comment="missing where it never is")
+    if name == "seizures":
+        return attributes("1", "number of seizures until the attractor is reached")
+    if name == "doubt":
+        return attributes(
+            "1",
+            "why the label is unresolved",
+            flag_values=np.arange(NO_DOUBT, len(Doubt), dtype=np.int8),
+            flag_meanings=" ".join(["none", *(doubt.name.lower() for doubt in Doubt)]),
+            comment="; ".join(f"{doubt.name.lower()}: {doubt}" for doubt in Doubt),
+        )
+    return attributes("1", "first event of the motion", **flags_or_none(mapper.events))
+
+
+def surroundings(mapper: Mapper, grid: Grid) -> dict[str, Variable]:
+    """Return what is drawn around a map in the plane of u and w.
+
+    Of every model the limit cycles that were met, of the rigid drive the lines Q = 0 and θ′ = 0 and, where it is known
+    (:mod:`lsvib.basins.boundary`), the exact boundary of the basin and its area within the map.
+    """
+    data: dict[str, Variable] = {}
+    if (grid.x.coordinate, grid.y.coordinate) != ("u", "w"):
+        return data
+    orbits = [found.orbit for found in mapper.attractors if found.orbit is not None]
+    count = max([_CYCLE_SAMPLES, *(2 * (orbit.time.size + 1) for orbit in orbits)])  # two at least for each arc
+    points = np.array([phase_plane.sample(orbit, count)[1][:, :2] for orbit in orbits])
+    if orbits:
+        data |= phase_plane.curve("cycle", ("cycle", "sample"), points, "on the limit cycle")
+    if isinstance(mapper.drive, RigidDrive):
+        lines = phase_plane.lines([mapper.drive])
+        names = ("contact_line_angle", "contact_line_slope", "stop_velocity")
+        data |= {name: ((), lines[name][1][0], lines[name][2]) for name in names}
+    if (basin := known_basin(mapper.drive)) is not None:
+        window = Window(grid.x.start, grid.x.stop, grid.y.start, grid.y.stop)
+        data |= phase_plane.curve("boundary", "boundary_point", basin.line(window), "on the exact boundary")
+        words = "area of the basin of steady sliding within the map, exact"
+        data["basin_area"] = variable((), basin.area(window), "rad2 s-1", words)
+    return data
+
+
+def global_attributes(mapper: Mapper, grid: Grid) -> dict[str, str]:
+    """Return the global attributes of a map; ``grid`` holds its axes and fixed coordinates as JSON."""
+    axes = {axis.coordinate: list(axis[1:]) for axis in (grid.x, grid.y)}
+    return {
+        "title": "Regions of attraction of a lead-screw drive",
+        "source": "lsvib, exact event-driven motion from the middle of every cell",
+        "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.7",
+        "model": mapper.model,
+        "parameters": json.dumps(dict(mapper.drive)),
+        "physics": " ".join(mapper.physics),
+        "resume": mapper.resume,
+        "grid": json.dumps({"axes": axes, "fixed": dict(grid.fixed)}),
+    }
+
+
+def summary(
+    counts: Mapping[Attractor, int], doubts: Mapping[str, int], exact_basin_area: float | None, seconds: float
+) -> dict[str, Any]:
+    """Summarise a map for JSON: ``fractions`` by attractor, ``unresolved`` cells and why, cells per second, area."""
+    cells = sum(counts.values())
+    return {
+        "cells": cells,
+        "fractions": {kind.name.lower(): n / cells for kind, n in counts.items() if n and kind >= 0},
+        "unresolved": counts[Attractor.UNRESOLVED],
+        "unresolved_because": dict(doubts),
+        "exact_basin_area": exact_basin_area,
+        "cells_per_second": cells / seconds,
+    }
+
+
+def _grid(given: Grid | Mapping[str, Any]) -> Grid:
+    """A grid from one, or from axes as (start, stop, count) or as a mapping with these keys."""
+    if isinstance(given, Grid):
+        return given
+    values = names_and_values("grid", given)
+    for name, span in values.items():
+        if isinstance(span, tuple | list):
+            if len(span) != 3:
+                raise InputError(f"axis {name} has {len(span)} numbers; it needs start, stop and count.")
+            values[name] = dict(zip(("start", "stop", "count"), span, strict=True))
+    return Grid.of(values)
+
+
+def mapper_of(settings: Mapping[str, Any]) -> Mapper:
+    """Return the mapper of settings ``model``, ``drive`` (changes of Table 8.1), ``resume``; raises ``InputError``."""
+    model = settings.get("model", "rigid")
+    drive = find_model(model).drive.of(settings["drive"])
+    return mapper(drive, model, resume=settings.get("resume", "contact_sign"))
+
+
+def map_tile(settings: Mapping[str, Any], item: str, path: str | os.PathLike[str], workers: int = 1) -> None:
+    """Map one tile and write it.
+
+    ``settings``: ``grid`` as in :meth:`Grid.of`, those of :func:`mapper_of`, and ``quantities`` of each cell; ``item``:
+    "3-of-6". Raises ``InputError`` and ``EngineError``.
+    """
+    grid, mapped = Grid.of(settings["grid"]), mapper_of(settings)
+    rows = rows_of(item, grid.y.count)
+    found = mapped.cells(grid, rows, quantities=settings["quantities"], workers=workers)
+    tile = frame(mapped, grid).isel({dimensions(grid)[0]: rows})
+    write_dataset(tile.assign(cells(mapped, grid, found)), path)
+
+
+def gather_map(
+    settings: Mapping[str, Any], tiles: Sequence[str | os.PathLike[str]], path: str | os.PathLike[str]
+) -> None:
+    """Write the map, the dataset of ``drive.attraction(…)``, from the files of its tiles; ``settings`` as of a tile."""
+    grid, mapped = Grid.of(settings["grid"]), mapper_of(settings)
+    whole = joined(tiles, dimensions(grid)[0])
+    shares = fractions("attractor", "attractor", count(whole.label.values))
+    write_dataset(whole.assign(shares | given(mapped.drive) | surroundings(mapped, grid)), path)

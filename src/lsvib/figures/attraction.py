@@ -1,0 +1,126 @@
+"""Map of regions of attraction: the attractor as colour, the time until it is reached as shade.
+
+The rule `attraction` of the workflow makes its dataset in tiles (:mod:`lsvib.datasets.map`).
+"""
+
+from typing import Annotated, Literal
+
+import numpy as np
+import xarray as xr
+from pydantic import AfterValidator, Discriminator, Field, Tag
+from pydantic_core import PydanticCustomError
+
+from lsvib.basins.grid import coordinates
+from lsvib.figures import drawing, style
+from lsvib.figures.common import flag_names
+from lsvib.figures.settings import Cells, FigureSettings, Unique
+from lsvib.figures.style import Axes, Figure
+from lsvib.models.model import Resume, all_models, model_names
+
+CAPTION = """\
+Regions of attraction: the attractor of the motion from every start, and the time until it is reached as shade, with the
+exact boundary. Sect. 8.7 says only that the region of steady sliding can be quite small.
+"""
+COLOURS = {
+    "steady sliding": style.SKY,
+    "stick slip cycle": style.GREEN,
+    "sprag slip cycle": style.ORANGE,
+    "other cycle": style.PURPLE,
+    "neutral family": style.BLUE,
+    "unbounded": style.GREY,
+    "rest": style.YELLOW,
+    "unresolved": style.BLACK,
+}
+
+
+def _with_label(values: list[str]) -> list[str]:
+    if "label" not in values:
+        raise PydanticCustomError("of_the_value", "is not acceptable; it must hold label")
+    return values
+
+
+Coordinate = Annotated[
+    Annotated[float, Tag("number")] | Annotated[Cells, Tag("axis")],
+    Discriminator(lambda value: "axis" if isinstance(value, dict) else "number"),
+]
+Quantities = Annotated[
+    list[Literal["label", "time", "seizures", "first_event", "doubt"]],
+    *Unique,
+    AfterValidator(_with_label),
+    Field(description="What is computed of each cell; all but the label need the motion up to its attractor."),
+]
+# The coordinates that the models have beyond u and w, in words.
+_MORE = ", ".join(
+    f"{name} {' and '.join(model.optional)}" for name, model in all_models().items() if model.optional
+).replace(" ", " also ", 1)
+
+
+class Settings(FigureSettings):
+    """Region of attraction, which the rule `attraction` of the workflow maps."""
+
+    model: Literal[*model_names()] = Field(default="rigid", description="Model of the drive.")
+    resume: Resume = Field(default="contact_sign", description="Motion after a seizure.")
+    drive: dict[str, float] = Field(description="Changes of the model's drive; lsvib checks keys and ranges.")
+    grid: dict[Literal[*coordinates()], Coordinate] = Field(
+        min_length=2,
+        description="The two coordinates that the map spans, as cells of equal width (of these two the one that is "
+        "listed first below is horizontal); other coordinates of the state as numbers. All models have u and w, "
+        f"{_MORE}.",
+    )
+    quantities: Quantities
+    tiles: int = Field(ge=1, le=100_000, description="Number of tiles; at least one cell in each.")
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Draw the map of two coordinates with the lines Q = 0 and θ′ = 0, the boundary if known, and the attractors."""
+    figure = style.new_figure(style.SINGLE * 1.35, 4.2)
+    axes = figure.add_subplot()
+    first = draw_map(axes, dataset)
+    if "boundary_angle" in dataset:
+        boundary = dataset.boundary_angle, dataset.boundary_velocity
+        axes.plot(*boundary, color=style.BLACK, linewidth=0.9, label="exact boundary")
+    for index in range(dataset.sizes.get("cycle", 0)):
+        drawing.draw_cycle(axes, dataset.isel(cycle=index), style.BLUE, 1.4)
+    drawing.mark_origin(axes)
+    axes.axis(_limits(dataset))
+    if "contact_line_angle" in dataset:
+        drawing.draw_lines(axes, dataset, style.VERMILION, "$Q = 0$")
+    drawing.label_axes(axes, dataset)
+    style.state_given(figure, dataset)
+    style.legend(figure, [axes], 2, first)
+    return figure
+
+
+def draw_map(axes: Axes, dataset: xr.Dataset) -> list:
+    """Draw the cells, the paler the longer it takes within a region; returns patches for the legend."""
+    from matplotlib.colors import to_rgb
+    from matplotlib.patches import Patch
+
+    label = dataset.label.transpose("velocity_deviation", "angle_deviation")
+    time = dataset.settling_time.transpose(*label.dims).values if "settling_time" in dataset else None
+    image, patches = np.ones((*label.shape, 3)), []
+    fractions = dict(zip(dataset.attractor.values.tolist(), dataset.fraction.values.tolist(), strict=True))
+    for value, name in flag_names(label).items():
+        here = label.values == value
+        if not here.any():
+            continue
+        words, share = f"{name.replace(' cycle', '')}: {100 * fractions[value]:.2f} %", np.full(here.sum(), 0.8)
+        if time is not None and np.isfinite(time[here]).any():
+            low, high = np.nanmin(time[here]), np.nanmax(time[here])
+            # The palest shade has 0.35 of a colour.
+            shade = 1 - 0.65 * ((time[here] - low) / (high - low) if high > low else 0 * time[here])
+            share = np.where(np.isfinite(shade), shade, share)
+            words += f", palest {high:.2g} {dataset.settling_time.attrs['units']}"
+        image[here] = 1 - share[:, None] * (1 - np.array(to_rgb(COLOURS[name])))
+        patches.append(Patch(color=COLOURS[name], label=words))
+    axes.imshow(image, origin="lower", extent=_limits(dataset), aspect="auto", interpolation="nearest", zorder=0)
+    return patches
+
+
+def _limits(dataset: xr.Dataset) -> tuple[float, float, float, float]:
+    edges = []
+    for name in ("angle_deviation", "velocity_deviation"):
+        half = 0.5 * dataset[name].attrs["cell_width"]
+        edges += [float(dataset[name][0]) - half, float(dataset[name][-1]) + half]
+    return tuple(edges)

@@ -1,0 +1,378 @@
+"""The basin of steady sliding: its exact size against force, damping, mass and friction, and against grids."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+import xarray as xr
+from pydantic import Field
+
+from lsvib.basins.grid import Axis, Grid
+from lsvib.datasets import spans
+from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, drive_parameters, flagged, labels, variable
+from lsvib.datasets.checks import Check
+from lsvib.figures import drawing, style
+from lsvib.figures import settings as of
+from lsvib.figures.common import about, flag_names, named, spread
+from lsvib.figures.style import Axes, Figure
+from lsvib.models.drive import RigidDrive
+from lsvib.stability.conditions import critical_friction, critical_mass
+from lsvib.stability.force_thresholds import global_stability_force
+
+if TYPE_CHECKING:
+    from lsvib.basins.boundary import Basin
+    from lsvib.basins.curves import Window
+
+CAPTION = """\
+The basin of steady sliding: (a) to (c) its exact boundary, one kind to a panel, with the part of the window that it
+fills and the part of a grid of starts that settles; (d) to (g) the exact fraction of the window u = −0.3 to 0.3 rad, u′
+= −150 to 150 rad/s over one parameter at a time around m = 11 kg, c = 1e-3 N m s/rad, R = −10 N (dashed), with the
+limits of global stability: a force, a damping, the critical mass m_cr and the friction coefficient at which the
+effective inertia of law + vanishes. See docs/basin.md.
+"""
+
+_SWEPT = {  # what each panel is called, its threshold, how that is named, decimals
+    "axial_force": ("axial force", "global_stability_force", "$R$", 2),
+    "support_damping": ("support damping", "", "$10^3\\,c$", 3),
+    "mass": ("mass", "critical_mass", "$m_\\mathrm{cr}$", 3),
+    "friction_coefficient": ("friction", "critical_friction_of_rigid_drive", "$\\mu_\\mathrm{cr}$", 4),
+}
+_FRACTION = "fraction of the window that steady sliding attracts, exact"
+_KINDS = {  # what bounds the basin: colour, words
+    "none": (style.BLACK, "no boundary: globally stable"),
+    "touching motion": (style.BLUE, "bounded by the motion that touches $N = 0$, and by $N = 0$"),
+    "touching slip": (style.ORANGE, "bounded by the slip from $\\dot\\theta = 0$ that touches $N = 0$"),
+    "cycle": (style.PURPLE, "bounded by a cycle that repels"),
+}
+
+
+class SweepCase(of.SettingsSection):
+    """Changes of `drive`, and the window in which its basin is drawn."""
+
+    drive: of.DriveChanges
+    window: of.PlaneWindow
+
+
+class Settings(of.FigureSettings):
+    """The basin of steady sliding and its size."""
+
+    drive: of.DriveChanges
+    window: of.PlaneWindow
+    axial_force: of.Span = Field(description="R [N], against the motion.")
+    support_damping: of.PositiveSpan = Field(description="c [N m s/rad].")
+    mass: of.PositiveSpan = Field(description="m [kg].")
+    friction_coefficient: of.PositiveSpan = Field(description="mu [1].")
+    cases: of.several(SweepCase, 1, 3, "Drives whose basins are drawn and compared with grids.")
+    resolutions: Annotated[list[Annotated[int, Field(ge=2, le=10_000)]], *of.Unique] = Field(
+        min_length=2, description="Starts along each edge of the grids, ascending."
+    )
+    masses: of.MassPair = Field(description="Mass as printed for Fig. 8.14, and mass beyond the critical one [kg].")
+    axial_forces: of.OpposingForces = Field(description="Axial forces of Fig. 8.14 (a) and (b) [N].")
+
+
+def build(settings: of.Values) -> xr.Dataset:
+    """Compute the basins of a few drives, exactly and on grids, and the exact share of a window along four sweeps."""
+    from lsvib.basins.curves import Window
+    from lsvib.datasets import phase_plane
+
+    drive, window = RigidDrive.of(settings["drive"]), Window(**settings["window"])
+    variables, coordinates = {}, {}
+    for name in _SWEPT:
+        values, basins = _swept(drive, name, spans.even(settings[name]))
+        coordinates |= axis(f"swept_{name}", values)
+        variables |= _along(name, basins, window)
+    variables |= _cases(drive, settings["cases"], settings["resolutions"])
+    variables |= _readings(drive, settings["masses"], settings["axial_forces"], window)
+    variables |= phase_plane.window_edges("window", "edge", window)
+    variables |= _critical_values(drive, coordinates["swept_support_damping"][1])
+    return xr.Dataset(
+        variables,
+        coords=coordinates | drive_parameters(drive, printed=("Fig. 8.14", "Sect. 8.6")),
+        attrs=about(
+            "The region of attraction of steady sliding and its size",
+            "exact boundary of the basin; grids by the map of the region of attraction",
+            "Sect. 8.7, Fig. 8.14",
+        ),
+    )
+
+
+def _swept(drive: RigidDrive, name: str, values: np.ndarray) -> "tuple[np.ndarray, list[Basin]]":
+    """The basins along one parameter; where the kind of boundary changes, two more values close to the change."""
+    from lsvib.basins.boundary import basin
+
+    def at(value: float) -> "Basin":
+        return basin(drive.replace(**{name: float(value)}))
+
+    found = {float(value): at(value) for value in values}
+    for low, high in zip(values[:-1].tolist(), values[1:].tolist(), strict=True):
+        first, last = found[low], found[high]
+        if first.boundary == last.boundary:
+            continue
+        while high - low > 1e-6 * max(abs(low), abs(high)):
+            middle = 0.5 * (low + high)
+            between = at(middle)
+            if between.boundary == first.boundary:
+                low, first = middle, between
+            else:
+                high, last = middle, between
+        found |= {low: first, high: last}
+    return np.array(sorted(found)), [found[value] for value in sorted(found)]
+
+
+def _along(name: str, basins: "Sequence[Basin]", window: "Window") -> Variables:
+    """Fraction of the window and kind of boundary along a sweep; along that of the force also the area."""
+    from lsvib.basins.boundary import Boundary
+
+    dim, fraction, kinds = f"swept_{name}", [b.fraction(window) for b in basins], [b.boundary for b in basins]
+    variables = {
+        f"fraction_{name}": variable(dim, fraction, "1", _FRACTION),
+        f"boundary_kind_{name}": flagged(dim, kinds, "what bounds the basin", Boundary),
+    }
+    if name == "axial_force":
+        words = "area of the basin, infinite where it has no bound"
+        variables["basin_area_axial_force"] = variable(dim, [b.area() for b in basins], "rad2 s-1", words)
+    return variables
+
+
+def _critical_values(drive: RigidDrive, dampings: np.ndarray) -> Variables:
+    """Values of force, mass and friction up to which the basin is the whole plane; of the force for each damping."""
+    from lsvib.datasets import phase_plane
+
+    stable = ("N", phase_plane.GLOBAL_STABILITY, "$R$")
+    mass, friction = (np.nan if x is None else x for x in (critical_mass(drive), critical_friction(drive)))
+    forces = [global_stability_force(drive.replace(support_damping=c)) for c in dampings]
+    words = "friction coefficient at which the effective inertia of law + vanishes, missing if at none"
+    return {
+        "swept_global_stability_force": variable("swept_support_damping", forces, *stable),
+        "critical_mass": ((), mass, CRITICAL_MASS),
+        "critical_friction_of_rigid_drive": variable((), friction, "1", words, r"$\mu_\mathrm{cr}$"),
+        "global_stability_force": variable((), global_stability_force(drive), *stable),
+    }
+
+
+def _cases(drive: RigidDrive, cases: Sequence[of.Values], resolutions: Sequence[int]) -> Variables:
+    """Basins to be drawn: boundary and region as sampled curves, exact fraction of their window, fractions on grids."""
+    from lsvib.basins.boundary import Boundary, basin
+    from lsvib.basins.curves import Window, sampled
+    from lsvib.datasets import phase_plane
+
+    drives, windows = [drive.replace(**c["drive"]) for c in cases], [Window(**c["window"]) for c in cases]
+    basins = [basin(d) for d in drives]
+    pairs = list(zip(basins, windows, strict=True))
+    lines, regions = [b.line(w, 60) for b, w in pairs], [sampled(b.flow, b.clipped(w), 60) for b, w in pairs]
+    grid = np.array([_grid_fraction(d, w, resolutions) for d, w in zip(drives, windows, strict=True)])
+    bound = [[_cut_cells(line, w, n) / n**2 for n in resolutions] for line, w in zip(lines, windows, strict=True)]
+    varied = tuple(name for name, value in drive if len({value, *(getattr(d, name) for d in drives)}) > 1)
+    own = drive_parameters(drives, along=varied, printed=("Fig. 8.14", "Sect. 8.6"))
+    dims, exact = ("case", "resolution"), "fraction of the case's window that steady sliding attracts, exact"
+    cut = "fraction of the cells of the grid that the boundary cuts at most"
+    return {
+        **labels("case", drives, varied),
+        **{f"case_{x}": own[x] for x in own if x in varied or x in ("axial_force", "support_damping")},
+        **phase_plane.lines(drives),
+        **_points("boundary", lines, "on the exact boundary"),
+        **_points("region", regions, "on the curves around the basin within the window"),
+        "resolution": variable("resolution", list(resolutions), "1", "starts along each edge of a grid"),
+        **phase_plane.window_edges("case", ("case", "edge"), windows, " of the case"),
+        "case_boundary_kind": flagged("case", [b.boundary for b in basins], "what bounds the basin", Boundary),
+        "case_fraction": variable("case", [b.fraction(w) for b, w in pairs], "1", exact),
+        "grid_fraction": variable(dims, grid, "1", "the same fraction, counted on a grid of starts"),
+        "grid_bound": variable(dims, bound, "1", cut),
+    }
+
+
+def _points(name: str, curves: Sequence[np.ndarray], where: str) -> Variables:
+    """Sampled curves of each case, (case, point); shorter ones end in NaN, as do their parts."""
+    from lsvib.datasets import phase_plane
+
+    table = np.full((len(curves), max(len(points) for points in curves), 2), np.nan)
+    for row, points in zip(table, curves, strict=True):
+        row[: len(points)] = points
+    return phase_plane.curve(name, ("case", f"{name}_point"), table, where)
+
+
+def _grid_fraction(drive: RigidDrive, window: "Window", resolutions: Sequence[int]) -> list[float]:
+    """Fraction of the middles of n × n cells from which the motion settles, for each resolution n, by the mapper."""
+    from lsvib.basins.mapper import mapper
+    from lsvib.dynamics.attractors import Attractor
+
+    sides = (("u", window.left, window.right), ("w", window.bottom, window.top))
+    grids = [Grid(*(Axis.checked(*side, count) for side in sides)) for count in resolutions]
+    found = [mapper(drive).cells(grid, quantities=("label",))["label"] for grid in grids]
+    return [float(np.mean(label == Attractor.STEADY_SLIDING)) for label in found]
+
+
+def _cut_cells(line: np.ndarray, window: "Window", count: int) -> float:
+    """A bound of the number of cells that a boundary cuts: it passes from cell to cell across one edge at a time."""
+    steps = np.abs(np.diff(line, axis=0)) / [window.right - window.left, window.top - window.bottom]
+    return count * float(np.nansum(steps)) + 16  # for the ends of a boundary and where it turns
+
+
+def _readings(drive: RigidDrive, masses: Sequence[float], forces: Sequence[float], window: "Window") -> Variables:
+    """Fraction of the window for both readings of the mass and both forces of Fig. 8.14."""
+    from lsvib.basins.boundary import basin
+
+    table = [[basin(drive.replace(mass=m, axial_force=r)).fraction(window) for r in forces] for m in masses]
+    return {
+        "reading_fraction": variable(("reading_mass", "reading_axial_force"), table, "1", _FRACTION),
+        **axis("reading_mass", masses),
+        **axis("reading_axial_force", forces),
+    }
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the claims of Sect. 8.7 on the basin, and exact areas against grids."""
+    reading, force = dataset.reading_fraction.values, dataset.swept_axial_force.values
+    touching = named(dataset.boundary_kind_axial_force, "touching motion")
+    scaled = spread(dataset.basin_area_axial_force.values[touching] / force[touching] ** 2)
+    error = np.abs(dataset.grid_fraction - dataset.case_fraction)
+    worst = float((error / dataset.grid_bound).max())
+    order = [-np.polyfit(np.log(dataset.resolution), np.log(np.maximum(e, 1e-12)), 1)[0] for e in error.values]
+    return [
+        *_global_stability_checks(dataset),
+        Check.holds(
+            "The basin can be quite small: less than 1 % of the window at the force of Fig. 8.14b",
+            "Sect. 8.7",
+            f"{100 * reading[1, 1]:.6g} %",
+            reading[1, 1] < 0.01,
+        ),
+        Check.holds(
+            "As printed steady sliding attracts the whole window at both forces of Fig. 8.14, beyond m_cr at (a) alone",
+            "Sect. 8.7, Fig. 8.14",
+            f"fractions {', '.join(f'{x:.6g}' for x in reading.ravel())}",
+            (reading[0] == 1).all() and reading[1, 0] == 1,
+        ),
+        Check.holds(
+            "Where a motion that touches N = 0 bounds the basin, its area grows with the square of the force, to 1e-12",
+            "slip does not depend on R, so lengths are in proportion to it",
+            f"relative spread of area / R^2 over {touching.sum()} forces {scaled:.1e}",
+            scaled < 1e-12 and touching.sum() > 1,
+        ),
+        Check.holds(
+            "The fraction counted on grids of starts tends to the exact one, at first order or better",
+            "each start labelled without the boundary",
+            f"errors at most {worst:.2g} of the area of the cells that the boundary cuts; fitted orders "
+            f"{', '.join(f'{x:.2f}' for x in order)}",
+            worst <= 1,
+        ),
+    ]
+
+
+def _global_stability_checks(dataset: xr.Dataset) -> list[Check]:
+    """Check along all four sweeps that the basin is the whole plane exactly on one side of a critical value."""
+    fraction, threshold = dataset.fraction_axial_force.values, float(dataset.global_stability_force)
+    beyond = dataset.swept_axial_force.values < threshold
+    damping, limit = dataset.swept_support_damping.values, dataset.swept_global_stability_force.values
+    whole = {name: named(dataset[f"boundary_kind_{name}"], "none") for name in _SWEPT}
+    stable, parted, last = whole["support_damping"], [], []
+    for name in ("mass", "friction_coefficient"):
+        swept, here = dataset[f"swept_{name}"].values, whole[name]
+        last.append(swept[here].max(initial=-np.inf))
+        parted.append((here == (swept <= float(dataset[_SWEPT[name][1]]))).all() and 0 < here.sum() < here.size)
+    return [
+        Check.holds(
+            "Steady sliding is globally stable exactly where -R exceeds a threshold; else its basin is a subset",
+            "end of Sect. 8.7",
+            f"R < {threshold:.10g} N: {(fraction[beyond] == 1).sum()} of {beyond.sum()} forces; R above it: "
+            f"{(fraction[~beyond] < 1).sum()} of {(~beyond).sum()}",
+            ((fraction == 1) == beyond).all() and (fraction <= 1).all() and 0 < beyond.sum() < beyond.size,
+        ),
+        Check.holds(
+            "Over the damping, too, the basin is the whole plane exactly where R lies beyond the threshold",
+            "end of Sect. 8.7",
+            f"{stable.sum()} of {stable.size} dampings, c >= {damping[stable].min(initial=np.inf):.6g} N m s/rad",
+            (stable == (limit > float(dataset.axial_force))).all(),
+        ),
+        Check.holds(
+            "Over mass and friction the basin is the whole plane exactly up to the critical values, where the "
+            "effective inertia of law + vanishes",
+            "Sect. 8.7, eq. 8.20",
+            f"m_cr = {float(dataset.critical_mass):.10g} kg, last mass with the whole plane {last[0]:.10g} kg; "
+            f"mu_cr = {float(dataset.critical_friction_of_rigid_drive):.10g}, last friction {last[1]:.10g}",
+            all(parted),
+        ),
+    ]
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Draw the basins of the cases above, and the fraction of the window that belongs to the basin below."""
+    figure = style.new_figure(style.DOUBLE, 6.0)
+    rows = figure.subfigures(2, 1, height_ratios=(1.0, 1.05))
+    above = np.atleast_1d(rows[0].subplots(1, dataset.sizes["case"]))
+    for index, axes in enumerate(above):
+        _basin(axes, dataset.isel(case=index), "abc"[index])
+    below = rows[1].subplots(1, len(_SWEPT), sharey=True)
+    for axes, name, letter in zip(below, _SWEPT, "defg", strict=True):
+        _sweep(axes, dataset, name, letter)
+    below[0].set_ylabel("Fraction of the window")
+    style.legend(rows[0], above, 4)
+    style.legend(rows[1], below, 2)
+    style.state_values(figure, dataset)
+    return figure
+
+
+def _basin(axes: Axes, case: xr.Dataset, letter: str) -> None:
+    """Shade the basin of one case, draw its boundary, N = 0 and θ′ = 0."""
+    region = np.column_stack([case.region_angle, case.region_velocity])
+    for part in np.split(region, np.flatnonzero(np.isnan(region[:, 0]))):
+        part = part[np.isfinite(part[:, 0])]
+        if len(part):
+            axes.fill(*part.T, color="#CFE3F1", label="basin of steady sliding", zorder=0.5)
+    colour, _ = _KINDS[flag_names(case.case_boundary_kind)[int(case.case_boundary_kind)]]
+    axes.plot(case.boundary_angle, case.boundary_velocity, color=colour, linewidth=1.8,
+              label="exact boundary, colours as below", zorder=2)  # fmt: skip
+    drawing.mark_origin(axes)
+    axes.set(xlim=case.case_angle.values, ylim=case.case_velocity.values)
+    drawing.draw_lines(axes, case)
+    axes.set_xlabel(style.label(case.boundary_angle, "deviation"))
+    axes.set_ylabel(style.label(case.boundary_velocity, "rate"), labelpad=1)
+    axes.locator_params(nbins=5)
+    force, damping = case.case_axial_force, case.case_support_damping
+    words = f"$c$ = {style.number(damping)} {style.unit(damping.units)[1:-1]}"
+    axes.set_title(f"({letter}) $R$ = {style.number(force)} N,\n{words}", fontsize=7)
+    starts, exact, counted = int(case.resolution[-1]), float(case.case_fraction), float(case.grid_fraction[-1])
+    words = f"{100 * exact:.2f} % of the panel\n{100 * counted:.2f} % of starts\n({starts} × {starts})"
+    axes.text(0.97, 0.96, words, transform=axes.transAxes, ha="right", va="top", fontsize=6)
+
+
+def _sweep(axes: Axes, dataset: xr.Dataset, name: str, letter: str) -> None:
+    """Draw the fraction over one parameter, coloured by what bounds the basin."""
+    values, fraction = dataset[f"swept_{name}"].values, dataset[f"fraction_{name}"].values
+    kinds = dataset[f"boundary_kind_{name}"]
+    for word in flag_names(kinds).values():
+        colour, words = _KINDS[word]
+        here = np.where(named(kinds, word), fraction, np.nan)
+        axes.plot(values, here, color=colour, linewidth=1.8, label=words)
+    for k in np.flatnonzero(np.diff(kinds.values)):
+        axes.plot(values[k : k + 2], fraction[k : k + 2], color=style.GREY, linewidth=0.8, linestyle=":",
+                  label="jump of the fraction")  # fmt: skip
+    axes.axvline(float(dataset[name]), color=style.GREY, linewidth=0.9, linestyle=(0, (5, 2)), label="drive of (a)")
+    label, scale = style.label(dataset[f"swept_{name}"], " ").strip(), 1.0
+    if name == "support_damping":
+        scale = 1e3
+        axes.xaxis.set_major_formatter(lambda value, _: f"{scale * value:g}")
+        label = label.replace("[", "[10⁻³ ")
+    axes.set(yscale="log", title=f"({letter}) {_SWEPT[name][0]}", xlabel=label)
+    axes.margins(x=0)
+    axes.set_ylim(None, 1.6)
+    _threshold(axes, dataset, name, scale)
+
+
+def _threshold(axes: Axes, dataset: xr.Dataset, name: str, scale: float) -> None:
+    """Mark where global stability begins or ends: a root in closed form, over the damping the change of the basin."""
+    _, known, symbol, digits = _SWEPT[name]
+    stable = dataset[f"swept_{name}"].values[named(dataset[f"boundary_kind_{name}"], "none")]
+    place, own = float(dataset[known]) if known else float(stable.min(initial=np.inf)), float(dataset[name])
+    left, right = axes.get_xlim()
+    if not left <= place <= right:
+        return
+    axes.axvline(
+        place, color=style.VERMILION, linewidth=0.9, linestyle=(0, (2, 1.5)), label="limit of global stability"
+    )
+    value = f"{scale * place:.{digits}f}".replace("-", "−")
+    left, right = axes.get_xlim()
+    beside = max(place, own) if abs(own - place) < 0.2 * (right - left) else place  # right of both lines if close
+    late = beside > 0.5 * (left + right)
+    axes.text(beside, 0.06, f" {symbol} = {value} ", color=style.VERMILION, fontsize=6.5, va="bottom",
+              ha="right" if late else "left", transform=axes.get_xaxis_transform())  # fmt: skip

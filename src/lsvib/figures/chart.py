@@ -1,0 +1,171 @@
+"""Chart over two parameters: what the drive does as colour, the exact curves on top, each with its name.
+
+The rule `chart` of the workflow makes its dataset in tiles (:mod:`lsvib.datasets.chart`).
+"""
+
+from typing import Any, Literal
+
+import numpy as np
+import xarray as xr
+from pydantic import Field
+
+from lsvib.figures import drawing, style
+from lsvib.figures.common import flag_names
+from lsvib.figures.settings import Cells, FigureSettings
+from lsvib.figures.style import Axes, Figure
+from lsvib.models.model import Resume, all_models
+
+CAPTION = """\
+What the drive does over two of its parameters, by two motions in each cell, with the exact curves that divide it. Sects
+8.5 to 8.7 give single values of these curves.
+"""
+_CHARTED = tuple(name for name, model in all_models().items() if model.curves)
+# Light where nothing vibrates, so that the eye goes to what does; distinct for the colour-blind and in grey.
+_LOOKS = {  # colour, and words of the legend
+    "no vibration": ("#F4F4F4", "no vibration"),
+    "pure slip": (style.YELLOW, "slip cycle"),
+    "stick slip": (style.GREEN, "stick–slip"),
+    "stick slip with contact reversal": (style.SKY, "stick–slip, $N$ reverses"),
+    "sprag slip": (style.ORANGE, "sprag–slip"),
+    "coexistence": (style.PURPLE, "steady sliding beside a cycle"),
+    "neutral": (style.BLUE, "neutral oscillations"),
+    "unresolved": (style.BLACK, "unresolved"),
+}
+_CURVES = {  # words on a curve, where they are not its name, and how it is drawn
+    "onset": (r"onset, $\tilde R = 0$", "-"),
+    "kinematic constraint": (r"kinematic constraint, $\Gamma_+ = 0$", (0, (5, 1.5))),
+    "negative damping": (r"negative damping, $C_+ = 0$", (0, (1.5, 1))),
+    "stick slip birth": ("birth of stick–slip", "-"),
+}
+
+
+class ParameterCells(Cells):
+    """Cells along a parameter [SI unit], of equal width; of the stiffness and damping of a contact of equal ratio."""
+
+    parameter: str = Field(description="Name of the parameter; lsvib checks it and its range.")
+
+
+class Settings(FigureSettings):
+    """Chart of what a drive does over two parameters, which the rule `chart` of the workflow makes."""
+
+    model: Literal[*_CHARTED] = Field(default="rigid", description="Model of the drive.")
+    resume: Resume = Field(default="contact_sign", description="Motion after a seizure.")
+    drive: dict[str, float] = Field(description="Changes of the model's drive; lsvib checks keys and ranges.")
+    x: ParameterCells = Field(description="Along the columns.")
+    y: ParameterCells = Field(description="Along the rows.")
+    tiles: int = Field(ge=1, le=100_000, description="Number of tiles; at least one cell in each.")
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Draw the chart with its curves, and below it the values of the drive."""
+    from matplotlib.patches import Patch
+
+    figure = style.new_figure(style.SINGLE * 1.5, 4.3)
+    axes = figure.add_subplot()
+    down, across = dataset.label.dims
+    x, y = dataset[across], dataset[down]
+    colours = {name: colour for name, (colour, _) in _LOOKS.items()}
+    drawing.regions(axes, _edges(x), _edges(y), dataset.label, colours, zorder=0)
+    for variable, scale in ((x, axes.set_xscale), (y, axes.set_yscale)):
+        if "cell_ratio" in variable.attrs:
+            scale("log")
+    axes.set(xlim=_edges(x)[[0, -1]], ylim=_edges(y)[[0, -1]], xlabel=style.label(x), ylabel=style.label(y))
+    if "boundary_name" in dataset:
+        _curves(axes, dataset, across, down)
+    if "reading_mass" in dataset:
+        _readings(axes, dataset, across)
+    shares = {int(kind): float(part) for kind, part in zip(dataset.behaviour, dataset.fraction, strict=True)}
+    patches = [
+        Patch(facecolor=colour, edgecolor=style.GREY, linewidth=0.4, label=f"{words}: {100 * shares[kind]:.1f} %")
+        for kind, (colour, words) in ((kind, _LOOKS[name]) for kind, name in flag_names(dataset.label).items())
+        if shares[kind]
+    ]
+    style.state_given(figure, dataset)
+    figure.legend(handles=patches, loc="outside upper center", ncols=2)
+    return figure
+
+
+def _halo() -> list[Any]:
+    from matplotlib import patheffects
+
+    return [patheffects.withStroke(linewidth=2.2, foreground="white")]
+
+
+def _edges(axis: xr.DataArray) -> np.ndarray:
+    """Edges of the cells of an axis."""
+    if "cell_ratio" in axis.attrs:
+        half = float(axis.attrs["cell_ratio"]) ** 0.5
+        return np.append(axis.values / half, axis.values[-1] * half)
+    half = 0.5 * float(axis.attrs["cell_width"])
+    return np.append(axis.values - half, axis.values[-1] + half)
+
+
+def _curves(axes: Axes, dataset: xr.Dataset, across: str, down: str) -> None:
+    """Draw the exact curves, and write its name on the longest line of each."""
+    names = flag_names(dataset.boundary_name)
+    axes.figure.canvas.draw()  # so that places on the picture are known
+    lines: dict[str, list[np.ndarray]] = {}
+    for number in np.unique(dataset.boundary_line.values):
+        part = dataset.isel(boundary_point=dataset.boundary_line.values == number)
+        name = names[int(part.boundary_name[0])]
+        points = np.column_stack([part[f"boundary_{across}"], part[f"boundary_{down}"]])
+        dashes = _CURVES.get(name, (name, "-"))[1]
+        axes.plot(*points.T, color=style.BLACK, linewidth=1.1, linestyle=dashes, path_effects=_halo(), zorder=2)
+        lines.setdefault(name, []).append(axes.transData.transform(points) * 72 / axes.figure.dpi)
+    taken = [axes.bbox.corners()[[0, 1, 3, 2, 0]] * 72 / axes.figure.dpi]  # the rim
+    for name, own in lines.items():
+        others = [line for other, parts in lines.items() if other != name for line in parts]
+        longest = max(own, key=lambda line: np.hypot(*np.diff(line, axis=0).T).sum())
+        _write_on(axes, longest, _CURVES.get(name, (name, "-"))[0], [*others, *taken], taken)
+
+
+def _readings(axes: Axes, dataset: xr.Dataset, across: str) -> None:
+    """Mark the masses that the text gives for this drive where it contradicts itself: as stated, and as needed."""
+    places, kinds = (flag_names(dataset[name]) for name in ("reading_place", "reading_kind"))
+    for mass, place, kind in zip(
+        dataset.reading_mass.values, dataset.reading_place.values, dataset.reading_kind.values, strict=True
+    ):
+        stated = kinds[int(kind)] == "as stated"
+        words = f"{places[int(place)]}: {mass:g} kg {'stated' if stated else 'needed'}"
+        look = {"color": style.BLACK, "linewidth": 0.7, "linestyle": "-" if stated else "--", "zorder": 1}
+        upright = across == "mass"
+        (axes.axvline if upright else axes.axhline)(mass, **look)
+        axes.annotate(
+            words, (mass, 0.02) if upright else (0.02, mass), rotation=90 if upright else 0, fontsize=5.5,
+            xycoords=("data", "axes fraction") if upright else ("axes fraction", "data"), path_effects=_halo(),
+            ha="right" if upright else "left", va="bottom", zorder=3,
+        )  # fmt: skip
+
+
+def _write_on(axes: Axes, line: np.ndarray, words: str, others: list[np.ndarray], taken: list[np.ndarray]) -> None:
+    """Write words beside a line where they are farthest from all other lines and words, whose place ``taken`` gets.
+
+    Lines are points (n, 2) on the page [pt]. A line that is much shorter than its words gets none.
+    """
+    path, half = drawing.evenly(line)[:, :2], 2.2 * len(words.replace("$", "").replace("\\", ""))
+    reach = max(1, min(int(half / drawing.STEP), (len(path) - 1) // 2))
+    if len(path) * drawing.STEP < half:
+        return
+    obstacles = np.concatenate([drawing.evenly(other)[:, :2] for other in others])
+    best, place = -np.inf, None
+    for middle in range(reach, max(reach + 1, len(path) - reach), 2):
+        along = path[middle + reach] - path[middle - reach]
+        along = along / np.hypot(*along)
+        along = along if along[0] > 1e-9 or (abs(along[0]) <= 1e-9 and along[1] > 0) else -along  # never upside down
+        for side in (1, -1):
+            aside = 6.5 * side * np.array([-along[1], along[0]])
+            covered = path[middle] + aside + np.outer(np.linspace(-half, half, 9), along)
+            room = np.hypot(*(obstacles[:, None] - covered).reshape(-1, 2).T).min()
+            room = min(room, 13.0) + 0.1 * side - abs(2 * middle / len(path) - 1)
+            if room > best:
+                best, place = room, (path[middle], aside, along, covered)
+    if place is None:
+        return
+    point, aside, along, covered = place
+    taken.append(covered)
+    axes.annotate(
+        words, axes.transData.inverted().transform(point * axes.figure.dpi / 72), aside, textcoords="offset points",
+        ha="center", va="center", fontsize=6.5, rotation=np.degrees(np.arctan2(along[1], along[0])),
+        rotation_mode="anchor", path_effects=_halo(), zorder=3,
+    )  # fmt: skip

@@ -1,0 +1,44 @@
+"""What figures share: how a dataset says what it is, and the words of its flags."""
+
+import numpy as np
+import xarray as xr
+
+from lsvib.datasets.attributes import variable
+from lsvib.errors import InputError
+
+EIGENVALUE = variable("eigenvalue", np.array([1, 2]), "1", "index of the eigenvalue", "$i$")
+# The critical mass with contact as a variable: unit, words, symbol.
+CRITICAL_MASS_WITH_CONTACT = (
+    "kg", "mass at which steady sliding with the contact loses its stability", r"$m_\mathrm{cr}$",
+)  # fmt: skip
+
+
+def about(title: str, source: str, places: str, **more: str) -> dict[str, str]:
+    """Return the attributes of a dataset; ``places`` of the chapter that it is about."""
+    references = f"doi:10.1007/978-1-4419-1752-2_8, {places}"
+    return {"title": title, "source": f"lsvib, {source}", "references": references, **more}
+
+
+def flag_names(variable: xr.DataArray) -> dict[int, str]:
+    """Return the words of a flag variable by value, with spaces: ``{0: "stable node", …}``."""
+    words = [word.replace("_", " ") for word in variable.attrs["flag_meanings"].split()]
+    # A single flag comes back from a file as a scalar.
+    return dict(zip((int(value) for value in np.atleast_1d(variable.attrs["flag_values"])), words, strict=True))
+
+
+def named(variable: xr.DataArray, *words: str) -> np.ndarray:
+    """Return where a flag variable has one of the meanings ``words``, such as ``"stable node"``."""
+    values = {name: value for value, name in flag_names(variable).items()}
+    return np.isin(variable.values, [values[word] for word in words])
+
+
+def spread(values: np.ndarray) -> float:
+    """Return the range of values over the largest of them [1]; infinite, which no check passes, if that is not > 0."""
+    return float(np.ptp(values) / values.max()) if values.size and values.max() > 0 else np.inf
+
+
+def existing(critical_mass: float | None) -> float:
+    """Return a critical mass of the rigid drive [kg]; raises ``InputError`` if there is none."""
+    if critical_mass is None:
+        raise InputError("The drive is not self-locking (mu <= tan lambda), so it has no critical mass.")
+    return critical_mass

@@ -1,1 +1,0 @@
-"""Parts of datasets that several figures share."""

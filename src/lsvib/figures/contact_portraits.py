@@ -1,0 +1,357 @@
+"""Phase portraits of the contact force (Sect. 8.2), figures 8.1 and 8.2: dataset, checks and picture.
+
+The abscissa is the chapter's χ = N b_s / W (8.8). The ordinate is its rate, scaled by the time and force scale of law −
+on both sides, so that it is continuous at χ = 0; see :mod:`lsvib.contact.contact_force`.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.contact import contact_force
+from lsvib.contact.contact_force import ForceArc, ForceFlow, ForceOutcome, Paradox
+from lsvib.datasets import spans
+from lsvib.datasets.attributes import Variables, attributes, drive_parameters, flagged, labels, named_index, variable
+from lsvib.datasets.checks import Check
+from lsvib.errors import InputError
+from lsvib.figures import drawing, style
+from lsvib.figures.common import EIGENVALUE, named
+from lsvib.figures.settings import ContactPortrait, Values
+from lsvib.figures.style import Axes, Figure
+from lsvib.models.drive import ThreadsDrive
+from lsvib.models.mechanics import coefficients
+
+Flows = dict[int, ForceFlow]  # by law
+_LAWS = (1, -1)  # sgn(θ′) sgn(N), in the order of the dimension
+_UNIT = "kg-1 m-2"
+_SIGN_OF_FORCE = {
+    Paradox.INDETERMINATE: "theta' > 0 and W < 0, so that N has the sign opposite to chi",
+    Paradox.INCONSISTENT: "theta' > 0 and W > 0, so that N has the sign of chi",
+}
+_OF_RATE = (
+    "derivative of N b_- / W by the scaled time omega_- t, omega_-^2 = k_c cos(lambda) b_- Gamma_- / (m I), "
+    "b_s = cos(lambda) + s mu sin(lambda); see (8.8), (8.9)"
+)
+# Each begins at the saddle; on the side of law + where the saddle lies, or across zero force to the side of law -.
+_MANIFOLDS = (
+    "unstable_away_from_zero_force", "unstable_across_zero_force",
+    "stable_away_from_zero_force", "stable_across_zero_force",
+)  # fmt: skip
+_BASIN = "#DCEBF7"
+_WORDS = {"facecolor": "#FFFFFFC0", "linewidth": 0, "pad": 1.0}
+_DASHED = {"color": style.BLACK, "linewidth": 1.0, "linestyle": (0, (4, 2))}
+# Branches of the saddle's manifolds, each to the own and to the other side.
+_UNSTABLE, _STABLE_OWN, _STABLE_OTHER = slice(0, 2), 2, 3
+
+
+def portrait(settings: Values, paradox: Paradox) -> xr.Dataset:
+    """Compute motions of the contact force, their outcomes on a grid, and the manifolds of the saddle, θ′ > 0.
+
+    ``settings``: see :class:`lsvib.figures.settings.ContactPortrait`; Γ₊ < 0, and a panel for each contact
+    damping. Raises ``InputError``.
+    """
+    base = ThreadsDrive.of({"contact_stiffness": settings["contact_stiffness"], **settings["drive"]})
+    drives = [base.replace(contact_damping=damping) for damping in settings["contact_dampings"]]
+    cases = [contact_force.contact_flows(drive, paradox) for drive in drives]
+    force, rate = spans.even(settings["force"]), spans.even(settings["rate"])
+    scale, count = contact_force.force_scale(base), settings["samples"]
+    # A motion is followed until it is so many times the half width of the map away.
+    limit = 30.0 * max(np.ptp(force), np.ptp(rate)) / 2
+    starts = [(_unscaled(s["force"], scale, paradox), float(s["rate"])) for s in settings["starts"]]
+    grid = [(_unscaled(x, scale, paradox), y) for x in force for y in rate]
+    outcomes = [[contact_force.follow(flows, start)[1] for start in grid] for flows in cases]
+    outcomes = np.reshape(outcomes, (len(cases), force.size, rate.size))
+    plane, ratios = ("case", "grid_contact_force", "grid_contact_force_rate"), [flows[-1].damping for flows in cases]
+    becomes, times = "what becomes of the contact force from each state of the grid", "times frequency over stiffness"
+    return xr.Dataset(
+        _followed(cases, starts, count, limit, scale, paradox)
+        | {"grid_outcome": flagged(plane, outcomes, becomes, ForceOutcome)}
+        | _laws(base, cases, scale)
+        | _by_newton(drives)
+        | (_saddle_manifolds(cases, count, limit, scale) if paradox is Paradox.INDETERMINATE else {}),
+        coords={
+            "grid_contact_force": (plane[1], force, _force("contact force of the grid")),
+            "grid_contact_force_rate": (plane[2], rate, _rate("rate of the grid")),
+            "law": variable("law", np.array(_LAWS), "1", "friction law", "$s$"),
+            "law_side": _side(cases[0]),
+            **labels("case", drives, ("contact_damping",)),
+            "eigenvalue": EIGENVALUE,
+            **drive_parameters(drives, along=("contact_damping",), no_effect=ContactPortrait.unused),
+            "contact_damping_ratio": variable("case", ratios, "1", f"contact damping {times}", r"$\zeta$"),
+            "force_scale": variable((), scale, "1", "factor between the force scales of the laws", "$b_+/b_-$"),
+        },
+    ).set_coords("effective_inertia_of_law")
+
+
+def _followed(
+    cases: Sequence[Flows], starts: Sequence[tuple], count: int, limit: float, scale: float, side: int
+) -> Variables:
+    """The motions of each case from each start, in ``count`` samples, and what becomes of them."""
+    followed = [[contact_force.follow(flows, start) for start in starts] for flows in cases]
+    motions = np.array([[sample(arcs, count, limit) for arcs, _ in case] for case in followed])
+    outcomes, dims = [[outcome for _, outcome in case] for case in followed], ("case", "start", "sample")
+    return {
+        "contact_force": (dims, _scaled(motions[..., 0], scale, side), _force("contact force")),
+        "contact_force_rate": (dims, motions[..., 1], _rate("rate of the contact force")),
+        "start_outcome": flagged(dims[:2], outcomes, "what becomes of the contact force of a motion", ForceOutcome),
+    }
+
+
+def _laws(drive: ThreadsDrive, cases: Sequence[Flows], scale: float) -> Variables:
+    """The equilibrium of each law, which contact damping does not move, its eigenvalues and its effective inertia."""
+    values = np.array([[flows[law].rates() for law in _LAWS] for flows in cases])
+    equilibria = np.array([cases[0][1].equilibrium * scale, cases[0][-1].equilibrium])
+    gamma = [float(coefficients(drive).gamma[law]) for law in _LAWS]
+    dims, part = ("case", "law", "eigenvalue"), "part of an eigenvalue of the law in scaled time"
+    zero = "equilibrium of the law, zero of the right-hand side of (8.7)"
+    return {
+        "equilibrium_contact_force": ("law", equilibria, _force(zero)),
+        "scaled_eigenvalue_real_part": variable(dims, values.real, "1", f"real {part}", r"Re $\varepsilon$"),
+        "scaled_eigenvalue_imaginary_part": variable(dims, values.imag, "1", f"imaginary {part}", r"Im $\varepsilon$"),
+        "effective_inertia_of_law": variable("law", gamma, "kg m2", "effective inertia of the law", r"$\Gamma_s$"),
+    }
+
+
+def _side(flows: Flows) -> tuple:
+    """On which side of N = 0 each law holds; the sides are the signs of χ."""
+    sides, sign = [flow.side for flow in flows.values()], _SIGN_OF_FORCE[Paradox(flows[1].side)]
+    return variable("law", sides, "1", "sign of the contact force chi where the law holds", comment=sign)
+
+
+def sample(arcs: Sequence[ForceArc], count: int, limit: float) -> np.ndarray:
+    """Sample a motion at ``count`` times, shape (count, 2) of (x, x′); the last arc ends beyond |x − x*| = ``limit``.
+
+    Each arc gets samples by its duration, at least two, its ends among them. A last arc without end in a centre lasts
+    one turn, in a focus a fixed number of decay times; :func:`lsvib.datasets.phase_plane.sample` is for motions that
+    have an end. Raises ``InputError`` if the samples are too few for the arcs.
+    """
+    if count < 2 * len(arcs):
+        raise InputError(f"samples = {count} is outside the allowed range samples >= {2 * len(arcs)} of this motion.")
+    durations = [arc.duration if math.isfinite(arc.duration) else _shown(arc, limit) for arc in arcs]
+    shares = np.floor(np.array(durations) / np.cumsum(durations)[-1] * (count - 2 * len(arcs))).astype(int) + 2
+    shares[-1] += count - shares.sum()
+    parts = zip(arcs, durations, shares, strict=True)
+    return np.array([arc.flow.at(arc.start, time) for arc, end, n in parts for time in np.linspace(0, end, n)])
+
+
+def _shown(arc: ForceArc, limit: float) -> float:
+    """Scaled time for which an arc without end is shown."""
+    first, _ = arc.flow.rates()
+    growing = abs(arc.flow.amplitudes(arc.start)[0])
+    if first.real > 0 and growing > 0:
+        return max(math.log(limit / growing), 0.0) / first.real
+    return 2 * math.pi / abs(first.imag) if first.real == 0 else 8.0 / abs(first.real)  # e⁻⁸ of it is left
+
+
+def _saddle_manifolds(cases: Sequence[Flows], count: int, limit: float, scale: float) -> Variables:
+    """Unstable and stable manifold of the saddle: each a ray that stays on the side of law +, and one that leaves it.
+
+    All are followed away from the saddle, the stable ones backwards in time.
+    """
+    lines = [
+        sample(_there_and_back(laws, outwards), count, limit) * [1, direction]
+        for flows in cases
+        for direction, laws in ((1, flows), (-1, contact_force.reversed_in_time(flows)))
+        for outwards in (laws[1].side, -laws[1].side)
+    ]
+    lines = np.array(lines).reshape(len(cases), 4, count, 2)
+    force, dims = _scaled(lines[..., 0], scale, Paradox.INDETERMINATE), ("case", "manifold", "sample")
+    order = "samples begin at the saddle; along a stable branch time runs against them"
+    return {
+        "manifold_force": (dims, force, _force("contact force on a manifold of the saddle")),
+        "manifold_force_rate": (dims, lines[..., 1], _rate("rate on a manifold of the saddle")),
+        "manifold": named_index("manifold", "branch of the manifolds of the saddle", _MANIFOLDS, comment=order),
+    }
+
+
+def _there_and_back(laws: Flows, outwards: int) -> list[ForceArc]:
+    """Arcs of an unstable manifold, from so close to the saddle that a picture cannot tell, until it is back at law +.
+
+    Without damping it returns to the saddle, by symmetry in the time that it took to leave.
+    """
+    saddle = laws[1]
+    near = 1e-6 * abs(saddle.equilibrium) * outwards  # on the manifold itself, a straight line here
+    arcs, _ = contact_force.follow(laws, (saddle.equilibrium + near, saddle.rates()[0].real * near))
+    if len(arcs) > 2 and saddle.damping == 0:
+        return [*arcs[:2], ForceArc(saddle, arcs[2].start, arcs[0].duration)]
+    return arcs[:3]
+
+
+def _scaled(x: np.ndarray, scale: float, side: int) -> np.ndarray:
+    """χ from x: equal on the side of law −, scaled on that of law +."""
+    return np.where(x * side > 0, x * scale, x)
+
+
+def _unscaled(force: float, scale: float, side: int) -> float:
+    """Turn χ into x."""
+    return float(force) / (scale if force * side > 0 else 1.0)
+
+
+def _by_newton(drives: Sequence[ThreadsDrive]) -> Variables:
+    """Zero and Jacobian of N″ from the two equations of motion alone (module text of ``contact_force``), θ′ > 0.
+
+    I θ″ = T − r_m N (s μ cos λ − sin λ) and m x″ = P − N (cos λ + s μ sin λ) give e″ = x″ − r_m tan λ θ″, affine in N;
+    with constant T and P then N″ = cos λ (k_c e″ + c_c ∂e″/∂N N′). Time in units of law − without contact damping.
+    """
+    base = drives[0]
+    r, tan, cos, sin = base.pitch_radius, *(f(base.lead_angle) for f in (math.tan, math.cos, math.sin))
+    push, torque = 1.0, -0.01  # P [N] and T [N m]; χ does not depend on them
+    drift = base.screw_inertia * push - base.mass * r * tan * torque  # W
+
+    def slip(force: float, law: int) -> float:
+        """Return e″ [m/s²]."""
+        friction = law * base.friction_coefficient
+        turning = (torque - r * force * (friction * cos - sin)) / base.screw_inertia
+        return (push - force * (cos + friction * sin)) / base.mass - r * tan * turning
+
+    offset = {law: slip(0.0, law) for law in _LAWS}
+    slope = {law: slip(1.0, law) - offset[law] for law in _LAWS}
+    lever = {law: cos + law * base.friction_coefficient * sin for law in _LAWS}
+    unit = math.sqrt(-base.contact_stiffness * cos * slope[-1])  # 1/s
+    damping, stiffness = (np.array([[getattr(d, f"contact_{x}")] for d in drives]) for x in ("damping", "stiffness"))
+    slopes, dims = np.array([slope[law] for law in _LAWS]), ("case", "law")
+    zeros = [-offset[law] / slope[law] * lever[law] / drift for law in _LAWS]
+    trace, determinant = damping * cos * slopes / unit, -stiffness * cos * slopes / unit**2
+    return {
+        "equilibrium_contact_force_by_newton": ("law", zeros, _force("zero of N'' by the equations of motion")),
+        "jacobian_trace": variable(dims, trace, "1", "trace of the Jacobian of N''"),
+        "jacobian_determinant": variable(dims, determinant, "1", "determinant of the Jacobian of N''"),
+    }
+
+
+def _force(long_name: str) -> dict[str, Any]:
+    return attributes(_UNIT, long_name, r"$\chi$", comment="chi = N b_s / W, (8.8)")
+
+
+def _rate(long_name: str) -> dict[str, Any]:
+    return attributes(_UNIT, f"{long_name}, scaled by law - on both sides", r"$\chi'$", comment=_OF_RATE)
+
+
+def within_separatrix(case: xr.Dataset) -> np.ndarray:
+    """Return which states of the grid lie in the loop of the saddle's separatrix, by the energy integral of (8.11)."""
+    force, saddle = case.grid_contact_force, case.equilibrium_contact_force.sel(law=1)
+    energy = _potential(case, force) + case.grid_contact_force_rate**2 / 2  # in the scales of law −; 0 at the origin
+    return ((energy < float(_potential(case, saddle))) & (force > saddle)).values
+
+
+def _potential(case: xr.Dataset, force: xr.DataArray) -> xr.DataArray:
+    """Potential of x″: −ρ² x²/2 − x/Γ₋ on the side of law +, x²/2 − x/Γ₋ on that of law −."""
+    plus, minus = (case.effective_inertia_of_law.sel(law=law, drop=True) for law in (1, -1))
+    x = xr.where(force * case.law_side.sel(law=1, drop=True) > 0, force / case.force_scale, force)
+    stiffness = xr.where(x * case.law_side.sel(law=1, drop=True) > 0, case.force_scale * plus / minus, 1.0)
+    return stiffness * x**2 / 2 - x / minus
+
+
+def energy_check(dataset: xr.Dataset) -> Check:
+    """Check that the energy integral is constant along the motions of the case without contact damping, the first."""
+    case = dataset.isel(case=0)
+    parts = xr.concat([_potential(case, case.contact_force), case.contact_force_rate**2 / 2], "part")
+    total, size = parts.sum("part"), abs(parts).max(["part", "sample"])
+    spread = float(((total.max("sample") - total.min("sample")) / size).max())
+    return Check.holds(
+        "Along each motion without contact damping the energy integral of (8.11) is constant, to 1e-12",
+        "eqs 8.11, 8.12",
+        f"largest spread {spread:.1e} of the larger of potential and kinetic part",
+        spread < 1e-12,
+    )
+
+
+def newton_checks(dataset: xr.Dataset) -> list[Check]:
+    """Check equilibria and eigenvalues against Newton's laws, of which the closed forms (8.11), (8.12) make no use."""
+    gap = float(np.abs(dataset.equilibrium_contact_force / dataset.equilibrium_contact_force_by_newton - 1).max())
+    values = dataset.scaled_eigenvalue_real_part + 1j * dataset.scaled_eigenvalue_imaginary_part
+    first, second = values.isel(eigenvalue=0), values.isel(eigenvalue=1)
+    trace = float((np.abs(first + second - dataset.jacobian_trace) / np.abs(first)).max())
+    product = float(np.abs(first * second / dataset.jacobian_determinant - 1).max())
+    return [
+        Check.holds(
+            "The equilibria are the zeros of N″ by the two equations of motion, to 1e-12",
+            "eqs 8.6, 8.7, 8.11",
+            f"largest relative difference {gap:.1e}",
+            gap <= 1e-12,
+        ),
+        Check.holds(
+            "The eigenvalues of each law are those of the Jacobian of N″ by the two equations of motion, to 1e-12",
+            "eqs 8.6, 8.7, 8.12",
+            f"their sum differs from its trace by {trace:.1e} of them, their product from its determinant by "
+            f"{product:.1e}",
+            max(trace, product) <= 1e-12,
+        ),
+    ]
+
+
+def draw_portrait(dataset: xr.Dataset, force_signs: tuple[str, str], columns: int) -> Figure:
+    """Draw a panel for each contact damping; ``force_signs``: left and right of χ = 0; ``columns`` of the legend."""
+    figure = style.new_figure(style.DOUBLE, 3.35)
+    panels = figure.subplots(1, dataset.sizes["case"], sharey=True)
+    limits = [dataset[name].values[[0, -1]] for name in ("grid_contact_force", "grid_contact_force_rate")]
+    for axes, letter, case in zip(panels, "ab", (dataset.isel(case=i) for i in dataset.case.values), strict=True):
+        _lines(axes, case)
+        motions = [case.isel(start=index) for index in dataset.start.values]
+        colours = [_motion(axes, motion) for motion in motions]
+        _equilibria(axes, case)
+        axes.axvline(0, color=style.GREY, linewidth=0.9, zorder=1)
+        damping = float(case.contact_damping_ratio)
+        words = f"contact damping, $\\zeta$ = {damping:.2g}" if damping else "elastic contact"
+        axes.set_title(f"({letter}) {words}", y=1.0, pad=13)  # clear of the power of ten
+        axes.set(xlabel=style.label(case.contact_force), xlim=limits[0], ylim=limits[1])
+        lines = zip(motions, colours, strict=True)
+        paths = [(motion.contact_force.values, motion.contact_force_rate.values, colour) for motion, colour in lines]
+        drawing.arrows(axes, [*paths, *_manifolds(case), (np.zeros(2), limits[1], None)])
+        for x, align, text in ((-0.02, "right", force_signs[0]), (0.02, "left", force_signs[1])):
+            place = (x * np.ptp(limits[0]), limits[1][0] + 0.03 * np.ptp(limits[1]))
+            axes.text(*place, text, ha=align, va="bottom", bbox=_WORDS, zorder=4)
+    panels[0].set_ylabel(style.label(dataset.contact_force_rate, "rate"))
+    style.state_values(figure, dataset)
+    style.legend(figure, panels, columns)
+    return figure
+
+
+def _lines(axes: Axes, case: xr.Dataset) -> None:
+    """Draw the manifolds of the saddle and what they enclose, or the unstable one that every motion approaches."""
+    if "manifold_force" in case:
+        x, y = case.manifold_force.values, case.manifold_force_rate.values
+        rim = [np.concatenate([z[_STABLE_OTHER], z[_STABLE_OWN][::-1]]) for z in (x, y)]
+        axes.fill(*rim, color=_BASIN, linewidth=0, label="contact force stays bounded", zorder=0)
+        axes.plot(x[2:].T, y[2:].T, color=style.BLACK, linewidth=1.5, zorder=2.4)
+        axes.plot(x[_UNSTABLE].T, y[_UNSTABLE].T, zorder=2.5, **_DASHED)
+        axes.plot([], [], color=style.BLACK, linewidth=1.5, label="stable manifold of the saddle")
+        axes.plot([], [], label="unstable manifold", **_DASHED)
+        return
+    slope = float(case.scaled_eigenvalue_real_part.sel(law=1).max()) / float(case.force_scale)
+    x = np.array([0.0, float(case.grid_contact_force[-1])])
+    y = slope * (x - float(case.equilibrium_contact_force.sel(law=1)))
+    axes.plot(x, y, label="asymptote from the virtual saddle", **_DASHED)
+
+
+def _manifolds(case: xr.Dataset) -> list[drawing.DrawnLine]:
+    """Return the manifolds of the saddle in the direction of time; they are stored outwards from it."""
+    if "manifold_force" not in case:
+        return []
+    x, y = case.manifold_force.values, case.manifold_force_rate.values
+    outwards = [(x[k], y[k], style.BLACK) for k in range(_STABLE_OWN)]
+    return outwards + [(x[k, ::-1], y[k, ::-1], style.BLACK) for k in (_STABLE_OWN, _STABLE_OTHER)]
+
+
+def _motion(axes: Axes, motion: xr.Dataset) -> str:
+    """Draw a motion from its start; return its colour."""
+    x, y = motion.contact_force.values, motion.contact_force_rate.values
+    stays = named(motion.start_outcome, "bounded")
+    colour, name = (style.BLUE, "bounded") if stays else (style.VERMILION, "growing without bound")
+    axes.plot(x, y, color=colour, linewidth=1.0, label=name, zorder=2)
+    axes.plot(x[0], y[0], "o", color=colour, mfc="white", markersize=3.2, label="start", zorder=3, clip_on=False)
+    return colour
+
+
+def _equilibria(axes: Axes, case: xr.Dataset) -> None:
+    """Mark the equilibria; open where the law does not hold, so that they are none."""
+    for law, marker, inverse in ((1, "X", r"1/\Gamma_+"), (-1, "D", r"1/\Gamma_-")):
+        x = float(case.equilibrium_contact_force.sel(law=law))
+        real = x * float(case.law_side.sel(law=law)) > 0
+        kind = "saddle" if law > 0 else "centre or focus"
+        name = f"{kind} ${inverse}$" + ("" if real else ", virtual")
+        axes.plot(x, 0, marker, color=style.GREEN, mfc=style.GREEN if real else "white", markersize=6, linestyle="none",
+                  label=name, zorder=5)  # fmt: skip

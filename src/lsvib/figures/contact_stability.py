@@ -1,0 +1,392 @@
+"""Critical mass of the drive with compliant threads over its contact, and the growth rates of Lemma 8.1."""
+
+from typing import Any, ClassVar
+
+import numpy as np
+import xarray as xr
+from pydantic import Field
+
+from lsvib.datasets import spans
+from lsvib.datasets.attributes import (
+    CRITICAL_MASS,
+    Variables,
+    axis,
+    drive_parameters,
+    labels,
+    origin_of,
+    variable,
+    yes_no,
+)
+from lsvib.datasets.checks import Check
+from lsvib.errors import InputError
+from lsvib.figures import style
+from lsvib.figures.common import CRITICAL_MASS_WITH_CONTACT, about
+from lsvib.figures.settings import (
+    Contact,
+    DriveChanges,
+    FigureSettings,
+    MassPair,
+    PositiveSpan,
+    Values,
+    parameter,
+    several,
+)
+from lsvib.figures.style import Axes, Figure
+from lsvib.models.drive import RigidDrive, ThreadsDrive
+from lsvib.models.mechanics import coefficients
+from lsvib.stability import conditions
+from lsvib.stability.boundaries import stable_set
+from lsvib.stability.conditions import critical_mass
+from lsvib.stability.linear import eigenvalues, routh_hurwitz, threads_model
+
+CAPTION = """\
+Steady sliding with compliant threads (drive of Table 8.1, force with the motion; contacts assumed): (a) the mass at
+which it is lost over the contact damping, for several contact stiffnesses, with the contacts of Figs 8.10 and 8.13; (b)
+growth rate above the critical mass of the rigid drive, unstable beyond the dotted stiffnesses whatever the damping
+(Lemma 8.1); (c) below it, where an elastic contact is unstable although the rigid drive is stable; (d) the contact
+dampings at which it is stable, which for soft contacts are two intervals. See docs/lemmas.md.
+"""
+
+_CONTACT = ("contact_stiffness", "contact_damping")
+_BESIDE = 1e-6  # relative distance from a critical mass at which LAPACK must see the change
+_PARAMETERS = [name for name in RigidDrive.model_fields if name not in ("mass", "axial_force")]
+_COLOURS = (style.VERMILION, style.ORANGE, style.BLUE, style.BLACK, style.GREEN, style.PURPLE)
+_DASHES = ("-", (0, (5, 1.5)), "-", (0, (5, 1.5)), "-", (0, (5, 1.5)))  # where two lines coincide both are seen
+
+
+class Settings(FigureSettings):
+    """Critical mass over the contact of compliant threads, and growth rates (Lemma 8.1)."""
+
+    unused: ClassVar = ("mass",)
+
+    drive: DriveChanges
+    stiffnesses: several(
+        parameter("contact_stiffness", of=ThreadsDrive), 1, 6, "Contact stiffnesses k_c of the curves [N/m]."
+    )
+    contact_damping: PositiveSpan = Field(description="c_c [N s/m] along the curves, spaced logarithmically.")
+    contacts: several(Contact, 2, 5, "Contacts that figures draw, the stiffest first.")
+    masses: MassPair = Field(description="Masses above and below the critical mass of the rigid drive [kg].")
+    stiffness: PositiveSpan = Field(description="k_c [N/m] of the growth rates, spaced logarithmically.")
+    dampings: several(
+        parameter("contact_damping", of=ThreadsDrive),
+        2,
+        5,
+        "Contact dampings of the growth rates, the first zero [N s/m].",
+    )
+
+
+def build(settings: Values) -> xr.Dataset:
+    """Compute the critical mass over the contact and for some contacts, and growth rates over the contact stiffness.
+
+    ``settings``: see ``Settings``; c_x = 0, R Ω > 0. Raises ``InputError``.
+    """
+    drive = ThreadsDrive.of(settings["drive"])
+    rigid, (heavy, light) = critical_mass(drive), settings["masses"]
+    if rigid is None or not light < rigid < heavy:
+        raise InputError(f"masses = {[heavy, light]} do not lie above and below the critical mass of the rigid drive.")
+    along, stiffness = (spans.logarithmic(settings[name]) for name in ("contact_damping", "stiffness"))
+    curves, dampings = np.array(settings["stiffnesses"], float), np.array(settings["dampings"], float)
+    contacts = [drive.replace(**contact) for contact in settings["contacts"]]
+    critical = [conditions.critical_mass_of_contact(d) for d in contacts]
+    return xr.Dataset(
+        _curves(drive, curves, along)
+        | {"critical_mass_with_contact": variable("contact", critical, *CRITICAL_MASS_WITH_CONTACT)}
+        | _growth_rates(drive, heavy, light, dampings, stiffness)
+        | _limits(drive, heavy, light),
+        coords={
+            **axis("curve_contact_stiffness", curves),
+            **axis("curve_contact_damping", along),
+            **labels("contact", contacts, _CONTACT),
+            **drive_parameters(
+                contacts,
+                "contact",
+                along=_CONTACT,
+                axes=("mass",),
+                printed=("Sect. 8.6", "Sect. 8.6.1"),
+                no_effect=("axial_force", "input_speed"),
+            ),
+            **axis("mass", [heavy, light], origin=origin_of("mass", [heavy, light], ("Sect. 8.6.1",))),
+            **axis("growth_contact_damping", dampings),
+            **axis("growth_contact_stiffness", stiffness),
+            "critical_mass": ((), rigid, CRITICAL_MASS),
+        },
+        attrs=about(
+            "Stability of steady sliding with compliant threads: critical mass, growth rates and Lemma 8.1",
+            "characteristic polynomial in rational numbers, eigenvalues by LAPACK",
+            "Lemma 8.1, Sects 8.2, 8.6.1; docs/lemmas.md",
+            comment="R Omega > 0",
+        ),
+    )
+
+
+def _curves(drive: ThreadsDrive, curves: np.ndarray, along: np.ndarray) -> Variables:
+    """Masses between which steady sliding is stable, over contact stiffness k_c [N/m] and damping c_c [N s/m]."""
+    contacts = [[drive.replace(contact_stiffness=float(k), contact_damping=float(c)) for c in along] for k in curves]
+    found = [[conditions.stable_masses(contact) for contact in row] for row in contacts]
+    grid = np.array([[intervals[0][1] if intervals else np.nan for intervals in row] for row in found])
+    again = np.array([[intervals[1][0] if len(intervals) > 1 else np.nan for intervals in row] for row in found])
+    dims, whole = ("curve_contact_stiffness", "curve_contact_damping"), grid >= conditions.LARGEST_MASS
+    words, lost = "mass from which on steady sliding is stable again, missing if from none", ~whole & np.isfinite(grid)
+    return {
+        "curve_critical_mass_with_contact": variable(dims, np.where(lost, grid, np.nan), *CRITICAL_MASS_WITH_CONTACT),
+        "stable_again": variable(dims, again, "kg", words),
+        "stable_at_every_mass": yes_no(dims, whole, "steady sliding is stable at every mass"),
+    }
+
+
+def _growth_rates(
+    drive: ThreadsDrive, heavy: float, light: float, dampings: np.ndarray, stiffness: np.ndarray
+) -> Variables:
+    """Growth rates of two masses [kg] over the contact stiffness, and where Lemma 8.1 and damping decide."""
+    drives = [[drive.replace(mass=m, contact_damping=c) for c in dampings] for m in (heavy, light)]
+    models = [[threads_model({**dict(d), "contact_stiffness": stiffness}, law=1) for d in row] for row in drives]
+    growth = [[eigenvalues(model)[:, -1].real for model in row] for row in models]
+    stable = [stable_set(drive.replace(mass=light, contact_stiffness=k), "contact_damping") for k in stiffness]
+    dampings_of = [[(float(a), float(b)) for a, b in found.intervals] for found in stable]
+    window = np.array([row[0] if len(row) > 1 else (np.nan, np.nan) for row in dampings_of])
+    above = [conditions.unstable_contact_stiffness(d) for d in drives[0]]
+    damping, stiff = "growth_contact_damping", "growth_contact_stiffness"
+    largest, proved = "largest real part of the eigenvalues", "contact stiffness beyond which Lemma 8.1 is proved"
+    enough = "contact damping above which the smaller mass is stable for all"
+    fewer = "ends of an interval of smaller dampings at which it is stable, too"
+    return {
+        "growth_rate": variable(("mass", damping, stiff), growth, "s-1", largest, r"max Re $s$"),
+        "unstable_contact_stiffness": variable(damping, above, "N m-1", proved, "$k_c$"),
+        "least_contact_damping": variable(stiff, [row[-1][0] for row in dampings_of], "N s m-1", enough, "$c_c$"),
+        "window_of_soft_contact": variable((stiff, "end"), window, "N s m-1", fewer, "$c_c$"),
+    }
+
+
+def _limits(drive: ThreadsDrive, heavy: float, light: float) -> Variables:
+    """What the growth rates of two masses [kg] tend to for a stiff contact, and the scale of Lemma 8.1."""
+    gamma = {mass: float(coefficients(drive.replace(mass=mass)).gamma[1]) for mass in (heavy, light)}
+    beta = float(np.cos(drive.lead_angle) ** 2 * (1 + drive.friction_coefficient * np.tan(drive.lead_angle)))
+    lever = beta * abs(gamma[heavy]) / (drive.screw_inertia * heavy)
+    elastic = drive.support_damping / 2 * (1 / gamma[light] - 1 / drive.screw_inertia)
+    least = conditions.least_damping_of_stiff_contact(drive.replace(mass=light))
+    limit = "its limit for a stiff contact"
+    words = "limit of the growth rate of the smaller mass for a stiff elastic contact"
+    scale = "beta |Gamma_0| / (I m) of the larger mass, to which its growth rates are scaled"
+    return {
+        "least_contact_damping_of_stiff_contact": variable((), least, "N s m-1", limit, "$c_c$"),
+        "elastic_growth_limit": variable((), elastic, "s-1", words),
+        "growth_scale": variable((), lever, "kg-1", scale),
+    }
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the critical masses against eigenvalues and the rigid one, Lemma 8.1 and its converse."""
+    drive = {name: float(dataset[name]) for name in _PARAMETERS}
+    wrong, compared = _against_signs(dataset, drive)
+    return [
+        *_critical_mass_checks(dataset, drive),
+        *_lemma_checks(dataset),
+        *_converse_checks(dataset),
+        _soft_contact_check(dataset, drive),
+        Check.without_exception(
+            "The signs of all growth rates are those of the Routh-Hurwitz conditions in 50 digits",
+            "model of Sect. 5.5",
+            wrong,
+            compared,
+            "contacts",
+        ),
+    ]
+
+
+def _critical_mass_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
+    """Check the critical masses of the contacts that are drawn, and that all but soft ones lie below the rigid one."""
+    rigid, own = float(dataset.critical_mass), dataset.critical_mass_with_contact.values
+    contacts = zip(own, dataset.contact_stiffness.values, dataset.contact_damping.values, strict=True)
+    beside = np.array([1 - _BESIDE, 1 + _BESIDE])
+    sides = [_largest_real_part(drive, mass=m * beside, contact_stiffness=k, contact_damping=c) for m, k, c in contacts]
+    whole, every = dataset.curve_critical_mass_with_contact.values, dataset.stable_at_every_mass.values == 1
+    again = np.isfinite(dataset.stable_again.values)
+    softest = float(dataset.curve_contact_stiffness.values[(every | again).any(axis=1)].max(initial=0.0))
+    return [
+        Check.holds(
+            "With each contact that is drawn steady sliding is lost below the critical mass of the rigid drive, the "
+            "sooner the softer the contact",
+            "Sect. 8.6.1, Fig. 8.13",
+            f"{', '.join(f'{x:.4g}' for x in own)} kg from the stiffest to the softest, rigid {rigid:.5g} kg",
+            (np.diff(own) < 0).all() and own[0] < rigid,
+        ),
+        Check.holds(
+            f"LAPACK's eigenvalues of these drives cross the imaginary axis there, within {_BESIDE:g} of the mass",
+            "eq. 8.7, model of Sect. 5.5",
+            f"largest real parts {', '.join(f'{a:.2e} and {b:.2e}' for a, b in sides)} 1/s",
+            all(a < 0 < b for a, b in sides),
+        ),
+        Check.holds(
+            "Every contact of the sweep loses steady sliding below the critical mass of the rigid drive, but for soft "
+            "ones with little damping, which keep it at every mass or regain it at a large one",
+            "model of Sect. 5.5",
+            f"{np.isfinite(whole).sum()} of {whole.size} lose it, the last at {np.nanmax(whole):.6g} kg; "
+            f"{every.sum()} never do, {again.sum()} regain it, k_c <= {softest:.0e} N/m",
+            (whole[~every] < rigid).all() and softest < float(dataset.unstable_contact_stiffness[0]),
+        ),
+    ]
+
+
+def _lemma_checks(dataset: xr.Dataset) -> list[Check]:
+    """Check Lemma 8.1 on the larger mass: it is unstable with a stiff contact, and how fast it then grows."""
+    growth = dataset.growth_rate.isel(mass=0)
+    beyond = dataset.growth_contact_stiffness > dataset.unstable_contact_stiffness
+    scale, last = float(dataset.growth_scale), float(dataset.growth_contact_stiffness[-1])
+    half = scale * dataset.growth_contact_damping.values / 2
+    ratio = growth.values[:, -1] / (half + np.sqrt(half**2 + scale * last))
+    return [
+        Check.holds(
+            "Whatever the contact damping, the larger mass is unstable beyond the contact stiffness of the proof",
+            "Lemma 8.1",
+            f"{int(((growth > 0) & beyond).sum())} of {int(beyond.sum())} contacts",
+            (growth > 0).where(beyond, True).all() and beyond.any("growth_contact_stiffness").all(),
+        ),
+        Check.holds(
+            "At the stiffest contact its growth rate is the positive root of s² = b (c_c s + k_c), b = β |Γ_0| / "
+            "(I m), to 1%, which grows without bound",
+            "Lemma 8.1, docs/lemmas.md",
+            f"ratios {', '.join(f'{x:.5f}' for x in ratio)} at k_c = {last:.0e} N/m",
+            (np.abs(ratio - 1) < 0.01).all(),
+        ),
+    ]
+
+
+def _converse_checks(dataset: xr.Dataset) -> list[Check]:
+    """Check on the smaller mass that the converse of Lemma 8.1 needs contact damping, and how much."""
+    growth, least = dataset.growth_rate.isel(mass=1), dataset.least_contact_damping
+    elastic, end = growth.values[0], float(least[-1])
+    expected, bound = float(dataset.elastic_growth_limit), float(dataset.least_contact_damping_of_stiff_contact)
+    enough = dataset.growth_contact_damping > least
+    return [
+        Check.holds(
+            "The converse fails in an elastic contact: the smaller mass, stable when rigid, flutters however stiff",
+            "Lemma 8.1, docs/lemmas.md",
+            f"growth rate from {elastic.min():.4g} 1/s, at the stiffest contact {elastic[-1]:.5g}, limit "
+            f"{expected:.5g} 1/s",
+            (elastic > 0).all() and abs(elastic[-1] / expected - 1) < 0.01,
+        ),
+        Check.holds(
+            "With enough contact damping the smaller mass is stable; the least tends to its limit, to 1%",
+            "Lemma 8.1, docs/lemmas.md",
+            f"{int((enough & (growth < 0)).sum())} of {int(enough.sum())} contacts with more; "
+            f"{end:.6g} against {bound:.6g} N s/m",
+            (growth < 0).where(enough, True).all() and abs(end / bound - 1) < 0.01,
+        ),
+    ]
+
+
+def _soft_contact_check(dataset: xr.Dataset, drive: Values) -> Check:
+    """Check by LAPACK the ends of the intervals of dampings at which a contact is stable, of soft ones two."""
+    own, beside = {**drive, "mass": float(dataset.mass[1])}, np.array([1 - _BESIDE, 1 + _BESIDE])
+
+    def grows(stiffness: float, damping: np.ndarray) -> list[bool]:
+        return (_largest_real_part(own, contact_stiffness=stiffness, contact_damping=damping) > 0).tolist()
+
+    stiffness, lows = dataset.growth_contact_stiffness.values, dataset.window_of_soft_contact.values[:, 0]
+    ends = [grows(k, c * beside) == [True, False] for k, c in zip(stiffness, dataset.least_contact_damping.values,
+                                                                   strict=True)]  # fmt: skip
+    soft, windows = np.isfinite(lows), []
+    for k, (low, high) in zip(stiffness[soft], dataset.window_of_soft_contact.values[soft], strict=True):
+        around = np.concatenate([low * beside, [np.sqrt(low * high)], high * beside])
+        windows.append(grows(k, around) == [True, False, False, False, True])
+    return Check.holds(
+        "A soft contact has stable dampings below the least one, too: LAPACK's largest real part changes its sign "
+        f"at both ends of each such interval, within {_BESIDE:g} of the damping, and is negative in its middle",
+        "model of Sect. 5.5, docs/lemmas.md",
+        f"{sum(windows)} of {len(windows)} contacts, k_c <= {stiffness[soft].max(initial=0.0):.2e} N/m; "
+        f"and at the least damping of {sum(ends)} of {len(ends)}",
+        all(windows) and all(ends) and len(windows) > 0,
+    )
+
+
+def _largest_real_part(drive: Values, **values: Any) -> np.ndarray:
+    """Largest real part [1/s] of LAPACK's eigenvalues, for arrays of parameters."""
+    return eigenvalues(threads_model({**drive, **values}, law=1))[:, -1].real
+
+
+def _against_signs(dataset: xr.Dataset, drive: Values) -> tuple[int, int]:
+    """Number of growth rates whose sign is not that of the exact conditions, and of all."""
+    wrong = 0
+    for m, own in enumerate(dataset.mass.values):
+        for i, c in enumerate(dataset.growth_contact_damping.values):
+            for j, k in enumerate(dataset.growth_contact_stiffness.values):
+                contact = ThreadsDrive.of(drive, mass=own, contact_damping=c, contact_stiffness=k)
+                stable = routh_hurwitz(threads_model(contact.exact(), law=1).polynomial())
+                wrong += stable != bool(dataset.growth_rate.values[m, i, j] < 0)
+    return wrong, dataset.growth_rate.size
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Draw (a) the critical mass, (b, c) the growth rate of both masses and (d) the least contact damping."""
+    figure = style.new_figure(style.DOUBLE, 6.2)
+    mass, heavy, light, least = figure.subplots(2, 2).ravel()
+    _critical_mass(mass, dataset)
+    for axes, k, letter in ((heavy, 0, "b"), (light, 1, "c")):
+        _growth(axes, dataset.isel(mass=k), letter, float(dataset.critical_mass))
+    # Beyond the dotted stiffnesses, one for each damping, the proof of Lemma 8.1 holds.
+    for value, colour in zip(dataset.unstable_contact_stiffness.values, _COLOURS, strict=False):
+        heavy.axvline(value, color=colour, linewidth=0.9, linestyle=":")
+    heavy.set_ylim(-10.0)
+    heavy.text(0.02, 0.03, "dotted: from here on unstable by Lemma 8.1, same colour", fontsize=6.5,
+               transform=heavy.transAxes, bbox={"facecolor": "#FFFFFF", "linewidth": 0, "pad": 0.8})  # fmt: skip
+    heavy.text(0.03, 0.7, "colours as in (c)", fontsize=6.5, transform=heavy.transAxes)
+    light.legend(loc="lower left", fontsize=6.5)
+    _least(least, dataset)
+    style.state_values(figure, dataset)
+    return figure
+
+
+def _critical_mass(axes: Axes, dataset: xr.Dataset) -> None:
+    rigid, damping = float(dataset.critical_mass), dataset.curve_contact_damping
+    curves = zip(dataset.curve_critical_mass_with_contact, _COLOURS, _DASHES, strict=False)
+    for curve, colour, dashes in curves:
+        name = f"$k_c$ = {style.power(float(curve.curve_contact_stiffness))} N m⁻¹"
+        axes.plot(damping, curve, color=colour, linestyle=dashes, label=name)
+    axes.plot(dataset.contact_damping, dataset.critical_mass_with_contact, "o", color=style.PURPLE, zorder=4,
+              label="contacts of Figs 8.10, 8.13")  # fmt: skip
+    for one in dataset.critical_mass_with_contact:
+        words = f"{float(one):.2f} kg at $k_c$ = {style.power(float(one.contact_stiffness))}"
+        top = float(one) > 0.99 * rigid  # on the line of the rigid drive: written above it
+        place, side = ((8, 5), "right") if top else ((4, -9), "left")
+        axes.annotate(words, (one.contact_damping, one), place, textcoords="offset points", fontsize=6.5, ha=side)
+    axes.axhline(rigid, color=style.GREY, linewidth=0.9, linestyle="--")
+    axes.annotate(f"rigid contact: {rigid:.3f} kg", (0.03, rigid), (0, -3), xycoords=axes.get_yaxis_transform(),
+                  textcoords="offset points", fontsize=6.5, va="top", color=style.GREY)  # fmt: skip
+    axes.set(xscale="log", title="(a) critical mass; steady sliding is lost above", xlabel=style.label(damping))
+    axes.set(ylabel="Critical mass $m_\\mathrm{cr}$ [kg]", ylim=(0, 1.8 * rigid))
+    axes.legend(loc="upper left", fontsize=6.5)
+
+
+def _growth(axes: Axes, dataset: xr.Dataset, letter: str, rigid: float) -> None:
+    stiffness, sign = dataset.growth_contact_stiffness, ">" if float(dataset.mass) > rigid else "<"
+    for curve, colour, dashes in zip(dataset.growth_rate, _COLOURS, _DASHES, strict=False):
+        name = f"$c_c$ = {style.power(float(curve.growth_contact_damping))} N s m⁻¹"
+        axes.plot(stiffness, curve, color=colour, linestyle=dashes, label=name)
+    axes.axhline(0, color=style.BLACK, linewidth=0.5)
+    axes.set_yscale("symlog", linthresh=10.0)
+    axes.set_title(f"({letter}) growth rate, $m$ = {style.number(dataset.mass)} kg {sign} rigid $m_\\mathrm{{cr}}$")
+    axes.set(xscale="log", xlabel=style.label(stiffness), ylabel="Largest real part [s⁻¹], stable below 0")
+
+
+def _least(axes: Axes, dataset: xr.Dataset) -> None:
+    stiffness, least = dataset.growth_contact_stiffness, dataset.least_contact_damping
+    top, shade = 100 * float(least.max()), {"color": style.SKY, "alpha": 0.3, "linewidth": 0}
+    low, high = dataset.window_of_soft_contact.values.T
+    axes.fill_between(stiffness, least, top, **shade)
+    axes.fill_between(stiffness, low, high, **shade)
+    for end in (least, low, high):
+        axes.plot(stiffness, end, color=style.BLUE)
+    limit = float(dataset.least_contact_damping_of_stiff_contact)
+    axes.axhline(limit, color=style.GREY, linewidth=0.9, linestyle="--")
+    axes.annotate(f"stiff limit: {limit / 1e3:.2f} kN s m⁻¹", (0.97, limit), (0, -3), ha="right", va="top",
+                  xycoords=axes.get_yaxis_transform(), textcoords="offset points", fontsize=6.5)  # fmt: skip
+    axes.text(0.6, 0.92, "stable", transform=axes.transAxes, va="center")
+    axes.text(0.6, 0.45, "unstable", transform=axes.transAxes, va="center")
+    if np.isfinite(low).any():
+        inside = 3 * float(stiffness[0]), np.sqrt(low[0] * high[0])
+        axes.annotate("stable, too", inside, (0.28, 0.26), textcoords=axes.transAxes, va="center",
+                      arrowprops={"arrowstyle": "-", "linewidth": 0.6, "color": style.BLACK})  # fmt: skip
+    axes.set_title(f"(d) contact damping at which $m$ = {style.number(dataset.mass[1])} kg is stable")
+    axes.set(xscale="log", yscale="log", xlabel=style.label(stiffness), ylabel=style.label(dataset.contact_damping))
+    axes.set_ylim(None, top)

@@ -1,1 +1,0 @@
-"""Parts of pictures that several figures share."""

@@ -1,0 +1,131 @@
+"""Figure 8.1: phase portrait of the contact force in the indeterminate case, without and with contact damping."""
+
+import numpy as np
+import xarray as xr
+
+from lsvib.contact.contact_force import Paradox
+from lsvib.datasets.checks import Check
+from lsvib.figures import contact_portraits, style
+from lsvib.figures.common import about, named
+from lsvib.figures.settings import ContactPortrait, Values
+from lsvib.figures.style import Figure
+
+CAPTION = """\
+Phase portrait of the contact force while the threads are stiff, in the indeterminate case and with the screw turning
+forwards, (a) without and (b) with contact damping. Abscissa: the chapter's force χ (8.8); ordinate: its rate, scaled
+alike on both sides. Law + has a saddle where the contact force is positive, law − a centre or a focus where it is
+negative; the saddle's stable manifold separates contact forces that stay bounded from those that grow without bound. In
+(a) part of the unstable manifold lies on it. Arrows point along time.
+"""
+
+
+class Settings(ContactPortrait):
+    """Phase portrait of the contact force, indeterminate case."""
+
+
+def build(settings: Values) -> xr.Dataset:
+    """Compute the portrait, :func:`lsvib.figures.contact_portraits.portrait`, with contact dampings 0 and > 0."""
+    return contact_portraits.portrait(settings, Paradox.INDETERMINATE).assign_attrs(
+        about(
+            "Figure 8.1: phase portrait of the contact force, indeterminate case",
+            "closed-form flow of the contact force (8.12) with exact changes of the law",
+            "Sect. 8.2, Fig. 8.1, Remark 8.1",
+        )
+    )
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check saddle and centre, both outcomes and what decides between them, and the focus under contact damping."""
+    elastic, damped = dataset.isel(case=0), dataset.isel(case=1)
+    return [
+        *contact_portraits.newton_checks(dataset),
+        *_equilibrium_checks(dataset, elastic),
+        contact_portraits.energy_check(dataset),
+        *_outcome_checks(dataset, elastic),
+        *_damping_checks(damped),
+    ]
+
+
+def _equilibrium_checks(dataset: xr.Dataset, elastic: xr.Dataset) -> list[Check]:
+    """Check where the equilibria lie, and that one is a saddle and the other, without contact damping, a centre."""
+    real, imaginary = (dataset[f"scaled_eigenvalue_{part}_part"].sel(law=1) for part in ("real", "imaginary"))
+    growth, frequency = _eigenvalues_of_law_minus(elastic)
+    return [
+        Check.holds(
+            "Each equilibrium lies on the side on which its law holds: there are two solutions",
+            "Sect. 8.1, Fig. 8.1",
+            ", ".join(f"{float(x):.4g}" for x in dataset.equilibrium_contact_force) + " 1/(kg m²)",
+            (dataset.equilibrium_contact_force * dataset.law_side > 0).all(),
+        ),
+        Check.holds(
+            "The equilibrium of law + is a saddle, without contact damping and with it",
+            "Sect. 8.2, eq. 8.11, Fig. 8.1",
+            f"eigenvalues {real.values.round(4).tolist()}",
+            (real.prod("eigenvalue") < 0).all() and (imaginary == 0).all(),
+        ),
+        Check.holds(
+            "The equilibrium of law − is a centre without contact damping",
+            "Sect. 8.2, eq. 8.11, Fig. 8.1",
+            f"eigenvalues ±{abs(float(frequency[0])):.4g}i",
+            (growth == 0).all() and (frequency != 0).all(),
+        ),
+    ]
+
+
+def _outcome_checks(dataset: xr.Dataset, elastic: xr.Dataset) -> list[Check]:
+    """Check that the loop of the separatrix decides between the two outcomes, and that both are drawn."""
+    within = contact_portraits.within_separatrix(elastic)
+    bounded, unbounded = (named(elastic.grid_outcome, word) for word in ("bounded", "minus infinity"))
+    last = dataset.contact_force.values[named(dataset.start_outcome, "minus infinity")][:, -1]
+    return [
+        Check.without_exception(
+            "The contact force stays bounded exactly inside the loop of the saddle's separatrix",
+            "Sect. 8.2, Fig. 8.1",
+            (bounded != within).sum(),
+            bounded.size,
+            "starts",
+        ),
+        Check.holds(
+            "Both outcomes occur: bounded, and unbounded towards minus infinity; no other",
+            "Sect. 8.2, Fig. 8.1",
+            f"{bounded.sum()} and {unbounded.sum()} of {bounded.size} starts",
+            bounded.any() and unbounded.any() and (bounded | unbounded).all(),
+        ),
+        Check.everywhere(
+            "Motions drawn as unbounded leave the picture towards minus infinity",
+            "Sect. 8.2, Fig. 8.1",
+            last < float(dataset.grid_contact_force.min()),
+        ),
+    ]
+
+
+def _damping_checks(damped: xr.Dataset) -> list[Check]:
+    """Check that contact damping turns the centre into a focus, on which bounded motions settle."""
+    growth, frequency = _eigenvalues_of_law_minus(damped)
+    ends = damped.contact_force.values[named(damped.start_outcome, "bounded"), -1]
+    gap = float(np.abs(ends * float(damped.effective_inertia_of_law.sel(law=-1)) - 1).max(initial=0.0))
+    return [
+        Check.holds(
+            "With contact damping the equilibrium of law − is a stable focus",
+            "Remark 8.1",
+            f"eigenvalues {float(growth[0]):.4g} ± {abs(float(frequency[0])):.4g}i",
+            (growth < 0).all() and (frequency != 0).all(),
+        ),
+        Check.holds(
+            "With contact damping a bounded contact force settles on N = N₋, to 1 %",
+            "Remark 8.1",
+            f"{ends.size} motions, largest relative distance {gap:.1e}",
+            ends.size and gap < 0.01,  # e⁻⁸ of a start is left where the motions end
+        ),
+    ]
+
+
+def _eigenvalues_of_law_minus(case: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
+    """Real and imaginary parts of the eigenvalues at the equilibrium of law −."""
+    return case.scaled_eigenvalue_real_part.sel(law=-1), case.scaled_eigenvalue_imaginary_part.sel(law=-1)
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Draw the motions, the saddle's manifolds and the basin of bounded contact forces, elastic and damped."""
+    return contact_portraits.draw_portrait(dataset, ("law +: $N > 0$", "law −: $N < 0$"), columns=4)

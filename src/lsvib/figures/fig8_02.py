@@ -1,0 +1,78 @@
+"""Figure 8.2: phase portrait of the contact force in the inconsistent case, without and with contact damping."""
+
+import numpy as np
+import xarray as xr
+
+from lsvib.contact.contact_force import Paradox
+from lsvib.datasets.checks import Check
+from lsvib.figures import contact_portraits, style
+from lsvib.figures.common import about, named
+from lsvib.figures.settings import ContactPortrait, Values
+from lsvib.figures.style import Figure
+
+CAPTION = """\
+Phase portrait of the contact force while the threads are stiff, in the inconsistent case and with the screw turning
+forwards, (a) without and (b) with contact damping. Both equilibria lie where the other law holds, so there is no
+solution; every contact force ends growing in the first quadrant along the unstable manifold of the virtual saddle.
+Arrows point along time.
+"""
+
+
+class Settings(ContactPortrait):
+    """Phase portrait of the contact force, inconsistent case."""
+
+
+def build(settings: Values) -> xr.Dataset:
+    """Compute the portrait, :func:`lsvib.figures.contact_portraits.portrait`, with contact dampings 0 and > 0."""
+    return contact_portraits.portrait(settings, Paradox.INCONSISTENT).assign_attrs(
+        about(
+            "Figure 8.2: phase portrait of the contact force, inconsistent case",
+            "closed-form flow of the contact force (8.12) with exact changes of the law",
+            "Sect. 8.2, Fig. 8.2",
+        )
+    )
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check that nothing is in equilibrium and that every contact force ends growing in the first quadrant."""
+    equilibria = dataset.equilibrium_contact_force
+    last = [x.values[..., -2:] for x in (dataset.contact_force, dataset.contact_force_rate)]
+    rising = [(x[..., 1] > x[..., 0]) & (x[..., 0] > 0) for x in last]
+    rate = dataset.scaled_eigenvalue_real_part.sel(law=1).max("eigenvalue").values[:, None]
+    distance = (last[0][..., 1] - float(equilibria.sel(law=1))) / float(dataset.force_scale)
+    gap = np.abs(last[1][..., 1] / distance / rate - 1).max()
+    return [
+        *contact_portraits.newton_checks(dataset),
+        Check.holds(
+            "The equilibria 1/Γ₊ and 1/Γ₋ both lie on the side of the other law: there is no solution",
+            "Sect. 8.2, Fig. 8.2",
+            f"{', '.join(f'{x:.4g}' for x in equilibria.values)} 1/(kg m²), signs of the sides "
+            f"{dataset.law_side.values.tolist()}",
+            (equilibria * dataset.law_side < 0).all(),
+        ),
+        Check.everywhere(
+            "Every start ends growing in the first quadrant, without contact damping and with it",
+            "Sect. 8.2, Fig. 8.2",
+            named(dataset.grid_outcome, "plus infinity"),
+            "starts",
+        ),
+        Check.everywhere(
+            "The drawn motions end in the first quadrant, force and rate both rising",
+            "Sect. 8.2, Fig. 8.2",
+            rising[0] & rising[1] & named(dataset.start_outcome, "plus infinity"),
+            "motions",
+        ),
+        Check.holds(
+            "The drawn motions end in exponential growth at the positive eigenvalue of law +, to 1 %",
+            "eq. 8.12",
+            f"rate over distance from 1/Γ₊ deviates by at most {gap:.2%} of it",
+            gap < 0.01,
+        ),
+        contact_portraits.energy_check(dataset),
+    ]
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Draw the motions, all of which end in the first quadrant, and both equilibria on the wrong side."""
+    return contact_portraits.draw_portrait(dataset, ("law −: $N < 0$", "law +: $N > 0$"), columns=3)

@@ -1,0 +1,194 @@
+"""Figure 8.3: stability of the steady sliding over effective inertia and damping, by eigenvalues (8.18)."""
+
+from typing import ClassVar
+
+import numpy as np
+import xarray as xr
+from pydantic import Field
+
+from lsvib.datasets import spans
+from lsvib.datasets.attributes import attributes, drive_parameters, flagged, labels, variable
+from lsvib.datasets.checks import Check
+from lsvib.figures import drawing, style
+from lsvib.figures.common import about, flag_names, named
+from lsvib.figures.settings import DriveChanges, FigureSettings, Span, Values, several
+from lsvib.figures.style import Axes, Figure
+from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
+from lsvib.stability.linear import Stability, eigenvalue_pair, stability_class
+
+CAPTION = """\
+Stability of the steady sliding over effective inertia and effective damping, from the eigenvalues (8.18) at each point
+of the plane. Colours and words name the class; node and focus meet on the black curve; the markers are drives of the
+chapter, two of them enlarged.
+"""
+
+_CHANGED = ("mass", "translation_damping")  # in which the drives that are placed differ
+_INERTIA = attributes("kg m2", "effective inertia", r"$\Gamma_0$")
+_DAMPING = attributes("N m s rad-1", "effective damping", "$C_0$")
+_COLOURS = {  # stable classes in blues and greens, unstable ones in warm colours
+    **{"stable node": "#9FD3C7", "stable focus": "#BFDDF2", "centre": style.GREY, "unstable focus": "#FBE3B5"},
+    **{"unstable node": "#F4B78A", "saddle": "#E3C3D6", "degenerate": style.BLACK},
+}
+_DRIVES = (style.BLUE, style.VERMILION, style.BLACK, style.PURPLE, style.WINE)
+
+
+class Settings(FigureSettings):
+    """Stability of the steady sliding over effective inertia and damping."""
+
+    unused: ClassVar = ("mass", "translation_damping")
+
+    drive: DriveChanges
+    inertia: Span = Field(description="Effective inertia [kg m2].")
+    damping: Span = Field(description="Effective damping [N m s/rad].")
+    cases: several(DriveChanges, 0, 5, "Drives to place in the plane, as changes of `drive`.")
+
+
+def build(settings: Values) -> xr.Dataset:
+    """Compute the class map, the node–focus boundary and the place of the chapter's drives."""
+    drive = RigidDrive.of(settings["drive"])
+    stiffness = drive.coupling_stiffness
+    inertia, damping = spans.even(settings["inertia"]), spans.even(settings["damping"])
+    kinds, plane = stability_class(inertia[:, None], damping, stiffness), ("effective_inertia", "effective_damping")
+    positive = inertia[-1] * np.linspace(0, 1, inertia.size)[1:] ** 2  # dense near the vertex of the parabola
+    along, words = "node_focus_effective_inertia", "effective damping where two eigenvalues meet"
+    cases = [drive.replace(**changes) for changes in settings["cases"]]
+    own = [(float(c.gamma[c.steady_law]), float(c.damping[c.steady_law])) for c in map(coefficients, cases)]
+    return xr.Dataset(
+        {
+            "stability": flagged(plane, kinds, "class of the steady sliding", Stability),
+            "node_focus_effective_damping": variable(
+                along, _node_focus_boundary(positive, stiffness), "N m s rad-1", words, "$C_0$"
+            ),
+            "case_effective_inertia": ("case", [inertia for inertia, _ in own], _INERTIA),
+            "case_effective_damping": ("case", [damping for _, damping in own], _DAMPING),
+        },
+        coords={
+            "effective_inertia": ("effective_inertia", inertia, _INERTIA),
+            "effective_damping": ("effective_damping", damping, _DAMPING),
+            along: (along, positive, _INERTIA),
+            **labels("case", cases, _CHANGED),
+            **drive_parameters(cases, along=_CHANGED, printed=("Sect. 8.5.1", "Sect. 8.6.1", "Sect. 8.6")),
+        },
+        attrs=about(
+            "Figure 8.3: stability of the steady sliding over effective inertia and effective damping",
+            "eigenvalues in closed form (8.18)",
+            "Sect. 8.4, Fig. 8.3",
+        ),
+    )
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the class map against the conditions of Sect. 8.4 and against eigenvalues of the matrix itself (LAPACK)."""
+    inertia, damping = dataset.effective_inertia.values[:, None], dataset.effective_damping.values[None, :]
+    stiffness = float(dataset.coupling_stiffness)
+    regular = ~named(dataset.stability, "degenerate")
+    stable = named(dataset.stability, "stable node", "stable focus")
+    wrong = int(np.sum(regular & (stable != ((inertia > 0) & (damping > 0)))))
+    saddles = named(dataset.stability, "saddle") == (inertia < 0)
+    ratio = dataset.node_focus_effective_damping**2 / (4 * stiffness * dataset.node_focus_effective_inertia)
+    worst = float(ratio[int(np.argmax(np.abs(ratio.values - 1)))])
+    largest = _distance_from_lapack(inertia, damping, stiffness)
+    return [
+        Check.holds(
+            "Steady sliding is stable exactly where Γ_0 > 0 and C_0 > 0",
+            "Sect. 8.4, Fig. 8.3",
+            f"{wrong} exceptions among {regular.sum()} points",
+            wrong == 0 and stable.any(),
+        ),
+        Check.without_exception(
+            "Γ_0 < 0 gives a saddle whatever the damping",
+            "Sect. 8.4, eq. 8.20",
+            np.sum(regular & ~saddles),
+            regular.sum(),
+        ),
+        Check.within(
+            "C_0²/(4kΓ_0) where node and focus meet (worst point of the curve)",
+            "eq. 8.18",
+            1.0,
+            worst,
+            1e-12,
+            "1",
+            "the curve is exact; rounding only",
+        ),
+        Check.holds(
+            "The closed form gives the eigenvalues of the Jacobian matrix up to 1e-7 of the larger one",
+            "eq. 8.18",
+            f"largest difference {largest:.1e}",
+            largest < 1e-7,  # LAPACK keeps only half of the digits (1.5e-8) where two eigenvalues coincide
+        ),
+    ]
+
+
+def _node_focus_boundary(inertia: np.ndarray, stiffness: float) -> np.ndarray:
+    """Damping [N m s/rad] at which the eigenvalues turn real, by bisection on the eigenvalues themselves."""
+    focus, node = np.zeros_like(inertia), 4 * np.sqrt(stiffness * inertia)
+    for _ in range(100):  # to the last bit, also where the boundary lies decades below its bracket
+        middle = (focus + node) / 2
+        oscillates = eigenvalue_pair(inertia, middle, stiffness)[:, 1].imag != 0
+        focus, node = np.where(oscillates, middle, focus), np.where(oscillates, node, middle)
+    return node
+
+
+def _distance_from_lapack(inertia: np.ndarray, damping: np.ndarray, stiffness: float) -> float:
+    """Largest difference [1] of (8.18) from LAPACK's eigenvalues of the Jacobian, relative to the larger eigenvalue."""
+    gamma, c = (array.ravel() for array in np.broadcast_arrays(inertia, damping))
+    gamma, c = gamma[gamma != 0], c[gamma != 0]
+    jacobian = np.zeros((gamma.size, 2, 2))
+    jacobian[:, 0, 1], jacobian[:, 1, 0], jacobian[:, 1, 1] = 1, -stiffness / gamma, -c / gamma
+    theirs = np.sort_complex(np.linalg.eigvals(jacobian).astype(complex))
+    ours = eigenvalue_pair(gamma, c, stiffness)
+    return float(np.max(np.abs(ours - theirs) / np.abs(ours).max(axis=1, keepdims=True)))
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Draw the class map, the node–focus boundary C_0² = 4kΓ_0 and the chapter's drives, two of them enlarged."""
+    figure = style.new_figure(style.DOUBLE * 0.72, 3.7)
+    axes = figure.add_subplot()
+    inertia, damping = dataset.effective_inertia, dataset.effective_damping
+    close = axes.inset_axes((0.075, 0.125, 0.225, 0.27))  # in the saddles, the largest class
+    for panel in (axes, close):
+        drawing.regions(panel, inertia, damping, dataset.stability.T, _COLOURS, shading="nearest")
+        _lines_and_drives(panel, dataset)
+    for name in flag_names(dataset.stability).values():
+        inside = dataset.stability.copy(data=named(dataset.stability, name))
+        if inside.mean() > 0.01:  # lines such as the centres have no region
+            axes.text(inertia.where(inside).mean(), damping.where(inside).mean(), name, ha="center")
+    axes.set(xlabel=style.label(inertia), ylabel=style.label(damping), xlim=inertia[[0, -1]], ylim=damping[[0, -1]])
+    _close_up(axes, close, dataset)
+    style.state_values(figure, dataset)
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=2)
+    return figure
+
+
+def _lines_and_drives(axes: Axes, dataset: xr.Dataset) -> None:
+    """Draw the boundaries of the classes and the chapter's drives."""
+    line = {"color": style.BLACK, "linewidth": 1.0}
+    for sign, name in ((1, None), (-1, r"$C_0^2 = 4 k \Gamma_0$")):
+        damping = sign * dataset.node_focus_effective_damping
+        axes.plot(dataset.node_focus_effective_inertia, damping, label=name, **line)
+    axes.axvline(0, **line)
+    axes.plot([0, dataset.effective_inertia[-1]], [0, 0], **line)
+    for index, marker, colour in zip(dataset.case.values, "osD^v", _DRIVES, strict=False):
+        case = dataset.sel(case=index)
+        name = f"$m$ = {float(case.mass):g} kg, $c_x$ = {float(case.translation_damping):g} N s m⁻¹"
+        axes.plot(case.case_effective_inertia, case.case_effective_damping, marker, color=colour, mec="white",
+                  markersize=5, linestyle="none", label=name, zorder=3)  # fmt: skip
+
+
+def _close_up(axes: Axes, close: Axes, dataset: xr.Dataset) -> None:
+    """Show the surroundings of the two drives that lie closest together in the picture."""
+    drives = np.stack([dataset.case_effective_inertia.values, dataset.case_effective_damping.values])
+    sides = np.array([np.ptp(dataset.effective_inertia.values), np.ptp(dataset.effective_damping.values)])
+    scaled = drives / sides[:, None]
+    apart = np.hypot(*(scaled[:, :, None] - scaled[:, None, :]))
+    pair = drives[:, np.unravel_index(np.argmin(apart + np.diag(np.full(drives.shape[1], np.inf))), apart.shape)]
+    half = np.maximum(1.2 * np.ptp(pair, axis=1), 0.02 * sides)
+    for limits, middle, width in zip((close.set_xlim, close.set_ylim), pair.mean(axis=1), half, strict=True):
+        limits(middle - width, middle + width)
+    close.locator_params(nbins=3)
+    close.tick_params(labelsize=6.5, pad=2)
+    for offset in (close.xaxis.get_offset_text(), close.yaxis.get_offset_text()):
+        offset.set_fontsize(6.5)
+    axes.indicate_inset_zoom(close, edgecolor=style.BLACK, linewidth=0.7)

@@ -1,0 +1,110 @@
+"""Figure 8.4: phase plane under negative damping with N_0 Ω > 0: the origin is unstable, a limit cycle attracts."""
+
+import numpy as np
+import xarray as xr
+
+from lsvib.datasets.attributes import drive_parameters, labels, variable
+from lsvib.datasets.checks import Check
+from lsvib.figures import drawing, style
+from lsvib.figures.common import EIGENVALUE, about, named, spread
+from lsvib.figures.settings import PhasePlane, Values
+from lsvib.figures.style import Figure
+from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
+from lsvib.stability.conditions import conditions
+from lsvib.stability.linear import eigenvalue_pair
+
+CAPTION = """\
+Phase plane of the rigid drive under negative effective damping (8.19) with a contact force of the direction of motion
+(N_0 Ω > 0). Steady sliding, the origin, is unstable, and motions from inside and from outside settle on a limit cycle.
+Arrows point along time.
+"""
+
+MARGINS = {  # the inequalities of (8.19): unit and wording; each holds where its margin is positive
+    "self_locking": ("1", "margin of self-locking, mu - tan(lambda)"),
+    "force_with_motion": ("N rad s-1", "margin of a contact force along the motion, by net force times input speed"),
+    "negative_effective_damping": ("N m s rad-1", "margin of a negative effective damping of law +"),
+}
+
+
+class Settings(PhasePlane):
+    """Phase plane under negative damping, contact force with the motion."""
+
+
+def build(settings: Values, figure: str = "8.4", what: str = "contact force along the motion") -> xr.Dataset:
+    """Compute the phase plane of one drive, the margins of (8.19) and the eigenvalues of its origin.
+
+    The first start lies inside the limit cycle, the others outside. ``figure`` and ``what`` it shows: also Fig. 8.5.
+    """
+    from lsvib.datasets import phase_plane
+
+    drive = RigidDrive.of(settings["drive"])
+    c = coefficients(drive)
+    inertia, damping = float(c.gamma[c.steady_law]), float(c.damping[c.steady_law])
+    margins = conditions(drive)["negative_damping"]["margins"]
+    real, dims = eigenvalue_pair(inertia, damping, drive.coupling_stiffness).real[None], ("case", "eigenvalue")
+    return xr.Dataset(
+        phase_plane.portraits([drive], settings["starts"], settings["duration"], settings["samples"])
+        | {f"margin_{key}": variable("case", [margins[key]], *words) for key, words in MARGINS.items()}
+        | {"eigenvalue_real_part": variable(dims, real, "s-1", "real part of the eigenvalue", r"Re $\varepsilon$")},
+        coords={
+            **labels("case", [drive], ()),
+            **drive_parameters([drive], printed=("Sect. 8.5.1",)),
+            **phase_plane.rule_coordinate(),
+            "eigenvalue": EIGENVALUE,
+        },
+        attrs=about(
+            f"Figure {figure}: phase plane under negative damping, {what}",
+            "exact event-driven motion; eigenvalues in closed form (8.18)",
+            f"Sect. 8.5, Fig. {figure}",
+        ),
+    )
+
+
+def margins_text(dataset: xr.Dataset) -> str:
+    """Return the margins of (8.19) for the text of a check."""
+    found = {key.replace("_", " "): dataset[f"margin_{key}"] for key in MARGINS}
+    return ", ".join(f"{words} {float(margin[0]):.3g} {margin.attrs['units']}" for words, margin in found.items())
+
+
+def radii(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
+    """Return each motion's largest |u| [rad] in the first and in the last fifth of the time."""
+    u, time = np.abs(dataset.angle_deviation.values[0]), dataset.time.values[0]
+    fifth = time[:, -1:] / 5
+    return np.where(time <= fifth, u, 0).max(axis=1), np.where(time >= 4 * fifth, u, 0).max(axis=1)
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check (8.19), that the origin repels, and that one limit cycle attracts from inside and outside."""
+    holds = all(float(dataset[f"margin_{key}"][0]) > 0 for key in MARGINS)
+    growth, (first, last) = dataset.eigenvalue_real_part.values[0], radii(dataset)
+    amplitudes = dataset.amplitude.values[0].ravel()
+    around = first[0] < amplitudes[0] and (first[1:] > amplitudes[0]).all() and first.size > 1
+    return [
+        Check.holds("The three conditions of negative damping hold", "eq. 8.19", margins_text(dataset), holds),
+        Check.holds(
+            "The origin is unstable by its eigenvalues",
+            "eq. 8.18, Fig. 8.4",
+            f"real parts {growth[0]:.4g} and {growth[1]:.4g} 1/s",
+            growth.max() > 0,
+        ),
+        Check.holds(
+            "The exact motion that starts near the origin leaves it",
+            "Sect. 8.5, Fig. 8.4",
+            f"largest |u| grows from {first[0]:.4g} to {last[0]:.4g} rad",
+            last[0] > first[0],
+        ),
+        Check.holds(
+            "A pure-slip limit cycle attracts from inside and from outside, the same one to 1e-12",
+            "Sect. 8.5, Fig. 8.4",
+            f"amplitude {amplitudes[0]:.9g} rad, relative spread {spread(amplitudes):.1e} over {amplitudes.size} "
+            "motions",
+            named(dataset.attractor, "other cycle").all() and spread(amplitudes) < 1e-12 and around,
+        ),
+    ]
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Draw the motions from inside and outside, the limit cycle, and the lines N = 0 and θ′ = 0."""
+    return drawing.single(dataset)

@@ -1,7 +1,0 @@
-"""The settings of Figure 8.4."""
-
-from lsvib.figures.common.settings import PhasePlane
-
-
-class Settings(PhasePlane):
-    """Phase plane under negative damping, contact force with the motion."""

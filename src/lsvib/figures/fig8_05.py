@@ -1,0 +1,57 @@
+"""Figure 8.5: phase plane as in figure 8.4 but with N_0 Ω < 0: the origin is stable."""
+
+import xarray as xr
+
+from lsvib.datasets.checks import Check
+from lsvib.figures import drawing, fig8_04, style
+from lsvib.figures.common import named
+from lsvib.figures.settings import PhasePlane, Values
+from lsvib.figures.style import Figure
+
+CAPTION = """\
+Phase plane of the rigid drive under negative effective damping (8.19) with a contact force against the direction of
+motion (N_0 Ω < 0). Steady sliding, the origin, is stable. Arrows point along time.
+"""
+
+
+class Settings(PhasePlane):
+    """Phase plane under negative damping, contact force against the motion."""
+
+
+def build(settings: Values) -> xr.Dataset:
+    """Compute the phase plane."""
+    return fig8_04.build(settings, "8.5", "contact force against the motion")
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check that only the second condition of (8.19) fails, and that the origin attracts."""
+    others = float(dataset.margin_self_locking[0]), float(dataset.margin_negative_effective_damping[0])
+    growth, (first, last) = dataset.eigenvalue_real_part.values[0], fig8_04.radii(dataset)
+    settled = named(dataset.attractor, "steady sliding")
+    return [
+        Check.holds(
+            "Of the conditions of negative damping only the second, N_0 Ω > 0, is violated",
+            "eq. 8.19, Fig. 8.5",
+            fig8_04.margins_text(dataset),
+            float(dataset.margin_force_with_motion[0]) < 0 < min(others),
+        ),
+        Check.holds(
+            "The origin is stable by its eigenvalues",
+            "eq. 8.18, Fig. 8.5",
+            f"real parts {growth[0]:.4g} and {growth[1]:.4g} 1/s",
+            growth.max() < 0,
+        ),
+        Check.holds(
+            "Every exact motion drawn approaches the origin",
+            "Sect. 8.5, Fig. 8.5",
+            f"largest |u| falls to {(last / first).max():.2g} of its value at worst",
+            (last < first).all(),
+        ),
+        Check.everywhere("Every exact motion drawn settles on the origin", "Sect. 8.5, Fig. 8.5", settled),
+    ]
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Draw the motions, which all approach the origin, and the lines N = 0 and θ′ = 0."""
+    return drawing.single(dataset)

@@ -1,0 +1,319 @@
+"""Figure 8.6: amplitude against the axial force under negative damping, with three phase portraits.
+
+Also the coefficients that Sect. 8.5.1 prints, for both readings of the mass: it states m = 1 kg, but the effective
+inertias that it prints are those of m = 8 kg; its dampings hold for any mass, and the thresholds of the figure belong
+to the stated one.
+"""
+
+from collections.abc import Sequence
+from enum import IntEnum
+from typing import TYPE_CHECKING, ClassVar, Self
+
+import numpy as np
+import xarray as xr
+from pydantic import Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from lsvib.datasets import printed, spans
+from lsvib.datasets.attributes import Variables, axis, drive_parameters, flagged, labels, start_state, variable
+from lsvib.datasets.checks import Check
+from lsvib.figures import drawing, style
+from lsvib.figures.common import about, flag_names, named, spread
+from lsvib.figures.settings import MassPair, PhasePlane, Span, State, Values, parameter, several
+from lsvib.figures.style import Axes, Figure
+from lsvib.models import chapter
+from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
+from lsvib.models.rigid import EventKind, rigid_automaton
+from lsvib.stability import force_thresholds
+
+if TYPE_CHECKING:
+    from lsvib.dynamics.attractors import SteadyState
+
+CAPTION = """\
+Amplitude of the steady vibration against the axial force R for m = 1 kg and c_x = 1000 N s/m, with phase portraits at
+three forces. Circles mark the forces of the portraits. Vibration sets in at the onset force, first touches rest at the
+stick force, and no longer reaches N = 0 beyond the detach force.
+"""
+
+_THRESHOLDS = {  # word in the picture, and what the chapter says
+    "onset_force": ("onset", "Axial force at which vibration sets in"),
+    "stick_force": ("stick", "Axial force at which the cycle first touches rest"),
+    "detach_force": ("detach", "Axial force beyond which the cycle no longer reaches N = 0"),
+}
+_REGIMES = {
+    "steady sliding": (style.BLACK, "no vibration"),
+    "slip cycle": (style.BLUE, "cycle of pure slip"),
+    "stick slip with contact reversal": (style.ORANGE, "stick–slip, reaches $N = 0$"),
+    "stick slip in contact": (style.VERMILION, "stick–slip, $N > 0$"),
+}
+# Where the curve leaves room for insets, as fractions of the axes: left, bottom, width, height.
+_INSETS = ((0.085, 0.17, 0.21, 0.30), (0.085, 0.61, 0.235, 0.33), (0.735, 0.20, 0.245, 0.38))
+
+
+class Settings(PhasePlane):
+    """Amplitude of the steady vibration against the axial force."""
+
+    unused: ClassVar = ("axial_force",)
+
+    axial_force: Span = Field(description="R [N].")
+    start: State
+    insets: several(parameter("axial_force"), 1, 3, "Axial forces of the inset phase portraits [N].")
+    mass_readings: MassPair = Field(
+        description="Mass as stated, and mass to which the printed effective inertias belong [kg]."
+    )
+
+    @model_validator(mode="after")
+    def _mass_is_read(self) -> Self:
+        """Check that the mass of the drive is one of the two readings."""
+        if self.drive.mass not in self.mass_readings:
+            words = " and ".join(f"{mass:g}" for mass in self.mass_readings)
+            raise PydanticCustomError("of_the_whole", f"has mass = {self.drive.mass:g}, none of mass_readings: {words}")
+        return self
+
+
+class Regime(IntEnum):
+    """Kind of the steady state."""
+
+    STEADY_SLIDING = 0
+    SLIP_CYCLE = 1
+    STICK_SLIP_WITH_CONTACT_REVERSAL = 2
+    STICK_SLIP_IN_CONTACT = 3
+    OTHER = 4
+
+
+def build(settings: Values) -> xr.Dataset:
+    """Compute the amplitude curve, its thresholds, the inset portraits, and the coefficients for both masses."""
+    from lsvib.datasets import phase_plane
+    from lsvib.dynamics.attractors import steady_state
+
+    drive = RigidDrive.of(settings["drive"])
+    values = {name: getattr(force_thresholds, name)(drive) for name in _THRESHOLDS}
+    # Also at a relative distance of 1e-9 on either side of a threshold.
+    beside = [value * (1 + sign * 1e-9) for value in values.values() for sign in (-1, 1)]
+    forces = np.unique(np.concatenate([spans.even(settings["axial_force"]), list(values.values()), beside]))
+    start, tangent = np.array([settings["start"]["u"], settings["start"]["w"]]), float(drive.exact().tan_lead)
+    drives = [drive.replace(axial_force=float(force)) for force in forces]
+    steady = [steady_state(rigid_automaton(d), start) for d in drives]
+    insets = [drive.replace(axial_force=float(force)) for force in settings["insets"]]
+    words = {name: name.replace("_", " ") for name in _THRESHOLDS}
+    return xr.Dataset(
+        _curve(drives, steady)
+        | _readings([drive.replace(mass=float(m)) for m in settings["mass_readings"]])
+        | phase_plane.portraits(insets, settings["starts"], settings["duration"], settings["samples"]),
+        coords={
+            **axis("swept_axial_force", forces),
+            **axis("reading_mass", settings["mass_readings"]),
+            **drive_parameters(insets, along=("axial_force",), printed=("Sect. 8.5.1", "Fig. 8.6")),
+            **start_state(settings["start"], "of the motions whose steady vibration swept_amplitude describes"),
+            "lead_tangent": variable((), tangent, "1", "tangent of the lead angle", r"$\tan\lambda$"),
+            **labels("case", insets, ("axial_force",)),
+            **phase_plane.rule_coordinate(),
+            **{name: variable((), value, "N", words[name], "$R$") for name, value in values.items()},
+            **{f"printed_{n}": printed.variable(chapter.THRESHOLDS[n], words[n]) for n in _THRESHOLDS},
+        },
+        attrs=about(
+            "Figure 8.6: amplitude of the steady vibration against the axial force under negative damping",
+            "exact event-driven motion and its return map",
+            "Sect. 8.5.1, Fig. 8.6",
+        ),
+    )
+
+
+def _curve(drives: list[RigidDrive], steady: "list[SteadyState]") -> Variables:
+    from lsvib.datasets import phase_plane
+
+    dim, slowest = "swept_axial_force", [s.extremes(np.array([0, 1.0, 0]))[0] for s in steady]
+    net, words = [float(coefficients(d).net_force) for d in drives], "axial force less the drag of the translation"
+    return {
+        "swept_amplitude": variable(dim, [s.amplitude for s in steady], "rad", phase_plane.AMPLITUDE),
+        "smallest_velocity": variable(dim, slowest, "rad s-1", "smallest rate of the deviation", r"$\dot u$"),
+        "regime": flagged(dim, [_regime(s) for s in steady], "kind of motion", Regime),
+        "net_force": variable(dim, net, "N", words, r"$\tilde R$"),
+    }
+
+
+def _regime(steady: "SteadyState") -> Regime:
+    from lsvib.dynamics.attractors import Attractor
+
+    reverses = steady.orbit is not None and bool((steady.orbit.kind == EventKind.CONTACT_REVERSAL).any())
+    kinds = {
+        (Attractor.STEADY_SLIDING, False): Regime.STEADY_SLIDING,
+        (Attractor.OTHER_CYCLE, True): Regime.SLIP_CYCLE,
+        (Attractor.STICK_SLIP_CYCLE, True): Regime.STICK_SLIP_WITH_CONTACT_REVERSAL,
+        (Attractor.STICK_SLIP_CYCLE, False): Regime.STICK_SLIP_IN_CONTACT,
+    }
+    return kinds.get((steady.label, reverses), Regime.OTHER)
+
+
+def _readings(drives: Sequence[RigidDrive]) -> Variables:
+    """Effective coefficients under both laws, and the two upper thresholds, along ``reading_mass``."""
+    exact, dim, found = [coefficients(d) for d in drives], "reading_mass", {}
+    for law, sign, s in ((1, "plus", "+"), (-1, "minus", "-")):
+        inertia, damping = [float(c.gamma[law]) for c in exact], [float(c.damping[law]) for c in exact]
+        found |= {
+            f"reading_effective_inertia_{sign}": variable(
+                dim, inertia, "kg m2", f"effective inertia of law {s}", f"$\\Gamma_{s}$"
+            ),
+            f"reading_effective_damping_{sign}": variable(
+                dim, damping, "N m s rad-1", f"effective damping of law {s}", f"$C_{s}$"
+            ),
+        }
+    for name in ("stick_force", "detach_force"):
+        forces, words = [getattr(force_thresholds, name)(d) for d in drives], f"{name.replace('_', ' ')} for this mass"
+        found[f"reading_{name}"] = variable(dim, forces, "N", words, "$R$")
+    return found
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the thresholds, the shape of the curve, where its regime changes, the insets and the coefficients."""
+    friction, tangent = float(dataset.friction_coefficient), float(dataset.lead_tangent)
+    return [
+        printed.check("Tangent of the lead angle", chapter.TAN_LEAD, tangent),
+        Check.holds(
+            "The thread is self-locking, μ > tan λ",
+            "Sect. 8.5.1",
+            f"μ = {friction:g}, tan λ = {tangent:.6g}",
+            friction > tangent,
+        ),
+        *(printed.check(words, chapter.THRESHOLDS[n], dataset[n]) for n, (_, words) in _THRESHOLDS.items()),
+        *_curve_checks(dataset),
+        *_inset_checks(dataset),
+        *_reading_checks(dataset),
+    ]
+
+
+def _curve_checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the amplitude between the thresholds, and that the regime changes there and nowhere else."""
+    source = "Sect. 8.5.1, Fig. 8.6"
+    onset, stick, detach = (float(dataset[name]) for name in _THRESHOLDS)
+    stops = dataset.smallest_velocity.values <= dataset.stop_velocity.values[0]
+    force, amplitude, regime = (dataset[name].values for name in ("swept_axial_force", "swept_amplitude", "regime"))
+    below, last = amplitude[force < onset], amplitude[force > detach]
+    slip = (force > onset) & (force < stick)
+    slope = amplitude[slip] / dataset.net_force.values[slip]
+    # At a threshold itself both neighbours' names are right: the cycle touches there.
+    expected = np.select([force < onset, force < stick, force < detach], [0, 1, 2], 3)
+    judged = ~np.isin(force, [onset, stick, detach])
+    return [
+        Check.holds(
+            "Below the onset force the amplitude is zero",
+            source,
+            f"largest amplitude {below.max(initial=0.0):.1e} rad at {below.size} forces",
+            below.size and (below == 0).all(),
+        ),
+        Check.holds(
+            "From onset to stick the amplitude grows along a straight line through the onset, to 1e-9 of its slope",
+            source,
+            f"slope from {slope.min(initial=np.inf):.6g} rad/N, relative spread {spread(slope):.1e} over {slope.size} "
+            "forces",
+            (slope > 0).all() and spread(slope) < 1e-9,
+        ),
+        Check.holds(
+            "Beyond the detach force the amplitude is constant, to 1e-12",
+            source,
+            f"from {last.min(initial=np.inf):.9f} rad, relative spread {spread(last):.1e} over {last.size} forces",
+            (last > 0).all() and spread(last) < 1e-12,
+        ),
+        Check.without_exception(
+            "The steady state changes kind at the three thresholds and nowhere else, also 1e-9 R beside them",
+            source,
+            np.sum(judged & (regime != expected)),
+            judged.sum(),
+            "forces",
+        ),
+        Check.holds(
+            "Only from the stick force on does the cycle reach the line of rest",
+            source,
+            f"smallest rate {dataset.smallest_velocity.values.min():.9g} rad/s",
+            (stops == (force > stick))[judged].all(),
+        ),
+    ]
+
+
+def _inset_checks(dataset: xr.Dataset) -> list[Check]:
+    """Check what the motions of each portrait reach."""
+    expected = (
+        ("steady sliding", "the origin is stable"),
+        ("other cycle", "a pure-slip limit cycle attracts"),
+        ("stick slip cycle", "a stick-slip cycle attracts"),
+    )
+    limits = [float(dataset[name]) for name in ("onset_force", "stick_force")]
+    words, result = flag_names(dataset.attractor), []
+    for found, force in zip(dataset.attractor, dataset.axial_force.values, strict=True):
+        kind, claim = expected[np.searchsorted(limits, force)]
+        names = ", ".join(sorted({words[value].replace(" ", "_") for value in found.values.ravel()}))
+        computed = f"{names} from {dataset.sizes['start']} starts"
+        reached = named(found, kind).all()
+        result.append(Check.holds(f"At R = {force:g} N {claim}", "Sect. 8.5.1, Fig. 8.6, inset", computed, reached))
+    return result
+
+
+def _reading_checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the printed values: C± do not depend on the mass; Γ± as printed do not belong to the stated one."""
+    stated = float(dataset.mass)
+    printed_for = float(dataset.reading_mass.values[dataset.reading_mass.values != stated][0])
+    ours, theirs = dataset.sel(reading_mass=stated), dataset.sel(reading_mass=printed_for)
+    laws, result = ((-1, "minus", "₋"), (1, "plus", "₊")), []
+    for law, sign, symbol in laws:
+        words = f"Effective damping C{symbol}, of any mass"
+        result.append(printed.check(words, chapter.EFFECTIVE_DAMPING[law], ours[f"reading_effective_damping_{sign}"]))
+    for law, sign, symbol in laws:
+        words = (
+            f"Effective inertia Γ{symbol} as printed, read as that of m = {printed_for:g} kg "
+            f"(with the stated m = {stated:g} kg it is {float(ours[f'reading_effective_inertia_{sign}']):.3g} kg m2)"
+        )
+        result.append(printed.check(words, chapter.EFFECTIVE_INERTIA[law], theirs[f"reading_effective_inertia_{sign}"]))
+    own = {name: float(theirs[f"reading_{name}"]) for name in ("stick_force", "detach_force")}
+    claim = f"The thresholds of Fig. 8.6 are not those of m = {printed_for:g} kg (more than 2 % off)"
+    found = f"m = {printed_for:g} kg gives {' and '.join(f'{force:.2f} N' for force in own.values())}"
+    off = all(abs(force / chapter.THRESHOLDS[name].value - 1) > 0.02 for name, force in own.items())
+    return [*result, Check.holds(claim, "Sect. 8.5.1, Fig. 8.6", found, off)]
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Draw the amplitude curve by regimes, the three thresholds and the inset portraits."""
+    from matplotlib.patches import Rectangle
+
+    figure = style.new_figure(style.DOUBLE, 4.2)
+    axes = figure.add_subplot()
+    forces, amplitude = dataset.swept_axial_force, dataset.swept_amplitude
+    for name, (colour, words) in _REGIMES.items():
+        inside = named(dataset.regime, name)
+        axes.plot(forces[inside], amplitude[inside], color=colour, linewidth=2.2, label=words)
+    top = 1.12 * float(amplitude.max())
+    words = ", ".join(f"{float(dataset[f'printed_{name}']):g}" for name in _THRESHOLDS)
+    for name, (word, _) in _THRESHOLDS.items():
+        force = float(dataset[name])
+        axes.axvline(force, color=style.GREY, linewidth=0.8, linestyle=":", zorder=0)
+        axes.axvline(float(dataset[f"printed_{name}"]), **style.PRINTED, zorder=0, label=f"printed: {words} N")
+        axes.text(force, top, f"{word} {force:.2f} N", ha="center", va="bottom")
+    axes.set(xlabel=style.label(forces), ylabel=style.label(amplitude, "amplitude of $u$"))
+    axes.set(xlim=forces[[0, -1]], ylim=(-0.02 * top, top))
+    # xarray's own interpolation needs scipy, which the package does not.
+    curve = np.interp(dataset.axial_force, forces, amplitude, np.nan, np.nan)
+    axes.plot(dataset.axial_force, curve, "o", color="white", mec=style.BLACK, markersize=4.5, zorder=4,
+              label="force of a phase portrait")  # fmt: skip
+    insets = [axes.inset_axes(place) for place in _INSETS[: dataset.sizes["case"]]]
+    for small, index in zip(insets, dataset.case.values, strict=True):
+        _inset(small, dataset.sel(case=index))
+    for left, bottom, width, height in _INSETS[: len(insets)]:
+        axes.add_patch(Rectangle((left - 0.055, bottom - 0.085), width + 0.06, height + 0.14, color="white", zorder=2,
+                                 transform=axes.transAxes))  # fmt: skip
+    style.state_values(figure, dataset)
+    style.legend(figure, [axes, *insets], 4)
+    return figure
+
+
+def _inset(small: Axes, case: xr.Dataset) -> None:
+    """Draw the phase portrait of one force."""
+    drawing.phase_plane(small, case, [0.6] * case.sizes["start"], 1.4, 0.2)
+    drawing.draw_lines(small, case)
+    drawing.guide(small, case, size=7.5)
+    small.locator_params(nbins=4)
+    title = small.set_title(f"$R$ = {style.number(case.axial_force)} N", fontsize=7, pad=4)
+    title.set_bbox({"facecolor": "white", "edgecolor": "none", "pad": 0})
+    small.tick_params(labelsize=6.5, pad=1.5)
+    small.set_xlabel(f"$u$ {style.unit(case.angle_deviation.attrs['units'])}", fontsize=7, labelpad=0)
+    small.set_ylabel(f"$\\dot u$ {style.unit(case.velocity_deviation.attrs['units'])}", fontsize=7, labelpad=0)

@@ -1,0 +1,160 @@
+"""Figure 8.9: trajectories (a) below and (b) above the critical mass, and the effect of the axial force on (b)."""
+
+from typing import ClassVar
+
+import numpy as np
+import xarray as xr
+from pydantic import Field
+
+from lsvib.datasets import spans
+from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, drive_parameters, flagged, labels, variable
+from lsvib.datasets.checks import Check
+from lsvib.figures import drawing, style
+from lsvib.figures.common import about, existing, named, spread
+from lsvib.figures.settings import DriveChanges, PhasePlane, PositiveSpan, Values, several
+from lsvib.figures.style import Axes, Figure
+from lsvib.models.drive import RigidDrive
+from lsvib.models.rigid import rigid_automaton
+from lsvib.stability.conditions import critical_mass
+
+CAPTION = """\
+Trajectories of the rigid drive (a) below and (b) above the critical mass; triangles on the lines point forward in time.
+Below, the motion decays to steady sliding; above, it seizes (sprag) and slips for ever. (c) Amplitude of the cycle in
+(b), left, and speed of the screw at its impact, right, over the axial force, which the text does not state; the dot is
+the force of (a) and (b).
+"""
+
+_SWEEP = "of the last case with another axial force, from the first start"
+
+
+class Settings(PhasePlane):
+    """Trajectories below and above the critical mass."""
+
+    unused: ClassVar = ("mass",)
+
+    cases: several(DriveChanges, 2, 2, "Changes of `drive`, one for each panel, the one below the critical mass first.")
+    axial_force: PositiveSpan = Field(description="R [N] over which the dependence on it is shown.")
+
+
+def build(settings: Values) -> xr.Dataset:
+    """Compute both phase planes, the critical mass and the sensitivity of case (b) to R, which the text leaves out."""
+    from lsvib.datasets import phase_plane
+
+    drive = RigidDrive.of(settings["drive"])
+    drives, critical = [drive.replace(**changes) for changes in settings["cases"]], existing(critical_mass(drive))
+    forces = spans.even(settings["axial_force"])
+    return xr.Dataset(
+        phase_plane.portraits(drives, settings["starts"], settings["duration"], settings["samples"])
+        | _sensitivity(drives[-1], forces, settings["starts"][0]),
+        coords={
+            **labels("case", drives, ("mass",)),
+            **drive_parameters(drives, along=("mass",), printed=("Sect. 8.6", "Sect. 8.6.1")),
+            **phase_plane.rule_coordinate(),
+            **axis("swept_axial_force", forces),
+            "critical_mass": ((), critical, CRITICAL_MASS),
+        },
+        attrs=about(
+            "Figure 8.9: trajectories below and above the critical mass",
+            "exact event-driven motion and its return map",
+            "Sect. 8.6.1, Fig. 8.9",
+        ),
+    )
+
+
+def _sensitivity(drive: RigidDrive, forces: np.ndarray, start: Values) -> Variables:
+    from lsvib.datasets import phase_plane
+    from lsvib.dynamics.attractors import Attractor, steady_state
+    from lsvib.dynamics.impulses import seizure_speeds
+
+    rows = []
+    for force in forces:
+        pushed = drive.replace(axial_force=float(force))
+        steady = steady_state(rigid_automaton(pushed), [start["u"], start["w"]])
+        speeds = np.empty(0) if steady.orbit is None else np.abs(seizure_speeds(pushed, steady.orbit))
+        rows.append((steady.label, steady.amplitude, speeds.max() if speeds.size else np.nan))
+    (label, amplitude, speed), dim = np.array(rows, dtype=float).T, "swept_axial_force"
+    return {
+        "swept_attractor": flagged(dim, label, phase_plane.ATTRACTOR, Attractor, comment=_SWEEP),
+        "swept_amplitude": variable(dim, amplitude, "rad", phase_plane.AMPLITUDE, comment=_SWEEP),
+        "impact_speed": variable(dim, speed, "rad s-1", "screw speed before a seizure", r"$\dot\theta$"),
+    }
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the signs of Γ₊, where the motions end, and that the choice of R does not decide it."""
+    gamma, mass, critical = dataset.effective_inertia_plus.values, dataset.mass.values, float(dataset.critical_mass)
+    sprags, amplitude = named(dataset.attractor, "sprag slip cycle")[1], dataset.amplitude.values[1].ravel()
+    forces, swept = dataset.swept_axial_force.values, dataset.swept_amplitude.values
+    speed = dataset.impact_speed.values / float(-dataset.stop_velocity[1])
+    swing = float(np.ptp(speed) / (speed.max() + speed.min()))
+    return [
+        Check.holds(
+            "The critical mass lies between the masses of (a) and (b), and Γ₊ changes sign there",
+            "Sect. 8.6.1, eq. 8.20",
+            f"Γ₊ = {gamma[0]:.3g} kg m2 at {mass[0]:g} kg, {gamma[1]:.3g} kg m2 at {mass[1]:g} kg; "
+            f"m_cr = {critical:.4f} kg",
+            gamma[0] > 0 > gamma[1] and mass[0] < critical < mass[1],
+        ),
+        Check.everywhere(
+            "(a) below the critical mass every motion decays to the origin",
+            "Sect. 8.6.1, Fig. 8.9a",
+            named(dataset.attractor, "steady sliding")[0],
+        ),
+        Check.holds(
+            "(b) above the critical mass every motion ends on one sprag-slip cycle, under either rule of resuming",
+            "Sect. 8.6.1, Fig. 8.9b",
+            f"{sprags.sum()} of {sprags.size}, amplitude {amplitude[0]:.6g} rad, relative spread "
+            f"{spread(amplitude):.1e}",
+            sprags.all() and spread(amplitude) < 1e-12,
+        ),
+        Check.holds(
+            "The axial force, which the text leaves out, changes neither the kind of motion in (b) nor, by 2 %, "
+            "the impact speed that the peak force is proportional to",
+            "Sect. 8.6.1, Figs 8.9b, 8.10b",
+            f"R from {forces[0]:g} to {forces[-1]:g} N: sprag-slip, "
+            f"impact speed {speed.min():.4g} to {speed.max():.4g} times Ω, but amplitude "
+            f"{swept.max():.3g} down to {swept.min():.3g} rad",
+            named(dataset.swept_attractor, "sprag slip cycle").all() and swing < 0.02,
+        ),
+    ]
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Draw (a) and (b) as phase planes, and (c) amplitude and impact speed of (b) against the axial force."""
+    figure = style.new_figure(style.DOUBLE, 3.7)
+    *planes, last = figure.subplots(1, 3)
+    for index, axes in enumerate(planes):
+        case = dataset.isel(case=index)
+        relation = "<" if float(case.mass) < float(dataset.critical_mass) else ">"
+        drawing.phase_plane(axes, case)
+        left, right = axes.get_xlim()
+        axes.set_xlim(left, right + 0.35 * (right - left))  # room for words beyond the line
+        drawing.draw_lines(axes, case)
+        drawing.draw_arrows(axes, case)
+        # The line N = 0 is steep: beyond m_cr forward slip has N < 0 only.
+        axes.text(0.4, 0.35, "$N < 0$", transform=axes.transAxes, ha="center")
+        words = "no\nsolution" if index else "$N > 0$"
+        axes.text(0.98, 0.75, words, transform=axes.transAxes, ha="right", va="center")
+        drawing.label_axes(axes, dataset)
+        axes.locator_params(axis="x", nbins=3)
+        axes.set_title(f"({'ab'[index]}) $m$ = {style.number(case.mass)} kg ${relation} m_\\mathrm{{cr}}$")
+    _over_force(last, dataset)
+    style.state_values(figure, dataset)
+    style.legend(figure, planes, 4)
+    return figure
+
+
+def _over_force(axes: Axes, dataset: xr.Dataset) -> None:
+    """Amplitude (left) and impact speed (right) of the cycle in (b); the dot is the force of (b)."""
+    force = dataset.swept_axial_force
+    axes.plot(force, dataset.swept_amplitude, color=style.BLUE)
+    axes.plot(dataset.axial_force, dataset.amplitude[1, 0, 0], "o", color=style.BLUE)
+    axes.set(title="(c) cycle of (b) against $R$", xlabel="Axial force " + style.label(force, " ").strip())
+    axes.set(ylim=(0, None), xlim=(0, None))
+    axes.set_ylabel(style.label(dataset.swept_amplitude, "amplitude of $u$"), color=style.BLUE)
+    axes.tick_params(axis="y", which="both", right=False)
+    right = axes.twinx()
+    right.plot(force, dataset.impact_speed, color=style.VERMILION, linestyle="--")
+    right.set_ylabel(style.label(dataset.impact_speed, "impact speed"), color=style.VERMILION)
+    right.set_ylim(0, -2.2 * float(dataset.stop_velocity[1]))

@@ -1,0 +1,353 @@
+"""Figure 8.10: the sprag–slip cycle with compliant threads, its phase plane and the peaks of its contact force."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+import xarray as xr
+from pydantic import Field
+
+from lsvib.datasets import printed, spans
+from lsvib.datasets.attributes import Variables, axis, drive_parameters, flagged, quantity, start_state, variable
+from lsvib.datasets.checks import Check
+from lsvib.figures import drawing, style
+from lsvib.figures.common import about, named
+from lsvib.figures.settings import (
+    DriveChanges,
+    Duration,
+    FigureSettings,
+    PositiveSpan,
+    Samples,
+    State,
+    Values,
+    parameter,
+)
+from lsvib.figures.style import Axes, Figure
+from lsvib.models import chapter
+from lsvib.models.drive import RigidDrive, ThreadsDrive
+from lsvib.models.rigid import rigid_automaton
+from lsvib.models.threads import ThreadsEvent, ThreadsMode, seated_state, threads_automaton
+
+if TYPE_CHECKING:
+    from lsvib.dynamics.attractors import SteadyState
+    from lsvib.engine.automaton import Automaton
+    from lsvib.engine.motion import Motion
+
+CAPTION = """\
+Compliant threads, k_c = c_c = 10⁸ (SI): (a) phase plane beside the rigid drive's cycle; (b) contact force on a broken
+axis, its peaks in kN above and the sliding between them in N below; (c) the right edge of (a), where the rigid drive
+jumps and the compliant one seizes in finite time; (d) one of the peaks; (e) peak (left) and distance to the rigid cycle
+(right) over R, which the text does not state. The dot is the force of (a) to (d), 50 N assumed.
+"""
+
+_PEAK = ("N", "largest normal force on the cycle", "$N$")
+_DISTANCE = (
+    "1", "distance of the compliant from the rigid cycle, in scales of the rigid amplitude and the input speed",
+)  # fmt: skip
+
+
+class Settings(FigureSettings):
+    """Cycle with compliant threads, its contact force, and its dependence on the axial force."""
+
+    drive: DriveChanges
+    contact_stiffness: parameter("contact_stiffness", of=ThreadsDrive)
+    contact_damping: parameter("contact_damping", of=ThreadsDrive)
+    start: State
+    duration: Duration
+    samples: Samples
+    axial_force: PositiveSpan = Field(description="R [N] over which the dependence on it is shown.")
+
+
+def build(settings: Values) -> xr.Dataset:
+    """Compute motion and cycle with compliant threads from a seated contact, the rigid cycle, and the effect of R."""
+    from lsvib.engine.motion import follow
+
+    contact = {key: settings[key] for key in ("contact_stiffness", "contact_damping")}
+    drive, start, samples = ThreadsDrive.of(settings["drive"], **contact), settings["start"], settings["samples"]
+    automaton, cycle = compliant_cycle(drive, start)
+    rigid = _rigid_cycle(drive, start)
+    motion = follow(automaton, seated_state(drive, start["u"], start["w"]), settings["duration"])
+    forces = spans.even(settings["axial_force"])
+    return xr.Dataset(
+        _motion(motion, samples)
+        | cycle_curves((), [cycle], samples)
+        | cycle_curves((), [rigid], samples, "rigid_cycle")
+        | _peak(cycle)
+        | _comparison(drive, cycle, rigid)
+        | _sensitivity(drive, forces, start),
+        coords={
+            **axis("swept_axial_force", forces),
+            **drive_parameters(drive, printed=("Sect. 8.6", "Sect. 8.6.1")),
+            **start_state(start, "with a seated contact: of the motion and of those whose cycles are found"),
+            "printed_peak_normal_force": printed.variable(chapter.PEAK_FORCE, "largest contact force on the cycle"),
+        },
+        attrs=about(
+            "Figure 8.10: sprag-slip vibration with compliant threads",
+            "exact event-driven motion with four states",
+            "Sect. 8.6.1, Fig. 8.10",
+        ),
+    )
+
+
+def compliant_cycle(drive: ThreadsDrive, start: Values) -> "tuple[Automaton, SteadyState]":
+    """Return the automaton and the attractor of the motion from a seated contact at u [rad], w [rad/s]."""
+    from lsvib.dynamics.attractors import steady_state
+
+    automaton = threads_automaton(drive)
+    return automaton, steady_state(automaton, seated_state(drive, start["u"], start["w"]))
+
+
+def cycle_curves(dims: Sequence[str], cycles: "Sequence[SteadyState]", count: int, prefix: str = "cycle") -> Variables:
+    """Return cycles as curves in the phase plane, dimensions (*dims, sample), NaN where there is none.
+
+    Variables: ``{prefix}_time`` [s] from a point of the cycle, ``_angle`` [rad], ``_velocity`` [rad/s]; both states of
+    each event are among the samples.
+    """
+    from lsvib.datasets import phase_plane
+
+    curves = np.full((len(cycles), count, 3), np.nan)
+    for curve, steady in zip(curves, cycles, strict=True):
+        if steady.orbit is not None:
+            times, states, _ = phase_plane.sample(steady.orbit, count)
+            curve[:, 0], curve[:, 1:] = times, states[:, :2]
+    curves, dims = curves if dims else curves[0], (*dims, f"{prefix}_sample")
+    time = variable(dims, curves[..., 0], "s", "time along the cycle", "$t$")
+    return {f"{prefix}_time": time, **phase_plane.curve(prefix, dims, curves[..., 1:], "on the limit cycle")}
+
+
+def _rigid_cycle(drive: RigidDrive, start: Values) -> "SteadyState":
+    from lsvib.dynamics.attractors import steady_state
+
+    return steady_state(rigid_automaton(drive), [start["u"], start["w"]])
+
+
+def _motion(motion: "Motion", samples: int) -> Variables:
+    """The compliant motion with its contact force; both states of each event are samples, so every peak is."""
+    from lsvib.datasets import phase_plane
+
+    times, states, modes = phase_plane.sample(motion, samples)
+    # The same rows in every mode.
+    rows = {name: motion.automaton.observables[name][0] for name in ("normal_force", "coupling_deflection")}
+    columns = ("angle_deviation", "velocity_deviation", *motion.automaton.states[2:])
+    return {
+        "time": variable("sample", times, "s", "time", "$t$"),
+        **{name: ("sample", states[:, k], quantity(name)) for k, name in enumerate(columns)},
+        **{name: ("sample", states @ row[:-1] + row[-1], quantity(name)) for name, row in rows.items()},
+        "mode": flagged("sample", motion.automaton.codes[modes], "mode of motion", ThreadsMode),
+    }
+
+
+def _peak(cycle: "SteadyState") -> Variables:
+    """The contact force around a peak, over time from the start of the sprag."""
+    from lsvib.dynamics.attractors import Attractor
+    from lsvib.engine.motion import follow
+
+    (times, force), sprag = np.full((2, 400), np.nan), np.nan
+    if cycle.label == Attractor.SPRAG_SLIP_CYCLE:  # else there is nothing to draw; the checks say so
+        period, automaton = cycle.orbit.end_time, cycle.orbit.automaton
+        twice = follow(automaton, cycle.state, 2 * period, mode=cycle.orbit.start_mode)
+        stick = int(np.flatnonzero((twice.kind == ThreadsEvent.STICK) & (twice.time > 0.5 * period))[0])
+        begin, sprag = twice.time[stick - 1], float(twice.time[stick] - twice.time[stick - 1])
+        times = begin + sprag * np.linspace(-0.3, 1.6, 400)
+        times = np.sort(np.append(times, twice.time[stick - 1 : stick + 3]))
+        force, times = automaton.observe("normal_force", *twice.at(times)), times - begin
+    return {
+        "close_up_time": variable("close_up_sample", times, "s", "time after the start of a sprag", "$t$"),
+        "close_up_normal_force": ("close_up_sample", force, quantity("normal_force")),
+        "sprag_duration": variable((), sprag, "s", "time from N = 0 until the screw stands"),
+    }
+
+
+def _comparison(drive: RigidDrive, cycle: "SteadyState", rigid: "SteadyState") -> Variables:
+    """The cycle in numbers, beside the rigid one."""
+    from lsvib.datasets import phase_plane
+    from lsvib.dynamics.attractors import Attractor
+
+    found: Variables = {}
+    for name, steady, words in (("", cycle, ""), ("rigid_", rigid, ", of the rigid drive")):
+        low, high = steady.extremes(np.eye(1, steady.state.size + 1)[0])  # of u
+        found |= {
+            f"{name}attractor": flagged((), steady.label, phase_plane.ATTRACTOR + words, Attractor),
+            f"{name}amplitude": variable((), 0.5 * (high - low), "rad", phase_plane.AMPLITUDE + words),
+            f"{name}period": variable((), steady.period, "s", phase_plane.PERIOD + words, "$T$"),
+        }
+    peak, distance = _cycle_values(drive, cycle, rigid)
+    return found | {
+        "peak_normal_force": variable((), peak, *_PEAK),
+        "orbit_distance": variable((), distance, *_DISTANCE),
+        "period_residual": variable((), cycle.residual, "1", "relative change of the section state over a period"),
+    }
+
+
+def _cycle_values(drive: RigidDrive, cycle: "SteadyState", rigid: "SteadyState") -> tuple[float, float]:
+    """Largest |N| [N] on the compliant cycle, and its distance [1] from the rigid one; nan where there is none."""
+    from lsvib.dynamics.attractors import orbit_extremes
+    from lsvib.dynamics.curve_distance import Orbit
+
+    if cycle.orbit is None or rigid.orbit is None:
+        return np.nan, np.nan
+    low, high = orbit_extremes(cycle.orbit, cycle.orbit.automaton.observables["normal_force"])
+    scales = (rigid.amplitude, abs(drive.input_speed))
+    return max(-low, high), Orbit.of(cycle.orbit, scales).distance(Orbit.of(rigid.orbit, scales))
+
+
+def _sensitivity(drive: ThreadsDrive, forces: np.ndarray, start: Values) -> Variables:
+    from lsvib.datasets import phase_plane
+    from lsvib.dynamics.attractors import Attractor
+
+    rows, dim = [], "swept_axial_force"
+    for force in forces:
+        pushed = drive.replace(axial_force=float(force))
+        cycle = compliant_cycle(pushed, start)[1]
+        rows.append((cycle.label, *_cycle_values(pushed, cycle, _rigid_cycle(pushed, start))))
+    label, peak, distance = np.array(rows, dtype=float).T
+    return {
+        "swept_attractor": flagged(dim, label, phase_plane.ATTRACTOR, Attractor),
+        "swept_peak_normal_force": variable(dim, peak, *_PEAK),
+        "swept_orbit_distance": variable(dim, distance, *_DISTANCE),
+    }
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the printed peak force, how little R changes it, and how close the motion stays to the rigid one."""
+    force, peak, claim = dataset.swept_axial_force.values, dataset.swept_peak_normal_force.values, chapter.PEAK_FORCE
+    found = (dataset.swept_attractor, dataset.attractor, dataset.rigid_attractor)
+    sprags = np.hstack([named(attractor, "sprag slip cycle") for attractor in found])
+    near, number = dataset.swept_orbit_distance.values, {name: float(x) for name, x in dataset.items() if not x.ndim}
+    late = named(dataset["mode"], "rest positive") & (dataset.time.values > 0.5 * float(dataset.time[-1]))
+    highest = float(dataset.normal_force.values[late].max(initial=-np.inf))
+    return [
+        printed.check("Peak of the contact force on the cycle", claim, dataset.peak_normal_force),
+        Check.holds(
+            f"The peak stays within {100 * claim.tolerance:g} % of {claim.value / 1e3:g} kN whatever R is, which the "
+            "text leaves out",
+            claim.source,
+            f"{peak.min() / 1e3:.2f} to {peak.max() / 1e3:.2f} kN for R from {force[0]:g} to {force[-1]:g} N",
+            np.abs(peak / claim.value - 1).max() <= claim.tolerance,
+        ),
+        Check.holds(
+            "The cycle lies within 2 % of the rigid one of Fig. 8.9b, in scales of its amplitude and of Ω",
+            "Sect. 8.6.1, Fig. 8.10a",
+            f"distance {number['orbit_distance']:.4f} (amplitude {number['amplitude']:.6g} against "
+            f"{number['rigid_amplitude']:.6g} rad, period {number['period']:.7g} against "
+            f"{number['rigid_period']:.7g} s); {near.min():.4f} to {near.max():.4f} over R",
+            number["orbit_distance"] <= 0.02,
+        ),
+        Check.holds(
+            "With either model and for every R the motion ends on a sprag-slip cycle, which repeats to 1e-9",
+            "Sect. 8.6.1, Fig. 8.10",
+            f"{sprags.sum()} of {sprags.size}, residual {number['period_residual']:.1e}",
+            sprags.all() and number["period_residual"] <= 1e-9,
+        ),
+        Check.holds(
+            "Largest sample of N(t) in the second half of the motion is the exact peak of the cycle, to 1e-6: the "
+            "peak is at an event, which is a sample, and the motion is on its cycle",
+            "resolution of Fig. 8.10b",
+            f"{highest:.9g} N against {number['peak_normal_force']:.9g} N",
+            abs(highest / number["peak_normal_force"] - 1) <= 1e-6,
+        ),
+    ]
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Draw (a) the phase plane, (b) N(t) on a broken axis, (c) a seizure close up, (d) its peak, (e) what R changes."""
+    figure = style.new_figure(style.DOUBLE, 5.6)
+    above, below = figure.subfigures(2, 1, height_ratios=(1.25, 1))
+    panels = above.subplot_mosaic([["a", "peaks"], ["a", "sliding"]], width_ratios=(1, 1.15))
+    close, peak, force = below.subplots(1, 3)
+    _plane(panels["a"], dataset)
+    _force(panels["peaks"], panels["sliding"], dataset)
+    _close_up(close, dataset)
+    _one_peak(peak, dataset)
+    _over_force(force, dataset)
+    style.state_values(figure, dataset)
+    style.legend(figure, [panels["a"], peak], 3)
+    return figure
+
+
+def _plane(axes: Axes, dataset: xr.Dataset) -> None:
+    axes.plot(dataset.angle_deviation, dataset.velocity_deviation, color=style.SKY, linewidth=0.8, label="motion")
+    _cycles(axes, dataset)
+    axes.plot(dataset.angle_deviation[0], dataset.velocity_deviation[0], "o", color=style.SKY, mfc="white",
+              label="start")  # fmt: skip
+    drawing.mark_origin(axes)
+    drawing.draw_stop(axes, -float(dataset.input_speed))
+    drawing.arrows(axes, [(dataset.cycle_angle.values, dataset.cycle_velocity.values, style.BLUE)])
+    drawing.label_axes(axes, dataset)
+    axes.locator_params(axis="x", nbins=5)
+    axes.set_title("(a) phase plane")
+
+
+def _close_up(axes: Axes, dataset: xr.Dataset) -> None:
+    """The right edge of (a), where the screw seizes: a jump with rigid threads."""
+    _cycles(axes, dataset)
+    if np.isfinite(dataset.cycle_angle).any():
+        speed = float(dataset.input_speed)
+        edge, width = float(dataset.cycle_angle.max()), float(dataset.amplitude)
+        axes.set(xlim=(edge - 0.05 * width, edge + 0.02 * width), ylim=(-1.1 * speed, 1.1 * speed))
+    axes.xaxis.set_major_formatter(lambda value, _: f"{1e3 * value:g}".replace("-", "−"))
+    axes.locator_params(axis="x", nbins=4)
+    axes.set(title="(c) right edge of (a)", xlabel="Deviation $u$ [10⁻³ rad]",
+             ylabel=style.label(dataset.velocity_deviation, "rate"))  # fmt: skip
+
+
+def _cycles(axes: Axes, dataset: xr.Dataset) -> None:
+    """The rigid cycle, its jump included, and the compliant one on it."""
+    axes.plot(dataset.rigid_cycle_angle, dataset.rigid_cycle_velocity, color=style.ORANGE, linewidth=2.6,
+              label="cycle of the rigid drive", zorder=2)  # fmt: skip
+    axes.plot(dataset.cycle_angle, dataset.cycle_velocity, color=style.BLUE, linewidth=1.0,
+              label="cycle with compliant threads", zorder=2.1)  # fmt: skip
+
+
+def _force(peaks: Axes, sliding: Axes, dataset: xr.Dataset) -> None:
+    """Contact force over time: the peaks above, sliding below, on the same axis of time; its own axis is broken."""
+    time, printed = dataset.time * 1e3, float(dataset.printed_peak_normal_force) / 1e3
+    cut = {"marker": [(-1, -0.6), (1, 0.6)], "markersize": 7, "linestyle": "none", "color": style.BLACK, "mew": 0.8}
+    for axes, unit, edge, spine in ((peaks, 1e3, 0, "bottom"), (sliding, 1, 1, "top")):
+        axes.plot(time, dataset.normal_force / unit, color=style.BLUE, linewidth=0.8)
+        axes.spines[spine].set_visible(False)
+        axes.set_xlim(0, float(time[-1]))
+        axes.plot([0, 1], [edge, edge], transform=axes.transAxes, clip_on=False, zorder=10, **cut)
+    peaks.axhline(printed, color=style.VERMILION, linestyle="--", linewidth=0.9)
+    peaks.text(0.99, 0.97, f"{printed:g} kN, printed", color=style.VERMILION, ha="right", va="top", fontsize=6.5,
+               transform=peaks.transAxes)  # fmt: skip
+    sliding.axhline(0, color=style.GREY, linewidth=0.6)
+    peaks.set(title="(b) contact force, axis broken: kN above, N below", ylim=(0, 1.06 * _top(dataset)))
+    peaks.set_ylabel("$N$ [kN]")
+    sliding.set(ylim=(-60.0, 160.0), xlabel="Time $t$ [ms]", ylabel="$N$ [N]")
+    peaks.tick_params(labelbottom=False, bottom=False, top=False)
+    sliding.tick_params(top=False)
+
+
+def _top(dataset: xr.Dataset) -> float:
+    """Upper end of an axis of the force [kN]: a little above the printed peak and what is drawn."""
+    return 1.15e-3 * max(float(dataset.printed_peak_normal_force), float(dataset.normal_force.max()))
+
+
+def _one_peak(axes: Axes, dataset: xr.Dataset) -> None:
+    sprag = float(dataset.sprag_duration) * 1e6
+    time = dataset.close_up_time * 1e6
+    axes.plot(time, dataset.close_up_normal_force / 1e3, color=style.BLUE)
+    axes.axvspan(0, sprag, color=style.YELLOW, alpha=0.35, linewidth=0, label=r"sprag: $N > 0$, $\dot\theta > 0$")
+    axes.set(title="(d) one peak", xlabel="Time after $N = 0$ [µs]", ylabel="$N$ [kN]", ylim=(-10, _top(dataset)))
+    axes.margins(x=0)
+
+
+def _over_force(axes: Axes, dataset: xr.Dataset) -> None:
+    """Peak force (left) and distance to the rigid cycle (right) over R; the dot is the force of (a) to (d)."""
+    printed, force = float(dataset.printed_peak_normal_force) / 1e3, dataset.swept_axial_force
+    part = dataset.printed_peak_normal_force.attrs["relative_tolerance"]
+    axes.axhspan(printed * (1 - part), printed * (1 + part), color=style.VERMILION, alpha=0.15, linewidth=0)
+    axes.text(0.97, 0.1, f"{printed:g} kN ± {100 * part:g} %", color=style.VERMILION, ha="right", fontsize=6.5,
+              transform=axes.transAxes)  # fmt: skip
+    axes.plot(force, dataset.swept_peak_normal_force / 1e3, color=style.BLUE)
+    axes.plot(dataset.axial_force, dataset.peak_normal_force / 1e3, "o", color=style.BLUE)
+    axes.set(title="(e) dependence on $R$", xlabel=f"Axial force {style.label(force, ' ').strip()}")
+    axes.set_ylabel("Peak of $N$ [kN]", color=style.BLUE)
+    axes.set_xlim(0, float(force[-1]))
+    axes.tick_params(axis="y", which="both", right=False)
+    right = axes.twinx()
+    right.plot(force, 100 * dataset.swept_orbit_distance, color=style.GREEN, linestyle="--")
+    right.set_ylabel("Distance to rigid cycle [%]", color=style.GREEN)
+    right.set_ylim(0, None)

@@ -1,0 +1,113 @@
+"""Figure 8.11: effect of the support damping on the sprag–slip cycle, with the line N = 0 of each damping."""
+
+from typing import ClassVar
+
+import numpy as np
+import xarray as xr
+
+from lsvib.datasets.attributes import drive_parameters, labels
+from lsvib.datasets.checks import Check
+from lsvib.figures import drawing, style
+from lsvib.figures.common import about, named
+from lsvib.figures.settings import Damping, PhasePlane, Values, several
+from lsvib.figures.style import Figure
+from lsvib.models.drive import RigidDrive
+
+CAPTION = """\
+Sprag–slip cycles of the rigid drive for three levels of support damping c (assumed), each with its line of zero contact
+force; triangles point forward in time. The screw slips to the left of the line, where N < 0. Seizure starts where the
+trajectory reaches it: to the right forward slip has no solution.
+"""
+
+
+class Settings(PhasePlane):
+    """Sprag-slip cycles for three levels of support damping."""
+
+    unused: ClassVar = ("support_damping",)
+
+    support_dampings: several(Damping, 2, 4, "Support dampings in ascending order [N m s/rad].")
+
+
+def build(settings: Values) -> xr.Dataset:
+    """Compute the phase plane for each damping; ``settings``: see ``Settings``."""
+    from lsvib.datasets import phase_plane
+
+    drive = RigidDrive.of(settings["drive"])
+    drives = [drive.replace(support_damping=c) for c in settings["support_dampings"]]
+    return xr.Dataset(
+        phase_plane.portraits(drives, settings["starts"], settings["duration"], settings["samples"]),
+        coords={
+            **labels("case", drives, ("support_damping",)),
+            **drive_parameters(drives, along=("support_damping",), printed=("Sect. 8.6", "Sect. 8.6.1")),
+            **phase_plane.rule_coordinate(),
+        },
+        attrs=about(
+            "Figure 8.11: effect of the support damping on the sprag-slip cycle",
+            "exact event-driven motion and its return map",
+            "Sect. 8.6.1, Fig. 8.11",
+        ),
+    )
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the trend of the amplitude, where seizures start, and that the rule of resuming plays no part here."""
+    amplitude, damping = dataset.amplitude.values, dataset.support_damping.values
+    sprags = named(dataset.attractor, "sprag slip cycle")
+    seizes = named(dataset.event_kind, "seizure") & (dataset.event_time > 0)
+    slope, offset = dataset.contact_line_slope, dataset.contact_line_angle
+    terms = [dataset.event_angle_deviation_before, -slope * dataset.event_velocity_deviation_before, -offset]
+    worst = float((abs(sum(terms)) / sum(abs(term) for term in terms)).where(seizes).max())
+    falls, count, rules = amplitude[:, 0].max(axis=1), int(seizes.sum()), np.abs(np.diff(amplitude, axis=1)).max()
+    return [
+        Check.everywhere("The motion is a sprag-slip cycle at each damping", "Sect. 8.6.1, Fig. 8.11", sprags),
+        Check.holds(
+            "The amplitude falls as the damping grows",
+            "Sect. 8.6.1, Fig. 8.11",
+            ", ".join(f"{a:.5g} rad at c = {c:g} N m s/rad" for a, c in zip(falls, damping, strict=True)),
+            (np.diff(damping) > 0).all() and (np.diff(amplitude, axis=0) < 0).all(),
+        ),
+        Check.holds(
+            "Every seizure starts on the line N = 0, to 1e-14 of the terms of Q",
+            "Sect. 8.6.1, Fig. 8.11, eq. 8.17",
+            f"largest distance {worst:.1e} of {count} seizures",
+            count > 0 and worst <= 1e-14,
+        ),
+        Check.holds(
+            "At these dampings both rules of resuming give the same cycle (Fig. 8.12 shows where they differ)",
+            "Sect. 8.6, rule of resuming",
+            f"largest difference of the amplitudes {rules:.1e} rad",
+            rules == 0,
+        ),
+    ]
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Draw the limit cycle of each damping with its own line N = 0, on which its seizure starts.
+
+    An arrow of time stands on each cycle, and words on the side of the lines on which the screw slips forward.
+    """
+    figure = style.new_figure(style.DOUBLE * 0.72, 4.3)
+    axes = figure.add_subplot()
+    cases = [dataset.sel(case=index) for index in dataset.case.values]
+    colours, lines = (style.BLUE, style.ORANGE, style.GREEN, style.PURPLE), []
+    for case, colour in zip(cases, colours, strict=False):
+        unit = style.unit(case.support_damping.attrs["units"])[1:-1]
+        drawing.draw_cycle(axes, case, colour, name=f"$c$ = {style.number(case.support_damping)} {unit}")
+        u, w, seized = drawing.cycle_of(case)
+        drawing.mark_seizures(axes, u[:-1][seized], w[:-1][seized], colour)
+        lines.append((*drawing.parted(u[:-1], w[:-1], seized[:-1]), colour))
+    drawing.mark_origin(axes)
+    axes.margins(0.08)
+    axes.autoscale_view()
+    left, right = axes.get_xlim()
+    axes.set_xlim(left, right + 0.2 * (right - left))  # room for words beyond the lines
+    for case, colour in zip(cases, colours, strict=False):
+        drawing.draw_lines(axes, case, colour, "$N = 0$, same colour")
+    drawing.arrows(axes, lines)
+    axes.text(0.38, 0.5, "$N < 0$ left of\neach line: slip", transform=axes.transAxes, ha="center", va="center")
+    axes.text(0.98, 0.96, "right of each line\nno solution: seizure", transform=axes.transAxes, ha="right", va="top")
+    drawing.label_axes(axes, dataset)
+    style.state_values(figure, dataset)
+    style.legend(figure, [axes], 3)
+    return figure

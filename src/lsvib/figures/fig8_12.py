@@ -1,0 +1,228 @@
+"""Figure 8.12: amplitude, mean deflection and mean contact force of the sprag–slip cycle against the damping."""
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+import xarray as xr
+from pydantic import Field
+
+from lsvib.datasets import spans
+from lsvib.datasets.attributes import axis, drive_parameters, flagged, start_state, variable
+from lsvib.datasets.checks import Check
+from lsvib.errors import InputError
+from lsvib.figures import style
+from lsvib.figures.common import about, flag_names, named
+from lsvib.figures.settings import DriveChanges, FigureSettings, Span, State, Values
+from lsvib.figures.style import Axes, Figure
+from lsvib.models.drive import RigidDrive
+from lsvib.models.model import RULES
+from lsvib.models.rigid import MotionMode, rigid_automaton
+from lsvib.numbers import bisected
+
+if TYPE_CHECKING:
+    from lsvib.dynamics.attractors import SteadyState
+
+CAPTION = """\
+Sprag–slip cycle over the support damping c: (a) amplitude, (b) mean deflection of the coupling and (c) mean contact
+force; (d) to (f) the same for small c, where the two rules of resuming after a seizure part. The impulses of the
+seizures are part of the mean force.
+"""
+
+_QUANTITIES = {
+    "amplitude": ("rad", "amplitude of the steady vibration, half its peak-to-peak", ""),
+    "mean_deflection": ("rad", "mean coupling deflection", r"$\langle z \rangle$"),
+    "mean_normal_force": ("N", "mean magnitude of the normal force, impulses included", r"$\langle |N| \rangle$"),
+    "mean_impulsive_force": ("N", "part of the mean normal force that comes from impulses", ""),
+    "mean_axial_contact_force": ("N", "mean axial contact force, impulses included", ""),
+    "mean_contact_torque": ("N m", "mean contact torque on the screw, impulses included", ""),
+    "mean_coupling_torque": ("N m", "mean coupling torque less the mean damping torque", ""),
+}
+_RULES = {
+    "contact sign": (style.BLUE, "-", "resumes by the sign of the contact force"),
+    "at once": (style.ORANGE, (0, (4, 2)), "resumes at once, as in the chapter"),
+}
+_PANELS = (  # variable, title, word on the axis
+    ("amplitude", "amplitude", "amplitude of $u$"),
+    ("mean_deflection", "mean deflection", "mean deflection"),
+    ("mean_normal_force", "mean force", "mean force"),
+)
+
+
+class Settings(FigureSettings):
+    """Amplitude and means of the sprag-slip cycle against the support damping."""
+
+    unused: ClassVar = ("support_damping",)
+
+    drive: DriveChanges
+    support_damping: Span = Field(description="c [N m s/rad], from zero or more.")
+    start: State
+
+
+def build(settings: Values) -> xr.Dataset:
+    """Compute the cycle's amplitude and means over the damping, under both rules of resuming after a seizure.
+
+    ``settings``: see ``Settings``. Below ``resting_support_damping`` the screw rests after a seizure under the first
+    rule, so that the rules differ; there the values lie closer. Raises ``InputError``.
+    """
+    from lsvib.datasets import phase_plane
+    from lsvib.dynamics.attractors import Attractor, steady_state
+
+    drive, start = RigidDrive.of(settings["drive"]), [settings["start"]["u"], settings["start"]["w"]]
+    wanted = spans.even(settings["support_damping"])
+    limit = _resting_damping(drive, start, float(wanted.max()))
+    damping = np.unique(np.concatenate([wanted, limit * np.linspace(0, 2, 2 * (wanted.size // 8) + 1)]))
+    damping = damping[(damping >= wanted.min()) & (damping <= wanted.max())]
+    drives = [drive.replace(support_damping=float(c)) for c in damping]
+    found = [[steady_state(rigid_automaton(d, resume=rule), start) for d in drives] for rule in RULES]
+    values = np.array([[_values(d, steady) for d, steady in zip(drives, row, strict=True)] for row in found])
+    dims, resting = ("rule", "support_damping"), "damping below which the screw rests after a seizure"
+    labels = [[steady.label for steady in row] for row in found]
+    return xr.Dataset(
+        {name: variable(dims, values[..., k], *words) for k, (name, words) in enumerate(_QUANTITIES.items())}
+        | {"attractor": flagged(dims, labels, phase_plane.ATTRACTOR, Attractor)},
+        coords={
+            **axis("support_damping", damping),
+            **phase_plane.rule_coordinate(),
+            "resting_support_damping": variable((), limit, "N m s rad-1", resting, "$c$"),
+            **drive_parameters(drive, axes=("support_damping",), printed=("Sect. 8.6", "Sect. 8.6.1")),
+            **start_state(settings["start"], "of the motions whose cycles are found"),
+        },
+        attrs=about(
+            "Figure 8.12: effect of the support damping on the steady vibration",
+            "exact means over the cycle of the exact event-driven motion",
+            "Sect. 8.6.1, Fig. 8.12",
+        ),
+    )
+
+
+def _values(drive: RigidDrive, steady: "SteadyState") -> list[float]:
+    """Values of the quantities in their order; NaN where there is no cycle."""
+    from lsvib.dynamics.impulses import mean_load
+
+    if steady.orbit is None:
+        return [steady.amplitude] + [np.nan] * (len(_QUANTITIES) - 1)
+    load = mean_load(drive, steady.orbit)
+    left = -drive.coupling_stiffness * load.deflection - drive.support_damping * drive.input_speed
+    return [steady.amplitude, load.deflection, load.normal, load.impulsive, load.axial, load.torque, left]
+
+
+def _resting_damping(drive: RigidDrive, start: list[float], largest: float) -> float:
+    """Smallest damping [N m s/rad] up to ``largest`` whose cycle has no rest, by bisection to the last bit."""
+    from lsvib.dynamics.attractors import steady_state
+
+    def rests(damping: float) -> bool:
+        automaton = rigid_automaton(drive.replace(support_damping=damping))
+        orbit = steady_state(automaton, start).orbit
+        return orbit is None or bool((automaton.codes[orbit.arcs()[0]] == MotionMode.REST).any())
+
+    if rests(largest):
+        raise InputError(f"support_damping: the screw still rests at the stop, {largest:g}; give a larger one.")
+    return bisected(lambda damping: not rests(damping), 0.0, largest) if rests(0.0) else 0.0
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the trends over the damping, and both balances of momentum over a cycle."""
+    limit, amplitude = float(dataset.resting_support_damping), dataset.amplitude.values
+    slips = dataset.support_damping.values >= limit
+    gap = float(np.max(np.abs(amplitude[0] / amplitude[1] - 1)[slips]))
+    return [
+        *_trend_checks(dataset, limit, slips),
+        Check.holds(
+            "Without rest both rules of resuming give the same cycle, to 1e-12",
+            "Sect. 8.6, rule of resuming",
+            f"largest relative difference of the amplitudes {gap:.1e} for c >= {limit:.4g} N m s/rad",
+            gap < 1e-12,
+        ),
+        Check.exact(
+            "Mean axial contact force over R, impulses included (worst damping)",
+            "axial balance over a cycle",
+            1.0,
+            _worst(dataset.mean_axial_contact_force.values / float(dataset.axial_force)),
+        ),
+        Check.exact(
+            "Mean contact torque over mean coupling torque less damping, impulses included (worst damping)",
+            "balance of the screw's angular momentum over a cycle",
+            1.0,
+            _worst(dataset.mean_contact_torque.values / dataset.mean_coupling_torque.values),
+        ),
+    ]
+
+
+def _trend_checks(dataset: xr.Dataset, limit: float, slips: np.ndarray) -> list[Check]:
+    """Check that every drive vibrates, and how amplitude, mean deflection and mean normal force change."""
+    amplitude, force, damping = dataset.amplitude.values, dataset.mean_normal_force.values, dataset.support_damping
+    deflection, damped = np.abs(dataset.mean_deflection.values), damping.values > 0
+    lowest = float(damping[np.argmin(force[0])])
+    return [
+        Check.everywhere(
+            "The motion is a sprag-slip cycle for every damping, under either rule of resuming",
+            "Sect. 8.6.1, Fig. 8.12",
+            named(dataset.attractor, "sprag slip cycle"),
+        ),
+        Check.holds(
+            "The amplitude falls as the damping grows, over the whole range and under either rule",
+            "Sect. 8.6.1, Figs 8.11, 8.12",
+            f"from {amplitude[0, 0]:.5g} to {amplitude[0, -1]:.5g} rad",
+            (np.diff(amplitude) < 0).all(),
+        ),
+        Check.holds(
+            "The mean deflection of the coupling grows with the damping, with or without rest after a seizure",
+            "Sect. 8.6.1, Fig. 8.12",
+            f"|<z>| from {deflection[0, 0]:.5g} to {deflection[0, -1]:.5g} rad; by the rule at once, idle at "
+            f"c = 0, from {deflection[1, damped][0]:.5g} rad at c = {float(damping[damped][0]):.2g} N m s/rad",
+            (np.diff(deflection[0]) > 0).all() and (np.diff(deflection[1, damped]) > 0).all(),
+        ),
+        Check.holds(
+            "The mean of |N|, impulses included, grows with the damping wherever motion resumes at once",
+            "Sect. 8.6.1, Fig. 8.12",
+            f"from {force[0, slips][0]:.5g} N at c = {limit:.3g} N m s/rad to {force[0, -1]:.5g} N; below, "
+            f"where the screw rests, it falls from {force[0, 0]:.5g} to {force[0].min():.5g} N at c = {lowest:.2g}",
+            (np.diff(force[:, slips]) > 0).all() and slips.sum() > 1,
+        ),
+    ]
+
+
+def _worst(ratios: np.ndarray) -> float:
+    """The ratio farthest from one; NaN if any is."""
+    ratios = ratios.ravel()
+    return float(ratios[np.argmax(np.abs(ratios - 1))]) if np.isfinite(ratios).all() else np.nan
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Draw the three quantities under both rules of resuming, below close to the dampings at which they differ."""
+    figure = style.new_figure(style.DOUBLE, 4.9)
+    panels = figure.subplots(2, 3)
+    limit = float(dataset.resting_support_damping)
+    near = dataset.isel(support_damping=dataset.support_damping.values <= 2 * limit)
+    for column, (name, title, word) in enumerate(_PANELS):
+        whole, close = panels[:, column]
+        for axes, part, scale, power, name_of in (
+            (whole, dataset, 1e3, "⁻³", f"({'abc'[column]}) {title}"),
+            (close, near, 1e6, "⁻⁶", f"({'def'[column]}) {title}, small $c$"),
+        ):
+            _curves(axes, part, name, scale)
+            axes.set(
+                title=name_of, xlabel=f"Damping $c$ [10{power} N m s rad⁻¹]", ylabel=style.label(dataset[name], word)
+            )
+            axes.set_xlim(0, float(part.support_damping[-1]) * scale)
+            axes.locator_params(nbins=5)
+        close.axvline(limit * 1e6, color=style.BLACK, linewidth=0.8, linestyle=":",
+                      label=f"$c$ = {limit * 1e6:.3g} × 10⁻⁶ N m s rad⁻¹, below which the screw rests")  # fmt: skip
+        if name == "mean_normal_force":
+            whole.plot(dataset.support_damping * 1e3, dataset.mean_impulsive_force[0], color=style.GREY, linewidth=1.0,
+                       label="part from impulses")  # fmt: skip
+            whole.set_ylim(0, None)
+    style.state_values(figure, dataset)
+    style.legend(figure, [panels[0, 2], panels[1, 0]], 2)
+    return figure
+
+
+def _curves(axes: Axes, dataset: xr.Dataset, name: str, scale: float) -> None:
+    """Draw a quantity under both rules; without damping the second rule has no motion that resumes at once."""
+    for index, rule in flag_names(dataset.rule).items():
+        colour, dashes, words = _RULES[rule]
+        curve = dataset.sel(rule=index)
+        if rule == "at once":
+            curve = curve.isel(support_damping=dataset.support_damping.values > 0)
+        axes.plot(curve.support_damping * scale, curve[name], color=colour, linestyle=dashes, label=words)

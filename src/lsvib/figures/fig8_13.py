@@ -1,0 +1,330 @@
+"""Figure 8.13: with softer contacts the motion is smoother, and the coupling deflection turns positive in sprag."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+from pydantic import Field
+
+from lsvib.datasets import spans
+from lsvib.datasets.attributes import Variables, axis, drive_parameters, flagged, labels, start_state, variable
+from lsvib.datasets.checks import Check
+from lsvib.errors import InputError
+from lsvib.figures import drawing, style
+from lsvib.figures.common import CRITICAL_MASS_WITH_CONTACT, about, named
+from lsvib.figures.fig8_10 import compliant_cycle, cycle_curves
+from lsvib.figures.settings import Contact, DriveChanges, FigureSettings, PositiveSpan, Samples, State, Values, several
+from lsvib.figures.style import Axes, Figure
+from lsvib.models.drive import ThreadsDrive
+from lsvib.models.mechanics import coefficients
+from lsvib.models.rigid import rigid_automaton
+from lsvib.stability.conditions import critical_mass_of_contact
+
+if TYPE_CHECKING:
+    from lsvib.dynamics.attractors import SteadyState
+
+CAPTION = """\
+Softer contacts (assumed values): (a) cycles, (b) coupling deflection, (c) its largest value over stiffness and damping
+of the contact, a cell for each contact computed, zero on the black line, and (d) the shortest time of the trajectory, Ω
+over the largest acceleration, each contact of (a) on the line of its own stiffness. The drives have the same mass, 11
+kg, but stand at different distances beyond their thresholds: steady sliding is lost at 9.65, 7.44 and 3.77 kg with
+these contacts, at 10.11 kg with a rigid one (see contact_stability). In (c) and (d) it is the contact damping c_c that
+decides; the stiffness matters where it is large.
+"""
+
+_CONTACT = ("contact_stiffness", "contact_damping")
+_NUMBERS = {
+    "attractor": ("1", "attractor that the motion reaches"),
+    "largest_deflection": ("rad", "largest coupling deflection on the cycle", "$z$"),
+    "sprag_deflection": ("rad", "largest coupling deflection during sprag", "$z$"),
+    "largest_acceleration": ("rad s-2", "largest angular acceleration on the cycle", r"$|\ddot\theta|$"),
+    "period": ("s", "period of the steady vibration", "$T$"),
+    "period_residual": ("1", "relative change of the section state over a period"),
+}
+_ON_THE_GRID = ("attractor", "largest_deflection", "largest_acceleration")
+_COLOURS = (style.BLUE, style.ORANGE, style.VERMILION, style.GREEN)
+
+
+class Settings(FigureSettings):
+    """Cycles with softer contacts, and where the coupling deflection turns positive."""
+
+    drive: DriveChanges
+    contacts: several(Contact, 2, 4, "Contacts whose cycles are drawn, the stiffest first.")
+    start: State
+    samples: Samples
+    contact_stiffness: PositiveSpan = Field(description="k_c [N/m] of the grid, spaced logarithmically.")
+    contact_damping: PositiveSpan = Field(description="c_c [N s/m] of the grid, spaced logarithmically.")
+
+
+def build(settings: Values) -> xr.Dataset:
+    """Compute the cycles of a few contacts, and over a grid of contacts where the deflection turns positive."""
+    from lsvib.dynamics.attractors import steady_state
+
+    drive, start = ThreadsDrive.of(settings["drive"]), settings["start"]
+    stiffness, damping = (spans.logarithmic(settings[key]) for key in _CONTACT)
+    contacts = [drive.replace(**contact) for contact in settings["contacts"]]
+    cycles = [compliant_cycle(contact, start)[1] for contact in contacts]
+    rigid = steady_state(rigid_automaton(drive), [start["u"], start["w"]])
+    steady, critical = float(coefficients(drive).deflection), [critical_mass_of_contact(c) for c in contacts]
+    return xr.Dataset(
+        cycle_curves(("contact",), cycles, settings["samples"])
+        | cycle_curves((), [rigid], settings["samples"], "rigid_cycle")
+        | _table("", ("contact",), _NUMBERS, [_numbers(steady) for steady in cycles])
+        | _grid(drive, start, stiffness, damping),
+        coords={
+            **labels("contact", contacts, _CONTACT),
+            **drive_parameters(contacts, "contact", along=_CONTACT, printed=("Sect. 8.6", "Sect. 8.6.1")),
+            **start_state(start, "with a seated contact: of the motions whose cycles are found"),
+            "critical_mass_with_contact": variable("contact", critical, *CRITICAL_MASS_WITH_CONTACT),
+            **axis("grid_contact_stiffness", stiffness),
+            **axis("grid_contact_damping", damping),
+            "steady_deflection": variable((), steady, "rad", "coupling deflection in steady sliding", "$z_0$"),
+        },
+        attrs=about(
+            "Figure 8.13: effect of the contact parameters",
+            "exact event-driven motion with four states",
+            "Sect. 8.6.1, Fig. 8.13",
+        ),
+    )
+
+
+def _grid(drive: ThreadsDrive, start: Values, stiffness: np.ndarray, damping: np.ndarray) -> Variables:
+    """Numbers of the cycles over a grid of contacts, and the damping at which the largest deflection turns positive."""
+
+    def numbers(k: float, c: float) -> dict[str, float]:
+        return _numbers(compliant_cycle(drive.replace(contact_stiffness=k, contact_damping=c), start)[1])
+
+    grid = [[numbers(k, c) for c in damping] for k in stiffness]
+    limits, ends = np.transpose([
+        _boundary(lambda c, k=k: numbers(k, c)["largest_deflection"], damping, row)
+        for k, row in zip(stiffness, grid, strict=True)
+    ])  # fmt: skip
+    dims, turns = ("grid_contact_stiffness", "grid_contact_damping"), "below which the deflection turns positive"
+    return {
+        **_table("grid_", dims, _ON_THE_GRID, grid),
+        "boundary_contact_damping": variable(dims[0], limits, "N s m-1", f"contact damping {turns}", "$c_c$"),
+        "boundary_deflection": variable(dims[0], ends, "rad", "largest coupling deflection at that damping", "$z$"),
+    }
+
+
+def _numbers(steady: "SteadyState") -> dict[str, float]:
+    """Numbers of ``_NUMBERS`` of one attractor; without a cycle all but the attractor are nan."""
+    from lsvib.dynamics.attractors import orbit_extremes
+
+    if steady.orbit is None:
+        return dict.fromkeys(_NUMBERS, np.nan) | {"attractor": steady.label}
+    automaton = steady.orbit.automaton
+    deflection = automaton.observables["coupling_deflection"]
+    sprags = np.isin(automaton.codes, automaton.sprag_codes)
+    return {
+        "attractor": steady.label,
+        "largest_deflection": steady.extremes(deflection)[1],
+        "sprag_deflection": orbit_extremes(steady.orbit, deflection, sprags)[1],
+        "largest_acceleration": max(map(abs, steady.extremes(automaton.tables.flow.field[:, 1]))),
+        "period": steady.period,
+        "period_residual": steady.residual,
+    }
+
+
+def _table(prefix: str, dims: tuple[str, ...], names: Any, rows: Any) -> Variables:
+    """Some of the numbers of ``_numbers``, from rows of any depth, as variables."""
+    from lsvib.dynamics.attractors import Attractor
+
+    found = {name: np.vectorize(lambda row, name=name: float(row[name]))(rows) for name in names}
+    table = {prefix + name: variable(dims, values, *_NUMBERS[name]) for name, values in found.items()}
+    return table | {f"{prefix}attractor": flagged(dims, found["attractor"], _NUMBERS["attractor"][1], Attractor)}
+
+
+def _boundary(deflection: Callable[[float], float], damping: np.ndarray, row: list[dict]) -> tuple[float, float]:
+    """Largest contact damping at which the deflection turns positive, and the deflection there; regula falsi in log c.
+
+    ``row`` holds the numbers at the dampings of the grid. Raises ``InputError`` if the grid has no turn.
+    """
+    values = np.array([numbers["largest_deflection"] for numbers in row])
+    turns = np.flatnonzero((values[:-1] > 0) & (values[1:] <= 0))
+    if turns.size == 0:
+        raise InputError("contact_damping: the largest deflection does not change its sign over the grid; widen it.")
+    low, high = np.log(damping[turns[-1] : turns[-1] + 2])
+    above, below = values[turns[-1]], values[turns[-1] + 1]
+    side, middle, value = 0, low, above
+    for _ in range(40):  # as many halvings would narrow an interval of the grid to 1e-12 of it
+        middle = (low * below - high * above) / (below - above)
+        value = deflection(float(np.exp(middle)))
+        if abs(value) <= 1e-10:
+            break
+        if value > 0:  # Illinois: halve the weight of an end that stays
+            low, above, below, side = middle, value, below / (2 if side == 1 else 1), 1
+        else:
+            high, below, above, side = middle, value, above / (2 if side == -1 else 1), -1
+    return float(np.exp(middle)), float(value)
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check that softer contacts give smoother cycles, and where the deflection turns positive."""
+    source = "Sect. 8.6.1, Fig. 8.13"
+    deflection, sprag = dataset.largest_deflection.values, dataset.sprag_deflection.values
+    fastest, critical = dataset.largest_acceleration.values, dataset.critical_mass_with_contact.values
+    times = ", ".join(f"{1e6 * float(dataset.input_speed) / x:.3g}" for x in fastest)
+    sprags, residual = named(dataset.attractor, "sprag slip cycle"), float(dataset.period_residual.max())
+    return [
+        Check.holds(
+            "Each of the contacts drawn ends on a sprag-slip cycle, which repeats to 1e-9",
+            source,
+            f"{sprags.sum()} of {sprags.size}, residual {residual:.1e}",
+            sprags.all() and residual <= 1e-9,
+        ),
+        Check.holds(
+            "The drives stand at different distances beyond their thresholds: each contact has a critical mass of its "
+            "own below the mass drawn, the smaller the softer it is",
+            source,
+            f"m = {float(dataset.mass):g} kg, m_cr = {', '.join(f'{x:.3g}' for x in critical)} kg",
+            (critical < float(dataset.mass)).all() and (np.diff(critical) < 0).all(),
+        ),
+        Check.holds(
+            "Softer contacts make the trajectory smoother: the shortest time Ω / max|θ″| grows from each to the next",
+            source,
+            f"{times} µs from the stiffest to the softest contact",
+            (np.diff(fastest) < 0).all(),
+        ),
+        Check.holds(
+            "The coupling deflection becomes positive with the softest contact and with none that is stiffer",
+            source,
+            f"largest z {', '.join(f'{x:.4g}' for x in deflection)} rad",
+            deflection[-1] > 0 > deflection[:-1].max(),
+        ),
+        Check.holds(
+            "It is during sprag that the deflection becomes positive: its largest value lies there, to 1e-12 rad",
+            source,
+            f"with the softest contact {sprag[-1]:.6g} rad during sprag, {deflection[-1]:.6g} rad on the cycle",
+            sprag[-1] > 0 and abs(sprag[-1] - deflection[-1]) <= 1e-12,
+        ),
+        _boundary_check(dataset),
+        Check.everywhere(
+            "Every contact of the sweep ends on a sprag-slip cycle",
+            "sweep over the contact parameters",
+            named(dataset.grid_attractor, "sprag slip cycle"),
+        ),
+    ]
+
+
+def _boundary_check(dataset: xr.Dataset) -> Check:
+    """Check on the grid of contacts that one damping bounds the positive deflections."""
+    limit, edge = dataset.boundary_contact_damping.values, float(np.abs(dataset.boundary_deflection).max())
+    grid, above = dataset.grid_largest_deflection.values, dataset.grid_contact_damping.values > limit[:, None]
+    softest, stiffest = dataset.grid_contact_stiffness.values[[0, -1]]
+    next_below = grid[np.arange(len(limit)), above.argmax(axis=1) - 1]
+    return Check.holds(
+        "For each contact stiffness one contact damping bounds the positive deflections, and there max z = 0",
+        "sweep over the contact parameters",
+        f"c_c from {limit.min():.5g} to {limit.max():.5g} N s/m for k_c from {softest:.0e} to {stiffest:.0e} "
+        f"N/m; |max z| up to {edge:.1e} rad on it; negative for "
+        f"{(grid[above] < 0).sum()} of {above.sum()} contacts above, positive for "
+        f"{(next_below > 0).sum()} of {next_below.size} next below",
+        edge <= 1e-10 and (grid[above] < 0).all() and (next_below > 0).all(),
+    )
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Draw (a) the cycles, (b) z over a period, (c) the largest z and (d) the shortest time against the contact."""
+    figure = style.new_figure(style.DOUBLE, 6.0)
+    plane, deflection, grid, shortest = figure.subplots(2, 2).ravel()
+    _plane(plane, dataset)
+    _deflection(deflection, dataset)
+    _map(figure, grid, dataset)
+    _shortest(shortest, dataset)
+    style.state_values(figure, dataset)
+    style.legend(figure, [plane, deflection], 2)
+    return figure
+
+
+def _contacts(dataset: xr.Dataset) -> list[tuple[xr.Dataset, str]]:
+    """The contacts that are drawn, each with its colour."""
+    return list(zip((dataset.isel(contact=k) for k in dataset.contact.values), _COLOURS, strict=False))
+
+
+def _plane(axes: Axes, dataset: xr.Dataset) -> None:
+    axes.plot(dataset.rigid_cycle_angle, dataset.rigid_cycle_velocity, color=style.BLACK, linewidth=0.9,
+              linestyle=(0, (4, 2)), label="rigid drive")  # fmt: skip
+    cycles: list[drawing.DrawnLine] = []
+    for one, colour in _contacts(dataset):
+        stiffness, damping = (style.power(float(one[name])) for name in _CONTACT)
+        critical = f"$m_\\mathrm{{cr}}$ = {float(one.critical_mass_with_contact):.2f} kg"
+        cycles.append((one.cycle_angle.values, one.cycle_velocity.values, colour))
+        axes.plot(*cycles[-1][:2], color=colour,
+                  label=f"$k_c$ = {stiffness} N m⁻¹, $c_c$ = {damping} N s m⁻¹, {critical}")  # fmt: skip
+    zero = -float(dataset.steady_deflection)
+    axes.axvline(zero, color=style.GREEN, linewidth=0.9, linestyle=":")
+    axes.text(zero, 0.45, " $z = 0$", color=style.GREEN, fontsize=7, transform=axes.get_xaxis_transform())
+    axes.locator_params(axis="x", nbins=5)
+    drawing.mark_origin(axes)
+    axes.margins(0.06)
+    drawing.arrows(axes, cycles)
+    axes.set(title="(a) phase plane", xlabel=style.label(dataset.cycle_angle, "deviation"),
+             ylabel=style.label(dataset.cycle_velocity, "rate"))  # fmt: skip
+
+
+def _deflection(axes: Axes, dataset: xr.Dataset) -> None:
+    """The coupling deflection from one standstill of the screw to the next."""
+    steady = float(dataset.steady_deflection)
+    for one, colour in _contacts(dataset):
+        time, angle = one.cycle_time.values, one.cycle_angle.values
+        lowest = np.argmin(angle)
+        turned = np.concatenate([time[lowest:] - time[lowest], time[:lowest] + time[-1] - time[lowest]])
+        axes.plot(turned / float(one.period), np.roll(angle, -lowest) + steady, color=colour)
+    axes.axhline(0, color=style.GREEN, linewidth=0.9, linestyle=":")
+    axes.set(title="(b) coupling deflection over a period", xlabel="Time after the smallest $z$ / period",
+             ylabel="Coupling deflection $z$ [rad]", xlim=(0, 1))  # fmt: skip
+
+
+def _map(figure: Figure, axes: Axes, dataset: xr.Dataset) -> None:
+    """Largest deflection of each contact of the grid, a cell around it, with the line on which it vanishes."""
+    damping, stiffness = dataset.grid_contact_damping.values, dataset.grid_contact_stiffness.values
+    largest = np.nanmax(np.abs(dataset.grid_largest_deflection.values))
+    mesh = axes.pcolormesh(
+        _edges(damping), _edges(stiffness), dataset.grid_largest_deflection, cmap="RdBu_r", vmin=-largest,
+        vmax=largest, edgecolors="white", linewidth=0.3,
+    )  # fmt: skip
+    axes.plot(dataset.boundary_contact_damping, stiffness, "-|", color=style.BLACK, markersize=5)
+    axes.annotate("$z = 0$", (float(dataset.boundary_contact_damping[0]), stiffness[0]), (5, 2), fontsize=7,
+                  textcoords="offset points")  # fmt: skip
+    axes.set(xscale="log", yscale="log", title="(c) largest deflection: $c_c$ decides its sign")
+    axes.set(xlabel=style.label(dataset.grid_contact_damping), ylabel=style.label(dataset.grid_contact_stiffness))
+    for one, colour in _contacts(dataset):
+        if float(one.contact_damping) >= damping[0] and float(one.contact_stiffness) >= stiffness[0]:
+            axes.plot(one.contact_damping, one.contact_stiffness, "o", color=colour, mec=style.BLACK, clip_on=False,
+                      zorder=4)  # fmt: skip
+    figure.colorbar(mesh, ax=axes, pad=0.02).set_label("Largest $z$ [rad]")
+
+
+def _edges(values: np.ndarray) -> np.ndarray:
+    """Edges of the cells around values that are spaced logarithmically."""
+    middle = np.sqrt(values[1:] * values[:-1])
+    return np.concatenate([[values[0] ** 2 / middle[0]], middle, [values[-1] ** 2 / middle[-1]]])
+
+
+def _shortest(axes: Axes, dataset: xr.Dataset) -> None:
+    """Shortest time of the trajectory against the contact damping: each contact drawn lies on the line of its own k_c.
+
+    A contact whose stiffness is not one of the grid has no line; the stiffest contact of the grid is drawn beside.
+    """
+    from matplotlib.ticker import NullFormatter
+
+    speed, stiffness = abs(float(dataset.input_speed)), dataset.grid_contact_stiffness.values
+    rows = {len(stiffness) - 1: style.PURPLE}
+    for one, colour in _contacts(dataset):
+        rows |= {int(row): colour for row in np.flatnonzero(np.isclose(stiffness, float(one.contact_stiffness)))}
+        axes.plot(one.contact_damping, 1e6 * speed / one.largest_acceleration, "o", color=colour, mec=style.BLACK,
+                  zorder=3)  # fmt: skip
+    dashes = ("-", (0, (5, 1.5)), (0, (2, 1)), (0, (5, 1.5, 1, 1.5)))  # lines that nearly coincide are all seen
+    for (row, colour), dash in zip(sorted(rows.items()), dashes, strict=False):
+        curve = dataset.isel(grid_contact_stiffness=row)
+        name = f"$k_c$ = {style.power(float(curve.grid_contact_stiffness))} N m⁻¹"
+        shortest = 1e6 * speed / curve.grid_largest_acceleration
+        axes.plot(curve.grid_contact_damping, shortest, color=colour, linestyle=dash, label=name)
+    axes.set(xscale="log", yscale="log", title="(d) shortest time: $c_c$ decides it, too")
+    axes.set(xlabel=style.label(dataset.grid_contact_damping), ylabel=r"$\Omega\, /\, \max|\ddot\theta|$ [µs]")
+    axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.set_yticks([50, 100, 200, 500, 1000], ["50", "100", "200", "500", "1000"])
+    axes.legend(loc="lower left", fontsize=6.5)

@@ -1,0 +1,435 @@
+"""Figure 8.14: region of attraction under a negative axial force, for both readings of the mass.
+
+The text states m = 10 kg, for which Γ₊ > 0, but Sect. 8.7 assumes Γ₊ < 0: the same two forces are also computed for
+a mass beyond m_cr.
+
+Beyond m_cr seizures accumulate in the corner θ′ = 0 = Q, as the chapter reads its rule of resuming. Let a reverse slip
+start at a distance d from the corner along θ′ = 0, and let it meet N = 0. With the line N = 0 as u = u_0 + σ (u′ + Ω),
+σ < 0, and the acceleration −a, a > 0, it lasts τ = d / (Ω + |σ| a) and ends at the distance |σ| a τ, both to first
+order in d. So the distances fall with the ratio q = |σ| a / (Ω + |σ| a), which is c a / (k Ω + c a) without
+translation damping, and the time left is d / Ω: infinitely many seizures in finite time.
+"""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+import xarray as xr
+from pydantic import Field
+
+from lsvib.datasets import spans
+from lsvib.datasets.attributes import Variables, drive_parameters, flagged, labels, variable
+from lsvib.datasets.checks import Check
+from lsvib.figures import drawing, style
+from lsvib.figures.common import about, flag_names, named
+from lsvib.figures.settings import MassPair, OpposingForces, PhasePlane, Span, Values
+from lsvib.figures.style import Axes, Figure
+from lsvib.models.drive import RigidDrive
+from lsvib.models.mechanics import coefficients
+from lsvib.models.model import RULES
+from lsvib.models.rigid import EventKind, rigid_automaton
+from lsvib.stability.force_thresholds import global_stability_force
+
+if TYPE_CHECKING:
+    from lsvib.engine.motion import Motion
+
+CAPTION = """\
+Trajectories under a negative axial force, c = 1e-3 N m s/rad. R = −50 N, (a) in the chapter, is on the left, attracted
+by steady sliding; R = −10 N, (b) in the chapter, on the right. Both readings of the text are shown: m = 10 kg as
+printed above, and m = 11 kg, beyond the critical mass as Sect. 8.7 assumes, below, where (d) has a limit cycle. Small
+marks are the 169 starts whose attractor was found. (e) The corner of (c) in which N = 0 and θ′ = 0 meet: if motion
+resumes at once after a seizure, as in the chapter, reverse slips and seizures follow each other without end. (f) The
+distance of the seizures from the corner falls with the ratio c a / (k Ω + c a), so that it is reached in finite time.
+By the sign of the contact force, the limit of a stiff contact, the screw rests after three. See docs/physics.md.
+"""
+
+_CHANGED = ("mass", "axial_force")  # in which the cases differ
+_DISTANCES = np.concatenate([[0.0], np.geomspace(1e-4, 2.0, 60)])  # rad; the cycles of the figure are 0.1 rad wide
+_ROUNDING = 16 * np.finfo(float).eps  # of the corner: a few rounding errors of u and of the line N = 0
+_RULES = {  # colour, dashes, mark, words
+    "contact sign": (style.BLUE, "-", "s", "by the sign of the contact force"),
+    "at once": (style.ORANGE, "-", "o", "at once, as in the chapter"),
+}
+_STARTS = {  # mark and colour of a start of the grid by its attractor
+    "steady sliding": (".", style.GREEN, "start that steady sliding attracts"),
+    "sprag slip cycle": ("x", style.GREY, "start that the cycle attracts"),
+}
+
+
+class Settings(PhasePlane):
+    """Trajectories under a negative axial force, for two readings of the mass."""
+
+    unused: ClassVar = ("mass", "axial_force")
+
+    masses: MassPair = Field(description="Mass as printed, and mass beyond the critical one [kg].")
+    axial_forces: OpposingForces = Field(description="Axial forces of panels (a) and (b) [N].")
+    angle: Span = Field(description="Deviations u of the starts whose attractor is found [rad].")
+    velocity: Span = Field(description="Rates of those starts w [rad/s].")
+
+
+def build(settings: Values) -> xr.Dataset:
+    """Compute the four phase planes (mass by mass, force by force) and the force of global stability beyond m_cr.
+
+    Seizures of the motion from the last of the ``starts`` accumulate under the chapter's reading of the rule.
+    """
+    from lsvib.datasets import phase_plane
+    from lsvib.dynamics.attractors import Attractor
+
+    drive, shown = RigidDrive.of(settings["drive"]), (settings["duration"], settings["samples"])
+    drives = [drive.replace(mass=m, axial_force=r) for m in settings["masses"] for r in settings["axial_forces"]]
+    angle, velocity = spans.even(settings["angle"]), spans.even(settings["velocity"])
+    plane = ("case", "grid_angle_deviation", "grid_velocity_deviation")
+    grid = [[_labels(d, RULES[0], [(u, w) for w in velocity]) for u in angle] for d in drives]
+    threshold = global_stability_force(drives[-1])
+    # Also at a relative distance of 1e-9 on either side of a threshold.
+    bracket = [threshold * (1 + sign * 1e-9) for sign in (-1, 1)]
+    # The end of rest is u = c Ω / k, u′ = −Ω.
+    release = drive.support_damping * drive.input_speed / drive.coupling_stiffness, -drive.input_speed
+    beside = [drives[-1].replace(axial_force=force) for force in bracket]
+    released = [[_labels(d, rule, [release])[0] for rule in RULES] for d in beside]
+    words, below = "attractor of the motion that leaves rest, beside the threshold", "distance of the start below"
+    return xr.Dataset(
+        phase_plane.portraits(drives, settings["starts"], *shown)
+        | _reverse_slips(drives, settings["starts"][-1], *shown)
+        | {
+            "grid_attractor": flagged(plane, grid, phase_plane.ATTRACTOR, Attractor),
+            "bracket_attractor": flagged(("bracket", "rule"), released, words, Attractor),
+        }
+        | _corners(drives),
+        coords={
+            **labels("case", drives, _CHANGED),
+            **drive_parameters(drives, along=_CHANGED, printed=("Fig. 8.14", "Sect. 8.6")),
+            **phase_plane.rule_coordinate(),
+            **phase_plane.grid_axes(angle, velocity),
+            "corner_distance": variable("corner_distance", _DISTANCES, "rad", f"{below} the corner, at standstill"),
+            "bracket_axial_force": variable("bracket", bracket, "N", "axial force beside the threshold", "$R$"),
+            "global_stability_force": variable(
+                (), threshold, "N", phase_plane.GLOBAL_STABILITY, "$R$", comment="of the last two cases, beyond m_cr"
+            ),
+        },
+        attrs=about(
+            "Figure 8.14: trajectories under a negative axial force",
+            "exact event-driven motion and its return map",
+            "Sect. 8.7, Fig. 8.14",
+        ),
+    )
+
+
+def _labels(drive: RigidDrive, rule: str, states: Sequence[tuple[float, float]]) -> list[int]:
+    """Attractors of the motions from some states u [rad], u′ [rad/s]."""
+    from lsvib.dynamics.attractors import steady_state
+
+    automaton = rigid_automaton(drive, resume=rule)
+    return [steady_state(automaton, list(state)).label for state in states]
+
+
+def _corners(drives: Sequence[RigidDrive]) -> Variables:
+    """The corner of the lines N = 0 and θ′ = 0, and where the motions from standstill below it end."""
+    from lsvib.dynamics.attractors import Attractor
+
+    corners = [_corner(d) for d in drives]
+    states = [[(corner - x, -d.input_speed) for x in _DISTANCES] for d, corner in zip(drives, corners, strict=True)]
+    ends = [[_labels(d, rule, own) for rule in RULES] for d, own in zip(drives, states, strict=True)]
+    where = "deviation at which the lines N = 0 and theta' = 0 meet, as printed"
+    words = "attractor of the motion from standstill so far below the corner"
+    return {
+        "corner_angle": variable("case", corners, "rad", where, "$u_0$"),
+        "corner_attractor": flagged(("case", "rule", "corner_distance"), ends, words, Attractor),
+    }
+
+
+def _corner(drive: RigidDrive) -> float:
+    """Return u_0 = c Ω / k − Γ₋ R / (k m r_m tan λ) [rad], R < 0 and Ω > 0 (Sect. 8.7)."""
+    c, p = coefficients(drive), drive.exact()
+    lever = p.coupling_stiffness * p.mass * p.pitch_radius * p.tan_lead
+    return float(p.support_damping * p.input_speed / p.coupling_stiffness - c.gamma[-1] * p.axial_force / lever)
+
+
+def _reverse_slips(drives: Sequence[RigidDrive], start: Values, duration: float, samples: int) -> Variables:
+    """The seizures before the first release by (case, rule, seizure), and the motion until then; see the text above.
+
+    Along case the ratio of successive distances and the length over which it may change, missing where Γ₊ > 0.
+    """
+    from lsvib.datasets import phase_plane
+
+    motions = [[_until_release(drive, rule, start, duration) for rule in RULES] for drive in drives]
+    seizures = [[motion.kind == EventKind.SEIZURE for motion in row] for row in motions]
+    table = np.full((2, len(drives), len(RULES), max(1, *(here.sum() for row in seizures for here in row))), np.nan)
+    for i, (drive, row) in enumerate(zip(drives, motions, strict=True)):
+        for j, motion in enumerate(row):
+            here = seizures[i][j]
+            table[:, i, j, : here.sum()] = motion.time[here], motion.before[here, 0] - _corner(drive)
+    sampled = np.array([[phase_plane.sample(motion, samples)[1] for motion in row] for row in motions])
+    ratio, length = np.transpose([_limits(drive) for drive in drives])
+    dims, away = ("case", "rule", "seizure"), "distance of the seizure from the corner of N = 0 and theta' = 0"
+    limit = "limit of the ratio of successive distances, by resuming at once"
+    over = "acceleration from rest in the corner over its derivative along theta' = 0"
+    return {
+        "seizure_time": variable(dims, table[0], "s", "time of a seizure before the first release", "$t$"),
+        "seizure_distance": variable(dims, table[1], "rad", away, "$u - u_0$"),
+        **phase_plane.curve("slip", ("case", "rule", "slip_sample"), sampled, "until the first release"),
+        "seizure_ratio": variable("case", ratio, "1", limit, "$q$"),
+        "acceleration_length": variable("case", length, "rad", over),
+    }
+
+
+def _until_release(drive: RigidDrive, rule: str, start: Values, duration: float) -> "Motion":
+    """The motion up to its first release, or all of it."""
+    from lsvib.engine.motion import follow
+
+    automaton, state = rigid_automaton(drive, resume=rule), [start["u"], start["w"]]
+    whole = follow(automaton, state, duration)
+    released = np.flatnonzero(whole.kind == EventKind.RELEASE)
+    return follow(automaton, state, float(whole.time[released[0]])) if released.size else whole
+
+
+def _limits(drive: RigidDrive) -> tuple[float, float]:
+    """Limit of the ratio [1], and the length [rad] over which the acceleration changes by all of it; NaN if Γ₊ > 0."""
+    c = coefficients(drive)
+    if c.gamma[1] > 0:
+        return np.nan, np.nan
+    length = _corner(drive) - float(c.damping[-1]) * drive.input_speed / drive.coupling_stiffness
+    gain = float(c.q_row[1] / c.q_row[0]) * drive.coupling_stiffness * length / float(c.gamma[-1])  # |σ| a
+    return gain / (drive.input_speed + gain), length
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check (a) and (b) for both readings of the mass, and the threshold of global stability between them."""
+    mass, gamma = dataset.mass.values, dataset.effective_inertia_plus.values
+    no_cycle = "no limit cycle is found, unlike in the text: every start, drawn or not, leads to the origin"
+    one_cycle = "every trajectory drawn ends on a limit cycle, the same under either rule of resuming"
+    return [
+        Check.holds(
+            "The printed mass has Γ₊ > 0, against the assumption of Sect. 8.7; the other one has Γ₊ < 0",
+            "Sect. 8.7, Fig. 8.14",
+            f"Γ₊ = {gamma[0]:.3g} kg m2 at {mass[0]:g} kg and {gamma[2]:.3g} kg m2 at {mass[2]:g} kg",
+            (gamma[:2] > 0).all() and (gamma[2:] < 0).all(),
+        ),
+        _settling_check(dataset, 0, " (as printed)"),
+        _settling_check(dataset, 2, ""),
+        _one_attractor_check(dataset, 1, " (as printed)", "steady sliding", no_cycle),
+        _one_attractor_check(dataset, 3, "", "sprag slip cycle", one_cycle),
+        *_corner_checks(dataset),
+        *_accumulation_checks(dataset),
+        *_threshold_checks(dataset),
+    ]
+
+
+def _settling_check(dataset: xr.Dataset, case: int, note: str) -> Check:
+    """Check that all motions of a case of (a) settle, although those which are drawn meet N = 0 after their start."""
+    part = dataset.isel(case=case)
+    settles, grid = (named(labels, "steady sliding") for labels in (part.attractor, part.grid_attractor))
+    meets = named(part.event_kind, "seizure", "contact reversal") & (part.event_time.values > 0)
+    touches = meets.sum(axis=1)
+    return Check.holds(
+        f"(a) {_drive(part, note)}: every trajectory drawn meets N = 0 and yet reaches the origin, as does every other "
+        "start",
+        "Sect. 8.7, Fig. 8.14a",
+        f"meets N = 0 {' and '.join(map(str, touches))} times; {_names(part.attractor)}; of {grid.size} "
+        f"other starts {grid.sum()} reach the origin",
+        settles.all() and grid.all() and touches.min() > 0,
+    )
+
+
+def _one_attractor_check(dataset: xr.Dataset, case: int, note: str, expected: str, claim: str) -> Check:
+    """Check that the motions drawn of a case of (b) reach one attractor, and all others reach it or the origin."""
+    part = dataset.isel(case=case)
+    grid, amplitude = named(part.grid_attractor, "steady sliding"), part.amplitude.values
+    return Check.holds(
+        f"(b) {_drive(part, note)}: {claim}",
+        "Sect. 8.7, Fig. 8.14b",
+        f"{_names(part.attractor)}, amplitude {amplitude.min():.6g} to {amplitude.max():.6g} rad; origin: of "
+        f"{grid.size} other starts {grid.sum()} reach it",
+        named(part.attractor, expected).all()
+        and np.ptp(amplitude) <= 1e-12 * amplitude.max()
+        and (grid | named(part.grid_attractor, expected)).all(),
+    )
+
+
+def _corner_checks(dataset: xr.Dataset) -> list[Check]:
+    """The end of Sect. 8.7, word for word: all starts at standstill up to the corner, beyond m_cr."""
+    met = dataset.contact_line_angle + dataset.contact_line_slope * dataset.stop_velocity
+    gap, settles = (
+        float(np.abs(met / dataset.corner_angle - 1).max()),
+        named(dataset.corner_attractor, "steady sliding"),
+    )
+    counts = settles.sum(axis=2)
+    return [
+        Check.holds(
+            "The lines N = 0 and θ′ = 0 meet in the printed corner, to 1e-12",
+            "Sect. 8.7",
+            f"largest relative distance {gap:.1e}",
+            gap < 1e-12,
+        ),
+        Check.holds(
+            "Beyond m_cr every motion from standstill up to the corner reaches the origin in (a), where steady sliding "
+            "is globally stable, and not every one in (b), under either rule of resuming",
+            "end of Sect. 8.7",
+            f"(a) {counts[2].min()} and (b) {counts[3].min()} to {counts[3].max()} of {settles.shape[2]} starts",
+            settles[2].all() and not settles[3].all(axis=1).any(),
+        ),
+    ]
+
+
+def _accumulation_checks(dataset: xr.Dataset) -> list[Check]:
+    """Check that the seizures accumulate under the chapter's reading, in finite time, and are few under the other."""
+    heavy = dataset.isel(case=np.isfinite(dataset.seizure_ratio.values))
+    counts = np.isfinite(heavy.seizure_distance.values).sum(axis=-1)
+    excess, timely, words = zip(*(_accumulation(heavy.isel(case=k)) for k in range(len(counts))), strict=True)
+    longest = 1e3 * float(np.nanmax(dataset.seizure_time.values[:, 1], initial=0.0))
+    return [
+        Check.holds(
+            "If motion resumes at once, seizures accumulate in the corner: the ratio of successive distances from it "
+            "is c a / (k Ω + c a), up to the relative change of the acceleration a over the distance",
+            "Sect. 8.7",
+            f"{'; '.join(words)}; deviation at most {max(excess):.2f} of what is allowed",
+            max(excess) <= 1,
+        ),
+        Check.holds(
+            "They do so in finite time: what is left after each of them lies between the distance over Ω and over the "
+            "largest rate of the next slip",
+            "Sect. 8.7",
+            f"{sum(timely)} of {len(timely)} motions, the corner reached within {longest:.4g} ms",
+            all(timely),
+        ),
+        Check.holds(
+            "By the sign of the contact force, the limit of a stiff contact, these motions rest after a few seizures",
+            "rule of resuming, docs/physics.md",
+            f"{' and '.join(str(n) for n in counts[:, 0])} seizures, at once {counts[:, 1].min()} or more",
+            (counts[:, 0] < counts[:, 1]).all(),
+        ),
+    ]
+
+
+def _accumulation(part: xr.Dataset) -> tuple[float, bool, str]:
+    """Of one motion that resumes at once: how far its ratios are off, in what is allowed; if it is timely; words."""
+    ratio, length, speed = (float(part[x]) for x in ("seizure_ratio", "acceleration_length", "input_speed"))
+    distance, time = (part[f"seizure_{name}"].values[1] for name in ("distance", "time"))
+    distance, time = distance[np.isfinite(distance)], time[np.isfinite(distance)]
+    rounding = _ROUNDING * abs(float(part.corner_angle))
+    clear = distance[1:] > rounding
+    allowed = distance[:-1] / length + rounding / np.maximum(distance[1:], rounding)
+    off = np.abs(distance[1:] / distance[:-1] / ratio - 1)
+    excess = float(np.max((off / allowed)[clear], initial=0.0)) if clear.sum() > 1 else np.inf
+    way, left = distance[:-1] - distance[-1], time[-1] - time[:-1]
+    error = rounding / speed + _ROUNDING * time[-1]
+    reverse = distance[1:] / -float(part.contact_line_slope)  # largest -θ′ of a slip, where it seizes
+    timely = ((left <= way / speed + error) & (left >= way / (speed + reverse) - error)).all()
+    close = np.argmin(np.where(clear, off, np.inf))
+    reached = distance[close + 1] / distance[close]
+    words = (
+        f"R = {float(part.axial_force):g} N: {distance.size} seizures, ratio {reached:.7g} against {ratio:.7g}, the "
+        f"last at {distance[-1]:.1e} rad and {1e3 * time[-1]:.6g} ms"
+    )
+    return excess, timely, words
+
+
+def _threshold_checks(dataset: xr.Dataset) -> list[Check]:
+    """Check that the motion that leaves rest changes its attractor at the threshold, between the forces of (a), (b)."""
+    force, threshold = dataset.axial_force.values, float(dataset.global_stability_force)
+    above, below = dataset.bracket_attractor
+    return [
+        Check.holds(
+            "The threshold of global stability lies between the forces of (a) and (b), beyond m_cr",
+            "Sect. 8.7",
+            f"R = {threshold:.10g} N",
+            force[2] < threshold < force[3],
+        ),
+        Check.holds(
+            "The motion that leaves rest changes from the cycle to the origin within 1e-9 R of it, under either rule",
+            "Sect. 8.7",
+            f"{_names(above)} just above, {_names(below)} just below {threshold:.10g} N",
+            named(above, "sprag slip cycle").all() and named(below, "steady sliding").all(),
+        ),
+    ]
+
+
+def _drive(case: xr.Dataset, note: str) -> str:
+    """Words for the drive of a case: mass, a note on it, and force."""
+    return f"m = {float(case.mass):g} kg{note}, R = {float(case.axial_force):g} N"
+
+
+def _names(labels: xr.DataArray) -> str:
+    words = flag_names(labels)
+    return " and ".join(sorted({words[label] for label in labels.values.ravel()}))
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Draw four phase planes, printed mass above, one beyond m_cr below, and seizures at the corner of (c) and (d)."""
+    figure = style.new_figure(style.DOUBLE, 8.4)
+    above, below = figure.subfigures(2, 1, height_ratios=(2.3, 1))
+    panels = above.subplots(2, 2, sharex=True, sharey=True).ravel()
+    cases = [dataset.isel(case=index) for index in range(4)]
+    for axes, case, letter in zip(panels, cases, "abcd", strict=True):
+        _starts(axes, case)
+        drawing.phase_plane(axes, case, drawing.OVERLAID)
+        note = "as printed" if letter in "ab" else "$m > m_\\mathrm{cr}$"
+        force, mass = style.number(case.axial_force), style.number(case.mass)
+        axes.set_title(f"({letter}) $R$ = {force} N, $m$ = {mass} kg, {note}")
+    for limits, name in ((panels[0].set_xlim, "grid_angle_deviation"), (panels[0].set_ylim, "grid_velocity_deviation")):
+        low, high = dataset[name].values[[0, -1]]  # all motions begin in the grid of starts
+        limits(low - 0.06 * (high - low), high + 0.06 * (high - low))
+    for axes, case in zip(panels, cases, strict=True):
+        drawing.draw_lines(axes, case)
+        drawing.guide(axes, case)
+        drawing.label_axes(axes, dataset)
+        axes.label_outer()
+    close, distance = below.subplots(1, 2)
+    _close_up(close, cases[2])
+    _distances(distance, dataset)
+    style.legend(above, panels, 4)
+    style.legend(below, [distance], 3)
+    style.state_values(figure, dataset)
+    return figure
+
+
+def _starts(axes: Axes, case: xr.Dataset) -> None:
+    """Mark each start of the grid by the attractor of its motion."""
+    w, u = np.meshgrid(case.grid_velocity_deviation, case.grid_angle_deviation)
+    for name in flag_names(case.grid_attractor).values():
+        here = named(case.grid_attractor, name)
+        if here.any():
+            mark, colour, words = _STARTS.get(name, ("+", style.PURPLE, f"start that leads to {name}"))
+            axes.plot(u[here], w[here], mark, color=colour, markersize=3, markeredgewidth=0.7, label=words, zorder=1)
+
+
+def _close_up(axes: Axes, case: xr.Dataset) -> None:
+    """The motion close to the corner of N = 0 and θ′ = 0 under both rules, up to where the screw leaves rest."""
+    corner, stop = float(case.corner_angle), float(case.stop_velocity)
+    for index, rule in flag_names(case.rule).items():
+        colour, dashes, mark, _ = _RULES[rule]
+        part, width = case.sel(rule=index), 2.6 if rule == "contact sign" else 1.0
+        axes.plot(part.slip_angle, part.slip_velocity, color=colour, linestyle=dashes, linewidth=width)
+        ends = corner + part.seizure_distance.values
+        axes.plot(ends, np.full(ends.shape, stop), mark, color=colour, markersize=4, mfc="white", zorder=3)
+    reach = 1.15 * float(case.seizure_distance[0, 1])  # from the second seizure on
+    depth = reach / -float(case.contact_line_slope)
+    axes.set(xlim=(corner - 0.35 * reach, corner + reach), ylim=(stop - 1.05 * depth, stop + 0.12 * depth))
+    drawing.draw_lines(axes, case)
+    axes.annotate("corner", (corner, stop), (-10, -30), textcoords="offset points", ha="right",
+                  arrowprops={"arrowstyle": "-", "linewidth": 0.6})  # fmt: skip
+    axes.locator_params(nbins=5)
+    axes.set_title("(e) corner of (c): reverse slips, seizures")
+    drawing.label_axes(axes, case)
+
+
+def _distances(axes: Axes, dataset: xr.Dataset) -> None:
+    """Distance of each seizure from the corner, for the motions of (c) and (d), with the ratio in the limit."""
+    for case, letter in ((2, "c"), (3, "d")):
+        part = dataset.isel(case=case)
+        for index, rule in flag_names(dataset.rule).items():
+            colour, _, mark, words = _RULES[rule]
+            found = part.sel(rule=index).seizure_distance.dropna("seizure").values
+            number = np.arange(1, found.size + 1)
+            axes.plot(number, found, mark, color=colour, markersize=7 if rule == "contact sign" else 3.5, mfc="white",
+                      label=f"motion resumes {words}")  # fmt: skip
+        ratio, middle = float(part.seizure_ratio), found.size // 2
+        axes.plot(number, found[middle] * ratio ** (number - 1 - middle), color=style.BLACK, linewidth=0.7,
+                  label=r"falls with $c a / (k \Omega + c a)$")  # fmt: skip
+        place, side = ((6, 0), "left") if letter == "c" else ((-6, -4), "right")
+        axes.annotate(f"({letter}) ratio {ratio:.4f}", (number[middle], found[middle]), place, ha=side,
+                      textcoords="offset points")  # fmt: skip
+    axes.set(yscale="log", title="(f) distance of the seizures from the corner", xlabel="Number of the seizure")
+    axes.xaxis.get_major_locator().set_params(integer=True)
+    axes.set_ylabel(style.label(dataset.seizure_distance, "distance"))

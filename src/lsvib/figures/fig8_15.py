@@ -1,0 +1,340 @@
+"""Figure 8.15: instability regions of the drive with axial support over friction coefficient and support stiffness."""
+
+from typing import Any, ClassVar
+
+import numpy as np
+import xarray as xr
+from pydantic import Field
+
+from lsvib.datasets import printed, spans
+from lsvib.datasets.attributes import Variables, axis, drive_parameters, flagged, variable
+from lsvib.datasets.checks import Check
+from lsvib.errors import InputError
+from lsvib.figures import drawing, style
+from lsvib.figures.common import about, named
+from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Span, Values, parameter
+from lsvib.figures.style import Figure
+from lsvib.models import chapter
+from lsvib.models.drive import RigidDrive, SupportDrive
+from lsvib.stability import conditions
+from lsvib.stability.conditions import critical_friction, critical_mass
+from lsvib.stability.linear import UndampedClass, eigenvalues, support_model, undamped_class, values_of
+
+CAPTION = """\
+Stability of the undamped drive with axial support over friction coefficient and support stiffness, by the generalised
+eigenvalues of (8.23) at each point, with the boundaries (8.29) in closed form and the critical friction coefficient
+(8.27). Beyond the upper branch, where the effective inertia of the drive with a rigid support is negative, both modes
+diverge by (8.25). The chapter calls the horizontally hatched region the primary one of the kinematic constraint: there
+the reduced effective inertia is negative. The third region, of divergence, is not in the chapter; as the support
+stiffens it becomes the kinematic instability of the rigid drive. The stiffness of the coupling is assumed, because
+Table 7.1 is not in the chapter; the boundaries of mode coupling are in proportion to it.
+"""
+
+_PARAMETERS = ("mass", "screw_mass", "screw_inertia", "pitch_radius", "lead_angle", "coupling_stiffness")
+_DAMPINGS = ("support_damping", "translation_damping", "axial_support_damping")
+# Fill, hatch, words of the legend, words in the region and their place; hatching as in the chapter.
+_REGIONS = {
+    "stable": ("#FFFFFF", None, "stable", "stable", (0.05, 1e7)),
+    "flutter": ("#CFE3F3", "////", "mode coupling (flutter)", "mode\ncoupling", (0.19, 1.2e7)),
+    "divergence": (
+        "#FBE3B5", "....", "third region: both modes diverge, $\\Gamma_0 < 0 < \\tilde\\Gamma_0$",
+        "third\nregion", (0.247, 2.5e8),
+    ),
+    "kinematic constraint": (
+        "#F7D9C4", "---", "primary region of the kinematic constraint, $\\tilde\\Gamma_0 < 0$",
+        "primary\nkinematic\nregion", (0.343, 1e7),
+    ),
+}  # fmt: skip
+_HATCH = "#7F8FA0"
+
+
+class Settings(FigureSettings):
+    """Instability regions of the drive with axial support."""
+
+    unused: ClassVar = ("support_damping", "friction_coefficient", "input_speed", "translation_damping", "axial_force")
+
+    drive: DriveChanges
+    screw_mass: parameter("screw_mass", of=SupportDrive)
+    friction_coefficient: Span = Field(description="mu, from zero or more.")
+    support_stiffness: PositiveSpan = Field(description="k_1 [N/m], spaced logarithmically.")
+
+
+def build(settings: Values) -> xr.Dataset:
+    """Compute the undamped class map by eigenvalues, flutter boundaries in closed form, critical friction both ways."""
+    drive = SupportDrive.of({"screw_mass": settings["screw_mass"], **settings["drive"]})
+    friction = spans.even(settings["friction_coefficient"])
+    stiffness = spans.logarithmic(settings["support_stiffness"])
+    drive.replace(friction_coefficient=float(friction.max()))  # refuses what is beyond cot λ
+    critical = critical_friction(drive, drive.screw_mass)
+    if critical is None:
+        raise InputError("No friction coefficient below cot(lead_angle) makes the reduced inertia vanish.")
+    curve = _curve(friction, float(np.tan(drive.lead_angle)), critical)
+    grid = {**dict(drive), "friction_coefficient": friction[:, None], "support_stiffness": stiffness}
+    kinds, plane = undamped_class(support_model(grid, law=1)), ("friction_coefficient", "support_stiffness")
+    branches = conditions.flutter_boundaries({**dict(drive), "friction_coefficient": curve}, law=1)
+    along, word = "boundary_friction_coefficient", "critical friction coefficient"
+    passing = "friction coefficient where an eigenvalue 1/omega^2 passes through zero"
+    by_eigenvalues = conditions.critical_friction_by_eigenvalues(drive)
+    return xr.Dataset(
+        {
+            "stability": flagged(plane, kinds, "class of the steady sliding", UndampedClass),
+            "lower_boundary": variable(along, branches[:, 0], "N m-1", "lower boundary of mode coupling", "$k_1$"),
+            "upper_boundary": variable(along, branches[:, 1], "N m-1", "upper boundary of mode coupling", "$k_1$"),
+            "critical_friction": variable((), critical, "1", f"{word}, closed form", r"$\mu$"),
+            "critical_friction_by_eigenvalues": variable((), by_eigenvalues, "1", passing, r"$\mu$"),
+        },
+        coords={
+            **axis("friction_coefficient", friction),
+            **axis("support_stiffness", stiffness),
+            "printed_critical_friction": printed.variable(chapter.THRESHOLDS["critical_friction"], word),
+            **axis(along, curve),
+            **_parameters(drive),
+        },
+        attrs=about(
+            "Figure 8.15: instability regions over friction coefficient and axial support stiffness, undamped",
+            "generalised eigenvalues of (8.23), boundaries (8.29) in closed form",
+            "Sect. 8.8.1, Fig. 8.15",
+            comment="R Omega > 0; undamped",
+        ),
+    )
+
+
+def _parameters(drive: SupportDrive) -> Variables:
+    """The parameters of the undamped drive, some with a comment: the text names a table that is not in the chapter."""
+    parameters = drive_parameters(
+        drive.replace(**dict.fromkeys(_DAMPINGS, 0.0)),
+        axes=("friction_coefficient", "support_stiffness"),
+        printed=("Fig. 8.15", "Sect. 8.8.1"),
+        assumed=("coupling_stiffness",),
+        no_effect=("input_speed", "axial_force", "slide_friction", "bearing_friction"),
+    )
+    named_there = "the text names Table 7.1; with these the printed critical friction comes out"
+    missing = "Table 7.1 is not in the chapter; both branches of (8.29) are in proportion to it"
+    for name in ("pitch_radius", "lead_angle", "screw_inertia", "coupling_stiffness"):
+        parameters[name][2]["comment"] = missing if name == "coupling_stiffness" else named_there
+    return parameters
+
+
+def _curve(friction: np.ndarray, start: float, stop: float) -> np.ndarray:
+    """Friction coefficients from start to stop, both included, crowded at both ends, and those of the map between."""
+    crowded = start + (stop - start) * (1 - np.cos(np.linspace(0, np.pi, 801))) / 2
+    return np.unique(np.concatenate([crowded, friction[(friction > start) & (friction < stop)]]))
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the critical friction, the classes by the printed conditions and by LAPACK, and the boundaries."""
+    drive, critical = {name: float(dataset[name]) for name in _PARAMETERS}, float(dataset.critical_friction)
+    grid = _grid(dataset, drive)
+    a_4, a_2, a_0 = conditions.characteristic_polynomial(grid, law=1)
+    discriminant, size = a_2**2 - 4 * a_0 * a_4, a_2**2 + 4 * a_0 * np.abs(a_4)
+    inertia = drive["screw_inertia"] * (drive["mass"] + drive["screw_mass"])
+    # Closer to a boundary rounding may decide the class.
+    clear = (np.abs(discriminant) > 1e-9 * size) & (np.abs(a_4) > 1e-9 * inertia)
+    return [
+        printed.check(
+            "Critical friction coefficient, root of Γ̃_0(μ) = 0", chapter.THRESHOLDS["critical_friction"], critical
+        ),
+        Check.exact(
+            "Friction coefficient at which the eigenvalue 1/ω² passes through zero",
+            "eqs 8.23, 8.27",
+            critical,
+            float(dataset.critical_friction_by_eigenvalues),
+        ),
+        *_class_checks(dataset, drive, grid, clear),
+        *_region_checks(dataset, grid, clear, a_4, discriminant),
+        *_branch_checks(dataset, drive),
+        *_condition_checks(dataset, drive),
+    ]
+
+
+def _grid(dataset: xr.Dataset, drive: Values) -> dict[str, Any]:
+    """The parameters of all points of a map."""
+    friction, stiffness = dataset.friction_coefficient.values[:, None], dataset.support_stiffness.values
+    return {**drive, "friction_coefficient": friction, "support_stiffness": stiffness}
+
+
+def _class_checks(dataset: xr.Dataset, drive: Values, grid: Values, clear: np.ndarray) -> list[Check]:
+    """Check the classes by the critical friction, the printed conditions and LAPACK, but for rounding (``clear``)."""
+    kinematic = named(dataset.stability, "kinematic constraint")
+    off = kinematic != (dataset.friction_coefficient.values > float(dataset.critical_friction))[:, None]
+    wrong = int(np.sum(clear & (conditions.printed_class(grid, law=1) != dataset.stability.values)))
+    differ, compared = _against_lapack(dataset, drive, clear)
+    return [
+        Check.holds(
+            "The kinematic boundary is the vertical line at the critical friction, at every support stiffness",
+            "Sect. 8.8.1, Fig. 8.15",
+            f"{off.sum()} exceptions among {off.size} points",
+            not off.any() and kinematic.any(),
+        ),
+        Check.holds(
+            "The classes by eigenvalues are those of the printed conditions (8.24) to (8.26)",
+            "eqs 8.24 to 8.26",
+            f"{wrong} exceptions among {clear.sum()} points; {(~clear).sum()} within rounding of a boundary",
+            wrong == 0 and clear.mean() > 0.99,
+        ),
+        Check.without_exception(
+            "LAPACK's eigenvalues of the state matrix give the same classes", "eq. 8.23", differ, compared
+        ),
+    ]
+
+
+def _region_checks(
+    dataset: xr.Dataset, grid: Values, clear: np.ndarray, a_4: np.ndarray, discriminant: np.ndarray
+) -> list[Check]:
+    """Check by the signs of a_4 and the discriminant of (8.24) that no point is in two regions, and their bounds."""
+    flutter, kinematic, divergence = (
+        named(dataset.stability, x) for x in ("flutter", "kinematic constraint", "divergence")
+    )
+    both = int(np.sum((discriminant < 0) & kinematic) + np.sum((a_4 < 0) & flutter))
+    friction, stiffness = dataset.friction_coefficient.values, dataset.support_stiffness.values
+    lower, upper = (
+        dataset[name].reindex(boundary_friction_coefficient=friction).values[:, None]
+        for name in ("lower_boundary", "upper_boundary")
+    )
+    beyond = (stiffness > upper) & (conditions.effective_inertia(grid, law=1) < 0)
+    judged = clear & ~kinematic
+    off = int(np.sum(judged & ((flutter != ((stiffness > lower) & (stiffness < upper))) | (divergence != beyond))))
+    return [
+        Check.holds(
+            "The regions of mode coupling and of the kinematic constraint do not overlap, and neither is empty",
+            "Lemma 8.2, Fig. 8.15",
+            f"{both} points in both, {flutter.sum()} and {kinematic.sum()} in one",
+            both == 0 and flutter.any() and kinematic.any(),
+        ),
+        Check.holds(
+            "Mode coupling lies between both closed branches, and divergence beyond the upper one where Γ_0 < 0",
+            "eqs 8.25, 8.29",
+            f"{off} exceptions among {judged.sum()} points; {divergence.sum()} of divergence",
+            off == 0,
+        ),
+    ]
+
+
+def _branch_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
+    """Check both branches against the quadratic equation (8.29), and where they exist."""
+    friction, places = dataset.friction_coefficient.values, dataset.sizes["boundary_friction_coefficient"]
+    odd, finite, rewritten = _real_branches(dataset, {**drive, "friction_coefficient": friction})
+    residual = _residual(dataset, drive)
+    return [
+        Check.holds(
+            "Both branches satisfy the printed quadratic equation (8.29), to 1e-11 of its largest term",
+            "eq. 8.29",
+            f"largest remainder {residual:.1e}",
+            residual < 1e-11,
+        ),
+        Check.holds(
+            "(8.30) and (8.31) hold together exactly where (8.32) does, and there both branches are finite; the "
+            "printed form of (8.30) is equal to it, to 1e-12",
+            "eqs 8.30, 8.31, 8.32",
+            f"{odd} exceptions among {friction.size} friction coefficients; {finite} of {places} places with both "
+            f"branches; the printed form differs by {rewritten:.1e} of b_2²",
+            odd == 0 and finite == places and rewritten < 1e-12,
+        ),
+    ]
+
+
+def _condition_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
+    """Check both necessary conditions of the kinematic constraint, μ > tan λ and R Ω > 0, and Remark 8.3."""
+    friction = dataset.friction_coefficient.values
+    early = int(named(dataset.stability, "kinematic constraint")[friction <= np.tan(drive["lead_angle"])].sum())
+    own = {**drive, "friction_coefficient": friction}
+    inertias = (conditions.effective_inertia(own, law=-1), conditions.reduced_inertia(own, law=-1))
+    against = np.min(np.concatenate(np.broadcast_arrays(*inertias)))
+    reduced_mass = drive["mass"] * drive["screw_mass"] / (drive["mass"] + drive["screw_mass"])
+    rigid = {name: value for name, value in drive.items() if name != "screw_mass"}
+    locked = RigidDrive.of(rigid, friction_coefficient=float(dataset.critical_friction))
+    return [
+        Check.holds(
+            "The two necessary conditions of the kinematic constraint are μ > tan λ and R Ω > 0: it is active at no "
+            "smaller μ, and under law −, whose effective inertia is positive, at none",
+            "eq. 8.21, Remark 8.2, Sect. 8.9",
+            f"{early} points of the region at μ <= tan λ; smallest effective inertia of law − {against:.3g} kg m2",
+            early == 0 and against >= drive["screw_inertia"],
+        ),
+        Check.exact(
+            "The rigid drive with the critical friction has the reduced mass as its critical mass",
+            "Remark 8.3",
+            reduced_mass,
+            critical_mass(locked) or np.nan,
+            "kg",
+        ),
+    ]
+
+
+def _real_branches(dataset: xr.Dataset, own: Values) -> tuple[int, int, float]:
+    """Exceptions to (8.30) ∧ (8.31) ⇔ (8.32), places of two finite branches, and the distance of (8.30) from its form.
+
+    ``own``: parameters with the friction coefficients of the map. Where (8.30) is zero to rounding it does not count.
+    """
+    b_1, b_2, b_3 = conditions.boundary_coefficients(own, law=1)
+    p = values_of(own, law=1)
+    lever, total = p.factor * p.pitch_radius**2 * p.tan_lead, p.mass + p.screw_mass
+    discriminant = b_2**2 - 4 * b_1 * b_3
+    reduced = conditions.reduced_inertia(own, law=1)
+    form = 16 * lever * p.mass**2 * total * reduced
+    clear = np.abs(discriminant) > 1e-9 * b_2**2
+    together = (discriminant >= 0) & (b_2 < 0)
+    odd = int(np.sum(clear & (together != ((reduced >= 0) & (p.factor > 0)))))
+    finite = np.isfinite(dataset.lower_boundary.values) & ~np.isnan(dataset.upper_boundary.values)
+    return odd, int(finite.sum()), float(np.max(np.abs(discriminant - form) / b_2**2))
+
+
+def _residual(dataset: xr.Dataset, drive: Values) -> float:
+    """Largest remainder [1] of (8.29) on both branches, relative to its largest term."""
+    own = {**drive, "friction_coefficient": dataset.boundary_friction_coefficient.values}
+    b_1, b_2, b_3 = conditions.boundary_coefficients(own, law=1)
+    k = drive["coupling_stiffness"]
+    terms = [
+        np.stack([b_1 * branch**2, b_2 * k * branch, b_3 * k**2 * np.ones_like(branch)])
+        for branch in (dataset.lower_boundary.values, dataset.upper_boundary.values)
+    ]
+    return float(max(np.max(np.abs(term.sum(axis=0)) / np.abs(term).max(axis=0)) for term in terms))
+
+
+def _against_lapack(dataset: xr.Dataset, drive: Values, clear: np.ndarray) -> tuple[int, int]:
+    """Number of points with another class by LAPACK's eigenvalues of the state matrix, and of points compared."""
+    rows, columns = (spans.evenly_chosen(dataset.sizes[name], 100) for name in dataset.stability.dims)
+    part = dataset.isel(friction_coefficient=rows, support_stiffness=columns)
+    values = eigenvalues(support_model(_grid(part, {**drive, **dict.fromkeys(_DAMPINGS, 0.0)}), law=1))
+    limit = 1e-7 * np.abs(values).max(axis=-1)  # LAPACK keeps 1.5e-8 where two coincide
+    growing = (values.real > limit[..., None]).sum(axis=-1)
+    oscillates = np.abs(values[..., -1].imag) > limit
+    kinds = [UndampedClass.STABLE, UndampedClass.FLUTTER, UndampedClass.KINEMATIC_CONSTRAINT]
+    theirs = np.select([growing == 0, oscillates, growing == 1], kinds, UndampedClass.DIVERGENCE)
+    compared = clear[np.ix_(rows, columns)]
+    return int(np.sum(compared & (theirs != part.stability.values))), int(compared.sum())
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Draw the class map by eigenvalues, over it the boundaries in closed form and the critical friction."""
+    from matplotlib.patches import Patch
+
+    figure = style.new_figure(style.DOUBLE * 0.8, 4.6)
+    axes = figure.add_subplot()
+    friction, stiffness, patches = dataset.friction_coefficient, dataset.support_stiffness, []
+    colours = {name: colour for name, (colour, *_) in _REGIONS.items()}
+    drawing.regions(axes, friction, stiffness, dataset.stability.T, colours)
+    # 250 rows and columns are enough for hatching.
+    coarse = dataset.isel({name: spans.evenly_chosen(dataset.sizes[name], 250) for name in dataset.stability.dims})
+    for name, (colour, hatch, words, name_in, place) in _REGIONS.items():
+        inside = named(coarse.stability, name).T.astype(float)
+        if hatch and inside.any():
+            drawing.hatched(axes, coarse.friction_coefficient, coarse.support_stiffness, inside, hatch, _HATCH)
+        here = dataset.stability.sel(dict(zip(dataset.stability.dims, place, strict=True)), method="nearest")
+        if named(here, name):
+            axes.text(*place, name_in, ha="center", va="center", zorder=4,
+                      bbox={"facecolor": colour, "linewidth": 0, "pad": 1.5})  # fmt: skip
+        patches.append(Patch(facecolor=colour, hatch=hatch, edgecolor=_HATCH, linewidth=0.5, label=words))
+    for which, dashes in (("lower", "-"), ("upper", "--")):
+        axes.plot(dataset.boundary_friction_coefficient, dataset[f"{which}_boundary"], color=style.BLUE,
+                  linestyle=dashes, linewidth=1.4, label=f"{which} branch of (8.29)")  # fmt: skip
+    critical, printed = float(dataset.critical_friction), float(dataset.printed_critical_friction)
+    symbol = r"$\mu_\mathrm{kc}$"
+    axes.axvline(critical, color=style.VERMILION, linewidth=1.4, label=f"{symbol} = {critical:.4f}")
+    axes.axvline(printed, **style.PRINTED, label=f"{symbol} = {printed:g}, as printed")
+    axes.set(xlabel=style.label(friction), ylabel=style.label(stiffness), yscale="log")
+    axes.set(xlim=friction[[0, -1]], ylim=stiffness[[0, -1]])
+    style.state_values(figure, dataset)
+    style.legend(figure, [axes], 2, patches)
+    return figure

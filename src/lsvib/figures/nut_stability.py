@@ -1,0 +1,289 @@
+"""Rotating nut: critical mass against the inertia of the nut (Remark 8.6), and the stability map of (8.33)."""
+
+from typing import Any, ClassVar
+
+import numpy as np
+import xarray as xr
+from pydantic import Field
+
+from lsvib.datasets import spans
+from lsvib.datasets.attributes import CRITICAL_MASS, axis, drive_parameters, flagged, origin_of, parameter, variable
+from lsvib.datasets.checks import Check
+from lsvib.figures import drawing, style
+from lsvib.figures.common import about, existing, named
+from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Span, Values
+from lsvib.figures.style import Axes, Figure
+from lsvib.models.drive import NutDrive
+from lsvib.numbers import bisected
+from lsvib.stability.conditions import critical_mass, effective_screw_inertia, kinematic_inertia, kinematic_mass
+from lsvib.stability.linear import (
+    UndampedClass,
+    determinant,
+    eigenvalues,
+    nut_model,
+    reciprocal_squares,
+    undamped_class,
+    values_of,
+)
+
+CAPTION = """\
+Steady sliding with a rotating nut (drive of Table 8.1, force with the motion; mass and nut assumed): (a) the critical
+mass over the moment of inertia of the nut, by (8.33) and by eigenvalues, below that of the rigid drive (Remark 8.6);
+(b) the classes by eigenvalues over friction coefficient and inertia of the nut, with the boundary (8.33). There is
+neither flutter nor divergence.
+"""
+
+_PARAMETERS = (
+    *("mass", "screw_inertia", "pitch_radius", "lead_angle", "coupling_stiffness", "support_damping"),
+    *("translation_damping", "nut_stiffness", "nut_damping"),
+)
+_COLOURS = {"stable": "#FFFFFF", "kinematic constraint": "#F7D9C4", "flutter": style.SKY, "divergence": style.BLUE}
+
+
+class Settings(FigureSettings):
+    """Critical mass over the inertia of a rotating nut, and the stability map."""
+
+    unused: ClassVar = ("axial_force", "coupling_stiffness", "input_speed", "support_damping", "translation_damping")
+
+    drive: DriveChanges
+    nut_inertia: PositiveSpan = Field(description="I_2 [kg m2], spaced logarithmically.")
+    friction_coefficient: Span = Field(description="mu, from zero or more.")
+
+
+def build(settings: Values) -> xr.Dataset:
+    """Compute the critical mass over the inertia of the nut, in closed form and by eigenvalues, and the class map.
+
+    ``settings``: see ``Settings``; c_x = 0, and the mass of ``drive`` is that of the map. Raises ``InputError``.
+    """
+    drive = NutDrive.of(settings["drive"])
+    rigid, inertia = existing(critical_mass(drive)), spans.logarithmic(settings["nut_inertia"])
+    friction = spans.even(settings["friction_coefficient"])
+    drive.replace(friction_coefficient=float(friction.max()))  # refuses what is beyond cot λ
+    nuts = [drive.replace(nut_inertia=float(value)) for value in inertia]
+    closed, passing = [kinematic_mass(nut) for nut in nuts], [_by_eigenvalues(nut, rigid) for nut in nuts]
+    by = "critical mass, where an eigenvalue 1/omega^2 passes through zero"
+    grid = {**dict(drive), "friction_coefficient": friction[:, None], "nut_inertia": inertia}
+    kinds, plane = undamped_class(nut_model(grid, law=1)), ("friction_coefficient", "nut_inertia")
+    begins = "inertia of the nut at which (8.33) begins to hold, missing if at none"
+    from_which_on = "friction coefficient from which on (8.33) holds, missing if from none"
+    own, drawn = drive.friction_coefficient, "drawn_friction_coefficient"
+    origin = origin_of("friction_coefficient", own)
+    return xr.Dataset(
+        {
+            "critical_mass_with_nut": variable(
+                "nut_inertia", closed, "kg", "critical mass, in closed form", r"$m_\mathrm{cr}$"
+            ),
+            "critical_mass_with_nut_by_eigenvalues": variable("nut_inertia", passing, "kg", by, r"$m_\mathrm{cr}$"),
+            "stability": flagged(plane, kinds, "class of the steady sliding", UndampedClass, comment="undamped"),
+            "boundary_nut_inertia": variable(plane[0], _boundary(drive, friction), "kg m2", begins, "$I_2$"),
+        },
+        coords={
+            "critical_friction_with_nut": variable(
+                "nut_inertia", _boundary_friction(drive, inertia), "1", from_which_on, r"$\mu$"
+            ),
+            **axis("nut_inertia", inertia),
+            **axis("friction_coefficient", friction),
+            "critical_mass": ((), rigid, CRITICAL_MASS),
+            drawn: ((), own, parameter(drawn, origin, comment="of the critical masses")),
+            **drive_parameters(
+                drive,
+                axes=("nut_inertia", "friction_coefficient"),
+                printed=("Sect. 8.6",),
+                no_effect=("input_speed", "axial_force", "slide_friction", "bearing_friction"),
+            ),
+        },
+        attrs=about(
+            "Stability of steady sliding with a rotating nut",
+            "generalised eigenvalues of the matrices of Sect. 8.8.2, condition (8.33) in closed form",
+            "Sect. 8.8.2, eq. 8.33, Remarks 8.5 and 8.6; docs/lemmas.md",
+            comment="R Omega > 0; the dampings enter only where a check repeats the classes with damping",
+        ),
+    )
+
+
+def _by_eigenvalues(drive: NutDrive, rigid: float) -> float:
+    """Mass [kg] at which the product of both 1/ω² changes its sign, by bisection; between zero and the rigid one."""
+
+    def lost(mass: float) -> bool:
+        squares = reciprocal_squares(nut_model({**dict(drive), "mass": mass}, law=1))
+        return not np.prod(np.sign(squares.real)) > 0
+
+    return bisected(lost, 0.0, rigid)
+
+
+def _boundary(drive: NutDrive, friction: np.ndarray) -> np.ndarray:
+    """I_2 = I q / (I − q) [kg m²] with q = ξ₊ tan λ m r_m², where I_eff = q; NaN unless 0 < q < I."""
+    p = values_of({**dict(drive), "friction_coefficient": friction}, law=1)
+    q = p.factor * p.tan_lead * p.mass * p.pitch_radius**2
+    gamma = p.screw_inertia - q
+    with np.errstate(divide="ignore"):
+        return np.where((q > 0) & (gamma > 0), p.screw_inertia * q / gamma, np.nan)
+
+
+def _boundary_friction(drive: NutDrive, inertia: np.ndarray) -> np.ndarray:
+    """μ = (ξ + tan λ) / (1 − ξ tan λ) with ξ = I_eff / (tan λ m r_m²), where I_eff = q; NaN if not below cot λ."""
+    tangent = np.tan(drive.lead_angle)
+    xi = effective_screw_inertia({**dict(drive), "nut_inertia": inertia}) / (
+        tangent * drive.mass * drive.pitch_radius**2
+    )
+    below = (xi * tangent < 1) & ((xi + tangent) * tangent < 1 - xi * tangent)
+    with np.errstate(divide="ignore"):
+        return np.where(below, (xi + tangent) / (1 - xi * tangent), np.nan)
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the map against (8.33) and det M_0, with damping too, and the critical mass against Remark 8.6."""
+    drive = {name: float(dataset[name]) for name in _PARAMETERS}
+    grid = _grid(dataset, drive)
+    # Closer to (8.33) rounding may decide.
+    clear = np.abs(kinematic_inertia(grid, law=1)) > 1e-9 * effective_screw_inertia(grid)
+    return [
+        *_class_checks(dataset, grid, clear),
+        _damping_check(dataset, drive, clear),
+        *_boundary_checks(dataset, drive, clear),
+        *_critical_mass_checks(dataset, drive),
+    ]
+
+
+def _grid(dataset: xr.Dataset, drive: Values) -> dict[str, Any]:
+    """The parameters of all points of a map."""
+    friction, inertia = dataset.friction_coefficient.values[:, None], dataset.nut_inertia.values
+    return {**drive, "friction_coefficient": friction, "nut_inertia": inertia}
+
+
+def _class_checks(dataset: xr.Dataset, grid: Values, clear: np.ndarray) -> list[Check]:
+    """Check the classes against (8.33) and the printed inertia matrix, where rounding does not decide (``clear``)."""
+    kinematic, other = (named(dataset.stability, *x) for x in (["kinematic constraint"], ["flutter", "divergence"]))
+    wrong = int(np.sum(clear & (kinematic != (kinematic_inertia(grid, law=1) < 0))))
+    opposite = np.sum(clear & ((determinant(nut_model(grid, law=1).mass) < 0) != kinematic))
+    return [
+        Check.holds(
+            "The class by eigenvalues is kinematic exactly where (8.33) holds",
+            "eq. 8.33",
+            f"{wrong} exceptions among {clear.sum()} points, {kinematic.sum()} of them kinematic",
+            wrong == 0 and 0 < kinematic.sum() < kinematic.size,
+        ),
+        Check.holds(
+            "Steady sliding is lost neither by flutter nor by divergence",
+            "Sect. 8.8.2",
+            f"{other.sum()} of {other.size} points",
+            not other.any(),
+        ),
+        Check.without_exception(
+            "(8.33) is det M_0 < 0, the printed inertia matrix", "Remark 8.5, eq. 8.33", opposite, clear.sum()
+        ),
+    ]
+
+
+def _damping_check(dataset: xr.Dataset, drive: Values, clear: np.ndarray) -> Check:
+    """Check at evenly chosen points that damping does not change the classes."""
+    rows, columns = (spans.evenly_chosen(dataset.sizes[name], 40) for name in dataset.stability.dims)
+    part = dataset.isel(friction_coefficient=rows, nut_inertia=columns)
+    grows = eigenvalues(nut_model(_grid(part, drive), law=1))[..., -1].real > 0
+    compared = clear[np.ix_(rows, columns)]
+    differ = compared & (grows != named(part.stability, "kinematic constraint"))
+    claim = "With damping of screw and nut the real parts of LAPACK's eigenvalues give the same classes"
+    return Check.without_exception(claim, "Sect. 8.8.2, docs/lemmas.md", differ.sum(), compared.sum())
+
+
+def _boundary_checks(dataset: xr.Dataset, drive: Values, clear: np.ndarray) -> list[Check]:
+    """Check both closed forms of the boundary (8.33): over the friction coefficient and over the nut's inertia."""
+    boundary, friction = dataset.boundary_nut_inertia.values[:, None], dataset.friction_coefficient.values[:, None]
+    # Beyond the boundary all is stable; where there is none, all without self-locking.
+    locking = friction > np.tan(drive["lead_angle"])
+    stable = np.where(np.isnan(boundary), ~locking, dataset.nut_inertia.values > boundary)
+    off = np.sum(clear & (named(dataset.stability, "kinematic constraint") == stable))
+    edge = dataset.critical_friction_with_nut.values
+    on_edge = {**drive, "friction_coefficient": edge, "nut_inertia": dataset.nut_inertia.values}
+    left = float(np.nanmax(np.abs(kinematic_inertia(on_edge, law=1)) / effective_screw_inertia(on_edge)))
+    return [
+        Check.without_exception(
+            "The boundary in closed form parts the classes at every friction coefficient", "eq. 8.33", off, clear.sum()
+        ),
+        Check.holds(
+            "On the boundary over the inertia of the nut (8.33) is an equality, to 1e-12 of the effective inertia",
+            "eq. 8.33",
+            f"largest remainder {left:.1e} at {np.isfinite(edge).sum()} of {edge.size} inertias",
+            left < 1e-12,
+        ),
+    ]
+
+
+def _critical_mass_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
+    """Check the critical mass against Remark 8.6, by eigenvalues, and for a light and a heavy nut."""
+    inertia, rigid = dataset.nut_inertia.values, float(dataset.critical_mass)
+    own, theirs = dataset.critical_mass_with_nut.values, dataset.critical_mass_with_nut_by_eigenvalues.values
+    factor = own / rigid * (drive["screw_inertia"] + inertia) / inertia
+    return [
+        Check.exact(
+            "Critical mass over that of the rigid drive times I_2 / (I + I_2), worst inertia of the nut",
+            "Remark 8.6",
+            1.0,
+            float(factor[np.argmax(np.abs(factor - 1))]),
+        ),
+        Check.within(
+            "Critical mass by eigenvalues over that in closed form, worst inertia of the nut",
+            "eq. 8.33",
+            1.0,
+            float((theirs / own)[np.argmax(np.abs(theirs / own - 1))]),
+            1e-9,
+            "1",
+            "an eigenvalue that passes through zero, in doubles",
+        ),
+        Check.holds(
+            "A nut that turns lowers the critical mass, the more the lighter it is; a heavy one hardly, less than 1%",
+            "Remark 8.6",
+            f"from {own[0]:.3g} kg to {own[-1]:.5g} kg, rigid {rigid:.5g} kg",
+            bool((np.diff(own) > 0).all()) and own[-1] < rigid < own[-1] * (1 + 0.01),
+        ),
+    ]
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Draw (a) the critical mass over the inertia of the nut and (b) the classes over that and the friction."""
+    from matplotlib.patches import Patch
+
+    figure = style.new_figure(style.DOUBLE, 3.5)
+    mass, plane = figure.subplots(1, 2)
+    _critical_mass(mass, dataset)
+    _map(plane, dataset)
+    style.state_values(figure, dataset)
+    words = {"kinematic constraint": "unstable: kinematic constraint", "stable": "stable"}
+    edge = {"edgecolor": style.GREY, "linewidth": 0.5}
+    patches = [Patch(facecolor=_COLOURS[name], label=label, **edge) for name, label in words.items()]
+    style.legend(figure, [mass, plane], 4, patches)
+    return figure
+
+
+def _critical_mass(axes: Axes, dataset: xr.Dataset) -> None:
+    rigid, inertia, screw = float(dataset.critical_mass), dataset.nut_inertia, float(dataset.screw_inertia)
+    some = dataset.isel(nut_inertia=np.linspace(0, inertia.size - 1, 12).astype(int))
+    axes.plot(inertia, dataset.critical_mass_with_nut, color=style.BLUE, label="boundary by (8.33)")
+    axes.plot(some.nut_inertia, some.critical_mass_with_nut_by_eigenvalues, "o", color=style.VERMILION, zorder=3,
+              label="by eigenvalues", clip_on=False)  # fmt: skip
+    axes.fill_between(
+        inertia, dataset.critical_mass_with_nut, 1.15 * rigid, color=_COLOURS["kinematic constraint"], linewidth=0
+    )
+    axes.axhline(rigid, color=style.GREY, linewidth=0.9, linestyle="--")
+    axes.annotate(f"nut that cannot turn: {rigid:.3f} kg", (0.03, rigid), (0, 3), color="#505050", fontsize=6.5,
+                  xycoords=axes.get_yaxis_transform(), textcoords="offset points")  # fmt: skip
+    axes.axvline(screw, 0, 0.82, color=style.BLACK, linewidth=0.6, linestyle=":")
+    axes.text(screw, 0.06, " $I_2 = I$", fontsize=6.5, transform=axes.get_xaxis_transform())
+    friction = style.number(dataset.drawn_friction_coefficient)
+    axes.set(xscale="log", title=rf"(a) critical mass, $\mu$ = {friction}", xlabel=style.label(inertia))
+    axes.set(ylabel="Critical mass $m_\\mathrm{cr}$ [kg]", ylim=(0, 1.15 * rigid), xlim=inertia[[0, -1]])
+
+
+def _map(axes: Axes, dataset: xr.Dataset) -> None:
+    friction, inertia = dataset.friction_coefficient, dataset.nut_inertia
+    drawing.regions(axes, friction, inertia, dataset.stability.T, _COLOURS)
+    axes.plot(dataset.critical_friction_with_nut, inertia, color=style.BLUE)
+    tangent, drawn = float(np.tan(dataset.lead_angle)), float(dataset.drawn_friction_coefficient)
+    axes.axvline(tangent, color=style.BLACK, linewidth=0.6, linestyle=":")
+    axes.axvline(drawn, color=style.GREY, linewidth=0.9, linestyle="--")
+    look = {"fontsize": 6.5, "va": "top", "transform": axes.get_xaxis_transform()}
+    axes.text(tangent, 0.94, r"$\mu = \tan\lambda$ ", ha="right", **look)
+    axes.text(drawn, 0.94, rf" {drawn:g} of (a)", color="#505050", **look)
+    axes.set(yscale="log", title=f"(b) classes, $m$ = {style.number(dataset.mass)} kg", xlabel=style.label(friction))
+    axes.set(ylabel=style.label(inertia), xlim=friction[[0, -1]], ylim=inertia[[0, -1]])

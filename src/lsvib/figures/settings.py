@@ -1,0 +1,203 @@
+"""The types that the settings of figures share: drives, states, spans of values, lists; SI units throughout.
+
+A figure states its settings as a class ``Settings`` in its file, with a unit and a range for each of them. Ranges of
+parameters are those of :mod:`lsvib.models.drive`.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Self
+
+from annotated_types import Ge, Gt, Le, Lt
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model, model_validator
+from pydantic_core import PydanticCustomError
+
+from lsvib.models.drive import Drive, Least, ThreadsDrive, described
+
+_BOUNDS = (Ge, Gt, Le, Lt)
+Values = Mapping[str, Any]  # names and values, such as the settings of a figure once they are checked
+
+
+class SettingsSection(BaseModel):
+    """Names and values, immutable and checked: no other name, no text for a number, nothing infinite."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+
+class FigureSettings(SettingsSection):
+    """The settings of one figure, and what it needs besides what it imports.
+
+    ``unused``: parameters of its drive on which the figure does not depend, because it varies them itself or because
+    they drop out of what it shows. ``needs``: modules that its dataset runs in processes of their own or finds by name.
+    ``timed``: whether its dataset measures run times, so that nothing may run beside it.
+    """
+
+    unused: ClassVar[tuple[str, ...]] = ()
+    needs: ClassVar[tuple[str, ...]] = ()
+    timed: ClassVar[bool] = False
+
+
+def _ordered(low: float, high: float, names: tuple[str, str]) -> None:
+    if not low < high:
+        words = "has {low_name} = {low} and {high_name} = {high}; it needs {low_name} < {high_name}"
+        context = {"low_name": names[0], "high_name": names[1], "low": f"{low:g}", "high": f"{high:g}"}
+        raise PydanticCustomError("of_the_whole", words, context)
+
+
+class Span(SettingsSection):
+    """Evenly spaced values from start to stop, both included."""
+
+    start: float
+    stop: float
+    count: int = Field(ge=2, le=100_000)
+
+    @model_validator(mode="after")
+    def _start_is_below_stop(self) -> Self:
+        _ordered(self.start, self.stop, ("start", "stop"))
+        return self
+
+
+class PositiveSpan(Span):
+    """Evenly spaced positive values from start to stop, both included."""
+
+    start: float = Field(gt=0)
+    stop: float = Field(gt=0)
+
+
+class Cells(Span):
+    """Cells of equal width between start and stop."""
+
+    count: int = Field(ge=1, le=1_000_000)
+
+
+class State(SettingsSection):
+    """State of the drive: deviation u [rad] and its rate w [rad/s]."""
+
+    u: float = Field(ge=-1e6, le=1e6)
+    w: float = Field(ge=-1e9, le=1e9)
+
+
+class PlaneWindow(SettingsSection):
+    """Rectangle in the phase plane: edges in u [rad] and in its rate w [rad/s]."""
+
+    left: float = Field(ge=-1e6, le=1e6)
+    right: float = Field(ge=-1e6, le=1e6)
+    bottom: float = Field(ge=-1e9, le=1e9)
+    top: float = Field(ge=-1e9, le=1e9)
+
+    @model_validator(mode="after")
+    def _edges_are_ordered(self) -> Self:
+        _ordered(self.left, self.right, ("left", "right"))
+        _ordered(self.bottom, self.top, ("bottom", "top"))
+        return self
+
+
+def _unique(values: list[Any]) -> list[Any]:
+    if any(value in values[:k] for k, value in enumerate(values)):
+        raise PydanticCustomError("of_the_value", "holds an entry twice")
+    return values
+
+
+def _not_zero(value: float) -> float:
+    if value == 0:
+        raise PydanticCustomError("of_the_value", "is not acceptable; it must not be 0")
+    return value
+
+
+def _zero(value: float) -> float:
+    if value != 0:
+        raise PydanticCustomError("of_the_value", "is not acceptable; it must be 0")
+    return value
+
+
+Unique = (AfterValidator(_unique),)  # add to the type of a list
+
+
+def several(kind: Any, least: int, most: int | None, description: str) -> Any:
+    """Return the type of a list of so many entries, none of them twice."""
+    return Annotated[list[kind], *Unique, Field(min_length=least, max_length=most, description=description)]
+
+
+def parameter(key: str, *more: Any, of: type[Drive] = Drive) -> Any:
+    """Return the type of a parameter of a drive, with its range, and with ``more`` bounds."""
+    bounds = [bound for bound in of.model_fields[key].metadata if isinstance(bound, _BOUNDS)]
+    least = [bound for bound in of.model_fields[key].metadata if isinstance(bound, Least)]
+    words = described(of, key)
+    description = f"{words['symbol']} [{words['unit']}]: {words['long_name']}."
+    return Annotated[float, *bounds, *more, *least, Field(description=description)]
+
+
+def _changes(name: str, description: str, of: type[Drive]) -> type[SettingsSection]:
+    types = {key: parameter(key, of=of) for key in of.model_fields}
+    angle = [bound for bound in of.model_fields["lead_angle"].metadata if isinstance(bound, (Ge, Lt))]
+    degrees = [Ge(math.degrees(b.ge)) if isinstance(b, Ge) else Lt(math.degrees(b.lt)) for b in angle]
+    types["lead_angle_deg"] = Annotated[float, *degrees, Field(description="lambda [degree].")]
+    fields: dict[str, Any] = {key: (kind, None) for key, kind in types.items()}  # not named: as in Table 8.1
+    return create_model(name, __base__=SettingsSection, __doc__=description, **fields)
+
+
+DriveChanges = _changes(
+    "DriveChanges", "Changes of the drive of Table 8.1; lsvib checks what couples two of them.", Drive
+)
+
+
+class Contact(SettingsSection):
+    """A contact of compliant threads."""
+
+    contact_stiffness: parameter("contact_stiffness", of=ThreadsDrive)
+    contact_damping: parameter("contact_damping", of=ThreadsDrive)
+
+
+class ContactStart(SettingsSection):
+    """A contact force and its rate, in the scale of the chapter [1/(kg m2)]."""
+
+    force: float = Field(ge=-1e12, le=1e12)
+    rate: float = Field(ge=-1e12, le=1e12)
+
+
+NotZero = (AfterValidator(_not_zero), Field(json_schema_extra={"not": {"const": 0}}))  # add to the type of a number
+Zero = Annotated[float, AfterValidator(_zero), Field(json_schema_extra={"const": 0})]
+ContactDampings = Annotated[
+    tuple[Zero, parameter("contact_damping", Gt(0), of=ThreadsDrive)],
+    Field(strict=False, description="Contact damping of both panels, none first [N s/m]."),
+]
+Starts = Annotated[list[State], Field(min_length=1, max_length=4, description="States from which motions are drawn.")]
+ContactStarts = Annotated[
+    list[ContactStart],
+    Field(min_length=1, max_length=12, description="Contact forces and rates that motions start from."),
+]
+Duration = Annotated[float, Field(gt=0, le=10, description="Time for which motions are drawn [s].")]
+Samples = Annotated[int, Field(ge=100, le=100_000, description="Samples of each motion, events included.")]
+Damping = Annotated[float, Field(ge=0, le=1, description="Support damping c [N m s/rad].")]
+CaseSeed = Annotated[int, Field(ge=0, description="Seed of the random cases.")]
+Repeats = Annotated[int, Field(ge=1, le=1000, description="Repeats of each measurement.")]
+MassPair = several(parameter("mass"), 2, 2, "Two readings of the mass [kg].")
+OpposingForces = several(parameter("axial_force", Lt(0)), 2, 2, "Two forces R < 0 [N].")
+Tolerances = Annotated[
+    list[Annotated[float, Field(gt=0, le=10)]],
+    *Unique,
+    Field(max_length=20, description="Settings of a method, coarse to fine; [] leaves it out."),
+]
+
+
+class PhasePlane(FigureSettings):
+    """Settings of the motions that a figure draws in the phase plane; Figs 8.4 and 8.5 need no others."""
+
+    drive: DriveChanges
+    starts: Starts
+    duration: Duration
+    samples: Samples
+
+
+class ContactPortrait(FigureSettings):
+    """Settings of a phase portrait of the contact force, Figs 8.1 and 8.2."""
+
+    unused: ClassVar = ("coupling_stiffness", "support_damping", "input_speed", "translation_damping", "axial_force")
+
+    drive: DriveChanges
+    contact_stiffness: parameter("contact_stiffness", of=ThreadsDrive)
+    contact_dampings: ContactDampings
+    force: Span = Field(description="Contact force in the scale of the chapter [1/(kg m2)].")
+    rate: Span = Field(description="Its rate, in the same scale [1/(kg m2)].")
+    starts: ContactStarts
+    samples: Samples

@@ -1,0 +1,233 @@
+"""How far the rounding of Table 8.1 explains the distances between printed and computed thresholds."""
+
+from collections.abc import Callable, Mapping
+from enum import IntEnum
+from typing import ClassVar
+
+import numpy as np
+import xarray as xr
+
+from lsvib.datasets import printed
+from lsvib.datasets.attributes import Variables, drive_parameters, flagged, origin_of, parameter, variable, yes_no
+from lsvib.datasets.checks import Check
+from lsvib.figures import style
+from lsvib.figures.common import about, flag_names
+from lsvib.figures.settings import DriveChanges, FigureSettings, Values
+from lsvib.figures.style import Figure
+from lsvib.models import chapter
+from lsvib.models.drive import RigidDrive, SupportDrive
+from lsvib.models.mechanics import coefficients
+from lsvib.numbers import bisected
+from lsvib.stability import force_thresholds
+from lsvib.stability.conditions import critical_friction, critical_mass
+from lsvib.stability.threshold import HALF_UNITS, ROUND, propagated, solve_threshold
+
+CAPTION = """\
+What the rounding of Table 8.1 explains of the distance between printed thresholds and computed ones (in brackets): half
+a unit of the last digit of each value, as a part of the threshold, (a) of the values with three digits and (b) of those
+with one or two, on top of the threshold's own print. A mark within the bar of (a) is explained; 34.5 N and 46.5 N are
+not. See docs/physics.md.
+"""
+
+# Of each printed threshold half a unit of its last digit, its name among those that are solved, and for what.
+_PRINTED = {
+    "critical_mass": (0.005, "kinematic constraint", "mass"),
+    "critical_friction": (0.0005, "kinematic constraint", "friction_coefficient"),
+    "onset_force": (0.5, "onset", "axial_force"),
+    "stick_force": (0.05, "stick", "axial_force"),
+    "detach_force": (0.05, "detach", "axial_force"),
+}
+_WORDS = {name: name.replace("_", " ") for name in _PRINTED} | {"critical_friction": "critical friction coefficient"}
+_PLACES = ("Sect. 8.5.1", "Fig. 8.15", "Sect. 8.6")  # that state what the drives of the thresholds have
+_VARIED = ("mass", "translation_damping")  # in which they differ; the thresholds of R do not depend on it
+PrintedThreshold = IntEnum("PrintedThreshold", list(_PRINTED), start=0)
+Parameter = IntEnum("Parameter", list(HALF_UNITS), start=0)
+_SYMBOLS = {
+    "pitch radius": ("$r_m$", style.BLUE),
+    "lead angle deg": ("$\\lambda$", style.SKY),
+    "screw inertia": ("$I$", style.GREEN),
+    "friction coefficient": ("$\\mu$", style.PURPLE),
+    "coupling stiffness": ("$k$", style.YELLOW),
+    "support damping": ("$c$", style.ORANGE),
+    "input speed": ("$\\Omega$", style.GREY),
+}
+
+
+class Settings(FigureSettings):
+    """What the rounding of Table 8.1 does to the printed thresholds."""
+
+    unused: ClassVar = ("mass", "translation_damping", "axial_force")
+
+    drive: DriveChanges
+
+
+def build(settings: Values) -> xr.Dataset:
+    """Compute the thresholds, their distance from print, and what half a unit of each parameter changes, relative.
+
+    ``settings``: ``drive``, changes of Table 8.1, from which each threshold takes its own masses and damping as the
+    chapter states them. Raises ``InputError`` or ``NoThreshold`` for a drive without a threshold.
+    """
+    base, own = RigidDrive.of(settings["drive"]), {name: dict(chapter.THRESHOLDS[name].drive) for name in _PRINTED}
+    screw_mass = own["critical_friction"].pop("screw_mass")
+    drives = {name: base.replace(**changes) for name, changes in own.items()}
+    functions = {
+        "critical_mass": critical_mass,
+        "critical_friction": lambda drive: critical_friction(drive, screw_mass),
+        **{name: getattr(force_thresholds, name) for name in ("onset_force", "stick_force", "detach_force")},
+    }
+    computed = np.array([functions[name](drives[name]) for name in _PRINTED])
+    asked = drives | {"critical_friction": SupportDrive.of(drives["critical_friction"], screw_mass=screw_mass)}
+    solved = [solve_threshold(drive, *_PRINTED[name][1:]) for name, drive in asked.items()]
+    changes = np.array([list(propagated(found).values()) for found in solved])
+    return xr.Dataset(
+        _relative_to(computed, changes) | _table(base) | _matching(drives["stick_force"], functions),
+        coords={
+            "threshold": flagged("threshold", PrintedThreshold, "threshold", PrintedThreshold),
+            "parameter": flagged("parameter", Parameter, "parameter of Table 8.1", Parameter),
+            **{f"printed_{n}": printed.variable(chapter.THRESHOLDS[n], words) for n, words in _WORDS.items()},
+            **{
+                f"computed_{n}": variable((), value, chapter.THRESHOLDS[n].unit, f"{n.replace('_', ' ')}, computed")
+                for n, value in zip(_PRINTED, computed, strict=True)
+            },
+            **drive_parameters(
+                list(drives.values()), "threshold", along=_VARIED, printed=_PLACES, no_effect=("axial_force",)
+            ),
+            "screw_mass": ((), screw_mass, parameter("screw_mass", origin_of("screw_mass", screw_mass, _PLACES))),
+        },
+        attrs=about(
+            "Rounding of Table 8.1 and the printed thresholds",
+            "thresholds in closed form and by the return map, with exact derivatives",
+            "Table 8.1, Sects 8.5.1, 8.6.1, Fig. 8.15",
+        ),
+    )
+
+
+def _relative_to(computed: np.ndarray, changes: np.ndarray) -> Variables:
+    """Distances from print and changes (threshold, parameter), relative to the computed thresholds."""
+    in_print = np.array([chapter.THRESHOLDS[name].value for name in _PRINTED])
+    half_units = np.array([half for half, *_ in _PRINTED.values()]) / computed
+    half, change = "half a unit of the last printed digit of the threshold, relative", changes / computed[:, None]
+    words = "change of the threshold by half a unit of the parameter's last printed digit"
+    return {
+        "print_residual": variable("threshold", in_print / computed - 1, "1", "printed less computed, relative"),
+        "print_half_unit": variable("threshold", half_units, "1", half),
+        "relative_change": variable(("threshold", "parameter"), change, "1", words),
+    }
+
+
+def _table(drive: RigidDrive) -> Variables:
+    """The values of Table 8.1, half a unit of their last digit, and which of them have only one digit."""
+    halves, few = np.array(list(HALF_UNITS.values())), [name in ROUND for name in HALF_UNITS]
+    values = [np.degrees(drive.lead_angle) if n == "lead_angle_deg" else getattr(drive, n) for n in HALF_UNITS]
+    units = "SI units, angle in degrees"
+    return {
+        "half_unit": variable("parameter", halves, "1", f"half a unit of the last printed digit, {units}"),
+        "printed_value": variable("parameter", values, "1", f"value of the parameter, {units}"),
+        "one_digit": yes_no("parameter", few, "printed without a digit but the leading one"),
+    }
+
+
+def _matching(drive: RigidDrive, functions: Mapping[str, Callable[[RigidDrive], float]]) -> Variables:
+    """The damping with which the printed stick force is the computed one, and what else it would change."""
+    damping = _damping_of(functions["stick_force"], chapter.THRESHOLDS["stick_force"].value, drive)
+    other, unit = drive.replace(support_damping=damping), "N m s rad-1"
+    force, plus = functions["detach_force"](other), float(coefficients(other).damping[1])
+    words, that = "support damping at which the stick force is the printed one", "with that damping"
+    return {
+        "matching_support_damping": variable((), damping, unit, words, "$c$"),
+        "matching_detach_force": variable((), force, "N", f"detach force {that}", "$R$"),
+        "matching_effective_damping_plus": variable((), plus, unit, f"effective damping of law + {that}", "$C_+$"),
+    }
+
+
+def _damping_of(threshold: Callable[[RigidDrive], float], force: float, drive: RigidDrive) -> float:
+    """Support damping within half a unit of the printed one at which a threshold is ``force``, by bisection."""
+    half = HALF_UNITS["support_damping"]
+    low, high = drive.support_damping - half, drive.support_damping + half
+    rising = threshold(drive.replace(support_damping=high)) > threshold(drive.replace(support_damping=low))
+    return bisected(lambda c: (threshold(drive.replace(support_damping=c)) < force) != rising, low, high)
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check which residuals the rounding explains, and which it does not."""
+    residual, precise = np.abs(dataset.print_residual.values), dataset.one_digit.values == 0
+    # The most that the values with three digits and the threshold's own print explain.
+    allowed = np.abs(dataset.relative_change.values[:, precise]).sum(axis=1) + dataset.print_half_unit.values
+    mass, friction, onset, stick, detach = PrintedThreshold
+    damping, half = float(dataset.matching_support_damping), HALF_UNITS["support_damping"]
+    force, claim = float(dataset.matching_detach_force), chapter.EFFECTIVE_DAMPING[1]
+    distance = abs(force - chapter.THRESHOLDS["detach_force"].value)
+    plus = float(dataset.matching_effective_damping_plus)
+    words = [f"{one.name}: {residual[one]:.2e} against {allowed[one]:.2e}" for one in PrintedThreshold]
+    return [
+        Check.holds(
+            "10.10 kg and 0.285 lie as far from the computed values as the rounding of the table's values with three "
+            "digits explains",
+            "Table 8.1, Sect. 8.6.1, Fig. 8.15",
+            f"{words[mass]}; {words[friction]}",
+            (residual <= allowed)[[mass, friction]].all(),
+        ),
+        Check.holds(
+            "20 N lies as far from the computed value as its own two digits explain",
+            "Sect. 8.5.1, Fig. 8.6",
+            words[onset],
+            residual[onset] <= allowed[onset],
+        ),
+        Check.holds(
+            "34.5 N and 46.5 N lie farther from the computed values than the rounding of the values with three digits "
+            "and their own explains",
+            "Table 8.1, Sect. 8.5.1, Fig. 8.6",
+            f"{words[stick]}; {words[detach]}",
+            (residual > allowed)[[stick, detach]].all(),
+        ),
+        Check.holds(
+            "One support damping that rounds to the printed one would give both 34.5 N and 46.5 N to their last digit",
+            "Table 8.1, Sect. 8.5.1, Fig. 8.6",
+            f"c = {damping:.4g} N m s/rad gives 34.5 N and {force:.5g} N",
+            abs(damping - float(dataset.support_damping)) <= half and distance <= _PRINTED["detach_force"][0],
+        ),
+        Check.holds(
+            "but not the printed effective damping C₊, so it is not the damping of the chapter",
+            "Sect. 8.5.1",
+            f"C₊ = {plus:.4g} N m s/rad, printed {claim.value:g}",
+            abs(plus / claim.value - 1) > claim.tolerance,
+        ),
+    ]
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Draw the distance from print of each threshold over stacked bars of what half a unit of each value changes."""
+    figure = style.new_figure(style.DOUBLE, 3.4)
+    panels = figure.subplots(1, 2, sharey=True)
+    names = list(flag_names(dataset.threshold).values())
+    parameters = {name: value for value, name in flag_names(dataset.parameter).items()}
+    place = np.arange(len(names))[::-1]
+    titles = ("(a) rounding of the values with three digits", "(b) of those with one or two")
+    edge = {"edgecolor": style.BLACK, "linewidth": 0.5}
+    for axes, digits, words in zip(panels, (0, 1), titles, strict=True):
+        width = 100 * dataset.print_half_unit.values
+        axes.barh(place, width, color="#FFFFFF", hatch="....", label="half a unit of the threshold itself", **edge)
+        for name, (symbol, colour) in _SYMBOLS.items():
+            column = dataset.sel(parameter=parameters[name])
+            if int(column.one_digit) != digits:
+                continue
+            change = 100 * np.abs(column.relative_change.values)
+            axes.barh(place, change, left=width, color=colour, label=f"of {symbol}", **edge)
+            width = width + change
+        residual = 100 * np.abs(dataset.print_residual.values)
+        axes.plot(residual, place, "D", color=style.VERMILION, markersize=5, markeredgecolor="#FFFFFF",
+                  markeredgewidth=0.6, label="size of printed less computed", clip_on=False, zorder=3)  # fmt: skip
+        axes.set(title=words, xlabel="Part of the threshold [%]", xlim=(0, 1.08 * max(residual.max(), width.max())))
+        axes.tick_params(axis="y", length=0)
+    panels[0].set_yticks(place, [_words(dataset.isel(threshold=k), name) for k, name in enumerate(names)])
+    style.legend(figure, list(panels), 5)
+    return figure
+
+
+def _words(part: xr.Dataset, name: str) -> str:
+    """Name of a threshold with its printed value, by half a unit of its last digit, and its computed value."""
+    printed, computed = (part[f"{kind}_{name.replace(' ', '_')}"] for kind in ("printed", "computed"))
+    unit = style.unit(computed.attrs["units"]).strip("[]")
+    decimals = max(0, round(-np.log10(2 * float(part.print_half_unit * computed))))
+    return f"{name}\n{float(printed):.{decimals}f} {unit} ({float(computed):.5g})"

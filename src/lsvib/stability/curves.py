@@ -1,0 +1,217 @@
+"""The exact curves, by name, at which a drive changes what it does, in the plane of two of its parameters.
+
+Rigid drive (:mod:`lsvib.stability.force_thresholds` says what each force divides):
+
+* ``kinematic_constraint``: Γ₊ = 0, the Painlevé region begins;
+* ``onset``: R̃ = 0, where Γ₊ ≤ 0 or C₊ < 0, so that steady sliding is unstable on the side R̃ Ω > 0;
+* ``negative_damping``: C₊ = 0, where Γ₊ > 0 and R̃ Ω > 0;
+* ``stick``, ``detach``, ``global_stability``: R is the force of that name;
+* ``stick_slip_birth``, for Γ₊ > 0 > C₊ and R̃ Ω < 0, where steady sliding attracts what is near: whether slip from the
+  end of rest comes back to θ′ = 0. Orbits do not cross; so if it does, what is outside of it stays there and ends on a
+  cycle, and if not, whatever rests ends in steady sliding.
+
+Compliant threads: ``flutter``, where steady sliding changes its stability, from the full characteristic polynomial.
+Where the contact carries no force, the law is that of the slightest force against the motion; a plane without any force
+has no such curve.
+
+A curve is traced through a grid of nodes (contourpy); on every side of a cell that it crosses the root is bracketed to
+rounding, with the exact condition. What lies between the points is interpolated; a curve that enters and leaves a cell
+through one side is missed.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from enum import IntEnum
+from functools import cache, lru_cache
+from itertools import product
+from typing import Any
+
+import numpy as np
+from contourpy import contour_generator
+
+from lsvib.engine.automaton import Automaton
+from lsvib.engine.exact.arithmetic import many_digits
+from lsvib.engine.kernels import layout
+from lsvib.engine.kernels.layout import Status
+from lsvib.engine.motion import follow
+from lsvib.errors import InputError, NoThreshold
+from lsvib.models.drive import Drive, zero_if_close
+from lsvib.models.model import find_model
+from lsvib.stability.boundaries import net_force
+from lsvib.stability.conditions import effective_damping, effective_inertia
+from lsvib.stability.force_thresholds import threshold_force
+from lsvib.stability.linear import hurwitz, steady_law
+from lsvib.stability.solve import bracketed_root
+from lsvib.stability.spectrum import polynomial, rationals, tangents
+
+LOGARITHMIC = ("contact_stiffness", "contact_damping")
+"""Parameters that span many decades, so that their axes have equal ratios in place of equal steps."""
+_ROUNDED, _BISECTED = 1e-13, 1e-9  # of places between two nodes: to rounding; where each step gains one bit only
+_TURNS = 400  # most events of slip: what still neither stops nor settles is on a cycle, or comes nearer to one slowly
+
+
+class ChartBoundary(IntEnum):
+    """Names of the curves."""
+
+    ONSET = 0
+    STICK = 1
+    DETACH = 2
+    GLOBAL_STABILITY = 3
+    KINEMATIC_CONSTRAINT = 4
+    NEGATIVE_DAMPING = 5
+    STICK_SLIP_BIRTH = 6
+    FLUTTER = 7
+
+
+_FORCES = (ChartBoundary.STICK, ChartBoundary.DETACH, ChartBoundary.GLOBAL_STABILITY)
+AxisSpan = tuple[str, tuple[float, float]]
+PlaneFunction = Callable[[float, float], float]
+
+
+def curves_of(drive: Drive) -> tuple[ChartBoundary, ...]:
+    """Return the names of the curves that a drive can have; none if its model has no charts."""
+    return tuple(ChartBoundary[name.upper()] for name in find_model(drive.model).curves)
+
+
+def boundary_curves(
+    drive: Drive, x: AxisSpan, y: AxisSpan, kinds: tuple[ChartBoundary, ...] | None = None
+) -> dict[ChartBoundary, list[np.ndarray]]:
+    """Return the lines, points (k, 2) each, by the name of the curve, in a window of two parameters.
+
+    Arguments: a drive of the rigid model or with compliant threads; name and ends of either axis [SI unit]; which of
+    the curves, by default all that the drive can have. The function that vanishes on a curve is evaluated with many
+    digits at every point of it.
+    """
+    names, found = (x[0], y[0]), {}
+    for kind in kinds or curves_of(drive):
+        if kind is ChartBoundary.FLUTTER and not _carries_force(drive, x, y):
+            continue
+        slow = kind is ChartBoundary.FLUTTER or (kind in _FORCES and "axial_force" not in names)
+        nodes = [nodes_between(*ends, 32 if slow else 64, name) for name, ends in (x, y)]
+        function = _function(drive, kind, names)
+        if kind in _FORCES and not slow:
+            values = _over_force(function, names, nodes)
+        else:
+            values = np.array([[function(a, b) for a in nodes[0]] for b in nodes[1]])
+        lines = contour(function, *nodes, values, _BISECTED if kind is ChartBoundary.STICK_SLIP_BIRTH else _ROUNDED)
+        if lines:
+            found[kind] = lines
+    return found
+
+
+def nodes_between(low: float, high: float, count: int, name: str) -> np.ndarray:
+    """Return values from end to end; of the stiffness and damping of a contact in equal ratios."""
+    return np.geomspace(low, high, count + 1) if name in LOGARITHMIC else np.linspace(low, high, count + 1)
+
+
+def contour(
+    function: PlaneFunction, x: Sequence[float], y: Sequence[float], values: np.ndarray, tolerance: float = _ROUNDED
+) -> list[np.ndarray]:
+    """Return the lines on which a function of x and y vanishes, each as points (k, 2).
+
+    Arguments: ``function``, nan where it is not defined; ``x`` (n) and ``y`` (m), ascending, with its ``values``
+    (m, n); relative ``tolerance`` of a place on a side of a cell. A line ends at the edge of the grid, or within a cell
+    of where the function is not defined.
+    """
+
+    @cache
+    def root(i: float, j: float) -> tuple[float, float]:
+        """The point of a side, by its middle in numbers of nodes, at which the function vanishes."""
+        low = np.array([x[math.floor(i)], y[math.floor(j)]])
+        step = np.array([x[math.ceil(i)], y[math.ceil(j)]]) - low
+        part = bracketed_root(lambda part: function(*(low + part * step)), 0.0, 1.0, tolerance)
+        first, second = low + part * step
+        return first, second
+
+    # Of the values the signs alone, so that the lines cross every side in its middle, and it is known which one.
+    signs = np.ma.masked_array(np.where(values > 0, 1.0, -1.0), mask=~np.isfinite(values))
+    lines = contour_generator(z=signs, name="serial", corner_mask=False).lines(0.0)
+    return [np.array([root(i, j) for i, j in line.tolist()]) for line in lines]
+
+
+def _over_force(function: PlaneFunction, names: tuple[str, str], nodes: list[np.ndarray]) -> np.ndarray:
+    """Values of R − threshold at the nodes of a plane that has R as an axis: of the threshold one for each line."""
+    if names[0] == "axial_force":
+        return nodes[0] - np.array([nodes[0][0] - function(nodes[0][0], b) for b in nodes[1]])[:, None]
+    return nodes[1][:, None] - np.array([nodes[1][0] - function(a, nodes[1][0]) for a in nodes[0]])
+
+
+def _function(drive: Drive, kind: ChartBoundary, names: tuple[str, str]) -> PlaneFunction:
+    """The function of two parameters that vanishes on a curve; nan where there is no such threshold."""
+    # Where R is no axis, slip without a cycle comes to rest as soon as it is beyond the onset, to which the force of
+    # ``stick`` tends there; where it is one, that is no other curve than the onset.
+    instead = "onset" if kind is ChartBoundary.STICK and "axial_force" not in names else None
+
+    @lru_cache(maxsize=4096)  # without R a threshold is the same along it
+    def force(changed: Drive) -> float:
+        for name in (kind.name.lower(), instead):
+            try:
+                return threshold_force(changed, name) if name else math.nan
+            except NoThreshold:
+                continue
+        return math.nan
+
+    def function(first: float, second: float) -> float:
+        """Return the value at a place of the plane, of the sign that the exact condition has there."""
+        place = zip(names, (first, second), strict=True)
+        changed = drive.replace(**{name: zero_if_close(type(drive), name, float(value)) for name, value in place})
+        if kind in _FORCES:
+            return changed.axial_force - force(changed.replace(axial_force=0.0))
+        if kind is ChartBoundary.STICK_SLIP_BIRTH:
+            return stops_again(changed)
+        if kind is ChartBoundary.FLUTTER:
+            exact = polynomial(type(changed), rationals(changed), _law_or_none(changed) or 1, tangents(changed)[0])
+            return float(min((*exact[:4], hurwitz(exact))))
+        return _closed_form(changed, kind)
+
+    return function
+
+
+def _closed_form(drive: Drive, kind: ChartBoundary) -> float:
+    """Γ₊, C₊ or R̃ Ω of a rigid drive; nan where its zero changes nothing."""
+    d = drive.exact()
+    inertia, damping = float(effective_inertia(d, 1)), float(effective_damping(d, 1))
+    if kind is ChartBoundary.KINEMATIC_CONSTRAINT:
+        return inertia
+    with many_digits():
+        drag = float(net_force(type(drive), vars(d), d.tan_lead, 1) * d.input_speed)
+    if kind is ChartBoundary.NEGATIVE_DAMPING:
+        return damping if inertia > 0 and drag > 0 else math.nan
+    return drag if inertia <= 0 or damping < 0 else math.nan
+
+
+def _law_or_none(drive: Drive) -> int | None:
+    """The law of steady sliding, None where the contact carries no force."""
+    try:
+        return steady_law(drive)
+    except InputError:
+        return None
+
+
+def _carries_force(drive: Drive, x: AxisSpan, y: AxisSpan) -> bool:
+    """Whether the contact carries a force somewhere in a window; R̃ is linear in each parameter that it depends on."""
+    corners = (drive.replace(**{x[0]: first, y[0]: second}) for first, second in product(x[1], y[1]))
+    return any(_law_or_none(corner) is not None for corner in corners)
+
+
+def stops_again(drive: Drive) -> float:
+    """Return 1 if slip from the end of rest comes back to θ′ = 0, −1 if it ends in steady sliding; else 0.
+
+    nan but for Γ₊ > 0 > C₊ and R̃ Ω < 0, and where nothing damps slip under law −. Slip starts on θ′ = 0 where the screw
+    would stay, and orbits do not cross: what has not come back after a turn never does.
+    """
+    d, model = drive.exact(), find_model(drive.model)
+    attracts = _law_or_none(drive) == -1
+    if not (attracts and effective_inertia(d, 1) > 0 > effective_damping(d, 1) and effective_damping(d, -1) > 0):
+        return math.nan
+    automaton: Automaton = model.build(drive, model.physics_of(drive), "contact_sign")
+    (rest,) = np.flatnonzero(automaton.codes == model.modes["REST"])
+    tables = automaton.tables
+    row = tables.surfaces[tables.guard_surface[tables.guard_start[rest]]]  # of the end of rest
+    before = math.copysign(float(tables.flow[0, layout.TIME_SCALE]), drive.input_speed) * abs(drive.input_speed)
+    start = (-row[2] / row[0] + before, -drive.input_speed)
+    motion = follow(automaton, start, math.inf, mode=int(rest), max_events=_TURNS)
+    stands: list[Any] = [model.events[name] for name in ("STICK", "REVERSAL", "ACCUMULATION")]  # θ′ = 0
+    if np.isin(motion.kind, stands).any():
+        return 1.0
+    return -1.0 if motion.status == Status.SETTLED else 0.0

@@ -1,0 +1,389 @@
+"""The axial forces at which the steady state changes kind, from closed forms and return maps (Poincaré maps).
+
+Every ``*_start`` says which statement its force divides, and on which forces, and returns where Newton's method starts
+(:class:`~lsvib.stability.motion_equations.Start`). All is written for Ω > 0; for Ω < 0 the drive is mirrored, and all
+forces change sign. Each raises ``NoThreshold`` where there is no such force.
+
+In the Painlevé region with R̃ < 0 all slip is that of law −1 about steady sliding, one damped oscillator whatever R is;
+R moves the line Q = Q_uw(u, w) + Γ₋ R̃ = 0, at which slip seizes, and, for R > 0, the end of rest. Slip that comes back
+to u = x with Q = 0 seizes in the state that it started from: a cycle without rest. For q_w > 0 two of these, one
+attracting and one repelling, exist on one side of the *fold*; the repelling one goes on until it touches Q = 0 where it
+seizes, its *birth* seen from there. Slip from the end of rest that seizes just there leaves no time for rest.
+"""
+
+import math
+from collections.abc import Callable
+from itertools import takewhile
+from typing import Any
+
+from flint import arb
+
+from lsvib.engine.exact.arithmetic import many_digits
+from lsvib.errors import NoThreshold
+from lsvib.models.drive import RigidDrive, allowed_range
+from lsvib.stability.motion_equations import Return, Start
+from lsvib.stability.slip import CLOSE, SlipDrive, decay_of_large_motions, slowest_point
+from lsvib.stability.solve import bracketed_root
+
+_BALANCED = 1e-12  # large motions that decay by less in a turn are not distinguished from undamped ones
+_GRID = 240  # durations of slip in equal ratios that are looked at before a root among them is refined
+_NONE = Start("", arb.pos_inf())
+
+
+def onset_force(drive: RigidDrive) -> float:
+    """Axial force R [N] at which N_0 = 0 and steady sliding loses stability, R = r_m tan λ c_x Ω (eqs 8.15, 8.19).
+
+    Below it (R̃ < 0) steady sliding attracts what is near, above it (R̃ > 0) it repels, for all forces. Raises
+    ``NoThreshold`` in the Painlevé region and where the effective damping of law + is not negative.
+    """
+    return threshold_force(drive, "onset")
+
+
+def stick_force(drive: RigidDrive) -> float:
+    """Axial force R [N] of :func:`stick_start`."""
+    return threshold_force(drive, "stick")
+
+
+def detach_force(drive: RigidDrive) -> float:
+    """Axial force R [N] of :func:`detach_start`."""
+    return threshold_force(drive, "detach")
+
+
+def global_stability_force(drive: RigidDrive) -> float:
+    """Axial force R [N] of :func:`global_stability_start`."""
+    return threshold_force(drive, "global_stability")
+
+
+def threshold_force(drive: RigidDrive, name: str) -> float:
+    """Return an axial force [N] by the name of its threshold: its value alone, for charts of many drives.
+
+    It is that of ``drive.threshold(name)``, which encloses it. Raises ``NoThreshold``.
+    """
+    with many_digits():
+        return math.copysign(1.0, drive.input_speed) * float(STARTS[name](drive).force)
+
+
+def _negatively_damped(drive: RigidDrive) -> SlipDrive:
+    """Constants of a drive with Γ₊ > 0 > C₊."""
+    d = SlipDrive.of(drive)
+    if not d.inertia[1] > 0:
+        raise NoThreshold(
+            "the drive is in the Painleve region (effective inertia of law + not positive), outside conditions (8.19)."
+        )
+    if not d.damping[1] < 0:
+        raise NoThreshold(
+            "the effective damping of law + is not negative, so conditions (8.19) hold for no axial force."
+        )
+    return d
+
+
+def _seizing(drive: RigidDrive, undamped: str = "without damping no cycle of this drive is isolated.") -> SlipDrive:
+    """Constants of a drive in the Painlevé region; refused outside and, in words of its own, if undamped."""
+    d = SlipDrive.of(drive)
+    if not d.inertia[1] <= 0:
+        raise NoThreshold(
+            "the drive is not in the Painleve region (effective inertia of law + positive), where no motion seizes."
+        )
+    if not d.damping[-1] > 0:
+        raise NoThreshold(undamped)
+    return d
+
+
+def _without_rest(drive: RigidDrive) -> SlipDrive:
+    d = _seizing(drive)
+    if not (d.contact[1] > 0 and d.outward > 0):
+        raise NoThreshold(
+            "the drive has support_damping * mass <= translation_damping * screw_inertia, or slip that leaves Q < 0 "
+            "only backwards, so no cycle of seizures goes on without rest."
+        )
+    return d
+
+
+def _apart(start: Start, d: SlipDrive) -> Start:
+    """Refuse a force of the mirrored drive that is the onset to the last digit, or that exceeds all allowed forces."""
+    if float(start.force) == float(d.onset):
+        raise NoThreshold(
+            "the force at which it would lie equals the onset, R = r_m tan(lead_angle) c_x Omega, to rounding."
+        )
+    if abs(start.force) > 1e12:
+        raise NoThreshold(
+            f"the force at which it would lie is outside the allowed range {allowed_range(RigidDrive, 'axial_force')}."
+        )
+    return start
+
+
+def stick_start(drive: RigidDrive) -> Start:
+    """Axial force at which the slip cycle first touches θ′ = 0.
+
+    From the onset to this force there is a cycle of slip that does not come to θ′ = 0 and that attracts motions from
+    near steady sliding; beyond it, up to any force, there is none, and motions from near steady sliding come to θ′ = 0.
+    Without that guard the motion scales with R̃, so that R̃ = Ω / |w_1| with the extreme velocity w_1 of the cycle at R̃ =
+    1 N. There is none if slip has no such cycle.
+    """
+    d = _negatively_damped(drive)
+    if not d.slip(1).turns:
+        raise NoThreshold(
+            "slip under law + grows without a turn for this drive, so slip has no limit cycle that could touch rest."
+        )
+    decay = decay_of_large_motions(d)
+    if abs(decay) <= _BALANCED:
+        raise NoThreshold(
+            "growth under law + and decay under law - balance to rounding in large motions of this drive, so whether "
+            "slip without rest has a limit cycle is not decided."
+        )
+    if decay < 0:
+        raise NoThreshold(
+            "slip without rest has no limit cycle for this drive, so there is no force at which one touches rest."
+        )
+    rate, law, times = slowest_point(d)
+    return _apart(Start("stick+" if law > 0 else "stick-", d.onset - d.speed / rate, times), d)
+
+
+def detach_start(drive: RigidDrive) -> Start:
+    """Axial force beyond which the stick–slip cycle no longer reaches N = 0.
+
+    From the onset to this force slip from the end of rest reaches N = 0 before it ends, and so does every cycle with
+    rest; beyond it, up to any force, that slip stays in N ≠ 0 and ends in rest: one stick–slip cycle, without N = 0.
+    Rest ends at u = C₊ Ω / k whatever R is, and the slip under law + that follows depends on R only through N; so it
+    touches Q = Q_uw(u, w) + Γ₊ R̃ = 0 at R̃ = −min Q_uw / Γ₊. There is none if slip under law + does not come back to
+    θ′ = 0, if it reaches N = 0 under no force beyond the onset, and if it does not end in rest at that force.
+    """
+    d = _negatively_damped(drive)
+    slip = d.slip(1)
+    if not slip.turns:
+        raise NoThreshold(
+            "slip under law + grows without a turn and does not come back to rest for this drive, so every cycle with "
+            "rest reaches N = 0, whatever the force."
+        )
+    start = d.end_against(1), -d.speed
+    end = slip.recurrence()
+    times = [end, *takewhile(lambda time: time < end, slip.stationary(*start, d.contact))]
+    states = (slip.state(*start, time) for time in times)
+    lowest, at = min(((d.contact[0] * u + d.contact[1] * w, time) for (u, w), time in zip(states, times, strict=True)),
+                     key=lambda pair: pair[0])  # fmt: skip
+    if not lowest < 0:
+        raise NoThreshold("slip from the end of rest reaches N = 0 under no axial force beyond the onset.")
+    force = d.onset - lowest / d.inertia[1]
+    # Slip ends in rest if T_r is not below r ξ₋ R there, that is u − C₊ Ω / k not above r (ξ₊ − ξ₋) R / k.
+    if slip.state(*start, end)[0] - start[0] > d.reach * force:
+        raise NoThreshold(
+            "at the force beyond which slip from the end of rest no longer reaches N = 0 that slip ends in slip "
+            "backward, not in rest; the cycles of such drives are not covered."
+        )
+    return _apart(Start("detach" if at < end else "detach at rest", force, (at,)), d)
+
+
+def global_stability_start(drive: RigidDrive) -> Start:
+    """Axial force below which steady sliding is globally stable and above which it is not (end of Sect. 8.7).
+
+    The statement is about all forces with R̃ < 0, that is R < R_on = r_m tan λ c_x Ω: those against the motion, R < 0,
+    and those with it that are smaller than what drags the nut, 0 ≤ R < R_on. Under any force below the threshold every
+    motion ends in steady sliding; under any force from the threshold to R_on some do not. (Beyond R_on steady sliding
+    is unstable, Lemma 8.1.) It holds for the rule ``resume="contact_sign"``, and for R < 0 under both rules. As
+    docs/basin.md proves, a motion that does not settle either rests again and again, or slips for ever between seizures
+    without rest, and both go on under larger forces: the threshold is the smaller one of the forces at which the first
+    of each begins. There is none outside the Painlevé region, without damping, where steady sliding is globally stable
+    under every force with R̃ < 0, and for the few drives with m c < c_x I for which this is not proved.
+    """
+    d = _seizing(drive, "without damping steady sliding attracts nothing.")
+    found = _NONE
+    if d.outward > 0:  # else slip seizes while u falls: each seizure is left of the last, and their number is finite
+        found = _rest_goes_on_from(d)
+        if d.contact[1] > 0:
+            found = min(found, _fold(d)[0], key=lambda at: at.force)
+        elif d.contact[1] < 0:
+            _require_rest_in_every_cycle(d, found.force)
+    if not found.force < d.onset:
+        with_motion = " and under every smaller one with it than the onset, R = r_m tan(lead_angle) c_x Omega"
+        raise NoThreshold(
+            "steady sliding is globally stable under every axial force against the motion"
+            f"{with_motion if drive.translation_damping else ''}."
+        )
+    return _apart(found, d)
+
+
+def _rest_goes_on_from(d: SlipDrive) -> Start:
+    """Smallest R < R_on [N] at which slip from the end of rest seizes; infinite if there is none.
+
+    For R ≤ 0 rest ends at u = C₋ Ω / k; for R > 0 it ends farther left, by r (ξ₊ − ξ₋) R / k.
+    """
+    slip, inertia, first = d.slip(-1), d.inertia[-1], d.end_against()
+    found = slip.peak(first, -d.speed, d.contact)
+    if found is not None and d.onset < found[0] / inertia:
+        return Start("rest seizes", d.onset - found[0] / inertia, (found[1],))
+
+    def excess(force: arb) -> Any:
+        """By how much slip from the end of rest goes beyond Q = 0."""
+        found = slip.peak(first - d.reach * force, -d.speed, d.contact)
+        return (arb(-1) if found is None else found[0]) - inertia * (d.onset - force)
+
+    # Among 0 ≤ R < R_on: the largest Q_uw of that slip is the maximum of functions that are linear in R, so convex.
+    if not (d.onset > 0 and excess(d.onset) > 0):
+        return _NONE
+    force = bracketed_root(excess, arb(0), d.onset, CLOSE)
+    found = slip.peak(first - d.reach * force, -d.speed, d.contact)
+    return _NONE if found is None else Start("rest seizes with the motion", force, (found[1],))
+
+
+def durations(d: SlipDrive) -> list[arb]:
+    """Durations [s] of slip under law − from θ′ = 0 until it is back at the same u, in equal ratios.
+
+    Q_uw ≤ q_u x + q_w Ω, since slip decays, and x lies between −2 Ω / (a₀ τ) and −Ω / (a₀ τ) as long as τ is short
+    against the slowest time: nothing happens earlier. Slip that turns comes back within a turn; other slip has all but
+    stopped after 40 times its slowest time.
+    """
+    slip, (q_u, q_w) = d.slip(-1), d.contact
+    slowest = 1 / slip.a0.sqrt() if slip.turns else -1 / slip.rates[0]
+    first = min(q_u / (slip.a0 * q_w), slowest) if q_w > 0 else slowest
+    low, high = 0.1 * first, 2 * arb.pi() / slip.beta if slip.turns else 40 * slowest
+    return [(low * (high / low) ** (arb(k) / _GRID)).mid() for k in range(_GRID + 1)]
+
+
+def widest_return(d: SlipDrive) -> tuple[arb, arb, arb]:
+    """Largest Q_uw at which slip from θ′ = 0 at u = x < C₋ Ω / k [rad] first comes back to u = x; q_w > 0.
+
+    Returns it with that x and the time τ [s] of the slip. Minus infinity if no slip comes back.
+    """
+    slip, largest, times = d.slip(-1), d.end_against(), durations(d)[:-1]
+
+    def comes_back(back: Return) -> bool:
+        return bool(back.x < largest and back.w > 0)
+
+    returns = list(takewhile(comes_back, (Return(d, slip, time) for time in times)))
+    if not returns:
+        return arb.neg_inf(), arb.nan(), arb.nan()
+    best = max(range(len(returns)), key=lambda k: float(returns[k].h))
+    low, high, beyond = times[max(best - 1, 0)], times[best], times[min(best + 1, _GRID - 1)]
+    if comes_back(Return(d, slip, beyond)):
+        high = beyond
+    else:  # as far as slip comes back
+        for _ in range(60):
+            middle = ((high + beyond) / 2).mid()
+            high, beyond = (middle, beyond) if comes_back(Return(d, slip, middle)) else (high, middle)
+
+    def rate(time: arb) -> Any:
+        return Return(d, slip, time).h_rate
+
+    time = low if rate(low) < 0 else high
+    if rate(low) > 0 > rate(high):
+        time = bracketed_root(rate, low, high, CLOSE)
+    back = Return(d, slip, time)
+    return back.h, back.x, time
+
+
+def _fold(d: SlipDrive) -> tuple[Start, arb]:
+    """Smallest R [N] at which slip can seize again and again without rest, infinite if there is none; q_w > 0.
+
+    Two cycles of seizures meet there. Returns it with the u [rad] at which they seize.
+    """
+    widest, x, time = widest_return(d)
+    return Start("fold", d.onset - widest / d.inertia[-1], (time,)), x
+
+
+def _require_rest_in_every_cycle(d: SlipDrive, force: arb) -> None:
+    """Refuse the drives with q_w < 0 that may have cycles without rest, by the sufficient conditions of docs/basin.md.
+
+    ``force`` [N] is the threshold by rest. The largest u that slip from (−u_p, −Ω), u_p = C₋ Ω / k, reaches on the
+    right bounds that of all other slip; the gap is u_c − u_p.
+    """
+    slip, speed, first = d.slip(-1), d.speed, d.end_against()
+    found = slip.peak(-first, -speed, (1, 0))
+    if found is None or found[0] <= 0:
+        return  # slip never gets to the right of u_p, where backward slip begins
+    if found[0] < first:
+        if force < 0:
+            return
+        overshoot = (-arb.pi() * slip.alpha / slip.beta).exp() if slip.turns else arb(0)
+        swing = slip.peak(arb(0), -speed, (1, 0))
+        if swing is not None and overshoot <= 0.5 and overshoot * first + swing[0] <= 2 * first:
+            return
+    if force < 0:
+        slope = -d.contact[1] / d.contact[0]
+        gap = -force * d.inertia[-1] / (d.stiffness * d.mass * d.lever)
+        if gap > min(slope * speed / 2, 25 * slope**3 * slip.a0 * speed / 8):
+            return
+    raise NoThreshold(
+        "the drive has support_damping * mass < translation_damping * screw_inertia and so little damping that cycles "
+        "of seizures without rest are not excluded; such drives are not covered."
+    )
+
+
+def _first_root(d: SlipDrive, function: Callable[[Return], Any]) -> arb | None:
+    """The first time at which a function of returns changes sign while slip comes back forward, if any."""
+    slip, last = d.slip(-1), None
+    for time in durations(d)[:-1]:
+        back = Return(d, slip, time)
+        if not back.w > 0:
+            return None
+        value = function(back)
+        if last is not None and (value > 0) != (last[1] > 0):
+            found: arb = bracketed_root(lambda at: function(Return(d, slip, at)), last[0], time, CLOSE)
+            return found
+        last = time, value
+    return None
+
+
+def fold_start(drive: RigidDrive) -> Start:
+    """Axial force at which two cycles of seizures without rest meet and vanish."""
+    d = _without_rest(drive)
+    found, x = _fold(d)
+    if not found.force.is_finite():
+        raise NoThreshold("slip under law - never comes back to where it started, so no cycle goes on without rest.")
+    return _before_rest(found, x, d)
+
+
+def cycle_birth_start(drive: RigidDrive) -> Start:
+    """Axial force at which the repelling cycle without rest touches Q = 0 where it seizes."""
+    d = _without_rest(drive)
+    time = _first_root(d, lambda back: back.q_rate)
+    if time is None:
+        raise NoThreshold("slip under law - that comes back to where it started never touches Q = 0 there.")
+    back = Return(d, d.slip(-1), time)
+    return _before_rest(Start("cycle_birth", d.onset - back.h / d.inertia[-1], (time,)), back.x, d)
+
+
+def _before_rest(start: Start, x: arb, d: SlipDrive) -> Start:
+    """Refuse a cycle without rest that would begin where the screw rests, or where steady sliding is unstable."""
+    if not start.force < d.onset:
+        raise NoThreshold("the force at which it would lie is not below the onset, R = r_m tan(lead_angle) c_x Omega.")
+    if not x < _end_of_rest(d, start.force):
+        raise NoThreshold("the cycle without rest would begin where the screw still rests, so there is none.")
+    return start
+
+
+def _end_of_rest(d: SlipDrive, force: arb) -> Any:
+    """Deflection [rad] from the equilibrium of law − at which rest ends under a force R [N]."""
+    return d.end_against() - (d.reach * force if force > 0 else 0)
+
+
+def rest_left(drive: RigidDrive) -> tuple[arb, Start]:
+    """Return Q as slip from the end of rest is back at that deflection, and the equations of its zero.
+
+    Where Q < 0 it seizes later, and rests again; where Q > 0 it has seized before, and goes on without rest. Raises
+    ``NoThreshold`` if it does not come back, or has met Q = 0 long before.
+    """
+    d = _seizing(drive)
+    begins = _end_of_rest(d, d.force)
+    time = _first_root(d, lambda back: back.x - begins)
+    if time is None:
+        raise NoThreshold("slip from the end of rest does not come back to where it started.")
+    back = Return(d, d.slip(-1), time)
+    if not back.q_rate > 0:
+        raise NoThreshold("slip from the end of rest seizes long before it is back where it started, or never.")
+    name = "rest lost with the motion" if d.force > 0 else "rest lost"
+    return back.h + d.inertia[-1] * d.net, Start(name, d.force, (time,))
+
+
+def _onset_start(drive: RigidDrive) -> Start:
+    return Start("", _negatively_damped(drive).onset)
+
+
+STARTS: dict[str, Callable[[Any], Start]] = {
+    "onset": _onset_start,
+    "stick": stick_start,
+    "detach": detach_start,
+    "global_stability": global_stability_start,
+    "fold": fold_start,
+    "cycle_birth": cycle_birth_start,
+}
+"""Thresholds that are forces in closed form, for rigid drives mirrored to Ω > 0; no other model has one of the name."""

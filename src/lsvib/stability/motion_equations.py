@@ -1,0 +1,126 @@
+r"""Defining equations of the thresholds of the rigid drive that depend on a motion, in balls or power series.
+
+All are written for Ω > 0 (:mod:`lsvib.stability.slip`). The inner unknowns are times [s]. Slip under law − from θ′ = 0
+that is back at the same y after τ started at
+
+    x(τ) = −Ω S / (1 − C)    and has    w = −Ω S′ − a₀ x S,    h(τ) = q_u x + q_w w    then.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+from lsvib.stability.slip import Slip, SlipDrive, half_return, leaving
+from lsvib.stability.solve import Equations
+
+_OfDrive = Callable[[SlipDrive, Sequence[Any]], list[Any]]
+
+
+class Start(NamedTuple):
+    """A threshold of the axial force, from which Newton's method starts: the ``system`` of equations, the ``force`` R
+    [N] of the drive mirrored to Ω > 0, infinite if there is none, and the inner unknowns, ``times`` [s]."""
+
+    system: str
+    force: Any
+    times: tuple[Any, ...] = ()
+
+
+class Return:
+    """Slip under law − from θ′ = 0 that is back at the same y after a time.
+
+    ``x``, the start [rad]; ``w``, the rate there on coming back [rad/s]; ``h``, the part of Q that depends on the
+    state, then.
+    """
+
+    def __init__(self, d: SlipDrive, slip: Slip, time: Any) -> None:
+        self.slip, self.speed, (self.q_u, self.q_w) = slip, d.speed, d.contact
+        self.responses = c, s, s_rate = slip.responses(time)
+        self.x = -self.speed * s / (1 - c)
+        self.w = -self.speed * s_rate - slip.a0 * self.x * s
+        self.h = self.q_u * self.x + self.q_w * self.w
+
+    @property
+    def h_rate(self) -> Any:
+        """The derivative of ``h`` by the time."""
+        slip, (c, s, s_rate) = self.slip, self.responses
+        x_rate = -self.speed * (s_rate * (1 - c) - slip.a0 * s * s) / (1 - c) ** 2  # C′ = −a₀ S
+        w_rate = self.speed * (slip.a1 * s_rate + slip.a0 * s) - slip.a0 * (x_rate * s + self.x * s_rate)
+        return self.q_u * x_rate + self.q_w * w_rate
+
+    @property
+    def q_rate(self) -> Any:
+        """Q′ along the slip as it comes back."""
+        return self.q_u * self.w - self.q_w * (self.slip.a0 * self.x + self.slip.a1 * self.w)
+
+
+def _stick(law: int) -> _OfDrive:
+    """The cycle of slip by its two half returns; at a third time under a law w is stationary, and w = −Ω."""
+
+    def equations(d: SlipDrive, inner: Sequence[Any]) -> list[Any]:
+        plus, minus = (half_return(d.slip(s), d.inertia[s], time) for s, time in zip((1, -1), inner[:2], strict=True))
+        slip, slope = d.slip(law), (plus if law > 0 else minus)[0]
+        y, w = slip.state(*leaving(slip, d.contact, d.inertia[law], slope), inner[2])
+        return [
+            plus[1] - minus[0],
+            minus[1] - plus[0],
+            slip.a0 * y + slip.a1 * w,
+            d.net * w + d.speed,
+        ]
+
+    return equations
+
+
+def _touches(law: int, start: Callable[[SlipDrive], Any], stops: bool = False) -> _OfDrive:
+    """Slip from the end of rest touches Q = 0, where Q′ = 0 and Q = 0; or it ``stops`` just where Q = 0."""
+
+    def equations(d: SlipDrive, inner: Sequence[Any]) -> list[Any]:
+        slip, (q_u, q_w) = d.slip(law), d.contact
+        y, w = slip.state(start(d), -d.speed, inner[0])
+        q_rate = q_u * w + q_w * (-slip.a0 * y - slip.a1 * w)
+        return [w + d.speed if stops else q_rate, q_u * y + q_w * w + d.inertia[law] * d.net]
+
+    return equations
+
+
+def _comes_back(zero: Callable[[SlipDrive, Return], Any]) -> _OfDrive:
+    """A cycle of seizures, Q = 0 on coming back, on which something else vanishes as well."""
+
+    def equations(d: SlipDrive, inner: Sequence[Any]) -> list[Any]:
+        back = Return(d, d.slip(-1), inner[0])
+        return [zero(d, back), back.h + d.inertia[-1] * d.net]
+
+    return equations
+
+
+_STICK = "v̂₊(τ₁) = v₋(τ₂), v̂₋(τ₂) = v₊(τ₁): the cycle of slip; on it under law {} w′(τ₃) = 0 and w(τ₃) = −Ω (Sect. 8.5)"
+_RETURN = "slip under law − from (x, −Ω) back at u = x after τ: {} and Q(τ) = h(τ) + Γ₋ R̃ = 0 (eq. 8.17, Sect. 8.7)"
+_SEIZES = "slip under law − from the end of rest, u = {}, has Q′(τ) = 0 and Q(τ) = 0 (eq. 8.17, Sect. 8.7)"
+_LOST = "slip under law − from the end of rest, x = {}, is back at u = x after τ with Q(τ) = 0 (eq. 8.17)"
+_DETACH = "slip under law + from the end of rest, u = C₊ Ω / k, has {}(τ) = 0 and Q(τ) = 0 (eq. 8.17, Sect. 8.5)"
+_AGAINST, _WITH = "C₋ Ω / k", "[C₋ Ω − r_m (ξ₊ − ξ₋) R] / k"  # where rest ends
+
+_SYSTEMS: dict[str, tuple[str, _OfDrive]] = {
+    "stick+": (_STICK.format("+"), _stick(1)),
+    "stick-": (_STICK.format("−"), _stick(-1)),
+    "detach": (_DETACH.format("Q′"), _touches(1, lambda d: d.end_against(1))),
+    "detach at rest": (_DETACH.format("θ′"), _touches(1, lambda d: d.end_against(1), stops=True)),
+    "rest seizes": (_SEIZES.format(_AGAINST), _touches(-1, SlipDrive.end_against)),
+    "rest seizes with the motion": (_SEIZES.format(_WITH), _touches(-1, SlipDrive.end_with)),
+    "fold": (_RETURN.format("dh/dτ = 0"), _comes_back(lambda d, back: back.h_rate)),  # seizures that lead to each other
+    "cycle_birth": (
+        _RETURN.format("Q′(τ) = 0"),
+        _comes_back(lambda d, back: back.q_rate),
+    ),  # it touches where it seizes
+    "rest lost": (_LOST.format(_AGAINST), _comes_back(lambda d, back: back.x - d.end_against())),
+    "rest lost with the motion": (_LOST.format(_WITH), _comes_back(lambda d, back: back.x - d.end_with())),
+}
+
+
+def words(system: str) -> str:
+    """Return the equations of a system in words."""
+    return _SYSTEMS[system][0]
+
+
+def equations(system: str, sense: int) -> Equations:
+    """Return the equations of a system for drives with sgn Ω = ``sense``."""
+    of = _SYSTEMS[system][1]
+    return lambda parameters, inner: of(SlipDrive(parameters, sense), inner)

@@ -1,0 +1,247 @@
+r"""Roots: bracketed, searched for, and of systems of equations with an enclosure and exact derivatives.
+
+A threshold is a system F(y, x; p) = 0 of n equations in n − 1 inner unknowns y, such as times, and one parameter x of
+the drive; p are all its other parameters. Newton's method finds it to many digits; the interval Newton operator
+
+    N(X) = m − [∂F/∂(y, x) (X)]⁻¹ F(m),        m the midpoint of the box X,
+
+in balls (Arb) then proves it: if N(X) lies inside X, there is exactly one root in X, and it lies in N(X) (Moore;
+Krawczyk). By the implicit function theorem dx/dp_j is the last entry of −[∂F/∂(y, x)]⁻¹ ∂F/∂p_j, over the same box, so
+that derivatives are enclosed as well. All slopes are exact: F is written once and takes power series of two terms (an
+``arb_series`` a + b ε), so there is no difference quotient.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from flint import arb, arb_mat, arb_series
+
+from lsvib.engine.exact.arithmetic import many_digits
+from lsvib.errors import EngineError, InputError, NoThreshold
+from lsvib.models.drive import Drive, zero_if_close
+
+Equations = Callable[[Mapping[str, Any], Sequence[Any]], Sequence[Any]]
+"""F as a function of the parameters by name and the inner unknowns, all of them balls or power series."""
+
+DECADES = 6  # of a search, on both sides of its middle
+_FIXED = 1e-60  # relative change after which one more step, which squares it, is the last
+_REACH = 1e-4  # relative, from the start, which is good to 1e-8 (of an extremum) or better
+
+
+class Singular(Exception):
+    """The Jacobian vanishes, or all but vanishes: a double root, which has no derivatives."""
+
+
+@dataclass(frozen=True)
+class Root:
+    """A proved solution: enclosures of the unknown parameter and its derivatives by all others, ``inner`` unknowns."""
+
+    unknown: arb
+    inner: tuple[arb, ...]
+    derivatives: Mapping[str, arb]
+
+
+def bracketed_root(function: Callable[[Any], Any], low: Any, high: Any, tolerance: float) -> Any:
+    """Root of a function between ``low`` and ``high``, where it has different signs, to a relative tolerance [1].
+
+    In floats or in balls, of which only the midpoints count. Chandrupatla's method: inverse quadratic steps where they
+    are safe, halves elsewhere.
+    """
+    a, b = _middle(high), _middle(low)
+    value_a, value_b = _middle(function(a)), _middle(function(b))
+    c, value_c, part, best = a, value_a, 0.5, b
+    for _ in range(400):  # more than halves of halves ever take
+        x = _middle(a + part * (b - a))
+        value = _middle(function(x))
+        if (value > 0) == (value_a > 0):
+            c, value_c = a, value_a
+        else:
+            c, b, value_c, value_b = b, a, value_b, value_a
+        a, value_a = x, value
+        if value_a == 0 or value_b == 0:
+            return a if value_a == 0 else b
+        ratio, other = float(value_a / value_b), float(value_c / value_b)  # negative; the values themselves may be tiny
+        best = a if ratio > -1 else b
+        limit = float(tolerance * abs(best) / abs(b - a)) if b != a else 1.0
+        if limit > 0.5:
+            return best
+        part = 0.5
+        if other in (ratio, 1.0):  # the function is flat to rounding
+            continue
+        share, rise = float((a - b) / (c - b)), (ratio - 1) / (other - 1)
+        if rise**2 < share and (1 - rise) ** 2 < 1 - share:
+            part = ratio / (1 - ratio) * other / (1 - other)
+            part += float((c - a) / (b - a)) * ratio / (other - ratio) / (other - 1)
+            part = min(max(part, limit), 1 - limit)
+    return best
+
+
+def solved(drive: Drive, unknown: str, equations: Equations, guess: Any, inner: Sequence[Any] = ()) -> Root:
+    """Solve the equations of a threshold for a parameter of a drive, and prove the solution.
+
+    Arguments: drive; name of the unknown; equations; a ``guess`` of the unknown and of the ``inner`` unknowns, each
+    good to four digits. Raises ``Singular`` at a double root, and where no root so close is proved.
+    """
+    with many_digits():
+        names = list(type(drive).model_fields)
+        system = _System(equations, names, {name: arb(value) for name, value in drive}, unknown, len(inner))
+        place = system.newton([_middle(arb(x)) for x in (*inner, guess)])
+        others = [len(inner) + k for k, name in enumerate(names) if name != unknown]
+        values, jacobian = system.linearised(place, system.columns)
+        step = _quotient(jacobian, [[value] for value in values])
+        box = [m + arb(0, 4 * row[0].abs_upper()) for m, row in zip(place, step, strict=True)]
+        _, slopes = system.linearised(box, [*system.columns, *others])
+        n = len(place)
+        jacobian = [row[:n] for row in slopes]
+        proved = [m - row[0] for m, row in zip(place, _quotient(jacobian, [[v] for v in values]), strict=True)]
+        if not all(x == y or x.contains_interior(y) for x, y in zip(box, proved, strict=True)):
+            raise Singular
+        found = _quotient(jacobian, [row[n:] for row in slopes])[-1] if others else []
+        of = {name: -slope for name, slope in zip((k for k in names if k != unknown), found, strict=True)}
+        return Root(unknown=proved[-1], inner=tuple(proved[:-1]), derivatives=of)
+
+
+class _System:
+    """Equations with their inner unknowns first and the parameters after them."""
+
+    def __init__(self, equations: Equations, names: list[str], fixed: dict[str, arb], unknown: str, inner: int) -> None:
+        self.equations, self.names, self.fixed, self.unknown, self.inner = equations, names, fixed, unknown, inner
+        self.columns = [*range(inner), inner + names.index(unknown)]
+
+    def linearised(self, place: Sequence[arb], columns: Sequence[int]) -> tuple[list[arb], list[list[arb]]]:
+        """Values of the equations at (y, x), and their derivatives by the variables in ``columns``."""
+        parameters = {**self.fixed, self.unknown: place[-1]}
+        at = [*place[:-1], *(parameters[name] for name in self.names)]
+        by_column = []
+        for k in columns:
+            seeded = [*at[:k], arb_series([at[k], 1], prec=2), *at[k + 1 :]]
+            named = dict(zip(self.names, seeded[self.inner :], strict=True))
+            by_column.append([arb_series(x, prec=2) for x in self.equations(named, seeded[: self.inner])])
+        return [x[0] for x in by_column[0]], [[column[i][1] for column in by_column] for i in range(len(place))]
+
+    def newton(self, place: list[arb]) -> list[arb]:
+        """Return the midpoint of a root next to a place."""
+        begin, close = place, False
+        for _ in range(40):  # from nine digits five steps reach 150
+            values, jacobian = self.linearised(place, self.columns)
+            step = [_middle(row[0]) for row in _quotient(jacobian, [[value] for value in values])]
+            place = [_middle(x - dx) for x, dx in zip(place, step, strict=True)]
+            if not all(abs(x - near) <= _REACH * abs(near) for x, near in zip(place, begin, strict=True)):
+                raise Singular
+            if close:
+                return place
+            close = all(abs(dx) <= _FIXED * abs(x) for x, dx in zip(place, step, strict=True))
+        raise Singular
+
+
+def _quotient(matrix: list[list[arb]], sides: list[list[arb]]) -> list[list[arb]]:
+    """Return matrix⁻¹ sides."""
+    try:
+        found: list[list[arb]] = arb_mat(matrix).solve(arb_mat(sides)).tolist()
+    except ZeroDivisionError:
+        raise Singular from None
+    return found
+
+
+def _middle(x: Any) -> Any:
+    return x.mid() if isinstance(x, arb) else x
+
+
+def outwards(ball: arb) -> tuple[float, float]:
+    """Return the narrowest doubles that enclose a ball; infinite where there is none."""
+    low, high = float(ball.lower()), float(ball.upper())
+    if not arb(low) <= ball.lower():
+        low = math.nextafter(low, -math.inf)
+    if not arb(high) >= ball.upper():
+        high = math.nextafter(high, math.inf)
+    return low, high
+
+
+Sample = tuple[float, float | None]
+"""A value of the parameter and the gap there, None where there is none."""
+Gap = Callable[[Drive], float]
+"""A function that vanishes at a threshold; raises ``InputError`` or ``EngineError`` for a drive that has none."""
+
+
+def sign_changes(drive: Drive, unknown: str, gap: Gap, places: Sequence[float]) -> Iterator[float]:
+    """Yield the values of a parameter, in ascending order, at which the sign of a gap changes, each to 1e-11 of it.
+
+    It is sampled at ``places``, ascending; where the gap begins or ends between two samples, that place is halved down,
+    and so is a change of sign. A jump through zero is among them; what lies between two samples without a change of
+    sign stays unseen.
+    """
+
+    def defined(value: float) -> float:
+        """Return the gap at a value of the parameter."""
+        found = gap(drive.replace(**{unknown: zero_if_close(type(drive), unknown, value)}))
+        if not math.isfinite(found):
+            raise NoThreshold
+        return found
+
+    def at(value: float) -> float | None:
+        """Return the gap at a value of the parameter; None where there is none."""
+        with suppress(InputError, EngineError):
+            return defined(value)
+        return None
+
+    known: list[Sample] = [(value, at(value)) for value in places]
+    ordered = known[:1]
+    for before, after in pairwise(known):
+        if (before[1] is None) != (after[1] is None):
+            ordered.append(_edge(at, before, after))
+        ordered.append(after)
+    for before, after in pairwise(ordered):
+        if before[1] is not None and after[1] is not None and (before[1] > 0) != (after[1] > 0):
+            with suppress(InputError, EngineError):  # it is not defined somewhere on the way
+                yield zero_if_close(type(drive), unknown, bracketed_root(defined, before[0], after[0], 1e-11))
+
+
+def _edge(at: Callable[[float], float | None], before: Sample, after: Sample) -> Sample:
+    """The last place at which the gap is defined between two samples of which one is not, to 1e-9 of the step."""
+    inside, outside = (before, after) if before[1] is not None else (after, before)
+    for _ in range(30):
+        middle = 0.5 * (inside[0] + outside[0])
+        found = at(middle)
+        inside, outside = (inside, (middle, None)) if found is None else ((middle, found), outside)
+    return inside
+
+
+def samples(drive: Drive, unknown: str, ends: Sequence[float]) -> list[float]:
+    """Return the values of a parameter at which a gap is looked at, in ascending order, all of them allowed.
+
+    Over :data:`DECADES` on both sides of the drive's own value (or a natural size, if that is zero), and closer and
+    closer, to 1e-8, to the ``ends``, at which a threshold may begin or end.
+    """
+    middle = abs(getattr(drive, unknown)) or _natural(drive, unknown)
+    sizes = middle * np.logspace(-DECADES, DECADES, 24 * DECADES + 1)  # a fifth from one to the next
+    signs = (-1, 1) if unknown in ("axial_force", "input_speed") else (1,)
+    values = {sign * size for sign in signs for size in sizes.tolist()}
+    values |= {end * (1 + side * 0.3**k) for end in ends for side in (-1, 1) for k in range(1, 16)}
+    return sorted(value for value in values if allowed(drive, unknown, value))
+
+
+def _natural(drive: Drive, unknown: str) -> float:
+    """A size of a parameter that may be zero, from the others, in its SI unit."""
+    rate = math.sqrt(drive.coupling_stiffness / drive.screw_inertia)  # 1/s
+    lever = drive.pitch_radius * math.tan(drive.lead_angle)  # m
+    sizes: dict[str, float] = {
+        "support_damping": drive.screw_inertia * rate,
+        "translation_damping": drive.screw_inertia * rate / lever / lever,
+        "axial_force": drive.mass * lever * rate * abs(drive.input_speed),
+        "friction_coefficient": math.tan(drive.lead_angle),
+    }
+    return sizes[unknown]
+
+
+def allowed(drive: Drive, unknown: str, value: float) -> bool:
+    """Whether the drive may have this value of a parameter."""
+    try:
+        drive.replace(**{unknown: value})
+    except InputError:
+        return False
+    return True

@@ -1,0 +1,295 @@
+"""Thresholds of a drive by name, each solved for any one of its parameters, with an enclosure and derivatives.
+
+Names and equations stand in docs/thresholds.md. Roots of polynomials are isolated (:mod:`lsvib.stability.boundaries`),
+axial forces follow from closed forms and return maps (:mod:`lsvib.stability.force_thresholds`), and as any other
+parameter a threshold of a motion is searched for: where that force equals the force of the drive. All then go through
+one solver, which proves and encloses them (:mod:`lsvib.stability.solve`).
+"""
+
+import math
+from collections.abc import Iterable
+from contextlib import suppress
+from typing import Any
+
+from flint import arb
+
+from lsvib.engine.exact.arithmetic import many_digits
+from lsvib.errors import EngineError, InputError, NoThreshold
+from lsvib.models import chapter
+from lsvib.models.drive import Drive, allowed_range, described
+from lsvib.models.model import find_model
+from lsvib.numbers import shown
+from lsvib.results import Derivative, PrintedValue, Threshold, ThresholdSolution
+from lsvib.stability import boundaries, motion_equations
+from lsvib.stability.boundaries import Place, StableSet, places, stable_set
+from lsvib.stability.force_thresholds import STARTS, rest_left
+from lsvib.stability.motion_equations import Start
+from lsvib.stability.solve import DECADES, Root, Singular, outwards, samples, sign_changes, solved
+
+_USUAL = {
+    "kinematic_constraint": "mass",
+    "negative_damping": "support_damping",
+    "flutter": "mass",
+    "rest_loss": "support_damping",
+}
+"""The parameter that a threshold is solved for by default, where it is not the axial force."""
+_STATEMENTS = {  # forces for input_speed > 0; for input_speed < 0 all forces change sign
+    "onset": "Steady sliding attracts what is near on one side of it and repels it on the other.",
+    "kinematic_constraint": "Beyond it the effective inertia of law + is not positive: Painleve's paradox, and the "
+    "threads may jam.",
+    "negative_damping": "Slip under law + grows where the effective damping is negative.",
+    "flutter": "On one side of it a pair of eigenvalues grows, while all others decay.",
+    "stick": "From the onset to this force slip has an attracting cycle that does not come to rest; beyond it slip "
+    "comes to a stand.",
+    "detach": "From the onset to this force slip from the end of rest reaches N = 0; beyond it the stick-slip cycle "
+    "does not.",
+    "global_stability": "Under every smaller force all motions end in steady sliding; from this force to the onset, "
+    "R = r_m tan(lead_angle) c_x Omega, some do not.",
+    "fold": "Two cycles of seizures without rest, one attracting and one repelling, meet and vanish.",
+    "cycle_birth": "The repelling cycle of seizures without rest touches Q = 0 where it seizes.",
+    "rest_loss": "On one side of it the sprag-slip cycle rests, on the other it does not.",
+}
+
+
+def names(model: str) -> tuple[str, ...]:
+    """Return the names of the thresholds of a model."""
+    return find_model(model).thresholds
+
+
+def usual_unknown(model: str, name: str) -> str:
+    """Return the parameter that a threshold is solved for by default.
+
+    It is the axial force but for ``kinematic_constraint`` and ``flutter`` (mass), ``negative_damping`` and
+    ``rest_loss`` (support damping), and for ``onset`` of a drive with two bodies (mass).
+    """
+    two_bodies = len(find_model(model).states) > 2
+    return _USUAL.get(name, "mass" if two_bodies else "axial_force")
+
+
+def all_thresholds(drive: Drive, unknown: str | None = None) -> dict[str, Threshold]:
+    """Return all thresholds of a drive by name, each as :func:`solve_threshold` gives it.
+
+    Solved for ``unknown``, by default each for its usual parameter. One that does not exist has no value but a
+    ``reason``. Raises ``InputError`` for another parameter.
+    """
+    found = {}
+    for name in names(drive.model):
+        key = _parameter(drive, name, unknown)
+        try:
+            found[name] = _solve(drive, name, key)
+        except NoThreshold as absent:
+            found[name] = _result(drive, name, key, (), reason=str(absent))
+    return found
+
+
+def solve_threshold(drive: Drive, name: str, unknown: str | None = None) -> Threshold:
+    """Solve a threshold of a drive for one of its parameters, all others held.
+
+    Arguments: drive of any model; name of a threshold (:func:`names`); name of the parameter, by default the usual one
+    (:func:`usual_unknown`). The drive's own value of that parameter counts only as the middle of a search. Raises
+    ``InputError`` for other names, ``NoThreshold`` where there is no solution in the allowed range.
+    """
+    known = names(drive.model)
+    if not isinstance(name, str) or name not in known:
+        raise InputError(f"threshold = {shown(name)} is not one of those of model {drive.model}: {', '.join(known)}.")
+    found = _solve(drive, name, _parameter(drive, name, unknown))
+    if not found.solutions:
+        raise NoThreshold(found.reason)
+    return found
+
+
+def _parameter(drive: Drive, name: str, unknown: Any) -> str:
+    key = usual_unknown(drive.model, name) if unknown is None else unknown
+    if not isinstance(key, str) or key not in type(drive).model_fields:
+        raise InputError(
+            f"unknown = {shown(key)} is not a parameter of model {drive.model}: {', '.join(type(drive).model_fields)}."
+        )
+    return key
+
+
+def _solve(drive: Drive, name: str, unknown: str) -> Threshold:
+    """A threshold, perhaps without solutions but with a reason; or ``NoThreshold``."""
+    if name in boundaries.NAMES:
+        return _by_polynomials(drive, name, unknown)
+    if name in STARTS and unknown == "axial_force":
+        return _by_force(drive, name)
+    return _by_search(drive, name, unknown)
+
+
+def _by_polynomials(drive: Drive, name: str, unknown: str) -> Threshold:
+    stable = stable_set(drive, unknown) if name == "onset" else None
+    found = stable.places() if stable else None if name == "onset" else places(drive, name, unknown)
+    if found is None:
+        raise NoThreshold(f"the threshold {name} of model {drive.model} does not depend on {unknown}.")
+    solutions, reason = [_at_place(drive, name, unknown, place) for place in found], ""
+    if stable:
+        reason = stable.why_no_change()
+    elif not solutions:
+        reason = (
+            f"no {unknown} in the allowed range {allowed_range(type(drive), unknown)} is the threshold {name}, "
+            "all other parameters held."
+        )
+    how = "All of them: the roots of polynomials are isolated with certainty."
+    return _result(drive, name, unknown, solutions, how, reason, stable)
+
+
+def _at_place(drive: Drive, name: str, unknown: str, place: Place) -> ThresholdSolution:
+    condition = place.condition
+    try:
+        root = solved(drive, unknown, condition.equations(type(drive), place.sense), place.value)
+    except Singular:
+        raise NoThreshold(
+            f"{unknown} = {float(place.value):.17g} is a double root of the threshold {name}, at which it has no "
+            "derivatives."
+        ) from None
+    return _solution(drive, unknown, root, condition.words)
+
+
+def _by_force(drive: Drive, name: str) -> Threshold:
+    with many_digits():
+        start = STARTS[name](drive)
+        force = start.force * (1 if drive.input_speed > 0 else -1)
+    try:
+        found = _newton(drive, "axial_force", start, force)
+    except Singular:
+        raise NoThreshold(
+            f"no axial_force is the threshold {name}: next to {float(force):.9g} N, where the drive changes what it "
+            "does, its equations have no solution."
+        ) from None
+    return _result(drive, name, "axial_force", [found], "The force follows from a closed form, which has one value.")
+
+
+def _by_search(drive: Drive, name: str, unknown: str) -> Threshold:
+    found = []
+    # Where these vanish a threshold begins or ends.
+    ends = [
+        float(p.value)
+        for other in ("kinematic_constraint", "negative_damping")
+        for p in places(drive, other, unknown) or []
+    ]
+    for value in sign_changes(drive, unknown, lambda near: float(_start(name, near)[0]), samples(drive, unknown, ends)):
+        near = drive.replace(**{unknown: value})
+        with suppress(Singular, NoThreshold):  # a jump of the gap, not a root
+            found.append(_newton(near, unknown, _start(name, near)[1], value))
+    span = f"{DECADES} decades on both sides of the drive's own value"
+    reason = (
+        f"no {unknown} within {span} is the threshold {name} at axial_force = {drive.axial_force:g}, all other "
+        f"parameters held{'' if found else _why_not(name, drive)}."
+    )
+    return _result(drive, name, unknown, found, f"All that a search over {span} has found; that is no proof.", reason)
+
+
+def _why_not(name: str, drive: Drive) -> str:
+    """Why the drive itself has no such threshold, as the end of a sentence; nothing if it has one."""
+    try:
+        _start(name, drive)
+    except (InputError, EngineError) as error:
+        return f"; with its own value {str(error).rstrip('.')}"
+    return ""
+
+
+def _start(name: str, drive: Any) -> tuple[Any, Start]:
+    """What is left of a threshold's equation at a drive, and where Newton's method starts."""
+    with many_digits():
+        if name == "rest_loss":
+            return rest_left(drive)
+        start = STARTS[name](drive)
+        return start.force - drive.axial_force * (1 if drive.input_speed > 0 else -1), start
+
+
+def _newton(drive: Drive, unknown: str, start: Start, guess: Any) -> ThresholdSolution:
+    equations = motion_equations.equations(start.system, 1 if drive.input_speed > 0 else -1)
+    root = solved(drive, unknown, equations, guess, start.times)
+    return _solution(drive, unknown, root, motion_equations.words(start.system))
+
+
+def _solution(drive: Drive, unknown: str, root: Root, words: str) -> ThresholdSolution:
+    unit = described(type(drive), unknown)["unit"]
+    units = {name: described(type(drive), name)["unit"] for name in root.derivatives}
+    return ThresholdSolution(
+        value=float(root.unknown),
+        enclosure=outwards(root.unknown),
+        derivatives={
+            name: _derivative(slope, unit if units[name] == "1" else f"{unit}/({units[name]})")
+            for name, slope in root.derivatives.items()
+        },
+        equation=words,
+    )
+
+
+def _derivative(slope: arb, unit: str) -> Derivative:
+    # What is not distinguished from zero is zero: a threshold may not depend on a parameter although its equation does.
+    numbers = (0.0 if slope.contains(0) else float(slope), *outwards(slope))
+    value, low, high = (x if math.isfinite(x) else None for x in numbers)
+    return Derivative(value, unit, low, high)
+
+
+def _result(
+    drive: Drive,
+    name: str,
+    unknown: str,
+    found: Iterable[ThresholdSolution],
+    how: str = "",
+    reason: str = "",
+    stable: StableSet | None = None,
+) -> Threshold:
+    solutions = tuple(sorted(found, key=lambda solution: solution.value))
+    return Threshold(
+        name=name,
+        model=drive.model,
+        unknown=unknown,
+        unit=described(type(drive), unknown)["unit"],
+        solutions=solutions,
+        statement=_STATEMENTS[name],
+        how=how if solutions else "",
+        reason="" if solutions else reason,
+        printed=_printed(drive, name, unknown, solutions),
+        stability="" if stable is None else "neutral" if stable.neutral else "asymptotic",
+        stable_intervals=() if stable is None else stable.in_doubles(),
+    )
+
+
+def _printed(drive: Drive, name: str, unknown: str, solutions: tuple[ThresholdSolution, ...]) -> PrintedValue | None:
+    """The chapter's number, if it prints one for a drive that has all that the threshold depends on in common."""
+    of = {"kinematic_constraint": {"mass": "critical_mass", "friction_coefficient": "critical_friction"}}
+    key = of.get(name, {}).get(unknown, f"{name}_force" if unknown == "axial_force" else "")
+    claim = chapter.THRESHOLDS.get(key)
+    if claim is None or drive.model != ("support" if "screw_mass" in claim.drive else "rigid"):
+        return None
+    original = type(drive).of(claim.drive)
+    counts = solutions[0].derivatives if solutions else {}
+    if any(
+        value != getattr(original, other) and other != unknown and not (counts and counts[other].value == 0)
+        for other, value in drive
+    ):
+        return None
+    error = abs(solutions[0].value - claim.value) / claim.value if solutions else None
+    return PrintedValue(
+        claim.value, claim.tolerance, error, error is not None and error <= claim.tolerance, claim.source
+    )
+
+
+# Half a unit of the last digit of each value as Table 8.1 prints it: 5.18 mm, 5.57 degree, 3.12e-6, 1, 2e-4, 0.218, 40.
+HALF_UNITS = {
+    "pitch_radius": 0.005e-3,
+    "lead_angle_deg": 0.005,
+    "screw_inertia": 0.005e-6,
+    "coupling_stiffness": 0.5,
+    "support_damping": 0.5e-4,
+    "friction_coefficient": 0.0005,
+    "input_speed": 0.5,
+}
+ROUND = ("coupling_stiffness", "support_damping", "input_speed")
+"""Values with no digit but the leading one, 1, 2e-4 and 40: they look chosen, and half a unit is up to half of them."""
+
+
+def propagated(found: Threshold) -> dict[str, float]:
+    """Return the change of a threshold by half a unit of each parameter, ∂f/∂p · h, by name [unit of the threshold].
+
+    The threshold is solved at the drive with the printed values; the half units h are in SI, the angle's in degrees.
+    Its own parameter changes nothing.
+    """
+    steps = {name: h for name, h in HALF_UNITS.items() if name not in ("lead_angle_deg", found.unknown)}
+    steps["lead_angle"] = math.radians(HALF_UNITS["lead_angle_deg"])
+    changes = found.solutions[0].change(steps)
+    return {name: changes.get("lead_angle" if name == "lead_angle_deg" else name, 0.0) for name in HALF_UNITS}
