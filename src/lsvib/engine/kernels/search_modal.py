@@ -181,9 +181,9 @@ def search(flow, mode, state, guards, on_surface, limit, work):
         if on_surface[guard]:
             work.values[0, guard, 0] = 0.0
             work.values[0, guard, 1] = max(work.values[0, guard, 1], 0.0)
-    growing, rate, step = fastest_growth(flow, mode), fastest(flow, mode), first_step(flow, mode, work, count, rate)
+    growing, rate = fastest_growth(flow, mode), fastest(flow, mode)
     longest = _GROWTH / growing if growing > 0.0 else math.inf
-    steps, a, step = 0, 0.0, min(limit, longest, step)
+    steps, a, step = 0, 0.0, min(limit, longest, first_step(flow, mode, work, count, rate))
     for _ in range(_STEPS):
         work.steps[0] -= 1.0
         if work.steps[0] < 0.0:
