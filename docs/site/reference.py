@@ -44,8 +44,8 @@ MODULES = {
         "lsvib.stability.curves",
     ],
     "Cycles": [
-        "lsvib.dynamics.attractors",
-        "lsvib.dynamics.periodic",
+        "lsvib.dynamics.attractor",
+        "lsvib.dynamics.cycles",
         "lsvib.dynamics.continuation",
         "lsvib.dynamics.impulses",
         "lsvib.datasets.cycles",

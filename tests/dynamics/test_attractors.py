@@ -10,7 +10,7 @@ import math
 import numpy as np
 import pytest
 
-from lsvib.dynamics.attractors import Attractor, arc_integrals, orbit_extremes, steady_state
+from lsvib.dynamics.attractor import Attractor, arc_integrals, orbit_extremes, steady_state
 from lsvib.engine.kernels import flow_planar, layout
 from lsvib.engine.motion import follow
 from lsvib.models.drive import RigidDrive

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import lsvib
-from lsvib.dynamics.attractors import Attractor, steady_state
-from lsvib.dynamics.periodic import section_derivative
+from lsvib.dynamics.attractor import Attractor, steady_state
+from lsvib.dynamics.cycles import section_derivative
 
 SLIP = {"mass": 9.9, "translation_damping": 1e3, "axial_force": 10.0}
 THREADS = lsvib.ThreadsDrive(**SLIP, contact_stiffness=1e8, contact_damping=1e5)

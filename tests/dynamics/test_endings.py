@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 from references.wide_drives import wide_drive
 
-from lsvib.dynamics.ending_numbers import Endings
-from lsvib.dynamics.endings import all_endings
-from lsvib.dynamics.endings_of_models.rigid import _block_endings, ending
+from lsvib.dynamics.sweep import Endings, _block_endings, all_endings, ending
 from lsvib.models.drive import RigidDrive
 from lsvib.models.many import ManyDrives, groups
 from lsvib.models.rigid import rigid_automaton

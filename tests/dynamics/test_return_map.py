@@ -5,9 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from lsvib.dynamics import return_section
-from lsvib.dynamics.return_map import ReturnSection
-from lsvib.dynamics.return_section import Section, section_key
+from lsvib.dynamics.poincare_map import Section, section_key
 from lsvib.engine.motion import follow
 from lsvib.models.drive import RigidDrive, ThreadsDrive
 from lsvib.models.rigid import rigid_automaton
@@ -30,7 +28,7 @@ def test_many_returns_at_once_are_those_of_each_place(monkeypatch, name, room):
     assert key is not None
     watched = (motion.kind == key[0]) & (motion.mode == key[1])
     longest = float(np.diff(motion.time[watched]).max())
-    section = ReturnSection(automaton, key, motion.after[watched][-1], size, 1, longest)
+    section = Section(automaton, key, motion.after[watched][-1], size, 1, longest)
     if section.dimension == 0:
         pytest.skip("a section that is a point")
     monkeypatch.setattr(return_section, "_ROOM", room)

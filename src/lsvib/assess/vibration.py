@@ -13,7 +13,7 @@ from lsvib.assess.sheet import Sheet
 from lsvib.assess.words import shown
 from lsvib.basins.boundary import AttractsNothing, basin
 from lsvib.basins.resilience import largest_tolerated
-from lsvib.dynamics.attractors import Attractor, SteadyState, orbit_extremes, steady_state
+from lsvib.dynamics.attractor import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.dynamics.impulses import event_impulses
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.motion import Motion, follow

@@ -22,9 +22,8 @@ import numpy as np
 
 from lsvib.basins.grid import Grid, coordinates
 from lsvib.basins.mapper import NO_DOUBT, Mapper
-from lsvib.dynamics.attractors import Attractor, Doubt, SteadyState, steady_state
+from lsvib.dynamics.attractor import Attractor, Doubt, SteadyState, out_of_range, steady_state
 from lsvib.dynamics.settling import settled
-from lsvib.dynamics.steady_states import out_of_range
 from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import Budget, Motion, follow
 from lsvib.errors import DivergenceError, EngineError, InputError

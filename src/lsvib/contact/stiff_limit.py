@@ -27,8 +27,8 @@ from typing import Any, Self
 
 import numpy as np
 
-from lsvib.dynamics.attractors import orbit_extremes, steady_state
-from lsvib.dynamics.curve_distance import Orbit, rest_count, rest_duration
+from lsvib.contact.curve_distance import Orbit, rest_count, rest_duration
+from lsvib.dynamics.attractor import orbit_extremes, steady_state
 from lsvib.dynamics.impulses import seizure_impulses
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.motion import Motion, follow

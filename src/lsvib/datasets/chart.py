@@ -32,8 +32,7 @@ from lsvib.datasets.attributes import (
 from lsvib.datasets.io import joined, rows_of, write_dataset
 from lsvib.datasets.spans import zero_where_rounded
 from lsvib.datasets.sweep import product_of
-from lsvib.dynamics.behaviour import Behaviour, behaviours
-from lsvib.dynamics.compliant_behaviour import compliant_behaviours
+from lsvib.dynamics.behaviour import Behaviour, behaviours, compliant_behaviours
 from lsvib.errors import InputError
 from lsvib.models import chapter
 from lsvib.models.drive import Drive, RigidDrive

@@ -12,10 +12,9 @@ from lsvib import numbers
 from lsvib.basins.boundary import Boundary, known_basin
 from lsvib.basins.curves import Arc
 from lsvib.datasets.attributes import flagged, variable, yes_no
-from lsvib.dynamics.attractors import Attractor, SteadyState
+from lsvib.dynamics.attractor import Attractor, SteadyState
 from lsvib.dynamics.continuation import CycleBranch, follow_cycle
-from lsvib.dynamics.periodic import Cycle
-from lsvib.dynamics.search import Seed, search, starts
+from lsvib.dynamics.cycles import Cycle, Seed, search, starts
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import layout
 from lsvib.errors import InputError

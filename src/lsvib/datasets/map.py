@@ -19,7 +19,7 @@ from lsvib.basins.mapper import NO_DOUBT, Mapper, mapper
 from lsvib.datasets import phase_plane
 from lsvib.datasets.attributes import Variable, attributes, flags, flags_or_none, fractions, given, quantity, variable
 from lsvib.datasets.io import joined, rows_of, write_dataset
-from lsvib.dynamics.attractors import Attractor, Doubt
+from lsvib.dynamics.attractor import Attractor, Doubt
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive, RigidDrive, names_and_values
 from lsvib.models.model import find_model, rule

@@ -22,7 +22,7 @@ from lsvib.datasets.attributes import (
     quantity,
     variable,
 )
-from lsvib.dynamics.attractors import Attractor, SteadyState, steady_state
+from lsvib.dynamics.attractor import Attractor, SteadyState, steady_state
 from lsvib.dynamics.impulses import Impulses, event_impulses
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.motion import Motion, follow

@@ -18,8 +18,8 @@ from lsvib.basins.curves import Window
 from lsvib.basins.resilience import Resilience, resilience
 from lsvib.datasets.attributes import attributes, flags, variable
 from lsvib.datasets.spans import stepped
-from lsvib.dynamics.attractors import Attractor
-from lsvib.dynamics.endings import all_endings
+from lsvib.dynamics.attractor import Attractor
+from lsvib.dynamics.sweep import all_endings
 from lsvib.errors import EngineError, InputError
 from lsvib.models.drive import Drive, RigidDrive, described, names_and_values
 from lsvib.models.many import ManyDrives
@@ -65,7 +65,7 @@ def sweep(
     model has, by default next to steady sliding; rule of resuming; number of ``workers`` – threads, with more than two
     states processes –, which changes no number; ``progress``, called with the numbers of points done and in all. The
     dataset has a dimension for each parameter, in the order given, and as variables the numbers of
-    :class:`lsvib.dynamics.ending_numbers.Ending`. Raises ``InputError`` for what is not acceptable.
+    :class:`lsvib.dynamics.sweep.Ending`. Raises ``InputError`` for what is not acceptable.
     """
     definition, resumption, at_once = find_model(drive.model), rule(resume), numbers.workers(workers)
     axes = axes_of(over, definition.drive, _MOST)

@@ -1,7 +1,7 @@
 """The attractor that a motion of any model reaches.
 
 A motion *settles* if the engine proves that no guard can fire again, so that it stays in one linear mode for ever.
-Otherwise its events recur, and their return map decides (:mod:`lsvib.dynamics.return_map`): the motion has reached its
+Otherwise its events recur, and their return map decides (:mod:`lsvib.dynamics.poincare_map`): the motion has reached its
 cycle when the map returns the same state to rounding; if the motion converges slowly, the map is solved for the fixed
 point that it approaches. No waiting time enters.
 """
@@ -13,11 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lsvib.dynamics import drift_two_states
-from lsvib.dynamics.more_states import CHUNK, LONG, at_equilibrium, of_more_states
-from lsvib.dynamics.recurrences import FEWEST, cycle_through, recurrence, watched
-from lsvib.dynamics.return_map import ReturnSection
-from lsvib.dynamics.settling import settled
-from lsvib.dynamics.steady_states import (
+from lsvib.dynamics.attractor import (
     Attractor,
     Doubt,
     Passage,
@@ -26,6 +22,10 @@ from lsvib.dynamics.steady_states import (
     orbit_extremes,
     out_of_range,
 )
+from lsvib.dynamics.more_states import CHUNK, LONG, at_equilibrium, of_more_states
+from lsvib.dynamics.poincare_map import Section
+from lsvib.dynamics.recurrences import FEWEST, cycle_through, recurrence, watched
+from lsvib.dynamics.settling import settled
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND, Status
@@ -125,7 +125,7 @@ def _slow_end(
     if seen is None or len(seen.points) < FEWEST:
         return None, None
     key, points, size, patience = seen.key, seen.points, seen.size, _MORE_PATIENCE * seen.longest
-    section = ReturnSection(automaton, key, points[-1], size, 1, patience)
+    section = Section(automaton, key, points[-1], size, 1, patience)
     if section.dimension != 1:
         return None, None
     first = section
@@ -152,7 +152,7 @@ def _slow_end(
     return found, faint
 
 
-def _faint(section: ReturnSection, near: np.ndarray) -> SteadyState | None:
+def _faint(section: Section, near: np.ndarray) -> SteadyState | None:
     """Return the cycle near a state of a line that a motion drifts to from both sides, however slowly."""
     there = section.at(near, np.maximum(section.size, np.abs(near)))
     ends = drift_two_states.enclosure(there)

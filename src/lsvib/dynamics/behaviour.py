@@ -10,9 +10,9 @@ from enum import IntEnum
 
 import numpy as np
 
-from lsvib.dynamics.attractors import Attractor
-from lsvib.dynamics.endings import all_endings
-from lsvib.dynamics.kernels.endings_at_once import REVERSES
+from lsvib.dynamics.attractor import Attractor
+from lsvib.dynamics.kernels.sweep import REVERSES
+from lsvib.dynamics.sweep import all_endings
 from lsvib.models import mechanics
 from lsvib.models.many import ManyDrives
 from lsvib.models.model import Resume
@@ -42,7 +42,7 @@ def behaviours(
 ) -> np.ndarray:
     """Return what rigid drives do (k, int8), a :class:`Behaviour` each.
 
-    Arguments: rule of resuming; number of ``workers`` (:func:`lsvib.dynamics.endings.all_endings`), which changes no
+    Arguments: rule of resuming; number of ``workers`` (:func:`lsvib.dynamics.sweep.all_endings`), which changes no
     label; ``progress``, called with the numbers of motions followed and the most that there may be.
     """
     near, far = near_and_far(drives)
@@ -66,7 +66,7 @@ def behaviours(
 def behaviour_of(attractor: np.ndarray, happens: np.ndarray) -> np.ndarray:
     """Return the behaviour (k, int8) of motions that end on cycles; all others are unresolved.
 
-    Arguments (k): ``Attractor``, and what happens on a cycle as :class:`lsvib.dynamics.ending_numbers.Ending` has it.
+    Arguments (k): ``Attractor``, and what happens on a cycle as :class:`lsvib.dynamics.sweep.Ending` has it.
     """
     sticks = np.where(happens & REVERSES, Behaviour.STICK_SLIP_WITH_CONTACT_REVERSAL, Behaviour.STICK_SLIP)
     kinds = {

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lsvib.dynamics.branch_points import BranchEquations, Solved
-from lsvib.dynamics.periodic import Cycle
+from lsvib.dynamics.cycles import Cycle
 
 _HALVINGS = 50  # more than a step needs to shrink to _NARROW
 _SECANTS = 60  # more than halving alone takes from a step to rounding

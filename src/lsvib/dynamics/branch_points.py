@@ -12,11 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lsvib.dynamics.cycles import Cycle
 from lsvib.dynamics.moving_section import MovingSection
-from lsvib.dynamics.multipliers import multipliers
-from lsvib.dynamics.periodic import Cycle
-from lsvib.dynamics.return_map import ReturnSection
-from lsvib.dynamics.variational import derivative
+from lsvib.dynamics.poincare_map import Section, derivative, multipliers
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import flow_planar
 from lsvib.engine.kernels.layout import GRAZE_KIND
@@ -52,7 +50,7 @@ class BranchEquations:
         """The value of the parameter at a point (y, p)."""
         return self.low + self.width * float(z[-1])
 
-    def at(self, z: np.ndarray) -> tuple[Drive, ReturnSection, Motion] | None:
+    def at(self, z: np.ndarray) -> tuple[Drive, Section, Motion] | None:
         """The drive, the section and one return from a point (y, p); None where none comes back or no drive is."""
         try:
             drive, automaton = self.build(self.value(z))

@@ -8,9 +8,9 @@ from functools import partial
 
 import numpy as np
 
-from lsvib.dynamics.attractors import Attractor, SteadyState, steady_state
+from lsvib.dynamics.attractor import Attractor, SteadyState, steady_state
 from lsvib.dynamics.behaviour import Behaviour, behaviour_of, near_and_far
-from lsvib.dynamics.endings import Prepared, happens, in_shares, prepared
+from lsvib.dynamics.sweep import Prepared, happens, in_shares, prepared
 from lsvib.models.many import ManyDrives
 
 

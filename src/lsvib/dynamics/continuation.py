@@ -4,7 +4,7 @@ r"""Cycles over a parameter, by pseudo-arclength continuation of the fixed point
 the parameter p: that zero is found along the branch, and as p is stationary there its value is exact to rounding.
 
 The motion decides on its own events, so that the itinerary may change from point to point; such changes are located by
-halving (:mod:`lsvib.dynamics.branch_changes`). Where a section is no longer met, another event of the last cycle takes
+halving (:mod:`lsvib.dynamics.continuation`). Where a section is no longer met, another event of the last cycle takes
 its place; if none does, the branch ends. Where an event appears the branch has a kink: there the step, not the tangent
 before it, tells the direction.
 """
@@ -15,11 +15,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lsvib.dynamics.branch_changes import Change, changes_between
 from lsvib.dynamics.branch_points import BranchEquations, Build, Solved, events_of, null_direction
+from lsvib.dynamics.continuation import Change, changes_between
+from lsvib.dynamics.cycles import Cycle
 from lsvib.dynamics.moving_section import MovingSection
-from lsvib.dynamics.periodic import Cycle
-from lsvib.dynamics.return_map import ReturnSection
+from lsvib.dynamics.poincare_map import Section
 from lsvib.engine.kernels.layout import GRAZE_KIND
 from lsvib.errors import InputError
 
@@ -162,7 +162,7 @@ def other_sections(cycle: Cycle) -> Iterator[Cycle]:
             continue
         seen.add(key)
         returns = int(np.sum((orbit.kind == key[0]) & (orbit.mode == key[1])))
-        section = ReturnSection(orbit.automaton, key, orbit.after[k], cycle.section.size, returns, 2 * cycle.period)
+        section = Section(orbit.automaton, key, orbit.after[k], cycle.section.size, returns, 2 * cycle.period)
         motion = section.come_back(orbit.after[k])
         if motion is not None:
             yield replace(cycle, orbit=motion, section=section)

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from lsvib.dynamics.return_map import ReturnSection
+from lsvib.dynamics.poincare_map import Section
 
 _NODES = 17  # of an interpolant; a drift with fewer than a few turning points is resolved by them
 _TAIL = 4  # number of last coefficients whose size is taken for the error of the interpolant
@@ -57,7 +57,7 @@ class Drift(NamedTuple):
     end: End
 
 
-def far_drift(section: ReturnSection) -> tuple[ReturnSection, Drift | None]:
+def far_drift(section: Section) -> tuple[Section, Drift | None]:
     """Follow the drift of a motion from the origin of a line, on finer and finer lines where the returns shrink.
 
     Returns the last line and the drift on it: it SHRINKS only if it cannot be followed on a finer line.
@@ -72,7 +72,7 @@ def far_drift(section: ReturnSection) -> tuple[ReturnSection, Drift | None]:
     return section, end
 
 
-def drift(section: ReturnSection, farthest: float = math.inf, length: float | None = None) -> Drift | None:
+def drift(section: Section, farthest: float = math.inf, length: float | None = None) -> Drift | None:
     """Follow the drift of a motion from y = 0 on a section of one dimension; None if that is impossible.
 
     It is followed up to |y| = ``farthest``, with a first leap of ``length``. It is impossible if f is zero to rounding,
@@ -116,7 +116,7 @@ def drift(section: ReturnSection, farthest: float = math.inf, length: float | No
     return None
 
 
-def goes_straight(section: ReturnSection, target: float) -> bool:
+def goes_straight(section: Section, target: float) -> bool:
     """Whether the motion from y = 0 drifts to y = ``target``, near a zero of f, and f has no other zero before.
 
     A target that is only a few returns away counts as reached: a motion that converges fast is that near to it.
@@ -128,7 +128,7 @@ def goes_straight(section: ReturnSection, target: float) -> bool:
     return _passes(section, 0.0, nearly, math.copysign(1.0, target), first.events) == nearly
 
 
-def reach_back(section: ReturnSection) -> float:
+def reach_back(section: Section) -> float:
     """Return a place as far back as possible from which all motions drift to y = 0."""
     first = section.return_from(0.0)
     way, here, length = np.sign(first.excess), 0.0, _FIRST * abs(first.excess)
@@ -148,7 +148,7 @@ def reach_back(section: ReturnSection) -> float:
     return here
 
 
-def _closer(section: ReturnSection, here: float, there: float, way: float) -> tuple[float, float]:
+def _closer(section: Section, here: float, there: float, way: float) -> tuple[float, float]:
     """Halve an interval, at whose ends f points inwards, until rounding of f or of y ends it."""
     for _ in range(_HALVINGS):
         middle = 0.5 * (here + there)
@@ -159,7 +159,7 @@ def _closer(section: ReturnSection, here: float, there: float, way: float) -> tu
     return here, there
 
 
-def enclosure(section: ReturnSection) -> tuple[float, float] | None:
+def enclosure(section: Section) -> tuple[float, float] | None:
     """Return an interval about y = 0 into which its ends return, beyond doubt, by the same events; else None.
 
     P is monotone, so every motion from it tends to a cycle in it: however faint the damping is, that is a proof.
@@ -180,7 +180,7 @@ def _rounding(place: float) -> float:
     return 8 * np.finfo(float).eps * max(1.0, abs(place))
 
 
-def _last_same(section: ReturnSection, here: float, there: float, events, step: float) -> float:
+def _last_same(section: Section, here: float, there: float, events, step: float) -> float:
     """Return the farthest place from ``here`` towards ``there`` with the same events, to a part of a return."""
     for _ in range(_HALVINGS):
         if abs(there - here) <= _EDGE * step:
@@ -195,7 +195,7 @@ def _last_same(section: ReturnSection, here: float, there: float, events, step: 
     return here
 
 
-def _passes(section: ReturnSection, here: float, there: float, way: float, events) -> float | None:
+def _passes(section: Section, here: float, there: float, way: float, events) -> float | None:
     """Return ``there`` if f has one sign up to it, a place beyond the first zero if not, None if that is unclear."""
     places = here + 0.5 * (_PLACES + 1) * (there - here)
     found = section.returns_from(places)

@@ -3,7 +3,7 @@
 Between two starts whose motions end differently lies a state on the edge of a basin. Halving brings two states, one on
 each side of the edge, together, and their motions stay together for a while: both follow the edge, on which all motions
 tend to what attracts there. Where that is a cycle with one multiplier outside the unit circle, Newton's method on the
-exact return map (:mod:`lsvib.dynamics.periodic`) finds it from the events that both motions have in common. Where they
+exact return map (:mod:`lsvib.dynamics.cycles`) finds it from the events that both motions have in common. Where they
 part before it does, they are halved further, and once they are as close as doubles can be, again from a later event.
 
 This is a search, not a proof: an edge may hold several cycles, or none, because the motion jumps where it touches a
@@ -15,11 +15,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from lsvib.dynamics.attractors import Attractor, SteadyState, steady_state
-from lsvib.dynamics.periodic import Cycle, cycle_on
+from lsvib.dynamics.attractor import Attractor, SteadyState, steady_state
+from lsvib.dynamics.cycles import Cycle, cycle_on
+from lsvib.dynamics.poincare_map import Section, section_key
 from lsvib.dynamics.recurrences import CORNERS
-from lsvib.dynamics.return_map import ReturnSection
-from lsvib.dynamics.return_section import section_key
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND
 from lsvib.engine.motion import Budget, Motion, follow
@@ -153,7 +152,7 @@ def _side_by_side(
     return together, gaps[:count], other.after[:count]
 
 
-def _sections(motion: Motion, gaps: np.ndarray) -> Iterator[ReturnSection]:
+def _sections(motion: Motion, gaps: np.ndarray) -> Iterator[Section]:
     """Sections along an edge, for the numbers of returns that a period may have.
 
     They lie where the motion is on the edge to some digits, and where it parts from the other.
@@ -170,7 +169,7 @@ def _sections(motion: Motion, gaps: np.ndarray) -> Iterator[ReturnSection]:
         earlier = range(1, min(_RETURNS, last) + 1)
         changes = {r: float(np.max(np.abs(points[last] - points[last - r]) / size)) for r in earlier}
         for returns in sorted(changes, key=lambda r: changes[r]) or [1]:
-            yield ReturnSection(motion.automaton, key, points[last], size, returns, _LONGER * longest)
+            yield Section(motion.automaton, key, points[last], size, returns, _LONGER * longest)
 
 
 def _vanishes(cycle: Cycle) -> bool:

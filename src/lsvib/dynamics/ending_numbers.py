@@ -5,13 +5,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lsvib.dynamics.attractors import Attractor
+from lsvib.dynamics.attractor import Attractor
 
 
 class Ending(NamedTuple):
     """What a motion ends on; nan where it has no such number.
 
-    ``attractor``, an :class:`lsvib.dynamics.attractors.Attractor`; ``happens``, what happens on a cycle: the sum of
+    ``attractor``, an :class:`lsvib.dynamics.attractor.Attractor`; ``happens``, what happens on a cycle: the sum of
     those of ``SPRAGS``, ``RESTS`` and ``REVERSES`` (the contact force changes its sign) that do; ``amplitude`` [rad],
     half the peak-to-peak of u; ``period`` [s]; ``multiplier`` [1] of the return map, the largest; ``peak_normal_force``
     [N], largest |N| without the impulses of seizures; ``peak_normal_impulse`` [N s], largest |J_N| of a seizure, 0

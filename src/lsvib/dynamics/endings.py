@@ -2,7 +2,7 @@
 
 Some models have a search of many motions at once (:mod:`lsvib.dynamics.endings_of_models`). The others' drives are
 followed one by one, share by share, in processes of their own. The search is that for one drive
-(:func:`lsvib.dynamics.attractors.steady_state`), so all results are the same to rounding, and do not depend on how the
+(:func:`lsvib.dynamics.attractor.steady_state`), so all results are the same to rounding, and do not depend on how the
 drives are shared out.
 """
 
@@ -14,10 +14,10 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from lsvib.dynamics import endings_of_models
-from lsvib.dynamics.attractors import Attractor, SteadyState, orbit_extremes, steady_state
-from lsvib.dynamics.ending_numbers import Ending, Endings
+from lsvib.dynamics.attractor import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.dynamics.impulses import event_impulses
-from lsvib.dynamics.kernels.endings_at_once import RESTS, REVERSES, SPRAGS
+from lsvib.dynamics.kernels.sweep import RESTS, REVERSES, SPRAGS
+from lsvib.dynamics.sweep import Ending, Endings
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.motion import enter
 from lsvib.errors import EngineError
@@ -78,7 +78,7 @@ def ending_of(one: Prepared, state: np.ndarray) -> Ending:
 
 
 def happens(model: Model, found: SteadyState) -> int:
-    """Return what happens on a cycle, as :class:`lsvib.dynamics.ending_numbers.Ending` has it."""
+    """Return what happens on a cycle, as :class:`lsvib.dynamics.sweep.Ending` has it."""
     orbit = found.orbit
     if orbit is None:
         return 0

@@ -15,7 +15,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from lsvib.dynamics.variational import inner_coordinates, propagator
+from lsvib.dynamics.poincare_map import inner_coordinates, propagator
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import layout
 from lsvib.engine.motion import Motion

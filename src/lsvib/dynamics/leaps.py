@@ -12,8 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.dynamics.return_map import ReturnSection
-from lsvib.dynamics.return_section import section_key
+from lsvib.dynamics.poincare_map import Section, section_key
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import Budget, Motion, follow
@@ -55,7 +54,7 @@ def leaps(motion: Motion, budget: Budget) -> Leapt | None:
         if last is not None:
             found = Leapt(states[-1], key[1])
         pattern = patterns[-1]
-        last = _Linear.at(ReturnSection(motion.automaton, key, states[-1], size, 1, longest, budget), states)
+        last = _Linear.at(Section(motion.automaton, key, states[-1], size, 1, longest, budget), states)
         doublings = last.most(doublings + 1)
         if doublings < _DOUBLINGS:
             break
@@ -69,12 +68,12 @@ class _Linear(NamedTuple):
     Where the map has no derivative, because a motion beside does not come back, it is taken to shift all places alike.
     """
 
-    section: ReturnSection
+    section: Section
     slopes: np.ndarray
     step: np.ndarray
 
     @classmethod
-    def at(cls, section: ReturnSection, states: list[np.ndarray]) -> "_Linear":
+    def at(cls, section: Section, states: list[np.ndarray]) -> "_Linear":
         """Linearise at the last state, the origin of ``section``."""
         slopes, _ = section.slopes(np.zeros(section.dimension))
         if not np.isfinite(slopes).all():

@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 
+from lsvib.dynamics.attractor import Doubt, SteadyState, out_of_range
 from lsvib.dynamics.leaps import leaps
 from lsvib.dynamics.recurrences import recurrence
 from lsvib.dynamics.settling import settled
-from lsvib.dynamics.steady_states import Doubt, SteadyState, out_of_range
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import Budget, Motion, enter, follow

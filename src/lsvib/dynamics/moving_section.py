@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from lsvib.dynamics.periodic import Cycle
-from lsvib.dynamics.return_map import ReturnSection
+from lsvib.dynamics.cycles import Cycle
+from lsvib.dynamics.poincare_map import Section
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.motion import Motion
 
@@ -40,14 +40,14 @@ class MovingSection:
             slope[self._tied] = np.linalg.solve(tied, -(rows[:, :-1] @ slope))
         return state, slope
 
-    def back(self, automaton: Automaton, place: np.ndarray) -> tuple[ReturnSection, Motion] | None:
+    def back(self, automaton: Automaton, place: np.ndarray) -> tuple[Section, Motion] | None:
         """Return a section of return at y and the motion until it is back; None if it does not come back."""
         modes = np.flatnonzero(automaton.codes == self.code)
         if not modes.size:
             return None
         state, _ = self.state(automaton, place)
         key = self.kind, int(modes[0])
-        section = ReturnSection(automaton, key, state, self.size, self.returns, self.longest)
+        section = Section(automaton, key, state, self.size, self.returns, self.longest)
         motion = section.come_back(state)
         if motion is None or motion.time.size == 0 or motion.time[0] == 0.0:
             return None

@@ -11,8 +11,7 @@ import math
 
 import numpy as np
 
-from lsvib.dynamics.return_map import ReturnSection
-from lsvib.dynamics.variational import Derivative, derivative, eigenvalues
+from lsvib.dynamics.poincare_map import Derivative, Section, derivative, eigenvalues
 from lsvib.engine.kernels import flow_planar
 from lsvib.engine.motion import Motion
 
@@ -24,13 +23,13 @@ _SCATTERS = 5  # such places
 _SAFE = 30.0  # by which rounding may exceed a few samples of it, and by which that of the tables counts
 
 
-def section_derivative(section: ReturnSection, orbit: Motion) -> Derivative:
+def section_derivative(section: Section, orbit: Motion) -> Derivative:
     """Return P′ (d, d) of a section along a motion that returns to it, with the bound of its rounding."""
     total, axes, along = derivative(orbit), section.axes, section.directions
     return Derivative(axes @ total.matrix @ along, np.abs(axes) @ total.rounding @ np.abs(along))
 
 
-def multipliers(section: ReturnSection, orbit: Motion, residual: float) -> tuple[np.ndarray, float]:
+def multipliers(section: Section, orbit: Motion, residual: float) -> tuple[np.ndarray, float]:
     """Return the n − 1 multipliers of a cycle, the largest first, and a bound of their errors [1]; nan without P′."""
     count = max(section.origin.size - 1, section.dimension)
     found = section_derivative(section, orbit)
@@ -55,7 +54,7 @@ def multipliers(section: ReturnSection, orbit: Motion, residual: float) -> tuple
     return padded[np.argsort(-np.abs(padded), kind="stable")], error
 
 
-def _scatter(section: ReturnSection, orbit: Motion, slopes: np.ndarray) -> np.ndarray:
+def _scatter(section: Section, orbit: Motion, slopes: np.ndarray) -> np.ndarray:
     """Return the rounding of P′ (d, d) as second differences between places side by side show it; nan without them.
 
     That of the tables, which all places share, is a relative change of the drive by it, and is added.

@@ -1,8 +1,8 @@
 r"""Periodic motions of any model, attracting or repelling, by Newton's method on the exact return map.
 
-A section is the set of states with which an event of one kind ends (:mod:`lsvib.dynamics.return_map`); the return map P
+A section is the set of states with which an event of one kind ends (:mod:`lsvib.dynamics.poincare_map`); the return map P
 of it is followed from event to event in closed form, and its derivative P′ is the exact product of
-:mod:`lsvib.dynamics.variational`. Newton's step  y ← y + (I − P′)⁻¹ (P(y) − y)  asks nothing of the stability.
+:mod:`lsvib.dynamics.poincare_map`. Newton's step  y ← y + (I − P′)⁻¹ (P(y) − y)  asks nothing of the stability.
 """
 
 import math
@@ -12,13 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from lsvib.dynamics.attractors import Attractor, SteadyState, orbit_extremes
+from lsvib.dynamics.attractor import Attractor, SteadyState, cycle_label, orbit_extremes
 from lsvib.dynamics.energy import Work, means, work
 from lsvib.dynamics.impulses import Impulses, event_impulses
-from lsvib.dynamics.multipliers import AT_REST, multipliers, section_derivative
-from lsvib.dynamics.return_map import ReturnSection
-from lsvib.dynamics.return_section import section_key
-from lsvib.dynamics.steady_states import cycle_label
+from lsvib.dynamics.poincare_map import AT_REST, Section, multipliers, section_derivative, section_key
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND
 from lsvib.engine.motion import Motion, follow
@@ -45,7 +42,7 @@ class Cycle:
     multipliers: np.ndarray
     multiplier_error: float
     found_by: str = "start"
-    section: ReturnSection = field(repr=False, compare=False, default=None)  # type: ignore[assignment]
+    section: Section = field(repr=False, compare=False, default=None)  # type: ignore[assignment]
 
     @property
     def state(self) -> np.ndarray:
@@ -186,7 +183,7 @@ def _number(value: complex) -> float | list[float] | None:
     return float(value.real) if value.imag == 0 else [float(value.real), float(value.imag)]
 
 
-def solve(section: ReturnSection) -> tuple[Motion, float] | None:
+def solve(section: Section) -> tuple[Motion, float] | None:
     """Return the periodic motion near the origin of a section and its residual [1]; None if Newton's method fails.
 
     The residual is the change of the state over the period relative to ``section.size``; it is rounding, times the
@@ -256,9 +253,7 @@ def cycle_from(
         return None
     size = np.maximum(np.abs(guess.after).max(axis=0), np.abs(guess.before).max(axis=0))
     size[size == 0] = 1.0
-    section = ReturnSection(
-        automaton, key, guess.after[watched[0]], size, len(watched), _LONGER * float(guess.end_time)
-    )
+    section = Section(automaton, key, guess.after[watched[0]], size, len(watched), _LONGER * float(guess.end_time))
     return cycle_on(drive, section, found_by)
 
 
@@ -270,11 +265,11 @@ def cycle_of(drive: Drive, steady: SteadyState) -> Cycle | None:
     size = np.maximum(np.abs(orbit.after).max(axis=0), np.abs(orbit.before).max(axis=0))
     size[size == 0] = 1.0
     key = int(orbit.kind[-1]), int(orbit.end_mode)
-    section = ReturnSection(orbit.automaton, key, steady.state, size, steady.returns, _LONGER * orbit.end_time)
+    section = Section(orbit.automaton, key, steady.state, size, steady.returns, _LONGER * orbit.end_time)
     return cycle_on(drive, section, "start")
 
 
-def cycle_on(drive: Drive, section: ReturnSection, found_by: str) -> Cycle | None:
+def cycle_on(drive: Drive, section: Section, found_by: str) -> Cycle | None:
     """Return the cycle near the origin of a section; None if Newton's method does not find one."""
     found = solve(section)
     if found is None:

@@ -5,9 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from lsvib.dynamics import drift_two_states
-from lsvib.dynamics.return_map import FixedPoint, ReturnSection, conserves
-from lsvib.dynamics.return_section import MARGIN, section_key
-from lsvib.dynamics.steady_states import Attractor, SteadyState, cycle_label
+from lsvib.dynamics.attractor import Attractor, SteadyState, cycle_label
+from lsvib.dynamics.poincare_map import MARGIN, FixedPoint, Section, conserves, section_key
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import flow_planar, layout
 from lsvib.engine.motion import Budget, Motion
@@ -61,14 +60,14 @@ def recurrence(automaton: Automaton, motion: Motion, budget: Budget | None = Non
     if len(points) < FEWEST and not repeats.size:
         return None
     nearest = int(repeats[0]) if repeats.size else int(np.argmin(changes[:SOLVED].max(axis=1))) + 1
-    section = ReturnSection(automaton, key, points[-1], size, nearest, longest, budget)
+    section = Section(automaton, key, points[-1], size, nearest, longest, budget)
     if repeats.size and size.size == 2:
         found = section.repeated()
         return found and cycle_through(section, found)
     divisors = [returns for returns in range(1, nearest + 1) if nearest % returns == 0]
     for returns in divisors:  # a slow cycle may seem to have a multiple of its returns
         before = points[-1 - returns : len(points) // 2 : -returns][::-1]
-        section = ReturnSection(automaton, key, points[-1], size, returns, longest, budget)
+        section = Section(automaton, key, points[-1], size, returns, longest, budget)
         found = section.fixed_point(before) if len(before) else None
         if found is None:
             continue
@@ -82,7 +81,7 @@ def recurrence(automaton: Automaton, motion: Motion, budget: Budget | None = Non
                 return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(found.state))
             continue
         for fewer in divisors[: divisors.index(returns)]:  # Newton's method may miss these from afar
-            there = ReturnSection(automaton, key, found.state, size, fewer, longest, budget)
+            there = Section(automaton, key, found.state, size, fewer, longest, budget)
             again = there.fixed_point(before)
             if again is not None and (np.abs(again.state - found.state) <= CORNERS[0] * size).all():
                 return cycle_through(there, again)
@@ -94,7 +93,7 @@ def recurrence(automaton: Automaton, motion: Motion, budget: Budget | None = Non
     return cycle_through(section, found) if found.neutral or (attracts and _on_its_cycle(section)) else None
 
 
-def _by_the_same_events(section: ReturnSection, found: FixedPoint) -> bool:
+def _by_the_same_events(section: Section, found: FixedPoint) -> bool:
     """Whether returns have the same events all the way from the origin of a section to a fixed point."""
     target = section.place(found.state)
     events = [section.outcome(part * target)[1] for part in _WAY]
@@ -110,7 +109,7 @@ def _pushed(motion: Motion) -> bool:
     return bool((flow[modes, layout.EQUILIBRIUM] if isinstance(flow, np.ndarray) else flow.field[modes, :, -1]).any())
 
 
-def _on_its_cycle(section: ReturnSection) -> bool:
+def _on_its_cycle(section: Section) -> bool:
     """Whether the origin is a fixed point of the return map as far as the size of its own orbit tells.
 
     What has fallen by ten decades since the first event seems to repeat while it still moves by parts of itself. The
@@ -141,7 +140,7 @@ def _drifts(states: np.ndarray) -> bool:
     return bool(all_of_them > 0.5 * _STEPS * latest and latest > 0.9 * first)
 
 
-def cycle_through(section: ReturnSection, found: FixedPoint) -> SteadyState | None:
+def cycle_through(section: Section, found: FixedPoint) -> SteadyState | None:
     """Return the cycle through a fixed point of the return map; None if its motion does not come back."""
     orbit = section.come_back(found.state)
     if orbit is None:

@@ -1,12 +1,12 @@
 """The return map that a motion induces where its events happen, and the fixed points of it that attract.
 
 The events of one kind that enter one mode lie on one surface, or on the intersection of several, as on release from
-rest. The states there form an affine *section* (:mod:`lsvib.dynamics.return_section`); d is its number of dimensions.
+rest. The states there form an affine *section* (:mod:`lsvib.dynamics.poincare_map`); d is its number of dimensions.
 
 * d = 1: the fixed point is found by the secant method and enclosed: P(y) − y is positive on its left and negative on
   its right, so a fixed point lies between. It attracts if that holds beyond rounding, too, a little further away.
 * d > 1: Newton's method solves P(y) = y, with the Jacobian P′ from central differences along the section, and where
-  that fails with the exact product of :mod:`lsvib.dynamics.variational`. So slow multipliers, real, negative or
+  that fails with the exact product of :mod:`lsvib.dynamics.poincare_map`. So slow multipliers, real, negative or
   complex, do not make the search long. The evidence is the residual P(y) − y, and that the motion comes closer with
   each of its returns, in the norm in which P′ contracts.
 
@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lsvib.dynamics.return_section import MARGIN, ROUNDING, SLOPE_STEP, Section
+from lsvib.dynamics.poincare_map import MARGIN, ROUNDING, SLOPE_STEP, Section
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import flow_planar
 
@@ -55,7 +55,7 @@ class FixedPoint:
     neutral: bool = False
 
 
-class ReturnSection(Section):
+class Section(Section):
     """A section of return with the fixed points of its map."""
 
     def fixed_point(self, earlier: np.ndarray) -> FixedPoint | None:

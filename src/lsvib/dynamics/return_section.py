@@ -5,7 +5,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from lsvib.dynamics.variational import derivative, eigenvalues, field, rounding
+from lsvib.dynamics.poincare_map import derivative, eigenvalues, field, rounding
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import event_loop, flow_planar
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND, Status

@@ -6,7 +6,7 @@ P(y) = y: their displacement P(y) − y is sampled in both directions over seven
 the places beyond which motions do not come back. A change of sign is a cycle or a jump; an extremum on the side of zero
 is narrowed down first, since two cycles that are about to meet lie on either side of it. Cycles are then solved by
 Newton's method. Of drives with four states the edges between what the starts end on are followed instead
-(:mod:`lsvib.dynamics.edges`). A search is no proof: what a map does between two samples without an extremum that shows
+(:mod:`lsvib.dynamics.edge_tracking`). A search is no proof: what a map does between two samples without an extremum that shows
 stays unseen.
 """
 
@@ -16,11 +16,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lsvib.dynamics.attractors import Attractor, SteadyState, steady_state
-from lsvib.dynamics.edges import edge_cycles
-from lsvib.dynamics.periodic import Cycle, cycle_from, cycle_of, cycle_on
-from lsvib.dynamics.return_map import ReturnSection
-from lsvib.dynamics.return_section import lines, nearest_to_origin
+from lsvib.dynamics.attractor import Attractor, SteadyState, steady_state
+from lsvib.dynamics.cycles import Cycle, cycle_from, cycle_of, cycle_on
+from lsvib.dynamics.edge_tracking import edge_cycles
+from lsvib.dynamics.poincare_map import Section, lines, nearest_to_origin
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import layout
 from lsvib.errors import EngineError
@@ -140,7 +139,7 @@ def _on_line(drive: Drive, automaton: Automaton, key: tuple[int, int], row: np.n
     middle = nearest_to_origin(np.append(row[:2] * sizes, row[2]))  # in these sizes
     if middle is None:
         return
-    section = ReturnSection(automaton, key, middle * sizes, sizes, 1, _patience(automaton))
+    section = Section(automaton, key, middle * sizes, sizes, 1, _patience(automaton))
     if section.dimension != 1:
         return
     steps = np.logspace(*_DECADES, _SAMPLES)
@@ -162,7 +161,7 @@ def _on_line(drive: Drive, automaton: Automaton, key: tuple[int, int], row: np.n
             yield cycle
 
 
-def _to_edges(section: ReturnSection, places: np.ndarray, gaps: list[float]) -> np.ndarray:
+def _to_edges(section: Section, places: np.ndarray, gaps: list[float]) -> np.ndarray:
     """Add places towards both ends of each stretch of places from which motions come back."""
     more = [places]
     for k in range(len(places) - 1):
@@ -183,12 +182,12 @@ def _patience(automaton: Automaton) -> float:
     return _SWINGS * float(scales.max())
 
 
-def _gap(section: ReturnSection, place: float) -> float:
+def _gap(section: Section, place: float) -> float:
     """P(y) − y; nan if there is no return."""
     return float(section.excess(np.array([place]))[0])
 
 
-def _extremum(section: ReturnSection, low: float, high: float, sign: float) -> float:
+def _extremum(section: Section, low: float, high: float, sign: float) -> float:
     """Place between two others at which ``sign`` × (P(y) − y) is smallest, or the first at which it is negative."""
 
     def height(place: float) -> float:
@@ -211,7 +210,7 @@ def _extremum(section: ReturnSection, low: float, high: float, sign: float) -> f
     return left if at_left < at_right else right
 
 
-def _within(drive: Drive, section: ReturnSection, low: float, high: float) -> Cycle | None:
+def _within(drive: Drive, section: Section, low: float, high: float) -> Cycle | None:
     """Return the cycle in a bracket where P(y) − y changes its sign; Newton's method starts from ever smaller ones."""
     first = _gap(section, low)
     width = high - low
@@ -219,7 +218,7 @@ def _within(drive: Drive, section: ReturnSection, low: float, high: float) -> Cy
         middle = 0.5 * (low + high)
         try:
             state, patience = section.state(np.array([middle])), _patience(section.automaton)
-            there = ReturnSection(section.automaton, section.key, state, section.size, 1, patience)
+            there = Section(section.automaton, section.key, state, section.size, 1, patience)
             cycle = cycle_on(drive, there, "return map")
         except EngineError:
             cycle = None

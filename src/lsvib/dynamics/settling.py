@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from lsvib.dynamics.return_section import ROUNDING
-from lsvib.dynamics.steady_states import Attractor, SteadyState, out_of_range
+from lsvib.dynamics.attractor import Attractor, SteadyState, out_of_range
+from lsvib.dynamics.poincare_map import ROUNDING
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import layout
 from lsvib.engine.motion import Motion, follow

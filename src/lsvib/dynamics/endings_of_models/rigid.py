@@ -1,7 +1,7 @@
 """What the motions of rigid drives end on – attractor, size, forces –, of one or of many at once.
 
 The tables of many drives are made at once, and a compiled search does the common cases, number by number as
-:func:`lsvib.dynamics.attractors.steady_state` does, so that all results are the same to the last bit. What it leaves
+:func:`lsvib.dynamics.attractor.steady_state` does, so that all results are the same to the last bit. What it leaves
 open goes to that function.
 """
 
@@ -14,15 +14,13 @@ from multiprocessing import get_context
 
 import numpy as np
 
-from lsvib.dynamics import drift_two_states, more_states, recurrences, return_map, return_section
-from lsvib.dynamics.attractors import steady_state
-from lsvib.dynamics.ending_numbers import Ending, Endings
-from lsvib.dynamics.endings import happens
+from lsvib.dynamics import drift_two_states, more_states, poincare_map, recurrences
+from lsvib.dynamics.attractor import Attractor, orbit_extremes, steady_state
 from lsvib.dynamics.impulses import normal_impulse, seizure_impulses, seizure_speeds
-from lsvib.dynamics.kernels import endings_at_once as kernels
-from lsvib.dynamics.kernels.endings_at_once import RESTS, SPRAGS
+from lsvib.dynamics.kernels import sweep as kernels
 from lsvib.dynamics.kernels.plan import CYCLE, OPEN, SETTLED, Facts, SearchLimits
-from lsvib.dynamics.steady_states import Attractor, orbit_extremes
+from lsvib.dynamics.kernels.sweep import RESTS, SPRAGS
+from lsvib.dynamics.sweep import Ending, Endings, happens
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.kernels import layout
 from lsvib.errors import EngineError
@@ -41,13 +39,13 @@ _SEARCH = SearchLimits(
     repeats=recurrences.REPEATS[0],
     corner=recurrences.CORNERS[0],
     few=drift_two_states.FEW,
-    patience_of_return=return_section.PATIENCE,
-    longest=return_section.LONGEST,
-    secants=return_map.SECANTS,
-    wider=return_map.WIDER,
-    widest=return_map.WIDEST,
-    slope_step=return_section.SLOPE_STEP,
-    clear=return_map.CLEAR,
+    patience_of_return=poincare_map.PATIENCE,
+    longest=poincare_map.LONGEST,
+    secants=poincare_map.SECANTS,
+    wider=poincare_map.WIDER,
+    widest=poincare_map.WIDEST,
+    slope_step=poincare_map.SLOPE_STEP,
+    clear=poincare_map.CLEAR,
 )
 
 
@@ -88,7 +86,7 @@ def all_endings(
     progress: Callable[[int, int], None] | None = None,
     others: Mapping[str, float] | None = None,
 ) -> Endings:
-    """Return what the motions of rigid drives (k) end on; arguments as of :func:`lsvib.dynamics.endings.all_endings`.
+    """Return what the motions of rigid drives (k) end on; arguments as of :func:`lsvib.dynamics.sweep.all_endings`.
 
     ``workers`` is the number of threads and, if many motions are left open by the compiled search, of processes. A
     rigid drive has no ``others``.

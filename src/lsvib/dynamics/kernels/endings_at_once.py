@@ -1,10 +1,10 @@
-"""Where motions with two states end, of many automata at once: the common cases of ``lsvib.dynamics.attractors``.
+"""Where motions with two states end, of many automata at once: the common cases of ``lsvib.dynamics.attractor``.
 
 Every motion of a search – a part of the whole one, a return to a section, a cycle – is followed by one and the same
 call of the event loop, which would else be compiled once for each: what comes back is *answered* by a plan of what to
 follow next (:mod:`lsvib.dynamics.kernels.next_part`). Every step is that of the search for one drive
-(:func:`lsvib.dynamics.attractors.steady_state`, :class:`lsvib.dynamics.return_map.ReturnSection`,
-:func:`lsvib.dynamics.steady_states.orbit_extremes`), number by number, so that the results are the same to the last
+(:func:`lsvib.dynamics.attractor.steady_state`, :class:`lsvib.dynamics.poincare_map.Section`,
+:func:`lsvib.dynamics.attractor.orbit_extremes`), number by number, so that the results are the same to the last
 bit. What is rare there – undamped families, leaps over slow returns, cycles of several returns, lost searches – is not
 here: such a motion is *open*, and the caller follows it by those functions.
 """

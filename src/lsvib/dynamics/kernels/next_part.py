@@ -1,7 +1,7 @@
 """Decide, after a part of a motion was followed, what to follow next, or what the motion ends on.
 
-The steps are those of :func:`lsvib.dynamics.attractors.steady_state`, of
-:class:`lsvib.dynamics.return_map.ReturnSection` and of :mod:`lsvib.dynamics.recurrences`, number by number.
+The steps are those of :func:`lsvib.dynamics.attractor.steady_state`, of
+:class:`lsvib.dynamics.poincare_map.Section` and of :mod:`lsvib.dynamics.recurrences`, number by number.
 """
 
 import math

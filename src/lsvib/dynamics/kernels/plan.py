@@ -23,7 +23,7 @@ ORBIT = 12  # the cycle
 
 
 class SearchLimits(NamedTuple):
-    """The numbers of the search, as ``lsvib.dynamics.attractors`` and ``lsvib.dynamics.return_map`` have them."""
+    """The numbers of the search, as ``lsvib.dynamics.attractor`` and ``lsvib.dynamics.poincare_map`` have them."""
 
     chunk: int  # events that are looked at first
     patience: int  # events after which a motion is left to the caller
