@@ -181,8 +181,8 @@ def tolerated_perturbation(
     """Smallest sudden change of the screw's speed [rad/s], as a size, after which steady sliding does not come back.
 
     By the boundary of the region of attraction of the rigid drive, in closed form
-    (:func:`lsvib.basins.resilience.largest_tolerated`). Returns the change, infinite if motion comes back from any, zero
-    if steady sliding is unstable, None if it is not known; and a sentence.
+    (:func:`lsvib.basins.resilience.largest_tolerated`). Returns the change, infinite if motion comes back from any,
+    zero if steady sliding is unstable, None if it is not known; and a sentence.
     """
     drive = drive_of(sheet, values, *corner)
     try:

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import numpy as np
 
@@ -28,9 +27,6 @@ _FINE = (Status.TIME_REACHED, Status.STOP_EVENT, Status.SETTLED, Status.EVENTS_F
 # Cost of a run in units of one ordinary event of a modal flow, one to three microseconds, as measured.
 CALL = 10.0  # of a call of the engine from Python
 _STEP = 0.1  # of a step of the search for an event
-
-_BLUR = 1024.0  # factor on the sizes behind a state where judgements contradict each other: three digits
-_MOST_BLURS = 2  # times that this is done at one instant: it leaves 9 of 15 digits, and results are held to so many
 
 
 class Budget:
@@ -145,10 +141,10 @@ def follow(
     room = automaton.rooms.pop() if automaton.rooms else event_loop.room_for(automaton.tables)
     scale, clock = np.abs(state), np.array([0.0, 0.0, 0.0, budget.left / _STEP])
     most = _MANY_EVENTS if max_events is None else max_events
-    pieces, total, capacity, undone = [], 0, min(_FIRST_CAPACITY, most), _Undone(-1.0, 0)
+    pieces, total, capacity = [], 0, min(_FIRST_CAPACITY, most)
     while True:
         events = _room(capacity, state.size)
-        steps, entered = clock[3], mode
+        steps = clock[3]
         status, mode, count = event_loop.run_in(
             room, automaton.tables, mode, state, scale, clock, t_end, stop[0], stop[1], events
         )
@@ -156,10 +152,6 @@ def follow(
             budget.left = 0.0
         elif budget.left < math.inf:
             budget.spend(count + _STEP * (steps - clock[3]))
-        if status == Status.ACCUMULATED:
-            undone, count = _undo(undone, events, count, state, scale, clock)
-            if undone.times:
-                mode, status = events[3][count - 1] if count else entered, Status.EVENTS_FULL
         pieces.append([column[:count] for column in events])
         total += count
         if status != Status.EVENTS_FULL or total >= most:
@@ -173,29 +165,6 @@ def follow(
         automaton, 0.0, start_mode, start_state, *columns,
         status=Status(status), end_time=end_time, end_mode=int(mode), end_state=state,
     )  # fmt: skip
-
-
-class _Undone(NamedTuple):
-    """The instant [s] at which events were last undone, and how often; not at all if events go on from another one."""
-
-    instant: float
-    times: int
-
-
-def _undo(last: _Undone, events, count: int, state, scale, clock) -> tuple[_Undone, int]:
-    """Return whether the events at the present instant are undone, and how many events are left; put the state back.
-
-    Where surfaces meet, two judgements may contradict each other by their rounding, so that events follow each other at
-    one instant for ever: rest ends, and slip stops before it begins. Such events are undone, and the state is taken to
-    hold fewer digits, until the judgements agree.
-    """
-    now = float(clock[0] + clock[1])
-    first, before = int(np.searchsorted(events[0][:count], now)), last.times if last.instant == now else 0
-    if before == _MOST_BLURS or 2 * (count - first) < event_loop.MANY:
-        return _Undone(now, 0), count
-    state[:], clock[2] = events[4][first], 0.0
-    scale *= _BLUR
-    return _Undone(now, before + 1), first
 
 
 def _room(capacity: int, n: int) -> tuple[np.ndarray, ...]:

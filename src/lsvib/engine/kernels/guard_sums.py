@@ -218,46 +218,6 @@ def least_between(flow, mode, sums, guard, here, there, k, sign, eighth):
 
 
 @inlined_kernel
-def least_by_swings(flow, mode, sums, guard, here, there, k, sign, eighth):
-    """Bound as :func:`least_between` for k = 0 or 1, but with each part enclosed on its own.
-
-    A pair that turns many times between the nodes stays within its amplitude, and a single that dies away on the way
-    stays between its values at both nodes. So only parts that bend slowly limit the step. Returns the lower bound, and
-    the bound without the share of these slow parts, which a shorter step would come close to.
-    """
-    first, last = sign * sums.values[here, guard, k], sign * sums.values[there, guard, k]
-    smooth, apart = 0.0, 0.0
-    for pair in range(flow.pairs[mode]):
-        a, b, factors = sums.pair_nodes[here, pair], sums.pair_nodes[there, pair], sums.pair_bounds[guard, pair]
-        slow, fast, h = max(a[3], b[3]), max(a[4], b[4]), max(a[5], b[5])
-        curve, swing = bound(factors[k + 2], slow, fast, h) * eighth, bound(factors[k], slow, fast, h)
-        if curve <= swing:
-            smooth += curve
-            continue
-        parts = sums.pairs[guard, pair]
-        apart -= swing
-        if k == 0:
-            first -= sign * (parts[0] * a[0] + parts[1] * a[1])
-            last -= sign * (parts[0] * b[0] + parts[1] * b[1])
-        else:
-            first -= sign * (parts[2] * a[2] + parts[3] * a[1])
-            last -= sign * (parts[2] * b[2] + parts[3] * b[1])
-    for single in range(flow.singles[mode]):
-        a, b, factors = sums.single_nodes[here, single], sums.single_nodes[there, single], sums.singles[guard, single]
-        begins, ends = factors[k] * a[0], factors[k] * b[0]
-        if k == 0:
-            begins, ends = begins + factors[1] * a[1], ends + factors[1] * b[1]
-        curve = abs(factors[k + 2]) * max(a[0], b[0]) * eighth
-        if curve <= abs(ends - begins):
-            smooth += curve
-        else:
-            first, last = first - sign * begins, last - sign * ends
-            apart += min(sign * begins, sign * ends)
-    least = min(first, last) + apart
-    return least - smooth, least
-
-
-@inlined_kernel
 def lowest_from(flow, mode, sums, guard, node, t):
     """Return a lower bound of a guard for all times from the node at t [s] on; −∞ if a part of it grows.
 

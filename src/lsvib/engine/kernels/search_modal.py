@@ -10,11 +10,8 @@ guard is undecided, the step is shortened, so no root is passed over. On a step 
     g″ > 0, g′_a ≥ 0    no root;
     g″ < 0              g is above its chord: one root if g_b ≤ 0, else none.
 
-Where none of these holds on a step that is long for the fastest part, g > 0 and g′ ≠ 0 are tried again with each part
-enclosed on its own (:func:`lsvib.engine.kernels.guard_sums.least_by_swings`): a part that vibrates many times on the
-step stays within its amplitude. If the step has become so short that the guard changes by less than its rounding on
-it, the guard grazes. With infinite time the walk ends when, for every guard, the bounds of all parts together are below
-the guard's constant.
+If the step has become so short that the guard changes by less than its rounding on it, the guard grazes. With infinite
+time the walk ends when, for every guard, the bounds of all parts together are below the guard's constant.
 
 ``work`` is the :class:`lsvib.engine.kernels.guard_sums.Sums` of the search. A *node* is one of three places in it for
 what is known at a time.
@@ -46,14 +43,9 @@ _STEPS = 1_000_000  # budget of a search, which is then undecided: a kernel must
 _LONGEST = 1e4  # largest f that is counted: a step grows at most 70-fold
 _GROWTH = 8.0  # largest exponent of growth on one step: bounds, taken at its end, are too large by e⁸ at most
 _SPARE = 2  # the node that is free while a root is looked for; nodes 0 and 1 are the ends of the step
-_SHAKEN = 16.0  # of rounding: a guard that turns back before it is as far below zero may only touch it
 _REPEATS = 3  # of Newton's step to where a guard touches zero, whose slope has lost digits as well
 _HALVINGS = 1100  # an interval of seconds cannot be halved more often: the smallest double is 2⁻¹⁰⁷⁴
 _BEYOND_ROUNDING = 128.0  # factor where the guard changes by less than its rounding: the next step is 8 times as long
-_LITTLE = 4.0  # factor below which the enclosure part by part is tried as well: the step would grow by less than 1.4
-# ωh of the fastest part from which on the enclosure part by part can be the better one: the bound by the chord is
-# (ωh)²/8 amplitudes, and a swing between two extremes is two of them.
-_FAR = 4.0
 _MANY = 1_000_000  # extremes in one arc
 
 
@@ -81,8 +73,8 @@ def fastest_growth(flow, mode):
 
 
 @inlined_kernel
-def first_step(flow, mode, work, count):
-    """Return a step [s] on which the guards would be decided if they were pairs only; zero or infinite if unknown."""
+def first_step(flow, mode, work, count, rate):
+    """Return a step [s] on which the guards would be decided if they were pairs only; if unknown, 1/``rate`` or 1."""
     shortest = math.inf
     for guard in range(count):
         best = 0.0
@@ -92,7 +84,9 @@ def first_step(flow, mode, work, count):
                 curve += guard_sums.bound(work.pair_bounds[guard, pair, k + 2], 1.0, 1.0, 0.0)
             best = max(best, 4.0 * abs(work.values[0, guard, k]) / curve if curve > 0.0 else math.inf)
         shortest = min(shortest, math.sqrt(best))
-    return shortest
+    if 0.0 < shortest < math.inf:
+        return shortest
+    return 1.0 / rate if rate > 0.0 else 1.0
 
 
 @inlined_kernel
@@ -108,22 +102,6 @@ def _common_sign(x, y):
     if min(x, y) > 0.0:
         return 1.0
     return -1.0 if max(x, y) < 0.0 else 0.0
-
-
-@inlined_kernel
-def _decide_apart(flow, mode, work, guard, here, there, eighth, after, slack):
-    """Decide what a guard does on one step, with each part of it enclosed on its own; returns as :func:`decide`."""
-    low, least = guard_sums.least_by_swings(flow, mode, work, guard, here, there, 0, 1.0, eighth)
-    if low > 0.0:
-        return _POSITIVE, _margin(least, low)
-    slack = max(slack, _margin(least, low))
-    sign = _common_sign(work.values[here, guard, 1], work.values[there, guard, 1])
-    if sign != 0.0:
-        low, least = guard_sums.least_by_swings(flow, mode, work, guard, here, there, 1, sign, eighth)
-        if low > 0.0:
-            return _POSITIVE if sign > 0.0 else after, _margin(least, low)
-        slack = max(slack, _margin(least, low))
-    return _UNDECIDED, slack
 
 
 @inlined_kernel
@@ -151,20 +129,18 @@ def _decide_by_chord(first, last, rounding, starts_on_surface):
 
 
 @inlined_kernel
-def decide(flow, mode, work, guard, here, there, step, rate, starts_on_surface):
+def decide(flow, mode, work, guard, here, there, step, starts_on_surface):
     """Decide what a guard does on one step, by the tests of the module docstring.
 
-    ``here`` and ``there`` are the nodes at the ends of the step [s]; ``rate`` is the largest rate [1/s] of the mode.
+    ``here`` and ``there`` are the nodes at the ends of the step [s].
     Returns the decision and the factor by which the test passes that decides; at most 1 if none does.
     """
-    eighth, slack, turns = 0.125 * step * step, 0.0, rate * step > _FAR
+    eighth, slack = 0.125 * step * step, 0.0
     first, last = work.values[here, guard], work.values[there, guard]
     if min(first[0], last[0]) > 0.0:
         low, least = guard_sums.least_between(flow, mode, work, guard, here, there, 0, 1.0, eighth)
         slack = _margin(least, low)
         if low > 0.0:
-            if turns and slack < _LITTLE:
-                _, slack = _decide_apart(flow, mode, work, guard, here, there, eighth, _ROOT, slack)
             return _POSITIVE, slack
     after = _ROOT if last[0] <= 0.0 else _POSITIVE
     sign = _common_sign(first[1], last[1])
@@ -178,10 +154,6 @@ def decide(flow, mode, work, guard, here, there, step, rate, starts_on_surface):
         low, least = guard_sums.least_between(flow, mode, work, guard, here, there, 2, sign, eighth)
         if low > 0.0:
             return _POSITIVE if sign > 0.0 else after, _margin(least, low)
-    if turns:
-        decision, slack = _decide_apart(flow, mode, work, guard, here, there, eighth, after, slack)
-        if decision != _UNDECIDED:
-            return decision, slack
     low, least = guard_sums.least_between(flow, mode, work, guard, here, there, 0, 1.0, eighth)
     if least - low <= work.rounding[guard]:
         rounding = _left_of_rounding(flow, mode, work, guard, here, there)
@@ -196,8 +168,7 @@ def search(flow, mode, state, guards, on_surface, limit, work):
 
     Arguments: flow tables, mode, state (n), guards (g, n + 1), each positive at the start or – where ``on_surface`` (g)
     – zero and not falling; that array is overwritten, and so is ``work``, whose steps are counted down: without any
-    left the search is undecided. Returns (``Found``, index of the guard, time [s]). It is long because its ends,
-    written as functions of their own, made it a twentieth slower.
+    left the search is undecided. Returns (``Found``, index of the guard, time [s]).
     """
     count, touched = guards.shape[0], False
     for guard in range(count):
@@ -210,11 +181,9 @@ def search(flow, mode, state, guards, on_surface, limit, work):
         if on_surface[guard]:
             work.values[0, guard, 0] = 0.0
             work.values[0, guard, 1] = max(work.values[0, guard, 1], 0.0)
-    growing, rate, step = fastest_growth(flow, mode), fastest(flow, mode), first_step(flow, mode, work, count)
+    growing, rate = fastest_growth(flow, mode), fastest(flow, mode)
     longest = _GROWTH / growing if growing > 0.0 else math.inf
-    if not 0.0 < step < math.inf:
-        step = 1.0 / rate if rate > 0.0 else 1.0
-    steps, a, step = 0, 0.0, min(limit, longest, step)
+    steps, a, step = 0, 0.0, min(limit, longest, first_step(flow, mode, work, count, rate))
     for _ in range(_STEPS):
         work.steps[0] -= 1.0
         if work.steps[0] < 0.0:
@@ -227,7 +196,7 @@ def search(flow, mode, state, guards, on_surface, limit, work):
         outcome, stretch, touched = _POSITIVE, _LONGEST, -1
         for guard in range(count):
             evaluate(flow, mode, work, guard, there)
-            decision, slack = decide(flow, mode, work, guard, here, there, b - a, rate, on_surface[guard])
+            decision, slack = decide(flow, mode, work, guard, here, there, b - a, on_surface[guard])
             stretch = min(stretch, slack)
             if decision == _TOUCHES:
                 touched = guard
@@ -250,18 +219,9 @@ def search(flow, mode, state, guards, on_surface, limit, work):
                 return _NONE, -1, limit
             return _GRAZE, touched, t if t >= 0.0 else 0.5 * (a + b)
         if outcome == _ROOT:
-            bottom, t = math.inf, math.inf
-            while t >= 0.0:
-                first, when, slope, bend = _earliest(flow, mode, work, count, there, a, b, on_surface, rate)
-                t = -1.0
-                if first >= 0 and slope * slope < 2.0 * _SHAKEN * bend * work.rounding[first]:
-                    t = _touching(flow, mode, work, first, when, slope, bend)
-                if t >= 0.0:
-                    work.values[there, first, 0] = math.inf  # no root; another guard may have one before it touches
-                    if t < bottom:
-                        touched, bottom = first, t
-            if bottom < when or first < 0:
-                return (_GRAZE, touched, bottom) if bottom <= limit else (_NONE, -1, limit)
+            first, when = _earliest(flow, mode, work, count, there, a, b, on_surface, rate)
+            if first < 0:
+                return _NONE, -1, limit
             return _CROSSING, first, when
         for guard in range(count):
             on_surface[guard] = on_surface[guard] and work.values[there, guard, 0] <= work.rounding[guard]
@@ -297,9 +257,9 @@ def _earliest(flow, mode, work, count, there, a, b, on_surface, rate):
     """Find the earliest root on a decided step [a, b] s.
 
     A guard that is still positive at the earliest root found so far has no root before it. Returns (index of the guard
-    or −1, time [s], its first two derivatives there).
+    or −1, time [s]).
     """
-    first, when, slope, bend = -1, b, 0.0, 0.0
+    first, when = -1, b
     for guard in range(count):
         node = there
         if first >= 0 and work.values[there, guard, 0] <= 0.0:
@@ -316,8 +276,8 @@ def _earliest(flow, mode, work, count, there, a, b, on_surface, rate):
                 evaluate(flow, mode, work, guard, _SPARE)
                 node = _SPARE
             first = guard
-            when, slope, bend = _root(flow, mode, work, guard, node, low, when, rate)
-    return first, when, slope, bend
+            when = _root(flow, mode, work, guard, node, low, when, rate)
+    return first, when
 
 
 @kernel
@@ -365,24 +325,24 @@ def _top(flow, mode, work, guard, low, high):
 def _root(flow, mode, work, guard, node, low, high, rate):
     """Return the root of a guard that is positive before it, from ``low`` on, and not positive after it.
 
-    The values of the guard at ``high`` are those of ``node``. Returns (time [s], first two derivatives there).
+    The values of the guard at ``high`` are those of ``node``. Returns its time [s].
     """
-    t, slope, curvature = high, 0.0, 0.0
+    t = high
     for count in range(GUESSES):
         value, slope, curvature = work.values[node, guard, 0], work.values[node, guard, 1], work.values[node, guard, 2]
         if value > 0.0:
             low = t
         elif value == 0.0:
-            return t, slope, curvature
+            return t
         else:  # negative, or overflown far beyond the root
             high = t
         t, found = next_guess(t, value, slope, curvature, low, high, rate, count)
         if found:
-            return t, slope, curvature
+            return t
         node = _SPARE
         go_to(flow, mode, work, t, node)
         evaluate(flow, mode, work, guard, node)
-    return t, slope, curvature
+    return t
 
 
 @merged_allocating_kernel
