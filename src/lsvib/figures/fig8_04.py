@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from lsvib.datasets.attributes import drive_parameters, labels, variable
+from lsvib.datasets.attributes import drive_parameters, named_index, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures.common import EIGENVALUE, about, named, spread
@@ -38,7 +38,7 @@ def build(settings: Values, figure: str = "8.4", what: str = "contact force alon
     """
     from lsvib.datasets import phase_plane
 
-    drive = RigidDrive.of(settings["drive"])
+    drive = RigidDrive(**settings["drive"])
     c = coefficients(drive)
     inertia, damping = float(c.gamma[c.steady_law]), float(c.damping[c.steady_law])
     margins = conditions(drive)["negative_damping"].margins
@@ -48,7 +48,7 @@ def build(settings: Values, figure: str = "8.4", what: str = "contact force alon
         | {f"margin_{key}": variable("case", [margins[key]], *words) for key, words in MARGINS.items()}
         | {"eigenvalue_real_part": variable(dims, real, "s-1", "real part of the eigenvalue", r"Re $\varepsilon$")},
         coords={
-            **labels("case", [drive], ()),
+            "case": named_index("case", "index of the case", ("drive",)),
             **drive_parameters([drive], printed=("Sect. 8.5.1",)),
             **phase_plane.rule_coordinate(),
             "eigenvalue": EIGENVALUE,
