@@ -14,7 +14,6 @@ from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures import settings as of
 from lsvib.figures.common import about, flag_names, named, spread
-from lsvib.figures.style import Axes, Figure
 from lsvib.models.drive import RigidDrive
 from lsvib.stability.conditions import critical_friction, critical_mass
 from lsvib.stability.force_thresholds import global_stability_force
@@ -295,7 +294,7 @@ def _global_stability_checks(dataset: xr.Dataset) -> list[Check]:
 
 
 @style.styled
-def draw(dataset: xr.Dataset) -> Figure:
+def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the basins of the cases above, and the fraction of the window that belongs to the basin below."""
     figure = style.new_figure(style.DOUBLE, 6.0)
     rows = figure.subfigures(2, 1, height_ratios=(1.0, 1.05))
@@ -312,7 +311,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def _basin(axes: Axes, case: xr.Dataset, letter: str) -> None:
+def _basin(axes: style.Axes, case: xr.Dataset, letter: str) -> None:
     """Shade the basin of one case, draw its boundary, N = 0 and θ′ = 0."""
     region = np.column_stack([case.region_angle, case.region_velocity])
     for part in np.split(region, np.flatnonzero(np.isnan(region[:, 0]))):
@@ -336,7 +335,7 @@ def _basin(axes: Axes, case: xr.Dataset, letter: str) -> None:
     axes.text(0.97, 0.96, words, transform=axes.transAxes, ha="right", va="top", fontsize=6)
 
 
-def _sweep(axes: Axes, dataset: xr.Dataset, name: str, letter: str) -> None:
+def _sweep(axes: style.Axes, dataset: xr.Dataset, name: str, letter: str) -> None:
     """Draw the fraction over one parameter, coloured by what bounds the basin."""
     values, fraction = dataset[f"swept_{name}"].values, dataset[f"fraction_{name}"].values
     kinds = dataset[f"boundary_kind_{name}"]
@@ -359,7 +358,7 @@ def _sweep(axes: Axes, dataset: xr.Dataset, name: str, letter: str) -> None:
     _threshold(axes, dataset, name, scale)
 
 
-def _threshold(axes: Axes, dataset: xr.Dataset, name: str, scale: float) -> None:
+def _threshold(axes: style.Axes, dataset: xr.Dataset, name: str, scale: float) -> None:
     """Mark where global stability begins or ends: a root in closed form, over the damping the change of the basin."""
     _, known, symbol, digits = _SWEPT[name]
     stable = dataset[f"swept_{name}"].values[named(dataset[f"boundary_kind_{name}"], "none")]

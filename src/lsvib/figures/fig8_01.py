@@ -8,7 +8,6 @@ from lsvib.datasets.checks import Check
 from lsvib.figures import contact_portraits, style
 from lsvib.figures.common import about, named
 from lsvib.figures.settings import ContactPortrait, Values
-from lsvib.figures.style import Figure
 
 CAPTION = """\
 Phase portrait of the contact force while the threads are stiff, in the indeterminate case and with the screw turning
@@ -126,6 +125,6 @@ def _eigenvalues_of_law_minus(case: xr.Dataset) -> tuple[xr.DataArray, xr.DataAr
 
 
 @style.styled
-def draw(dataset: xr.Dataset) -> Figure:
+def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the motions, the saddle's manifolds and the basin of bounded contact forces, elastic and damped."""
     return contact_portraits.draw_portrait(dataset, ("law +: $N > 0$", "law −: $N < 0$"), columns=4)

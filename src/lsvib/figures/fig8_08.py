@@ -13,7 +13,6 @@ from lsvib.datasets.checks import Check
 from lsvib.figures import style
 from lsvib.figures.common import EIGENVALUE, about, existing
 from lsvib.figures.settings import Damping, DriveChanges, FigureSettings, PositiveSpan, Values, several
-from lsvib.figures.style import Axes, Figure
 from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
@@ -152,7 +151,7 @@ def _masses(span: Values, critical: float, marks: list[float]) -> np.ndarray:
 
 
 @style.styled
-def draw(dataset: xr.Dataset) -> Figure:
+def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw real and imaginary parts against the mass, (a) and (b), and close to the critical mass, (c) and (d)."""
     figure = style.new_figure(style.DOUBLE, 5.0)
     panels = figure.subplots(2, 2)
@@ -180,12 +179,10 @@ def draw(dataset: xr.Dataset) -> Figure:
     panels[1, 1].set_ylim(-1.3 * largest, 1.3 * largest)
     unit = style.unit(dataset.eigenvalue_imaginary_part.attrs["units"])[1:-1]
     panels[1, 1].text(peak, 1.05 * largest, f"{largest:.0f} {unit}", ha="center", va="bottom")
-    style.state_values(figure, dataset)
-    style.legend(figure, panels[:, 0], 5)
-    return figure
+    return style.finished(figure, dataset, panels[:, 0], 5)
 
 
-def _plot(axes: Axes, dataset: xr.Dataset, abscissa: xr.DataArray, variable: xr.DataArray, title: str) -> None:
+def _plot(axes: style.Axes, dataset: xr.Dataset, abscissa: xr.DataArray, variable: xr.DataArray, title: str) -> None:
     """Draw both eigenvalues; each in two pieces, because no line may join the two sides of the pole."""
     below = dataset.mass < dataset.critical_mass
     for index, colour, dashes in ((1, style.BLUE, "-"), (2, style.VERMILION, (0, (4, 2)))):

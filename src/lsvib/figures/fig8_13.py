@@ -15,7 +15,6 @@ from lsvib.figures import drawing, style
 from lsvib.figures.common import CRITICAL_MASS_WITH_CONTACT, about, named
 from lsvib.figures.fig8_10 import compliant_cycle, cycle_curves
 from lsvib.figures.settings import Contact, DriveChanges, FigureSettings, PositiveSpan, Samples, State, Values, several
-from lsvib.figures.style import Axes, Figure
 from lsvib.models.drive import ThreadsDrive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import rigid_automaton
@@ -226,7 +225,7 @@ def _boundary_check(dataset: xr.Dataset) -> Check:
 
 
 @style.styled
-def draw(dataset: xr.Dataset) -> Figure:
+def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw (a) the cycles, (b) z over a period, (c) the largest z and (d) the shortest time against the contact."""
     figure = style.new_figure(style.DOUBLE, 6.0)
     plane, deflection, grid, shortest = figure.subplots(2, 2).ravel()
@@ -234,9 +233,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     _deflection(deflection, dataset)
     _map(figure, grid, dataset)
     _shortest(shortest, dataset)
-    style.state_values(figure, dataset)
-    style.legend(figure, [plane, deflection], 2)
-    return figure
+    return style.finished(figure, dataset, [plane, deflection], 2)
 
 
 def _contacts(dataset: xr.Dataset) -> list[tuple[xr.Dataset, str]]:
@@ -244,7 +241,7 @@ def _contacts(dataset: xr.Dataset) -> list[tuple[xr.Dataset, str]]:
     return list(zip((dataset.isel(contact=k) for k in dataset.contact.values), _COLOURS, strict=False))
 
 
-def _plane(axes: Axes, dataset: xr.Dataset) -> None:
+def _plane(axes: style.Axes, dataset: xr.Dataset) -> None:
     axes.plot(dataset.rigid_cycle_angle, dataset.rigid_cycle_velocity, color=style.BLACK, linewidth=0.9,
               linestyle=(0, (4, 2)), label="rigid drive")  # fmt: skip
     cycles: list[drawing.DrawnLine] = []
@@ -265,7 +262,7 @@ def _plane(axes: Axes, dataset: xr.Dataset) -> None:
              ylabel=style.label(dataset.cycle_velocity, "rate"))  # fmt: skip
 
 
-def _deflection(axes: Axes, dataset: xr.Dataset) -> None:
+def _deflection(axes: style.Axes, dataset: xr.Dataset) -> None:
     """The coupling deflection from one standstill of the screw to the next."""
     steady = float(dataset.steady_deflection)
     for one, colour in _contacts(dataset):
@@ -278,7 +275,7 @@ def _deflection(axes: Axes, dataset: xr.Dataset) -> None:
              ylabel="Coupling deflection $z$ [rad]", xlim=(0, 1))  # fmt: skip
 
 
-def _map(figure: Figure, axes: Axes, dataset: xr.Dataset) -> None:
+def _map(figure: style.Figure, axes: style.Axes, dataset: xr.Dataset) -> None:
     """Largest deflection of each contact of the grid, a cell around it, with the line on which it vanishes."""
     damping, stiffness = dataset.grid_contact_damping.values, dataset.grid_contact_stiffness.values
     largest = np.nanmax(np.abs(dataset.grid_largest_deflection.values))
@@ -304,7 +301,7 @@ def _edges(values: np.ndarray) -> np.ndarray:
     return np.concatenate([[values[0] ** 2 / middle[0]], middle, [values[-1] ** 2 / middle[-1]]])
 
 
-def _shortest(axes: Axes, dataset: xr.Dataset) -> None:
+def _shortest(axes: style.Axes, dataset: xr.Dataset) -> None:
     """Shortest time of the trajectory against the contact damping: each contact drawn lies on the line of its own k_c.
 
     A contact whose stiffness is not one of the grid has no line; the stiffest contact of the grid is drawn beside.

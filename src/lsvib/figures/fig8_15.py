@@ -13,7 +13,6 @@ from lsvib.errors import InputError
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, named
 from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Span, Values, parameter
-from lsvib.figures.style import Figure
 from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive, SupportDrive
 from lsvib.stability import conditions
@@ -306,7 +305,7 @@ def _against_lapack(dataset: xr.Dataset, drive: Values, clear: np.ndarray) -> tu
 
 
 @style.styled
-def draw(dataset: xr.Dataset) -> Figure:
+def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the class map by eigenvalues, over it the boundaries in closed form and the critical friction."""
     from matplotlib.patches import Patch
 
@@ -335,6 +334,4 @@ def draw(dataset: xr.Dataset) -> Figure:
     axes.axvline(printed, **style.PRINTED, label=f"{symbol} = {printed:g}, as printed")
     axes.set(xlabel=style.label(friction), ylabel=style.label(stiffness), yscale="log")
     axes.set(xlim=friction[[0, -1]], ylim=stiffness[[0, -1]])
-    style.state_values(figure, dataset)
-    style.legend(figure, [axes], 2, patches)
-    return figure
+    return style.finished(figure, dataset, [axes], 2, patches)

@@ -12,7 +12,6 @@ from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, existing, named
 from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Span, Values
-from lsvib.figures.style import Axes, Figure
 from lsvib.models.drive import NutDrive
 from lsvib.numbers import bisected
 from lsvib.stability.conditions import critical_mass, effective_screw_inertia, kinematic_inertia, kinematic_mass
@@ -240,7 +239,7 @@ def _critical_mass_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
 
 
 @style.styled
-def draw(dataset: xr.Dataset) -> Figure:
+def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw (a) the critical mass over the inertia of the nut and (b) the classes over that and the friction."""
     from matplotlib.patches import Patch
 
@@ -256,7 +255,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def _critical_mass(axes: Axes, dataset: xr.Dataset) -> None:
+def _critical_mass(axes: style.Axes, dataset: xr.Dataset) -> None:
     rigid, inertia, screw = float(dataset.critical_mass), dataset.nut_inertia, float(dataset.screw_inertia)
     some = dataset.isel(nut_inertia=np.linspace(0, inertia.size - 1, 12).astype(int))
     axes.plot(inertia, dataset.critical_mass_with_nut, color=style.BLUE, label="boundary by (8.33)")
@@ -275,7 +274,7 @@ def _critical_mass(axes: Axes, dataset: xr.Dataset) -> None:
     axes.set(ylabel="Critical mass $m_\\mathrm{cr}$ [kg]", ylim=(0, 1.15 * rigid), xlim=inertia[[0, -1]])
 
 
-def _map(axes: Axes, dataset: xr.Dataset) -> None:
+def _map(axes: style.Axes, dataset: xr.Dataset) -> None:
     friction, inertia = dataset.friction_coefficient, dataset.nut_inertia
     drawing.regions(axes, friction, inertia, dataset.stability.T, _COLOURS)
     axes.plot(dataset.critical_friction_with_nut, inertia, color=style.BLUE)

@@ -13,7 +13,6 @@ from lsvib.datasets.checks import Check
 from lsvib.figures import style
 from lsvib.figures.common import about, flag_names
 from lsvib.figures.settings import DriveChanges, FigureSettings, Values
-from lsvib.figures.style import Figure
 from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive, SupportDrive
 from lsvib.models.mechanics import coefficients
@@ -196,7 +195,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 
 
 @style.styled
-def draw(dataset: xr.Dataset) -> Figure:
+def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the distance from print of each threshold over stacked bars of what half a unit of each value changes."""
     figure = style.new_figure(style.DOUBLE, 3.4)
     panels = figure.subplots(1, 2, sharey=True)
