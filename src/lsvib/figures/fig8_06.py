@@ -7,7 +7,7 @@ to the stated one.
 
 from collections.abc import Sequence
 from enum import IntEnum
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
 import xarray as xr
@@ -18,16 +18,13 @@ from lsvib.datasets import printed, spans
 from lsvib.datasets.attributes import Variables, axis, flagged, start_state, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
-from lsvib.figures.common import about, flag_names, named, phase_planes, spread
+from lsvib.figures.common import SteadyState, about, flag_names, named, phase_planes, spread
 from lsvib.figures.settings import MassPair, PhasePlane, Span, State, Values, parameter, several
 from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import EventKind, rigid_automaton
 from lsvib.stability import force_thresholds
-
-if TYPE_CHECKING:
-    from lsvib.dynamics.attractor import SteadyState
 
 CAPTION = """\
 Amplitude of the steady vibration against the axial force R for m = 1 kg and c_x = 1000 N s/m, with phase portraits at
@@ -115,7 +112,7 @@ def build(settings: Values) -> xr.Dataset:
     )
 
 
-def _curve(drives: list[RigidDrive], steady: "list[SteadyState]") -> Variables:
+def _curve(drives: list[RigidDrive], steady: list[SteadyState]) -> Variables:
     from lsvib.datasets import phase_plane
 
     dim, slowest = "swept_axial_force", [s.extremes(np.array([0, 1.0, 0]))[0] for s in steady]
@@ -128,7 +125,7 @@ def _curve(drives: list[RigidDrive], steady: "list[SteadyState]") -> Variables:
     }
 
 
-def _regime(steady: "SteadyState") -> Regime:
+def _regime(steady: SteadyState) -> Regime:
     from lsvib.dynamics.attractor import Attractor
 
     reverses = steady.orbit is not None and bool((steady.orbit.kind == EventKind.CONTACT_REVERSAL).any())

@@ -140,10 +140,7 @@ def _end_of_flow(drive: RigidDrive, start: Values) -> np.ndarray:
 
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw the map (hatched: no solution), the lines, a motion from each sector, the cycle, the equilibrium of law −.
-
-    Motions are drawn up to the first seizure into which they slip; the cycle shows how each goes on.
-    """
+    """Draw the map, hatched without solution, the lines, motions up to their first seizure, the cycle."""
     from matplotlib.patches import Patch
 
     figure = style.new_figure(style.DOUBLE * 0.72, 4.4)

@@ -8,7 +8,7 @@ from annotated_types import Gt
 from pydantic import Field
 
 from lsvib.datasets import printed, spans
-from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, drive_parameters, variable
+from lsvib.datasets.attributes import CRITICAL_MASS, axis, drive_parameters, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import style
 from lsvib.figures.common import EIGENVALUE, about, existing
@@ -53,12 +53,32 @@ def build(settings: Values) -> xr.Dataset:
     square = drive.support_damping**2 / drive.coupling_stiffness
     # Γ₊ = I (1 − m/m_cr)
     meeting, peak = (critical * (1 - inertia / drive.screw_inertia) for inertia in (square / 4, square / 2))
-    mass = _masses(settings["mass"], critical, [meeting, peak])
+    span, near = settings["mass"], critical * np.geomspace(1e-6, 0.1, settings["mass"]["count"] // 4)
+    mass = np.unique(np.concatenate([spans.even(span), critical - near, critical + near, [meeting, peak]]))
+    mass = mass[(mass >= span["start"]) & (mass <= span["stop"]) & (mass != critical)]
     dampings = np.array(settings["dampings"], dtype=float)
-    losses = [_loss_of_stability(drive.replace(support_damping=float(c)), critical) for c in dampings]
+    stiffness = drive.coupling_stiffness
+    losses = [  # by bisection around m_cr to the last bit
+        bisected(
+            lambda m, c=c: eigenvalue_pair(_inertia(drive, m), c, stiffness).real.max() >= 0,
+            critical / 2,
+            critical * 3 / 2,
+        )
+        for c in dampings.tolist()
+    ]
     lost = "mass at which the real part of an eigenvalue becomes positive"
+    inertia = np.array([_inertia(drive, m) for m in mass])
+    pair = eigenvalue_pair(inertia, drive.support_damping, stiffness)
+    dims, words = ("eigenvalue", "mass"), "part of the eigenvalue"
     return xr.Dataset(
-        _spectrum(drive, mass) | {"loss_of_stability": variable("swept_support_damping", losses, "kg", lost, "$m$")},
+        {
+            "eigenvalue_real_part": variable(dims, pair.real.T, "s-1", f"real {words}", r"Re $\varepsilon$"),
+            "eigenvalue_imaginary_part": variable(
+                dims, pair.imag.T, "rad s-1", f"imaginary {words}", r"Im $\varepsilon$"
+            ),
+            "effective_inertia_plus": variable("mass", inertia, "kg m2", "effective inertia of law +", r"$\Gamma_+$"),
+            "loss_of_stability": variable("swept_support_damping", losses, "kg", lost, "$m$"),
+        },
         coords={
             **axis("mass", mass),
             **drive_parameters(drive, axes=("mass",), no_effect=("input_speed", "axial_force"), printed=("Sect. 8.6",)),
@@ -75,18 +95,6 @@ def build(settings: Values) -> xr.Dataset:
             "Sect. 8.6, Fig. 8.8",
         ),
     )
-
-
-def _spectrum(drive: RigidDrive, mass: np.ndarray) -> Variables:
-    """Both eigenvalues and the effective inertia that decides on them, over the mass [kg]."""
-    inertia = np.array([_inertia(drive, m) for m in mass])
-    pair = eigenvalue_pair(inertia, drive.support_damping, drive.coupling_stiffness)
-    dims, words = ("eigenvalue", "mass"), "part of the eigenvalue"
-    return {
-        "eigenvalue_real_part": variable(dims, pair.real.T, "s-1", f"real {words}", r"Re $\varepsilon$"),
-        "eigenvalue_imaginary_part": variable(dims, pair.imag.T, "rad s-1", f"imaginary {words}", r"Im $\varepsilon$"),
-        "effective_inertia_plus": variable("mass", inertia, "kg m2", "effective inertia of law +", r"$\Gamma_+$"),
-    }
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
@@ -131,23 +139,6 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 def _inertia(drive: RigidDrive, mass: float) -> float:
     """Effective inertia Γ₊ [kg m²] at a mass [kg]; it vanishes at m_cr, so 50 digits are used and rounded once."""
     return float(coefficients(drive.replace(mass=float(mass))).gamma[1])
-
-
-def _loss_of_stability(drive: RigidDrive, critical: float) -> float:
-    """Smallest mass [kg] with an eigenvalue of positive real part, by bisection around m_cr to the last bit."""
-
-    def unstable(mass: float) -> bool:
-        pair = eigenvalue_pair(_inertia(drive, mass), drive.support_damping, drive.coupling_stiffness)
-        return pair.real.max() >= 0
-
-    return bisected(unstable, critical / 2, 3 * critical / 2)
-
-
-def _masses(span: Values, critical: float, marks: list[float]) -> np.ndarray:
-    """Masses [kg] of a span without m_cr: evenly spaced ones, ever closer ones on its two sides, the marks."""
-    near = critical * np.geomspace(1e-6, 0.1, span["count"] // 4)
-    mass = np.unique(np.concatenate([spans.even(span), critical - near, critical + near, marks]))
-    return mass[(mass >= span["start"]) & (mass <= span["stop"]) & (mass != critical)]
 
 
 @style.styled

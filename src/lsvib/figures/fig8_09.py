@@ -41,7 +41,7 @@ def build(settings: Values) -> xr.Dataset:
     drives, critical = [drive.replace(**changes) for changes in settings["cases"]], existing(critical_mass(drive))
     forces = spans.even(settings["axial_force"])
     planes = phase_planes(settings, drives, ("mass",), ("Sect. 8.6", "Sect. 8.6.1"))
-    planes = planes.assign_coords(axis("swept_axial_force", forces), critical_mass=((), critical, CRITICAL_MASS))
+    planes = planes.assign_coords(**axis("swept_axial_force", forces), critical_mass=((), critical, CRITICAL_MASS))
     return planes.assign(_sensitivity(drives[-1], forces, settings["starts"][0])).assign_attrs(
         about(
             "Figure 8.9: trajectories below and above the critical mass",

@@ -1,7 +1,6 @@
 """Figure 8.10: the sprag–slip cycle with compliant threads, its phase plane and the peaks of its contact force."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
@@ -12,16 +11,11 @@ from lsvib.datasets.attributes import Variables, axis, drive_parameters, flagged
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures import settings as of
-from lsvib.figures.common import about, named
+from lsvib.figures.common import Automaton, Motion, SteadyState, about, named
 from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive, ThreadsDrive
 from lsvib.models.rigid import rigid_automaton
 from lsvib.models.threads import ThreadsEvent, ThreadsMode, seated_state, threads_automaton
-
-if TYPE_CHECKING:
-    from lsvib.dynamics.attractor import SteadyState
-    from lsvib.engine.automaton import Automaton
-    from lsvib.engine.motion import Motion
 
 CAPTION = """\
 Compliant threads, k_c = c_c = 10⁸ (SI): (a) phase plane beside the rigid drive's cycle; (b) contact force on a broken
@@ -79,7 +73,7 @@ def build(settings: of.Values) -> xr.Dataset:
     )
 
 
-def compliant_cycle(drive: ThreadsDrive, start: of.Values) -> "tuple[Automaton, SteadyState]":
+def compliant_cycle(drive: ThreadsDrive, start: of.Values) -> tuple[Automaton, SteadyState]:
     """Return the automaton and the attractor of the motion from a seated contact at u [rad], w [rad/s]."""
     from lsvib.dynamics.attractor import steady_state
 
@@ -87,7 +81,7 @@ def compliant_cycle(drive: ThreadsDrive, start: of.Values) -> "tuple[Automaton, 
     return automaton, steady_state(automaton, seated_state(drive, start["u"], start["w"]))
 
 
-def cycle_curves(dims: Sequence[str], cycles: "Sequence[SteadyState]", count: int, prefix: str = "cycle") -> Variables:
+def cycle_curves(dims: Sequence[str], cycles: Sequence[SteadyState], count: int, prefix: str = "cycle") -> Variables:
     """Return cycles as curves in the phase plane, dimensions (*dims, sample), NaN where there is none.
 
     Variables: ``{prefix}_time`` [s] from a point of the cycle, ``_angle`` [rad], ``_velocity`` [rad/s]; both states of
@@ -105,13 +99,13 @@ def cycle_curves(dims: Sequence[str], cycles: "Sequence[SteadyState]", count: in
     return {f"{prefix}_time": time, **phase_plane.curve(prefix, dims, curves[..., 1:], "on the limit cycle")}
 
 
-def _rigid_cycle(drive: RigidDrive, start: of.Values) -> "SteadyState":
+def _rigid_cycle(drive: RigidDrive, start: of.Values) -> SteadyState:
     from lsvib.dynamics.attractor import steady_state
 
     return steady_state(rigid_automaton(drive), [start["u"], start["w"]])
 
 
-def _motion(motion: "Motion", samples: int) -> Variables:
+def _motion(motion: Motion, samples: int) -> Variables:
     """The compliant motion with its contact force; both states of each event are samples, so every peak is."""
     from lsvib.datasets import phase_plane
 
@@ -127,7 +121,7 @@ def _motion(motion: "Motion", samples: int) -> Variables:
     }
 
 
-def _peak(cycle: "SteadyState") -> Variables:
+def _peak(cycle: SteadyState) -> Variables:
     """The contact force around a peak, over time from the start of the sprag."""
     from lsvib.dynamics.attractor import Attractor
     from lsvib.engine.motion import follow
@@ -148,7 +142,7 @@ def _peak(cycle: "SteadyState") -> Variables:
     }
 
 
-def _comparison(drive: RigidDrive, cycle: "SteadyState", rigid: "SteadyState") -> Variables:
+def _comparison(drive: RigidDrive, cycle: SteadyState, rigid: SteadyState) -> Variables:
     """The cycle in numbers, beside the rigid one."""
     from lsvib.datasets import phase_plane
     from lsvib.dynamics.attractor import Attractor
@@ -169,7 +163,7 @@ def _comparison(drive: RigidDrive, cycle: "SteadyState", rigid: "SteadyState") -
     }
 
 
-def _cycle_values(drive: RigidDrive, cycle: "SteadyState", rigid: "SteadyState") -> tuple[float, float]:
+def _cycle_values(drive: RigidDrive, cycle: SteadyState, rigid: SteadyState) -> tuple[float, float]:
     """Largest |N| [N] on the compliant cycle, and its distance [1] from the rigid one; nan where there is none."""
     from lsvib.contact.curve_distance import Orbit
     from lsvib.dynamics.attractor import orbit_extremes

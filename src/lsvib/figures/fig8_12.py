@@ -1,6 +1,6 @@
 """Figure 8.12: amplitude, mean deflection and mean contact force of the sprag–slip cycle against the damping."""
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -11,15 +11,12 @@ from lsvib.datasets.attributes import axis, drive_parameters, flagged, start_sta
 from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
 from lsvib.figures import style
-from lsvib.figures.common import about, flag_names, named
+from lsvib.figures.common import SteadyState, about, flag_names, named
 from lsvib.figures.settings import DriveChanges, FigureSettings, Span, State, Values
 from lsvib.models.drive import RigidDrive
 from lsvib.models.model import RULES
 from lsvib.models.rigid import MotionMode, rigid_automaton
 from lsvib.numbers import bisected
-
-if TYPE_CHECKING:
-    from lsvib.dynamics.attractor import SteadyState
 
 CAPTION = """\
 Sprag–slip cycle over the support damping c: (a) amplitude, (b) mean deflection of the coupling and (c) mean contact
@@ -94,7 +91,7 @@ def build(settings: Values) -> xr.Dataset:
     )
 
 
-def _values(drive: RigidDrive, steady: "SteadyState") -> list[float]:
+def _values(drive: RigidDrive, steady: SteadyState) -> list[float]:
     """Values of the quantities in their order; NaN where there is no cycle."""
     from lsvib.dynamics.impulses import mean_load
 

@@ -1,7 +1,7 @@
 """Figure 8.13: with softer contacts the motion is smoother, and the coupling deflection turns positive in sprag."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -12,16 +12,13 @@ from lsvib.datasets.attributes import Variables, axis, drive_parameters, flagged
 from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
 from lsvib.figures import drawing, style
-from lsvib.figures.common import CRITICAL_MASS_WITH_CONTACT, about, named
+from lsvib.figures.common import CRITICAL_MASS_WITH_CONTACT, SteadyState, about, named
 from lsvib.figures.fig8_10 import compliant_cycle, cycle_curves
 from lsvib.figures.settings import Contact, DriveChanges, FigureSettings, PositiveSpan, Samples, State, Values, several
 from lsvib.models.drive import ThreadsDrive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import rigid_automaton
 from lsvib.stability.conditions import critical_mass_of_contact
-
-if TYPE_CHECKING:
-    from lsvib.dynamics.attractor import SteadyState
 
 CAPTION = """\
 Softer contacts (assumed values): (a) cycles, (b) coupling deflection, (c) its largest value over stiffness and damping
@@ -107,7 +104,7 @@ def _grid(drive: ThreadsDrive, start: Values, stiffness: np.ndarray, damping: np
     }
 
 
-def _numbers(steady: "SteadyState") -> dict[str, float]:
+def _numbers(steady: SteadyState) -> dict[str, float]:
     """Numbers of ``_NUMBERS`` of one attractor; without a cycle all but the attractor are nan."""
     from lsvib.dynamics.attractor import orbit_extremes
 

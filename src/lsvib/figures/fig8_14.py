@@ -11,7 +11,7 @@ translation damping, and the time left is d / Ω: infinitely many seizures in fi
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -21,16 +21,13 @@ from lsvib.datasets import spans
 from lsvib.datasets.attributes import Variables, flagged, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
-from lsvib.figures.common import about, flag_names, named, phase_planes
+from lsvib.figures.common import Motion, about, flag_names, named, phase_planes
 from lsvib.figures.settings import MassPair, OpposingForces, PhasePlane, Span, Values
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.model import RULES
 from lsvib.models.rigid import EventKind, rigid_automaton
 from lsvib.stability.force_thresholds import global_stability_force
-
-if TYPE_CHECKING:
-    from lsvib.engine.motion import Motion
 
 CAPTION = """\
 Trajectories under a negative axial force, c = 1e-3 N m s/rad. R = −50 N, (a) in the chapter, is on the left, attracted
@@ -171,7 +168,7 @@ def _reverse_slips(drives: Sequence[RigidDrive], start: Values, duration: float,
     }
 
 
-def _until_release(drive: RigidDrive, rule: str, start: Values, duration: float) -> "Motion":
+def _until_release(drive: RigidDrive, rule: str, start: Values, duration: float) -> Motion:
     """The motion up to its first release, or all of it."""
     from lsvib.engine.motion import follow
 

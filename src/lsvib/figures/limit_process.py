@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from enum import IntEnum
 from itertools import pairwise
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -25,12 +25,9 @@ from lsvib.datasets.attributes import parameter as parameter_attributes
 from lsvib.datasets.checks import Check
 from lsvib.figures import settings as of
 from lsvib.figures import style
-from lsvib.figures.common import about, flag_names, named
+from lsvib.figures.common import LimitBranch, about, flag_names, named
 from lsvib.models.drive import RigidDrive, ThreadsDrive
 from lsvib.models.model import RULES
-
-if TYPE_CHECKING:
-    from lsvib.contact.stiff_limit import LimitBranch
 
 CAPTION = """\
 The limit process. Each column of (a) to (c) is a branch: drive on top; below, the sign of N in the impact and the
@@ -133,7 +130,7 @@ def build(settings: of.Values) -> xr.Dataset:
     )
 
 
-def _deviations(branches: "Sequence[LimitBranch]", stiffness: np.ndarray, ratio: float, fit_from: float) -> Variables:
+def _deviations(branches: Sequence[LimitBranch], stiffness: np.ndarray, ratio: float, fit_from: float) -> Variables:
     """Deviations from the rigid drive, by family, branch and contact stiffness [N/m], and the orders of their fall.
 
     ``ratio``: the damping ratio [1] of its family; ``fit_from`` [N/m]: the least stiffness that orders are fitted to.
@@ -163,7 +160,7 @@ def _deviations(branches: "Sequence[LimitBranch]", stiffness: np.ndarray, ratio:
     return variables
 
 
-def _rules_followed(branches: "Sequence[LimitBranch]", variables: Variables) -> Variables:
+def _rules_followed(branches: Sequence[LimitBranch], variables: Variables) -> Variables:
     """The rule of resuming that the motions on each branch follow, and how long its rigid motion lasts.
 
     A rule is followed if the distance falls with the order wanted and all is small at the end; the nearer wins.
@@ -182,7 +179,7 @@ def _rules_followed(branches: "Sequence[LimitBranch]", variables: Variables) -> 
     }
 
 
-def _branch_coordinates(branches: "Sequence[LimitBranch]") -> Variables:
+def _branch_coordinates(branches: Sequence[LimitBranch]) -> Variables:
     from lsvib.contact import stiff_limit
     from lsvib.contact.stiff_limit import ImpactOutcome, Region
 
