@@ -17,7 +17,7 @@ from lsvib.basins.boundary import Basin, basin
 from lsvib.basins.curves import Arc, Piece, Window, inside, state_on
 from lsvib.basins.kernels.labels import UNRESOLVED
 from lsvib.basins.mapper import mapper
-from lsvib.dynamics.attractors import Attractor
+from lsvib.dynamics.attractor import Attractor
 from lsvib.engine.kernels import layout
 from lsvib.errors import InputError
 from lsvib.models.drive import RigidDrive

@@ -44,8 +44,8 @@ MODULES = {
         "lsvib.stability.curves",
     ],
     "Cycles": [
-        "lsvib.dynamics.attractors",
-        "lsvib.dynamics.periodic",
+        "lsvib.dynamics.attractor",
+        "lsvib.dynamics.cycles",
         "lsvib.dynamics.continuation",
         "lsvib.dynamics.impulses",
         "lsvib.datasets.cycles",
@@ -55,7 +55,6 @@ MODULES = {
         "lsvib.basins.resilience",
         "lsvib.basins.grid",
         "lsvib.basins.curves",
-        "lsvib.datasets.sweep",
     ],
     "Data": ["lsvib.datasets.motion", "lsvib.datasets.sweep", "lsvib.datasets.checks", "lsvib.datasets.io"],
     "Figures": ["lsvib.figures.build", "lsvib.figures.configuration", "lsvib.figures.configuration"],

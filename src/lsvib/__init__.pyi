@@ -11,10 +11,10 @@ from lsvib.basins.grid import Axis as Axis
 from lsvib.basins.grid import Grid as Grid
 from lsvib.basins.resilience import Resilience as Resilience
 from lsvib.datasets.cycles import Cycles as Cycles
-from lsvib.dynamics.attractors import Attractor as Attractor
-from lsvib.dynamics.attractors import SteadyState as SteadyState
+from lsvib.dynamics.attractor import Attractor as Attractor
+from lsvib.dynamics.attractor import SteadyState as SteadyState
 from lsvib.dynamics.continuation import CycleBranch as CycleBranch
-from lsvib.dynamics.periodic import Cycle as Cycle
+from lsvib.dynamics.cycles import Cycle as Cycle
 from lsvib.errors import DivergenceError as DivergenceError
 from lsvib.errors import EngineError as EngineError
 from lsvib.errors import InputError as InputError

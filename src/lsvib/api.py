@@ -26,9 +26,9 @@ if TYPE_CHECKING:
     from lsvib.basins.grid import Grid
     from lsvib.basins.resilience import Resilience
     from lsvib.datasets.cycles import Cycles
-    from lsvib.dynamics.attractors import SteadyState
+    from lsvib.dynamics.attractor import SteadyState
     from lsvib.dynamics.continuation import CycleBranch
-    from lsvib.dynamics.periodic import Cycle
+    from lsvib.dynamics.cycles import Cycle
     from lsvib.engine.automaton import Automaton
 
     _Base = Drive
@@ -210,7 +210,7 @@ class DriveMethods(_Base):
 
         See also: :meth:`attraction`, for the starts of a grid; :meth:`sweep`, for many drives.
         """
-        from lsvib.dynamics.attractors import steady_state
+        from lsvib.dynamics.attractor import steady_state
         from lsvib.engine.motion import enter
 
         automaton, state = self._automaton_and_state(start, resume, physics)

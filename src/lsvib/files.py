@@ -57,9 +57,9 @@ def target_of(path: str | os.PathLike[str], make_folder: bool = False) -> Path:
 class Outputs:
     """The files that a command writes: all checked before its work begins, and all put in place or none.
 
-    ``files``: pairs of a path and its kind (netCDF, PNG, PDF, JSON); ``inputs``: what the command reads;
-    ``make_folders``: folders that do not exist are made. A file that exists is replaced if it is of the same kind, or
-    empty, and neither an input nor another output. Raises ``LsvibError``.
+    ``files``: pairs of a path and its kind (netCDF, PNG, PDF, JSON, HTML; empty for any); ``inputs``: what the command
+    reads; ``make_folders``: folders that do not exist are made. A file that exists is replaced if it is of the same
+    kind, or empty, and neither an input nor another output. Raises ``LsvibError``.
     """
 
     def __init__(
@@ -76,7 +76,7 @@ class Outputs:
                     raise LsvibError(f"Cannot write {path}: it is {source}, which this command reads.")
             if any(_same(target, other) for other in self.targets[:k]):
                 raise LsvibError(f"Cannot write {path}: this command writes another of its files there.")
-            if not _replaceable(target, kind):
+            if kind and not _replaceable(target, kind):
                 raise LsvibError(f"Cannot write {path}: the file that is there is no {kind} file; remove it first.")
 
     @contextmanager
@@ -85,19 +85,16 @@ class Outputs:
         parts, made, placed = [_part(target) for target in self.targets], [], []
         try:
             for target in self.targets:
-                missing = [folder for folder in target.parents if not folder.exists()]
+                made += [folder for folder in target.parents if not folder.exists()]
                 make_folder(target.parent)
-                made += missing
             yield parts
             for part, target in zip(parts, self.targets, strict=True):
                 new = not target.exists()
                 os.replace(part, target)
                 placed += [target] if new else []
         except BaseException as error:
-            for file in placed:
+            for file in (*placed, *parts):
                 file.unlink(missing_ok=True)
-            for part in parts:
-                part.unlink(missing_ok=True)
             for folder in sorted(made, key=lambda folder: -len(folder.parts)):
                 with suppress(OSError):  # somebody else has put something there
                     folder.rmdir()
@@ -142,16 +139,8 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     Links are followed. Raises ``LsvibError`` if the file cannot be written (no such folder, no permission, no regular
     file, disk full).
     """
-    target = target_of(path)
-    part = _part(target)
-    try:
+    with Outputs([(path, "")]).writing() as (part,):
         yield part
-        os.replace(part, target)
-    except OSError as error:
-        raise LsvibError(f"Cannot write {path}: {error.strerror or error}.") from error
-    finally:
-        with suppress(OSError):  # it is not there, or the error that is on its way says why
-            part.unlink()
 
 
 def make_folder(path: Path) -> Path:

@@ -13,7 +13,6 @@ LARGEST_START = 1e100
 Progress = Callable[[int, int], None]
 MOST_WORKERS = 4096  # threads or processes: more than any machine has cores
 _PLAIN = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
-_LONGEST = 60  # characters of a value in a sentence; the rest is cut off
 
 
 class NotNumber(InputError):
@@ -36,7 +35,7 @@ def shown(value: Any) -> str:
         text = " ".join(repr(value).split())
     except (ValueError, RecursionError):  # integers of more than 4300 digits have no repr
         text = f"a {type(value).__name__}"
-    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
+    return text if len(text) <= 60 else f"{text[:60]}..."
 
 
 def number(value: Any) -> float:

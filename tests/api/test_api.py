@@ -19,7 +19,7 @@ from references.command_line import DRIVE, GRID, MOTION
 
 import lsvib
 from lsvib import api
-from lsvib.dynamics.attractors import steady_state
+from lsvib.dynamics.attractor import steady_state
 from lsvib.models.drive import RigidDrive
 from lsvib.models.model import model_names
 

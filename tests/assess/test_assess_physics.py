@@ -18,7 +18,7 @@ from lsvib.assess.drive import damping_by_slope
 from lsvib.assess.margins import charts, margins, sensitivities
 from lsvib.assess.mechanisms import NAMES, corners, drive_of, reserves, worst
 from lsvib.assess.sheet import Sheet
-from lsvib.dynamics.attractors import Attractor, steady_state
+from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import rigid_automaton

@@ -17,7 +17,7 @@ from lsvib.assess.mechanisms import NAMES, applicable, corners, drive_of, reserv
 from lsvib.assess.output import as_json
 from lsvib.assess.vibration import tolerated_by_trial, tolerated_perturbation
 from lsvib.assess.words import ATTRACTORS
-from lsvib.dynamics.attractors import Attractor, steady_state
+from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.models.model import find_model
 from lsvib.models.rigid import rigid_automaton
 from lsvib.stability.conditions import conditions

@@ -15,7 +15,7 @@ from lsvib.assess.assessment import assess
 from lsvib.assess.mechanisms import corners, drive_of, reserves
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.uncertainty import draw_of, evaluated, study
-from lsvib.dynamics.attractors import Attractor, steady_state
+from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.models.rigid import rigid_automaton
 
 KINEMATIC = {

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapper import mapper
-from lsvib.dynamics.attractors import Attractor, steady_state
+from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.engine.motion import follow
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import EventKind

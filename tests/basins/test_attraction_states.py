@@ -5,7 +5,7 @@ import pytest
 
 from lsvib.basins.grid import Grid
 from lsvib.basins.mapper import mapper
-from lsvib.dynamics.attractors import Attractor, steady_state
+from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.models.drive import NutDrive, SupportDrive, ThreadsDrive
 
 DRIVE = {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0}

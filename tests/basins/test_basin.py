@@ -17,7 +17,7 @@ from references.wide_drives import wide_drive
 
 from lsvib.basins.boundary import Boundary, basin
 from lsvib.basins.curves import Arc, Window, state_on
-from lsvib.dynamics.attractors import Attractor, steady_state
+from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.errors import InputError
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import rigid_automaton

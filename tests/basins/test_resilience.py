@@ -1,4 +1,4 @@
-"""The smallest fatal pushes: motions from just within settle, from just beyond do not, none of less energy is fatal."""
+"""The largest tolerated perturbations: motions from just within settle, from just beyond do not."""
 
 import json
 import math
@@ -30,7 +30,7 @@ def energy_of(drive, u, w):
 
 
 @pytest.mark.parametrize("name", DRIVES)
-def test_motions_on_both_sides_of_the_smallest_fatal_pushes(name):
+def test_motions_on_both_sides_of_the_largest_tolerated_perturbations(name):
     drive = DRIVES[name]
     found = drive.resilience()
     assert found.boundary == (name if name != "mirrored" else "touching_motion")
@@ -46,7 +46,7 @@ def test_motions_on_both_sides_of_the_smallest_fatal_pushes(name):
 
 
 @pytest.mark.parametrize("name", DRIVES)
-def test_no_push_of_less_energy_is_fatal(name):
+def test_every_perturbation_of_less_energy_is_tolerated(name):
     drive = DRIVES[name]
     found = drive.resilience()
     angles = np.random.default_rng(3).uniform(0, 2 * math.pi, 2000)
@@ -58,7 +58,7 @@ def test_no_push_of_less_energy_is_fatal(name):
     assert settles(drive, ring).all()
 
 
-def test_pushes_are_in_proportion_to_the_force():
+def test_perturbations_are_in_proportion_to_the_force():
     """With c_x = 0 a basin within the touching motion is in proportion to R in each direction."""
     one = DRIVES["touching_motion"].resilience()
     two = DRIVES["touching_motion"].replace(axial_force=-20).resilience()
@@ -67,7 +67,7 @@ def test_pushes_are_in_proportion_to_the_force():
     assert two.energy == pytest.approx(4 * one.energy, rel=1e-12)
 
 
-def test_nothing_and_everything_is_survived():
+def test_nothing_and_everything_is_tolerated():
     unstable = lsvib.RigidDrive(mass=11, axial_force=10).resilience(WINDOW)
     assert (unstable.angle, unstable.speed, unstable.energy, unstable.fraction) == (0, 0, 0, 0)
     for drive in (lsvib.RigidDrive(), lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-50)):
@@ -76,7 +76,7 @@ def test_nothing_and_everything_is_survived():
         assert json.loads(json.dumps(stable.to_json(), allow_nan=False))["energy"] is None
 
 
-def test_nothing_is_survived_where_steady_sliding_is_neutral():
+def test_nothing_is_tolerated_where_steady_sliding_is_neutral():
     found = lsvib.RigidDrive(support_damping=0, axial_force=-10).resilience(WINDOW)
     assert (found.boundary, found.energy, found.fraction) == ("neutral", 0, 0)
     assert lsvib.RigidDrive(mass=11, axial_force=10).resilience().boundary == "unstable"

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+import lsvib
 from lsvib.datasets.io import read_dataset
 
 ROOT = Path(__file__).parents[2]

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 import lsvib
-from lsvib.dynamics.attractors import orbit_extremes
+from lsvib.dynamics.attractor import orbit_extremes
 from lsvib.dynamics.impulses import event_impulses
 from lsvib.engine.motion import follow
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from references.catalogue import MODELS, catalogue_drive
 
-from lsvib.dynamics.attractors import Attractor, Doubt, SteadyState, steady_state
+from lsvib.dynamics.attractor import Attractor, Doubt, SteadyState, steady_state
 from lsvib.engine.motion import Budget, Motion, follow
 from lsvib.errors import WorkSpentError
 from lsvib.models.model import find_model

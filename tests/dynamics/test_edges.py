@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import lsvib
-from lsvib.dynamics.attractors import Attractor, steady_state
-from lsvib.dynamics.periodic import section_derivative
+from lsvib.dynamics.attractor import Attractor, steady_state
 
 SLIP = {"mass": 9.9, "translation_damping": 1e3, "axial_force": 10.0}
 THREADS = lsvib.ThreadsDrive(**SLIP, contact_stiffness=1e8, contact_damping=1e5)
@@ -29,7 +28,7 @@ NUT_NEAR_FOLD = lsvib.NutDrive(
 
 def across(cycle):
     """States beside a cycle on both sides, along the direction in which it repels."""
-    values, vectors = np.linalg.eig(section_derivative(cycle.section, cycle.orbit).matrix)
+    values, vectors = np.linalg.eig(cycle.section.derivative(cycle.orbit).matrix)
     direction = vectors[:, np.argmax(np.abs(values))].real
     place = cycle.section.place(cycle.state)
     return [cycle.section.state(place + step * direction) for step in (-1e-6, 1e-6)]

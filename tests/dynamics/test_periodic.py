@@ -10,10 +10,9 @@ from mpmath import mp, mpf
 from references import rigid_digits
 
 import lsvib
-from lsvib.dynamics.attractors import Attractor, steady_state
+from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.dynamics.continuation import other_sections
-from lsvib.dynamics.periodic import cycle_of, cycle_on
-from lsvib.dynamics.search import search, starts
+from lsvib.dynamics.cycles import cycle_of, cycle_on, search, starts
 from lsvib.engine.kernels import layout
 from lsvib.models.threads import seated_state
 

@@ -10,7 +10,7 @@ import math
 import numpy as np
 import pytest
 
-from lsvib.dynamics.attractors import Attractor, steady_state
+from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.engine.motion import follow
 from lsvib.models.model import find_model
 

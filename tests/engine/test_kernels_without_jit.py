@@ -15,7 +15,7 @@ import pytest
 
 PROGRAM = """
 import json
-from lsvib.dynamics.attractors import steady_state
+from lsvib.dynamics.attractor import steady_state
 from lsvib.engine.motion import follow
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import rigid_automaton

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from references.catalogue import catalogue_drive
 
-from lsvib.dynamics.endings import Prepared, ending_of
+from lsvib.dynamics.sweep import Prepared, ending_of
 from lsvib.engine.exact.modal_form import linear_mode, modal_flow
 from lsvib.engine.kernels import event_loop
 from lsvib.engine.kernels.layout import A0, A1, BETA

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from lsvib.dynamics.attractors import Attractor, steady_state
+from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.engine.exact.modal_form import linear_mode, modal_flow
 from lsvib.engine.kernels import event_loop
 from lsvib.engine.motion import follow

@@ -14,7 +14,7 @@ import lsvib
 from lsvib.api import drive_class
 from lsvib.basins.curves import Window
 from lsvib.datasets.io import read_dataset
-from lsvib.dynamics.attractors import Attractor
+from lsvib.dynamics.attractor import Attractor
 from lsvib.errors import InputError
 from lsvib.explore import answers
 from lsvib.explore.view import View, presets

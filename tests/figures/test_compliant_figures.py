@@ -7,7 +7,7 @@ import pytest
 
 from lsvib.contact import stiff_limit
 from lsvib.contact.stiff_limit import BranchFamily, Region
-from lsvib.dynamics.attractors import Attractor, orbit_extremes, steady_state
+from lsvib.dynamics.attractor import Attractor, orbit_extremes, steady_state
 from lsvib.dynamics.impulses import seizure_impulses
 from lsvib.engine.motion import follow
 from lsvib.errors import InputError

@@ -12,7 +12,7 @@ from references.listed_claims import assert_listed_checks_exist
 from lsvib.basins.boundary import Boundary
 from lsvib.contact.contact_force import ForceOutcome
 from lsvib.datasets.attributes import ASSUMED, FIELDS, NO_EFFECT, VARIED
-from lsvib.dynamics.attractors import Attractor
+from lsvib.dynamics.attractor import Attractor
 from lsvib.figures.configuration import default_figures
 from lsvib.figures.limit_process import BranchVerdict
 from lsvib.models.drive import RigidDrive

@@ -12,7 +12,7 @@ from lsvib.models.model import model_names, modules_of, of_model
 def test_the_modules_of_a_model_are_its_own_and_those_of_the_rooms():
     """The workflow makes a map anew if one of them changes."""
     assert modules_of("rigid")[0] == "lsvib.models.rigid"
-    assert {"lsvib.datasets.maps_of_models.rigid", "lsvib.dynamics.endings_of_models.rigid"} < set(modules_of("rigid"))
+    assert {"lsvib.datasets.maps_of_models.rigid", "lsvib.dynamics.sweep"} < set(modules_of("rigid"))
     assert modules_of("nut") == ("lsvib.models.nut",)
     for name in model_names():
         assert all(find_spec(module) for module in modules_of(name))

@@ -4,7 +4,7 @@ import pytest
 
 from lsvib import RigidDrive
 from lsvib.basins.boundary import basin
-from lsvib.dynamics.attractors import steady_state
+from lsvib.dynamics.attractor import steady_state
 from lsvib.engine.motion import follow
 from lsvib.models.rigid import rigid_automaton
 

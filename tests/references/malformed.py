@@ -100,7 +100,7 @@ GRID = {"u": (0, 1, 4), "w": (0, 1, 4)}
 PYTHON = [
     (lambda: lsvib.simulate("none.yaml"), "none.yaml"),
     (lambda: lsvib.simulate({"start": {"u": 0}, "duration": 1}), "start"),
-    (lambda: threshold_table({"mass": None}), "is not a number"),
+    (lambda: lsvib.RigidDrive(mass=None), "is not a number"),
     (lambda: lsvib.RigidDrive(mas=1), UNKNOWN),
     (lambda: lsvib.ThreadsDrive(screw_mass=1), UNKNOWN),
     (lambda: lsvib.RigidDrive().simulate({"u": 0, "w": 0}, 1, outputs=["nut_speed"]), "outputs"),

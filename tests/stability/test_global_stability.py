@@ -13,7 +13,7 @@ from mpmath import diff, findroot, mp, mpf
 from references.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
 
 from lsvib.basins.boundary import Boundary, basin
-from lsvib.dynamics.attractors import Attractor, steady_state
+from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import follow
 from lsvib.models.drive import RigidDrive

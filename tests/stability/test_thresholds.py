@@ -16,7 +16,7 @@ from mpmath import findroot, mp, mpf
 from references.drives import compare
 from references.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
 
-from lsvib.dynamics.attractors import Attractor, orbit_extremes, steady_state
+from lsvib.dynamics.attractor import Attractor, orbit_extremes, steady_state
 from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive, SupportDrive, ThreadsDrive
 from lsvib.models.mechanics import coefficients

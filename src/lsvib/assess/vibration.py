@@ -13,7 +13,7 @@ from lsvib.assess.sheet import Sheet
 from lsvib.assess.words import shown
 from lsvib.basins.boundary import AttractsNothing, basin
 from lsvib.basins.resilience import largest_tolerated
-from lsvib.dynamics.attractors import Attractor, SteadyState, orbit_extremes, steady_state
+from lsvib.dynamics.attractor import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.dynamics.impulses import event_impulses
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.motion import Motion, follow
@@ -181,8 +181,8 @@ def tolerated_perturbation(
     """Smallest sudden change of the screw's speed [rad/s], as a size, after which steady sliding does not come back.
 
     By the boundary of the region of attraction of the rigid drive, in closed form
-    (:func:`lsvib.basins.resilience.largest_tolerated`). Returns the change, infinite if motion comes back from any, zero if
-    steady sliding is unstable, None if it is not known; and a sentence.
+    (:func:`lsvib.basins.resilience.largest_tolerated`). Returns the change, infinite if motion comes back from any,
+    zero if steady sliding is unstable, None if it is not known; and a sentence.
     """
     drive = drive_of(sheet, values, *corner)
     try:

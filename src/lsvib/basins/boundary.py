@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lsvib.basins.curves import Arc, Curve, Segment, Window, area, clip, contains, inside, sampled
 from lsvib.basins.reversed_time import BEGINNING, backward_automaton
-from lsvib.dynamics.attractors import steady_state
+from lsvib.dynamics.attractor import steady_state
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.kernels import layout

@@ -19,7 +19,7 @@ ends has it between them. So the next event starts again from a section, between
 An itinerary ends where the rest of the motion is known: (i) at rest, because every rest ends in the same state; (ii)
 where the motion settles; (iii) in an *absorbing interval* around a point of a cycle: the return map (Poincaré map)
 takes it into itself, and is monotone there because both ends have the same itinerary, so that all motions that enter it
-go on for ever as the cycle does. What a motion ends in is decided by :func:`lsvib.dynamics.attractors.steady_state`
+go on for ever as the cycle does. What a motion ends in is decided by :func:`lsvib.dynamics.attractor.steady_state`
 alone: once for the end of rest and for every cycle, and for motions whose itineraries do not end.
 
 Where the itineraries of the ends of an interval differ, bisection finds the point up to which the itinerary of one end
@@ -37,7 +37,7 @@ from lsvib.basins.grid import Grid
 from lsvib.basins.kernels import labels as kernels
 from lsvib.basins.kernels.labels import UNKNOWN, UNRESOLVED, Known
 from lsvib.basins.mapper import NO_DOUBT, Mapper
-from lsvib.dynamics.attractors import Attractor, Doubt, SteadyState, steady_state
+from lsvib.dynamics.attractor import Attractor, Doubt, SteadyState, steady_state
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import event_loop, flow_planar, layout
 from lsvib.errors import InputError
@@ -417,7 +417,7 @@ def _with_cycles(
 class PlanarMapper(Mapper):
     """Maps the starts of a drive with two states: each is looked up in the table of :class:`Sections`.
 
-    * ``label``: the attractor (``lsvib.dynamics.attractors.Attractor``); unresolved (−1) is a start that lies on a
+    * ``label``: the attractor (``lsvib.dynamics.attractor.Attractor``); unresolved (−1) is a start that lies on a
       boundary to rounding or, where the table has gaps, one whose motion comes to none of its labels in time. ``doubt``
       says which of the two it is.
     * ``time`` [s] until it is reached: for steady sliding the entry into the largest ellipse around the equilibrium in

@@ -7,7 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from lsvib.basins.grid import Grid
-from lsvib.dynamics.attractors import SteadyState
+from lsvib.dynamics.attractor import SteadyState
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
 from lsvib.models.model import find_model

@@ -81,17 +81,11 @@ def thresholds(
 
         lsvib thresholds --solve flutter --for mass --model threads --set contact_damping=5e4 --json
     """
-
+    asked = drive.drive()
     if solve is not None:
-        show(drive.drive().threshold(solve, unknown).to_json(), as_json, _print_solved)
+        show(asked.threshold(solve, unknown).to_json(), as_json, _print_solved)
         return
-    if unknown is not None:
-        raise InputError(f"--for {unknown} needs --solve, the threshold that is to be solved for it.")
-    changed, model = drive.values(), drive.model or "rigid"
-    for key, reason in without_effect(model).items():
-        if key in changed:
-            raise InputError(f"{reason}, so --set {key} would change nothing.")
-    show(threshold_table(changed, model), as_json, _print_thresholds)
+    show({key: found.to_json() for key, found in asked.thresholds(unknown).items()}, as_json, _print_thresholds)
 
 
 @app.command
@@ -108,24 +102,23 @@ def stability(*, drive: DriveOptions = CHAPTER, as_json: AsJson = False) -> None
 
         lsvib stability --model support --set mass=15 --set friction_coefficient=0.3
     """
-
-    show(stability_table(drive.values(), drive.model or "rigid"), as_json, _print_stability)
+    show(drive.drive().stability().to_json(), as_json, _print_stability)
 
 
 def _print_thresholds(found: Mapping[str, Any]) -> None:
     rows = []
     for key, entry in found.items():
         if entry["value"] is None:
-            about = entry.get("reason", "")
-        elif entry.get("expected") is None:
-            about = ""
-        else:
-            verdict = "pass" if entry["passed"] else "FAIL"
-            about = f"chapter {entry['expected']:g}, relative error {entry['relative_error']:.2%}, {verdict}"
-        rows.append((key, quantity(entry), about))
-        for interval in entry.get("stable_intervals", ()):
-            high = "on" if interval["high"] is None else f"to {interval['high']:.12g}"
-            ends = f"from {interval['low']:.12g} {with_unit(high, entry['unit'])}"
+            rows.append((key, "none", entry["reason"]))
+        for solution in entry["solutions"]:
+            value, printed, about = with_unit(f"{solution['value']:.12g}", entry["unit"]), entry["printed"], ""
+            if printed is not None:
+                verdict = "pass" if printed["passed"] else "FAIL"
+                about = f"chapter {printed['value']:g}, relative error {printed['relative_error']:.2%}, {verdict}"
+            rows.append((key, f"{entry['unknown']} = {value}", about))
+        for low, high in entry["stable_intervals"]:
+            ends = "from the least value" if low is None else f"from {low:.12g}"
+            ends += " on" if high is None else with_unit(f" to {high:.12g}", entry["unit"])
             rows.append(("", f"{entry['stability']} stability", ends))
     table(rows)
 
@@ -133,29 +126,26 @@ def _print_thresholds(found: Mapping[str, Any]) -> None:
 def _print_solved(found: Mapping[str, Any]) -> None:
     unknown, count = found["unknown"], len(found["solutions"])
     print(f"{found['name']}: {count} solution{'s' if count > 1 else ''} for {unknown}. {found['how']}")
+    print(found["statement"])
     for solution in found["solutions"]:
-        value = with_unit(repr(solution["value"]), found["unit"])
-        print(f"{unknown} = {value}, in error by at most {solution['error_bound']:.1g}")
+        low, high = solution["enclosure"]
+        print(f"{unknown} = {with_unit(repr(solution['value']), found['unit'])}, between {low!r} and {high!r}")
         print(f"  equation: {solution['equation']}")
-        print(f"  residual {solution['residual']:.1g} of its terms")
         for key, slope in solution["derivatives"].items():
             if slope["value"]:
                 print(f"  d/d {key} = {quantity(slope)}")
 
 
 def _print_stability(found: Mapping[str, Any]) -> None:
-    neutral = found["class"] in ("neutral", "centre")
+    neutral = found["kind"] in ("neutral", "centre")
     verdict = "stable" if found["stable"] else "neutral" if neutral else "unstable"
-    kind = name(found["class"])
+    kind = name(found["kind"])
     print(f"steady sliding is {verdict}{'' if kind == verdict else f' ({kind})'}")
     for value in found["eigenvalues"]:
         print(f"  eigenvalue {value['real']:.10g} {value['imaginary']:+.10g}i 1/s")
-    for key in ("effective_inertia", "effective_damping") if "effective_inertia" in found else ():
-        entry = found[key]
-        print(f"  {key}: law + {entry['plus']:.10g}, law - {entry['minus']:.10g} {entry['unit']}")
     _print_quantities_and_conditions(found)
-    if "without_damping" in found:
-        print(f"without any damping: {found['without_damping']['class']}")
+    if found["without_damping"] is not None:
+        print(f"without any damping: {name(found['without_damping']['kind'])}")
         _print_quantities_and_conditions(found["without_damping"])
 
 

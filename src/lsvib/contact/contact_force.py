@@ -31,6 +31,7 @@ from numpy.typing import ArrayLike
 from lsvib.errors import InputError
 from lsvib.models.drive import RigidDrive, ThreadsDrive
 from lsvib.models.mechanics import coefficients
+from lsvib.numbers import bisected
 
 ForceState = tuple[float, float]
 _ARCS = 1000  # A motion that still crosses N = 0 after so many arcs counts as bounded.
@@ -81,11 +82,9 @@ class ForceFlow:
 
     def at(self, start: ForceState, time: float) -> ForceState:
         """Return the state after ``time``, in closed form (8.12)."""
-        terms = [
-            (amplitude * cmath.exp(rate * time), rate)
-            for amplitude, rate in zip(self.amplitudes(start), self.rates(), strict=True)
-        ]
-        return self.equilibrium + sum(x.real for x, _ in terms), sum((x * rate).real for x, rate in terms)
+        (first, second), (a, b) = self.rates(), self.amplitudes(start)
+        a, b = a * cmath.exp(first * time), b * cmath.exp(second * time)
+        return self.equilibrium + (a.real + b.real), (a * first).real + (b * second).real
 
     def crossing(self, start: ForceState) -> float | None:
         """Return the first time > 0 at which x leaves the side, None if it never does.
@@ -102,12 +101,7 @@ class ForceFlow:
         inner = 0.0
         for outer in self._extrema(start):
             if left(outer):
-                while (middle := (inner + outer) / 2) not in (inner, outer):
-                    if left(middle):
-                        outer = middle
-                    else:
-                        inner = middle
-                return outer
+                return bisected(left, inner, outer)
             inner = outer
         return None
 

@@ -27,8 +27,8 @@ from typing import Any, Self
 
 import numpy as np
 
-from lsvib.dynamics.attractors import orbit_extremes, steady_state
-from lsvib.dynamics.curve_distance import Orbit, rest_count, rest_duration
+from lsvib.contact.curve_distance import Orbit, rest_count, rest_duration
+from lsvib.dynamics.attractor import orbit_extremes, steady_state
 from lsvib.dynamics.impulses import seizure_impulses
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.motion import Motion, follow
@@ -39,9 +39,7 @@ from lsvib.models.model import RULES
 from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
 from lsvib.models.threads import ThreadsEvent, seated_state, threads_automaton
 
-_SAME = 1e-9  # Two rigid motions whose times differ by less, relatively, are the same.
-# Corners that represent a motion after one impact, and a cycle, which is longer and bends more.
-_IMPACT_CORNERS, _CYCLE_CORNERS = 800, 3000
+_CORNERS = (800, 3000)  # that represent a motion after one impact, and a cycle, which is longer and bends more
 _WORK = 100_000  # units of an ordinary event, within which the cycle of a compliant motion must be found
 
 
@@ -69,13 +67,6 @@ class ImpactOutcome(IntEnum):
     REST = 0
     FORWARD_SLIP = 1
     BACKWARD_SLIP = 2
-
-
-_OUTCOMES = {
-    MotionMode.REST: ImpactOutcome.REST,
-    MotionMode.SLIP_FORWARD_NEGATIVE: ImpactOutcome.FORWARD_SLIP,
-    MotionMode.SLIP_BACKWARD_POSITIVE: ImpactOutcome.BACKWARD_SLIP,
-}
 
 
 @dataclass(frozen=True)
@@ -151,18 +142,13 @@ class LimitBranch:
     def of(cls, drive: RigidDrive, impact: Impact | None, start: Sequence[float], rigid: list[Motion]) -> Self:
         """Prepare the comparison; scales are half the peak-to-peak of u [rad] of the first motion, and |Ω| [rad/s]."""
         one, other = rigid
-        differ = one.time.size != other.time.size or bool(
-            np.any(np.abs(one.time - other.time) > _SAME * one.end_time) or np.any(one.mode != other.mode)
+        differ = one.time.size != other.time.size or not (
+            np.allclose(one.time, other.time, rtol=0, atol=1e-9 * one.end_time) and (one.mode == other.mode).all()
         )
         low, high = orbit_extremes(one, np.array([1.0, 0.0, 0.0]))
         scales = (0.5 * (high - low), abs(drive.input_speed))
-        orbits = [Orbit.of(motion, scales, _corners(impact)) for motion in rigid]
+        orbits = [Orbit.of(motion, scales, _CORNERS[impact is None]) for motion in rigid]
         return cls(drive, impact, start, rigid, orbits, differ)
-
-
-def _corners(impact: Impact | None) -> int:
-    """Number of corners that represent a motion."""
-    return _CYCLE_CORNERS if impact is None else _IMPACT_CORNERS
 
 
 def branches(drive: RigidDrive, speed: float, duration: float, start: Sequence[float]) -> Iterator[LimitBranch]:
@@ -198,7 +184,7 @@ def deviations(branch: LimitBranch, drive: ThreadsDrive) -> dict[str, Any]:
         motion = follow(automaton, seated, branch.rigid[0].end_time)
     if motion is None:
         return {}
-    orbit, rest = Orbit.of(motion, branch.orbits[0].scales, _corners(branch.impact)), rest_duration(motion)
+    orbit, rest = Orbit.of(motion, branch.orbits[0].scales, _CORNERS[branch.impact is None]), rest_duration(motion)
     distance = [orbit.distance(rigid) for rigid in (branch.orbits if branch.differ else branch.orbits[:1])]
     values = {
         "motion_distance": distance if branch.differ else 2 * distance,
@@ -218,7 +204,11 @@ def deviations(branch: LimitBranch, drive: ThreadsDrive) -> dict[str, Any]:
 def outcome(motion: Motion) -> ImpactOutcome:
     """Return what follows the first seizure of a rigid motion."""
     first = motion.mode[motion.kind == EventKind.SEIZURE][0]
-    return _OUTCOMES[MotionMode(int(motion.automaton.codes[first]))]
+    return {
+        MotionMode.REST: ImpactOutcome.REST,
+        MotionMode.SLIP_FORWARD_NEGATIVE: ImpactOutcome.FORWARD_SLIP,
+        MotionMode.SLIP_BACKWARD_POSITIVE: ImpactOutcome.BACKWARD_SLIP,
+    }[MotionMode(int(motion.automaton.codes[first]))]
 
 
 def impact_impulse(drive: ThreadsDrive, motion: Motion) -> float:

@@ -33,7 +33,6 @@ from lsvib.datasets.io import joined, rows_of, write_dataset
 from lsvib.datasets.spans import zero_where_rounded
 from lsvib.datasets.sweep import product_of
 from lsvib.dynamics.behaviour import Behaviour, behaviours
-from lsvib.dynamics.compliant_behaviour import compliant_behaviours
 from lsvib.errors import InputError
 from lsvib.models import chapter
 from lsvib.models.drive import Drive, RigidDrive
@@ -44,7 +43,7 @@ from lsvib.stability.curves import LOGARITHMIC, ChartBoundary, boundary_curves, 
 Curves = dict[ChartBoundary, list[np.ndarray]]
 _MOST = 100_000_000  # cells, of which each takes some hundred bytes while it is computed
 _WORTH = 20_000  # cells that make it worth while to start processes, which takes each of them some seconds
-_BLOCK, _SMALL = 8192, 1024  # cells that a process takes at a time: half a second; with more states some seconds
+_BLOCK = 4096  # cells that a process takes at a time: a quarter of a second; with more states some seconds
 
 
 class ChartAxis(Axis):
@@ -73,15 +72,19 @@ class ChartAxis(Axis):
             raise InputError(f"axis {name} has start = {axis.start:g}; its cells have equal ratios, so start > 0.")
         return axis
 
-    @property
-    def name(self) -> str:
-        """Name of the parameter."""
-        return self.coordinate
+    name = Axis.coordinate  # of the parameter
 
     @property
     def ends(self) -> tuple[float, float]:
         """First and last value [SI unit]."""
         return self.start, self.stop
+
+    def attributes(self) -> dict[str, Any]:
+        """Return the attributes of the axis as a coordinate."""
+        if self.name not in LOGARITHMIC:
+            return parameter(self.name, VARIED, cell_width=self.width)
+        first, second = self.middles(np.array([-0.5, 0.5]))  # edges
+        return parameter(self.name, VARIED, cell_ratio=float(second / first))
 
     def middles(self, index: np.ndarray) -> np.ndarray:
         """Return the middles of the cells of these indices."""
@@ -128,13 +131,12 @@ class Plane:
         parts = ((self.y, rows), (self.x, columns))
         axes = {one.name: one.centres(*part.indices(one.count)[:2]).tolist() for one, part in parts}
         shape = tuple(map(len, axes.values()))
-        of_drives = behaviours if _two_states(self.drive) else compliant_behaviours
-        return of_drives(product_of(self.drive, axes), resume, workers, progress).reshape(shape)
+        return behaviours(product_of(self.drive, axes), resume, workers, progress).reshape(shape)
 
     def axes(self, resume: Resume = "contact_sign") -> xr.Dataset:
         """Return the axes of the chart with the global attributes."""
         return xr.Dataset(
-            coords={one.name: (one.name, one.centres(), _coordinate(one)) for one in (self.y, self.x)},
+            coords={one.name: (one.name, one.centres(), one.attributes()) for one in (self.y, self.x)},
             attrs={
                 "title": f"What a lead-screw drive does over {self.x.name} and {self.y.name}",
                 "source": "lsvib, exact event-driven motions from two starts of the drive in the middle of every cell",
@@ -145,14 +147,12 @@ class Plane:
             },
         )
 
-    def frame(self, resume: Resume = "contact_sign", curves: Curves | None = None) -> xr.Dataset:
-        """Return the chart without its cells: axes, attributes, the other parameters of the drive, exact curves.
-
-        ``curves``: those of :meth:`curves`, if they are there already.
-        """
+    def whole(self, labels: np.ndarray, resume: Resume, curves: Curves) -> xr.Dataset:
+        """Return the chart from its labels (rows, columns) and :meth:`curves`."""
         fixed = given((name, value) for name, value in self.drive if name not in self.dims)
-        points = self._points(self.curves() if curves is None else curves)
-        return self.axes(resume).assign(fixed | points | self._readings())
+        counts = {kind: int(np.count_nonzero(labels == kind)) for kind in Behaviour}
+        cells = {"label": (self.dims, labels, LABEL)} | fractions("behaviour", LABEL["long_name"], counts)
+        return self.axes(resume).assign(fixed | self._points(curves) | self._readings() | cells)
 
     def _readings(self) -> dict[str, Variable]:
         """The masses that the text gives for this very drive where it contradicts itself, as stated and as needed."""
@@ -222,13 +222,7 @@ def chart(
         labels, curves = _in_processes(plane, resumption, processes, progress)
     else:
         labels, curves = plane.labels(resume=resumption, workers=processes, progress=progress), plane.curves()
-    return plane.frame(resumption, curves).assign({"label": (plane.dims, labels, LABEL), **shares(labels)})
-
-
-def shares(labels: np.ndarray) -> dict[str, Variable]:
-    """Return the ``fraction`` of the cells with each label, along ``behaviour``."""
-    counts = {kind: int(np.count_nonzero(labels == kind)) for kind in Behaviour}
-    return fractions("behaviour", LABEL["long_name"], counts)
+    return plane.whole(labels, resumption, curves)
 
 
 def _in_processes(plane: Plane, resume: Resume, workers: int, progress: Progress | None) -> tuple[np.ndarray, Curves]:
@@ -238,7 +232,7 @@ def _in_processes(plane: Plane, resume: Resume, workers: int, progress: Progress
     them one by one, and then blocks of rows.
     """
     count, cells = plane.y.count, plane.x.count * plane.y.count
-    size = max(1, (_BLOCK if _two_states(plane.drive) else _SMALL) // plane.x.count)
+    size = max(1, _BLOCK // plane.x.count)
     blocks = [slice(first, min(first + size, count)) for first in range(0, count, size)]
     labels, curves, done = np.empty((count, plane.x.count), dtype=np.int8), Curves(), 0
     with get_context("spawn").Pool(workers) as pool:
@@ -274,17 +268,6 @@ def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
     }
 
 
-def _two_states(drive: Drive) -> bool:
-    return len(find_model(drive.model).states) == 2
-
-
-def _coordinate(axis: ChartAxis) -> dict[str, Any]:
-    if axis.name not in LOGARITHMIC:
-        return parameter(axis.name, VARIED, cell_width=axis.width)
-    first, second = axis.middles(np.array([-0.5, 0.5]))  # edges
-    return parameter(axis.name, VARIED, cell_ratio=float(second / first))
-
-
 def plane_of(settings: Mapping[str, Any]) -> Plane:
     """Return the plane of a chart from its settings.
 
@@ -317,6 +300,5 @@ def gather_chart(
 ) -> None:
     """Write the chart, the dataset of ``drive.chart(…)``, from the files of its tiles; ``settings`` as of a tile."""
     plane = plane_of(settings)
-    labels = joined(tiles, plane.y.name).label
-    whole = plane.frame(settings.get("resume", "contact_sign"))
-    write_dataset(whole.assign({"label": labels, **shares(labels.values)}), path)
+    labels = joined(tiles, plane.y.name).label.values
+    write_dataset(plane.whole(labels, settings.get("resume", "contact_sign"), plane.curves()), path)

@@ -12,10 +12,9 @@ from lsvib import numbers
 from lsvib.basins.boundary import Boundary, known_basin
 from lsvib.basins.curves import Arc
 from lsvib.datasets.attributes import flagged, variable, yes_no
-from lsvib.dynamics.attractors import Attractor, SteadyState
+from lsvib.dynamics.attractor import Attractor, SteadyState
 from lsvib.dynamics.continuation import CycleBranch, follow_cycle
-from lsvib.dynamics.periodic import Cycle
-from lsvib.dynamics.search import Seed, search, starts
+from lsvib.dynamics.cycles import Cycle, Seed, search, starts
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import layout
 from lsvib.errors import InputError
@@ -128,7 +127,7 @@ def branch_dataset(drive: Drive, branch: CycleBranch) -> xr.Dataset:
         "multiplier_error": ("multiplier_error", "1", "bound of the multipliers' errors"),
         "residual": ("period_residual", "1", "change of the state over a period"),
     }
-    values, along = (np.array([getattr(p, name) for p in branch.points]) for name in ("value", "along"))
+    values, along = (np.array([getattr(point, name) for point in branch.points]) for name in ("value", "along"))
     data: dict[str, Any] = {
         branch.parameter: variable("point", values, about["unit"], about["long_name"]),
         "along": variable("point", along, "1", "length of the branch from its start"),

@@ -23,7 +23,6 @@ _REQUIRED = ("title", "source", "references")
 _UNITS = re.compile(r"1|[A-Za-z]+-?\d*( [A-Za-z]+-?\d*)*")
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _ATTRIBUTE_TYPES = (str, int, float, np.integer, np.floating, np.ndarray, list, tuple)
-_BIG = 1024  # elements; below that, compression costs more bytes than it saves
 _LIBRARIES = ("numpy", "numba", "xarray", "netCDF4")
 
 
@@ -80,9 +79,9 @@ def _problem(name: str, variable: xr.Variable, is_coordinate: bool) -> str:
         return "must have a name of letters, digits and underscores"
     if variable.dtype.kind not in "if":
         return f"has the type {variable.dtype}; write numbers, and categories as int8 flags"
-    for key in ("units", "long_name"):
-        if not isinstance(attributes.get(key), str) or not attributes[key]:
-            return f"has no {key}"
+    texts = {key: attributes.get(key) for key in ("units", "long_name")}
+    if missing := [key for key, text in texts.items() if not isinstance(text, str) or not text]:
+        return f"has no {missing[0]}"
     if not _UNITS.fullmatch(attributes["units"]):
         return f'has units {attributes["units"]!r}, which are not in the form "kg m2 s-1", or "1"'
     for key, value in attributes.items():
@@ -90,14 +89,9 @@ def _problem(name: str, variable: xr.Variable, is_coordinate: bool) -> str:
             return f"has the attribute {key} of type {type(value).__name__}; write text or numbers"
     if is_coordinate and variable.dtype.kind == "f" and bool(np.isnan(variable.values).any()):
         return "is a coordinate and has missing values"
-    if variable.dtype == np.int8 or "flag_values" in attributes or "flag_meanings" in attributes:
-        return _flag_problem(variable)
-    return ""
-
-
-def _flag_problem(variable: xr.Variable) -> str:
-    values = variable.attrs.get("flag_values")
-    meanings = variable.attrs.get("flag_meanings")
+    values, meanings = attributes.get("flag_values"), attributes.get("flag_meanings")
+    if variable.dtype != np.int8 and values is None and meanings is None:
+        return ""
     if variable.dtype != np.int8 or values is None or not isinstance(meanings, str):
         return "holds flags, which need the type int8, flag_values and flag_meanings"
     if np.asarray(values).dtype != np.int8 or np.size(values) != len(meanings.split()):
@@ -112,7 +106,7 @@ def _encoding(variable: xr.Variable, is_coordinate: bool) -> dict[str, Any]:
     """Encode without fill value unless values are missing (CF forbids it on coordinates); compress what is big."""
     missing = not is_coordinate and variable.dtype.kind == "f" and bool(np.isnan(variable.values).any())
     encoding: dict[str, Any] = {"_FillValue": variable.dtype.type(np.nan) if missing else None}
-    if variable.size >= _BIG:
+    if variable.size >= 1024:  # below that, compression costs more bytes than it saves
         encoding |= {"zlib": True, "complevel": 4, "shuffle": True}
     return encoding
 

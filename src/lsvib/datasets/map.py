@@ -19,13 +19,11 @@ from lsvib.basins.mapper import NO_DOUBT, Mapper, mapper
 from lsvib.datasets import phase_plane
 from lsvib.datasets.attributes import Variable, attributes, flags, flags_or_none, fractions, given, quantity, variable
 from lsvib.datasets.io import joined, rows_of, write_dataset
-from lsvib.dynamics.attractors import Attractor, Doubt
+from lsvib.dynamics.attractor import Attractor, Doubt
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive, RigidDrive, names_and_values
 from lsvib.models.model import find_model, rule
 from lsvib.numbers import Progress
-
-_CYCLE_SAMPLES = 400  # of a limit cycle that is drawn: corners that no picture shows
 
 
 @dataclass(frozen=True)
@@ -61,19 +59,15 @@ def map_attraction(
     begin = perf_counter()
     found = mapped.cells(starts, quantities=asked, workers=at_once, progress=progress)
     seconds = perf_counter() - begin
-    shown = {name: found[name] for name in wanted}
-    return AttractionMap(attraction_map(mapped, starts, shown), count(found["label"]), seconds, doubts(found["doubt"]))
+    shown, reasons = {name: found[name] for name in wanted}, list(Doubt)
+    doubts = Counter(str(reasons[code]) for code in found["doubt"][found["doubt"] != NO_DOUBT])
+    whole = attraction_map(mapped, starts, shown)
+    return AttractionMap(whole, count(found["label"]), seconds, dict(sorted(doubts.items())))
 
 
 def count(labels: np.ndarray) -> dict[Attractor, int]:
     """Return the number of cells of each attractor."""
     return {kind: int(np.count_nonzero(labels == kind)) for kind in Attractor}
-
-
-def doubts(codes: np.ndarray) -> dict[str, int]:
-    """Return the numbers of unresolved cells by why they are, from the quantity ``doubt`` of a map."""
-    kinds = list(Doubt)
-    return dict(sorted(Counter(str(kinds[code]) for code in codes[codes != NO_DOUBT]).items()))
 
 
 def attraction_map(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) -> xr.Dataset:
@@ -83,57 +77,68 @@ def attraction_map(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) 
     The coordinates are those of the grid's axes, at the middles of the cells. Besides the quantities of the map:
     ``fraction`` of each attractor, and the :func:`surroundings`. Times that never come are missing.
     """
-    return frame(mapper, grid).assign(
-        cells(mapper, grid, found)
-        | fractions("attractor", "attractor", count(found["label"]))
-        | given(mapper.drive)
-        | surroundings(mapper, grid)
-    )
+    return _around(frame(mapper, grid).assign(cells(mapper, grid, found)), mapper, grid)
+
+
+def _around(cells: xr.Dataset, mapper: Mapper, grid: Grid) -> xr.Dataset:
+    """Add to the cells of a map what belongs to the whole."""
+    shares = fractions("attractor", "attractor", count(cells.label.values))
+    return cells.assign(shares | given(mapper.drive) | surroundings(mapper, grid))
 
 
 def frame(mapper: Mapper, grid: Grid) -> xr.Dataset:
-    """Return a map without its cells: coordinates, the middles of the cells, and global attributes."""
+    """Return a map without its cells: coordinates, the middles of the cells, and global attributes.
+
+    Among these ``grid`` holds the axes and fixed coordinates as JSON.
+    """
     axes = {
         name: (name, axis.centres(), {**quantity(name), "cell_width": axis.width})
-        for name, axis in zip(dimensions(grid), (grid.y, grid.x), strict=True)
+        for name, axis in zip(_dimensions(grid), (grid.y, grid.x), strict=True)
     }
-    return xr.Dataset(coords=axes, attrs=global_attributes(mapper, grid))
+    spans = {axis.coordinate: list(axis[1:]) for axis in (grid.x, grid.y)}
+    return xr.Dataset(
+        coords=axes,
+        attrs={
+            "title": "Regions of attraction of a lead-screw drive",
+            "source": "lsvib, exact event-driven motion from the middle of every cell",
+            "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.7",
+            "model": mapper.model,
+            "parameters": json.dumps(dict(mapper.drive)),
+            "physics": " ".join(mapper.physics),
+            "resume": mapper.resume,
+            "grid": json.dumps({"axes": spans, "fixed": dict(grid.fixed)}),
+        },
+    )
 
 
-def dimensions(grid: Grid) -> tuple[str, str]:
-    """Return the names of the dimensions of a map, rows first."""
+def _dimensions(grid: Grid) -> tuple[str, str]:
+    """Names of the dimensions of a map, rows first."""
     return coordinates()[grid.y.coordinate], coordinates()[grid.x.coordinate]
 
 
 def cells(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) -> dict[str, Variable]:
     """Return the arrays of some cells as variables; in its file the quantity ``time`` is that of a motion."""
-    return {
-        "settling_time" if name == "time" else name: (
-            dimensions(grid),
-            np.where(np.isfinite(array), array, np.nan) if name == "time" else array,
-            variable_attributes(mapper, name),
-        )
-        for name, array in found.items()
-    }
-
-
-def variable_attributes(mapper: Mapper, name: str) -> dict[str, Any]:
-    """Return the attributes of a quantity of a map, by its name."""
-    if name == "label":
-        return attributes("1", phase_plane.ATTRACTOR, **flags(Attractor))
-    if name == "time":
-        return attributes("s", "time until the attractor is reached", "$t$", comment="missing where it never is")
-    if name == "seizures":
-        return attributes("1", "number of seizures until the attractor is reached")
-    if name == "doubt":
-        return attributes(
+    about = {
+        "label": attributes("1", phase_plane.ATTRACTOR, **flags(Attractor)),
+        "time": attributes("s", "time until the attractor is reached", "$t$", comment="missing where it never is"),
+        "seizures": attributes("1", "number of seizures until the attractor is reached"),
+        "first_event": attributes("1", "first event of the motion", **flags_or_none(mapper.events)),
+        "doubt": attributes(
             "1",
             "why the label is unresolved",
             flag_values=np.arange(NO_DOUBT, len(Doubt), dtype=np.int8),
             flag_meanings=" ".join(["none", *(doubt.name.lower() for doubt in Doubt)]),
             comment="; ".join(f"{doubt.name.lower()}: {doubt}" for doubt in Doubt),
+        ),
+    }
+    return {
+        "settling_time" if name == "time" else name: (
+            _dimensions(grid),
+            np.where(np.isfinite(array), array, np.nan) if name == "time" else array,
+            about[name],
         )
-    return attributes("1", "first event of the motion", **flags_or_none(mapper.events))
+        for name, array in found.items()
+    }
 
 
 def surroundings(mapper: Mapper, grid: Grid) -> dict[str, Variable]:
@@ -146,7 +151,8 @@ def surroundings(mapper: Mapper, grid: Grid) -> dict[str, Variable]:
     if (grid.x.coordinate, grid.y.coordinate) != ("u", "w"):
         return data
     orbits = [found.orbit for found in mapper.attractors if found.orbit is not None]
-    count = max([_CYCLE_SAMPLES, *(2 * (orbit.time.size + 1) for orbit in orbits)])  # two at least for each arc
+    # So many that no picture shows corners, and two at least for each arc.
+    count = max([400, *(2 * (orbit.time.size + 1) for orbit in orbits)])
     points = np.array([phase_plane.sample(orbit, count)[1][:, :2] for orbit in orbits])
     if orbits:
         data |= phase_plane.curve("cycle", ("cycle", "sample"), points, "on the limit cycle")
@@ -160,21 +166,6 @@ def surroundings(mapper: Mapper, grid: Grid) -> dict[str, Variable]:
         words = "area of the basin of steady sliding within the map, exact"
         data["basin_area"] = variable((), basin.area(window), "rad2 s-1", words)
     return data
-
-
-def global_attributes(mapper: Mapper, grid: Grid) -> dict[str, str]:
-    """Return the global attributes of a map; ``grid`` holds its axes and fixed coordinates as JSON."""
-    axes = {axis.coordinate: list(axis[1:]) for axis in (grid.x, grid.y)}
-    return {
-        "title": "Regions of attraction of a lead-screw drive",
-        "source": "lsvib, exact event-driven motion from the middle of every cell",
-        "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.7",
-        "model": mapper.model,
-        "parameters": json.dumps(dict(mapper.drive)),
-        "physics": " ".join(mapper.physics),
-        "resume": mapper.resume,
-        "grid": json.dumps({"axes": axes, "fixed": dict(grid.fixed)}),
-    }
 
 
 def summary(
@@ -221,7 +212,7 @@ def map_tile(settings: Mapping[str, Any], item: str, path: str | os.PathLike[str
     grid, mapped = Grid.of(settings["grid"]), mapper_of(settings)
     rows = rows_of(item, grid.y.count)
     found = mapped.cells(grid, rows, quantities=settings["quantities"], workers=workers)
-    tile = frame(mapped, grid).isel({dimensions(grid)[0]: rows})
+    tile = frame(mapped, grid).isel({_dimensions(grid)[0]: rows})
     write_dataset(tile.assign(cells(mapped, grid, found)), path)
 
 
@@ -230,6 +221,4 @@ def gather_map(
 ) -> None:
     """Write the map, the dataset of ``drive.attraction(…)``, from the files of its tiles; ``settings`` as of a tile."""
     grid, mapped = Grid.of(settings["grid"]), mapper_of(settings)
-    whole = joined(tiles, dimensions(grid)[0])
-    shares = fractions("attractor", "attractor", count(whole.label.values))
-    write_dataset(whole.assign(shares | given(mapped.drive) | surroundings(mapped, grid)), path)
+    write_dataset(_around(joined(tiles, _dimensions(grid)[0]), mapped, grid), path)

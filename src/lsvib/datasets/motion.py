@@ -21,7 +21,7 @@ from lsvib.datasets.attributes import (
     quantity,
     variable,
 )
-from lsvib.dynamics.attractors import Attractor, SteadyState, orbit_extremes, steady_state
+from lsvib.dynamics.attractor import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.dynamics.impulses import event_impulses
 from lsvib.engine.motion import Motion, follow
 from lsvib.models.drive import Drive, changed, names_and_values, parameters_of

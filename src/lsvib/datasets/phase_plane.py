@@ -22,7 +22,7 @@ from lsvib.datasets.attributes import (
     quantity,
     variable,
 )
-from lsvib.dynamics.attractors import Attractor, SteadyState, steady_state
+from lsvib.dynamics.attractor import Attractor, SteadyState, steady_state
 from lsvib.dynamics.impulses import Impulses, event_impulses
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.motion import Motion, follow
@@ -38,7 +38,6 @@ PERIOD = "period of the steady vibration"
 AMPLITUDE = "amplitude of the steady vibration, half its peak-to-peak"
 GLOBAL_STABILITY = "axial force beyond which steady sliding is globally stable"
 _WHICH_CYCLE = "one period of what the first start reaches by the first rule, missing if that is no cycle"
-_ARC = 17  # samples of an arc between two events, if there is room
 
 
 def grid_axes(angle: np.ndarray, velocity: np.ndarray) -> Variables:
@@ -190,7 +189,7 @@ def sample(motion: Motion, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarr
     few for the shortest arc; ``InputError`` below two for each arc.
     """
     modes, starts, ends, durations = motion.arcs()
-    least = min(_ARC, count // durations.size)
+    least = min(17, count // durations.size)  # of an arc between two events
     if least < 2:
         raise InputError(f"samples = {count} is outside the allowed range samples >= {2 * durations.size}.")
     share = np.where(durations > 0, least, 2)

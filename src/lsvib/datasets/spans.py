@@ -5,8 +5,6 @@ from typing import Any
 
 import numpy as np
 
-_ROUNDED = 1e-9  # of a step: 10⁷ steps round at 10⁻¹⁶ of their whole length, and a value that is meant is farther off
-
 
 def evenly_chosen(count: int, most: int) -> np.ndarray:
     """Return the indices of at most ``most`` of ``count`` values, evenly spaced, both ends included."""
@@ -27,7 +25,8 @@ def stepped(start: float, stop: float, count: int) -> np.ndarray:
 
 def zero_where_rounded(values: np.ndarray, step: float) -> np.ndarray:
     """Return values that steps across zero make, zero where they are rounding beside a step."""
-    return np.where(np.abs(values) < _ROUNDED * abs(step), 0.0, values)
+    # 10⁷ steps round at 10⁻¹⁶ of their whole length, and a value that is meant is farther off.
+    return np.where(np.abs(values) < 1e-9 * abs(step), 0.0, values)
 
 
 def logarithmic(settings: Mapping[str, Any]) -> np.ndarray:

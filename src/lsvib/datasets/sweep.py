@@ -16,10 +16,10 @@ import xarray as xr
 from lsvib import numbers
 from lsvib.basins.curves import Window
 from lsvib.basins.resilience import Resilience, resilience
-from lsvib.datasets.attributes import attributes, flags, variable
+from lsvib.datasets.attributes import Variables, attributes, flags, variable
 from lsvib.datasets.spans import stepped
-from lsvib.dynamics.attractors import Attractor
-from lsvib.dynamics.endings import all_endings
+from lsvib.dynamics.attractor import Attractor
+from lsvib.dynamics.sweep import all_endings
 from lsvib.errors import EngineError, InputError
 from lsvib.models.drive import Drive, RigidDrive, described, names_and_values
 from lsvib.models.many import ManyDrives
@@ -31,8 +31,6 @@ START = {"u": 1e-3, "w": 0.0}  # next to steady sliding: rad, and rad/s
 # and angles with the smallest friction, so that of a pair which does not go together the friction is refused.
 _COUPLED = {"friction_coefficient": ("lead_angle", max), "lead_angle": ("friction_coefficient", min)}
 _MOST = 10_000_000  # points, of which each has some hundred bytes
-_MOST_POINTS = 1_000_000  # of a sweep: at some 10 ms each three hours
-_FARTHEST = 1e150  # of an edge of a window: its area is still a number
 
 
 _VARIABLES = {
@@ -65,7 +63,7 @@ def sweep(
     model has, by default next to steady sliding; rule of resuming; number of ``workers`` – threads, with more than two
     states processes –, which changes no number; ``progress``, called with the numbers of points done and in all. The
     dataset has a dimension for each parameter, in the order given, and as variables the numbers of
-    :class:`lsvib.dynamics.ending_numbers.Ending`. Raises ``InputError`` for what is not acceptable.
+    :class:`lsvib.dynamics.sweep.Ending`. Raises ``InputError`` for what is not acceptable.
     """
     definition, resumption, at_once = find_model(drive.model), rule(resume), numbers.workers(workers)
     axes = axes_of(over, definition.drive, _MOST)
@@ -78,7 +76,7 @@ def sweep(
     found = all_endings(drives, starts, resumption, at_once, progress, others)
     return xr.Dataset(
         {name: (tuple(axes), getattr(found, name).reshape(sizes), attrs) for name, attrs in _VARIABLES.items()},
-        coords={name: (name, np.array(values), coordinate(name, definition.drive)) for name, values in axes.items()},
+        coords=_coordinates(axes, definition.drive),
         attrs={
             "title": f"What a lead-screw drive ends on over {', '.join(axes)}",
             "source": "lsvib, exact event-driven motion and its return map",
@@ -93,7 +91,16 @@ def sweep(
 
 def axes_of(over: Any, kind: type[Drive], most: int) -> dict[str, list[float]]:
     """Return the values of each parameter of a product of ``most`` points at most; raises ``InputError``."""
-    axes = {name: parameter_values(name, values, kind) for name, values in names_and_values("over", over).items()}
+    axes: dict[str, list[float]] = {}
+    for name, given in names_and_values("over", over).items():
+        if name not in kind.model_fields:
+            raise InputError(f"{name} is not a known key; the known keys are {', '.join(kind.model_fields)}.")
+        if isinstance(given, str | bytes | Mapping) or not hasattr(given, "__len__") or not hasattr(given, "__iter__"):
+            raise InputError(f"over: {name} = {numbers.shown(given)} is not a list of numbers.")
+        try:
+            axes[name] = [numbers.number(value) for value in given]
+        except numbers.NotNumber as error:
+            raise InputError(f"over: {name} holds a value that {error}.") from None
     if not axes:
         raise InputError("over names no parameter; give the values of one, such as axial_force.")
     total = math.prod(map(len, axes.values()))
@@ -116,6 +123,14 @@ def product_of(drive: Drive, axes: Mapping[str, Sequence[float]]) -> ManyDrives:
     grids = np.meshgrid(*axes.values(), indexing="ij")
     whole = dict(drive) | {name: grid.ravel() for name, grid in zip(axes, grids, strict=True)}
     return ManyDrives(whole, find_model(drive.model).drive)
+
+
+def _coordinates(axes: Mapping[str, Sequence[float]], kind: type[Drive]) -> Variables:
+    """Return the values of parameters of a class of drives as coordinates."""
+    about = {name: described(kind, name) for name in axes}
+    return {
+        name: variable(name, np.array(x), about[name]["unit"], about[name]["long_name"]) for name, x in axes.items()
+    }
 
 
 def evenly(name: str, text: str) -> np.ndarray:
@@ -145,27 +160,6 @@ def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
     }
 
 
-def parameter_values(name: str, given: Any, kind: type[Drive] = RigidDrive) -> list[float]:
-    """Return the values of a parameter as numbers; whether they are in its range is for the drive to say.
-
-    Raises ``InputError`` for an unknown name, and for what is no list of numbers.
-    """
-    if name not in kind.model_fields:
-        raise InputError(f"{name} is not a known key; the known keys are {', '.join(kind.model_fields)}.")
-    if isinstance(given, str | bytes | Mapping) or not hasattr(given, "__len__") or not hasattr(given, "__iter__"):
-        raise InputError(f"over: {name} = {numbers.shown(given)} is not a list of numbers.")
-    try:
-        return [numbers.number(value) for value in given]
-    except numbers.NotNumber as error:
-        raise InputError(f"over: {name} holds a value that {error}.") from None
-
-
-def coordinate(name: str, kind: type[Drive] = RigidDrive) -> dict[str, Any]:
-    """Return the attributes of a parameter of a model as a coordinate."""
-    about = described(kind, name)
-    return attributes(about["unit"], about["long_name"])
-
-
 def resilience_sweep(
     drive: RigidDrive,
     over: Mapping[str, Any],
@@ -179,7 +173,7 @@ def resilience_sweep(
     are infinite where every perturbation is tolerated, zero where none is, nan where the basin is not covered, for the
     reasons in the attribute ``refused``. Raises ``InputError`` for values that are not acceptable.
     """
-    axes = axes_of(over, RigidDrive, _MOST_POINTS)
+    axes = axes_of(over, RigidDrive, _MOST // 10)  # at some 10 ms each three hours
     drives = [drive.replace(**dict(zip(axes, values, strict=True))) for values in product(*axes.values())]
     found: list[Resilience | None] = []
     refused: list[str] = []
@@ -199,7 +193,7 @@ def resilience_sweep(
     asked = {name: about for name, about in _PERTURBATIONS.items() if name != "basin_fraction" or window is not None}
     return xr.Dataset(
         {name: variable(tuple(axes), column(where), *words) for name, (where, *words) in asked.items()},
-        coords={name: (name, np.array(values), coordinate(name)) for name, values in axes.items()},
+        coords=_coordinates(axes, RigidDrive),
         attrs={
             "title": f"Perturbations that the rigid lead-screw drive tolerates over {', '.join(axes)}",
             "source": "lsvib, exact boundary of the region of attraction",
@@ -226,14 +220,8 @@ def window_of(given: Any) -> Window | None:
         pair = edges[name]
         if not isinstance(pair, tuple | list) or len(pair) != 2:
             raise InputError(f"window {name} = {numbers.shown(pair)} is not a low and a high end.")
-        try:
-            low, high = (numbers.number(value) for value in pair)
-        except numbers.NotNumber as error:
-            raise InputError(f"window {name} = {numbers.shown(pair)} has an end that {error}.") from None
-        if not -_FARTHEST <= low < high <= _FARTHEST:
-            raise InputError(
-                f"window {name} = {low:g} to {high:g} is outside the allowed range "
-                f"-{_FARTHEST:g} <= low < high <= {_FARTHEST:g}."
-            )
+        low, high = (numbers.start(f"window {name}", value) for value in pair)
+        if not low < high:
+            raise InputError(f"window {name} = {low:g} to {high:g} is outside the allowed range low < high.")
         ends += [low, high]
     return Window(*ends)

@@ -1,4 +1,4 @@
-"""What rigid drives do, in one word for each, by their motions alone: steady, vibrating in one way or another, or both.
+"""What drives do, in one word for each, by their motions alone: steady, vibrating in one way or another, or both.
 
 Two motions are followed. One starts next to steady sliding, where only its stability counts; the other one far away on
 θ′ = 0, from where the screw is pulled forward. If the first ends in steady sliding and the second on a cycle, both
@@ -7,18 +7,16 @@ coexist. Nothing else is taken from the equations of the drive: no threshold, no
 
 from collections.abc import Callable
 from enum import IntEnum
+from typing import Any
 
 import numpy as np
 
-from lsvib.dynamics.attractors import Attractor
-from lsvib.dynamics.endings import all_endings
-from lsvib.dynamics.kernels.endings_at_once import REVERSES
+from lsvib.dynamics.attractor import Attractor
+from lsvib.dynamics.kernels.sweep import REVERSES
+from lsvib.dynamics.sweep import all_endings
 from lsvib.models import mechanics
 from lsvib.models.many import ManyDrives
 from lsvib.models.model import Resume
-
-_NEAR = 1e-6  # u of the near start, in distances to the nearest event: it stays in one mode, and is no rounding
-_FAR = 10.0  # u of the far start, in sums of all lengths of the drive along u
 
 
 class Behaviour(IntEnum):
@@ -40,9 +38,9 @@ def behaviours(
     workers: int = 1,
     progress: Callable[[int, int], None] | None = None,
 ) -> np.ndarray:
-    """Return what rigid drives do (k, int8), a :class:`Behaviour` each.
+    """Return what drives of one model do (k, int8), a :class:`Behaviour` each.
 
-    Arguments: rule of resuming; number of ``workers`` (:func:`lsvib.dynamics.endings.all_endings`), which changes no
+    Arguments: rule of resuming; number of ``workers`` (:func:`lsvib.dynamics.sweep.all_endings`), which changes no
     label; ``progress``, called with the numbers of motions followed and the most that there may be.
     """
     near, far = near_and_far(drives)
@@ -66,17 +64,17 @@ def behaviours(
 def behaviour_of(attractor: np.ndarray, happens: np.ndarray) -> np.ndarray:
     """Return the behaviour (k, int8) of motions that end on cycles; all others are unresolved.
 
-    Arguments (k): ``Attractor``, and what happens on a cycle as :class:`lsvib.dynamics.ending_numbers.Ending` has it.
+    Arguments (k): ``Attractor``, and what happens on a cycle as :class:`lsvib.dynamics.sweep.Ending` has it.
     """
     sticks = np.where(happens & REVERSES, Behaviour.STICK_SLIP_WITH_CONTACT_REVERSAL, Behaviour.STICK_SLIP)
-    kinds = {
+    kinds: dict[Attractor, Any] = {
         Attractor.OTHER_CYCLE: Behaviour.PURE_SLIP,
         Attractor.STICK_SLIP_CYCLE: sticks,
         Attractor.SPRAG_SLIP_CYCLE: Behaviour.SPRAG_SLIP,
         Attractor.NEUTRAL_FAMILY: Behaviour.NEUTRAL,
     }
     here = [attractor == kind for kind in kinds]
-    return np.select(here, list(kinds.values()), Behaviour.UNRESOLVED).astype(np.int8)
+    return np.asarray(np.select(here, list(kinds.values()), Behaviour.UNRESOLVED), dtype=np.int8)
 
 
 @np.errstate(all="ignore")  # a drive whose lengths are beyond all numbers is refused with its tables
@@ -99,5 +97,7 @@ def near_and_far(drives: ManyDrives) -> tuple[np.ndarray, np.ndarray]:
     lengths = to_contact + to_stop + band + np.abs(damping * speed) / stiffness
     # Without a net force steady sliding lies on Q = 0: beside it θ′ = 0 alone gives a length.
     nearest = np.where(to_contact > 0, np.minimum(to_contact, to_stop), to_stop)
-    near = np.stack([_NEAR * nearest, np.zeros(drives.size)], axis=1)
-    return near, np.stack([-np.sign(speed) * _FAR * lengths, -speed], axis=1)
+    # u of the near start, in distances to the nearest event: it stays in one mode, and is no rounding
+    near = np.stack([1e-6 * nearest, np.zeros(drives.size)], axis=1)
+    # u of the far start, in sums of all lengths of the drive along u
+    return near, np.stack([-np.sign(speed) * 10.0 * lengths, -speed], axis=1)

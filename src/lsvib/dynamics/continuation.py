@@ -1,32 +1,53 @@
-r"""Cycles over a parameter, by pseudo-arclength continuation of the fixed point of the return map, through folds.
+r"""Cycles over a parameter, by pseudo-arclength continuation of the fixed point of the Poincaré map, through folds.
 
-:mod:`lsvib.dynamics.branch_points` has the equations of a point of the branch. At a *fold* the tangent has no part in
-the parameter p: that zero is found along the branch, and as p is stationary there its value is exact to rounding.
+The unknowns are the free coordinates y of a section (the others follow from its surfaces, which move with the parameter
+p) and p itself. On  F(y, p) = P(y, p) − y = 0  the next point is sought where it meets the plane across the tangent at
+the last one. F_y = P′ − I is exact; F_p is a central difference, which steers Newton's method and the tangent, but is
+no part of the residual F. At a *fold* the tangent has no part in p: that zero is found along the branch, and as p is
+stationary there its value is exact to rounding.
 
 The motion decides on its own events, so that the itinerary may change from point to point; such changes are located by
-halving (:mod:`lsvib.dynamics.branch_changes`). Where a section is no longer met, another event of the last cycle takes
-its place; if none does, the branch ends. Where an event appears the branch has a kink: there the step, not the tangent
-before it, tells the direction.
+halving. Where a section is no longer met, another event of the last cycle takes its place; if none does, the branch
+ends. Where an event appears the branch has a kink: there the step, not the tangent before it, gives the direction.
 """
 
 import math
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lsvib.dynamics.branch_changes import Change, changes_between
-from lsvib.dynamics.branch_points import BranchEquations, Build, Solved, events_of, null_direction
-from lsvib.dynamics.moving_section import MovingSection
-from lsvib.dynamics.periodic import Cycle
-from lsvib.dynamics.return_map import ReturnSection
+from lsvib.dynamics.cycles import Cycle
+from lsvib.dynamics.poincare_map import Section, derivative, multipliers
+from lsvib.engine.automaton import Automaton
+from lsvib.engine.kernels import flow_planar
 from lsvib.engine.kernels.layout import GRAZE_KIND
-from lsvib.errors import InputError
+from lsvib.engine.motion import Motion
+from lsvib.errors import EngineError, InputError
+from lsvib.models.drive import Drive
 
 _FIRST, _LARGEST, _SMALLEST = 1e-2, 4e-2, 1e-7  # steps, in widths of the range and sizes of the motion
-_GROWS = 1.5  # factor from a step that was taken whole to the next one
-_TURN = 0.2  # smallest cosine between tangents: beyond it the step was too long
-_VANISHED = 1e-4  # amplitude, relative to that at the start, of a cycle that is about to vanish
+_CONVERGED = 1e-8  # a step of Newton's method after which one more is rounding only
+_ROUNDING = 1e-12  # residual of a point of the branch, times the growth of neighbours over a period
+_PARAMETER_STEP = 1e-5  # of the central difference for F_p, in widths of the range
+_AT_FOLD = 1e-13  # part of the tangent along p that counts as none: the branch turns there
+_NARROW = 1e-12  # length of the branch within which a change is located
+
+Build = Callable[[float], tuple[Drive, Automaton]]
+
+
+@dataclass(frozen=True)
+class Change:
+    """Something happens at a ``value`` [SI unit] of the parameter, at a length ``along`` [1] of the branch.
+
+    ``kind`` is fold, itinerary, stability, or end; ``what`` says it in words.
+    """
+
+    kind: str
+    value: float
+    what: str
+    along: float
 
 
 @dataclass(frozen=True)
@@ -50,6 +71,159 @@ class CycleBranch:
     def folds(self) -> list[float]:
         """Values of the parameter [SI unit] at folds."""
         return [change.value for change in self.changes if change.kind == "fold"]
+
+
+class MovingSection:
+    """A section of return whose surfaces move with the parameter; y: its free coordinates, in sizes of the motion."""
+
+    def __init__(self, cycle: Cycle) -> None:
+        own, size = cycle.section, cycle.section.size
+        section = Section(own.automaton, own.key, cycle.state, size, own.returns, cycle.period, size)
+        self.size, self.free, self._rows, self._tied = size, section.free, section.rows, section.tied
+        self.kind, self.code = own.key[0], own.automaton.codes[own.key[1]]
+        self.returns, self.longest = own.returns, cycle.period
+
+    def place(self, state: np.ndarray) -> np.ndarray:
+        """Return y (d) of a state (n)."""
+        return np.asarray(state[self.free] / self.size[self.free])
+
+    def state(self, automaton: Automaton, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the state (n) at y on the section of an automaton, and its derivative (n, d)."""
+        rows = automaton.tables.surfaces[self._rows]
+        state, slope = np.zeros(self.size.size), np.zeros((self.size.size, len(self.free)))
+        state[self.free] = place * self.size[self.free]
+        slope[self.free, range(len(self.free))] = self.size[self.free]
+        if self._tied.size:
+            tied = rows[:, self._tied]
+            state[self._tied] = np.linalg.solve(tied, -(rows[:, :-1] @ state + rows[:, -1]))
+            slope[self._tied] = np.linalg.solve(tied, -(rows[:, :-1] @ slope))
+        return state, slope
+
+    def back(self, automaton: Automaton, place: np.ndarray) -> tuple[Section, Motion] | None:
+        """Return a section of return at y and the motion until it is back; None if it does not come back."""
+        modes = np.flatnonzero(automaton.codes == self.code)
+        if not modes.size:
+            return None
+        state, _ = self.state(automaton, place)
+        key = self.kind, int(modes[0])
+        section = Section(automaton, key, state, self.size, self.returns, self.longest)
+        motion = section.come_back(state)
+        if motion is None or motion.time.size == 0 or motion.time[0] == 0.0:
+            return None
+        return section, motion
+
+
+@dataclass(frozen=True)
+class Solved:
+    """A point of the branch: unknowns z = (y, p in widths), its cycle, and the tangent."""
+
+    z: np.ndarray
+    cycle: Cycle
+    tangent: np.ndarray
+
+
+class BranchEquations:
+    """The equations F(y, p) = 0 on one section, p counted in ``width`` from ``low``."""
+
+    def __init__(self, build: Build, section: MovingSection, low: float, width: float) -> None:
+        self.build, self.section, self.low, self.width = build, section, low, width
+
+    def value(self, z: np.ndarray) -> float:
+        """The value of the parameter at a point (y, p)."""
+        return self.low + self.width * float(z[-1])
+
+    def at(self, z: np.ndarray) -> tuple[Drive, Section, Motion] | None:
+        """The drive, the section and one return from a point (y, p); None where none comes back or no drive is."""
+        try:
+            drive, automaton = self.build(self.value(z))
+            found = self.section.back(automaton, z[:-1])
+        except (EngineError, InputError):
+            return None
+        return None if found is None else (drive, *found)
+
+    def slopes(self, z: np.ndarray, motion: Motion, last: np.ndarray | None = None) -> np.ndarray | None:
+        """[F_y, F_p] (d, d + 1); F_p (d) as it was where it is given: it only steers."""
+        d = z.size - 1
+        if d == 0:
+            return np.zeros((0, 1))
+        _, along = self.section.state(motion.automaton, z[:-1])
+        matrix = derivative(motion).matrix @ along
+        inner = matrix[self.section.free] / self.section.size[self.section.free][:, None] - np.eye(d)
+        if last is not None:
+            found = np.column_stack([inner, last])
+            return found if np.isfinite(found).all() else None
+        step, here = np.eye(d + 1)[-1] * _PARAMETER_STEP, self.section.place(motion.end_state)
+        beside = {0.0: here}
+        for sign in (1.0, -1.0):
+            there = self.at(z + sign * step)
+            if there is not None and events_of(there[2]) == events_of(motion):  # else the difference is that of a kink
+                beside[sign] = self.section.place(there[2].end_state)
+        if len(beside) == 1:
+            return None
+        low, high = min(beside), max(beside)
+        found = np.column_stack([inner, (beside[high] - beside[low]) / ((high - low) * _PARAMETER_STEP)])
+        return found if np.isfinite(found).all() else None
+
+    def corrected(self, guess: np.ndarray, tangent: np.ndarray) -> Solved | None:
+        """The point of the branch in the plane through ``guess`` across ``tangent``, with its tangent."""
+        slopes: np.ndarray | None = None
+        z, last, length, events = guess.copy(), math.inf, math.inf, None
+        for _ in range(30):  # steps; where the derivative jumps as an event appears they converge slowly at first
+            found = self.at(z)
+            if found is None:
+                return None
+            gap = self.section.place(found[2].end_state) - z[:-1]
+            same = events == events_of(found[2])
+            slopes = self.slopes(z, found[2], None if slopes is None or not same else slopes[:, -1])
+            events = events_of(found[2])
+            step = None if slopes is None else _bordered(slopes, tangent, gap, float(tangent @ (z - guess)))
+            if step is None or slopes is None:
+                return None
+            length = float(np.abs(step).max(initial=0.0))
+            if length <= 4 * flow_planar.EPS or (last <= _CONVERGED and length >= 0.5 * last):
+                break
+            # size of a step of Newton's method, in sizes of the motion, beyond which it has left the branch
+            if length > 1.0:
+                return None
+            z, last = z + step, length
+        found = self.at(z)
+        if found is None or slopes is None or not length <= _CONVERGED:
+            return None
+        slopes = self.slopes(z, found[2], slopes[:, -1])
+        if slopes is None:
+            return None
+        drive, section, motion = found
+        residual = float(np.max(np.abs(motion.end_state - motion.start_state) / section.size))
+        values, error = multipliers(section, motion, residual)
+        if not residual <= _ROUNDING * max(1.0, float(np.abs(values).max(initial=0.0))):
+            return None
+        ahead = null_direction(slopes)
+        if ahead @ tangent < 0:
+            ahead = -ahead
+        cycle = Cycle(drive, motion, residual, values, error, "continuation", section)
+        return Solved(z, cycle, ahead)
+
+
+def events_of(motion: Motion) -> tuple[list[int], list[int]]:
+    """Kinds of a motion's events and codes of the modes that they enter, without touches."""
+    own = motion.kind != GRAZE_KIND
+    return motion.kind[own].tolist(), motion.automaton.codes[motion.mode[own]].tolist()
+
+
+def _bordered(slopes: np.ndarray, tangent: np.ndarray, gap: np.ndarray, off: float) -> np.ndarray | None:
+    """Newton's step for F = 0 in the plane across the tangent."""
+    try:
+        step = np.linalg.solve(np.vstack([slopes, tangent]), -np.append(gap, off))
+    except np.linalg.LinAlgError:
+        return None
+    return step if np.isfinite(step).all() else None
+
+
+def null_direction(slopes: np.ndarray) -> np.ndarray:
+    """Unit vector that the slopes (d, d + 1) take to zero."""
+    if not len(slopes):
+        return np.ones(1)
+    return np.asarray(np.linalg.svd(slopes)[2][-1])
 
 
 def follow_cycle(
@@ -84,7 +258,8 @@ def _followed(
     while len(points) < most:
         there, curve, here, taken = _next(curve, here, step, low, width)
         if there is None:
-            small = here.cycle.amplitude < _VANISHED * cycle.amplitude
+            # amplitude, relative to that at the start, of a cycle that is about to vanish
+            small = here.cycle.amplitude < 1e-4 * cycle.amplitude
             what = "it shrinks to nothing" if small else "no cycle continues this one"
             changes.append(Change("end", curve.value(here.z), what, along))
             break
@@ -99,7 +274,8 @@ def _followed(
         changes += changes_between(curve, here, there, taken, along)
         along += taken
         points.append(BranchPoint(value, there.cycle, along))
-        step = min(step * _GROWS, _LARGEST) if taken >= step else max(taken, _SMALLEST)
+        # factor from a step that was taken whole to the next one
+        step = min(step * 1.5, _LARGEST) if taken >= step else max(taken, _SMALLEST)
         here = there
     else:
         changes.append(Change("end", points[-1].value, "the branch is longer than the number of points", along))
@@ -147,7 +323,8 @@ def _stepped(curve: BranchEquations, here: Solved, step: float) -> tuple[Solved 
             turned = there.tangent @ (there.z - here.z) < 0  # across a kink the tangents tell no direction
             there = replace(there, tangent=-there.tangent) if turned else there
             kink = events_of(there.cycle.orbit) != events_of(here.cycle.orbit)
-            if there.tangent @ here.tangent >= (-1.0 if kink else _TURN):
+            # smallest cosine between tangents: beyond it the step was too long
+            if there.tangent @ here.tangent >= (-1.0 if kink else 0.2):
                 return there, step
         step *= 0.5
     return None, 0.0
@@ -162,7 +339,7 @@ def other_sections(cycle: Cycle) -> Iterator[Cycle]:
             continue
         seen.add(key)
         returns = int(np.sum((orbit.kind == key[0]) & (orbit.mode == key[1])))
-        section = ReturnSection(orbit.automaton, key, orbit.after[k], cycle.section.size, returns, 2 * cycle.period)
+        section = Section(orbit.automaton, key, orbit.after[k], cycle.section.size, returns, 2 * cycle.period)
         motion = section.come_back(orbit.after[k])
         if motion is not None:
             yield replace(cycle, orbit=motion, section=section)
@@ -176,3 +353,78 @@ def _at_value(curve: BranchEquations, here: Solved, there: Solved, value: float)
     guess[-1] = target
     across = np.eye(guess.size)[-1] * math.copysign(1.0, here.tangent[-1])
     return curve.corrected(guess, across)
+
+
+def changes_between(curve: BranchEquations, here: Solved, there: Solved, step: float, along: float) -> list[Change]:
+    """Folds, changes of the itinerary and of stability between two points."""
+    found = []
+    fold = here.tangent[-1] * there.tangent[-1] < 0
+    if fold:
+        at, point = _zero(curve, here, step, lambda solved: float(solved.tangent[-1]))
+        if point is not None:
+            found.append(Change("fold", curve.value(point.z), "two cycles meet", along + at))
+    before, after = Counter(here.cycle.itinerary), Counter(there.cycle.itinerary)
+    if here.cycle.itinerary != there.cycle.itinerary and before != after:
+        at, point = _halved(curve, here, step, lambda solved: Counter(solved.cycle.itinerary) == before)
+        lost, gained = before - after, after - before
+        words = [f"{verb} {_named(events)}" for verb, events in (("loses", lost), ("gains", gained)) if events]
+        found.append(Change("itinerary", curve.value(point.z), " and ".join(words), along + at))
+    outside = _outside(here.cycle)
+    if not fold and outside != _outside(there.cycle) and not found:
+        at, point = _halved(curve, here, step, lambda solved: _outside(solved.cycle) == outside)
+        leading = point.cycle.multipliers[0]
+        what = "a pair of multipliers" if leading.imag else f"a multiplier {'+1' if leading.real > 0 else '−1'}"
+        found.append(Change("stability", curve.value(point.z), f"{what} passes the unit circle", along + at))
+    return found
+
+
+def _named(events: Counter[tuple[str, str]]) -> str:
+    return ", ".join(f"{kind.replace('_', ' ')} into {mode.replace('_', ' ')}" for kind, mode in sorted(events))
+
+
+def _outside(cycle: Cycle) -> int:
+    return int(np.sum(np.abs(cycle.multipliers) > 1))
+
+
+def _zero(
+    curve: BranchEquations, here: Solved, step: float, function: Callable[[Solved], float]
+) -> tuple[float, Solved | None]:
+    """Where a function changes sign within a step along the tangent: the secant method, kept in its bracket."""
+    low, high, at_low, point = 0.0, step, function(here), None
+    end = curve.corrected(here.z + step * here.tangent, here.tangent)
+    if end is None:
+        return 0.0, None
+    at_high = function(end)
+    for _ in range(60):  # more than halving alone takes from a step to rounding
+        middle = high - at_high * (high - low) / (at_high - at_low)
+        if not low < middle < high:
+            middle = 0.5 * (low + high)
+        solved = curve.corrected(here.z + middle * here.tangent, here.tangent)
+        if solved is None:
+            return middle, point
+        point, value = solved, function(solved)
+        if abs(value) <= _AT_FOLD or high - low <= _AT_FOLD:
+            break
+        if value * at_high < 0:
+            low, at_low = high, at_high
+        else:
+            at_low *= 0.5  # Illinois: the end that stays counts half
+        high, at_high = middle, value
+        if low > high:
+            low, high, at_low, at_high = high, low, at_high, at_low
+    return middle, point
+
+
+def _halved(curve: BranchEquations, here: Solved, step: float, holds: Callable[[Solved], bool]) -> tuple[float, Solved]:
+    """The last place within a step at which a condition holds, to rounding; nearly that where points are missing."""
+    low, high, point = 0.0, step, here
+    for _ in range(50):  # more than a step needs to shrink to _NARROW
+        middle = 0.5 * (low + high)
+        solved = curve.corrected(here.z + middle * here.tangent, here.tangent)
+        if solved is not None and holds(solved):
+            low, point = middle, solved
+        else:
+            high = middle
+        if high - low <= _NARROW:
+            break
+    return low, point

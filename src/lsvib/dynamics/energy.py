@@ -15,14 +15,12 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from lsvib.dynamics.variational import inner_coordinates, propagator
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import layout
+from lsvib.engine.kernels import flow_planar, layout
 from lsvib.engine.motion import Motion
 from lsvib.models.drive import Drive
 from lsvib.models.model import find_model, product
 
-_SHORT = 0.5  # phase of the first step at the fastest rate: the rule is then wrong by less than 1e-20
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)  # exact up to the 15th power of the time
 
 
@@ -60,20 +58,55 @@ def quadratic_integrals(
     """Return ∫ (x, 1)ᵀ Q (x, 1) dt (k) over a time [s] from a state (n) in a mode, of forms Q (k, n + 1, n + 1)."""
     if time == 0.0:
         return np.zeros(len(forms))
-    into, out = inner_coordinates(automaton, mode)
+    into, out = _inner_coordinates(automaton, mode)
     inner = out.T @ forms @ out
-    doublings = max(0, math.ceil(math.log2(max(_fastest(automaton, mode) * time / _SHORT, 1e-300))))
+    # phase of the first step at the fastest rate: the rule is then wrong by less than 1e-20
+    doublings = max(0, math.ceil(math.log2(max(_fastest(automaton, mode) * time / 0.5, 1e-300))))
     step = time * 0.5**doublings
     total = np.zeros_like(inner)
     for node, weight in zip(_NODES, _WEIGHTS, strict=True):
-        moved = propagator(automaton, mode, 0.5 * step * (1.0 + node))
+        moved = _propagator(automaton, mode, 0.5 * step * (1.0 + node))
         total += 0.5 * step * weight * (moved.T @ inner @ moved)
     for k in range(doublings):
-        moved = propagator(automaton, mode, step * 2.0**k)
+        moved = _propagator(automaton, mode, step * 2.0**k)
         total = total + moved.T @ total @ moved
     start = into @ np.append(state, 1.0)
     integrals: np.ndarray = np.einsum("i,kij,j->k", start, total, start)
     return integrals
+
+
+def _inner_coordinates(automaton: Automaton, mode: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the matrices (q + 1, n + 1) into and (n + 1, q + 1) out of the coordinates that the flow is held in."""
+    flow, n = automaton.tables.flow, len(automaton.states)
+    if isinstance(flow, np.ndarray):
+        return np.eye(n + 1), np.eye(n + 1)
+    q = int(2 * flow.pairs[mode] + flow.singles[mode])
+    unit = np.eye(max(n, q) + 1)
+    out = np.concatenate([flow.from_modal[mode][:, :q], flow.from_modal[mode][:, -1:]], axis=1)
+    return np.vstack([flow.to_modal[mode, :q], unit[n, : n + 1]]), np.vstack([out, unit[q, : q + 1]])
+
+
+def _propagator(automaton: Automaton, mode: int, time: float) -> np.ndarray:
+    """Return the affine flow of a mode over a time [s] in its inner coordinates with a one, (q + 1, q + 1)."""
+    flow = automaton.tables.flow
+    if isinstance(flow, np.ndarray):
+        row = flow[mode]
+        c, s, s_rate = flow_planar.responses(row, time)
+        moved = flow_planar.integrated_response(row, time)
+        a0, b = row[layout.A0], row[layout.B]
+        pushed = b * moved if b else 0.0  # in a rest so long that t² is beyond all numbers as well
+        return np.array([[c, s, pushed], [-a0 * s, s_rate, b * s], [0.0, 0.0, 1.0]])
+    pairs, singles = int(flow.pairs[mode]), int(flow.singles[mode])
+    found = np.eye(2 * pairs + singles + 1)
+    for pair in range(pairs):
+        row = flow.oscillators[mode, pair]
+        c, s, s_rate = flow_planar.responses(row, time)
+        found[2 * pair : 2 * pair + 2, 2 * pair : 2 * pair + 2] = [[c, s], [-row[layout.A0] * s, s_rate]]
+    for single in range(singles):
+        k, rate, push = 2 * pairs + single, float(flow.rates[mode, single]), float(flow.pushes[mode, single])
+        more = math.expm1(min(rate * time, flow_planar.OVERFLOW))
+        found[k, k], found[k, -1] = 1.0 + more, push * (more / rate if rate else time)
+    return found
 
 
 def _fastest(automaton: Automaton, mode: int) -> float:

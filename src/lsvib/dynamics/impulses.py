@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lsvib.dynamics.attractors import arc_integrals
+from lsvib.dynamics.attractor import arc_integrals
 from lsvib.engine.motion import Motion
 from lsvib.models.drive import Drive
 from lsvib.models.rigid import EventKind, MotionMode

@@ -1,6 +1,7 @@
 """What the page asks of the engine, without a page: maps, motions and curves as plain arrays; and its exports."""
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -19,7 +20,7 @@ from lsvib.datasets.motion import attractor_of, motion_file, run
 from lsvib.datasets.phase_plane import lines, sample
 from lsvib.datasets.spans import stepped
 from lsvib.datasets.sweep import START
-from lsvib.dynamics.attractors import Attractor, SteadyState, steady_state
+from lsvib.dynamics.attractor import Attractor, SteadyState, steady_state
 from lsvib.engine.motion import Motion
 from lsvib.errors import EngineError, LsvibError
 from lsvib.explore.view import View

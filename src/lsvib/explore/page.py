@@ -15,7 +15,7 @@ from bokeh.models import CustomJS, Div, Row
 from lsvib import numbers
 from lsvib.api import drive_class
 from lsvib.basins.curves import Window
-from lsvib.dynamics.attractors import Attractor
+from lsvib.dynamics.attractor import Attractor
 from lsvib.errors import InputError, LsvibError
 from lsvib.explore import answers
 from lsvib.explore.answers import AmplitudePoint, name_of

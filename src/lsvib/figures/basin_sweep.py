@@ -194,7 +194,7 @@ def _points(name: str, curves: Sequence[np.ndarray], where: str) -> Variables:
 def _grid_fraction(drive: RigidDrive, window: "Window", resolutions: Sequence[int]) -> list[float]:
     """Fraction of the middles of n × n cells from which the motion settles, for each resolution n, by the mapper."""
     from lsvib.basins.mapper import mapper
-    from lsvib.dynamics.attractors import Attractor
+    from lsvib.dynamics.attractor import Attractor
 
     sides = (("u", window.left, window.right), ("w", window.bottom, window.top))
     grids = [Grid(*(Axis.checked(*side, count) for side in sides)) for count in resolutions]

@@ -28,7 +28,7 @@ from lsvib.models.rigid import EventKind, rigid_automaton
 from lsvib.stability import force_thresholds
 
 if TYPE_CHECKING:
-    from lsvib.dynamics.attractors import SteadyState
+    from lsvib.dynamics.attractor import SteadyState
 
 CAPTION = """\
 Amplitude of the steady vibration against the axial force R for m = 1 kg and c_x = 1000 N s/m, with phase portraits at
@@ -85,7 +85,7 @@ class Regime(IntEnum):
 def build(settings: Values) -> xr.Dataset:
     """Compute the amplitude curve, its thresholds, the inset portraits, and the coefficients for both masses."""
     from lsvib.datasets import phase_plane
-    from lsvib.dynamics.attractors import steady_state
+    from lsvib.dynamics.attractor import steady_state
 
     drive = RigidDrive.of(settings["drive"])
     values = {name: getattr(force_thresholds, name)(drive) for name in _THRESHOLDS}
@@ -134,7 +134,7 @@ def _curve(drives: list[RigidDrive], steady: "list[SteadyState]") -> Variables:
 
 
 def _regime(steady: "SteadyState") -> Regime:
-    from lsvib.dynamics.attractors import Attractor
+    from lsvib.dynamics.attractor import Attractor
 
     reverses = steady.orbit is not None and bool((steady.orbit.kind == EventKind.CONTACT_REVERSAL).any())
     kinds = {

@@ -63,7 +63,7 @@ def build(settings: Values) -> xr.Dataset:
 
 def _sensitivity(drive: RigidDrive, forces: np.ndarray, start: Values) -> Variables:
     from lsvib.datasets import phase_plane
-    from lsvib.dynamics.attractors import Attractor, steady_state
+    from lsvib.dynamics.attractor import Attractor, steady_state
     from lsvib.dynamics.impulses import seizure_speeds
 
     rows = []

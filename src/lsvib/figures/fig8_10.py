@@ -29,7 +29,7 @@ from lsvib.models.rigid import rigid_automaton
 from lsvib.models.threads import ThreadsEvent, ThreadsMode, seated_state, threads_automaton
 
 if TYPE_CHECKING:
-    from lsvib.dynamics.attractors import SteadyState
+    from lsvib.dynamics.attractor import SteadyState
     from lsvib.engine.automaton import Automaton
     from lsvib.engine.motion import Motion
 
@@ -91,7 +91,7 @@ def build(settings: Values) -> xr.Dataset:
 
 def compliant_cycle(drive: ThreadsDrive, start: Values) -> "tuple[Automaton, SteadyState]":
     """Return the automaton and the attractor of the motion from a seated contact at u [rad], w [rad/s]."""
-    from lsvib.dynamics.attractors import steady_state
+    from lsvib.dynamics.attractor import steady_state
 
     automaton = threads_automaton(drive)
     return automaton, steady_state(automaton, seated_state(drive, start["u"], start["w"]))
@@ -116,7 +116,7 @@ def cycle_curves(dims: Sequence[str], cycles: "Sequence[SteadyState]", count: in
 
 
 def _rigid_cycle(drive: RigidDrive, start: Values) -> "SteadyState":
-    from lsvib.dynamics.attractors import steady_state
+    from lsvib.dynamics.attractor import steady_state
 
     return steady_state(rigid_automaton(drive), [start["u"], start["w"]])
 
@@ -139,7 +139,7 @@ def _motion(motion: "Motion", samples: int) -> Variables:
 
 def _peak(cycle: "SteadyState") -> Variables:
     """The contact force around a peak, over time from the start of the sprag."""
-    from lsvib.dynamics.attractors import Attractor
+    from lsvib.dynamics.attractor import Attractor
     from lsvib.engine.motion import follow
 
     (times, force), sprag = np.full((2, 400), np.nan), np.nan
@@ -161,7 +161,7 @@ def _peak(cycle: "SteadyState") -> Variables:
 def _comparison(drive: RigidDrive, cycle: "SteadyState", rigid: "SteadyState") -> Variables:
     """The cycle in numbers, beside the rigid one."""
     from lsvib.datasets import phase_plane
-    from lsvib.dynamics.attractors import Attractor
+    from lsvib.dynamics.attractor import Attractor
 
     found: Variables = {}
     for name, steady, words in (("", cycle, ""), ("rigid_", rigid, ", of the rigid drive")):
@@ -181,8 +181,8 @@ def _comparison(drive: RigidDrive, cycle: "SteadyState", rigid: "SteadyState") -
 
 def _cycle_values(drive: RigidDrive, cycle: "SteadyState", rigid: "SteadyState") -> tuple[float, float]:
     """Largest |N| [N] on the compliant cycle, and its distance [1] from the rigid one; nan where there is none."""
-    from lsvib.dynamics.attractors import orbit_extremes
-    from lsvib.dynamics.curve_distance import Orbit
+    from lsvib.contact.curve_distance import Orbit
+    from lsvib.dynamics.attractor import orbit_extremes
 
     if cycle.orbit is None or rigid.orbit is None:
         return np.nan, np.nan
@@ -193,7 +193,7 @@ def _cycle_values(drive: RigidDrive, cycle: "SteadyState", rigid: "SteadyState")
 
 def _sensitivity(drive: ThreadsDrive, forces: np.ndarray, start: Values) -> Variables:
     from lsvib.datasets import phase_plane
-    from lsvib.dynamics.attractors import Attractor
+    from lsvib.dynamics.attractor import Attractor
 
     rows, dim = [], "swept_axial_force"
     for force in forces:

@@ -20,7 +20,7 @@ from lsvib.models.rigid import MotionMode, rigid_automaton
 from lsvib.numbers import bisected
 
 if TYPE_CHECKING:
-    from lsvib.dynamics.attractors import SteadyState
+    from lsvib.dynamics.attractor import SteadyState
 
 CAPTION = """\
 Sprag–slip cycle over the support damping c: (a) amplitude, (b) mean deflection of the coupling and (c) mean contact
@@ -65,7 +65,7 @@ def build(settings: Values) -> xr.Dataset:
     rule, so that the rules differ; there the values lie closer. Raises ``InputError``.
     """
     from lsvib.datasets import phase_plane
-    from lsvib.dynamics.attractors import Attractor, steady_state
+    from lsvib.dynamics.attractor import Attractor, steady_state
 
     drive, start = RigidDrive.of(settings["drive"]), [settings["start"]["u"], settings["start"]["w"]]
     wanted = spans.even(settings["support_damping"])
@@ -108,7 +108,7 @@ def _values(drive: RigidDrive, steady: "SteadyState") -> list[float]:
 
 def _resting_damping(drive: RigidDrive, start: list[float], largest: float) -> float:
     """Smallest damping [N m s/rad] up to ``largest`` whose cycle has no rest, by bisection to the last bit."""
-    from lsvib.dynamics.attractors import steady_state
+    from lsvib.dynamics.attractor import steady_state
 
     def rests(damping: float) -> bool:
         automaton = rigid_automaton(drive.replace(support_damping=damping))

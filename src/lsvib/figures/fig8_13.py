@@ -22,7 +22,7 @@ from lsvib.models.rigid import rigid_automaton
 from lsvib.stability.conditions import critical_mass_of_contact
 
 if TYPE_CHECKING:
-    from lsvib.dynamics.attractors import SteadyState
+    from lsvib.dynamics.attractor import SteadyState
 
 CAPTION = """\
 Softer contacts (assumed values): (a) cycles, (b) coupling deflection, (c) its largest value over stiffness and damping
@@ -59,7 +59,7 @@ class Settings(FigureSettings):
 
 def build(settings: Values) -> xr.Dataset:
     """Compute the cycles of a few contacts, and over a grid of contacts where the deflection turns positive."""
-    from lsvib.dynamics.attractors import steady_state
+    from lsvib.dynamics.attractor import steady_state
 
     drive, start = ThreadsDrive.of(settings["drive"]), settings["start"]
     stiffness, damping = (spans.logarithmic(settings[key]) for key in _CONTACT)
@@ -110,7 +110,7 @@ def _grid(drive: ThreadsDrive, start: Values, stiffness: np.ndarray, damping: np
 
 def _numbers(steady: "SteadyState") -> dict[str, float]:
     """Numbers of ``_NUMBERS`` of one attractor; without a cycle all but the attractor are nan."""
-    from lsvib.dynamics.attractors import orbit_extremes
+    from lsvib.dynamics.attractor import orbit_extremes
 
     if steady.orbit is None:
         return dict.fromkeys(_NUMBERS, np.nan) | {"attractor": steady.label}
@@ -129,7 +129,7 @@ def _numbers(steady: "SteadyState") -> dict[str, float]:
 
 def _table(prefix: str, dims: tuple[str, ...], names: Any, rows: Any) -> Variables:
     """Some of the numbers of ``_numbers``, from rows of any depth, as variables."""
-    from lsvib.dynamics.attractors import Attractor
+    from lsvib.dynamics.attractor import Attractor
 
     found = {name: np.vectorize(lambda row, name=name: float(row[name]))(rows) for name in names}
     table = {prefix + name: variable(dims, values, *_NUMBERS[name]) for name, values in found.items()}

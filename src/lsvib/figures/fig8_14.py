@@ -73,7 +73,7 @@ def build(settings: Values) -> xr.Dataset:
     Seizures of the motion from the last of the ``starts`` accumulate under the chapter's reading of the rule.
     """
     from lsvib.datasets import phase_plane
-    from lsvib.dynamics.attractors import Attractor
+    from lsvib.dynamics.attractor import Attractor
 
     drive, shown = RigidDrive.of(settings["drive"]), (settings["duration"], settings["samples"])
     drives = [drive.replace(mass=m, axial_force=r) for m in settings["masses"] for r in settings["axial_forces"]]
@@ -117,7 +117,7 @@ def build(settings: Values) -> xr.Dataset:
 
 def _labels(drive: RigidDrive, rule: str, states: Sequence[tuple[float, float]]) -> list[int]:
     """Attractors of the motions from some states u [rad], u′ [rad/s]."""
-    from lsvib.dynamics.attractors import steady_state
+    from lsvib.dynamics.attractor import steady_state
 
     automaton = rigid_automaton(drive, resume=rule)
     return [steady_state(automaton, list(state)).label for state in states]
@@ -125,7 +125,7 @@ def _labels(drive: RigidDrive, rule: str, states: Sequence[tuple[float, float]])
 
 def _corners(drives: Sequence[RigidDrive]) -> Variables:
     """The corner of the lines N = 0 and θ′ = 0, and where the motions from standstill below it end."""
-    from lsvib.dynamics.attractors import Attractor
+    from lsvib.dynamics.attractor import Attractor
 
     corners = [_corner(d) for d in drives]
     states = [[(corner - x, -d.input_speed) for x in _DISTANCES] for d, corner in zip(drives, corners, strict=True)]

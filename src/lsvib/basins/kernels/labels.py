@@ -185,7 +185,7 @@ def label_of(tables, known, mode, scratch, budget):
 
 @kernel
 def _outlook(a0, a1, alpha, beta, share, centre, g_u, g_w, g_0, u, w):
-    """Tell whether a guard g_u u + g_w w + g_0 that is positive at (u, w) will ever fall through zero.
+    """Return whether a guard g_u u + g_w w + g_0 that is positive at (u, w) will ever fall through zero.
 
     The guard of a damped oscillation swings about its value at the equilibrium, g_e, by A at the start. Its first
     minimum lies between g_e − A and g_e − e^{−2πα/β} A, and is computed only if zero lies there as well; later minima

@@ -10,7 +10,7 @@ import pytest
 from mpmath import mp, mpf
 from references import four_states_digits, rigid_digits
 
-from lsvib.dynamics.variational import derivative
+from lsvib.dynamics.poincare_map import derivative
 from lsvib.engine.motion import follow
 from lsvib.models.drive import RigidDrive, ThreadsDrive
 from lsvib.models.rigid import rigid_automaton

@@ -1,10 +1,10 @@
-"""Repelling cycles of any model on the edge of a basin, found by following the edge.
+"""Repelling cycles of any model on the edge of a basin, found by edge tracking.
 
 Between two starts whose motions end differently lies a state on the edge of a basin. Halving brings two states, one on
 each side of the edge, together, and their motions stay together for a while: both follow the edge, on which all motions
 tend to what attracts there. Where that is a cycle with one multiplier outside the unit circle, Newton's method on the
-exact return map (:mod:`lsvib.dynamics.periodic`) finds it from the events that both motions have in common. Where they
-part before it does, they are halved further, and once they are as close as doubles can be, again from a later event.
+exact Poincaré map finds it from the events that both motions have in common. Where they part before it does, they are
+halved further, and once they are as close as doubles can be, again from a later event.
 
 This is a search, not a proof: an edge may hold several cycles, or none, because the motion jumps where it touches a
 surface.
@@ -12,38 +12,31 @@ surface.
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
+from typing import TypeVar
 
 import numpy as np
 
-from lsvib.dynamics.attractors import Attractor, SteadyState, steady_state
-from lsvib.dynamics.periodic import Cycle, cycle_on
-from lsvib.dynamics.recurrences import CORNERS
-from lsvib.dynamics.return_map import ReturnSection
-from lsvib.dynamics.return_section import section_key
+from lsvib.dynamics.attractor import Attractor, SteadyState, steady_state
+from lsvib.dynamics.poincare_map import Section, section_key, size_of
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND
 from lsvib.engine.motion import Budget, Motion, follow
 from lsvib.errors import EngineError
-from lsvib.models.drive import Drive
 
-_FINER = 1e-3  # factor by which two states come together between two attempts of Newton's method: ten halvings
 _FINEST = 1e-12  # distance, in sizes of the motion, beyond which halving meets the rounding of the motions
 _PARTED = 1e-2  # distance at which two motions no longer follow the edge
-_CLOSE = 1e-5  # distance at which they are still on the edge, to so many digits
-_LATER = 1e-4  # distance at which they are taken up again: eight digits were gained on the way
-_ROUNDS = 8  # attempts of Newton's method: four on the first line, the others from later events
-_EVENTS = 2000  # that two motions are followed side by side
-_RETURNS = 4  # most returns to the section in a period that are tried
-_WORK = 10_000  # of telling one ending, in units of one event: some hundred returns and a slow approach
-_LONGER = 4.0  # a return may take so many times the longest one on the edge
+_WORK = 10_000  # of determining one ending, in units of one event: some hundred returns and a slow approach
 
 StateEnding = tuple[np.ndarray, SteadyState]
+Cycle = TypeVar("Cycle")
+Solver = Callable[[Section], Cycle | None]  # returns the repelling cycle near the origin of a section, or None
 
 
-def edge_cycles(drive: Drive, automaton: Automaton, endings: Sequence[StateEnding]) -> Iterator[Cycle | None]:
+def edge_cycles(automaton: Automaton, endings: Sequence[StateEnding], solver: Solver[Cycle]) -> Iterator[Cycle | None]:
     """Yield, for each two attractors that starts reach, the cycle on the edge between their basins, or None.
 
-    ``endings``: starts (n) and what their motions end on; those that end on nothing known take no part.
+    ``endings``: starts (n) and what their motions end on; those that are unresolved take no part.
     """
     groups: list[list[StateEnding]] = []
     for state, steady in endings:
@@ -59,7 +52,7 @@ def edge_cycles(drive: Drive, automaton: Automaton, endings: Sequence[StateEndin
         for second in groups[k + 1 :]:
             pairs = [(one, other) for one, _ in first for other, _ in second]
             one, other = min(pairs, key=lambda pair: float(np.abs((pair[0] - pair[1]) / size).max()))
-            yield _cycle_between(drive, automaton, one, other, first[0][1])
+            yield _cycle_between(automaton, one, other, first[0][1], solver)
 
 
 def alike(one: SteadyState, other: SteadyState) -> bool:
@@ -71,17 +64,17 @@ def alike(one: SteadyState, other: SteadyState) -> bool:
 
 
 def _cycle_between(
-    drive: Drive, automaton: Automaton, low: np.ndarray, high: np.ndarray, ending: SteadyState
+    automaton: Automaton, low: np.ndarray, high: np.ndarray, ending: SteadyState, solver: Solver[Cycle]
 ) -> Cycle | None:
     """The cycle on the edge between two starts (n), of which the first has this ending; None if none is found."""
 
-    def on_first_side(state: np.ndarray, mode: int | None) -> bool:
+    def on_first_side(mode: int | None, state: np.ndarray) -> bool:
         return alike(steady_state(automaton, state, mode=mode, max_events=_WORK), ending)
 
     mode: int | None = None
     size = np.maximum(np.abs(low), np.abs(high))
-    for _ in range(_ROUNDS):
-        low, high = _closer(low, high, size, lambda state, mode=mode: on_first_side(state, mode))
+    for _ in range(8):  # attempts of Newton's method: four on the first line, the others from later events
+        low, high = _closer(low, high, size, partial(on_first_side, mode))
         finest = _distance(low, high, size) <= _FINEST
         both = _side_by_side(automaton, low, high, mode)
         if both is None and finest:
@@ -90,11 +83,12 @@ def _cycle_between(
             continue
         motion, gaps, others = both
         for section in _sections(motion, gaps):
-            cycle = cycle_on(drive, section, "edge of a basin")
-            if cycle is not None and cycle.repelling and not _vanishes(cycle):
+            cycle = solver(section)
+            if cycle is not None:
                 return cycle
         if finest:
-            later = int(np.searchsorted(gaps, _LATER))
+            # distance at which they are taken up again: eight digits were gained on the way
+            later = int(np.searchsorted(gaps, 1e-4))
             if later in (0, len(gaps)):
                 return None
             low, high, mode = motion.after[later], others[later], int(motion.mode[later])
@@ -106,7 +100,8 @@ def _closer(
     low: np.ndarray, high: np.ndarray, size: np.ndarray, on_first_side: Callable[[np.ndarray], bool]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Halve the way between states on two sides until it is some digits shorter, or meets rounding."""
-    end = max(_FINER * _distance(low, high, size), _FINEST)
+    # factor by which two states come together between two attempts of Newton's method: ten halvings
+    end = max(1e-3 * _distance(low, high, size), _FINEST)
     while _distance(low, high, size) > end:
         middle = 0.5 * (low + high)
         if (middle == low).all() or (middle == high).all():
@@ -129,7 +124,8 @@ def _side_by_side(
     """
     try:
         one, other = (
-            follow(automaton, state, np.inf, mode=mode, max_events=_EVENTS, budget=Budget(_WORK))
+            # that two motions are followed side by side
+            follow(automaton, state, np.inf, mode=mode, max_events=2000, budget=Budget(_WORK))
             for state in (low, high)
         )
     except EngineError:
@@ -153,7 +149,7 @@ def _side_by_side(
     return together, gaps[:count], other.after[:count]
 
 
-def _sections(motion: Motion, gaps: np.ndarray) -> Iterator[ReturnSection]:
+def _sections(motion: Motion, gaps: np.ndarray) -> Iterator[Section]:
     """Sections along an edge, for the numbers of returns that a period may have.
 
     They lie where the motion is on the edge to some digits, and where it parts from the other.
@@ -162,17 +158,12 @@ def _sections(motion: Motion, gaps: np.ndarray) -> Iterator[ReturnSection]:
     if key is None:
         return
     met = np.flatnonzero((motion.kind == key[0]) & (motion.mode == key[1]))
-    size = np.maximum(np.abs(motion.after).max(axis=0), np.abs(motion.before).max(axis=0))
-    size[size == 0] = 1.0
-    points = motion.after[met]
+    size, points = size_of(motion), motion.after[met]
     longest = float(np.diff(motion.time[met], prepend=0.0).max())
-    for last in sorted({max(int(np.searchsorted(gaps[met], near)) - 1, 0) for near in (_CLOSE, _PARTED)}):
-        earlier = range(1, min(_RETURNS, last) + 1)
+    # distance at which they are still on the edge, to so many digits
+    for last in sorted({max(int(np.searchsorted(gaps[met], near)) - 1, 0) for near in (1e-5, _PARTED)}):
+        earlier = range(1, min(4, last) + 1)  # most returns to the section in a period that are tried
         changes = {r: float(np.max(np.abs(points[last] - points[last - r]) / size)) for r in earlier}
         for returns in sorted(changes, key=lambda r: changes[r]) or [1]:
-            yield ReturnSection(motion.automaton, key, points[last], size, returns, _LONGER * longest)
-
-
-def _vanishes(cycle: Cycle) -> bool:
-    """Whether a cycle is steady sliding itself, where a surface goes through it."""
-    return bool(np.abs(cycle.state / cycle.section.size).max() < CORNERS[cycle.state.size > 2])
+            # a return may take so many times the longest one on the edge
+            yield Section(motion.automaton, key, points[last], size, returns, 4.0 * longest)

@@ -1,0 +1,364 @@
+"""The attractor that a motion of any model reaches: the one rule by which every label of a motion is decided.
+
+The way of a label: here → :mod:`lsvib.dynamics.kernels.attractor` (the rule) →
+:mod:`lsvib.dynamics.kernels.poincare_map` (section, returns, fixed points) → :mod:`lsvib.dynamics.kernels.saltation`
+(their derivatives), which follow motions by the engine. Maps, sweeps and charts ask nothing else.
+
+The rule, for any number of states. The motion is followed, 64 events and then twice as many again and again.
+
+1. The engine proves that no guard can fire again: the motion stays in one linear mode for ever, and ends in steady
+   sliding or rest; if nothing damps what is excited, in one of a *neutral* family; if that grows, it is unbounded.
+2. Otherwise its events recur. The *section* is that of the rarest events of the later half. If its state repeats after
+   1 to 64 returns, or comes nearest after 1 to 8, Newton's method with the exact derivative P′ solves P(y) = y for the
+   Poincaré map P of so many returns (:mod:`lsvib.dynamics.poincare_map`). The motion ends in that fixed point if
+
+   * its multipliers, the eigenvalues of P′, lie inside the unit circle beyond the rounding of P′ – or on it, if the
+     motion repeats and nothing damps –,
+   * the motion has come nearer with every return, in the norm in which P′ contracts, and
+   * returns from all along the way to it have the same events.
+
+   It is a cycle, or steady sliding where that lies on a surface.
+3. A motion that leaves the range of numbers is unbounded, if energy can grow in the model.
+4. What the budget does not suffice for is unresolved, for a reason that is named (:class:`Doubt`): this happens to
+   chaos, to cycles of more than 8 returns that attract slowly, and where so little damps that a turn changes nothing.
+
+No waiting time enters, and nothing depends on other motions.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from enum import IntEnum, StrEnum
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from lsvib.dynamics.kernels import attractor as rule
+from lsvib.dynamics.kernels.attractor import Outcome
+from lsvib.dynamics.kernels.poincare_map import ON_CIRCLE
+from lsvib.engine.automaton import Automaton
+from lsvib.engine.kernels import event_loop, layout
+from lsvib.engine.motion import Motion, enter, follow
+from lsvib.errors import AccumulationError, DivergenceError, EngineError, UndecidedError, WorkSpentError
+
+_ONE_PERIOD = 1e-6  # relative difference of the periods of one cycle, as two motions reach it
+
+
+class Attractor(IntEnum):
+    """Where a motion ends up."""
+
+    UNRESOLVED = -1
+    STEADY_SLIDING = 0
+    STICK_SLIP_CYCLE = 1
+    SPRAG_SLIP_CYCLE = 2
+    OTHER_CYCLE = 3  # a cycle of pure slip
+    UNBOUNDED = 4  # of compliant threads, and of parts of a drive; other drives have a bounded energy
+    REST = 5  # at rest for ever; never the label of a drive whose motor turns, which ends every rest
+    NEUTRAL_FAMILY = 6  # undamped oscillations side by side, each periodic, none attracting the others
+
+
+class Doubt(StrEnum):
+    """Why the attractor of a motion is unresolved; nothing else is ever the reason."""
+
+    EVENT_BUDGET = "event budget exhausted"
+    RECURRENT = "event budget exhausted by a vibration that hardly changes in size and has no period that was found"
+    WORK_BUDGET = "work budget exhausted by the search for one event"
+    ROUNDING = "start or motion on a boundary to rounding"
+    ACCUMULATION = "events accumulate, and the model does not say what follows"
+    RANGE = "motion leaves the range of numbers"
+    ENGINE = "no answer of the engine"
+
+    @classmethod
+    def of(cls, error: EngineError) -> "Doubt":
+        """Return what an error of the engine stands for."""
+        return next((doubt for kind, doubt in _MEANT.items() if isinstance(error, kind)), cls.ENGINE)
+
+
+_MEANT = {
+    DivergenceError: Doubt.RANGE,
+    AccumulationError: Doubt.ACCUMULATION,
+    UndecidedError: Doubt.WORK_BUDGET,
+    WorkSpentError: Doubt.EVENT_BUDGET,
+}
+_UNRESOLVED = {
+    Outcome.SPENT: Doubt.EVENT_BUDGET,
+    Outcome.SPENT_STEADILY: Doubt.RECURRENT,
+    Outcome.SEARCH_SPENT: Doubt.WORK_BUDGET,
+    Outcome.LOST: Doubt.ENGINE,
+}
+
+
+@dataclass(frozen=True)
+class SteadyState:
+    """The attractor of a motion.
+
+    ``label`` names it, and ``state`` (n) is the equilibrium or the state on the section. A cycle also has ``orbit``,
+    one period as a motion from the point on the section; ``returns``, the number of returns to the section in a period;
+    ``residual`` [1], the change of the section state over one period relative to the size of the motion; and
+    ``multiplier`` [1], the largest of the return map, or its magnitude if it is complex. ``doubt`` says why an
+    attractor is unresolved.
+    """
+
+    label: Attractor
+    state: np.ndarray
+    orbit: Motion | None = field(default=None, repr=False)
+    returns: int = 0
+    residual: float = math.nan
+    multiplier: float = math.nan
+    doubt: Doubt | None = None
+
+    @classmethod
+    def unresolved(cls, state: np.ndarray, doubt: "Doubt | EngineError") -> "SteadyState":
+        """Return the attractor that is not known of a motion, whose last state (n) is known, and why."""
+        return cls(Attractor.UNRESOLVED, state, doubt=doubt if isinstance(doubt, Doubt) else Doubt.of(doubt))
+
+    @property
+    def period(self) -> float:
+        """Period [s]; nan for an equilibrium."""
+        return self.orbit.end_time if self.orbit else math.nan
+
+    def same_period(self, other: "SteadyState") -> bool:
+        """Whether two cycles have one period, as two motions reach them."""
+        return abs(self.period - other.period) <= _ONE_PERIOD * self.period
+
+    def extremes(self, row: np.ndarray) -> tuple[float, float]:
+        """Return the extremes over the cycle of an affine function (n + 1) or an observable (m, n + 1)."""
+        if self.orbit is None:
+            value = float(row[:-1] @ self.state + row[-1])
+            return value, value
+        return orbit_extremes(self.orbit, row)
+
+    @property
+    def amplitude(self) -> float:
+        """Half the peak-to-peak of u [rad]."""
+        low, high = self.extremes(np.eye(1, self.state.size + 1)[0])
+        return 0.5 * (high - low)
+
+
+class Course(NamedTuple):
+    """A motion until its end is determined: time [s], events and modes that sprag, first event (−1: none)."""
+
+    time: float
+    sprags: int
+    first_event: int
+
+
+class KnownCycles(NamedTuple):
+    """Cycles that a motion may be found to join, before others are looked for: after ``patience`` events."""
+
+    cycles: Sequence[SteadyState]
+    table: rule.Known
+    patience: int = 0
+
+    @classmethod
+    def of(cls, cycles: Sequence[SteadyState], states: int, patience: int) -> "KnownCycles":
+        """Return the table of cycles with so many states; neutral families and cycles without events do not count."""
+        own = [one for one in cycles if one.orbit is not None and one.orbit.time.size]
+        orbits = [one.orbit for one in own if one.orbit is not None]
+        kind, mode = (np.array([getattr(o, name)[-1] for o in orbits], dtype=np.int64) for name in ("kind", "mode"))
+        visits = [np.sum((o.kind == o.kind[-1]) & (o.mode == o.mode[-1])) for o in orbits]
+        point, size = np.empty((2, len(orbits), states))
+        for k, orbit in enumerate(orbits):
+            point[k], size[k] = orbit.after[-1], np.maximum(np.abs(orbit.after).max(axis=0), np.finfo(float).tiny)
+        events = np.array([o.time.size for o in orbits], dtype=np.int64)
+        return cls(own, rule.Known(kind, mode, np.array(visits, dtype=np.int64), events, point, size), patience)
+
+
+def steady_state(
+    automaton: Automaton, state: ArrayLike, *, mode: int | None = None, max_events: int = 300_000
+) -> SteadyState:
+    """Find the attractor of the motion of any model from ``state`` (n), in ``mode`` if given.
+
+    ``max_events`` bounds the work, of the motion and of the returns by which its map is solved, in units of one
+    ordinary event. The rule is that of the module docstring; besides, the model may vouch that slip makes every area of
+    the phase plane smaller (``Automaton.contracts``): then all motions end in steady sliding.
+    """
+    return end_of_motion(automaton, state, mode=mode, max_events=max_events)[0]
+
+
+def end_of_motion(
+    automaton: Automaton,
+    state: ArrayLike,
+    *,
+    mode: int | None = None,
+    max_events: float = 300_000,
+    known: KnownCycles | None = None,
+) -> tuple[SteadyState, Course]:
+    """Return the attractor of a motion, as :func:`steady_state` does, and its course until that is determined.
+
+    With ``known`` cycles the motion is looked at after every 64 events: it has joined one of them when its last four
+    points on the cycle's section tend to the cycle's point, in geometric steps with as many events between them as the
+    cycle has.
+    """
+    here = np.array(state, dtype=float)
+    if shrinks_areas(automaton):
+        return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(here)), Course(math.nan, 0, -1)
+    if mode is None:
+        mode, here = enter(automaton, here)
+    known = known or KnownCycles.of((), here.size, 0)
+    facts, found = facts_of(automaton), _new_found(here.size, max_events)
+    time, sprags, first = 0.0, 0, -1
+    while True:
+        outcome = rule.attractor(automaton.tables, facts, known.table, mode, here, known.patience, found)
+        time, sprags = time + float(found.notes[0]["time"]), sprags + int(found.notes[0]["sprags"])
+        first = int(found.notes[0]["first_event"]) if first < 0 else first
+        if outcome != Outcome.ACCUMULATES:
+            break
+        try:  # judgements that contradict each other at one instant are seen through by the engine
+            motion = follow(automaton, found.state, math.inf, mode=int(found.notes[0]["mode"]), max_events=rule.SIGHT)
+        except EngineError as error:
+            return _without_answer(automaton, found.state.copy(), error), Course(time, sprags, first)
+        mode, here, time = motion.end_mode, motion.end_state.copy(), time + motion.end_time
+        found.notes[0]["left"] -= motion.time.size
+    return _meant(automaton, outcome, found, known), Course(time, sprags, first)
+
+
+def shrinks_areas(automaton: Automaton) -> bool:
+    """Whether the model vouches that every motion ends in steady sliding: areas shrink, so no orbit is closed."""
+    return automaton.contracts and bool((automaton.tables.flow[:, layout.ALPHA] > 0).any())
+
+
+def facts_of(automaton: Automaton) -> rule.Facts:
+    """Return what the rule needs to know of the modes and events of a model."""
+    codes, sprag_kinds = automaton.codes, np.zeros(128, dtype=bool)  # kinds of events are numbers of eight bits
+    sprag_kinds[list(automaton.sprag_kinds)] = True
+    rests = np.isin(codes, automaton.rest_codes)
+    return rule.Facts(rests, np.isin(codes, automaton.sprag_codes), sprag_kinds, _conserves(automaton, rests))
+
+
+def _conserves(automaton: Automaton, rests: np.ndarray) -> bool:
+    """Whether all modes in motion preserve volumes, because nothing damps them."""
+    flow = automaton.tables.flow
+    if isinstance(flow, np.ndarray):
+        return not flow[..., ~rests, layout.A1].any()
+    return not np.trace(flow.field[~rests][:, :, :-1], axis1=1, axis2=2).any()
+
+
+def _new_found(states: int, work: float) -> rule.Found:
+    notes = np.zeros(1, dtype=rule.NOTES)
+    notes["left"] = work
+    return rule.Found(notes, np.zeros(states), np.zeros((states, states)))
+
+
+def _without_answer(automaton: Automaton, state: np.ndarray, error: EngineError) -> SteadyState:
+    if isinstance(error, DivergenceError) and not automaton.passive:
+        return SteadyState(Attractor.UNBOUNDED, state)
+    return SteadyState.unresolved(state, error)
+
+
+def _meant(automaton: Automaton, outcome: int, found: rule.Found, known: KnownCycles) -> SteadyState:
+    """Return the attractor that an outcome of the rule stands for."""
+    state, mode = found.state.copy(), int(found.notes[0]["mode"])
+    if outcome == Outcome.KNOWN:
+        return known.cycles[int(found.notes[0]["index"])]
+    if outcome == Outcome.SLIDES:
+        return SteadyState(Attractor.STEADY_SLIDING, _equilibrium(automaton, mode, state.size))
+    if outcome == Outcome.RESTS:
+        return SteadyState(Attractor.REST, state)
+    if outcome == Outcome.GROWS:
+        if automaton.passive:  # only rounding hides the next event
+            return SteadyState.unresolved(state, Doubt.RANGE)
+        return SteadyState(Attractor.UNBOUNDED, state)
+    if outcome in _UNRESOLVED:
+        return SteadyState.unresolved(state, _UNRESOLVED[outcome])
+    try:
+        if outcome == Outcome.OSCILLATES:
+            return _oscillation(automaton, mode, state, float(found.notes[0]["frequency"]))
+        return _cycle(automaton, found)
+    except EngineError as error:
+        return SteadyState.unresolved(state, error)
+
+
+def _equilibrium(automaton: Automaton, mode: int, states: int) -> np.ndarray:
+    """Return where A x + b = 0 (n) in a mode; steady sliding where it lies on a surface (mode −1).
+
+    If doubles do not tell the rows of A apart, that is the solution with no share of what they leave open: deviations
+    from steady sliding, which is zero.
+    """
+    flow = automaton.tables.flow
+    if mode < 0:
+        return np.zeros(states)
+    if isinstance(flow, np.ndarray):
+        return np.array([flow[mode, layout.EQUILIBRIUM], 0.0])
+    matrix, constant = flow.field[mode][:, :-1], flow.field[mode][:, -1]
+    try:
+        return np.linalg.solve(matrix, -constant)
+    except np.linalg.LinAlgError:
+        return np.linalg.lstsq(matrix, -constant)[0]
+
+
+def _oscillation(automaton: Automaton, mode: int, state: np.ndarray, frequency: float) -> SteadyState:
+    """Return one of a neutral family in one mode; several frequencies (``frequency`` zero) have no common period."""
+    if not frequency:
+        return SteadyState(Attractor.NEUTRAL_FAMILY, state, multiplier=1.0)
+    orbit = follow(automaton, state, 2 * math.pi / frequency, mode=mode)
+    return SteadyState(Attractor.NEUTRAL_FAMILY, state, orbit, 1, 0.0, 1.0)
+
+
+def _cycle(automaton: Automaton, found: rule.Found) -> SteadyState:
+    """Return the cycle through the fixed point that was found."""
+    notes, state, facts = found.notes[0], found.state.copy(), facts_of(automaton)
+    d = int(notes["dimension"])
+    orbit = follow(automaton, state, math.inf, mode=int(notes["mode"]), max_events=int(notes["events"]))
+    label, leading = cycle_label(orbit), largest(found.slopes[:d, :d])
+    neutral = facts.conserves and abs(leading) > 1 - ON_CIRCLE and label != Attractor.SPRAG_SLIP_CYCLE
+    modes, _, _, durations = orbit.arcs()
+    # part of a period for which the largest of a neutral family seems to rest where it touches θ′ = 0
+    brief = label == Attractor.STICK_SLIP_CYCLE and durations[facts.rests[modes]].sum() <= 1e-6 * orbit.end_time
+    label = Attractor.NEUTRAL_FAMILY if neutral or (facts.conserves and brief) else label
+    size = np.maximum(np.abs(orbit.after).max(axis=0), np.finfo(float).tiny)
+    residual = float(np.max(np.abs(orbit.end_state - state) / size))
+    return SteadyState(label, state, orbit, int(notes["returns"]), residual, leading)
+
+
+def cycle_label(orbit: Motion) -> Attractor:
+    """Return the label of a cycle that is no family: sprag–slip if it sprags, stick–slip if it rests, else other."""
+    automaton, codes = orbit.automaton, orbit.automaton.codes[orbit.arcs()[0]]
+    if np.isin(orbit.kind, automaton.sprag_kinds).any() or np.isin(codes, automaton.sprag_codes).any():
+        return Attractor.SPRAG_SLIP_CYCLE
+    return Attractor.STICK_SLIP_CYCLE if np.isin(codes, automaton.rest_codes).any() else Attractor.OTHER_CYCLE
+
+
+def largest(slopes: np.ndarray) -> float:
+    """Return the eigenvalue of P′ (d, d) of the largest magnitude, or its magnitude if it is complex; 0 if d = 0."""
+    if slopes.size == 0:
+        return 0.0
+    values = np.linalg.eigvals(slopes)
+    leading = values[np.argmax(np.abs(values))]
+    return float(leading.real if leading.imag == 0 else abs(leading))
+
+
+def orbit_extremes(orbit: Motion, row: np.ndarray, wanted: np.ndarray | None = None) -> tuple[float, float]:
+    """Exact extremes along a motion of an affine function (n + 1) or of an observable (modes, n + 1).
+
+    With ``wanted`` (modes) over the arcs in these modes only, and not a number where there is none. Raises
+    ``EngineError`` where the rates of a mode lie too far apart to isolate them.
+    """
+    automaton = orbit.automaton
+    modes, starts, _, durations = orbit.arcs()
+    if wanted is not None:
+        chosen = wanted[modes]
+        if not chosen.any():
+            return math.nan, math.nan
+        modes, starts, durations = modes[chosen], starts[chosen], durations[chosen]
+    functionals = np.array(np.broadcast_to(row, (len(automaton.codes), row.shape[-1])))
+    low, high = event_loop.extremes_of_arcs(automaton.tables.flow, modes, starts, durations, functionals)
+    if not (math.isfinite(low) and math.isfinite(high)):
+        raise EngineError("the extremes of the motion cannot be isolated: the rates of a mode lie too far apart.")
+    return low, high
+
+
+def arc_integrals(orbit: Motion) -> tuple[np.ndarray, np.ndarray]:
+    """Exact ∫(u, w, 1) dt over each arc of a motion, shape (k, 3) [rad s, rad, s], and the arcs' modes (k).
+
+    From the equation of motion of the mode:  a₀ ∫u = b τ − Δw − a₁ Δu;  without stiffness, as at rest, w is constant.
+    """
+    modes, starts, ends, durations = orbit.arcs()
+    flow = orbit.automaton.tables.flow[modes]
+    change = ends - starts
+    a0, a1, b = flow[:, layout.A0], flow[:, layout.A1], flow[:, layout.B]
+    resting = a0 == 0
+    spring = (b * durations - change[:, 1] - a1 * change[:, 0]) / np.where(resting, 1.0, a0)
+    drift = starts[:, 0] * durations + 0.5 * starts[:, 1] * durations**2
+    return np.stack([np.where(resting, drift, spring), change[:, 0], durations], axis=1), modes

@@ -1,0 +1,439 @@
+"""Periodic motions of a drive of any model, attracting or repelling, and the search for all of them.
+
+Cycles are solved by Newton's method on the exact Poincaré map (:mod:`lsvib.dynamics.poincare_map`). The search takes
+attracting ones from starts, and repelling ones where return maps cross the diagonal. Every cycle without rest of a
+drive with two states meets Q = 0 or θ′ = 0, because within a mode only steady sliding lasts; with rest it is
+superstable, hence reached from starts. So the return maps of these two lines are searched for P(y) = y: their
+displacement P(y) − y is sampled in both directions over seven decades, and closer and closer towards the places beyond
+which motions do not come back. A change of sign is a cycle or a jump; an extremum on the side of zero is narrowed down
+first, since two cycles that are about to meet lie on either side of it. Of drives with four states the edges between
+what the starts end on are followed instead (:mod:`lsvib.dynamics.edge_tracking`). A search is no proof: what a map does
+between two samples without an extremum that shows stays unseen.
+"""
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from lsvib.dynamics.attractor import Attractor, SteadyState, cycle_label, orbit_extremes, steady_state
+from lsvib.dynamics.edge_tracking import edge_cycles
+from lsvib.dynamics.energy import Work, means, work
+from lsvib.dynamics.impulses import Impulses, event_impulses
+from lsvib.dynamics.poincare_map import Section, lines, multipliers, nearest_to_origin, section_key, size_of, solve
+from lsvib.engine.automaton import Automaton
+from lsvib.engine.kernels import layout
+from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND
+from lsvib.engine.motion import Motion, follow
+from lsvib.errors import EngineError
+from lsvib.models.drive import Drive
+from lsvib.models.mechanics import coefficients
+from lsvib.models.model import find_model
+
+_LONGER = 2.0  # a return may take so many times what it did
+_GOLDEN = 0.3819660112501051  # (3 − √5) / 2
+_HALVINGS = 60  # of a bracket in which Newton's method fails: to the last bit
+_CLOSER = np.append(
+    0.7 ** np.arange(1, 40), 0.0
+)  # Close to an end return maps bend, so samples go down to a millionth.
+_BEYOND = 1e-9  # part of a bracket by which a cycle may lie beyond it, for the rounding of its place
+_SAME = 1e-7  # Two cycles of one stability that differ by less, relatively, are the same cycle.
+_MOST, _LESS = 300_000, 30_000  # work for a start, and for one after another remained unresolved
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """A periodic motion of ``drive``.
+
+    ``orbit``: one period from ``state`` (n) on a section; ``residual`` [1]: change of the state over it, relative to
+    the size of the motion; ``multipliers`` [1] (n − 1), complex, the largest first, and ``multiplier_error``, a bound
+    of their errors (of stiff contacts an estimate); ``found_by``: how it was found.
+    """
+
+    drive: Drive
+    orbit: Motion = field(repr=False)
+    residual: float
+    multipliers: np.ndarray
+    multiplier_error: float
+    found_by: str = "start"
+    section: Section = field(repr=False, compare=False, default=None)  # type: ignore[assignment]
+
+    @property
+    def state(self) -> np.ndarray:
+        """State (n) in which the period begins."""
+        return self.orbit.start_state
+
+    @property
+    def period(self) -> float:
+        """Period [s]."""
+        return self.orbit.end_time
+
+    @property
+    def label(self) -> Attractor:
+        """Sprag–slip if it sprags, stick–slip if it rests, else other; neutral if it is one of a family."""
+        return Attractor.NEUTRAL_FAMILY if self.neutral else cycle_label(self.orbit)
+
+    @property
+    def leading(self) -> float:
+        """Largest magnitude of a multiplier [1]."""
+        return float(np.abs(self.multipliers).max(initial=0.0))
+
+    @property
+    def attracting(self) -> bool:
+        """Whether all multipliers lie inside the unit circle by more than their error."""
+        return self.leading + self.multiplier_error < 1
+
+    @property
+    def repelling(self) -> bool:
+        """Whether a multiplier lies outside the unit circle by more than its error."""
+        return self.leading - self.multiplier_error > 1
+
+    @property
+    def neutral(self) -> bool:
+        """Whether the largest multiplier is on the unit circle, to its error; not if there are none."""
+        return math.isfinite(self.leading) and not (self.attracting or self.repelling)
+
+    @property
+    def itinerary(self) -> tuple[tuple[str, str], ...]:
+        """Events of a period, (kind, mode that is entered), without touches; the last one ends the period."""
+        model = find_model(self.drive.model)
+        return tuple(
+            (model.events(int(kind)).name.lower(), model.modes(int(self.orbit.automaton.codes[mode])).name.lower())
+            for kind, mode in zip(self.orbit.kind, self.orbit.mode, strict=True)
+            if kind != GRAZE_KIND
+        )
+
+    @cached_property
+    def extremes(self) -> dict[str, tuple[float, float]]:
+        """Smallest and largest value of each coordinate and observable, in its SI unit, in closed form."""
+        automaton, unit = self.orbit.automaton, np.eye(self.state.size + 1)
+        found = {name: orbit_extremes(self.orbit, unit[i]) for i, name in enumerate(automaton.states)}
+        return found | {name: orbit_extremes(self.orbit, rows) for name, rows in automaton.observables.items()}
+
+    @property
+    def amplitude(self) -> float:
+        """Half the peak-to-peak of u [rad]."""
+        low, high = self.extremes["angle_deviation"]
+        return 0.5 * (high - low)
+
+    @cached_property
+    def means(self) -> dict[str, float]:
+        """Means of the observables over a period, in their SI units, without the impulses of seizures."""
+        return means(self.orbit)
+
+    @cached_property
+    def work(self) -> Work:
+        """Work over a period [J]."""
+        return work(self.drive, self.orbit)
+
+    @property
+    def impulses(self) -> Impulses:
+        """Impulses of each event of the period [N s, N m s]; zero but for seizures."""
+        return event_impulses(self.drive, self.orbit)
+
+    def to_json_multipliers(self) -> list[float | list[float] | None]:
+        """Return the multipliers: numbers, or real and imaginary parts; None where there is no derivative."""
+        return [_number(value) for value in self.multipliers]
+
+    def to_json(self) -> dict[str, Any]:
+        """Return what :class:`Cycle` says, as plain numbers and names."""
+        taken = self.work
+        return {
+            "label": self.label.name.lower(),
+            "attracting": self.attracting,
+            "stability": self._stability(),
+            "period": self.period,
+            "amplitude": self.amplitude,
+            "multipliers": self.to_json_multipliers(),
+            "multiplier_error": _finite(self.multiplier_error),
+            "state": [float(x) for x in self.state],
+            "residual": self.residual,
+            "found_by": self.found_by,
+            "itinerary": self._events(),
+            "extremes": {name: list(ends) for name, ends in self.extremes.items()},
+            "means": self.means,
+            "work": {
+                "motor": taken.motor,
+                "load": taken.load,
+                "friction": taken.friction,
+                "damping": taken.damping,
+                "impacts": taken.impacts,
+                "balance": taken.balance,
+                "efficiency": _finite(taken.efficiency),
+            },
+        }
+
+    def _stability(self) -> str:
+        for name in ("attracting", "repelling", "neutral"):
+            if getattr(self, name):
+                return name
+        return "not known"  # without multipliers, as infinitely many events have no derivative
+
+    def _events(self) -> list[dict[str, Any]]:
+        """Events of a period without touches: time [s], and the impulses [N s, N m s] of those that are seizures."""
+        impulses, seized = self.impulses, np.isin(self.orbit.kind, self.orbit.automaton.sprag_kinds)
+        found, names = [], iter(self.itinerary)
+        for k in np.flatnonzero(self.orbit.kind != GRAZE_KIND):
+            kind, mode = next(names)
+            event: dict[str, Any] = {"event": kind, "mode": mode, "time": float(self.orbit.time[k])}
+            if seized[k]:
+                event |= {
+                    "normal_impulse": float(impulses.normal[k]),
+                    "axial_impulse": float(impulses.axial[k]),
+                    "torque_impulse": float(impulses.torque[k]),
+                }
+            found.append(event)
+        return found
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+def _number(value: complex) -> float | list[float] | None:
+    """A real multiplier as a number, a complex one as its real and imaginary part."""
+    if not np.isfinite(value):
+        return None
+    return float(value.real) if value.imag == 0 else [float(value.real), float(value.imag)]
+
+
+def cycle_from(
+    drive: Drive, automaton: Automaton, state: np.ndarray, mode: int, events: int, found_by: str
+) -> Cycle | None:
+    """Return the cycle near the motion of so many events from a state (n) in a mode; None if there is none.
+
+    The motion should be nearly periodic. The section is chosen among its events as the attractors' is.
+    """
+    guess = follow(automaton, state, math.inf, mode=mode, max_events=2 * events)
+    key = section_key(guess)
+    if key is None or ACCUMULATION_KIND in guess.kind:
+        return None
+    watched = np.flatnonzero((guess.kind[:events] == key[0]) & (guess.mode[:events] == key[1]))
+    if not watched.size:
+        return None
+    longest = _LONGER * float(guess.end_time)
+    section = Section(automaton, key, guess.after[watched[0]], size_of(guess), len(watched), longest)
+    return cycle_on(drive, section, found_by)
+
+
+def cycle_of(drive: Drive, steady: SteadyState) -> Cycle | None:
+    """Return the cycle that a motion was found to end on, solved again; None for an equilibrium or a neutral family."""
+    if steady.orbit is None or steady.label == Attractor.NEUTRAL_FAMILY:
+        return None
+    orbit = steady.orbit
+    key, longest = (int(orbit.kind[-1]), int(orbit.end_mode)), _LONGER * orbit.end_time
+    section = Section(orbit.automaton, key, steady.state, size_of(orbit), steady.returns, longest)
+    return cycle_on(drive, section, "start")
+
+
+def cycle_on(drive: Drive, section: Section, found_by: str) -> Cycle | None:
+    """Return the cycle near the origin of a section; None if Newton's method does not find one."""
+    found = solve(section)
+    if found is None:
+        return None
+    orbit, residual = found
+    values, error = multipliers(section, orbit, residual)
+    return Cycle(drive, orbit, residual, values, error, found_by, section)
+
+
+@dataclass(frozen=True)
+class Seed:
+    """A start that is nearly periodic: state (n), mode, number of events of a period, and where it is from."""
+
+    state: np.ndarray
+    mode: int
+    events: int
+    found_by: str
+
+
+def swing(drive: Drive) -> tuple[float, float]:
+    """Return the sizes u [rad] and w [rad/s] of a swing of the screw under law −1 with the speed of the motor."""
+    inertia = float(coefficients(drive).gamma[-1])
+    return abs(drive.input_speed) * math.sqrt(inertia / drive.coupling_stiffness), abs(drive.input_speed)
+
+
+def starts(drive: Drive) -> list[tuple[float, float]]:
+    """Return starts (u [rad], w [rad/s]) next to steady sliding, at standstill, and far out on both sides."""
+    u, w = swing(drive)
+    still = -drive.input_speed
+    standing = [(part * u, still) for part in (0.0, -0.5, 0.5)]
+    return [(1e-3 * u, 0.0), (u, 0.0), (-u, 0.0), *standing, (10 * u, w), (-10 * u, -w)]
+
+
+@dataclass(frozen=True)
+class Search:
+    """The ``cycles`` that a search found, attracting ones first; one of each neutral family; what was ``searched``."""
+
+    cycles: tuple[Cycle, ...]
+    families: tuple[SteadyState, ...]
+    searched: str
+
+
+def search(
+    drive: Drive,
+    automaton: Automaton,
+    states: Iterable[np.ndarray],
+    seeds: Sequence[Seed] = (),
+) -> Search:
+    """Search for cycles from seeds, from ``states`` (n), on the lines (two states) and on edges of basins (more).
+
+    Attractors that cannot be determined are left out. The attracting cycles come first, then by period.
+    """
+    found: list[Cycle] = []
+    families: list[SteadyState] = []
+    for seed in seeds:
+        _add(found, cycle_from(drive, automaton, seed.state, seed.mode, seed.events, seed.found_by))
+    endings: list[tuple[np.ndarray, SteadyState]] = []
+    for state in states:
+        lost = any(steady.label == Attractor.UNRESOLVED for _, steady in endings)
+        steady = steady_state(automaton, state, max_events=_LESS if lost else _MOST)
+        endings.append((state, steady))
+        if steady.label == Attractor.NEUTRAL_FAMILY:
+            families = families or [steady]
+        _add(found, cycle_of(drive, steady))
+    unresolved = sum(steady.label == Attractor.UNRESOLVED for _, steady in endings)
+    searched = f"motions from {len(endings)} starts"
+    searched += f", of which {unresolved} are unresolved" if unresolved else ""
+    if len(automaton.states) > 2:
+        edges = list(edge_cycles(automaton, endings, lambda section: _on_edge(drive, section)))
+        for cycle in edges:
+            _add(found, cycle)
+        hits = sum(cycle is not None for cycle in edges)
+        searched += "; " + (_edges(len(edges), hits) if edges else "no two ended differently, so no edge was tracked")
+    elif not automaton.contracts:
+        found_lines = lines(automaton)
+        for key, line in found_lines.items():
+            for cycle in _on_line(drive, automaton, key, line):
+                _add(found, cycle)
+        searched += f"; return maps of {len(found_lines)} lines over seven decades on both sides"
+    return Search(
+        tuple(sorted(found, key=lambda cycle: (not cycle.attracting, cycle.period))), tuple(families), searched
+    )
+
+
+def _on_edge(drive: Drive, section: Section) -> Cycle | None:
+    """Return the repelling cycle near the origin of a section, unless it is steady sliding, which lies on a surface."""
+    cycle = cycle_on(drive, section, "edge of a basin")
+    # size of a cycle, relative to the motion, that is steady sliding
+    small = cycle is not None and np.abs(cycle.state / section.size).max() < 1e-5
+    return cycle if cycle is not None and cycle.repelling and not small else None
+
+
+def _edges(count: int, hits: int) -> str:
+    if count == 1:
+        return f"the edge between their two basins, with {'a' if hits else 'no'} cycle on it"
+    return f"{count} edges between their basins, {hits} of them with a cycle on it"
+
+
+def _add(found: list[Cycle], cycle: Cycle | None) -> None:
+    if cycle is not None and not any(_same(cycle, other) for other in found):
+        found.append(cycle)
+
+
+def _same(one: Cycle, other: Cycle) -> bool:
+    if one.attracting != other.attracting or abs(one.period - other.period) > _SAME * one.period:
+        return False
+    ends = zip(one.extremes["angle_deviation"], other.extremes["angle_deviation"], strict=True)
+    return all(abs(a - b) <= _SAME * (one.amplitude + other.amplitude) for a, b in ends)
+
+
+def _on_line(drive: Drive, automaton: Automaton, key: tuple[int, int], row: np.ndarray) -> Iterator[Cycle]:
+    """Yield the cycles that the return map of a line shows."""
+    sizes = np.array(swing(drive))
+    middle = nearest_to_origin(np.append(row[:2] * sizes, row[2]))  # in these sizes
+    if middle is None:
+        return
+    section = Section(automaton, key, middle * sizes, sizes, 1, _patience(automaton), sizes, row)
+    # Lines are searched from 10^-4 to 10^3 of the size of a swing of the screw.
+    steps = np.logspace(*(-4.0, 3.0), 160)  # on each side of a line: each lies a tenth farther out than the one before
+    coarse = np.concatenate([-steps[::-1], [0.0], steps])
+    places = _to_edges(section, coarse, [_gap(section, y) for y in coarse])
+    gaps = [_gap(section, y) for y in places]
+    brackets = []
+    for k in range(len(places) - 1):
+        here, after = gaps[k], gaps[k + 1]
+        if here * after <= 0:
+            brackets.append((places[k], places[k + 1]))
+        elif k > 0 and gaps[k - 1] * here > 0 and here * after > 0 and abs(here) <= min(abs(gaps[k - 1]), abs(after)):
+            nearest = _extremum(section, places[k - 1], places[k + 1], math.copysign(1.0, here))
+            if _gap(section, nearest) * here <= 0:
+                brackets += [(places[k - 1], nearest), (nearest, places[k + 1])]
+    for low, high in brackets:
+        cycle = _within(drive, section, low, high)
+        if cycle is not None:
+            yield cycle
+
+
+def _to_edges(section: Section, places: np.ndarray, gaps: list[float]) -> np.ndarray:
+    """Add places towards both ends of each stretch of places from which motions come back."""
+    more = [places]
+    for k in range(len(places) - 1):
+        if math.isfinite(gaps[k]) == math.isfinite(gaps[k + 1]):
+            continue
+        inside, outside = (places[k], places[k + 1]) if math.isfinite(gaps[k]) else (places[k + 1], places[k])
+        first = inside
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (inside + outside)
+            inside, outside = (middle, outside) if math.isfinite(_gap(section, middle)) else (inside, middle)
+        more.append(inside + (first - inside) * _CLOSER)
+    return np.unique(np.concatenate(more))
+
+
+def _patience(automaton: Automaton) -> float:
+    """Longest time [s] that a return may take."""
+    scales = automaton.tables.flow[:, layout.TIME_SCALE]
+    return 200.0 * float(scales.max())  # turns of the slowest oscillator that a return may take
+
+
+def _gap(section: Section, place: float) -> float:
+    """P(y) − y; nan if there is no return."""
+    return float(section.excess(np.array([place]))[0])
+
+
+def _extremum(section: Section, low: float, high: float, sign: float) -> float:
+    """Place between two others at which ``sign`` × (P(y) − y) is smallest, or the first at which it is negative."""
+
+    def height(place: float) -> float:
+        value = sign * _gap(section, place)
+        return value if math.isfinite(value) else math.inf
+
+    left, right = low + _GOLDEN * (high - low), high - _GOLDEN * (high - low)
+    at_left, at_right = height(left), height(right)
+    for _ in range(60):  # steps of the golden section, which leave 1e-12 of the bracket
+        if min(at_left, at_right) < 0:
+            break
+        if at_left < at_right:
+            high, right, at_right = right, left, at_left
+            left = low + _GOLDEN * (high - low)
+            at_left = height(left)
+        else:
+            low, left, at_left = left, right, at_right
+            right = high - _GOLDEN * (high - low)
+            at_right = height(right)
+    return left if at_left < at_right else right
+
+
+def _within(drive: Drive, section: Section, low: float, high: float) -> Cycle | None:
+    """Return the cycle in a bracket where P(y) − y changes its sign; Newton's method starts from ever smaller ones."""
+    first = _gap(section, low)
+    width = high - low
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        try:
+            state, line = section.state(np.array([middle])), section.line
+            there = Section(section.automaton, section.key, state, section.size, 1, section.longest, section.size, line)
+            cycle = cycle_on(drive, there, "return map")
+        except EngineError:
+            cycle = None
+        if cycle is not None:
+            place = float(section.place(cycle.state)[0])
+            if low - _BEYOND * width <= place <= high + _BEYOND * width:
+                return cycle
+        here = _gap(section, middle)
+        if not math.isfinite(here):
+            return None
+        low, high = (middle, high) if here * first > 0 else (low, middle)
+    return None

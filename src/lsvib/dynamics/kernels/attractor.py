@@ -1,0 +1,421 @@
+"""The rule of what a motion ends in, which :mod:`lsvib.dynamics.attractor` states; for any number of states."""
+
+import math
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+
+from lsvib.dynamics.kernels import poincare_map
+from lsvib.dynamics.kernels.poincare_map import LONGEST, NEAR, STEP, Verdict
+from lsvib.engine.kernels import event_loop
+from lsvib.engine.kernels.flow_planar import ROUNDING
+from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, by_kind, kernel, merged_kernel
+from lsvib.engine.kernels.layout import ALPHA, BETA, EQUILIBRIUM, Status
+
+
+class Outcome(IntEnum):
+    """What a motion ends in, and why that is unresolved."""
+
+    SLIDES = 0  # what never leaves its mode slides steadily, rests, oscillates for ever or grows
+    RESTS = 1
+    OSCILLATES = 2
+    GROWS = 3
+    CYCLE = 4
+    KNOWN = 5  # it joins a known cycle
+    SPENT = 6  # the budget is spent,
+    SPENT_STEADILY = 7  # by a vibration that hardly changes,
+    SEARCH_SPENT = 8  # or by the search for one event
+    ACCUMULATES = 9  # events accumulate, which the caller may see through
+    LOST = 10  # the engine has no answer
+    OPEN = 11  # no mode fits the start
+
+
+CHUNK = 64  # events that are looked at first; every further look takes twice as many
+SIGHT = 4096  # most events between two looks
+_PERIODS, _SOLVED = 64, 8  # most returns in a period that repeats, and in one that the map is solved for
+_FEWEST, _WATCHED, _POINTS = 4, 10, 1000  # returns that show where a motion goes: for a look, to be near, at most
+_JOINED, _BESIDE = 1e-3, 0.1  # distances from a known cycle, in its sizes: at the end of the way, and of the way
+_STILL = 1e-12  # a step of this size, in sizes of a known cycle, is rounding
+
+
+_FULL, _SETTLED, _DIVERGED, _ACCUMULATED, _NO_BRANCH = (
+    int(status)
+    for status in (Status.EVENTS_FULL, Status.SETTLED, Status.DIVERGED, Status.ACCUMULATED, Status.NO_BRANCH)
+)
+
+
+class Facts(NamedTuple):
+    """What the modes and events of a model mean."""
+
+    rests: np.ndarray  # (m,) modes at rest
+    sprag_modes: np.ndarray  # (m,)
+    sprag_kinds: np.ndarray  # (128,)
+    conserves: bool  # all modes in motion preserve volumes, because nothing damps
+
+
+class Known(NamedTuple):
+    """Cycles that a motion may be found to join: their events on a section, and how many there are in a period."""
+
+    kind: np.ndarray  # (c,)
+    mode: np.ndarray  # (c,)
+    visits: np.ndarray  # (c,) events on the section in a period
+    events: np.ndarray  # (c,) all events in a period
+    point: np.ndarray  # (c, n) on the section
+    size: np.ndarray  # (c, n)
+
+
+NOTES = np.dtype(
+    [
+        *(
+            (name, np.int64)
+            for name in ("kind", "mode", "returns", "events", "dimension", "first_event", "sprags", "index")
+        ),
+        *((name, np.float64) for name in ("time", "frequency", "left")),  # [s], [1/s], work in events
+    ]
+)
+
+
+class Found(NamedTuple):
+    """What is found of a motion."""
+
+    notes: np.ndarray  # (1,) of ``NOTES``
+    state: np.ndarray  # (n,) on the section, or where the motion was left
+    slopes: np.ndarray  # (n, n) P′, the first d rows and columns
+
+
+@kernel
+def _stays_planar(flow, mode, state):
+    row = flow[mode]
+    if state[0] == row[EQUILIBRIUM] and state[1] == 0.0:
+        return Outcome.SLIDES, 0.0
+    if row[ALPHA] < 0.0:
+        return Outcome.GROWS, 0.0
+    lasts = row[ALPHA] == 0.0 and row[BETA] > 0.0
+    return (Outcome.OSCILLATES, row[BETA]) if lasts else (Outcome.SLIDES, 0.0)
+
+
+@kernel
+def _excited(flow, mode, k, state):
+    """Whether a modal coordinate of a state is not zero to rounding."""
+    n = state.size
+    value, size = flow.to_modal[mode, k, n], abs(flow.to_modal[mode, k, n])
+    for i in range(n):
+        value += flow.to_modal[mode, k, i] * state[i]
+        size += abs(flow.to_modal[mode, k, i] * state[i])
+    return abs(value) > ROUNDING * size
+
+
+@kernel
+def _stays_modal(flow, mode, state):
+    pairs, lasting, frequency = flow.pairs[mode], 0, 0.0
+    for single in range(flow.singles[mode]):
+        if flow.rates[mode, single] > 0.0 and _excited(flow, mode, 2 * pairs + single, state):
+            return Outcome.GROWS, 0.0
+    for pair in range(pairs):
+        damping, turning = flow.oscillators[mode, pair, ALPHA], flow.oscillators[mode, pair, BETA]
+        if not (_excited(flow, mode, 2 * pair, state) or _excited(flow, mode, 2 * pair + 1, state)):
+            continue
+        # damping over frequency that is zero in a modal form, which is made from 150 digits
+        if abs(damping) > 1e-30 * turning:
+            if damping < 0.0:
+                return Outcome.GROWS, 0.0
+        elif turning > 0.0:
+            lasting, frequency = lasting + 1, turning
+    return (Outcome.OSCILLATES, frequency if lasting == 1 else 0.0) if lasting > 0 else (Outcome.SLIDES, 0.0)
+
+
+_stays = by_kind(_stays_planar, _stays_modal)
+
+
+@kernel
+def stays(tables, facts, mode, state, found):
+    """Return what a motion that never leaves its mode ends in; the frequency [1/s] of what lasts, 0 if several do."""
+    found.notes[0]["mode"] = mode
+    if facts.rests[mode]:
+        return Outcome.RESTS
+    outcome, found.notes[0]["frequency"] = _stays(tables.flow, mode, state)
+    return outcome
+
+
+@kernel
+def _pushed_planar(flow, mode):
+    return flow[mode, EQUILIBRIUM] != 0.0
+
+
+@kernel
+def _pushed_modal(flow, mode):
+    field, pushed = flow.field[mode], False
+    for i in range(field.shape[0]):
+        pushed = pushed or field[i, field.shape[0]] != 0.0
+    return pushed
+
+
+_pushed = by_kind(_pushed_planar, _pushed_modal)  # whether a mode has its equilibrium elsewhere than at steady sliding
+
+
+@kernel
+def _fits(known, c, kinds, modes, after, at, k):
+    """Whether four points in a row, the last of them number k, show that a motion tends to known cycle ``c``."""
+    n, size, steps = known.size.shape[1], known.size[c], (0.0, 0.0, 0.0)
+    for j in range(3):
+        i, before = at[k - 2 + j], at[k - 3 + j]
+        if i - before != known.events[c]:
+            return False
+        step = 0.0
+        for x in range(n):
+            step = max(step, abs(after[i, x] - after[before, x]) / size[x])
+        steps = (steps[1], steps[2], step)
+    first, second, third = steps
+    if second > max(first, _STILL) or (third > _STILL and third >= second):
+        return False
+    ratio = third / second if third > _STILL else 0.0
+    for x in range(n):
+        way = ratio / (1.0 - ratio) * (after[at[k], x] - after[at[k - 1], x])
+        if not (abs(way) <= _BESIDE * size[x] and abs(after[at[k], x] + way - known.point[c, x]) <= _JOINED * size[x]):
+            return False
+    return True
+
+
+@allocating_kernel
+def _joins(known, kinds, modes, after):
+    """Return the known cycle that a motion (k events) joins, and the event that shows it; −1 if it joins none."""
+    at = np.empty(kinds.size, dtype=np.int64)
+    for c in range(known.kind.size):
+        seen = count = 0
+        for i in range(kinds.size):
+            if kinds[i] == known.kind[c] and modes[i] == known.mode[c]:
+                if seen % known.visits[c] == 0:
+                    at[count], count = i, count + 1
+                seen += 1
+        for k in range(3, count):
+            if _fits(known, c, kinds, modes, after, at, k):
+                return c, at[k]
+    return -1, -1
+
+
+@kernel
+def _count_sprags(facts, kinds, modes, found):
+    for i in range(kinds.size):
+        found.notes[0]["sprags"] += facts.sprag_kinds[kinds[i]] or facts.sprag_modes[modes[i]]
+
+
+@kernel
+def _fewer_returns(section, events, count, state, size):
+    """Return the fewest returns, a divisor of those of the section, after which a period is back, and its events."""
+    for returns in range(1, section.returns):
+        seen = 0
+        for i in range(count if section.returns % returns == 0 else 0):
+            seen += events[1][i] == section.kind and events[3][i] == section.mode
+            if seen == returns:
+                back = True
+                for x in range(state.size):
+                    # distance of two points, relative to the motion, that are one
+                    back = back and abs(events[5][i, x] - state[x]) <= 1e-9 * size[x]
+                if back:
+                    return returns, i + 1
+                break
+    return section.returns, count
+
+
+@allocating_kernel
+def _period(tables, facts, section, points, size, pushed, events, room, budget, found):
+    """Return what a motion with these ``points`` (k, n) on a section tends to by its map.
+
+    It is CYCLE, SLIDES, or SPENT, which stands for nothing that is known.
+    """
+    n, d, step = size.size, section.dimension, section.returns
+    place, state = np.empty(d), np.empty(n)
+    slopes, form = np.empty((d, d)), np.empty((d, d))
+    count, lost = poincare_map.newton(tables, section, place, state, slopes, events, budget)
+    if count == 0:
+        return Outcome.SPENT
+    verdict = poincare_map.judge(poincare_map.growth(slopes, form), lost, facts.conserves)
+    if verdict == Verdict.NONE:
+        return Outcome.SPENT
+    away, reach, last = 0.0, 0.0, points.shape[0] - 1
+    for f in range(d):
+        away = max(away, abs(place[f]))
+    for i in range(n):
+        reach = max(reach, abs(state[i]) / size[i])
+    earlier = points[last // 2 + 1 + (last - last // 2 - 1) % step :: step]
+    if away > NEAR:
+        few = d > 1 and earlier.shape[0] <= _WATCHED
+        if few or verdict == Verdict.NEUTRAL or not poincare_map.approaches(section, place, earlier, form):
+            return Outcome.SPENT
+    if d > 0 and not poincare_map.same_events(tables, section, place, events, count, room, budget):
+        return Outcome.SPENT
+    # size of a fixed point, relative to the motion, that is steady sliding
+    if reach < 1e-5:  # steady sliding, if that lies on a surface and the motion shrinks towards it
+        nearer = farther = 0.0
+        for i in range(n):
+            nearer = max(nearer, abs(points[last, i]) / size[i])
+            farther = max(farther, abs(points[last - step, i]) / size[i])
+        found.notes[0]["mode"] = -1
+        return Outcome.SLIDES if nearer < farther and not pushed else Outcome.SPENT
+    returns, fewer = _fewer_returns(section, events, count, state, size)
+    if fewer < count:
+        poincare_map.slopes_of(tables, section, events, fewer, slopes)
+    found.notes[0]["kind"], found.notes[0]["mode"], found.notes[0]["returns"] = section.kind, section.mode, returns
+    found.notes[0]["events"], found.notes[0]["dimension"] = fewer, d
+    for i in range(n):
+        found.state[i] = state[i]
+    for f in range(d):
+        for g in range(d):
+            found.slopes[f, g] = slopes[f, g]
+    return Outcome.CYCLE
+
+
+@merged_kernel
+def _look(tables, facts, mode, state, events, count, one, other, budget, found):
+    """Return what a motion tends to by its last events, ``count`` of them; Outcome.SPENT if they do not show it.
+
+    ``one`` and ``other`` are room for the events of periods.
+    """
+    times, kinds, _, modes, _, after = events
+    n, size = state.size, np.zeros(state.size)
+    for k in range(count):
+        for i in range(n):
+            size[i] = max(size[i], abs(after[k, i]))
+    for i in range(n):
+        size[i] = size[i] if size[i] > 0.0 else 1.0  # a coordinate that is zero at every event may have any scale
+    key = poincare_map.rarest_event(tables, kinds[:count], modes[:count], after[:count], size)
+    if key < 0:  # it only touches guards: rounding decides whether there is an event
+        outcome = stays(tables, facts, mode, state, found)
+        return Outcome.OSCILLATES if outcome == Outcome.OSCILLATES else Outcome.SPENT
+    seen, longest, last, pushed = 0, 0.0, -1, False
+    all_points = np.empty((count, n))
+    for k in range(count):
+        pushed = pushed or (k >= count // 2 and _pushed(tables.flow, modes[k]))
+        if kinds[k] == kinds[key] and modes[k] == modes[key]:
+            longest = max(longest, times[k] - times[last]) if last >= 0 else 0.0
+            for i in range(n):
+                all_points[seen, i] = after[k, i]
+            seen, last = seen + 1, k
+    points = all_points[max(0, seen - _POINTS) : seen]
+    seen = points.shape[0]
+    nearest, smallest, repeats = 1, math.inf, False
+    for back in range(1, min(_PERIODS, seen - 1) + 1):
+        change = 0.0
+        for i in range(n):
+            change = max(change, abs(points[seen - 1, i] - points[seen - 1 - back, i]) / size[i])
+        repeats = change <= 1e-10  # change of the state over a period, relative to the motion, that is rounding
+        if repeats or (back <= _SOLVED and change < smallest):
+            nearest, smallest = back, change
+        if repeats:
+            break
+    if seen < 2 or (seen < _FEWEST and not repeats):
+        return Outcome.SPENT
+    for returns in range(1, nearest + 1):  # a slow cycle may seem to have a multiple of its returns
+        if nearest % returns == 0 and (repeats or seen - 1 - returns > seen // 2):
+            watched = points[max(0, seen - 1 - _SOLVED) :]
+            section = poincare_map.section_through(
+                # time that a return may take, in times of the longest one seen
+                tables,
+                kinds[key],
+                modes[key],
+                returns,
+                10.0 * longest,
+                watched,
+                size,
+            )
+            outcome = _period(tables, facts, section, points, size, pushed, one, other, budget, found)
+            if outcome != Outcome.SPENT:
+                return outcome
+    return Outcome.SPENT
+
+
+@kernel
+def _hardly_changes(after, count):
+    """Whether both halves of the latest events of a motion have the same size in every coordinate."""
+    half, same = count // 2, count >= 1000  # events, over whose halves a vibration that hardly changes has one size
+    for i in range(after.shape[1]):
+        first = last = 0.0
+        for k in range(half):
+            first, last = max(first, abs(after[k, i])), max(last, abs(after[half + k, i]))
+        same = same and abs(last - first) <= 0.01 * max(first, last)  # relative difference of these sizes
+    return same
+
+
+@kernel
+def _complaint(status):
+    """Return the outcome that stands for a status of the engine that ends a run without an answer."""
+    if status == _DIVERGED:
+        return Outcome.GROWS
+    if status == _ACCUMULATED:
+        return Outcome.ACCUMULATES
+    return Outcome.LOST if status == _NO_BRANCH else Outcome.SEARCH_SPENT
+
+
+@allocating_kernel
+def new_events(size, n):
+    """Return room for so many events, as the event loop writes them."""
+    kinds, signs = np.empty(size, dtype=np.int8), np.empty(size, dtype=np.int8)
+    return np.empty(size), kinds, signs, np.empty(size, dtype=np.int64), np.empty((size, n)), np.empty((size, n))
+
+
+@merged_kernel
+def end_of(tables, facts, known, mode, state, patience, events, one, other, found):
+    """Return what the motion from ``state`` (n), replaced, in a mode ends in.
+
+    Arguments: known cycles; ``patience``, events after which others are looked for as well; room for the events of the
+    motion and of two periods; ``found``, filled, in which ``notes["left"]`` is the work that may be spent, in events.
+    """
+    n, used, chunk, last = state.size, 0, CHUNK, 0
+    scale, clock, budget = np.empty(n), np.zeros(4), np.empty(1)
+    budget[0] = found.notes[0]["left"]
+    times, kinds, signs, modes, before, after = events
+    still = event_loop.is_still(tables.flow, mode, state)
+    for i in range(n):
+        scale[i], still = abs(state[i]), still and state[i] == 0.0
+    found.notes[0]["first_event"], found.notes[0]["sprags"], found.notes[0]["time"] = event_loop.NO_KIND, 0, 0.0
+    if still:
+        found.notes[0]["mode"], found.notes[0]["frequency"] = mode, 0.0
+        return Outcome.SLIDES
+    outcome, never = (
+        Outcome.SPENT,
+        np.int64(event_loop.NO_KIND),
+    )  # a literal would be another type, and compile the loop anew
+    while budget[0] > 0.0:
+        for i in range(n):
+            found.state[i] = state[i]
+        given = clock[3] = budget[0] / STEP
+        found.notes[0]["mode"] = mode
+        part = (times[:chunk], kinds[:chunk], signs[:chunk], modes[:chunk], before[:chunk], after[:chunk])
+        status, mode, count = event_loop.run(tables, mode, state, scale, clock, math.inf, never, never, part)
+        budget[0] -= count + (STEP * (given - clock[3]) if clock[3] < math.inf else 0.0)
+        found.notes[0]["left"] = budget[0]
+        if found.notes[0]["first_event"] == event_loop.NO_KIND and count > 0:
+            found.notes[0]["first_event"] = kinds[0]
+        if not math.isfinite(clock[0] + clock[1]):
+            return Outcome.LOST
+        if status != _FULL and status != _SETTLED:
+            return _complaint(status)
+        if status == _FULL and known.kind.size > 0:
+            found.notes[0]["index"], shows = _joins(known, kinds[:count], modes[:count], after[:count])
+            if shows >= 0:
+                _count_sprags(facts, kinds[: shows + 1], modes[: shows + 1], found)
+                found.notes[0]["time"] = times[shows]
+                return Outcome.KNOWN
+        _count_sprags(facts, kinds[:count], modes[:count], found)
+        found.notes[0]["time"] = clock[0] + clock[1]
+        for i in range(n):
+            found.state[i] = state[i]
+        if status == _SETTLED:
+            return stays(tables, facts, mode, state, found)
+        used, last = used + count, count
+        if used < patience:
+            continue
+        outcome = _look(tables, facts, mode, state, events, count, one, other, budget, found)
+        if outcome != Outcome.SPENT:
+            return outcome
+        chunk = min(2 * chunk, SIGHT)
+    return Outcome.SPENT_STEADILY if _hardly_changes(after, last) else Outcome.SPENT
+
+
+@allocating_entry
+def attractor(tables, facts, known, mode, state, patience, found):
+    """Return what one motion ends in; see :func:`end_of`."""
+    n = state.size
+    one, other = new_events(LONGEST, n), new_events(LONGEST, n)
+    return end_of(tables, facts, known, mode, state, patience, new_events(SIGHT, n), one, other, found)

@@ -1,0 +1,276 @@
+"""What the motions of many drives of one model end on: attractor, size, forces.
+
+Every motion is asked of the one rule (:mod:`lsvib.dynamics.attractor`). Drives with two states are followed by one call
+of it compiled, with tables made at once in plain doubles; what these do not hold to 1e-12, and all other drives, are
+followed one by one, share by share, in processes of their own. No number depends on how the drives are shared out.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import nullcontext
+from functools import partial
+from multiprocessing import get_context
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+
+from lsvib.dynamics.attractor import (
+    Attractor,
+    KnownCycles,
+    SteadyState,
+    facts_of,
+    orbit_extremes,
+    steady_state,
+)
+from lsvib.dynamics.impulses import event_impulses, normal_impulse
+from lsvib.dynamics.kernels import sweep as kernels
+from lsvib.dynamics.kernels.attractor import Outcome
+from lsvib.dynamics.kernels.sweep import RESTS, REVERSES, SPRAGS
+from lsvib.engine.automaton import Automaton
+from lsvib.engine.kernels import layout
+from lsvib.engine.motion import enter
+from lsvib.errors import EngineError
+from lsvib.models.drive import Drive
+from lsvib.models.many import Group, ManyDrives, automata, groups
+from lsvib.models.model import Model, Resume, find_model
+
+WORK = 300_000.0  # events that a motion may take
+_SHARE, _LEAST = 1024, 64  # most and fewest drives that a process takes at a time: some seconds of work
+_WITHOUT_NUMBERS = (Attractor.UNRESOLVED, Attractor.UNBOUNDED)
+
+Done = TypeVar("Done")
+
+
+class Ending(NamedTuple):
+    """What a motion ends on; nan where it has no such number.
+
+    ``attractor``, an :class:`lsvib.dynamics.attractor.Attractor`; ``happens``, what happens on a cycle: the sum of
+    those of ``SPRAGS``, ``RESTS`` and ``REVERSES`` (the contact force changes its sign) that do; ``amplitude`` [rad],
+    half the peak-to-peak of u; ``period`` [s]; ``multiplier`` [1] of the return map, the largest; ``peak_normal_force``
+    [N], largest |N| without the impulses of seizures; ``peak_normal_impulse`` [N s], largest |J_N| of a seizure, 0
+    without.
+    """
+
+    attractor: int
+    happens: int
+    amplitude: float
+    period: float
+    multiplier: float
+    peak_normal_force: float
+    peak_normal_impulse: float
+
+    @classmethod
+    def without_numbers(cls, attractor: int) -> "Ending":
+        """Return an ending of which only the attractor is known."""
+        return cls(int(attractor), 0, *(math.nan,) * 5)
+
+
+class Endings(NamedTuple):
+    """What motions end on, arrays (k) of what :class:`Ending` holds, in the same units."""
+
+    attractor: np.ndarray
+    happens: np.ndarray
+    amplitude: np.ndarray
+    period: np.ndarray
+    multiplier: np.ndarray
+    peak_normal_force: np.ndarray
+    peak_normal_impulse: np.ndarray
+
+    @classmethod
+    def unknown(cls, size: int) -> "Endings":
+        """Return room for so many."""
+        kinds = np.full(size, Attractor.UNRESOLVED, dtype=np.int8), np.zeros(size, dtype=np.int8)
+        return cls(*kinds, *(np.full(size, np.nan) for _ in cls._fields[2:]))
+
+    def put(self, places: Any, others: "Endings | Ending") -> None:
+        """Copy the endings ``others`` into the places that are given."""
+        for mine, theirs in zip(self, others, strict=True):
+            mine[places] = theirs
+
+
+class Prepared(NamedTuple):
+    """A drive by its place among others, with its model and its automaton – None if the engine has none."""
+
+    place: int
+    model: Model
+    drive: Drive
+    automaton: Automaton | None
+
+    def state(self, values: Mapping[str, float]) -> np.ndarray:
+        """Return the state (n) with these values by name, u [rad] and w [rad/s] and what else the model has."""
+        return self.model.initial_state(self.drive, values)
+
+
+def prepared(drives: ManyDrives, resume: str) -> Iterator[Prepared]:
+    """Yield drives of one model, each with all its terms that are not zero; raises ``InputError`` as the model does."""
+    model = find_model(drives.drive_class.model)
+    for place, drive, automaton in automata(drives, resume):
+        yield Prepared(place, model, drive, automaton)
+
+
+def ending_of(one: Prepared, state: np.ndarray) -> Ending:
+    """Return what the motion of a drive from a state ends on."""
+    automaton = one.automaton
+    if automaton is None:
+        return Ending.without_numbers(Attractor.UNRESOLVED)
+    found = steady_state(automaton, state)
+    force = automaton.observables["normal_force"]
+    if found.label in _WITHOUT_NUMBERS or (found.orbit is None and found.label == Attractor.NEUTRAL_FAMILY):
+        return Ending.without_numbers(found.label)
+    if found.orbit is None:
+        mode, _ = enter(automaton, found.state)
+        low, high = found.extremes(force[mode])
+        return Ending(int(found.label), 0, 0.0, math.nan, math.nan, max(abs(low), abs(high)), 0.0)
+    try:
+        amplitude, peak = found.amplitude, max(map(abs, orbit_extremes(found.orbit, force)))
+    except EngineError:  # the rates of a mode lie too far apart to find the extremes
+        amplitude = peak = np.nan
+    impulse = 0.0
+    if np.isin(found.orbit.kind, automaton.sprag_kinds).any():
+        impulse = float(np.abs(event_impulses(one.drive, found.orbit).normal).max())
+    return Ending(int(found.label), happens(one.model, found), amplitude, found.period, found.multiplier, peak, impulse)
+
+
+def happens(model: Model, found: SteadyState) -> int:
+    """Return what happens on a cycle, as :class:`Ending` has it."""
+    orbit = found.orbit
+    if orbit is None:
+        return 0
+    codes = orbit.automaton.codes[orbit.arcs()[0]]
+    return (
+        SPRAGS * (found.label == Attractor.SPRAG_SLIP_CYCLE)
+        + RESTS * bool(np.isin(codes, orbit.automaton.rest_codes).any())
+        + REVERSES * bool((orbit.kind == model.events["CONTACT_REVERSAL"]).any())
+    )
+
+
+def all_endings(
+    drives: ManyDrives,
+    starts: np.ndarray,
+    resume: Resume,
+    workers: int = 1,
+    progress: Callable[[int, int], None] | None = None,
+    others: Mapping[str, float] | None = None,
+) -> Endings:
+    """Return what motions of drives of one model (k) end on, each from its own start, u [rad] and w [rad/s] (k, 2).
+
+    A motion depends on nothing but its own drive and start: no number depends on ``workers``, the number of processes
+    and, with two states, of threads. ``progress`` is called with the numbers of motions done and in all. ``others``:
+    values of the other states by name, by default those that the model begins with. Raises ``InputError`` for a rule of
+    resuming that the model does not know.
+    """
+    found, alone = Endings.unknown(drives.size), np.arange(drives.size)
+    if len(find_model(drives.drive_class.model).states) == 2:
+        found, is_open = endings_at_once(drives, starts, resume, workers)
+        alone = np.flatnonzero(is_open)
+        # motions left alone that make it worth while to start processes, which takes some seconds
+        workers = workers if alone.size >= 1000 else 1
+    done = drives.size - alone.size
+    if progress is not None and done:
+        progress(done, drives.size)
+    if alone.size:
+        work = partial(_share, others=dict(others or {}), resume=resume)
+        more = progress and (lambda part, _: progress(done + part, drives.size))
+        for places, part in in_shares(work, drives.some(alone), (starts[alone],), workers, more):
+            found.put(alone[places], part)
+    return found
+
+
+def _share(drives: ManyDrives, starts: np.ndarray, others: Mapping[str, float], resume: str) -> Endings:
+    found = Endings.unknown(drives.size)
+    for one in prepared(drives, resume):
+        u, w = starts[one.place].tolist()
+        found.put(one.place, ending_of(one, one.state({"u": u, "w": w, **others})))
+    return found
+
+
+def in_shares(
+    work: Callable[..., Done],
+    drives: ManyDrives,
+    columns: Sequence[np.ndarray],
+    workers: int,
+    progress: Callable[[int, int], None] | None,
+) -> Iterator[tuple[slice, Done]]:
+    """Yield what ``work`` makes of shares of drives and of the rows (k, ...) that belong to them, in their order."""
+    size = max(_LEAST, min(_SHARE, -(-drives.size // (2 * workers))))
+    places = [slice(first, min(first + size, drives.size)) for first in range(0, drives.size, size)]
+    cases = ((drives.some(np.arange(here.start, here.stop)), *(column[here] for column in columns)) for here in places)
+    several = workers > 1 and len(places) > 1
+    with get_context("spawn").Pool(min(workers, len(places))) if several else nullcontext() as processes:
+        parts = processes.imap(partial(_on_case, work), cases) if processes else (work(*case) for case in cases)
+        for here, part in zip(places, parts, strict=True):
+            yield here, part
+            if progress is not None:
+                progress(here.stop, drives.size)
+
+
+def _on_case(work: Callable[..., Done], case: tuple[Any, ...]) -> Done:
+    return work(*case)
+
+
+def endings_at_once(
+    drives: ManyDrives, starts: np.ndarray, resume: Resume, workers: int = 1, work: float = WORK
+) -> tuple[Endings, np.ndarray]:
+    """Return what motions of drives with two states (k) end on, and which must be followed alone (k).
+
+    Those are the ones of drives whose tables are not safe in doubles, or without any damping. ``work``: events that
+    each motion may take.
+    """
+    found, is_open = Endings.unknown(drives.size), np.ones(drives.size, dtype=bool)
+    # drives whose tables are made at once: half a gigabyte of numbers for a million would be too many
+    size = max(1, min(8192, -(-drives.size // workers)))
+    blocks = [np.arange(first, min(first + size, drives.size)) for first in range(0, drives.size, size)]
+
+    def fill(block: np.ndarray) -> None:
+        """Write what a block of drives end on."""
+        for group in groups(drives, resume, block):
+            closed, endings = _group_endings(drives, group, starts[group.members], work)
+            found.put(group.members[closed], Endings(*(column[closed] for column in endings)))
+            is_open[group.members[closed]] = False
+
+    with ThreadPoolExecutor(workers) as pool:
+        list(pool.map(fill, blocks))
+    return found, is_open
+
+
+def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray, work: float) -> tuple[np.ndarray, Endings]:
+    """Return which motions of a group (j), from ``starts`` (j, 2), are done, and what these end on."""
+    automaton, size, found = group.automaton, group.members.size, Endings.unknown(group.members.size)
+    flow, moving = automaton.tables.flow, ~np.isin(automaton.codes, automaton.rest_codes)
+    done = group.safe & flow[:, moving, layout.A1].any(axis=1)
+    if automaton.contracts:
+        slides = done & (flow[..., layout.ALPHA] > 0).any(axis=1)
+        _slide(group, slides, found)
+        return slides, found
+    outcomes, numbers = np.full(size, Outcome.OPEN, dtype=np.int8), np.full(size, np.nan, dtype=kernels.NUMBERS)
+    facts = facts_of(automaton)._replace(conserves=False)
+    reversal = np.int64(find_model(drives.drive_class.model).events["CONTACT_REVERSAL"])
+    known, force = KnownCycles.of((), 2, 0).table, automaton.observables["normal_force"]
+    starts, speed = np.ascontiguousarray(starts, dtype=float), drives.values["input_speed"][group.members]
+    kernels.ends_of_many(
+        automaton.tables, np.flatnonzero(done), facts, known, reversal, work, starts, force, speed,
+        outcomes, found.happens, numbers,
+    )  # fmt: skip
+    _slide(group, outcomes == Outcome.SLIDES, found)
+    cycles = outcomes == Outcome.CYCLE
+    bits = found.happens[cycles]
+    labels = np.where(bits & RESTS, Attractor.STICK_SLIP_CYCLE, Attractor.OTHER_CYCLE)
+    found.attractor[cycles] = np.where(bits & SPRAGS, Attractor.SPRAG_SLIP_CYCLE, labels)
+    found.amplitude[cycles] = numbers["amplitude"][cycles]
+    found.period[cycles] = numbers["period"][cycles]
+    found.multiplier[cycles] = numbers["multiplier"][cycles]
+    found.peak_normal_force[cycles] = numbers["force"][cycles]
+    own = {name: column[group.members[cycles]] for name, column in drives.values.items()}
+    values = {name: own[name] for name in ("mass", "pitch_radius", "screw_inertia")}
+    impulses = normal_impulse(numbers["seizure_speed"][cycles], np.sin(own["lead_angle"]), **values)
+    found.peak_normal_impulse[cycles] = np.abs(impulses)
+    spent = (outcomes == Outcome.SPENT) | (outcomes == Outcome.SPENT_STEADILY)
+    return cycles | spent | (outcomes == Outcome.SLIDES), found
+
+
+def _slide(group: Group, here: np.ndarray, found: Endings) -> None:
+    """Write steady sliding for some members of a group."""
+    found.attractor[here] = Attractor.STEADY_SLIDING
+    found.amplitude[here] = found.peak_normal_impulse[here] = 0.0
+    found.peak_normal_force[here] = group.steady_force[here]

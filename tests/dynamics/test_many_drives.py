@@ -1,0 +1,103 @@
+"""What many drives end on at once is what each of them ends on alone, and what the fast map of a drive says of a start.
+
+Tables of many drives are made in doubles that hold to 1e-12; what a motion ends on moves by that times the condition of
+its cycle, a few hundred. Labels agree but for starts on a boundary to that: none of those drawn here.
+"""
+
+import numpy as np
+import pytest
+from references.wide_drives import wide_drive
+
+from lsvib.basins.grid import Grid
+from lsvib.basins.mapper import mapper
+from lsvib.dynamics.attractor import Attractor
+from lsvib.dynamics.sweep import Ending, all_endings, ending_of, endings_at_once, prepared
+from lsvib.models.drive import RigidDrive
+from lsvib.models.many import ManyDrives, groups
+from lsvib.models.rigid import rigid_automaton
+
+RULES = ("contact_sign", "at_once")
+
+
+def many_of(drives) -> ManyDrives:
+    return ManyDrives({name: [getattr(drive, name) for drive in drives] for name in RigidDrive.model_fields})
+
+
+@pytest.mark.parametrize("resume", RULES)
+def test_tables_are_those_of_one_drive(resume):
+    """Random drives over decades: every double of every table to 1e-12 of the largest in it, and every integer."""
+    drives = [wide_drive("rigid", 11, k, 0).drive for k in range(150)]
+    done = np.zeros(len(drives), dtype=bool)
+    for group in groups(many_of(drives), resume, np.arange(len(drives))):
+        for place, member in enumerate(group.members):
+            if not group.safe[place]:
+                continue
+            done[member], one = True, rigid_automaton(drives[member], resume=resume)
+            for name, table in one.tables._asdict().items():
+                other = np.asarray(getattr(group.automaton.tables, name))
+                other = other[place] if other.ndim > np.ndim(table) else other
+                np.testing.assert_allclose(other, table, rtol=1e-11, atol=0, err_msg=f"{name} of drive {member}")
+            for name, table in one.observables.items():
+                np.testing.assert_allclose(group.automaton.observables[name][place], table, rtol=1e-11, atol=0)
+            assert (group.automaton.codes == one.codes).all()
+            assert group.automaton.contracts == one.contracts
+    assert done.mean() > 0.9
+
+
+@pytest.mark.parametrize("resume", RULES)
+def test_endings_are_those_of_one_motion(resume):
+    """Wide drives and starts, and drives of the chapter's size around its thresholds: all numbers, bit by bit."""
+    cases = [wide_drive("rigid", 12, k, 1) for k in range(60)]
+    drives, starts = [case.drive for case in cases], [case.starts[0] for case in cases]
+    rng = np.random.default_rng(2)
+    for _ in range(60):
+        drives.append(
+            RigidDrive(
+                mass=rng.uniform(1, 20),
+                axial_force=rng.uniform(-60, 60),
+                support_damping=rng.uniform(0, 2e-3),
+                translation_damping=rng.choice([0.0, 1000.0]),
+            )
+        )
+        starts.append([rng.uniform(-0.2, 0.2), rng.uniform(-80, 80)])
+    many, starts = many_of(drives), np.array(starts)
+    found, is_open = endings_at_once(many, starts, resume)
+    assert is_open.mean() < 0.25
+    assert len(set(found.attractor[~is_open].tolist())) >= 3
+    for one in prepared(many, resume):
+        if not is_open[one.place]:
+            alone = ending_of(one, starts[one.place])
+            together = Ending(*(column[one.place] for column in found))
+            assert together[:2] == alone[:2], repr(one.drive)
+            np.testing.assert_allclose(together[2:], alone[2:], rtol=1e-9, atol=1e-9, err_msg=repr(one.drive))
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0},
+        {"mass": 9.9, "translation_damping": 1e3, "axial_force": 10.0},
+        {"mass": 14.0, "support_damping": 5e-4, "axial_force": 40.0},
+        {"mass": 11.0, "support_damping": 2e-3, "axial_force": -18.37},
+    ],
+)
+def test_the_fast_map_and_the_rule_agree(values):
+    """10⁴ starts of a drive, by the table of sections and by the rule, each on its own."""
+    drive, grid = RigidDrive(**values), Grid.parse(["u=-0.12:0.12:100", "w=-90:70:100"])
+    found = mapper(drive).cells(grid, quantities=("label",))["label"].ravel()
+    w, u = (part.ravel() for part in np.meshgrid(grid.y.centres(), grid.x.centres(), indexing="ij"))
+    many = ManyDrives({name: np.full(u.size, value) for name, value in drive if name != "model"})
+    ends = all_endings(many, np.stack([u, w], axis=1), "contact_sign").attractor
+    resolved = (found != Attractor.UNRESOLVED) & (ends != Attractor.UNRESOLVED)
+    assert resolved.mean() > 0.999
+    assert (found[resolved] == ends[resolved]).all()
+
+
+def test_threads_change_nothing():
+    rng = np.random.default_rng(4)
+    drives = [RigidDrive(mass=rng.uniform(1, 20), axial_force=rng.uniform(-60, 60)) for _ in range(200)]
+    starts = np.tile([0.1, 0.0], (200, 1))
+    alone = all_endings(many_of(drives), starts, "contact_sign")
+    for workers in (2, 3):
+        for mine, other in zip(alone, all_endings(many_of(drives), starts, "contact_sign", workers), strict=True):
+            np.testing.assert_array_equal(mine, other)

@@ -1,0 +1,24 @@
+"""The section of a Poincaré map: coordinates, and its map beside the compiled one of the rule."""
+
+import math
+
+import numpy as np
+
+from lsvib.dynamics.poincare_map import Section, section_key
+from lsvib.engine.motion import follow
+from lsvib.models.drive import ThreadsDrive
+from lsvib.models.threads import seated_state, threads_automaton
+
+
+def test_a_coordinate_that_is_zero_throughout():
+    """Its scale was zero, and the section divided by it."""
+    drive = ThreadsDrive.of(mass=11.0, axial_force=50.0)
+    automaton = threads_automaton(drive)
+    motion = follow(automaton, seated_state(drive, 0.003, -20.0), math.inf, max_events=40)
+    key, size = section_key(motion), np.abs(motion.after).max(axis=0)
+    ours = np.flatnonzero((motion.kind == key[0]) & (motion.mode == key[1]))
+    origin, size = motion.after[ours[-1]].copy(), size.copy()
+    origin[2] = size[2] = 0.0
+    section = Section(automaton, key, origin, size, 1, 1.0)
+    assert np.isfinite(section.directions).all()
+    assert (section.place(origin) == 0).all()
