@@ -40,6 +40,7 @@ LARGEST = 1e150  # a coordinate beyond it has left the range of numbers: its squ
 advance = by_kind(flow_planar.advance, flow_modal.advance)
 travel = by_kind(flow_planar.travel, flow_modal.travel)
 slopes_at = by_kind(flow_planar.slopes_at, flow_modal.slopes_at)
+is_still = by_kind(flow_planar.is_still, flow_modal.is_still)
 workspace = by_kind(search_planar.room_for, guard_sums.room_for)
 search = by_kind(search_planar.search, search_modal.search)
 extremes = by_kind(search_planar.extremes, search_modal.extremes)
@@ -244,28 +245,6 @@ def run_in(room, tables, mode, state, scale, clock, t_end, stop_kind, stop_mode,
 def run(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events):
     """Follow a motion as :func:`run_in` does, in scratch space of its own."""
     return run_in(room_for(tables), tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events)
-
-
-@allocating_entry
-def returns(tables, mode, states, limit, kind, kinds, modes, counts):
-    """Follow many motions from ``mode`` until an event of a ``kind`` enters it again, for at most ``limit`` [s].
-
-    Arguments: states (k, n), replaced by the final ones; kinds, modes (k, capacity), filled with those of the events;
-    counts (k), filled with their number: 0 for a motion that does not come back or is back at once, −1 for one that
-    has more events than there is room for.
-    """
-    most, n, room = kinds.shape[1], states.shape[1], room_for(tables)
-    scale, clock = np.empty(n), np.empty(4)
-    times, signs = np.empty(most), np.empty(most, dtype=np.int8)
-    before, after = np.empty((most, n)), np.empty((most, n))
-    for k in range(states.shape[0]):
-        for i in range(n):
-            scale[i] = abs(states[k, i])
-        clock[:3], clock[3] = 0.0, math.inf
-        events = (times, kinds[k], signs, modes[k], before, after)
-        status, _, count = run_in(room, tables, mode, states[k], scale, clock, limit, kind, mode, events)
-        back = status == Status.STOP_EVENT and math.isfinite(clock[0] + clock[1]) and times[0] != 0.0
-        counts[k] = count if back else (-1 if status == Status.EVENTS_FULL else 0)
 
 
 @inlined_kernel
