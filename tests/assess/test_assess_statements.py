@@ -85,7 +85,7 @@ def test_a_damping_that_is_not_given_has_a_margin_in_its_own_unit():
     values = values_of(fed)
     row = next(row for row in margins(fed, values)[ANY] if row.quantity == "rotational_damping")
     assert row.factor is None
-    at = conditions(drive_of(fed, values, *corners(fed, values)[0]))["negative_damping"]["margins"]
+    at = conditions(drive_of(fed, values, *corners(fed, values)[0]))["negative_damping"].margins
     assert row.value == pytest.approx(at["negative_effective_damping"], rel=1e-12)
     calm = sheet(load={"mass": "1 kg", "force": "-60 N"})
     row = next(row for row in margins(calm, values_of(calm))[ANY] if row.quantity == "translational_damping")

@@ -41,7 +41,7 @@ def build(settings: Values, figure: str = "8.4", what: str = "contact force alon
     drive = RigidDrive.of(settings["drive"])
     c = coefficients(drive)
     inertia, damping = float(c.gamma[c.steady_law]), float(c.damping[c.steady_law])
-    margins = conditions(drive)["negative_damping"]["margins"]
+    margins = conditions(drive)["negative_damping"].margins
     real, dims = eigenvalue_pair(inertia, damping, drive.coupling_stiffness).real[None], ("case", "eigenvalue")
     return xr.Dataset(
         phase_plane.portraits([drive], settings["starts"], settings["duration"], settings["samples"])

@@ -31,8 +31,8 @@ not. See docs/physics.md.
 
 # Of each printed threshold half a unit of its last digit, its name among those that are solved, and for what.
 _PRINTED = {
-    "critical_mass": (0.005, "kinematic constraint", "mass"),
-    "critical_friction": (0.0005, "kinematic constraint", "friction_coefficient"),
+    "critical_mass": (0.005, "kinematic_constraint", "mass"),
+    "critical_friction": (0.0005, "kinematic_constraint", "friction_coefficient"),
     "onset_force": (0.5, "onset", "axial_force"),
     "stick_force": (0.05, "stick", "axial_force"),
     "detach_force": (0.05, "detach", "axial_force"),

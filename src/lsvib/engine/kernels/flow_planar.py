@@ -175,3 +175,9 @@ def slopes_at(flow, mode, state, scale, guard):
     rate_size = ROUNDING * (abs(guard[0]) * scale[1] + abs(guard[1]) * push)
     bend_size = ROUNDING * (abs(guard[0]) * push + abs(guard[1]) * tug)
     return rate, rate_size, bend, bend_size
+
+
+@kernel
+def is_still(flow, mode, state):
+    """Whether a state is known to be an equilibrium: of two states never, since their search for roots sees it."""
+    return False
