@@ -258,14 +258,15 @@ def arc_extremes(automaton: Automaton, modes, starts, times, end: float, steady_
     """Return the smallest and largest u [rad] from ``steady_from`` [s] on, over arcs with these modes and starts."""
     low, high = np.inf, -np.inf
     flow, state = automaton.tables.flow, np.empty(len(starts[0]))
-    angle = np.zeros(state.size + 1)
-    angle[0] = 1.0
+    angle = np.zeros((len(automaton.codes), state.size + 1))
+    angle[:, 0] = 1.0
     for mode, start, begin, stop in zip(modes, starts, times, [*times[1:], end], strict=True):
         if stop < steady_from:
             continue
         late = max(steady_from - begin, 0.0)
         event_loop.advance(flow, int(mode), np.asarray(start, dtype=float), late, state)
-        a, b = event_loop.extremes(flow, int(mode), state, angle, stop - begin - late)
+        one, rest = np.array([int(mode)]), np.array([stop - begin - late])
+        a, b = event_loop.extremes_of_arcs(flow, one, state[None], rest, angle)
         low, high = min(low, a), max(high, b)
     return low, high
 

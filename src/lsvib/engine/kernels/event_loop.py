@@ -40,7 +40,6 @@ LARGEST = 1e150  # a coordinate beyond it has left the range of numbers: its squ
 advance = by_kind(flow_planar.advance, flow_modal.advance)
 travel = by_kind(flow_planar.travel, flow_modal.travel)
 slopes_at = by_kind(flow_planar.slopes_at, flow_modal.slopes_at)
-is_still = by_kind(flow_planar.is_still, flow_modal.is_still)
 workspace = by_kind(search_planar.room_for, guard_sums.room_for)
 search = by_kind(search_planar.search, search_modal.search)
 is_still = by_kind(flow_planar.is_still, flow_modal.is_still)

@@ -145,12 +145,6 @@ def magnitudes(flow, mode, state, stay, scale):
         scale[1] += more * (speed + push * reach)
 
 
-@kernel
-def is_still(flow, mode, state):
-    """Whether a state is an equilibrium that the search would not see by itself; with two states it sees each."""
-    return False
-
-
 @inlined_kernel
 def travel(flow, mode, state, stay, scale, work):
     """Replace ``state`` by the one after a stay [s] in ``mode``, and write to ``scale`` (2) the sizes of its terms."""
