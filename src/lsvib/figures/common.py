@@ -1,10 +1,25 @@
 """What figures share: how a dataset says what it is, and the words of its flags."""
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 import xarray as xr
 
-from lsvib.datasets.attributes import variable
+from lsvib.datasets.attributes import drive_parameters, labels, variable
 from lsvib.errors import InputError
+from lsvib.figures.settings import Values
+from lsvib.models.drive import RigidDrive
+
+if TYPE_CHECKING:
+    from lsvib.basins.boundary import Basin
+    from lsvib.basins.curves import Window
+    from lsvib.contact.stiff_limit import LimitBranch
+    from lsvib.dynamics.attractor import SteadyState
+    from lsvib.engine.automaton import Automaton
+    from lsvib.engine.motion import Motion
+else:  # names for annotations, which load no engine
+    Automaton = Basin = LimitBranch = Motion = SteadyState = Window = Any
 
 EIGENVALUE = variable("eigenvalue", np.array([1, 2]), "1", "index of the eigenvalue", "$i$")
 # The critical mass with contact as a variable: unit, words, symbol.
@@ -19,6 +34,26 @@ def about(title: str, source: str, places: str, **more: str) -> dict[str, str]:
     return {"title": title, "source": f"lsvib, {source}", "references": references, **more}
 
 
+def phase_planes(
+    settings: Values, drives: Sequence[RigidDrive], varied: tuple[str, ...], printed: tuple[str, ...]
+) -> xr.Dataset:
+    """Return a phase plane for each drive, a case, with motions from the ``starts`` of the settings.
+
+    ``varied``: parameters in which the drives differ; ``printed``: places of the chapter beyond Table 8.1 that state
+    parameters. Variables: :func:`lsvib.datasets.phase_plane.portraits`.
+    """
+    from lsvib.datasets import phase_plane
+
+    return xr.Dataset(
+        phase_plane.portraits(drives, settings["starts"], settings["duration"], settings["samples"]),
+        coords={
+            **labels("case", drives, varied),
+            **drive_parameters(drives, along=varied, printed=printed),
+            **phase_plane.rule_coordinate(),
+        },
+    )
+
+
 def flag_names(variable: xr.DataArray) -> dict[int, str]:
     """Return the words of a flag variable by value, with spaces: ``{0: "stable node", …}``."""
     words = [word.replace("_", " ") for word in variable.attrs["flag_meanings"].split()]
@@ -30,6 +65,12 @@ def named(variable: xr.DataArray, *words: str) -> np.ndarray:
     """Return where a flag variable has one of the meanings ``words``, such as ``"stable node"``."""
     values = {name: value for value, name in flag_names(variable).items()}
     return np.isin(variable.values, [values[word] for word in words])
+
+
+def over_map(dataset: xr.Dataset, drive: Values) -> dict[str, Any]:
+    """Return parameters with those of the axes of the map ``stability`` in place, the first down, the second across."""
+    down, across = dataset.stability.dims
+    return {**drive, down: dataset[down].values[:, None], across: dataset[across].values}
 
 
 def spread(values: np.ndarray) -> float:

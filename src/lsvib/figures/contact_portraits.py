@@ -20,7 +20,6 @@ from lsvib.errors import InputError
 from lsvib.figures import drawing, style
 from lsvib.figures.common import EIGENVALUE, named
 from lsvib.figures.settings import ContactPortrait, Values
-from lsvib.figures.style import Axes, Figure
 from lsvib.models.drive import ThreadsDrive
 from lsvib.models.mechanics import coefficients
 
@@ -283,7 +282,7 @@ def newton_checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-def draw_portrait(dataset: xr.Dataset, force_signs: tuple[str, str], columns: int) -> Figure:
+def draw_portrait(dataset: xr.Dataset, force_signs: tuple[str, str], columns: int) -> style.Figure:
     """Draw a panel for each contact damping; ``force_signs``: left and right of χ = 0; ``columns`` of the legend."""
     figure = style.new_figure(style.DOUBLE, 3.35)
     panels = figure.subplots(1, dataset.sizes["case"], sharey=True)
@@ -305,12 +304,10 @@ def draw_portrait(dataset: xr.Dataset, force_signs: tuple[str, str], columns: in
             place = (x * np.ptp(limits[0]), limits[1][0] + 0.03 * np.ptp(limits[1]))
             axes.text(*place, text, ha=align, va="bottom", bbox=_WORDS, zorder=4)
     panels[0].set_ylabel(style.label(dataset.contact_force_rate, "rate"))
-    style.state_values(figure, dataset)
-    style.legend(figure, panels, columns)
-    return figure
+    return style.finished(figure, dataset, panels, columns)
 
 
-def _lines(axes: Axes, case: xr.Dataset) -> None:
+def _lines(axes: style.Axes, case: xr.Dataset) -> None:
     """Draw the manifolds of the saddle and what they enclose, or the unstable one that every motion approaches."""
     if "manifold_force" in case:
         x, y = case.manifold_force.values, case.manifold_force_rate.values
@@ -336,7 +333,7 @@ def _manifolds(case: xr.Dataset) -> list[drawing.DrawnLine]:
     return outwards + [(x[k, ::-1], y[k, ::-1], style.BLACK) for k in (_STABLE_OWN, _STABLE_OTHER)]
 
 
-def _motion(axes: Axes, motion: xr.Dataset) -> str:
+def _motion(axes: style.Axes, motion: xr.Dataset) -> str:
     """Draw a motion from its start; return its colour."""
     x, y = motion.contact_force.values, motion.contact_force_rate.values
     stays = named(motion.start_outcome, "bounded")
@@ -346,7 +343,7 @@ def _motion(axes: Axes, motion: xr.Dataset) -> str:
     return colour
 
 
-def _equilibria(axes: Axes, case: xr.Dataset) -> None:
+def _equilibria(axes: style.Axes, case: xr.Dataset) -> None:
     """Mark the equilibria; open where the law does not hold, so that they are none."""
     for law, marker, inverse in ((1, "X", r"1/\Gamma_+"), (-1, "D", r"1/\Gamma_-")):
         x = float(case.equilibrium_contact_force.sel(law=law))

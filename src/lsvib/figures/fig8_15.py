@@ -1,6 +1,6 @@
 """Figure 8.15: instability regions of the drive with axial support over friction coefficient and support stiffness."""
 
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -11,9 +11,8 @@ from lsvib.datasets.attributes import Variables, axis, drive_parameters, flagged
 from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
 from lsvib.figures import drawing, style
-from lsvib.figures.common import about, named
+from lsvib.figures.common import about, named, over_map
 from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Span, Values, parameter
-from lsvib.figures.style import Figure
 from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive, SupportDrive
 from lsvib.stability import conditions
@@ -124,7 +123,7 @@ def _curve(friction: np.ndarray, start: float, stop: float) -> np.ndarray:
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the critical friction, the classes by the printed conditions and by LAPACK, and the boundaries."""
     drive, critical = {name: float(dataset[name]) for name in _PARAMETERS}, float(dataset.critical_friction)
-    grid = _grid(dataset, drive)
+    grid = over_map(dataset, drive)
     a_4, a_2, a_0 = conditions.characteristic_polynomial(grid, law=1)
     discriminant, size = a_2**2 - 4 * a_0 * a_4, a_2**2 + 4 * a_0 * np.abs(a_4)
     inertia = drive["screw_inertia"] * (drive["mass"] + drive["screw_mass"])
@@ -145,12 +144,6 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         *_branch_checks(dataset, drive),
         *_condition_checks(dataset, drive),
     ]
-
-
-def _grid(dataset: xr.Dataset, drive: Values) -> dict[str, Any]:
-    """The parameters of all points of a map."""
-    friction, stiffness = dataset.friction_coefficient.values[:, None], dataset.support_stiffness.values
-    return {**drive, "friction_coefficient": friction, "support_stiffness": stiffness}
 
 
 def _class_checks(dataset: xr.Dataset, drive: Values, grid: Values, clear: np.ndarray) -> list[Check]:
@@ -295,7 +288,7 @@ def _against_lapack(dataset: xr.Dataset, drive: Values, clear: np.ndarray) -> tu
     """Number of points with another class by LAPACK's eigenvalues of the state matrix, and of points compared."""
     rows, columns = (spans.evenly_chosen(dataset.sizes[name], 100) for name in dataset.stability.dims)
     part = dataset.isel(friction_coefficient=rows, support_stiffness=columns)
-    values = eigenvalues(support_model(_grid(part, {**drive, **dict.fromkeys(_DAMPINGS, 0.0)}), law=1))
+    values = eigenvalues(support_model(over_map(part, {**drive, **dict.fromkeys(_DAMPINGS, 0.0)}), law=1))
     limit = 1e-7 * np.abs(values).max(axis=-1)  # LAPACK keeps 1.5e-8 where two coincide
     growing = (values.real > limit[..., None]).sum(axis=-1)
     oscillates = np.abs(values[..., -1].imag) > limit
@@ -306,7 +299,7 @@ def _against_lapack(dataset: xr.Dataset, drive: Values, clear: np.ndarray) -> tu
 
 
 @style.styled
-def draw(dataset: xr.Dataset) -> Figure:
+def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the class map by eigenvalues, over it the boundaries in closed form and the critical friction."""
     from matplotlib.patches import Patch
 
@@ -335,6 +328,4 @@ def draw(dataset: xr.Dataset) -> Figure:
     axes.axvline(printed, **style.PRINTED, label=f"{symbol} = {printed:g}, as printed")
     axes.set(xlabel=style.label(friction), ylabel=style.label(stiffness), yscale="log")
     axes.set(xlim=friction[[0, -1]], ylim=stiffness[[0, -1]])
-    style.state_values(figure, dataset)
-    style.legend(figure, [axes], 2, patches)
-    return figure
+    return style.finished(figure, dataset, [axes], 2, patches)

@@ -195,6 +195,15 @@ def legend(figure: Figure, axes: Sequence[Axes], columns: int, first: Sequence[A
     figure.legend(entries.values(), entries.keys(), loc="outside upper center", ncols=columns)
 
 
+def finished(
+    figure: Figure, dataset: xr.Dataset, axes: Sequence[Axes], columns: int, first: Sequence[Any] = ()
+) -> Figure:
+    """Return a picture with its values below, :func:`state_values`, and one legend above, :func:`legend`."""
+    state_values(figure, dataset)
+    legend(figure, axes, columns, first)
+    return figure
+
+
 def write_below(figure: Figure, words: Sequence[str]) -> None:
     """Write pieces of a text under a picture, in as many lines as its width takes."""
     note = figure.supxlabel("", x=0.01, ha="left", fontsize=7, linespacing=1.4)
