@@ -141,7 +141,7 @@ def _shown(arc: ForceArc, limit: float) -> float:
 
 
 def _saddle_manifolds(cases: Sequence[Flows], count: int, limit: float, scale: float) -> Variables:
-    """Unstable and, backwards in time, stable manifold of the saddle: each a ray on the side of law + and one beyond."""
+    """Unstable and, backwards in time, stable manifold of the saddle: a ray at the side of law +, and one beyond."""
     lines = [
         sample(_there_and_back(laws, outwards), count, limit) * [1, direction]
         for flows in cases

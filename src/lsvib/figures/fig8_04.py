@@ -6,7 +6,8 @@ import xarray as xr
 from lsvib.datasets.attributes import variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
-from lsvib.figures.common import EIGENVALUE, about, named, phase_planes, spread
+from lsvib.figures.common import EIGENVALUE, about, named, spread
+from lsvib.figures.motions import phase_planes
 from lsvib.figures.settings import PhasePlane, Values
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients

@@ -18,7 +18,8 @@ from lsvib.datasets import printed, spans
 from lsvib.datasets.attributes import Variables, axis, flagged, start_state, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
-from lsvib.figures.common import SteadyState, about, flag_names, named, phase_planes, spread
+from lsvib.figures.common import SteadyState, about, flag_names, named, spread
+from lsvib.figures.motions import phase_planes
 from lsvib.figures.settings import MassPair, PhasePlane, Span, State, Values, parameter, several
 from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive

@@ -12,7 +12,8 @@ from lsvib.datasets import spans
 from lsvib.datasets.attributes import flagged, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
-from lsvib.figures.common import about, named, phase_planes
+from lsvib.figures.common import about, named
+from lsvib.figures.motions import phase_planes
 from lsvib.figures.settings import PhasePlane, Span, Values
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients

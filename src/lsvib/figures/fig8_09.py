@@ -10,7 +10,8 @@ from lsvib.datasets import spans
 from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, flagged, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
-from lsvib.figures.common import about, existing, named, phase_planes, spread
+from lsvib.figures.common import about, existing, named, spread
+from lsvib.figures.motions import phase_planes
 from lsvib.figures.settings import DriveChanges, PhasePlane, PositiveSpan, Values, several
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import rigid_automaton

@@ -7,7 +7,8 @@ import xarray as xr
 
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
-from lsvib.figures.common import about, named, phase_planes
+from lsvib.figures.common import about, named
+from lsvib.figures.motions import phase_planes
 from lsvib.figures.settings import Damping, PhasePlane, Values, several
 from lsvib.models.drive import RigidDrive
 

@@ -21,7 +21,8 @@ from lsvib.datasets import spans
 from lsvib.datasets.attributes import Variables, flagged, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
-from lsvib.figures.common import Motion, about, flag_names, named, phase_planes
+from lsvib.figures.common import Motion, about, flag_names, named
+from lsvib.figures.motions import phase_planes
 from lsvib.figures.settings import MassPair, OpposingForces, PhasePlane, Span, Values
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
