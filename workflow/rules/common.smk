@@ -13,7 +13,7 @@ from pathlib import Path
 import grimp
 from lsvib.datasets.checks import counts, failures, printed_thresholds, read_checks, verdict
 from lsvib.errors import LsvibError
-from lsvib.models.model import model_module, modules_of
+from lsvib.models.model import model_module
 from lsvib.models.model import all_models
 from lsvib.models.scene import read_yaml
 from lsvib.figures.configuration import accuracy_figures, check, default_figures, module_of, selected, settings_of
@@ -122,7 +122,7 @@ def sources(kind):
 
 def modules_with_model(module, settings):
     """Return the modules that a module depends on, those of a model included, which are imported by its name."""
-    return frozenset().union(*map(imports, (module, *modules_of(settings.get("model", "rigid")))))
+    return frozenset().union(*map(imports, (module, model_module(settings.get("model", "rigid")))))
 
 
 def map_modules():

@@ -36,7 +36,7 @@ def build(settings: Values, figure: str = "8.4", what: str = "contact force alon
 
     The first start lies inside the limit cycle, the others outside. ``figure`` and ``what`` it shows: also Fig. 8.5.
     """
-    drive = RigidDrive.of(settings["drive"])
+    drive = RigidDrive(**settings["drive"])
     c = coefficients(drive)
     inertia, damping = float(c.gamma[c.steady_law]), float(c.damping[c.steady_law])
     margins = conditions(drive)["negative_damping"].margins
