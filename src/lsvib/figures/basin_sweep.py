@@ -332,20 +332,15 @@ def _sweep(axes: style.Axes, dataset: xr.Dataset, name: str, letter: str) -> Non
     axes.set(yscale="log", title=f"({letter}) {_SWEPT[name][0]}", xlabel=label)
     axes.margins(x=0)
     axes.set_ylim(None, 1.6)
-    _threshold(axes, dataset, name, scale)
-
-
-def _threshold(axes: style.Axes, dataset: xr.Dataset, name: str, scale: float) -> None:
-    """Mark where global stability begins or ends: a root in closed form, over the damping the change of the basin."""
+    # Where global stability begins or ends: a root in closed form, over the damping the change of the basin.
     _, known, symbol, digits = _SWEPT[name]
     stable = dataset[f"swept_{name}"].values[named(dataset[f"boundary_kind_{name}"], "none")]
     place, own = float(dataset[known]) if known else float(stable.min(initial=np.inf)), float(dataset[name])
     left, right = axes.get_xlim()
     if not left <= place <= right:
         return
-    axes.axvline(
-        place, color=style.VERMILION, linewidth=0.9, linestyle=(0, (2, 1.5)), label="limit of global stability"
-    )
+    dotted = {"linewidth": 0.9, "linestyle": (0, (2, 1.5)), "label": "limit of global stability"}
+    axes.axvline(place, color=style.VERMILION, **dotted)
     value = f"{scale * place:.{digits}f}".replace("-", "−")
     left, right = axes.get_xlim()
     beside = max(place, own) if abs(own - place) < 0.2 * (right - left) else place  # right of both lines if close

@@ -140,10 +140,7 @@ def _readings(axes: style.Axes, dataset: xr.Dataset, across: str) -> None:
 def _write_on(
     axes: style.Axes, line: np.ndarray, words: str, others: list[np.ndarray], taken: list[np.ndarray]
 ) -> None:
-    """Write words beside a line where they are farthest from all other lines and words, whose place ``taken`` gets.
-
-    Lines are points (n, 2) on the page [pt]. A line that is much shorter than its words gets none.
-    """
+    """Write words beside a line [pt], unless it is much shorter, far from other lines; ``taken`` gets the place."""
     path, half = drawing.evenly(line)[:, :2], 2.2 * len(words.replace("$", "").replace("\\", ""))
     reach = max(1, min(int(half / drawing.STEP), (len(path) - 1) // 2))
     if len(path) * drawing.STEP < half:

@@ -1,15 +1,13 @@
 """What figures share: how a dataset says what it is, and the words of its flags."""
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
-from lsvib.datasets.attributes import drive_parameters, labels, variable
+from lsvib.datasets.attributes import variable
 from lsvib.errors import InputError
 from lsvib.figures.settings import Values
-from lsvib.models.drive import RigidDrive
 
 if TYPE_CHECKING:
     from lsvib.basins.boundary import Basin
@@ -32,26 +30,6 @@ def about(title: str, source: str, places: str, **more: str) -> dict[str, str]:
     """Return the attributes of a dataset; ``places`` of the chapter that it is about."""
     references = f"doi:10.1007/978-1-4419-1752-2_8, {places}"
     return {"title": title, "source": f"lsvib, {source}", "references": references, **more}
-
-
-def phase_planes(
-    settings: Values, drives: Sequence[RigidDrive], varied: tuple[str, ...], printed: tuple[str, ...]
-) -> xr.Dataset:
-    """Return a phase plane for each drive, a case, with motions from the ``starts`` of the settings.
-
-    ``varied``: parameters in which the drives differ; ``printed``: places of the chapter beyond Table 8.1 that state
-    parameters. Variables: :func:`lsvib.datasets.phase_plane.portraits`.
-    """
-    from lsvib.datasets import phase_plane
-
-    return xr.Dataset(
-        phase_plane.portraits(drives, settings["starts"], settings["duration"], settings["samples"]),
-        coords={
-            **labels("case", drives, varied),
-            **drive_parameters(drives, along=varied, printed=printed),
-            **phase_plane.rule_coordinate(),
-        },
-    )
 
 
 def flag_names(variable: xr.DataArray) -> dict[int, str]:

@@ -64,6 +64,7 @@ def portrait(settings: Values, paradox: Paradox) -> xr.Dataset:
     outcomes = [[contact_force.follow(flows, start)[1] for start in grid] for flows in cases]
     outcomes = np.reshape(outcomes, (len(cases), force.size, rate.size))
     plane, ratios = ("case", "grid_contact_force", "grid_contact_force_rate"), [flows[-1].damping for flows in cases]
+    sides, on = [flow.side for flow in cases[0].values()], "sign of the contact force chi where the law holds"
     becomes, times = "what becomes of the contact force from each state of the grid", "times frequency over stiffness"
     return xr.Dataset(
         _followed(cases, starts, count, limit, scale, paradox)
@@ -75,7 +76,7 @@ def portrait(settings: Values, paradox: Paradox) -> xr.Dataset:
             "grid_contact_force": (plane[1], force, _force("contact force of the grid")),
             "grid_contact_force_rate": (plane[2], rate, _rate("rate of the grid")),
             "law": variable("law", np.array(_LAWS), "1", "friction law", "$s$"),
-            "law_side": _side(cases[0]),
+            "law_side": variable("law", sides, "1", on, comment=_SIGN_OF_FORCE[paradox]),
             **labels("case", drives, ("contact_damping",)),
             "eigenvalue": EIGENVALUE,
             **drive_parameters(drives, along=("contact_damping",), no_effect=ContactPortrait.unused),
@@ -114,12 +115,6 @@ def _laws(drive: ThreadsDrive, cases: Sequence[Flows], scale: float) -> Variable
     }
 
 
-def _side(flows: Flows) -> tuple:
-    """On which side of N = 0 each law holds; the sides are the signs of χ."""
-    sides, sign = [flow.side for flow in flows.values()], _SIGN_OF_FORCE[Paradox(flows[1].side)]
-    return variable("law", sides, "1", "sign of the contact force chi where the law holds", comment=sign)
-
-
 def sample(arcs: Sequence[ForceArc], count: int, limit: float) -> np.ndarray:
     """Sample a motion at ``count`` times, shape (count, 2) of (x, x′); the last arc ends beyond |x − x*| = ``limit``.
 
@@ -146,10 +141,7 @@ def _shown(arc: ForceArc, limit: float) -> float:
 
 
 def _saddle_manifolds(cases: Sequence[Flows], count: int, limit: float, scale: float) -> Variables:
-    """Unstable and stable manifold of the saddle: each a ray that stays on the side of law +, and one that leaves it.
-
-    All are followed away from the saddle, the stable ones backwards in time.
-    """
+    """Unstable and, backwards in time, stable manifold of the saddle: a ray at the side of law +, and one beyond."""
     lines = [
         sample(_there_and_back(laws, outwards), count, limit) * [1, direction]
         for flows in cases
@@ -167,14 +159,11 @@ def _saddle_manifolds(cases: Sequence[Flows], count: int, limit: float, scale: f
 
 
 def _there_and_back(laws: Flows, outwards: int) -> list[ForceArc]:
-    """Arcs of an unstable manifold, from so close to the saddle that a picture cannot tell, until it is back at law +.
-
-    Without damping it returns to the saddle, by symmetry in the time that it took to leave.
-    """
+    """Arcs of an unstable manifold, from so close to the saddle that a picture cannot tell, until back at law +."""
     saddle = laws[1]
     near = 1e-6 * abs(saddle.equilibrium) * outwards  # on the manifold itself, a straight line here
     arcs, _ = contact_force.follow(laws, (saddle.equilibrium + near, saddle.rates()[0].real * near))
-    if len(arcs) > 2 and saddle.damping == 0:
+    if len(arcs) > 2 and saddle.damping == 0:  # back to the saddle, by symmetry in the time that it took to leave
         return [*arcs[:2], ForceArc(saddle, arcs[2].start, arcs[0].duration)]
     return arcs[:3]
 

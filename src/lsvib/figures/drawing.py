@@ -15,13 +15,9 @@ from lsvib.figures.common import flag_names, named
 
 STEP = 1.5  # distance of the points that are compared [pt]
 _PLACES = 150  # places compared on one line
-_ASIDE = (1.2, 1.6, 2.0, 2.5, 3.0, 4.0)  # distances of a word's middle from its line, in sizes of the letters
 
 MOTIONS = (style.BLUE, style.ORANGE, style.SKY, style.PURPLE)
 EVEN = (1.1, 1.1, 1.1, 1.1)  # widths of the lines of up to four motions, in points
-OVERLAID = (2.2, 1.0, 1.0, 1.0)  # where a later motion lies on the first, that one still shows on both sides
-
-
 DrawnLine = tuple[np.ndarray, np.ndarray, str | None]
 
 
@@ -224,10 +220,10 @@ def name_sides(
     first, last = page.points(*ends.T)
     normal = np.array([last[1] - first[1], first[0] - last[0]]) / np.hypot(*(last - first))
     clouds = np.concatenate([evenly(page.points(x, y))[:, :2] for x, y, _ in [(*ends.T, None), *lines]])
-    half = np.array([2.0, 0.8]) * size
+    half, asides = np.array([2.0, 0.8]) * size, (1.2, 1.6, 2.0, 2.5, 3.0, 4.0)  # of a word's middle, in letters
     for word, side in zip(words, (1, -1), strict=True):
         along = first + np.linspace(0.05, 0.95, _PLACES)[:, None] * (last - first)
-        spots = np.concatenate([along + side * aside * size * normal for aside in _ASIDE])
+        spots = np.concatenate([along + side * aside * size * normal for aside in asides])
         spots = spots[((spots > 1.1 * half) & (spots < page.size - 1.1 * half)).all(axis=1)]
         if word and spots.size:
             room = [np.abs((clouds - spot) / half).max(axis=1).min(initial=1.3) for spot in spots]

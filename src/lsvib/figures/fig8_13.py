@@ -133,10 +133,7 @@ def _table(prefix: str, dims: tuple[str, ...], names: Any, rows: Any) -> Variabl
 
 
 def _boundary(deflection: Callable[[float], float], damping: np.ndarray, row: list[dict]) -> tuple[float, float]:
-    """Largest contact damping at which the deflection turns positive, and the deflection there; regula falsi in log c.
-
-    ``row`` holds the numbers at the dampings of the grid. Raises ``InputError`` if the grid has no turn.
-    """
+    """Largest contact damping, between those of ``row``, at which the deflection turns positive, and the deflection."""
     values = np.array([numbers["largest_deflection"] for numbers in row])
     turns = np.flatnonzero((values[:-1] > 0) & (values[1:] <= 0))
     if turns.size == 0:
@@ -299,10 +296,7 @@ def _edges(values: np.ndarray) -> np.ndarray:
 
 
 def _shortest(axes: style.Axes, dataset: xr.Dataset) -> None:
-    """Shortest time of the trajectory against the contact damping: each contact drawn lies on the line of its own k_c.
-
-    A contact whose stiffness is not one of the grid has no line; the stiffest contact of the grid is drawn beside.
-    """
+    """Shortest time over the contact damping, with lines for the stiffnesses of the contacts drawn and the stiffest."""
     from matplotlib.ticker import NullFormatter
 
     speed, stiffness = abs(float(dataset.input_speed)), dataset.grid_contact_stiffness.values

@@ -67,7 +67,10 @@ def build(settings: Values) -> xr.Dataset:
     critical = critical_friction(drive, drive.screw_mass)
     if critical is None:
         raise InputError("No friction coefficient below cot(lead_angle) makes the reduced inertia vanish.")
-    curve = _curve(friction, float(np.tan(drive.lead_angle)), critical)
+    # From tan λ on, crowded at both ends, and the friction coefficients of the map between.
+    start = float(np.tan(drive.lead_angle))
+    crowded = start + (critical - start) * (1 - np.cos(np.linspace(0, np.pi, 801))) / 2
+    curve = np.unique(np.concatenate([crowded, friction[(friction > start) & (friction < critical)]]))
     grid = {**dict(drive), "friction_coefficient": friction[:, None], "support_stiffness": stiffness}
     kinds, plane = undamped_class(support_model(grid, law=1)), ("friction_coefficient", "support_stiffness")
     branches = conditions.flutter_boundaries({**dict(drive), "friction_coefficient": curve}, law=1)
@@ -112,12 +115,6 @@ def _parameters(drive: SupportDrive) -> Variables:
     for name in ("pitch_radius", "lead_angle", "screw_inertia", "coupling_stiffness"):
         parameters[name][2]["comment"] = missing if name == "coupling_stiffness" else named_there
     return parameters
-
-
-def _curve(friction: np.ndarray, start: float, stop: float) -> np.ndarray:
-    """Friction coefficients from start to stop, both included, crowded at both ends, and those of the map between."""
-    crowded = start + (stop - start) * (1 - np.cos(np.linspace(0, np.pi, 801))) / 2
-    return np.unique(np.concatenate([crowded, friction[(friction > start) & (friction < stop)]]))
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
@@ -255,17 +252,14 @@ def _condition_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
 
 
 def _real_branches(dataset: xr.Dataset, own: Values) -> tuple[int, int, float]:
-    """Exceptions to (8.30) ∧ (8.31) ⇔ (8.32), places of two finite branches, and the distance of (8.30) from its form.
-
-    ``own``: parameters with the friction coefficients of the map. Where (8.30) is zero to rounding it does not count.
-    """
+    """Exceptions to (8.30) ∧ (8.31) ⇔ (8.32), places of two finite branches, and how far (8.30) is from its form."""
     b_1, b_2, b_3 = conditions.boundary_coefficients(own, law=1)
     p = values_of(own, law=1)
     lever, total = p.factor * p.pitch_radius**2 * p.tan_lead, p.mass + p.screw_mass
     discriminant = b_2**2 - 4 * b_1 * b_3
     reduced = conditions.reduced_inertia(own, law=1)
     form = 16 * lever * p.mass**2 * total * reduced
-    clear = np.abs(discriminant) > 1e-9 * b_2**2
+    clear = np.abs(discriminant) > 1e-9 * b_2**2  # else (8.30) is zero to rounding
     together = (discriminant >= 0) & (b_2 < 0)
     odd = int(np.sum(clear & (together != ((reduced >= 0) & (p.factor > 0)))))
     finite = np.isfinite(dataset.lower_boundary.values) & ~np.isnan(dataset.upper_boundary.values)

@@ -131,10 +131,7 @@ def build(settings: of.Values) -> xr.Dataset:
 
 
 def _deviations(branches: Sequence[LimitBranch], stiffness: np.ndarray, ratio: float, fit_from: float) -> Variables:
-    """Deviations from the rigid drive, by family, branch and contact stiffness [N/m], and the orders of their fall.
-
-    ``ratio``: the damping ratio [1] of its family; ``fit_from`` [N/m]: the least stiffness that orders are fitted to.
-    """
+    """Deviations from the rigid drive, by family, branch and contact stiffness [N/m], and the orders of their fall."""
     from lsvib.contact import stiff_limit
     from lsvib.contact.stiff_limit import BranchFamily
 
@@ -161,10 +158,7 @@ def _deviations(branches: Sequence[LimitBranch], stiffness: np.ndarray, ratio: f
 
 
 def _rules_followed(branches: Sequence[LimitBranch], variables: Variables) -> Variables:
-    """The rule of resuming that the motions on each branch follow, and how long its rigid motion lasts.
-
-    A rule is followed if the distance falls with the order wanted and all is small at the end; the nearer wins.
-    """
+    """The rule that each branch follows, if with the order wanted and all small at the end; the rigid duration."""
     durations = np.array([branch.rigid[0].end_time for branch in branches])
     distance, rest = (variables[name][1][:, :, -1] for name in ("motion_distance", "rest_error"))
     deviation = np.fmax(distance, np.abs(rest) / durations[:, None])
@@ -205,8 +199,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     return [
         *_viscous_checks(viscous),
         _stop_time_check(dataset, viscous, impact),
-        *_elastic_checks(elastic, viscous, impact),
-        _damping_ratio_check(ratio, viscous, impact),
+        *_other_checks(elastic, ratio, viscous, impact),
     ]
 
 
@@ -260,10 +253,12 @@ def _stop_time_check(dataset: xr.Dataset, viscous: xr.Dataset, impact: np.ndarra
     )
 
 
-def _elastic_checks(elastic: xr.Dataset, viscous: xr.Dataset, impact: np.ndarray) -> list[Check]:
-    """Check that contacts without damping tend to no rigid motion, and rest in another way after an impact."""
+def _other_checks(elastic: xr.Dataset, ratio: xr.Dataset, viscous: xr.Dataset, impact: np.ndarray) -> list[Check]:
+    """Check that contacts without damping, or with a fixed damping ratio of the nut, tend to no rigid motion."""
     lost, nearest = named(elastic.rule_followed, "neither"), float(np.nanmin(elastic.motion_distance.values[:, -1, 0]))
     rests, rigid_rests = elastic.rests.values[impact, -1], viscous.rests.values[impact, -1]
+    excess, slow = ratio.impulse_error.values[impact, -1], ratio.motion_distance_order.values[:, 0]
+    far = ratio.motion_distance.values[:, -1, 0]
     return [
         Check.holds(
             "Elastic limit: on no branch does the motion converge to the rigid one under either rule",
@@ -278,23 +273,17 @@ def _elastic_checks(elastic: xr.Dataset, viscous: xr.Dataset, impact: np.ndarray
             f"{int(rests.max())} rests, in the viscous limit at most {int(rigid_rests.max())}",
             (rests > rigid_rests).all(),
         ),
+        Check.holds(
+            "Fixed damping ratio: even an overdamped contact throws the nut back: the impulse stays too large, and the "
+            "distance falls slowly or not at all",
+            "limit process",
+            f"zeta = {float(ratio.nut_damping_ratio):g}: impulse too large by {excess.min():.1%} to "
+            f"{excess.max():.1%}, distance at least {far.min():.2g}, orders {slow.min():.2f} to "
+            f"{slow.max():.2f}; force of the rebound {float(ratio.rebound_force[-1]):.3g} N, in the viscous limit "
+            f"{float(viscous.rebound_force[-1]):.1e} N",
+            (excess > 0.01).all() and (far > 0.01).all() and slow.max() < _ORDER,
+        ),
     ]
-
-
-def _damping_ratio_check(ratio: xr.Dataset, viscous: xr.Dataset, impact: np.ndarray) -> Check:
-    """Check that contacts with a fixed damping ratio of the nut throw it back, so that they do not converge either."""
-    excess, slow = ratio.impulse_error.values[impact, -1], ratio.motion_distance_order.values[:, 0]
-    far = ratio.motion_distance.values[:, -1, 0]
-    return Check.holds(
-        "Fixed damping ratio: even an overdamped contact throws the nut back: the impulse stays too large, and the "
-        "distance falls slowly or not at all",
-        "limit process",
-        f"zeta = {float(ratio.nut_damping_ratio):g}: impulse too large by {excess.min():.1%} to "
-        f"{excess.max():.1%}, distance at least {far.min():.2g}, orders {slow.min():.2f} to "
-        f"{slow.max():.2f}; force of the rebound {float(ratio.rebound_force[-1]):.3g} N, in the viscous limit "
-        f"{float(viscous.rebound_force[-1]):.1e} N",
-        (excess > 0.01).all() and (far > 0.01).all() and slow.max() < _ORDER,
-    )
 
 
 def _by_first_rule(values: xr.DataArray) -> xr.DataArray:

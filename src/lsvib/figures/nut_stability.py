@@ -134,17 +134,20 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     # Closer to (8.33) rounding may decide.
     clear = np.abs(kinematic_inertia(grid, law=1)) > 1e-9 * effective_screw_inertia(grid)
     return [
-        *_class_checks(dataset, grid, clear),
-        _damping_check(dataset, drive, clear),
+        *_class_checks(dataset, drive, grid, clear),
         *_boundary_checks(dataset, drive, clear),
         *_critical_mass_checks(dataset, drive),
     ]
 
 
-def _class_checks(dataset: xr.Dataset, grid: Values, clear: np.ndarray) -> list[Check]:
-    """Check the classes against (8.33) and the printed inertia matrix, where rounding does not decide (``clear``)."""
+def _class_checks(dataset: xr.Dataset, drive: Values, grid: Values, clear: np.ndarray) -> list[Check]:
+    """Check the classes by (8.33), the printed inertia matrix and LAPACK with damping, but for rounding (``clear``)."""
     kinematic, other = (named(dataset.stability, *x) for x in (["kinematic constraint"], ["flutter", "divergence"]))
     wrong = int(np.sum(clear & (kinematic != (kinematic_inertia(grid, law=1) < 0))))
+    rows, columns = (spans.evenly_chosen(dataset.sizes[name], 40) for name in dataset.stability.dims)
+    part, compared = dataset.isel(friction_coefficient=rows, nut_inertia=columns), clear[np.ix_(rows, columns)]
+    grows = eigenvalues(nut_model(over_map(part, drive), law=1))[..., -1].real > 0
+    differ = compared & (grows != named(part.stability, "kinematic constraint"))
     opposite = np.sum(clear & ((determinant(nut_model(grid, law=1).mass) < 0) != kinematic))
     return [
         Check.holds(
@@ -162,18 +165,13 @@ def _class_checks(dataset: xr.Dataset, grid: Values, clear: np.ndarray) -> list[
         Check.without_exception(
             "(8.33) is det M_0 < 0, the printed inertia matrix", "Remark 8.5, eq. 8.33", opposite, clear.sum()
         ),
+        Check.without_exception(
+            "With damping of screw and nut the real parts of LAPACK's eigenvalues give the same classes",
+            "Sect. 8.8.2, docs/lemmas.md",
+            differ.sum(),
+            compared.sum(),
+        ),
     ]
-
-
-def _damping_check(dataset: xr.Dataset, drive: Values, clear: np.ndarray) -> Check:
-    """Check at evenly chosen points that damping does not change the classes."""
-    rows, columns = (spans.evenly_chosen(dataset.sizes[name], 40) for name in dataset.stability.dims)
-    part = dataset.isel(friction_coefficient=rows, nut_inertia=columns)
-    grows = eigenvalues(nut_model(over_map(part, drive), law=1))[..., -1].real > 0
-    compared = clear[np.ix_(rows, columns)]
-    differ = compared & (grows != named(part.stability, "kinematic constraint"))
-    claim = "With damping of screw and nut the real parts of LAPACK's eigenvalues give the same classes"
-    return Check.without_exception(claim, "Sect. 8.8.2, docs/lemmas.md", differ.sum(), compared.sum())
 
 
 def _boundary_checks(dataset: xr.Dataset, drive: Values, clear: np.ndarray) -> list[Check]:

@@ -16,8 +16,8 @@ import xarray as xr
 from lsvib.files import replacing
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+    from matplotlib.axes import Axes as Axes
+    from matplotlib.figure import Figure as Figure
 else:  # names for annotations
     Axes = Figure = Any
 
