@@ -7,7 +7,6 @@ from lsvib.datasets.attributes import variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures.common import EIGENVALUE, about, named, spread
-from lsvib.figures.motions import phase_planes
 from lsvib.figures.settings import PhasePlane, Values
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
@@ -36,12 +35,14 @@ def build(settings: Values, figure: str = "8.4", what: str = "contact force alon
 
     The first start lies inside the limit cycle, the others outside. ``figure`` and ``what`` it shows: also Fig. 8.5.
     """
+    from lsvib.datasets import phase_plane
+
     drive = RigidDrive(**settings["drive"])
     c = coefficients(drive)
     inertia, damping = float(c.gamma[c.steady_law]), float(c.damping[c.steady_law])
     margins = conditions(drive)["negative_damping"].margins
     real, dims = eigenvalue_pair(inertia, damping, drive.coupling_stiffness).real[None], ("case", "eigenvalue")
-    planes = phase_planes(settings, [drive], (), ("Sect. 8.5.1",)).assign_coords(eigenvalue=EIGENVALUE)
+    planes = phase_plane.portraits(settings, [drive], (), ("Sect. 8.5.1",)).assign_coords(eigenvalue=EIGENVALUE)
     return planes.assign(
         {f"margin_{key}": variable("case", [margins[key]], *words) for key, words in MARGINS.items()}
         | {"eigenvalue_real_part": variable(dims, real, "s-1", "real part of the eigenvalue", r"Re $\varepsilon$")},

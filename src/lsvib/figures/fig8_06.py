@@ -19,7 +19,6 @@ from lsvib.datasets.attributes import Variables, axis, flagged, start_state, var
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures.common import SteadyState, about, flag_names, named, spread
-from lsvib.figures.motions import phase_planes
 from lsvib.figures.settings import MassPair, PhasePlane, Span, State, Values, parameter, several
 from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive
@@ -81,6 +80,7 @@ class Regime(IntEnum):
 
 def build(settings: Values) -> xr.Dataset:
     """Compute the amplitude curve, its thresholds, the inset portraits, and the coefficients for both masses."""
+    from lsvib.datasets import phase_plane
     from lsvib.dynamics.attractor import steady_state
 
     drive = RigidDrive.of(settings["drive"])
@@ -93,7 +93,7 @@ def build(settings: Values) -> xr.Dataset:
     steady = [steady_state(rigid_automaton(d), start) for d in drives]
     insets = [drive.replace(axial_force=float(force)) for force in settings["insets"]]
     words = {name: name.replace("_", " ") for name in _THRESHOLDS}
-    planes = phase_planes(settings, insets, ("axial_force",), ("Sect. 8.5.1", "Fig. 8.6")).assign_coords(
+    planes = phase_plane.portraits(settings, insets, ("axial_force",), ("Sect. 8.5.1", "Fig. 8.6")).assign_coords(
         {
             **axis("swept_axial_force", forces),
             **axis("reading_mass", settings["mass_readings"]),

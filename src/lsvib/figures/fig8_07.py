@@ -13,7 +13,6 @@ from lsvib.datasets.attributes import flagged, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, named
-from lsvib.figures.motions import phase_planes
 from lsvib.figures.settings import PhasePlane, Span, Values
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
@@ -48,7 +47,7 @@ def build(settings: Values) -> xr.Dataset:
     equilibrium = drive.pitch_radius * float(xi[1] - xi[-1]) * drive.axial_force / drive.coupling_stiffness
     u, w = np.array([_end_of_flow(drive, start) for start in settings["starts"]]).T
     ended = "at which the flow of law - ends, if nothing stops it"
-    planes = phase_planes(settings, [drive], (), ("Sect. 8.6",)).assign_coords(
+    planes = phase_plane.portraits(settings, [drive], (), ("Sect. 8.6",)).assign_coords(
         equilibrium_angle=variable((), equilibrium, "rad", "equilibrium of the equation of law -", "$u_0$"),
         **phase_plane.grid_axes(angle, velocity),
     )

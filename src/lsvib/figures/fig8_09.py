@@ -11,7 +11,6 @@ from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, flagged, v
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, existing, named, spread
-from lsvib.figures.motions import phase_planes
 from lsvib.figures.settings import DriveChanges, PhasePlane, PositiveSpan, Values, several
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import rigid_automaton
@@ -38,10 +37,12 @@ class Settings(PhasePlane):
 
 def build(settings: Values) -> xr.Dataset:
     """Compute both phase planes, the critical mass and the sensitivity of case (b) to R, which the text leaves out."""
+    from lsvib.datasets import phase_plane
+
     drive = RigidDrive.of(settings["drive"])
     drives, critical = [drive.replace(**changes) for changes in settings["cases"]], existing(critical_mass(drive))
     forces = spans.even(settings["axial_force"])
-    planes = phase_planes(settings, drives, ("mass",), ("Sect. 8.6", "Sect. 8.6.1"))
+    planes = phase_plane.portraits(settings, drives, ("mass",), ("Sect. 8.6", "Sect. 8.6.1"))
     planes = planes.assign_coords(**axis("swept_axial_force", forces), critical_mass=((), critical, CRITICAL_MASS))
     return planes.assign(_sensitivity(drives[-1], forces, settings["starts"][0])).assign_attrs(
         about(

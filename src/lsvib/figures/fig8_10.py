@@ -164,7 +164,7 @@ def _comparison(drive: RigidDrive, cycle: SteadyState, rigid: SteadyState) -> Va
 
 def _cycle_values(drive: RigidDrive, cycle: SteadyState, rigid: SteadyState) -> tuple[float, float]:
     """Largest |N| [N] on the compliant cycle, and its distance [1] from the rigid one; nan where there is none."""
-    from lsvib.contact.curve_distance import Orbit
+    from lsvib.contact.stiff_limit import Orbit
     from lsvib.dynamics.attractor import orbit_extremes
 
     if cycle.orbit is None or rigid.orbit is None:

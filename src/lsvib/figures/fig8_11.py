@@ -8,7 +8,6 @@ import xarray as xr
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, named
-from lsvib.figures.motions import phase_planes
 from lsvib.figures.settings import Damping, PhasePlane, Values, several
 from lsvib.models.drive import RigidDrive
 
@@ -29,9 +28,11 @@ class Settings(PhasePlane):
 
 def build(settings: Values) -> xr.Dataset:
     """Compute the phase plane for each damping; ``settings``: see ``Settings``."""
+    from lsvib.datasets import phase_plane
+
     drive = RigidDrive.of(settings["drive"])
     drives = [drive.replace(support_damping=c) for c in settings["support_dampings"]]
-    return phase_planes(settings, drives, ("support_damping",), ("Sect. 8.6", "Sect. 8.6.1")).assign_attrs(
+    return phase_plane.portraits(settings, drives, ("support_damping",), ("Sect. 8.6", "Sect. 8.6.1")).assign_attrs(
         about(
             "Figure 8.11: effect of the support damping on the sprag-slip cycle",
             "exact event-driven motion and its return map",

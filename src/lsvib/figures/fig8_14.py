@@ -22,7 +22,6 @@ from lsvib.datasets.attributes import Variables, flagged, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures.common import Motion, about, flag_names, named
-from lsvib.figures.motions import phase_planes
 from lsvib.figures.settings import MassPair, OpposingForces, PhasePlane, Span, Values
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
@@ -85,7 +84,7 @@ def build(settings: Values) -> xr.Dataset:
     beside = [drives[-1].replace(axial_force=force) for force in bracket]
     released = [[_labels(d, rule, [release])[0] for rule in RULES] for d in beside]
     words, below = "attractor of the motion that leaves rest, beside the threshold", "distance of the start below"
-    planes = phase_planes(settings, drives, _CHANGED, ("Fig. 8.14", "Sect. 8.6")).assign_coords(
+    planes = phase_plane.portraits(settings, drives, _CHANGED, ("Fig. 8.14", "Sect. 8.6")).assign_coords(
         {
             **phase_plane.grid_axes(angle, velocity),
             "corner_distance": variable("corner_distance", _DISTANCES, "rad", f"{below} the corner, at standstill"),
