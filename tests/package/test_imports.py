@@ -8,9 +8,8 @@ import subprocess
 import sys
 
 import grimp
-import pytest
 
-from lsvib.figures.configuration import dataset_module, default_figures, picture_module
+from lsvib.figures.configuration import default_figures, module_of
 from lsvib.models.model import model_names
 
 FIGURES = default_figures()
@@ -42,9 +41,7 @@ MODULES = """
 import json, os, sys
 from importlib import import_module
 import numpy, xarray, netCDF4, mpmath, pydantic
-before, *names = sys.argv[1:]
-import_module(before)
-for name in names:
+for name in sys.argv[1:]:
     sys.stdout.flush()
     if not os.fork():
         import_module(name)
@@ -54,14 +51,14 @@ for name in names:
 """
 
 
-def loaded(part, before: str) -> dict[str, set[str]]:
-    """By figure, the modules that Python has loaded after its dataset or picture, imported in a process of its own.
+def loaded() -> dict[str, set[str]]:
+    """By the module of a figure, what Python has loaded after it, imported in a process of its own.
 
-    Each is a copy of one process, which has loaded ``before`` and what else is heavy and not looked for.
+    Each is a copy of one process, which has loaded what else is heavy and not looked for.
     """
-    names = {part(figure): figure for figure in FIGURES}
-    run = subprocess.run([sys.executable, "-c", MODULES, before, *names], capture_output=True, text=True, check=True)
-    return {names[name]: set(modules) for name, modules in map(json.loads, run.stdout.splitlines())}
+    names = map(module_of, FIGURES)
+    run = subprocess.run([sys.executable, "-c", MODULES, *names], capture_output=True, text=True, check=True)
+    return {name: set(modules) for name, modules in map(json.loads, run.stdout.splitlines())}
 
 
 def test_commands_that_need_no_engine_load_none(tmp_path):
@@ -78,15 +75,11 @@ def test_the_package_loads_nothing_heavy():
     assert not {"numba", "matplotlib", "xarray", "scipy", "pydantic", "numpy"} & set(done.stdout.split())
 
 
-@pytest.mark.parametrize(
-    ("part", "before", "unwanted"),
-    [(dataset_module, "numba", "matplotlib"), (picture_module, "matplotlib.backends.backend_agg", "numba")],
-)
-def test_figures_load_what_the_workflow_knows_of(part, before, unwanted):
+def test_a_figure_loads_no_engine_and_what_the_workflow_knows_of():
     """The workflow reruns a figure when a file in its import closure changes: no other module may be loaded."""
     graph = grimp.build_graph("lsvib", cache_dir=None)
-    for figure, modules in loaded(part, before).items():
-        closure = graph.find_upstream_modules(part(figure)) | {part(figure)}
+    for module, modules in loaded().items():
+        closure = graph.find_upstream_modules(module) | {module}
         packages = {parent.rsplit(".", n)[0] for parent in closure for n in range(1, parent.count(".") + 1)}
-        assert unwanted not in modules, figure
-        assert {name for name in modules if name.split(".")[0] == "lsvib"} <= closure | packages, figure
+        assert not {"numba", "matplotlib"} & modules, module
+        assert {name for name in modules if name.split(".")[0] == "lsvib"} <= closure | packages, module
