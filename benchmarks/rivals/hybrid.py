@@ -256,18 +256,18 @@ class Recorder:
 
 def arc_extremes(automaton: Automaton, modes, starts, times, end: float, steady_from: float) -> tuple[float, float]:
     """Return the smallest and largest u [rad] from ``steady_from`` [s] on, over arcs with these modes and starts."""
-    low, high = np.inf, -np.inf
-    flow, state = automaton.tables.flow, np.empty(len(starts[0]))
-    angle = np.zeros(state.size + 1)
-    angle[0] = 1.0
+    flow, late_arcs = automaton.tables.flow, []
     for mode, start, begin, stop in zip(modes, starts, times, [*times[1:], end], strict=True):
-        if stop < steady_from:
-            continue
-        late = max(steady_from - begin, 0.0)
-        event_loop.advance(flow, int(mode), np.asarray(start, dtype=float), late, state)
-        a, b = event_loop.extremes(flow, int(mode), state, angle, stop - begin - late)
-        low, high = min(low, a), max(high, b)
-    return low, high
+        if stop >= steady_from:
+            late, state = max(steady_from - begin, 0.0), np.empty(len(start))
+            event_loop.advance(flow, int(mode), np.asarray(start, dtype=float), late, state)
+            late_arcs.append((int(mode), state, stop - begin - late))
+    if not late_arcs:
+        return np.inf, -np.inf
+    angle = np.zeros((len(automaton.codes), len(starts[0]) + 1))
+    angle[:, 0] = 1.0
+    modes, starts, durations = map(np.array, zip(*late_arcs, strict=True))
+    return event_loop.extremes_of_arcs(flow, modes, starts, durations, angle)
 
 
 def counted(kinds: np.ndarray) -> np.ndarray:

@@ -11,7 +11,6 @@ from lsvib.errors import InputError
 LARGEST_START = 1e100
 # Called with the number of parts of a work that are done, and that of all.
 Progress = Callable[[int, int], None]
-MOST_WORKERS = 4096  # threads or processes: more than any machine has cores
 _PLAIN = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
 
@@ -89,7 +88,7 @@ def whole_between(name: str, value: Any, least: int, most: int) -> int:
 
 def workers(value: Any) -> int:
     """Return a number of threads or processes, as :func:`whole_between` does."""
-    return whole_between("workers", value, 1, MOST_WORKERS)
+    return whole_between("workers", value, 1, 4096)  # more than any machine has cores
 
 
 def start(name: str, value: Any) -> float:

@@ -126,7 +126,7 @@ def test_points_of_curves_are_roots():
     assert {kind.name for kind in found} == {
         "KINEMATIC_CONSTRAINT", "ONSET", "STICK", "DETACH", "GLOBAL_STABILITY", "STICK_SLIP_BIRTH"
     }  # fmt: skip
-    mass = drive.thresholds()["critical_mass"].value
+    mass = drive.threshold("kinematic_constraint", "mass").value
     np.testing.assert_allclose(np.concatenate(found[ChartBoundary.KINEMATIC_CONSTRAINT])[:, 0], mass, rtol=1e-12)
     for kind in (ChartBoundary.STICK, ChartBoundary.DETACH, ChartBoundary.GLOBAL_STABILITY):
         for m, R in np.concatenate(found[kind])[::9]:

@@ -48,9 +48,8 @@ def test_points_are_those_of_single_drives():
 
 
 def test_thresholds_lie_where_the_attractor_changes():
-    names = BASE.thresholds()
-    for name, before, after in (("onset_force", 0, 3), ("stick_force", 3, 1)):
-        threshold = names[name].value
+    for name, before, after in (("onset", 0, 3), ("stick", 3, 1)):
+        threshold = BASE.threshold(name, "axial_force").value
         found = BASE.sweep(axial_force=[threshold * (1 - 1e-4), threshold * (1 + 1e-4)])
         assert found.attractor.values.tolist() == [before, after]
 

@@ -62,7 +62,9 @@ SIDES = {
 def test_the_sides_of_the_line_have_the_sign_of_the_contact_force(words):
     """Against the two forces of (8.17) themselves; where two solve, a motion takes law −."""
     drive = RigidDrive.of(SIDES[words])
-    case = xr.Dataset(phase_plane.portraits([drive], [{"u": 0.01, "w": 0.0}], 0.01, 200)).isel(case=0)
+    case = phase_plane.portraits({"starts": [{"u": 0.01, "w": 0.0}], "duration": 0.01, "samples": 200}, [drive]).isel(
+        case=0
+    )
     axes = style.new_figure().add_subplot()
     axes.set(xlim=(-0.15, 0.15), ylim=(-120, 120))
     drawn.guide(axes, case)

@@ -141,7 +141,8 @@ def found(tmp_path_factory):
     """Return what the commands print, and what Python says, where the file of the new model is."""
     folder = tmp_path_factory.mktemp("copy")
     shutil.copytree(PACKAGE / "models", folder / "lsvib" / "models", ignore=shutil.ignore_patterns("__pycache__"))
-    shutil.copy(PACKAGE / "__init__.py", folder / "lsvib")
+    for name in ("__init__.py", "__init__.pyi"):
+        shutil.copy(PACKAGE / name, folder / "lsvib")
     (folder / "lsvib" / "models" / "slope.py").write_text(SLOPE, encoding="utf-8")
     done = subprocess.run(
         [sys.executable, "-c", CODE, str(PACKAGE), json.dumps(COMMANDS)],

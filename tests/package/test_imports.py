@@ -6,13 +6,17 @@
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import grimp
+from references.figure_checks import dataset_of, draft
 
-from lsvib.figures.configuration import default_figures, module_of
+from lsvib.datasets.io import write_dataset
+from lsvib.figures.configuration import default_figures
 from lsvib.models.model import model_names
 
 FIGURES = default_figures()
+CHEAP = ("fig8_01", "fig8_02", "fig8_03", "fig8_04", "fig8_05", "fig8_07", "fig8_08", "fig8_09", "fig8_11", "fig8_15")
 WITHOUT_ENGINE = [
     "--help",
     "config",
@@ -37,28 +41,31 @@ for line in sys.argv[1:]:
         os._exit(0)
     os.wait()
 """
-MODULES = """
+FIGURE = """
 import json, os, sys
 from importlib import import_module
 import numpy, xarray, netCDF4, mpmath, pydantic
-for name in sys.argv[1:]:
+before, unwanted, code, *figures = sys.argv[1:]
+import_module(before)
+for figure in figures:
     sys.stdout.flush()
     if not os.fork():
-        import_module(name)
-        print(json.dumps([name, list(sys.modules)]), flush=True)
+        exec(code, {"figure": figure, "module": import_module(f"lsvib.figures.{figure}")})
+        ours = [name for name in sys.modules if name.split(".")[0] == "lsvib"]
+        print(json.dumps([figure, unwanted in sys.modules, ours]), flush=True)
         os._exit(0)
     os.wait()
 """
 
 
-def loaded() -> dict[str, set[str]]:
-    """By the module of a figure, what Python has loaded after it, imported in a process of its own.
+def loaded(before: str, unwanted: str, code: str, folder: Path | None = None) -> dict[str, tuple[bool, set[str]]]:
+    """By figure: after it is imported and ``code`` has run, whether a package is loaded, and our modules that are.
 
-    Each is a copy of one process, which has loaded what else is heavy and not looked for.
+    Each is a copy of one process, which has loaded ``before`` and what else is heavy and not looked for.
     """
-    names = map(module_of, FIGURES)
-    run = subprocess.run([sys.executable, "-c", MODULES, *names], capture_output=True, text=True, check=True)
-    return {name: set(modules) for name, modules in map(json.loads, run.stdout.splitlines())}
+    command = [sys.executable, "-c", FIGURE, before, unwanted, code, *FIGURES]
+    run = subprocess.run(command, capture_output=True, text=True, check=True, cwd=folder)
+    return {figure: (there, set(ours)) for figure, there, ours in map(json.loads, run.stdout.splitlines())}
 
 
 def test_commands_that_need_no_engine_load_none(tmp_path):
@@ -75,11 +82,26 @@ def test_the_package_loads_nothing_heavy():
     assert not {"numba", "matplotlib", "xarray", "scipy", "pydantic", "numpy"} & set(done.stdout.split())
 
 
-def test_a_figure_loads_no_engine_and_what_the_workflow_knows_of():
-    """The workflow reruns a figure when a file in its import closure changes: no other module may be loaded."""
+def test_a_dataset_is_built_without_matplotlib():
+    """And the workflow, which reruns a figure when a file of its import closure changes, knows all that is loaded."""
+    settings = {figure: draft(figure) for figure in CHEAP}
+    code = f"module.build({settings!r}[figure]) if figure in {CHEAP!r} else None"
     graph = grimp.build_graph("lsvib", cache_dir=None)
-    for module, modules in loaded().items():
-        closure = graph.find_upstream_modules(module) | {module}
+    for figure, (matplotlib, ours) in loaded("numba", "matplotlib", code).items():
+        name = f"lsvib.figures.{figure}"
+        closure = graph.find_upstream_modules(name) | {name}
+        if "lsvib.models.model" in closure:  # through which models are asked for by name
+            for model in (f"lsvib.models.{model}" for model in model_names()):
+                closure |= graph.find_upstream_modules(model) | {model}
         packages = {parent.rsplit(".", n)[0] for parent in closure for n in range(1, parent.count(".") + 1)}
-        assert not {"numba", "matplotlib"} & modules, module
-        assert {name for name in modules if name.split(".")[0] == "lsvib"} <= closure | packages, module
+        assert not matplotlib, figure
+        assert ours <= closure | packages, figure
+
+
+def test_a_picture_is_drawn_from_its_file_without_the_engine(tmp_path):
+    for figure in FIGURES:
+        write_dataset(dataset_of(figure), tmp_path / f"{figure}.nc")
+    code = "from lsvib.datasets.io import read_dataset; module.draw(read_dataset(figure + '.nc'))"
+    for figure, (numba, ours) in loaded("matplotlib.backends.backend_agg", "numba", code, tmp_path).items():
+        assert not numba, figure
+        assert "lsvib.engine.motion" not in ours, figure

@@ -13,7 +13,7 @@ from pathlib import Path
 import grimp
 from lsvib.datasets.checks import counts, failures, printed_thresholds, read_checks, verdict
 from lsvib.errors import LsvibError
-from lsvib.models.model import model_module, modules_of
+from lsvib.models.model import model_module
 from lsvib.models.model import all_models
 from lsvib.models.scene import read_yaml
 from lsvib.figures.configuration import accuracy_figures, check, default_figures, module_of, selected, settings_of
@@ -63,17 +63,23 @@ def import_graph():
 
 @cache
 def imports(module):
-    """Return the modules of our packages that ``module`` imports, directly or not, itself included."""
+    """Return the modules of our packages that ``module`` imports, directly or not, itself included.
+
+    What asks for models by name imports all of them: a model is found by its file.
+    """
     graph = import_graph()
     if module not in graph.modules:
         raise WorkflowError(f"The module {module} does not exist.")
-    return frozenset(graph.find_upstream_modules(module) | {module})
+    found = graph.find_upstream_modules(module) | {module}
+    if "lsvib.models.model" in found and not module.startswith("lsvib.models."):
+        found = found.union(*(imports(model_module(name)) for name in all_models()))
+    return frozenset(found)
 
 
 def source_files(modules):
     """Return the files of the modules and of the packages around them, relative to the working directory.
 
-    The style and the script of a page lie beside the module that writes it.
+    The template and the style of a page lie beside the module that writes it, and begin with its name.
     """
     files = set()
     for module in modules:
@@ -81,7 +87,7 @@ def source_files(modules):
         files |= {Path(FOLDERS[parts[0]], *parts[:n], "__init__.py") for n in range(1, len(parts))}
         package = Path(FOLDERS[parts[0]], *parts, "__init__.py")
         file = package if package.exists() else Path(FOLDERS[parts[0]], *parts).with_suffix(".py")
-        files |= {file} | {beside for kind in (".css", ".js") if (beside := file.with_suffix(kind)).exists()}
+        files |= {file, *(beside for kind in ("css", "j2") for beside in file.parent.glob(f"{file.stem}*.{kind}"))}
     return sorted(str(file) for file in files)
 
 
@@ -116,7 +122,7 @@ def sources(kind):
 
 def modules_with_model(module, settings):
     """Return the modules that a module depends on, those of a model included, which are imported by its name."""
-    return frozenset().union(*map(imports, (module, *modules_of(settings.get("model", "rigid")))))
+    return frozenset().union(*map(imports, (module, model_module(settings.get("model", "rigid")))))
 
 
 def map_modules():

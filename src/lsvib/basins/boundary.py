@@ -36,10 +36,6 @@ from lsvib.models.drive import Drive, RigidDrive
 from lsvib.models.mechanics import Coefficients, coefficients
 from lsvib.models.rigid import MotionMode, rigid_automaton
 
-_NARROW = 1e-10  # width of a window, of the size of the boundary, in which a share is still good to 1e-4
-_EVENTS = 2_000_000  # of a motion backwards, some seconds, after which its turns hardly grow and it is given up
-_FAR = 1e9  # growth of the turns after which they grow for ever: the constants of the drive are 1e-9 of the state
-
 
 class AttractsNothing(InputError):
     """Steady sliding is not asymptotically stable, so it has no basin; ``neutral``: motions near it do not grow."""
@@ -107,7 +103,7 @@ class Basin:
         """
         if not self.curves:
             return 1.0
-        narrow = _NARROW * self._size(window)
+        narrow = 1e-10 * self._size(window)  # of the size of the boundary: a share is then still good to 1e-4
         wide = window.widened(*narrow)
         if wide != window:
             if any(inside(self.flow, self.curves, wide)):
@@ -309,14 +305,15 @@ def _everything() -> Curve:
 def _wind_up(drive: RigidDrive, back: Automaton, start: NDArray[np.float64], mode: int) -> Motion | None:
     """Return one turn of the cycle on to which a motion backwards winds; None if it grows or does not come back.
 
-    The turns only grow (docs/basin.md). Once they have grown by ``_FAR`` the constants of the drive no longer count:
-    each turn is in proportion to the one before, so they grow for ever.
+    The turns only grow (docs/basin.md). Once they have grown by 1e9 the constants of the drive no longer count: each
+    turn is in proportion to the one before, so they grow for ever.
     """
     state, used, chunk = start, 0, 32
+    far, most = 1e9 * np.abs(start).max(), 2_000_000  # events, some seconds: turns that still grow hardly do
     scale = back.tables.flow[mode, layout.TIME_SCALE]
-    while used < _EVENTS:
+    while used < most:
         trace = _traced(back, state, mode, chunk)
-        if trace is None or trace.status == Status.SETTLED or np.abs(trace.after).max() > _FAR * np.abs(start).max():
+        if trace is None or trace.status == Status.SETTLED or np.abs(trace.after).max() > far:
             return None
         state, mode = trace.end_state, trace.end_mode
         found = steady_state(back, state, mode=mode, max_events=1)

@@ -44,13 +44,11 @@ from lsvib.errors import InputError
 from lsvib.models.drive import Drive
 
 _EVENTS = 100_000  # of a motion, after which its start is unresolved
-_SYMBOLS = 256  # longest itinerary; what a motion ends in that goes on is searched
-_SEARCH = 16_000  # events of such a search
+_SYMBOLS = 256  # events of the longest itinerary; what a motion ends in that goes on is searched
 _WORK = 500  # pieces into which sections may be divided for one drive, about a second
 _FAR = 1e3  # sections are labelled up to so many times the size of the drive's motions
 _ON_CYCLE = 1e-9  # a state this close to a point of a cycle, relative to the cycle's size, is on it
 _BAND = 1e-12  # half width of the band about a change of label in which starts are unresolved, in sizes
-_SLIVER = 1e-6  # largest width of a piece whose motions touch a guard to rounding, in sizes
 
 
 class Section(NamedTuple):
@@ -130,7 +128,8 @@ class Sections:
                 )
                 for part in ((low, here), (there, high)):
                     heappush(waiting, ((part[0] - part[1]) / max(*map(abs, part), 1e-300), *part))
-        return _merged(sorted(found), _SLIVER * size, _BAND * size)
+        sliver = 1e-6 * size  # largest width of a piece whose motions touch a guard to rounding
+        return _merged(sorted(found), sliver, _BAND * size)
 
     def _ends(self, section: Section) -> tuple[float, float]:
         """Return the part of a section, in sizes, where its mode can be entered: its guard rises, no other fired."""
@@ -190,7 +189,7 @@ class Sections:
         """Find the attractor of a motion; if it is a new cycle without rest, note an absorbing interval of it."""
         if self._work > _WORK:
             return UNRESOLVED
-        found = steady_state(self.automaton, state, mode=mode, max_events=_SEARCH)
+        found = steady_state(self.automaton, state, mode=mode, max_events=16_000)
         # A search takes as long as some pieces; where searches are in vain they are soon given up.
         self._work += _WORK / 4 if found.label == Attractor.UNRESOLVED else 8
         if found.orbit is None or any(one.label == found.label and one.same_period(found) for one in self.attractors):

@@ -16,11 +16,6 @@ from lsvib.dynamics.attractor import Attractor, Doubt, KnownCycles, SteadyState,
 from lsvib.errors import EngineError, InputError
 from lsvib.models.drive import Drive
 
-_WORK = 700_000  # for a start, in events, each some microseconds
-_LOOKING = _WORK // 10  # for each start that looks for a cycle before a map begins
-_PATIENCE = 1024  # events after which cycles that are not known are looked for: their map costs more than these
-_DOUBTS = list(Doubt)
-
 
 class Destiny(NamedTuple):
     """What becomes of a motion: label, time [s], number of sprags, kind of the first event (−1: none), and any doubt.
@@ -53,11 +48,12 @@ class StateMapper(Mapper):
         for u, w in ((reach, 0.0), (-reach, 0.0), (0.0, -1.5 * drive.input_speed), (3 * reach, 3 * speed)):
             start = self.definition.initial_state(drive, {"u": u, "w": w})
             with suppress(EngineError):
-                found, _ = end_of_motion(self.automaton, start, max_events=_LOOKING)
+                found, _ = end_of_motion(self.automaton, start, max_events=70_000)
                 known = any(other.same_period(found) for other in self.attractors)
                 if found.orbit is not None and found.orbit.time.size and not known:
                     self.attractors.append(found)
-        self._known = KnownCycles.of(self.attractors, len(self.automaton.states), _PATIENCE)
+        # Cycles that are not known are looked for after 1024 events: their map costs more than these.
+        self._known = KnownCycles.of(self.attractors, len(self.automaton.states), 1024)
 
     def check(self, grid: Grid) -> None:
         """Raise ``InputError`` unless the grid has what a start needs, and nothing that the state has not."""
@@ -80,14 +76,15 @@ class StateMapper(Mapper):
             for j in range(x.size):
                 values = {**grid.fixed, grid.x.coordinate: x[j], grid.y.coordinate: y[i]}
                 *destiny, doubt = self.destiny(self.definition.initial_state(self.drive, values))
-                code = NO_DOUBT if doubt is None else _DOUBTS.index(doubt)
+                code = NO_DOUBT if doubt is None else list(Doubt).index(doubt)
                 for array, value in zip(found.values(), (*destiny, code), strict=True):
                     array[i, j] = value
 
     def destiny(self, state: np.ndarray) -> Destiny:
         """Return what becomes of the motion from a state (n)."""
         try:
-            end, course = end_of_motion(self.automaton, state, max_events=_WORK, known=self._known)
+            # Each event takes some microseconds.
+            end, course = end_of_motion(self.automaton, state, max_events=700_000, known=self._known)
         except EngineError as error:  # no mode fits the start
             return Destiny(Attractor.UNRESOLVED, np.inf, 0, -1, Doubt.of(error))
         unknown = end.doubt is not None or end.label == Attractor.UNBOUNDED

@@ -115,7 +115,8 @@ def _print_thresholds(found: Mapping[str, Any]) -> None:
             verdict = "pass" if printed["passed"] else "FAIL"
             about = f"chapter {printed['value']:g}, relative error {printed['relative_error']:.2%}, {verdict}"
         for solution in entry["solutions"]:
-            rows.append((key, f"{entry['unknown']} = {with_unit('%.12g' % solution['value'], unit)}", about))
+            value = with_unit(f"{solution['value']:.12g}", unit)
+            rows.append((key, f"{entry['unknown']} = {value}", about))
         for low, high in entry["stable_intervals"]:
             first = "" if low is None else f" from {low:.12g}"
             last = "" if high is None else f"{' up' if low is None else ''} to {high:.12g}"

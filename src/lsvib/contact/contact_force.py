@@ -34,8 +34,6 @@ from lsvib.models.mechanics import coefficients
 from lsvib.numbers import bisected
 
 ForceState = tuple[float, float]
-_ARCS = 1000  # A motion that still crosses N = 0 after so many arcs counts as bounded.
-_REPEATED = 1e-13  # Relative difference of two rates of crossing below which the motion repeats itself.
 
 
 class Paradox(IntEnum):
@@ -171,7 +169,7 @@ def follow(flows: dict[int, ForceFlow], start: ForceState) -> tuple[list[ForceAr
     motion that crosses x = 0 again as it did two arcs before repeats itself; the arcs end there.
     """
     arcs: list[ForceArc] = []
-    while len(arcs) < _ARCS:
+    while len(arcs) < 1000:  # a motion that still crosses N = 0 then counts as bounded
         inside = start[0] or start[1]
         flow = next(flow for flow in flows.values() if (inside >= 0) == (flow.side > 0))
         time = flow.crossing(start)
@@ -182,7 +180,7 @@ def follow(flows: dict[int, ForceFlow], start: ForceState) -> tuple[list[ForceAr
             return arcs, ending if grows else ForceOutcome.BOUNDED
         arcs.append(ForceArc(flow, start, time))
         start = 0.0, flow.at(start, time)[1]
-        if len(arcs) > 2 and abs(start[1] - arcs[-2].start[1]) <= _REPEATED * abs(start[1]):
+        if len(arcs) > 2 and abs(start[1] - arcs[-2].start[1]) <= 1e-13 * abs(start[1]):
             break
     return arcs, ForceOutcome.BOUNDED
 

@@ -27,7 +27,6 @@ from typing import Any, Self
 
 import numpy as np
 
-from lsvib.contact.curve_distance import Orbit, rest_count, rest_duration
 from lsvib.dynamics.attractor import orbit_extremes, steady_state
 from lsvib.dynamics.impulses import seizure_impulses
 from lsvib.engine.exact.arithmetic import many_digits
@@ -40,7 +39,71 @@ from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
 from lsvib.models.threads import ThreadsEvent, seated_state, threads_automaton
 
 _CORNERS = (800, 3000)  # that represent a motion after one impact, and a cycle, which is longer and bends more
-_WORK = 100_000  # units of an ordinary event, within which the cycle of a compliant motion must be found
+
+
+def curve(motion: Motion, count: int) -> np.ndarray:
+    """Return points (u, w) [rad, rad/s] along a motion, shape (k, 2), both ends of each arc among them.
+
+    ``count`` points are shared out by duration, and half as many evenly among the arcs.
+    """
+    _, starts, ends, durations = motion.arcs()
+    shares = max(2, count // (2 * durations.size)) + np.floor(count * durations / durations.sum()).astype(int)
+    bounds = np.concatenate([[motion.start_time], motion.time, [motion.end_time]])
+    times = np.concatenate([np.linspace(a, b, n) for a, b, n in zip(bounds[:-1], bounds[1:], shares, strict=True)])
+    states, _ = motion.at(times)
+    last = np.cumsum(shares) - 1
+    states[last - shares + 1], states[last] = starts, ends
+    return states[:, :2]
+
+
+def farthest(points: np.ndarray, polygon: np.ndarray) -> float:
+    """Return the largest distance of points (k, 2) from an open polygon through the corners (l, 2)."""
+    corner_x, corner_y = np.ascontiguousarray(polygon.T)  # numbers that lie side by side are worked on twice as fast
+    along_x, along_y = np.diff(corner_x), np.diff(corner_y)
+    length = along_x**2 + along_y**2
+    length[length == 0] = 1.0
+    largest, few = 0.0, 8  # points at once, so that the arrays stay in the cache
+    for first in range(0, len(points), few):
+        block = points[first : first + few]
+        x, y = block[:, :1] - corner_x[:-1], block[:, 1:] - corner_y[:-1]
+        part = np.clip((x * along_x + y * along_y) / length, 0.0, 1.0)
+        squares = (x - part * along_x) ** 2 + (y - part * along_y) ** 2
+        largest = max(largest, float(squares.min(axis=1).max()))
+    return math.sqrt(largest)
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """The curve of a motion in the phase plane, in scales of u [rad] and w [rad/s]: a polygon, and points to measure.
+
+    Jumps, along which only the rate changes, are sides of the polygon.
+    """
+
+    scales: tuple[float, float]
+    polygon: np.ndarray
+    points: np.ndarray
+
+    @classmethod
+    def of(cls, motion: Motion, scales: tuple[float, float], corners: int = 800) -> Self:
+        """Sample a motion at about so many ``corners`` and 40 points to measure, and both ends of its arcs."""
+        return cls(scales, *(curve(motion, count) / np.array(scales) for count in (corners, 40)))
+
+    def distance(self, other: Self) -> float:
+        """Return the Hausdorff distance [1]: the largest distance of a point of either curve from the other one."""
+        return max(farthest(self.points, other.polygon), farthest(other.points, self.polygon))
+
+
+def rest_duration(motion: Motion) -> float:
+    """Return the total time [s] that a motion spends at rest."""
+    modes, _, _, durations = motion.arcs()
+    return float(durations[np.isin(motion.automaton.codes[modes], motion.automaton.rest_codes)].sum())
+
+
+def rest_count(motion: Motion) -> int:
+    """Return how often a motion comes to rest; a rest that only begins as the motion ends is none."""
+    modes, _, _, durations = motion.arcs()
+    codes = motion.automaton.codes[modes[durations > 0]]
+    return int(np.isin(codes, motion.automaton.rest_codes).sum())
 
 
 class BranchFamily(IntEnum):
@@ -179,7 +242,7 @@ def deviations(branch: LimitBranch, drive: ThreadsDrive) -> dict[str, Any]:
     """
     automaton, seated = threads_automaton(drive), seated_state(drive, *branch.start)
     if branch.impact is None:
-        motion = steady_state(automaton, seated, max_events=_WORK).orbit
+        motion = steady_state(automaton, seated, max_events=100_000).orbit
     else:
         motion = follow(automaton, seated, branch.rigid[0].end_time)
     if motion is None:

@@ -42,8 +42,6 @@ from lsvib.stability.curves import LOGARITHMIC, ChartBoundary, boundary_curves, 
 
 Curves = dict[ChartBoundary, list[np.ndarray]]
 _MOST = 100_000_000  # cells, of which each takes some hundred bytes while it is computed
-_WORTH = 20_000  # cells that make it worth while to start processes, which takes each of them some seconds
-_BLOCK = 4096  # cells that a process takes at a time: a quarter of a second; with more states some seconds
 
 
 class ChartAxis(Axis):
@@ -218,7 +216,8 @@ def chart(
     x), ``fraction`` of each ``behaviour``, and the points of the exact curves (``boundary_…``). Raises ``InputError``.
     """
     plane, resumption, processes = Plane.of(drive, x, y), rule(resume), numbers.workers(workers)
-    if processes > 1 and plane.x.count * plane.y.count >= _WORTH:
+    # Processes take some seconds to start, fewer cells less than that.
+    if processes > 1 and plane.x.count * plane.y.count >= 20_000:
         labels, curves = _in_processes(plane, resumption, processes, progress)
     else:
         labels, curves = plane.labels(resume=resumption, workers=processes, progress=progress), plane.curves()
@@ -232,7 +231,7 @@ def _in_processes(plane: Plane, resume: Resume, workers: int, progress: Progress
     them one by one, and then blocks of rows.
     """
     count, cells = plane.y.count, plane.x.count * plane.y.count
-    size = max(1, _BLOCK // plane.x.count)
+    size = max(1, 4096 // plane.x.count)  # so many cells take a quarter of a second; with more states some seconds
     blocks = [slice(first, min(first + size, count)) for first in range(0, count, size)]
     labels, curves, done = np.empty((count, plane.x.count), dtype=np.int8), Curves(), 0
     with get_context("spawn").Pool(workers) as pool:

@@ -74,9 +74,6 @@ def find_cycles(drive: Drive, automaton: Automaton) -> Cycles:
     return Cycles(found.cycles, found.families, proved, f"Searched: {found.searched}.")
 
 
-_MOST_POINTS = 100_000  # of a branch, each way; more cycles would fill the memory
-
-
 def followed(
     drive: Drive, cycle: Cycle, parameter: str, span: Any, points: Any, build: Callable[[Any], Automaton]
 ) -> CycleBranch:
@@ -103,8 +100,8 @@ def followed(
         raise InputError(
             f"span = {low:g} to {high:g} is outside the allowed range: it holds the drive's own {parameter} = {here:g}."
         )
-    if not 2 <= most <= _MOST_POINTS:
-        raise InputError(f"points = {most} is outside the allowed range 2 <= points <= {_MOST_POINTS}.")
+    if not 2 <= most <= 100_000:  # each way; more cycles would fill the memory
+        raise InputError(f"points = {most} is outside the allowed range 2 <= points <= 100000.")
     for end in (low, high):
         drive.replace(**{parameter: end})
 

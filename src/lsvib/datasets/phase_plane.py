@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from lsvib.datasets.attributes import (
     IMPULSES,
@@ -16,8 +17,10 @@ from lsvib.datasets.attributes import (
     WITHOUT_IMPULSES,
     Dims,
     Variables,
+    drive_parameters,
     flagged,
     flags_or_none,
+    labels,
     named_index,
     quantity,
     variable,
@@ -77,21 +80,33 @@ def rule_coordinate() -> Variables:
 
 
 def portraits(
-    drives: Sequence[RigidDrive], starts: Sequence[Mapping[str, float]], duration: float, samples: int
-) -> Variables:
-    """Compute the phase planes of some drives.
+    settings: Mapping[str, Any],
+    drives: Sequence[RigidDrive],
+    varied: tuple[str, ...] = (),
+    printed: tuple[str, ...] = (),
+) -> xr.Dataset:
+    """Compute a phase plane for each drive, a case.
 
-    Arguments: drives; starts, each with u [rad] and w = u′ [rad/s]; duration [s] and number of samples of a motion.
-    Returns the :func:`lines`, the sampled motions (case, start, sample) with their events (case, start, event), what
-    they settle on (case, rule, start), and the limit cycle of the first one (case, sample). Raises ``InputError`` if
-    the samples are too few for the events.
+    ``settings``: ``starts``, each with u [rad] and w = u′ [rad/s]; ``duration`` [s] and number of ``samples`` of a
+    motion. ``varied``: parameters in which the drives differ; ``printed``: places of the chapter beyond Table 8.1 that
+    state parameters. Returns the :func:`lines`, the sampled motions (case, start, sample) with their events (case,
+    start, event), what they settle on (case, rule, start), and the limit cycle of the first one (case, sample). Raises
+    ``InputError`` if the samples are too few for the events.
     """
-    states = [np.array([start["u"], start["w"]]) for start in starts]
+    duration, samples = settings["duration"], settings["samples"]
+    states = [np.array([start["u"], start["w"]]) for start in settings["starts"]]
     automata = [[rigid_automaton(drive, resume=rule) for rule in RULES] for drive in drives]
     steady = [[[steady_state(automaton, x) for x in states] for automaton in case] for case in automata]
     followed = [[follow(case[0], x, duration) for x in states] for case in automata]
     impulses = [[event_impulses(drive, motion) for motion in row] for drive, row in zip(drives, followed, strict=True)]
-    return lines(drives) | _motions(followed, samples) | _events(followed, impulses) | _attractors(steady, samples)
+    return xr.Dataset(
+        lines(drives) | _motions(followed, samples) | _events(followed, impulses) | _attractors(steady, samples),
+        coords={
+            **labels("case", drives, varied),
+            **drive_parameters(drives, along=varied, printed=printed),
+            **rule_coordinate(),
+        },
+    )
 
 
 def lines(drives: Sequence[RigidDrive]) -> Variables:

@@ -27,7 +27,6 @@ from numpy.typing import ArrayLike
 from lsvib.dynamics.attractor import arc_integrals
 from lsvib.engine.motion import Motion
 from lsvib.models.drive import Drive
-from lsvib.models.rigid import EventKind, MotionMode
 
 
 @dataclass(frozen=True)
@@ -71,7 +70,7 @@ def normal_impulse(speed: Any, sine: Any, mass: Any, pitch_radius: Any, screw_in
 
 def seizure_speeds(drive: Drive, motion: Motion) -> np.ndarray:
     """Return the screw speed θ′ [rad/s] just before each seizure of a motion."""
-    return np.asarray(drive.input_speed + motion.before[motion.kind == EventKind.SEIZURE, 1])
+    return np.asarray(drive.input_speed + motion.before[np.isin(motion.kind, motion.automaton.sprag_kinds), 1])
 
 
 def event_impulses(drive: Drive, motion: Motion) -> Impulses:
@@ -102,29 +101,31 @@ def mean_load(drive: Drive, orbit: Motion) -> MeanLoad:
     """
     impulses = seizure_impulses(drive, seizure_speeds(drive, orbit))
     sine, cosine = math.sin(drive.lead_angle), math.cos(drive.lead_angle)
-    rows = orbit.automaton.observables
-    axial, torque = rows["normal_force"].copy(), rows["normal_force"].copy()
-    for mode, code in enumerate(orbit.automaton.codes):
-        if code == MotionMode.REST:
-            axial[mode] = 0.0, 0.0, drive.axial_force
-            torque[mode] = rows["coupling_torque"][mode]
-        else:
-            law = 1 if code in (MotionMode.SLIP_FORWARD_POSITIVE, MotionMode.SLIP_BACKWARD_NEGATIVE) else -1
-            friction = law * drive.friction_coefficient
-            axial[mode] *= cosine + friction * sine
-            torque[mode] *= drive.pitch_radius * (friction * cosine - sine)
-    integrals, modes = arc_integrals(orbit)
+    automaton, (integrals, modes) = orbit.automaton, arc_integrals(orbit)
+    normal, axial, torque, deflection = (
+        automaton.observables[name][modes]
+        for name in ("normal_force", "normal_force", "coupling_torque", "coupling_deflection")
+    )
+    _, starts, ends, _ = orbit.arcs()
+    # Neither θ′ nor N changes its sign along an arc.
+    force = automaton.observe("normal_force", starts, modes) + automaton.observe("normal_force", ends, modes)
+    friction = np.sign(force * (2 * drive.input_speed + starts[:, 1] + ends[:, 1])) * drive.friction_coefficient
+    rests = np.isin(automaton.codes[modes], automaton.rest_codes)
+    axial = axial * (cosine + friction * sine)[:, None]
+    axial[rests] = 0.0, 0.0, drive.axial_force
+    slip = normal * (drive.pitch_radius * (friction * cosine - sine))[:, None]
+    torque[~rests] = slip[~rests]
 
-    def total(table: np.ndarray, absolute: bool = False) -> float:
-        parts = np.einsum("ki,ki->k", table[modes], integrals)
+    def total(rows: np.ndarray, absolute: bool = False) -> float:
+        parts = np.einsum("ki,ki->k", rows, integrals)
         return float(np.sum(np.abs(parts) if absolute else parts))
 
     impulsive = float(np.sum(np.abs(impulses.normal)))
     period = orbit.end_time
     return MeanLoad(
-        normal=(total(rows["normal_force"], absolute=True) + impulsive) / period,
+        normal=(total(normal, absolute=True) + impulsive) / period,
         impulsive=impulsive / period,
         axial=(total(axial) + float(np.sum(impulses.axial))) / period,
         torque=(total(torque) + float(np.sum(impulses.torque))) / period,
-        deflection=total(rows["coupling_deflection"]) / period,
+        deflection=total(deflection) / period,
     )

@@ -14,7 +14,6 @@ from lsvib.basins.grid import coordinates
 from lsvib.figures import drawing, style
 from lsvib.figures.common import flag_names
 from lsvib.figures.settings import Cells, FigureSettings, Unique
-from lsvib.figures.style import Axes, Figure
 from lsvib.models.model import Resume, all_models, model_names
 
 CAPTION = """\
@@ -72,7 +71,7 @@ class Settings(FigureSettings):
 
 
 @style.styled
-def draw(dataset: xr.Dataset) -> Figure:
+def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the map of two coordinates with the lines Q = 0 and θ′ = 0, the boundary if known, and the attractors."""
     figure = style.new_figure(style.SINGLE * 1.35, 4.2)
     axes = figure.add_subplot()
@@ -92,7 +91,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def draw_map(axes: Axes, dataset: xr.Dataset) -> list:
+def draw_map(axes: style.Axes, dataset: xr.Dataset) -> list:
     """Draw the cells, the paler the longer it takes within a region; returns patches for the legend."""
     from matplotlib.colors import to_rgb
     from matplotlib.patches import Patch

@@ -1,7 +1,7 @@
 """The basin of steady sliding: its exact size against force, damping, mass and friction, and against grids."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import numpy as np
 import xarray as xr
@@ -13,15 +13,10 @@ from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, drive_para
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures import settings as of
-from lsvib.figures.common import about, flag_names, named, spread
-from lsvib.figures.style import Axes, Figure
+from lsvib.figures.common import Basin, Window, about, flag_names, named, spread
 from lsvib.models.drive import RigidDrive
 from lsvib.stability.conditions import critical_friction, critical_mass
 from lsvib.stability.force_thresholds import global_stability_force
-
-if TYPE_CHECKING:
-    from lsvib.basins.boundary import Basin
-    from lsvib.basins.curves import Window
 
 CAPTION = """\
 The basin of steady sliding: (a) to (c) its exact boundary, one kind to a panel, with the part of the window that it
@@ -72,6 +67,7 @@ class Settings(of.FigureSettings):
 
 def build(settings: of.Values) -> xr.Dataset:
     """Compute the basins of a few drives, exactly and on grids, and the exact share of a window along four sweeps."""
+    from lsvib.basins.boundary import Boundary, basin
     from lsvib.basins.curves import Window
     from lsvib.datasets import phase_plane
 
@@ -80,9 +76,17 @@ def build(settings: of.Values) -> xr.Dataset:
     for name in _SWEPT:
         values, basins = _swept(drive, name, spans.even(settings[name]))
         coordinates |= axis(f"swept_{name}", values)
-        variables |= _along(name, basins, window)
+        dim, fractions, kinds = f"swept_{name}", [b.fraction(window) for b in basins], [b.boundary for b in basins]
+        variables[f"fraction_{name}"] = variable(dim, fractions, "1", _FRACTION)
+        variables[f"boundary_kind_{name}"] = flagged(dim, kinds, "what bounds the basin", Boundary)
+        if name == "axial_force":
+            words = "area of the basin, infinite where it has no bound"
+            variables["basin_area_axial_force"] = variable(dim, [b.area() for b in basins], "rad2 s-1", words)
     variables |= _cases(drive, settings["cases"], settings["resolutions"])
-    variables |= _readings(drive, settings["masses"], settings["axial_forces"], window)
+    masses, forces = settings["masses"], settings["axial_forces"]
+    readings = [[basin(drive.replace(mass=m, axial_force=r)).fraction(window) for r in forces] for m in masses]
+    variables["reading_fraction"] = variable(("reading_mass", "reading_axial_force"), readings, "1", _FRACTION)
+    variables |= axis("reading_mass", masses) | axis("reading_axial_force", forces)
     variables |= phase_plane.window_edges("window", "edge", window)
     variables |= _critical_values(drive, coordinates["swept_support_damping"][1])
     return xr.Dataset(
@@ -96,11 +100,11 @@ def build(settings: of.Values) -> xr.Dataset:
     )
 
 
-def _swept(drive: RigidDrive, name: str, values: np.ndarray) -> "tuple[np.ndarray, list[Basin]]":
+def _swept(drive: RigidDrive, name: str, values: np.ndarray) -> tuple[np.ndarray, list[Basin]]:
     """The basins along one parameter; where the kind of boundary changes, two more values close to the change."""
     from lsvib.basins.boundary import basin
 
-    def at(value: float) -> "Basin":
+    def at(value: float) -> Basin:
         return basin(drive.replace(**{name: float(value)}))
 
     found = {float(value): at(value) for value in values}
@@ -117,21 +121,6 @@ def _swept(drive: RigidDrive, name: str, values: np.ndarray) -> "tuple[np.ndarra
                 high, last = middle, between
         found |= {low: first, high: last}
     return np.array(sorted(found)), [found[value] for value in sorted(found)]
-
-
-def _along(name: str, basins: "Sequence[Basin]", window: "Window") -> Variables:
-    """Fraction of the window and kind of boundary along a sweep; along that of the force also the area."""
-    from lsvib.basins.boundary import Boundary
-
-    dim, fraction, kinds = f"swept_{name}", [b.fraction(window) for b in basins], [b.boundary for b in basins]
-    variables = {
-        f"fraction_{name}": variable(dim, fraction, "1", _FRACTION),
-        f"boundary_kind_{name}": flagged(dim, kinds, "what bounds the basin", Boundary),
-    }
-    if name == "axial_force":
-        words = "area of the basin, infinite where it has no bound"
-        variables["basin_area_axial_force"] = variable(dim, [b.area() for b in basins], "rad2 s-1", words)
-    return variables
 
 
 def _critical_values(drive: RigidDrive, dampings: np.ndarray) -> Variables:
@@ -161,7 +150,12 @@ def _cases(drive: RigidDrive, cases: Sequence[of.Values], resolutions: Sequence[
     pairs = list(zip(basins, windows, strict=True))
     lines, regions = [b.line(w, 60) for b, w in pairs], [sampled(b.flow, b.clipped(w), 60) for b, w in pairs]
     grid = np.array([_grid_fraction(d, w, resolutions) for d, w in zip(drives, windows, strict=True)])
-    bound = [[_cut_cells(line, w, n) / n**2 for n in resolutions] for line, w in zip(lines, windows, strict=True)]
+    # A boundary passes from cell to cell across one edge at a time; 16 for its ends and where it turns.
+    steps = [
+        float(np.nansum(np.abs(np.diff(line, axis=0)) / [w.right - w.left, w.top - w.bottom]))
+        for line, w in zip(lines, windows, strict=True)
+    ]
+    bound = [[(n * step + 16) / n**2 for n in resolutions] for step in steps]
     varied = tuple(name for name, value in drive if len({value, *(getattr(d, name) for d in drives)}) > 1)
     own = drive_parameters(drives, along=varied, printed=("Fig. 8.14", "Sect. 8.6"))
     dims, exact = ("case", "resolution"), "fraction of the case's window that steady sliding attracts, exact"
@@ -191,7 +185,7 @@ def _points(name: str, curves: Sequence[np.ndarray], where: str) -> Variables:
     return phase_plane.curve(name, ("case", f"{name}_point"), table, where)
 
 
-def _grid_fraction(drive: RigidDrive, window: "Window", resolutions: Sequence[int]) -> list[float]:
+def _grid_fraction(drive: RigidDrive, window: Window, resolutions: Sequence[int]) -> list[float]:
     """Fraction of the middles of n × n cells from which the motion settles, for each resolution n, by the mapper."""
     from lsvib.basins.mapper import mapper
     from lsvib.dynamics.attractor import Attractor
@@ -200,24 +194,6 @@ def _grid_fraction(drive: RigidDrive, window: "Window", resolutions: Sequence[in
     grids = [Grid(*(Axis.checked(*side, count) for side in sides)) for count in resolutions]
     found = [mapper(drive).cells(grid, quantities=("label",))["label"] for grid in grids]
     return [float(np.mean(label == Attractor.STEADY_SLIDING)) for label in found]
-
-
-def _cut_cells(line: np.ndarray, window: "Window", count: int) -> float:
-    """A bound of the number of cells that a boundary cuts: it passes from cell to cell across one edge at a time."""
-    steps = np.abs(np.diff(line, axis=0)) / [window.right - window.left, window.top - window.bottom]
-    return count * float(np.nansum(steps)) + 16  # for the ends of a boundary and where it turns
-
-
-def _readings(drive: RigidDrive, masses: Sequence[float], forces: Sequence[float], window: "Window") -> Variables:
-    """Fraction of the window for both readings of the mass and both forces of Fig. 8.14."""
-    from lsvib.basins.boundary import basin
-
-    table = [[basin(drive.replace(mass=m, axial_force=r)).fraction(window) for r in forces] for m in masses]
-    return {
-        "reading_fraction": variable(("reading_mass", "reading_axial_force"), table, "1", _FRACTION),
-        **axis("reading_mass", masses),
-        **axis("reading_axial_force", forces),
-    }
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
@@ -295,7 +271,7 @@ def _global_stability_checks(dataset: xr.Dataset) -> list[Check]:
 
 
 @style.styled
-def draw(dataset: xr.Dataset) -> Figure:
+def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the basins of the cases above, and the fraction of the window that belongs to the basin below."""
     figure = style.new_figure(style.DOUBLE, 6.0)
     rows = figure.subfigures(2, 1, height_ratios=(1.0, 1.05))
@@ -312,7 +288,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def _basin(axes: Axes, case: xr.Dataset, letter: str) -> None:
+def _basin(axes: style.Axes, case: xr.Dataset, letter: str) -> None:
     """Shade the basin of one case, draw its boundary, N = 0 and θ′ = 0."""
     region = np.column_stack([case.region_angle, case.region_velocity])
     for part in np.split(region, np.flatnonzero(np.isnan(region[:, 0]))):
@@ -336,7 +312,7 @@ def _basin(axes: Axes, case: xr.Dataset, letter: str) -> None:
     axes.text(0.97, 0.96, words, transform=axes.transAxes, ha="right", va="top", fontsize=6)
 
 
-def _sweep(axes: Axes, dataset: xr.Dataset, name: str, letter: str) -> None:
+def _sweep(axes: style.Axes, dataset: xr.Dataset, name: str, letter: str) -> None:
     """Draw the fraction over one parameter, coloured by what bounds the basin."""
     values, fraction = dataset[f"swept_{name}"].values, dataset[f"fraction_{name}"].values
     kinds = dataset[f"boundary_kind_{name}"]
@@ -356,20 +332,15 @@ def _sweep(axes: Axes, dataset: xr.Dataset, name: str, letter: str) -> None:
     axes.set(yscale="log", title=f"({letter}) {_SWEPT[name][0]}", xlabel=label)
     axes.margins(x=0)
     axes.set_ylim(None, 1.6)
-    _threshold(axes, dataset, name, scale)
-
-
-def _threshold(axes: Axes, dataset: xr.Dataset, name: str, scale: float) -> None:
-    """Mark where global stability begins or ends: a root in closed form, over the damping the change of the basin."""
+    # Where global stability begins or ends: a root in closed form, over the damping the change of the basin.
     _, known, symbol, digits = _SWEPT[name]
     stable = dataset[f"swept_{name}"].values[named(dataset[f"boundary_kind_{name}"], "none")]
     place, own = float(dataset[known]) if known else float(stable.min(initial=np.inf)), float(dataset[name])
     left, right = axes.get_xlim()
     if not left <= place <= right:
         return
-    axes.axvline(
-        place, color=style.VERMILION, linewidth=0.9, linestyle=(0, (2, 1.5)), label="limit of global stability"
-    )
+    dotted = {"linewidth": 0.9, "linestyle": (0, (2, 1.5)), "label": "limit of global stability"}
+    axes.axvline(place, color=style.VERMILION, **dotted)
     value = f"{scale * place:.{digits}f}".replace("-", "−")
     left, right = axes.get_xlim()
     beside = max(place, own) if abs(own - place) < 0.2 * (right - left) else place  # right of both lines if close

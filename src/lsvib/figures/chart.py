@@ -12,7 +12,6 @@ from pydantic import Field
 from lsvib.figures import drawing, style
 from lsvib.figures.common import flag_names
 from lsvib.figures.settings import Cells, FigureSettings
-from lsvib.figures.style import Axes, Figure
 from lsvib.models.model import Resume, all_models
 
 CAPTION = """\
@@ -57,7 +56,7 @@ class Settings(FigureSettings):
 
 
 @style.styled
-def draw(dataset: xr.Dataset) -> Figure:
+def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the chart with its curves, and below it the values of the drive."""
     from matplotlib.patches import Patch
 
@@ -101,7 +100,7 @@ def _edges(axis: xr.DataArray) -> np.ndarray:
     return np.append(axis.values - half, axis.values[-1] + half)
 
 
-def _curves(axes: Axes, dataset: xr.Dataset, across: str, down: str) -> None:
+def _curves(axes: style.Axes, dataset: xr.Dataset, across: str, down: str) -> None:
     """Draw the exact curves, and write its name on the longest line of each."""
     names = flag_names(dataset.boundary_name)
     axes.figure.canvas.draw()  # so that places on the picture are known
@@ -120,7 +119,7 @@ def _curves(axes: Axes, dataset: xr.Dataset, across: str, down: str) -> None:
         _write_on(axes, longest, _CURVES.get(name, (name, "-"))[0], [*others, *taken], taken)
 
 
-def _readings(axes: Axes, dataset: xr.Dataset, across: str) -> None:
+def _readings(axes: style.Axes, dataset: xr.Dataset, across: str) -> None:
     """Mark the masses that the text gives for this drive where it contradicts itself: as stated, and as needed."""
     places, kinds = (flag_names(dataset[name]) for name in ("reading_place", "reading_kind"))
     for mass, place, kind in zip(
@@ -138,11 +137,10 @@ def _readings(axes: Axes, dataset: xr.Dataset, across: str) -> None:
         )  # fmt: skip
 
 
-def _write_on(axes: Axes, line: np.ndarray, words: str, others: list[np.ndarray], taken: list[np.ndarray]) -> None:
-    """Write words beside a line where they are farthest from all other lines and words, whose place ``taken`` gets.
-
-    Lines are points (n, 2) on the page [pt]. A line that is much shorter than its words gets none.
-    """
+def _write_on(
+    axes: style.Axes, line: np.ndarray, words: str, others: list[np.ndarray], taken: list[np.ndarray]
+) -> None:
+    """Write words beside a line [pt], unless it is much shorter, far from other lines; ``taken`` gets the place."""
     path, half = drawing.evenly(line)[:, :2], 2.2 * len(words.replace("$", "").replace("\\", ""))
     reach = max(1, min(int(half / drawing.STEP), (len(path) - 1) // 2))
     if len(path) * drawing.STEP < half:

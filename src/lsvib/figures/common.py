@@ -1,10 +1,23 @@
 """What figures share: how a dataset says what it is, and the words of its flags."""
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 import xarray as xr
 
 from lsvib.datasets.attributes import variable
 from lsvib.errors import InputError
+from lsvib.figures.settings import Values
+
+if TYPE_CHECKING:
+    from lsvib.basins.boundary import Basin
+    from lsvib.basins.curves import Window
+    from lsvib.contact.stiff_limit import LimitBranch
+    from lsvib.dynamics.attractor import SteadyState
+    from lsvib.engine.automaton import Automaton
+    from lsvib.engine.motion import Motion
+else:  # names for annotations, which load no engine
+    Automaton = Basin = LimitBranch = Motion = SteadyState = Window = Any
 
 EIGENVALUE = variable("eigenvalue", np.array([1, 2]), "1", "index of the eigenvalue", "$i$")
 # The critical mass with contact as a variable: unit, words, symbol.
@@ -30,6 +43,12 @@ def named(variable: xr.DataArray, *words: str) -> np.ndarray:
     """Return where a flag variable has one of the meanings ``words``, such as ``"stable node"``."""
     values = {name: value for value, name in flag_names(variable).items()}
     return np.isin(variable.values, [values[word] for word in words])
+
+
+def over_map(dataset: xr.Dataset, drive: Values) -> dict[str, Any]:
+    """Return parameters with those of the axes of the map ``stability`` in place, the first down, the second across."""
+    down, across = dataset.stability.dims
+    return {**drive, down: dataset[down].values[:, None], across: dataset[across].values}
 
 
 def spread(values: np.ndarray) -> float:

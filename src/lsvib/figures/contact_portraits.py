@@ -20,7 +20,6 @@ from lsvib.errors import InputError
 from lsvib.figures import drawing, style
 from lsvib.figures.common import EIGENVALUE, named
 from lsvib.figures.settings import ContactPortrait, Values
-from lsvib.figures.style import Axes, Figure
 from lsvib.models.drive import ThreadsDrive
 from lsvib.models.mechanics import coefficients
 
@@ -65,6 +64,7 @@ def portrait(settings: Values, paradox: Paradox) -> xr.Dataset:
     outcomes = [[contact_force.follow(flows, start)[1] for start in grid] for flows in cases]
     outcomes = np.reshape(outcomes, (len(cases), force.size, rate.size))
     plane, ratios = ("case", "grid_contact_force", "grid_contact_force_rate"), [flows[-1].damping for flows in cases]
+    sides, on = [flow.side for flow in cases[0].values()], "sign of the contact force chi where the law holds"
     becomes, times = "what becomes of the contact force from each state of the grid", "times frequency over stiffness"
     return xr.Dataset(
         _followed(cases, starts, count, limit, scale, paradox)
@@ -76,7 +76,7 @@ def portrait(settings: Values, paradox: Paradox) -> xr.Dataset:
             "grid_contact_force": (plane[1], force, _force("contact force of the grid")),
             "grid_contact_force_rate": (plane[2], rate, _rate("rate of the grid")),
             "law": variable("law", np.array(_LAWS), "1", "friction law", "$s$"),
-            "law_side": _side(cases[0]),
+            "law_side": variable("law", sides, "1", on, comment=_SIGN_OF_FORCE[paradox]),
             **labels("case", drives, ("contact_damping",)),
             "eigenvalue": EIGENVALUE,
             **drive_parameters(drives, along=("contact_damping",), no_effect=ContactPortrait.unused),
@@ -115,12 +115,6 @@ def _laws(drive: ThreadsDrive, cases: Sequence[Flows], scale: float) -> Variable
     }
 
 
-def _side(flows: Flows) -> tuple:
-    """On which side of N = 0 each law holds; the sides are the signs of χ."""
-    sides, sign = [flow.side for flow in flows.values()], _SIGN_OF_FORCE[Paradox(flows[1].side)]
-    return variable("law", sides, "1", "sign of the contact force chi where the law holds", comment=sign)
-
-
 def sample(arcs: Sequence[ForceArc], count: int, limit: float) -> np.ndarray:
     """Sample a motion at ``count`` times, shape (count, 2) of (x, x′); the last arc ends beyond |x − x*| = ``limit``.
 
@@ -147,10 +141,7 @@ def _shown(arc: ForceArc, limit: float) -> float:
 
 
 def _saddle_manifolds(cases: Sequence[Flows], count: int, limit: float, scale: float) -> Variables:
-    """Unstable and stable manifold of the saddle: each a ray that stays on the side of law +, and one that leaves it.
-
-    All are followed away from the saddle, the stable ones backwards in time.
-    """
+    """Unstable and, backwards in time, stable manifold of the saddle: a ray at the side of law +, and one beyond."""
     lines = [
         sample(_there_and_back(laws, outwards), count, limit) * [1, direction]
         for flows in cases
@@ -168,14 +159,11 @@ def _saddle_manifolds(cases: Sequence[Flows], count: int, limit: float, scale: f
 
 
 def _there_and_back(laws: Flows, outwards: int) -> list[ForceArc]:
-    """Arcs of an unstable manifold, from so close to the saddle that a picture cannot tell, until it is back at law +.
-
-    Without damping it returns to the saddle, by symmetry in the time that it took to leave.
-    """
+    """Arcs of an unstable manifold, from so close to the saddle that a picture cannot tell, until back at law +."""
     saddle = laws[1]
     near = 1e-6 * abs(saddle.equilibrium) * outwards  # on the manifold itself, a straight line here
     arcs, _ = contact_force.follow(laws, (saddle.equilibrium + near, saddle.rates()[0].real * near))
-    if len(arcs) > 2 and saddle.damping == 0:
+    if len(arcs) > 2 and saddle.damping == 0:  # back to the saddle, by symmetry in the time that it took to leave
         return [*arcs[:2], ForceArc(saddle, arcs[2].start, arcs[0].duration)]
     return arcs[:3]
 
@@ -283,7 +271,7 @@ def newton_checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-def draw_portrait(dataset: xr.Dataset, force_signs: tuple[str, str], columns: int) -> Figure:
+def draw_portrait(dataset: xr.Dataset, force_signs: tuple[str, str], columns: int) -> style.Figure:
     """Draw a panel for each contact damping; ``force_signs``: left and right of χ = 0; ``columns`` of the legend."""
     figure = style.new_figure(style.DOUBLE, 3.35)
     panels = figure.subplots(1, dataset.sizes["case"], sharey=True)
@@ -305,12 +293,10 @@ def draw_portrait(dataset: xr.Dataset, force_signs: tuple[str, str], columns: in
             place = (x * np.ptp(limits[0]), limits[1][0] + 0.03 * np.ptp(limits[1]))
             axes.text(*place, text, ha=align, va="bottom", bbox=_WORDS, zorder=4)
     panels[0].set_ylabel(style.label(dataset.contact_force_rate, "rate"))
-    style.state_values(figure, dataset)
-    style.legend(figure, panels, columns)
-    return figure
+    return style.finished(figure, dataset, panels, columns)
 
 
-def _lines(axes: Axes, case: xr.Dataset) -> None:
+def _lines(axes: style.Axes, case: xr.Dataset) -> None:
     """Draw the manifolds of the saddle and what they enclose, or the unstable one that every motion approaches."""
     if "manifold_force" in case:
         x, y = case.manifold_force.values, case.manifold_force_rate.values
@@ -336,7 +322,7 @@ def _manifolds(case: xr.Dataset) -> list[drawing.DrawnLine]:
     return outwards + [(x[k, ::-1], y[k, ::-1], style.BLACK) for k in (_STABLE_OWN, _STABLE_OTHER)]
 
 
-def _motion(axes: Axes, motion: xr.Dataset) -> str:
+def _motion(axes: style.Axes, motion: xr.Dataset) -> str:
     """Draw a motion from its start; return its colour."""
     x, y = motion.contact_force.values, motion.contact_force_rate.values
     stays = named(motion.start_outcome, "bounded")
@@ -346,7 +332,7 @@ def _motion(axes: Axes, motion: xr.Dataset) -> str:
     return colour
 
 
-def _equilibria(axes: Axes, case: xr.Dataset) -> None:
+def _equilibria(axes: style.Axes, case: xr.Dataset) -> None:
     """Mark the equilibria; open where the law does not hold, so that they are none."""
     for law, marker, inverse in ((1, "X", r"1/\Gamma_+"), (-1, "D", r"1/\Gamma_-")):
         x = float(case.equilibrium_contact_force.sel(law=law))

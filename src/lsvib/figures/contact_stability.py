@@ -19,19 +19,9 @@ from lsvib.datasets.attributes import (
 )
 from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
+from lsvib.figures import settings as of
 from lsvib.figures import style
 from lsvib.figures.common import CRITICAL_MASS_WITH_CONTACT, about
-from lsvib.figures.settings import (
-    Contact,
-    DriveChanges,
-    FigureSettings,
-    MassPair,
-    PositiveSpan,
-    Values,
-    parameter,
-    several,
-)
-from lsvib.figures.style import Axes, Figure
 from lsvib.models.drive import RigidDrive, ThreadsDrive
 from lsvib.models.mechanics import coefficients
 from lsvib.stability import conditions
@@ -54,28 +44,28 @@ _COLOURS = (style.VERMILION, style.ORANGE, style.BLUE, style.BLACK, style.GREEN,
 _DASHES = ("-", (0, (5, 1.5)), "-", (0, (5, 1.5)), "-", (0, (5, 1.5)))  # where two lines coincide both are seen
 
 
-class Settings(FigureSettings):
+class Settings(of.FigureSettings):
     """Critical mass over the contact of compliant threads, and growth rates (Lemma 8.1)."""
 
     unused: ClassVar = ("mass",)
 
-    drive: DriveChanges
-    stiffnesses: several(
-        parameter("contact_stiffness", of=ThreadsDrive), 1, 6, "Contact stiffnesses k_c of the curves [N/m]."
+    drive: of.DriveChanges
+    stiffnesses: of.several(
+        of.parameter("contact_stiffness", of=ThreadsDrive), 1, 6, "Contact stiffnesses k_c of the curves [N/m]."
     )
-    contact_damping: PositiveSpan = Field(description="c_c [N s/m] along the curves, spaced logarithmically.")
-    contacts: several(Contact, 2, 5, "Contacts that figures draw, the stiffest first.")
-    masses: MassPair = Field(description="Masses above and below the critical mass of the rigid drive [kg].")
-    stiffness: PositiveSpan = Field(description="k_c [N/m] of the growth rates, spaced logarithmically.")
-    dampings: several(
-        parameter("contact_damping", of=ThreadsDrive),
+    contact_damping: of.PositiveSpan = Field(description="c_c [N s/m] along the curves, spaced logarithmically.")
+    contacts: of.several(of.Contact, 2, 5, "Contacts that figures draw, the stiffest first.")
+    masses: of.MassPair = Field(description="Masses above and below the critical mass of the rigid drive [kg].")
+    stiffness: of.PositiveSpan = Field(description="k_c [N/m] of the growth rates, spaced logarithmically.")
+    dampings: of.several(
+        of.parameter("contact_damping", of=ThreadsDrive),
         2,
         5,
         "Contact dampings of the growth rates, the first zero [N s/m].",
     )
 
 
-def build(settings: Values) -> xr.Dataset:
+def build(settings: of.Values) -> xr.Dataset:
     """Compute the critical mass over the contact and for some contacts, and growth rates over the contact stiffness.
 
     ``settings``: see ``Settings``; c_x = 0, R Ω > 0. Raises ``InputError``.
@@ -177,7 +167,6 @@ def _limits(drive: ThreadsDrive, heavy: float, light: float) -> Variables:
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the critical masses against eigenvalues and the rigid one, Lemma 8.1 and its converse."""
     drive = {name: float(dataset[name]) for name in _PARAMETERS}
-    wrong, compared = _against_signs(dataset, drive)
     return [
         *_critical_mass_checks(dataset, drive),
         *_lemma_checks(dataset),
@@ -186,14 +175,14 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         Check.without_exception(
             "The signs of all growth rates are those of the Routh-Hurwitz conditions in 50 digits",
             "model of Sect. 5.5",
-            wrong,
-            compared,
+            _against_signs(dataset, drive),
+            dataset.growth_rate.size,
             "contacts",
         ),
     ]
 
 
-def _critical_mass_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
+def _critical_mass_checks(dataset: xr.Dataset, drive: of.Values) -> list[Check]:
     """Check the critical masses of the contacts that are drawn, and that all but soft ones lie below the rigid one."""
     rigid, own = float(dataset.critical_mass), dataset.critical_mass_with_contact.values
     contacts = zip(own, dataset.contact_stiffness.values, dataset.contact_damping.values, strict=True)
@@ -275,7 +264,7 @@ def _converse_checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-def _soft_contact_check(dataset: xr.Dataset, drive: Values) -> Check:
+def _soft_contact_check(dataset: xr.Dataset, drive: of.Values) -> Check:
     """Check by LAPACK the ends of the intervals of dampings at which a contact is stable, of soft ones two."""
     own, beside = {**drive, "mass": float(dataset.mass[1])}, np.array([1 - _BESIDE, 1 + _BESIDE])
 
@@ -299,25 +288,23 @@ def _soft_contact_check(dataset: xr.Dataset, drive: Values) -> Check:
     )
 
 
-def _largest_real_part(drive: Values, **values: Any) -> np.ndarray:
+def _largest_real_part(drive: of.Values, **values: Any) -> np.ndarray:
     """Largest real part [1/s] of LAPACK's eigenvalues, for arrays of parameters."""
     return eigenvalues(threads_model({**drive, **values}, law=1))[:, -1].real
 
 
-def _against_signs(dataset: xr.Dataset, drive: Values) -> tuple[int, int]:
-    """Number of growth rates whose sign is not that of the exact conditions, and of all."""
+def _against_signs(dataset: xr.Dataset, drive: of.Values) -> int:
+    """Number of growth rates whose sign is not that of the exact conditions."""
     wrong = 0
-    for m, own in enumerate(dataset.mass.values):
-        for i, c in enumerate(dataset.growth_contact_damping.values):
-            for j, k in enumerate(dataset.growth_contact_stiffness.values):
-                contact = ThreadsDrive.of(drive, mass=own, contact_damping=c, contact_stiffness=k)
-                stable = routh_hurwitz(threads_model(contact.exact(), law=1).polynomial())
-                wrong += stable != bool(dataset.growth_rate.values[m, i, j] < 0)
-    return wrong, dataset.growth_rate.size
+    for one in dataset.growth_rate.stack(contact=dataset.growth_rate.dims).transpose("contact"):
+        m, c, k = one.contact.item()
+        contact = ThreadsDrive.of(drive, mass=m, contact_damping=c, contact_stiffness=k)
+        wrong += routh_hurwitz(threads_model(contact.exact(), law=1).polynomial()) != bool(one < 0)
+    return wrong
 
 
 @style.styled
-def draw(dataset: xr.Dataset) -> Figure:
+def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw (a) the critical mass, (b, c) the growth rate of both masses and (d) the least contact damping."""
     figure = style.new_figure(style.DOUBLE, 6.2)
     mass, heavy, light, least = figure.subplots(2, 2).ravel()
@@ -337,7 +324,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def _critical_mass(axes: Axes, dataset: xr.Dataset) -> None:
+def _critical_mass(axes: style.Axes, dataset: xr.Dataset) -> None:
     rigid, damping = float(dataset.critical_mass), dataset.curve_contact_damping
     curves = zip(dataset.curve_critical_mass_with_contact, _COLOURS, _DASHES, strict=False)
     for curve, colour, dashes in curves:
@@ -358,7 +345,7 @@ def _critical_mass(axes: Axes, dataset: xr.Dataset) -> None:
     axes.legend(loc="upper left", fontsize=6.5)
 
 
-def _growth(axes: Axes, dataset: xr.Dataset, letter: str, rigid: float) -> None:
+def _growth(axes: style.Axes, dataset: xr.Dataset, letter: str, rigid: float) -> None:
     stiffness, sign = dataset.growth_contact_stiffness, ">" if float(dataset.mass) > rigid else "<"
     for curve, colour, dashes in zip(dataset.growth_rate, _COLOURS, _DASHES, strict=False):
         name = f"$c_c$ = {style.power(float(curve.growth_contact_damping))} N s m⁻¹"
@@ -369,7 +356,7 @@ def _growth(axes: Axes, dataset: xr.Dataset, letter: str, rigid: float) -> None:
     axes.set(xscale="log", xlabel=style.label(stiffness), ylabel="Largest real part [s⁻¹], stable below 0")
 
 
-def _least(axes: Axes, dataset: xr.Dataset) -> None:
+def _least(axes: style.Axes, dataset: xr.Dataset) -> None:
     stiffness, least = dataset.growth_contact_stiffness, dataset.least_contact_damping
     top, shade = 100 * float(least.max()), {"color": style.SKY, "alpha": 0.3, "linewidth": 0}
     low, high = dataset.window_of_soft_contact.values.T

@@ -12,21 +12,16 @@ import xarray as xr
 
 from lsvib.figures import style
 from lsvib.figures.common import flag_names, named
-from lsvib.figures.style import Axes, Figure
 
 STEP = 1.5  # distance of the points that are compared [pt]
 _PLACES = 150  # places compared on one line
-_ASIDE = (1.2, 1.6, 2.0, 2.5, 3.0, 4.0)  # distances of a word's middle from its line, in sizes of the letters
 
 MOTIONS = (style.BLUE, style.ORANGE, style.SKY, style.PURPLE)
 EVEN = (1.1, 1.1, 1.1, 1.1)  # widths of the lines of up to four motions, in points
-OVERLAID = (2.2, 1.0, 1.0, 1.0)  # where a later motion lies on the first, that one still shows on both sides
-
-
 DrawnLine = tuple[np.ndarray, np.ndarray, str | None]
 
 
-def single(dataset: xr.Dataset) -> Figure:
+def single(dataset: xr.Dataset) -> style.Figure:
     """Return a figure of the only case of a dataset."""
     figure = style.new_figure(style.SINGLE * 1.25, 3.4)
     axes, case = figure.add_subplot(), dataset.isel(case=0)
@@ -35,13 +30,11 @@ def single(dataset: xr.Dataset) -> Figure:
     guide(axes, case)
     label_axes(axes, dataset)
     axes.set_title(f"$R$ = {style.number(case.axial_force)} N")
-    style.state_values(figure, dataset)
-    style.legend(figure, [axes], 3)
-    return figure
+    return style.finished(figure, dataset, [axes], 3)
 
 
 def phase_plane(
-    axes: Axes, case: xr.Dataset, widths: Sequence[float] = EVEN, cycle: float = 1.8, margin: float = 0.06
+    axes: style.Axes, case: xr.Dataset, widths: Sequence[float] = EVEN, cycle: float = 1.8, margin: float = 0.06
 ) -> None:
     """Draw motions, limit cycle and origin of one case, with limits around the motions and the line θ′ = 0.
 
@@ -55,13 +48,13 @@ def phase_plane(
         limits(x.min() - margin * np.ptp(x), x.max() + margin * np.ptp(x))
 
 
-def label_axes(axes: Axes, dataset: xr.Dataset) -> None:
+def label_axes(axes: style.Axes, dataset: xr.Dataset) -> None:
     """Label both axes with u and its rate."""
     axes.set_xlabel(style.label(dataset.angle_deviation, "deviation"))
     axes.set_ylabel(style.label(dataset.velocity_deviation, "rate"))
 
 
-def draw_lines(axes: Axes, case: xr.Dataset, colour: str = style.VERMILION, name: str = "$N = 0$") -> None:
+def draw_lines(axes: style.Axes, case: xr.Dataset, colour: str = style.VERMILION, name: str = "$N = 0$") -> None:
     """Draw the line N = 0 of one case and θ′ = 0, without any change of the axes' limits."""
     limits = axes.axis()
     angle, slope = float(case.contact_line_angle), float(case.contact_line_slope)
@@ -71,13 +64,13 @@ def draw_lines(axes: Axes, case: xr.Dataset, colour: str = style.VERMILION, name
     axes.axis(limits)
 
 
-def draw_stop(axes: Axes, rate: float) -> None:
+def draw_stop(axes: style.Axes, rate: float) -> None:
     """Draw the line θ′ = 0, at this rate of the deviation."""
     axes.axhline(rate, color=style.GREY, linestyle=(0, (6, 2, 1, 2)), linewidth=1.0, label=r"$\dot\theta = 0$",
                  zorder=1.4)  # fmt: skip
 
 
-def draw_motions(axes: Axes, case: xr.Dataset, widths: Sequence[float] = EVEN) -> None:
+def draw_motions(axes: style.Axes, case: xr.Dataset, widths: Sequence[float] = EVEN) -> None:
     """Draw the motions of one case: jumps dotted, rest thick, starts and seizures marked."""
     for (motion, u, w, jumps, colour), width in zip(_motions(case), widths, strict=False):
         _broken_line(axes, u, w, jumps, colour, width, "motion")
@@ -100,7 +93,7 @@ def _motions(case: xr.Dataset) -> Iterator[tuple[xr.Dataset, np.ndarray, np.ndar
 
 
 def draw_cycle(
-    axes: Axes, case: xr.Dataset, colour: str = style.BLACK, width: float = 1.8, name: str = "limit cycle"
+    axes: style.Axes, case: xr.Dataset, colour: str = style.BLACK, width: float = 1.8, name: str = "limit cycle"
 ) -> None:
     """Draw the limit cycle of one case, if it has one, its jumps dotted."""
     u, w, jumps = cycle_of(case)
@@ -114,12 +107,12 @@ def cycle_of(case: xr.Dataset) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return u, w, (np.abs(np.diff(u)) < 1e-9 * np.ptp(u)) & (np.abs(np.diff(w)) > 0.05 * np.ptp(w))
 
 
-def mark_seizures(axes: Axes, u, w, colour: str) -> None:
+def mark_seizures(axes: style.Axes, u, w, colour: str) -> None:
     """Mark states in which a seizure starts."""
     axes.plot(u, w, "v", color=colour, markersize=3.2, label="start of a seizure", zorder=3)
 
 
-def _broken_line(axes: Axes, u, w, jumps, colour: str, width: float, name: str) -> None:
+def _broken_line(axes: style.Axes, u, w, jumps, colour: str, width: float, name: str) -> None:
     """Draw a line that is solid but for its jumps, which are dotted."""
     axes.plot(*parted(u, w, jumps), color=colour, linewidth=width, label=name, zorder=2.2)
     for k in np.flatnonzero(jumps):
@@ -133,7 +126,7 @@ def parted(u: np.ndarray, w: np.ndarray, jumps: np.ndarray) -> tuple[np.ndarray,
     return np.insert(u, after, np.nan), np.insert(w, after, np.nan)
 
 
-def guide(axes: Axes, case: xr.Dataset, size: float = 10.0) -> None:
+def guide(axes: style.Axes, case: xr.Dataset, size: float = 10.0) -> None:
     """Name the sides of the line N = 0 of one case, and draw the arrows of :func:`draw_arrows`.
 
     To be called when the panel has its limits. ``size`` of the arrows in points; the words are a little smaller.
@@ -157,7 +150,7 @@ def guide(axes: Axes, case: xr.Dataset, size: float = 10.0) -> None:
             name_sides(axes, ends, words, paths, 0.8 * size)
 
 
-def draw_arrows(axes: Axes, case: xr.Dataset, size: float = 10.0) -> None:
+def draw_arrows(axes: style.Axes, case: xr.Dataset, size: float = 10.0) -> None:
     """Draw an arrow of time on each motion of one case, and on its limit cycle.
 
     To be called when the panel has its limits.
@@ -174,12 +167,12 @@ def _paths(case: xr.Dataset) -> list[DrawnLine]:
     return [*((*parted(u, w, jumps), colour) for _, u, w, jumps, colour in _motions(case)), *cycle]
 
 
-def mark_origin(axes: Axes) -> None:
+def mark_origin(axes: style.Axes) -> None:
     """Mark steady sliding, the origin."""
     axes.plot(0, 0, "+", color=style.BLACK, markersize=6, markeredgewidth=1.2, label="steady sliding", zorder=4)
 
 
-def regions(axes: Axes, x: Any, y: Any, flags: xr.DataArray, colours: Mapping[str, str], **look: Any) -> None:
+def regions(axes: style.Axes, x: Any, y: Any, flags: xr.DataArray, colours: Mapping[str, str], **look: Any) -> None:
     """Paint the cells of a map over x and y, each in the colour of the word that its flag (y, x) means."""
     from matplotlib.colors import BoundaryNorm, ListedColormap
 
@@ -189,13 +182,15 @@ def regions(axes: Axes, x: Any, y: Any, flags: xr.DataArray, colours: Mapping[st
                     norm=BoundaryNorm(bounds, len(names)), rasterized=True, **look)  # fmt: skip
 
 
-def hatched(axes: Axes, x: Any, y: Any, inside: Any, hatch: str, edge: str, colours: Any = "none", **look: Any) -> None:
+def hatched(
+    axes: style.Axes, x: Any, y: Any, inside: Any, hatch: str, edge: str, colours: Any = "none", **look: Any
+) -> None:
     """Hatch the region of a map (y, x) where ``inside`` is 1."""
     area = axes.contourf(x, y, inside, levels=[0.5, 1.5], colors=colours, hatches=[hatch], **look)
     area.set(edgecolor=edge, linewidth=0)
 
 
-def arrows(axes: Axes, lines: Sequence[DrawnLine], size: float = 10.0) -> None:
+def arrows(axes: style.Axes, lines: Sequence[DrawnLine], size: float = 10.0) -> None:
     """Draw one arrow on each line, in the direction of its points and within the limits that the panel has now.
 
     A line is x, y, both of shape (n) and with NaN where it is broken, and a colour; one without a colour gets no arrow
@@ -214,7 +209,7 @@ def arrows(axes: Axes, lines: Sequence[DrawnLine], size: float = 10.0) -> None:
 
 
 def name_sides(
-    axes: Axes, ends: np.ndarray, words: tuple[str, str], lines: Sequence[DrawnLine], size: float = 8.0
+    axes: style.Axes, ends: np.ndarray, words: tuple[str, str], lines: Sequence[DrawnLine], size: float = 8.0
 ) -> None:
     """Write a word on each side of a straight line, to its right and to its left as seen along the line.
 
@@ -225,10 +220,10 @@ def name_sides(
     first, last = page.points(*ends.T)
     normal = np.array([last[1] - first[1], first[0] - last[0]]) / np.hypot(*(last - first))
     clouds = np.concatenate([evenly(page.points(x, y))[:, :2] for x, y, _ in [(*ends.T, None), *lines]])
-    half = np.array([2.0, 0.8]) * size
+    half, asides = np.array([2.0, 0.8]) * size, (1.2, 1.6, 2.0, 2.5, 3.0, 4.0)  # of a word's middle, in letters
     for word, side in zip(words, (1, -1), strict=True):
         along = first + np.linspace(0.05, 0.95, _PLACES)[:, None] * (last - first)
-        spots = np.concatenate([along + side * aside * size * normal for aside in _ASIDE])
+        spots = np.concatenate([along + side * aside * size * normal for aside in asides])
         spots = spots[((spots > 1.1 * half) & (spots < page.size - 1.1 * half)).all(axis=1)]
         if word and spots.size:
             room = [np.abs((clouds - spot) / half).max(axis=1).min(initial=1.3) for spot in spots]
@@ -240,7 +235,7 @@ def name_sides(
 class _Page:
     """The panel on the page: points [pt] from its lower left corner, and back to data."""
 
-    def __init__(self, axes: Axes) -> None:
+    def __init__(self, axes: style.Axes) -> None:
         (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
         self.corner, self.sides = np.array([left, low]), np.array([right - left, high - low])
         self.size = np.array([axes.bbox.width, axes.bbox.height]) * 72 / axes.figure.dpi

@@ -8,7 +8,6 @@ from lsvib.datasets.checks import Check
 from lsvib.figures import contact_portraits, style
 from lsvib.figures.common import about, named
 from lsvib.figures.settings import ContactPortrait, Values
-from lsvib.figures.style import Figure
 
 CAPTION = """\
 Phase portrait of the contact force while the threads are stiff, in the indeterminate case and with the screw turning
@@ -37,11 +36,30 @@ def build(settings: Values) -> xr.Dataset:
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check saddle and centre, both outcomes and what decides between them, and the focus under contact damping."""
     elastic, damped = dataset.isel(case=0), dataset.isel(case=1)
+    bounded, unbounded = (named(elastic.grid_outcome, word) for word in ("bounded", "minus infinity"))
+    last = dataset.contact_force.values[named(dataset.start_outcome, "minus infinity")][:, -1]
     return [
         *contact_portraits.newton_checks(dataset),
         *_equilibrium_checks(dataset, elastic),
         contact_portraits.energy_check(dataset),
-        *_outcome_checks(dataset, elastic),
+        Check.without_exception(
+            "The contact force stays bounded exactly inside the loop of the saddle's separatrix",
+            "Sect. 8.2, Fig. 8.1",
+            (bounded != contact_portraits.within_separatrix(elastic)).sum(),
+            bounded.size,
+            "starts",
+        ),
+        Check.holds(
+            "Both outcomes occur: bounded, and unbounded towards minus infinity; no other",
+            "Sect. 8.2, Fig. 8.1",
+            f"{bounded.sum()} and {unbounded.sum()} of {bounded.size} starts",
+            bounded.any() and unbounded.any() and (bounded | unbounded).all(),
+        ),
+        Check.everywhere(
+            "Motions drawn as unbounded leave the picture towards minus infinity",
+            "Sect. 8.2, Fig. 8.1",
+            last < float(dataset.grid_contact_force.min()),
+        ),
         *_damping_checks(damped),
     ]
 
@@ -49,7 +67,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 def _equilibrium_checks(dataset: xr.Dataset, elastic: xr.Dataset) -> list[Check]:
     """Check where the equilibria lie, and that one is a saddle and the other, without contact damping, a centre."""
     real, imaginary = (dataset[f"scaled_eigenvalue_{part}_part"].sel(law=1) for part in ("real", "imaginary"))
-    growth, frequency = _eigenvalues_of_law_minus(elastic)
+    growth, frequency = (elastic[f"scaled_eigenvalue_{part}_part"].sel(law=-1) for part in ("real", "imaginary"))
     return [
         Check.holds(
             "Each equilibrium lies on the side on which its law holds: there are two solutions",
@@ -72,36 +90,9 @@ def _equilibrium_checks(dataset: xr.Dataset, elastic: xr.Dataset) -> list[Check]
     ]
 
 
-def _outcome_checks(dataset: xr.Dataset, elastic: xr.Dataset) -> list[Check]:
-    """Check that the loop of the separatrix decides between the two outcomes, and that both are drawn."""
-    within = contact_portraits.within_separatrix(elastic)
-    bounded, unbounded = (named(elastic.grid_outcome, word) for word in ("bounded", "minus infinity"))
-    last = dataset.contact_force.values[named(dataset.start_outcome, "minus infinity")][:, -1]
-    return [
-        Check.without_exception(
-            "The contact force stays bounded exactly inside the loop of the saddle's separatrix",
-            "Sect. 8.2, Fig. 8.1",
-            (bounded != within).sum(),
-            bounded.size,
-            "starts",
-        ),
-        Check.holds(
-            "Both outcomes occur: bounded, and unbounded towards minus infinity; no other",
-            "Sect. 8.2, Fig. 8.1",
-            f"{bounded.sum()} and {unbounded.sum()} of {bounded.size} starts",
-            bounded.any() and unbounded.any() and (bounded | unbounded).all(),
-        ),
-        Check.everywhere(
-            "Motions drawn as unbounded leave the picture towards minus infinity",
-            "Sect. 8.2, Fig. 8.1",
-            last < float(dataset.grid_contact_force.min()),
-        ),
-    ]
-
-
 def _damping_checks(damped: xr.Dataset) -> list[Check]:
     """Check that contact damping turns the centre into a focus, on which bounded motions settle."""
-    growth, frequency = _eigenvalues_of_law_minus(damped)
+    growth, frequency = (damped[f"scaled_eigenvalue_{part}_part"].sel(law=-1) for part in ("real", "imaginary"))
     ends = damped.contact_force.values[named(damped.start_outcome, "bounded"), -1]
     gap = float(np.abs(ends * float(damped.effective_inertia_of_law.sel(law=-1)) - 1).max(initial=0.0))
     return [
@@ -120,12 +111,7 @@ def _damping_checks(damped: xr.Dataset) -> list[Check]:
     ]
 
 
-def _eigenvalues_of_law_minus(case: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
-    """Real and imaginary parts of the eigenvalues at the equilibrium of law −."""
-    return case.scaled_eigenvalue_real_part.sel(law=-1), case.scaled_eigenvalue_imaginary_part.sel(law=-1)
-
-
 @style.styled
-def draw(dataset: xr.Dataset) -> Figure:
+def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the motions, the saddle's manifolds and the basin of bounded contact forces, elastic and damped."""
     return contact_portraits.draw_portrait(dataset, ("law +: $N > 0$", "law −: $N < 0$"), columns=4)

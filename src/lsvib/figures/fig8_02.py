@@ -8,7 +8,6 @@ from lsvib.datasets.checks import Check
 from lsvib.figures import contact_portraits, style
 from lsvib.figures.common import about, named
 from lsvib.figures.settings import ContactPortrait, Values
-from lsvib.figures.style import Figure
 
 CAPTION = """\
 Phase portrait of the contact force while the threads are stiff, in the inconsistent case and with the screw turning
@@ -73,6 +72,6 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 
 
 @style.styled
-def draw(dataset: xr.Dataset) -> Figure:
+def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the motions, all of which end in the first quadrant, and both equilibria on the wrong side."""
     return contact_portraits.draw_portrait(dataset, ("law −: $N < 0$", "law +: $N > 0$"), columns=3)

@@ -12,7 +12,6 @@ from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, flag_names, named
 from lsvib.figures.settings import DriveChanges, FigureSettings, Span, Values, several
-from lsvib.figures.style import Axes, Figure
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
 from lsvib.stability.linear import Stability, eigenvalue_pair, stability_class
@@ -142,7 +141,7 @@ def _distance_from_lapack(inertia: np.ndarray, damping: np.ndarray, stiffness: f
 
 
 @style.styled
-def draw(dataset: xr.Dataset) -> Figure:
+def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the class map, the node–focus boundary C_0² = 4kΓ_0 and the chapter's drives, two of them enlarged."""
     figure = style.new_figure(style.DOUBLE * 0.72, 3.7)
     axes = figure.add_subplot()
@@ -162,7 +161,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def _lines_and_drives(axes: Axes, dataset: xr.Dataset) -> None:
+def _lines_and_drives(axes: style.Axes, dataset: xr.Dataset) -> None:
     """Draw the boundaries of the classes and the chapter's drives."""
     line = {"color": style.BLACK, "linewidth": 1.0}
     for sign, name in ((1, None), (-1, r"$C_0^2 = 4 k \Gamma_0$")):
@@ -177,7 +176,7 @@ def _lines_and_drives(axes: Axes, dataset: xr.Dataset) -> None:
                   markersize=5, linestyle="none", label=name, zorder=3)  # fmt: skip
 
 
-def _close_up(axes: Axes, close: Axes, dataset: xr.Dataset) -> None:
+def _close_up(axes: style.Axes, close: style.Axes, dataset: xr.Dataset) -> None:
     """Show the surroundings of the two drives that lie closest together in the picture."""
     drives = np.stack([dataset.case_effective_inertia.values, dataset.case_effective_damping.values])
     sides = np.array([np.ptp(dataset.effective_inertia.values), np.ptp(dataset.effective_damping.values)])

@@ -3,12 +3,11 @@
 import numpy as np
 import xarray as xr
 
-from lsvib.datasets.attributes import drive_parameters, labels, variable
+from lsvib.datasets.attributes import variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures.common import EIGENVALUE, about, named, spread
 from lsvib.figures.settings import PhasePlane, Values
-from lsvib.figures.style import Figure
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
 from lsvib.stability.conditions import conditions
@@ -38,26 +37,21 @@ def build(settings: Values, figure: str = "8.4", what: str = "contact force alon
     """
     from lsvib.datasets import phase_plane
 
-    drive = RigidDrive.of(settings["drive"])
+    drive = RigidDrive(**settings["drive"])
     c = coefficients(drive)
     inertia, damping = float(c.gamma[c.steady_law]), float(c.damping[c.steady_law])
     margins = conditions(drive)["negative_damping"].margins
     real, dims = eigenvalue_pair(inertia, damping, drive.coupling_stiffness).real[None], ("case", "eigenvalue")
-    return xr.Dataset(
-        phase_plane.portraits([drive], settings["starts"], settings["duration"], settings["samples"])
-        | {f"margin_{key}": variable("case", [margins[key]], *words) for key, words in MARGINS.items()}
+    planes = phase_plane.portraits(settings, [drive], (), ("Sect. 8.5.1",)).assign_coords(eigenvalue=EIGENVALUE)
+    return planes.assign(
+        {f"margin_{key}": variable("case", [margins[key]], *words) for key, words in MARGINS.items()}
         | {"eigenvalue_real_part": variable(dims, real, "s-1", "real part of the eigenvalue", r"Re $\varepsilon$")},
-        coords={
-            **labels("case", [drive], ()),
-            **drive_parameters([drive], printed=("Sect. 8.5.1",)),
-            **phase_plane.rule_coordinate(),
-            "eigenvalue": EIGENVALUE,
-        },
-        attrs=about(
+    ).assign_attrs(
+        about(
             f"Figure {figure}: phase plane under negative damping, {what}",
             "exact event-driven motion; eigenvalues in closed form (8.18)",
             f"Sect. 8.5, Fig. {figure}",
-        ),
+        )
     )
 
 
@@ -105,6 +99,6 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 
 
 @style.styled
-def draw(dataset: xr.Dataset) -> Figure:
+def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the motions from inside and outside, the limit cycle, and the lines N = 0 and θ′ = 0."""
     return drawing.single(dataset)

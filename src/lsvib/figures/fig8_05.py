@@ -6,7 +6,6 @@ from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, fig8_04, style
 from lsvib.figures.common import named
 from lsvib.figures.settings import PhasePlane, Values
-from lsvib.figures.style import Figure
 
 CAPTION = """\
 Phase plane of the rigid drive under negative effective damping (8.19) with a contact force against the direction of
@@ -52,6 +51,6 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 
 
 @style.styled
-def draw(dataset: xr.Dataset) -> Figure:
+def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the motions, which all approach the origin, and the lines N = 0 and θ′ = 0."""
     return drawing.single(dataset)

@@ -7,7 +7,7 @@ to the stated one.
 
 from collections.abc import Sequence
 from enum import IntEnum
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
 import xarray as xr
@@ -15,20 +15,16 @@ from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from lsvib.datasets import printed, spans
-from lsvib.datasets.attributes import Variables, axis, drive_parameters, flagged, labels, start_state, variable
+from lsvib.datasets.attributes import Variables, axis, flagged, start_state, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
-from lsvib.figures.common import about, flag_names, named, spread
+from lsvib.figures.common import SteadyState, about, flag_names, named, spread
 from lsvib.figures.settings import MassPair, PhasePlane, Span, State, Values, parameter, several
-from lsvib.figures.style import Axes, Figure
 from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import EventKind, rigid_automaton
 from lsvib.stability import force_thresholds
-
-if TYPE_CHECKING:
-    from lsvib.dynamics.attractor import SteadyState
 
 CAPTION = """\
 Amplitude of the steady vibration against the axial force R for m = 1 kg and c_x = 1000 N s/m, with phase portraits at
@@ -97,30 +93,27 @@ def build(settings: Values) -> xr.Dataset:
     steady = [steady_state(rigid_automaton(d), start) for d in drives]
     insets = [drive.replace(axial_force=float(force)) for force in settings["insets"]]
     words = {name: name.replace("_", " ") for name in _THRESHOLDS}
-    return xr.Dataset(
-        _curve(drives, steady)
-        | _readings([drive.replace(mass=float(m)) for m in settings["mass_readings"]])
-        | phase_plane.portraits(insets, settings["starts"], settings["duration"], settings["samples"]),
-        coords={
+    planes = phase_plane.portraits(settings, insets, ("axial_force",), ("Sect. 8.5.1", "Fig. 8.6")).assign_coords(
+        {
             **axis("swept_axial_force", forces),
             **axis("reading_mass", settings["mass_readings"]),
-            **drive_parameters(insets, along=("axial_force",), printed=("Sect. 8.5.1", "Fig. 8.6")),
             **start_state(settings["start"], "of the motions whose steady vibration swept_amplitude describes"),
             "lead_tangent": variable((), tangent, "1", "tangent of the lead angle", r"$\tan\lambda$"),
-            **labels("case", insets, ("axial_force",)),
-            **phase_plane.rule_coordinate(),
             **{name: variable((), value, "N", words[name], "$R$") for name, value in values.items()},
             **{f"printed_{n}": printed.variable(chapter.THRESHOLDS[n], words[n]) for n in _THRESHOLDS},
-        },
-        attrs=about(
+        }
+    )
+    readings = _readings([drive.replace(mass=float(m)) for m in settings["mass_readings"]])
+    return planes.assign(_curve(drives, steady) | readings).assign_attrs(
+        about(
             "Figure 8.6: amplitude of the steady vibration against the axial force under negative damping",
             "exact event-driven motion and its return map",
             "Sect. 8.5.1, Fig. 8.6",
-        ),
+        )
     )
 
 
-def _curve(drives: list[RigidDrive], steady: "list[SteadyState]") -> Variables:
+def _curve(drives: list[RigidDrive], steady: list[SteadyState]) -> Variables:
     from lsvib.datasets import phase_plane
 
     dim, slowest = "swept_axial_force", [s.extremes(np.array([0, 1.0, 0]))[0] for s in steady]
@@ -133,7 +126,7 @@ def _curve(drives: list[RigidDrive], steady: "list[SteadyState]") -> Variables:
     }
 
 
-def _regime(steady: "SteadyState") -> Regime:
+def _regime(steady: SteadyState) -> Regime:
     from lsvib.dynamics.attractor import Attractor
 
     reverses = steady.orbit is not None and bool((steady.orbit.kind == EventKind.CONTACT_REVERSAL).any())
@@ -272,7 +265,7 @@ def _reading_checks(dataset: xr.Dataset) -> list[Check]:
 
 
 @style.styled
-def draw(dataset: xr.Dataset) -> Figure:
+def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the amplitude curve by regimes, the three thresholds and the inset portraits."""
     from matplotlib.patches import Rectangle
 
@@ -301,12 +294,10 @@ def draw(dataset: xr.Dataset) -> Figure:
     for left, bottom, width, height in _INSETS[: len(insets)]:
         axes.add_patch(Rectangle((left - 0.055, bottom - 0.085), width + 0.06, height + 0.14, color="white", zorder=2,
                                  transform=axes.transAxes))  # fmt: skip
-    style.state_values(figure, dataset)
-    style.legend(figure, [axes, *insets], 4)
-    return figure
+    return style.finished(figure, dataset, [axes, *insets], 4)
 
 
-def _inset(small: Axes, case: xr.Dataset) -> None:
+def _inset(small: style.Axes, case: xr.Dataset) -> None:
     """Draw the phase portrait of one force."""
     drawing.phase_plane(small, case, [0.6] * case.sizes["start"], 1.4, 0.2)
     drawing.draw_lines(small, case)

@@ -9,12 +9,11 @@ from pydantic import Field
 
 from lsvib.contact.contact_force import Existence, existence
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import drive_parameters, flagged, labels, variable
+from lsvib.datasets.attributes import flagged, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, named
 from lsvib.figures.settings import PhasePlane, Span, Values
-from lsvib.figures.style import Axes, Figure
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import MotionMode, rigid_automaton
@@ -48,25 +47,22 @@ def build(settings: Values) -> xr.Dataset:
     equilibrium = drive.pitch_radius * float(xi[1] - xi[-1]) * drive.axial_force / drive.coupling_stiffness
     u, w = np.array([_end_of_flow(drive, start) for start in settings["starts"]]).T
     ended = "at which the flow of law - ends, if nothing stops it"
-    return xr.Dataset(
+    planes = phase_plane.portraits(settings, [drive], (), ("Sect. 8.6",)).assign_coords(
+        equilibrium_angle=variable((), equilibrium, "rad", "equilibrium of the equation of law -", "$u_0$"),
+        **phase_plane.grid_axes(angle, velocity),
+    )
+    return planes.assign(
         {
             "existence": flagged(plane, kinds, "solutions for the contact force", Existence),
             "law_minus_angle": variable("start", u, "rad", f"deviation {ended}", "$u$"),
             "law_minus_velocity": variable("start", w, "rad s-1", f"rate {ended}", r"$\dot u$"),
         }
-        | phase_plane.portraits([drive], settings["starts"], settings["duration"], settings["samples"]),
-        coords={
-            **phase_plane.grid_axes(angle, velocity),
-            "equilibrium_angle": variable((), equilibrium, "rad", "equilibrium of the equation of law -", "$u_0$"),
-            **labels("case", [drive], ()),
-            **drive_parameters([drive], printed=("Sect. 8.6",)),
-            **phase_plane.rule_coordinate(),
-        },
-        attrs=about(
+    ).assign_attrs(
+        about(
             "Figure 8.7: sectors of the phase plane without a solution or with two",
             "existence of the contact force (8.5) and exact event-driven motion",
             "Sect. 8.6, Fig. 8.7",
-        ),
+        )
     )
 
 
@@ -143,11 +139,8 @@ def _end_of_flow(drive: RigidDrive, start: Values) -> np.ndarray:
 
 
 @style.styled
-def draw(dataset: xr.Dataset) -> Figure:
-    """Draw the map (hatched: no solution), the lines, a motion from each sector, the cycle, the equilibrium of law −.
-
-    Motions are drawn up to the first seizure into which they slip; the cycle shows how each goes on.
-    """
+def draw(dataset: xr.Dataset) -> style.Figure:
+    """Draw the map, hatched without solution, the lines, motions up to their first seizure, the cycle."""
     from matplotlib.patches import Patch
 
     figure = style.new_figure(style.DOUBLE * 0.72, 4.4)
@@ -169,9 +162,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     drawing.draw_arrows(axes, case)
     _name_sectors(axes, dataset)
     drawing.label_axes(axes, dataset)
-    style.state_values(figure, dataset)
-    style.legend(figure, [axes], 3, patches)
-    return figure
+    return style.finished(figure, dataset, [axes], 3, patches)
 
 
 def _until_seizure(case: xr.Dataset) -> xr.Dataset:
@@ -182,7 +173,7 @@ def _until_seizure(case: xr.Dataset) -> xr.Dataset:
     return case.assign(kept | {"event_kind": case.event_kind.where(case.event_time <= end, -1)})
 
 
-def _name_sectors(axes: Axes, dataset: xr.Dataset) -> None:
+def _name_sectors(axes: style.Axes, dataset: xr.Dataset) -> None:
     """Write into each sector, at its corner of the picture, the signs of θ′ and of the contact forces that solve."""
     two = named(dataset.existence, "indeterminate")
     for i, j in product((0, -1), repeat=2):

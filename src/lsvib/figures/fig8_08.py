@@ -8,12 +8,11 @@ from annotated_types import Gt
 from pydantic import Field
 
 from lsvib.datasets import printed, spans
-from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, drive_parameters, variable
+from lsvib.datasets.attributes import CRITICAL_MASS, axis, drive_parameters, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import style
 from lsvib.figures.common import EIGENVALUE, about, existing
 from lsvib.figures.settings import Damping, DriveChanges, FigureSettings, PositiveSpan, Values, several
-from lsvib.figures.style import Axes, Figure
 from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
@@ -54,12 +53,32 @@ def build(settings: Values) -> xr.Dataset:
     square = drive.support_damping**2 / drive.coupling_stiffness
     # Γ₊ = I (1 − m/m_cr)
     meeting, peak = (critical * (1 - inertia / drive.screw_inertia) for inertia in (square / 4, square / 2))
-    mass = _masses(settings["mass"], critical, [meeting, peak])
+    span, near = settings["mass"], critical * np.geomspace(1e-6, 0.1, settings["mass"]["count"] // 4)
+    mass = np.unique(np.concatenate([spans.even(span), critical - near, critical + near, [meeting, peak]]))
+    mass = mass[(mass >= span["start"]) & (mass <= span["stop"]) & (mass != critical)]
     dampings = np.array(settings["dampings"], dtype=float)
-    losses = [_loss_of_stability(drive.replace(support_damping=float(c)), critical) for c in dampings]
+    stiffness = drive.coupling_stiffness
+    losses = [  # by bisection around m_cr to the last bit
+        bisected(
+            lambda m, c=c: eigenvalue_pair(_inertia(drive, m), c, stiffness).real.max() >= 0,
+            critical / 2,
+            critical * 3 / 2,
+        )
+        for c in dampings.tolist()
+    ]
     lost = "mass at which the real part of an eigenvalue becomes positive"
+    inertia = np.array([_inertia(drive, m) for m in mass])
+    pair = eigenvalue_pair(inertia, drive.support_damping, stiffness)
+    dims, words = ("eigenvalue", "mass"), "part of the eigenvalue"
     return xr.Dataset(
-        _spectrum(drive, mass) | {"loss_of_stability": variable("swept_support_damping", losses, "kg", lost, "$m$")},
+        {
+            "eigenvalue_real_part": variable(dims, pair.real.T, "s-1", f"real {words}", r"Re $\varepsilon$"),
+            "eigenvalue_imaginary_part": variable(
+                dims, pair.imag.T, "rad s-1", f"imaginary {words}", r"Im $\varepsilon$"
+            ),
+            "effective_inertia_plus": variable("mass", inertia, "kg m2", "effective inertia of law +", r"$\Gamma_+$"),
+            "loss_of_stability": variable("swept_support_damping", losses, "kg", lost, "$m$"),
+        },
         coords={
             **axis("mass", mass),
             **drive_parameters(drive, axes=("mass",), no_effect=("input_speed", "axial_force"), printed=("Sect. 8.6",)),
@@ -76,18 +95,6 @@ def build(settings: Values) -> xr.Dataset:
             "Sect. 8.6, Fig. 8.8",
         ),
     )
-
-
-def _spectrum(drive: RigidDrive, mass: np.ndarray) -> Variables:
-    """Both eigenvalues and the effective inertia that decides on them, over the mass [kg]."""
-    inertia = np.array([_inertia(drive, m) for m in mass])
-    pair = eigenvalue_pair(inertia, drive.support_damping, drive.coupling_stiffness)
-    dims, words = ("eigenvalue", "mass"), "part of the eigenvalue"
-    return {
-        "eigenvalue_real_part": variable(dims, pair.real.T, "s-1", f"real {words}", r"Re $\varepsilon$"),
-        "eigenvalue_imaginary_part": variable(dims, pair.imag.T, "rad s-1", f"imaginary {words}", r"Im $\varepsilon$"),
-        "effective_inertia_plus": variable("mass", inertia, "kg m2", "effective inertia of law +", r"$\Gamma_+$"),
-    }
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
@@ -134,25 +141,8 @@ def _inertia(drive: RigidDrive, mass: float) -> float:
     return float(coefficients(drive.replace(mass=float(mass))).gamma[1])
 
 
-def _loss_of_stability(drive: RigidDrive, critical: float) -> float:
-    """Smallest mass [kg] with an eigenvalue of positive real part, by bisection around m_cr to the last bit."""
-
-    def unstable(mass: float) -> bool:
-        pair = eigenvalue_pair(_inertia(drive, mass), drive.support_damping, drive.coupling_stiffness)
-        return pair.real.max() >= 0
-
-    return bisected(unstable, critical / 2, 3 * critical / 2)
-
-
-def _masses(span: Values, critical: float, marks: list[float]) -> np.ndarray:
-    """Masses [kg] of a span without m_cr: evenly spaced ones, ever closer ones on its two sides, the marks."""
-    near = critical * np.geomspace(1e-6, 0.1, span["count"] // 4)
-    mass = np.unique(np.concatenate([spans.even(span), critical - near, critical + near, marks]))
-    return mass[(mass >= span["start"]) & (mass <= span["stop"]) & (mass != critical)]
-
-
 @style.styled
-def draw(dataset: xr.Dataset) -> Figure:
+def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw real and imaginary parts against the mass, (a) and (b), and close to the critical mass, (c) and (d)."""
     figure = style.new_figure(style.DOUBLE, 5.0)
     panels = figure.subplots(2, 2)
@@ -180,12 +170,10 @@ def draw(dataset: xr.Dataset) -> Figure:
     panels[1, 1].set_ylim(-1.3 * largest, 1.3 * largest)
     unit = style.unit(dataset.eigenvalue_imaginary_part.attrs["units"])[1:-1]
     panels[1, 1].text(peak, 1.05 * largest, f"{largest:.0f} {unit}", ha="center", va="bottom")
-    style.state_values(figure, dataset)
-    style.legend(figure, panels[:, 0], 5)
-    return figure
+    return style.finished(figure, dataset, panels[:, 0], 5)
 
 
-def _plot(axes: Axes, dataset: xr.Dataset, abscissa: xr.DataArray, variable: xr.DataArray, title: str) -> None:
+def _plot(axes: style.Axes, dataset: xr.Dataset, abscissa: xr.DataArray, variable: xr.DataArray, title: str) -> None:
     """Draw both eigenvalues; each in two pieces, because no line may join the two sides of the pole."""
     below = dataset.mass < dataset.critical_mass
     for index, colour, dashes in ((1, style.BLUE, "-"), (2, style.VERMILION, (0, (4, 2)))):

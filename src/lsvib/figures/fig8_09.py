@@ -7,12 +7,11 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, drive_parameters, flagged, labels, variable
+from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, flagged, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, existing, named, spread
 from lsvib.figures.settings import DriveChanges, PhasePlane, PositiveSpan, Values, several
-from lsvib.figures.style import Axes, Figure
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import rigid_automaton
 from lsvib.stability.conditions import critical_mass
@@ -43,21 +42,14 @@ def build(settings: Values) -> xr.Dataset:
     drive = RigidDrive.of(settings["drive"])
     drives, critical = [drive.replace(**changes) for changes in settings["cases"]], existing(critical_mass(drive))
     forces = spans.even(settings["axial_force"])
-    return xr.Dataset(
-        phase_plane.portraits(drives, settings["starts"], settings["duration"], settings["samples"])
-        | _sensitivity(drives[-1], forces, settings["starts"][0]),
-        coords={
-            **labels("case", drives, ("mass",)),
-            **drive_parameters(drives, along=("mass",), printed=("Sect. 8.6", "Sect. 8.6.1")),
-            **phase_plane.rule_coordinate(),
-            **axis("swept_axial_force", forces),
-            "critical_mass": ((), critical, CRITICAL_MASS),
-        },
-        attrs=about(
+    planes = phase_plane.portraits(settings, drives, ("mass",), ("Sect. 8.6", "Sect. 8.6.1"))
+    planes = planes.assign_coords(**axis("swept_axial_force", forces), critical_mass=((), critical, CRITICAL_MASS))
+    return planes.assign(_sensitivity(drives[-1], forces, settings["starts"][0])).assign_attrs(
+        about(
             "Figure 8.9: trajectories below and above the critical mass",
             "exact event-driven motion and its return map",
             "Sect. 8.6.1, Fig. 8.9",
-        ),
+        )
     )
 
 
@@ -120,7 +112,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 
 
 @style.styled
-def draw(dataset: xr.Dataset) -> Figure:
+def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw (a) and (b) as phase planes, and (c) amplitude and impact speed of (b) against the axial force."""
     figure = style.new_figure(style.DOUBLE, 3.7)
     *planes, last = figure.subplots(1, 3)
@@ -140,12 +132,10 @@ def draw(dataset: xr.Dataset) -> Figure:
         axes.locator_params(axis="x", nbins=3)
         axes.set_title(f"({'ab'[index]}) $m$ = {style.number(case.mass)} kg ${relation} m_\\mathrm{{cr}}$")
     _over_force(last, dataset)
-    style.state_values(figure, dataset)
-    style.legend(figure, planes, 4)
-    return figure
+    return style.finished(figure, dataset, planes, 4)
 
 
-def _over_force(axes: Axes, dataset: xr.Dataset) -> None:
+def _over_force(axes: style.Axes, dataset: xr.Dataset) -> None:
     """Amplitude (left) and impact speed (right) of the cycle in (b); the dot is the force of (b)."""
     force = dataset.swept_axial_force
     axes.plot(force, dataset.swept_amplitude, color=style.BLUE)

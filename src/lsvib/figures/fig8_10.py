@@ -1,7 +1,6 @@
 """Figure 8.10: the sprag–slip cycle with compliant threads, its phase plane and the peaks of its contact force."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
@@ -11,27 +10,12 @@ from lsvib.datasets import printed, spans
 from lsvib.datasets.attributes import Variables, axis, drive_parameters, flagged, quantity, start_state, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
-from lsvib.figures.common import about, named
-from lsvib.figures.settings import (
-    DriveChanges,
-    Duration,
-    FigureSettings,
-    PositiveSpan,
-    Samples,
-    State,
-    Values,
-    parameter,
-)
-from lsvib.figures.style import Axes, Figure
+from lsvib.figures import settings as of
+from lsvib.figures.common import Automaton, Motion, SteadyState, about, named
 from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive, ThreadsDrive
 from lsvib.models.rigid import rigid_automaton
 from lsvib.models.threads import ThreadsEvent, ThreadsMode, seated_state, threads_automaton
-
-if TYPE_CHECKING:
-    from lsvib.dynamics.attractor import SteadyState
-    from lsvib.engine.automaton import Automaton
-    from lsvib.engine.motion import Motion
 
 CAPTION = """\
 Compliant threads, k_c = c_c = 10⁸ (SI): (a) phase plane beside the rigid drive's cycle; (b) contact force on a broken
@@ -46,19 +30,19 @@ _DISTANCE = (
 )  # fmt: skip
 
 
-class Settings(FigureSettings):
+class Settings(of.FigureSettings):
     """Cycle with compliant threads, its contact force, and its dependence on the axial force."""
 
-    drive: DriveChanges
-    contact_stiffness: parameter("contact_stiffness", of=ThreadsDrive)
-    contact_damping: parameter("contact_damping", of=ThreadsDrive)
-    start: State
-    duration: Duration
-    samples: Samples
-    axial_force: PositiveSpan = Field(description="R [N] over which the dependence on it is shown.")
+    drive: of.DriveChanges
+    contact_stiffness: of.parameter("contact_stiffness", of=ThreadsDrive)
+    contact_damping: of.parameter("contact_damping", of=ThreadsDrive)
+    start: of.State
+    duration: of.Duration
+    samples: of.Samples
+    axial_force: of.PositiveSpan = Field(description="R [N] over which the dependence on it is shown.")
 
 
-def build(settings: Values) -> xr.Dataset:
+def build(settings: of.Values) -> xr.Dataset:
     """Compute motion and cycle with compliant threads from a seated contact, the rigid cycle, and the effect of R."""
     from lsvib.engine.motion import follow
 
@@ -89,7 +73,7 @@ def build(settings: Values) -> xr.Dataset:
     )
 
 
-def compliant_cycle(drive: ThreadsDrive, start: Values) -> "tuple[Automaton, SteadyState]":
+def compliant_cycle(drive: ThreadsDrive, start: of.Values) -> tuple[Automaton, SteadyState]:
     """Return the automaton and the attractor of the motion from a seated contact at u [rad], w [rad/s]."""
     from lsvib.dynamics.attractor import steady_state
 
@@ -97,7 +81,7 @@ def compliant_cycle(drive: ThreadsDrive, start: Values) -> "tuple[Automaton, Ste
     return automaton, steady_state(automaton, seated_state(drive, start["u"], start["w"]))
 
 
-def cycle_curves(dims: Sequence[str], cycles: "Sequence[SteadyState]", count: int, prefix: str = "cycle") -> Variables:
+def cycle_curves(dims: Sequence[str], cycles: Sequence[SteadyState], count: int, prefix: str = "cycle") -> Variables:
     """Return cycles as curves in the phase plane, dimensions (*dims, sample), NaN where there is none.
 
     Variables: ``{prefix}_time`` [s] from a point of the cycle, ``_angle`` [rad], ``_velocity`` [rad/s]; both states of
@@ -115,13 +99,13 @@ def cycle_curves(dims: Sequence[str], cycles: "Sequence[SteadyState]", count: in
     return {f"{prefix}_time": time, **phase_plane.curve(prefix, dims, curves[..., 1:], "on the limit cycle")}
 
 
-def _rigid_cycle(drive: RigidDrive, start: Values) -> "SteadyState":
+def _rigid_cycle(drive: RigidDrive, start: of.Values) -> SteadyState:
     from lsvib.dynamics.attractor import steady_state
 
     return steady_state(rigid_automaton(drive), [start["u"], start["w"]])
 
 
-def _motion(motion: "Motion", samples: int) -> Variables:
+def _motion(motion: Motion, samples: int) -> Variables:
     """The compliant motion with its contact force; both states of each event are samples, so every peak is."""
     from lsvib.datasets import phase_plane
 
@@ -137,7 +121,7 @@ def _motion(motion: "Motion", samples: int) -> Variables:
     }
 
 
-def _peak(cycle: "SteadyState") -> Variables:
+def _peak(cycle: SteadyState) -> Variables:
     """The contact force around a peak, over time from the start of the sprag."""
     from lsvib.dynamics.attractor import Attractor
     from lsvib.engine.motion import follow
@@ -158,7 +142,7 @@ def _peak(cycle: "SteadyState") -> Variables:
     }
 
 
-def _comparison(drive: RigidDrive, cycle: "SteadyState", rigid: "SteadyState") -> Variables:
+def _comparison(drive: RigidDrive, cycle: SteadyState, rigid: SteadyState) -> Variables:
     """The cycle in numbers, beside the rigid one."""
     from lsvib.datasets import phase_plane
     from lsvib.dynamics.attractor import Attractor
@@ -179,9 +163,9 @@ def _comparison(drive: RigidDrive, cycle: "SteadyState", rigid: "SteadyState") -
     }
 
 
-def _cycle_values(drive: RigidDrive, cycle: "SteadyState", rigid: "SteadyState") -> tuple[float, float]:
+def _cycle_values(drive: RigidDrive, cycle: SteadyState, rigid: SteadyState) -> tuple[float, float]:
     """Largest |N| [N] on the compliant cycle, and its distance [1] from the rigid one; nan where there is none."""
-    from lsvib.contact.curve_distance import Orbit
+    from lsvib.contact.stiff_limit import Orbit
     from lsvib.dynamics.attractor import orbit_extremes
 
     if cycle.orbit is None or rigid.orbit is None:
@@ -191,7 +175,7 @@ def _cycle_values(drive: RigidDrive, cycle: "SteadyState", rigid: "SteadyState")
     return max(-low, high), Orbit.of(cycle.orbit, scales).distance(Orbit.of(rigid.orbit, scales))
 
 
-def _sensitivity(drive: ThreadsDrive, forces: np.ndarray, start: Values) -> Variables:
+def _sensitivity(drive: ThreadsDrive, forces: np.ndarray, start: of.Values) -> Variables:
     from lsvib.datasets import phase_plane
     from lsvib.dynamics.attractor import Attractor
 
@@ -250,7 +234,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 
 
 @style.styled
-def draw(dataset: xr.Dataset) -> Figure:
+def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw (a) the phase plane, (b) N(t) on a broken axis, (c) a seizure close up, (d) its peak, (e) what R changes."""
     figure = style.new_figure(style.DOUBLE, 5.6)
     above, below = figure.subfigures(2, 1, height_ratios=(1.25, 1))
@@ -261,12 +245,10 @@ def draw(dataset: xr.Dataset) -> Figure:
     _close_up(close, dataset)
     _one_peak(peak, dataset)
     _over_force(force, dataset)
-    style.state_values(figure, dataset)
-    style.legend(figure, [panels["a"], peak], 3)
-    return figure
+    return style.finished(figure, dataset, [panels["a"], peak], 3)
 
 
-def _plane(axes: Axes, dataset: xr.Dataset) -> None:
+def _plane(axes: style.Axes, dataset: xr.Dataset) -> None:
     axes.plot(dataset.angle_deviation, dataset.velocity_deviation, color=style.SKY, linewidth=0.8, label="motion")
     _cycles(axes, dataset)
     axes.plot(dataset.angle_deviation[0], dataset.velocity_deviation[0], "o", color=style.SKY, mfc="white",
@@ -279,7 +261,7 @@ def _plane(axes: Axes, dataset: xr.Dataset) -> None:
     axes.set_title("(a) phase plane")
 
 
-def _close_up(axes: Axes, dataset: xr.Dataset) -> None:
+def _close_up(axes: style.Axes, dataset: xr.Dataset) -> None:
     """The right edge of (a), where the screw seizes: a jump with rigid threads."""
     _cycles(axes, dataset)
     if np.isfinite(dataset.cycle_angle).any():
@@ -292,7 +274,7 @@ def _close_up(axes: Axes, dataset: xr.Dataset) -> None:
              ylabel=style.label(dataset.velocity_deviation, "rate"))  # fmt: skip
 
 
-def _cycles(axes: Axes, dataset: xr.Dataset) -> None:
+def _cycles(axes: style.Axes, dataset: xr.Dataset) -> None:
     """The rigid cycle, its jump included, and the compliant one on it."""
     axes.plot(dataset.rigid_cycle_angle, dataset.rigid_cycle_velocity, color=style.ORANGE, linewidth=2.6,
               label="cycle of the rigid drive", zorder=2)  # fmt: skip
@@ -300,7 +282,7 @@ def _cycles(axes: Axes, dataset: xr.Dataset) -> None:
               label="cycle with compliant threads", zorder=2.1)  # fmt: skip
 
 
-def _force(peaks: Axes, sliding: Axes, dataset: xr.Dataset) -> None:
+def _force(peaks: style.Axes, sliding: style.Axes, dataset: xr.Dataset) -> None:
     """Contact force over time: the peaks above, sliding below, on the same axis of time; its own axis is broken."""
     time, printed = dataset.time * 1e3, float(dataset.printed_peak_normal_force) / 1e3
     cut = {"marker": [(-1, -0.6), (1, 0.6)], "markersize": 7, "linestyle": "none", "color": style.BLACK, "mew": 0.8}
@@ -325,7 +307,7 @@ def _top(dataset: xr.Dataset) -> float:
     return 1.15e-3 * max(float(dataset.printed_peak_normal_force), float(dataset.normal_force.max()))
 
 
-def _one_peak(axes: Axes, dataset: xr.Dataset) -> None:
+def _one_peak(axes: style.Axes, dataset: xr.Dataset) -> None:
     sprag = float(dataset.sprag_duration) * 1e6
     time = dataset.close_up_time * 1e6
     axes.plot(time, dataset.close_up_normal_force / 1e3, color=style.BLUE)
@@ -334,7 +316,7 @@ def _one_peak(axes: Axes, dataset: xr.Dataset) -> None:
     axes.margins(x=0)
 
 
-def _over_force(axes: Axes, dataset: xr.Dataset) -> None:
+def _over_force(axes: style.Axes, dataset: xr.Dataset) -> None:
     """Peak force (left) and distance to the rigid cycle (right) over R; the dot is the force of (a) to (d)."""
     printed, force = float(dataset.printed_peak_normal_force) / 1e3, dataset.swept_axial_force
     part = dataset.printed_peak_normal_force.attrs["relative_tolerance"]

@@ -5,12 +5,10 @@ from typing import ClassVar
 import numpy as np
 import xarray as xr
 
-from lsvib.datasets.attributes import drive_parameters, labels
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, named
 from lsvib.figures.settings import Damping, PhasePlane, Values, several
-from lsvib.figures.style import Figure
 from lsvib.models.drive import RigidDrive
 
 CAPTION = """\
@@ -34,18 +32,12 @@ def build(settings: Values) -> xr.Dataset:
 
     drive = RigidDrive.of(settings["drive"])
     drives = [drive.replace(support_damping=c) for c in settings["support_dampings"]]
-    return xr.Dataset(
-        phase_plane.portraits(drives, settings["starts"], settings["duration"], settings["samples"]),
-        coords={
-            **labels("case", drives, ("support_damping",)),
-            **drive_parameters(drives, along=("support_damping",), printed=("Sect. 8.6", "Sect. 8.6.1")),
-            **phase_plane.rule_coordinate(),
-        },
-        attrs=about(
+    return phase_plane.portraits(settings, drives, ("support_damping",), ("Sect. 8.6", "Sect. 8.6.1")).assign_attrs(
+        about(
             "Figure 8.11: effect of the support damping on the sprag-slip cycle",
             "exact event-driven motion and its return map",
             "Sect. 8.6.1, Fig. 8.11",
-        ),
+        )
     )
 
 
@@ -82,7 +74,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 
 
 @style.styled
-def draw(dataset: xr.Dataset) -> Figure:
+def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the limit cycle of each damping with its own line N = 0, on which its seizure starts.
 
     An arrow of time stands on each cycle, and words on the side of the lines on which the screw slips forward.
@@ -108,6 +100,4 @@ def draw(dataset: xr.Dataset) -> Figure:
     axes.text(0.38, 0.5, "$N < 0$ left of\neach line: slip", transform=axes.transAxes, ha="center", va="center")
     axes.text(0.98, 0.96, "right of each line\nno solution: seizure", transform=axes.transAxes, ha="right", va="top")
     drawing.label_axes(axes, dataset)
-    style.state_values(figure, dataset)
-    style.legend(figure, [axes], 3)
-    return figure
+    return style.finished(figure, dataset, [axes], 3)

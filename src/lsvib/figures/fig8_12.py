@@ -1,6 +1,6 @@
 """Figure 8.12: amplitude, mean deflection and mean contact force of the sprag–slip cycle against the damping."""
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -11,16 +11,12 @@ from lsvib.datasets.attributes import axis, drive_parameters, flagged, start_sta
 from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
 from lsvib.figures import style
-from lsvib.figures.common import about, flag_names, named
+from lsvib.figures.common import SteadyState, about, flag_names, named
 from lsvib.figures.settings import DriveChanges, FigureSettings, Span, State, Values
-from lsvib.figures.style import Axes, Figure
 from lsvib.models.drive import RigidDrive
 from lsvib.models.model import RULES
 from lsvib.models.rigid import MotionMode, rigid_automaton
 from lsvib.numbers import bisected
-
-if TYPE_CHECKING:
-    from lsvib.dynamics.attractor import SteadyState
 
 CAPTION = """\
 Sprag–slip cycle over the support damping c: (a) amplitude, (b) mean deflection of the coupling and (c) mean contact
@@ -95,7 +91,7 @@ def build(settings: Values) -> xr.Dataset:
     )
 
 
-def _values(drive: RigidDrive, steady: "SteadyState") -> list[float]:
+def _values(drive: RigidDrive, steady: SteadyState) -> list[float]:
     """Values of the quantities in their order; NaN where there is no cycle."""
     from lsvib.dynamics.impulses import mean_load
 
@@ -189,7 +185,7 @@ def _worst(ratios: np.ndarray) -> float:
 
 
 @style.styled
-def draw(dataset: xr.Dataset) -> Figure:
+def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the three quantities under both rules of resuming, below close to the dampings at which they differ."""
     figure = style.new_figure(style.DOUBLE, 4.9)
     panels = figure.subplots(2, 3)
@@ -213,12 +209,10 @@ def draw(dataset: xr.Dataset) -> Figure:
             whole.plot(dataset.support_damping * 1e3, dataset.mean_impulsive_force[0], color=style.GREY, linewidth=1.0,
                        label="part from impulses")  # fmt: skip
             whole.set_ylim(0, None)
-    style.state_values(figure, dataset)
-    style.legend(figure, [panels[0, 2], panels[1, 0]], 2)
-    return figure
+    return style.finished(figure, dataset, [panels[0, 2], panels[1, 0]], 2)
 
 
-def _curves(axes: Axes, dataset: xr.Dataset, name: str, scale: float) -> None:
+def _curves(axes: style.Axes, dataset: xr.Dataset, name: str, scale: float) -> None:
     """Draw a quantity under both rules; without damping the second rule has no motion that resumes at once."""
     for index, rule in flag_names(dataset.rule).items():
         colour, dashes, words = _RULES[rule]

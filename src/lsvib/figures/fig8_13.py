@@ -1,7 +1,7 @@
 """Figure 8.13: with softer contacts the motion is smoother, and the coupling deflection turns positive in sprag."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -12,17 +12,13 @@ from lsvib.datasets.attributes import Variables, axis, drive_parameters, flagged
 from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
 from lsvib.figures import drawing, style
-from lsvib.figures.common import CRITICAL_MASS_WITH_CONTACT, about, named
+from lsvib.figures.common import CRITICAL_MASS_WITH_CONTACT, SteadyState, about, named
 from lsvib.figures.fig8_10 import compliant_cycle, cycle_curves
 from lsvib.figures.settings import Contact, DriveChanges, FigureSettings, PositiveSpan, Samples, State, Values, several
-from lsvib.figures.style import Axes, Figure
 from lsvib.models.drive import ThreadsDrive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import rigid_automaton
 from lsvib.stability.conditions import critical_mass_of_contact
-
-if TYPE_CHECKING:
-    from lsvib.dynamics.attractor import SteadyState
 
 CAPTION = """\
 Softer contacts (assumed values): (a) cycles, (b) coupling deflection, (c) its largest value over stiffness and damping
@@ -108,7 +104,7 @@ def _grid(drive: ThreadsDrive, start: Values, stiffness: np.ndarray, damping: np
     }
 
 
-def _numbers(steady: "SteadyState") -> dict[str, float]:
+def _numbers(steady: SteadyState) -> dict[str, float]:
     """Numbers of ``_NUMBERS`` of one attractor; without a cycle all but the attractor are nan."""
     from lsvib.dynamics.attractor import orbit_extremes
 
@@ -137,10 +133,7 @@ def _table(prefix: str, dims: tuple[str, ...], names: Any, rows: Any) -> Variabl
 
 
 def _boundary(deflection: Callable[[float], float], damping: np.ndarray, row: list[dict]) -> tuple[float, float]:
-    """Largest contact damping at which the deflection turns positive, and the deflection there; regula falsi in log c.
-
-    ``row`` holds the numbers at the dampings of the grid. Raises ``InputError`` if the grid has no turn.
-    """
+    """Largest contact damping, between those of ``row``, at which the deflection turns positive, and the deflection."""
     values = np.array([numbers["largest_deflection"] for numbers in row])
     turns = np.flatnonzero((values[:-1] > 0) & (values[1:] <= 0))
     if turns.size == 0:
@@ -226,7 +219,7 @@ def _boundary_check(dataset: xr.Dataset) -> Check:
 
 
 @style.styled
-def draw(dataset: xr.Dataset) -> Figure:
+def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw (a) the cycles, (b) z over a period, (c) the largest z and (d) the shortest time against the contact."""
     figure = style.new_figure(style.DOUBLE, 6.0)
     plane, deflection, grid, shortest = figure.subplots(2, 2).ravel()
@@ -234,9 +227,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     _deflection(deflection, dataset)
     _map(figure, grid, dataset)
     _shortest(shortest, dataset)
-    style.state_values(figure, dataset)
-    style.legend(figure, [plane, deflection], 2)
-    return figure
+    return style.finished(figure, dataset, [plane, deflection], 2)
 
 
 def _contacts(dataset: xr.Dataset) -> list[tuple[xr.Dataset, str]]:
@@ -244,7 +235,7 @@ def _contacts(dataset: xr.Dataset) -> list[tuple[xr.Dataset, str]]:
     return list(zip((dataset.isel(contact=k) for k in dataset.contact.values), _COLOURS, strict=False))
 
 
-def _plane(axes: Axes, dataset: xr.Dataset) -> None:
+def _plane(axes: style.Axes, dataset: xr.Dataset) -> None:
     axes.plot(dataset.rigid_cycle_angle, dataset.rigid_cycle_velocity, color=style.BLACK, linewidth=0.9,
               linestyle=(0, (4, 2)), label="rigid drive")  # fmt: skip
     cycles: list[drawing.DrawnLine] = []
@@ -265,7 +256,7 @@ def _plane(axes: Axes, dataset: xr.Dataset) -> None:
              ylabel=style.label(dataset.cycle_velocity, "rate"))  # fmt: skip
 
 
-def _deflection(axes: Axes, dataset: xr.Dataset) -> None:
+def _deflection(axes: style.Axes, dataset: xr.Dataset) -> None:
     """The coupling deflection from one standstill of the screw to the next."""
     steady = float(dataset.steady_deflection)
     for one, colour in _contacts(dataset):
@@ -278,7 +269,7 @@ def _deflection(axes: Axes, dataset: xr.Dataset) -> None:
              ylabel="Coupling deflection $z$ [rad]", xlim=(0, 1))  # fmt: skip
 
 
-def _map(figure: Figure, axes: Axes, dataset: xr.Dataset) -> None:
+def _map(figure: style.Figure, axes: style.Axes, dataset: xr.Dataset) -> None:
     """Largest deflection of each contact of the grid, a cell around it, with the line on which it vanishes."""
     damping, stiffness = dataset.grid_contact_damping.values, dataset.grid_contact_stiffness.values
     largest = np.nanmax(np.abs(dataset.grid_largest_deflection.values))
@@ -304,11 +295,8 @@ def _edges(values: np.ndarray) -> np.ndarray:
     return np.concatenate([[values[0] ** 2 / middle[0]], middle, [values[-1] ** 2 / middle[-1]]])
 
 
-def _shortest(axes: Axes, dataset: xr.Dataset) -> None:
-    """Shortest time of the trajectory against the contact damping: each contact drawn lies on the line of its own k_c.
-
-    A contact whose stiffness is not one of the grid has no line; the stiffest contact of the grid is drawn beside.
-    """
+def _shortest(axes: style.Axes, dataset: xr.Dataset) -> None:
+    """Shortest time over the contact damping, with lines for the stiffnesses of the contacts drawn and the stiffest."""
     from matplotlib.ticker import NullFormatter
 
     speed, stiffness = abs(float(dataset.input_speed)), dataset.grid_contact_stiffness.values

@@ -11,27 +11,23 @@ translation damping, and the time left is d / Ω: infinitely many seizures in fi
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import Variables, drive_parameters, flagged, labels, variable
+from lsvib.datasets.attributes import Variables, flagged, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
-from lsvib.figures.common import about, flag_names, named
+from lsvib.figures.common import Motion, about, flag_names, named
 from lsvib.figures.settings import MassPair, OpposingForces, PhasePlane, Span, Values
-from lsvib.figures.style import Axes, Figure
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.model import RULES
 from lsvib.models.rigid import EventKind, rigid_automaton
 from lsvib.stability.force_thresholds import global_stability_force
-
-if TYPE_CHECKING:
-    from lsvib.engine.motion import Motion
 
 CAPTION = """\
 Trajectories under a negative axial force, c = 1e-3 N m s/rad. R = −50 N, (a) in the chapter, is on the left, attracted
@@ -75,7 +71,7 @@ def build(settings: Values) -> xr.Dataset:
     from lsvib.datasets import phase_plane
     from lsvib.dynamics.attractor import Attractor
 
-    drive, shown = RigidDrive.of(settings["drive"]), (settings["duration"], settings["samples"])
+    drive = RigidDrive.of(settings["drive"])
     drives = [drive.replace(mass=m, axial_force=r) for m in settings["masses"] for r in settings["axial_forces"]]
     angle, velocity = spans.even(settings["angle"]), spans.even(settings["velocity"])
     plane = ("case", "grid_angle_deviation", "grid_velocity_deviation")
@@ -88,30 +84,29 @@ def build(settings: Values) -> xr.Dataset:
     beside = [drives[-1].replace(axial_force=force) for force in bracket]
     released = [[_labels(d, rule, [release])[0] for rule in RULES] for d in beside]
     words, below = "attractor of the motion that leaves rest, beside the threshold", "distance of the start below"
-    return xr.Dataset(
-        phase_plane.portraits(drives, settings["starts"], *shown)
-        | _reverse_slips(drives, settings["starts"][-1], *shown)
-        | {
-            "grid_attractor": flagged(plane, grid, phase_plane.ATTRACTOR, Attractor),
-            "bracket_attractor": flagged(("bracket", "rule"), released, words, Attractor),
-        }
-        | _corners(drives),
-        coords={
-            **labels("case", drives, _CHANGED),
-            **drive_parameters(drives, along=_CHANGED, printed=("Fig. 8.14", "Sect. 8.6")),
-            **phase_plane.rule_coordinate(),
+    planes = phase_plane.portraits(settings, drives, _CHANGED, ("Fig. 8.14", "Sect. 8.6")).assign_coords(
+        {
             **phase_plane.grid_axes(angle, velocity),
             "corner_distance": variable("corner_distance", _DISTANCES, "rad", f"{below} the corner, at standstill"),
             "bracket_axial_force": variable("bracket", bracket, "N", "axial force beside the threshold", "$R$"),
             "global_stability_force": variable(
                 (), threshold, "N", phase_plane.GLOBAL_STABILITY, "$R$", comment="of the last two cases, beyond m_cr"
             ),
-        },
-        attrs=about(
+        }
+    )
+    return planes.assign(
+        _reverse_slips(drives, settings["starts"][-1], settings["duration"], settings["samples"])
+        | _corners(drives)
+        | {
+            "grid_attractor": flagged(plane, grid, phase_plane.ATTRACTOR, Attractor),
+            "bracket_attractor": flagged(("bracket", "rule"), released, words, Attractor),
+        }
+    ).assign_attrs(
+        about(
             "Figure 8.14: trajectories under a negative axial force",
             "exact event-driven motion and its return map",
             "Sect. 8.7, Fig. 8.14",
-        ),
+        )
     )
 
 
@@ -146,10 +141,7 @@ def _corner(drive: RigidDrive) -> float:
 
 
 def _reverse_slips(drives: Sequence[RigidDrive], start: Values, duration: float, samples: int) -> Variables:
-    """The seizures before the first release by (case, rule, seizure), and the motion until then; see the text above.
-
-    Along case the ratio of successive distances and the length over which it may change, missing where Γ₊ > 0.
-    """
+    """The seizures before the first release, the motion until then, and the limits of their ratio (text above)."""
     from lsvib.datasets import phase_plane
 
     motions = [[_until_release(drive, rule, start, duration) for rule in RULES] for drive in drives]
@@ -173,7 +165,7 @@ def _reverse_slips(drives: Sequence[RigidDrive], start: Values, duration: float,
     }
 
 
-def _until_release(drive: RigidDrive, rule: str, start: Values, duration: float) -> "Motion":
+def _until_release(drive: RigidDrive, rule: str, start: Values, duration: float) -> Motion:
     """The motion up to its first release, or all of it."""
     from lsvib.engine.motion import follow
 
@@ -211,7 +203,6 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         _one_attractor_check(dataset, 3, "", "sprag slip cycle", one_cycle),
         *_corner_checks(dataset),
         *_accumulation_checks(dataset),
-        *_threshold_checks(dataset),
     ]
 
 
@@ -247,12 +238,12 @@ def _one_attractor_check(dataset: xr.Dataset, case: int, note: str, expected: st
 
 
 def _corner_checks(dataset: xr.Dataset) -> list[Check]:
-    """The end of Sect. 8.7, word for word: all starts at standstill up to the corner, beyond m_cr."""
+    """The end of Sect. 8.7: all starts at standstill up to the corner, beyond m_cr, and the threshold between."""
+    force, threshold = dataset.axial_force.values, float(dataset.global_stability_force)
+    above, below = dataset.bracket_attractor
     met = dataset.contact_line_angle + dataset.contact_line_slope * dataset.stop_velocity
-    gap, settles = (
-        float(np.abs(met / dataset.corner_angle - 1).max()),
-        named(dataset.corner_attractor, "steady sliding"),
-    )
+    gap = float(np.abs(met / dataset.corner_angle - 1).max())
+    settles = named(dataset.corner_attractor, "steady sliding")
     counts = settles.sum(axis=2)
     return [
         Check.holds(
@@ -267,6 +258,18 @@ def _corner_checks(dataset: xr.Dataset) -> list[Check]:
             "end of Sect. 8.7",
             f"(a) {counts[2].min()} and (b) {counts[3].min()} to {counts[3].max()} of {settles.shape[2]} starts",
             settles[2].all() and not settles[3].all(axis=1).any(),
+        ),
+        Check.holds(
+            "The threshold of global stability lies between the forces of (a) and (b), beyond m_cr",
+            "Sect. 8.7",
+            f"R = {threshold:.10g} N",
+            force[2] < threshold < force[3],
+        ),
+        Check.holds(
+            "The motion that leaves rest changes from the cycle to the origin within 1e-9 R of it, under either rule",
+            "Sect. 8.7",
+            f"{_names(above)} just above, {_names(below)} just below {threshold:.10g} N",
+            named(above, "sprag slip cycle").all() and named(below, "steady sliding").all(),
         ),
     ]
 
@@ -324,26 +327,6 @@ def _accumulation(part: xr.Dataset) -> tuple[float, bool, str]:
     return excess, timely, words
 
 
-def _threshold_checks(dataset: xr.Dataset) -> list[Check]:
-    """Check that the motion that leaves rest changes its attractor at the threshold, between the forces of (a), (b)."""
-    force, threshold = dataset.axial_force.values, float(dataset.global_stability_force)
-    above, below = dataset.bracket_attractor
-    return [
-        Check.holds(
-            "The threshold of global stability lies between the forces of (a) and (b), beyond m_cr",
-            "Sect. 8.7",
-            f"R = {threshold:.10g} N",
-            force[2] < threshold < force[3],
-        ),
-        Check.holds(
-            "The motion that leaves rest changes from the cycle to the origin within 1e-9 R of it, under either rule",
-            "Sect. 8.7",
-            f"{_names(above)} just above, {_names(below)} just below {threshold:.10g} N",
-            named(above, "sprag slip cycle").all() and named(below, "steady sliding").all(),
-        ),
-    ]
-
-
 def _drive(case: xr.Dataset, note: str) -> str:
     """Words for the drive of a case: mass, a note on it, and force."""
     return f"m = {float(case.mass):g} kg{note}, R = {float(case.axial_force):g} N"
@@ -355,7 +338,7 @@ def _names(labels: xr.DataArray) -> str:
 
 
 @style.styled
-def draw(dataset: xr.Dataset) -> Figure:
+def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw four phase planes, printed mass above, one beyond m_cr below, and seizures at the corner of (c) and (d)."""
     figure = style.new_figure(style.DOUBLE, 8.4)
     above, below = figure.subfigures(2, 1, height_ratios=(2.3, 1))
@@ -363,7 +346,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     cases = [dataset.isel(case=index) for index in range(4)]
     for axes, case, letter in zip(panels, cases, "abcd", strict=True):
         _starts(axes, case)
-        drawing.phase_plane(axes, case, drawing.OVERLAID)
+        drawing.phase_plane(axes, case, (2.2, 1.0, 1.0, 1.0))  # the first motion shows on both sides of a later one
         note = "as printed" if letter in "ab" else "$m > m_\\mathrm{cr}$"
         force, mass = style.number(case.axial_force), style.number(case.mass)
         axes.set_title(f"({letter}) $R$ = {force} N, $m$ = {mass} kg, {note}")
@@ -384,7 +367,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def _starts(axes: Axes, case: xr.Dataset) -> None:
+def _starts(axes: style.Axes, case: xr.Dataset) -> None:
     """Mark each start of the grid by the attractor of its motion."""
     w, u = np.meshgrid(case.grid_velocity_deviation, case.grid_angle_deviation)
     for name in flag_names(case.grid_attractor).values():
@@ -394,7 +377,7 @@ def _starts(axes: Axes, case: xr.Dataset) -> None:
             axes.plot(u[here], w[here], mark, color=colour, markersize=3, markeredgewidth=0.7, label=words, zorder=1)
 
 
-def _close_up(axes: Axes, case: xr.Dataset) -> None:
+def _close_up(axes: style.Axes, case: xr.Dataset) -> None:
     """The motion close to the corner of N = 0 and θ′ = 0 under both rules, up to where the screw leaves rest."""
     corner, stop = float(case.corner_angle), float(case.stop_velocity)
     for index, rule in flag_names(case.rule).items():
@@ -414,7 +397,7 @@ def _close_up(axes: Axes, case: xr.Dataset) -> None:
     drawing.label_axes(axes, case)
 
 
-def _distances(axes: Axes, dataset: xr.Dataset) -> None:
+def _distances(axes: style.Axes, dataset: xr.Dataset) -> None:
     """Distance of each seizure from the corner, for the motions of (c) and (d), with the ratio in the limit."""
     for case, letter in ((2, "c"), (3, "d")):
         part = dataset.isel(case=case)

@@ -1,6 +1,6 @@
 """Figure 8.15: instability regions of the drive with axial support over friction coefficient and support stiffness."""
 
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -11,9 +11,8 @@ from lsvib.datasets.attributes import Variables, axis, drive_parameters, flagged
 from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
 from lsvib.figures import drawing, style
-from lsvib.figures.common import about, named
+from lsvib.figures.common import about, named, over_map
 from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Span, Values, parameter
-from lsvib.figures.style import Figure
 from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive, SupportDrive
 from lsvib.stability import conditions
@@ -68,7 +67,10 @@ def build(settings: Values) -> xr.Dataset:
     critical = critical_friction(drive, drive.screw_mass)
     if critical is None:
         raise InputError("No friction coefficient below cot(lead_angle) makes the reduced inertia vanish.")
-    curve = _curve(friction, float(np.tan(drive.lead_angle)), critical)
+    # From tan λ on, crowded at both ends, and the friction coefficients of the map between.
+    start = float(np.tan(drive.lead_angle))
+    crowded = start + (critical - start) * (1 - np.cos(np.linspace(0, np.pi, 801))) / 2
+    curve = np.unique(np.concatenate([crowded, friction[(friction > start) & (friction < critical)]]))
     grid = {**dict(drive), "friction_coefficient": friction[:, None], "support_stiffness": stiffness}
     kinds, plane = undamped_class(support_model(grid, law=1)), ("friction_coefficient", "support_stiffness")
     branches = conditions.flutter_boundaries({**dict(drive), "friction_coefficient": curve}, law=1)
@@ -115,16 +117,10 @@ def _parameters(drive: SupportDrive) -> Variables:
     return parameters
 
 
-def _curve(friction: np.ndarray, start: float, stop: float) -> np.ndarray:
-    """Friction coefficients from start to stop, both included, crowded at both ends, and those of the map between."""
-    crowded = start + (stop - start) * (1 - np.cos(np.linspace(0, np.pi, 801))) / 2
-    return np.unique(np.concatenate([crowded, friction[(friction > start) & (friction < stop)]]))
-
-
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the critical friction, the classes by the printed conditions and by LAPACK, and the boundaries."""
     drive, critical = {name: float(dataset[name]) for name in _PARAMETERS}, float(dataset.critical_friction)
-    grid = _grid(dataset, drive)
+    grid = over_map(dataset, drive)
     a_4, a_2, a_0 = conditions.characteristic_polynomial(grid, law=1)
     discriminant, size = a_2**2 - 4 * a_0 * a_4, a_2**2 + 4 * a_0 * np.abs(a_4)
     inertia = drive["screw_inertia"] * (drive["mass"] + drive["screw_mass"])
@@ -145,12 +141,6 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         *_branch_checks(dataset, drive),
         *_condition_checks(dataset, drive),
     ]
-
-
-def _grid(dataset: xr.Dataset, drive: Values) -> dict[str, Any]:
-    """The parameters of all points of a map."""
-    friction, stiffness = dataset.friction_coefficient.values[:, None], dataset.support_stiffness.values
-    return {**drive, "friction_coefficient": friction, "support_stiffness": stiffness}
 
 
 def _class_checks(dataset: xr.Dataset, drive: Values, grid: Values, clear: np.ndarray) -> list[Check]:
@@ -262,17 +252,14 @@ def _condition_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
 
 
 def _real_branches(dataset: xr.Dataset, own: Values) -> tuple[int, int, float]:
-    """Exceptions to (8.30) ∧ (8.31) ⇔ (8.32), places of two finite branches, and the distance of (8.30) from its form.
-
-    ``own``: parameters with the friction coefficients of the map. Where (8.30) is zero to rounding it does not count.
-    """
+    """Exceptions to (8.30) ∧ (8.31) ⇔ (8.32), places of two finite branches, and how far (8.30) is from its form."""
     b_1, b_2, b_3 = conditions.boundary_coefficients(own, law=1)
     p = values_of(own, law=1)
     lever, total = p.factor * p.pitch_radius**2 * p.tan_lead, p.mass + p.screw_mass
     discriminant = b_2**2 - 4 * b_1 * b_3
     reduced = conditions.reduced_inertia(own, law=1)
     form = 16 * lever * p.mass**2 * total * reduced
-    clear = np.abs(discriminant) > 1e-9 * b_2**2
+    clear = np.abs(discriminant) > 1e-9 * b_2**2  # else (8.30) is zero to rounding
     together = (discriminant >= 0) & (b_2 < 0)
     odd = int(np.sum(clear & (together != ((reduced >= 0) & (p.factor > 0)))))
     finite = np.isfinite(dataset.lower_boundary.values) & ~np.isnan(dataset.upper_boundary.values)
@@ -295,7 +282,7 @@ def _against_lapack(dataset: xr.Dataset, drive: Values, clear: np.ndarray) -> tu
     """Number of points with another class by LAPACK's eigenvalues of the state matrix, and of points compared."""
     rows, columns = (spans.evenly_chosen(dataset.sizes[name], 100) for name in dataset.stability.dims)
     part = dataset.isel(friction_coefficient=rows, support_stiffness=columns)
-    values = eigenvalues(support_model(_grid(part, {**drive, **dict.fromkeys(_DAMPINGS, 0.0)}), law=1))
+    values = eigenvalues(support_model(over_map(part, {**drive, **dict.fromkeys(_DAMPINGS, 0.0)}), law=1))
     limit = 1e-7 * np.abs(values).max(axis=-1)  # LAPACK keeps 1.5e-8 where two coincide
     growing = (values.real > limit[..., None]).sum(axis=-1)
     oscillates = np.abs(values[..., -1].imag) > limit
@@ -306,7 +293,7 @@ def _against_lapack(dataset: xr.Dataset, drive: Values, clear: np.ndarray) -> tu
 
 
 @style.styled
-def draw(dataset: xr.Dataset) -> Figure:
+def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the class map by eigenvalues, over it the boundaries in closed form and the critical friction."""
     from matplotlib.patches import Patch
 
@@ -335,6 +322,4 @@ def draw(dataset: xr.Dataset) -> Figure:
     axes.axvline(printed, **style.PRINTED, label=f"{symbol} = {printed:g}, as printed")
     axes.set(xlabel=style.label(friction), ylabel=style.label(stiffness), yscale="log")
     axes.set(xlim=friction[[0, -1]], ylim=stiffness[[0, -1]])
-    style.state_values(figure, dataset)
-    style.legend(figure, [axes], 2, patches)
-    return figure
+    return style.finished(figure, dataset, [axes], 2, patches)

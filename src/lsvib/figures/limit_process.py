@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from enum import IntEnum
 from itertools import pairwise
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -23,25 +23,11 @@ from lsvib.datasets.attributes import (
 )
 from lsvib.datasets.attributes import parameter as parameter_attributes
 from lsvib.datasets.checks import Check
+from lsvib.figures import settings as of
 from lsvib.figures import style
-from lsvib.figures.common import about, flag_names, named
-from lsvib.figures.settings import (
-    Damping,
-    DriveChanges,
-    Duration,
-    FigureSettings,
-    NotZero,
-    State,
-    Values,
-    parameter,
-    several,
-)
-from lsvib.figures.style import Axes, Figure
+from lsvib.figures.common import LimitBranch, about, flag_names, named
 from lsvib.models.drive import RigidDrive, ThreadsDrive
 from lsvib.models.model import RULES
-
-if TYPE_CHECKING:
-    from lsvib.contact.stiff_limit import LimitBranch
 
 CAPTION = """\
 The limit process. Each column of (a) to (c) is a branch: drive on top; below, the sign of N in the impact and the
@@ -73,19 +59,19 @@ _VISCOUS = "viscous"
 _FAMILIES = {_VISCOUS: (style.BLUE, "o"), "damping ratio": (style.SKY, "s"), "elastic": (style.GREY, "D")}
 
 
-class Settings(FigureSettings):
+class Settings(of.FigureSettings):
     """Convergence of the drive with compliant threads to the rigid one."""
 
     unused: ClassVar = ("support_damping", "translation_damping", "axial_force")
 
-    drive: DriveChanges
-    axial_forces: several(parameter("axial_force", *NotZero), 2, 4, "Axial forces [N], of both signs.")
-    support_dampings: several(Damping, 1, 4, "Support dampings c [N m s/rad], a small and a large one.")
+    drive: of.DriveChanges
+    axial_forces: of.several(of.parameter("axial_force", *of.NotZero), 2, 4, "Axial forces [N], of both signs.")
+    support_dampings: of.several(of.Damping, 1, 4, "Support dampings c [N m s/rad], a small and a large one.")
     speed: float = Field(gt=0, le=1e9, description="Screw speed before an impact [rad/s].")
-    duration: Duration
-    start: State
-    stiffness: several(
-        parameter("contact_stiffness", of=ThreadsDrive), 3, 50, "Contact stiffnesses k_c [N/m], ascending."
+    duration: of.Duration
+    start: of.State
+    stiffness: of.several(
+        of.parameter("contact_stiffness", of=ThreadsDrive), 3, 50, "Contact stiffnesses k_c [N/m], ascending."
     )
     fit_from: float = Field(gt=0, description="Least stiffness that orders are fitted to [N/m].")
     damping_ratio: float = Field(gt=0, le=1000, description="Damping ratio of the nut in its family [1].")
@@ -100,7 +86,7 @@ class BranchVerdict(IntEnum):
     BOTH = 3  # the rules agree on the branch, or are not distinguished
 
 
-def build(settings: Values) -> xr.Dataset:
+def build(settings: of.Values) -> xr.Dataset:
     """Compute the deviations from the rigid drive over the stiffness, for each family of contacts and each branch.
 
     ``settings``: see ``Settings``; Γ₊ < 0, c_x = 0; the pairs of forces and dampings are the drives, ``start`` is that
@@ -144,11 +130,8 @@ def build(settings: Values) -> xr.Dataset:
     )
 
 
-def _deviations(branches: "Sequence[LimitBranch]", stiffness: np.ndarray, ratio: float, fit_from: float) -> Variables:
-    """Deviations from the rigid drive, by family, branch and contact stiffness [N/m], and the orders of their fall.
-
-    ``ratio``: the damping ratio [1] of its family; ``fit_from`` [N/m]: the least stiffness that orders are fitted to.
-    """
+def _deviations(branches: Sequence[LimitBranch], stiffness: np.ndarray, ratio: float, fit_from: float) -> Variables:
+    """Deviations from the rigid drive, by family, branch and contact stiffness [N/m], and the orders of their fall."""
     from lsvib.contact import stiff_limit
     from lsvib.contact.stiff_limit import BranchFamily
 
@@ -174,11 +157,8 @@ def _deviations(branches: "Sequence[LimitBranch]", stiffness: np.ndarray, ratio:
     return variables
 
 
-def _rules_followed(branches: "Sequence[LimitBranch]", variables: Variables) -> Variables:
-    """The rule of resuming that the motions on each branch follow, and how long its rigid motion lasts.
-
-    A rule is followed if the distance falls with the order wanted and all is small at the end; the nearer wins.
-    """
+def _rules_followed(branches: Sequence[LimitBranch], variables: Variables) -> Variables:
+    """The rule that each branch follows, if with the order wanted and all small at the end; the rigid duration."""
     durations = np.array([branch.rigid[0].end_time for branch in branches])
     distance, rest = (variables[name][1][:, :, -1] for name in ("motion_distance", "rest_error"))
     deviation = np.fmax(distance, np.abs(rest) / durations[:, None])
@@ -193,7 +173,7 @@ def _rules_followed(branches: "Sequence[LimitBranch]", variables: Variables) -> 
     }
 
 
-def _branch_coordinates(branches: "Sequence[LimitBranch]") -> Variables:
+def _branch_coordinates(branches: Sequence[LimitBranch]) -> Variables:
     from lsvib.contact import stiff_limit
     from lsvib.contact.stiff_limit import ImpactOutcome, Region
 
@@ -219,8 +199,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     return [
         *_viscous_checks(viscous),
         _stop_time_check(dataset, viscous, impact),
-        *_elastic_checks(elastic, viscous, impact),
-        _damping_ratio_check(ratio, viscous, impact),
+        *_other_checks(elastic, ratio, viscous, impact),
     ]
 
 
@@ -274,10 +253,12 @@ def _stop_time_check(dataset: xr.Dataset, viscous: xr.Dataset, impact: np.ndarra
     )
 
 
-def _elastic_checks(elastic: xr.Dataset, viscous: xr.Dataset, impact: np.ndarray) -> list[Check]:
-    """Check that contacts without damping tend to no rigid motion, and rest in another way after an impact."""
+def _other_checks(elastic: xr.Dataset, ratio: xr.Dataset, viscous: xr.Dataset, impact: np.ndarray) -> list[Check]:
+    """Check that contacts without damping, or with a fixed damping ratio of the nut, tend to no rigid motion."""
     lost, nearest = named(elastic.rule_followed, "neither"), float(np.nanmin(elastic.motion_distance.values[:, -1, 0]))
     rests, rigid_rests = elastic.rests.values[impact, -1], viscous.rests.values[impact, -1]
+    excess, slow = ratio.impulse_error.values[impact, -1], ratio.motion_distance_order.values[:, 0]
+    far = ratio.motion_distance.values[:, -1, 0]
     return [
         Check.holds(
             "Elastic limit: on no branch does the motion converge to the rigid one under either rule",
@@ -292,23 +273,17 @@ def _elastic_checks(elastic: xr.Dataset, viscous: xr.Dataset, impact: np.ndarray
             f"{int(rests.max())} rests, in the viscous limit at most {int(rigid_rests.max())}",
             (rests > rigid_rests).all(),
         ),
+        Check.holds(
+            "Fixed damping ratio: even an overdamped contact throws the nut back: the impulse stays too large, and the "
+            "distance falls slowly or not at all",
+            "limit process",
+            f"zeta = {float(ratio.nut_damping_ratio):g}: impulse too large by {excess.min():.1%} to "
+            f"{excess.max():.1%}, distance at least {far.min():.2g}, orders {slow.min():.2f} to "
+            f"{slow.max():.2f}; force of the rebound {float(ratio.rebound_force[-1]):.3g} N, in the viscous limit "
+            f"{float(viscous.rebound_force[-1]):.1e} N",
+            (excess > 0.01).all() and (far > 0.01).all() and slow.max() < _ORDER,
+        ),
     ]
-
-
-def _damping_ratio_check(ratio: xr.Dataset, viscous: xr.Dataset, impact: np.ndarray) -> Check:
-    """Check that contacts with a fixed damping ratio of the nut throw it back, so that they do not converge either."""
-    excess, slow = ratio.impulse_error.values[impact, -1], ratio.motion_distance_order.values[:, 0]
-    far = ratio.motion_distance.values[:, -1, 0]
-    return Check.holds(
-        "Fixed damping ratio: even an overdamped contact throws the nut back: the impulse stays too large, and the "
-        "distance falls slowly or not at all",
-        "limit process",
-        f"zeta = {float(ratio.nut_damping_ratio):g}: impulse too large by {excess.min():.1%} to "
-        f"{excess.max():.1%}, distance at least {far.min():.2g}, orders {slow.min():.2f} to "
-        f"{slow.max():.2f}; force of the rebound {float(ratio.rebound_force[-1]):.3g} N, in the viscous limit "
-        f"{float(viscous.rebound_force[-1]):.1e} N",
-        (excess > 0.01).all() and (far > 0.01).all() and slow.max() < _ORDER,
-    )
 
 
 def _by_first_rule(values: xr.DataArray) -> xr.DataArray:
@@ -316,7 +291,7 @@ def _by_first_rule(values: xr.DataArray) -> xr.DataArray:
 
 
 @style.styled
-def draw(dataset: xr.Dataset) -> Figure:
+def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw (a) the viscous limit, (b) its orders and (c) the others branch by branch; (d) to (f) over the stiffness."""
     figure = style.new_figure(style.DOUBLE, 8.6)
     branches, curves = figure.subfigures(2, 1, height_ratios=(2.7, 1))
@@ -339,7 +314,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def _distances(axes: Axes, viscous: xr.Dataset) -> None:
+def _distances(axes: style.Axes, viscous: xr.Dataset) -> None:
     """A column for each branch: the softest contact on top, the stiffest below; crosses where the rules differ."""
     count, distance = viscous.sizes["contact_stiffness"], viscous.motion_distance
     for k in range(count):
@@ -354,7 +329,7 @@ def _distances(axes: Axes, viscous: xr.Dataset) -> None:
     axes.set_title("(a) viscous limit, each column a branch", pad=14)
 
 
-def _orders(axes: Axes, viscous: xr.Dataset) -> None:
+def _orders(axes: style.Axes, viscous: xr.Dataset) -> None:
     """Fitted orders with their standard errors, branch by branch."""
     for k, (name, (colour, words, mark)) in enumerate(_ERRORS.items()):
         order, error = (_by_first_rule(viscous[f"{name}_{what}"]) for what in ("order", "order_error"))
@@ -363,7 +338,7 @@ def _orders(axes: Axes, viscous: xr.Dataset) -> None:
     axes.set(title="(b) viscous limit, fitted orders", ylabel="Order in $1/k_c$")
 
 
-def _others(axes: Axes, families: dict[str, xr.Dataset]) -> None:
+def _others(axes: style.Axes, families: dict[str, xr.Dataset]) -> None:
     """Distances at the stiffest contact in the three families."""
     for name, (colour, mark) in _FAMILIES.items():
         words, family = name.replace("damping", "fixed damping"), families[name]
@@ -373,7 +348,7 @@ def _others(axes: Axes, families: dict[str, xr.Dataset]) -> None:
     axes.set_ylabel("Distance to the\nrigid motion")
 
 
-def _separate(axes: Axes, dataset: xr.Dataset) -> None:
+def _separate(axes: style.Axes, dataset: xr.Dataset) -> None:
     """Thin lines between the drives."""
     for place in _changes(dataset)[1:-1]:
         axes.axvline(place - 0.5, color=style.GREY, linewidth=0.6)
@@ -389,7 +364,7 @@ def _changes(dataset: xr.Dataset) -> list[int]:
     return [0, *(np.flatnonzero((np.diff(drive, axis=1) != 0).any(axis=0)) + 1).tolist(), dataset.sizes["branch"]]
 
 
-def _name_branches(bottom: Axes, top: Axes, dataset: xr.Dataset) -> None:
+def _name_branches(bottom: style.Axes, top: style.Axes, dataset: xr.Dataset) -> None:
     """Sign of the impact and number of the region below each column, the drive above each group of columns."""
     pairs = zip(dataset.impact_sign.values, dataset.region.values, strict=True)
     names = [f"{'+' if sign > 0 else '−'}{int(region)}" if sign else "cyc." for sign, region in pairs]
@@ -405,7 +380,7 @@ def _name_branches(bottom: Axes, top: Axes, dataset: xr.Dataset) -> None:
                  fontsize=6.5, transform=top.get_xaxis_transform())  # fmt: skip
 
 
-def _errors(axes: Axes, viscous: xr.Dataset) -> None:
+def _errors(axes: style.Axes, viscous: xr.Dataset) -> None:
     """Range over the branches of each error, and a triangle of order one."""
     for name, (colour, _, mark) in _ERRORS.items():
         values = np.abs(_by_first_rule(viscous[name]))
@@ -422,7 +397,7 @@ def _errors(axes: Axes, viscous: xr.Dataset) -> None:
     axes.text(0.04, 0.04, "colours and marks of (b)", fontsize=6.5, transform=axes.transAxes)
 
 
-def _rests(axes: Axes, families: dict[str, xr.Dataset]) -> None:
+def _rests(axes: style.Axes, families: dict[str, xr.Dataset]) -> None:
     """Range over the branches of the number of rests after an impact."""
     for name, (colour, mark) in reversed(_FAMILIES.items()):
         stiffness, rests = families[name].contact_stiffness, families[name].rests[families[name].impact_sign != 0]
@@ -433,7 +408,7 @@ def _rests(axes: Axes, families: dict[str, xr.Dataset]) -> None:
     axes.set(title="(e) rests after an impact: range", ylabel="Number of rests")
 
 
-def _rebound(axes: Axes, families: dict[str, xr.Dataset]) -> None:
+def _rebound(axes: style.Axes, families: dict[str, xr.Dataset]) -> None:
     for name in ("damping ratio", _VISCOUS):
         family, (colour, mark) = families[name], _FAMILIES[name]
         axes.plot(family.contact_stiffness, family.rebound_force, mark + "-", color=colour, markersize=2.5)

@@ -1,6 +1,6 @@
 """Rotating nut: critical mass against the inertia of the nut (Remark 8.6), and the stability map of (8.33)."""
 
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -10,9 +10,8 @@ from lsvib.datasets import spans
 from lsvib.datasets.attributes import CRITICAL_MASS, axis, drive_parameters, flagged, origin_of, parameter, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
-from lsvib.figures.common import about, existing, named
+from lsvib.figures.common import about, existing, named, over_map
 from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Span, Values
-from lsvib.figures.style import Axes, Figure
 from lsvib.models.drive import NutDrive
 from lsvib.numbers import bisected
 from lsvib.stability.conditions import critical_mass, effective_screw_inertia, kinematic_inertia, kinematic_mass
@@ -60,7 +59,9 @@ def build(settings: Values) -> xr.Dataset:
     friction = spans.even(settings["friction_coefficient"])
     drive.replace(friction_coefficient=float(friction.max()))  # refuses what is beyond cot λ
     nuts = [drive.replace(nut_inertia=float(value)) for value in inertia]
-    closed, passing = [kinematic_mass(nut) for nut in nuts], [_by_eigenvalues(nut, rigid) for nut in nuts]
+    closed = [kinematic_mass(nut) for nut in nuts]
+    # Where the product of both 1/ω² changes its sign, between zero and the rigid one.
+    passing = [bisected(lambda m, nut=nut: not _signs(nut, m) > 0, 0.0, rigid) for nut in nuts]
     by = "critical mass, where an eigenvalue 1/omega^2 passes through zero"
     grid = {**dict(drive), "friction_coefficient": friction[:, None], "nut_inertia": inertia}
     kinds, plane = undamped_class(nut_model(grid, law=1)), ("friction_coefficient", "nut_inertia")
@@ -101,14 +102,9 @@ def build(settings: Values) -> xr.Dataset:
     )
 
 
-def _by_eigenvalues(drive: NutDrive, rigid: float) -> float:
-    """Mass [kg] at which the product of both 1/ω² changes its sign, by bisection; between zero and the rigid one."""
-
-    def lost(mass: float) -> bool:
-        squares = reciprocal_squares(nut_model({**dict(drive), "mass": mass}, law=1))
-        return not np.prod(np.sign(squares.real)) > 0
-
-    return bisected(lost, 0.0, rigid)
+def _signs(drive: NutDrive, mass: float) -> float:
+    """Sign of the product of both 1/ω² at a mass [kg]."""
+    return np.prod(np.sign(reciprocal_squares(nut_model({**dict(drive), "mass": mass}, law=1)).real))
 
 
 def _boundary(drive: NutDrive, friction: np.ndarray) -> np.ndarray:
@@ -134,27 +130,24 @@ def _boundary_friction(drive: NutDrive, inertia: np.ndarray) -> np.ndarray:
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the map against (8.33) and det M_0, with damping too, and the critical mass against Remark 8.6."""
     drive = {name: float(dataset[name]) for name in _PARAMETERS}
-    grid = _grid(dataset, drive)
+    grid = over_map(dataset, drive)
     # Closer to (8.33) rounding may decide.
     clear = np.abs(kinematic_inertia(grid, law=1)) > 1e-9 * effective_screw_inertia(grid)
     return [
-        *_class_checks(dataset, grid, clear),
-        _damping_check(dataset, drive, clear),
+        *_class_checks(dataset, drive, grid, clear),
         *_boundary_checks(dataset, drive, clear),
         *_critical_mass_checks(dataset, drive),
     ]
 
 
-def _grid(dataset: xr.Dataset, drive: Values) -> dict[str, Any]:
-    """The parameters of all points of a map."""
-    friction, inertia = dataset.friction_coefficient.values[:, None], dataset.nut_inertia.values
-    return {**drive, "friction_coefficient": friction, "nut_inertia": inertia}
-
-
-def _class_checks(dataset: xr.Dataset, grid: Values, clear: np.ndarray) -> list[Check]:
-    """Check the classes against (8.33) and the printed inertia matrix, where rounding does not decide (``clear``)."""
+def _class_checks(dataset: xr.Dataset, drive: Values, grid: Values, clear: np.ndarray) -> list[Check]:
+    """Check the classes by (8.33), the printed inertia matrix and LAPACK with damping, but for rounding (``clear``)."""
     kinematic, other = (named(dataset.stability, *x) for x in (["kinematic constraint"], ["flutter", "divergence"]))
     wrong = int(np.sum(clear & (kinematic != (kinematic_inertia(grid, law=1) < 0))))
+    rows, columns = (spans.evenly_chosen(dataset.sizes[name], 40) for name in dataset.stability.dims)
+    part, compared = dataset.isel(friction_coefficient=rows, nut_inertia=columns), clear[np.ix_(rows, columns)]
+    grows = eigenvalues(nut_model(over_map(part, drive), law=1))[..., -1].real > 0
+    differ = compared & (grows != named(part.stability, "kinematic constraint"))
     opposite = np.sum(clear & ((determinant(nut_model(grid, law=1).mass) < 0) != kinematic))
     return [
         Check.holds(
@@ -172,18 +165,13 @@ def _class_checks(dataset: xr.Dataset, grid: Values, clear: np.ndarray) -> list[
         Check.without_exception(
             "(8.33) is det M_0 < 0, the printed inertia matrix", "Remark 8.5, eq. 8.33", opposite, clear.sum()
         ),
+        Check.without_exception(
+            "With damping of screw and nut the real parts of LAPACK's eigenvalues give the same classes",
+            "Sect. 8.8.2, docs/lemmas.md",
+            differ.sum(),
+            compared.sum(),
+        ),
     ]
-
-
-def _damping_check(dataset: xr.Dataset, drive: Values, clear: np.ndarray) -> Check:
-    """Check at evenly chosen points that damping does not change the classes."""
-    rows, columns = (spans.evenly_chosen(dataset.sizes[name], 40) for name in dataset.stability.dims)
-    part = dataset.isel(friction_coefficient=rows, nut_inertia=columns)
-    grows = eigenvalues(nut_model(_grid(part, drive), law=1))[..., -1].real > 0
-    compared = clear[np.ix_(rows, columns)]
-    differ = compared & (grows != named(part.stability, "kinematic constraint"))
-    claim = "With damping of screw and nut the real parts of LAPACK's eigenvalues give the same classes"
-    return Check.without_exception(claim, "Sect. 8.8.2, docs/lemmas.md", differ.sum(), compared.sum())
 
 
 def _boundary_checks(dataset: xr.Dataset, drive: Values, clear: np.ndarray) -> list[Check]:
@@ -240,7 +228,7 @@ def _critical_mass_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
 
 
 @style.styled
-def draw(dataset: xr.Dataset) -> Figure:
+def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw (a) the critical mass over the inertia of the nut and (b) the classes over that and the friction."""
     from matplotlib.patches import Patch
 
@@ -256,7 +244,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def _critical_mass(axes: Axes, dataset: xr.Dataset) -> None:
+def _critical_mass(axes: style.Axes, dataset: xr.Dataset) -> None:
     rigid, inertia, screw = float(dataset.critical_mass), dataset.nut_inertia, float(dataset.screw_inertia)
     some = dataset.isel(nut_inertia=np.linspace(0, inertia.size - 1, 12).astype(int))
     axes.plot(inertia, dataset.critical_mass_with_nut, color=style.BLUE, label="boundary by (8.33)")
@@ -275,7 +263,7 @@ def _critical_mass(axes: Axes, dataset: xr.Dataset) -> None:
     axes.set(ylabel="Critical mass $m_\\mathrm{cr}$ [kg]", ylim=(0, 1.15 * rigid), xlim=inertia[[0, -1]])
 
 
-def _map(axes: Axes, dataset: xr.Dataset) -> None:
+def _map(axes: style.Axes, dataset: xr.Dataset) -> None:
     friction, inertia = dataset.friction_coefficient, dataset.nut_inertia
     drawing.regions(axes, friction, inertia, dataset.stability.T, _COLOURS)
     axes.plot(dataset.critical_friction_with_nut, inertia, color=style.BLUE)

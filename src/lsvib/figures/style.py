@@ -16,8 +16,8 @@ import xarray as xr
 from lsvib.files import replacing
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+    from matplotlib.axes import Axes as Axes
+    from matplotlib.figure import Figure as Figure
 else:  # names for annotations
     Axes = Figure = Any
 
@@ -193,6 +193,15 @@ def legend(figure: Figure, axes: Sequence[Axes], columns: int, first: Sequence[A
         for handle, name in zip(*panel.get_legend_handles_labels(), strict=True):
             entries.setdefault(name, handle)
     figure.legend(entries.values(), entries.keys(), loc="outside upper center", ncols=columns)
+
+
+def finished(
+    figure: Figure, dataset: xr.Dataset, axes: Sequence[Axes], columns: int, first: Sequence[Any] = ()
+) -> Figure:
+    """Return a picture with its values below, :func:`state_values`, and one legend above, :func:`legend`."""
+    state_values(figure, dataset)
+    legend(figure, axes, columns, first)
+    return figure
 
 
 def write_below(figure: Figure, words: Sequence[str]) -> None:

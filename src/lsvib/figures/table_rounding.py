@@ -13,7 +13,6 @@ from lsvib.datasets.checks import Check
 from lsvib.figures import style
 from lsvib.figures.common import about, flag_names
 from lsvib.figures.settings import DriveChanges, FigureSettings, Values
-from lsvib.figures.style import Figure
 from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive, SupportDrive
 from lsvib.models.mechanics import coefficients
@@ -129,7 +128,13 @@ def _table(drive: RigidDrive) -> Variables:
 
 def _matching(drive: RigidDrive, functions: Mapping[str, Callable[[RigidDrive], float]]) -> Variables:
     """The damping with which the printed stick force is the computed one, and what else it would change."""
-    damping = _damping_of(functions["stick_force"], chapter.THRESHOLDS["stick_force"].value, drive)
+    half, printed_force = HALF_UNITS["support_damping"], chapter.THRESHOLDS["stick_force"].value
+
+    def smaller(damping: float) -> bool:
+        return functions["stick_force"](drive.replace(support_damping=damping)) < printed_force
+
+    low, high = drive.support_damping - half, drive.support_damping + half  # within half a unit of the printed one
+    damping = bisected(lambda c: smaller(c) == smaller(high), low, high)
     other, unit = drive.replace(support_damping=damping), "N m s rad-1"
     force, plus = functions["detach_force"](other), float(coefficients(other).damping[1])
     words, that = "support damping at which the stick force is the printed one", "with that damping"
@@ -138,14 +143,6 @@ def _matching(drive: RigidDrive, functions: Mapping[str, Callable[[RigidDrive], 
         "matching_detach_force": variable((), force, "N", f"detach force {that}", "$R$"),
         "matching_effective_damping_plus": variable((), plus, unit, f"effective damping of law + {that}", "$C_+$"),
     }
-
-
-def _damping_of(threshold: Callable[[RigidDrive], float], force: float, drive: RigidDrive) -> float:
-    """Support damping within half a unit of the printed one at which a threshold is ``force``, by bisection."""
-    half = HALF_UNITS["support_damping"]
-    low, high = drive.support_damping - half, drive.support_damping + half
-    rising = threshold(drive.replace(support_damping=high)) > threshold(drive.replace(support_damping=low))
-    return bisected(lambda c: (threshold(drive.replace(support_damping=c)) < force) != rising, low, high)
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
@@ -196,7 +193,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 
 
 @style.styled
-def draw(dataset: xr.Dataset) -> Figure:
+def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the distance from print of each threshold over stacked bars of what half a unit of each value changes."""
     figure = style.new_figure(style.DOUBLE, 3.4)
     panels = figure.subplots(1, 2, sharey=True)

@@ -353,11 +353,6 @@ def parameters_of(drive: Drive | Mapping[str, Any] | None) -> dict[str, Any]:
     return drive.model_dump() if isinstance(drive, Drive) else names_and_values("drive", drive)
 
 
-def model_of(drive: Any, model: str = "rigid") -> str:
-    """Return the model that is asked for; a drive that is none of the rigid model need not be asked for by name."""
-    return drive.model if isinstance(drive, Drive) and model == "rigid" else model
-
-
 def sentence_about(model: type[BaseModel], error: ValidationError) -> str:
     """Return one sentence about the first complaint of pydantic about a model, with key, value and range."""
     # Of a misspelt key the misspelling is the news, not that the right one is missing.

@@ -22,8 +22,6 @@ from lsvib.models.mechanics import Coefficients, coefficients_of, steady_force
 from lsvib.models.model import Resume, find_model
 from lsvib.models.rigid import automaton_of
 
-_CANCELLED = 1e3  # terms of a sum over the sum: beyond, doubles do not hold 1e-12 of it
-
 
 class ManyDrives:
     """Drives of one model that are given by arrays of their parameters.
@@ -112,7 +110,8 @@ def _safe(c: Coefficients, d: Any, tables: Tables) -> np.ndarray:
     for constant, at in ((2, layout.EQUILIBRIUM), (0, layout.R1), (0, layout.R2)):
         other = rows[..., 0 if constant else 1] * flow[..., at]
         sums += list(zip(np.where(real, rows[..., constant], 0.0).T, np.where(real, other, 0.0).T, strict=True))
-    return np.logical_and.reduce([abs(a) + abs(b) <= _CANCELLED * abs(a + b) for a, b in sums])
+    # Beyond three decades doubles do not hold 1e-12 of a sum.
+    return np.logical_and.reduce([abs(a) + abs(b) <= 1e3 * abs(a + b) for a, b in sums])
 
 
 def _layered(automaton: Automaton, size: int) -> Automaton:

@@ -10,9 +10,6 @@ numbers in the chapter. Then come, as in :mod:`lsvib.models.threads`,
   ``coefficients(drive)``, for :func:`lsvib.engine.automaton.assemble`;
 * its characteristic polynomial from :class:`lsvib.models.mechanics.LinearParts`, and its :class:`Powers`;
 * last, ``MODEL = Model(...)`` at the beginning of a line, by which it is found.
-
-What another layer has for one model alone, such as a closed form, stands in a file NAME.py of that layer
-(:func:`of_model`); a model without one has what serves all.
 """
 
 import math
@@ -22,9 +19,7 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 from functools import cache
 from importlib import import_module
-from importlib.util import find_spec
 from pathlib import Path
-from types import ModuleType
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
@@ -217,23 +212,3 @@ def model_module(name: str) -> str:
     if not isinstance(name, str) or name not in model_names():
         raise InputError(f"model = {shown(name)} is not one of {', '.join(model_names())}.")
     return f"{__package__}.{name}"
-
-
-def of_model(package: ModuleType, model: str, name: str, otherwise: Any) -> Any:
-    """Return what a package has of one model alone, by its name in the package's file of the model.
-
-    Without such a file or name: ``otherwise``.
-    """
-    return getattr(_file_of(f"{package.__name__}.{model}"), name, otherwise)
-
-
-def modules_of(model: str) -> tuple[str, ...]:
-    """Return the names of all modules of a model: its own, and the files of its name in other packages."""
-    own, package = model_module(model), Path(__file__).parent.parent
-    files = [file for file in sorted(package.rglob(f"{model}.py")) if file.parent != Path(__file__).parent]
-    return (own, *(".".join(file.relative_to(package.parent).with_suffix("").parts) for file in files))
-
-
-@cache
-def _file_of(module: str) -> ModuleType | None:
-    return import_module(module) if find_spec(module) else None

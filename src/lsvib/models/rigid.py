@@ -91,7 +91,6 @@ SLIPS = {  # mode: (sign of θ′, sign of Q)
 }
 _NAMES = {signs: name for name, signs in SLIPS.items()}
 _BY_LAW_MINUS = {1: "slip_forward_negative", -1: "slip_backward_positive"}  # by the sign of θ′
-_DIGITS = 10**13  # part of u that counts: a tenth of it is what rounding may make of u
 
 
 @once
@@ -178,7 +177,7 @@ class _Build:
         """
         c, d = self.c, self.d
         least = abs(self.band_end[2]) * d.mass * d.coupling_stiffness * d.pitch_radius * d.tan_lead
-        force = _DIGITS * abs(d.axial_force)
+        force = 10**13 * abs(d.axial_force)  # this part of u counts: a tenth of it is what rounding may make of u
         return any(sign(force * x - least) <= 0 for x in (abs(c.gamma[1]), c.gamma[-1] - c.gamma[1]))
 
     def mover(self) -> int:

@@ -92,10 +92,11 @@ def read_yaml(path: str | Path) -> dict[str, Any]:
     underscores stays text. Raises ``InputError`` in one sentence if the file is missing or something else, or gives a
     key twice.
     """
+    largest = 10_000_000  # bytes
     try:
         with Path(path).open("rb") as file:
-            content = file.read(_LARGEST + 1)
-        values = yaml.load(content.decode("utf-8"), Loader=_Loader) if len(content) <= _LARGEST else None
+            content = file.read(largest + 1)
+        values = yaml.load(content.decode("utf-8"), Loader=_Loader) if len(content) <= largest else None
     except OSError as error:
         raise InputError(f"Cannot read {path}: {error.strerror}.") from None
     except RecursionError:
@@ -105,9 +106,6 @@ def read_yaml(path: str | Path) -> dict[str, Any]:
     if not isinstance(values, dict):
         raise InputError(f"{path} does not hold names and values.")
     return values
-
-
-_LARGEST = 10_000_000  # bytes
 
 
 class _Loader(yaml.SafeLoader):

@@ -251,14 +251,6 @@ def _many(d: Any, resume: str) -> Automaton:
 _automaton.many = _many  # type: ignore[attr-defined]
 
 
-def _many(d: Any, resume: str) -> Automaton:
-    seizures_only_by_contact("threads", resume)
-    return automaton_of(coefficients_of(d), d)
-
-
-_automaton.many = _many  # type: ignore[attr-defined]
-
-
 def _characteristic(p: Mapping[str, Any], parts: LinearParts) -> Polynomial:
     """(1 + t²) A B + (k_c + c_c s) D, which is (1 + t²) det(M s² + C s + K) with the matrices of (8.6), (8.7)."""
     return parts.coupled(1 + parts.t**2, (0, p["contact_damping"], p["contact_stiffness"]))

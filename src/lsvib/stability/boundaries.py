@@ -30,7 +30,6 @@ from lsvib.stability.spectrum import SAME, margins, polynomial, positive_roots, 
 
 NAMES = ("onset", "kinematic_constraint", "negative_damping", "flutter")
 """Thresholds that are roots of polynomials."""
-_STEEPEST = fmpq(10**17)  # more than tan λ of the largest double below π/2
 
 ParameterValues = Mapping[str, Any]
 _DAMPING = "C₊ = c − ξ₊ r_m² tan λ c_x = 0 (eq. 8.19)"
@@ -147,7 +146,8 @@ class Line:
         if unknown == "friction_coefficient":
             self.limit = 1 / self.tangent  # cot λ
         elif unknown == "lead_angle":
-            self.limit = min(1 / friction, _STEEPEST) if friction else _STEEPEST
+            steepest = fmpq(10**17)  # more than tan λ of the largest double below π/2
+            self.limit = min(1 / friction, steepest) if friction else steepest
         else:
             self.limit = fmpq(*float(_range(self.kind, unknown)["maximum"]).as_integer_ratio())
         slide = getattr(drive, "slide_friction", 0.0) or unknown == "slide_friction"

@@ -58,13 +58,12 @@ def conditions(drive: RigidDrive) -> dict[str, Condition]:
     ``negative_damping`` (8.19): μ − tan λ, N_0 Ω (by its sign as R̃ Ω), −C₊; ``kinematic_constraint`` (8.21): μ − tan λ,
     R̃ Ω, −Γ₊, which hold exactly where Γ_0 < 0 (8.20), as Γ₋ > 0.
     """
+    c, d = mechanics.coefficients(drive), drive.exact()
     with many_digits():
-        d = drive.exact()
-        net = d.axial_force - d.pitch_radius * d.tan_lead * d.translation_damping * d.input_speed
-        both = {"self_locking": d.friction_coefficient - d.tan_lead, "force_with_motion": net * d.input_speed}
+        both = {"self_locking": d.friction_coefficient - d.tan_lead, "force_with_motion": c.net_force * d.input_speed}
     return {
-        "negative_damping": _condition(**both, negative_effective_damping=-effective_damping(d, 1)),
-        "kinematic_constraint": _condition(**both, negative_effective_inertia=-effective_inertia(d, 1)),
+        "negative_damping": _condition(**both, negative_effective_damping=-c.damping[1]),
+        "kinematic_constraint": _condition(**both, negative_effective_inertia=-c.gamma[1]),
     }
 
 
@@ -327,18 +326,14 @@ def _quantity(value: Any, unit: str) -> Quantity:
 
 def _of_rigid(drive: RigidDrive, law: int, polynomial: Polynomial, values: list[complex]) -> dict[str, Any]:
     """Of the rigid drive (Sects 5.3, 8.5, 8.6): what eqs (8.18) to (8.21) say of it."""
-    with many_digits():
-        d = drive.exact()
-        torque = effective_damping(d, law) * d.input_speed + d.pitch_radius * values_of(d, law).factor * d.axial_force
-        deflection = -torque / d.coupling_stiffness
-    found = {}
-    for name, of, unit in (("inertia", effective_inertia, "kg m2"), ("damping", effective_damping, "N m s rad-1")):
+    c, found = mechanics.coefficients(drive), {}
+    for name, by_law, unit in (("inertia", c.gamma, "kg m2"), ("damping", c.damping, "N m s rad-1")):
         for word, s in (("plus", 1), ("minus", -1)):
-            found[f"effective_{name}_{word}"] = _quantity(of(d, s), unit)
+            found[f"effective_{name}_{word}"] = _quantity(by_law[s], unit)
     return {
         "conditions": conditions(drive),
-        "quantities": {**found, "steady_deflection": _quantity(deflection, "rad")},
-        "paradox_region": bool(effective_inertia(d, 1) <= 0),
+        "quantities": {**found, "steady_deflection": _quantity(c.deflection, "rad")},
+        "paradox_region": c.paradox,
     }
 
 

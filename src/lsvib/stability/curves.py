@@ -46,8 +46,7 @@ from lsvib.stability.spectrum import polynomial, rationals, tangents
 
 LOGARITHMIC = ("contact_stiffness", "contact_damping")
 """Parameters that span many decades, so that their axes have equal ratios in place of equal steps."""
-_ROUNDED, _BISECTED = 1e-13, 1e-9  # of places between two nodes: to rounding; where each step gains one bit only
-_TURNS = 400  # most events of slip: what still neither stops nor settles is on a cycle, or comes nearer to one slowly
+_ROUNDED = 1e-13  # of a place between two nodes, relative
 
 
 class ChartBoundary(IntEnum):
@@ -93,7 +92,8 @@ def boundary_curves(
             values = _over_force(function, names, nodes)
         else:
             values = np.array([[function(a, b) for a in nodes[0]] for b in nodes[1]])
-        lines = contour(function, *nodes, values, _BISECTED if kind is ChartBoundary.STICK_SLIP_BIRTH else _ROUNDED)
+        bisected = kind is ChartBoundary.STICK_SLIP_BIRTH  # each step gains one bit only
+        lines = contour(function, *nodes, values, 1e-9 if bisected else _ROUNDED)
         if lines:
             found[kind] = lines
     return found
@@ -210,7 +210,8 @@ def stops_again(drive: Drive) -> float:
     row = tables.surfaces[tables.guard_surface[tables.guard_start[rest]]]  # of the end of rest
     before = math.copysign(float(tables.flow[0, layout.TIME_SCALE]), drive.input_speed) * abs(drive.input_speed)
     start = (-row[2] / row[0] + before, -drive.input_speed)
-    motion = follow(automaton, start, math.inf, mode=int(rest), max_events=_TURNS)
+    # What still neither stops nor settles after so many events is on a cycle, or comes nearer to one slowly.
+    motion = follow(automaton, start, math.inf, mode=int(rest), max_events=400)
     stands: list[Any] = [model.events[name] for name in ("STICK", "REVERSAL", "ACCUMULATION")]  # θ′ = 0
     if np.isin(motion.kind, stands).any():
         return 1.0

@@ -25,7 +25,6 @@ from lsvib.stability.motion_equations import Return, Start
 from lsvib.stability.slip import CLOSE, SlipDrive, decay_of_large_motions, slowest_point
 from lsvib.stability.solve import bracketed_root
 
-_BALANCED = 1e-12  # large motions that decay by less in a turn are not distinguished from undamped ones
 _GRID = 240  # durations of slip in equal ratios that are looked at before a root among them is refined
 _NONE = Start("", arb.pos_inf())
 
@@ -126,7 +125,7 @@ def stick_start(drive: RigidDrive) -> Start:
             "slip under law + grows without a turn for this drive, so slip has no limit cycle that could touch rest."
         )
     decay = decay_of_large_motions(d)
-    if abs(decay) <= _BALANCED:
+    if abs(decay) <= 1e-12:  # in a turn: rounding
         raise NoThreshold(
             "growth under law + and decay under law - balance to rounding in large motions of this drive, so whether "
             "slip without rest has a limit cycle is not decided."

@@ -29,8 +29,6 @@ Equations = Callable[[Mapping[str, Any], Sequence[Any]], Sequence[Any]]
 """F as a function of the parameters by name and the inner unknowns, all of them balls or power series."""
 
 DECADES = 6  # of a search, on both sides of its middle
-_FIXED = 1e-60  # relative change after which one more step, which squares it, is the last
-_REACH = 1e-4  # relative, from the start, which is good to 1e-8 (of an extremum) or better
 
 
 class Singular(Exception):
@@ -131,11 +129,13 @@ class _System:
             values, jacobian = self.linearised(place, self.columns)
             step = [_middle(row[0]) for row in _quotient(jacobian, [[value] for value in values])]
             place = [_middle(x - dx) for x, dx in zip(place, step, strict=True)]
-            if not all(abs(x - near) <= _REACH * abs(near) for x, near in zip(place, begin, strict=True)):
+            # The start is good to 1e-8 (of an extremum) or better.
+            if not all(abs(x - near) <= 1e-4 * abs(near) for x, near in zip(place, begin, strict=True)):
                 raise Singular
             if close:
                 return place
-            close = all(abs(dx) <= _FIXED * abs(x) for x, dx in zip(place, step, strict=True))
+            # One more step, which squares the change, is the last.
+            close = all(abs(dx) <= 1e-60 * abs(x) for x, dx in zip(place, step, strict=True))
         raise Singular
 
 

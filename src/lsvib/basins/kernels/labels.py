@@ -39,7 +39,6 @@ _GRAZE = int(Found.GRAZE)
 _UNDECIDED = int(Found.UNDECIDED)
 _SETTLED = int(Status.SETTLED)
 _DIVERGED = int(Status.DIVERGED)
-_MARGIN = 4096.0 * EPS  # within it bounds of a minimum do not decide; the minimum itself is computed
 
 
 class Known(NamedTuple):
@@ -194,13 +193,13 @@ def _outlook(a0, a1, alpha, beta, share, centre, g_u, g_w, g_0, u, w):
     y = u - centre
     if not (beta > 0.0 and alpha > 0.0 and abs(centre) < 16.0 * abs(y)):
         return _UNDECIDED
-    middle = g_u * centre + g_0
+    middle, margin = g_u * centre + g_0, 4096.0 * EPS  # within it the bounds do not decide
     p = g_u * w - g_w * (a0 * y + a1 * w)
     across = (-a0 * (g_u * y + g_w * w) - alpha * p) / beta
     swing = beta * math.sqrt(p * p + across * across) / a0
-    if middle > swing * (1.0 + _MARGIN):
+    if middle > swing * (1.0 + margin):
         return _NONE
-    if middle < swing * share * (1.0 - _MARGIN):
+    if middle < swing * share * (1.0 - margin):
         return _CROSSING
     bottom = math.atan2(across, p) + 1.5 * math.pi
     depth = swing * math.exp(-alpha / beta * (bottom - 2.0 * math.pi if bottom > 2.0 * math.pi else bottom))

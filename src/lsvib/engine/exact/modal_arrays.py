@@ -19,6 +19,7 @@ from lsvib.engine.kernels.layout import ModalFlow
 _EPS = np.finfo(np.longdouble).eps
 _HELD, _SEEN = 1e-12, 1e-11  # relative error that a rate may have, and what a guard has of a coordinate
 _NOTHING = 64 * _EPS  # of the terms of a sum: rounding
+_DAMPED = 1e-9  # relative error that the damping of a pair may have: whether there is any is for balls to say
 _STEP = 1e-6  # largest last step of Newton's method, whose square is what is left to do
 _ROUND = 1e-3  # β of a pair over |λ|: three digits are lost where its two rates nearly coincide
 
@@ -147,6 +148,7 @@ def _eigenvectors(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarra
         held = (zero | (error <= _HELD * sizes)).all(axis=1) & (empty <= 1)
         held &= (np.abs(step) < _STEP).all(axis=(1, 2))
         held &= (real | (np.abs(rates.imag) >= _ROUND * sizes)).all(axis=1)
+        held &= (real | (np.abs(rates.real) > error / _DAMPED)).all(axis=1)
         gaps = np.abs(rates[:, :, None] - rates[:, None, :])
         near = gaps <= np.where(real[:, :, None] & real[:, None, :], APART, _ROUND) * sizes[:, :, None]
     held &= ~(near & (unit == 0)).any(axis=(1, 2))

@@ -247,28 +247,6 @@ def run(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events):
     return run_in(room_for(tables), tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events)
 
 
-@allocating_entry
-def returns(tables, mode, states, limit, kind, kinds, modes, counts):
-    """Follow many motions from ``mode`` until an event of a ``kind`` enters it again, for at most ``limit`` [s].
-
-    Arguments: states (k, n), replaced by the final ones; kinds, modes (k, capacity), filled with those of the events;
-    counts (k), filled with their number: 0 for a motion that does not come back or is back at once, −1 for one that
-    has more events than there is room for.
-    """
-    most, n, room = kinds.shape[1], states.shape[1], room_for(tables)
-    scale, clock = np.empty(n), np.empty(4)
-    times, signs = np.empty(most), np.empty(most, dtype=np.int8)
-    before, after = np.empty((most, n)), np.empty((most, n))
-    for k in range(states.shape[0]):
-        for i in range(n):
-            scale[i] = abs(states[k, i])
-        clock[:3], clock[3] = 0.0, math.inf
-        events = (times, kinds[k], signs, modes[k], before, after)
-        status, _, count = run_in(room, tables, mode, states[k], scale, clock, limit, kind, mode, events)
-        back = status == Status.STOP_EVENT and math.isfinite(clock[0] + clock[1]) and times[0] != 0.0
-        counts[k] = count if back else (-1 if status == Status.EVENTS_FULL else 0)
-
-
 @inlined_kernel
 def add_time(clock, stay):
     """Add a stay [s] to the compensated sum ``clock`` (time, compensation), so that many short stays lose no digits."""
