@@ -34,7 +34,7 @@ COMMANDS = [
     # Thresholds.
     ("thresholds --solve stuck", "threshold = 'stuck' is not one of those of model rigid: onset, kine"),
     ("thresholds --solve stick --for weight", "unknown = 'weight' is not a parameter of model rigid"),
-    ("thresholds --for mass", "--for mass needs --solve"),
+    ("thresholds --for weight", "unknown = 'weight' is not a parameter of model rigid"),
     # Motions.
     ("simulate --start u=0.1 --duration 1 --out x.nc", "it needs u and w"),
     ("simulate --start u=0 w=0 --out x.nc", "duration is missing"),

@@ -108,19 +108,21 @@ def stability(*, drive: DriveOptions = CHAPTER, as_json: AsJson = False) -> None
 def _print_thresholds(found: Mapping[str, Any]) -> None:
     rows = []
     for key, entry in found.items():
+        printed, about, unit = entry["printed"], "", entry["unit"]
         if entry["value"] is None:
             rows.append((key, "none", entry["reason"]))
+        elif printed is not None:
+            verdict = "pass" if printed["passed"] else "FAIL"
+            about = f"chapter {printed['value']:g}, relative error {printed['relative_error']:.2%}, {verdict}"
         for solution in entry["solutions"]:
-            value, printed, about = with_unit(f"{solution['value']:.12g}", entry["unit"]), entry["printed"], ""
-            if printed is not None:
-                verdict = "pass" if printed["passed"] else "FAIL"
-                about = f"chapter {printed['value']:g}, relative error {printed['relative_error']:.2%}, {verdict}"
+            value = with_unit(f"{solution['value']:.12g}", unit)
             rows.append((key, f"{entry['unknown']} = {value}", about))
         for low, high in entry["stable_intervals"]:
-            ends = "from the least value" if low is None else f"from {low:.12g}"
-            ends += " on" if high is None else with_unit(f" to {high:.12g}", entry["unit"])
-            rows.append(("", f"{entry['stability']} stability", ends))
-    table(rows)
+            first = "" if low is None else f" from {low:.12g}"
+            last = "" if high is None else f"{' up' if low is None else ''} to {high:.12g}"
+            ends = with_unit(first + last, unit) + (" on" if first and not last else "")
+            rows.append(("", "", f"{entry['stability']} stability{ends}"))
+    table(rows, "threshold", "solved for", "remarks")
 
 
 def _print_solved(found: Mapping[str, Any]) -> None:

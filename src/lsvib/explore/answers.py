@@ -224,7 +224,7 @@ def drawing(view: View, path: Path) -> None:
 EXPORTS: dict[str, tuple[Callable[[View, Path], None], str]] = {
     "scene.yaml": (scene, "application/yaml"),
     "motion.nc": (motion, "application/x-netcdf"),
-    "attraction.png": (drawing, "image/png"),
+    "picture.png": (drawing, "image/png"),
 }
 
 
