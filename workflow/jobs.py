@@ -23,7 +23,7 @@ from snakemake.exceptions import WorkflowError
 # What most jobs load. Nothing of ours: an edit in the middle of a run would not reach the jobs after it.
 _LIBRARIES = [
     *("numba", "numba.cpython.setobj", "numba.np.linalg", "numba.np.npyimpl", "numba.typed.typeddict"),
-    *("mpmath", "netCDF4", "scipy.linalg", "xarray"),
+    *("netCDF4", "scipy.linalg", "xarray"),
     "pint",  # which xarray loads as soon as it computes
     *("matplotlib.backends.backend_agg", "matplotlib.backends.backend_pdf", "matplotlib.figure"),
     "snakemake.cli",  # the main module, which multiprocessing would load in every process

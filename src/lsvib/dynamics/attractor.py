@@ -36,10 +36,10 @@ from numpy.typing import ArrayLike
 
 from lsvib.dynamics.kernels import attractor as rule
 from lsvib.dynamics.kernels.attractor import Outcome
-from lsvib.dynamics.kernels.poincare_map import ON_CIRCLE
+from lsvib.dynamics.kernels.poincare_map import LONGEST, ON_CIRCLE
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import event_loop, layout
-from lsvib.engine.motion import Motion, enter, follow
+from lsvib.engine.motion import Motion, engine_for, enter, follow, new_events
 from lsvib.errors import AccumulationError, DivergenceError, EngineError, UndecidedError, WorkSpentError
 
 _ONE_PERIOD = 1e-6  # relative difference of the periods of one cycle, as two motions reach it
@@ -197,10 +197,14 @@ def end_of_motion(
     if mode is None:
         mode, here = enter(automaton, here)
     known = known or KnownCycles.of((), here.size, 0)
-    facts, found = facts_of(automaton), _new_found(here.size, max_events)
+    facts, found = facts_of(automaton), new_found(here.size, max_events)
     time, sprags, first = 0.0, 0, -1
     while True:
-        outcome = rule.attractor(automaton.tables, facts, known.table, mode, here, known.patience, found)
+        engine = automaton.engines.pop() if automaton.engines else engine_for(automaton.tables)
+        outcome = rule.end_of(
+            engine, automaton.tables, facts, known.table, mode, here, known.patience, *rooms(here.size), found
+        )
+        automaton.engines.append(engine)
         time, sprags = time + float(found.notes[0]["time"]), sprags + int(found.notes[0]["sprags"])
         first = int(found.notes[0]["first_event"]) if first < 0 else first
         if outcome != Outcome.ACCUMULATES:
@@ -212,6 +216,11 @@ def end_of_motion(
         mode, here, time = motion.end_mode, motion.end_state.copy(), time + motion.end_time
         found.notes[0]["left"] -= motion.time.size
     return _meant(automaton, outcome, found, known), Course(time, sprags, first)
+
+
+def rooms(states: int) -> tuple[tuple[np.ndarray, ...], ...]:
+    """Return the room for events that the rule needs: for those of the motion, and for two periods."""
+    return new_events(rule.SIGHT, states), new_events(LONGEST, states), new_events(LONGEST, states)
 
 
 def shrinks_areas(automaton: Automaton) -> bool:
@@ -235,7 +244,8 @@ def _conserves(automaton: Automaton, rests: np.ndarray) -> bool:
     return not np.trace(flow.field[~rests][:, :, :-1], axis1=1, axis2=2).any()
 
 
-def _new_found(states: int, work: float) -> rule.Found:
+def new_found(states: int, work: float) -> rule.Found:
+    """Return what the rule fills, with the work that may be spent."""
     notes = np.zeros(1, dtype=rule.NOTES)
     notes["left"] = work
     return rule.Found(notes, np.zeros(states), np.zeros((states, states)))

@@ -20,16 +20,18 @@ from lsvib.dynamics.attractor import (
     KnownCycles,
     SteadyState,
     facts_of,
+    new_found,
     orbit_extremes,
+    rooms,
     steady_state,
 )
 from lsvib.dynamics.impulses import event_impulses, normal_impulse
 from lsvib.dynamics.kernels import sweep as kernels
-from lsvib.dynamics.kernels.attractor import Outcome
+from lsvib.dynamics.kernels.attractor import Outcome, end_of
 from lsvib.dynamics.kernels.sweep import RESTS, REVERSES, SPRAGS
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import layout
-from lsvib.engine.motion import enter
+from lsvib.engine.kernels import jit, layout
+from lsvib.engine.motion import engine_for, enter
 from lsvib.errors import EngineError
 from lsvib.models.drive import Drive
 from lsvib.models.many import Group, ManyDrives, automata, groups
@@ -248,9 +250,14 @@ def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray, work: f
     reversal = np.int64(find_model(drives.drive_class.model).events["CONTACT_REVERSAL"])
     known, force = KnownCycles.of((), 2, 0).table, automaton.observables["normal_force"]
     starts, speed = np.ascontiguousarray(starts, dtype=float), drives.values["input_speed"][group.members]
+    many, room = automaton.tables, rooms(2)
+    split = ("flow", "surfaces", "guard_parts", "resets", "condition_row", "shortest_stay")
+    one = many._replace(**{name: getattr(many, name)[0] for name in split})
+    engine = engine_for(one)
+    rule = jit.address(end_of, engine, one, facts, known, 0, starts[0], 0, *room, new_found(2, work))
     kernels.ends_of_many(
-        automaton.tables, np.flatnonzero(done), facts, known, reversal, work, starts, force, speed,
-        outcomes, found.happens, numbers,
+        rule, engine, automaton.tables, np.flatnonzero(done), facts, known, reversal, work, starts, force, speed,
+        room, outcomes, found.happens, numbers,
     )  # fmt: skip
     _slide(group, outcomes == Outcome.SLIDES, found)
     cycles = outcomes == Outcome.CYCLE

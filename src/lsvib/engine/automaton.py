@@ -96,7 +96,7 @@ class Automaton:
     sprag_kinds: tuple[int, ...] = ()
     passive: bool = False
     contracts: bool = False
-    rooms: list[Any] = field(init=False, repr=False, compare=False, default_factory=list)  # of runs that have ended
+    engines: list[Any] = field(init=False, repr=False, compare=False, default_factory=list)  # left by runs
 
     def observe(self, name: str, states: np.ndarray, modes: np.ndarray) -> np.ndarray:
         """Return an observable [its SI unit] at ``states`` (k, n) in ``modes`` (k); shape (k)."""

@@ -9,8 +9,8 @@ import numpy as np
 from lsvib import numbers
 from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, oscillator
 from lsvib.engine.exact.modal_form import guard_forms, linear_mode, modal_flow
-from lsvib.engine.kernels import event_loop
-from lsvib.engine.kernels.layout import FIRST_MODEL_KIND, Status
+from lsvib.engine.kernels import event_loop, jit
+from lsvib.engine.kernels.layout import FIRST_MODEL_KIND, Status, Tables
 from lsvib.errors import (
     AccumulationError,
     DivergenceError,
@@ -138,15 +138,15 @@ def follow(
     start_mode, start_state = mode, state.copy()
     budget = budget or Budget(math.inf)
     budget.spend(CALL)
-    room = automaton.rooms.pop() if automaton.rooms else event_loop.room_for(automaton.tables)
+    engine = automaton.engines.pop() if automaton.engines else engine_for(automaton.tables)
     scale, clock = np.abs(state), np.array([0.0, 0.0, 0.0, budget.left / _STEP])
     most = _MANY_EVENTS if max_events is None else max_events
     pieces, total, capacity = [], 0, min(_FIRST_CAPACITY, most)
     while True:
-        events = _room(capacity, state.size)
+        events = new_events(capacity, state.size)
         steps = clock[3]
         status, mode, count = event_loop.run_in(
-            room, automaton.tables, mode, state, scale, clock, t_end, stop[0], stop[1], events
+            engine.room, automaton.tables, mode, state, scale, clock, t_end, stop[0], stop[1], events
         )
         if status == Status.WORK_SPENT:
             budget.left = 0.0
@@ -157,7 +157,7 @@ def follow(
         if status != Status.EVENTS_FULL or total >= most:
             break
         capacity = min(max(2 * total, _FIRST_CAPACITY), most - total)
-    automaton.rooms.append(room)
+    automaton.engines.append(engine)
     end_time = float(clock[0] + clock[1])
     _complain(Status(status), end_time, state, most if max_events is None else None)
     columns = [np.concatenate(column) for column in zip(*pieces, strict=True)] if len(pieces) > 1 else pieces[0]
@@ -167,7 +167,16 @@ def follow(
     )  # fmt: skip
 
 
-def _room(capacity: int, n: int) -> tuple[np.ndarray, ...]:
+def engine_for(tables: Tables) -> event_loop.Engine:
+    """Return what is needed to follow motions with these tables, or others of one shape, one at a time."""
+    room, n = event_loop.room_for(tables), tables.surfaces.shape[1] - 1
+    row = np.empty(n)
+    run = jit.address(event_loop.run_in, room, tables, 0, row, row, row, 0.0, -1, -1, new_events(0, n))
+    return event_loop.Engine(run, room)
+
+
+def new_events(capacity: int, n: int) -> tuple[np.ndarray, ...]:
+    """Return room for so many events of a motion with n states, as the event loop writes them."""
     return (
         np.empty(capacity),
         np.empty(capacity, dtype=np.int8),

@@ -11,7 +11,7 @@ from lsvib.datasets.attributes import Variables, axis, drive_parameters, flagged
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures import settings as of
-from lsvib.figures.common import Automaton, Motion, SteadyState, about, named
+from lsvib.figures.common import Motion, SteadyState, about, named
 from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive, ThreadsDrive
 from lsvib.models.rigid import rigid_automaton
@@ -48,9 +48,8 @@ def build(settings: of.Values) -> xr.Dataset:
 
     contact = {key: settings[key] for key in ("contact_stiffness", "contact_damping")}
     drive, start, samples = ThreadsDrive.of(settings["drive"], **contact), settings["start"], settings["samples"]
-    automaton, cycle = compliant_cycle(drive, start)
-    rigid = _rigid_cycle(drive, start)
-    motion = follow(automaton, seated_state(drive, start["u"], start["w"]), settings["duration"])
+    cycle, rigid = compliant_cycle(drive, start), rigid_cycle(drive, start)
+    motion = follow(threads_automaton(drive), seated_state(drive, start["u"], start["w"]), settings["duration"])
     forces = spans.even(settings["axial_force"])
     return xr.Dataset(
         _motion(motion, samples)
@@ -73,12 +72,18 @@ def build(settings: of.Values) -> xr.Dataset:
     )
 
 
-def compliant_cycle(drive: ThreadsDrive, start: of.Values) -> tuple[Automaton, SteadyState]:
-    """Return the automaton and the attractor of the motion from a seated contact at u [rad], w [rad/s]."""
+def compliant_cycle(drive: ThreadsDrive, start: of.Values) -> SteadyState:
+    """Return the attractor of the motion from a seated contact at u [rad], w [rad/s]."""
     from lsvib.dynamics.attractor import steady_state
 
-    automaton = threads_automaton(drive)
-    return automaton, steady_state(automaton, seated_state(drive, start["u"], start["w"]))
+    return steady_state(threads_automaton(drive), seated_state(drive, start["u"], start["w"]))
+
+
+def rigid_cycle(drive: RigidDrive, start: of.Values) -> SteadyState:
+    """Return the attractor of the rigid drive's motion from u [rad], w [rad/s]."""
+    from lsvib.dynamics.attractor import steady_state
+
+    return steady_state(rigid_automaton(drive), [start["u"], start["w"]])
 
 
 def cycle_curves(dims: Sequence[str], cycles: Sequence[SteadyState], count: int, prefix: str = "cycle") -> Variables:
@@ -97,12 +102,6 @@ def cycle_curves(dims: Sequence[str], cycles: Sequence[SteadyState], count: int,
     curves, dims = curves if dims else curves[0], (*dims, f"{prefix}_sample")
     time = variable(dims, curves[..., 0], "s", "time along the cycle", "$t$")
     return {f"{prefix}_time": time, **phase_plane.curve(prefix, dims, curves[..., 1:], "on the limit cycle")}
-
-
-def _rigid_cycle(drive: RigidDrive, start: of.Values) -> SteadyState:
-    from lsvib.dynamics.attractor import steady_state
-
-    return steady_state(rigid_automaton(drive), [start["u"], start["w"]])
 
 
 def _motion(motion: Motion, samples: int) -> Variables:
@@ -182,8 +181,8 @@ def _sensitivity(drive: ThreadsDrive, forces: np.ndarray, start: of.Values) -> V
     rows, dim = [], "swept_axial_force"
     for force in forces:
         pushed = drive.replace(axial_force=float(force))
-        cycle = compliant_cycle(pushed, start)[1]
-        rows.append((cycle.label, *_cycle_values(pushed, cycle, _rigid_cycle(pushed, start))))
+        cycle = compliant_cycle(pushed, start)
+        rows.append((cycle.label, *_cycle_values(pushed, cycle, rigid_cycle(pushed, start))))
     label, peak, distance = np.array(rows, dtype=float).T
     return {
         "swept_attractor": flagged(dim, label, phase_plane.ATTRACTOR, Attractor),

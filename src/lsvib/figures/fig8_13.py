@@ -13,11 +13,11 @@ from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
 from lsvib.figures import drawing, style
 from lsvib.figures.common import CRITICAL_MASS_WITH_CONTACT, SteadyState, about, named
-from lsvib.figures.fig8_10 import compliant_cycle, cycle_curves
+from lsvib.figures.fig8_10 import compliant_cycle, cycle_curves, rigid_cycle
 from lsvib.figures.settings import Contact, DriveChanges, FigureSettings, PositiveSpan, Samples, State, Values, several
 from lsvib.models.drive import ThreadsDrive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.rigid import rigid_automaton
+from lsvib.numbers import bisected
 from lsvib.stability.conditions import critical_mass_of_contact
 
 CAPTION = """\
@@ -55,17 +55,14 @@ class Settings(FigureSettings):
 
 def build(settings: Values) -> xr.Dataset:
     """Compute the cycles of a few contacts, and over a grid of contacts where the deflection turns positive."""
-    from lsvib.dynamics.attractor import steady_state
-
     drive, start = ThreadsDrive.of(settings["drive"]), settings["start"]
     stiffness, damping = (spans.logarithmic(settings[key]) for key in _CONTACT)
     contacts = [drive.replace(**contact) for contact in settings["contacts"]]
-    cycles = [compliant_cycle(contact, start)[1] for contact in contacts]
-    rigid = steady_state(rigid_automaton(drive), [start["u"], start["w"]])
+    cycles = [compliant_cycle(contact, start) for contact in contacts]
     steady, critical = float(coefficients(drive).deflection), [critical_mass_of_contact(c) for c in contacts]
     return xr.Dataset(
         cycle_curves(("contact",), cycles, settings["samples"])
-        | cycle_curves((), [rigid], settings["samples"], "rigid_cycle")
+        | cycle_curves((), [rigid_cycle(drive, start)], settings["samples"], "rigid_cycle")
         | _table("", ("contact",), _NUMBERS, [_numbers(steady) for steady in cycles])
         | _grid(drive, start, stiffness, damping),
         coords={
@@ -89,7 +86,7 @@ def _grid(drive: ThreadsDrive, start: Values, stiffness: np.ndarray, damping: np
     """Numbers of the cycles over a grid of contacts, and the damping at which the largest deflection turns positive."""
 
     def numbers(k: float, c: float) -> dict[str, float]:
-        return _numbers(compliant_cycle(drive.replace(contact_stiffness=k, contact_damping=c), start)[1])
+        return _numbers(compliant_cycle(drive.replace(contact_stiffness=k, contact_damping=c), start))
 
     grid = [[numbers(k, c) for c in damping] for k in stiffness]
     limits, ends = np.transpose([
@@ -138,19 +135,8 @@ def _boundary(deflection: Callable[[float], float], damping: np.ndarray, row: li
     turns = np.flatnonzero((values[:-1] > 0) & (values[1:] <= 0))
     if turns.size == 0:
         raise InputError("contact_damping: the largest deflection does not change its sign over the grid; widen it.")
-    low, high = np.log(damping[turns[-1] : turns[-1] + 2])
-    above, below = values[turns[-1]], values[turns[-1] + 1]
-    side, middle, value = 0, low, above
-    for _ in range(40):  # as many halvings would narrow an interval of the grid to 1e-12 of it
-        middle = (low * below - high * above) / (below - above)
-        value = deflection(float(np.exp(middle)))
-        if abs(value) <= 1e-10:
-            break
-        if value > 0:  # Illinois: halve the weight of an end that stays
-            low, above, below, side = middle, value, below / (2 if side == 1 else 1), 1
-        else:
-            high, below, above, side = middle, value, above / (2 if side == -1 else 1), -1
-    return float(np.exp(middle)), float(value)
+    limit = bisected(lambda c: deflection(c) <= 0, *damping[turns[-1] : turns[-1] + 2].tolist())
+    return limit, float(deflection(limit))
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:

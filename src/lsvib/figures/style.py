@@ -5,8 +5,7 @@ Importing this loads no matplotlib, so a figure, whose dataset is built without 
 
 import os
 import re
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, nullcontext
+from collections.abc import Callable, Sequence
 from functools import cache, wraps
 from typing import TYPE_CHECKING, Any
 
@@ -252,19 +251,5 @@ def save(
         for path, kind in ((png, "png"), (pdf, "pdf")):
             if path is None:
                 continue
-            with replacing(path) as part, _glyphs_alone() if kind == "pdf" else nullcontext():
+            with replacing(path) as part:
                 figure.savefig(part, format=kind, metadata=metadata[kind], dpi=resolution)
-
-
-@contextmanager
-def _glyphs_alone() -> Iterator[None]:
-    """Embed no tables of a font that help to set text: a PDF says where each glyph is, and to read them is slow."""
-    from fontTools.subset import Options  # which only a PDF needs
-
-    # Not public, but matplotlib makes the options itself and has no place for ours; without it PDFs are slower.
-    usual = getattr(Options, "_drop_tables_default", [])
-    Options._drop_tables_default = [*usual, "GDEF", "GPOS", "GSUB", "kern"]
-    try:
-        yield
-    finally:
-        Options._drop_tables_default = usual

@@ -20,7 +20,7 @@ from lsvib.errors import EngineError
 from lsvib.models.drive import Drive, RigidDrive
 from lsvib.models.mechanics import Coefficients, coefficients_of, steady_force
 from lsvib.models.model import Resume, find_model
-from lsvib.models.rigid import automaton_of
+from lsvib.models.rigid import RigidBuild
 
 
 class ManyDrives:
@@ -80,7 +80,7 @@ def groups(drives: ManyDrives, resume: Resume, entries: np.ndarray) -> Iterator[
         try:
             with np.errstate(all="ignore"):  # what overflows or divides by zero is not safe
                 c = coefficients_of(d)
-                automaton = automaton_of(c, d, True, resume)
+                automaton = RigidBuild(c, d).automaton(True, resume)
                 automaton = _layered(automaton, members.size)
                 yield Group(members, _safe(c, d, automaton.tables), automaton, c, steady_force(c, d))
         except Divided as parts:

@@ -102,49 +102,19 @@ def rigid_automaton(drive: RigidDrive, *, rest: bool = True, resume: Resume = "c
     Observables: normal_force [N], coupling_torque [N m], coupling_deflection [rad], screw_speed [rad/s]. Raises
     ``InputError`` for ``rest=False`` in the Painlevé region.
     """
-    return automaton_of(coefficients(drive), drive.exact(), rest, resume)
+    return RigidBuild(coefficients(drive), drive.exact()).automaton(rest, resume)
 
 
-def automaton_of(c: Coefficients, d: Any, rest: bool, resume: Resume) -> Automaton:
-    """Return the automaton from coefficients and parameters, as balls or as arrays of doubles (many drives).
-
-    The tables of doubles of many drives have one more axis, the first.
-    """
-    if c.paradox and not rest:
-        raise InputError(
-            "physics leaves out rest, which a drive at or beyond its critical mass may always come to; list rest, or "
-            "take mass < critical_mass (see lsvib thresholds)."
-        )
-    with many_digits():
-        build = _Build(c, d)
-        surfaces = {"contact": Surface(c.q_row, build.mover())}
-        if rest:
-            surfaces["screw_speed"] = Surface(build.speed, 1)
-            surfaces["band_end"] = Surface(build.band_end, 0)
-        modes, transitions = build.painleve(resume) if c.paradox else build.regular(rest)
-        scales = [flow[..., layout.TIME_SCALE] for flow, _ in build.flows.values()]
-        return assemble(
-            states=STATES,
-            surfaces=surfaces,
-            modes=modes,
-            transitions=transitions,
-            observables=build.observables(modes),
-            shortest_stay=SHORT_STAY * np.min(scales, axis=0),
-            rest_codes=(MotionMode.REST,),
-            release_kinds=(EventKind.RELEASE,),
-            sprag_kinds=(EventKind.SEIZURE,),
-            passive=rest,
-            contracts=build.contracts(),
-        )
-
-
-class _Build:
+class RigidBuild:
     """Flows, rows over (u, w, 1) and conditions that the model is made of; a row is positive where its name says.
+
+    From coefficients and parameters, as balls or as arrays of doubles (many drives).
 
     ``flows``: the flow table and the eigenform of slip by law; ``above``, ``below``: the torque T_r beyond an end of
     the band of static friction; ``band_end``: positive before the end that is ahead, as T_r grows at k Ω during rest.
     """
 
+    @many_digits()
     def __init__(self, c: Coefficients, d: Any) -> None:
         self.c, self.d = c, d
         self.flows = {}
@@ -162,6 +132,35 @@ class _Build:
         # place, the screw would stop again at once, and so for ever.
         corner = ((0, 0, -self.turning * self.band_end[2]), (0, 1, 0))
         self.to_corner = corner if force == 0 or self._cornered() else None
+
+    @many_digits()
+    def automaton(self, rest: bool, resume: Resume) -> Automaton:
+        """Return the automaton; the tables of doubles of many drives have one more axis, the first."""
+        c = self.c
+        if c.paradox and not rest:
+            raise InputError(
+                "physics leaves out rest, which a drive at or beyond its critical mass may always come to; list rest, "
+                "or take mass < critical_mass (see lsvib thresholds)."
+            )
+        surfaces = {"contact": Surface(c.q_row, self.mover())}
+        if rest:
+            surfaces["screw_speed"] = Surface(self.speed, 1)
+            surfaces["band_end"] = Surface(self.band_end, 0)
+        modes, transitions = self.painleve(resume) if c.paradox else self.regular(rest)
+        scales = [flow[..., layout.TIME_SCALE] for flow, _ in self.flows.values()]
+        return assemble(
+            states=STATES,
+            surfaces=surfaces,
+            modes=modes,
+            transitions=transitions,
+            observables=self.observables(modes),
+            shortest_stay=SHORT_STAY * np.min(scales, axis=0),
+            rest_codes=(MotionMode.REST,),
+            release_kinds=(EventKind.RELEASE,),
+            sprag_kinds=(EventKind.SEIZURE,),
+            passive=rest,
+            contracts=self.contracts(),
+        )
 
     def _torque_above(self, law: int) -> tuple:
         """(T_r − r_m ξ R) / k [rad] under a law; k z_0 is inserted: nothing cancels."""

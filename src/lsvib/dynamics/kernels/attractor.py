@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lsvib.dynamics.kernels import poincare_map
-from lsvib.dynamics.kernels.poincare_map import LONGEST, NEAR, STEP, Verdict
+from lsvib.dynamics.kernels.poincare_map import NEAR, STEP, Verdict
 from lsvib.engine.kernels import event_loop
 from lsvib.engine.kernels.flow_planar import ROUNDING
 from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, by_kind, kernel, merged_kernel
@@ -219,7 +219,7 @@ def _fewer_returns(section, events, count, state, size):
 
 
 @allocating_kernel
-def _period(tables, facts, section, points, size, pushed, events, room, budget, found):
+def _period(engine, tables, facts, section, points, size, pushed, events, room, budget, found):
     """Return what a motion with these ``points`` (k, n) on a section tends to by its map.
 
     It is CYCLE, SLIDES, or SPENT, which stands for nothing that is known.
@@ -227,7 +227,7 @@ def _period(tables, facts, section, points, size, pushed, events, room, budget, 
     n, d, step = size.size, section.dimension, section.returns
     place, state = np.empty(d), np.empty(n)
     slopes, form = np.empty((d, d)), np.empty((d, d))
-    count, lost = poincare_map.newton(tables, section, place, state, slopes, events, budget)
+    count, lost = poincare_map.newton(engine, tables, section, place, state, slopes, events, budget)
     if count == 0:
         return Outcome.SPENT
     verdict = poincare_map.judge(poincare_map.growth(slopes, form), lost, facts.conserves)
@@ -243,7 +243,7 @@ def _period(tables, facts, section, points, size, pushed, events, room, budget, 
         few = d > 1 and earlier.shape[0] <= _WATCHED
         if few or verdict == Verdict.NEUTRAL or not poincare_map.approaches(section, place, earlier, form):
             return Outcome.SPENT
-    if d > 0 and not poincare_map.same_events(tables, section, place, events, count, room, budget):
+    if d > 0 and not poincare_map.same_events(engine, tables, section, place, events, count, room, budget):
         return Outcome.SPENT
     # size of a fixed point, relative to the motion, that is steady sliding
     if reach < 1e-5:  # steady sliding, if that lies on a surface and the motion shrinks towards it
@@ -267,7 +267,7 @@ def _period(tables, facts, section, points, size, pushed, events, room, budget, 
 
 
 @merged_kernel
-def _look(tables, facts, mode, state, events, count, one, other, budget, found):
+def _look(engine, tables, facts, mode, state, events, count, one, other, budget, found):
     """Return what a motion tends to by its last events, ``count`` of them; Outcome.SPENT if they do not show it.
 
     ``one`` and ``other`` are room for the events of periods.
@@ -283,7 +283,8 @@ def _look(tables, facts, mode, state, events, count, one, other, budget, found):
     if key < 0:  # it only touches guards: rounding decides whether there is an event
         outcome = stays(tables, facts, mode, state, found)
         return Outcome.OSCILLATES if outcome == Outcome.OSCILLATES else Outcome.SPENT
-    seen, longest, last, pushed = 0, 0.0, -1, False
+    seen, longest, last = 0, 0.0, -1
+    pushed = count < 0  # never; a literal would be another type, for which ``_period`` would be compiled as well
     all_points = np.empty((count, n))
     for k in range(count):
         pushed = pushed or (k >= count // 2 and _pushed(tables.flow, modes[k]))
@@ -319,7 +320,7 @@ def _look(tables, facts, mode, state, events, count, one, other, budget, found):
                 watched,
                 size,
             )
-            outcome = _period(tables, facts, section, points, size, pushed, one, other, budget, found)
+            outcome = _period(engine, tables, facts, section, points, size, pushed, one, other, budget, found)
             if outcome != Outcome.SPENT:
                 return outcome
     return Outcome.SPENT
@@ -347,19 +348,13 @@ def _complaint(status):
     return Outcome.LOST if status == _NO_BRANCH else Outcome.SEARCH_SPENT
 
 
-@allocating_kernel
-def new_events(size, n):
-    """Return room for so many events, as the event loop writes them."""
-    kinds, signs = np.empty(size, dtype=np.int8), np.empty(size, dtype=np.int8)
-    return np.empty(size), kinds, signs, np.empty(size, dtype=np.int64), np.empty((size, n)), np.empty((size, n))
-
-
-@merged_kernel
-def end_of(tables, facts, known, mode, state, patience, events, one, other, found):
+@allocating_entry
+def end_of(engine, tables, facts, known, mode, state, patience, events, one, other, found):
     """Return what the motion from ``state`` (n), replaced, in a mode ends in.
 
-    Arguments: known cycles; ``patience``, events after which others are looked for as well; room for the events of the
-    motion and of two periods; ``found``, filled, in which ``notes["left"]`` is the work that may be spent, in events.
+    Arguments: the engine (:class:`event_loop.Engine`); known cycles; ``patience``, events after which others are looked
+    for as well; room for the events of the motion and of two periods; ``found``, filled, in which ``notes["left"]`` is
+    the work that may be spent, in events.
     """
     n, used, chunk, last = state.size, 0, CHUNK, 0
     scale, clock, budget = np.empty(n), np.zeros(4), np.empty(1)
@@ -382,7 +377,9 @@ def end_of(tables, facts, known, mode, state, patience, events, one, other, foun
         given = clock[3] = budget[0] / STEP
         found.notes[0]["mode"] = mode
         part = (times[:chunk], kinds[:chunk], signs[:chunk], modes[:chunk], before[:chunk], after[:chunk])
-        status, mode, count = event_loop.run(tables, mode, state, scale, clock, math.inf, never, never, part)
+        status, mode, count = event_loop.run_at(
+            engine.address, engine.room, tables, mode, state, scale, clock, math.inf, never, never, part
+        )
         budget[0] -= count + (STEP * (given - clock[3]) if clock[3] < math.inf else 0.0)
         found.notes[0]["left"] = budget[0]
         if found.notes[0]["first_event"] == event_loop.NO_KIND and count > 0:
@@ -406,16 +403,8 @@ def end_of(tables, facts, known, mode, state, patience, events, one, other, foun
         used, last = used + count, count
         if used < patience:
             continue
-        outcome = _look(tables, facts, mode, state, events, count, one, other, budget, found)
+        outcome = _look(engine, tables, facts, mode, state, events, count, one, other, budget, found)
         if outcome != Outcome.SPENT:
             return outcome
         chunk = min(2 * chunk, SIGHT)
     return Outcome.SPENT_STEADILY if _hardly_changes(after, last) else Outcome.SPENT
-
-
-@allocating_entry
-def attractor(tables, facts, known, mode, state, patience, found):
-    """Return what one motion ends in; see :func:`end_of`."""
-    n = state.size
-    one, other = new_events(LONGEST, n), new_events(LONGEST, n)
-    return end_of(tables, facts, known, mode, state, patience, new_events(SIGHT, n), one, other, found)

@@ -159,11 +159,11 @@ def section_through(tables, kind, mode, returns, limit, points, size):
     return Section(np.int64(kind), np.int64(mode), returns, limit, d, origin, unit, free, directions)
 
 
-@merged_kernel
-def come_back(tables, section, state, events, budget):
+@allocating_kernel
+def come_back(engine, tables, section, state, events, budget):
     """Follow a period from ``state`` (n), replaced by its end; returns the number of its events, 0 if there is none.
 
-    ``events`` is a tuple of arrays as of ``event_loop.run``; ``budget`` (1,) is counted down by what the period takes.
+    ``events``: arrays as of ``event_loop.run_in``; ``budget`` (1,) is counted down by what the period takes.
     """
     scale, clock, here, count, back = np.empty(state.size), np.zeros(4), section.mode, 0, True
     for i in range(state.size):
@@ -173,7 +173,9 @@ def come_back(tables, section, state, events, budget):
     for _ in range(section.returns):
         part = (times[count:], kinds[count:], signs[count:], modes[count:], before[count:], after[count:])
         until = clock[0] + clock[1] + section.limit
-        status, here, more = event_loop.run(tables, here, state, scale, clock, until, section.kind, section.mode, part)
+        status, here, more = event_loop.run_at(
+            engine.address, engine.room, tables, here, state, scale, clock, until, section.kind, section.mode, part
+        )
         count += more
         back = status == _STOPPED
         if not back:
@@ -238,7 +240,7 @@ def slopes_of(tables, section, events, count, slopes):
 
 
 @merged_kernel
-def newton(tables, section, place, state, slopes, events, budget):
+def newton(engine, tables, section, place, state, slopes, events, budget):
     """Solve P(y) = y from the origin by Newton's method: ``place`` (d), ``state`` (n), P′ and the period of it.
 
     Steps are taken until they no longer shrink, which is rounding. Returns the number of events of the period, 0
@@ -253,7 +255,7 @@ def newton(tables, section, place, state, slopes, events, budget):
         put(section, 1.0, place, state)
         for i in range(state.size):
             end[i] = state[i]
-        count = come_back(tables, section, end, events, budget)
+        count = come_back(engine, tables, section, end, events, budget)
         if count == 0 or d == 0:
             return count, 0.0
         budget[0] -= count
@@ -351,12 +353,12 @@ def approaches(section, place, points, form):
 
 
 @merged_kernel
-def same_events(tables, section, place, events, count, room, budget):
+def same_events(engine, tables, section, place, events, count, room, budget):
     """Whether periods from all along the way to a place have the events of that from there, ``count`` of ``events``."""
     state = np.empty(section.origin.size)
     for k in range(_PARTS):
         put(section, k / _PARTS, place, state)
-        if come_back(tables, section, state, room, budget) != count:
+        if come_back(engine, tables, section, state, room, budget) != count:
             return False
         for i in range(count):
             if events[1][i] != room[1][i] or events[3][i] != room[3][i]:

@@ -4,12 +4,13 @@ import math
 
 import numpy as np
 
-from lsvib.dynamics.kernels.attractor import LONGEST, NOTES, SIGHT, Found, Outcome, end_of, new_events
+from lsvib.dynamics.kernels.attractor import NOTES, Found, Outcome, end_of
 from lsvib.engine.kernels import event_loop
-from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel
+from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, by_address
 from lsvib.engine.kernels.layout import Tables
 
 NUMBERS = np.dtype([(name, np.float64) for name in ("amplitude", "period", "multiplier", "force", "seizure_speed")])
+end_of_at = by_address(end_of)
 SPRAGS, RESTS, REVERSES = 1, 2, 4  # bits that say what happens on a cycle
 
 
@@ -45,14 +46,17 @@ def _describe(tables, facts, reversal, found, events, force, speed, numbers):
 
 
 @allocating_entry
-def ends_of_many(many, members, facts, known, reversal, work, starts, force, speed, outcomes, bits, numbers):
+def ends_of_many(
+    rule, engine, many, members, facts, known, reversal, work, starts, force, speed, rooms, outcomes, bits, numbers
+):
     """Follow the motions of many drives, each from its own start.
 
-    Arguments: tables whose doubles have a first axis (k) for drives; the drives that are wanted (j); the work for each,
-    in events; ``starts`` (k, 2); ``force`` (k, m, 3); ``speed`` (k). ``outcomes``, ``bits`` (k) and ``numbers``
-    (k, of ``NUMBERS``) are filled for the drives that are wanted.
+    Arguments: the address of the rule; the engine; tables whose doubles have a first axis (k) for drives; the drives
+    that are wanted (j); the work for each, in events; ``starts`` (k, 2); ``force`` (k, m, 3); ``speed`` (k); ``rooms``
+    for events as of ``end_of``. ``outcomes``, ``bits`` (k) and ``numbers`` (k, of ``NUMBERS``) are filled for the
+    drives that are wanted.
     """
-    events, one, other = new_events(SIGHT, 2), new_events(LONGEST, 2), new_events(LONGEST, 2)
+    events, one, other = rooms
     found = Found(np.zeros(1, dtype=NOTES), np.zeros(2), np.zeros((2, 2)))
     state, scale = np.empty(2), np.empty(2)
     for k in members:
@@ -84,6 +88,6 @@ def ends_of_many(many, members, facts, known, reversal, work, starts, force, spe
         outcomes[k] = Outcome.OPEN
         if branch >= 0:
             mode = tables.branch_mode[branch]
-            outcomes[k] = end_of(tables, facts, known, mode, state, 0, events, one, other, found)
+            outcomes[k] = end_of_at(rule, engine, tables, facts, known, mode, state, 0, events, one, other, found)
         if outcomes[k] == Outcome.CYCLE:
             bits[k] = _describe(tables, facts, reversal, found, one, force[k], speed[k], numbers[k])

@@ -15,6 +15,7 @@ from lsvib.engine.kernels import flow_modal, flow_planar, guard_sums, search_mod
 from lsvib.engine.kernels.flow_planar import level
 from lsvib.engine.kernels.jit import (
     allocating_entry,
+    by_address,
     by_kind,
     entry,
     inlined_entry,
@@ -239,6 +240,16 @@ def run_in(room, tables, mode, state, scale, clock, t_end, stop_kind, stop_mode,
         count += 1
         if kind == stop_kind and (stop_mode < 0 or mode == stop_mode):
             return Status.STOP_EVENT, mode, count
+
+
+run_at = by_address(run_in)
+
+
+class Engine(NamedTuple):
+    """What kernels need to follow motions by :func:`run_at`, one at a time."""
+
+    address: int  # of run_in
+    room: Room
 
 
 @allocating_entry

@@ -27,10 +27,11 @@ from typing import Any
 import numba
 import numpy as np
 from numba import types
-from numba.core import event
+from numba.core import cgutils, event
 from numba.core.caching import IndexDataCacheFile
+from numba.core.imputils import impl_ret_borrowed, lower_builtin
 from numba.core.registry import CPUDispatcher
-from numba.core.typing.templates import AbstractTemplate, infer_global
+from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 
 # What is compiled, by the folder of the kernel and a word in the types of its arguments, the first that fits; with the
 # processor time that was measured. Kernels that fit nothing are small and are compiled for one of the others.
@@ -205,3 +206,46 @@ def by_kind(planar_kernel: Any, modal_kernel: Any) -> Any:
 
     infer_global(choose, types.Function(Choice))
     return choose
+
+
+def by_address(entry: Any) -> Any:
+    """Return a function that calls an entry by its address [int], its first argument, of :func:`address`.
+
+    numba puts all that a kernel calls into it and optimises it anew, which for the event loop takes many seconds in
+    every kernel that follows motions. What is called by its address stays where it is. It may return no arrays.
+    """
+
+    def call(address, *arguments):
+        return entry(*arguments)
+
+    class Called(AbstractTemplate):
+        """A call with the types of the entry's own signature, which is compiled first."""
+
+        key = call
+
+        def generic(self, arguments, keywords):
+            own = types.Dispatcher(entry).get_call_type(self.context, arguments[1:], keywords)
+            return signature(own.return_type, types.intp, *own.args)
+
+    @lower_builtin(call, types.VarArg(types.Any))
+    def lower(context, builder, signature, values):
+        result, own = signature.return_type, signature.args[1:]
+        function = context.call_conv.get_function_type(result, own)
+        pointer = builder.inttoptr(values[0], function.as_pointer())
+        status, value = context.call_conv.call_function(builder, pointer, result, own, values[1:])
+        with cgutils.if_unlikely(builder, status.is_error):
+            context.call_conv.return_status_propagate(builder, status)
+        return impl_ret_borrowed(context, builder, result, value)
+
+    infer_global(call, types.Function(Called))
+    return call
+
+
+def address(entry: Any, *arguments: Any) -> int:
+    """Return the address of an entry as compiled for arguments like these; it lasts as long as the process."""
+    if numba.config.DISABLE_JIT:
+        return 0
+    own = tuple(map(numba.typeof, arguments))
+    entry.compile(own)
+    compiled = entry.overloads[own]
+    return int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name))
