@@ -25,12 +25,12 @@ QUANTITIES = {
     "lead": ("lead of the thread", "m"),
     "pitch_diameter": ("pitch diameter of the thread", "m"),
     "half_angle": ("half angle of the thread", "rad"),
-    "friction": ("friction coefficient of the threads", "1"),
-    "friction_slope": ("slope of the friction coefficient over the sliding speed", "s m-1"),
+    "friction": ("friction of the threads", "1"),
+    "friction_slope": ("slope of friction over the sliding speed", "s m-1"),
     "inertia": ("rotating inertia", "kg m2"),
-    "coupling_stiffness": ("stiffness of the coupling, at the screw", "N m rad-1"),
-    "rotational_damping": ("rotational damping", "N m s rad-1"),
-    "translational_damping": ("damping of the load", "N s m-1"),
+    "coupling_stiffness": ("stiffness of the coupling", "N m rad-1"),
+    "rotational_damping": ("rotational damping of the screw", "N m s rad-1"),
+    "translational_damping": ("damping of the load's travel", "N s m-1"),
     "mass": ("moved mass", "kg"),
     "tilt": ("angle of the axis above the horizontal", "rad"),
     "force_low": ("smallest force against outward travel", "N"),
@@ -39,13 +39,15 @@ QUANTITIES = {
     "speed_high": ("largest speed of the screw", "rad s-1"),
     "contact_stiffness": ("stiffness of the thread contact", "N m-1"),
     "contact_damping": ("damping of the thread contact", "N s m-1"),
-    "support_stiffness": ("axial stiffness of the support", "N m-1"),
-    "support_damping": ("axial damping of the support", "N s m-1"),
+    "support_stiffness": ("stiffness of the axial support", "N m-1"),
+    "support_damping": ("damping of the axial support", "N s m-1"),
     "screw_mass": ("mass of the screw", "kg"),
 }
-"""What the verdict depends on: long name and unit. Values of these names are floats or arrays that broadcast."""
-UNITS = {key: unit for key, (_, unit) in QUANTITIES.items()} | {"force": "N", "speed": "rad s-1"}
-"""The units of the quantities, and of those of the window that are changed together."""
+"""What the verdict depends on: name in words and unit. Values of these names are floats or arrays that broadcast."""
+WINDOW = {"force": ("force on the load", "N"), "speed": ("speed", "rad s-1")}
+"""The same of the sides of the operating window, whose ends are changed together."""
+UNITS = {key: unit for key, (_, unit) in (QUANTITIES | WINDOW).items()}
+IN_WORDS = {key: words for key, (words, _) in (QUANTITIES | WINDOW).items()}
 
 _OWN = {  # parameters of a drive that a part adds, each with its quantity
     "rigid": {},

@@ -115,7 +115,6 @@ def _wanted(units: tuple[str, ...]) -> str:
     return f"{words}, such as {examples}"
 
 
-_TAIL = 4.0  # standard deviations at which a normal distribution is cut off: 6e-5 of it lie beyond
 _FORMS = {
     "uniform": ("low", "high"),
     "triangular": ("low", "mode", "high"),
@@ -224,11 +223,9 @@ def _ends(kind: str, figures: list[float], unit: str, check: Callable[[float, st
     _require(check(middle, unit))
     if not width > (0 if kind == "normal" else 1):
         raise NotQuantity(f"has {_FORMS[kind][1]} = {width:g}, which is not above {0 if kind == 'normal' else 1}")
-    low, high = (
-        (middle - _TAIL * width, middle + _TAIL * width)
-        if kind == "normal"
-        else tuple(sorted((middle / width**_TAIL, middle * width**_TAIL)))
-    )
+    tail = 4.0  # standard deviations at which a normal distribution is cut off: 6e-5 of it lie beyond
+    normal = (middle - tail * width, middle + tail * width)
+    low, high = normal if kind == "normal" else (middle / width**tail, middle * width**tail)
     for end in (low, high):
         problem = check(end, unit)
         if problem:

@@ -13,15 +13,13 @@ from lsvib.assess.fields import LARGEST_HALF_ANGLE
 from lsvib.assess.mechanisms import NAMES, applicable, corners, directions, drive_of, reserves, worst
 from lsvib.assess.sheet import Sheet
 from lsvib.errors import EngineError, InputError
-from lsvib.stability import force_thresholds
+from lsvib.stability.force_thresholds import threshold_force
 
 ANY = "any"
 """Stands in for a mechanism where all of them together are meant: whether steady sliding is unstable at all."""
 
 PAIRS = {"force": ("force_low", "force_high"), "speed": ("speed_low", "speed_high")}
 """Quantities of the window, which are changed together."""
-
-_PER_DECADE = 200  # steps of 1.2 % in a scan over factors; a narrower island of stability between two is not seen
 
 
 @dataclass(frozen=True)
@@ -87,7 +85,8 @@ def margins(sheet: Sheet, values: Mapping[str, float]) -> dict[str, list[Margin]
     to a drive that cannot move at all (μ ≥ cot λ) does not count.
     """
     result: dict[str, list[Margin]] = {}
-    steps = np.linspace(0.0, 3.0, 3 * _PER_DECADE + 1)
+    per_decade = 200  # steps of 1.2 %; a narrower island of stability between two is not seen
+    steps = np.linspace(0.0, 3.0, 3 * per_decade + 1)
     for name, keys in changeable(values).items():
         scans = [10.0**steps, 10.0**-steps]
         if name == "half_angle":  # beyond a right angle its tangent comes back, but there is no such thread
@@ -106,7 +105,7 @@ def margins(sheet: Sheet, values: Mapping[str, float]) -> dict[str, list[Margin]
             result.setdefault(mechanism, []).append(Margin(name, factor, value))
     for name, size in _absent_dampings(values).items():
         sized = {**values, name: size}
-        factors = np.concatenate([[0.0], 10.0 ** np.linspace(-6.0, 0.0, 6 * _PER_DECADE + 1)])
+        factors = np.concatenate([[0.0], 10.0 ** np.linspace(-6.0, 0.0, 6 * per_decade + 1)])
         for mechanism, occurs in _occurs(sheet, sized, (name,), factors).items():
             factor = _edge(sheet, sized, (name,), mechanism, factors, occurs)
             result.setdefault(mechanism, []).append(Margin(name, None, None if factor is None else size * factor))
@@ -152,12 +151,11 @@ KINDS = ("steady", "steady_until_perturbed", "negative_damping", "kinematic_cons
          "falling_friction", "thread_contact")  # fmt: skip
 """What the chart distinguishes, by flag value."""
 
-_POINTS = 161  # of the operating chart along each axis: a step is finer than a line of the picture
 _BOUNDARIES = {
-    "onset_force": "the load begins to act with the motion",
-    "stick_force": "the oscillation reaches standstill (stick-slip)",
-    "detach_force": "the threads no longer lose contact",
-    "global_stability_force": "a perturbation can start vibration",
+    "onset": "the load begins to act with the motion",
+    "stick": "the oscillation reaches standstill (stick-slip)",
+    "detach": "the threads no longer lose contact",
+    "global_stability": "a perturbation can start vibration",
 }
 
 
@@ -177,12 +175,12 @@ class Chart:
 def charts(sheet: Sheet, values: dict[str, float]) -> list[Chart]:
     """Return the operating chart at given values, half as far again as the window, one for each direction of travel."""
     lead = values["lead"] / (2 * math.pi)  # travel per radian
-    top = 1.5 * values["speed_high"]
-    turning = np.linspace(top / _POINTS, top, _POINTS)
+    top, points = 1.5 * values["speed_high"], 161  # a step is finer than a line of the picture
+    turning = np.linspace(top / points, top, points)
     weight = values["mass"] * GRAVITY * math.sin(values["tilt"])
     ends = (values["force_low"], values["force_high"], 0.0, -weight)
     room = 0.5 * max(max(ends) - min(ends), 0.1 * max(map(abs, ends)), 1.0)
-    force = np.linspace(min(ends) - room, max(ends) + room, _POINTS)
+    force = np.linspace(min(ends) - room, max(ends) + room, points)
     return [
         Chart(
             direction, lead * turning, force, _kinds(sheet, values, direction, turning, force),
@@ -219,12 +217,12 @@ def _boundaries(
     drive = drive_of(sheet, values, direction, speed, 0.0)
     if drive.translation_damping > 0 and drive.friction_coefficient > math.tan(drive.lead_angle):
         lever = drive.pitch_radius * math.tan(drive.lead_angle)
-        found[_BOUNDARIES["onset_force"]] = -lever * drive.translation_damping * direction * turning - weight
+        found[_BOUNDARIES["onset"]] = -lever * drive.translation_damping * direction * turning - weight
     if sheet.support is not None or sheet.contact is not None:  # the other thresholds are those of rigid parts
         return found
-    for name in ("stick_force", "detach_force", "global_stability_force"):
+    for name in ("stick", "detach", "global_stability"):
         try:
-            force = getattr(force_thresholds, name)(drive)
+            force = threshold_force(drive, name)
         except (InputError, EngineError):
             continue
         found[_BOUNDARIES[name]] = -force * turning / speed - weight

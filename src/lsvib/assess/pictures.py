@@ -13,9 +13,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
 from lsvib.assess.assessment import AssessedMotion, Assessment
+from lsvib.assess.drive import IN_WORDS
 from lsvib.assess.margins import KINDS, Chart
 from lsvib.assess.uncertainty import BINS
-from lsvib.assess.words import CHANGES, MECHANISMS, entry_name
+from lsvib.assess.words import MECHANISMS, entry_name
 from lsvib.figures import style
 
 WIDTH = 3.7  # inch: on a phone one to one
@@ -79,7 +80,9 @@ def margin_chart(assessment: Assessment, name: str) -> Figure:
     """Factors on each quantity at which the verdict on one mechanism changes."""
     one = assessment.mechanisms[name]
     rows = [
-        (CHANGES[row.quantity], row.factor) for row in one.margins if row.factor is not None and 0.1 <= row.factor <= 10
+        (IN_WORDS[row.quantity], row.factor)
+        for row in one.margins
+        if row.factor is not None and 0.1 <= row.factor <= 10
     ]
     figure, axis = _drawing(0.75 + 0.2 * max(len(rows), 1))
     for k, (_, factor) in enumerate(rows):
@@ -126,7 +129,9 @@ def motion_chart(motion: AssessedMotion) -> Figure:
 def sensitivity_chart(assessment: Assessment, name: str) -> Figure:
     """Change of the reserve of one mechanism per one per cent of each quantity."""
     table = assessment.mechanisms[name].sensitivities
-    rows = sorted(((CHANGES[key], 0.01 * value) for key, value in table.items() if value), key=lambda row: -abs(row[1]))
+    rows = sorted(
+        ((IN_WORDS[key], 0.01 * value) for key, value in table.items() if value), key=lambda row: -abs(row[1])
+    )
     figure, axis = _drawing(0.8 + 0.2 * max(len(rows), 1))
     axis.barh(range(len(rows)), [row[1] for row in rows], height=0.65,
               color=[style.GREEN if row[1] > 0 else style.VERMILION for row in rows])  # fmt: skip

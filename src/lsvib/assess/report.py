@@ -15,12 +15,11 @@ from markupsafe import Markup
 
 from lsvib.assess import pictures
 from lsvib.assess.assessment import AssessedMotion, Assessment, Mechanism
-from lsvib.assess.drive import QUANTITIES, UNITS, flank_coefficient, point, random_entries
+from lsvib.assess.drive import IN_WORDS, UNITS, flank_coefficient, point, random_entries
 from lsvib.assess.fields import FrictionBySpeed, Spread, ThreadSize
 from lsvib.assess.margins import Chart
 from lsvib.assess.words import (
     ATTRACTORS,
-    CHANGES,
     MECHANISMS,
     SHORT,
     VERDICTS,
@@ -46,8 +45,7 @@ def _page(template: str, **values: Any) -> str:
         keep_trailing_newline=True,
     )
     environment.globals |= {
-        "CHANGES": CHANGES,
-        "QUANTITIES": QUANTITIES,
+        "IN_WORDS": IN_WORDS,
         "UNITS": UNITS,
         "VERDICTS": VERDICTS,
         "capital": _capital,
@@ -114,7 +112,7 @@ def _summary(assessment: Assessment) -> str:
         one, *others = occurring
         too = f" So does {' and '.join(SHORT[other.name] for other in others)}." if others else ""
         best = [row for row in assessment.margins if row.factor is not None][:3]
-        changes = "; or ".join(f"the {CHANGES[row.quantity]} {change(row.factor)}" for row in best)
+        changes = "; or ".join(f"the {IN_WORDS[row.quantity]} {change(row.factor)}" for row in best)
         advice = (
             f" The smallest single changes that make it run steadily at the middle values: {changes}."
             if best
@@ -127,7 +125,7 @@ def _summary(assessment: Assessment) -> str:
     _, one, row = min(near, key=lambda entry: entry[0])
     return (
         f"The nearest cause of vibration is {SHORT[one.name]}: it would set in with the "
-        f"{CHANGES[row.quantity]} {change(row.factor)}, {shown(row.value, UNITS[row.quantity])}.{absent}"
+        f"{IN_WORDS[row.quantity]} {change(row.factor)}, {shown(row.value, UNITS[row.quantity])}.{absent}"
     )
 
 
@@ -135,7 +133,7 @@ def _absent(assessment: Assessment) -> str:
     """A sentence on each damping that the sheet leaves out and that would alter the verdict."""
     effect = "end" if assessment.verdict == "vibrates" else "start"
     return "".join(
-        f" No {CHANGES[row.quantity]} is given; from {shown(row.value, UNITS[row.quantity])} on it would {effect} "
+        f" No {IN_WORDS[row.quantity]} is given; from {shown(row.value, UNITS[row.quantity])} on it would {effect} "
         "vibration."
         for row in assessment.margins
         if row.factor is None and row.value is not None
@@ -155,7 +153,7 @@ def _cause(assessment: Assessment, name: str) -> tuple[Any, ...]:
     elif best is None:
         margin = f"no single change {'ends it' if one.occurs else 'brings it about'}"
     else:
-        margin = f"the {CHANGES[best.quantity]} {change(best.factor)} {'ends' if one.occurs else 'starts'} it"
+        margin = f"the {IN_WORDS[best.quantity]} {change(best.factor)} {'ends' if one.occurs else 'starts'} it"
     verdict: Any = "does not occur"
     if one.occurs:
         place, verdict = _where(one, assessment), Markup("<b>occurs</b>")
@@ -191,7 +189,7 @@ def _levers(assessment: Assessment, names: list[str]) -> tuple[list[tuple[str, s
         )
     )
     return charts, (
-        f"Per cent for per cent, the strongest single lever on {SHORT[first]} is the {CHANGES[quantity]}: 1 % more "
+        f"Per cent for per cent, the strongest single lever on {SHORT[first]} is the {IN_WORDS[quantity]}: 1 % more "
         f"changes the reserve by {signed(0.01 * slope, 4)}."
     )
 
@@ -390,7 +388,7 @@ def _compared(short: dict[str, Any]) -> list[Any]:
         "unknown": "not known beyond its onset",
     }.get(worst["attractor"], "vibrates")
     motion = end if worst["frequency"] is None else shown(worst["frequency"], "Hz")
-    moved = "none" if nearest["factor"] is None else f"{CHANGES[nearest['quantity']]} {change(nearest['factor'])}"
+    moved = "none" if nearest["factor"] is None else f"{IN_WORDS[nearest['quantity']]} {change(nearest['factor'])}"
     share = percent(short["probability"])
     return [
         Markup('<a href="{}">{}</a>').format(short["report"], short["name"]),

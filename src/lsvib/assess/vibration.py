@@ -25,7 +25,6 @@ from lsvib.models.rigid import rigid_automaton
 
 _NUDGE = 1e-3  # of the speed: how far from steady sliding a motion starts that shows whether it is stable
 STRONG = 5.0  # times the speed: a perturbation that counts as strong, and the largest that has to be tried
-_PERIODS = 6  # shown of a cycle
 _SAMPLES = 1200  # of the motion shown: 200 a period, more than the page has dots for
 # Work after which a motion counts as unresolved, some seconds: events with two states, units of one with more. Of 180
 # random sheets with a compliant support or threads 20 were unresolved with a tenth of it; 3 are now, 16 never repeat.
@@ -125,9 +124,10 @@ def _shown(
     some periods after it has nearly the size of the cycle; any other starts as given and goes on for some swings.
     """
     swing = 2 * math.pi * math.sqrt(drive.screw_inertia / drive.coupling_stiffness)
-    span, size = 2 * _PERIODS * swing, 0.0
+    periods = 6  # shown of a cycle
+    span, size = 2 * periods * swing, 0.0
     if end.orbit is not None:
-        span = _PERIODS * end.period
+        span = periods * end.period
         row = np.eye(1, len(automaton.states) + 1, 1)[0]  # w
         size = max(map(abs, orbit_extremes(end.orbit, row)))
         start = {**start, "w": math.copysign(max(abs(start["w"]), 0.3 * size), start["w"])}

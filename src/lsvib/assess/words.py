@@ -47,27 +47,6 @@ SHORT = {
 }
 """The same in a few words, for the middle of a sentence."""
 
-CHANGES = {
-    "lead": "lead of the thread",
-    "pitch_diameter": "pitch diameter of the thread",
-    "half_angle": "flank angle of the thread",
-    "friction": "friction of the threads",
-    "friction_slope": "fall or rise of friction with speed",
-    "inertia": "rotating inertia",
-    "coupling_stiffness": "stiffness of the coupling",
-    "rotational_damping": "rotational damping of the screw",
-    "translational_damping": "damping of the load's travel",
-    "mass": "moved mass",
-    "force": "force on the load",
-    "speed": "speed",
-    "contact_stiffness": "stiffness of the thread contact",
-    "contact_damping": "damping of the thread contact",
-    "support_stiffness": "stiffness of the axial support",
-    "support_damping": "damping of the axial support",
-    "screw_mass": "mass of the screw",
-}
-"""What an engineer can change, by the names of quantities."""
-
 ATTRACTORS = {
     "steady sliding": "steady running",
     "stick slip cycle": "stick-slip: the screw stops and breaks loose again in every cycle",
@@ -103,7 +82,7 @@ def entry_name(path: str) -> str:
 
 
 _PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
-_PREFIXED = {"N": "N", "m": "m", "m/s": "m/s", "Hz": "Hz", "N s": "N s", "N/m": "N/m", "N m/rad": "N m/rad", "s": "s"}
+_PREFIXED = ("N", "m", "m/s", "Hz", "N s", "N/m", "N m/rad", "s")
 _READABLE = {
     "kg m2": "kg m²",
     "kg m^2": "kg m²",

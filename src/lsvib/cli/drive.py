@@ -90,7 +90,7 @@ def thresholds(
 
 @app.command
 def stability(*, drive: DriveOptions = CHAPTER, as_json: AsJson = False) -> None:
-    """Classify the steady sliding of a drive by eqs (8.18) to (8.21).
+    """Say whether steady sliding is stable: its class, eigenvalues, and each condition of instability.
 
     Examples of use:
 
@@ -144,7 +144,8 @@ def _print_stability(found: Mapping[str, Any]) -> None:
     kind = name(found["kind"])
     print(f"steady sliding is {verdict}{'' if kind == verdict else f' ({kind})'}")
     for value in found["eigenvalues"]:
-        print(f"  eigenvalue {value['real']:.10g} {value['imaginary']:+.10g}i 1/s")
+        imaginary = f" {value['imaginary']:+.10g}i" if value["imaginary"] else ""
+        print(f"  eigenvalue {value['real']:.10g}{imaginary} 1/s")
     _print_quantities_and_conditions(found)
     if found["without_damping"] is not None:
         print(f"without any damping: {name(found['without_damping']['kind'])}")
@@ -155,4 +156,4 @@ def _print_quantities_and_conditions(found: Mapping[str, Any]) -> None:
     for key, entry in found.get("quantities", {}).items():
         print(f"  {key}: {quantity(entry)}")
     for key, condition in found["conditions"].items():
-        print(f"  {key}: {'holds' if condition['hold'] else 'does not hold'}")
+        print(f"  condition {key}: {'holds' if condition['hold'] else 'does not hold'}")
