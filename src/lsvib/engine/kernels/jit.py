@@ -27,6 +27,7 @@ from typing import Any
 import numba
 import numpy as np
 from numba import types
+from numba._dispatcher import compute_fingerprint
 from numba.core import cgutils, event
 from numba.core.caching import IndexDataCacheFile
 from numba.core.imputils import impl_ret_borrowed, lower_builtin
@@ -241,11 +242,17 @@ def by_address(entry: Any) -> Any:
     return call
 
 
+_addresses: dict[tuple[Any, bytes], int] = {}
+
+
 def address(entry: Any, *arguments: Any) -> int:
     """Return the address of an entry as compiled for arguments like these; it lasts as long as the process."""
     if numba.config.DISABLE_JIT:
         return 0
-    own = tuple(map(numba.typeof, arguments))
-    entry.compile(own)
-    compiled = entry.overloads[own]
-    return int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name))
+    key = entry, compute_fingerprint(arguments)  # of the types; numba's own names of them take a hundred times as long
+    if key not in _addresses:
+        own = tuple(map(numba.typeof, arguments))
+        entry.compile(own)
+        compiled = entry.overloads[own]
+        _addresses[key] = int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name))
+    return _addresses[key]
