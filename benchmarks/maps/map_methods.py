@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 
 from benchmarks.maps.map_kernels import stepped_labels
+from lsvib.basins.kernels import labels
 from lsvib.basins.labels import PlanarMapper
 
 _HORIZON = 1.0  # [s] after which the motion of a rival is unresolved: some hundred swings of the drive
@@ -26,7 +27,7 @@ class MapMethod:
 def _engine(mapper: PlanarMapper) -> Label:
     tables, known = mapper.automaton.tables, mapper.sections.known
     none = np.empty((0, 0), dtype=np.int8)
-    return lambda x, y, labels: labels.map_labels(tables, known, x, y, 0, _BUDGET, labels, none)
+    return lambda x, y, found: labels.map_labels(tables, known, x, y, 0, _BUDGET, found, none)
 
 
 def _stepped(mapper: PlanarMapper, step: float) -> Label:
