@@ -88,21 +88,25 @@ def _run(job: Callable[..., None], log: str, subject: str, arguments: tuple[Any,
 
 
 def compile_engine(part: str, sources: Texts, marker: str) -> None:
-    """Compile one part of the engine into numba's cache, and note the digest of its inputs."""
+    """Compile one part of the engine, with the rule of what a motion ends in, and note the digest of its inputs."""
     import hashlib
 
+    from lsvib import RigidDrive, ThreadsDrive
     from lsvib.files import write_text
 
     if part == "mapper":
         from lsvib.basins.grid import Grid
         from lsvib.basins.mapper import QUANTITIES, mapper
-        from lsvib.models.drive import RigidDrive
 
         mapper(RigidDrive()).cells(Grid.parse(["u=-1:1:1", "w=-1:1:1"]), quantities=QUANTITIES)
     else:
         from lsvib.engine import motion
 
         motion.compile_engine((part,))
+        drive = RigidDrive(mass=11) if part == "planar" else ThreadsDrive(mass=11)
+        drive.steady_state({"u": 0.1, "w": 0.0})
+        if part == "planar":
+            drive.sweep(axial_force=[50.0])
     digest = hashlib.sha256(b"".join(Path(file).read_bytes() for file in sources))
     write_text(f"{digest.hexdigest()}\n", marker)
 
