@@ -57,7 +57,7 @@ MODULES = {
         "lsvib.basins.curves",
     ],
     "Data": ["lsvib.datasets.motion", "lsvib.datasets.sweep", "lsvib.datasets.checks", "lsvib.datasets.io"],
-    "Figures": ["lsvib.figures.build", "lsvib.figures.configuration", "lsvib.figures.configuration"],
+    "Figures": ["lsvib.figures.build", "lsvib.figures.configuration"],
 }
 
 

@@ -53,7 +53,7 @@ FOLDERS = {"lsvib": "src", "benchmarks": ".", "references": "tests"}
 @cache
 def import_graph():
     """Return who imports whom in our packages; refuse an lsvib that is not the one beside this Snakefile."""
-    graph = grimp.build_graph(*FOLDERS, cache_dir=None)
+    graph = grimp.build_graph(*FOLDERS, exclude_type_checking_imports=True, cache_dir=None)
     source = Path(workflow.basedir, "src", "lsvib", "__init__.py").resolve()
     found = Path(importlib.util.find_spec("lsvib").origin).resolve()
     if found != source:
@@ -63,17 +63,11 @@ def import_graph():
 
 @cache
 def imports(module):
-    """Return the modules of our packages that ``module`` imports, directly or not, itself included.
-
-    What asks for models by name imports all of them: a model is found by its file.
-    """
+    """Return the modules of our packages that ``module`` imports, directly or not, itself included."""
     graph = import_graph()
     if module not in graph.modules:
         raise WorkflowError(f"The module {module} does not exist.")
-    found = graph.find_upstream_modules(module) | {module}
-    if "lsvib.models.model" in found and not module.startswith("lsvib.models."):
-        found = found.union(*(imports(model_module(name)) for name in all_models()))
-    return frozenset(found)
+    return frozenset(graph.find_upstream_modules(module) | {module})
 
 
 def source_files(modules):
@@ -112,7 +106,10 @@ def figure_sources(kind, figure):
     own = module_of(figure)
     if kind == "figures":
         return source_files(drawn_from(own) | imports(BUILD))
-    return source_files(frozenset().union(*map(imports, (own, *settings_of(figure).needs, BUILD))) - DRAWING)
+    found = frozenset().union(*map(imports, (own, *settings_of(figure).needs, BUILD))) - DRAWING
+    if "lsvib.models.model" in found:  # what asks for models by name depends on all of them
+        found = found.union(*(imports(model_module(name)) - imports("lsvib.engine.motion") for name in all_models()))
+    return source_files(found)
 
 
 def sources(kind):
