@@ -297,6 +297,7 @@ def _within(allowed: Mapping[str, tuple[float, float]], above: bool = False) -> 
     """Return a check of figures against the range of their unit; ``above``: its lower end is not part of it."""
 
     def problem(figure: float, unit: str) -> str | None:
+        """Return the end of a sentence about a figure outside the range; None for one within it."""
         low, high = allowed[unit]
         if (figure > low or (figure == low and not above)) and figure <= high:
             return None

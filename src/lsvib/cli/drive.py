@@ -39,6 +39,7 @@ def config(*, drive: DriveOptions = CHAPTER, scene: SceneFile = None, as_json: A
         fields[key] = {"value": value, "unit": about["unit"], "symbol": about["symbol"], "allowed": allowed}
 
     def text(fields: Mapping[str, Any]) -> None:
+        """Print the parameters as a table."""
         rows = [
             (key, one["symbol"], f"{one['value']:.15g}", one["unit"], one["allowed"]) for key, one in fields.items()
         ]

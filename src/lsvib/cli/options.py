@@ -106,6 +106,7 @@ def several(read: Callable[[str], Any], help: str, **more: Any) -> Parameter:
     """Return an option with several values, each of which ``read`` reads; none of them may have the key of another."""
 
     def convert(kind: Any, tokens: Sequence[Any]) -> list[Any]:
+        """Read all values that were given; raises ``InputError`` for a key that is given twice."""
         found: dict[str, Any] = {}
         for token in tokens:
             item = read(token.value)

@@ -248,6 +248,11 @@ class ThreadsDrive(Drive):
     )
 
 
+# Of both models with two bodies.
+_SLIDE = quantity(0.0, "F_0", "N", "Coulomb friction of the slide", least=1e-18, ge=0, le=1e12)
+_BEARING = quantity(0.0, "T_0", "N m", "Coulomb friction of the screw support", least=1e-24, ge=0, le=1e12)
+
+
 class SupportDrive(Drive):
     """A drive with a compliant axial support of the screw (Sect. 5.6); m_1 of Fig. 8.15 by default, k_1 assumed.
 
@@ -263,10 +268,8 @@ class SupportDrive(Drive):
     axial_support_damping: Value = quantity(
         0.0, "c_1", "N s m-1", "axial damping of the support", least=1e-18, ge=0, le=1e15
     )
-    slide_friction: Value = quantity(0.0, "F_0", "N", "Coulomb friction of the slide", least=1e-18, ge=0, le=1e12)
-    bearing_friction: Value = quantity(
-        0.0, "T_0", "N m", "Coulomb friction of the screw support", least=1e-24, ge=0, le=1e12
-    )
+    slide_friction: Value = _SLIDE
+    bearing_friction: Value = _BEARING
 
 
 class NutDrive(Drive):
@@ -284,10 +287,8 @@ class NutDrive(Drive):
     nut_damping: Value = quantity(
         2e-4, "c_2", "N m s rad-1", "rotational damping of the nut", least=1e-30, ge=0, le=1e15
     )
-    slide_friction: Value = quantity(0.0, "F_0", "N", "Coulomb friction of the slide", least=1e-18, ge=0, le=1e12)
-    bearing_friction: Value = quantity(
-        0.0, "T_0", "N m", "Coulomb friction of the screw support", least=1e-24, ge=0, le=1e12
-    )
+    slide_friction: Value = _SLIDE
+    bearing_friction: Value = _BEARING
 
 
 class ExactParameters:

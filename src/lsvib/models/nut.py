@@ -122,6 +122,7 @@ class _Nut(TwoBodies):
         torque = self.solve(0, 1, way).torque
 
         def left(direction: int) -> tuple:
+            """Return what is left before the threads slip in a direction, as a row."""
             force = self._force(direction)
             law = 1 if sign(direction * force, "axial_force") > 0 else -1
             most = self.d.pitch_radius * self.xi[law] * force

@@ -115,6 +115,7 @@ class _Support(TwoBodies):
         rest = self.solve(0, 1, way)
 
         def left(side: int, direction: int) -> tuple:
+            """Return what is left before the threads slip in a direction, on a side of the contact, as a row."""
             threads = scaled(rest.contact, self.d.pitch_radius * self.xi[direction * side])
             return plus(scaled(plus(threads, scaled(rest.torque, -1)), direction), constant(self.bearing))
 

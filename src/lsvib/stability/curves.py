@@ -144,6 +144,7 @@ def _function(drive: Drive, kind: ChartBoundary, names: tuple[str, str]) -> Plan
 
     @lru_cache(maxsize=4096)  # without R a threshold is the same along it
     def force(changed: Drive) -> float:
+        """Return the axial force [N] of the threshold; nan where the drive has none."""
         for name in (kind.name.lower(), instead):
             try:
                 return threshold_force(changed, name) if name else math.nan

@@ -56,6 +56,7 @@ def _stick(law: int) -> _OfDrive:
     """The cycle of slip by its two half returns; at a third time under a law w is stationary, and w = −Ω."""
 
     def equations(d: SlipDrive, inner: Sequence[Any]) -> list[Any]:
+        """Return what vanishes at the threshold; ``inner`` are the unknown times or places of the motion."""
         plus, minus = (half_return(d.slip(s), d.inertia[s], time) for s, time in zip((1, -1), inner[:2], strict=True))
         slip, slope = d.slip(law), (plus if law > 0 else minus)[0]
         y, w = slip.state(*leaving(slip, d.contact, d.inertia[law], slope), inner[2])
@@ -73,6 +74,7 @@ def _touches(law: int, start: Callable[[SlipDrive], Any], stops: bool = False) -
     """Slip from the end of rest touches Q = 0, where Q′ = 0 and Q = 0; or it ``stops`` just where Q = 0."""
 
     def equations(d: SlipDrive, inner: Sequence[Any]) -> list[Any]:
+        """Return what vanishes at the threshold; ``inner`` are the unknown times or places of the motion."""
         slip, (q_u, q_w) = d.slip(law), d.contact
         y, w = slip.state(start(d), -d.speed, inner[0])
         q_rate = q_u * w + q_w * (-slip.a0 * y - slip.a1 * w)
@@ -85,6 +87,7 @@ def _comes_back(zero: Callable[[SlipDrive, Return], Any]) -> _OfDrive:
     """A cycle of seizures, Q = 0 on coming back, on which something else vanishes as well."""
 
     def equations(d: SlipDrive, inner: Sequence[Any]) -> list[Any]:
+        """Return what vanishes at the threshold; ``inner`` are the unknown times or places of the motion."""
         back = Return(d, d.slip(-1), inner[0])
         return [zero(d, back), back.h + d.inertia[-1] * d.net]
 

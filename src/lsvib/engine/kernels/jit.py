@@ -37,9 +37,10 @@ from numba.core.typing.templates import AbstractTemplate, infer_global, signatur
 # What is compiled, by the folder of the kernel and a word in the types of its arguments, the first that fits; with the
 # processor time that was measured. Kernels that fit nothing are small and are compiled for one of the others.
 _PARTS = (
+    ("lsvib.dynamics.", "ModalFlow", "the rule of what motions of models with four states end in, once, about 20 s"),
     ("lsvib.", "ModalFlow", "the engine for models with three or four states, once, about 30 s"),
     ("lsvib.basins.", "", "the mapper of two-state models, once, 6 to 15 s"),
-    ("lsvib.dynamics.", "Tables", "the search for many drives at once, once, half a minute or so"),
+    ("lsvib.dynamics.", "Tables", "the rule of what motions of two-state models end in, once, about 20 s"),
     ("lsvib.engine.", "Tables", "the engine for two-state models, once, about 10 s"),
 )
 
@@ -230,6 +231,7 @@ def by_address(entry: Any) -> Any:
 
     @lower_builtin(call, types.VarArg(types.Any))
     def lower(context, builder, signature, values):
+        """Write the call into the code that numba builds: through the pointer, with an error passed on."""
         result, own = signature.return_type, signature.args[1:]
         function = context.call_conv.get_function_type(result, own)
         pointer = builder.inttoptr(values[0], function.as_pointer())
