@@ -5,7 +5,7 @@
 writes the site to ``build/docs/html`` and the same as one file, ``build/docs/lsvib-docs.zip``, that opens from disk
 when it is unpacked. The scripts of the gallery are run for their pictures, which takes most of the time;
 ``--pictures results/figures`` shows those of a run of the workflow instead, and ``--without-pictures`` none. What is
-needed is in requirements-docs.txt; a warning of Sphinx is an error.
+needed is the extra ``docs``; a warning of Sphinx is an error.
 """
 
 import argparse

@@ -55,7 +55,7 @@ class Method:
         if self.needs and find_spec(self.needs) is None:
             raise InputError(
                 f"The package {_PACKAGES.get(self.needs, self.needs)}, which {self.label} needs, is not installed; "
-                "run pip install -r requirements-accuracy.txt."
+                'run pip install -e ".[accuracy]".'
             )
 
 

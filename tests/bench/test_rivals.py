@@ -34,7 +34,7 @@ def entry(name, shorten, method, setting):
     """The one run of a method on a scene."""
     package = method_list.METHODS[method].needs
     if package:
-        pytest.importorskip(package, reason=f"{package} is not installed; requirements-accuracy.txt has it")
+        pytest.importorskip(package, reason=f"{package} is not installed; the extra accuracy has it")
     return contest(name, {method: [setting]}, ONCE, shorten)[2][0]
 
 
@@ -146,5 +146,5 @@ def test_a_dip_below_a_guard_is_missed_by_a_general_solver_and_not_by_taylor_ser
     with quiet():
         assert ask(dip, "dop853", 1e-6).verdict is Verdict.OTHER_MOTION
         assert ask(dip, "exact", 1e-12).verdict is Verdict.RIGHT
-        pytest.importorskip("heyoka", reason="heyoka is not installed; requirements-accuracy.txt has it")
+        pytest.importorskip("heyoka", reason="heyoka is not installed; the extra accuracy has it")
         assert ask(dip, "heyoka", 1e-12).verdict is Verdict.RIGHT

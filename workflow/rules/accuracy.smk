@@ -2,7 +2,7 @@
 
 
 rule accuracy:
-    """Draw the figures of accuracy and judge their checks; needs requirements-accuracy.txt."""
+    """Draw the figures of accuracy and judge their checks; needs the extra ``accuracy``."""
     input:
         collect("results/figures/{figure}.{format}", figure=ACCURACY_FIGURES, format=["png", "pdf"]),
         collect("results/datasets/{figure}.nc", figure=ACCURACY_FIGURES),
