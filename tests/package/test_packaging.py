@@ -21,7 +21,7 @@ PINS = dict(
 
 def normal(text: str) -> str:
     """The name of a package in a requirement, as indexes compare it."""
-    return re.sub(r"[-_.]+", "-", re.split(r"[>=\[; ]", text)[0]).lower()
+    return re.sub(r"[-_.]+", "-", re.split(r"[>=<!~\[; (]", text)[0]).lower()
 
 
 @pytest.mark.parametrize("program", ["snakemake -j2", "pytest"])
