@@ -88,10 +88,7 @@ def boundary_curves(
         slow = kind is ChartBoundary.FLUTTER or (kind in _FORCES and "axial_force" not in names)
         nodes = [nodes_between(*ends, 32 if slow else 64, name) for name, ends in (x, y)]
         function = _function(drive, kind, names)
-        if kind in _FORCES and not slow:
-            values = _over_force(function, names, nodes)
-        else:
-            values = np.array([[function(a, b) for a in nodes[0]] for b in nodes[1]])
+        values = np.array([[function(a, b) for a in nodes[0]] for b in nodes[1]])
         bisected = kind is ChartBoundary.STICK_SLIP_BIRTH  # each step gains one bit only
         lines = contour(function, *nodes, values, 1e-9 if bisected else _ROUNDED)
         if lines:
@@ -127,13 +124,6 @@ def contour(
     signs = np.ma.masked_array(np.where(values > 0, 1.0, -1.0), mask=~np.isfinite(values))
     lines = contour_generator(z=signs, name="serial", corner_mask=False).lines(0.0)
     return [np.array([root(i, j) for i, j in line.tolist()]) for line in lines]
-
-
-def _over_force(function: PlaneFunction, names: tuple[str, str], nodes: list[np.ndarray]) -> np.ndarray:
-    """Values of R − threshold at the nodes of a plane that has R as an axis: of the threshold one for each line."""
-    if names[0] == "axial_force":
-        return nodes[0] - np.array([nodes[0][0] - function(nodes[0][0], b) for b in nodes[1]])[:, None]
-    return nodes[1][:, None] - np.array([nodes[1][0] - function(a, nodes[1][0]) for a in nodes[0]])
 
 
 def _function(drive: Drive, kind: ChartBoundary, names: tuple[str, str]) -> PlaneFunction:
