@@ -43,7 +43,7 @@ from lsvib.engine.exact.field import SWINGS
 from lsvib.engine.exact.modal_form import guard_forms, linear_mode, modal_flow
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
 from lsvib.models.drive import Drive, NutDrive, SupportDrive, once
-from lsvib.models.mechanics import constant, friction_factor, plus
+from lsvib.models.mechanics import constant, friction_factor, plus, rate_of, solved
 from lsvib.models.model import DIRECTIONS, SIGNS, Model, Powers, product, seizures_only_by_contact
 
 HELD = {**DIRECTIONS, 0: "held"}
@@ -71,8 +71,8 @@ class Solution:
     """Newton's laws solved in one mode: affine functions of the state, constant last.
 
     ``law``: s, 0 at rest; ``field``: rate of the state; ``frozen``: coordinates that keep a value; ``contact``: n [N];
-    ``torque``: what the contact (at rest with the bearing) takes from the screw [N m]; ``slip_rate``: ω′;
-    ``second_rate`` and ``second_force``: acceleration and friction of the second body.
+    ``torque``: what the contact (at rest with the bearing) takes from the screw [N m]; ``second_force``: friction of
+    the second body.
     """
 
     law: int
@@ -80,8 +80,6 @@ class Solution:
     frozen: Mapping[int, arb]
     contact: Row
     torque: Row
-    slip_rate: Row
-    second_rate: Row
     second_force: Row
 
 
@@ -134,6 +132,17 @@ class TwoBodies(ABC):
     def solve(self, direction: int, law: int, way: int) -> Solution:
         """Solve Newton's laws for slip in a direction (0: rest) under a law, the second body moving one ``way``."""
 
+    def solution(
+        self, law: int, screw_held: bool, all_held: bool, rate: Row, matrix: Sequence[Row], sides: Sequence[Row]
+    ) -> Solution:
+        """Solve linear equations for w′, the acceleration of the second body, n, the torque, and the second friction.
+
+        Whether θ′ is zero, and with it the rate of the second body, ``rate``, is said by the next two arguments.
+        """
+        turn, second, contact, torque, friction = solved(matrix, sides)
+        frozen = ({1: -self.d.input_speed} if screw_held else {}) | ({3: 0} if all_held else {})
+        return Solution(law, ((0, 1, 0, 0, 0), turn, rate, second), frozen, contact, torque, friction)
+
     @abstractmethod
     def holds(self, way: int) -> Mapping[int, Mapping[int, Row]]:
         """Return the rows that are positive while static friction keeps the threads from slipping in a direction.
@@ -163,13 +172,9 @@ class TwoBodies(ABC):
         self.gauge = {(d, a): self.solve(d, -1, a).contact for d in DIRECTIONS for a in self.ways}  # Q > 0 ⇔ > 0
         self.surfaces: dict[str, Surface] = {}
         self.transitions = {"entry": Transition(tuple(self._entry()))}
-        modes = {}
-        for d, q in self.slips:
-            for a in self.ways:
-                modes[self._slip(d, q, a)] = self._mode(self._slip(d, q, a), self._slip_guards(d, q, a))
-        for side in self.sides:
-            for a in self.ways:
-                modes[self._rest(side, a)] = self._mode(self._rest(side, a), self._rest_guards(side, a))
+        guards = {self._slip(d, q, a): self._slip_guards(d, q, a) for d, q in self.slips for a in self.ways}
+        guards |= {self._rest(side, a): self._rest_guards(side, a) for side in self.sides for a in self.ways}
+        modes = {name: self._mode(name, found) for name, found in guards.items()}
         seen = {mode: self._observables(self.solutions[mode]) for mode in modes}
         return assemble(
             states=self.states,
@@ -294,7 +299,10 @@ class TwoBodies(ABC):
         return scaled(self.gauge[d, a], q), Test.POSITIVE if q > 0 else Test.NOT_NEGATIVE
 
     def _starts(self, d: int, q: int, a: int) -> Side:
-        return scaled(self.solutions[self._slip(d, q, a)].slip_rate, d), Test.POSITIVE
+        return scaled(rate_of(self.slip, self.solutions[self._slip(d, q, a)].field), d), Test.POSITIVE
+
+    def _slides(self, mode: str, a: int) -> Side:
+        return scaled(rate_of(self.sliding, self.solutions[mode].field), a), Test.POSITIVE
 
     def _side_holds(self, side: int, a: int) -> tuple[Side, ...]:
         return ((scaled(self.lasting[a].contact, side), Test.NOT_NEGATIVE),) if side else ()
@@ -315,8 +323,8 @@ class TwoBodies(ABC):
         """The second body stops while the threads slip; it slides on if that accelerates it, else it is held."""
         for a in DIRECTIONS:
             for q in SIGNS:
-                moves = (scaled(self.solutions[self._slip(d, q, a)].second_rate, a), Test.POSITIVE)
-                yield Branch(self._slip(d, q, a), self.second_kinds[1], (self._law_holds(d, q, a), moves))
+                mode = self._slip(d, q, a)
+                yield Branch(mode, self.second_kinds[1], (self._law_holds(d, q, a), self._slides(mode, a)))
         for q in SIGNS:
             yield Branch(self._slip(d, q, 0), self.second_kinds[0], (self._law_holds(d, q, 0),) if q > 0 else ())
 
@@ -335,7 +343,7 @@ class TwoBodies(ABC):
 
     def _second_agrees(self, mode: str, a: int) -> tuple[Side, ...]:
         if a:
-            return ((scaled(self.solutions[mode].second_rate, a), Test.POSITIVE),)
+            return (self._slides(mode, a),)
         return tuple((self._room(self.solutions[mode], way), Test.NOT_NEGATIVE) for way in DIRECTIONS)
 
     def _beyond_hold(self, kinds: tuple[int, int], impulse: int = 0) -> Iterator[Branch]:
