@@ -4,12 +4,7 @@ With t = tan λ the coefficients of :func:`lsvib.stability.spectrum.polynomial` 
 every parameter and in t. So all roots in any one of them are isolated with certainty, in rational numbers of FLINT, and
 a list of them is complete. Steady sliding changes its stability only at roots of R̃ and of the numbers whose signs
 decide (:func:`lsvib.stability.spectrum.margins`); exact signs between them say where it is stable. The sign of Ω is
-kept on each side of zero.
-
-    onset                  steady sliding gains or loses its asymptotic stability; one of the equations below, or R̃ = 0
-    kinematic_constraint   det M = 0 under law +: Γ₊ = 0 (8.20), Γ̃₊ = 0 (8.28), Γ̂₊ = 0 (8.33)
-    negative_damping       C₊ = 0 (8.19)
-    flutter                two eigenvalues on the imaginary axis: Hurwitz determinant of det(M s² + C s + K) = 0
+kept on each side of zero. The equations stand in docs/thresholds.md.
 """
 
 import math

@@ -1,18 +1,8 @@
 """The exact curves, by name, at which a drive changes what it does, in the plane of two of its parameters.
 
-Rigid drive (:mod:`lsvib.stability.force_thresholds` says what each force divides):
-
-* ``kinematic_constraint``: Γ₊ = 0, the Painlevé region begins;
-* ``onset``: R̃ = 0, where Γ₊ ≤ 0 or C₊ < 0, so that steady sliding is unstable on the side R̃ Ω > 0;
-* ``negative_damping``: C₊ = 0, where Γ₊ > 0 and R̃ Ω > 0;
-* ``stick``, ``detach``, ``global_stability``: R is the force of that name;
-* ``stick_slip_birth``, for Γ₊ > 0 > C₊ and R̃ Ω < 0, where steady sliding attracts what is near: whether slip from the
-  end of rest comes back to θ′ = 0. Orbits do not cross; so if it does, what is outside of it stays there and ends on a
-  cycle, and if not, whatever rests ends in steady sliding.
-
-Compliant threads: ``flutter``, where steady sliding changes its stability, from the full characteristic polynomial.
-Where the contact carries no force, the law is that of the slightest force against the motion; a plane without any force
-has no such curve.
+docs/charts.md lists their equations and what they divide; :mod:`lsvib.stability.force_thresholds` says what each force
+divides. Where the contact of compliant threads carries no force, the law is that of the slightest force against the
+motion; a plane without any force has no such curve.
 
 A curve is traced through a grid of nodes (contourpy); on every side of a cell that it crosses the root is bracketed to
 rounding, with the exact condition. What lies between the points is interpolated; a curve that enters and leaves a cell

@@ -1,9 +1,6 @@
-r"""Defining equations of the thresholds of the rigid drive that depend on a motion, in balls or power series.
+"""Defining equations of the thresholds of the rigid drive that depend on a motion, in balls or power series.
 
-All are written for Ω > 0 (:mod:`lsvib.stability.slip`). The inner unknowns are times [s]. Slip under law − from θ′ = 0
-that is back at the same y after τ started at
-
-    x(τ) = −Ω S / (1 − C)    and has    w = −Ω S′ − a₀ x S,    h(τ) = q_u x + q_w w    then.
+All are written for Ω > 0 (:mod:`lsvib.stability.slip`, docs/thresholds.md). The inner unknowns are times [s].
 """
 
 from collections.abc import Callable, Sequence
@@ -25,10 +22,9 @@ class Start(NamedTuple):
 
 
 class Return:
-    """Slip under law − from θ′ = 0 that is back at the same y after a time.
+    """Slip under law − from θ′ = 0 that is back at the same y after a time: x = −Ω S / (1 − C), w = −Ω S′ − a₀ x S.
 
-    ``x``, the start [rad]; ``w``, the rate there on coming back [rad/s]; ``h``, the part of Q that depends on the
-    state, then.
+    ``x``, the start [rad]; ``w``, the rate there on coming back [rad/s]; ``h``, q_u x + q_w w then.
     """
 
     def __init__(self, d: SlipDrive, time: Any) -> None:
