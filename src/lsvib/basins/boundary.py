@@ -1,11 +1,11 @@
 """The basin of steady sliding in the rigid drive: its boundary in closed form, its area (Sect. 8.7).
 
 The boundary is found by following one motion backwards in time; docs/basin.md proves that this is enough. Let Ω > 0
-(otherwise the drive is mirrored), and Q = q_u u + q_w w + q_0 (eq. 8.17). For Γ₊ > 0 it is a motion that starts near the
-equilibrium and winds on to the innermost closed orbit, or grows without bound. For Γ₊ ≤ 0, the Painlevé region, with
-R̃ Ω < 0, it is the motion that touches Q = 0, at a point T. If it comes from Q = 0 itself, the two enclose the basin.
-Otherwise it comes from θ′ = 0, from a state (x, −Ω), and if a seizure that ends there begins beyond T, the slip before
-the seizure is followed in turn, until x reaches a cycle without rest, which repels, or goes to −∞.
+(otherwise the drive is mirrored), and Q = q_u u + q_w w + q_0 (eq. 8.17). For Γ₊ > 0 it is a motion that starts near
+the equilibrium and winds on to the innermost closed orbit, or grows without bound. For Γ₊ ≤ 0, the Painlevé region,
+with R̃ Ω < 0, it is the motion that touches Q = 0, at a point T. If it comes from Q = 0 itself, the two enclose the
+basin. Otherwise it comes from θ′ = 0, from a state (x, −Ω), and if a seizure that ends there begins beyond T, the slip
+before the seizure is followed in turn, until x reaches a cycle without rest, which repels, or goes to −∞.
 """
 
 import math
