@@ -41,7 +41,8 @@ from lsvib.engine.exact.arithmetic import sign
 from lsvib.errors import InputError
 from lsvib.models.drive import NutDrive
 from lsvib.models.mechanics import LinearParts, Polynomial, constant, plus
-from lsvib.models.two_bodies import Solution, TwoBodies, TwoBodyPowers, event_enum, mode_enum, two_body_model
+from lsvib.models.two_bodies import Solution, TwoBodies
+from lsvib.models.two_body_model import TwoBodyPowers, event_enum, mode_enum, two_body_model
 
 NutMode = mode_enum("NutMode", ("rest",), "screw")
 NutEvent = event_enum("NutEvent", "bearing")

@@ -36,7 +36,8 @@ from lsvib.engine.exact.arithmetic import sign
 from lsvib.errors import InputError
 from lsvib.models.drive import SupportDrive
 from lsvib.models.mechanics import LinearParts, Polynomial, constant, plus
-from lsvib.models.two_bodies import Solution, TwoBodies, TwoBodyPowers, event_enum, mode_enum, two_body_model
+from lsvib.models.two_bodies import Solution, TwoBodies
+from lsvib.models.two_body_model import TwoBodyPowers, event_enum, mode_enum, two_body_model
 
 SupportMode = mode_enum("SupportMode", ("rest_positive", "rest_negative"), "nut")
 SupportEvent = event_enum("SupportEvent", "slide")

@@ -24,13 +24,13 @@ from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import follow
-from lsvib.errors import InputError, NoThreshold
+from lsvib.errors import NoThreshold
 from lsvib.models.drive import Drive, zero_if_close
 from lsvib.models.model import find_model
 from lsvib.stability.boundaries import net_force
 from lsvib.stability.conditions import effective_damping, effective_inertia
 from lsvib.stability.force_thresholds import threshold_force
-from lsvib.stability.linear import hurwitz, steady_law
+from lsvib.stability.linear import hurwitz, sliding_law
 from lsvib.stability.solve import bracketed_root
 from lsvib.stability.spectrum import polynomial, rationals, tangents
 
@@ -73,8 +73,10 @@ def boundary_curves(
     """
     names, found = (x[0], y[0]), {}
     for kind in kinds or curves_of(drive):
-        if kind is ChartBoundary.FLUTTER and not _carries_force(drive, x, y):
-            continue
+        if kind is ChartBoundary.FLUTTER:  # R̃ is linear in each parameter that it depends on
+            corners = (drive.replace(**{x[0]: first, y[0]: second}) for first, second in product(x[1], y[1]))
+            if not any(map(sliding_law, corners)):
+                continue
         slow = kind is ChartBoundary.FLUTTER or (kind in _FORCES and "axial_force" not in names)
         nodes = [nodes_between(*ends, 32 if slow else 64, name) for name, ends in (x, y)]
         function = _function(drive, kind, names)
@@ -141,7 +143,7 @@ def _function(drive: Drive, kind: ChartBoundary, names: tuple[str, str]) -> Plan
         if kind is ChartBoundary.STICK_SLIP_BIRTH:
             return stops_again(changed)
         if kind is ChartBoundary.FLUTTER:
-            exact = polynomial(type(changed), rationals(changed), _law_or_none(changed) or 1, tangents(changed)[0])
+            exact = polynomial(type(changed), rationals(changed), sliding_law(changed) or 1, tangents(changed)[0])
             return float(min((*exact[:4], hurwitz(exact))))
         return _closed_form(changed, kind)
 
@@ -161,20 +163,6 @@ def _closed_form(drive: Drive, kind: ChartBoundary) -> float:
     return drag if inertia <= 0 or damping < 0 else math.nan
 
 
-def _law_or_none(drive: Drive) -> int | None:
-    """The law of steady sliding, None where the contact carries no force."""
-    try:
-        return steady_law(drive)
-    except InputError:
-        return None
-
-
-def _carries_force(drive: Drive, x: AxisSpan, y: AxisSpan) -> bool:
-    """Whether the contact carries a force somewhere in a window; R̃ is linear in each parameter that it depends on."""
-    corners = (drive.replace(**{x[0]: first, y[0]: second}) for first, second in product(x[1], y[1]))
-    return any(_law_or_none(corner) is not None for corner in corners)
-
-
 def stops_again(drive: Drive) -> float:
     """Return 1 if slip from the end of rest comes back to θ′ = 0, −1 if it ends in steady sliding; else 0.
 
@@ -182,7 +170,7 @@ def stops_again(drive: Drive) -> float:
     would stay, and orbits do not cross: what has not come back after a turn never does.
     """
     d, model = drive.exact(), find_model(drive.model)
-    attracts = _law_or_none(drive) == -1
+    attracts = sliding_law(drive) == -1
     if not (attracts and effective_inertia(d, 1) > 0 > effective_damping(d, 1) and effective_damping(d, -1) > 0):
         return math.nan
     automaton: Automaton = model.build(drive, model.physics_of(drive), "contact_sign")
