@@ -119,7 +119,7 @@ def test_light_drives_are_globally_stable_without_translation_damping():
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"mass": 10.0}, "not in the Painleve region"),
+        ({"mass": 10.0}, "not in the Painlevé region"),
         ({"support_damping": 0.0}, "attracts nothing"),
         (
             {"translation_damping": 2000.0, "support_damping": 0.1},

@@ -1,18 +1,11 @@
-r"""The basin of steady sliding in the rigid drive: its boundary in closed form, its area (Sect. 8.7).
+"""The basin of steady sliding in the rigid drive: its boundary in closed form, its area (Sect. 8.7).
 
 The boundary is found by following one motion backwards in time; docs/basin.md proves that this is enough. Let Ω > 0
-(otherwise the drive is mirrored), let M_0 be the slip mode that holds the equilibrium, and Q = q_u u + q_w w + q_0
-(eq. 8.17). There are two cases.
-
-* Γ₊ > 0. The motion depends continuously on its start, so the basin is the inside of the innermost closed orbit, or the
-  whole plane if there is none. A motion that starts near the equilibrium and is followed backwards winds on to that
-  orbit, or grows without bound.
-* Γ₊ ≤ 0, the Painlevé region, with R̃ Ω < 0. The motion that touches Q = 0, at a point T, is followed backwards. If it
-  comes from Q = 0 itself, no motion that has stood still settles, and this motion and the line Q = 0 enclose the basin.
-  Otherwise it comes from θ′ = 0, from a state (x, −Ω), and every motion that stands or lands there with u > x settles.
-  If a seizure that ends in that state begins beyond T, the slip before the seizure is followed backwards in turn, and
-  so on, until x reaches a cycle without rest, which repels, or goes to −∞. A seizure changes w only, so beyond M_0 the
-  boundary goes on along the line u = x.
+(otherwise the drive is mirrored), and Q = q_u u + q_w w + q_0 (eq. 8.17). For Γ₊ > 0 it is a motion that starts near
+the equilibrium and winds on to the innermost closed orbit, or grows without bound. For Γ₊ ≤ 0, the Painlevé region,
+with R̃ Ω < 0, it is the motion that touches Q = 0, at a point T. If it comes from Q = 0 itself, the two enclose the
+basin. Otherwise it comes from θ′ = 0, from a state (x, −Ω), and if a seizure that ends there begins beyond T, the slip
+before the seizure is followed in turn, until x reaches a cycle without rest, which repels, or goes to −∞.
 """
 
 import math

@@ -24,6 +24,7 @@ from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.kernels import flow_planar, layout, search_planar
 from lsvib.engine.kernels.flow_planar import level
 from lsvib.engine.kernels.layout import Found
+from lsvib.stability.slip import Slip
 
 
 @dataclass(frozen=True)
@@ -156,16 +157,8 @@ def _strip(flow: np.ndarray, piece: Piece) -> tuple[arb, tuple[arb, arb]]:
         return _under_line((u, w), end), end
     a0, a1, b = (arb(float(flow[piece.mode, k])) for k in (layout.A0, layout.A1, layout.B))
     time = arb(piece.duration)
-    square, y, decay = a1 * a1 / 4 - a0, u - b / a0, (-a1 * time / 2).exp()
-    root = abs(square).sqrt()
-    if square == 0:  # critical damping has a double root
-        s, even = decay * time, decay
-    elif square > 0:
-        s, even = decay * (root * time).sinh() / root, decay * (root * time).cosh()
-    else:
-        s, even = decay * (root * time).sin() / root, decay * (root * time).cos()
-    # S′ = even − a₁ S / 2 of the response S to a blow
-    y_end, w_end = y * (even + a1 / 2 * s) + w * s, w * (even - a1 / 2 * s) - a0 * y * s
+    y = u - b / a0
+    y_end, w_end = Slip(arb(1), a1, a0).state(y, w, time)
     if a1 == 0:  # energy stays, and ∫ w² dt + a₀ ∫ y² dt is it twice over time, ∫ w² dt − a₀ ∫ y² dt = Δ(y w)
         strip = ((w * w + a0 * y * y) * time + y_end * w_end - y * w) / 2
     else:

@@ -1,30 +1,17 @@
-r"""The fast map of a drive with two states: what becomes of motions from a surface, as a function of one coordinate.
+"""The fast map of a drive with two states: what becomes of motions from a surface, as a function of one coordinate.
 
 A *section* is a mode together with a surface on which the mode is entered. After every event a motion with two states
 is on a section or at rest, unless the event was its last one; so the label of a motion is that of its state after the
 first event. Along a section the label is constant between finitely many points, which are found here to the last bit.
-
-It is enough to compare two ends, for the following reason. For the motion from a point of a section, write down the
-guard of every event and the signs of all conditions of its transition; this is the *itinerary* of the point. If two
-points of a section have the same itinerary, every point between them has it, too. Consider one event. The two arcs do
-not meet, because motions are unique, and they do not cross the section's surface, which bounds the mode. Together with
-the pieces of the two surfaces between their ends they enclose a region, which lies in the mode because the mode is
-convex. The rate of a guard is affine along its surface, so between two points at which the field enters the mode it
-enters everywhere, and between two points at which it leaves the mode it leaves everywhere. Hence a motion that starts
-between the two points can leave the region only between the ends of the two arcs. It does leave the region: otherwise
-there would be an equilibrium in it, but the index of the field along such a boundary is zero. If both motions settle,
-the motions between them stay between them. The conditions are affine, too: a condition that has the same sign at both
-ends has it between them. So the next event starts again from a section, between two of its points.
+It is enough to compare two ends (docs/attraction.md proves it): if two points of a section have the same *itinerary*,
+the guards of all events and the signs of all conditions of their transitions, every point between them has it, too.
+Where the itineraries differ, bisection finds the point up to which that of one end holds, and both parts are examined
+again. Rounding moves such a point; so starts within a band about it, far wider than rounding, are unresolved.
 
 An itinerary ends where the rest of the motion is known: (i) at rest, because every rest ends in the same state; (ii)
-where the motion settles; (iii) in an *absorbing interval* around a point of a cycle: the return map (Poincaré map)
-takes it into itself, and is monotone there because both ends have the same itinerary, so that all motions that enter it
-go on for ever as the cycle does. What a motion ends in is decided by :func:`lsvib.dynamics.attractor.steady_state`
-alone: once for the end of rest and for every cycle, and for motions whose itineraries do not end.
-
-Where the itineraries of the ends of an interval differ, bisection finds the point up to which the itinerary of one end
-holds, and both parts are examined again. Rounding moves such a point; so starts within a band about it, far wider than
-rounding, are unresolved.
+where the motion settles; (iii) in an *absorbing interval* around a point of a cycle, which the return map (Poincaré
+map) takes into itself. What a motion ends in is decided by :func:`lsvib.dynamics.attractor.steady_state` alone: once
+for the end of rest and for every cycle, and for motions whose itineraries do not end.
 """
 
 from collections.abc import Mapping, Sequence

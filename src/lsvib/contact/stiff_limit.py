@@ -1,22 +1,8 @@
-r"""The limit process: what a compliant contact does after an impact, branch by branch, against the rigid drive.
+"""The limit process: what a compliant contact does after an impact, branch by branch, against the rigid drive.
 
-After a seizure (Γ₊ < 0) the rigid drive stands at some u, where the coupling torque T_r falls and Q grows with u. With
-the band of static friction between r_m R ξ₊ and r_m R ξ₋, four regions follow each other along u,
-
-    T_r above the band, Q < 0 | in the band, Q < 0 | in the band, Q > 0 | T_r below the band, Q > 0,
-
-and with two signs of R and of the impact there are sixteen branches of the rule of resuming. Which of them an impact
-from the speed θ′ = ±v can reach is decided by the damping c, since the impact needs Q of its sign before it.
-
-The contact stiffens in one of three ways: viscous, c_c = k_c · 1 s; with a fixed damping ratio ζ of the nut on the
-standing screw, c_c = 2 ζ √(k_c m); elastic, c_c = 0. An overdamped contact throws the nut back with the force
-
-    m² r_m tan λ v k_c² / c_c³.
-
-As the screw stops the nut still has some speed v_0, and the damper has taken the rest of its momentum over the mismatch
-m (r_m tan λ v − v_0) / c_c. Of both together the slow part of the free motion, of rate k_c / c_c, keeps m r_m tan λ v /
-c_c, whatever v_0 is, after the fast one, of rate c_c / m, has died out. A contact keeps the sign of the impulse until
-it carries its static force only if this is small beside |R|, so c_c must grow faster than k_c^(2/3).
+docs/limit_process.md says what the branches are, and derives the force with which an overdamped contact throws the nut
+back. The contact stiffens in one of three ways: viscous, c_c = k_c · 1 s; with a fixed damping ratio ζ of the nut on
+the standing screw, c_c = 2 ζ √(k_c m); elastic, c_c = 0.
 """
 
 import math
@@ -93,17 +79,14 @@ class Orbit:
         return max(farthest(self.points, other.polygon), farthest(other.points, self.polygon))
 
 
-def rest_duration(motion: Motion) -> float:
-    """Return the total time [s] that a motion spends at rest."""
-    modes, _, _, durations = motion.arcs()
-    return float(durations[np.isin(motion.automaton.codes[modes], motion.automaton.rest_codes)].sum())
+def rests_of(motion: Motion) -> np.ndarray:
+    """Return the times [s] that a motion spends at rest, each time that it comes to rest.
 
-
-def rest_count(motion: Motion) -> int:
-    """Return how often a motion comes to rest; a rest that only begins as the motion ends is none."""
+    A rest that only begins as the motion ends is none.
+    """
     modes, _, _, durations = motion.arcs()
-    codes = motion.automaton.codes[modes[durations > 0]]
-    return int(np.isin(codes, motion.automaton.rest_codes).sum())
+    rests = np.isin(motion.automaton.codes[modes], motion.automaton.rest_codes)
+    return np.asarray(durations[rests & (durations > 0)])
 
 
 class BranchFamily(IntEnum):
@@ -180,7 +163,7 @@ def stiffened(drive: RigidDrive, family: BranchFamily, stiffness: float, damping
 
 
 def rebound_force(drive: ThreadsDrive, speed: float) -> float:
-    """Return the force [N] with which the nut is thrown back after an impact from θ′ = ``speed`` [rad/s]; see above."""
+    """Return the force [N] with which the nut is thrown back after an impact from θ′ = ``speed`` [rad/s]."""
     if drive.contact_damping == 0:
         return math.inf
     nut = drive.pitch_radius * math.tan(drive.lead_angle) * speed
@@ -247,12 +230,12 @@ def deviations(branch: LimitBranch, drive: ThreadsDrive) -> dict[str, Any]:
         motion = follow(automaton, seated, branch.rigid[0].end_time)
     if motion is None:
         return {}
-    orbit, rest = Orbit.of(motion, branch.orbits[0].scales, _CORNERS[branch.impact is None]), rest_duration(motion)
+    orbit, rests = Orbit.of(motion, branch.orbits[0].scales, _CORNERS[branch.impact is None]), rests_of(motion)
     distance = [orbit.distance(rigid) for rigid in (branch.orbits if branch.differ else branch.orbits[:1])]
     values = {
         "motion_distance": distance if branch.differ else 2 * distance,
-        "rest_error": [rest - rest_duration(rigid) for rigid in branch.rigid],
-        "rests": rest_count(motion),
+        "rest_error": [float(rests.sum() - rests_of(rigid).sum()) for rigid in branch.rigid],
+        "rests": rests.size,
     }
     if branch.impact is None:
         return values | {"period_error": [motion.end_time / rigid.end_time - 1 for rigid in branch.rigid]}

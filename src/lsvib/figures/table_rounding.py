@@ -1,5 +1,6 @@
 """How far the rounding of Table 8.1 explains the distances between printed and computed thresholds."""
 
+import math
 from collections.abc import Callable, Mapping
 from enum import IntEnum
 from typing import ClassVar
@@ -19,7 +20,7 @@ from lsvib.models.mechanics import coefficients
 from lsvib.numbers import bisected
 from lsvib.stability import force_thresholds
 from lsvib.stability.conditions import critical_friction, critical_mass
-from lsvib.stability.threshold import HALF_UNITS, ROUND, propagated, solve_threshold
+from lsvib.stability.threshold import solve_threshold
 
 CAPTION = """\
 What the rounding of Table 8.1 explains of the distance between printed thresholds and computed ones (in brackets): half
@@ -39,6 +40,18 @@ _PRINTED = {
 _WORDS = {name: name.replace("_", " ") for name in _PRINTED} | {"critical_friction": "critical friction coefficient"}
 _PLACES = ("Sect. 8.5.1", "Fig. 8.15", "Sect. 8.6")  # that state what the drives of the thresholds have
 _VARIED = ("mass", "translation_damping")  # in which they differ; the thresholds of R do not depend on it
+# Half a unit of the last digit of each value as Table 8.1 prints it: 5.18 mm, 5.57 degree, 3.12e-6, 1, 2e-4, 0.218, 40.
+HALF_UNITS = {
+    "pitch_radius": 0.005e-3,
+    "lead_angle_deg": 0.005,
+    "screw_inertia": 0.005e-6,
+    "coupling_stiffness": 0.5,
+    "support_damping": 0.5e-4,
+    "friction_coefficient": 0.0005,
+    "input_speed": 0.5,
+}
+ROUND = ("coupling_stiffness", "support_damping", "input_speed")
+"""Values with no digit but the leading one, 1, 2e-4 and 40: they look chosen, and half a unit is up to half of them."""
 PrintedThreshold = IntEnum("PrintedThreshold", list(_PRINTED), start=0)
 Parameter = IntEnum("Parameter", list(HALF_UNITS), start=0)
 _SYMBOLS = {
@@ -77,7 +90,12 @@ def build(settings: Values) -> xr.Dataset:
     computed = np.array([functions[name](drives[name]) for name in _PRINTED])
     asked = drives | {"critical_friction": SupportDrive.of(drives["critical_friction"], screw_mass=screw_mass)}
     solved = [solve_threshold(drive, *_PRINTED[name][1:]) for name, drive in asked.items()]
-    changes = np.array([list(propagated(found).values()) for found in solved])
+    steps = {name: half for name, half in HALF_UNITS.items() if name != "lead_angle_deg"}
+    steps["lead_angle"] = math.radians(HALF_UNITS["lead_angle_deg"])
+    changes = np.zeros((len(solved), len(HALF_UNITS)))
+    for row, found in zip(changes, solved, strict=True):  # ∂f/∂p · h; its own parameter changes nothing
+        change = found.solutions[0].change({name: step for name, step in steps.items() if name != found.unknown})
+        row[:] = [change.get(name.removesuffix("_deg"), 0.0) for name in HALF_UNITS]
     return xr.Dataset(
         _relative_to(computed, changes) | _table(base) | _matching(drives["stick_force"], functions),
         coords={

@@ -146,6 +146,11 @@ def plus(*rows: "Row") -> tuple[Any, ...]:
     return tuple(added(*column) for column in zip(*rows, strict=True))
 
 
+def rate_of(row: "Row", field: Sequence["Row"]) -> tuple[Any, ...]:
+    """Return the rate of an affine function of the state along a field."""
+    return plus(*(tuple(weight * x for x in rates) for weight, rates in zip(row[:-1], field, strict=True)))
+
+
 def constant(value: Any) -> tuple[Any, ...]:
     """Return the row of a constant."""
     return (0, 0, 0, 0, value)

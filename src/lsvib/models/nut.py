@@ -40,8 +40,9 @@ from lsvib.engine.automaton import Automaton, scaled
 from lsvib.engine.exact.arithmetic import sign
 from lsvib.errors import InputError
 from lsvib.models.drive import NutDrive
-from lsvib.models.mechanics import LinearParts, Polynomial, constant, plus, solved
-from lsvib.models.two_bodies import Solution, TwoBodies, TwoBodyPowers, event_enum, mode_enum, two_body_model
+from lsvib.models.mechanics import LinearParts, Polynomial, constant, plus
+from lsvib.models.two_bodies import Solution, TwoBodies
+from lsvib.models.two_body_model import TwoBodyPowers, event_enum, mode_enum, two_body_model
 
 NutMode = mode_enum("NutMode", ("rest",), "screw")
 NutEvent = event_enum("NutEvent", "bearing")
@@ -95,7 +96,11 @@ class _Nut(TwoBodies):
         push = plus(constant(self._force(direction)), scaled(travel, -d.translation_damping))
         threads = (1, -1, 0, 0, 0) if rests else (0, 0, -d.pitch_radius * self.xi[law], 1, 0)
         bearing = (1, 0, 0, 0, 0) if held else (0, 0, 0, 0, 1)
-        screw, nut, contact, taken, second = solved(
+        return self.solution(
+            direction and law,
+            held,
+            rests and held,
+            rate,
             [
                 (d.screw_inertia, 0, 0, 1, 1),
                 (0, d.nut_inertia, 0, -1, 0),
@@ -104,17 +109,6 @@ class _Nut(TwoBodies):
                 bearing,
             ],
             [torque, spring, push, zero, zero if held else constant(self.bearing * way)],
-        )
-        frozen = {1: -d.input_speed} if held else {}
-        return Solution(
-            law=direction and law,
-            field=((0, 1, 0, 0, 0), screw, rate, nut),
-            frozen={**frozen, 3: 0} if rests and held else frozen,
-            contact=contact,
-            torque=taken,
-            slip_rate=plus(screw, scaled(nut, -1)),
-            second_rate=screw,
-            second_force=second,
         )
 
     def holds(self, way: int) -> dict[int, dict[int, tuple]]:

@@ -35,8 +35,9 @@ from lsvib.engine.automaton import Automaton, scaled
 from lsvib.engine.exact.arithmetic import sign
 from lsvib.errors import InputError
 from lsvib.models.drive import SupportDrive
-from lsvib.models.mechanics import LinearParts, Polynomial, constant, plus, solved
-from lsvib.models.two_bodies import Solution, TwoBodies, TwoBodyPowers, event_enum, mode_enum, two_body_model
+from lsvib.models.mechanics import LinearParts, Polynomial, constant, plus
+from lsvib.models.two_bodies import Solution, TwoBodies
+from lsvib.models.two_body_model import TwoBodyPowers, event_enum, mode_enum, two_body_model
 
 SupportMode = mode_enum("SupportMode", ("rest_positive", "rest_negative"), "nut")
 SupportEvent = event_enum("SupportEvent", "slide")
@@ -82,7 +83,11 @@ class _Support(TwoBodies):
         push = plus(constant(d.axial_force), scaled(travel, -d.translation_damping))
         threads = (1, 0, 0, 0, 0) if rests else (0, 0, -d.pitch_radius * self.xi[law], 1, 0)
         slide = (self.reach, 1, 0, 0, 0) if held else (0, 0, 0, 0, 1)
-        turn, shift, contact, taken, second = solved(
+        return self.solution(
+            direction and law,
+            rests,
+            rests and held,
+            rate,
             [
                 (d.screw_inertia, 0, 0, 1, 0),
                 (0, d.screw_mass, -1, 0, 0),
@@ -97,17 +102,6 @@ class _Support(TwoBodies):
                 zero if rests else constant(self.bearing * direction),
                 zero if held else constant(self.slide * way),
             ],
-        )
-        frozen = {1: -d.input_speed} if rests else {}
-        return Solution(
-            law=direction and law,
-            field=((0, 1, 0, 0, 0), turn, rate, shift),
-            frozen={**frozen, 3: 0} if rests and held else frozen,
-            contact=contact,
-            torque=taken,
-            slip_rate=turn,
-            second_rate=plus(scaled(turn, self.reach), shift),
-            second_force=second,
         )
 
     def holds(self, way: int) -> dict[int, dict[int, tuple]]:

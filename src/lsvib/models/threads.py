@@ -34,7 +34,7 @@ from lsvib.engine.exact.field import SWINGS
 from lsvib.engine.exact.modal_form import ModalMode, guard_forms, linear_mode, modal_flow
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
 from lsvib.models.drive import ThreadsDrive, once
-from lsvib.models.mechanics import Coefficients, LinearParts, Polynomial, coefficients, coefficients_of, plus
+from lsvib.models.mechanics import Coefficients, LinearParts, Polynomial, coefficients, coefficients_of, plus, rate_of
 from lsvib.models.model import DIRECTIONS, SIGNS, Model, Powers, product, seizures_only_by_contact
 
 STATES = ("angle_deviation", "velocity_deviation", "thread_mismatch", "mismatch_rate")
@@ -194,12 +194,12 @@ class _ThreadsBuild:
         On N = 0 the first derivative that is not zero is the same under both laws.
         """
         rows = self._slip_rows(1)
-        rate = _rate(self.normal, rows)
+        rate = rate_of(self.normal, rows)
         zero = ((self.normal, Test.ZERO), (rate, Test.ZERO))
         last = Test.POSITIVE if sign > 0 else Test.NOT_NEGATIVE
         yield ((scaled(self.normal, sign), Test.POSITIVE),)
         yield (*zero[:1], (scaled(rate, sign), Test.POSITIVE))
-        yield (*zero, (scaled(_rate(rate, rows), sign), last))
+        yield (*zero, (scaled(rate_of(rate, rows), sign), last))
 
     def _moving(self):
         for direction, where in DIRECTIONS.items():
@@ -217,11 +217,6 @@ class _ThreadsBuild:
                     excess = (plus(scaled(self.friction, direction), limit), Test.POSITIVE)
                     yield Branch(f"slip_{where}_{contact}", ThreadsEvent.REVERSAL, (*here, excess))
                 yield Branch(f"rest_{contact}", ThreadsEvent.STICK, here)
-
-
-def _rate(row: tuple, field: list[tuple]) -> tuple:
-    """Rate of an affine function of the state along a field."""
-    return plus(*(scaled(rates, weight) for weight, rates in zip(row[:-1], field, strict=True)))
 
 
 def seated_state(drive: ThreadsDrive, u: float, w: float) -> np.ndarray:

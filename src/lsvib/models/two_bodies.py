@@ -21,9 +21,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any
 
-import numpy as np
 from flint import arb
 
 from lsvib.engine.automaton import (
@@ -38,32 +36,17 @@ from lsvib.engine.automaton import (
     assemble,
     scaled,
 )
-from lsvib.engine.exact.arithmetic import many_digits, sign
+from lsvib.engine.exact.arithmetic import sign
 from lsvib.engine.exact.field import SWINGS
 from lsvib.engine.exact.modal_form import guard_forms, linear_mode, modal_flow
-from lsvib.engine.kernels.layout import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
-from lsvib.models.drive import Drive, NutDrive, SupportDrive, once
-from lsvib.models.mechanics import constant, friction_factor, plus
-from lsvib.models.model import DIRECTIONS, SIGNS, Model, Powers, product, seizures_only_by_contact
+from lsvib.engine.kernels.layout import Test
+from lsvib.models.drive import NutDrive, SupportDrive
+from lsvib.models.mechanics import constant, friction_factor, plus, rate_of, solved
+from lsvib.models.model import DIRECTIONS, SIGNS
 
 HELD = {**DIRECTIONS, 0: "held"}
 SLIPS = tuple((d, q) for d in DIRECTIONS for q in SIGNS)
 Side = tuple[Row, Test]  # a row and the test that it has to pass
-
-
-def mode_enum(name: str, rests: Sequence[str], second: str) -> type[IntEnum]:
-    """Return the codes of a model's modes: slips and rests, alone and with each direction of the second body."""
-    plain = [f"slip_{DIRECTIONS[d]}_{SIGNS[q]}" for d, q in SLIPS] + list(rests)
-    names = plain + [f"{mode}_{second}_{how}" for how in HELD.values() for mode in plain]
-    return IntEnum(name, {mode.upper(): code for code, mode in enumerate(names)})
-
-
-def event_enum(name: str, friction: str) -> type[IntEnum]:
-    """Return the kinds of a model's events; ``friction``: word for the friction of the second body."""
-    kinds = ["CONTACT_REVERSAL", "STICK", "REVERSAL", "RELEASE", "SEIZURE"]
-    kinds += [f"{friction}_{kind}".upper() for kind in ("stick", "reversal", "release")]
-    own = {kind: FIRST_MODEL_KIND + i for i, kind in enumerate(kinds)}
-    return IntEnum(name, {"GRAZE": GRAZE_KIND, "ACCUMULATION": ACCUMULATION_KIND, **own})
 
 
 @dataclass(frozen=True)
@@ -71,8 +54,8 @@ class Solution:
     """Newton's laws solved in one mode: affine functions of the state, constant last.
 
     ``law``: s, 0 at rest; ``field``: rate of the state; ``frozen``: coordinates that keep a value; ``contact``: n [N];
-    ``torque``: what the contact (at rest with the bearing) takes from the screw [N m]; ``slip_rate``: ω′;
-    ``second_rate`` and ``second_force``: acceleration and friction of the second body.
+    ``torque``: what the contact (at rest with the bearing) takes from the screw [N m]; ``second_force``: friction of
+    the second body.
     """
 
     law: int
@@ -80,8 +63,6 @@ class Solution:
     frozen: Mapping[int, arb]
     contact: Row
     torque: Row
-    slip_rate: Row
-    second_rate: Row
     second_force: Row
 
 
@@ -134,6 +115,17 @@ class TwoBodies(ABC):
     def solve(self, direction: int, law: int, way: int) -> Solution:
         """Solve Newton's laws for slip in a direction (0: rest) under a law, the second body moving one ``way``."""
 
+    def solution(
+        self, law: int, screw_held: bool, all_held: bool, rate: Row, matrix: Sequence[Row], sides: Sequence[Row]
+    ) -> Solution:
+        """Solve linear equations for w′, the acceleration of the second body, n, the torque, and the second friction.
+
+        ``rate``: that of the second body; ``screw_held``, ``all_held``: whether θ′ is zero, and that rate as well.
+        """
+        turn, second, contact, torque, friction = solved(matrix, sides)
+        frozen = ({1: -self.d.input_speed} if screw_held else {}) | ({3: 0} if all_held else {})
+        return Solution(law, ((0, 1, 0, 0, 0), turn, rate, second), frozen, contact, torque, friction)
+
     @abstractmethod
     def holds(self, way: int) -> Mapping[int, Mapping[int, Row]]:
         """Return the rows that are positive while static friction keeps the threads from slipping in a direction.
@@ -163,13 +155,9 @@ class TwoBodies(ABC):
         self.gauge = {(d, a): self.solve(d, -1, a).contact for d in DIRECTIONS for a in self.ways}  # Q > 0 ⇔ > 0
         self.surfaces: dict[str, Surface] = {}
         self.transitions = {"entry": Transition(tuple(self._entry()))}
-        modes = {}
-        for d, q in self.slips:
-            for a in self.ways:
-                modes[self._slip(d, q, a)] = self._mode(self._slip(d, q, a), self._slip_guards(d, q, a))
-        for side in self.sides:
-            for a in self.ways:
-                modes[self._rest(side, a)] = self._mode(self._rest(side, a), self._rest_guards(side, a))
+        guards = {self._slip(d, q, a): self._slip_guards(d, q, a) for d, q in self.slips for a in self.ways}
+        guards |= {self._rest(side, a): self._rest_guards(side, a) for side in self.sides for a in self.ways}
+        modes = {name: self._mode(name, found) for name, found in guards.items()}
         seen = {mode: self._observables(self.solutions[mode]) for mode in modes}
         return assemble(
             states=self.states,
@@ -294,7 +282,10 @@ class TwoBodies(ABC):
         return scaled(self.gauge[d, a], q), Test.POSITIVE if q > 0 else Test.NOT_NEGATIVE
 
     def _starts(self, d: int, q: int, a: int) -> Side:
-        return scaled(self.solutions[self._slip(d, q, a)].slip_rate, d), Test.POSITIVE
+        return scaled(rate_of(self.slip, self.solutions[self._slip(d, q, a)].field), d), Test.POSITIVE
+
+    def _slides(self, mode: str, a: int) -> Side:
+        return scaled(rate_of(self.sliding, self.solutions[mode].field), a), Test.POSITIVE
 
     def _side_holds(self, side: int, a: int) -> tuple[Side, ...]:
         return ((scaled(self.lasting[a].contact, side), Test.NOT_NEGATIVE),) if side else ()
@@ -315,8 +306,8 @@ class TwoBodies(ABC):
         """The second body stops while the threads slip; it slides on if that accelerates it, else it is held."""
         for a in DIRECTIONS:
             for q in SIGNS:
-                moves = (scaled(self.solutions[self._slip(d, q, a)].second_rate, a), Test.POSITIVE)
-                yield Branch(self._slip(d, q, a), self.second_kinds[1], (self._law_holds(d, q, a), moves))
+                mode = self._slip(d, q, a)
+                yield Branch(mode, self.second_kinds[1], (self._law_holds(d, q, a), self._slides(mode, a)))
         for q in SIGNS:
             yield Branch(self._slip(d, q, 0), self.second_kinds[0], (self._law_holds(d, q, 0),) if q > 0 else ())
 
@@ -335,7 +326,7 @@ class TwoBodies(ABC):
 
     def _second_agrees(self, mode: str, a: int) -> tuple[Side, ...]:
         if a:
-            return ((scaled(self.solutions[mode].second_rate, a), Test.POSITIVE),)
+            return (self._slides(mode, a),)
         return tuple((self._room(self.solutions[mode], way), Test.NOT_NEGATIVE) for way in DIRECTIONS)
 
     def _beyond_hold(self, kinds: tuple[int, int], impulse: int = 0) -> Iterator[Branch]:
@@ -385,68 +376,3 @@ def _under(condition: Side, branches: Iterator[Branch]) -> Iterator[Branch]:
 OUTPUTS = (  # forces [N], torque [N m], angle [rad], speeds [rad/s] and [m/s]
     "normal_force", "axial_contact_force", "coupling_torque", "coupling_deflection", "screw_speed", "nut_speed",
 )  # fmt: skip
-
-
-@once
-def automaton_of(model: type[TwoBodies], drive: SupportDrive | NutDrive, slide: bool, bearing: bool) -> Automaton:
-    """Return the automaton of a drive; ``slide``, ``bearing``: with F_0, with T_0.
-
-    Raises ``InputError`` where F_0 or T_0 leaves the motion undetermined (see the models), ``EngineError`` if the rates
-    of a mode cannot be separated in double precision.
-    """
-    with many_digits():
-        return model(drive, slide, bearing).automaton()
-
-
-def two_body_model(kind: type[TwoBodies], drive: type[Drive], **own: Any) -> Model:
-    """Return the ``MODEL`` of the drives of a class; ``own``: its fields that no other model shares.
-
-    The coordinate and the rate of the second body are 0 if a start leaves them out.
-    """
-    second = kind.states[2:]
-
-    def build(drive: Any, physics: tuple[str, ...], resume: str) -> Automaton:
-        seizures_only_by_contact(drive.model, resume)
-        return automaton_of(kind, drive, "slide_friction" in physics, "bearing_friction" in physics)
-
-    common = ("support_damping", "translation_damping", "axial_force", drive.own_damping)
-    return Model(
-        drive=drive,
-        build=build,
-        start=lambda drive, values: np.array([values["u"], values["w"], *(values.get(key, 0.0) for key in second)]),
-        modes=kind.modes,
-        events=kind.events,
-        optional=second,
-        states=kind.states,
-        terms=(*common, "slide_friction", "bearing_friction"),
-        outputs=OUTPUTS,
-        **own,
-    )
-
-
-class TwoBodyPowers(Powers):
-    """Powers of a drive whose second body moves at the fourth coordinate of the state, the row ``second``.
-
-    ``inertia`` names the parameter that is the mass or the moment of inertia of the second body.
-    """
-
-    inertia: str
-
-    @property
-    def second(self) -> np.ndarray:
-        """Speed of the second body, x_1′ [m/s] or θ_2′ [rad/s]."""
-        return self.unit[3]
-
-    def dampers(self) -> Iterator[tuple[float, np.ndarray]]:
-        """Yield the damper of the second body."""
-        yield getattr(self.drive, self.drive.own_damping), self.second
-
-    def friction(self, mode: int) -> Iterator[np.ndarray]:
-        """Yield the powers [W] of the friction of threads, slide (F_0) and bearing (T_0)."""
-        yield from super().friction(mode)
-        yield self.drive.slide_friction * product(self.nut, self.one)
-        yield self.drive.bearing_friction * product(self.screw, self.one)
-
-    def second_energy(self, x: np.ndarray) -> float:
-        """Return twice the kinetic energy [J] of the second body at (x, 1)."""
-        return float(getattr(self.drive, self.inertia) * (self.second @ x) ** 2)

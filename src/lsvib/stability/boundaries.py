@@ -4,16 +4,11 @@ With t = tan λ the coefficients of :func:`lsvib.stability.spectrum.polynomial` 
 every parameter and in t. So all roots in any one of them are isolated with certainty, in rational numbers of FLINT, and
 a list of them is complete. Steady sliding changes its stability only at roots of R̃ and of the numbers whose signs
 decide (:func:`lsvib.stability.spectrum.margins`); exact signs between them say where it is stable. The sign of Ω is
-kept on each side of zero.
-
-    onset                  steady sliding gains or loses its asymptotic stability; one of the equations below, or R̃ = 0
-    kinematic_constraint   det M = 0 under law +: Γ₊ = 0 (8.20), Γ̃₊ = 0 (8.28), Γ̂₊ = 0 (8.33)
-    negative_damping       C₊ = 0 (8.19)
-    flutter                two eigenvalues on the imaginary axis: Hurwitz determinant of det(M s² + C s + K) = 0
+kept on each side of zero. The equations stand in docs/thresholds.md.
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
@@ -65,10 +60,10 @@ class StableSet:
     """Values of one parameter at which steady sliding is stable, all others held at those of the drive.
 
     ``intervals`` are open intervals (low, high) [unit of the parameter; of the lead angle its tangent] in ascending
-    order, within the ``limit`` on either side of zero, the end of the range of the parameter. With ``neutral`` the
-    drive has no damping, and they are the values at which no motion grows; else those at which steady sliding is
-    asymptotically stable. ``from_zero`` says that zero belongs to the first interval; ``changes`` are the places where
-    stability changes.
+    order, within the ``limit`` on either side of zero, the end of the range of the parameter; where two touch, steady
+    sliding is not stable between them, or the parameter cannot have that value. With ``neutral`` the drive has no
+    damping, and they are the values at which no motion grows; else those at which steady sliding is asymptotically
+    stable. ``from_zero`` says that zero is one of the values; ``changes`` are the places where stability changes.
     """
 
     key: str
@@ -81,8 +76,7 @@ class StableSet:
 
     def places(self) -> list[Place]:
         """Return the changes that the drive can have, in ascending order."""
-        found = [place for place in self.changes if allowed(self.drive, self.key, float(place.value))]
-        return sorted(found, key=lambda place: float(place.value))
+        return _in_order(self.drive, self.key, self.changes)
 
     def in_doubles(self) -> tuple[tuple[float | None, float | None], ...]:
         """Return the intervals in the unit of the parameter, None at the end of its range."""
@@ -245,27 +239,24 @@ def stable_set(drive: Drive, key: str) -> StableSet | None:
     for line, (parts, places, _) in zip(lines, found, strict=True):
         intervals += [(min(line.side * a, line.side * b), max(line.side * a, line.side * b)) for a, b, s in parts if s]
         changes += places
+    line, intervals = lines[-1], sorted(intervals)
+    from_zero = line.stable(fmpq(0))
     if len(lines) == 2 and key != "input_speed":  # zero lies between both sides
         (before, *_), (after, *_) = found[0][0], found[1][0]
-        vanishes = lines[1].roots_of(lines[1].force)
+        vanishes = line.roots_of(line.force)
         if before[2] != after[2] and vanishes and vanishes[0] == 0:
-            changes.append(lines[1].place(fmpq(0), lines[1].force))
-    line = lines[-1]
-    return StableSet(
-        key, tuple(sorted(intervals)), line.limit, line.neutral, line.stable(fmpq(0)), tuple(changes), drive
-    )
+            changes.append(line.place(fmpq(0), line.force))
+        if before[2] and after[2] and from_zero:  # nothing changes there
+            k = next(k for k, (low, _) in enumerate(intervals) if low == 0)
+            intervals[k - 1 : k + 1] = [(intervals[k - 1][0], intervals[k][1])]
+    return StableSet(key, tuple(intervals), line.limit, line.neutral, from_zero, tuple(changes), drive)
 
 
 def places(drive: Drive, name: str, unknown: str) -> list[Place] | None:
-    """Return all places at which one condition vanishes, in ascending order; None if the unknown is not in it."""
-    found = _roots_of(drive, name, unknown)
-    if found is None:
-        return None
-    return sorted((p for p in found if allowed(drive, unknown, float(p.value))), key=lambda p: float(p.value))
+    """Return all places at which the one condition of a threshold vanishes, in ascending order.
 
-
-def _roots_of(drive: Drive, name: str, unknown: str) -> list[Place] | None:
-    """The roots of the one condition of a threshold; of flutter of that of the law that holds there."""
+    Of flutter that of the law that holds there. None if the unknown is not in the condition.
+    """
     lines, neutral = Line.all_of(drive, unknown), undamped(drive, unknown)
     if name == "flutter":
         wanted = {law: _margins(drive, law, neutral)[-1] for law in (1, -1)}
@@ -276,9 +267,15 @@ def _roots_of(drive: Drive, name: str, unknown: str) -> list[Place] | None:
     roots = [(line, law, condition, line.roots_of(condition)) for line in lines for law, condition in wanted.items()]
     if all(found is None for *_, found in roots):
         return None
-    return [
+    found = [
         line.place(x, condition)
         for line, law, condition, found in roots
         for x in found or []
         if (x or line is lines[0]) and (not law or (line.law(x) == law and min(line.margins(x, law)[:-1]) > 0))
     ]
+    return _in_order(drive, unknown, found)
+
+
+def _in_order(drive: Drive, unknown: str, found: Iterable[Place]) -> list[Place]:
+    """The places that a drive can have, in ascending order."""
+    return sorted((p for p in found if allowed(drive, unknown, float(p.value))), key=lambda p: float(p.value))

@@ -1,18 +1,8 @@
 """The exact curves, by name, at which a drive changes what it does, in the plane of two of its parameters.
 
-Rigid drive (:mod:`lsvib.stability.force_thresholds` says what each force divides):
-
-* ``kinematic_constraint``: Γ₊ = 0, the Painlevé region begins;
-* ``onset``: R̃ = 0, where Γ₊ ≤ 0 or C₊ < 0, so that steady sliding is unstable on the side R̃ Ω > 0;
-* ``negative_damping``: C₊ = 0, where Γ₊ > 0 and R̃ Ω > 0;
-* ``stick``, ``detach``, ``global_stability``: R is the force of that name;
-* ``stick_slip_birth``, for Γ₊ > 0 > C₊ and R̃ Ω < 0, where steady sliding attracts what is near: whether slip from the
-  end of rest comes back to θ′ = 0. Orbits do not cross; so if it does, what is outside of it stays there and ends on a
-  cycle, and if not, whatever rests ends in steady sliding.
-
-Compliant threads: ``flutter``, where steady sliding changes its stability, from the full characteristic polynomial.
-Where the contact carries no force, the law is that of the slightest force against the motion; a plane without any force
-has no such curve.
+docs/charts.md lists their equations and what they divide; :mod:`lsvib.stability.force_thresholds` says what each force
+divides. Where the contact of compliant threads carries no force, the law is that of the slightest force against the
+motion; a plane without any force has no such curve.
 
 A curve is traced through a grid of nodes (contourpy); on every side of a cell that it crosses the root is bracketed to
 rounding, with the exact condition. What lies between the points is interpolated; a curve that enters and leaves a cell
@@ -34,13 +24,13 @@ from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import follow
-from lsvib.errors import InputError, NoThreshold
+from lsvib.errors import NoThreshold
 from lsvib.models.drive import Drive, zero_if_close
 from lsvib.models.model import find_model
 from lsvib.stability.boundaries import net_force
 from lsvib.stability.conditions import effective_damping, effective_inertia
 from lsvib.stability.force_thresholds import threshold_force
-from lsvib.stability.linear import hurwitz, steady_law
+from lsvib.stability.linear import hurwitz, sliding_law
 from lsvib.stability.solve import bracketed_root
 from lsvib.stability.spectrum import polynomial, rationals, tangents
 
@@ -83,15 +73,14 @@ def boundary_curves(
     """
     names, found = (x[0], y[0]), {}
     for kind in kinds or curves_of(drive):
-        if kind is ChartBoundary.FLUTTER and not _carries_force(drive, x, y):
-            continue
+        if kind is ChartBoundary.FLUTTER:  # R̃ is linear in each parameter that it depends on
+            corners = (drive.replace(**{x[0]: first, y[0]: second}) for first, second in product(x[1], y[1]))
+            if not any(map(sliding_law, corners)):
+                continue
         slow = kind is ChartBoundary.FLUTTER or (kind in _FORCES and "axial_force" not in names)
         nodes = [nodes_between(*ends, 32 if slow else 64, name) for name, ends in (x, y)]
         function = _function(drive, kind, names)
-        if kind in _FORCES and not slow:
-            values = _over_force(function, names, nodes)
-        else:
-            values = np.array([[function(a, b) for a in nodes[0]] for b in nodes[1]])
+        values = np.array([[function(a, b) for a in nodes[0]] for b in nodes[1]])
         bisected = kind is ChartBoundary.STICK_SLIP_BIRTH  # each step gains one bit only
         lines = contour(function, *nodes, values, 1e-9 if bisected else _ROUNDED)
         if lines:
@@ -129,13 +118,6 @@ def contour(
     return [np.array([root(i, j) for i, j in line.tolist()]) for line in lines]
 
 
-def _over_force(function: PlaneFunction, names: tuple[str, str], nodes: list[np.ndarray]) -> np.ndarray:
-    """Values of R − threshold at the nodes of a plane that has R as an axis: of the threshold one for each line."""
-    if names[0] == "axial_force":
-        return nodes[0] - np.array([nodes[0][0] - function(nodes[0][0], b) for b in nodes[1]])[:, None]
-    return nodes[1][:, None] - np.array([nodes[1][0] - function(a, nodes[1][0]) for a in nodes[0]])
-
-
 def _function(drive: Drive, kind: ChartBoundary, names: tuple[str, str]) -> PlaneFunction:
     """The function of two parameters that vanishes on a curve; nan where there is no such threshold."""
     # Where R is no axis, slip without a cycle comes to rest as soon as it is beyond the onset, to which the force of
@@ -161,7 +143,7 @@ def _function(drive: Drive, kind: ChartBoundary, names: tuple[str, str]) -> Plan
         if kind is ChartBoundary.STICK_SLIP_BIRTH:
             return stops_again(changed)
         if kind is ChartBoundary.FLUTTER:
-            exact = polynomial(type(changed), rationals(changed), _law_or_none(changed) or 1, tangents(changed)[0])
+            exact = polynomial(type(changed), rationals(changed), sliding_law(changed) or 1, tangents(changed)[0])
             return float(min((*exact[:4], hurwitz(exact))))
         return _closed_form(changed, kind)
 
@@ -181,20 +163,6 @@ def _closed_form(drive: Drive, kind: ChartBoundary) -> float:
     return drag if inertia <= 0 or damping < 0 else math.nan
 
 
-def _law_or_none(drive: Drive) -> int | None:
-    """The law of steady sliding, None where the contact carries no force."""
-    try:
-        return steady_law(drive)
-    except InputError:
-        return None
-
-
-def _carries_force(drive: Drive, x: AxisSpan, y: AxisSpan) -> bool:
-    """Whether the contact carries a force somewhere in a window; R̃ is linear in each parameter that it depends on."""
-    corners = (drive.replace(**{x[0]: first, y[0]: second}) for first, second in product(x[1], y[1]))
-    return any(_law_or_none(corner) is not None for corner in corners)
-
-
 def stops_again(drive: Drive) -> float:
     """Return 1 if slip from the end of rest comes back to θ′ = 0, −1 if it ends in steady sliding; else 0.
 
@@ -202,7 +170,7 @@ def stops_again(drive: Drive) -> float:
     would stay, and orbits do not cross: what has not come back after a turn never does.
     """
     d, model = drive.exact(), find_model(drive.model)
-    attracts = _law_or_none(drive) == -1
+    attracts = sliding_law(drive) == -1
     if not (attracts and effective_inertia(d, 1) > 0 > effective_damping(d, 1) and effective_damping(d, -1) > 0):
         return math.nan
     automaton: Automaton = model.build(drive, model.physics_of(drive), "contact_sign")

@@ -13,6 +13,7 @@ seizes, its *birth* seen from there. Slip from the end of rest that seizes just 
 
 import math
 from collections.abc import Callable
+from functools import partial
 from itertools import takewhile
 from typing import Any
 
@@ -29,37 +30,20 @@ _GRID = 240  # durations of slip in equal ratios that are looked at before a roo
 _NONE = Start("", arb.pos_inf())
 
 
-def onset_force(drive: RigidDrive) -> float:
-    """Axial force R [N] at which N_0 = 0 and steady sliding loses stability, R = r_m tan λ c_x Ω (eqs 8.15, 8.19).
-
-    Below it (R̃ < 0) steady sliding attracts what is near, above it (R̃ > 0) it repels, for all forces. Raises
-    ``NoThreshold`` in the Painlevé region and where the effective damping of law + is not negative.
-    """
-    return threshold_force(drive, "onset")
-
-
-def stick_force(drive: RigidDrive) -> float:
-    """Axial force R [N] of :func:`stick_start`."""
-    return threshold_force(drive, "stick")
-
-
-def detach_force(drive: RigidDrive) -> float:
-    """Axial force R [N] of :func:`detach_start`."""
-    return threshold_force(drive, "detach")
-
-
-def global_stability_force(drive: RigidDrive) -> float:
-    """Axial force R [N] of :func:`global_stability_start`."""
-    return threshold_force(drive, "global_stability")
-
-
 def threshold_force(drive: RigidDrive, name: str) -> float:
-    """Return an axial force [N] by the name of its threshold: its value alone, for charts of many drives.
+    """Return an axial force [N] by the name of its threshold, as :data:`STARTS` has it: its value alone.
 
-    It is that of ``drive.threshold(name)``, which encloses it. Raises ``NoThreshold``.
+    For charts of many drives; ``drive.threshold(name)`` encloses it. Raises ``NoThreshold``.
     """
     with many_digits():
         return math.copysign(1.0, drive.input_speed) * float(STARTS[name](drive).force)
+
+
+onset_force = partial(threshold_force, name="onset")
+stick_force = partial(threshold_force, name="stick")
+detach_force = partial(threshold_force, name="detach")
+global_stability_force = partial(threshold_force, name="global_stability")
+"""Axial forces [N] of the thresholds ``onset``, ``stick``, ``detach`` and ``global_stability`` of a drive."""
 
 
 def _negatively_damped(drive: RigidDrive) -> SlipDrive:
@@ -67,7 +51,7 @@ def _negatively_damped(drive: RigidDrive) -> SlipDrive:
     d = SlipDrive.of(drive)
     if not d.inertia[1] > 0:
         raise NoThreshold(
-            "the drive is in the Painleve region (effective inertia of law + not positive), outside conditions (8.19)."
+            "the drive is in the Painlevé region (effective inertia of law + not positive), outside conditions (8.19)."
         )
     if not d.damping[1] < 0:
         raise NoThreshold(
@@ -81,7 +65,7 @@ def _seizing(drive: RigidDrive, undamped: str = "without damping no cycle of thi
     d = SlipDrive.of(drive)
     if not d.inertia[1] <= 0:
         raise NoThreshold(
-            "the drive is not in the Painleve region (effective inertia of law + positive), where no motion seizes."
+            "the drive is not in the Painlevé region (effective inertia of law + positive), where no motion seizes."
         )
     if not d.damping[-1] > 0:
         raise NoThreshold(undamped)
@@ -114,10 +98,9 @@ def _apart(start: Start, d: SlipDrive) -> Start:
 def stick_start(drive: RigidDrive) -> Start:
     """Axial force at which the slip cycle first touches θ′ = 0.
 
-    From the onset to this force there is a cycle of slip that does not come to θ′ = 0 and that attracts motions from
-    near steady sliding; beyond it, up to any force, there is none, and motions from near steady sliding come to θ′ = 0.
-    Without that guard the motion scales with R̃, so that R̃ = Ω / |w_1| with the extreme velocity w_1 of the cycle at R̃ =
-    1 N. There is none if slip has no such cycle.
+    From the onset to this force a cycle of slip without θ′ = 0 attracts motions from near steady sliding; beyond it, up
+    to any force, they come to θ′ = 0. Without that guard the motion scales with R̃, so that R̃ = Ω / |w_1| with the
+    extreme velocity w_1 of the cycle at R̃ = 1 N.
     """
     d = _negatively_damped(drive)
     if not d.slip(1).turns:
@@ -144,8 +127,7 @@ def detach_start(drive: RigidDrive) -> Start:
     From the onset to this force slip from the end of rest reaches N = 0 before it ends, and so does every cycle with
     rest; beyond it, up to any force, that slip stays in N ≠ 0 and ends in rest: one stick–slip cycle, without N = 0.
     Rest ends at u = C₊ Ω / k whatever R is, and the slip under law + that follows depends on R only through N; so it
-    touches Q = Q_uw(u, w) + Γ₊ R̃ = 0 at R̃ = −min Q_uw / Γ₊. There is none if slip under law + does not come back to
-    θ′ = 0, if it reaches N = 0 under no force beyond the onset, and if it does not end in rest at that force.
+    touches Q = Q_uw(u, w) + Γ₊ R̃ = 0 at R̃ = −min Q_uw / Γ₊.
     """
     d = _negatively_damped(drive)
     slip = d.slip(1)
@@ -154,7 +136,7 @@ def detach_start(drive: RigidDrive) -> Start:
             "slip under law + grows without a turn and does not come back to rest for this drive, so every cycle with "
             "rest reaches N = 0, whatever the force."
         )
-    start = d.end_against(1), -d.speed
+    start = d.end_without_force(1), -d.speed
     end = slip.recurrence()
     times = [end, *takewhile(lambda time: time < end, slip.stationary(*start, d.contact))]
     states = (slip.state(*start, time) for time in times)
@@ -175,14 +157,12 @@ def detach_start(drive: RigidDrive) -> Start:
 def global_stability_start(drive: RigidDrive) -> Start:
     """Axial force below which steady sliding is globally stable and above which it is not (end of Sect. 8.7).
 
-    The statement is about all forces with R̃ < 0, that is R < R_on = r_m tan λ c_x Ω: those against the motion, R < 0,
-    and those with it that are smaller than what drags the nut, 0 ≤ R < R_on. Under any force below the threshold every
-    motion ends in steady sliding; under any force from the threshold to R_on some do not. (Beyond R_on steady sliding
-    is unstable, Lemma 8.1.) It holds for the rule ``resume="contact_sign"``, and for R < 0 under both rules. As
-    docs/basin.md proves, a motion that does not settle either rests again and again, or slips for ever between seizures
-    without rest, and both go on under larger forces: the threshold is the smaller one of the forces at which the first
-    of each begins. There is none outside the Painlevé region, without damping, where steady sliding is globally stable
-    under every force with R̃ < 0, and for the few drives with m c < c_x I for which this is not proved.
+    Under any force below it every motion ends in steady sliding, under any from it to R_on = r_m tan λ c_x Ω some do
+    not; beyond R_on steady sliding is unstable (Lemma 8.1). This holds for the rule ``resume="contact_sign"``, and for
+    R < 0 under both rules. As docs/basin.md proves, a motion that does not settle either rests again and again, or
+    slips for ever between seizures without rest, and both go on under larger forces: the threshold is the smaller one
+    of the forces at which the first of each begins. For the few drives with m c < c_x I for which this is not proved
+    there is none.
     """
     d = _seizing(drive, "without damping steady sliding attracts nothing.")
     found = _NONE
@@ -202,26 +182,23 @@ def global_stability_start(drive: RigidDrive) -> Start:
 
 
 def _rest_goes_on_from(d: SlipDrive) -> Start:
-    """Smallest R < R_on [N] at which slip from the end of rest seizes; infinite if there is none.
-
-    For R ≤ 0 rest ends at u = C₋ Ω / k; for R > 0 it ends farther left, by r (ξ₊ − ξ₋) R / k.
-    """
-    slip, inertia, first = d.slip(-1), d.inertia[-1], d.end_against()
-    found = slip.peak(first, -d.speed, d.contact)
+    """Smallest R < R_on [N] at which slip from the end of rest seizes; infinite if there is none."""
+    slip, inertia = d.slip(-1), d.inertia[-1]
+    found = slip.peak(d.end_without_force(), -d.speed, d.contact)
     if found is not None and d.onset < found[0] / inertia:
         return Start("rest seizes", d.onset - found[0] / inertia, (found[1],))
 
     def excess(force: arb) -> Any:
         """By how much slip from the end of rest goes beyond Q = 0."""
-        found = slip.peak(first - d.reach * force, -d.speed, d.contact)
+        found = slip.peak(d.end_of_rest(force), -d.speed, d.contact)
         return (arb(-1) if found is None else found[0]) - inertia * (d.onset - force)
 
     # Among 0 ≤ R < R_on: the largest Q_uw of that slip is the maximum of functions that are linear in R, so convex.
     if not (d.onset > 0 and excess(d.onset) > 0):
         return _NONE
     force = bracketed_root(excess, arb(0), d.onset, CLOSE)
-    found = slip.peak(first - d.reach * force, -d.speed, d.contact)
-    return _NONE if found is None else Start("rest seizes with the motion", force, (found[1],))
+    found = slip.peak(d.end_of_rest(force), -d.speed, d.contact)
+    return _NONE if found is None else Start("rest seizes", force, (found[1],))
 
 
 def durations(d: SlipDrive) -> list[arb]:
@@ -243,30 +220,30 @@ def widest_return(d: SlipDrive) -> tuple[arb, arb, arb]:
 
     Returns it with that x and the time τ [s] of the slip. Minus infinity if no slip comes back.
     """
-    slip, largest, times = d.slip(-1), d.end_against(), durations(d)[:-1]
+    largest, times = d.end_without_force(), durations(d)[:-1]
 
     def comes_back(back: Return) -> bool:
         return bool(back.x < largest and back.w > 0)
 
-    returns = list(takewhile(comes_back, (Return(d, slip, time) for time in times)))
+    returns = list(takewhile(comes_back, (Return(d, time) for time in times)))
     if not returns:
         return arb.neg_inf(), arb.nan(), arb.nan()
     best = max(range(len(returns)), key=lambda k: float(returns[k].h))
     low, high, beyond = times[max(best - 1, 0)], times[best], times[min(best + 1, _GRID - 1)]
-    if comes_back(Return(d, slip, beyond)):
+    if comes_back(Return(d, beyond)):
         high = beyond
     else:  # as far as slip comes back
         for _ in range(60):
             middle = ((high + beyond) / 2).mid()
-            high, beyond = (middle, beyond) if comes_back(Return(d, slip, middle)) else (high, middle)
+            high, beyond = (middle, beyond) if comes_back(Return(d, middle)) else (high, middle)
 
     def rate(time: arb) -> Any:
-        return Return(d, slip, time).h_rate
+        return Return(d, time).h_rate
 
     time = low if rate(low) < 0 else high
     if rate(low) > 0 > rate(high):
         time = bracketed_root(rate, low, high, CLOSE)
-    back = Return(d, slip, time)
+    back = Return(d, time)
     return back.h, back.x, time
 
 
@@ -285,7 +262,7 @@ def _require_rest_in_every_cycle(d: SlipDrive, force: arb) -> None:
     ``force`` [N] is the threshold by rest. The largest u that slip from (−u_p, −Ω), u_p = C₋ Ω / k, reaches on the
     right bounds that of all other slip; the gap is u_c − u_p.
     """
-    slip, speed, first = d.slip(-1), d.speed, d.end_against()
+    slip, speed, first = d.slip(-1), d.speed, d.end_without_force()
     found = slip.peak(-first, -speed, (1, 0))
     if found is None or found[0] <= 0:
         return  # slip never gets to the right of u_p, where backward slip begins
@@ -309,14 +286,14 @@ def _require_rest_in_every_cycle(d: SlipDrive, force: arb) -> None:
 
 def _first_root(d: SlipDrive, function: Callable[[Return], Any]) -> arb | None:
     """The first time at which a function of returns changes sign while slip comes back forward, if any."""
-    slip, last = d.slip(-1), None
+    last = None
     for time in durations(d)[:-1]:
-        back = Return(d, slip, time)
+        back = Return(d, time)
         if not back.w > 0:
             return None
         value = function(back)
         if last is not None and (value > 0) != (last[1] > 0):
-            found: arb = bracketed_root(lambda at: function(Return(d, slip, at)), last[0], time, CLOSE)
+            found: arb = bracketed_root(lambda at: function(Return(d, at)), last[0], time, CLOSE)
             return found
         last = time, value
     return None
@@ -337,7 +314,7 @@ def cycle_birth_start(drive: RigidDrive) -> Start:
     time = _first_root(d, lambda back: back.q_rate)
     if time is None:
         raise NoThreshold("slip under law - that comes back to where it started never touches Q = 0 there.")
-    back = Return(d, d.slip(-1), time)
+    back = Return(d, time)
     return _before_rest(Start("cycle_birth", d.onset - back.h / d.inertia[-1], (time,)), back.x, d)
 
 
@@ -345,14 +322,9 @@ def _before_rest(start: Start, x: arb, d: SlipDrive) -> Start:
     """Refuse a cycle without rest that would begin where the screw rests, or where steady sliding is unstable."""
     if not start.force < d.onset:
         raise NoThreshold("the force at which it would lie is not below the onset, R = r_m tan(lead_angle) c_x Omega.")
-    if not x < _end_of_rest(d, start.force):
+    if not x < d.end_of_rest(start.force):
         raise NoThreshold("the cycle without rest would begin where the screw still rests, so there is none.")
     return start
-
-
-def _end_of_rest(d: SlipDrive, force: arb) -> Any:
-    """Deflection [rad] from the equilibrium of law − at which rest ends under a force R [N]."""
-    return d.end_against() - (d.reach * force if force > 0 else 0)
 
 
 def rest_left(drive: RigidDrive) -> tuple[arb, Start]:
@@ -362,23 +334,17 @@ def rest_left(drive: RigidDrive) -> tuple[arb, Start]:
     ``NoThreshold`` if it does not come back, or has met Q = 0 long before.
     """
     d = _seizing(drive)
-    begins = _end_of_rest(d, d.force)
-    time = _first_root(d, lambda back: back.x - begins)
+    time = _first_root(d, lambda back: back.x - d.end_of_rest(d.force))
     if time is None:
         raise NoThreshold("slip from the end of rest does not come back to where it started.")
-    back = Return(d, d.slip(-1), time)
+    back = Return(d, time)
     if not back.q_rate > 0:
         raise NoThreshold("slip from the end of rest seizes long before it is back where it started, or never.")
-    name = "rest lost with the motion" if d.force > 0 else "rest lost"
-    return back.h + d.inertia[-1] * d.net, Start(name, d.force, (time,))
-
-
-def _onset_start(drive: RigidDrive) -> Start:
-    return Start("", _negatively_damped(drive).onset)
+    return back.h + d.inertia[-1] * d.net, Start("rest lost", d.force, (time,))
 
 
 STARTS: dict[str, Callable[[Any], Start]] = {
-    "onset": _onset_start,
+    "onset": lambda drive: Start("", _negatively_damped(drive).onset),  # (8.15, 8.19)
     "stick": stick_start,
     "detach": detach_start,
     "global_stability": global_stability_start,

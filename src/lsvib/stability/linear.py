@@ -83,9 +83,16 @@ class LinearModel:
 
 
 def steady_law(drive: Drive) -> int:
+    """Return the law s_0 of steady sliding (:func:`sliding_law`); ``InputError`` if the contact carries no force."""
+    if law := sliding_law(drive):
+        return law
+    raise InputError("axial_force balances damping and friction exactly, so the contact carries no force.")
+
+
+def sliding_law(drive: Drive) -> int:
     """Law s_0 = sgn(N_0 Ω) of steady sliding, N_0 (cos λ + s_0 μ sin λ) = R − r_m tan λ c_x Ω − F_0 sgn Ω (eq. 8.15).
 
-    F_0 is the friction of the slide where the model has one. Raises ``InputError`` if the contact carries no force.
+    F_0 is the friction of the slide where the model has one. Zero if the contact carries no force.
     """
     sense = 1 if drive.input_speed > 0 else -1
     d = drive.exact()
@@ -93,11 +100,7 @@ def steady_law(drive: Drive) -> int:
         # The friction first: it can balance R but for a drag that is far smaller. Balls of no radius subtract exactly.
         rest = d.axial_force - sense * getattr(d, "slide_friction", arb(0))
         force = rest - d.pitch_radius * d.tan_lead * d.translation_damping * d.input_speed
-    if force > 0:
-        return sense
-    if force < 0:
-        return -sense
-    raise InputError("axial_force balances damping and friction exactly, so the contact carries no force.")
+    return sense * (int(force > 0) - int(force < 0))
 
 
 def threads_model(drive: DriveValues, law: int) -> LinearModel:

@@ -1,15 +1,12 @@
-r"""Defining equations of the thresholds of the rigid drive that depend on a motion, in balls or power series.
+"""Defining equations of the thresholds of the rigid drive that depend on a motion, in balls or power series.
 
-All are written for Ω > 0 (:mod:`lsvib.stability.slip`). The inner unknowns are times [s]. Slip under law − from θ′ = 0
-that is back at the same y after τ started at
-
-    x(τ) = −Ω S / (1 − C)    and has    w = −Ω S′ − a₀ x S,    h(τ) = q_u x + q_w w    then.
+All are written for Ω > 0 (:mod:`lsvib.stability.slip`, docs/thresholds.md). The inner unknowns are times [s].
 """
 
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-from lsvib.stability.slip import Slip, SlipDrive, half_return, leaving
+from lsvib.stability.slip import SlipDrive, half_return, leaving
 from lsvib.stability.solve import Equations
 
 _OfDrive = Callable[[SlipDrive, Sequence[Any]], list[Any]]
@@ -25,14 +22,14 @@ class Start(NamedTuple):
 
 
 class Return:
-    """Slip under law − from θ′ = 0 that is back at the same y after a time.
+    """Slip under law − from θ′ = 0 that is back at the same y after a time: x = −Ω S / (1 − C), w = −Ω S′ − a₀ x S.
 
-    ``x``, the start [rad]; ``w``, the rate there on coming back [rad/s]; ``h``, the part of Q that depends on the
-    state, then.
+    ``x``, the start [rad]; ``w``, the rate there on coming back [rad/s]; ``h``, q_u x + q_w w then.
     """
 
-    def __init__(self, d: SlipDrive, slip: Slip, time: Any) -> None:
-        self.slip, self.speed, (self.q_u, self.q_w) = slip, d.speed, d.contact
+    def __init__(self, d: SlipDrive, time: Any) -> None:
+        self.slip, self.speed, (self.q_u, self.q_w) = d.slip(-1), d.speed, d.contact
+        slip = self.slip
         self.responses = c, s, s_rate = slip.responses(time)
         self.x = -self.speed * s / (1 - c)
         self.w = -self.speed * s_rate - slip.a0 * self.x * s
@@ -56,27 +53,22 @@ def _stick(law: int) -> _OfDrive:
     """The cycle of slip by its two half returns; at a third time under a law w is stationary, and w = −Ω."""
 
     def equations(d: SlipDrive, inner: Sequence[Any]) -> list[Any]:
-        """Return what vanishes at the threshold; ``inner`` are the unknown times or places of the motion."""
+        """Return what vanishes at the threshold; ``inner`` are the unknown times."""
         plus, minus = (half_return(d.slip(s), d.inertia[s], time) for s, time in zip((1, -1), inner[:2], strict=True))
         slip, slope = d.slip(law), (plus if law > 0 else minus)[0]
         y, w = slip.state(*leaving(slip, d.contact, d.inertia[law], slope), inner[2])
-        return [
-            plus[1] - minus[0],
-            minus[1] - plus[0],
-            slip.a0 * y + slip.a1 * w,
-            d.net * w + d.speed,
-        ]
+        return [plus[1] - minus[0], minus[1] - plus[0], slip.a0 * y + slip.a1 * w, d.net * w + d.speed]
 
     return equations
 
 
-def _touches(law: int, start: Callable[[SlipDrive], Any], stops: bool = False) -> _OfDrive:
+def _touches(law: int, stops: bool = False) -> _OfDrive:
     """Slip from the end of rest touches Q = 0, where Q′ = 0 and Q = 0; or it ``stops`` just where Q = 0."""
 
     def equations(d: SlipDrive, inner: Sequence[Any]) -> list[Any]:
-        """Return what vanishes at the threshold; ``inner`` are the unknown times or places of the motion."""
+        """Return what vanishes at the threshold; ``inner`` is the unknown time."""
         slip, (q_u, q_w) = d.slip(law), d.contact
-        y, w = slip.state(start(d), -d.speed, inner[0])
+        y, w = slip.state(d.end_of_rest(d.force) if law < 0 else d.end_without_force(1), -d.speed, inner[0])
         q_rate = q_u * w + q_w * (-slip.a0 * y - slip.a1 * w)
         return [w + d.speed if stops else q_rate, q_u * y + q_w * w + d.inertia[law] * d.net]
 
@@ -87,8 +79,8 @@ def _comes_back(zero: Callable[[SlipDrive, Return], Any]) -> _OfDrive:
     """A cycle of seizures, Q = 0 on coming back, on which something else vanishes as well."""
 
     def equations(d: SlipDrive, inner: Sequence[Any]) -> list[Any]:
-        """Return what vanishes at the threshold; ``inner`` are the unknown times or places of the motion."""
-        back = Return(d, d.slip(-1), inner[0])
+        """Return what vanishes at the threshold; ``inner`` is the unknown time."""
+        back = Return(d, inner[0])
         return [zero(d, back), back.h + d.inertia[-1] * d.net]
 
     return equations
@@ -96,25 +88,21 @@ def _comes_back(zero: Callable[[SlipDrive, Return], Any]) -> _OfDrive:
 
 _STICK = "v̂₊(τ₁) = v₋(τ₂), v̂₋(τ₂) = v₊(τ₁): the cycle of slip; on it under law {} w′(τ₃) = 0 and w(τ₃) = −Ω (Sect. 8.5)"
 _RETURN = "slip under law − from (x, −Ω) back at u = x after τ: {} and Q(τ) = h(τ) + Γ₋ R̃ = 0 (eq. 8.17, Sect. 8.7)"
-_SEIZES = "slip under law − from the end of rest, u = {}, has Q′(τ) = 0 and Q(τ) = 0 (eq. 8.17, Sect. 8.7)"
-_LOST = "slip under law − from the end of rest, x = {}, is back at u = x after τ with Q(τ) = 0 (eq. 8.17)"
 _DETACH = "slip under law + from the end of rest, u = C₊ Ω / k, has {}(τ) = 0 and Q(τ) = 0 (eq. 8.17, Sect. 8.5)"
-_AGAINST, _WITH = "C₋ Ω / k", "[C₋ Ω − r_m (ξ₊ − ξ₋) R] / k"  # where rest ends
+_END = "from the end of rest, {} = C₋ Ω / k, for R > 0 less r_m (ξ₊ − ξ₋) R / k,"
+_SEIZES = f"slip under law − {_END.format('u')} has Q′(τ) = 0 and Q(τ) = 0 (eq. 8.17, Sect. 8.7)"
+_LOST = f"slip under law − {_END.format('x')} is back at u = x after τ with Q(τ) = 0 (eq. 8.17)"
 
 _SYSTEMS: dict[str, tuple[str, _OfDrive]] = {
     "stick+": (_STICK.format("+"), _stick(1)),
     "stick-": (_STICK.format("−"), _stick(-1)),
-    "detach": (_DETACH.format("Q′"), _touches(1, lambda d: d.end_against(1))),
-    "detach at rest": (_DETACH.format("θ′"), _touches(1, lambda d: d.end_against(1), stops=True)),
-    "rest seizes": (_SEIZES.format(_AGAINST), _touches(-1, SlipDrive.end_against)),
-    "rest seizes with the motion": (_SEIZES.format(_WITH), _touches(-1, SlipDrive.end_with)),
-    "fold": (_RETURN.format("dh/dτ = 0"), _comes_back(lambda d, back: back.h_rate)),  # seizures that lead to each other
-    "cycle_birth": (
-        _RETURN.format("Q′(τ) = 0"),
-        _comes_back(lambda d, back: back.q_rate),
-    ),  # it touches where it seizes
-    "rest lost": (_LOST.format(_AGAINST), _comes_back(lambda d, back: back.x - d.end_against())),
-    "rest lost with the motion": (_LOST.format(_WITH), _comes_back(lambda d, back: back.x - d.end_with())),
+    "detach": (_DETACH.format("Q′"), _touches(1)),
+    "detach at rest": (_DETACH.format("θ′"), _touches(1, stops=True)),
+    "rest seizes": (_SEIZES, _touches(-1)),
+    # seizures that lead to each other; one that touches where it seizes
+    "fold": (_RETURN.format("dh/dτ = 0"), _comes_back(lambda d, back: back.h_rate)),
+    "cycle_birth": (_RETURN.format("Q′(τ) = 0"), _comes_back(lambda d, back: back.q_rate)),
+    "rest lost": (_LOST, _comes_back(lambda d, back: back.x - d.end_of_rest(d.force))),
 }
 
 

@@ -167,13 +167,13 @@ class SlipDrive:
         """r_m (ξ₊ − ξ₋) / k [rad/N]: times R, the width of the band of rest."""
         return self.radius * (self.xi[1] - self.xi[-1]) / self.stiffness
 
-    def end_against(self, law: int = -1) -> Any:
+    def end_without_force(self, law: int = -1) -> Any:
         """Deflection y [rad] from the equilibrium of a law at which T_r reaches r_m ξ_s R: C_s Ω / k."""
         return self.damping[law] * self.speed / self.stiffness
 
-    def end_with(self) -> Any:
-        """Deflection y [rad] from the equilibrium of law − at which rest ends under R > 0, where T_r is r_m ξ₊ R."""
-        return self.end_against() - self.reach * self.force
+    def end_of_rest(self, force: Any) -> Any:
+        """Deflection y [rad] from the equilibrium of law − at which rest ends; for R > 0 T_r is r_m ξ₊ R there."""
+        return self.end_without_force() - (self.reach * force if constant(force) > 0 else 0)
 
 
 def half_return(slip: Slip, height: Any, time: Any) -> tuple[Any, Any]:

@@ -1,14 +1,9 @@
-r"""Roots: bracketed, searched for, and of systems of equations with an enclosure and exact derivatives.
+"""Roots: bracketed, searched for, and of systems of equations with an enclosure and exact derivatives.
 
 A threshold is a system F(y, x; p) = 0 of n equations in n − 1 inner unknowns y, such as times, and one parameter x of
-the drive; p are all its other parameters. Newton's method finds it to many digits; the interval Newton operator
-
-    N(X) = m − [∂F/∂(y, x) (X)]⁻¹ F(m),        m the midpoint of the box X,
-
-in balls (Arb) then proves it: if N(X) lies inside X, there is exactly one root in X, and it lies in N(X) (Moore;
-Krawczyk). By the implicit function theorem dx/dp_j is the last entry of −[∂F/∂(y, x)]⁻¹ ∂F/∂p_j, over the same box, so
-that derivatives are enclosed as well. All slopes are exact: F is written once and takes power series of two terms (an
-``arb_series`` a + b ε), so there is no difference quotient.
+the drive; p are all its other parameters. Newton's method finds it to many digits; the interval Newton operator in
+balls (Arb; Moore; Krawczyk) then proves it, and the same Jacobian gives the derivatives by p (docs/thresholds.md). All
+slopes are exact: F is written once and takes power series of two terms (an ``arb_series`` a + b ε).
 """
 
 import math

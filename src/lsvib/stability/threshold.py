@@ -7,6 +7,8 @@ one solver, which proves and encloses them (:mod:`lsvib.stability.solve`).
 """
 
 import math
+import re
+from collections import Counter
 from collections.abc import Iterable
 from contextlib import suppress
 from typing import Any
@@ -35,7 +37,7 @@ _USUAL = {
 """The parameter that a threshold is solved for by default, where it is not the axial force."""
 _STATEMENTS = {  # forces for input_speed > 0; for input_speed < 0 all forces change sign
     "onset": "Steady sliding attracts what is near on one side of it and repels it on the other.",
-    "kinematic_constraint": "Beyond it the effective inertia of law + is not positive: Painleve's paradox, and the "
+    "kinematic_constraint": "Beyond it the effective inertia of law + is not positive: Painlevé's paradox, and the "
     "threads may jam.",
     "negative_damping": "Slip under law + grows where the effective damping is negative.",
     "flutter": "On one side of it a pair of eigenvalues grows, while all others decay.",
@@ -205,23 +207,25 @@ def _newton(drive: Drive, unknown: str, start: Start, guess: Any) -> ThresholdSo
 
 def _solution(drive: Drive, unknown: str, root: Root, words: str) -> ThresholdSolution:
     unit = described(type(drive), unknown)["unit"]
-    units = {name: described(type(drive), name)["unit"] for name in root.derivatives}
-    return ThresholdSolution(
-        value=float(root.unknown),
-        enclosure=outwards(root.unknown),
-        derivatives={
-            name: _derivative(slope, unit if units[name] == "1" else f"{unit}/({units[name]})")
-            for name, slope in root.derivatives.items()
-        },
-        equation=words,
-    )
+
+    def derivative(name: str, slope: arb) -> Derivative:
+        # What is not distinguished from zero is zero: a threshold may not depend on what is in its equation.
+        numbers = (0.0 if slope.contains(0) else float(slope), *outwards(slope))
+        value, low, high = (x if math.isfinite(x) else None for x in numbers)
+        return Derivative(value, _quotient(unit, described(type(drive), name)["unit"]), low, high)
+
+    slopes = {name: derivative(name, slope) for name, slope in root.derivatives.items()}
+    return ThresholdSolution(float(root.unknown), outwards(root.unknown), slopes, words)
 
 
-def _derivative(slope: arb, unit: str) -> Derivative:
-    # What is not distinguished from zero is zero: a threshold may not depend on a parameter although its equation does.
-    numbers = (0.0 if slope.contains(0) else float(slope), *outwards(slope))
-    value, low, high = (x if math.isfinite(x) else None for x in numbers)
-    return Derivative(value, unit, low, high)
+def _quotient(unit: str, by: str) -> str:
+    """A unit over another one, as UDUNITS spells it."""
+    powers: Counter[str] = Counter()
+    for text, sign in ((unit, 1), (by, -1)):
+        for name, power in re.findall(r"([A-Za-z]+)(-?\d*)", text):
+            powers[name] += sign * int(power or 1)
+    ordered = sorted(powers.items(), key=lambda item: item[1] < 0)  # what is below the line last
+    return " ".join(f"{name}{n if n != 1 else ''}" for name, n in ordered if n) or "1"
 
 
 def _result(
@@ -267,29 +271,3 @@ def _printed(drive: Drive, name: str, unknown: str, solutions: tuple[ThresholdSo
     return PrintedValue(
         claim.value, claim.tolerance, error, error is not None and error <= claim.tolerance, claim.source
     )
-
-
-# Half a unit of the last digit of each value as Table 8.1 prints it: 5.18 mm, 5.57 degree, 3.12e-6, 1, 2e-4, 0.218, 40.
-HALF_UNITS = {
-    "pitch_radius": 0.005e-3,
-    "lead_angle_deg": 0.005,
-    "screw_inertia": 0.005e-6,
-    "coupling_stiffness": 0.5,
-    "support_damping": 0.5e-4,
-    "friction_coefficient": 0.0005,
-    "input_speed": 0.5,
-}
-ROUND = ("coupling_stiffness", "support_damping", "input_speed")
-"""Values with no digit but the leading one, 1, 2e-4 and 40: they look chosen, and half a unit is up to half of them."""
-
-
-def propagated(found: Threshold) -> dict[str, float]:
-    """Return the change of a threshold by half a unit of each parameter, ∂f/∂p · h, by name [unit of the threshold].
-
-    The threshold is solved at the drive with the printed values; the half units h are in SI, the angle's in degrees.
-    Its own parameter changes nothing.
-    """
-    steps = {name: h for name, h in HALF_UNITS.items() if name not in ("lead_angle_deg", found.unknown)}
-    steps["lead_angle"] = math.radians(HALF_UNITS["lead_angle_deg"])
-    changes = found.solutions[0].change(steps)
-    return {name: changes.get("lead_angle" if name == "lead_angle_deg" else name, 0.0) for name in HALF_UNITS}
