@@ -59,15 +59,14 @@ def reserves(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any
     is stable but need not be the only motion (Sect. 8.7), since slip under law + seizes or grows. NaN where μ is not
     below cot λ.
     """
-    at = sheets.point(sheet, values, direction, speed, force)
-    p = at.parameters
+    p, slope = sheets.point(sheet, values, direction, speed, force)
     tangent = np.tan(p["lead_angle"])
     lever = p["pitch_radius"] * tangent * p["translation_damping"]
     carried = p["axial_force"] - lever * p["input_speed"]  # R̃
     # Without any force the slightest one decides, and law + is the one that destabilises.
     law = np.where(np.real(carried) * np.real(p["input_speed"]) >= 0, 1, -1)
     size = np.where(np.real(carried) < 0, -carried, carried)
-    by_slope = damping_by_slope(at.slope, size, p["friction_coefficient"], p["pitch_radius"], p["lead_angle"], law)
+    by_slope = damping_by_slope(slope, size, p["friction_coefficient"], p["pitch_radius"], p["lead_angle"], law)
     factor = mechanics.friction_factor(p["friction_coefficient"], tangent, law)
     geometry = (p["pitch_radius"], tangent, factor)
     mass = p["mass"]
@@ -80,7 +79,7 @@ def reserves(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any
     found = {
         "kinematic_constraint": _balance(p["screw_inertia"], inertia - p["screw_inertia"]),
         "negative_damping": _larger(base, sloped),
-        "falling_friction": np.where(np.real(at.slope) < 0, sloped, 1.0),
+        "falling_friction": np.where(np.real(slope) < 0, sloped, 1.0),
     }
     helped = damping + np.where(np.real(by_slope) > 0, by_slope, 0.0)  # a fall is a mechanism of its own
     if sheet.support is not None:
@@ -170,8 +169,7 @@ def drive_of(
     sheet: Sheet, values: Mapping[str, float], direction: int, speed: float, force: float, part: str = "rigid"
 ):
     """Return the drive of the package at one point of operation: rigid, or with the ``contact`` or ``support``."""
-    parameters = sheets.point(sheet, values, direction, speed, force).parameters
-    given = {**parameters, **sheets.own_parameters(values, part)}
+    given = sheets.point(sheet, values, direction, speed, force)[0] | sheets.own_parameters(values, part)
     kind = DRIVES[part]
     return kind(**{key: zero_if_close(kind, key, float(value)) for key, value in given.items()})
 
