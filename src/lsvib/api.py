@@ -1,7 +1,7 @@
 """All that can be asked of a drive: the methods that drives get when this module is loaded.
 
 A method does what the command of the same name does, by the same function. What a question needs is loaded when it is
-asked: making a drive, or asking for its stability, loads no engine.
+asked: making a drive, or asking for its stability, loads no engine. The examples begin with ``import lsvib``.
 """
 
 from collections.abc import Mapping, Sequence
@@ -32,8 +32,13 @@ if TYPE_CHECKING:
     from lsvib.engine.automaton import Automaton
 
     _Base = Drive
+    Values = Sequence[float] | np.ndarray  # of a parameter, in SI units
+    Part = Window | Mapping[str, tuple[float, float]] | None  # of the phase plane: ends of u [rad] and w [rad/s]
 else:
     _Base = object  # the methods go to the class Drive itself, below
+
+Start = Mapping[str, float]  # coordinates of a start by name, in SI units
+Terms = Sequence[str] | None  # of the equations of motion, by name
 
 __all__ = ["DriveMethods", "NutDrive", "RigidDrive", "SupportDrive", "ThreadsDrive", "drive_class", "simulate"]
 
@@ -49,7 +54,6 @@ class DriveMethods(_Base):
         digits of :meth:`exact`, the effective inertia Γ_s [kg m²], the effective damping C_s [N m s/rad] and the
         friction factor ξ_s [1], each by s, and the load R̃ [N].
 
-        >>> import lsvib
         >>> lsvib.RigidDrive(mass=11).coefficients.paradox  # Γ₊ < 0
         True
 
@@ -65,11 +69,9 @@ class DriveMethods(_Base):
         are decided exactly.
 
         Returns whether it is stable and of which kind, the eigenvalues [1/s], the conditions of instability with their
-        margins, and quantities with units.
+        margins, and quantities with units. Raises ``InputError`` if the contact carries no force (R̃ = 0), which leaves
+        the friction law open.
 
-        Raises ``InputError`` if the contact carries no force (R̃ = 0), which leaves the friction law open.
-
-        >>> import lsvib
         >>> report = lsvib.RigidDrive(mass=11).stability()
         >>> report.stable, report.kind, report.conditions["kinematic_constraint"].hold
         (False, 'saddle', True)
@@ -88,7 +90,6 @@ class DriveMethods(_Base):
         is there without a value, and its ``reason`` says why. Raises ``InputError`` for another parameter, or if the
         contact carries no force.
 
-        >>> import lsvib
         >>> found = lsvib.RigidDrive().thresholds()
         >>> mass = found["kinematic_constraint"]  # the critical mass (8.20)
         >>> f"{mass.value:.6f} {mass.unit}", mass.printed.value, mass.printed.passed
@@ -110,7 +111,6 @@ class DriveMethods(_Base):
         come with doubles that enclose them for certain. Raises ``InputError`` for another name, ``NoThreshold`` where
         there is no solution in the allowed range.
 
-        >>> import lsvib
         >>> drive = lsvib.RigidDrive(mass=11, support_damping=2e-3)
         >>> critical = drive.threshold("kinematic_constraint", unknown="mass")
         >>> critical.value, critical.enclosure
@@ -125,7 +125,7 @@ class DriveMethods(_Base):
 
         return solve_threshold(self, name, unknown)
 
-    def automaton(self, *, physics: Sequence[str] | None = None, resume: str = "contact_sign") -> "Automaton":
+    def automaton(self, *, physics: Terms = None, resume: str = "contact_sign") -> "Automaton":
         """Return the hybrid automaton of the drive: modes with linear fields, guards and resets, as tables of numbers.
 
         Arguments:
@@ -135,11 +135,8 @@ class DriveMethods(_Base):
         * ``resume``: how motion goes on after a seizure: contact_sign (the contact keeps the sign of the impulse) or,
           for the rigid drive, at_once (:mod:`lsvib.models.rigid`).
 
-        The tables are made once and shared by equal drives: do not change them.
+        The tables are made once and shared by equal drives: do not change them. Raises ``InputError``.
 
-        Raises ``InputError``.
-
-        >>> import lsvib
         >>> lsvib.RigidDrive().automaton().states
         ('angle_deviation', 'velocity_deviation')
         """
@@ -147,12 +144,12 @@ class DriveMethods(_Base):
 
     def simulate(
         self,
-        start: Mapping[str, float],
+        start: Start,
         duration: float,
         *,
         samples: int = 1001,
         resume: str = "contact_sign",
-        physics: Sequence[str] | None = None,
+        physics: Terms = None,
         outputs: Sequence[str] = ("normal_force", "coupling_torque"),
     ) -> "xr.Dataset":
         """Return the exact motion from a start, with its events.
@@ -169,12 +166,10 @@ class DriveMethods(_Base):
         * ``resume`` and ``physics``: as of :meth:`automaton`.
 
         Returns a dataset over ``time`` [s] with angle_deviation [rad], velocity_deviation [rad/s], the outputs and the
-        mode, and over ``event`` the time, kind and impulse of each event and the states before and after it.
+        mode, and over ``event`` the time, kind and impulse of each event and the states before and after it. Raises
+        ``InputError`` for what is not acceptable, ``EngineError`` where events accumulate or the motion grows without
+        bound.
 
-        Raises ``InputError`` for what is not acceptable, ``EngineError`` where events accumulate or the motion grows
-        without bound.
-
-        >>> import lsvib
         >>> drive = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
         >>> motion = drive.simulate({"u": 0.1, "w": 0.0}, 0.1)
         >>> motion.sizes["time"], motion.sizes["event"], motion.normal_force.units
@@ -187,9 +182,7 @@ class DriveMethods(_Base):
         scene = self._scene(start, duration, samples=samples, resume=resume, physics=physics, outputs=outputs)
         return trajectory(scene, run(scene))
 
-    def steady_state(
-        self, start: Mapping[str, float], *, resume: str = "contact_sign", physics: Sequence[str] | None = None
-    ) -> "SteadyState":
+    def steady_state(self, start: Start, *, resume: str = "contact_sign", physics: Terms = None) -> "SteadyState":
         """Return the attractor that the motion from a start reaches.
 
         It is decided by the Poincaré map on a section of the motion: a fixed point whose multipliers lie inside the
@@ -198,11 +191,9 @@ class DriveMethods(_Base):
         Arguments: ``start``, ``resume`` and ``physics`` as of :meth:`simulate`.
 
         Returns the ``label``, an :class:`lsvib.Attractor`, and of a cycle its exact ``period`` [s] and ``amplitude``
-        [rad], half the peak-to-peak of u. A motion whose event budget is exhausted is unresolved.
+        [rad], half the peak-to-peak of u. A motion whose event budget is exhausted is unresolved. Raises
+        ``InputError``, ``EngineError``.
 
-        Raises ``InputError``, ``EngineError``.
-
-        >>> import lsvib
         >>> drive = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
         >>> found = drive.steady_state({"u": 0.1, "w": 0.0})
         >>> found.label.name, f"{found.amplitude:.6f} rad, {found.period:.6f} s"
@@ -217,7 +208,7 @@ class DriveMethods(_Base):
         enter(automaton, state)  # refuses what is no state
         return steady_state(automaton, state)
 
-    def cycles(self, *, resume: str = "contact_sign", physics: Sequence[str] | None = None) -> "Cycles":
+    def cycles(self, *, resume: str = "contact_sign", physics: Terms = None) -> "Cycles":
         """Return the limit cycles of the drive that are found, attracting and repelling.
 
         A cycle is a fixed point of a Poincaré map; its Floquet multipliers are those of the product of the flows and
@@ -227,11 +218,8 @@ class DriveMethods(_Base):
 
         Returns ``cycles``, attracting ones first, each with period [s], itinerary, extremes, means, work [J], impulses
         and multipliers with a bound of their error; ``proved`` says what else is certain, ``searched`` where cycles
-        were looked for.
+        were looked for. Raises ``InputError``, ``EngineError``.
 
-        Raises ``InputError``, ``EngineError``.
-
-        >>> import lsvib
         >>> found = lsvib.RigidDrive(mass=11, support_damping=2e-3, axial_force=-18.37).cycles()
         >>> [(cycle.attracting, f"{cycle.multipliers[0].real:.6f}") for cycle in found.cycles]
         [(True, '0.745892'), (False, '1.557142')]
@@ -249,7 +237,7 @@ class DriveMethods(_Base):
         span: tuple[float, float],
         *,
         resume: str = "contact_sign",
-        physics: Sequence[str] | None = None,
+        physics: Terms = None,
         points: int = 1000,
     ) -> "CycleBranch":
         """Follow a cycle of this drive over a parameter, by pseudo-arclength continuation, both ways and through folds.
@@ -261,11 +249,9 @@ class DriveMethods(_Base):
           them.
         * ``points``: most of them each way; ``resume`` and ``physics`` as of :meth:`automaton`.
 
-        Returns the branch: its points, folds and changes of the itinerary.
+        Returns the branch: its points, folds and changes of the itinerary. Raises ``InputError`` for a parameter or
+        span that is not acceptable.
 
-        Raises ``InputError`` for a parameter or span that is not acceptable.
-
-        >>> import lsvib
         >>> drive = lsvib.RigidDrive(mass=11, support_damping=2e-3, axial_force=-18.37)
         >>> branch = drive.follow(drive.cycles().cycles[0], "axial_force", (-18.5, -18.35))
         >>> [f"{force:.10f} N" for force in branch.folds]
@@ -282,11 +268,11 @@ class DriveMethods(_Base):
     def sweep(
         self,
         *,
-        start: Mapping[str, float] | None = None,
+        start: Start | None = None,
         resume: str = "contact_sign",
         workers: int = 1,
         progress: Progress | None = None,
-        **over: "Sequence[float] | np.ndarray",
+        **over: "Values",
     ) -> "xr.Dataset":
         """Return what the drive ends on over values of some of its parameters.
 
@@ -298,11 +284,8 @@ class DriveMethods(_Base):
         * ``progress``: called with the numbers of points done and in all.
 
         Returns a dataset over the parameters with attractor, amplitude [rad], period [s], multiplier [1],
-        peak_normal_force [N] and peak_normal_impulse [N s].
+        peak_normal_force [N] and peak_normal_impulse [N s]. Raises ``InputError``, ``EngineError``.
 
-        Raises ``InputError``, ``EngineError``.
-
-        >>> import lsvib
         >>> found = lsvib.RigidDrive(translation_damping=1000).sweep(axial_force=[10, 30, 60])
         >>> [lsvib.Attractor(int(kind)).name for kind in found.attractor]
         ['STEADY_SLIDING', 'OTHER_CYCLE', 'STICK_SLIP_CYCLE']
@@ -332,11 +315,9 @@ class DriveMethods(_Base):
         * ``resume`` as of :meth:`automaton`; number of ``workers``, which changes no label; ``progress``, called with
           the numbers of motions done and in all.
 
-        Returns a dataset with a ``label`` for each cell (y, x) and the curves Γ₊ = 0, C₊ = 0 … as points.
+        Returns a dataset with a ``label`` for each cell (y, x) and the curves Γ₊ = 0, C₊ = 0 … as points. Raises
+        ``InputError``, ``EngineError``.
 
-        Raises ``InputError``, ``EngineError``.
-
-        >>> import lsvib
         >>> found = lsvib.RigidDrive(translation_damping=1000).chart(("mass", 1, 9, 4), ("axial_force", 0, 60, 4))
         >>> names = found.label.flag_meanings.split()
         >>> [names[label + 1] for label in found.label.sel(mass=2).values]
@@ -369,11 +350,8 @@ class DriveMethods(_Base):
           the numbers of rows done and in all.
 
         Returns a dataset over both coordinates with the label and the other quantities of each cell; of a rigid drive
-        also the exact boundary and area of the region of attraction [rad²/s].
+        also the exact boundary and area of the region of attraction [rad²/s]. Raises ``InputError``, ``EngineError``.
 
-        Raises ``InputError``, ``EngineError``.
-
-        >>> import lsvib
         >>> drive = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
         >>> found = drive.attraction({"u": (-0.1, 0.1, 40), "w": (-80, 80, 30)})
         >>> found.label.shape, f"{found.basin_area.item():.4f} {found.basin_area.units}"
@@ -393,12 +371,10 @@ class DriveMethods(_Base):
         (docs/basin.md).
 
         Returns the :class:`lsvib.Basin`, which says whether it contains a state (u [rad], w [rad/s]) and has its
-        boundary as curves and its area, of all or within a window [rad²/s].
+        boundary as curves and its area, of all or within a window [rad²/s]. Raises ``InputError`` for other models than
+        the rigid one, where steady sliding attracts nothing, and for the few drives that docs/basin.md lists;
+        ``EngineError`` where the engine cannot follow the boundary.
 
-        Raises ``InputError`` for other models than the rigid one, where steady sliding attracts nothing, and for the
-        few drives that docs/basin.md lists; ``EngineError`` where the engine cannot follow the boundary.
-
-        >>> import lsvib
         >>> basin = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10).basin()
         >>> basin.boundary.name, basin.contains((0.0, 0.0)), basin.contains((0.1, 0.0))
         ('TOUCHING_MOTION', True, False)
@@ -409,7 +385,7 @@ class DriveMethods(_Base):
 
         return basin(_rigid(self))
 
-    def resilience(self, window: "Window | Mapping[str, tuple[float, float]] | None" = None) -> "Resilience":
+    def resilience(self, window: "Part" = None) -> "Resilience":
         """Return the largest perturbations that steady sliding tolerates, and the share of a window that settles.
 
         They are distances from (0, 0) to the boundary of the :meth:`basin`, along u, along w, and in the energy
@@ -418,11 +394,9 @@ class DriveMethods(_Base):
         Arguments: ``window``, ends of u [rad] and w [rad/s], as ``{"u": (-0.3, 0.3), "w": (-150, 150)}``.
 
         Returns ``angle`` [rad], ``speed`` [rad/s] and ``energy`` [J], infinite where all perturbations are tolerated,
-        zero where steady sliding is unstable; with a window the ``fraction`` [1] of it.
+        zero where steady sliding is unstable; with a window the ``fraction`` [1] of it. Raises ``InputError``,
+        ``EngineError`` as :meth:`basin` does.
 
-        Raises ``InputError``, ``EngineError`` as :meth:`basin` does.
-
-        >>> import lsvib
         >>> drive = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
         >>> found = drive.resilience({"u": (-0.3, 0.3), "w": (-150, 150)})
         >>> f"{found.angle:.6g} rad, {found.speed:.6g} rad/s, {found.energy:.6g} J, {found.fraction:.6g}"
@@ -436,26 +410,15 @@ class DriveMethods(_Base):
         return resilience(_rigid(self), window_of(window))
 
     def resilience_sweep(
-        self,
-        window: "Window | Mapping[str, tuple[float, float]] | None" = None,
-        *,
-        progress: Progress | None = None,
-        **over: "Sequence[float] | np.ndarray",
+        self, window: "Part" = None, *, progress: Progress | None = None, **over: "Values"
     ) -> "xr.Dataset":
         """Return the perturbations that steady sliding tolerates over values of some parameters.
 
-        Arguments:
-
-        * ``window``: as of :meth:`resilience`.
-        * ``over``: values [SI units] of each parameter by its name; all combinations of them are taken.
-        * ``progress``: called with the numbers of points done and in all.
+        Arguments: ``window`` as of :meth:`resilience`; ``over`` and ``progress`` as of :meth:`sweep`.
 
         Returns a dataset over the parameters with fatal_angle [rad], fatal_speed [rad/s], fatal_energy [J], and with a
-        window basin_fraction [1]; nan where docs/basin.md lists the drive as not covered.
+        window basin_fraction [1]; nan where docs/basin.md lists the drive as not covered. Raises ``InputError``.
 
-        Raises ``InputError``.
-
-        >>> import lsvib
         >>> drive = lsvib.RigidDrive(mass=11, support_damping=1e-3)
         >>> found = drive.resilience_sweep(axial_force=[-40, -20, -10])
         >>> [f"{energy:.3g}" for energy in found.fatal_energy.values]
@@ -467,12 +430,10 @@ class DriveMethods(_Base):
 
         return resilience_sweep(_rigid(self), over, window_of(window), progress)
 
-    def _scene(self, start: Mapping[str, float], duration: float, **more: Any) -> Scene:
+    def _scene(self, start: Start, duration: float, **more: Any) -> Scene:
         return Scene(model=self.model, drive=self, start=start, duration=duration, **more)
 
-    def _automaton_and_state(
-        self, start: Mapping[str, float], resume: str, physics: Sequence[str] | None
-    ) -> tuple["Automaton", Any]:
+    def _automaton_and_state(self, start: Start, resume: str, physics: Terms) -> tuple["Automaton", Any]:
         scene = self._scene(start, 1.0, resume=resume, physics=physics)
         definition = scene.definition
         return definition.build(self, scene.terms, scene.resume), definition.initial_state(self, scene.start)
@@ -484,11 +445,8 @@ def simulate(scene: Scene | Mapping[str, Any] | str | Path) -> "xr.Dataset":
     Arguments: a :class:`lsvib.Scene`, its names and values, or the path of a YAML file that holds them, as
     ``lsvib simulate --scene`` reads it.
 
-    Returns the dataset of :meth:`RigidDrive.simulate`.
+    Returns the dataset of :meth:`RigidDrive.simulate`. Raises ``InputError``, ``EngineError`` in one sentence.
 
-    Raises ``InputError``, ``EngineError`` in one sentence.
-
-    >>> import lsvib
     >>> drive = {"mass": 11, "support_damping": 1e-3, "axial_force": -10}
     >>> motion = lsvib.simulate({"model": "rigid", "drive": drive, "start": {"u": 0.1, "w": 0}, "duration": 0.1})
     >>> motion.sizes["event"]

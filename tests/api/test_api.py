@@ -169,7 +169,7 @@ def test_basin_is_handed_the_drive_itself():
 
 
 def test_examples_of_docstrings_and_documentation():
-    failed = doctest.testmod(api).failed
+    failed = doctest.testmod(api, extraglobs={"lsvib": lsvib}).failed
     page = ROOT / "docs" / "python.md"
     result = doctest.testfile(str(page), module_relative=False)
     assert (failed, result.failed) == (0, 0)

@@ -44,7 +44,7 @@ CASES = [
     ("friction.coefficient", {"median": 0.2, "factor": 2}, "reaches 3.2 at four standard deviations"),
     ("load.orientation", "sideways", "horizontal or vertical"),
     ("thread.lead_angle", "5 deg", "both given"),
-    ("thread.pitch_diameter", GONE, "both missing"),
+    ("thread.pitch_diameter", GONE, "none of size, nominal_diameter, pitch_diameter"),
     ("thread", {"size": "Tr 10x7"}, "not in the catalogue"),
     ("thread", {"size": "M8"}, "is not the name of a thread"),
     ("thread", {"lead": "8 mm", "pitch": "2 mm", "starts": 3, "pitch_diameter": "7 mm"}, "is not thread.starts times"),

@@ -62,7 +62,7 @@ COMMANDS = [
     ("attraction --grid u=0:1:20 w=0:1:1000000000 --out x.nc", "1 <= count <= 10000000"),
     ("chart --x mass=1:20:2 --y mass=1:20:2 --out x.nc", "both mass"),
     ("follow --set mass=11 --over axial_force=-18 --out x.nc", "KEY=LOW:HIGH"),
-    ("resilience --window u=-0.3", "Invalid value for --window: u=-0.3 is not of the form KEY=LOW:HIGH"),
+    ("resilience --window u=-0.3", "Invalid value for --window: 'u=-0.3' is not of the form KEY=LOW:HIGH"),
     ("resilience --over mass=1:2:3", "over and out belong together"),
     # Figures.
     ("figure 8.99", "figure 8.99 is not one of 8.1, 8.2, "),

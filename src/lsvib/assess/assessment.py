@@ -5,26 +5,15 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lsvib.assess import mechanisms
-from lsvib.assess.drive import (
-    lifting_efficiency,
-    lowering_efficiency,
-    nominal_draw,
-    quantities,
-    random_entries,
-    square_thread,
-)
+from lsvib.assess.drive import lifting_efficiency, lowering_efficiency, nominal_draw, quantities, square_thread
 from lsvib.assess.margins import ANY, Margin, margins, sensitivities
 from lsvib.assess.mechanisms import Worst, corners, worst
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.uncertainty import Uncertainty, draw_of, evaluated, first_shares, study, worst_shares
+from lsvib.assess.uncertainty import Uncertainty, WorstCase, draw_of, study, worst_cases
 from lsvib.assess.vibration import STRONG, Vibration, tolerated_by_trial, tolerated_perturbation, vibration
 from lsvib.errors import InputError
-
-# Lowest reserve [1] of a mechanism within the uncertainties, and the shares (d) of the unit cube that have it.
-WorstCase = tuple[float, NDArray[np.float64]]
 
 
 @dataclass(frozen=True)
@@ -74,7 +63,6 @@ class Assessment:
     efficiency: dict[str, Any]
     self_locking: bool
     lead_angle: float
-    square_friction: float
     mechanisms: dict[str, Mechanism]
     margins: list[Margin]
     uncertainty: Uncertainty
@@ -91,24 +79,23 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
     edges = margins(sheet, values)
     found = _mechanisms(sheet, values, spread, edges)
     angle, friction = map(float, square_thread(sheet, values))
-    worst_cases = _worst_cases(sheet, found, spread)
+    cases = worst_cases(sheet, spread.lowest)
     lowering = float(lowering_efficiency(friction, angle))
     nominal = _motion(sheet, _critical(found), entries)
     if not any(one.occurs for one in found.values()) and _upset(nominal):
         found["after_perturbation"] = _possible(found["after_perturbation"], nominal, spread)
-    worst_motion = _worst_motion(sheet, found, worst_cases) if worst_cases else nominal
+    worst_motion = _worst_motion(sheet, found, cases) if cases else nominal
     return Assessment(
         sheet=sheet,
         seed=seed,
         values=values,
-        verdict=_verdict(found, spread, worst_cases, worst_motion),
+        verdict=_verdict(found, spread, cases, worst_motion),
         efficiency={
             "lifting": float(lifting_efficiency(friction, angle)),
             "lowering": lowering if lowering > 0 else None,
         },
         self_locking=lowering <= 0,
         lead_angle=angle,
-        square_friction=friction,
         mechanisms=found,
         margins=edges[ANY],
         uncertainty=spread,
@@ -199,20 +186,8 @@ def _possible(one: Mechanism, nominal: AssessedMotion, spread: Uncertainty) -> M
     return replace(one, probability=1.0, interval=(1.0, 1.0)) if spread.samples == 1 else one
 
 
-def _worst_cases(sheet: Sheet, found: dict[str, Mechanism], spread: Uncertainty) -> dict[str, WorstCase]:
-    """Lowest reserve within the uncertainties of each mechanism, and the shares (d) of the unit cube that have it.
-
-    Searched for from the corners, too, since one may be too small for any sample to fall into it. Empty if nothing is
-    uncertain.
-    """
-    if not random_entries(sheet):
-        return {}
-    places = {name: worst_shares(sheet, name, start) for name, start in first_shares(sheet, spread.lowest).items()}
-    return {name: (float(evaluated(sheet, at[:, None])[name][0]), at) for name, at in places.items()}
-
-
 def _verdict(
-    found: dict[str, Mechanism], spread: Uncertainty, worst_cases: dict[str, WorstCase], worst_motion: AssessedMotion
+    found: dict[str, Mechanism], spread: Uncertainty, cases: dict[str, WorstCase], worst_motion: AssessedMotion
 ) -> str:
     """The verdict, a key of :data:`lsvib.assess.words.VERDICTS`."""
     steady = [one for name, one in found.items() if name != "after_perturbation"]
@@ -222,7 +197,7 @@ def _verdict(
         return "may vibrate"
     if found["after_perturbation"].occurs or (spread.samples > 1 and found["after_perturbation"].probability > 0):
         return "steady until perturbed"
-    if any(reserve < 0 for reserve, _ in worst_cases.values()) or _upset(worst_motion):
+    if any(reserve < 0 for reserve, _ in cases.values()) or _upset(worst_motion):
         return "steady but for rare values"
     return "steady without reserve" if min(one.reserve for one in steady) == 0 else "steady"
 
@@ -261,12 +236,12 @@ def _motion(sheet: Sheet, name: str, entries: dict[str, float]) -> AssessedMotio
     return AssessedMotion(name, dict(entries), values, corner, moved, tolerated)
 
 
-def _worst_motion(sheet: Sheet, found: dict[str, Mechanism], worst_cases: dict[str, WorstCase]) -> AssessedMotion:
+def _worst_motion(sheet: Sheet, found: dict[str, Mechanism], cases: dict[str, WorstCase]) -> AssessedMotion:
     """The motion at the worst values within the uncertainties, of the mechanism that is most likely or nearest."""
-    own = {name: reserve for name, (reserve, _) in worst_cases.items() if name != "after_perturbation"}
+    own = {name: reserve for name, (reserve, _) in cases.items() if name != "after_perturbation"}
     name = min(own, key=lambda key: (-found[key].probability, own[key]))
-    if own[name] > 0 > worst_cases["after_perturbation"][0]:
+    if own[name] > 0 > cases["after_perturbation"][0]:
         name = "after_perturbation"
-    draw = draw_of(sheet, worst_cases[name][1][:, None])
+    draw = draw_of(sheet, cases[name][1][:, None])
     entries = {path: float(np.ravel(value)[0]) for path, value in draw.items()}
     return _motion(sheet, name, entries)

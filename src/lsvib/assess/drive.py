@@ -9,7 +9,6 @@ Functions are plain arithmetic for floats, complex numbers and arrays.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -155,23 +154,12 @@ def _coefficient(sheet: Sheet, draw: DrawnValues, angle: Any, half_angle: Any) -
     return float(np.mean(sheet.friction.curve.coefficients)) * draw.get("friction.curve_factor", 1.0)
 
 
-@dataclass(frozen=True)
-class Point:
-    """Points of operation: ``speed`` Ω [rad/s] and ``force`` R [N] of the package, with the shape of the quantities.
+def point(sheet: Sheet, values: DrawnValues, direction: int, speed: Any, force: Any) -> tuple[dict[str, Any], Any]:
+    """Return the parameters of the rigid drive, and the slope μ′ of the square thread [s/m], at points of operation.
 
-    ``parameters``: those of :class:`lsvib.models.drive.SupportDrive` or a part of them; ``slope`` μ′ of the
-    square thread [s/m].
-    """
-
-    parameters: dict[str, Any]
-    slope: Any
-
-
-def point(sheet: Sheet, values: DrawnValues, direction: int, speed: Any, force: Any) -> Point:
-    """Return a point of operation: direction of travel ±1, ``speed`` > 0 [rad/s], ``force`` against outward travel [N].
-
-    The axis leans by ``tilt``, so that the weight m g sin(tilt) adds to the force. The force R of the
-    package acts along outward travel, whence the sign.
+    Arguments: ``direction`` of travel ±1, ``speed`` > 0 [rad/s], ``force`` against outward travel [N]. The axis leans
+    by ``tilt``, so that the weight m g sin(tilt) adds to the force. The force R of the package acts along outward
+    travel, whence the sign.
     """
     parameters = without_friction(values, direction, speed, force)
     radius, angle = parameters["pitch_radius"], parameters["lead_angle"]
@@ -181,7 +169,7 @@ def point(sheet: Sheet, values: DrawnValues, direction: int, speed: Any, force: 
         scale = coefficient / mean if mean > 0 else 1.0  # a curve that is zero throughout stays so, whatever the factor
         coefficient, slope = (scale * x for x in _along(sheet, sliding_speed(speed, radius, angle)))
     parameters["friction_coefficient"] = square_coefficient(coefficient, angle, values["half_angle"])
-    return Point(parameters, square_coefficient(slope, angle, values["half_angle"]))
+    return parameters, square_coefficient(slope, angle, values["half_angle"])
 
 
 def without_friction(values: DrawnValues, direction: int, speed: Any, force: Any) -> dict[str, Any]:
@@ -205,7 +193,7 @@ def square_thread(sheet: Sheet, values: DrawnValues) -> tuple[Any, Any]:
 
     With a curve of friction at the middle of the speeds.
     """
-    at = point(sheet, values, 1, 0.5 * (values["speed_low"] + values["speed_high"]), 0.0).parameters
+    at, _ = point(sheet, values, 1, 0.5 * (values["speed_low"] + values["speed_high"]), 0.0)
     return at["lead_angle"], at["friction_coefficient"]
 
 

@@ -94,13 +94,9 @@ def _converted(figure: float, unit: str, units: tuple[str, ...], value: Any) -> 
         angles = _angles(given)
     except Exception:  # pint raises many kinds, some of them of the tokenizer of Python
         raise NotQuantity(f"= {shown(value)} has the unit {shown(unit)}, which is not known") from None
-    for wanted in units:
-        if wanted and given.is_compatible_with(wanted) and angles == _angles(registry.Quantity(1.0, wanted)):
-            with_unit = registry.Quantity(figure, given.units).to(wanted)
-            return float(with_unit.magnitude), wanted
-    # A torsional stiffness may be written in N m, its radian being understood.
-    for wanted in units:
-        if "/rad" in wanted and angles == 0 and given.is_compatible_with(wanted):
+    for wanted in filter(given.is_compatible_with, filter(None, units)):
+        # A torsional stiffness may be written in N m, its radian being understood.
+        if angles == _angles(registry.Quantity(1.0, wanted)) or (angles == 0 and "/rad" in wanted):
             return float(registry.Quantity(figure, given.units).to(wanted).magnitude), wanted
     raise NotQuantity(f"= {shown(value)} is not {_wanted(units)}")
 

@@ -87,28 +87,23 @@ def margins(sheet: Sheet, values: Mapping[str, float]) -> dict[str, list[Margin]
     result: dict[str, list[Margin]] = {}
     per_decade = 200  # steps of 1.2 %; a narrower island of stability between two is not seen
     steps = np.linspace(0.0, 3.0, 3 * per_decade + 1)
+    scans: list[tuple[str, tuple[str, ...], Mapping[str, float], list[NDArray]]] = []
     for name, keys in changeable(values).items():
-        scans = [10.0**steps, 10.0**-steps]
+        sides = [10.0**steps, 10.0**-steps]
         if name == "half_angle":  # beyond a right angle its tangent comes back, but there is no such thread
             most = max(LARGEST_HALF_ANGLE / values[name], 1.0)
-            scans[0] = np.append(scans[0][scans[0] < most], most)
-        sides = [_occurs(sheet, values, keys, factors) for factors in scans]
-        for mechanism in sides[0]:
-            found = [
-                _edge(sheet, values, keys, mechanism, factors, side[mechanism])
-                for factors, side in zip(scans, sides, strict=True)
-            ]
-            factors = [factor for factor in found if factor is not None]
-            factor = min(factors, key=lambda f: abs(np.log(f)), default=None)
-            largest = max((float(values[key]) for key in keys), key=abs)
-            value = None if factor is None else largest * factor
-            result.setdefault(mechanism, []).append(Margin(name, factor, value))
-    for name, size in _absent_dampings(values).items():
-        sized = {**values, name: size}
-        factors = np.concatenate([[0.0], 10.0 ** np.linspace(-6.0, 0.0, 6 * per_decade + 1)])
-        for mechanism, occurs in _occurs(sheet, sized, (name,), factors).items():
-            factor = _edge(sheet, sized, (name,), mechanism, factors, occurs)
-            result.setdefault(mechanism, []).append(Margin(name, None, None if factor is None else size * factor))
+            sides[0] = np.append(sides[0][sides[0] < most], most)
+        scans.append((name, keys, values, sides))
+    upwards = np.concatenate([[0.0], 10.0 ** np.linspace(-6.0, 0.0, 6 * per_decade + 1)])
+    scans += [(name, (name,), {**values, name: size}, [upwards]) for name, size in _absent_dampings(values).items()]
+    for name, keys, base, sides in scans:
+        occurs = [_occurs(sheet, base, keys, factors) for factors in sides]
+        for mechanism in occurs[0]:
+            edges = [_edge(sheet, base, keys, mechanism, f, o[mechanism]) for f, o in zip(sides, occurs, strict=True)]
+            factor = min((edge for edge in edges if edge is not None), key=lambda f: abs(np.log(f)), default=None)
+            value = None if factor is None else factor * max((float(base[key]) for key in keys), key=abs)
+            known = factor if base is values else None
+            result.setdefault(mechanism, []).append(Margin(name, known, value))
     for rows in result.values():
         rows.sort(key=lambda row: np.inf if row.factor is None else abs(np.log(row.factor)))
     return result

@@ -59,15 +59,14 @@ def reserves(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any
     is stable but need not be the only motion (Sect. 8.7), since slip under law + seizes or grows. NaN where μ is not
     below cot λ.
     """
-    at = sheets.point(sheet, values, direction, speed, force)
-    p = at.parameters
+    p, slope = sheets.point(sheet, values, direction, speed, force)
     tangent = np.tan(p["lead_angle"])
     lever = p["pitch_radius"] * tangent * p["translation_damping"]
     carried = p["axial_force"] - lever * p["input_speed"]  # R̃
     # Without any force the slightest one decides, and law + is the one that destabilises.
     law = np.where(np.real(carried) * np.real(p["input_speed"]) >= 0, 1, -1)
     size = np.where(np.real(carried) < 0, -carried, carried)
-    by_slope = damping_by_slope(at.slope, size, p["friction_coefficient"], p["pitch_radius"], p["lead_angle"], law)
+    by_slope = damping_by_slope(slope, size, p["friction_coefficient"], p["pitch_radius"], p["lead_angle"], law)
     factor = mechanics.friction_factor(p["friction_coefficient"], tangent, law)
     geometry = (p["pitch_radius"], tangent, factor)
     mass = p["mass"]
@@ -80,7 +79,7 @@ def reserves(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any
     found = {
         "kinematic_constraint": _balance(p["screw_inertia"], inertia - p["screw_inertia"]),
         "negative_damping": _larger(base, sloped),
-        "falling_friction": np.where(np.real(at.slope) < 0, sloped, 1.0),
+        "falling_friction": np.where(np.real(slope) < 0, sloped, 1.0),
     }
     helped = damping + np.where(np.real(by_slope) > 0, by_slope, 0.0)  # a fall is a mechanism of its own
     if sheet.support is not None:
@@ -170,8 +169,7 @@ def drive_of(
     sheet: Sheet, values: Mapping[str, float], direction: int, speed: float, force: float, part: str = "rigid"
 ):
     """Return the drive of the package at one point of operation: rigid, or with the ``contact`` or ``support``."""
-    parameters = sheets.point(sheet, values, direction, speed, force).parameters
-    given = {**parameters, **sheets.own_parameters(values, part)}
+    given = sheets.point(sheet, values, direction, speed, force)[0] | sheets.own_parameters(values, part)
     kind = DRIVES[part]
     return kind(**{key: zero_if_close(kind, key, float(value)) for key, value in given.items()})
 
@@ -195,9 +193,8 @@ def corners(sheet: Sheet, values: Mapping[str, Any]) -> list[tuple[int, Any, Any
     All reserves depend on speed and force through R̃ = R − r_m tan λ c_x Ω alone, which is linear in both: through its
     sign, for which the corners decide, and with a slope of friction through its size as well. Reserves of damping are
     monotonic in that size, so that the corners and the neighbourhood of R̃ = 0 decide, which is looked for at the ends
-    of the speeds and of the forces; with a support, whose reserve need not be, 9 forces on each side are looked at, and
-    9 speeds where drag balances the end of the forces or the one force, and with a curve of friction 17 speeds and
-    either side of each of its points, where its slope changes.
+    of the speeds and of the forces; with a support, whose reserve need not be, at 9 places on each side of it. With a
+    curve of friction 17 speeds are looked at, and either side of each of its points, where its slope changes.
     """
     return [
         (direction, speed, force)
@@ -208,84 +205,41 @@ def corners(sheet: Sheet, values: Mapping[str, Any]) -> list[tuple[int, Any, Any
 
 def _points(sheet: Sheet, values: Mapping[str, Any], direction: int) -> tuple[NDArray, NDArray]:
     """Speeds [rad/s] and forces [N] of all corners of one direction: (k) for one drive, (k, n) for arrays of drives."""
+    curve, shares = sheet.friction.curve, np.linspace(_BESIDE, 1.0, 1 if sheet.support is None else 9)
+    sloped = curve is not None or sheet.friction.slope is not None
     shape = np.broadcast_shapes(*map(np.shape, values.values()))
-    speeds = _speeds(
-        sheet, values, direction, *(np.broadcast_to(values[f"speed_{end}"], shape) for end in ("low", "high"))
-    )
-    rows = np.broadcast_arrays(speeds, *_forces(sheet, values, direction, speeds))
-    forces = np.stack(rows[1:], axis=1)  # of each speed one after the other
-    return np.repeat(rows[0], forces.shape[1], axis=0), forces.reshape(-1, *forces.shape[2:])
+    values = {key: np.broadcast_to(value, shape) for key, value in values.items()}
+    p = without_friction(values, direction, 1.0, 0.0)
+    radius, angle = p["pitch_radius"], p["lead_angle"]
+    drag = radius * np.tan(angle) * p["translation_damping"] * direction  # R̃ = R − drag Ω, R = axial_force − force
 
+    def within(key: str, points: Any) -> NDArray:
+        low, high = values[f"{key}_low"], values[f"{key}_high"]
+        points = np.where(np.real(points) > np.real(low), points, low)
+        return np.where(np.real(points) < np.real(high), points, high)
 
-def _speeds(sheet: Sheet, values: Mapping[str, Any], direction: int, low: NDArray, high: NDArray) -> NDArray:
-    """Speeds of the screw [rad/s] from ``low`` to ``high`` at which forces are looked at, (k) or (k, n)."""
-    if not is_window(sheet, "operation.speed"):
-        return low[None]
-    # The slope of a curve is constant between its points, all of which are looked at from both sides; between them only
-    # the level of friction changes, for which 17 equal steps do.
-    curved = sheet.friction.curve is not None
-    shares = np.linspace(0.0, 1.0, 17 if curved else 2)
-    rows = [low + np.multiply.outer(shares, high - low)]
-    if curved:
-        rows.append(_beside_points(sheet, values, low, high))
-    if curved or sheet.friction.slope is not None:
-        for end in ("low", "high") if is_window(sheet, "load.force") else ("low",):
-            rows += _beside_balance(sheet, values, direction, low, high, values[f"force_{end}"])
-    return np.concatenate(rows)
+    def beside(key: str, balance: Any) -> list[NDArray]:
+        """From where |R̃| is least to the ends of the window."""
+        nearest = within(key, balance)
+        return [nearest + np.multiply.outer(shares, values[f"{key}_{end}"] - nearest) for end in ("low", "high")]
 
-
-def _beside_points(sheet: Sheet, values: Mapping[str, Any], low: NDArray, high: NDArray) -> NDArray:
-    """Speeds of the screw [rad/s] just below and just above each point of the curve that lies in the window."""
-    radius = 0.5 * values["pitch_diameter"]
-    one = sliding_speed(1.0, radius, np.arctan(values["lead"] / (2 * np.pi * radius)))
-    sliding = np.multiply.outer(sheet.friction.curve.speeds, (1 - _BESIDE, 1 + _BESIDE)).ravel()
-    speeds = np.divide.outer(sliding, np.broadcast_to(one, low.shape))
-    inside = (np.real(low) < np.real(speeds)) & (np.real(speeds) < np.real(high))
-    # Of the drives that have it outside, the end of the window is looked at twice.
-    return np.where(inside, speeds, low)[np.any(inside, axis=tuple(range(1, inside.ndim)))]
-
-
-def _beside_balance(
-    sheet: Sheet, values: Mapping[str, Any], direction: int, low: NDArray, high: NDArray, force: Any
-) -> list[NDArray]:
-    """Speeds of the screw [rad/s] from the one in the window where |R̃| is least under a ``force`` [N] to its ends.
-
-    None for an end of a window of forces that is balanced at none of the speeds: where R̃ = 0 lies in the window at all,
-    it then lies at an end of the speeds too, for which :func:`_forces` finds it.
-    """
-    p = without_friction(values, direction, 1.0, force)
-    drag = p["pitch_radius"] * np.tan(p["lead_angle"]) * p["translation_damping"] * direction
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        balance = np.divide(p["axial_force"], drag)
-    balance = np.where(np.isfinite(balance), balance, low)  # else nothing drags: R̃ is the same at every speed
-    below, above = np.real(balance) < np.real(low), np.real(balance) > np.real(high)
-    if is_window(sheet, "load.force") and np.all(below | above | (np.real(balance) == np.real(low))):
-        return []
-    nearest = np.where(below, low, np.where(above, high, balance))
-    return [nearest + np.multiply.outer(_shares(sheet), end - nearest) for end in (low, high)]
-
-
-def _forces(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: NDArray) -> list[Any]:
-    """Forces [N] that are looked at, each for all speeds (k) or (k, n)."""
-    low, high = values["force_low"], values["force_high"]
-    if not is_window(sheet, "load.force"):
-        return [low]
-    if sheet.friction.curve is None and sheet.friction.slope is None:
-        return [low, high]
-    p = without_friction(values, direction, speed, 0.0)
-    free = p["axial_force"] - p["pitch_radius"] * np.tan(p["lead_angle"]) * p["translation_damping"] * p["input_speed"]
-    forces = [low, high]
-    for end in (low, high):
-        for share in _shares(sheet):
-            force = free + share * (end - free)
-            force = np.where(np.real(force) < np.real(low), low, force)
-            forces.append(np.where(np.real(force) > np.real(high), high, force))
-    return forces
-
-
-def _shares(sheet: Sheet) -> NDArray[np.float64]:
-    """Shares [1] of the way from R̃ = 0 to an end of the window."""
-    return np.linspace(_BESIDE, 1.0, 1 if sheet.support is None else 9)
+    speeds = values["speed_low"][None]
+    pushed = ("low", "high") if is_window(sheet, "load.force") else ("low",)
+    if is_window(sheet, "operation.speed"):
+        steps = np.linspace(0.0, 1.0, 2 if curve is None else 17)  # between points only the level of friction changes
+        rows = [speeds[0] + np.multiply.outer(steps, values["speed_high"] - speeds[0])]
+        if curve is not None:
+            sliding = np.multiply.outer(curve.speeds, (1 - _BESIDE, 1 + _BESIDE)).ravel()
+            rows.append(within("speed", np.divide.outer(sliding, sliding_speed(1.0, radius, angle))))
+        for end in pushed if sloped else ():
+            with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # where nothing drags
+                rows += beside("speed", np.divide(p["axial_force"] - values[f"force_{end}"], drag))
+        speeds = np.concatenate(rows)
+    sides = [values[f"force_{end}"][None] for end in pushed]
+    if sloped and len(pushed) > 1:
+        sides += [force for rows in beside("force", p["axial_force"] - drag * speeds) for force in rows]
+    forces = np.stack([np.broadcast_to(side, speeds.shape) for side in sides], axis=1)  # of each speed one by one
+    return np.repeat(speeds, forces.shape[1], axis=0), forces.reshape(-1, *forces.shape[2:])
 
 
 def worst(sheet: Sheet, values: Mapping[str, Any]) -> dict[str, Worst]:

@@ -20,6 +20,9 @@ from lsvib.datasets.io import write_dataset
 from lsvib.errors import InputError
 from lsvib.files import Outputs, write_json, write_text
 
+_OF_MOTIONS = ("model", "attractor", "vibrates", "frequency", "audible", "amplitude", "load_speed", "screw_speed",
+               "peak_contact_force", "peak_impulse", "reason", "scene")  # fmt: skip
+
 
 def assess_file(path: Path, out: Path, samples: Any = 4096, seed: Any = 1) -> dict[str, Any]:
     """Assess the data sheet in a YAML file; write ``index.html``, ``assessment.nc``, ``assessment.json`` to ``out``.
@@ -56,10 +59,7 @@ def as_json(assessment: Assessment) -> dict[str, Any]:
         "efficiency": {**assessment.efficiency, "lifting_range": list(assessment.uncertainty.lifting)},
         "mechanisms": {
             name: {
-                "occurs": one.occurs,
-                "probability": one.probability,
-                "interval": list(one.interval),
-                "reserve": one.reserve,
+                **{key: getattr(one, key) for key in ("occurs", "probability", "interval", "reserve")},
                 "at": _place(one.corner),
                 "margin": _margins_json(one.margins),
                 "sensitivity": one.sensitivities,
@@ -102,18 +102,7 @@ def _motion_json(motion: AssessedMotion) -> dict[str, Any]:
         "mechanism": motion.mechanism,
         "entries": motion.entries,
         "at": _place(motion.corner),
-        "model": moved.model,
-        "attractor": moved.attractor,
-        "vibrates": moved.vibrates,
-        "frequency": moved.frequency,
-        "audible": moved.audible,
-        "amplitude": moved.amplitude,
-        "load_speed": moved.load_speed and list(moved.load_speed),
-        "screw_speed": moved.screw_speed and list(moved.screw_speed),
-        "peak_contact_force": moved.peak_force,
-        "peak_impulse": moved.impulse,
-        "reason": moved.reason,
-        "scene": moved.scene,
+        **{key: getattr(moved, key) for key in _OF_MOTIONS},
         "tolerated_perturbation": None if size is None or not np.isfinite(size) else size,
         "tolerated_perturbation_sentence": sentence,
     }

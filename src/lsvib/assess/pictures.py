@@ -79,22 +79,12 @@ def operating_chart(charts: list[Chart], assessment: Assessment) -> Figure:
 def margin_chart(assessment: Assessment, name: str) -> Figure:
     """Factors on each quantity at which the verdict on one mechanism changes."""
     one = assessment.mechanisms[name]
-    rows = [
-        (IN_WORDS[row.quantity], row.factor)
-        for row in one.margins
-        if row.factor is not None and 0.1 <= row.factor <= 10
-    ]
-    figure, axis = _drawing(0.75 + 0.2 * max(len(rows), 1))
-    for k, (_, factor) in enumerate(rows):
-        place, right = math.log10(factor), factor > 1
-        axis.barh(k, place, color=style.GREEN if one.occurs else style.VERMILION, height=0.65)
-        axis.annotate(
-            f"×{factor:.3g}", (place, k), (3 if right else -3, 0), textcoords="offset points",
-            ha="left" if right else "right", va="center", fontsize=6.5,
-        )  # fmt: skip
-    _name_bars(axis, [row[0] for row in rows])
-    axis.axvline(0, color=style.BLACK, linewidth=0.8)
-    span = max([abs(math.log10(row[1])) for row in rows], default=0.3) * 1.8 + 0.05
+    rows = {IN_WORDS[row.quantity]: row.factor for row in one.margins if row.factor and 0.1 <= row.factor <= 10}
+    figure, axis = _bars(list(rows), 0.75 + 0.2 * max(len(rows), 1))
+    places, colour = np.log10(list(rows.values())), style.GREEN if one.occurs else style.VERMILION
+    bars = axis.barh(range(len(rows)), places, color=colour, height=0.65)
+    axis.bar_label(bars, [f"×{factor:.3g}" for factor in rows.values()], padding=3, fontsize=6.5)
+    span = 1.8 * np.abs(places).max(initial=0.3 * (not rows)) + 0.05
     axis.set_xlim(-span, span)
     wide_to_narrow = ((0.1, 0.3, 1, 3, 10), (0.5, 0.7, 1, 1.4, 2), (0.9, 1, 1.1))
     choices = [[factor for factor in marks if abs(math.log10(factor)) <= span] for marks in wide_to_narrow]
@@ -129,14 +119,11 @@ def motion_chart(motion: AssessedMotion) -> Figure:
 def sensitivity_chart(assessment: Assessment, name: str) -> Figure:
     """Change of the reserve of one mechanism per one per cent of each quantity."""
     table = assessment.mechanisms[name].sensitivities
-    rows = sorted(
-        ((IN_WORDS[key], 0.01 * value) for key, value in table.items() if value), key=lambda row: -abs(row[1])
-    )
-    figure, axis = _drawing(0.8 + 0.2 * max(len(rows), 1))
-    axis.barh(range(len(rows)), [row[1] for row in rows], height=0.65,
-              color=[style.GREEN if row[1] > 0 else style.VERMILION for row in rows])  # fmt: skip
-    _name_bars(axis, [row[0] for row in rows])
-    axis.axvline(0, color=style.BLACK, linewidth=0.8)
+    names = sorted(filter(table.get, table), key=lambda key: -abs(table[key]))
+    figure, axis = _bars([IN_WORDS[key] for key in names], 0.8 + 0.2 * max(len(names), 1))
+    changes = [0.01 * table[key] for key in names]
+    colours = [style.GREEN if change > 0 else style.VERMILION for change in changes]
+    axis.barh(range(len(names)), changes, height=0.65, color=colours)
     axis.set_xlabel("Change of the reserve for 1 % more")
     axis.ticklabel_format(axis="x", style="plain")
     return figure
@@ -144,7 +131,8 @@ def sensitivity_chart(assessment: Assessment, name: str) -> Figure:
 
 def reserve_chart(assessment: Assessment, names: list[str]) -> Figure:
     """How the reserve of each mechanism is spread over the samples."""
-    figure, axis = _drawing(2.5)
+    figure = style.new_figure(WIDTH, 2.5)
+    axis = figure.subplots()
     for name in names:
         counts = assessment.uncertainty.probability[name].counts
         axis.stairs(counts / counts.sum(), BINS, color=_COLOURS[name], label=MECHANISMS[name][0], linewidth=1.5)
@@ -158,26 +146,23 @@ def sobol_chart(assessment: Assessment, name: str) -> Figure:
     """Shares of the spread of a reserve that the uncertain entries cause, alone and with all others."""
     first, total = (table[name] for table in (assessment.uncertainty.first_order, assessment.uncertainty.total))
     names = sorted(total, key=lambda key: -total[key])
-    figure, axis = _drawing(1.0 + 0.32 * len(names))
+    figure, axis = _bars([entry_name(name) for name in names], 1.0 + 0.32 * len(names))
     places = np.arange(len(names))
     axis.barh(places - 0.18, [first[key] for key in names], height=0.34, color=style.BLUE, label="alone")
     axis.barh(places + 0.18, [total[key] for key in names], height=0.34, color=style.SKY, label="with the others")
-    _name_bars(axis, [entry_name(name) for name in names])
     axis.set(xlim=(0, 1.05), xlabel="Share of the spread that it causes")
     axis.legend(fontsize=7)
     return figure
 
 
-def _drawing(height: float) -> tuple[Figure, Any]:
-    """A figure of a height [inch] with axes in it."""
+def _bars(names: list[str], height: float) -> tuple[Figure, Any]:
+    """A figure of a height [inch] whose axes have names of horizontal bars, the first one on top."""
     figure = style.new_figure(WIDTH, height)
-    return figure, figure.subplots()
-
-
-def _name_bars(axis: Any, names: list[str]) -> None:
-    """Write the names of bars beside them, the first one on top."""
+    axis = figure.subplots()
     axis.set_yticks(range(len(names)), names, fontsize=7)
     axis.invert_yaxis()
+    axis.axvline(0, color=style.BLACK, linewidth=0.8)
+    return figure, axis
 
 
 def _name(kind: str) -> str:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
@@ -19,6 +19,23 @@ DENSITIES = {"steel": 7850.0, "stainless steel": 7900.0, "aluminium": 2700.0, "b
 
 class _Part(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+    _needed: ClassVar[tuple[tuple[str, ...], ...]] = ()  # entries of which one must be given
+    _either: ClassVar[tuple[tuple[str, ...], ...]] = ()  # an entry, and others that are not given beside it
+
+    def problem(self) -> str | None:
+        """Return what does not fit together, or None."""
+        name, given = type(self).__name__.lower(), {key for key in self.model_fields_set if getattr(self, key)}
+        for one, *others in self._either:
+            if one in given and (too := next(filter(given.__contains__, others), None)):
+                return f"{name}.{one} and {name}.{too} are both given; give one of them."
+        for keys in self._needed:
+            if not given.intersection(keys):
+                return f"{name} has none of {', '.join(keys)}; give one of them."
+        return self._misfit()
+
+    def _misfit(self) -> str | None:
+        """What is wrong besides."""
+        return None
 
 
 def _starts(value: Any) -> int:
@@ -42,25 +59,15 @@ class Thread(_Part):
     nominal_diameter: fields.Length | None = None
     pitch_diameter: fields.Length | None = None
     half_angle: fields.HalfAngle | None = None
+    _needed = (("size", "lead", "lead_angle", "pitch"), ("size", "nominal_diameter", "pitch_diameter"))
+    _either = (
+        ("size", "lead", "lead_angle", "pitch", "starts", "nominal_diameter", "pitch_diameter", "half_angle"),
+        ("lead", "lead_angle"),
+        ("nominal_diameter", "pitch_diameter"),
+    )
 
-    def problem(self) -> str | None:
-        """Return what does not fit together, or None."""
-        others = ("lead", "lead_angle", "pitch", "nominal_diameter", "pitch_diameter", "half_angle")
-        given = [key for key in others if getattr(self, key) is not None]
-        if self.size is not None:
-            if "starts" in self.model_fields_set:
-                return "thread.size and thread.starts are both given; the name of a size determines them, as Tr 8x8 P2."
-            return f"thread.size and thread.{given[0]} are both given; give one of them." if given else None
-        leads = [key for key in ("lead", "lead_angle") if key in given]
-        if len(leads) == 2:
-            return "thread.lead and thread.lead_angle are both given; give one of them."
-        if not leads and "pitch" not in given:
-            return "thread has no lead; give size, lead, lead_angle, or pitch and starts."
-        diameters = [key for key in ("nominal_diameter", "pitch_diameter") if key in given]
-        if len(diameters) != 1:
-            which = "are both given; give one of them" if diameters else "are both missing; give one of them"
-            return f"thread.nominal_diameter and thread.pitch_diameter {which}."
-        if diameters == ["nominal_diameter"] and not {"pitch", "lead"} & set(given):
+    def _misfit(self) -> str | None:
+        if self.nominal_diameter is not None and self.pitch is None and self.lead is None:
             return "thread.nominal_diameter needs thread.pitch or thread.lead, from which the pitch diameter follows."
         twice = None not in (self.lead, self.pitch) and "starts" in self.model_fields_set
         # One per cent is more than sizes in inches lose when they are written in millimetres.
@@ -82,18 +89,14 @@ class Screw(_Part):
     material: str | None = None
     density: fields.Density | None = None
     mass: fields.Mass | None = None
+    _needed = (("inertia", "length"),)
+    _either = (("inertia", "length"), ("material", "density"))
 
-    def problem(self) -> str | None:
-        """Return what does not fit together, or None."""
-        if (self.inertia is None) == (self.length is None):
-            which = "are both given" if self.inertia is not None else "are both missing"
-            return f"screw.inertia and screw.length {which}; give one of them."
+    def _misfit(self) -> str | None:
         if self.material is not None and self.material not in DENSITIES:
             return (
                 f"screw.material = {shown(self.material)} is not one of {', '.join(DENSITIES)}; or give screw.density."
             )
-        if self.material is not None and self.density is not None:
-            return "screw.material and screw.density are both given; give one of them."
         return None
 
 
@@ -131,15 +134,10 @@ class Friction(_Part):
     curve: fields.FrictionCurve | None = None
     curve_factor: fields.CurveFactor | None = None
     slope: fields.Slope | None = None
+    _needed = (("coefficient", "efficiency", "curve"),)
+    _either = (("coefficient", "efficiency", "curve"), ("curve", "efficiency", "slope"))
 
-    def problem(self) -> str | None:
-        """Return what does not fit together, or None."""
-        keys = [key for key in ("coefficient", "efficiency", "curve") if getattr(self, key) is not None]
-        if len(keys) != 1:
-            which = f"has {' and '.join(keys)}" if keys else "has none of coefficient, efficiency, curve"
-            return f"friction {which}; give one of them."
-        if self.curve is not None and self.slope is not None:
-            return "friction.curve and friction.slope are both given; give one of them."
+    def _misfit(self) -> str | None:
         if self.curve is None and self.curve_factor is not None:
             return "friction.curve_factor needs friction.curve, whose coefficients it multiplies."
         return None

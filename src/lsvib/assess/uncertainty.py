@@ -26,6 +26,8 @@ from lsvib.errors import InputError
 
 BLOCK = 2**12  # samples at once: few enough for the processor's caches, many enough for NumPy
 BINS = np.linspace(-1.0, 1.0, 41)  # edges of the classes of reserve [1] that samples are counted in
+# Lowest reserve [1] of a mechanism within the uncertainties, and the place (d) of the unit cube that has it.
+WorstCase = tuple[float, NDArray[np.float64]]
 
 
 @dataclass(frozen=True)
@@ -90,9 +92,11 @@ def study(sheet: Sheet, samples: int, seed: int) -> Uncertainty:
     if entries:
         points = qmc.Sobol(len(entries), scramble=True, rng=seed).random(samples).T
         first, whole = _indices(sheet, entries, min(samples, BLOCK), seed)
-    blocks = [_block(sheet, part) for part in np.split(points, range(BLOCK, points.shape[1], BLOCK), axis=1)]
+    blocks = [evaluated(sheet, part) for part in np.split(points, range(BLOCK, points.shape[1], BLOCK), axis=1)]
     found = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
-    lifting, lowering = found.pop("lifting"), found.pop("lowering")
+    angle, coefficient = square_thread(sheet, quantities(sheet, draw_of(sheet, points)))
+    lifting = np.broadcast_to(lifting_efficiency(coefficient, angle), points.shape[1:])
+    lowering = np.broadcast_to(lowering_efficiency(coefficient, angle), points.shape[1:])
     unstable = np.any([reserve < 0 for name, reserve in found.items() if name != "after_perturbation"], axis=0)
     return Uncertainty(
         samples=points.shape[1],
@@ -104,15 +108,6 @@ def study(sheet: Sheet, samples: int, seed: int) -> Uncertainty:
         holds=_probability(lowering <= 0, bool(entries)),
         lifting=(float(lifting.min()), float(lifting.max())),
     )
-
-
-def _block(sheet: Sheet, shares: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
-    """The reserves and the efficiencies [1] of a block of samples, points (d, n) of the unit cube."""
-    angle, coefficient = square_thread(sheet, quantities(sheet, draw_of(sheet, shares)))
-    efficiencies = {"lifting": lifting_efficiency, "lowering": lowering_efficiency}
-    return evaluated(sheet, shares) | {
-        name: np.broadcast_to(of(coefficient, angle), shares.shape[1:]) for name, of in efficiencies.items()
-    }
 
 
 def _probability(hits: NDArray[np.bool_], random: bool, reserve: Any = ()) -> Probability:
@@ -151,41 +146,39 @@ def _indices(sheet: Sheet, entries: Sequence[str], count: int, seed: int) -> tup
     return table(result.first_order), table(result.total_order)
 
 
-def first_shares(sheet: Sheet, lowest: Mapping[str, NDArray[np.float64]]) -> dict[str, NDArray[np.float64]]:
-    """Return where the search for the worst case of each mechanism begins: the ``lowest`` sample, or a lower corner.
+def worst_cases(sheet: Sheet, lowest: Mapping[str, NDArray[np.float64]]) -> dict[str, WorstCase]:
+    """Return the worst case of each mechanism within the uncertainties; none if nothing is uncertain.
 
-    A mechanism may need several entries at their ends at once; where it does not occur its reserve may be flat, so that
-    no step from a sample leads there. Corners at which the drive cannot move at all are left out.
+    The search begins at the ``lowest`` sample or at a lower corner of the unit cube: a mechanism may need several
+    entries at their ends at once, where its reserve may be flat, so that no step from a sample leads there. Corners at
+    which the drive cannot move at all are left out.
     """
     size = len(random_entries(sheet))
+    if size == 0:
+        return {}
     if size <= 12:  # no more corners than a block has samples
         corners = (np.arange(2**size) >> np.arange(size)[:, None]) % 2.0
     else:
         corners = np.round(qmc.Sobol(size, scramble=True, rng=size).random(BLOCK).T)
     shares = np.concatenate([np.stack(list(lowest.values()), axis=1), corners], axis=1)
-    found = worst(sheet, quantities(sheet, draw_of(sheet, shares)))
-    rows = {name: np.broadcast_to(found[name].reserve, shares.shape[1:]) for name in lowest}
-    return {name: shares[:, np.argmin(np.where(np.isnan(row), np.inf, row))] for name, row in rows.items()}
+    found = {}
+    for name, one in worst(sheet, quantities(sheet, draw_of(sheet, shares))).items():
+        reserve = np.broadcast_to(one.reserve, shares.shape[1:])
+        found[name] = _searched(sheet, name, shares[:, np.argmin(np.where(np.isnan(reserve), np.inf, reserve))])
+    return found
 
 
-def worst_shares(sheet: Sheet, name: str, start: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the place (d) of the unit cube where the reserve of a mechanism is lowest, by search from a sample.
-
-    Each entry is first tried at both of its ends, then all are moved together by the method of Nelder and Mead.
-    """
-    best = np.array(start, dtype=float)
-    if not best.size:
-        return best
+def _searched(sheet: Sheet, name: str, best: NDArray[np.float64]) -> WorstCase:
+    """The worst case from a place on: each entry is tried at both of its ends, then all move by Nelder and Mead."""
 
     def reserve(shares: NDArray[np.float64]) -> float:
         return float(evaluated(sheet, np.clip(shares, 0.0, 1.0)[:, None])[name][0])
 
     for _ in range(4):
-        before = best.copy()
+        before = best
         for k in range(best.size):
-            rows = [np.concatenate([best[:k], [end], best[k + 1 :]]) for end in (best[k], 0.0, 1.0)]
-            best = min(rows, key=reserve)
+            best = min((np.where(np.arange(best.size) == k, end, best) for end in (best[k], 0.0, 1.0)), key=reserve)
         if np.array_equal(before, best):
             break
     found = minimize(reserve, best, method="Nelder-Mead", bounds=[(0.0, 1.0)] * best.size, options={"maxfev": 400})
-    return found.x if found.fun < reserve(best) else best
+    return min((reserve(best), best), (float(found.fun), found.x), key=lambda case: case[0])

@@ -37,10 +37,9 @@ class Vibration:
 
     ``model``: of the package; ``attractor``: its name in words; for a cycle ``frequency`` [Hz], ``amplitude`` of the
     load [m] (half of peak to peak, about steady travel), ``load_speed`` lowest and highest [m/s], ``screw_speed``
-    likewise [rad/s], ``peak_force``: the largest contact force between impacts [N], ``impulse``: the largest impulse of
-    an impact [N s] (0 without). ``scene``: names and values of a scene that shows it; ``time`` [s], ``deviation`` of
-    the load [m], ``speed`` of the screw [rad/s] and ``angle`` deviation [rad]: samples (n) of the motion from its
-    start. ``reason``: why nothing is known, if so.
+    likewise [rad/s], ``peak_contact_force`` between impacts [N], ``peak_impulse`` of an impact [N s] (0 without).
+    ``scene``: names and values of a scene that shows it; ``time`` [s], ``deviation`` of the load [m], ``speed`` of the
+    screw [rad/s] and ``angle`` deviation [rad]: samples (n) of the motion. ``reason``: why nothing is known, if so.
     """
 
     model: str
@@ -49,8 +48,8 @@ class Vibration:
     amplitude: float | None = None
     load_speed: tuple[float, float] | None = None
     screw_speed: tuple[float, float] | None = None
-    peak_force: float | None = None
-    impulse: float | None = None
+    peak_contact_force: float | None = None
+    peak_impulse: float | None = None
     scene: dict[str, Any] = field(default_factory=dict)
     time: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
     deviation: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
@@ -162,8 +161,8 @@ def _of_cycle(drive: Drive, orbit: Motion, row: NDArray[np.float64]) -> dict[str
         "amplitude": 0.5 * (high - low),
         "load_speed": _speeds(orbit, rates),
         "screw_speed": _speeds(orbit, turning),
-        "peak_force": float(max(map(abs, normal))),
-        "impulse": float(impulses.max(initial=0.0)),
+        "peak_contact_force": float(max(map(abs, normal))),
+        "peak_impulse": float(impulses.max(initial=0.0)),
     }
 
 

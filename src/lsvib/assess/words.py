@@ -37,15 +37,8 @@ MECHANISMS = {
 }
 """Name and plain meaning of each mechanism."""
 
-SHORT = {
-    "negative_damping": "negative damping (friction amplifies the oscillation instead of damping it)",
-    "kinematic_constraint": "kinematic constraint (the threads wedge and let go)",
-    "mode_coupling": "mode coupling of the support (turning and shifting of the screw lock together)",
-    "falling_friction": "friction that falls with speed",
-    "thread_contact": "compliant thread contact",
-    "after_perturbation": "vibration after a perturbation",
-}
-"""The same in a few words, for the middle of a sentence."""
+SHORT = {name: words[0].lower() + words[1:] for name, (words, _) in MECHANISMS.items()}
+"""Their names, for the middle of a sentence."""
 
 ATTRACTORS = {
     "steady sliding": "steady running",

@@ -17,7 +17,7 @@ _FILES = {".nc": "netCDF", "_checks.json": "JSON", ".png": "PNG", ".pdf": "PDF"}
 
 @app.command
 def figure(
-    number: str,
+    number: Annotated[str, Parameter(help="Number in the chapter, e.g. 8.6, or name, e.g. limit_process.")],
     *,
     changes: Changes = None,
     config: Annotated[Path | None, Parameter(help="Settings of the figures; see below for the default.")] = None,
@@ -38,11 +38,6 @@ def figure(
         lsvib figure 8.9 --set support_damping=4e-4 --out mine
 
         lsvib figure limit_process
-
-    Parameters
-    ----------
-    number:
-        Number of the figure in the chapter, e.g. 8.6, or its name, e.g. limit_process.
     """
     from lsvib.figures.build import build_figure
     from lsvib.figures.configuration import DEFAULT, section

@@ -2,27 +2,12 @@
 
 import math
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
+from lsvib.cli import options
 from lsvib.cli.app import ProgressLine, app
-from lsvib.cli.options import (
-    CHAPTER,
-    Along,
-    AsJson,
-    DriveOptions,
-    Files,
-    GridOfStarts,
-    OutFile,
-    Over,
-    Picture,
-    Resume,
-    Steps,
-    Window,
-    Workers,
-)
 from lsvib.cli.printing import name, rate, show
 from lsvib.errors import InputError
 
@@ -35,14 +20,14 @@ Quantities = Annotated[
 @app.command
 def attraction(
     *,
-    grid: GridOfStarts,
-    out: Path,
-    drive: DriveOptions = CHAPTER,
-    resume: Resume = "contact_sign",
+    grid: options.GridOfStarts,
+    out: options.OutFile,
+    drive: options.DriveOptions = options.CHAPTER,
+    resume: options.Resume = "contact_sign",
     quantities: Quantities = ["label"],  # noqa: B006
-    workers: Workers = 1,
-    figure: Picture = None,
-    as_json: AsJson = False,
+    workers: options.Workers = 1,
+    figure: options.Picture = None,
+    as_json: options.AsJson = False,
 ) -> None:
     """Map the region of attraction: the attractor of the motion from every start of a grid.
 
@@ -52,17 +37,12 @@ def attraction(
         w=-150:150:2000 --out map.nc --workers 2
 
         lsvib attraction --model threads --set mass=11 --grid u=-0.05:0.05:100 w=-15:15:100 --out slice.nc
-
-    Parameters
-    ----------
-    out:
-        netCDF file to write; one that is there is replaced.
     """
     from lsvib.datasets.map import map_attraction, summary
 
-    files = Files(out, figure)
-    starts = {axis.key: tuple(axis[1:]) if isinstance(axis, Steps) else axis.value for axis in grid}
-    if figure and {axis.key for axis in grid if isinstance(axis, Steps)} != {"u", "w"}:
+    files = options.Files(out, figure)
+    starts = {axis.key: tuple(axis[1:]) if isinstance(axis, options.Steps) else axis.number for axis in grid}
+    if figure and {axis.key for axis in grid if isinstance(axis, options.Steps)} != {"u", "w"}:
         raise InputError("figure is for maps of u and w; leave it out for a plane of other coordinates.")
     found = map_attraction(drive.drive(), starts, quantities, resume, workers, ProgressLine())
     dataset = found.dataset
@@ -74,14 +54,14 @@ def attraction(
 @app.command
 def chart(
     *,
-    x: Along,
-    y: Along,
-    drive: DriveOptions = CHAPTER,
-    resume: Resume = "contact_sign",
-    workers: Workers = 1,
-    out: OutFile = None,
-    figure: Picture = None,
-    as_json: AsJson = False,
+    x: options.Along,
+    y: options.Along,
+    drive: options.DriveOptions = options.CHAPTER,
+    resume: options.Resume = "contact_sign",
+    workers: options.Workers = 1,
+    out: options.OutFile | None = None,
+    figure: options.Picture = None,
+    as_json: options.AsJson = False,
 ) -> None:
     """Chart what a drive does over two of its parameters, with the exact curves that divide the chart.
 
@@ -97,7 +77,7 @@ def chart(
 
     from lsvib.datasets.chart import summary
 
-    files, begin = Files(out, figure), perf_counter()
+    files, begin = options.Files(out, figure), perf_counter()
     found = drive.drive().chart(x, y, resume=resume, workers=workers, progress=ProgressLine("motions"))
     result = summary(found, perf_counter() - begin)
     files.write(found, "lsvib.chart", drawn_by="lsvib.figures.chart")
@@ -107,11 +87,11 @@ def chart(
 @app.command
 def resilience(
     *,
-    drive: DriveOptions = CHAPTER,
-    window: Window = None,
-    over: Over | None = None,
-    out: OutFile = None,
-    as_json: AsJson = False,
+    drive: options.DriveOptions = options.CHAPTER,
+    window: options.Window = None,
+    over: options.Over | None = None,
+    out: options.OutFile | None = None,
+    as_json: options.AsJson = False,
 ) -> None:
     """Find the largest perturbations that the rigid drive's steady sliding tolerates, and how much of a window settles.
 
@@ -121,7 +101,7 @@ def resilience(
 
         lsvib resilience --set mass=11 --set support_damping=1e-3 --over axial_force=-33:-1:65 --out reserve.nc
     """
-    files = Files(out)
+    files = options.Files(out)
     if (over is None) != (out is None):
         raise InputError("over and out belong together: the values over a parameter are written to a file.")
     part = {span.key: (span.low, span.high) for span in window} if window else None

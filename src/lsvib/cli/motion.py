@@ -1,26 +1,12 @@
 """The commands that follow motions: one of them, many over a range of parameters, and limit cycles."""
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Annotated, Any
 
 from cyclopts import Parameter
 
+from lsvib.cli import options
 from lsvib.cli.app import ProgressLine, app
-from lsvib.cli.options import (
-    CHAPTER,
-    AsJson,
-    DriveOptions,
-    Ends,
-    Files,
-    OutFile,
-    Over,
-    Resume,
-    SceneFile,
-    Start,
-    Whole,
-    Workers,
-)
 from lsvib.cli.printing import name, rate, show, table
 from lsvib.errors import InputError
 
@@ -28,14 +14,14 @@ from lsvib.errors import InputError
 @app.command
 def simulate(
     *,
-    out: Path,
-    drive: DriveOptions = CHAPTER,
-    scene: SceneFile = None,
-    start: Start = None,
+    out: options.OutFile,
+    drive: options.DriveOptions = options.CHAPTER,
+    scene: options.SceneFile = None,
+    start: options.Start = None,
     duration: Annotated[float | None, Parameter(help="Time [s] that the motion is followed.")] = None,
-    samples: Annotated[Whole | None, Parameter(help="Number of output times, both ends included.")] = None,
-    resume: Resume | None = None,
-    as_json: AsJson = False,
+    samples: Annotated[options.Whole | None, Parameter(help="Number of output times, both ends included.")] = None,
+    resume: options.Resume | None = None,
+    as_json: options.AsJson = False,
 ) -> None:
     """Simulate a drive exactly and write its motion and events as netCDF.
 
@@ -45,15 +31,10 @@ def simulate(
         --duration 0.5 --out motion.nc
 
         lsvib simulate --scene scene.yaml --samples 5000 --out motion.nc --json
-
-    Parameters
-    ----------
-    out:
-        netCDF file to write; one that is there is replaced.
     """
     from lsvib.datasets.motion import as_scene, attractor_of, motion_file, run, summary
 
-    files = Files(out, reads=scene)
+    files = options.Files(out, reads=scene)
     given: dict[str, Any] = {"model": drive.model, "duration": duration, "samples": samples, "resume": resume}
     if start:
         given["start"] = dict(start)
@@ -67,13 +48,13 @@ def simulate(
 @app.command
 def sweep(
     *,
-    over: Over,
-    drive: DriveOptions = CHAPTER,
-    start: Start = None,
-    resume: Resume = "contact_sign",
-    workers: Workers = 1,
-    out: OutFile = None,
-    as_json: AsJson = False,
+    over: options.Over,
+    drive: options.DriveOptions = options.CHAPTER,
+    start: options.Start = None,
+    resume: options.Resume = "contact_sign",
+    workers: options.Workers = 1,
+    out: options.OutFile | None = None,
+    as_json: options.AsJson = False,
 ) -> None:
     """Sweep parameters of a drive: what the motion ends on, how large and how fast, and the forces.
 
@@ -89,7 +70,7 @@ def sweep(
 
     from lsvib.datasets.sweep import summary
 
-    files = Files(out)
+    files = options.Files(out)
     for axis in over:
         if axis.key in drive.values():
             raise InputError(f"{axis.key} is given by --over and by --set; give it once.")
@@ -104,7 +85,12 @@ def sweep(
 
 
 @app.command
-def cycles(*, drive: DriveOptions = CHAPTER, resume: Resume = "contact_sign", as_json: AsJson = False) -> None:
+def cycles(
+    *,
+    drive: options.DriveOptions = options.CHAPTER,
+    resume: options.Resume = "contact_sign",
+    as_json: options.AsJson = False,
+) -> None:
     """Find the cycles of a drive, attracting and repelling: period, multipliers, amplitude, work.
 
     Examples of use:
@@ -119,13 +105,13 @@ def cycles(*, drive: DriveOptions = CHAPTER, resume: Resume = "contact_sign", as
 @app.command
 def follow(
     *,
-    over: Ends,
-    drive: DriveOptions = CHAPTER,
-    cycle: Annotated[Whole, Parameter(help="Which of the cycles that lsvib cycles lists, from 1.")] = 1,
-    resume: Resume = "contact_sign",
-    points: Annotated[Whole, Parameter(help="Most points each way.")] = 1000,
-    out: OutFile = None,
-    as_json: AsJson = False,
+    over: options.Ends,
+    drive: options.DriveOptions = options.CHAPTER,
+    cycle: Annotated[options.Whole, Parameter(help="Which of the cycles that lsvib cycles lists, from 1.")] = 1,
+    resume: options.Resume = "contact_sign",
+    points: Annotated[options.Whole, Parameter(help="Most points each way.")] = 1000,
+    out: options.OutFile | None = None,
+    as_json: options.AsJson = False,
 ) -> None:
     """Follow a cycle over a parameter, both ways, through folds; changes of its events are named.
 
@@ -138,7 +124,7 @@ def follow(
     from lsvib.datasets.cycles import branch_dataset, branch_json
     from lsvib.numbers import whole_between
 
-    files, made = Files(out), drive.drive()
+    files, made = options.Files(out), drive.drive()
     listed = made.cycles(resume=resume).cycles
     if not listed:
         raise InputError("the drive has no cycle to follow; see lsvib cycles.")

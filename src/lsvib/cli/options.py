@@ -30,7 +30,7 @@ class Coordinate(NamedTuple):
     """KEY=NUMBER, in SI units."""
 
     key: str
-    value: float
+    number: float
 
 
 class Span(NamedTuple):
@@ -57,36 +57,27 @@ class Steps(NamedTuple):
         return stepped(self.start, self.stop, self.count)
 
 
-def _pair(text: str) -> Pair:
-    key, equals, value = text.partition("=")
-    if not equals or not key or not value:
-        raise InputError(f"{text!r} is not of the form KEY=VALUE.")
-    return Pair(key, value)
+_READERS: dict[type, Callable[[Any], Any]] = {str: str, float: numbers.number, int: numbers.whole}
 
 
-def _numbers(text: str, *readers: Callable[[Any], Any], form: str) -> tuple[Any, ...]:
-    """The key and the numbers of KEY=NUMBER:NUMBER."""
-    key, value = _pair(text)
-    parts = value.split(":")
-    if len(parts) != len(readers):
-        raise InputError(f"{text} is not of the form {form}.")
-    try:
-        return key, *(read(part) for read, part in zip(readers, parts, strict=True))
-    except numbers.NotNumber as error:
-        raise InputError(f"{text} has a part that {error}.") from None
+def _reader(form: type[NamedTuple]) -> Callable[[str], Any]:
+    """Return what reads one of the forms above from text."""
+    kinds = list(form.__annotations__.items())[1:]
+
+    def read(text: str) -> Any:
+        key, equals, value = text.partition("=")
+        parts = value.split(":") if len(kinds) > 1 else [value]
+        if not (key and equals and value) or len(parts) != len(kinds):
+            raise InputError(f"{text!r} is not of the form KEY={':'.join(name.upper() for name, _ in kinds)}.")
+        try:
+            return form(key, *(_READERS[kind](part) for part, (_, kind) in zip(parts, kinds, strict=True)))
+        except numbers.NotNumber as error:
+            raise InputError(f"{text} has a part that {error}.") from None
+
+    return read
 
 
-def _coordinate(text: str) -> Coordinate:
-    return Coordinate(*_numbers(text, numbers.number, form="KEY=NUMBER"))
-
-
-def _span(text: str) -> Span:
-    return Span(*_numbers(text, numbers.number, numbers.number, form="KEY=LOW:HIGH"))
-
-
-def _steps(text: str) -> Steps:
-    readers = (numbers.number, numbers.number, numbers.whole)
-    return Steps(*_numbers(text, *readers, form="KEY=START:STOP:COUNT"))
+_pair, _coordinate, _span, _steps = (_reader(form) for form in (Pair, Coordinate, Span, Steps))
 
 
 def _whole(text: str) -> int:
@@ -119,7 +110,7 @@ def several(read: Callable[[str], Any], help: str, **more: Any) -> Parameter:
     return Parameter(converter=convert, n_tokens=1, accepts_keys=False, negative="", help=help, **more)
 
 
-def _axis(text: str) -> Steps | Coordinate:
+def _axis(text: str) -> Any:
     return _steps(text) if ":" in text else _coordinate(text)
 
 
@@ -143,7 +134,7 @@ Changes = Annotated[
     list[Pair] | None, several(_pair, "KEY=VALUE: change a parameter of the drive; repeatable.", name="--set")
 ]
 SceneFile = Annotated[Path | None, Parameter(help="YAML file of a scene to start from.")]
-OutFile = Annotated[Path | None, Parameter(help="netCDF file to write; one that is there is replaced.")]
+OutFile = Annotated[Path, Parameter(help="netCDF file to write; one that is there is replaced.")]
 Picture = Annotated[Path | None, Parameter(help="PNG file to draw it to; a PDF is written beside it.")]
 AsJson = Annotated[bool, Parameter(name="--json", negative="", help="Print one JSON object.")]
 

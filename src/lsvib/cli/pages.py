@@ -15,7 +15,7 @@ from lsvib.numbers import whole_between
 
 @app.command
 def assess(
-    sheet: Path,
+    sheet: Annotated[Path, Parameter(help="YAML file of the data sheet; see docs/assess.md.")],
     *,
     out: Annotated[Path, Parameter(help="Folder to write index.html, assessment.nc and assessment.json to.")],
     samples: Annotated[Whole, Parameter(help="Drives drawn from the uncertainties, a power of two.")] = 4096,
@@ -29,11 +29,6 @@ def assess(
         lsvib assess examples/powered_seat.yaml --out report
 
         lsvib assess drive.yaml --samples 1048576 --out report
-
-    Parameters
-    ----------
-    sheet:
-        YAML file of the data sheet; see docs/assess.md.
     """
     refuse_results_of_the_workflow(out / "index.html")
     try:

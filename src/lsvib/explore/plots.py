@@ -88,12 +88,8 @@ class Plots:
         self.clip = CustomJS(args={"plots": [self.plane, self.force, self.contact]}, code=_CLIP)
 
     def _plane(self) -> figure:
-        made = figure(
-            width=620, height=470, **_NARROW, tools=_TOOLS, title="Phase plane: click where a motion shall start",
-            x_range=Range1d(-1, 1), y_range=Range1d(-1, 1),
-            x_axis_label="deviation u [rad]", y_axis_label="rate of the deviation u′ [rad/s]",
-            name="plane", html_attributes={"aria-label": "Phase plane; its content is said in words below"},
-        )  # fmt: skip
+        made = _figure("plane", "Phase plane: click where a motion shall start", 620, 470, (-1, 1), (-1, 1))
+        made.xaxis.axis_label, made.yaxis.axis_label = "deviation u [rad]", "rate of the deviation u′ [rad/s]"
         made.image_rgba("image", x="x", y="y", dw="dw", dh="dh", source=self.drawn["map"], **_ABOVE)
         made.multi_line(
             "x", "y", source=self.drawn["lines"], color="colour", line_dash="dash", line_width="width", **_ABOVE
@@ -113,11 +109,8 @@ class Plots:
         return made
 
     def _curve(self) -> figure:
-        made = figure(
-            width=470, height=270, **_NARROW, tools=_TOOLS, title="Amplitude of the steady vibration",
-            x_range=Range1d(0, 1), y_range=Range1d(0, 0.01), y_axis_label="amplitude [rad]", name="curve",
-            html_attributes={"aria-label": "Amplitude over a parameter; its content is said in words below"},
-        )  # fmt: skip
+        made = _figure("curve", "Amplitude of the steady vibration", 470, 270, (0, 1), (0, 0.01))
+        made.yaxis.axis_label = "amplitude [rad]"
         made.vspan(x="x", source=self.sources["bar"], color=style.GREY, line_width=1)
         made.vspan(x="x", source=self.sources["marks"], color=style.BLACK, line_dash=[5, 3])
         made.text(
@@ -134,21 +127,15 @@ class Plots:
         return made
 
     def _force(self) -> figure:
-        made = figure(
-            width=470, height=210, **_NARROW, tools=_TOOLS, title="Normal force of the threads (without impulses)",
-            x_range=Range1d(0, 1), y_range=Range1d(-1, 1), x_axis_label="time [s]", y_axis_label="N [N]", name="force",
-            html_attributes={"aria-label": "Normal force over time; its content is said in words below"},
-        )  # fmt: skip
+        made = _figure("force", "Normal force of the threads (without impulses)", 470, 210, (0, 1), (-1, 1))
+        made.xaxis.axis_label, made.yaxis.axis_label = "time [s]", "N [N]"
         made.hspan(y=[0.0], color=style.VERMILION, line_dash=[5, 3])
         made.multi_line("x", "y", source=self.drawn["history"], color="colour", **_ABOVE)
         return made
 
     def _contact(self) -> figure:
-        made = figure(
-            width=470, height=190, **_NARROW, tools="", title="Contact of screw and nut", name="contact",
-            x_range=Range1d(-2, 2), y_range=Range1d(-0.8, 1.15), x_axis_type=None, y_axis_type=None,
-            html_attributes={"aria-label": "Screw and nut; their contact is said in words below"},
-        )  # fmt: skip
+        made = _figure("contact", "Contact of screw and nut", 470, 190, (-2, 2), (-0.8, 1.15), tools="")
+        made.axis.visible = made.grid.visible = False
         made.toolbar_location = None
         edges = np.array([-2.2, 2.2, 2.2, -2.2])
         for middle in (-0.5, 0.5):  # threads of the screw above and below the tooth of the nut
@@ -166,21 +153,13 @@ class Plots:
         self.plane.x_range.update(start=window.left, end=window.right)
         self.plane.y_range.update(start=window.bottom, end=window.top)
 
-    def _fill(self, name: str, columns: Mapping[str, Sequence[Any]]) -> None:
+    def _fill(self, name: str, **columns: Sequence[Any]) -> None:
         self.drawn[name].data = {**_LOOKS[name], **columns}
 
     def draw_map(self, labels: np.ndarray, window: Window) -> None:
         """Show labels (rows, columns) of a window as colours."""
-        self._fill(
-            "map",
-            {
-                "image": [answers.rgba(labels)],
-                "x": [window.left],
-                "y": [window.bottom],
-                "dw": [window.right - window.left],
-                "dh": [window.top - window.bottom],
-            },
-        )
+        sides = {"dw": [window.right - window.left], "dh": [window.top - window.bottom]}
+        self._fill("map", image=[answers.rgba(labels)], x=[window.left], y=[window.bottom], **sides)
 
     def draw_motion(self, drive: Drive, shown: Followed, window: Window) -> None:
         """Show a motion, its limit cycle and the lines N = 0 and θ′ = 0."""
@@ -188,10 +167,8 @@ class Plots:
         closed = np.concatenate([shown.cycle, shown.cycle[:1]])
         self._fill(
             "lines",
-            {
-                "x": [u, np.array([window.left, window.right]), closed[:, 0], shown.u],
-                "y": [w, np.full(2, -drive.input_speed), closed[:, 1], shown.w],
-            },
+            x=[u, np.array([window.left, window.right]), closed[:, 0], shown.u],
+            y=[w, np.full(2, -drive.input_speed), closed[:, 1], shown.w],
         )
         end = float(shown.time[-1])
         self.force.x_range.update(start=-0.02 * end, end=1.02 * end)
@@ -218,20 +195,15 @@ class Plots:
         least, most = self.force.y_range.start, self.force.y_range.end
         beyond = 20 * (most - least)  # for a hand that zooms out
         ends = [least - beyond, most + beyond]
-        self._fill(
-            "points",
-            {"x": [0.0, float(shown.u[0]), float(shown.u[k])], "y": [0.0, float(shown.w[0]), float(shown.w[k])]},
-        )
-        self._fill("history", {"x": [shown.time, [time, time]], "y": [shown.force, ends]})
+        self._fill("points", x=[0.0, *shown.u[[0, k]].tolist()], y=[0.0, *shown.w[[0, k]].tolist()])
+        self._fill("history", x=[shown.time, [time, time]], y=[shown.force, ends])
         self._fill(
             "screw",
-            {
-                "x": [np.stack([at, at, breaks], axis=1).ravel(), [0.0, 0.0]],
-                "y": [np.stack([base - 0.15, base + 0.15, breaks], axis=1).ravel(), [side * 0.25, tip]],
-            },
+            x=[np.stack([at, at, breaks], axis=1).ravel(), [0.0, 0.0]],
+            y=[np.stack([base - 0.15, base + 0.15, breaks], axis=1).ravel(), [side * 0.25, tip]],
         )
         height = SLOPE * tooth + side * gap + np.array([-half, -half, half, half])
-        self._fill("nut", {"x": [tooth], "y": [height], "tip": [tip], "words": [words]})
+        self._fill("nut", x=[tooth], y=[height], tip=[tip], words=[words])
 
     def start_curve(self, view: View, thresholds: Mapping[str, float]) -> None:
         """Clear the amplitude curve and set its axis, the drive's own value and its thresholds."""
@@ -260,6 +232,16 @@ class Plots:
         # An axis of 0.01 rad where nothing vibrates; a range without numbers would be a warning of Bokeh's.
         low, high = _steady_range(amplitudes if np.any(amplitudes) else np.array([0.01]))
         self.curve.y_range.update(start=low, end=high)
+
+
+def _figure(
+    name: str, title: str, width: int, height: int, x: tuple[float, float], y: tuple[float, float], tools: str = _TOOLS
+) -> figure:
+    """An empty drawing whose axes are as long as a redraw says."""
+    return figure(
+        name=name, title=title, width=width, height=height, tools=tools, x_range=Range1d(*x), y_range=Range1d(*y),
+        html_attributes={"aria-label": f"{title}; its content is said in words below"}, **_NARROW,
+    )  # fmt: skip
 
 
 def _steady_range(values: np.ndarray) -> tuple[float, float]:
