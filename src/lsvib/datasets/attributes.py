@@ -176,15 +176,18 @@ def drive_parameters(
     no_effect: Sequence[str] = (),
     axes: Sequence[str] = (),
 ) -> Variables:
-    """Return every parameter of some drives of one class as variables.
+    """Return every parameter of some drives of one class as variables, of several drives with their coordinate ``dim``.
 
-    Arguments: a drive, or several along ``dim``; parameters that differ by design and therefore lie ``along`` it even
-    where they agree; places of the chapter whose values the drives may have, keys of :data:`chapter.STATED`; parameters
-    that are ``assumed`` although Table 8.1 states their value, for other drives; parameters that have ``no_effect``;
-    those which are ``axes`` of the file and therefore are left out here.
+    That is an index whose ``flag_meanings`` name what makes each of them. Arguments: a drive, or several along ``dim``;
+    parameters that differ by design and therefore lie ``along`` it even where they agree; places of the chapter whose
+    values the drives may have, keys of :data:`chapter.STATED`; parameters that are ``assumed`` although Table 8.1
+    states their value, for other drives; parameters that have ``no_effect``; those which are ``axes`` of the file and
+    therefore are left out here.
     """
-    row = [drives] if isinstance(drives, Drive) else list(drives)
-    result: Variables = {}
+    row, result = [drives] if isinstance(drives, Drive) else list(drives), Variables()
+    if not isinstance(drives, Drive):
+        words = ["_".join(f"{name}_{getattr(drive, name)!r}" for name in along) or "drive" for drive in row]
+        result[dim] = named_index(dim, f"index of the {dim}", words)
     for name in type(row[0]).model_fields:
         if name in axes:
             continue
@@ -208,15 +211,6 @@ def origin_of(name: str, values: Any, printed: Sequence[str] = ()) -> str:
     if not known:
         return ASSUMED
     return f"{ASSUMED}, except {', '.join(f'{value:g} (printed: {place})' for value, place in known.items())}"
-
-
-def labels(dim: str, drives: Sequence[Drive], names: Sequence[str]) -> Variables:
-    """Return the coordinate of some drives: an index, whose ``flag_meanings`` name what makes each of them.
-
-    ``names``: the parameters in which they differ; without any, the only one is called ``drive``.
-    """
-    words = ["_".join(f"{name}_{getattr(drive, name)!r}" for name in names) or "drive" for drive in drives]
-    return {dim: named_index(dim, f"index of the {dim}", words)}
 
 
 def start_state(start: Mapping[str, float], words: str) -> Variables:

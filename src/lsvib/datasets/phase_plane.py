@@ -20,7 +20,6 @@ from lsvib.datasets.attributes import (
     drive_parameters,
     flagged,
     flags_or_none,
-    labels,
     named_index,
     quantity,
     variable,
@@ -102,7 +101,6 @@ def portraits(
     return xr.Dataset(
         lines(drives) | _motions(followed, samples) | _events(followed, impulses) | _attractors(steady, samples),
         coords={
-            **labels("case", drives, varied),
             **drive_parameters(drives, along=varied, printed=printed),
             **rule_coordinate(),
         },

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from lsvib.basins.grid import Axis, Grid
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, drive_parameters, flagged, labels, variable
+from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, drive_parameters, flagged, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures import settings as of
@@ -93,9 +93,7 @@ def build(settings: of.Values) -> xr.Dataset:
         variables,
         coords=coordinates | drive_parameters(drive, printed=("Fig. 8.14", "Sect. 8.6")),
         attrs=about(
-            "The region of attraction of steady sliding and its size",
-            "exact boundary of the basin; grids by the map of the region of attraction",
-            "Sect. 8.7, Fig. 8.14",
+            __doc__, "exact boundary of the basin; grids by the map of the region of attraction", "Sect. 8.7, Fig. 8.14"
         ),
     )
 
@@ -161,7 +159,7 @@ def _cases(drive: RigidDrive, cases: Sequence[of.Values], resolutions: Sequence[
     dims, exact = ("case", "resolution"), "fraction of the case's window that steady sliding attracts, exact"
     cut = "fraction of the cells of the grid that the boundary cuts at most"
     return {
-        **labels("case", drives, varied),
+        "case": own.pop("case"),
         **{f"case_{x}": own[x] for x in own if x in varied or x in ("axial_force", "support_damping")},
         **phase_plane.lines(drives),
         **_points("boundary", lines, "on the exact boundary"),

@@ -12,7 +12,6 @@ from lsvib.datasets.attributes import (
     Variables,
     axis,
     drive_parameters,
-    labels,
     origin_of,
     variable,
     yes_no,
@@ -86,7 +85,6 @@ def build(settings: of.Values) -> xr.Dataset:
         coords={
             **axis("curve_contact_stiffness", curves),
             **axis("curve_contact_damping", along),
-            **labels("contact", contacts, _CONTACT),
             **drive_parameters(
                 contacts,
                 "contact",
@@ -101,7 +99,7 @@ def build(settings: of.Values) -> xr.Dataset:
             "critical_mass": ((), rigid, CRITICAL_MASS),
         },
         attrs=about(
-            "Stability of steady sliding with compliant threads: critical mass, growth rates and Lemma 8.1",
+            __doc__,
             "characteristic polynomial in rational numbers, eigenvalues by LAPACK",
             "Lemma 8.1, Sects 8.2, 8.6.1; docs/lemmas.md",
             comment="R Omega > 0",

@@ -5,7 +5,7 @@ import xarray as xr
 
 from lsvib.contact.contact_force import Paradox
 from lsvib.datasets.checks import Check
-from lsvib.figures import contact_portraits, style
+from lsvib.figures import contact_portraits
 from lsvib.figures.common import about, named
 from lsvib.figures.settings import ContactPortrait, Values
 
@@ -18,15 +18,15 @@ negative; the saddle's stable manifold separates contact forces that stay bounde
 """
 
 
-class Settings(ContactPortrait):
-    """Phase portrait of the contact force, indeterminate case."""
+Settings = ContactPortrait
+draw = contact_portraits.draw
 
 
 def build(settings: Values) -> xr.Dataset:
     """Compute the portrait, :func:`lsvib.figures.contact_portraits.portrait`, with contact dampings 0 and > 0."""
     return contact_portraits.portrait(settings, Paradox.INDETERMINATE).assign_attrs(
         about(
-            "Figure 8.1: phase portrait of the contact force, indeterminate case",
+            __doc__,
             "closed-form flow of the contact force (8.12) with exact changes of the law",
             "Sect. 8.2, Fig. 8.1, Remark 8.1",
         )
@@ -109,9 +109,3 @@ def _damping_checks(damped: xr.Dataset) -> list[Check]:
             ends.size and gap < 0.01,  # e⁻⁸ of a start is left where the motions end
         ),
     ]
-
-
-@style.styled
-def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw the motions, the saddle's manifolds and the basin of bounded contact forces, elastic and damped."""
-    return contact_portraits.draw_portrait(dataset, ("law +: $N > 0$", "law −: $N < 0$"), columns=4)

@@ -7,7 +7,7 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import attributes, drive_parameters, flagged, labels, variable
+from lsvib.datasets.attributes import attributes, drive_parameters, flagged, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, flag_names, named
@@ -66,14 +66,9 @@ def build(settings: Values) -> xr.Dataset:
             "effective_inertia": ("effective_inertia", inertia, _INERTIA),
             "effective_damping": ("effective_damping", damping, _DAMPING),
             along: (along, positive, _INERTIA),
-            **labels("case", cases, _CHANGED),
             **drive_parameters(cases, along=_CHANGED, printed=("Sect. 8.5.1", "Sect. 8.6.1", "Sect. 8.6")),
         },
-        attrs=about(
-            "Figure 8.3: stability of the steady sliding over effective inertia and effective damping",
-            "eigenvalues in closed form (8.18)",
-            "Sect. 8.4, Fig. 8.3",
-        ),
+        attrs=about(__doc__, "eigenvalues in closed form (8.18)", "Sect. 8.4, Fig. 8.3"),
     )
 
 

@@ -105,11 +105,7 @@ def build(settings: Values) -> xr.Dataset:
     )
     readings = _readings([drive.replace(mass=float(m)) for m in settings["mass_readings"]])
     return planes.assign(_curve(drives, steady) | readings).assign_attrs(
-        about(
-            "Figure 8.6: amplitude of the steady vibration against the axial force under negative damping",
-            "exact event-driven motion and its return map",
-            "Sect. 8.5.1, Fig. 8.6",
-        )
+        about(__doc__, "exact event-driven motion and its return map", "Sect. 8.5.1, Fig. 8.6")
     )
 
 

@@ -90,7 +90,7 @@ def build(settings: Values) -> xr.Dataset:
             "printed_critical_mass": printed.variable(chapter.THRESHOLDS["critical_mass"], "critical mass"),
         },
         attrs=about(
-            "Figure 8.8: eigenvalues of the steady sliding against the translating mass",
+            __doc__,
             "eigenvalues in closed form (8.18), effective inertia in 50-digit arithmetic",
             "Sect. 8.6, Fig. 8.8",
         ),

@@ -64,11 +64,7 @@ def build(settings: of.Values) -> xr.Dataset:
             **start_state(start, "with a seated contact: of the motion and of those whose cycles are found"),
             "printed_peak_normal_force": printed.variable(chapter.PEAK_FORCE, "largest contact force on the cycle"),
         },
-        attrs=about(
-            "Figure 8.10: sprag-slip vibration with compliant threads",
-            "exact event-driven motion with four states",
-            "Sect. 8.6.1, Fig. 8.10",
-        ),
+        attrs=about(__doc__, "exact event-driven motion with four states", "Sect. 8.6.1, Fig. 8.10"),
     )
 
 

@@ -33,11 +33,7 @@ def build(settings: Values) -> xr.Dataset:
     drive = RigidDrive.of(settings["drive"])
     drives = [drive.replace(support_damping=c) for c in settings["support_dampings"]]
     return phase_plane.portraits(settings, drives, ("support_damping",), ("Sect. 8.6", "Sect. 8.6.1")).assign_attrs(
-        about(
-            "Figure 8.11: effect of the support damping on the sprag-slip cycle",
-            "exact event-driven motion and its return map",
-            "Sect. 8.6.1, Fig. 8.11",
-        )
+        about(__doc__, "exact event-driven motion and its return map", "Sect. 8.6.1, Fig. 8.11")
     )
 
 

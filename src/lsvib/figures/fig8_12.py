@@ -83,11 +83,7 @@ def build(settings: Values) -> xr.Dataset:
             **drive_parameters(drive, axes=("support_damping",), printed=("Sect. 8.6", "Sect. 8.6.1")),
             **start_state(settings["start"], "of the motions whose cycles are found"),
         },
-        attrs=about(
-            "Figure 8.12: effect of the support damping on the steady vibration",
-            "exact means over the cycle of the exact event-driven motion",
-            "Sect. 8.6.1, Fig. 8.12",
-        ),
+        attrs=about(__doc__, "exact means over the cycle of the exact event-driven motion", "Sect. 8.6.1, Fig. 8.12"),
     )
 
 

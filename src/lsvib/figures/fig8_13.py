@@ -8,7 +8,7 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import Variables, axis, drive_parameters, flagged, labels, start_state, variable
+from lsvib.datasets.attributes import Variables, axis, drive_parameters, flagged, start_state, variable
 from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
 from lsvib.figures import drawing, style
@@ -66,7 +66,6 @@ def build(settings: Values) -> xr.Dataset:
         | _table("", ("contact",), _NUMBERS, [_numbers(steady) for steady in cycles])
         | _grid(drive, start, stiffness, damping),
         coords={
-            **labels("contact", contacts, _CONTACT),
             **drive_parameters(contacts, "contact", along=_CONTACT, printed=("Sect. 8.6", "Sect. 8.6.1")),
             **start_state(start, "with a seated contact: of the motions whose cycles are found"),
             "critical_mass_with_contact": variable("contact", critical, *CRITICAL_MASS_WITH_CONTACT),
@@ -74,11 +73,7 @@ def build(settings: Values) -> xr.Dataset:
             **axis("grid_contact_damping", damping),
             "steady_deflection": variable((), steady, "rad", "coupling deflection in steady sliding", "$z_0$"),
         },
-        attrs=about(
-            "Figure 8.13: effect of the contact parameters",
-            "exact event-driven motion with four states",
-            "Sect. 8.6.1, Fig. 8.13",
-        ),
+        attrs=about(__doc__, "exact event-driven motion with four states", "Sect. 8.6.1, Fig. 8.13"),
     )
 
 

@@ -101,13 +101,7 @@ def build(settings: Values) -> xr.Dataset:
             "grid_attractor": flagged(plane, grid, phase_plane.ATTRACTOR, Attractor),
             "bracket_attractor": flagged(("bracket", "rule"), released, words, Attractor),
         }
-    ).assign_attrs(
-        about(
-            "Figure 8.14: trajectories under a negative axial force",
-            "exact event-driven motion and its return map",
-            "Sect. 8.7, Fig. 8.14",
-        )
-    )
+    ).assign_attrs(about(__doc__, "exact event-driven motion and its return map", "Sect. 8.7, Fig. 8.14"))
 
 
 def _labels(drive: RigidDrive, rule: str, states: Sequence[tuple[float, float]]) -> list[int]:

@@ -93,7 +93,7 @@ def build(settings: Values) -> xr.Dataset:
             **_parameters(drive),
         },
         attrs=about(
-            "Figure 8.15: instability regions over friction coefficient and axial support stiffness, undamped",
+            __doc__,
             "generalised eigenvalues of (8.23), boundaries (8.29) in closed form",
             "Sect. 8.8.1, Fig. 8.15",
             comment="R Omega > 0; undamped",

@@ -111,22 +111,18 @@ def build(settings: of.Values) -> xr.Dataset:
     return xr.Dataset(
         deviations | {"rebound_force": variable(dims, rebound, "N", thrown)} | _rules_followed(branches, deviations),
         coords={
+            **drive_parameters([b.drive for b in branches], "branch", along=varied, printed=("Sect. 8.6",)),
             "family": flagged("family", BranchFamily, "how the damping of the contact grows", BranchFamily),
             **axis("contact_stiffness", stiffness),
             "contact_damping": (dims, damping, parameter_attributes("contact_damping", VARIED)),
             **phase_plane.rule_coordinate(),
             **_branch_coordinates(branches),
-            **drive_parameters([b.drive for b in branches], "branch", along=varied, printed=("Sect. 8.6",)),
             **start_state(start, "of the cycles"),
             "impact_speed": variable((), speed, "rad s-1", "screw speed before a seizure", r"$\dot\theta$"),
             "nut_damping_ratio": variable((), ratio, "1", "damping ratio of the nut", r"$\zeta$"),
             "fit_from": variable((), settings["fit_from"], "N m-1", "least stiffness that orders are fitted to"),
         },
-        attrs=about(
-            "The limit process: convergence of compliant threads to the rigid drive",
-            "exact event-driven motion of both models",
-            "Sects 8.2, 8.6; docs/limit_process.md",
-        ),
+        attrs=about(__doc__, "exact event-driven motion of both models", "Sects 8.2, 8.6; docs/limit_process.md"),
     )
 
 

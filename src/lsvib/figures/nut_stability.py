@@ -94,7 +94,7 @@ def build(settings: Values) -> xr.Dataset:
             ),
         },
         attrs=about(
-            "Stability of steady sliding with a rotating nut",
+            __doc__,
             "generalised eigenvalues of the matrices of Sect. 8.8.2, condition (8.33) in closed form",
             "Sect. 8.8.2, eq. 8.33, Remarks 8.5 and 8.6; docs/lemmas.md",
             comment="R Omega > 0; the dampings enter only where a check repeats the classes with damping",

@@ -81,6 +81,9 @@ def build(settings: Values) -> xr.Dataset:
     return xr.Dataset(
         _relative_to(computed, changes) | _table(base) | _matching(drives["stick_force"], functions),
         coords={
+            **drive_parameters(
+                list(drives.values()), "threshold", along=_VARIED, printed=_PLACES, no_effect=("axial_force",)
+            ),
             "threshold": flagged("threshold", PrintedThreshold, "threshold", PrintedThreshold),
             "parameter": flagged("parameter", Parameter, "parameter of Table 8.1", Parameter),
             **{f"printed_{n}": printed.variable(chapter.THRESHOLDS[n], words) for n, words in _WORDS.items()},
@@ -88,13 +91,10 @@ def build(settings: Values) -> xr.Dataset:
                 f"computed_{n}": variable((), value, chapter.THRESHOLDS[n].unit, f"{n.replace('_', ' ')}, computed")
                 for n, value in zip(_PRINTED, computed, strict=True)
             },
-            **drive_parameters(
-                list(drives.values()), "threshold", along=_VARIED, printed=_PLACES, no_effect=("axial_force",)
-            ),
             "screw_mass": ((), screw_mass, parameter("screw_mass", origin_of("screw_mass", screw_mass, _PLACES))),
         },
         attrs=about(
-            "Rounding of Table 8.1 and the printed thresholds",
+            __doc__,
             "thresholds in closed form and by the return map, with exact derivatives",
             "Table 8.1, Sects 8.5.1, 8.6.1, Fig. 8.15",
         ),
