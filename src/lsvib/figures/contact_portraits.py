@@ -301,7 +301,8 @@ def _lines(axes: style.Axes, case: xr.Dataset) -> None:
         axes.fill(*rim, color="#DCEBF7", linewidth=0, label="contact force stays bounded", zorder=0)
         for k, stable in enumerate((False, False, True, True)):
             look = {"color": style.BLACK, "linewidth": 1.5} if stable else dashed
-            axes.plot(x[k], y[k], zorder=2.4, label=f"{'' if stable else 'un'}stable manifold of the saddle", **look)
+            name = "stable manifold of the saddle" if stable else "unstable manifold"
+            axes.plot(x[k], y[k], zorder=2.4, label=name, **look)
         return
     slope = float(case.scaled_eigenvalue_real_part.sel(law=1).max()) / float(case.force_scale)
     x = np.array([0.0, float(case.grid_contact_force[-1])])
