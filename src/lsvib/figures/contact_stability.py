@@ -324,17 +324,14 @@ def draw(dataset: xr.Dataset) -> style.Figure:
 
 def _critical_mass(axes: style.Axes, dataset: xr.Dataset) -> None:
     rigid, damping = float(dataset.critical_mass), dataset.curve_contact_damping
-    curves = zip(dataset.curve_critical_mass_with_contact, _COLOURS, _DASHES, strict=False)
-    for curve, colour, dashes in curves:
+    for curve, colour, dashes in zip(dataset.curve_critical_mass_with_contact, _COLOURS, _DASHES, strict=False):
         name = f"$k_c$ = {style.power(float(curve.curve_contact_stiffness))} N m⁻¹"
         axes.plot(damping, curve, color=colour, linestyle=dashes, label=name)
     axes.plot(dataset.contact_damping, dataset.critical_mass_with_contact, "o", color=style.PURPLE, zorder=4,
               label="contacts of Figs 8.10, 8.13")  # fmt: skip
     for one in dataset.critical_mass_with_contact:
-        words = f"{float(one):.2f} kg at $k_c$ = {style.power(float(one.contact_stiffness))}"
-        top = float(one) > 0.99 * rigid  # on the line of the rigid drive: written above it
-        place, side = ((8, 5), "right") if top else ((4, -9), "left")
-        axes.annotate(words, (one.contact_damping, one), place, textcoords="offset points", fontsize=6.5, ha=side)
+        place = float(one.contact_damping), float(one)
+        axes.annotate(f"{float(one):.2f} kg", place, (4, -9), textcoords="offset points", fontsize=6.5)
     axes.axhline(rigid, color=style.GREY, linewidth=0.9, linestyle="--")
     axes.annotate(f"rigid contact: {rigid:.3f} kg", (0.03, rigid), (0, -3), xycoords=axes.get_yaxis_transform(),
                   textcoords="offset points", fontsize=6.5, va="top", color=style.GREY)  # fmt: skip
@@ -368,10 +365,6 @@ def _least(axes: style.Axes, dataset: xr.Dataset) -> None:
                   xycoords=axes.get_yaxis_transform(), textcoords="offset points", fontsize=6.5)  # fmt: skip
     axes.text(0.6, 0.92, "stable", transform=axes.transAxes, va="center")
     axes.text(0.6, 0.45, "unstable", transform=axes.transAxes, va="center")
-    if np.isfinite(low).any():
-        inside = 3 * float(stiffness[0]), np.sqrt(low[0] * high[0])
-        axes.annotate("stable, too", inside, (0.28, 0.26), textcoords=axes.transAxes, va="center",
-                      arrowprops={"arrowstyle": "-", "linewidth": 0.6, "color": style.BLACK})  # fmt: skip
     axes.set_title(f"(d) contact damping at which $m$ = {style.number(dataset.mass[1])} kg is stable")
     axes.set(xscale="log", yscale="log", xlabel=style.label(stiffness), ylabel=style.label(dataset.contact_damping))
     axes.set_ylim(None, top)

@@ -1,5 +1,6 @@
 """Figure 8.3: stability of the steady sliding over effective inertia and damping, by eigenvalues (8.18)."""
 
+from itertools import combinations
 from typing import ClassVar
 
 import numpy as np
@@ -175,14 +176,9 @@ def _close_up(axes: style.Axes, close: style.Axes, dataset: xr.Dataset) -> None:
     """Show the surroundings of the two drives that lie closest together in the picture."""
     drives = np.stack([dataset.case_effective_inertia.values, dataset.case_effective_damping.values])
     sides = np.array([np.ptp(dataset.effective_inertia.values), np.ptp(dataset.effective_damping.values)])
-    scaled = drives / sides[:, None]
-    apart = np.hypot(*(scaled[:, :, None] - scaled[:, None, :]))
-    pair = drives[:, np.unravel_index(np.argmin(apart + np.diag(np.full(drives.shape[1], np.inf))), apart.shape)]
-    half = np.maximum(1.2 * np.ptp(pair, axis=1), 0.02 * sides)
-    for limits, middle, width in zip((close.set_xlim, close.set_ylim), pair.mean(axis=1), half, strict=True):
-        limits(middle - width, middle + width)
+    first, second = min(combinations(drives.T, 2), key=lambda pair: np.hypot(*((pair[0] - pair[1]) / sides)))
+    middle, half = (first + second) / 2, np.maximum(1.2 * np.abs(first - second), 0.02 * sides)
+    close.axis(np.column_stack([middle - half, middle + half]).ravel())
     close.locator_params(nbins=3)
     close.tick_params(labelsize=6.5, pad=2)
-    for offset in (close.xaxis.get_offset_text(), close.yaxis.get_offset_text()):
-        offset.set_fontsize(6.5)
     axes.indicate_inset_zoom(close, edgecolor=style.BLACK, linewidth=0.7)

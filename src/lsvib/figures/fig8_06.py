@@ -263,8 +263,6 @@ def _reading_checks(dataset: xr.Dataset) -> list[Check]:
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the amplitude curve by regimes, the three thresholds and the inset portraits."""
-    from matplotlib.patches import Rectangle
-
     figure = style.new_figure(style.DOUBLE, 4.2)
     axes = figure.add_subplot()
     forces, amplitude = dataset.swept_axial_force, dataset.swept_amplitude
@@ -287,9 +285,6 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     insets = [axes.inset_axes(place) for place in _INSETS[: dataset.sizes["case"]]]
     for small, index in zip(insets, dataset.case.values, strict=True):
         _inset(small, dataset.sel(case=index))
-    for left, bottom, width, height in _INSETS[: len(insets)]:
-        axes.add_patch(Rectangle((left - 0.055, bottom - 0.085), width + 0.06, height + 0.14, color="white", zorder=2,
-                                 transform=axes.transAxes))  # fmt: skip
     return style.finished(figure, dataset, [axes, *insets], 4)
 
 
@@ -299,8 +294,7 @@ def _inset(small: style.Axes, case: xr.Dataset) -> None:
     drawing.draw_lines(small, case)
     drawing.guide(small, case, size=7.5)
     small.locator_params(nbins=4)
-    title = small.set_title(f"$R$ = {style.number(case.axial_force)} N", fontsize=7, pad=4)
-    title.set_bbox({"facecolor": "white", "edgecolor": "none", "pad": 0})
+    small.set_title(f"$R$ = {style.number(case.axial_force)} N", fontsize=7, pad=4)
     small.tick_params(labelsize=6.5, pad=1.5)
-    small.set_xlabel(f"$u$ {style.unit(case.angle_deviation.attrs['units'])}", fontsize=7, labelpad=0)
-    small.set_ylabel(f"$\\dot u$ {style.unit(case.velocity_deviation.attrs['units'])}", fontsize=7, labelpad=0)
+    small.set_xlabel("$u$ [rad]", fontsize=7, labelpad=0)
+    small.set_ylabel("$\\dot u$ [rad s⁻¹]", fontsize=7, labelpad=0)

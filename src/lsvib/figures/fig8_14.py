@@ -379,7 +379,7 @@ def _close_up(axes: style.Axes, case: xr.Dataset) -> None:
 
 def _distances(axes: style.Axes, dataset: xr.Dataset) -> None:
     """Distance of each seizure from the corner, for the motions of (c) and (d), with the ratio in the limit."""
-    for case, letter, place in ((2, "c", 0.62), (3, "d", 0.03)):
+    for case, letter, place in ((2, "c", (0.62, 0.5)), (3, "d", (0.1, 0.25))):
         part = dataset.isel(case=case)
         for index, rule in flag_names(dataset.rule).items():
             colour, mark, size, _, words = _RULES[rule]
@@ -389,7 +389,7 @@ def _distances(axes: style.Axes, dataset: xr.Dataset) -> None:
         ratio, middle = float(part.seizure_ratio), found.size // 2
         axes.plot(number, found[middle] * ratio ** (number - 1 - middle), color=style.BLACK, linewidth=0.7,
                   label=r"falls with $c a / (k \Omega + c a)$")  # fmt: skip
-        axes.text(place, 0.5, f"({letter}) ratio {ratio:.4f}", transform=axes.transAxes)
+        axes.text(*place, f"({letter}) ratio {ratio:.4f}", transform=axes.transAxes)
     axes.set(yscale="log", title="(f) distance of the seizures from the corner", xlabel="Number of the seizure")
     axes.xaxis.get_major_locator().set_params(integer=True)
     axes.set_ylabel(style.label(dataset.seizure_distance, "distance"))
