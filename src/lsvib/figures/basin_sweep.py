@@ -336,5 +336,5 @@ def _sweep(axes: style.Axes, dataset: xr.Dataset, name: str, letter: str) -> Non
         dotted = {"linewidth": 0.9, "linestyle": (0, (2, 1.5)), "label": "limit of global stability"}
         axes.axvline(place, color=style.VERMILION, **dotted)
         value, late = f"{place:.{digits}f}".replace("-", "−"), place > (left + right) / 2
-        axes.text(place, 0.06, f" {symbol} = {value} ", color=style.VERMILION, fontsize=6.5, backgroundcolor="#FFFFFFC0",
-                  ha="right" if late else "left", transform=axes.get_xaxis_transform())  # fmt: skip
+        axes.text(place, 0.06, f" {symbol} = {value} ", color=style.VERMILION, backgroundcolor="#FFFFFFC0",
+                  fontsize=6.5, ha="right" if late else "left", transform=axes.get_xaxis_transform())  # fmt: skip

@@ -325,13 +325,13 @@ def draw(dataset: xr.Dataset) -> style.Figure:
 def _critical_mass(axes: style.Axes, dataset: xr.Dataset) -> None:
     rigid, damping = float(dataset.critical_mass), dataset.curve_contact_damping
     for curve, colour, dashes in zip(dataset.curve_critical_mass_with_contact, _COLOURS, _DASHES, strict=False):
-        name = f"$k_c$ = {style.power(float(curve.curve_contact_stiffness))} N m⁻¹"
+        name = f"$k_c$ = {style.number(curve.curve_contact_stiffness)} N m⁻¹"
         axes.plot(damping, curve, color=colour, linestyle=dashes, label=name)
     axes.plot(dataset.contact_damping, dataset.critical_mass_with_contact, "o", color=style.PURPLE, zorder=4,
               label="contacts of Figs 8.10, 8.13")  # fmt: skip
     for one in dataset.critical_mass_with_contact:
         place = float(one.contact_damping), float(one)
-        axes.annotate(f"{float(one):.2f} kg", place, (4, -9), textcoords="offset points", fontsize=6.5)
+        axes.annotate(f"{float(one):.2f} kg", place, (0, -12), textcoords="offset points", fontsize=6.5)
     axes.axhline(rigid, color=style.GREY, linewidth=0.9, linestyle="--")
     axes.annotate(f"rigid contact: {rigid:.3f} kg", (0.03, rigid), (0, -3), xycoords=axes.get_yaxis_transform(),
                   textcoords="offset points", fontsize=6.5, va="top", color=style.GREY)  # fmt: skip
@@ -343,7 +343,7 @@ def _critical_mass(axes: style.Axes, dataset: xr.Dataset) -> None:
 def _growth(axes: style.Axes, dataset: xr.Dataset, letter: str, rigid: float) -> None:
     stiffness, sign = dataset.growth_contact_stiffness, ">" if float(dataset.mass) > rigid else "<"
     for curve, colour, dashes in zip(dataset.growth_rate, _COLOURS, _DASHES, strict=False):
-        name = f"$c_c$ = {style.power(float(curve.growth_contact_damping))} N s m⁻¹"
+        name = f"$c_c$ = {style.number(curve.growth_contact_damping)} N s m⁻¹"
         axes.plot(stiffness, curve, color=colour, linestyle=dashes, label=name)
     axes.axhline(0, color=style.BLACK, linewidth=0.5)
     axes.set_yscale("symlog", linthresh=10.0)
