@@ -201,12 +201,7 @@ LABEL = attributes("1", "what the drive does", **flags(Behaviour))
 
 
 def chart(
-    drive: Drive,
-    x: Any,
-    y: Any,
-    resume: str = "contact_sign",
-    workers: Any = 1,
-    progress: Progress | None = None,
+    drive: Drive, x: Any, y: Any, resume: str = "contact_sign", workers: Any = 1, progress: Progress | None = None
 ) -> xr.Dataset:
     """Return what a drive does over two of its parameters, as a dataset.
 

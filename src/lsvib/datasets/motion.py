@@ -50,9 +50,7 @@ def simulate(scene: Scene | Drive | Mapping[str, Any] | str | Path | None = None
 
 
 def as_scene(
-    scene: Scene | Drive | Mapping[str, Any] | str | Path | None,
-    changes: Mapping[str, Any],
-    drive: Mapping[str, Any],
+    scene: Scene | Drive | Mapping[str, Any] | str | Path | None, changes: Mapping[str, Any], drive: Mapping[str, Any]
 ) -> Scene:
     """Return a checked scene from any of the forms that :func:`simulate` takes, changed.
 

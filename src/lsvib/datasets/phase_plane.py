@@ -100,10 +100,7 @@ def portraits(
     impulses = [[event_impulses(drive, motion) for motion in row] for drive, row in zip(drives, followed, strict=True)]
     return xr.Dataset(
         lines(drives) | _motions(followed, samples) | _events(followed, impulses) | _attractors(steady, samples),
-        coords={
-            **drive_parameters(drives, along=varied, printed=printed),
-            **rule_coordinate(),
-        },
+        coords={**drive_parameters(drives, along=varied, printed=printed), **rule_coordinate()},
     )
 
 

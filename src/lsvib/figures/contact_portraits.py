@@ -43,11 +43,7 @@ _WORDS = {"facecolor": "#FFFFFFC0", "linewidth": 0, "pad": 1.0}
 
 
 def portrait(settings: Values, paradox: Paradox) -> xr.Dataset:
-    """Compute motions of the contact force, their outcomes on a grid, and the manifolds of the saddle, θ′ > 0.
-
-    ``settings``: see :class:`lsvib.figures.settings.ContactPortrait`; Γ₊ < 0, and a panel for each contact
-    damping. Raises ``InputError``.
-    """
+    """Compute motions of the contact force, their outcomes on a grid, and the saddle's manifolds; Γ₊ < 0, θ′ > 0."""
     base = ThreadsDrive.of({"contact_stiffness": settings["contact_stiffness"], **settings["drive"]})
     drives = [base.replace(contact_damping=damping) for damping in settings["contact_dampings"]]
     cases = [contact_force.contact_flows(drive, paradox) for drive in drives]
@@ -113,9 +109,7 @@ def _laws(drive: ThreadsDrive, cases: Sequence[Flows], scale: float) -> Variable
 def sample(arcs: Sequence[ForceArc], count: int, limit: float) -> np.ndarray:
     """Sample a motion at ``count`` times, shape (count, 2) of (x, x′); the last arc ends beyond |x − x*| = ``limit``.
 
-    Each arc gets samples by its duration, at least two, its ends among them. A last arc without end in a centre lasts
-    one turn, in a focus a fixed number of decay times; :func:`lsvib.datasets.phase_plane.sample` is for motions that
-    have an end. Raises ``InputError`` if the samples are too few for the arcs.
+    Each arc gets samples by its duration, at least two. A last arc without end lasts a turn or some decay times.
     """
     if count < 2 * len(arcs):
         raise InputError(f"samples = {count} is outside the allowed range samples >= {2 * len(arcs)} of this motion.")

@@ -7,15 +7,7 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import (
-    CRITICAL_MASS,
-    Variables,
-    axis,
-    drive_parameters,
-    origin_of,
-    variable,
-    yes_no,
-)
+from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, drive_parameters, origin_of, variable, yes_no
 from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
 from lsvib.figures import settings as of
@@ -65,10 +57,7 @@ class Settings(of.FigureSettings):
 
 
 def build(settings: of.Values) -> xr.Dataset:
-    """Compute the critical mass over the contact and for some contacts, and growth rates over the contact stiffness.
-
-    ``settings``: see ``Settings``; c_x = 0, R Ω > 0. Raises ``InputError``.
-    """
+    """Compute critical masses over the contact, and growth rates over its stiffness; c_x = 0, R Ω > 0."""
     drive = ThreadsDrive.of(settings["drive"])
     rigid, (heavy, light) = critical_mass(drive), settings["masses"]
     if rigid is None or not light < rigid < heavy:

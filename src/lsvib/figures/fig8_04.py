@@ -32,10 +32,7 @@ draw = drawing.single
 
 
 def build(settings: Values) -> xr.Dataset:
-    """Compute the phase plane of one drive, the margins of (8.19) and the eigenvalues of its origin.
-
-    The first start lies inside the limit cycle, the others outside.
-    """
+    """Compute the phase plane (the first start lies within the cycle), the margins of (8.19), and eigenvalues."""
     from lsvib.datasets import phase_plane
 
     drive = RigidDrive(**settings["drive"])
@@ -46,7 +43,7 @@ def build(settings: Values) -> xr.Dataset:
     planes = phase_plane.portraits(settings, [drive], (), ("Sect. 8.5.1",)).assign_coords(eigenvalue=EIGENVALUE)
     return planes.assign(
         {f"margin_{key}": variable("case", [margins[key]], *words) for key, words in MARGINS.items()}
-        | {"eigenvalue_real_part": variable(dims, real, "s-1", "real part of the eigenvalue", r"Re $\varepsilon$")},
+        | {"eigenvalue_real_part": variable(dims, real, "s-1", "real part of the eigenvalue", r"Re $\varepsilon$")}
     ).assign_attrs(about(__doc__, SOURCE, "Sect. 8.5, Fig. 8.4"))
 
 

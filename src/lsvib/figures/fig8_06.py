@@ -1,8 +1,7 @@
 """Figure 8.6: amplitude against the axial force under negative damping, with three phase portraits.
 
-Also the coefficients that Sect. 8.5.1 prints, for both readings of the mass: it states m = 1 kg, but the effective
-inertias that it prints are those of m = 8 kg; its dampings hold for any mass, and the thresholds of the figure belong
-to the stated one.
+Also the coefficients that Sect. 8.5.1 prints, for both readings of the mass: it states m = 1 kg, but prints the
+effective inertias of m = 8 kg.
 """
 
 from collections.abc import Sequence

@@ -85,8 +85,7 @@ def rigid_cycle(drive: RigidDrive, start: of.Values) -> SteadyState:
 def cycle_curves(dims: Sequence[str], cycles: Sequence[SteadyState], count: int, prefix: str = "cycle") -> Variables:
     """Return cycles as curves in the phase plane, dimensions (*dims, sample), NaN where there is none.
 
-    Variables: ``{prefix}_time`` [s] from a point of the cycle, ``_angle`` [rad], ``_velocity`` [rad/s]; both states of
-    each event are among the samples.
+    Time [s] from a point of the cycle, angle and velocity; both states of each event are among the samples.
     """
     from lsvib.datasets import phase_plane
 

@@ -71,10 +71,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw the limit cycle of each damping with its own line N = 0, on which its seizure starts.
-
-    An arrow of time stands on each cycle, and words on the side of the lines on which the screw slips forward.
-    """
+    """Draw each limit cycle with its own line N = 0, on which its seizure starts."""
     figure = style.new_figure(style.DOUBLE * 0.72, 4.3)
     axes = figure.add_subplot()
     cases = [dataset.sel(case=index) for index in dataset.case.values]

@@ -62,10 +62,7 @@ class Settings(PhasePlane):
 
 
 def build(settings: Values) -> xr.Dataset:
-    """Compute the four phase planes (mass by mass, force by force) and the force of global stability beyond m_cr.
-
-    Seizures of the motion from the last of the ``starts`` accumulate under the chapter's reading of the rule.
-    """
+    """Compute the four phase planes (mass by mass, force by force) and the force of global stability beyond m_cr."""
     from lsvib.datasets import phase_plane
     from lsvib.dynamics.attractor import Attractor
 

@@ -77,8 +77,7 @@ class BranchVerdict(IntEnum):
 def build(settings: of.Values) -> xr.Dataset:
     """Compute the deviations from the rigid drive over the stiffness, for each family of contacts and each branch.
 
-    ``settings``: see ``Settings``; Γ₊ < 0, c_x = 0; the pairs of forces and dampings are the drives, ``start`` is that
-    of the cycles, ``duration`` that of the motions after impacts. Raises ``InputError``.
+    Γ₊ < 0, c_x = 0; the pairs of forces and dampings are the drives, ``start`` is that of the cycles.
     """
     from lsvib.contact import stiff_limit
     from lsvib.contact.stiff_limit import BranchFamily

@@ -61,11 +61,7 @@ class Settings(FigureSettings):
 
 
 def build(settings: Values) -> xr.Dataset:
-    """Compute the thresholds, their distance from print, and what half a unit of each parameter changes, relative.
-
-    ``settings``: ``drive``, changes of Table 8.1, from which each threshold takes its own masses and damping as the
-    chapter states them. Raises ``InputError`` or ``NoThreshold`` for a drive without a threshold.
-    """
+    """Compute the thresholds, their distance from print, and what half a unit of each parameter changes, relative."""
     base, own = RigidDrive.of(settings["drive"]), {name: dict(chapter.THRESHOLDS[name].drive) for name in _PRINTED}
     screw_mass = own["critical_friction"].pop("screw_mass")
     drives = {name: base.replace(**changes) for name, changes in own.items()}
