@@ -141,6 +141,10 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     fastest, critical = dataset.largest_acceleration.values, dataset.critical_mass_with_contact.values
     times = ", ".join(f"{1e6 * float(dataset.input_speed) / x:.3g}" for x in fastest)
     sprags, residual = named(dataset.attractor, "sprag slip cycle"), float(dataset.period_residual.max())
+    limit, edge = dataset.boundary_contact_damping.values, float(np.abs(dataset.boundary_deflection).max())
+    grid, above = dataset.grid_largest_deflection.values, dataset.grid_contact_damping.values > limit[:, None]
+    softest, stiffest = dataset.grid_contact_stiffness.values[[0, -1]]
+    next_below = grid[np.arange(len(limit)), above.argmax(axis=1) - 1]
     return [
         Check.holds(
             "Each of the contacts drawn ends on a sprag-slip cycle, which repeats to 1e-9",
@@ -173,30 +177,21 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             f"with the softest contact {sprag[-1]:.6g} rad during sprag, {deflection[-1]:.6g} rad on the cycle",
             sprag[-1] > 0 and abs(sprag[-1] - deflection[-1]) <= 1e-12,
         ),
-        _boundary_check(dataset),
+        Check.holds(
+            "For each contact stiffness one contact damping bounds the positive deflections, and there max z = 0",
+            "sweep over the contact parameters",
+            f"c_c from {limit.min():.5g} to {limit.max():.5g} N s/m for k_c from {softest:.0e} to {stiffest:.0e} "
+            f"N/m; |max z| up to {edge:.1e} rad on it; negative for "
+            f"{(grid[above] < 0).sum()} of {above.sum()} contacts above, positive for "
+            f"{(next_below > 0).sum()} of {next_below.size} next below",
+            edge <= 1e-10 and (grid[above] < 0).all() and (next_below > 0).all(),
+        ),
         Check.everywhere(
             "Every contact of the sweep ends on a sprag-slip cycle",
             "sweep over the contact parameters",
             named(dataset.grid_attractor, "sprag slip cycle"),
         ),
     ]
-
-
-def _boundary_check(dataset: xr.Dataset) -> Check:
-    """Check on the grid of contacts that one damping bounds the positive deflections."""
-    limit, edge = dataset.boundary_contact_damping.values, float(np.abs(dataset.boundary_deflection).max())
-    grid, above = dataset.grid_largest_deflection.values, dataset.grid_contact_damping.values > limit[:, None]
-    softest, stiffest = dataset.grid_contact_stiffness.values[[0, -1]]
-    next_below = grid[np.arange(len(limit)), above.argmax(axis=1) - 1]
-    return Check.holds(
-        "For each contact stiffness one contact damping bounds the positive deflections, and there max z = 0",
-        "sweep over the contact parameters",
-        f"c_c from {limit.min():.5g} to {limit.max():.5g} N s/m for k_c from {softest:.0e} to {stiffest:.0e} "
-        f"N/m; |max z| up to {edge:.1e} rad on it; negative for "
-        f"{(grid[above] < 0).sum()} of {above.sum()} contacts above, positive for "
-        f"{(next_below > 0).sum()} of {next_below.size} next below",
-        edge <= 1e-10 and (grid[above] < 0).all() and (next_below > 0).all(),
-    )
 
 
 @style.styled

@@ -75,7 +75,7 @@ def build(settings: Values) -> xr.Dataset:
     solved = [solve_threshold(drive, *_PRINTED[name][1:]) for name, drive in asked.items()]
     changes = np.array([list(propagated(found).values()) for found in solved])
     return xr.Dataset(
-        _relative_to(computed, changes) | _table(base) | _matching(drives["stick_force"], functions),
+        _table(base, computed, changes) | _matching(drives["stick_force"], functions),
         coords={
             **drive_parameters(
                 list(drives.values()), "threshold", along=_VARIED, printed=_PLACES, no_effect=("axial_force",)
@@ -97,26 +97,20 @@ def build(settings: Values) -> xr.Dataset:
     )
 
 
-def _relative_to(computed: np.ndarray, changes: np.ndarray) -> Variables:
-    """Distances from print and changes (threshold, parameter), relative to the computed thresholds."""
+def _table(drive: RigidDrive, computed: np.ndarray, changes: np.ndarray) -> Variables:
+    """Values of Table 8.1 and half a unit of their last digit; distances from print and changes, relative."""
+    values = [np.degrees(drive.lead_angle) if n == "lead_angle_deg" else getattr(drive, n) for n in HALF_UNITS]
     in_print = np.array([chapter.THRESHOLDS[name].value for name in _PRINTED])
     half_units = np.array([half for half, *_ in _PRINTED.values()]) / computed
+    few, units = [name in ROUND for name in HALF_UNITS], "SI units, angle in degrees"
     half, change = "half a unit of the last printed digit of the threshold, relative", changes / computed[:, None]
     words = "change of the threshold by half a unit of the parameter's last printed digit"
+    last = f"half a unit of the last printed digit, {units}"
     return {
         "print_residual": variable("threshold", in_print / computed - 1, "1", "printed less computed, relative"),
         "print_half_unit": variable("threshold", half_units, "1", half),
         "relative_change": variable(("threshold", "parameter"), change, "1", words),
-    }
-
-
-def _table(drive: RigidDrive) -> Variables:
-    """The values of Table 8.1, half a unit of their last digit, and which of them have only one digit."""
-    halves, few = np.array(list(HALF_UNITS.values())), [name in ROUND for name in HALF_UNITS]
-    values = [np.degrees(drive.lead_angle) if n == "lead_angle_deg" else getattr(drive, n) for n in HALF_UNITS]
-    units = "SI units, angle in degrees"
-    return {
-        "half_unit": variable("parameter", halves, "1", f"half a unit of the last printed digit, {units}"),
+        "half_unit": variable("parameter", list(HALF_UNITS.values()), "1", last),
         "printed_value": variable("parameter", values, "1", f"value of the parameter, {units}"),
         "one_digit": yes_no("parameter", few, "printed without a digit but the leading one"),
     }
