@@ -1,18 +1,7 @@
 """Variables of datasets with their attributes, and the parameters of drives as such, with where their values come from.
 
 Functions return variables ``(dimensions, values, attributes)`` as ``xarray.Dataset`` takes them, or several by name.
-
-Whoever opens a file shall be able to repeat it: every parameter of its drives is a variable of the file under the name
-that it has in :mod:`lsvib.models.drive`, without dimensions where all drives share the value, else along theirs.
-Its attribute ``origin`` begins with one of five words:
-
-* ``printed: Table 8.1``, or another place of the chapter;
-* ``assumed: not stated in the text``; if some of several values are printed they follow after ``except``;
-* ``varied: an axis of this file``;
-* ``given: by whoever asked for this file``, of a single motion or of a map;
-* ``of no effect: the results of this file do not depend on it``, but for the sign of a product that the file names.
-
-A parameter that a file needs twice bears a qualifier in front, one of :data:`QUALIFIERS`.
+What the ``origin`` of a parameter says, so that whoever opens a file can repeat it, is in ``docs/design.md``.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -52,11 +41,8 @@ def flags(kinds: Iterable[IntEnum]) -> dict[str, Any]:
 
 def flags_or_none(kinds: Iterable[IntEnum]) -> dict[str, Any]:
     """Return :func:`flags` with one more, −1 for none of the kinds."""
-    known = flags(kinds)
-    return {
-        "flag_values": np.append(known["flag_values"], np.int8(-1)),
-        "flag_meanings": f"{known['flag_meanings']} none",
-    }
+    values, meanings = flags(kinds).values()
+    return {"flag_values": np.append(values, np.int8(-1)), "flag_meanings": f"{meanings} none"}
 
 
 def quantity(name: str, when: str = "") -> dict[str, str]:
@@ -130,8 +116,7 @@ ASSUMED = "assumed: not stated in the text"
 GIVEN = "given: by whoever asked for this file"
 VARIED = "varied: an axis of this file"
 NO_EFFECT = "of no effect: the results of this file do not depend on it"
-# In front of a parameter's name: along a sweep, a grid, a curve, growth rates or a boundary; of readings of the text;
-# of the cases, where the name alone is that of the drive that they change; of what is drawn.
+# In front of the name of a parameter that a file needs twice: along what it varies, or of what it is.
 QUALIFIERS = ("swept", "grid", "curve", "growth", "boundary", "reading", "case", "drawn")
 
 
@@ -176,15 +161,18 @@ def drive_parameters(
     no_effect: Sequence[str] = (),
     axes: Sequence[str] = (),
 ) -> Variables:
-    """Return every parameter of some drives of one class as variables.
+    """Return every parameter of some drives of one class as variables, of several drives with their coordinate ``dim``.
 
-    Arguments: a drive, or several along ``dim``; parameters that differ by design and therefore lie ``along`` it even
-    where they agree; places of the chapter whose values the drives may have, keys of :data:`chapter.STATED`; parameters
-    that are ``assumed`` although Table 8.1 states their value, for other drives; parameters that have ``no_effect``;
-    those which are ``axes`` of the file and therefore are left out here.
+    That is an index whose ``flag_meanings`` name what makes each of them. Arguments: a drive, or several along ``dim``;
+    parameters that differ by design and therefore lie ``along`` it even where they agree; places of the chapter whose
+    values the drives may have, keys of :data:`chapter.STATED`; parameters that are ``assumed`` although Table 8.1
+    states their value, for other drives; parameters that have ``no_effect``; those which are ``axes`` of the file and
+    therefore are left out here.
     """
-    row = [drives] if isinstance(drives, Drive) else list(drives)
-    result: Variables = {}
+    row, result = [drives] if isinstance(drives, Drive) else list(drives), Variables()
+    if not isinstance(drives, Drive):
+        words = ["_".join(f"{name}_{getattr(drive, name)!r}" for name in along) or "drive" for drive in row]
+        result[dim] = named_index(dim, f"index of the {dim}", words)
     for name in type(row[0]).model_fields:
         if name in axes:
             continue
@@ -210,20 +198,10 @@ def origin_of(name: str, values: Any, printed: Sequence[str] = ()) -> str:
     return f"{ASSUMED}, except {', '.join(f'{value:g} (printed: {place})' for value, place in known.items())}"
 
 
-def labels(dim: str, drives: Sequence[Drive], names: Sequence[str]) -> Variables:
-    """Return the coordinate of some drives: an index, whose ``flag_meanings`` name what makes each of them.
-
-    ``names``: the parameters in which they differ; without any, the only one is called ``drive``.
-    """
-    words = ["_".join(f"{name}_{getattr(drive, name)!r}" for name in names) or "drive" for drive in drives]
-    return {dim: named_index(dim, f"index of the {dim}", words)}
-
-
 def start_state(start: Mapping[str, float], words: str) -> Variables:
     """Return the state that motions start from, u [rad] and w [rad/s]; ``words`` say which motions."""
-    u, w, about = float(start["u"]), float(start["w"]), {"comment": words}
-    rate = "rate of the deviation at the start"
+    u, w, rate = float(start["u"]), float(start["w"]), "rate of the deviation at the start"
     return {
-        "initial_angle_deviation": variable((), u, "rad", "deviation at the start", "$u$", **about),
-        "initial_velocity_deviation": variable((), w, "rad s-1", rate, r"$\dot u$", **about),
+        "initial_angle_deviation": variable((), u, "rad", "deviation at the start", "$u$", comment=words),
+        "initial_velocity_deviation": variable((), w, "rad s-1", rate, r"$\dot u$", comment=words),
     }

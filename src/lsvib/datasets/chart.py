@@ -31,7 +31,7 @@ from lsvib.datasets.attributes import (
 )
 from lsvib.datasets.io import joined, rows_of, write_dataset
 from lsvib.datasets.spans import zero_where_rounded
-from lsvib.datasets.sweep import product_of
+from lsvib.datasets.sweep import known_key, product_of
 from lsvib.dynamics.behaviour import Behaviour, behaviours
 from lsvib.errors import InputError
 from lsvib.models import chapter
@@ -59,10 +59,7 @@ class ChartAxis(Axis):
             parts = given
             if not isinstance(parts, tuple | list) or len(parts) != 4:
                 raise InputError(f"{where} = {numbers.shown(given)} is not a parameter with start, stop and count.")
-        name = parts[0]
-        if name not in type(drive).model_fields:
-            known = ", ".join(type(drive).model_fields)
-            raise InputError(f"{where}: {numbers.shown(name)} is not a known key; the known keys are {known}.")
+        known_key(type(drive), name := parts[0], f"{where}: ")
         axis = cls.over(*parts)
         for end in axis.ends:
             drive.replace(**{name: end})
@@ -201,12 +198,7 @@ LABEL = attributes("1", "what the drive does", **flags(Behaviour))
 
 
 def chart(
-    drive: Drive,
-    x: Any,
-    y: Any,
-    resume: str = "contact_sign",
-    workers: Any = 1,
-    progress: Progress | None = None,
+    drive: Drive, x: Any, y: Any, resume: str = "contact_sign", workers: Any = 1, progress: Progress | None = None
 ) -> xr.Dataset:
     """Return what a drive does over two of its parameters, as a dataset.
 
@@ -225,11 +217,7 @@ def chart(
 
 
 def _in_processes(plane: Plane, resume: Resume, workers: int, progress: Progress | None) -> tuple[np.ndarray, Curves]:
-    """Return labels and curves of a large chart.
-
-    The curves are a good part of the work, and Python alone, so that threads would wait for each other: processes take
-    them one by one, and then blocks of rows.
-    """
+    """Return labels and curves of a large chart: a good part is Python alone, for which threads would wait."""
     count, cells = plane.y.count, plane.x.count * plane.y.count
     size = max(1, 4096 // plane.x.count)  # so many cells take a quarter of a second; with more states some seconds
     blocks = [slice(first, min(first + size, count)) for first in range(0, count, size)]
@@ -268,10 +256,9 @@ def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
 
 
 def plane_of(settings: Mapping[str, Any]) -> Plane:
-    """Return the plane of a chart from its settings.
+    """Return the plane of a chart from ``model``, ``drive`` (changes of Table 8.1), ``x`` and ``y``; ``InputError``.
 
-    ``model``; ``drive``, changes of Table 8.1; ``x`` and ``y``, each with ``parameter``, ``start``, ``stop`` and
-    ``count``. Raises ``InputError``.
+    Each axis has ``parameter``, ``start``, ``stop`` and ``count``.
     """
     drive = find_model(settings.get("model", "rigid")).drive.of(settings["drive"])
     axes = []
@@ -284,10 +271,7 @@ def plane_of(settings: Mapping[str, Any]) -> Plane:
 
 
 def chart_tile(settings: Mapping[str, Any], item: str, path: str | os.PathLike[str], workers: int = 1) -> None:
-    """Chart one tile, such as "3-of-6", and write it; ``settings`` as of :func:`plane_of`, and ``resume``.
-
-    Raises ``InputError`` and ``EngineError``.
-    """
+    """Chart one tile, such as "3-of-6", and write it; ``settings`` as of :func:`plane_of`, and ``resume``."""
     plane, resume = plane_of(settings), settings.get("resume", "contact_sign")
     rows = rows_of(item, plane.y.count)
     labels = plane.labels(rows, resume=resume, workers=workers)

@@ -12,6 +12,7 @@ from lsvib import numbers
 from lsvib.basins.boundary import Boundary, known_basin
 from lsvib.basins.curves import Arc
 from lsvib.datasets.attributes import flagged, variable, yes_no
+from lsvib.datasets.sweep import known_key
 from lsvib.dynamics.attractor import Attractor, SteadyState
 from lsvib.dynamics.continuation import CycleBranch, follow_cycle
 from lsvib.dynamics.cycles import Cycle, Seed, search, starts
@@ -84,10 +85,7 @@ def followed(
     kind = type(drive)
     if cycle.drive != drive:
         raise InputError("the cycle belongs to another drive; take one of this drive's cycles().")
-    if not isinstance(parameter, str) or parameter not in kind.model_fields:
-        raise InputError(
-            f"{numbers.shown(parameter)} is not a known key; the known keys are {', '.join(kind.model_fields)}."
-        )
+    known_key(kind, parameter)
     try:
         low, high = (numbers.number(value) for value in span)
         most = numbers.whole(points)

@@ -29,11 +29,9 @@ _LIBRARIES = ("numpy", "numba", "xarray", "netCDF4")
 def write_dataset(dataset: xr.Dataset, path: str | os.PathLike[str], maker: str = "lsvib") -> None:
     """Write ``dataset`` to ``path`` as CF-1.11 netCDF-4, whole or not at all, and re-open it to be sure.
 
-    The dataset brings the global attributes ``title``, ``source`` and ``references``, and for every variable and
-    coordinate ``units`` (UDUNITS syntax, "1" if dimensionless) and ``long_name``. Categories are ``int8`` with
-    ``flag_values`` and ``flag_meanings``. Added here: ``Conventions`` and the attributes of
-    :func:`provenance`, of which ``history`` names the ``maker``, a function; no clock time,
-    so that equal runs give equal content. ``dataset`` itself is not changed. Raises ``InputError`` if the dataset
+    It brings the global attributes ``title``, ``source`` and ``references``, and for every variable ``units`` (UDUNITS
+    syntax, "1" if dimensionless) and ``long_name``; categories are ``int8`` with flags. Added here are ``Conventions``
+    and :func:`provenance`, whose ``history`` names the ``maker``, a function. Raises ``InputError`` if the dataset
     breaks one of these rules, ``LsvibError`` if the file cannot be written.
     """
     path = Path(path)
@@ -131,8 +129,7 @@ def joined(tiles: Sequence[str | os.PathLike[str]], rows: str) -> xr.Dataset:
 def provenance(maker: str) -> dict[str, str]:
     """Return attributes that name the code, and in ``history`` the ``maker``, a function.
 
-    ``git_commit`` and ``git_dirty`` are ``"unknown"`` where git is missing or the package does not lie in a repository
-    that tracks it; ``package_versions`` is a JSON object of Python and library versions.
+    ``git_commit`` and ``git_dirty`` are ``"unknown"`` where no repository tracks the package.
     """
     commit, dirty = _git_state(Path(__file__).resolve())
     versions = {"python": platform.python_version(), **{name: version(name) for name in _LIBRARIES}}

@@ -71,11 +71,9 @@ def count(labels: np.ndarray) -> dict[Attractor, int]:
 
 
 def attraction_map(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) -> xr.Dataset:
-    """Return the dataset of a map.
+    """Return the dataset of a map, ``found`` being what :meth:`Mapper.cells` gave for the whole grid.
 
-    Arguments: mapper; grid; ``found``, the arrays (rows, columns) that :meth:`Mapper.cells` gave for the whole grid.
-    The coordinates are those of the grid's axes, at the middles of the cells. Besides the quantities of the map:
-    ``fraction`` of each attractor, and the :func:`surroundings`. Times that never come are missing.
+    Besides the quantities of the map it has the ``fraction`` of each attractor, and the :func:`surroundings`.
     """
     return _around(frame(mapper, grid).assign(cells(mapper, grid, found)), mapper, grid)
 
@@ -87,10 +85,7 @@ def _around(cells: xr.Dataset, mapper: Mapper, grid: Grid) -> xr.Dataset:
 
 
 def frame(mapper: Mapper, grid: Grid) -> xr.Dataset:
-    """Return a map without its cells: coordinates, the middles of the cells, and global attributes.
-
-    Among these ``grid`` holds the axes and fixed coordinates as JSON.
-    """
+    """Return a map without its cells: middles of the cells, and global attributes, ``grid`` among them as JSON."""
     axes = {
         name: (name, axis.centres(), {**quantity(name), "cell_width": axis.width})
         for name, axis in zip(_dimensions(grid), (grid.y, grid.x), strict=True)
@@ -142,10 +137,9 @@ def cells(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) -> dict[s
 
 
 def surroundings(mapper: Mapper, grid: Grid) -> dict[str, Variable]:
-    """Return what is drawn around a map in the plane of u and w.
+    """Return what is drawn around a map of u and w: of every model the limit cycles that were met.
 
-    Of every model the limit cycles that were met, of the rigid drive the lines Q = 0 and θ′ = 0 and, where it is known
-    (:mod:`lsvib.basins.boundary`), the exact boundary of the basin and its area within the map.
+    Of the rigid drive also the lines Q = 0 and θ′ = 0 and, where known, the boundary of the basin and its area.
     """
     data: dict[str, Variable] = {}
     if (grid.x.coordinate, grid.y.coordinate) != ("u", "w"):
@@ -204,11 +198,7 @@ def mapper_of(settings: Mapping[str, Any]) -> Mapper:
 
 
 def map_tile(settings: Mapping[str, Any], item: str, path: str | os.PathLike[str], workers: int = 1) -> None:
-    """Map one tile and write it.
-
-    ``settings``: ``grid`` as in :meth:`Grid.of`, those of :func:`mapper_of`, and ``quantities`` of each cell; ``item``:
-    "3-of-6". Raises ``InputError`` and ``EngineError``.
-    """
+    """Map one tile ("3-of-6") and write it; ``settings`` as of :func:`mapper_of`, with ``grid`` and ``quantities``."""
     grid, mapped = Grid.of(settings["grid"]), mapper_of(settings)
     rows = rows_of(item, grid.y.count)
     found = mapped.cells(grid, rows, quantities=settings["quantities"], workers=workers)

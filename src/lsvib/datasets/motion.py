@@ -10,14 +10,13 @@ import xarray as xr
 
 from lsvib.datasets import phase_plane
 from lsvib.datasets.attributes import (
-    GIVEN,
     IMPULSES,
     SIGNS,
     WITHOUT_IMPULSES,
     attributes,
     flagged,
     flags,
-    parameter,
+    given,
     quantity,
     variable,
 )
@@ -50,9 +49,7 @@ def simulate(scene: Scene | Drive | Mapping[str, Any] | str | Path | None = None
 
 
 def as_scene(
-    scene: Scene | Drive | Mapping[str, Any] | str | Path | None,
-    changes: Mapping[str, Any],
-    drive: Mapping[str, Any],
+    scene: Scene | Drive | Mapping[str, Any] | str | Path | None, changes: Mapping[str, Any], drive: Mapping[str, Any]
 ) -> Scene:
     """Return a checked scene from any of the forms that :func:`simulate` takes, changed.
 
@@ -68,8 +65,7 @@ def as_scene(
         values = names_and_values("scene", scene)
     values = {**values, **changes}
     if drive:
-        given = parameters_of(values.get("drive"))
-        values["drive"] = changed(given, drive)
+        values["drive"] = changed(parameters_of(values.get("drive")), drive)
     return Scene.of(values)
 
 
@@ -128,9 +124,8 @@ def motion_file(scene: Scene, motion: Motion, steady: SteadyState) -> xr.Dataset
     """
     outputs = tuple(dict.fromkeys((*scene.outputs, "normal_force", "coupling_deflection")))
     dataset = trajectory(scene.model_copy(update={"outputs": outputs}), motion)
-    parameters = {name: ((), value, parameter(name, GIVEN)) for name, value in scene.parameters().items()}
     doubt = {} if steady.doubt is None else {"comment": f"unresolved: {steady.doubt}"}
-    return dataset.assign_coords(parameters).assign(
+    return dataset.assign_coords(given(scene.parameters().items())).assign(
         attractor=flagged((), steady.label, phase_plane.ATTRACTOR, Attractor, **doubt),
         amplitude=variable((), steady.amplitude, "rad", phase_plane.AMPLITUDE),
         period=variable((), steady.period, "s", phase_plane.PERIOD, "$T$"),
@@ -138,14 +133,12 @@ def motion_file(scene: Scene, motion: Motion, steady: SteadyState) -> xr.Dataset
 
 
 def _events(scene: Scene, motion: Motion) -> dict[str, tuple[str, np.ndarray, dict[str, Any]]]:
+    after, definition = motion.automaton.codes[motion.mode], scene.definition
     events = {
         "event_time": (motion.time, attributes("s", "time of the event")),
-        "event_kind": (motion.kind, attributes("1", "kind of the event", **flags(scene.definition.events))),
+        "event_kind": (motion.kind, attributes("1", "kind of the event", **flags(definition.events))),
         "event_sign": (motion.sign, SIGNS),
-        "event_mode": (
-            motion.automaton.codes[motion.mode],
-            attributes("1", "mode of motion after the event", **flags(scene.definition.modes)),
-        ),
+        "event_mode": (after, attributes("1", "mode of motion after the event", **flags(definition.modes))),
     }
     if motion.automaton.sprag_kinds:
         impulses = event_impulses(scene.drive, motion)

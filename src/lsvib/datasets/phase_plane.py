@@ -20,7 +20,6 @@ from lsvib.datasets.attributes import (
     drive_parameters,
     flagged,
     flags_or_none,
-    labels,
     named_index,
     quantity,
     variable,
@@ -43,35 +42,31 @@ GLOBAL_STABILITY = "axial force beyond which steady sliding is globally stable"
 _WHICH_CYCLE = "one period of what the first start reaches by the first rule, missing if that is no cycle"
 
 
+def _pair(names: str, dims: Sequence[Dims], values: Sequence[Any], angle: str, rate: str, **more: str) -> Variables:
+    """Values of u [rad] and of u′ [rad/s] as two variables, ``names`` with a place for "angle" and "velocity"."""
+    return {
+        names.format("angle"): variable(dims[0], values[0], "rad", angle, "$u$", **more),
+        names.format("velocity"): variable(dims[1], values[1], "rad s-1", rate, r"$\dot u$", **more),
+    }
+
+
 def grid_axes(angle: np.ndarray, velocity: np.ndarray) -> Variables:
     """Return the axes of a grid of states: u [rad] and u′ [rad/s]."""
-    return {
-        "grid_angle_deviation": variable("grid_angle_deviation", angle, "rad", "deviation, of the grid", "$u$"),
-        "grid_velocity_deviation": variable(
-            "grid_velocity_deviation", velocity, "rad s-1", "rate of the deviation, of the grid", r"$\dot u$"
-        ),
-    }
+    names, words = "grid_{}_deviation", ("deviation, of the grid", "rate of the deviation, of the grid")
+    return _pair(names, [names.format("angle"), names.format("velocity")], [angle, velocity], *words)
 
 
 def curve(name: str, dims: Dims, points: np.ndarray, where: str, **more: str) -> Variables:
     """Return points of the phase plane (..., 2), u [rad] and u′ [rad/s], as two variables; ``where`` they lie."""
-    return {
-        f"{name}_angle": variable(dims, points[..., 0], "rad", f"deviation {where}", "$u$", **more),
-        f"{name}_velocity": variable(
-            dims, points[..., 1], "rad s-1", f"rate of the deviation {where}", r"$\dot u$", **more
-        ),
-    }
+    words = f"deviation {where}", f"rate of the deviation {where}"
+    return _pair(f"{name}_{{}}", [dims, dims], [points[..., 0], points[..., 1]], *words, **more)
 
 
 def window_edges(name: str, dims: Dims, windows: Any, of: str = "") -> Variables:
     """Return the edges of windows (..., 4) of the phase plane, two along u [rad] and two along u′ [rad/s]."""
-    edges = np.array(windows)
-    return {
-        f"{name}_angle": variable(dims, edges[..., :2], "rad", f"left and right edge of the window{of}", "$u$"),
-        f"{name}_velocity": variable(
-            dims, edges[..., 2:], "rad s-1", f"bottom and top edge of the window{of}", r"$\dot u$"
-        ),
-    }
+    edges, words = np.array(windows), f"edge of the window{of}"
+    values = [edges[..., :2], edges[..., 2:]]
+    return _pair(f"{name}_{{}}", [dims, dims], values, f"left and right {words}", f"bottom and top {words}")
 
 
 def rule_coordinate() -> Variables:
@@ -101,11 +96,7 @@ def portraits(
     impulses = [[event_impulses(drive, motion) for motion in row] for drive, row in zip(drives, followed, strict=True)]
     return xr.Dataset(
         lines(drives) | _motions(followed, samples) | _events(followed, impulses) | _attractors(steady, samples),
-        coords={
-            **labels("case", drives, varied),
-            **drive_parameters(drives, along=varied, printed=printed),
-            **rule_coordinate(),
-        },
+        coords={**drive_parameters(drives, along=varied, printed=printed), **rule_coordinate()},
     )
 
 
@@ -115,24 +106,19 @@ def lines(drives: Sequence[RigidDrive]) -> Variables:
     with many_digits():
         angle, slope = ([float(-c.q_row[k] / c.q_row[0]) for c in exact] for k in (2, 1))
     stop, inertia = [-drive.input_speed for drive in drives], [float(c.gamma[1]) for c in exact]
+    of_angle = "deviation at which the contact force vanishes, at zero rate"
+    of_stop = "rate of the deviation at which the screw stands still"
     return {
-        "contact_line_angle": variable(
-            "case", angle, "rad", "deviation at which the contact force vanishes, at zero rate", "$u$"
-        ),
+        "contact_line_angle": variable("case", angle, "rad", of_angle, "$u$"),
         "contact_line_slope": variable("case", slope, "s", "slope du/du' of the line of zero contact force"),
-        "stop_velocity": variable(
-            "case", stop, "rad s-1", "rate of the deviation at which the screw stands still", r"$-\Omega$"
-        ),
+        "stop_velocity": variable("case", stop, "rad s-1", of_stop, r"$-\Omega$"),
         "effective_inertia_plus": variable("case", inertia, "kg m2", "effective inertia of law +", r"$\Gamma_+$"),
     }
 
 
 def _motions(followed: Sequence[Sequence[Motion]], samples: int) -> Variables:
     """Return sampled motions, dimensions (case, start, sample)."""
-    dims, sampled = (
-        ("case", "start", "sample"),
-        [[(motion, *sample(motion, samples)) for motion in row] for row in followed],
-    )
+    sampled, dims = [[(m, *sample(m, samples)) for m in row] for row in followed], ("case", "start", "sample")
     time, states = (np.array([[each[k] for each in row] for row in sampled]) for k in (1, 2))
     modes = np.array([[motion.automaton.codes[places] for motion, *_, places in row] for row in sampled])
     variables = {
@@ -162,11 +148,10 @@ def _events(followed: Sequence[Sequence[Motion]], impulses: Sequence[Sequence[Im
         found = [[getattr(motion, name) for motion in row] for row in followed]
         return found if column is None else [[x[:, column] for x in row] for row in found]
 
+    kinds = padded(each("kind"), -1, np.int8)
     events = {
         "event_time": variable(dims, padded(each("time"), np.nan), "s", "time of the event"),
-        "event_kind": variable(
-            dims, padded(each("kind"), -1, np.int8), "1", "kind of the event", **flags_or_none(EventKind)
-        ),
+        "event_kind": variable(dims, kinds, "1", "kind of the event", **flags_or_none(EventKind)),
         "event_sign": (dims, padded(each("sign"), 0, np.int8), SIGNS),
     }
     for when in ("before", "after"):

@@ -89,12 +89,18 @@ def sweep(
     )
 
 
+def known_key(kind: type[Drive], name: Any, where: str = "") -> None:
+    """Raise ``InputError`` unless a class of drives has a parameter of this name."""
+    if not isinstance(name, str) or name not in kind.model_fields:
+        known = ", ".join(kind.model_fields)
+        raise InputError(f"{where}{numbers.shown(name)} is not a known key; the known keys are {known}.")
+
+
 def axes_of(over: Any, kind: type[Drive], most: int) -> dict[str, list[float]]:
     """Return the values of each parameter of a product of ``most`` points at most; raises ``InputError``."""
     axes: dict[str, list[float]] = {}
     for name, given in names_and_values("over", over).items():
-        if name not in kind.model_fields:
-            raise InputError(f"{name} is not a known key; the known keys are {', '.join(kind.model_fields)}.")
+        known_key(kind, name)
         if isinstance(given, str | bytes | Mapping) or not hasattr(given, "__len__") or not hasattr(given, "__iter__"):
             raise InputError(f"over: {name} = {numbers.shown(given)} is not a list of numbers.")
         try:
@@ -161,10 +167,7 @@ def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
 
 
 def resilience_sweep(
-    drive: RigidDrive,
-    over: Mapping[str, Any],
-    window: Window | None = None,
-    progress: Progress | None = None,
+    drive: RigidDrive, over: Mapping[str, Any], window: Window | None = None, progress: Progress | None = None
 ) -> xr.Dataset:
     """Return the perturbations that steady sliding of the rigid drive tolerates over all combinations of some values.
 

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from lsvib.basins.grid import Axis, Grid
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, drive_parameters, flagged, labels, variable
+from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, drive_parameters, flagged, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures import settings as of
@@ -93,9 +93,7 @@ def build(settings: of.Values) -> xr.Dataset:
         variables,
         coords=coordinates | drive_parameters(drive, printed=("Fig. 8.14", "Sect. 8.6")),
         attrs=about(
-            "The region of attraction of steady sliding and its size",
-            "exact boundary of the basin; grids by the map of the region of attraction",
-            "Sect. 8.7, Fig. 8.14",
+            __doc__, "exact boundary of the basin; grids by the map of the region of attraction", "Sect. 8.7, Fig. 8.14"
         ),
     )
 
@@ -161,7 +159,7 @@ def _cases(drive: RigidDrive, cases: Sequence[of.Values], resolutions: Sequence[
     dims, exact = ("case", "resolution"), "fraction of the case's window that steady sliding attracts, exact"
     cut = "fraction of the cells of the grid that the boundary cuts at most"
     return {
-        **labels("case", drives, varied),
+        "case": own.pop("case"),
         **{f"case_{x}": own[x] for x in own if x in varied or x in ("axial_force", "support_damping")},
         **phase_plane.lines(drives),
         **_points("boundary", lines, "on the exact boundary"),
@@ -314,36 +312,29 @@ def _basin(axes: style.Axes, case: xr.Dataset, letter: str) -> None:
 
 def _sweep(axes: style.Axes, dataset: xr.Dataset, name: str, letter: str) -> None:
     """Draw the fraction over one parameter, coloured by what bounds the basin."""
-    values, fraction = dataset[f"swept_{name}"].values, dataset[f"fraction_{name}"].values
+    title, known, symbol, digits = _SWEPT[name]
+    scale = 1e3 if name == "support_damping" else 1.0
+    values, fraction = dataset[f"swept_{name}"].values * scale, dataset[f"fraction_{name}"].values
     kinds = dataset[f"boundary_kind_{name}"]
     for word in flag_names(kinds).values():
         colour, words = _KINDS[word]
-        here = np.where(named(kinds, word), fraction, np.nan)
-        axes.plot(values, here, color=colour, linewidth=1.8, label=words)
+        axes.plot(values, np.where(named(kinds, word), fraction, np.nan), color=colour, linewidth=1.8, label=words)
     for k in np.flatnonzero(np.diff(kinds.values)):
         axes.plot(values[k : k + 2], fraction[k : k + 2], color=style.GREY, linewidth=0.8, linestyle=":",
                   label="jump of the fraction")  # fmt: skip
-    axes.axvline(float(dataset[name]), color=style.GREY, linewidth=0.9, linestyle=(0, (5, 2)), label="drive of (a)")
-    label, scale = style.label(dataset[f"swept_{name}"], " ").strip(), 1.0
-    if name == "support_damping":
-        scale = 1e3
-        axes.xaxis.set_major_formatter(lambda value, _: f"{scale * value:g}")
-        label = label.replace("[", "[10⁻³ ")
-    axes.set(yscale="log", title=f"({letter}) {_SWEPT[name][0]}", xlabel=label)
+    axes.axvline(scale * float(dataset[name]), color=style.GREY, linewidth=0.9, linestyle=(0, (5, 2)),
+                 label="drive of (a)")  # fmt: skip
+    label = style.label(dataset[f"swept_{name}"], " ").strip()
+    axes.set(yscale="log", title=f"({letter}) {title}", xlabel=label.replace("[", "[10⁻³ ") if scale > 1 else label)
     axes.margins(x=0)
     axes.set_ylim(None, 1.6)
     # Where global stability begins or ends: a root in closed form, over the damping the change of the basin.
-    _, known, symbol, digits = _SWEPT[name]
-    stable = dataset[f"swept_{name}"].values[named(dataset[f"boundary_kind_{name}"], "none")]
-    place, own = float(dataset[known]) if known else float(stable.min(initial=np.inf)), float(dataset[name])
+    stable = values[named(kinds, "none")]
+    place = scale * float(dataset[known]) if known else float(stable.min(initial=np.inf))
     left, right = axes.get_xlim()
-    if not left <= place <= right:
-        return
-    dotted = {"linewidth": 0.9, "linestyle": (0, (2, 1.5)), "label": "limit of global stability"}
-    axes.axvline(place, color=style.VERMILION, **dotted)
-    value = f"{scale * place:.{digits}f}".replace("-", "−")
-    left, right = axes.get_xlim()
-    beside = max(place, own) if abs(own - place) < 0.2 * (right - left) else place  # right of both lines if close
-    late = beside > 0.5 * (left + right)
-    axes.text(beside, 0.06, f" {symbol} = {value} ", color=style.VERMILION, fontsize=6.5, va="bottom",
-              ha="right" if late else "left", transform=axes.get_xaxis_transform())  # fmt: skip
+    if left <= place <= right:
+        dotted = {"linewidth": 0.9, "linestyle": (0, (2, 1.5)), "label": "limit of global stability"}
+        axes.axvline(place, color=style.VERMILION, **dotted)
+        value, late = f"{place:.{digits}f}".replace("-", "−"), place > (left + right) / 2
+        axes.text(place, 0.06, f" {symbol} = {value} ", color=style.VERMILION, backgroundcolor="#FFFFFFC0",
+                  fontsize=6.5, ha="right" if late else "left", transform=axes.get_xaxis_transform())  # fmt: skip

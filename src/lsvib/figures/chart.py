@@ -102,21 +102,26 @@ def _edges(axis: xr.DataArray) -> np.ndarray:
 
 def _curves(axes: style.Axes, dataset: xr.Dataset, across: str, down: str) -> None:
     """Draw the exact curves, and write its name on the longest line of each."""
-    names = flag_names(dataset.boundary_name)
-    axes.figure.canvas.draw()  # so that places on the picture are known
-    lines: dict[str, list[np.ndarray]] = {}
+    names, longest = flag_names(dataset.boundary_name), {}
     for number in np.unique(dataset.boundary_line.values):
         part = dataset.isel(boundary_point=dataset.boundary_line.values == number)
         name = names[int(part.boundary_name[0])]
         points = np.column_stack([part[f"boundary_{across}"], part[f"boundary_{down}"]])
         dashes = _CURVES.get(name, (name, "-"))[1]
         axes.plot(*points.T, color=style.BLACK, linewidth=1.1, linestyle=dashes, path_effects=_halo(), zorder=2)
-        lines.setdefault(name, []).append(axes.transData.transform(points) * 72 / axes.figure.dpi)
-    taken = [axes.bbox.corners()[[0, 1, 3, 2, 0]] * 72 / axes.figure.dpi]  # the rim
-    for name, own in lines.items():
-        others = [line for other, parts in lines.items() if other != name for line in parts]
-        longest = max(own, key=lambda line: np.hypot(*np.diff(line, axis=0).T).sum())
-        _write_on(axes, longest, _CURVES.get(name, (name, "-"))[0], [*others, *taken], taken)
+        path = axes.transAxes.inverted().transform(axes.transData.transform(points))
+        way = np.append(0.0, np.cumsum(np.hypot(*np.diff(path, axis=0).T)))
+        if way[-1] > longest.get(name, (0.2,))[0]:  # words need a fifth of a side
+            longest[name] = way[-1], way, points
+    for k, (name, (length, way, points)) in enumerate(longest.items()):
+        # In its middle, or before or after it, so that names on lines beside each other stand apart.
+        ends = [
+            [np.interp((0.5 + 0.2 * (k % 3 - 1) + aside) * length, way, x) for x in points.T] for aside in (0, 0.02)
+        ]
+        first, last = axes.transData.transform(ends)
+        angle = np.degrees(np.arctan(np.divide(*(last - first)[::-1]))) if last[0] != first[0] else 90.0
+        axes.annotate(_CURVES.get(name, (name,))[0], ends[0], fontsize=6.5, rotation=angle, rotation_mode="anchor",
+                      ha="center", va="bottom", path_effects=_halo(), zorder=3)  # fmt: skip
 
 
 def _readings(axes: style.Axes, dataset: xr.Dataset, across: str) -> None:
@@ -135,35 +140,3 @@ def _readings(axes: style.Axes, dataset: xr.Dataset, across: str) -> None:
             xycoords=("data", "axes fraction") if upright else ("axes fraction", "data"), path_effects=_halo(),
             ha="right" if upright else "left", va="bottom", zorder=3,
         )  # fmt: skip
-
-
-def _write_on(
-    axes: style.Axes, line: np.ndarray, words: str, others: list[np.ndarray], taken: list[np.ndarray]
-) -> None:
-    """Write words beside a line [pt], unless it is much shorter, far from other lines; ``taken`` gets the place."""
-    path, half = drawing.evenly(line)[:, :2], 2.2 * len(words.replace("$", "").replace("\\", ""))
-    reach = max(1, min(int(half / drawing.STEP), (len(path) - 1) // 2))
-    if len(path) * drawing.STEP < half:
-        return
-    obstacles = np.concatenate([drawing.evenly(other)[:, :2] for other in others])
-    best, place = -np.inf, None
-    for middle in range(reach, max(reach + 1, len(path) - reach), 2):
-        along = path[middle + reach] - path[middle - reach]
-        along = along / np.hypot(*along)
-        along = along if along[0] > 1e-9 or (abs(along[0]) <= 1e-9 and along[1] > 0) else -along  # never upside down
-        for side in (1, -1):
-            aside = 6.5 * side * np.array([-along[1], along[0]])
-            covered = path[middle] + aside + np.outer(np.linspace(-half, half, 9), along)
-            room = np.hypot(*(obstacles[:, None] - covered).reshape(-1, 2).T).min()
-            room = min(room, 13.0) + 0.1 * side - abs(2 * middle / len(path) - 1)
-            if room > best:
-                best, place = room, (path[middle], aside, along, covered)
-    if place is None:
-        return
-    point, aside, along, covered = place
-    taken.append(covered)
-    axes.annotate(
-        words, axes.transData.inverted().transform(point * axes.figure.dpi / 72), aside, textcoords="offset points",
-        ha="center", va="center", fontsize=6.5, rotation=np.degrees(np.arctan2(along[1], along[0])),
-        rotation_mode="anchor", path_effects=_halo(), zorder=3,
-    )  # fmt: skip

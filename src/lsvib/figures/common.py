@@ -26,9 +26,9 @@ CRITICAL_MASS_WITH_CONTACT = (
 )  # fmt: skip
 
 
-def about(title: str, source: str, places: str, **more: str) -> dict[str, str]:
-    """Return the attributes of a dataset; ``places`` of the chapter that it is about."""
-    references = f"doi:10.1007/978-1-4419-1752-2_8, {places}"
+def about(module: str | None, source: str, places: str, **more: str) -> dict[str, str]:
+    """Return the attributes of a dataset: the title of its ``module``'s docstring, the ``places`` that it is about."""
+    title, references = (module or "").partition("\n")[0].rstrip("."), f"doi:10.1007/978-1-4419-1752-2_8, {places}"
     return {"title": title, "source": f"lsvib, {source}", "references": references, **more}
 
 

@@ -14,7 +14,7 @@ import xarray as xr
 from lsvib.contact import contact_force
 from lsvib.contact.contact_force import ForceArc, ForceFlow, ForceOutcome, Paradox
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import Variables, attributes, drive_parameters, flagged, labels, named_index, variable
+from lsvib.datasets.attributes import Variables, attributes, drive_parameters, flagged, named_index, variable
 from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
 from lsvib.figures import drawing, style
@@ -39,19 +39,11 @@ _MANIFOLDS = (
     "unstable_away_from_zero_force", "unstable_across_zero_force",
     "stable_away_from_zero_force", "stable_across_zero_force",
 )  # fmt: skip
-_BASIN = "#DCEBF7"
 _WORDS = {"facecolor": "#FFFFFFC0", "linewidth": 0, "pad": 1.0}
-_DASHED = {"color": style.BLACK, "linewidth": 1.0, "linestyle": (0, (4, 2))}
-# Branches of the saddle's manifolds, each to the own and to the other side.
-_UNSTABLE, _STABLE_OWN, _STABLE_OTHER = slice(0, 2), 2, 3
 
 
 def portrait(settings: Values, paradox: Paradox) -> xr.Dataset:
-    """Compute motions of the contact force, their outcomes on a grid, and the manifolds of the saddle, θ′ > 0.
-
-    ``settings``: see :class:`lsvib.figures.settings.ContactPortrait`; Γ₊ < 0, and a panel for each contact
-    damping. Raises ``InputError``.
-    """
+    """Compute motions of the contact force, their outcomes on a grid, and the saddle's manifolds; Γ₊ < 0, θ′ > 0."""
     base = ThreadsDrive.of({"contact_stiffness": settings["contact_stiffness"], **settings["drive"]})
     drives = [base.replace(contact_damping=damping) for damping in settings["contact_dampings"]]
     cases = [contact_force.contact_flows(drive, paradox) for drive in drives]
@@ -77,7 +69,6 @@ def portrait(settings: Values, paradox: Paradox) -> xr.Dataset:
             "grid_contact_force_rate": (plane[2], rate, _rate("rate of the grid")),
             "law": variable("law", np.array(_LAWS), "1", "friction law", "$s$"),
             "law_side": variable("law", sides, "1", on, comment=_SIGN_OF_FORCE[paradox]),
-            **labels("case", drives, ("contact_damping",)),
             "eigenvalue": EIGENVALUE,
             **drive_parameters(drives, along=("contact_damping",), no_effect=ContactPortrait.unused),
             "contact_damping_ratio": variable("case", ratios, "1", f"contact damping {times}", r"$\zeta$"),
@@ -118,9 +109,7 @@ def _laws(drive: ThreadsDrive, cases: Sequence[Flows], scale: float) -> Variable
 def sample(arcs: Sequence[ForceArc], count: int, limit: float) -> np.ndarray:
     """Sample a motion at ``count`` times, shape (count, 2) of (x, x′); the last arc ends beyond |x − x*| = ``limit``.
 
-    Each arc gets samples by its duration, at least two, its ends among them. A last arc without end in a centre lasts
-    one turn, in a focus a fixed number of decay times; :func:`lsvib.datasets.phase_plane.sample` is for motions that
-    have an end. Raises ``InputError`` if the samples are too few for the arcs.
+    Each arc gets samples by its duration, at least two. A last arc without end lasts a turn or some decay times.
     """
     if count < 2 * len(arcs):
         raise InputError(f"samples = {count} is outside the allowed range samples >= {2 * len(arcs)} of this motion.")
@@ -271,65 +260,58 @@ def newton_checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-def draw_portrait(dataset: xr.Dataset, force_signs: tuple[str, str], columns: int) -> style.Figure:
-    """Draw a panel for each contact damping; ``force_signs``: left and right of χ = 0; ``columns`` of the legend."""
+@style.styled
+def draw(dataset: xr.Dataset) -> style.Figure:
+    """Draw motions, equilibria and manifolds, in a panel for each contact damping; the words say where a law holds."""
     figure = style.new_figure(style.DOUBLE, 3.35)
     panels = figure.subplots(1, dataset.sizes["case"], sharey=True)
     limits = [dataset[name].values[[0, -1]] for name in ("grid_contact_force", "grid_contact_force_rate")]
     for axes, letter, case in zip(panels, "ab", (dataset.isel(case=i) for i in dataset.case.values), strict=True):
         _lines(axes, case)
-        motions = [case.isel(start=index) for index in dataset.start.values]
-        colours = [_motion(axes, motion) for motion in motions]
+        paths = [_motion(axes, case.isel(start=index)) for index in dataset.start.values]
+        if "manifold_force" in case:  # all are stored outwards from the saddle
+            manifolds = zip(case.manifold_force.values, case.manifold_force_rate.values, (1, 1, -1, -1), strict=True)
+            paths += [(x[::along], y[::along], style.BLACK) for x, y, along in manifolds]
         _equilibria(axes, case)
         axes.axvline(0, color=style.GREY, linewidth=0.9, zorder=1)
         damping = float(case.contact_damping_ratio)
         words = f"contact damping, $\\zeta$ = {damping:.2g}" if damping else "elastic contact"
         axes.set_title(f"({letter}) {words}", y=1.0, pad=13)  # clear of the power of ten
         axes.set(xlabel=style.label(case.contact_force), xlim=limits[0], ylim=limits[1])
-        lines = zip(motions, colours, strict=True)
-        paths = [(motion.contact_force.values, motion.contact_force_rate.values, colour) for motion, colour in lines]
-        drawing.arrows(axes, [*paths, *_manifolds(case), (np.zeros(2), limits[1], None)])
-        for x, align, text in ((-0.02, "right", force_signs[0]), (0.02, "left", force_signs[1])):
-            place = (x * np.ptp(limits[0]), limits[1][0] + 0.03 * np.ptp(limits[1]))
-            axes.text(*place, text, ha=align, va="bottom", bbox=_WORDS, zorder=4)
+        drawing.arrows(axes, paths)
+        for side, text in zip(case.law_side.values, ("law +: $N > 0$", "law −: $N < 0$"), strict=True):
+            place = 0.02 * side * np.ptp(limits[0]), limits[1][0] + 0.03 * np.ptp(limits[1])
+            axes.text(*place, text, ha="left" if side > 0 else "right", bbox=_WORDS, zorder=4)
     panels[0].set_ylabel(style.label(dataset.contact_force_rate, "rate"))
-    return style.finished(figure, dataset, panels, columns)
+    return style.finished(figure, dataset, panels, 4)
 
 
 def _lines(axes: style.Axes, case: xr.Dataset) -> None:
     """Draw the manifolds of the saddle and what they enclose, or the unstable one that every motion approaches."""
+    dashed = {"color": style.BLACK, "linewidth": 1.0, "linestyle": (0, (4, 2))}
     if "manifold_force" in case:
         x, y = case.manifold_force.values, case.manifold_force_rate.values
-        rim = [np.concatenate([z[_STABLE_OTHER], z[_STABLE_OWN][::-1]]) for z in (x, y)]
-        axes.fill(*rim, color=_BASIN, linewidth=0, label="contact force stays bounded", zorder=0)
-        axes.plot(x[2:].T, y[2:].T, color=style.BLACK, linewidth=1.5, zorder=2.4)
-        axes.plot(x[_UNSTABLE].T, y[_UNSTABLE].T, zorder=2.5, **_DASHED)
-        axes.plot([], [], color=style.BLACK, linewidth=1.5, label="stable manifold of the saddle")
-        axes.plot([], [], label="unstable manifold", **_DASHED)
+        rim = [np.concatenate([z[3], z[2][::-1]]) for z in (x, y)]
+        axes.fill(*rim, color="#DCEBF7", linewidth=0, label="contact force stays bounded", zorder=0)
+        for k, stable in enumerate((False, False, True, True)):
+            look = {"color": style.BLACK, "linewidth": 1.5} if stable else dashed
+            name = "stable manifold of the saddle" if stable else "unstable manifold"
+            axes.plot(x[k], y[k], zorder=2.4, label=name, **look)
         return
     slope = float(case.scaled_eigenvalue_real_part.sel(law=1).max()) / float(case.force_scale)
     x = np.array([0.0, float(case.grid_contact_force[-1])])
     y = slope * (x - float(case.equilibrium_contact_force.sel(law=1)))
-    axes.plot(x, y, label="asymptote from the virtual saddle", **_DASHED)
+    axes.plot(x, y, label="asymptote from the virtual saddle", **dashed)
 
 
-def _manifolds(case: xr.Dataset) -> list[drawing.DrawnLine]:
-    """Return the manifolds of the saddle in the direction of time; they are stored outwards from it."""
-    if "manifold_force" not in case:
-        return []
-    x, y = case.manifold_force.values, case.manifold_force_rate.values
-    outwards = [(x[k], y[k], style.BLACK) for k in range(_STABLE_OWN)]
-    return outwards + [(x[k, ::-1], y[k, ::-1], style.BLACK) for k in (_STABLE_OWN, _STABLE_OTHER)]
-
-
-def _motion(axes: style.Axes, motion: xr.Dataset) -> str:
-    """Draw a motion from its start; return its colour."""
+def _motion(axes: style.Axes, motion: xr.Dataset) -> drawing.DrawnLine:
+    """Draw a motion from its start, and return it as a line."""
     x, y = motion.contact_force.values, motion.contact_force_rate.values
     stays = named(motion.start_outcome, "bounded")
     colour, name = (style.BLUE, "bounded") if stays else (style.VERMILION, "growing without bound")
     axes.plot(x, y, color=colour, linewidth=1.0, label=name, zorder=2)
     axes.plot(x[0], y[0], "o", color=colour, mfc="white", markersize=3.2, label="start", zorder=3, clip_on=False)
-    return colour
+    return x, y, colour
 
 
 def _equilibria(axes: style.Axes, case: xr.Dataset) -> None:
@@ -338,6 +320,5 @@ def _equilibria(axes: style.Axes, case: xr.Dataset) -> None:
         x = float(case.equilibrium_contact_force.sel(law=law))
         real = x * float(case.law_side.sel(law=law)) > 0
         kind = "saddle" if law > 0 else "centre or focus"
-        name = f"{kind} ${inverse}$" + ("" if real else ", virtual")
-        axes.plot(x, 0, marker, color=style.GREEN, mfc=style.GREEN if real else "white", markersize=6, linestyle="none",
-                  label=name, zorder=5)  # fmt: skip
+        look = {"color": style.GREEN, "mfc": style.GREEN if real else "white", "markersize": 6, "linestyle": "none"}
+        axes.plot(x, 0, marker, label=f"{kind} ${inverse}${'' if real else ', virtual'}", zorder=5, **look)

@@ -7,16 +7,7 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import (
-    CRITICAL_MASS,
-    Variables,
-    axis,
-    drive_parameters,
-    labels,
-    origin_of,
-    variable,
-    yes_no,
-)
+from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, drive_parameters, origin_of, variable, yes_no
 from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
 from lsvib.figures import settings as of
@@ -66,10 +57,7 @@ class Settings(of.FigureSettings):
 
 
 def build(settings: of.Values) -> xr.Dataset:
-    """Compute the critical mass over the contact and for some contacts, and growth rates over the contact stiffness.
-
-    ``settings``: see ``Settings``; c_x = 0, R Ω > 0. Raises ``InputError``.
-    """
+    """Compute critical masses over the contact, and growth rates over its stiffness; c_x = 0, R Ω > 0."""
     drive = ThreadsDrive.of(settings["drive"])
     rigid, (heavy, light) = critical_mass(drive), settings["masses"]
     if rigid is None or not light < rigid < heavy:
@@ -86,7 +74,6 @@ def build(settings: of.Values) -> xr.Dataset:
         coords={
             **axis("curve_contact_stiffness", curves),
             **axis("curve_contact_damping", along),
-            **labels("contact", contacts, _CONTACT),
             **drive_parameters(
                 contacts,
                 "contact",
@@ -101,7 +88,7 @@ def build(settings: of.Values) -> xr.Dataset:
             "critical_mass": ((), rigid, CRITICAL_MASS),
         },
         attrs=about(
-            "Stability of steady sliding with compliant threads: critical mass, growth rates and Lemma 8.1",
+            __doc__,
             "characteristic polynomial in rational numbers, eigenvalues by LAPACK",
             "Lemma 8.1, Sects 8.2, 8.6.1; docs/lemmas.md",
             comment="R Omega > 0",
@@ -326,17 +313,14 @@ def draw(dataset: xr.Dataset) -> style.Figure:
 
 def _critical_mass(axes: style.Axes, dataset: xr.Dataset) -> None:
     rigid, damping = float(dataset.critical_mass), dataset.curve_contact_damping
-    curves = zip(dataset.curve_critical_mass_with_contact, _COLOURS, _DASHES, strict=False)
-    for curve, colour, dashes in curves:
-        name = f"$k_c$ = {style.power(float(curve.curve_contact_stiffness))} N m⁻¹"
+    for curve, colour, dashes in zip(dataset.curve_critical_mass_with_contact, _COLOURS, _DASHES, strict=False):
+        name = f"$k_c$ = {style.number(curve.curve_contact_stiffness)} N m⁻¹"
         axes.plot(damping, curve, color=colour, linestyle=dashes, label=name)
     axes.plot(dataset.contact_damping, dataset.critical_mass_with_contact, "o", color=style.PURPLE, zorder=4,
               label="contacts of Figs 8.10, 8.13")  # fmt: skip
     for one in dataset.critical_mass_with_contact:
-        words = f"{float(one):.2f} kg at $k_c$ = {style.power(float(one.contact_stiffness))}"
-        top = float(one) > 0.99 * rigid  # on the line of the rigid drive: written above it
-        place, side = ((8, 5), "right") if top else ((4, -9), "left")
-        axes.annotate(words, (one.contact_damping, one), place, textcoords="offset points", fontsize=6.5, ha=side)
+        place = float(one.contact_damping), float(one)
+        axes.annotate(f"{float(one):.2f} kg", place, (0, -12), textcoords="offset points", fontsize=6.5)
     axes.axhline(rigid, color=style.GREY, linewidth=0.9, linestyle="--")
     axes.annotate(f"rigid contact: {rigid:.3f} kg", (0.03, rigid), (0, -3), xycoords=axes.get_yaxis_transform(),
                   textcoords="offset points", fontsize=6.5, va="top", color=style.GREY)  # fmt: skip
@@ -348,7 +332,7 @@ def _critical_mass(axes: style.Axes, dataset: xr.Dataset) -> None:
 def _growth(axes: style.Axes, dataset: xr.Dataset, letter: str, rigid: float) -> None:
     stiffness, sign = dataset.growth_contact_stiffness, ">" if float(dataset.mass) > rigid else "<"
     for curve, colour, dashes in zip(dataset.growth_rate, _COLOURS, _DASHES, strict=False):
-        name = f"$c_c$ = {style.power(float(curve.growth_contact_damping))} N s m⁻¹"
+        name = f"$c_c$ = {style.number(curve.growth_contact_damping)} N s m⁻¹"
         axes.plot(stiffness, curve, color=colour, linestyle=dashes, label=name)
     axes.axhline(0, color=style.BLACK, linewidth=0.5)
     axes.set_yscale("symlog", linthresh=10.0)
@@ -370,10 +354,6 @@ def _least(axes: style.Axes, dataset: xr.Dataset) -> None:
                   xycoords=axes.get_yaxis_transform(), textcoords="offset points", fontsize=6.5)  # fmt: skip
     axes.text(0.6, 0.92, "stable", transform=axes.transAxes, va="center")
     axes.text(0.6, 0.45, "unstable", transform=axes.transAxes, va="center")
-    if np.isfinite(low).any():
-        inside = 3 * float(stiffness[0]), np.sqrt(low[0] * high[0])
-        axes.annotate("stable, too", inside, (0.28, 0.26), textcoords=axes.transAxes, va="center",
-                      arrowprops={"arrowstyle": "-", "linewidth": 0.6, "color": style.BLACK})  # fmt: skip
     axes.set_title(f"(d) contact damping at which $m$ = {style.number(dataset.mass[1])} kg is stable")
     axes.set(xscale="log", yscale="log", xlabel=style.label(stiffness), ylabel=style.label(dataset.contact_damping))
     axes.set_ylim(None, top)

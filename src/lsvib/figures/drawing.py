@@ -1,8 +1,4 @@
-"""Draw phase planes from the variables of ``lsvib.datasets.phase_plane``: one case, a few motions, lines and marks.
-
-Arrows of time and words beside a line stand where the picture has room for them. Distances for that are those of the
-printed page, in points, of a panel as large as it is when the functions are called.
-"""
+"""Draw phase planes from the variables of ``lsvib.datasets.phase_plane``: one case, a few motions, lines and marks."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -13,16 +9,14 @@ import xarray as xr
 from lsvib.figures import style
 from lsvib.figures.common import flag_names, named
 
-STEP = 1.5  # distance of the points that are compared [pt]
-_PLACES = 150  # places compared on one line
-
 MOTIONS = (style.BLUE, style.ORANGE, style.SKY, style.PURPLE)
 EVEN = (1.1, 1.1, 1.1, 1.1)  # widths of the lines of up to four motions, in points
-DrawnLine = tuple[np.ndarray, np.ndarray, str | None]
+DrawnLine = tuple[np.ndarray, np.ndarray, str]  # x, y, both of shape (n) and with NaN where it is broken, and colour
 
 
+@style.styled
 def single(dataset: xr.Dataset) -> style.Figure:
-    """Return a figure of the only case of a dataset."""
+    """Draw the only case of a dataset."""
     figure = style.new_figure(style.SINGLE * 1.25, 3.4)
     axes, case = figure.add_subplot(), dataset.isel(case=0)
     phase_plane(axes, case)
@@ -134,37 +128,24 @@ def guide(axes: style.Axes, case: xr.Dataset, size: float = 10.0) -> None:
     follows law −, for which N θ′ < 0, and beyond the line there is no solution: only the side of slip has a name.
     """
     draw_arrows(axes, case, size)
-    paths = _paths(case)
     angle, slope, stop = (float(case[x]) for x in ("contact_line_angle", "contact_line_slope", "stop_velocity"))
     sides, (low, high) = np.array(axes.get_xlim()), axes.get_ylim()
-    paths.append((sides, np.full(2, stop), None))
-    paths.append((sides * 1e-2, np.zeros(2), None))  # the mark of the origin
     if slope:
         low, high = np.clip(np.sort((sides - angle) / slope), low, high)
-    spans = [(low, high, ("$N > 0$", "$N < 0$"))]
-    if float(case.effective_inertia_plus) < 0:
-        spans = [(max(low, stop), high, ("", "$N < 0$")), (low, min(high, stop), ("$N > 0$", ""))]
-    for first, last, words in spans:
+    above, below = (stop, stop) if float(case.effective_inertia_plus) < 0 else (low, high)
+    for word, side, first, last in (("$N > 0$", 1, low, min(below, high)), ("$N < 0$", -1, max(above, low), high)):
         if last > first:  # in view
-            ends = np.array([[angle + slope * rate, rate] for rate in (first, last)])
-            name_sides(axes, ends, words, paths, 0.8 * size)
+            rate = first + 0.85 * (last - first)
+            place = angle + slope * rate + 0.015 * side * np.ptp(sides), rate
+            axes.text(*place, word, ha="left" if side > 0 else "right", va="center", fontsize=0.8 * size, zorder=4,
+                      bbox={"facecolor": "#FFFFFFD0", "linewidth": 0, "pad": 0.8})  # fmt: skip
 
 
 def draw_arrows(axes: style.Axes, case: xr.Dataset, size: float = 10.0) -> None:
-    """Draw an arrow of time on each motion of one case, and on its limit cycle.
-
-    To be called when the panel has its limits.
-    """
-    angle, slope = float(case.contact_line_angle), float(case.contact_line_slope)
-    rates = np.array(axes.get_ylim())
-    arrows(axes, [*_paths(case), (angle + slope * rates, rates, None)], size)
-
-
-def _paths(case: xr.Dataset) -> list[DrawnLine]:
-    """Return the motions and the limit cycle of one case as lines with colours, parted at their jumps."""
+    """Draw an arrow of time on each motion of one case, and on its limit cycle, by :func:`arrows`."""
+    lines = [(*parted(u, w, jumps), colour) for _, u, w, jumps, colour in _motions(case)]
     u, w, jumps = cycle_of(case)
-    cycle = [(*parted(u, w, jumps), style.BLACK)] if np.isfinite(u).any() else []
-    return [*((*parted(u, w, jumps), colour) for _, u, w, jumps, colour in _motions(case)), *cycle]
+    arrows(axes, [*lines, (*parted(u, w, jumps), style.BLACK)], size)
 
 
 def mark_origin(axes: style.Axes) -> None:
@@ -191,93 +172,22 @@ def hatched(
 
 
 def arrows(axes: style.Axes, lines: Sequence[DrawnLine], size: float = 10.0) -> None:
-    """Draw one arrow on each line, in the direction of its points and within the limits that the panel has now.
+    """Draw an arrow on each line that is in view, six times its ``size`` [pt] from the line's start or half way.
 
-    A line is x, y, both of shape (n) and with NaN where it is broken, and a colour; one without a colour gets no arrow
-    but is kept clear of. ``size`` of the arrows in points.
+    It points in the direction of the line's points. To be called when the panel has its limits.
     """
-    page = _Page(axes)
-    paths = [evenly(page.points(x, y)) for x, y, _ in lines]
-    for number, (path, (_, _, colour)) in enumerate(zip(paths, lines, strict=True)):
-        if colour is None:
+    pixels = axes.figure.dpi / 72
+    for x, y, colour in lines:
+        path = axes.transData.transform(np.column_stack([x, y]))
+        seen = ((path > axes.bbox.min) & (path < axes.bbox.max)).all(axis=1)
+        steps = np.where(seen[1:] & seen[:-1], np.hypot(*np.diff(path, axis=0).T), 0.0)
+        if not steps.any():
             continue
-        place = _roomiest(path, [other[:, :2] for k, other in enumerate(paths) if k != number], page.size)
-        if place is not None:
-            tail, head = (page.data(path[k, :2]) for k in (place - 1, place))
-            look = {"color": colour, "linewidth": 0, "mutation_scale": size, "shrinkA": 0, "shrinkB": 0}
-            axes.annotate("", head, tail, arrowprops={"arrowstyle": "-|>", **look}, zorder=3.2)
-
-
-def name_sides(
-    axes: style.Axes, ends: np.ndarray, words: tuple[str, str], lines: Sequence[DrawnLine], size: float = 8.0
-) -> None:
-    """Write a word on each side of a straight line, to its right and to its left as seen along the line.
-
-    ``ends``: both ends (2, 2) of the line in the limits that the panel has now; ``lines``: what the words keep clear
-    of, as in :func:`arrows`; ``size`` of the letters in points. A word that is empty is left out.
-    """
-    page = _Page(axes)
-    first, last = page.points(*ends.T)
-    normal = np.array([last[1] - first[1], first[0] - last[0]]) / np.hypot(*(last - first))
-    clouds = np.concatenate([evenly(page.points(x, y))[:, :2] for x, y, _ in [(*ends.T, None), *lines]])
-    half, asides = np.array([2.0, 0.8]) * size, (1.2, 1.6, 2.0, 2.5, 3.0, 4.0)  # of a word's middle, in letters
-    for word, side in zip(words, (1, -1), strict=True):
-        along = first + np.linspace(0.05, 0.95, _PLACES)[:, None] * (last - first)
-        spots = np.concatenate([along + side * aside * size * normal for aside in asides])
-        spots = spots[((spots > 1.1 * half) & (spots < page.size - 1.1 * half)).all(axis=1)]
-        if word and spots.size:
-            room = [np.abs((clouds - spot) / half).max(axis=1).min(initial=1.3) for spot in spots]
-            place = page.data(spots[int(np.argmax(room))])
-            patch = {"facecolor": "#FFFFFFD0", "linewidth": 0, "pad": 0.8}
-            axes.text(*place, word, ha="center", va="center", bbox=patch, fontsize=size, zorder=4)
-
-
-class _Page:
-    """The panel on the page: points [pt] from its lower left corner, and back to data."""
-
-    def __init__(self, axes: style.Axes) -> None:
-        (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
-        self.corner, self.sides = np.array([left, low]), np.array([right - left, high - low])
-        self.size = np.array([axes.bbox.width, axes.bbox.height]) * 72 / axes.figure.dpi
-
-    def points(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Return the points (n, 2) of data x and y, each of shape (n)."""
-        return (np.column_stack([x, y]) - self.corner) / self.sides * self.size
-
-    def data(self, point: np.ndarray) -> np.ndarray:
-        """Return the data (2) of a point (2)."""
-        return self.corner + self.sides * point / self.size
-
-
-def evenly(path: np.ndarray) -> np.ndarray:
-    """Return points in even steps along a line (n, 2), each with its distance from the line's start: shape (m, 3)."""
-    pieces, length = [np.empty((0, 3))], 0.0
-    for piece in np.split(path, np.flatnonzero(np.isnan(path).any(axis=1))):
-        piece = piece[np.isfinite(piece).all(axis=1)]
-        if len(piece) > 1:
-            ends = np.append(0.0, np.cumsum(np.hypot(*np.diff(piece, axis=0).T)))
-            s = np.arange(0.0, ends[-1], STEP)
-            pieces.append(np.column_stack([*(np.interp(s, ends, z) for z in piece.T), s + length]))
-            length += ends[-1] + STEP
-    return np.concatenate(pieces)
-
-
-def _roomiest(path: np.ndarray, others: Sequence[np.ndarray], size: np.ndarray) -> int | None:
-    """Return the first point of a path with room around it, else the one with most; none if no point is in view."""
-    # Not on the rim, and not at the start, which has a mark [pt].
-    inside = ((path[:, :2] > 3.0) & (path[:, :2] < size - 3.0)).all(axis=1)
-    inside &= path[:, 2] > np.minimum(14.0, path[-1:, 2] / 3)
-    # The point before, at which the arrow starts, lies on the same piece: pieces are more than a step apart.
-    inside &= np.append(False, np.diff(path[:, 2]) < 1.001 * STEP)
-    found = np.flatnonzero(inside)
-    if not found.size:
-        return None
-    found = found[:: -(-found.size // _PLACES)]
-    room = np.full(found.size, 9.0)  # enough [pt]
-    for k, point in enumerate(found):
-        x, y, s = path[point]
-        own = path[np.abs(path[:, 2] - s) > 18.0, :2]  # its own line around an arrow is no other line
-        for cloud in (own, *others):
-            if cloud.size:
-                room[k] = min(room[k], np.hypot(*(cloud - (x, y)).T).min())
-    return int(found[np.argmax(room)])
+        way = np.append(0.0, np.cumsum(steps))
+        here = min(6 * size * pixels, way[-1] / 2)
+        last = int(np.searchsorted(way, here))
+        along = (path[last] - path[last - 1]) / steps[last - 1]
+        tip = path[last] - (way[last] - here) * along
+        head, tail = axes.transData.inverted().transform([tip, tip - pixels * along])
+        look = {"color": colour, "linewidth": 0, "mutation_scale": size, "shrinkA": 0, "shrinkB": 0}
+        axes.annotate("", head, tail, arrowprops={"arrowstyle": "-|>", **look}, zorder=3.2)

@@ -5,7 +5,7 @@ import xarray as xr
 
 from lsvib.contact.contact_force import Paradox
 from lsvib.datasets.checks import Check
-from lsvib.figures import contact_portraits, style
+from lsvib.figures import contact_portraits
 from lsvib.figures.common import about, named
 from lsvib.figures.settings import ContactPortrait, Values
 
@@ -18,15 +18,15 @@ negative; the saddle's stable manifold separates contact forces that stay bounde
 """
 
 
-class Settings(ContactPortrait):
-    """Phase portrait of the contact force, indeterminate case."""
+Settings = ContactPortrait
+draw = contact_portraits.draw
 
 
 def build(settings: Values) -> xr.Dataset:
     """Compute the portrait, :func:`lsvib.figures.contact_portraits.portrait`, with contact dampings 0 and > 0."""
     return contact_portraits.portrait(settings, Paradox.INDETERMINATE).assign_attrs(
         about(
-            "Figure 8.1: phase portrait of the contact force, indeterminate case",
+            __doc__,
             "closed-form flow of the contact force (8.12) with exact changes of the law",
             "Sect. 8.2, Fig. 8.1, Remark 8.1",
         )
@@ -38,9 +38,30 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     elastic, damped = dataset.isel(case=0), dataset.isel(case=1)
     bounded, unbounded = (named(elastic.grid_outcome, word) for word in ("bounded", "minus infinity"))
     last = dataset.contact_force.values[named(dataset.start_outcome, "minus infinity")][:, -1]
+    parts = dataset.scaled_eigenvalue_real_part, dataset.scaled_eigenvalue_imaginary_part
+    (real, imaginary), (growth, frequency) = ([part.sel(law=law) for part in parts] for law in (1, -1))
+    ends = damped.contact_force.values[named(damped.start_outcome, "bounded"), -1]
+    gap = float(np.abs(ends * float(damped.effective_inertia_of_law.sel(law=-1)) - 1).max(initial=0.0))
     return [
         *contact_portraits.newton_checks(dataset),
-        *_equilibrium_checks(dataset, elastic),
+        Check.holds(
+            "Each equilibrium lies on the side on which its law holds: there are two solutions",
+            "Sect. 8.1, Fig. 8.1",
+            ", ".join(f"{float(x):.4g}" for x in dataset.equilibrium_contact_force) + " 1/(kg m²)",
+            (dataset.equilibrium_contact_force * dataset.law_side > 0).all(),
+        ),
+        Check.holds(
+            "The equilibrium of law + is a saddle, without contact damping and with it",
+            "Sect. 8.2, eq. 8.11, Fig. 8.1",
+            f"eigenvalues {real.values.round(4).tolist()}",
+            (real.prod("eigenvalue") < 0).all() and (imaginary == 0).all(),
+        ),
+        Check.holds(
+            "The equilibrium of law − is a centre without contact damping",
+            "Sect. 8.2, eq. 8.11, Fig. 8.1",
+            f"eigenvalues ±{abs(float(frequency[0, 0])):.4g}i",
+            (growth[0] == 0).all() and (frequency[0] != 0).all(),
+        ),
         contact_portraits.energy_check(dataset),
         Check.without_exception(
             "The contact force stays bounded exactly inside the loop of the saddle's separatrix",
@@ -60,47 +81,11 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             "Sect. 8.2, Fig. 8.1",
             last < float(dataset.grid_contact_force.min()),
         ),
-        *_damping_checks(damped),
-    ]
-
-
-def _equilibrium_checks(dataset: xr.Dataset, elastic: xr.Dataset) -> list[Check]:
-    """Check where the equilibria lie, and that one is a saddle and the other, without contact damping, a centre."""
-    real, imaginary = (dataset[f"scaled_eigenvalue_{part}_part"].sel(law=1) for part in ("real", "imaginary"))
-    growth, frequency = (elastic[f"scaled_eigenvalue_{part}_part"].sel(law=-1) for part in ("real", "imaginary"))
-    return [
-        Check.holds(
-            "Each equilibrium lies on the side on which its law holds: there are two solutions",
-            "Sect. 8.1, Fig. 8.1",
-            ", ".join(f"{float(x):.4g}" for x in dataset.equilibrium_contact_force) + " 1/(kg m²)",
-            (dataset.equilibrium_contact_force * dataset.law_side > 0).all(),
-        ),
-        Check.holds(
-            "The equilibrium of law + is a saddle, without contact damping and with it",
-            "Sect. 8.2, eq. 8.11, Fig. 8.1",
-            f"eigenvalues {real.values.round(4).tolist()}",
-            (real.prod("eigenvalue") < 0).all() and (imaginary == 0).all(),
-        ),
-        Check.holds(
-            "The equilibrium of law − is a centre without contact damping",
-            "Sect. 8.2, eq. 8.11, Fig. 8.1",
-            f"eigenvalues ±{abs(float(frequency[0])):.4g}i",
-            (growth == 0).all() and (frequency != 0).all(),
-        ),
-    ]
-
-
-def _damping_checks(damped: xr.Dataset) -> list[Check]:
-    """Check that contact damping turns the centre into a focus, on which bounded motions settle."""
-    growth, frequency = (damped[f"scaled_eigenvalue_{part}_part"].sel(law=-1) for part in ("real", "imaginary"))
-    ends = damped.contact_force.values[named(damped.start_outcome, "bounded"), -1]
-    gap = float(np.abs(ends * float(damped.effective_inertia_of_law.sel(law=-1)) - 1).max(initial=0.0))
-    return [
         Check.holds(
             "With contact damping the equilibrium of law − is a stable focus",
             "Remark 8.1",
-            f"eigenvalues {float(growth[0]):.4g} ± {abs(float(frequency[0])):.4g}i",
-            (growth < 0).all() and (frequency != 0).all(),
+            f"eigenvalues {float(growth[1, 0]):.4g} ± {abs(float(frequency[1, 0])):.4g}i",
+            (growth[1] < 0).all() and (frequency[1] != 0).all(),
         ),
         Check.holds(
             "With contact damping a bounded contact force settles on N = N₋, to 1 %",
@@ -109,9 +94,3 @@ def _damping_checks(damped: xr.Dataset) -> list[Check]:
             ends.size and gap < 0.01,  # e⁻⁸ of a start is left where the motions end
         ),
     ]
-
-
-@style.styled
-def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw the motions, the saddle's manifolds and the basin of bounded contact forces, elastic and damped."""
-    return contact_portraits.draw_portrait(dataset, ("law +: $N > 0$", "law −: $N < 0$"), columns=4)

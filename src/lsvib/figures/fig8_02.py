@@ -5,7 +5,7 @@ import xarray as xr
 
 from lsvib.contact.contact_force import Paradox
 from lsvib.datasets.checks import Check
-from lsvib.figures import contact_portraits, style
+from lsvib.figures import contact_portraits
 from lsvib.figures.common import about, named
 from lsvib.figures.settings import ContactPortrait, Values
 
@@ -17,17 +17,15 @@ Arrows point along time.
 """
 
 
-class Settings(ContactPortrait):
-    """Phase portrait of the contact force, inconsistent case."""
+Settings = ContactPortrait
+draw = contact_portraits.draw
 
 
 def build(settings: Values) -> xr.Dataset:
     """Compute the portrait, :func:`lsvib.figures.contact_portraits.portrait`, with contact dampings 0 and > 0."""
     return contact_portraits.portrait(settings, Paradox.INCONSISTENT).assign_attrs(
         about(
-            "Figure 8.2: phase portrait of the contact force, inconsistent case",
-            "closed-form flow of the contact force (8.12) with exact changes of the law",
-            "Sect. 8.2, Fig. 8.2",
+            __doc__, "closed-form flow of the contact force (8.12) with exact changes of the law", "Sect. 8.2, Fig. 8.2"
         )
     )
 
@@ -69,9 +67,3 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         ),
         contact_portraits.energy_check(dataset),
     ]
-
-
-@style.styled
-def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw the motions, all of which end in the first quadrant, and both equilibria on the wrong side."""
-    return contact_portraits.draw_portrait(dataset, ("law −: $N < 0$", "law +: $N > 0$"), columns=3)

@@ -1,5 +1,6 @@
 """Figure 8.3: stability of the steady sliding over effective inertia and damping, by eigenvalues (8.18)."""
 
+from itertools import combinations
 from typing import ClassVar
 
 import numpy as np
@@ -7,7 +8,7 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import attributes, drive_parameters, flagged, labels, variable
+from lsvib.datasets.attributes import attributes, drive_parameters, flagged, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, flag_names, named
@@ -66,14 +67,9 @@ def build(settings: Values) -> xr.Dataset:
             "effective_inertia": ("effective_inertia", inertia, _INERTIA),
             "effective_damping": ("effective_damping", damping, _DAMPING),
             along: (along, positive, _INERTIA),
-            **labels("case", cases, _CHANGED),
             **drive_parameters(cases, along=_CHANGED, printed=("Sect. 8.5.1", "Sect. 8.6.1", "Sect. 8.6")),
         },
-        attrs=about(
-            "Figure 8.3: stability of the steady sliding over effective inertia and effective damping",
-            "eigenvalues in closed form (8.18)",
-            "Sect. 8.4, Fig. 8.3",
-        ),
+        attrs=about(__doc__, "eigenvalues in closed form (8.18)", "Sect. 8.4, Fig. 8.3"),
     )
 
 
@@ -180,14 +176,9 @@ def _close_up(axes: style.Axes, close: style.Axes, dataset: xr.Dataset) -> None:
     """Show the surroundings of the two drives that lie closest together in the picture."""
     drives = np.stack([dataset.case_effective_inertia.values, dataset.case_effective_damping.values])
     sides = np.array([np.ptp(dataset.effective_inertia.values), np.ptp(dataset.effective_damping.values)])
-    scaled = drives / sides[:, None]
-    apart = np.hypot(*(scaled[:, :, None] - scaled[:, None, :]))
-    pair = drives[:, np.unravel_index(np.argmin(apart + np.diag(np.full(drives.shape[1], np.inf))), apart.shape)]
-    half = np.maximum(1.2 * np.ptp(pair, axis=1), 0.02 * sides)
-    for limits, middle, width in zip((close.set_xlim, close.set_ylim), pair.mean(axis=1), half, strict=True):
-        limits(middle - width, middle + width)
+    first, second = min(combinations(drives.T, 2), key=lambda pair: np.hypot(*((pair[0] - pair[1]) / sides)))
+    middle, half = (first + second) / 2, np.maximum(1.2 * np.abs(first - second), 0.02 * sides)
+    close.axis(np.column_stack([middle - half, middle + half]).ravel())
     close.locator_params(nbins=3)
     close.tick_params(labelsize=6.5, pad=2)
-    for offset in (close.xaxis.get_offset_text(), close.yaxis.get_offset_text()):
-        offset.set_fontsize(6.5)
     axes.indicate_inset_zoom(close, edgecolor=style.BLACK, linewidth=0.7)

@@ -5,7 +5,7 @@ import xarray as xr
 
 from lsvib.datasets.attributes import variable
 from lsvib.datasets.checks import Check
-from lsvib.figures import drawing, style
+from lsvib.figures import drawing
 from lsvib.figures.common import EIGENVALUE, about, named, spread
 from lsvib.figures.settings import PhasePlane, Values
 from lsvib.models.drive import RigidDrive
@@ -19,6 +19,7 @@ Phase plane of the rigid drive under negative effective damping (8.19) with a co
 Arrows point along time.
 """
 
+SOURCE = "exact event-driven motion; eigenvalues in closed form (8.18)"
 MARGINS = {  # the inequalities of (8.19): unit and wording; each holds where its margin is positive
     "self_locking": ("1", "margin of self-locking, mu - tan(lambda)"),
     "force_with_motion": ("N rad s-1", "margin of a contact force along the motion, by net force times input speed"),
@@ -26,15 +27,12 @@ MARGINS = {  # the inequalities of (8.19): unit and wording; each holds where it
 }
 
 
-class Settings(PhasePlane):
-    """Phase plane under negative damping, contact force with the motion."""
+Settings = PhasePlane
+draw = drawing.single
 
 
-def build(settings: Values, figure: str = "8.4", what: str = "contact force along the motion") -> xr.Dataset:
-    """Compute the phase plane of one drive, the margins of (8.19) and the eigenvalues of its origin.
-
-    The first start lies inside the limit cycle, the others outside. ``figure`` and ``what`` it shows: also Fig. 8.5.
-    """
+def build(settings: Values) -> xr.Dataset:
+    """Compute the phase plane (the first start lies within the cycle), the margins of (8.19), and eigenvalues."""
     from lsvib.datasets import phase_plane
 
     drive = RigidDrive(**settings["drive"])
@@ -45,14 +43,8 @@ def build(settings: Values, figure: str = "8.4", what: str = "contact force alon
     planes = phase_plane.portraits(settings, [drive], (), ("Sect. 8.5.1",)).assign_coords(eigenvalue=EIGENVALUE)
     return planes.assign(
         {f"margin_{key}": variable("case", [margins[key]], *words) for key, words in MARGINS.items()}
-        | {"eigenvalue_real_part": variable(dims, real, "s-1", "real part of the eigenvalue", r"Re $\varepsilon$")},
-    ).assign_attrs(
-        about(
-            f"Figure {figure}: phase plane under negative damping, {what}",
-            "exact event-driven motion; eigenvalues in closed form (8.18)",
-            f"Sect. 8.5, Fig. {figure}",
-        )
-    )
+        | {"eigenvalue_real_part": variable(dims, real, "s-1", "real part of the eigenvalue", r"Re $\varepsilon$")}
+    ).assign_attrs(about(__doc__, SOURCE, "Sect. 8.5, Fig. 8.4"))
 
 
 def margins_text(dataset: xr.Dataset) -> str:
@@ -96,9 +88,3 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             named(dataset.attractor, "other cycle").all() and spread(amplitudes) < 1e-12 and around,
         ),
     ]
-
-
-@style.styled
-def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw the motions from inside and outside, the limit cycle, and the lines N = 0 and θ′ = 0."""
-    return drawing.single(dataset)

@@ -3,8 +3,8 @@
 import xarray as xr
 
 from lsvib.datasets.checks import Check
-from lsvib.figures import drawing, fig8_04, style
-from lsvib.figures.common import named
+from lsvib.figures import drawing, fig8_04
+from lsvib.figures.common import about, named
 from lsvib.figures.settings import PhasePlane, Values
 
 CAPTION = """\
@@ -13,13 +13,13 @@ motion (N_0 Ω < 0). Steady sliding, the origin, is stable. Arrows point along t
 """
 
 
-class Settings(PhasePlane):
-    """Phase plane under negative damping, contact force against the motion."""
+Settings = PhasePlane
+draw = drawing.single
 
 
 def build(settings: Values) -> xr.Dataset:
     """Compute the phase plane."""
-    return fig8_04.build(settings, "8.5", "contact force against the motion")
+    return fig8_04.build(settings).assign_attrs(about(__doc__, fig8_04.SOURCE, "Sect. 8.5, Fig. 8.5"))
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
@@ -48,9 +48,3 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         ),
         Check.everywhere("Every exact motion drawn settles on the origin", "Sect. 8.5, Fig. 8.5", settled),
     ]
-
-
-@style.styled
-def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw the motions, which all approach the origin, and the lines N = 0 and θ′ = 0."""
-    return drawing.single(dataset)

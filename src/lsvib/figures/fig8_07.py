@@ -58,11 +58,7 @@ def build(settings: Values) -> xr.Dataset:
             "law_minus_velocity": variable("start", w, "rad s-1", f"rate {ended}", r"$\dot u$"),
         }
     ).assign_attrs(
-        about(
-            "Figure 8.7: sectors of the phase plane without a solution or with two",
-            "existence of the contact force (8.5) and exact event-driven motion",
-            "Sect. 8.6, Fig. 8.7",
-        )
+        about(__doc__, "existence of the contact force (8.5) and exact event-driven motion", "Sect. 8.6, Fig. 8.7")
     )
 
 

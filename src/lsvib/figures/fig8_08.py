@@ -43,10 +43,7 @@ class Settings(FigureSettings):
 
 
 def build(settings: Values) -> xr.Dataset:
-    """Compute both eigenvalues over the mass, the critical mass, and where the spectrum loses stability.
-
-    c_x = 0. The masses crowd towards m_cr, where the eigenvalues diverge.
-    """
+    """Compute both eigenvalues over the mass, the critical mass, and where the spectrum loses stability; c_x = 0."""
     drive = RigidDrive.of(settings["drive"])
     critical = existing(critical_mass(drive))
     # Im² ε = k/Γ − C²/4Γ² of (8.18) vanishes at Γ = C²/4k, where both meet, and is largest, k²/C², at Γ = C²/2k.
@@ -90,7 +87,7 @@ def build(settings: Values) -> xr.Dataset:
             "printed_critical_mass": printed.variable(chapter.THRESHOLDS["critical_mass"], "critical mass"),
         },
         attrs=about(
-            "Figure 8.8: eigenvalues of the steady sliding against the translating mass",
+            __doc__,
             "eigenvalues in closed form (8.18), effective inertia in 50-digit arithmetic",
             "Sect. 8.6, Fig. 8.8",
         ),

@@ -45,11 +45,7 @@ def build(settings: Values) -> xr.Dataset:
     planes = phase_plane.portraits(settings, drives, ("mass",), ("Sect. 8.6", "Sect. 8.6.1"))
     planes = planes.assign_coords(**axis("swept_axial_force", forces), critical_mass=((), critical, CRITICAL_MASS))
     return planes.assign(_sensitivity(drives[-1], forces, settings["starts"][0])).assign_attrs(
-        about(
-            "Figure 8.9: trajectories below and above the critical mass",
-            "exact event-driven motion and its return map",
-            "Sect. 8.6.1, Fig. 8.9",
-        )
+        about(__doc__, "exact event-driven motion and its return map", "Sect. 8.6.1, Fig. 8.9")
     )
 
 

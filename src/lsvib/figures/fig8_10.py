@@ -64,11 +64,7 @@ def build(settings: of.Values) -> xr.Dataset:
             **start_state(start, "with a seated contact: of the motion and of those whose cycles are found"),
             "printed_peak_normal_force": printed.variable(chapter.PEAK_FORCE, "largest contact force on the cycle"),
         },
-        attrs=about(
-            "Figure 8.10: sprag-slip vibration with compliant threads",
-            "exact event-driven motion with four states",
-            "Sect. 8.6.1, Fig. 8.10",
-        ),
+        attrs=about(__doc__, "exact event-driven motion with four states", "Sect. 8.6.1, Fig. 8.10"),
     )
 
 
@@ -89,8 +85,7 @@ def rigid_cycle(drive: RigidDrive, start: of.Values) -> SteadyState:
 def cycle_curves(dims: Sequence[str], cycles: Sequence[SteadyState], count: int, prefix: str = "cycle") -> Variables:
     """Return cycles as curves in the phase plane, dimensions (*dims, sample), NaN where there is none.
 
-    Variables: ``{prefix}_time`` [s] from a point of the cycle, ``_angle`` [rad], ``_velocity`` [rad/s]; both states of
-    each event are among the samples.
+    Time [s] from a point of the cycle, angle and velocity; both states of each event are among the samples.
     """
     from lsvib.datasets import phase_plane
 

@@ -33,11 +33,7 @@ def build(settings: Values) -> xr.Dataset:
     drive = RigidDrive.of(settings["drive"])
     drives = [drive.replace(support_damping=c) for c in settings["support_dampings"]]
     return phase_plane.portraits(settings, drives, ("support_damping",), ("Sect. 8.6", "Sect. 8.6.1")).assign_attrs(
-        about(
-            "Figure 8.11: effect of the support damping on the sprag-slip cycle",
-            "exact event-driven motion and its return map",
-            "Sect. 8.6.1, Fig. 8.11",
-        )
+        about(__doc__, "exact event-driven motion and its return map", "Sect. 8.6.1, Fig. 8.11")
     )
 
 
@@ -75,10 +71,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw the limit cycle of each damping with its own line N = 0, on which its seizure starts.
-
-    An arrow of time stands on each cycle, and words on the side of the lines on which the screw slips forward.
-    """
+    """Draw each limit cycle with its own line N = 0, on which its seizure starts."""
     figure = style.new_figure(style.DOUBLE * 0.72, 4.3)
     axes = figure.add_subplot()
     cases = [dataset.sel(case=index) for index in dataset.case.values]

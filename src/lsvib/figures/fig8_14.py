@@ -3,11 +3,9 @@
 The text states m = 10 kg, for which Γ₊ > 0, but Sect. 8.7 assumes Γ₊ < 0: the same two forces are also computed for
 a mass beyond m_cr.
 
-Beyond m_cr seizures accumulate in the corner θ′ = 0 = Q, as the chapter reads its rule of resuming. Let a reverse slip
-start at a distance d from the corner along θ′ = 0, and let it meet N = 0. With the line N = 0 as u = u_0 + σ (u′ + Ω),
-σ < 0, and the acceleration −a, a > 0, it lasts τ = d / (Ω + |σ| a) and ends at the distance |σ| a τ, both to first
-order in d. So the distances fall with the ratio q = |σ| a / (Ω + |σ| a), which is c a / (k Ω + c a) without
-translation damping, and the time left is d / Ω: infinitely many seizures in finite time.
+Beyond m_cr seizures accumulate in the corner θ′ = 0 = Q, as the chapter reads its rule of resuming. With the line N = 0
+as u = u_0 + σ (u′ + Ω), σ < 0, and the acceleration −a, a reverse slip from a distance d lasts d / (Ω + |σ| a) to first
+order, so the distances fall with the ratio q = |σ| a / (Ω + |σ| a): infinitely many seizures in finite time.
 """
 
 from collections.abc import Sequence
@@ -42,9 +40,9 @@ By the sign of the contact force, the limit of a stiff contact, the screw rests 
 _CHANGED = ("mass", "axial_force")  # in which the cases differ
 _DISTANCES = np.concatenate([[0.0], np.geomspace(1e-4, 2.0, 60)])  # rad; the cycles of the figure are 0.1 rad wide
 _ROUNDING = 16 * np.finfo(float).eps  # of the corner: a few rounding errors of u and of the line N = 0
-_RULES = {  # colour, dashes, mark, words
-    "contact sign": (style.BLUE, "-", "s", "by the sign of the contact force"),
-    "at once": (style.ORANGE, "-", "o", "at once, as in the chapter"),
+_RULES = {  # colour, mark, its size, width, words
+    "contact sign": (style.BLUE, "s", 7.0, 2.6, "by the sign of the contact force"),
+    "at once": (style.ORANGE, "o", 3.5, 1.0, "at once, as in the chapter"),
 }
 _STARTS = {  # mark and colour of a start of the grid by its attractor
     "steady sliding": (".", style.GREEN, "start that steady sliding attracts"),
@@ -64,10 +62,7 @@ class Settings(PhasePlane):
 
 
 def build(settings: Values) -> xr.Dataset:
-    """Compute the four phase planes (mass by mass, force by force) and the force of global stability beyond m_cr.
-
-    Seizures of the motion from the last of the ``starts`` accumulate under the chapter's reading of the rule.
-    """
+    """Compute the four phase planes (mass by mass, force by force) and the force of global stability beyond m_cr."""
     from lsvib.datasets import phase_plane
     from lsvib.dynamics.attractor import Attractor
 
@@ -101,13 +96,7 @@ def build(settings: Values) -> xr.Dataset:
             "grid_attractor": flagged(plane, grid, phase_plane.ATTRACTOR, Attractor),
             "bracket_attractor": flagged(("bracket", "rule"), released, words, Attractor),
         }
-    ).assign_attrs(
-        about(
-            "Figure 8.14: trajectories under a negative axial force",
-            "exact event-driven motion and its return map",
-            "Sect. 8.7, Fig. 8.14",
-        )
-    )
+    ).assign_attrs(about(__doc__, "exact event-driven motion and its return map", "Sect. 8.7, Fig. 8.14"))
 
 
 def _labels(drive: RigidDrive, rule: str, states: Sequence[tuple[float, float]]) -> list[int]:
@@ -197,43 +186,38 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             f"Γ₊ = {gamma[0]:.3g} kg m2 at {mass[0]:g} kg and {gamma[2]:.3g} kg m2 at {mass[2]:g} kg",
             (gamma[:2] > 0).all() and (gamma[2:] < 0).all(),
         ),
-        _settling_check(dataset, 0, " (as printed)"),
-        _settling_check(dataset, 2, ""),
-        _one_attractor_check(dataset, 1, " (as printed)", "steady sliding", no_cycle),
-        _one_attractor_check(dataset, 3, "", "sprag slip cycle", one_cycle),
+        *(_settling_check(dataset.isel(case=case), note) for case, note in ((0, " (as printed)"), (2, ""))),
+        _one_attractor_check(dataset.isel(case=1), " (as printed)", "steady sliding", no_cycle),
+        _one_attractor_check(dataset.isel(case=3), "", "sprag slip cycle", one_cycle),
         *_corner_checks(dataset),
         *_accumulation_checks(dataset),
     ]
 
 
-def _settling_check(dataset: xr.Dataset, case: int, note: str) -> Check:
+def _settling_check(case: xr.Dataset, note: str) -> Check:
     """Check that all motions of a case of (a) settle, although those which are drawn meet N = 0 after their start."""
-    part = dataset.isel(case=case)
-    settles, grid = (named(labels, "steady sliding") for labels in (part.attractor, part.grid_attractor))
-    meets = named(part.event_kind, "seizure", "contact reversal") & (part.event_time.values > 0)
-    touches = meets.sum(axis=1)
+    settles, grid = (named(labels, "steady sliding") for labels in (case.attractor, case.grid_attractor))
+    touches = (named(case.event_kind, "seizure", "contact reversal") & (case.event_time.values > 0)).sum(axis=1)
     return Check.holds(
-        f"(a) {_drive(part, note)}: every trajectory drawn meets N = 0 and yet reaches the origin, as does every other "
-        "start",
+        f"(a) m = {float(case.mass):g} kg{note}, R = {float(case.axial_force):g} N: every trajectory drawn meets N = 0 "
+        "and yet reaches the origin, as does every other start",
         "Sect. 8.7, Fig. 8.14a",
-        f"meets N = 0 {' and '.join(map(str, touches))} times; {_names(part.attractor)}; of {grid.size} "
+        f"meets N = 0 {' and '.join(map(str, touches))} times; {_names(case.attractor)}; of {grid.size} "
         f"other starts {grid.sum()} reach the origin",
         settles.all() and grid.all() and touches.min() > 0,
     )
 
 
-def _one_attractor_check(dataset: xr.Dataset, case: int, note: str, expected: str, claim: str) -> Check:
+def _one_attractor_check(case: xr.Dataset, note: str, expected: str, claim: str) -> Check:
     """Check that the motions drawn of a case of (b) reach one attractor, and all others reach it or the origin."""
-    part = dataset.isel(case=case)
-    grid, amplitude = named(part.grid_attractor, "steady sliding"), part.amplitude.values
+    grid, amplitude = named(case.grid_attractor, "steady sliding"), case.amplitude.values
+    reached = (named(labels, expected) for labels in (case.attractor, case.grid_attractor))
     return Check.holds(
-        f"(b) {_drive(part, note)}: {claim}",
+        f"(b) m = {float(case.mass):g} kg{note}, R = {float(case.axial_force):g} N: {claim}",
         "Sect. 8.7, Fig. 8.14b",
-        f"{_names(part.attractor)}, amplitude {amplitude.min():.6g} to {amplitude.max():.6g} rad; origin: of "
+        f"{_names(case.attractor)}, amplitude {amplitude.min():.6g} to {amplitude.max():.6g} rad; origin: of "
         f"{grid.size} other starts {grid.sum()} reach it",
-        named(part.attractor, expected).all()
-        and np.ptp(amplitude) <= 1e-12 * amplitude.max()
-        and (grid | named(part.grid_attractor, expected)).all(),
+        next(reached).all() and np.ptp(amplitude) <= 1e-12 * amplitude.max() and (grid | next(reached)).all(),
     )
 
 
@@ -327,11 +311,6 @@ def _accumulation(part: xr.Dataset) -> tuple[float, bool, str]:
     return excess, timely, words
 
 
-def _drive(case: xr.Dataset, note: str) -> str:
-    """Words for the drive of a case: mass, a note on it, and force."""
-    return f"m = {float(case.mass):g} kg{note}, R = {float(case.axial_force):g} N"
-
-
 def _names(labels: xr.DataArray) -> str:
     words = flag_names(labels)
     return " and ".join(sorted({words[label] for label in labels.values.ravel()}))
@@ -350,9 +329,8 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         note = "as printed" if letter in "ab" else "$m > m_\\mathrm{cr}$"
         force, mass = style.number(case.axial_force), style.number(case.mass)
         axes.set_title(f"({letter}) $R$ = {force} N, $m$ = {mass} kg, {note}")
-    for limits, name in ((panels[0].set_xlim, "grid_angle_deviation"), (panels[0].set_ylim, "grid_velocity_deviation")):
-        low, high = dataset[name].values[[0, -1]]  # all motions begin in the grid of starts
-        limits(low - 0.06 * (high - low), high + 0.06 * (high - low))
+    edges = np.array([dataset[f"grid_{name}_deviation"].values[[0, -1]] for name in ("angle", "velocity")])
+    panels[0].axis(np.ravel(edges + 0.06 * np.ptp(edges, axis=1, keepdims=True) * [-1, 1]))  # all motions begin there
     for axes, case in zip(panels, cases, strict=True):
         drawing.draw_lines(axes, case)
         drawing.guide(axes, case)
@@ -381,11 +359,10 @@ def _close_up(axes: style.Axes, case: xr.Dataset) -> None:
     """The motion close to the corner of N = 0 and θ′ = 0 under both rules, up to where the screw leaves rest."""
     corner, stop = float(case.corner_angle), float(case.stop_velocity)
     for index, rule in flag_names(case.rule).items():
-        colour, dashes, mark, _ = _RULES[rule]
-        part, width = case.sel(rule=index), 2.6 if rule == "contact sign" else 1.0
-        axes.plot(part.slip_angle, part.slip_velocity, color=colour, linestyle=dashes, linewidth=width)
+        (colour, mark, _, width, _), part = _RULES[rule], case.sel(rule=index)
+        axes.plot(part.slip_angle, part.slip_velocity, color=colour, linewidth=width)
         ends = corner + part.seizure_distance.values
-        axes.plot(ends, np.full(ends.shape, stop), mark, color=colour, markersize=4, mfc="white", zorder=3)
+        axes.plot(ends, np.full(ends.shape, stop), mark, color=colour, mfc="white", zorder=3)
     reach = 1.15 * float(case.seizure_distance[0, 1])  # from the second seizure on
     depth = reach / -float(case.contact_line_slope)
     axes.set(xlim=(corner - 0.35 * reach, corner + reach), ylim=(stop - 1.05 * depth, stop + 0.12 * depth))
@@ -399,20 +376,17 @@ def _close_up(axes: style.Axes, case: xr.Dataset) -> None:
 
 def _distances(axes: style.Axes, dataset: xr.Dataset) -> None:
     """Distance of each seizure from the corner, for the motions of (c) and (d), with the ratio in the limit."""
-    for case, letter in ((2, "c"), (3, "d")):
+    for case, letter, place in ((2, "c", (0.62, 0.5)), (3, "d", (0.1, 0.25))):
         part = dataset.isel(case=case)
         for index, rule in flag_names(dataset.rule).items():
-            colour, _, mark, words = _RULES[rule]
+            colour, mark, size, _, words = _RULES[rule]
             found = part.sel(rule=index).seizure_distance.dropna("seizure").values
             number = np.arange(1, found.size + 1)
-            axes.plot(number, found, mark, color=colour, markersize=7 if rule == "contact sign" else 3.5, mfc="white",
-                      label=f"motion resumes {words}")  # fmt: skip
+            axes.plot(number, found, mark, color=colour, markersize=size, mfc="white", label=f"motion resumes {words}")
         ratio, middle = float(part.seizure_ratio), found.size // 2
         axes.plot(number, found[middle] * ratio ** (number - 1 - middle), color=style.BLACK, linewidth=0.7,
                   label=r"falls with $c a / (k \Omega + c a)$")  # fmt: skip
-        place, side = ((6, 0), "left") if letter == "c" else ((-6, -4), "right")
-        axes.annotate(f"({letter}) ratio {ratio:.4f}", (number[middle], found[middle]), place, ha=side,
-                      textcoords="offset points")  # fmt: skip
+        axes.text(*place, f"({letter}) ratio {ratio:.4f}", transform=axes.transAxes)
     axes.set(yscale="log", title="(f) distance of the seizures from the corner", xlabel="Number of the seizure")
     axes.xaxis.get_major_locator().set_params(integer=True)
     axes.set_ylabel(style.label(dataset.seizure_distance, "distance"))

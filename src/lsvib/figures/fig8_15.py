@@ -31,19 +31,12 @@ Table 7.1 is not in the chapter; the boundaries of mode coupling are in proporti
 
 _PARAMETERS = ("mass", "screw_mass", "screw_inertia", "pitch_radius", "lead_angle", "coupling_stiffness")
 _DAMPINGS = ("support_damping", "translation_damping", "axial_support_damping")
-# Fill, hatch, words of the legend, words in the region and their place; hatching as in the chapter.
-_REGIONS = {
-    "stable": ("#FFFFFF", None, "stable", "stable", (0.05, 1e7)),
-    "flutter": ("#CFE3F3", "////", "mode coupling (flutter)", "mode\ncoupling", (0.19, 1.2e7)),
-    "divergence": (
-        "#FBE3B5", "....", "third region: both modes diverge, $\\Gamma_0 < 0 < \\tilde\\Gamma_0$",
-        "third\nregion", (0.247, 2.5e8),
-    ),
-    "kinematic constraint": (
-        "#F7D9C4", "---", "primary region of the kinematic constraint, $\\tilde\\Gamma_0 < 0$",
-        "primary\nkinematic\nregion", (0.343, 1e7),
-    ),
-}  # fmt: skip
+_REGIONS = {  # fill, hatch as in the chapter, words
+    "stable": ("#FFFFFF", None, "stable"),
+    "flutter": ("#CFE3F3", "////", "mode coupling (flutter)"),
+    "divergence": ("#FBE3B5", "....", "third region: both modes diverge, $\\Gamma_0 < 0 < \\tilde\\Gamma_0$"),
+    "kinematic constraint": ("#F7D9C4", "---", "primary kinematic region, $\\tilde\\Gamma_0 < 0$"),
+}
 _HATCH = "#7F8FA0"
 
 
@@ -93,7 +86,7 @@ def build(settings: Values) -> xr.Dataset:
             **_parameters(drive),
         },
         attrs=about(
-            "Figure 8.15: instability regions over friction coefficient and axial support stiffness, undamped",
+            __doc__,
             "generalised eigenvalues of (8.23), boundaries (8.29) in closed form",
             "Sect. 8.8.1, Fig. 8.15",
             comment="R Omega > 0; undamped",
@@ -202,9 +195,27 @@ def _region_checks(
 
 def _branch_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
     """Check both branches against the quadratic equation (8.29), and where they exist."""
-    friction, places = dataset.friction_coefficient.values, dataset.sizes["boundary_friction_coefficient"]
-    odd, finite, rewritten = _real_branches(dataset, {**drive, "friction_coefficient": friction})
-    residual = _residual(dataset, drive)
+    friction, branches = (
+        dataset.friction_coefficient.values,
+        (dataset.lower_boundary.values, dataset.upper_boundary.values),
+    )
+    own, k = (
+        {**drive, "friction_coefficient": dataset.boundary_friction_coefficient.values},
+        drive["coupling_stiffness"],
+    )
+    b_1, b_2, b_3 = conditions.boundary_coefficients(own, law=1)
+    terms = [np.array([b_1 * x**2, b_2 * k * x, b_3 * k**2 * np.ones_like(x)]) for x in branches]
+    residual = max(np.max(np.abs(term.sum(axis=0)) / np.abs(term).max(axis=0)) for term in terms)
+    finite = (np.isfinite(branches[0]) & ~np.isnan(branches[1])).sum()
+    own = {**drive, "friction_coefficient": friction}
+    b_1, b_2, b_3 = conditions.boundary_coefficients(own, law=1)
+    p, reduced = values_of(own, law=1), conditions.reduced_inertia(own, law=1)
+    discriminant = b_2**2 - 4 * b_1 * b_3
+    form = 16 * p.factor * p.pitch_radius**2 * p.tan_lead * p.mass**2 * (p.mass + p.screw_mass) * reduced
+    rewritten = np.max(np.abs(discriminant - form) / b_2**2)
+    together = (discriminant >= 0) & (b_2 < 0)
+    clear = np.abs(discriminant) > 1e-9 * b_2**2  # else (8.30) is zero to rounding
+    odd = np.sum(clear & (together != ((reduced >= 0) & (p.factor > 0))))
     return [
         Check.holds(
             "Both branches satisfy the printed quadratic equation (8.29), to 1e-11 of its largest term",
@@ -216,9 +227,9 @@ def _branch_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
             "(8.30) and (8.31) hold together exactly where (8.32) does, and there both branches are finite; the "
             "printed form of (8.30) is equal to it, to 1e-12",
             "eqs 8.30, 8.31, 8.32",
-            f"{odd} exceptions among {friction.size} friction coefficients; {finite} of {places} places with both "
-            f"branches; the printed form differs by {rewritten:.1e} of b_2²",
-            odd == 0 and finite == places and rewritten < 1e-12,
+            f"{odd} exceptions among {friction.size} friction coefficients; {finite} of {branches[0].size} places with "
+            f"both branches; the printed form differs by {rewritten:.1e} of b_2²",
+            odd == 0 and finite == branches[0].size and rewritten < 1e-12,
         ),
     ]
 
@@ -251,33 +262,6 @@ def _condition_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
     ]
 
 
-def _real_branches(dataset: xr.Dataset, own: Values) -> tuple[int, int, float]:
-    """Exceptions to (8.30) ∧ (8.31) ⇔ (8.32), places of two finite branches, and how far (8.30) is from its form."""
-    b_1, b_2, b_3 = conditions.boundary_coefficients(own, law=1)
-    p = values_of(own, law=1)
-    lever, total = p.factor * p.pitch_radius**2 * p.tan_lead, p.mass + p.screw_mass
-    discriminant = b_2**2 - 4 * b_1 * b_3
-    reduced = conditions.reduced_inertia(own, law=1)
-    form = 16 * lever * p.mass**2 * total * reduced
-    clear = np.abs(discriminant) > 1e-9 * b_2**2  # else (8.30) is zero to rounding
-    together = (discriminant >= 0) & (b_2 < 0)
-    odd = int(np.sum(clear & (together != ((reduced >= 0) & (p.factor > 0)))))
-    finite = np.isfinite(dataset.lower_boundary.values) & ~np.isnan(dataset.upper_boundary.values)
-    return odd, int(finite.sum()), float(np.max(np.abs(discriminant - form) / b_2**2))
-
-
-def _residual(dataset: xr.Dataset, drive: Values) -> float:
-    """Largest remainder [1] of (8.29) on both branches, relative to its largest term."""
-    own = {**drive, "friction_coefficient": dataset.boundary_friction_coefficient.values}
-    b_1, b_2, b_3 = conditions.boundary_coefficients(own, law=1)
-    k = drive["coupling_stiffness"]
-    terms = [
-        np.stack([b_1 * branch**2, b_2 * k * branch, b_3 * k**2 * np.ones_like(branch)])
-        for branch in (dataset.lower_boundary.values, dataset.upper_boundary.values)
-    ]
-    return float(max(np.max(np.abs(term.sum(axis=0)) / np.abs(term).max(axis=0)) for term in terms))
-
-
 def _against_lapack(dataset: xr.Dataset, drive: Values, clear: np.ndarray) -> tuple[int, int]:
     """Number of points with another class by LAPACK's eigenvalues of the state matrix, and of points compared."""
     rows, columns = (spans.evenly_chosen(dataset.sizes[name], 100) for name in dataset.stability.dims)
@@ -304,22 +288,17 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     drawing.regions(axes, friction, stiffness, dataset.stability.T, colours)
     # 250 rows and columns are enough for hatching.
     coarse = dataset.isel({name: spans.evenly_chosen(dataset.sizes[name], 250) for name in dataset.stability.dims})
-    for name, (colour, hatch, words, name_in, place) in _REGIONS.items():
+    for name, (colour, hatch, words) in _REGIONS.items():
         inside = named(coarse.stability, name).T.astype(float)
         if hatch and inside.any():
             drawing.hatched(axes, coarse.friction_coefficient, coarse.support_stiffness, inside, hatch, _HATCH)
-        here = dataset.stability.sel(dict(zip(dataset.stability.dims, place, strict=True)), method="nearest")
-        if named(here, name):
-            axes.text(*place, name_in, ha="center", va="center", zorder=4,
-                      bbox={"facecolor": colour, "linewidth": 0, "pad": 1.5})  # fmt: skip
         patches.append(Patch(facecolor=colour, hatch=hatch, edgecolor=_HATCH, linewidth=0.5, label=words))
     for which, dashes in (("lower", "-"), ("upper", "--")):
         axes.plot(dataset.boundary_friction_coefficient, dataset[f"{which}_boundary"], color=style.BLUE,
                   linestyle=dashes, linewidth=1.4, label=f"{which} branch of (8.29)")  # fmt: skip
     critical, printed = float(dataset.critical_friction), float(dataset.printed_critical_friction)
-    symbol = r"$\mu_\mathrm{kc}$"
-    axes.axvline(critical, color=style.VERMILION, linewidth=1.4, label=f"{symbol} = {critical:.4f}")
-    axes.axvline(printed, **style.PRINTED, label=f"{symbol} = {printed:g}, as printed")
+    axes.axvline(critical, color=style.VERMILION, linewidth=1.4, label=rf"$\mu_\mathrm{{kc}}$ = {critical:.4f}")
+    axes.axvline(printed, **style.PRINTED, label=rf"$\mu_\mathrm{{kc}}$ = {printed:g}, as printed")
     axes.set(xlabel=style.label(friction), ylabel=style.label(stiffness), yscale="log")
     axes.set(xlim=friction[[0, -1]], ylim=stiffness[[0, -1]])
     return style.finished(figure, dataset, [axes], 2, patches)

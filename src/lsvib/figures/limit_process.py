@@ -2,26 +2,14 @@
 
 from collections.abc import Sequence
 from enum import IntEnum
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import ClassVar
 
 import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from lsvib.datasets.attributes import (
-    SIGNS,
-    VARIED,
-    Variables,
-    attributes,
-    axis,
-    drive_parameters,
-    flagged,
-    start_state,
-    variable,
-    yes_no,
-)
-from lsvib.datasets.attributes import parameter as parameter_attributes
+from lsvib.datasets.attributes import SIGNS, Variables, axis, drive_parameters, flagged, start_state, variable, yes_no
 from lsvib.datasets.checks import Check
 from lsvib.figures import settings as of
 from lsvib.figures import style
@@ -89,8 +77,7 @@ class BranchVerdict(IntEnum):
 def build(settings: of.Values) -> xr.Dataset:
     """Compute the deviations from the rigid drive over the stiffness, for each family of contacts and each branch.
 
-    ``settings``: see ``Settings``; Γ₊ < 0, c_x = 0; the pairs of forces and dampings are the drives, ``start`` is that
-    of the cycles, ``duration`` that of the motions after impacts. Raises ``InputError``.
+    Γ₊ < 0, c_x = 0; the pairs of forces and dampings are the drives, ``start`` is that of the cycles.
     """
     from lsvib.contact import stiff_limit
     from lsvib.contact.stiff_limit import BranchFamily
@@ -111,22 +98,18 @@ def build(settings: of.Values) -> xr.Dataset:
     return xr.Dataset(
         deviations | {"rebound_force": variable(dims, rebound, "N", thrown)} | _rules_followed(branches, deviations),
         coords={
+            **drive_parameters([b.drive for b in branches], "branch", along=varied, printed=("Sect. 8.6",)),
             "family": flagged("family", BranchFamily, "how the damping of the contact grows", BranchFamily),
             **axis("contact_stiffness", stiffness),
-            "contact_damping": (dims, damping, parameter_attributes("contact_damping", VARIED)),
+            **axis("contact_damping", damping, dims),
             **phase_plane.rule_coordinate(),
             **_branch_coordinates(branches),
-            **drive_parameters([b.drive for b in branches], "branch", along=varied, printed=("Sect. 8.6",)),
             **start_state(start, "of the cycles"),
             "impact_speed": variable((), speed, "rad s-1", "screw speed before a seizure", r"$\dot\theta$"),
             "nut_damping_ratio": variable((), ratio, "1", "damping ratio of the nut", r"$\zeta$"),
             "fit_from": variable((), settings["fit_from"], "N m-1", "least stiffness that orders are fitted to"),
         },
-        attrs=about(
-            "The limit process: convergence of compliant threads to the rigid drive",
-            "exact event-driven motion of both models",
-            "Sects 8.2, 8.6; docs/limit_process.md",
-        ),
+        attrs=about(__doc__, "exact event-driven motion of both models", "Sects 8.2, 8.6; docs/limit_process.md"),
     )
 
 
@@ -137,12 +120,10 @@ def _deviations(branches: Sequence[LimitBranch], stiffness: np.ndarray, ratio: f
 
     size = (len(BranchFamily), len(branches), stiffness.size)
     found = {name: np.full((*size, len(RULES)) if name in _BY_RULE else size, np.nan) for name in _QUANTITIES}
-    for family in BranchFamily:
-        for j, k in enumerate(stiffness):
-            for i, branch in enumerate(branches):
-                compliant = stiff_limit.stiffened(branch.drive, family, k, ratio)
-                for name, value in stiff_limit.deviations(branch, compliant).items():
-                    found[name][family, i, j] = value
+    for family, (i, branch), (j, k) in product(BranchFamily, enumerate(branches), enumerate(stiffness)):
+        compliant = stiff_limit.stiffened(branch.drive, family, k, ratio)
+        for name, value in stiff_limit.deviations(branch, compliant).items():
+            found[name][family, i, j] = value
     variables, fitted = {}, stiffness >= fit_from
     for name, values in found.items():
         dims, words = ("family", "branch", *(["rule"] if name in _BY_RULE else [])), name.replace("_", " ")
@@ -178,14 +159,13 @@ def _branch_coordinates(branches: Sequence[LimitBranch]) -> Variables:
     from lsvib.contact.stiff_limit import ImpactOutcome, Region
 
     hits = [b.impact for b in branches]
-    signs = {key: SIGNS[key] for key in ("flag_values", "flag_meanings")}
     sign = np.array([0 if hit is None else hit.sign for hit in hits], dtype=np.int8)
     region = [Region.CYCLE if hit is None else hit.region for hit in hits]
     after, dims = [[stiff_limit.outcome(motion) for motion in b.rigid] for b in branches], ("branch", "rule")
     differ, words = [b.differ for b in branches], "what follows the first seizure of the rigid drive"
     return {
         "branch": variable("branch", np.arange(len(branches)), "1", "index of the branch"),
-        "impact_sign": ("branch", sign, attributes("1", "sign of the impact, none for a cycle", **signs)),
+        "impact_sign": ("branch", sign, SIGNS | {"long_name": "sign of the impact, none for a cycle"}),
         "region": flagged("branch", region, "where the screw stands after the impact", Region),
         "rules_differ": yes_no("branch", differ, "the rigid motion depends on the rule of resuming"),
         "outcome_after_seizure": flagged(dims, after, words, ImpactOutcome),
@@ -195,24 +175,21 @@ def _branch_coordinates(branches: Sequence[LimitBranch]) -> Variables:
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the orders in the viscous limit, the rule that each branch follows, and that the elastic limit differs."""
     viscous, ratio, elastic = _families(dataset).values()
-    impact = ~named(dataset.region, "cycle")
-    return [
-        *_viscous_checks(viscous),
-        _stop_time_check(dataset, viscous, impact),
-        *_other_checks(elastic, ratio, viscous, impact),
-    ]
+    return [*_viscous_checks(dataset, viscous), *_other_checks(elastic, ratio, viscous)]
 
 
 def _families(dataset: xr.Dataset) -> dict[str, xr.Dataset]:
     return {name: dataset.sel(family=value) for value, name in flag_names(dataset.family).items()}
 
 
-def _viscous_checks(viscous: xr.Dataset) -> list[Check]:
+def _viscous_checks(dataset: xr.Dataset, viscous: xr.Dataset) -> list[Check]:
     """Check that contacts whose damping grows with their stiffness tend to the rigid drive, and by which rule."""
     told, both = named(viscous.rule_followed, "contact sign"), named(viscous.rule_followed, "both")
     order, error = viscous.motion_distance_order.values[:, 0], viscous.motion_distance_order_error.values[:, 0]
     closest, differ = viscous.motion_distance.values[:, -1, 0].max(), viscous.rules_differ.values == 1
     others = {name: _by_first_rule(viscous[f"{name}_order"]).values for name in list(_ERRORS)[1:]}
+    impact, fitted = ~named(dataset.region, "cycle"), dataset.contact_stiffness.values >= float(dataset.fit_from)
+    stops, brief = dataset.stop_time.values[:, impact], viscous.stop_time_order.values[impact]
     return [
         Check.holds(
             "Viscous limit: on every branch the motion converges to the rigid one under the rule contact_sign, its "
@@ -235,26 +212,21 @@ def _viscous_checks(viscous: xr.Dataset) -> list[Check]:
             f"{(told & differ).sum()} of {differ.sum()} branches; distance or rest under at_once stays",
             told[differ].all() and differ.any(),
         ),
+        Check.holds(
+            "The time that an impact takes tends to zero: it falls from each fitted stiffness to the next in every "
+            f"family, in the viscous limit with an order of at least {_ORDER:g}",
+            "Sect. 8.2",
+            f"viscous orders {brief.min():.3f} to {brief.max():.3f}; at most "
+            f"{', '.join(f'{x:.1e}' for x in stops[..., -1].max(axis=1))} s by family at k_c = "
+            f"{float(dataset.contact_stiffness[-1]):.0e} N/m",
+            (np.diff(stops[..., fitted], axis=-1) < 0).all() and brief.min() >= _ORDER,
+        ),
     ]
 
 
-def _stop_time_check(dataset: xr.Dataset, viscous: xr.Dataset, impact: np.ndarray) -> Check:
-    """Check that impacts, the branches ``impact``, become instants as the contact stiffens in any of the three ways."""
-    stops, brief = dataset.stop_time.values[:, impact], viscous.stop_time_order.values[impact]
-    fitted = dataset.contact_stiffness.values >= float(dataset.fit_from)
-    return Check.holds(
-        "The time that an impact takes tends to zero: it falls from each fitted stiffness to the next in every "
-        f"family, in the viscous limit with an order of at least {_ORDER:g}",
-        "Sect. 8.2",
-        f"viscous orders {brief.min():.3f} to {brief.max():.3f}; at most "
-        f"{', '.join(f'{x:.1e}' for x in stops[..., -1].max(axis=1))} s by family at k_c = "
-        f"{float(dataset.contact_stiffness[-1]):.0e} N/m",
-        (np.diff(stops[..., fitted], axis=-1) < 0).all() and brief.min() >= _ORDER,
-    )
-
-
-def _other_checks(elastic: xr.Dataset, ratio: xr.Dataset, viscous: xr.Dataset, impact: np.ndarray) -> list[Check]:
+def _other_checks(elastic: xr.Dataset, ratio: xr.Dataset, viscous: xr.Dataset) -> list[Check]:
     """Check that contacts without damping, or with a fixed damping ratio of the nut, tend to no rigid motion."""
+    impact = ~named(viscous.region, "cycle")
     lost, nearest = named(elastic.rule_followed, "neither"), float(np.nanmin(elastic.motion_distance.values[:, -1, 0]))
     rests, rigid_rests = elastic.rests.values[impact, -1], viscous.rests.values[impact, -1]
     excess, slow = ratio.impulse_error.values[impact, -1], ratio.motion_distance_order.values[:, 0]
@@ -301,9 +273,8 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     _orders(columns[1], families[_VISCOUS])
     _others(columns[2], families)
     for axes in columns:
-        _separate(axes, dataset)
         axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=6.5, handletextpad=0.3)
-    _name_branches(columns[2], columns[0], dataset)
+    _name_branches(columns, dataset)
     _errors(panels[0], families[_VISCOUS])
     _rests(panels[1], families)
     _rebound(panels[2], families)
@@ -316,15 +287,16 @@ def draw(dataset: xr.Dataset) -> style.Figure:
 
 def _distances(axes: style.Axes, viscous: xr.Dataset) -> None:
     """A column for each branch: the softest contact on top, the stiffest below; crosses where the rules differ."""
-    count, distance = viscous.sizes["contact_stiffness"], viscous.motion_distance
-    for k in range(count):
-        shade = 0.85 * (1 - k / max(1, count - 1))  # paler the softer
-        colour = tuple(shade + (1 - shade) * part for part in (0.0, 0.447, 0.698))
-        axes.plot(viscous.branch, distance[:, k, 0], "o", color=colour, mec=style.BLUE, mew=0.4, markersize=3.2,
-                  label=f"$k_c$ = {style.number(viscous.contact_stiffness[k])} N m⁻¹")  # fmt: skip
+    from matplotlib import colormaps
+
+    shades = colormaps["Blues"](np.linspace(0.15, 1, viscous.sizes["contact_stiffness"]))
+    for stiffness, distance, colour in zip(viscous.contact_stiffness, viscous.motion_distance[..., 0].T, shades,
+                                           strict=True):  # fmt: skip
+        axes.plot(viscous.branch, distance, "o", color=colour, mec=style.BLUE, mew=0.4, markersize=3.2,
+                  label=f"$k_c$ = {style.number(stiffness)} N m⁻¹")  # fmt: skip
     differ = viscous.rules_differ == 1
-    axes.plot(viscous.branch[differ], distance[:, -1, 1][differ], "x", color=style.VERMILION, markersize=4.5,
-              label="stiffest contact against\nthe other rule, at once")  # fmt: skip
+    axes.plot(viscous.branch[differ], viscous.motion_distance[:, -1, 1][differ], "x", color=style.VERMILION,
+              markersize=4.5, label="stiffest contact against\nthe other rule, at once")  # fmt: skip
     axes.set(yscale="log", ylabel="Distance to the\nrigid motion")
     axes.set_title("(a) viscous limit, each column a branch", pad=14)
 
@@ -348,36 +320,27 @@ def _others(axes: style.Axes, families: dict[str, xr.Dataset]) -> None:
     axes.set_ylabel("Distance to the\nrigid motion")
 
 
-def _separate(axes: style.Axes, dataset: xr.Dataset) -> None:
-    """Thin lines between the drives."""
-    for place in _changes(dataset)[1:-1]:
-        axes.axvline(place - 0.5, color=style.GREY, linewidth=0.6)
-    axes.set_xlim(-0.7, dataset.sizes["branch"] - 0.3)
-    axes.tick_params(axis="x", length=0)
-    axes.grid(axis="x", linewidth=0.3, color="#D8D8D8")
-    axes.set_axisbelow(True)
-
-
-def _changes(dataset: xr.Dataset) -> list[int]:
-    """First branch of each drive, and the number of branches."""
-    drive = np.stack([dataset.axial_force.values, dataset.support_damping.values])
-    return [0, *(np.flatnonzero((np.diff(drive, axis=1) != 0).any(axis=0)) + 1).tolist(), dataset.sizes["branch"]]
-
-
-def _name_branches(bottom: style.Axes, top: style.Axes, dataset: xr.Dataset) -> None:
-    """Sign of the impact and number of the region below each column, the drive above each group of columns."""
+def _name_branches(columns: Sequence[style.Axes], dataset: xr.Dataset) -> None:
+    """Sign of the impact and number of the region below each column, the drive above each group, lines between."""
     pairs = zip(dataset.impact_sign.values, dataset.region.values, strict=True)
     names = [f"{'+' if sign > 0 else '−'}{int(region)}" if sign else "cyc." for sign, region in pairs]
-    bottom.set_xticks(dataset.branch, names, fontsize=6.5, rotation=90)
-    bottom.set_xlabel(
+    columns[-1].set_xticks(dataset.branch, names, fontsize=6.5, rotation=90)
+    columns[-1].set_xlabel(
         "Branch: sign of $N$ in the impact; torque after it 1 above the band of rest, 2 in it with $Q < 0$, "
         "3 with $Q > 0$, 4 below it; cycle",
         fontsize=6.5,
     )
-    for start, stop in pairwise(_changes(dataset)):
-        force, damping = (style.number(dataset[name][start]) for name in ("axial_force", "support_damping"))
-        top.text((start + stop - 1) / 2, 1.02, f"$R$ = {force} N, $c$ = {damping}", ha="center", va="bottom",
-                 fontsize=6.5, transform=top.get_xaxis_transform())  # fmt: skip
+    drives = np.stack([dataset.axial_force.values, dataset.support_damping.values])
+    count, changes = dataset.sizes["branch"], np.flatnonzero((np.diff(drives, axis=1) != 0).any(axis=0)) + 1
+    for axes in columns:
+        for place in changes:
+            axes.axvline(place - 0.5, color=style.GREY, linewidth=0.6)
+        axes.set_xlim(-0.7, count - 0.3)
+        axes.tick_params(axis="x", length=0)
+    for start, stop in pairwise([0, *changes, count]):
+        force, damping = (style.number(value) for value in drives[:, start])
+        columns[0].text((start + stop - 1) / 2, 1.02, f"$R$ = {force} N, $c$ = {damping}", ha="center", va="bottom",
+                        fontsize=6.5, transform=columns[0].get_xaxis_transform())  # fmt: skip
 
 
 def _errors(axes: style.Axes, viscous: xr.Dataset) -> None:
@@ -385,14 +348,14 @@ def _errors(axes: style.Axes, viscous: xr.Dataset) -> None:
     for name, (colour, _, mark) in _ERRORS.items():
         values = np.abs(_by_first_rule(viscous[name]))
         values = values / viscous.rigid_duration if name == "rest_error" else values
-        values = values.where(values > 0).transpose("branch", "contact_stiffness")
-        low, middle, high = (getattr(values, part)("branch", skipna=True) for part in ("min", "median", "max"))
+        values = values.where(values > 0)
+        low, middle, high = values.min("branch"), values.median("branch"), values.max("branch")
         axes.fill_between(viscous.contact_stiffness, low, high, color=colour, alpha=0.18, linewidth=0)
         axes.plot(viscous.contact_stiffness, middle, mark + "-", color=colour, linewidth=1.0, markersize=2.5)
     right = float(viscous.contact_stiffness[-1]) / 2
     left = right / 100
-    axes.plot([left, right, right, left], [1, 1, 0.01, 1], color=style.BLACK, linewidth=0.7, zorder=3)
-    axes.text(right / 1.5, 1 / 1.6, "order 1", ha="right", va="top", fontsize=6.5)
+    axes.plot([left, right], [1, 0.01], color=style.BLACK, linewidth=0.7, zorder=3)
+    axes.text(left, 1, "order 1 ", ha="right", va="center", fontsize=6.5)
     axes.set(title="(d) viscous limit: median, range", ylabel="Relative error")
     axes.text(0.04, 0.04, "colours and marks of (b)", fontsize=6.5, transform=axes.transAxes)
 
@@ -401,7 +364,7 @@ def _rests(axes: style.Axes, families: dict[str, xr.Dataset]) -> None:
     """Range over the branches of the number of rests after an impact."""
     for name, (colour, mark) in reversed(_FAMILIES.items()):
         stiffness, rests = families[name].contact_stiffness, families[name].rests[families[name].impact_sign != 0]
-        ends = [getattr(rests.where(rests > 0), part)("branch", skipna=True) for part in ("min", "max")]
+        ends = rests.where(rests > 0).min("branch"), rests.where(rests > 0).max("branch")
         axes.fill_between(stiffness, *ends, color=colour, alpha=0.18, linewidth=0)
         for end in ends:
             axes.plot(stiffness, end, mark + "-", color=colour, linewidth=0.8, markersize=2.5)

@@ -6,7 +6,7 @@ Importing this loads no matplotlib, so a figure, whose dataset is built without 
 import os
 import re
 from collections.abc import Callable, Sequence
-from functools import cache, wraps
+from functools import wraps
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -63,34 +63,16 @@ _LETTERS = {"\\times": "×", "\\Omega": "Ω", "\\lambda": "λ", "\\mu": "μ", "\
 _STATED = re.compile(r"(\S+) \(printed")  # a printed value among assumed ones
 
 
-@cache
-def _plain_ticks() -> type:
-    """The numbers at ticks as text, not as a formula, which looks the same and is set much faster."""
-    from matplotlib.ticker import ScalarFormatter
-
-    class PlainTicks(ScalarFormatter):
-        def __call__(self, value: float, position: int | None = None) -> str:
-            return super().__call__(value, position).removeprefix("$\\mathdefault{").removesuffix("}$")
-
-    return PlainTicks
-
-
 def styled(draw: Callable[[xr.Dataset], Figure]) -> Callable[[xr.Dataset], Figure]:
     """Decorate a ``draw`` function: it runs in our style, and the caller's matplotlib settings stay as they were."""
 
     @wraps(draw)
     def in_style(dataset: xr.Dataset) -> Figure:
-        """Draw, and set plain numbers at the ticks."""
+        """Draw in our style."""
         from matplotlib import rc_context
-        from matplotlib.ticker import ScalarFormatter
 
         with rc_context(_STYLE):
-            figure = draw(dataset)
-            every = [one for axes in figure.axes for one in (axes, *axes.child_axes)]
-            for axis in (axis for axes in every for axis in (axes.xaxis, axes.yaxis)):
-                if type(axis.get_major_formatter()) is ScalarFormatter:
-                    axis.get_major_formatter().__class__ = _plain_ticks()  # its own settings stay
-            return figure
+            return draw(dataset)
 
     return in_style
 
@@ -127,12 +109,6 @@ def number(value: float) -> str:
     mantissa, power = f"{float(value):.3e}".split("e")
     factor = "" if float(mantissa) == 1 else f"{float(mantissa):g} \\times "
     return f"${factor}10^{{{int(power)}}}$"
-
-
-def power(value: float) -> str:
-    """Return a number for a text, a power of ten as such."""
-    exponent = np.log10(value) if value else 0.0
-    return f"$10^{{{exponent:.0f}}}$" if value and np.isclose(exponent, round(exponent)) else number(value)
 
 
 def amount(variable: xr.DataArray, values: np.ndarray | None = None) -> str:

@@ -74,11 +74,7 @@ class Settings(FigureSettings):
 
 
 def build(settings: Values) -> xr.Dataset:
-    """Compute the thresholds, their distance from print, and what half a unit of each parameter changes, relative.
-
-    ``settings``: ``drive``, changes of Table 8.1, from which each threshold takes its own masses and damping as the
-    chapter states them. Raises ``InputError`` or ``NoThreshold`` for a drive without a threshold.
-    """
+    """Compute the thresholds, their distance from print, and what half a unit of each parameter changes, relative."""
     base, own = RigidDrive.of(settings["drive"]), {name: dict(chapter.THRESHOLDS[name].drive) for name in _PRINTED}
     screw_mass = own["critical_friction"].pop("screw_mass")
     drives = {name: base.replace(**changes) for name, changes in own.items()}
@@ -97,8 +93,11 @@ def build(settings: Values) -> xr.Dataset:
         change = found.solutions[0].change({name: step for name, step in steps.items() if name != found.unknown})
         row[:] = [change.get(name.removesuffix("_deg"), 0.0) for name in HALF_UNITS]
     return xr.Dataset(
-        _relative_to(computed, changes) | _table(base) | _matching(drives["stick_force"], functions),
+        _table(base, computed, changes) | _matching(drives["stick_force"], functions),
         coords={
+            **drive_parameters(
+                list(drives.values()), "threshold", along=_VARIED, printed=_PLACES, no_effect=("axial_force",)
+            ),
             "threshold": flagged("threshold", PrintedThreshold, "threshold", PrintedThreshold),
             "parameter": flagged("parameter", Parameter, "parameter of Table 8.1", Parameter),
             **{f"printed_{n}": printed.variable(chapter.THRESHOLDS[n], words) for n, words in _WORDS.items()},
@@ -106,39 +105,30 @@ def build(settings: Values) -> xr.Dataset:
                 f"computed_{n}": variable((), value, chapter.THRESHOLDS[n].unit, f"{n.replace('_', ' ')}, computed")
                 for n, value in zip(_PRINTED, computed, strict=True)
             },
-            **drive_parameters(
-                list(drives.values()), "threshold", along=_VARIED, printed=_PLACES, no_effect=("axial_force",)
-            ),
             "screw_mass": ((), screw_mass, parameter("screw_mass", origin_of("screw_mass", screw_mass, _PLACES))),
         },
         attrs=about(
-            "Rounding of Table 8.1 and the printed thresholds",
+            __doc__,
             "thresholds in closed form and by the return map, with exact derivatives",
             "Table 8.1, Sects 8.5.1, 8.6.1, Fig. 8.15",
         ),
     )
 
 
-def _relative_to(computed: np.ndarray, changes: np.ndarray) -> Variables:
-    """Distances from print and changes (threshold, parameter), relative to the computed thresholds."""
+def _table(drive: RigidDrive, computed: np.ndarray, changes: np.ndarray) -> Variables:
+    """Values of Table 8.1 and half a unit of their last digit; distances from print and changes, relative."""
+    values = [np.degrees(drive.lead_angle) if n == "lead_angle_deg" else getattr(drive, n) for n in HALF_UNITS]
     in_print = np.array([chapter.THRESHOLDS[name].value for name in _PRINTED])
     half_units = np.array([half for half, *_ in _PRINTED.values()]) / computed
+    few, units = [name in ROUND for name in HALF_UNITS], "SI units, angle in degrees"
     half, change = "half a unit of the last printed digit of the threshold, relative", changes / computed[:, None]
     words = "change of the threshold by half a unit of the parameter's last printed digit"
+    last = f"half a unit of the last printed digit, {units}"
     return {
         "print_residual": variable("threshold", in_print / computed - 1, "1", "printed less computed, relative"),
         "print_half_unit": variable("threshold", half_units, "1", half),
         "relative_change": variable(("threshold", "parameter"), change, "1", words),
-    }
-
-
-def _table(drive: RigidDrive) -> Variables:
-    """The values of Table 8.1, half a unit of their last digit, and which of them have only one digit."""
-    halves, few = np.array(list(HALF_UNITS.values())), [name in ROUND for name in HALF_UNITS]
-    values = [np.degrees(drive.lead_angle) if n == "lead_angle_deg" else getattr(drive, n) for n in HALF_UNITS]
-    units = "SI units, angle in degrees"
-    return {
-        "half_unit": variable("parameter", halves, "1", f"half a unit of the last printed digit, {units}"),
+        "half_unit": variable("parameter", list(HALF_UNITS.values()), "1", last),
         "printed_value": variable("parameter", values, "1", f"value of the parameter, {units}"),
         "one_digit": yes_no("parameter", few, "printed without a digit but the leading one"),
     }
