@@ -16,6 +16,8 @@ from conftest import ROOT, TINY
 
 from lsvib.datasets.io import read_dataset
 from lsvib.figures.configuration import accuracy_figures, default_figures, load, settings_of
+from lsvib.models import chapter
+from lsvib.models.drive import RigidDrive
 
 pytestmark = pytest.mark.workflow
 
@@ -164,6 +166,44 @@ def test_engine_is_compiled_first_for_the_figures_that_need_it(fresh):
     assert waiting["mapper"].isdisjoint(of_eigenvalues | of_two_states)
 
 
+@pytest.mark.parametrize("again", [False, True])
+def test_a_figure_that_is_built_alone_fails_with_its_checks(built, again):
+    change = "--config", "table_8_1={friction_coefficient: 0.23}"
+    for _ in range(1 + again):
+        run = built("results/figures/fig8_08.png", *change)
+        assert run.returncode == 1, run.stdout
+    assert "1 check failed; the pictures lie in results/failed.\nfig8_08: Critical mass" in run.stdout
+    assert "Done." not in run.stdout
+    folder = built.folder / "results"
+    assert (folder / "failed" / "fig8_08.png").is_file()
+    assert not (folder / "figures" / "fig8_08.png").exists()
+    good = built("results/figures/fig8_08.png")
+    assert good.returncode == 0, good.stdout
+
+
+@pytest.mark.parametrize(
+    ("change", "jobs"),
+    [
+        ("fig8_08={dampings: [1.0e-4, 1.0e-3]}", {"fig8_08"}),
+        ("fig8_03={drive: {screw_inertia: 3.0e-6}}", {"fig8_03"}),
+        ("table_8_1={pitch_radius: 5.2e-3}", {"fig8_03", "fig8_08"}),
+    ],
+)
+def test_the_command_line_changes_a_figure_and_the_drive_of_all(built, change, jobs):
+    assert {job for job in built.plan("--config", change) if job.startswith("Computing ")} == {
+        f"Computing {figure}" for figure in jobs
+    }
+
+
+def test_the_table_of_the_configuration_is_the_default_drive():
+    assert RigidDrive.of(CONFIG["table_8_1"]) == RigidDrive()
+    assert set(CONFIG["table_8_1"]) == {*chapter.STATED["Table 8.1"]} - {"lead_angle"} | {"lead_angle_deg"}
+
+
+def test_both_snakefiles_are_one_workflow(built):
+    assert built.plan() == built.plan("-s", "workflow/Snakefile") == set()
+
+
 @pytest.mark.slow
 def test_a_failed_check_fails_the_run_with_the_reason(fresh):
     fresh.edit("src/lsvib/models/chapter.py", "10.10", "20.0")
@@ -298,7 +338,7 @@ def test_lint_asks_for_nothing(fresh):
 def test_every_figure_has_a_caption_and_a_section_unless_its_settings_have_defaults():
     assert all(load(figure).CAPTION.endswith("\n") for figure in ALL_FIGURES)
     sections = {name for name, section in CONFIG.items() if isinstance(section, dict)}
-    assert sections <= set(ALL_FIGURES)
+    assert sections <= {"table_8_1", *ALL_FIGURES}
     for name in set(ALL_FIGURES) - sections:
         settings_of(name)()
 

@@ -12,7 +12,7 @@ rule accuracy:
         "All figures of accuracy are drawn and all their checks passed"
 
 
-use rule checks as accuracy_checks with:
+use rule check as accuracy_checks with:
     input:
         sources=source_files(imports("lsvib.datasets.checks")),
         checks=collect("results/checks/{figure}.json", figure=ACCURACY_FIGURES),

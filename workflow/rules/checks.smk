@@ -1,7 +1,7 @@
 """All checks together, and the verdict that decides whether the run passes."""
 
 
-rule checks:
+rule check:
     """Collect the checks of all figures: for machines, as a text by figure, and as a page that can be filtered."""
     input:
         sources=source_files(imports("lsvib.datasets.checks")),

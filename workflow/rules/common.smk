@@ -11,19 +11,44 @@ from functools import cache
 from pathlib import Path
 
 import grimp
+import yaml
 from lsvib.datasets.checks import counts, failures, printed_thresholds, read_checks, verdict
 from lsvib.errors import LsvibError
 from lsvib.models.model import model_module
 from lsvib.models.model import all_models
 from lsvib.models.scene import read_yaml
-from lsvib.figures.configuration import accuracy_figures, check, default_figures, module_of, selected, settings_of
+from lsvib.figures.configuration import (
+    accuracy_figures,
+    check,
+    default_figures,
+    given,
+    module_of,
+    selected,
+    settings_of,
+)
 from snakemake.exceptions import WorkflowError
+from snakemake.utils import update_config
 
-sys.path[:0] = [str(Path(workflow.basedir, "workflow")), workflow.basedir]
+ROOT = Path(str(workflow.current_basedir)).parents[1]
+sys.path[:0] = [str(ROOT / "workflow"), str(ROOT)]
 import benchmarks  # with which the references are found, too
 import jobs
 
+
+def typed(values):
+    """Return what ``--config`` gives, in which Snakemake leaves the numbers inside of lists and mappings as text."""
+    if isinstance(values, dict):
+        return {key: typed(value) for key, value in values.items()}
+    if isinstance(values, list):
+        return [typed(value) for value in values]
+    try:
+        return yaml.safe_load(values) if isinstance(values, str) else values
+    except yaml.YAMLError:
+        return values
+
+
 try:
+    update_config(config, typed(dict(workflow.config_settings.config)))
     for file in workflow.configfiles:
         read_yaml(file)  # refuses a key that is given twice, of which Snakemake would take the last
     check(config)
@@ -39,11 +64,12 @@ ACCURACY_FIGURES = selected(config, "accuracy_figures")
 BUILD = "lsvib.figures.build"
 DRAWING = {"lsvib.figures.style", "lsvib.figures.drawing"}
 
-# The region of attraction but for its tiles. In alphabetical order, because Snakemake compares parameters as text, and a
+# The region of attraction and the chart but for their tiles. In alphabetical order, because Snakemake compares parameters as text, and a
 # second configuration file changes the order.
-MAP = json.loads(json.dumps({k: v for k, v in config["attraction"].items() if k != "tiles"}, sort_keys=True))
-
-CHART = json.loads(json.dumps({k: v for k, v in config["chart"].items() if k != "tiles"}, sort_keys=True))
+MAP, CHART = (
+    json.loads(json.dumps({k: v for k, v in given(config, name).items() if k != "tiles"}, sort_keys=True))
+    for name in ("attraction", "chart")
+)
 
 
 # Our packages and the folders that they are in.
@@ -54,7 +80,7 @@ FOLDERS = {"lsvib": "src", "benchmarks": ".", "references": "tests"}
 def import_graph():
     """Return who imports whom in our packages; refuse an lsvib that is not the one beside this Snakefile."""
     graph = grimp.build_graph(*FOLDERS, exclude_type_checking_imports=True, cache_dir=None)
-    source = Path(workflow.basedir, "src", "lsvib", "__init__.py").resolve()
+    source = Path(ROOT, "src", "lsvib", "__init__.py").resolve()
     found = Path(importlib.util.find_spec("lsvib").origin).resolve()
     if found != source:
         raise WorkflowError(f"The lsvib that Python imports is {found}, not {source}: run pip install -e . here.")
@@ -169,7 +195,7 @@ def cores(wildcards):
 
 def settings(wildcards):
     """Return the section of the figure; what it does not name has the defaults of its ``Settings``."""
-    return config.get(wildcards.figure, {})
+    return given(config, wildcards.figure)
 
 
 def category(wildcards):
@@ -205,6 +231,26 @@ def print_results(started, log=None):
             )
             summary.append(verdict(checks))
     print("\n" + " ".join(summary or ["The run FAILED; the reason stands above." if log else "Done."]))
+
+
+def judge_alone(started):
+    """Raise an error about the checks that failed of figures built in this run without the verdict on all.
+
+    Their pictures go to ``results/failed``, so that the next run does not take them for good.
+    """
+    wrong = []
+    for records in sorted(Path("results/checks").glob("*.json")):
+        pictures = sorted(Path("results/figures").glob(f"{records.stem}.*"))
+        failed = failures(read_checks(records))
+        if failed and any(file.stat().st_mtime >= started for file in (records, *pictures)):
+            wrong += failed
+            aside = Path("results/failed")
+            aside.mkdir(exist_ok=True)
+            for picture in pictures:
+                picture.rename(aside / picture.name)
+    if wrong:
+        count = f"{len(wrong)} check{'s' * (len(wrong) > 1)} failed"
+        raise WorkflowError("\n".join([f"{count}; the pictures lie in results/failed.", *wrong]))
 
 
 def failed_jobs(log):

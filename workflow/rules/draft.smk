@@ -26,7 +26,7 @@ for number, figures in enumerate([FIGURES[k::BATCHES] for k in range(BATCHES)]):
             f"logs/draft_{number + 1}.log",
         params:
             code=code(jobs.draft),
-            settings={figure: config.get(figure, {}) for figure in figures},
+            settings={figure: given(config, figure) for figure in figures},
         message:
             f"Computing and drawing {', '.join(figures)}"
         run:

@@ -18,7 +18,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationError, create_model
 
 from lsvib.errors import InputError
-from lsvib.figures.settings import FigureSettings, SettingsSection, Unique
+from lsvib.figures.settings import DriveChanges, FigureSettings, SettingsSection, Unique
 from lsvib.models.drive import range_in_words
 from lsvib.numbers import shown
 
@@ -73,7 +73,11 @@ def load(figure: str) -> ModuleType:
 
 
 class Selection(SettingsSection):
-    """What is built, and how; each figure has a section of its own beside it."""
+    """What is built, and how, and the drive of all figures; each figure has a section of its own beside it."""
+
+    table_8_1: DriveChanges = Field(
+        default=DriveChanges(), description="Parameters of the drive of all figures; their `drive` differs from it."
+    )
 
     figures: Annotated[list[Literal[*default_figures()]], *Unique] = Field(
         default=list(default_figures()), min_length=1, description="Figures to build; all if it is left out."
@@ -102,7 +106,19 @@ def check(configuration: Mapping[str, Any]) -> None:
     """Check a complete configuration, that of a run of the workflow; raises ``InputError`` in one sentence."""
     _checked(_configuration(), configuration)
     for name in (*selected(configuration), *selected(configuration, "accuracy_figures")):
-        complete_settings(name, configuration.get(name, {}))
+        complete_settings(name, given(configuration, name))
+
+
+def given(configuration: Mapping[str, Any], figure: str) -> dict[str, Any]:
+    """Return the section of a figure, its drive with all parameters of ``table_8_1`` that it does not change itself."""
+    found, table = configuration.get(figure, {}), configuration.get("table_8_1", {})
+    if not (table and isinstance(found, dict) and "drive" in settings_of(figure).model_fields):
+        return found
+    drive = found.get("drive", {})
+    angles = {"lead_angle", "lead_angle_deg"}
+    beneath = {key: value for key, value in table.items() if not (key in angles and angles & set(drive))}
+    # In alphabetical order, because Snakemake compares parameters as text.
+    return {**found, "drive": dict(sorted({**beneath, **drive}.items()))}
 
 
 def section(configuration: Mapping[str, Any], figure: str) -> Mapping[str, Any]:
@@ -112,9 +128,8 @@ def section(configuration: Mapping[str, Any], figure: str) -> Mapping[str, Any]:
         if key not in known:
             raise InputError(f"{shown(key)} is not a known key; the known keys are {', '.join(known)}.")
     _checked(Selection, {key: value for key, value in configuration.items() if key in Selection.model_fields})
-    found = configuration.get(figure, {})
-    _checked(settings_of(figure), found, (figure,))
-    return found
+    _checked(settings_of(figure), configuration.get(figure, {}), (figure,))
+    return given(configuration, figure)
 
 
 def selected(configuration: Mapping[str, Any], key: str = "figures") -> tuple[str, ...]:
@@ -122,11 +137,11 @@ def selected(configuration: Mapping[str, Any], key: str = "figures") -> tuple[st
     return tuple(configuration.get(key, Selection.model_fields[key].default))
 
 
-def complete_settings(figure: str, given: Mapping[str, Any]) -> dict[str, Any]:
+def complete_settings(figure: str, section: Mapping[str, Any]) -> dict[str, Any]:
     """Return the settings of a figure: those given, as they are, and its defaults; ``InputError`` in one sentence."""
-    settings = _checked(settings_of(figure), given, (figure,))
-    absent = set(type(settings).model_fields) - set(given)
-    return {**given, **settings.model_dump(mode="json", include=absent, exclude_none=True)}
+    settings = _checked(settings_of(figure), section, (figure,))
+    absent = set(type(settings).model_fields) - set(section)
+    return {**section, **settings.model_dump(mode="json", include=absent, exclude_none=True)}
 
 
 def standard_settings(figure: str) -> dict[str, Any]:
@@ -188,7 +203,11 @@ def _sentence(model: type[SettingsSection], error: ValidationError, place: Seque
     if sort == "literal_error":
         return f"{path} = {value} is not one of {', '.join(map(str, rule.get('enum', [rule.get('const')])))}."
     if sort in _NO_TYPE:
-        hint = "; write it with a point, such as 1.0e-3" if isinstance(first["input"], str) else ""
+        hint = (
+            "; write it with a point, such as 1.0e-3"
+            if sort == "float_type" and isinstance(first["input"], str)
+            else ""
+        )
         return f"{path} = {value} is not {_NO_TYPE[sort]}{hint}."
     if sort == "of_the_whole":
         return f"{path} {first['msg']}."
