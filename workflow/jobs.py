@@ -111,11 +111,18 @@ def compile_engine(part: str, sources: Texts, marker: str) -> None:
     write_text(f"{digest.hexdigest()}\n", marker)
 
 
-def dataset(figure: str, settings: dict[str, Any], file: str, checks: str) -> None:
+def part(figure: str, name: str, settings: dict[str, Any], file: str) -> None:
+    """Compute the analysis of the drives of a figure, or its maps of grids of starts."""
+    from lsvib.figures.build import compute_part
+
+    compute_part(figure, name, settings, file)
+
+
+def dataset(figure: str, settings: dict[str, Any], parts: dict[str, str], file: str, checks: str) -> None:
     """Compute the dataset of a figure and its checks."""
     from lsvib.figures.build import compute_figure
 
-    compute_figure(figure, settings, file, checks)
+    compute_figure(figure, settings, file, checks, parts)
 
 
 def picture(figure: str, dataset: str, png: str, pdf: str, caption: str) -> None:

@@ -18,9 +18,11 @@ from lsvib.models.model import model_module
 from lsvib.models.model import all_models
 from lsvib.models.scene import read_yaml
 from lsvib.figures.configuration import (
+    PARTS,
     accuracy_figures,
     check,
     default_figures,
+    figures_with,
     given,
     module_of,
     selected,
@@ -141,6 +143,16 @@ def figure_sources(kind, figure):
 def sources(kind):
     """Return :func:`figure_sources` as an input function."""
     return lambda wildcards: figure_sources(kind, wildcards.figure)
+
+
+def parts(wildcards):
+    """Return the files of the parts of a figure that have rules of their own, by name: its analysis and its maps."""
+    return {name: f"results/{name}/{wildcards.figure}.nc" for name in PARTS if wildcards.figure in figures_with(name)}
+
+
+def part_sources(module):
+    """Return, as an input function, the source files of such a part, which is made by ``module`` for each figure."""
+    return lambda wildcards: source_files(modules_with_model(module, {}) | {module_of(wildcards.figure), BUILD})
 
 
 def modules_with_model(module, settings):

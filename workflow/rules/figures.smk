@@ -1,7 +1,7 @@
-"""From the model to a dataset, from a dataset to a picture."""
+"""From the model to a dataset, from a dataset to a picture: core, analyse, map, dataset, figure."""
 
 
-rule compile_engine:
+rule core:
     """Compile one part of the engine: the flow of two states, that of more states, or the mapper.
 
     Several parts may be compiled side by side; a figure waits only for those that it runs.
@@ -12,7 +12,7 @@ rule compile_engine:
     output:
         "results/engine/{part}.txt",
     log:
-        "logs/compile_engine/{part}.log",
+        "logs/core/{part}.log",
     wildcard_constraints:
         part="|".join(ENGINE),
     priority: 1  # others wait for it
@@ -25,9 +25,47 @@ rule compile_engine:
         jobs.run(jobs.compile_engine, log[0], wildcards.part, wildcards.part, list(input.sources), output[0])
 
 
+rule analyse:
+    """Analyse the drives of a figure: eigenvalues, conditions of instability, thresholds."""
+    input:
+        sources=part_sources("lsvib.datasets.analysis"),
+    output:
+        "results/analysis/{figure}.nc",
+    log:
+        "logs/analyse/{figure}.log",
+    params:
+        code=code(jobs.part),
+        settings=settings,
+    message:
+        "Analysing the drives of {wildcards.figure}"
+    run:
+        figure = wildcards.figure
+        jobs.run(jobs.part, log[0], figure, figure, "analysis", params.settings, output[0])
+
+
+rule map:
+    """Map grids of starts of a figure to the attractors of their motions."""
+    input:
+        sources=part_sources("lsvib.datasets.map"),
+        engine=[marker("planar"), marker("mapper")],
+    output:
+        "results/maps/{figure}.nc",
+    log:
+        "logs/map/{figure}.log",
+    params:
+        code=code(jobs.part),
+        settings=settings,
+    message:
+        "Mapping the starts of {wildcards.figure}"
+    run:
+        figure = wildcards.figure
+        jobs.run(jobs.part, log[0], figure, figure, "maps", params.settings, output[0])
+
+
 rule dataset:
     """Compute the dataset of a figure and check it against the chapter."""
     input:
+        unpack(parts),
         sources=sources("datasets"),
         engine=lambda wildcards: engine(imports(module_of(wildcards.figure))),
     output:
@@ -43,7 +81,8 @@ rule dataset:
         "Computing {wildcards.figure}"
     run:
         figure = wildcards.figure
-        jobs.run(jobs.dataset, log[0], figure, figure, params.settings, output.dataset, output.checks)
+        own = {name: input[name] for name in parts(wildcards)}
+        jobs.run(jobs.dataset, log[0], figure, figure, params.settings, own, output.dataset, output.checks)
 
 
 rule figure:

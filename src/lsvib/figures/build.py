@@ -15,7 +15,7 @@ from lsvib.datasets.checks import Check
 from lsvib.datasets.io import read_dataset, write_dataset
 from lsvib.errors import InputError
 from lsvib.figures import style
-from lsvib.figures.configuration import complete_settings, load
+from lsvib.figures.configuration import PARTS, complete_settings, load
 from lsvib.figures.style import Figure
 from lsvib.files import write_json, write_text
 
@@ -44,17 +44,35 @@ def build_figure(
     return checks
 
 
-def compute_figure(figure: str, given: Mapping[str, Any], dataset_file: File, checks_file: File) -> list[Check]:
+def compute_part(figure: str, part: str, given: Mapping[str, Any], file: File) -> None:
+    """Compute and write a part of a figure that rules of their own make: ``analysis`` or ``maps`` (:data:`PARTS`)."""
+    module = load(figure)
+    write_dataset(getattr(module, part)(complete_settings(figure, given)), file, f"{module.__name__}.{part}")
+
+
+def compute_figure(
+    figure: str,
+    given: Mapping[str, Any],
+    dataset_file: File,
+    checks_file: File,
+    parts: Mapping[str, File] | None = None,
+) -> list[Check]:
     """Compute the dataset of a figure and judge it, by the functions ``build`` and ``checks`` of its module.
 
-    ``build`` takes all values of the class ``Settings`` beside it; for values that it cannot use it raises
-    ``InputError``. Both results are written.
+    ``build`` takes all values of the class ``Settings`` beside it, and the parts that its module has (:data:`PARTS`);
+    for values that it cannot use it raises ``InputError``. Both results are written.
     ``given``: settings as in its section of ``config/config.yaml``; those that it does not name have their defaults.
+    ``parts``: files of parts that are computed already, by name; the others are computed here.
     The dataset carries the settings as JSON in its attribute ``settings``. Raises ``InputError`` about the settings and
     ``LsvibError`` about files, in one sentence.
     """
-    settings, module = complete_settings(figure, given), load(figure)
-    dataset = module.build(settings).assign_attrs(settings=json.dumps(settings))
+    settings, module, files = complete_settings(figure, given), load(figure), parts or {}
+    own = {
+        name: read_dataset(files[name]) if name in files else getattr(module, name)(settings)
+        for name in PARTS
+        if hasattr(module, name)
+    }
+    dataset = module.build(settings, **own).assign_attrs(settings=json.dumps(settings))
     write_dataset(dataset, dataset_file, f"{module.__name__}.build")
     checks: list[Check] = module.checks(dataset)
     write_json([check.to_json() for check in checks], checks_file)

@@ -40,12 +40,22 @@ _ALTERNATIVES = ("number", "axis")  # which of two types a value was taken for; 
 _BENCHMARKS = ("ablation", "map_precision", "rival_verdicts", "stability_sweeps", "work_precision")
 
 
+PARTS = ("analysis", "maps")
+"""Functions of some figures whose results, each a dataset, its ``build`` takes: the analysis of its drives, and maps of
+grids of starts. In the workflow each has a rule and a file of its own."""
+
+
 @cache
+def figures_with(part: str) -> tuple[str, ...]:
+    """Return the names of the figures whose module has a function of this name."""
+    files = Path(__file__).parent.glob("*.py")
+    names = [file.stem for file in files if f"\ndef {part}(" in file.read_text(encoding="utf-8")]
+    return tuple(sorted(names, key=lambda name: (not name.startswith("fig"), name)))
+
+
 def default_figures() -> tuple[str, ...]:
     """Return the names of the figures that a bare ``snakemake`` builds: those of the chapter first."""
-    files = Path(__file__).parent.glob("*.py")
-    names = [file.stem for file in files if "\ndef build(" in file.read_text(encoding="utf-8")]
-    return tuple(sorted(names, key=lambda name: (not name.startswith("fig"), name)))
+    return figures_with("build")
 
 
 def accuracy_figures() -> tuple[str, ...]:
