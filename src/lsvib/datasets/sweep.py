@@ -17,7 +17,6 @@ from lsvib import numbers
 from lsvib.basins.curves import Window
 from lsvib.basins.resilience import Resilience, resilience
 from lsvib.datasets.attributes import Variables, attributes, flags, variable
-from lsvib.datasets.spans import stepped
 from lsvib.dynamics.attractor import Attractor
 from lsvib.dynamics.sweep import all_endings
 from lsvib.errors import EngineError, InputError
@@ -137,22 +136,6 @@ def _coordinates(axes: Mapping[str, Sequence[float]], kind: type[Drive]) -> Vari
     return {
         name: variable(name, np.array(x), about[name]["unit"], about[name]["long_name"]) for name, x in axes.items()
     }
-
-
-def evenly(name: str, text: str) -> np.ndarray:
-    """Read START:STOP:COUNT as so many values with equal steps, both ends included; ``InputError`` for other text."""
-    parts = text.split(":")
-    if len(parts) != 3:
-        raise InputError(f"over: {name}={text} is not of the form KEY=START:STOP:COUNT.")
-    try:
-        start, stop, count = numbers.number(parts[0]), numbers.number(parts[1]), numbers.whole(parts[2])
-    except numbers.NotNumber as error:
-        raise InputError(f"over: {name}={text} has a part that {error}.") from None
-    if not 1 <= count <= _MOST:
-        raise InputError(f"over: {name} has count = {count}; the allowed range is 1 <= count <= {_MOST}.")
-    if not (math.isfinite(start) and math.isfinite(stop)):
-        raise InputError(f"over: {name}={text} has an end beyond 1.8e308, the range of doubles.")
-    return stepped(start, stop, count)
 
 
 def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
