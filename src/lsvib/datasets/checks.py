@@ -1,6 +1,6 @@
 """Checks of computed values against the chapter, kept as data: claim, expected, computed, error, tolerance, verdict.
 
-Those of a run are shown as a text by figure, and as a page with a table that can be filtered (``checks.html.j2``).
+Those of a run are shown as a text by figure, and as a page with a table that can be filtered (``checks.*.j2``).
 """
 
 import json
@@ -17,7 +17,6 @@ from lsvib.errors import InputError
 from lsvib.models.chapter import PRINTED, THRESHOLDS
 
 NamedChecks = Sequence[tuple[str, "Check"]]  # pairs (figure, check)
-_HEADING = "Printed by the chapter"
 
 
 @dataclass(frozen=True)
@@ -199,31 +198,12 @@ def checks_text(checks: NamedChecks) -> str:
     First a table of the numbers that the chapter prints, if some are among them; then for each figure how many checks
     passed, and a line for each of them.
     """
-    lines = ["# Checks", "", verdict(checks), ""]
-    if found := printed(checks):
-        rows = [["number", "printed", "computed", "error", "allowed", "verdict", "figure"]]
-        rows += [[check.claim, *_numbers(check), _verdict(check), figure] for figure, check in found]
-        lines += [f"## {_HEADING}", "", *_table(rows), ""]
-    for figure in dict.fromkeys(figure for figure, _ in checks):
-        own = [check for name, check in checks if name == figure]
-        lines += [f"## {figure}: {sum(check.passed for check in own)} of {len(own)} passed", ""]
-        lines += [f"- {_verdict(check)}: {_flat(check.claim)} [{check.source}]: {_found(check)}" for check in own]
-        lines.append("")
-    return "\n".join(lines)
+    return _page("checks.md.j2", checks)
 
 
 def printed_table(checks: NamedChecks) -> str:
     """Return the printed numbers among checks as a table in reStructuredText, for a report."""
-    found = printed(checks)
-    if not found:
-        return "None of the figures of this run has a number that the chapter prints.\n"
-    rows = [["number", "printed", "computed", "error", "figure"]]
-    rows += [[check.claim, *_numbers(check)[:3], figure] for figure, check in found]
-    lines = [".. list-table::", "   :header-rows: 1", ""]
-    for row in rows:  # no character of a cell means anything but itself
-        cells = [re.sub(r"([*`|_\\])", r"\\\1", _flat(cell)) for cell in row]
-        lines += [f"   {'*' if k == 0 else ' '} - {cell}" for k, cell in enumerate(cells)]
-    return "\n".join([*lines, ""])
+    return _page("checks.rst.j2", checks)
 
 
 def checks_page(checks: NamedChecks) -> str:
@@ -232,46 +212,31 @@ def checks_page(checks: NamedChecks) -> str:
     The table of every check can be filtered by words, by figure, and for those that failed; on a phone its rows become
     lists.
     """
+    return _page("checks.html.j2", checks)
+
+
+def _page(template: str, checks: NamedChecks) -> str:
+    """Fill a template with checks, each with its cells, of what was expected and found up to verdict and figure."""
     from jinja2 import Environment, PackageLoader
 
     def rows(some: NamedChecks) -> list[tuple[str, Check, list[str]]]:
-        return [(figure, check, [*_numbers(check), _verdict(check), figure]) for figure, check in some]
+        return [(figure, check, _cells(figure, check)) for figure, check in some]
 
-    pages = Environment(loader=PackageLoader("lsvib.datasets", "."), autoescape=True, trim_blocks=True)
-    return pages.get_template("checks.html.j2").render(
+    pages = Environment(
+        loader=PackageLoader("lsvib.datasets", "."), autoescape=template.endswith(".html.j2"), trim_blocks=True
+    )
+    pages.filters["flat"] = lambda words: " ".join(words.split())
+    pages.filters["literal"] = lambda words: re.sub(r"([*`|_\\])", r"\\\1", words)  # no character means but itself
+    return pages.get_template(template).render(
         verdict=verdict(checks),
-        heading=_HEADING,
+        heading="Printed by the chapter",
         printed=rows(printed(checks)),
         every=rows(checks),
         figures=dict.fromkeys(figure for figure, _ in checks),
     )
 
 
-def _numbers(check: Check) -> list[str]:
-    """What was expected and computed, the relative error and the largest allowed."""
-    values = [_flat(quantity(value, check.unit)) for value in (check.expected, check.computed)]
-    return [*values, percent(check.error), percent(check.tolerance)]
-
-
-def _found(check: Check) -> str:
-    expected, computed, error, allowed = _numbers(check)
-    if check.tolerance is None:
-        return f"{'true' if check.passed else 'NOT true'} ({computed})"
-    return f"{computed}, expected {expected}, error {error} of at most {allowed}"
-
-
-def _verdict(check: Check) -> str:
-    return "pass" if check.passed else "FAIL"
-
-
-def _flat(text: str) -> str:
-    return " ".join(text.split())
-
-
-def _table(rows: Sequence[Sequence[str]]) -> list[str]:
-    """A Markdown table whose columns are aligned; the first row is its head."""
-    cells = [[_flat(cell).replace("|", "\\|") for cell in row] for row in rows]
-    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    padded = [[cell.ljust(width) for cell, width in zip(row, widths, strict=True)] for row in cells]
-    lines = [f"| {' | '.join(row)} |" for row in padded]
-    return [lines[0], f"|{'|'.join('-' * (width + 2) for width in widths)}|", *lines[1:]]
+def _cells(figure: str, check: Check) -> list[str]:
+    """What was expected and computed, the relative error and the largest allowed, the verdict and the figure."""
+    values = [" ".join(quantity(value, check.unit).split()) for value in (check.expected, check.computed)]
+    return [*values, percent(check.error), percent(check.tolerance), "pass" if check.passed else "FAIL", figure]
