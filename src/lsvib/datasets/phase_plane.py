@@ -6,7 +6,7 @@ motions are sampled under the first.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -16,6 +16,7 @@ from lsvib.datasets.attributes import (
     SIGNS,
     WITHOUT_IMPULSES,
     Dims,
+    Variable,
     Variables,
     drive_parameters,
     flagged,
@@ -24,15 +25,19 @@ from lsvib.datasets.attributes import (
     quantity,
     variable,
 )
-from lsvib.dynamics.attractor import Attractor, SteadyState, steady_state
-from lsvib.dynamics.impulses import Impulses, event_impulses
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.engine.motion import Motion, follow
 from lsvib.errors import InputError
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.model import RULES
+from lsvib.models.model import RULES, Resume
 from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
+
+if TYPE_CHECKING:
+    from lsvib.dynamics.attractor import SteadyState
+    from lsvib.dynamics.impulses import Impulses
+    from lsvib.engine.motion import Motion
+else:  # names for annotations: this module loads no engine before a motion is asked for
+    Impulses = Motion = SteadyState = Any
 
 _STATES = ("angle_deviation", "velocity_deviation")
 ATTRACTOR = "attractor that the motion reaches"
@@ -74,6 +79,20 @@ def rule_coordinate() -> Variables:
     return {"rule": named_index("rule", "rule of resuming after a seizure", RULES)}
 
 
+def reached(drive: RigidDrive, start: Mapping[str, float], resume: Resume = RULES[0]) -> SteadyState:
+    """Return what the motion of the rigid drive from u [rad] and w [rad/s] ends in, by a rule of resuming."""
+    from lsvib.dynamics.attractor import steady_state
+
+    return steady_state(rigid_automaton(drive, resume=resume), [start["u"], start["w"]])
+
+
+def attractors(dims: Dims, labels: Any, words: str = ATTRACTOR, **more: Any) -> Variable:
+    """Return labels of attractors as a variable, int8 with flags."""
+    from lsvib.dynamics.attractor import Attractor
+
+    return flagged(dims, labels, words, Attractor, **more)
+
+
 def portraits(
     settings: Mapping[str, Any],
     drives: Sequence[RigidDrive],
@@ -88,6 +107,10 @@ def portraits(
     start, event), what they settle on (case, rule, start), and the limit cycle of the first one (case, sample). Raises
     ``InputError`` if the samples are too few for the events.
     """
+    from lsvib.dynamics.attractor import steady_state
+    from lsvib.dynamics.impulses import event_impulses
+    from lsvib.engine.motion import follow
+
     duration, samples = settings["duration"], settings["samples"]
     states = [np.array([start["u"], start["w"]]) for start in settings["starts"]]
     automata = [[rigid_automaton(drive, resume=rule) for rule in RULES] for drive in drives]
@@ -175,7 +198,7 @@ def _attractors(steady: Sequence[Sequence[Sequence[SteadyState]]], samples: int)
         if case[0][0].orbit is not None:
             points[:] = sample(case[0][0].orbit, samples)[1]
     return {
-        "attractor": flagged(dims, table("label", np.int8), ATTRACTOR, Attractor),
+        "attractor": attractors(dims, table("label", np.int8)),
         "amplitude": variable(dims, table("amplitude", float), "rad", AMPLITUDE),
         "period": variable(dims, table("period", float), "s", PERIOD, "$T$"),
         **curve("cycle", ("case", "sample"), cycle, "on the limit cycle", comment=_WHICH_CYCLE),

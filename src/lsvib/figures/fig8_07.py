@@ -8,7 +8,7 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.contact.contact_force import Existence, existence
-from lsvib.datasets import spans
+from lsvib.datasets import phase_plane, spans
 from lsvib.datasets.attributes import flagged, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
@@ -38,8 +38,6 @@ class Settings(PhasePlane):
 
 def build(settings: Values) -> xr.Dataset:
     """Compute the existence map, motions from each sector, and where the flow of law −1 leads; R > 0, Ω > 0, Γ₊ < 0."""
-    from lsvib.datasets import phase_plane
-
     drive = RigidDrive.of(settings["drive"])
     angle, velocity = spans.even(settings["angle"]), spans.even(settings["velocity"])
     kinds = existence(drive, *np.meshgrid(angle, velocity, indexing="ij"))
