@@ -7,7 +7,7 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import printed, spans
-from lsvib.datasets.attributes import Variables, axis, drive_parameters, flagged, variable
+from lsvib.datasets.attributes import axis, drive_parameters, flagged, variable
 from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
 from lsvib.figures import drawing, style
@@ -83,31 +83,21 @@ def build(settings: Values) -> xr.Dataset:
             **axis("support_stiffness", stiffness),
             "printed_critical_friction": printed.variable(chapter.THRESHOLDS["critical_friction"], word),
             **axis(along, curve),
-            **_parameters(drive),
+            **drive_parameters(
+                drive.replace(**dict.fromkeys(_DAMPINGS, 0.0)),
+                axes=("friction_coefficient", "support_stiffness"),
+                printed=("Fig. 8.15", "Sect. 8.8.1"),
+                assumed=("coupling_stiffness",),
+                no_effect=("input_speed", "axial_force", "slide_friction", "bearing_friction"),
+            ),
         },
         attrs=about(
             __doc__,
             "generalised eigenvalues of (8.23), boundaries (8.29) in closed form",
             "Sect. 8.8.1, Fig. 8.15",
-            comment="R Omega > 0; undamped",
+            comment="R Omega > 0; undamped; the text names Table 7.1, which is not in the chapter, for the parameters",
         ),
     )
-
-
-def _parameters(drive: SupportDrive) -> Variables:
-    """The parameters of the undamped drive, some with a comment: the text names a table that is not in the chapter."""
-    parameters = drive_parameters(
-        drive.replace(**dict.fromkeys(_DAMPINGS, 0.0)),
-        axes=("friction_coefficient", "support_stiffness"),
-        printed=("Fig. 8.15", "Sect. 8.8.1"),
-        assumed=("coupling_stiffness",),
-        no_effect=("input_speed", "axial_force", "slide_friction", "bearing_friction"),
-    )
-    named_there = "the text names Table 7.1; with these the printed critical friction comes out"
-    missing = "Table 7.1 is not in the chapter; both branches of (8.29) are in proportion to it"
-    for name in ("pitch_radius", "lead_angle", "screw_inertia", "coupling_stiffness"):
-        parameters[name][2]["comment"] = missing if name == "coupling_stiffness" else named_there
-    return parameters
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:

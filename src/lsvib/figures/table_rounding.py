@@ -1,7 +1,6 @@
 """How far the rounding of Table 8.1 explains the distances between printed and computed thresholds."""
 
 import math
-from collections.abc import Callable, Mapping
 from enum import IntEnum
 from typing import ClassVar
 
@@ -19,7 +18,6 @@ from lsvib.models.drive import RigidDrive, SupportDrive
 from lsvib.models.mechanics import coefficients
 from lsvib.numbers import bisected
 from lsvib.stability import force_thresholds
-from lsvib.stability.conditions import critical_friction, critical_mass
 from lsvib.stability.threshold import solve_threshold
 
 CAPTION = """\
@@ -78,14 +76,9 @@ def build(settings: Values) -> xr.Dataset:
     base, own = RigidDrive.of(settings["drive"]), {name: dict(chapter.THRESHOLDS[name].drive) for name in _PRINTED}
     screw_mass = own["critical_friction"].pop("screw_mass")
     drives = {name: base.replace(**changes) for name, changes in own.items()}
-    functions = {
-        "critical_mass": critical_mass,
-        "critical_friction": lambda drive: critical_friction(drive, screw_mass),
-        **{name: getattr(force_thresholds, name) for name in ("onset_force", "stick_force", "detach_force")},
-    }
-    computed = np.array([functions[name](drives[name]) for name in _PRINTED])
     asked = drives | {"critical_friction": SupportDrive.of(drives["critical_friction"], screw_mass=screw_mass)}
     solved = [solve_threshold(drive, *_PRINTED[name][1:]) for name, drive in asked.items()]
+    computed = np.array([found.solutions[0].value for found in solved])
     steps = {name: half for name, half in HALF_UNITS.items() if name != "lead_angle_deg"}
     steps["lead_angle"] = math.radians(HALF_UNITS["lead_angle_deg"])
     changes = np.zeros((len(solved), len(HALF_UNITS)))
@@ -93,7 +86,7 @@ def build(settings: Values) -> xr.Dataset:
         change = found.solutions[0].change({name: step for name, step in steps.items() if name != found.unknown})
         row[:] = [change.get(name.removesuffix("_deg"), 0.0) for name in HALF_UNITS]
     return xr.Dataset(
-        _table(base, computed, changes) | _matching(drives["stick_force"], functions),
+        _table(base, computed, changes) | _matching(drives["stick_force"]),
         coords={
             **drive_parameters(
                 list(drives.values()), "threshold", along=_VARIED, printed=_PLACES, no_effect=("axial_force",)
@@ -134,17 +127,17 @@ def _table(drive: RigidDrive, computed: np.ndarray, changes: np.ndarray) -> Vari
     }
 
 
-def _matching(drive: RigidDrive, functions: Mapping[str, Callable[[RigidDrive], float]]) -> Variables:
+def _matching(drive: RigidDrive) -> Variables:
     """The damping with which the printed stick force is the computed one, and what else it would change."""
     half, printed_force = HALF_UNITS["support_damping"], chapter.THRESHOLDS["stick_force"].value
 
     def smaller(damping: float) -> bool:
-        return functions["stick_force"](drive.replace(support_damping=damping)) < printed_force
+        return force_thresholds.stick_force(drive.replace(support_damping=damping)) < printed_force
 
     low, high = drive.support_damping - half, drive.support_damping + half  # within half a unit of the printed one
     damping = bisected(lambda c: smaller(c) == smaller(high), low, high)
     other, unit = drive.replace(support_damping=damping), "N m s rad-1"
-    force, plus = functions["detach_force"](other), float(coefficients(other).damping[1])
+    force, plus = force_thresholds.detach_force(other), float(coefficients(other).damping[1])
     words, that = "support damping at which the stick force is the printed one", "with that damping"
     return {
         "matching_support_damping": variable((), damping, unit, words, "$c$"),
