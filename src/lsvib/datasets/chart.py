@@ -204,13 +204,8 @@ def plane_of(settings: Mapping[str, Any]) -> Plane:
     Each axis has ``parameter``, ``start``, ``stop`` and ``count``.
     """
     drive = find_model(settings.get("model", "rigid")).drive.of(settings["drive"])
-    axes = []
-    for name in ("x", "y"):
-        given = settings[name]
-        if set(given) != {"parameter", "start", "stop", "count"}:
-            raise InputError(f"{name} has the keys {', '.join(given)}; it needs parameter, start, stop and count.")
-        axes.append(tuple(given[key] for key in ("parameter", "start", "stop", "count")))
-    return Plane.of(drive, *axes)
+    x, y = ([settings[name][key] for key in ("parameter", "start", "stop", "count")] for name in ("x", "y"))
+    return Plane.of(drive, x, y)
 
 
 def chart_tile(settings: Mapping[str, Any], item: str, path: str | os.PathLike[str], workers: int = 1) -> None:

@@ -13,6 +13,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Self
 
+import numpy as np
+
 from lsvib.errors import InputError
 from lsvib.models.chapter import PRINTED, THRESHOLDS
 
@@ -66,9 +68,10 @@ class Check:
         return cls(claim, source, expected, computed, error, tolerance, tolerance_reason, unit, error <= tolerance)
 
     @classmethod
-    def exact(cls, claim: str, source: str, expected: float, computed: float, unit: str = "1") -> Self:
-        """Check as :meth:`within` that two numbers agree which are both exact but for rounding, to 1e-12."""
-        return cls.within(claim, source, expected, computed, 1e-12, unit, "both exact; rounding only")
+    def exact(cls, claim: str, source: str, expected: float, computed: Any, unit: str = "1") -> Self:
+        """Check as :meth:`within` that numbers, of which the worst counts, are exact but for rounding, to 1e-12."""
+        worst = max(np.ravel(computed), key=lambda value: abs(value - expected))
+        return cls.within(claim, source, expected, worst, 1e-12, unit, "both exact; rounding only")
 
     @classmethod
     def holds(cls, claim: str, source: str, computed: str, truth: bool) -> Self:

@@ -65,11 +65,13 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     down, across = dataset.label.dims
     x, y = dataset[across], dataset[down]
     colours = {name: colour for name, (colour, _) in _LOOKS.items()}
-    drawing.regions(axes, _edges(x), _edges(y), dataset.label, colours, zorder=0)
+    drawing.regions(axes, drawing.edges(x), drawing.edges(y), dataset.label, colours, zorder=0)
     for variable, scale in ((x, axes.set_xscale), (y, axes.set_yscale)):
         if "cell_ratio" in variable.attrs:
             scale("log")
-    axes.set(xlim=_edges(x)[[0, -1]], ylim=_edges(y)[[0, -1]], xlabel=style.label(x), ylabel=style.label(y))
+    axes.set(
+        xlim=drawing.edges(x)[[0, -1]], ylim=drawing.edges(y)[[0, -1]], xlabel=style.label(x), ylabel=style.label(y)
+    )
     if "boundary_name" in dataset:
         _curves(axes, dataset, across, down)
     shares = {int(kind): float(part) for kind, part in zip(dataset.behaviour, dataset.fraction, strict=True)}
@@ -87,15 +89,6 @@ def _halo() -> list[Any]:
     from matplotlib import patheffects
 
     return [patheffects.withStroke(linewidth=2.2, foreground="white")]
-
-
-def _edges(axis: xr.DataArray) -> np.ndarray:
-    """Edges of the cells of an axis."""
-    if "cell_ratio" in axis.attrs:
-        half = float(axis.attrs["cell_ratio"]) ** 0.5
-        return np.append(axis.values / half, axis.values[-1] * half)
-    half = 0.5 * float(axis.attrs["cell_width"])
-    return np.append(axis.values - half, axis.values[-1] + half)
 
 
 def _curves(axes: style.Axes, dataset: xr.Dataset, across: str, down: str) -> None:

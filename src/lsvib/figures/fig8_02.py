@@ -23,11 +23,8 @@ draw = contact_portraits.draw
 
 def build(settings: Values) -> xr.Dataset:
     """Compute the portrait, :func:`lsvib.figures.contact_portraits.portrait`, with contact dampings 0 and > 0."""
-    return contact_portraits.portrait(settings, Paradox.INCONSISTENT).assign_attrs(
-        about(
-            __doc__, "closed-form flow of the contact force (8.12) with exact changes of the law", "Sect. 8.2, Fig. 8.2"
-        )
-    )
+    portrait = contact_portraits.portrait(settings, Paradox.INCONSISTENT)
+    return portrait.assign_attrs(about(__doc__, contact_portraits.SOURCE, "Sect. 8.2, Fig. 8.2"))
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:

@@ -185,7 +185,7 @@ def _critical_mass_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
             "Critical mass over that of the rigid drive times I_2 / (I + I_2), worst inertia of the nut",
             "Remark 8.6",
             1.0,
-            float(factor[np.argmax(np.abs(factor - 1))]),
+            factor,
         ),
         Check.within(
             "Critical mass by eigenvalues over that in closed form, worst inertia of the nut",
@@ -214,12 +214,10 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     mass, plane = figure.subplots(1, 2)
     _critical_mass(mass, dataset)
     _map(plane, dataset)
-    style.state_values(figure, dataset)
     words = {"kinematic constraint": "unstable: kinematic constraint", "stable": "stable"}
     edge = {"edgecolor": style.GREY, "linewidth": 0.5}
     patches = [Patch(facecolor=_COLOURS[name], label=label, **edge) for name, label in words.items()]
-    style.legend(figure, [mass, plane], 4, patches)
-    return figure
+    return style.finished(figure, dataset, [mass, plane], 4, patches)
 
 
 def _critical_mass(axes: style.Axes, dataset: xr.Dataset) -> None:
