@@ -18,8 +18,10 @@ from lsvib.datasets.attributes import (
     Dims,
     Variable,
     Variables,
+    attributes,
     drive_parameters,
     flagged,
+    flags,
     flags_or_none,
     named_index,
     quantity,
@@ -27,19 +29,17 @@ from lsvib.datasets.attributes import (
 )
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import InputError
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive, RigidDrive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.model import RULES, Resume
+from lsvib.models.model import RULES, Resume, find_model
 from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
 
 if TYPE_CHECKING:
     from lsvib.dynamics.attractor import SteadyState
-    from lsvib.dynamics.impulses import Impulses
     from lsvib.engine.motion import Motion
 else:  # names for annotations: this module loads no engine before a motion is asked for
-    Impulses = Motion = SteadyState = Any
+    Motion = SteadyState = Any
 
-_STATES = ("angle_deviation", "velocity_deviation")
 ATTRACTOR = "attractor that the motion reaches"
 PERIOD = "period of the steady vibration"
 AMPLITUDE = "amplitude of the steady vibration, half its peak-to-peak"
@@ -108,7 +108,6 @@ def portraits(
     ``InputError`` if the samples are too few for the events.
     """
     from lsvib.dynamics.attractor import steady_state
-    from lsvib.dynamics.impulses import event_impulses
     from lsvib.engine.motion import follow
 
     duration, samples = settings["duration"], settings["samples"]
@@ -116,9 +115,8 @@ def portraits(
     automata = [[rigid_automaton(drive, resume=rule) for rule in RULES] for drive in drives]
     steady = [[[steady_state(automaton, x) for x in states] for automaton in case] for case in automata]
     followed = [[follow(case[0], x, duration) for x in states] for case in automata]
-    impulses = [[event_impulses(drive, motion) for motion in row] for drive, row in zip(drives, followed, strict=True)]
     return xr.Dataset(
-        lines(drives) | _motions(followed, samples) | _events(followed, impulses) | _attractors(steady, samples),
+        lines(drives) | _motions(followed, samples) | _events(drives, followed) | _attractors(steady, samples),
         coords={**drive_parameters(drives, along=varied, printed=printed), **rule_coordinate()},
     )
 
@@ -157,33 +155,35 @@ def _motions(followed: Sequence[Sequence[Motion]], samples: int) -> Variables:
     return variables
 
 
-def _events(followed: Sequence[Sequence[Motion]], impulses: Sequence[Sequence[Impulses]]) -> Variables:
-    """The events of motions; rows with fewer events than the longest end in NaN, kind −1 and sign 0."""
-    dims, longest = ("case", "start", "event"), max(1, max(motion.time.size for row in followed for motion in row))
+def events(drive: Drive, motion: Motion) -> dict[str, tuple[np.ndarray, dict[str, Any]]]:
+    """Return the events of a motion of a drive: values of each event, and attributes, by the name of the variable."""
+    from lsvib.dynamics.impulses import event_impulses
 
-    def padded(values: Sequence[Sequence[np.ndarray]], empty: float, dtype: type = float) -> np.ndarray:
-        """Return values of each event of each motion as one array."""
-        rows = [[np.append(x, [empty] * (longest - x.size)) for x in row] for row in values]
-        return np.array(rows, dtype=dtype)
-
-    def each(name: str, column: int | None = None) -> list[list[np.ndarray]]:
-        """Return an attribute of each motion, or one of its columns."""
-        found = [[getattr(motion, name) for motion in row] for row in followed]
-        return found if column is None else [[x[:, column] for x in row] for row in found]
-
-    kinds = padded(each("kind"), -1, np.int8)
-    events = {
-        "event_time": variable(dims, padded(each("time"), np.nan), "s", "time of the event"),
-        "event_kind": variable(dims, kinds, "1", "kind of the event", **flags_or_none(EventKind)),
-        "event_sign": (dims, padded(each("sign"), 0, np.int8), SIGNS),
+    found = {
+        "event_time": (motion.time, attributes("s", "time of the event")),
+        "event_kind": (motion.kind, attributes("1", "kind of the event", **flags(find_model(drive.model).events))),
+        "event_sign": (motion.sign, SIGNS),
     }
-    for when in ("before", "after"):
-        for k, name in enumerate(_STATES):
-            events[f"event_{name}_{when}"] = (dims, padded(each(when, k), np.nan), quantity(name, when))
-    for name, known in IMPULSES.items():
-        own = [[getattr(x, name.removesuffix("_impulse")) for x in row] for row in impulses]
-        events[f"event_{name}"] = (dims, padded(own, np.nan), known)
-    return events
+    for when, states in (("before", motion.before), ("after", motion.after)):
+        for column, name in enumerate(motion.automaton.states):
+            found[f"event_{name}_{when}"] = (states[:, column], quantity(name, when))
+    if motion.automaton.sprag_kinds:
+        impulses = event_impulses(drive, motion)
+        for name, known in IMPULSES.items():
+            found[f"event_{name}"] = (getattr(impulses, name.removesuffix("_impulse")), known)
+    return found
+
+
+def _events(drives: Sequence[RigidDrive], followed: Sequence[Sequence[Motion]]) -> Variables:
+    """The events of motions; rows with fewer events than the longest end in NaN, kind −1 and sign 0."""
+    found = [[events(drive, motion) for motion in row] for drive, row in zip(drives, followed, strict=True)]
+    longest, table = max(1, *(motion.time.size for row in followed for motion in row)), Variables()
+    for name, (first, about) in found[0][0].items():
+        empty = {"event_kind": -1, "event_sign": 0}.get(name, np.nan)
+        rows = [[np.append(one[name][0], [empty] * (longest - one[name][0].size)) for one in row] for row in found]
+        table[name] = ("case", "start", "event"), np.array(rows, dtype=first.dtype), about
+    table["event_kind"][2].update(flags_or_none(EventKind))
+    return table
 
 
 def _attractors(steady: Sequence[Sequence[Sequence[SteadyState]]], samples: int) -> Variables:

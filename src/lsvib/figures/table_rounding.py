@@ -86,7 +86,7 @@ def build(settings: Values) -> xr.Dataset:
         change = found.solutions[0].change({name: step for name, step in steps.items() if name != found.unknown})
         row[:] = [change.get(name.removesuffix("_deg"), 0.0) for name in HALF_UNITS]
     return xr.Dataset(
-        _table(base, computed, changes) | _matching(drives["stick_force"]),
+        _table(computed, changes) | _matching(drives["stick_force"]),
         coords={
             **drive_parameters(
                 list(drives.values()), "threshold", along=_VARIED, printed=_PLACES, no_effect=("axial_force",)
@@ -108,21 +108,16 @@ def build(settings: Values) -> xr.Dataset:
     )
 
 
-def _table(drive: RigidDrive, computed: np.ndarray, changes: np.ndarray) -> Variables:
-    """Values of Table 8.1 and half a unit of their last digit; distances from print and changes, relative."""
-    values = [np.degrees(drive.lead_angle) if n == "lead_angle_deg" else getattr(drive, n) for n in HALF_UNITS]
+def _table(computed: np.ndarray, changes: np.ndarray) -> Variables:
+    """Distances from print, half a unit of the last printed digit, and changes, relative to the thresholds."""
     in_print = np.array([chapter.THRESHOLDS[name].value for name in _PRINTED])
     half_units = np.array([half for half, *_ in _PRINTED.values()]) / computed
-    few, units = [name in ROUND for name in HALF_UNITS], "SI units, angle in degrees"
-    half, change = "half a unit of the last printed digit of the threshold, relative", changes / computed[:, None]
-    words = "change of the threshold by half a unit of the parameter's last printed digit"
-    last = f"half a unit of the last printed digit, {units}"
+    half, few = "half a unit of the last printed digit of the threshold, relative", [n in ROUND for n in HALF_UNITS]
+    words, change = "change of the threshold by half a unit of the parameter's last printed digit", changes.T / computed
     return {
         "print_residual": variable("threshold", in_print / computed - 1, "1", "printed less computed, relative"),
         "print_half_unit": variable("threshold", half_units, "1", half),
-        "relative_change": variable(("threshold", "parameter"), change, "1", words),
-        "half_unit": variable("parameter", list(HALF_UNITS.values()), "1", last),
-        "printed_value": variable("parameter", values, "1", f"value of the parameter, {units}"),
+        "relative_change": variable(("threshold", "parameter"), change.T, "1", words),
         "one_digit": yes_no("parameter", few, "printed without a digit but the leading one"),
     }
 
