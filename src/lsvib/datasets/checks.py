@@ -8,7 +8,7 @@ import math
 import os
 import re
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Self
@@ -16,7 +16,7 @@ from typing import Any, Self
 import numpy as np
 
 from lsvib.errors import InputError
-from lsvib.models.chapter import PRINTED, THRESHOLDS
+from lsvib.models.chapter import PRINTED, THRESHOLDS, Claim
 
 NamedChecks = Sequence[tuple[str, "Check"]]  # pairs (figure, check)
 
@@ -144,11 +144,10 @@ def printed_thresholds(checks: NamedChecks) -> list[str]:
     """Return a line for each threshold that the chapter prints, as far as it is among the checks: printed, computed."""
     lines = []
     for name, claim in THRESHOLDS.items():
-        for figure, check in checks:
-            if (check.source, check.expected) == (claim.source, claim.value):
-                words = f"{name.replace('_', ' '):18} printed {quantity(check.expected, check.unit):8}"
-                computed = f"computed {quantity(check.computed, check.unit):10}"
-                lines.append(f"{words} {computed} error {percent(check.error):8} {figure}")
+        for figure, check in printed(checks, [claim]):
+            words = f"{name.replace('_', ' '):18} printed {quantity(check.expected, check.unit):8}"
+            computed = f"computed {quantity(check.computed, check.unit):10}"
+            lines.append(f"{words} {computed} error {percent(check.error):8} {figure}")
     return lines
 
 
@@ -178,13 +177,14 @@ def text(value: float | str | None) -> str:
     return f"{value:.6g}" if isinstance(value, float) else value
 
 
-def printed(checks: NamedChecks) -> list[tuple[str, Check]]:
+def printed(checks: NamedChecks, claims: Iterable[Claim] = PRINTED) -> list[tuple[str, Check]]:
     """Return those of some checks whose number the chapter prints, in its order."""
-    order: dict[tuple[str, float | str], int] = {
-        (claim.source, claim.value): k for k, claim in reversed(list(enumerate(PRINTED)))
-    }
-    found = [pair for pair in checks if (pair[1].source, pair[1].expected) in order]
-    return sorted(found, key=lambda pair: order[pair[1].source, pair[1].expected])
+    return [
+        pair
+        for claim in claims
+        for pair in checks
+        if pair[1].source == claim.source and pair[1].expected == claim.value
+    ]
 
 
 def checks_text(checks: NamedChecks) -> str:

@@ -55,8 +55,6 @@ _MORE = ", ".join(
 
 
 class Settings(FigureSettings):
-    """Region of attraction, which the rule `attraction` of the workflow maps."""
-
     model: Literal[*model_names()] = Field(default="rigid", description="Model of the drive.")
     resume: Resume = Field(default="contact_sign", description="Motion after a seizure.")
     drive: dict[str, float] = Field(description="Changes of the model's drive; lsvib checks keys and ranges.")

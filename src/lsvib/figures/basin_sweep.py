@@ -49,8 +49,6 @@ class SweepCase(of.SettingsSection):
 
 
 class Settings(of.FigureSettings):
-    """The basin of steady sliding and its size."""
-
     drive: of.DriveChanges
     window: of.PlaneWindow
     axial_force: of.Span = Field(description="R [N], against the motion.")

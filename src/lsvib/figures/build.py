@@ -47,8 +47,6 @@ def build_figure(
 def compute_figure(figure: str, given: Mapping[str, Any], dataset_file: File, checks_file: File) -> list[Check]:
     """Compute the dataset of a figure and judge it, by the functions ``build`` and ``checks`` of its module.
 
-    ``build`` takes all values of the class ``Settings`` beside it; for values that it cannot use it raises
-    ``InputError``. Both results are written.
     ``given``: settings as in its section of ``config/config.yaml``; those that it does not name have their defaults.
     The dataset carries the settings as JSON in its attribute ``settings``. Raises ``InputError`` about the settings and
     ``LsvibError`` about files, in one sentence.

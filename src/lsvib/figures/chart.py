@@ -45,8 +45,6 @@ class ParameterCells(Cells):
 
 
 class Settings(FigureSettings):
-    """Chart of what a drive does over two parameters, which the rule `chart` of the workflow makes."""
-
     model: Literal[*_CHARTED] = Field(default="rigid", description="Model of the drive.")
     resume: Resume = Field(default="contact_sign", description="Motion after a seizure.")
     drive: dict[str, float] = Field(description="Changes of the model's drive; lsvib checks keys and ranges.")

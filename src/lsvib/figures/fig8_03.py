@@ -34,8 +34,6 @@ _DRIVES = (style.BLUE, style.VERMILION, style.BLACK, style.PURPLE, style.WINE)
 
 
 class Settings(FigureSettings):
-    """Stability of the steady sliding over effective inertia and damping."""
-
     unused: ClassVar = ("mass", "translation_damping")
 
     drive: DriveChanges

@@ -45,8 +45,6 @@ _INSETS = ((0.085, 0.17, 0.21, 0.30), (0.085, 0.61, 0.235, 0.33), (0.735, 0.20, 
 
 
 class Settings(PhasePlane):
-    """Amplitude of the steady vibration against the axial force."""
-
     unused: ClassVar = ("axial_force",)
 
     axial_force: Span = Field(description="R [N].")

@@ -30,8 +30,6 @@ _HATCH = "#C9A58C"
 
 
 class Settings(PhasePlane):
-    """The four sectors of the Painlevé region."""
-
     angle: Span = Field(description="Deviation u [rad].")
     velocity: Span = Field(description="Rate of the deviation w [rad/s].")
 

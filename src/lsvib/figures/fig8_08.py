@@ -31,8 +31,6 @@ _CRITICAL = {"color": style.BLACK, "linewidth": 0.8, "linestyle": ":", "label": 
 
 
 class Settings(FigureSettings):
-    """Eigenvalues of the steady sliding against the translating mass."""
-
     unused: ClassVar = ("input_speed", "mass", "translation_damping", "axial_force")
 
     drive: DriveChanges

@@ -26,8 +26,6 @@ _SWEEP = "of the last case with another axial force, from the first start"
 
 
 class Settings(PhasePlane):
-    """Trajectories below and above the critical mass."""
-
     unused: ClassVar = ("mass",)
 
     cases: several(DriveChanges, 2, 2, "Changes of `drive`, one for each panel, the one below the critical mass first.")

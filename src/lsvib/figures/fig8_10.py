@@ -30,8 +30,6 @@ _DISTANCE = (
 
 
 class Settings(of.FigureSettings):
-    """Cycle with compliant threads, its contact force, and its dependence on the axial force."""
-
     drive: of.DriveChanges
     contact_stiffness: of.parameter("contact_stiffness", of=ThreadsDrive)
     contact_damping: of.parameter("contact_damping", of=ThreadsDrive)

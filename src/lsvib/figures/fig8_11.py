@@ -20,8 +20,6 @@ trajectory reaches it: to the right forward slip has no solution.
 
 
 class Settings(PhasePlane):
-    """Sprag-slip cycles for three levels of support damping."""
-
     unused: ClassVar = ("support_damping",)
 
     support_dampings: several(Damping, 2, 4, "Support dampings in ascending order [N m s/rad].")

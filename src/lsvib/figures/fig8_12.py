@@ -45,8 +45,6 @@ _PANELS = (  # variable, title, word on the axis
 
 
 class Settings(FigureSettings):
-    """Amplitude and means of the sprag-slip cycle against the support damping."""
-
     unused: ClassVar = ("support_damping",)
 
     drive: DriveChanges

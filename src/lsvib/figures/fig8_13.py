@@ -43,8 +43,6 @@ _COLOURS = (style.BLUE, style.ORANGE, style.VERMILION, style.GREEN)
 
 
 class Settings(FigureSettings):
-    """Cycles with softer contacts, and where the coupling deflection turns positive."""
-
     drive: DriveChanges
     contacts: several(Contact, 2, 4, "Contacts whose cycles are drawn, the stiffest first.")
     start: State

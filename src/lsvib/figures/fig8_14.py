@@ -51,8 +51,6 @@ _STARTS = {  # mark and colour of a start of the grid by its attractor
 
 
 class Settings(PhasePlane):
-    """Trajectories under a negative axial force, for two readings of the mass."""
-
     unused: ClassVar = ("mass", "axial_force")
 
     masses: MassPair = Field(description="Mass as printed, and mass beyond the critical one [kg].")

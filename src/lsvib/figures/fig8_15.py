@@ -41,8 +41,6 @@ _HATCH = "#7F8FA0"
 
 
 class Settings(FigureSettings):
-    """Instability regions of the drive with axial support."""
-
     unused: ClassVar = ("support_damping", "friction_coefficient", "input_speed", "translation_damping", "axial_force")
 
     drive: DriveChanges
@@ -185,19 +183,13 @@ def _region_checks(
 
 def _branch_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
     """Check both branches against the quadratic equation (8.29), and where they exist."""
-    friction, branches = (
-        dataset.friction_coefficient.values,
-        (dataset.lower_boundary.values, dataset.upper_boundary.values),
-    )
-    own, k = (
-        {**drive, "friction_coefficient": dataset.boundary_friction_coefficient.values},
-        drive["coupling_stiffness"],
-    )
+    branches, k = (dataset.lower_boundary.values, dataset.upper_boundary.values), drive["coupling_stiffness"]
+    own = {**drive, "friction_coefficient": dataset.boundary_friction_coefficient.values}
     b_1, b_2, b_3 = conditions.boundary_coefficients(own, law=1)
     terms = [np.array([b_1 * x**2, b_2 * k * x, b_3 * k**2 * np.ones_like(x)]) for x in branches]
     residual = max(np.max(np.abs(term.sum(axis=0)) / np.abs(term).max(axis=0)) for term in terms)
     finite = (np.isfinite(branches[0]) & ~np.isnan(branches[1])).sum()
-    own = {**drive, "friction_coefficient": friction}
+    own["friction_coefficient"] = friction = dataset.friction_coefficient.values
     b_1, b_2, b_3 = conditions.boundary_coefficients(own, law=1)
     p, reduced = values_of(own, law=1), conditions.reduced_inertia(own, law=1)
     discriminant = b_2**2 - 4 * b_1 * b_3

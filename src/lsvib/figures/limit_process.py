@@ -49,8 +49,6 @@ _FAMILIES = {_VISCOUS: (style.BLUE, "o"), "damping ratio": (style.SKY, "s"), "el
 
 
 class Settings(of.FigureSettings):
-    """Convergence of the drive with compliant threads to the rigid one."""
-
     unused: ClassVar = ("support_damping", "translation_damping", "axial_force")
 
     drive: of.DriveChanges

@@ -39,8 +39,6 @@ _COLOURS = {"stable": "#FFFFFF", "kinematic constraint": "#F7D9C4", "flutter": s
 
 
 class Settings(FigureSettings):
-    """Critical mass over the inertia of a rotating nut, and the stability map."""
-
     unused: ClassVar = ("axial_force", "coupling_stiffness", "input_speed", "support_damping", "translation_damping")
 
     drive: DriveChanges

@@ -64,8 +64,6 @@ _SYMBOLS = {
 
 
 class Settings(FigureSettings):
-    """What the rounding of Table 8.1 does to the printed thresholds."""
-
     unused: ClassVar = ("mass", "translation_damping", "axial_force")
 
     drive: DriveChanges
