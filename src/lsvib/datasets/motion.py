@@ -85,7 +85,9 @@ def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:
         data[name] = ("time", motion.automaton.observe(name, states, modes), quantity(name))
         if name in ("normal_force", "axial_contact_force") and motion.automaton.sprag_kinds:
             data[name][2]["comment"] = WITHOUT_IMPULSES
-    data |= {name: ("event", *known) for name, known in phase_plane.events(scene.drive, motion).items()}
+    impulses = event_impulses(scene.drive, motion) if motion.automaton.sprag_kinds else None
+    events = phase_plane.events(motion, scene.definition.events, impulses)
+    data |= {name: ("event", *known) for name, known in events.items()}
     after = attributes("1", "mode of motion after the event", **flags(scene.definition.modes))
     data["event_mode"] = ("event", codes[motion.mode], after)
     # Two states are carried without a modal form, so that nothing amplifies rounding.

@@ -5,7 +5,8 @@ Functions return variables ``{name: (dimensions, values, attributes)}`` for ``xa
 motions are sampled under the first.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from enum import IntEnum
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,16 +30,17 @@ from lsvib.datasets.attributes import (
 )
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import InputError
-from lsvib.models.drive import Drive, RigidDrive
+from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.model import RULES, Resume, find_model
+from lsvib.models.model import RULES, Resume
 from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
 
 if TYPE_CHECKING:
     from lsvib.dynamics.attractor import SteadyState
+    from lsvib.dynamics.impulses import Impulses
     from lsvib.engine.motion import Motion
 else:  # names for annotations: this module loads no engine before a motion is asked for
-    Motion = SteadyState = Any
+    Impulses = Motion = SteadyState = Any
 
 ATTRACTOR = "attractor that the motion reaches"
 PERIOD = "period of the steady vibration"
@@ -108,6 +110,7 @@ def portraits(
     ``InputError`` if the samples are too few for the events.
     """
     from lsvib.dynamics.attractor import steady_state
+    from lsvib.dynamics.impulses import event_impulses
     from lsvib.engine.motion import follow
 
     duration, samples = settings["duration"], settings["samples"]
@@ -115,8 +118,9 @@ def portraits(
     automata = [[rigid_automaton(drive, resume=rule) for rule in RULES] for drive in drives]
     steady = [[[steady_state(automaton, x) for x in states] for automaton in case] for case in automata]
     followed = [[follow(case[0], x, duration) for x in states] for case in automata]
+    impulses = [[event_impulses(drive, motion) for motion in row] for drive, row in zip(drives, followed, strict=True)]
     return xr.Dataset(
-        lines(drives) | _motions(followed, samples) | _events(drives, followed) | _attractors(steady, samples),
+        lines(drives) | _motions(followed, samples) | _events(followed, impulses) | _attractors(steady, samples),
         coords={**drive_parameters(drives, along=varied, printed=printed), **rule_coordinate()},
     )
 
@@ -155,28 +159,30 @@ def _motions(followed: Sequence[Sequence[Motion]], samples: int) -> Variables:
     return variables
 
 
-def events(drive: Drive, motion: Motion) -> dict[str, tuple[np.ndarray, dict[str, Any]]]:
-    """Return the events of a motion of a drive: values of each event, and attributes, by the name of the variable."""
-    from lsvib.dynamics.impulses import event_impulses
+def events(
+    motion: Motion, kinds: Iterable[IntEnum], impulses: Impulses | None
+) -> dict[str, tuple[np.ndarray, dict[str, Any]]]:
+    """Return the events of a motion, of some kinds: values of each event, and attributes, by the name of a variable.
 
+    ``impulses`` of a motion that may seize, from :func:`lsvib.dynamics.impulses.event_impulses`, or None.
+    """
     found = {
         "event_time": (motion.time, attributes("s", "time of the event")),
-        "event_kind": (motion.kind, attributes("1", "kind of the event", **flags(find_model(drive.model).events))),
+        "event_kind": (motion.kind, attributes("1", "kind of the event", **flags(kinds))),
         "event_sign": (motion.sign, SIGNS),
     }
     for when, states in (("before", motion.before), ("after", motion.after)):
         for column, name in enumerate(motion.automaton.states):
             found[f"event_{name}_{when}"] = (states[:, column], quantity(name, when))
-    if motion.automaton.sprag_kinds:
-        impulses = event_impulses(drive, motion)
-        for name, known in IMPULSES.items():
-            found[f"event_{name}"] = (getattr(impulses, name.removesuffix("_impulse")), known)
+    for name, known in () if impulses is None else IMPULSES.items():
+        found[f"event_{name}"] = (getattr(impulses, name.removesuffix("_impulse")), known)
     return found
 
 
-def _events(drives: Sequence[RigidDrive], followed: Sequence[Sequence[Motion]]) -> Variables:
+def _events(followed: Sequence[Sequence[Motion]], impulses: Sequence[Sequence[Impulses]]) -> Variables:
     """The events of motions; rows with fewer events than the longest end in NaN, kind −1 and sign 0."""
-    found = [[events(drive, motion) for motion in row] for drive, row in zip(drives, followed, strict=True)]
+    pairs = (zip(*rows, strict=True) for rows in zip(followed, impulses, strict=True))
+    found = [[events(motion, EventKind, own) for motion, own in row] for row in pairs]
     longest, table = max(1, *(motion.time.size for row in followed for motion in row)), Variables()
     for name, (first, about) in found[0][0].items():
         empty = {"event_kind": -1, "event_sign": 0}.get(name, np.nan)

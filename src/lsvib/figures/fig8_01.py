@@ -17,7 +17,6 @@ negative; the saddle's stable manifold separates contact forces that stay bounde
 (a) part of the unstable manifold lies on it. Arrows point along time.
 """
 
-
 Settings = ContactPortrait
 draw = contact_portraits.draw
 

@@ -16,7 +16,6 @@ solution; every contact force ends growing in the first quadrant along the unsta
 Arrows point along time.
 """
 
-
 Settings = ContactPortrait
 draw = contact_portraits.draw
 
