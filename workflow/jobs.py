@@ -126,7 +126,7 @@ def dataset(figure: str, settings: dict[str, Any], parts: dict[str, str], file: 
 
 
 def picture(figure: str, dataset: str, png: str, pdf: str, caption: str) -> None:
-    """Draw a figure from its dataset."""
+    """Draw a figure from its dataset; of a map or a chart, a large one from the middle cells of blocks of cells."""
     from lsvib.figures.build import draw_figure
 
     draw_figure(figure, dataset, png, pdf, caption)
@@ -206,13 +206,6 @@ def whole_chart(settings: dict[str, Any], tiles: Texts, file: str) -> None:
     from lsvib.datasets.chart import gather_chart
 
     gather_chart(settings, tiles, file)
-
-
-def overview(figure: str, cells: str, png: str, pdf: str, caption: str) -> None:
-    """Draw the map or the chart, a large one from the middle cells of blocks of cells."""
-    from lsvib.figures.build import draw_overview
-
-    draw_overview(figure, cells, png, pdf, caption)
 
 
 def assess(sheet: str, page: str, samples: int) -> None:

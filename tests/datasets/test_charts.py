@@ -169,8 +169,6 @@ def test_a_chart_in_tiles_is_the_chart(tmp_path):
         assert set(whole.variables) == set(gathered.variables)
         for name in whole.variables:
             np.testing.assert_array_equal(gathered[name], whole[name])
-    with pytest.raises(lsvib.InputError, match="it needs parameter, start, stop and count"):
-        chart_tile(settings | {"x": {"parameter": "mass"}}, "1-of-4", tiles[0])
 
 
 @pytest.mark.parametrize(

@@ -90,8 +90,8 @@ rule draw_map:
     resources:
         mem_mb=1000,
     params:
-        code=code(jobs.overview),
+        code=code(jobs.picture),
     message:
         "Drawing the region of attraction"
     run:
-        jobs.run(jobs.overview, log[0], "attraction", "attraction", input.map, output.png, output.pdf, output.caption)
+        jobs.run(jobs.picture, log[0], "attraction", "attraction", input.map, output.png, output.pdf, output.caption)

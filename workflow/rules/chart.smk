@@ -72,8 +72,8 @@ rule draw_chart:
     resources:
         mem_mb=1000,
     params:
-        code=code(jobs.overview),
+        code=code(jobs.picture),
     message:
         "Drawing the chart"
     run:
-        jobs.run(jobs.overview, log[0], "chart", "chart", input.chart, output.png, output.pdf, output.caption)
+        jobs.run(jobs.picture, log[0], "chart", "chart", input.chart, output.png, output.pdf, output.caption)

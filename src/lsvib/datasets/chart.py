@@ -7,8 +7,6 @@ import json
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
-from multiprocessing import get_context
 from typing import Any, Self
 
 import numpy as np
@@ -20,12 +18,10 @@ from lsvib.datasets.attributes import (
     VARIED,
     Variable,
     attributes,
-    axis,
     flagged,
     flags,
     fractions,
     given,
-    named_flags,
     parameter,
     variable,
 )
@@ -34,11 +30,10 @@ from lsvib.datasets.spans import zero_where_rounded
 from lsvib.datasets.sweep import known_key, product_of
 from lsvib.dynamics.behaviour import Behaviour, behaviours
 from lsvib.errors import InputError
-from lsvib.models import chapter
-from lsvib.models.drive import Drive, RigidDrive
+from lsvib.models.drive import Drive
 from lsvib.models.model import Resume, all_models, find_model, rule
 from lsvib.numbers import Progress
-from lsvib.stability.curves import LOGARITHMIC, ChartBoundary, boundary_curves, curves_of
+from lsvib.stability.curves import LOGARITHMIC, ChartBoundary, boundary_curves
 
 Curves = dict[ChartBoundary, list[np.ndarray]]
 _MOST = 100_000_000  # cells, of which each takes some hundred bytes while it is computed
@@ -147,35 +142,11 @@ class Plane:
         fixed = given((name, value) for name, value in self.drive if name not in self.dims)
         counts = {kind: int(np.count_nonzero(labels == kind)) for kind in Behaviour}
         cells = {"label": (self.dims, labels, LABEL)} | fractions("behaviour", LABEL["long_name"], counts)
-        return self.axes(resume).assign(fixed | self._points(curves) | self._readings() | cells)
+        return self.axes(resume).assign(fixed | self._points(curves) | cells)
 
-    def _readings(self) -> dict[str, Variable]:
-        """The masses that the text gives for this very drive where it contradicts itself, as stated and as needed."""
-        free = {self.x.name, self.y.name, "axial_force"}
-        ends = next((one.ends for one in (self.x, self.y) if one.name == "mass"), None)
-        if ends is None:
-            return {}
-        own, found = {name: value for name, value in self.drive if name not in free}, []
-        for place, reading in enumerate(chapter.READINGS):
-            theirs = dict(RigidDrive(**reading.drive))
-            if all(value == theirs.get(name) for name, value in own.items()):
-                found += [(reading.stated, place, 0), (reading.needed, place, 1)]
-        found = [one for one in found if ends[0] <= one[0] <= ends[1]]
-        if not found:
-            return {}
-        masses, places, kinds = (list(column) for column in zip(*found, strict=True))
-        words = {place: reading.source.replace(" ", "_") for place, reading in enumerate(chapter.READINGS)}
-        both = {0: "as_stated", 1: "as_needed"}
-        return {
-            **axis("reading_mass", masses, "reading"),
-            "reading_place": named_flags("reading", places, "place where the text contradicts itself", words),
-            "reading_kind": named_flags("reading", kinds, "which reading it is", both),
-        }
-
-    def curves(self, *kinds: ChartBoundary) -> Curves:
-        """Return the exact curves of some kinds, by default of all."""
-        ends = (self.x.name, self.x.ends), (self.y.name, self.y.ends)
-        return boundary_curves(self.drive, *ends, kinds or None)
+    def curves(self) -> Curves:
+        """Return the exact curves."""
+        return boundary_curves(self.drive, (self.x.name, self.x.ends), (self.y.name, self.y.ends))
 
     def _points(self, found: Curves) -> dict[str, Variable]:
         """The points of all exact curves, one after the other; ``boundary_line`` numbers the lines."""
@@ -207,37 +178,9 @@ def chart(
     label; ``progress``, called with numbers done and in all. Variables: ``label`` (rows of y, columns of
     x), ``fraction`` of each ``behaviour``, and the points of the exact curves (``boundary_…``). Raises ``InputError``.
     """
-    plane, resumption, processes = Plane.of(drive, x, y), rule(resume), numbers.workers(workers)
-    # Processes take some seconds to start, fewer cells less than that.
-    if processes > 1 and plane.x.count * plane.y.count >= 20_000:
-        labels, curves = _in_processes(plane, resumption, processes, progress)
-    else:
-        labels, curves = plane.labels(resume=resumption, workers=processes, progress=progress), plane.curves()
-    return plane.whole(labels, resumption, curves)
-
-
-def _in_processes(plane: Plane, resume: Resume, workers: int, progress: Progress | None) -> tuple[np.ndarray, Curves]:
-    """Return labels and curves of a large chart: a good part is Python alone, for which threads would wait."""
-    count, cells = plane.y.count, plane.x.count * plane.y.count
-    size = max(1, 4096 // plane.x.count)  # so many cells take a quarter of a second; with more states some seconds
-    blocks = [slice(first, min(first + size, count)) for first in range(0, count, size)]
-    labels, curves, done = np.empty((count, plane.x.count), dtype=np.int8), Curves(), 0
-    with get_context("spawn").Pool(workers) as pool:
-        work = partial(_part, plane, resume)
-        for part, found in pool.imap_unordered(work, [*reversed(curves_of(plane.drive)), *blocks]):
-            if isinstance(part, ChartBoundary):
-                curves |= found
-                continue
-            labels[part] = found
-            done += found.size
-            if progress is not None:
-                progress(done, cells)
-    return labels, {kind: curves[kind] for kind in sorted(curves)}
-
-
-def _part(plane: Plane, resume: Resume, part: ChartBoundary | slice) -> tuple[ChartBoundary | slice, Any]:
-    """Return a curve, or the labels of some rows, for a process of its own."""
-    return part, plane.curves(part) if isinstance(part, ChartBoundary) else plane.labels(part, resume=resume)
+    plane, resumption, at_once = Plane.of(drive, x, y), rule(resume), numbers.workers(workers)
+    labels = plane.labels(resume=resumption, workers=at_once, progress=progress)
+    return plane.whole(labels, resumption, plane.curves())
 
 
 def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
@@ -261,13 +204,8 @@ def plane_of(settings: Mapping[str, Any]) -> Plane:
     Each axis has ``parameter``, ``start``, ``stop`` and ``count``.
     """
     drive = find_model(settings.get("model", "rigid")).drive.of(settings["drive"])
-    axes = []
-    for name in ("x", "y"):
-        given = settings[name]
-        if set(given) != {"parameter", "start", "stop", "count"}:
-            raise InputError(f"{name} has the keys {', '.join(given)}; it needs parameter, start, stop and count.")
-        axes.append(tuple(given[key] for key in ("parameter", "start", "stop", "count")))
-    return Plane.of(drive, *axes)
+    x, y = ([settings[name][key] for key in ("parameter", "start", "stop", "count")] for name in ("x", "y"))
+    return Plane.of(drive, x, y)
 
 
 def chart_tile(settings: Mapping[str, Any], item: str, path: str | os.PathLike[str], workers: int = 1) -> None:

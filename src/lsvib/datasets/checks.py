@@ -1,6 +1,6 @@
 """Checks of computed values against the chapter, kept as data: claim, expected, computed, error, tolerance, verdict.
 
-Those of a run are shown as a text by figure, and as a page with a table that can be filtered (``checks.html.j2``).
+Those of a run are shown as a text by figure, and as a page with a table that can be filtered (``checks.*.j2``).
 """
 
 import json
@@ -8,16 +8,17 @@ import math
 import os
 import re
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Self
 
+import numpy as np
+
 from lsvib.errors import InputError
-from lsvib.models.chapter import PRINTED, THRESHOLDS
+from lsvib.models.chapter import PRINTED, THRESHOLDS, Claim
 
 NamedChecks = Sequence[tuple[str, "Check"]]  # pairs (figure, check)
-_HEADING = "Printed by the chapter"
 
 
 @dataclass(frozen=True)
@@ -67,9 +68,10 @@ class Check:
         return cls(claim, source, expected, computed, error, tolerance, tolerance_reason, unit, error <= tolerance)
 
     @classmethod
-    def exact(cls, claim: str, source: str, expected: float, computed: float, unit: str = "1") -> Self:
-        """Check as :meth:`within` that two numbers agree which are both exact but for rounding, to 1e-12."""
-        return cls.within(claim, source, expected, computed, 1e-12, unit, "both exact; rounding only")
+    def exact(cls, claim: str, source: str, expected: float, computed: Any, unit: str = "1") -> Self:
+        """Check as :meth:`within` that numbers, of which the worst counts, are exact but for rounding, to 1e-12."""
+        worst = max(np.ravel(computed), key=lambda value: abs(value - expected))
+        return cls.within(claim, source, expected, worst, 1e-12, unit, "both exact; rounding only")
 
     @classmethod
     def holds(cls, claim: str, source: str, computed: str, truth: bool) -> Self:
@@ -134,24 +136,15 @@ def verdict(checks: NamedChecks) -> str:
 
 
 def failures(checks: NamedChecks) -> list[str]:
-    """Return for each check that failed, one sentence and what would make it pass."""
-    return [f"{figure}: {check.sentence()} {_remedy(check)}" for figure, check in checks if not check.passed]
-
-
-def _remedy(check: Check) -> str:
-    if check.tolerance is None or isinstance(check.expected, str):
-        return "It passes when the claim is true of the dataset."
-    ends = sorted(check.expected * (1 + sign * check.tolerance) for sign in (-1, 1))
-    return f"It passes from {quantity(ends[0], check.unit)} to {quantity(ends[1], check.unit)}."
+    """Return one sentence for each check that failed."""
+    return [f"{figure}: {check.sentence()}" for figure, check in checks if not check.passed]
 
 
 def printed_thresholds(checks: NamedChecks) -> list[str]:
     """Return a line for each threshold that the chapter prints, as far as it is among the checks: printed, computed."""
-    found = {(check.source, check.expected): (figure, check) for figure, check in checks}
     lines = []
     for name, claim in THRESHOLDS.items():
-        if (claim.source, claim.value) in found:
-            figure, check = found[claim.source, claim.value]
+        for figure, check in printed(checks, [claim]):
             words = f"{name.replace('_', ' '):18} printed {quantity(check.expected, check.unit):8}"
             computed = f"computed {quantity(check.computed, check.unit):10}"
             lines.append(f"{words} {computed} error {percent(check.error):8} {figure}")
@@ -184,13 +177,14 @@ def text(value: float | str | None) -> str:
     return f"{value:.6g}" if isinstance(value, float) else value
 
 
-def printed(checks: NamedChecks) -> list[tuple[str, Check]]:
+def printed(checks: NamedChecks, claims: Iterable[Claim] = PRINTED) -> list[tuple[str, Check]]:
     """Return those of some checks whose number the chapter prints, in its order."""
-    order: dict[tuple[str, float | str], int] = {
-        (claim.source, claim.value): k for k, claim in reversed(list(enumerate(PRINTED)))
-    }
-    found = [pair for pair in checks if (pair[1].source, pair[1].expected) in order]
-    return sorted(found, key=lambda pair: order[pair[1].source, pair[1].expected])
+    return [
+        pair
+        for claim in claims
+        for pair in checks
+        if pair[1].source == claim.source and pair[1].expected == claim.value
+    ]
 
 
 def checks_text(checks: NamedChecks) -> str:
@@ -199,31 +193,12 @@ def checks_text(checks: NamedChecks) -> str:
     First a table of the numbers that the chapter prints, if some are among them; then for each figure how many checks
     passed, and a line for each of them.
     """
-    lines = ["# Checks", "", verdict(checks), ""]
-    if found := printed(checks):
-        rows = [["number", "printed", "computed", "error", "allowed", "verdict", "figure"]]
-        rows += [[check.claim, *_numbers(check), _verdict(check), figure] for figure, check in found]
-        lines += [f"## {_HEADING}", "", *_table(rows), ""]
-    for figure in dict.fromkeys(figure for figure, _ in checks):
-        own = [check for name, check in checks if name == figure]
-        lines += [f"## {figure}: {sum(check.passed for check in own)} of {len(own)} passed", ""]
-        lines += [f"- {_verdict(check)}: {_flat(check.claim)} [{check.source}]: {_found(check)}" for check in own]
-        lines.append("")
-    return "\n".join(lines)
+    return _page("checks.md.j2", checks)
 
 
 def printed_table(checks: NamedChecks) -> str:
     """Return the printed numbers among checks as a table in reStructuredText, for a report."""
-    found = printed(checks)
-    if not found:
-        return "None of the figures of this run has a number that the chapter prints.\n"
-    rows = [["number", "printed", "computed", "error", "figure"]]
-    rows += [[check.claim, *_numbers(check)[:3], figure] for figure, check in found]
-    lines = [".. list-table::", "   :header-rows: 1", ""]
-    for row in rows:  # no character of a cell means anything but itself
-        cells = [re.sub(r"([*`|_\\])", r"\\\1", _flat(cell)) for cell in row]
-        lines += [f"   {'*' if k == 0 else ' '} - {cell}" for k, cell in enumerate(cells)]
-    return "\n".join([*lines, ""])
+    return _page("checks.rst.j2", checks)
 
 
 def checks_page(checks: NamedChecks) -> str:
@@ -232,46 +207,31 @@ def checks_page(checks: NamedChecks) -> str:
     The table of every check can be filtered by words, by figure, and for those that failed; on a phone its rows become
     lists.
     """
+    return _page("checks.html.j2", checks)
+
+
+def _page(template: str, checks: NamedChecks) -> str:
+    """Fill a template with checks, each with its cells, of what was expected and found up to verdict and figure."""
     from jinja2 import Environment, PackageLoader
 
     def rows(some: NamedChecks) -> list[tuple[str, Check, list[str]]]:
-        return [(figure, check, [*_numbers(check), _verdict(check), figure]) for figure, check in some]
+        return [(figure, check, _cells(figure, check)) for figure, check in some]
 
-    pages = Environment(loader=PackageLoader("lsvib.datasets", "."), autoescape=True, trim_blocks=True)
-    return pages.get_template("checks.html.j2").render(
+    pages = Environment(
+        loader=PackageLoader("lsvib.datasets", "."), autoescape=template.endswith(".html.j2"), trim_blocks=True
+    )
+    pages.filters["flat"] = lambda words: " ".join(words.split())
+    pages.filters["literal"] = lambda words: re.sub(r"([*`|_\\])", r"\\\1", words)  # no character means but itself
+    return pages.get_template(template).render(
         verdict=verdict(checks),
-        heading=_HEADING,
+        heading="Printed by the chapter",
         printed=rows(printed(checks)),
         every=rows(checks),
         figures=dict.fromkeys(figure for figure, _ in checks),
     )
 
 
-def _numbers(check: Check) -> list[str]:
-    """What was expected and computed, the relative error and the largest allowed."""
-    values = [_flat(quantity(value, check.unit)) for value in (check.expected, check.computed)]
-    return [*values, percent(check.error), percent(check.tolerance)]
-
-
-def _found(check: Check) -> str:
-    expected, computed, error, allowed = _numbers(check)
-    if check.tolerance is None:
-        return f"{'true' if check.passed else 'NOT true'} ({computed})"
-    return f"{computed}, expected {expected}, error {error} of at most {allowed}"
-
-
-def _verdict(check: Check) -> str:
-    return "pass" if check.passed else "FAIL"
-
-
-def _flat(text: str) -> str:
-    return " ".join(text.split())
-
-
-def _table(rows: Sequence[Sequence[str]]) -> list[str]:
-    """A Markdown table whose columns are aligned; the first row is its head."""
-    cells = [[_flat(cell).replace("|", "\\|") for cell in row] for row in rows]
-    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    padded = [[cell.ljust(width) for cell, width in zip(row, widths, strict=True)] for row in cells]
-    lines = [f"| {' | '.join(row)} |" for row in padded]
-    return [lines[0], f"|{'|'.join('-' * (width + 2) for width in widths)}|", *lines[1:]]
+def _cells(figure: str, check: Check) -> list[str]:
+    """What was expected and computed, the relative error and the largest allowed, the verdict and the figure."""
+    values = [" ".join(quantity(value, check.unit).split()) for value in (check.expected, check.computed)]
+    return [*values, percent(check.error), percent(check.tolerance), "pass" if check.passed else "FAIL", figure]

@@ -88,18 +88,14 @@ def followed(
     known_key(kind, parameter)
     try:
         low, high = (numbers.number(value) for value in span)
-        most = numbers.whole(points)
     except (numbers.NotNumber, TypeError, ValueError):
-        raise InputError(
-            f"span = {numbers.shown(span)} and points = {numbers.shown(points)} are not two numbers and a whole one."
-        ) from None
+        raise InputError(f"span = {numbers.shown(span)} is not two numbers.") from None
     here = float(getattr(drive, parameter))
     if not low < high or not low <= here <= high:
         raise InputError(
             f"span = {low:g} to {high:g} is outside the allowed range: it holds the drive's own {parameter} = {here:g}."
         )
-    if not 2 <= most <= 100_000:  # each way; more cycles would fill the memory
-        raise InputError(f"points = {most} is outside the allowed range 2 <= points <= 100000.")
+    most = numbers.whole_between("points", points, 2, 100_000)  # each way; more cycles would fill the memory
     for end in (low, high):
         drive.replace(**{parameter: end})
 

@@ -10,8 +10,6 @@ import xarray as xr
 
 from lsvib.datasets import phase_plane
 from lsvib.datasets.attributes import (
-    IMPULSES,
-    SIGNS,
     WITHOUT_IMPULSES,
     attributes,
     flagged,
@@ -87,7 +85,11 @@ def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:
         data[name] = ("time", motion.automaton.observe(name, states, modes), quantity(name))
         if name in ("normal_force", "axial_contact_force") and motion.automaton.sprag_kinds:
             data[name][2]["comment"] = WITHOUT_IMPULSES
-    data |= _events(scene, motion)
+    impulses = event_impulses(scene.drive, motion) if motion.automaton.sprag_kinds else None
+    events = phase_plane.events(motion, scene.definition.events, impulses)
+    data |= {name: ("event", *known) for name, known in events.items()}
+    after = attributes("1", "mode of motion after the event", **flags(scene.definition.modes))
+    data["event_mode"] = ("event", codes[motion.mode], after)
     # Two states are carried without a modal form, so that nothing amplifies rounding.
     form = {} if len(motion.automaton.states) == 2 else {"condition_number": motion.automaton.condition}
     return xr.Dataset(
@@ -130,24 +132,6 @@ def motion_file(scene: Scene, motion: Motion, steady: SteadyState) -> xr.Dataset
         amplitude=variable((), steady.amplitude, "rad", phase_plane.AMPLITUDE),
         period=variable((), steady.period, "s", phase_plane.PERIOD, "$T$"),
     )
-
-
-def _events(scene: Scene, motion: Motion) -> dict[str, tuple[str, np.ndarray, dict[str, Any]]]:
-    after, definition = motion.automaton.codes[motion.mode], scene.definition
-    events = {
-        "event_time": (motion.time, attributes("s", "time of the event")),
-        "event_kind": (motion.kind, attributes("1", "kind of the event", **flags(definition.events))),
-        "event_sign": (motion.sign, SIGNS),
-        "event_mode": (after, attributes("1", "mode of motion after the event", **flags(definition.modes))),
-    }
-    if motion.automaton.sprag_kinds:
-        impulses = event_impulses(scene.drive, motion)
-        for name, known in IMPULSES.items():
-            events[f"event_{name}"] = (getattr(impulses, name.removesuffix("_impulse")), known)
-    for when, states in (("before", motion.before), ("after", motion.after)):
-        for column, name in enumerate(motion.automaton.states):
-            events[f"event_{name}_{when}"] = (states[:, column], quantity(name, when))
-    return {name: ("event", values, described) for name, (values, described) in events.items()}
 
 
 def summary(scene: Scene, motion: Motion, steady: SteadyState | None = None) -> dict[str, Any]:

@@ -5,8 +5,9 @@ Functions return variables ``{name: (dimensions, values, attributes)}`` for ``xa
 motions are sampled under the first.
 """
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable, Mapping, Sequence
+from enum import IntEnum
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -16,25 +17,31 @@ from lsvib.datasets.attributes import (
     SIGNS,
     WITHOUT_IMPULSES,
     Dims,
+    Variable,
     Variables,
+    attributes,
     drive_parameters,
     flagged,
+    flags,
     flags_or_none,
     named_index,
     quantity,
     variable,
 )
-from lsvib.dynamics.attractor import Attractor, SteadyState, steady_state
-from lsvib.dynamics.impulses import Impulses, event_impulses
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.engine.motion import Motion, follow
 from lsvib.errors import InputError
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.model import RULES
+from lsvib.models.model import RULES, Resume
 from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
 
-_STATES = ("angle_deviation", "velocity_deviation")
+if TYPE_CHECKING:
+    from lsvib.dynamics.attractor import SteadyState
+    from lsvib.dynamics.impulses import Impulses
+    from lsvib.engine.motion import Motion
+else:  # names for annotations: this module loads no engine before a motion is asked for
+    Impulses = Motion = SteadyState = Any
+
 ATTRACTOR = "attractor that the motion reaches"
 PERIOD = "period of the steady vibration"
 AMPLITUDE = "amplitude of the steady vibration, half its peak-to-peak"
@@ -74,6 +81,20 @@ def rule_coordinate() -> Variables:
     return {"rule": named_index("rule", "rule of resuming after a seizure", RULES)}
 
 
+def reached(drive: RigidDrive, start: Mapping[str, float], resume: Resume = RULES[0]) -> SteadyState:
+    """Return what the motion of the rigid drive from u [rad] and w [rad/s] ends in, by a rule of resuming."""
+    from lsvib.dynamics.attractor import steady_state
+
+    return steady_state(rigid_automaton(drive, resume=resume), [start["u"], start["w"]])
+
+
+def attractors(dims: Dims, labels: Any, words: str = ATTRACTOR, **more: Any) -> Variable:
+    """Return labels of attractors as a variable, int8 with flags."""
+    from lsvib.dynamics.attractor import Attractor
+
+    return flagged(dims, labels, words, Attractor, **more)
+
+
 def portraits(
     settings: Mapping[str, Any],
     drives: Sequence[RigidDrive],
@@ -88,6 +109,10 @@ def portraits(
     start, event), what they settle on (case, rule, start), and the limit cycle of the first one (case, sample). Raises
     ``InputError`` if the samples are too few for the events.
     """
+    from lsvib.dynamics.attractor import steady_state
+    from lsvib.dynamics.impulses import event_impulses
+    from lsvib.engine.motion import follow
+
     duration, samples = settings["duration"], settings["samples"]
     states = [np.array([start["u"], start["w"]]) for start in settings["starts"]]
     automata = [[rigid_automaton(drive, resume=rule) for rule in RULES] for drive in drives]
@@ -134,33 +159,37 @@ def _motions(followed: Sequence[Sequence[Motion]], samples: int) -> Variables:
     return variables
 
 
+def events(
+    motion: Motion, kinds: Iterable[IntEnum], impulses: Impulses | None
+) -> dict[str, tuple[np.ndarray, dict[str, Any]]]:
+    """Return the events of a motion, of some kinds: values of each event, and attributes, by the name of a variable.
+
+    ``impulses`` of a motion that may seize, from :func:`lsvib.dynamics.impulses.event_impulses`, or None.
+    """
+    found = {
+        "event_time": (motion.time, attributes("s", "time of the event")),
+        "event_kind": (motion.kind, attributes("1", "kind of the event", **flags(kinds))),
+        "event_sign": (motion.sign, SIGNS),
+    }
+    for when, states in (("before", motion.before), ("after", motion.after)):
+        for column, name in enumerate(motion.automaton.states):
+            found[f"event_{name}_{when}"] = (states[:, column], quantity(name, when))
+    for name, known in () if impulses is None else IMPULSES.items():
+        found[f"event_{name}"] = (getattr(impulses, name.removesuffix("_impulse")), known)
+    return found
+
+
 def _events(followed: Sequence[Sequence[Motion]], impulses: Sequence[Sequence[Impulses]]) -> Variables:
     """The events of motions; rows with fewer events than the longest end in NaN, kind −1 and sign 0."""
-    dims, longest = ("case", "start", "event"), max(1, max(motion.time.size for row in followed for motion in row))
-
-    def padded(values: Sequence[Sequence[np.ndarray]], empty: float, dtype: type = float) -> np.ndarray:
-        """Return values of each event of each motion as one array."""
-        rows = [[np.append(x, [empty] * (longest - x.size)) for x in row] for row in values]
-        return np.array(rows, dtype=dtype)
-
-    def each(name: str, column: int | None = None) -> list[list[np.ndarray]]:
-        """Return an attribute of each motion, or one of its columns."""
-        found = [[getattr(motion, name) for motion in row] for row in followed]
-        return found if column is None else [[x[:, column] for x in row] for row in found]
-
-    kinds = padded(each("kind"), -1, np.int8)
-    events = {
-        "event_time": variable(dims, padded(each("time"), np.nan), "s", "time of the event"),
-        "event_kind": variable(dims, kinds, "1", "kind of the event", **flags_or_none(EventKind)),
-        "event_sign": (dims, padded(each("sign"), 0, np.int8), SIGNS),
-    }
-    for when in ("before", "after"):
-        for k, name in enumerate(_STATES):
-            events[f"event_{name}_{when}"] = (dims, padded(each(when, k), np.nan), quantity(name, when))
-    for name, known in IMPULSES.items():
-        own = [[getattr(x, name.removesuffix("_impulse")) for x in row] for row in impulses]
-        events[f"event_{name}"] = (dims, padded(own, np.nan), known)
-    return events
+    pairs = (zip(*rows, strict=True) for rows in zip(followed, impulses, strict=True))
+    found = [[events(motion, EventKind, own) for motion, own in row] for row in pairs]
+    longest, table = max(1, *(motion.time.size for row in followed for motion in row)), Variables()
+    for name, (first, about) in found[0][0].items():
+        empty = {"event_kind": -1, "event_sign": 0}.get(name, np.nan)
+        rows = [[np.append(one[name][0], [empty] * (longest - one[name][0].size)) for one in row] for row in found]
+        table[name] = ("case", "start", "event"), np.array(rows, dtype=first.dtype), about
+    table["event_kind"][2].update(flags_or_none(EventKind))
+    return table
 
 
 def _attractors(steady: Sequence[Sequence[Sequence[SteadyState]]], samples: int) -> Variables:
@@ -175,7 +204,7 @@ def _attractors(steady: Sequence[Sequence[Sequence[SteadyState]]], samples: int)
         if case[0][0].orbit is not None:
             points[:] = sample(case[0][0].orbit, samples)[1]
     return {
-        "attractor": flagged(dims, table("label", np.int8), ATTRACTOR, Attractor),
+        "attractor": attractors(dims, table("label", np.int8)),
         "amplitude": variable(dims, table("amplitude", float), "rad", AMPLITUDE),
         "period": variable(dims, table("period", float), "s", PERIOD, "$T$"),
         **curve("cycle", ("case", "sample"), cycle, "on the limit cycle", comment=_WHICH_CYCLE),

@@ -17,7 +17,6 @@ from lsvib import numbers
 from lsvib.basins.curves import Window
 from lsvib.basins.resilience import Resilience, resilience
 from lsvib.datasets.attributes import Variables, attributes, flags, variable
-from lsvib.datasets.spans import stepped
 from lsvib.dynamics.attractor import Attractor
 from lsvib.dynamics.sweep import all_endings
 from lsvib.errors import EngineError, InputError
@@ -74,18 +73,25 @@ def sweep(
     starts = np.broadcast_to(np.array([begin["u"], begin["w"]]), (drives.size, 2))
     others = {key: value for key, value in begin.items() if key not in ("u", "w")}
     found = all_endings(drives, starts, resumption, at_once, progress, others)
+    return _over(
+        axes,
+        drive,
+        {name: (tuple(axes), getattr(found, name).reshape(sizes), about) for name, about in _VARIABLES.items()},
+        title=f"What a lead-screw drive ends on over {', '.join(axes)}",
+        source="lsvib, exact event-driven motion and its return map",
+        references=f"doi:10.1007/978-1-4419-1752-2_8, {definition.equations}",
+        resume=resume,
+        initial_state=json.dumps(begin),
+    )
+
+
+def _over(axes: Mapping[str, Sequence[float]], drive: Drive, found: Variables, **more: str) -> xr.Dataset:
+    """What was found over values of some parameters of a drive, with these as coordinates; ``more`` attributes."""
+    about = {name: described(type(drive), name) for name in axes}
     return xr.Dataset(
-        {name: (tuple(axes), getattr(found, name).reshape(sizes), attrs) for name, attrs in _VARIABLES.items()},
-        coords=_coordinates(axes, definition.drive),
-        attrs={
-            "title": f"What a lead-screw drive ends on over {', '.join(axes)}",
-            "source": "lsvib, exact event-driven motion and its return map",
-            "references": f"doi:10.1007/978-1-4419-1752-2_8, {definition.equations}",
-            "model": drive.model,
-            "parameters": json.dumps({key: value for key, value in drive if key not in axes}),
-            "resume": resume,
-            "initial_state": json.dumps(begin),
-        },
+        found,
+        {name: variable(name, np.array(x), about[name]["unit"], about[name]["long_name"]) for name, x in axes.items()},
+        {"model": drive.model, "parameters": json.dumps({k: v for k, v in drive if k not in axes}), **more},
     )
 
 
@@ -131,30 +137,6 @@ def product_of(drive: Drive, axes: Mapping[str, Sequence[float]]) -> ManyDrives:
     return ManyDrives(whole, find_model(drive.model).drive)
 
 
-def _coordinates(axes: Mapping[str, Sequence[float]], kind: type[Drive]) -> Variables:
-    """Return the values of parameters of a class of drives as coordinates."""
-    about = {name: described(kind, name) for name in axes}
-    return {
-        name: variable(name, np.array(x), about[name]["unit"], about[name]["long_name"]) for name, x in axes.items()
-    }
-
-
-def evenly(name: str, text: str) -> np.ndarray:
-    """Read START:STOP:COUNT as so many values with equal steps, both ends included; ``InputError`` for other text."""
-    parts = text.split(":")
-    if len(parts) != 3:
-        raise InputError(f"over: {name}={text} is not of the form KEY=START:STOP:COUNT.")
-    try:
-        start, stop, count = numbers.number(parts[0]), numbers.number(parts[1]), numbers.whole(parts[2])
-    except numbers.NotNumber as error:
-        raise InputError(f"over: {name}={text} has a part that {error}.") from None
-    if not 1 <= count <= _MOST:
-        raise InputError(f"over: {name} has count = {count}; the allowed range is 1 <= count <= {_MOST}.")
-    if not (math.isfinite(start) and math.isfinite(stop)):
-        raise InputError(f"over: {name}={text} has an end beyond 1.8e308, the range of doubles.")
-    return stepped(start, stop, count)
-
-
 def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
     """Summarise a sweep for JSON: number of ``points``, of each of the ``attractors``, ``points_per_second``."""
     labels = found.attractor.values.ravel().tolist()
@@ -194,18 +176,15 @@ def resilience_sweep(
         return np.array([math.nan if one is None else getattr(one, where) for one in found]).reshape(sizes)
 
     asked = {name: about for name, about in _PERTURBATIONS.items() if name != "basin_fraction" or window is not None}
-    return xr.Dataset(
+    return _over(
+        axes,
+        drive,
         {name: variable(tuple(axes), column(where), *words) for name, (where, *words) in asked.items()},
-        coords=_coordinates(axes, RigidDrive),
-        attrs={
-            "title": f"Perturbations that the rigid lead-screw drive tolerates over {', '.join(axes)}",
-            "source": "lsvib, exact boundary of the region of attraction",
-            "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.7",
-            "model": drive.model,
-            "parameters": json.dumps({key: value for key, value in drive if key not in axes}),
-            "window": json.dumps(None if window is None else window._asdict()),
-            "refused": json.dumps(sorted(set(refused))),
-        },
+        title=f"Perturbations that the rigid lead-screw drive tolerates over {', '.join(axes)}",
+        source="lsvib, exact boundary of the region of attraction",
+        references="doi:10.1007/978-1-4419-1752-2_8, Sect. 8.7",
+        window=json.dumps(None if window is None else window._asdict()),
+        refused=json.dumps(sorted(set(refused))),
     )
 
 

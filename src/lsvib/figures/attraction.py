@@ -55,8 +55,6 @@ _MORE = ", ".join(
 
 
 class Settings(FigureSettings):
-    """Region of attraction, which the rule `attraction` of the workflow maps."""
-
     model: Literal[*model_names()] = Field(default="rigid", description="Model of the drive.")
     resume: Resume = Field(default="contact_sign", description="Motion after a seizure.")
     drive: dict[str, float] = Field(description="Changes of the model's drive; lsvib checks keys and ranges.")
@@ -118,8 +116,5 @@ def draw_map(axes: style.Axes, dataset: xr.Dataset) -> list:
 
 
 def _limits(dataset: xr.Dataset) -> tuple[float, float, float, float]:
-    edges = []
-    for name in ("angle_deviation", "velocity_deviation"):
-        half = 0.5 * dataset[name].attrs["cell_width"]
-        edges += [float(dataset[name][0]) - half, float(dataset[name][-1]) + half]
-    return tuple(edges)
+    sides = (drawing.edges(dataset[name])[[0, -1]] for name in ("angle_deviation", "velocity_deviation"))
+    return tuple(float(edge) for side in sides for edge in side)

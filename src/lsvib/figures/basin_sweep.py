@@ -8,7 +8,7 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.basins.grid import Axis, Grid
-from lsvib.datasets import spans
+from lsvib.datasets import phase_plane, spans
 from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, drive_parameters, flagged, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
@@ -49,8 +49,6 @@ class SweepCase(of.SettingsSection):
 
 
 class Settings(of.FigureSettings):
-    """The basin of steady sliding and its size."""
-
     drive: of.DriveChanges
     window: of.PlaneWindow
     axial_force: of.Span = Field(description="R [N], against the motion.")
@@ -69,7 +67,6 @@ def build(settings: of.Values) -> xr.Dataset:
     """Compute the basins of a few drives, exactly and on grids, and the exact share of a window along four sweeps."""
     from lsvib.basins.boundary import Boundary, basin
     from lsvib.basins.curves import Window
-    from lsvib.datasets import phase_plane
 
     drive, window = RigidDrive.of(settings["drive"]), Window(**settings["window"])
     variables, coordinates = {}, {}
@@ -123,8 +120,6 @@ def _swept(drive: RigidDrive, name: str, values: np.ndarray) -> tuple[np.ndarray
 
 def _critical_values(drive: RigidDrive, dampings: np.ndarray) -> Variables:
     """Values of force, mass and friction up to which the basin is the whole plane; of the force for each damping."""
-    from lsvib.datasets import phase_plane
-
     stable = ("N", phase_plane.GLOBAL_STABILITY, "$R$")
     mass, friction = (np.nan if x is None else x for x in (critical_mass(drive), critical_friction(drive)))
     forces = [global_stability_force(drive.replace(support_damping=c)) for c in dampings]
@@ -141,7 +136,6 @@ def _cases(drive: RigidDrive, cases: Sequence[of.Values], resolutions: Sequence[
     """Basins to be drawn: boundary and region as sampled curves, exact fraction of their window, fractions on grids."""
     from lsvib.basins.boundary import Boundary, basin
     from lsvib.basins.curves import Window, sampled
-    from lsvib.datasets import phase_plane
 
     drives, windows = [drive.replace(**c["drive"]) for c in cases], [Window(**c["window"]) for c in cases]
     basins = [basin(d) for d in drives]
@@ -175,8 +169,6 @@ def _cases(drive: RigidDrive, cases: Sequence[of.Values], resolutions: Sequence[
 
 def _points(name: str, curves: Sequence[np.ndarray], where: str) -> Variables:
     """Sampled curves of each case, (case, point); shorter ones end in NaN, as do their parts."""
-    from lsvib.datasets import phase_plane
-
     table = np.full((len(curves), max(len(points) for points in curves), 2), np.nan)
     for row, points in zip(table, curves, strict=True):
         row[: len(points)] = points

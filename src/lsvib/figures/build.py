@@ -88,22 +88,16 @@ def draw_figure(
     *,
     resolution: float = FULL,
 ) -> None:
-    """Draw a figure from its dataset and write it; ``pdf`` None for no PDF; ``resolution`` of the PNG [dots per inch].
+    """Draw a figure, ``attraction`` and ``chart`` included, from its dataset and write it.
 
-    ``caption``: file for the caption, reStructuredText; None for no such file. Raises ``LsvibError`` about files, in
-    one sentence.
+    ``pdf``, ``caption``: files for the PDF and for the caption in reStructuredText, or None; ``resolution`` of the PNG
+    [dots per inch]. Raises ``LsvibError`` about files, in one sentence.
     """
-    picture = load(figure).draw(read_dataset(dataset_file))
+    module = load(figure)  # the file of a map or a chart, which has no ``build``, may be a large one
+    picture = module.draw(read_dataset(dataset_file) if hasattr(module, "build") else overview(dataset_file))
     style.save(picture, png, pdf, resolution=resolution)
     if caption is not None:
         write_text(caption_of(figure, picture), caption)
-
-
-def draw_overview(figure: str, cells_file: File, png: File, pdf: File, caption: File) -> None:
-    """Draw ``attraction`` or ``chart`` from the file of its cells, a large one from :func:`overview`."""
-    picture = load(figure).draw(overview(cells_file))
-    style.save(picture, png, pdf)
-    write_text(caption_of(figure, picture), caption)
 
 
 def caption_of(figure: str, picture: Figure) -> str:

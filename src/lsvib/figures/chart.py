@@ -45,8 +45,6 @@ class ParameterCells(Cells):
 
 
 class Settings(FigureSettings):
-    """Chart of what a drive does over two parameters, which the rule `chart` of the workflow makes."""
-
     model: Literal[*_CHARTED] = Field(default="rigid", description="Model of the drive.")
     resume: Resume = Field(default="contact_sign", description="Motion after a seizure.")
     drive: dict[str, float] = Field(description="Changes of the model's drive; lsvib checks keys and ranges.")
@@ -65,15 +63,15 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     down, across = dataset.label.dims
     x, y = dataset[across], dataset[down]
     colours = {name: colour for name, (colour, _) in _LOOKS.items()}
-    drawing.regions(axes, _edges(x), _edges(y), dataset.label, colours, zorder=0)
+    drawing.regions(axes, drawing.edges(x), drawing.edges(y), dataset.label, colours, zorder=0)
     for variable, scale in ((x, axes.set_xscale), (y, axes.set_yscale)):
         if "cell_ratio" in variable.attrs:
             scale("log")
-    axes.set(xlim=_edges(x)[[0, -1]], ylim=_edges(y)[[0, -1]], xlabel=style.label(x), ylabel=style.label(y))
+    axes.set(
+        xlim=drawing.edges(x)[[0, -1]], ylim=drawing.edges(y)[[0, -1]], xlabel=style.label(x), ylabel=style.label(y)
+    )
     if "boundary_name" in dataset:
         _curves(axes, dataset, across, down)
-    if "reading_mass" in dataset:
-        _readings(axes, dataset, across)
     shares = {int(kind): float(part) for kind, part in zip(dataset.behaviour, dataset.fraction, strict=True)}
     patches = [
         Patch(facecolor=colour, edgecolor=style.GREY, linewidth=0.4, label=f"{words}: {100 * shares[kind]:.1f} %")
@@ -89,15 +87,6 @@ def _halo() -> list[Any]:
     from matplotlib import patheffects
 
     return [patheffects.withStroke(linewidth=2.2, foreground="white")]
-
-
-def _edges(axis: xr.DataArray) -> np.ndarray:
-    """Edges of the cells of an axis."""
-    if "cell_ratio" in axis.attrs:
-        half = float(axis.attrs["cell_ratio"]) ** 0.5
-        return np.append(axis.values / half, axis.values[-1] * half)
-    half = 0.5 * float(axis.attrs["cell_width"])
-    return np.append(axis.values - half, axis.values[-1] + half)
 
 
 def _curves(axes: style.Axes, dataset: xr.Dataset, across: str, down: str) -> None:
@@ -122,21 +111,3 @@ def _curves(axes: style.Axes, dataset: xr.Dataset, across: str, down: str) -> No
         angle = np.degrees(np.arctan(np.divide(*(last - first)[::-1]))) if last[0] != first[0] else 90.0
         axes.annotate(_CURVES.get(name, (name,))[0], ends[0], fontsize=6.5, rotation=angle, rotation_mode="anchor",
                       ha="center", va="bottom", path_effects=_halo(), zorder=3)  # fmt: skip
-
-
-def _readings(axes: style.Axes, dataset: xr.Dataset, across: str) -> None:
-    """Mark the masses that the text gives for this drive where it contradicts itself: as stated, and as needed."""
-    places, kinds = (flag_names(dataset[name]) for name in ("reading_place", "reading_kind"))
-    for mass, place, kind in zip(
-        dataset.reading_mass.values, dataset.reading_place.values, dataset.reading_kind.values, strict=True
-    ):
-        stated = kinds[int(kind)] == "as stated"
-        words = f"{places[int(place)]}: {mass:g} kg {'stated' if stated else 'needed'}"
-        look = {"color": style.BLACK, "linewidth": 0.7, "linestyle": "-" if stated else "--", "zorder": 1}
-        upright = across == "mass"
-        (axes.axvline if upright else axes.axhline)(mass, **look)
-        axes.annotate(
-            words, (mass, 0.02) if upright else (0.02, mass), rotation=90 if upright else 0, fontsize=5.5,
-            xycoords=("data", "axes fraction") if upright else ("axes fraction", "data"), path_effects=_halo(),
-            ha="right" if upright else "left", va="bottom", zorder=3,
-        )  # fmt: skip

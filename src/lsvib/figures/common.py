@@ -14,10 +14,9 @@ if TYPE_CHECKING:
     from lsvib.basins.curves import Window
     from lsvib.contact.stiff_limit import LimitBranch
     from lsvib.dynamics.attractor import SteadyState
-    from lsvib.engine.automaton import Automaton
     from lsvib.engine.motion import Motion
 else:  # names for annotations, which load no engine
-    Automaton = Basin = LimitBranch = Motion = SteadyState = Window = Any
+    Basin = LimitBranch = Motion = SteadyState = Window = Any
 
 EIGENVALUE = variable("eigenvalue", np.array([1, 2]), "1", "index of the eigenvalue", "$i$")
 # The critical mass with contact as a variable: unit, words, symbol.

@@ -19,11 +19,15 @@ from pydantic import Field, ValidationError, create_model
 
 from lsvib.errors import InputError
 from lsvib.figures.settings import DriveChanges, FigureSettings, SettingsSection, Unique
-from lsvib.models.drive import range_in_words
 from lsvib.numbers import shown
 
 DEFAULT = Path(__file__).with_name("config.yaml")
-_OUTSIDE = ("greater_than", "greater_than_equal", "less_than", "less_than_equal", "too_close_to_zero")
+_OUTSIDE = {
+    "greater_than": "{gt:.10g} < {name}",
+    "greater_than_equal": "{ge:.10g} <= {name}",
+    "less_than": "{name} < {lt:.10g}",
+    "less_than_equal": "{name} <= {le:.10g}",
+}
 _LENGTH = {"too_short": ("at least", "min_length"), "too_long": ("at most", "max_length")}
 _NO_TYPE = {  # complaint of pydantic: what the value should be
     "float_type": "a number",
@@ -186,32 +190,32 @@ def _checked(model: type[SettingsSection], values: Any, place: Sequence[str] = (
     try:
         return model.model_validate(values)
     except ValidationError as error:
-        raise InputError(_sentence(model, error, place)) from None
+        raise InputError(_sentence(error, place)) from None
 
 
-def _sentence(model: type[SettingsSection], error: ValidationError, place: Sequence[str]) -> str:
+def _sentence(error: ValidationError, place: Sequence[str]) -> str:
     """Return one sentence about the first complaint of pydantic; a misspelt key goes before the one that is missing."""
     first = min(error.errors(), key=lambda found: found["type"] == "missing")
     sort, context = first["type"], first.get("ctx", {})
     parts = [str(part) for part in first["loc"] if part not in _ALTERNATIVES]
-    rule = _rule(model.model_json_schema(), parts)
-    if (parts and parts[-1] == "[key]") or sort in ("extra_forbidden", "invalid_key"):
-        around = _rule(model.model_json_schema(), parts[: -2 if parts[-1] == "[key]" else -1])
-        known = around.get("properties", around.get("propertyNames", {}).get("enum", ()))
-        path = ".".join([*place, *(part for part in parts if part != "[key]")])
-        return f"{path} is not a known key; the known keys are {', '.join(known)}."
+    choices = str(context.get("expected", "")).replace("'", "").replace(" or ", ", ")
     path, value = ".".join([*place, *parts]), shown(first["input"])
+    if parts and parts[-1] == "[key]":
+        return f"{path.removesuffix('.[key]')} is not a known key; the known keys are {choices}."
+    if sort == "of_the_key":
+        return f"{'.'.join([*place, *parts, ''])}{first['msg']}."
     if sort == "missing":
         return f"{path} is missing."
     if sort == "finite_number":
         return f"{path} = {value} is not a finite number."
     if sort in _OUTSIDE:
-        return f"{path} = {value} is outside the allowed range {range_in_words(parts[-1], rule, '.10g')}."
+        name = ".".join(parts[-1 - parts[-1].isdigit() :])
+        return f"{path} = {value} is outside the allowed range {_OUTSIDE[sort].format(name=name, **context)}."
     if sort in _LENGTH:
         side, bound = _LENGTH[sort]
         return f"{path} has {len(first['input'])} entries; it needs {side} {context[bound]}."
     if sort == "literal_error":
-        return f"{path} = {value} is not one of {', '.join(map(str, rule.get('enum', [rule.get('const')])))}."
+        return f"{path} = {value} is not one of {choices}."
     if sort in _NO_TYPE:
         hint = (
             "; write it with a point, such as 1.0e-3"
@@ -221,27 +225,5 @@ def _sentence(model: type[SettingsSection], error: ValidationError, place: Seque
         return f"{path} = {value} is not {_NO_TYPE[sort]}{hint}."
     if sort == "of_the_whole":
         return f"{path} {first['msg']}."
-    if sort == "of_the_value":
-        return f"{path} = {value} {first['msg']}."
-    return f"{path} = {value} is not acceptable: {first['msg']}."
-
-
-def _rule(whole: Mapping[str, Any], parts: Sequence[str]) -> Mapping[str, Any]:
-    """Return the part of a JSON schema that holds at a place; empty if there is none."""
-    rule: Mapping[str, Any] = whole
-    for part in (*parts, None):
-        if "oneOf" in rule:  # a number or an axis: only of an axis there is a place inside
-            rule = next(option for option in rule["oneOf"] if ("$ref" in option) == (part is not None))
-        if "$ref" in rule:
-            rule = whole["$defs"][rule["$ref"].rpartition("/")[2]]
-        if part is None:
-            return rule
-        if part in rule.get("properties", {}):
-            rule = rule["properties"][part]
-        elif part.isdigit() and len(rule.get("prefixItems", ())) > int(part):
-            rule = rule["prefixItems"][int(part)]
-        else:
-            inside = {**rule.get("patternProperties", {}), "": rule.get("additionalProperties", {})}
-            other = rule.get("items", {}) if part.isdigit() else next(iter(inside.values()))
-            rule = other if isinstance(other, Mapping) else {}
-    return rule
+    verdict = "" if sort in ("of_the_value", "too_close_to_zero") else "is not acceptable: "
+    return f"{path} = {value} {verdict}{first['msg']}."

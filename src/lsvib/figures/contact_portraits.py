@@ -23,6 +23,7 @@ from lsvib.figures.settings import ContactPortrait, Values
 from lsvib.models.drive import ThreadsDrive
 from lsvib.models.mechanics import coefficients
 
+SOURCE = "closed-form flow of the contact force (8.12) with exact changes of the law"
 Flows = dict[int, ForceFlow]  # by law
 _LAWS = (1, -1)  # sgn(θ′) sgn(N), in the order of the dimension
 _UNIT = "kg-1 m-2"

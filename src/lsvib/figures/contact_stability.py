@@ -36,8 +36,6 @@ _DASHES = ("-", (0, (5, 1.5)), "-", (0, (5, 1.5)), "-", (0, (5, 1.5)))  # where 
 
 
 class Settings(of.FigureSettings):
-    """Critical mass over the contact of compliant threads, and growth rates (Lemma 8.1)."""
-
     unused: ClassVar = ("mass",)
 
     drive: of.DriveChanges

@@ -153,6 +153,15 @@ def mark_origin(axes: style.Axes) -> None:
     axes.plot(0, 0, "+", color=style.BLACK, markersize=6, markeredgewidth=1.2, label="steady sliding", zorder=4)
 
 
+def edges(axis: xr.DataArray) -> np.ndarray:
+    """Return the edges of the cells of an axis."""
+    if "cell_ratio" in axis.attrs:
+        half = float(axis.attrs["cell_ratio"]) ** 0.5
+        return np.append(axis.values / half, axis.values[-1] * half)
+    half = 0.5 * float(axis.attrs["cell_width"])
+    return np.append(axis.values - half, axis.values[-1] + half)
+
+
 def regions(axes: style.Axes, x: Any, y: Any, flags: xr.DataArray, colours: Mapping[str, str], **look: Any) -> None:
     """Paint the cells of a map over x and y, each in the colour of the word that its flag (y, x) means."""
     from matplotlib.colors import BoundaryNorm, ListedColormap

@@ -17,20 +17,14 @@ negative; the saddle's stable manifold separates contact forces that stay bounde
 (a) part of the unstable manifold lies on it. Arrows point along time.
 """
 
-
 Settings = ContactPortrait
 draw = contact_portraits.draw
 
 
 def build(settings: Values) -> xr.Dataset:
     """Compute the portrait, :func:`lsvib.figures.contact_portraits.portrait`, with contact dampings 0 and > 0."""
-    return contact_portraits.portrait(settings, Paradox.INDETERMINATE).assign_attrs(
-        about(
-            __doc__,
-            "closed-form flow of the contact force (8.12) with exact changes of the law",
-            "Sect. 8.2, Fig. 8.1, Remark 8.1",
-        )
-    )
+    portrait = contact_portraits.portrait(settings, Paradox.INDETERMINATE)
+    return portrait.assign_attrs(about(__doc__, contact_portraits.SOURCE, "Sect. 8.2, Fig. 8.1, Remark 8.1"))
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:

@@ -16,18 +16,14 @@ solution; every contact force ends growing in the first quadrant along the unsta
 Arrows point along time.
 """
 
-
 Settings = ContactPortrait
 draw = contact_portraits.draw
 
 
 def build(settings: Values) -> xr.Dataset:
     """Compute the portrait, :func:`lsvib.figures.contact_portraits.portrait`, with contact dampings 0 and > 0."""
-    return contact_portraits.portrait(settings, Paradox.INCONSISTENT).assign_attrs(
-        about(
-            __doc__, "closed-form flow of the contact force (8.12) with exact changes of the law", "Sect. 8.2, Fig. 8.2"
-        )
-    )
+    portrait = contact_portraits.portrait(settings, Paradox.INCONSISTENT)
+    return portrait.assign_attrs(about(__doc__, contact_portraits.SOURCE, "Sect. 8.2, Fig. 8.2"))
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:

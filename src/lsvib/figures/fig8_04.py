@@ -3,6 +3,7 @@
 import numpy as np
 import xarray as xr
 
+from lsvib.datasets import phase_plane
 from lsvib.datasets.attributes import variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing
@@ -33,8 +34,6 @@ draw = drawing.single
 
 def build(settings: Values) -> xr.Dataset:
     """Compute the phase plane (the first start lies within the cycle), the margins of (8.19), and eigenvalues."""
-    from lsvib.datasets import phase_plane
-
     drive = RigidDrive(**settings["drive"])
     c = coefficients(drive)
     inertia, damping = float(c.gamma[c.steady_law]), float(c.damping[c.steady_law])

@@ -12,7 +12,6 @@ Phase plane of the rigid drive under negative effective damping (8.19) with a co
 motion (N_0 Ω < 0). Steady sliding, the origin, is stable. Arrows point along time.
 """
 
-
 Settings = PhasePlane
 draw = drawing.single
 

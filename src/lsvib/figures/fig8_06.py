@@ -5,7 +5,6 @@ effective inertias of m = 8 kg.
 """
 
 from collections.abc import Sequence
-from enum import IntEnum
 from typing import ClassVar, Self
 
 import numpy as np
@@ -13,7 +12,7 @@ import xarray as xr
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from lsvib.datasets import printed, spans
+from lsvib.datasets import phase_plane, printed, spans
 from lsvib.datasets.attributes import Variables, axis, flagged, start_state, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
@@ -22,7 +21,6 @@ from lsvib.figures.settings import MassPair, PhasePlane, Span, State, Values, pa
 from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.rigid import EventKind, rigid_automaton
 from lsvib.stability import force_thresholds
 
 CAPTION = """\
@@ -36,19 +34,17 @@ _THRESHOLDS = {  # word in the picture, and what the chapter says
     "stick_force": ("stick", "Axial force at which the cycle first touches rest"),
     "detach_force": ("detach", "Axial force beyond which the cycle no longer reaches N = 0"),
 }
-_REGIMES = {
-    "steady sliding": (style.BLACK, "no vibration"),
-    "slip cycle": (style.BLUE, "cycle of pure slip"),
+_REGIMES = {  # what the drive does: colour, words
+    "no vibration": (style.BLACK, "no vibration"),
+    "pure slip": (style.BLUE, "cycle of pure slip"),
     "stick slip with contact reversal": (style.ORANGE, "stick–slip, reaches $N = 0$"),
-    "stick slip in contact": (style.VERMILION, "stick–slip, $N > 0$"),
+    "stick slip": (style.VERMILION, "stick–slip, $N > 0$"),
 }
 # Where the curve leaves room for insets, as fractions of the axes: left, bottom, width, height.
 _INSETS = ((0.085, 0.17, 0.21, 0.30), (0.085, 0.61, 0.235, 0.33), (0.735, 0.20, 0.245, 0.38))
 
 
 class Settings(PhasePlane):
-    """Amplitude of the steady vibration against the axial force."""
-
     unused: ClassVar = ("axial_force",)
 
     axial_force: Span = Field(description="R [N].")
@@ -67,29 +63,16 @@ class Settings(PhasePlane):
         return self
 
 
-class Regime(IntEnum):
-    """Kind of the steady state."""
-
-    STEADY_SLIDING = 0
-    SLIP_CYCLE = 1
-    STICK_SLIP_WITH_CONTACT_REVERSAL = 2
-    STICK_SLIP_IN_CONTACT = 3
-    OTHER = 4
-
-
 def build(settings: Values) -> xr.Dataset:
     """Compute the amplitude curve, its thresholds, the inset portraits, and the coefficients for both masses."""
-    from lsvib.datasets import phase_plane
-    from lsvib.dynamics.attractor import steady_state
-
     drive = RigidDrive.of(settings["drive"])
     values = {name: getattr(force_thresholds, name)(drive) for name in _THRESHOLDS}
     # Also at a relative distance of 1e-9 on either side of a threshold.
     beside = [value * (1 + sign * 1e-9) for value in values.values() for sign in (-1, 1)]
     forces = np.unique(np.concatenate([spans.even(settings["axial_force"]), list(values.values()), beside]))
-    start, tangent = np.array([settings["start"]["u"], settings["start"]["w"]]), float(drive.exact().tan_lead)
+    tangent = float(drive.exact().tan_lead)
     drives = [drive.replace(axial_force=float(force)) for force in forces]
-    steady = [steady_state(rigid_automaton(d), start) for d in drives]
+    steady = [phase_plane.reached(d, settings["start"]) for d in drives]
     insets = [drive.replace(axial_force=float(force)) for force in settings["insets"]]
     words = {name: name.replace("_", " ") for name in _THRESHOLDS}
     planes = phase_plane.portraits(settings, insets, ("axial_force",), ("Sect. 8.5.1", "Fig. 8.6")).assign_coords(
@@ -109,29 +92,18 @@ def build(settings: Values) -> xr.Dataset:
 
 
 def _curve(drives: list[RigidDrive], steady: list[SteadyState]) -> Variables:
-    from lsvib.datasets import phase_plane
+    from lsvib.datasets.sweep import product_of
+    from lsvib.dynamics.behaviour import Behaviour, behaviours
 
+    kinds = behaviours(product_of(drives[0], {"axial_force": [d.axial_force for d in drives]}))
     dim, slowest = "swept_axial_force", [s.extremes(np.array([0, 1.0, 0]))[0] for s in steady]
     net, words = [float(coefficients(d).net_force) for d in drives], "axial force less the drag of the translation"
     return {
         "swept_amplitude": variable(dim, [s.amplitude for s in steady], "rad", phase_plane.AMPLITUDE),
         "smallest_velocity": variable(dim, slowest, "rad s-1", "smallest rate of the deviation", r"$\dot u$"),
-        "regime": flagged(dim, [_regime(s) for s in steady], "kind of motion", Regime),
+        "regime": flagged(dim, kinds, "what the drive does", Behaviour),
         "net_force": variable(dim, net, "N", words, r"$\tilde R$"),
     }
-
-
-def _regime(steady: SteadyState) -> Regime:
-    from lsvib.dynamics.attractor import Attractor
-
-    reverses = steady.orbit is not None and bool((steady.orbit.kind == EventKind.CONTACT_REVERSAL).any())
-    kinds = {
-        (Attractor.STEADY_SLIDING, False): Regime.STEADY_SLIDING,
-        (Attractor.OTHER_CYCLE, True): Regime.SLIP_CYCLE,
-        (Attractor.STICK_SLIP_CYCLE, True): Regime.STICK_SLIP_WITH_CONTACT_REVERSAL,
-        (Attractor.STICK_SLIP_CYCLE, False): Regime.STICK_SLIP_IN_CONTACT,
-    }
-    return kinds.get((steady.label, reverses), Regime.OTHER)
 
 
 def _readings(drives: Sequence[RigidDrive]) -> Variables:
@@ -176,12 +148,13 @@ def _curve_checks(dataset: xr.Dataset) -> list[Check]:
     source = "Sect. 8.5.1, Fig. 8.6"
     onset, stick, detach = (float(dataset[name]) for name in _THRESHOLDS)
     stops = dataset.smallest_velocity.values <= dataset.stop_velocity.values[0]
-    force, amplitude, regime = (dataset[name].values for name in ("swept_axial_force", "swept_amplitude", "regime"))
+    force, amplitude = dataset.swept_axial_force.values, dataset.swept_amplitude.values
     below, last = amplitude[force < onset], amplitude[force > detach]
     slip = (force > onset) & (force < stick)
     slope = amplitude[slip] / dataset.net_force.values[slip]
     # At a threshold itself both neighbours' names are right: the cycle touches there.
-    expected = np.select([force < onset, force < stick, force < detach], [0, 1, 2], 3)
+    sides = np.digitize(force, [onset, stick, detach])
+    right = np.select([sides == k for k in range(4)], [named(dataset.regime, name) for name in _REGIMES])
     judged = ~np.isin(force, [onset, stick, detach])
     return [
         Check.holds(
@@ -206,7 +179,7 @@ def _curve_checks(dataset: xr.Dataset) -> list[Check]:
         Check.without_exception(
             "The steady state changes kind at the three thresholds and nowhere else, also 1e-9 R beside them",
             source,
-            np.sum(judged & (regime != expected)),
+            np.sum(judged & ~right),
             judged.sum(),
             "forces",
         ),

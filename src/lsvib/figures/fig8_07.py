@@ -8,7 +8,7 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.contact.contact_force import Existence, existence
-from lsvib.datasets import spans
+from lsvib.datasets import phase_plane, spans
 from lsvib.datasets.attributes import flagged, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
@@ -30,16 +30,12 @@ _HATCH = "#C9A58C"
 
 
 class Settings(PhasePlane):
-    """The four sectors of the Painlevé region."""
-
     angle: Span = Field(description="Deviation u [rad].")
     velocity: Span = Field(description="Rate of the deviation w [rad/s].")
 
 
 def build(settings: Values) -> xr.Dataset:
     """Compute the existence map, motions from each sector, and where the flow of law −1 leads; R > 0, Ω > 0, Γ₊ < 0."""
-    from lsvib.datasets import phase_plane
-
     drive = RigidDrive.of(settings["drive"])
     angle, velocity = spans.even(settings["angle"]), spans.even(settings["velocity"])
     kinds = existence(drive, *np.meshgrid(angle, velocity, indexing="ij"))

@@ -31,8 +31,6 @@ _CRITICAL = {"color": style.BLACK, "linewidth": 0.8, "linestyle": ":", "label": 
 
 
 class Settings(FigureSettings):
-    """Eigenvalues of the steady sliding against the translating mass."""
-
     unused: ClassVar = ("input_speed", "mass", "translation_damping", "axial_force")
 
     drive: DriveChanges
@@ -109,7 +107,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             f"Mass at which the spectrum loses stability, worst of {losses.size} dampings",
             "eqs 8.18, 8.20",
             critical,
-            losses[np.argmax(np.abs(losses - critical))],
+            losses,
             "kg",
         ),
         Check.holds(

@@ -6,14 +6,13 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from lsvib.datasets import spans
-from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, flagged, variable
+from lsvib.datasets import phase_plane, spans
+from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, existing, named, spread
 from lsvib.figures.settings import DriveChanges, PhasePlane, PositiveSpan, Values, several
 from lsvib.models.drive import RigidDrive
-from lsvib.models.rigid import rigid_automaton
 from lsvib.stability.conditions import critical_mass
 
 CAPTION = """\
@@ -27,8 +26,6 @@ _SWEEP = "of the last case with another axial force, from the first start"
 
 
 class Settings(PhasePlane):
-    """Trajectories below and above the critical mass."""
-
     unused: ClassVar = ("mass",)
 
     cases: several(DriveChanges, 2, 2, "Changes of `drive`, one for each panel, the one below the critical mass first.")
@@ -37,8 +34,6 @@ class Settings(PhasePlane):
 
 def build(settings: Values) -> xr.Dataset:
     """Compute both phase planes, the critical mass and the sensitivity of case (b) to R, which the text leaves out."""
-    from lsvib.datasets import phase_plane
-
     drive = RigidDrive.of(settings["drive"])
     drives, critical = [drive.replace(**changes) for changes in settings["cases"]], existing(critical_mass(drive))
     forces = spans.even(settings["axial_force"])
@@ -50,19 +45,17 @@ def build(settings: Values) -> xr.Dataset:
 
 
 def _sensitivity(drive: RigidDrive, forces: np.ndarray, start: Values) -> Variables:
-    from lsvib.datasets import phase_plane
-    from lsvib.dynamics.attractor import Attractor, steady_state
     from lsvib.dynamics.impulses import seizure_speeds
 
     rows = []
     for force in forces:
         pushed = drive.replace(axial_force=float(force))
-        steady = steady_state(rigid_automaton(pushed), [start["u"], start["w"]])
+        steady = phase_plane.reached(pushed, start)
         speeds = np.empty(0) if steady.orbit is None else np.abs(seizure_speeds(pushed, steady.orbit))
         rows.append((steady.label, steady.amplitude, speeds.max() if speeds.size else np.nan))
     (label, amplitude, speed), dim = np.array(rows, dtype=float).T, "swept_axial_force"
     return {
-        "swept_attractor": flagged(dim, label, phase_plane.ATTRACTOR, Attractor, comment=_SWEEP),
+        "swept_attractor": phase_plane.attractors(dim, label, comment=_SWEEP),
         "swept_amplitude": variable(dim, amplitude, "rad", phase_plane.AMPLITUDE, comment=_SWEEP),
         "impact_speed": variable(dim, speed, "rad s-1", "screw speed before a seizure", r"$\dot\theta$"),
     }

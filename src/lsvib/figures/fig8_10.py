@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from lsvib.datasets import printed, spans
+from lsvib.datasets import phase_plane, printed, spans
 from lsvib.datasets.attributes import Variables, axis, drive_parameters, flagged, quantity, start_state, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
@@ -14,7 +14,6 @@ from lsvib.figures import settings as of
 from lsvib.figures.common import Motion, SteadyState, about, named
 from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive, ThreadsDrive
-from lsvib.models.rigid import rigid_automaton
 from lsvib.models.threads import ThreadsEvent, ThreadsMode, seated_state, threads_automaton
 
 CAPTION = """\
@@ -31,8 +30,6 @@ _DISTANCE = (
 
 
 class Settings(of.FigureSettings):
-    """Cycle with compliant threads, its contact force, and its dependence on the axial force."""
-
     drive: of.DriveChanges
     contact_stiffness: of.parameter("contact_stiffness", of=ThreadsDrive)
     contact_damping: of.parameter("contact_damping", of=ThreadsDrive)
@@ -48,7 +45,7 @@ def build(settings: of.Values) -> xr.Dataset:
 
     contact = {key: settings[key] for key in ("contact_stiffness", "contact_damping")}
     drive, start, samples = ThreadsDrive.of(settings["drive"], **contact), settings["start"], settings["samples"]
-    cycle, rigid = compliant_cycle(drive, start), rigid_cycle(drive, start)
+    cycle, rigid = compliant_cycle(drive, start), phase_plane.reached(drive, start)
     motion = follow(threads_automaton(drive), seated_state(drive, start["u"], start["w"]), settings["duration"])
     forces = spans.even(settings["axial_force"])
     return xr.Dataset(
@@ -75,20 +72,11 @@ def compliant_cycle(drive: ThreadsDrive, start: of.Values) -> SteadyState:
     return steady_state(threads_automaton(drive), seated_state(drive, start["u"], start["w"]))
 
 
-def rigid_cycle(drive: RigidDrive, start: of.Values) -> SteadyState:
-    """Return the attractor of the rigid drive's motion from u [rad], w [rad/s]."""
-    from lsvib.dynamics.attractor import steady_state
-
-    return steady_state(rigid_automaton(drive), [start["u"], start["w"]])
-
-
 def cycle_curves(dims: Sequence[str], cycles: Sequence[SteadyState], count: int, prefix: str = "cycle") -> Variables:
     """Return cycles as curves in the phase plane, dimensions (*dims, sample), NaN where there is none.
 
     Time [s] from a point of the cycle, angle and velocity; both states of each event are among the samples.
     """
-    from lsvib.datasets import phase_plane
-
     curves = np.full((len(cycles), count, 3), np.nan)
     for curve, steady in zip(curves, cycles, strict=True):
         if steady.orbit is not None:
@@ -101,8 +89,6 @@ def cycle_curves(dims: Sequence[str], cycles: Sequence[SteadyState], count: int,
 
 def _motion(motion: Motion, samples: int) -> Variables:
     """The compliant motion with its contact force; both states of each event are samples, so every peak is."""
-    from lsvib.datasets import phase_plane
-
     times, states, modes = phase_plane.sample(motion, samples)
     # The same rows in every mode.
     rows = {name: motion.automaton.observables[name][0] for name in ("normal_force", "coupling_deflection")}
@@ -117,11 +103,10 @@ def _motion(motion: Motion, samples: int) -> Variables:
 
 def _peak(cycle: SteadyState) -> Variables:
     """The contact force around a peak, over time from the start of the sprag."""
-    from lsvib.dynamics.attractor import Attractor
     from lsvib.engine.motion import follow
 
     (times, force), sprag = np.full((2, 400), np.nan), np.nan
-    if cycle.label == Attractor.SPRAG_SLIP_CYCLE:  # else there is nothing to draw; the checks say so
+    if cycle.label.name == "SPRAG_SLIP_CYCLE":  # else there is nothing to draw; the checks say so
         period, automaton = cycle.orbit.end_time, cycle.orbit.automaton
         twice = follow(automaton, cycle.state, 2 * period, mode=cycle.orbit.start_mode)
         stick = int(np.flatnonzero((twice.kind == ThreadsEvent.STICK) & (twice.time > 0.5 * period))[0])
@@ -138,14 +123,11 @@ def _peak(cycle: SteadyState) -> Variables:
 
 def _comparison(drive: RigidDrive, cycle: SteadyState, rigid: SteadyState) -> Variables:
     """The cycle in numbers, beside the rigid one."""
-    from lsvib.datasets import phase_plane
-    from lsvib.dynamics.attractor import Attractor
-
     found: Variables = {}
     for name, steady, words in (("", cycle, ""), ("rigid_", rigid, ", of the rigid drive")):
         low, high = steady.extremes(np.eye(1, steady.state.size + 1)[0])  # of u
         found |= {
-            f"{name}attractor": flagged((), steady.label, phase_plane.ATTRACTOR + words, Attractor),
+            f"{name}attractor": phase_plane.attractors((), steady.label, phase_plane.ATTRACTOR + words),
             f"{name}amplitude": variable((), 0.5 * (high - low), "rad", phase_plane.AMPLITUDE + words),
             f"{name}period": variable((), steady.period, "s", phase_plane.PERIOD + words, "$T$"),
         }
@@ -170,17 +152,14 @@ def _cycle_values(drive: RigidDrive, cycle: SteadyState, rigid: SteadyState) -> 
 
 
 def _sensitivity(drive: ThreadsDrive, forces: np.ndarray, start: of.Values) -> Variables:
-    from lsvib.datasets import phase_plane
-    from lsvib.dynamics.attractor import Attractor
-
     rows, dim = [], "swept_axial_force"
     for force in forces:
         pushed = drive.replace(axial_force=float(force))
         cycle = compliant_cycle(pushed, start)
-        rows.append((cycle.label, *_cycle_values(pushed, cycle, rigid_cycle(pushed, start))))
+        rows.append((cycle.label, *_cycle_values(pushed, cycle, phase_plane.reached(pushed, start))))
     label, peak, distance = np.array(rows, dtype=float).T
     return {
-        "swept_attractor": flagged(dim, label, phase_plane.ATTRACTOR, Attractor),
+        "swept_attractor": phase_plane.attractors(dim, label),
         "swept_peak_normal_force": variable(dim, peak, *_PEAK),
         "swept_orbit_distance": variable(dim, distance, *_DISTANCE),
     }

@@ -5,6 +5,7 @@ from typing import ClassVar
 import numpy as np
 import xarray as xr
 
+from lsvib.datasets import phase_plane
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, named
@@ -19,8 +20,6 @@ trajectory reaches it: to the right forward slip has no solution.
 
 
 class Settings(PhasePlane):
-    """Sprag-slip cycles for three levels of support damping."""
-
     unused: ClassVar = ("support_damping",)
 
     support_dampings: several(Damping, 2, 4, "Support dampings in ascending order [N m s/rad].")
@@ -28,8 +27,6 @@ class Settings(PhasePlane):
 
 def build(settings: Values) -> xr.Dataset:
     """Compute the phase plane for each damping; ``settings``: see ``Settings``."""
-    from lsvib.datasets import phase_plane
-
     drive = RigidDrive.of(settings["drive"])
     drives = [drive.replace(support_damping=c) for c in settings["support_dampings"]]
     return phase_plane.portraits(settings, drives, ("support_damping",), ("Sect. 8.6", "Sect. 8.6.1")).assign_attrs(

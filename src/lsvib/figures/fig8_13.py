@@ -7,13 +7,13 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from lsvib.datasets import spans
-from lsvib.datasets.attributes import Variables, axis, drive_parameters, flagged, start_state, variable
+from lsvib.datasets import phase_plane, spans
+from lsvib.datasets.attributes import Variables, axis, drive_parameters, start_state, variable
 from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
 from lsvib.figures import drawing, style
 from lsvib.figures.common import CRITICAL_MASS_WITH_CONTACT, SteadyState, about, named
-from lsvib.figures.fig8_10 import compliant_cycle, cycle_curves, rigid_cycle
+from lsvib.figures.fig8_10 import compliant_cycle, cycle_curves
 from lsvib.figures.settings import Contact, DriveChanges, FigureSettings, PositiveSpan, Samples, State, Values, several
 from lsvib.models.drive import ThreadsDrive
 from lsvib.models.mechanics import coefficients
@@ -43,8 +43,6 @@ _COLOURS = (style.BLUE, style.ORANGE, style.VERMILION, style.GREEN)
 
 
 class Settings(FigureSettings):
-    """Cycles with softer contacts, and where the coupling deflection turns positive."""
-
     drive: DriveChanges
     contacts: several(Contact, 2, 4, "Contacts whose cycles are drawn, the stiffest first.")
     start: State
@@ -62,7 +60,7 @@ def build(settings: Values) -> xr.Dataset:
     steady, critical = float(coefficients(drive).deflection), [critical_mass_of_contact(c) for c in contacts]
     return xr.Dataset(
         cycle_curves(("contact",), cycles, settings["samples"])
-        | cycle_curves((), [rigid_cycle(drive, start)], settings["samples"], "rigid_cycle")
+        | cycle_curves((), [phase_plane.reached(drive, start)], settings["samples"], "rigid_cycle")
         | _table("", ("contact",), _NUMBERS, [_numbers(steady) for steady in cycles])
         | _grid(drive, start, stiffness, damping),
         coords={
@@ -117,11 +115,9 @@ def _numbers(steady: SteadyState) -> dict[str, float]:
 
 def _table(prefix: str, dims: tuple[str, ...], names: Any, rows: Any) -> Variables:
     """Some of the numbers of ``_numbers``, from rows of any depth, as variables."""
-    from lsvib.dynamics.attractor import Attractor
-
     found = {name: np.vectorize(lambda row, name=name: float(row[name]))(rows) for name in names}
     table = {prefix + name: variable(dims, values, *_NUMBERS[name]) for name, values in found.items()}
-    return table | {f"{prefix}attractor": flagged(dims, found["attractor"], _NUMBERS["attractor"][1], Attractor)}
+    return table | {f"{prefix}attractor": phase_plane.attractors(dims, found["attractor"])}
 
 
 def _boundary(deflection: Callable[[float], float], damping: np.ndarray, row: list[dict]) -> tuple[float, float]:

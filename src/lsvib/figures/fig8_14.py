@@ -15,8 +15,8 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from lsvib.datasets import spans
-from lsvib.datasets.attributes import Variables, flagged, variable
+from lsvib.datasets import phase_plane, spans
+from lsvib.datasets.attributes import Variables, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures.common import Motion, about, flag_names, named
@@ -51,8 +51,6 @@ _STARTS = {  # mark and colour of a start of the grid by its attractor
 
 
 class Settings(PhasePlane):
-    """Trajectories under a negative axial force, for two readings of the mass."""
-
     unused: ClassVar = ("mass", "axial_force")
 
     masses: MassPair = Field(description="Mass as printed, and mass beyond the critical one [kg].")
@@ -63,9 +61,6 @@ class Settings(PhasePlane):
 
 def build(settings: Values) -> xr.Dataset:
     """Compute the four phase planes (mass by mass, force by force) and the force of global stability beyond m_cr."""
-    from lsvib.datasets import phase_plane
-    from lsvib.dynamics.attractor import Attractor
-
     drive = RigidDrive.of(settings["drive"])
     drives = [drive.replace(mass=m, axial_force=r) for m in settings["masses"] for r in settings["axial_forces"]]
     angle, velocity = spans.even(settings["angle"]), spans.even(settings["velocity"])
@@ -93,24 +88,19 @@ def build(settings: Values) -> xr.Dataset:
         _reverse_slips(drives, settings["starts"][-1], settings["duration"], settings["samples"])
         | _corners(drives)
         | {
-            "grid_attractor": flagged(plane, grid, phase_plane.ATTRACTOR, Attractor),
-            "bracket_attractor": flagged(("bracket", "rule"), released, words, Attractor),
+            "grid_attractor": phase_plane.attractors(plane, grid),
+            "bracket_attractor": phase_plane.attractors(("bracket", "rule"), released, words),
         }
     ).assign_attrs(about(__doc__, "exact event-driven motion and its return map", "Sect. 8.7, Fig. 8.14"))
 
 
 def _labels(drive: RigidDrive, rule: str, states: Sequence[tuple[float, float]]) -> list[int]:
     """Attractors of the motions from some states u [rad], u′ [rad/s]."""
-    from lsvib.dynamics.attractor import steady_state
-
-    automaton = rigid_automaton(drive, resume=rule)
-    return [steady_state(automaton, list(state)).label for state in states]
+    return [phase_plane.reached(drive, {"u": u, "w": w}, rule).label for u, w in states]
 
 
 def _corners(drives: Sequence[RigidDrive]) -> Variables:
     """The corner of the lines N = 0 and θ′ = 0, and where the motions from standstill below it end."""
-    from lsvib.dynamics.attractor import Attractor
-
     corners = [_corner(d) for d in drives]
     states = [[(corner - x, -d.input_speed) for x in _DISTANCES] for d, corner in zip(drives, corners, strict=True)]
     ends = [[_labels(d, rule, own) for rule in RULES] for d, own in zip(drives, states, strict=True)]
@@ -118,7 +108,7 @@ def _corners(drives: Sequence[RigidDrive]) -> Variables:
     words = "attractor of the motion from standstill so far below the corner"
     return {
         "corner_angle": variable("case", corners, "rad", where, "$u_0$"),
-        "corner_attractor": flagged(("case", "rule", "corner_distance"), ends, words, Attractor),
+        "corner_attractor": phase_plane.attractors(("case", "rule", "corner_distance"), ends, words),
     }
 
 
@@ -131,8 +121,6 @@ def _corner(drive: RigidDrive) -> float:
 
 def _reverse_slips(drives: Sequence[RigidDrive], start: Values, duration: float, samples: int) -> Variables:
     """The seizures before the first release, the motion until then, and the limits of their ratio (text above)."""
-    from lsvib.datasets import phase_plane
-
     motions = [[_until_release(drive, rule, start, duration) for rule in RULES] for drive in drives]
     seizures = [[motion.kind == EventKind.SEIZURE for motion in row] for row in motions]
     table = np.full((2, len(drives), len(RULES), max(1, *(here.sum() for row in seizures for here in row))), np.nan)

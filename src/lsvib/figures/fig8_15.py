@@ -7,7 +7,7 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import printed, spans
-from lsvib.datasets.attributes import Variables, axis, drive_parameters, flagged, variable
+from lsvib.datasets.attributes import axis, drive_parameters, flagged, variable
 from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
 from lsvib.figures import drawing, style
@@ -41,8 +41,6 @@ _HATCH = "#7F8FA0"
 
 
 class Settings(FigureSettings):
-    """Instability regions of the drive with axial support."""
-
     unused: ClassVar = ("support_damping", "friction_coefficient", "input_speed", "translation_damping", "axial_force")
 
     drive: DriveChanges
@@ -83,31 +81,21 @@ def build(settings: Values) -> xr.Dataset:
             **axis("support_stiffness", stiffness),
             "printed_critical_friction": printed.variable(chapter.THRESHOLDS["critical_friction"], word),
             **axis(along, curve),
-            **_parameters(drive),
+            **drive_parameters(
+                drive.replace(**dict.fromkeys(_DAMPINGS, 0.0)),
+                axes=("friction_coefficient", "support_stiffness"),
+                printed=("Fig. 8.15", "Sect. 8.8.1"),
+                assumed=("coupling_stiffness",),
+                no_effect=("input_speed", "axial_force", "slide_friction", "bearing_friction"),
+            ),
         },
         attrs=about(
             __doc__,
             "generalised eigenvalues of (8.23), boundaries (8.29) in closed form",
             "Sect. 8.8.1, Fig. 8.15",
-            comment="R Omega > 0; undamped",
+            comment="R Omega > 0; undamped; the text names Table 7.1, which is not in the chapter, for the parameters",
         ),
     )
-
-
-def _parameters(drive: SupportDrive) -> Variables:
-    """The parameters of the undamped drive, some with a comment: the text names a table that is not in the chapter."""
-    parameters = drive_parameters(
-        drive.replace(**dict.fromkeys(_DAMPINGS, 0.0)),
-        axes=("friction_coefficient", "support_stiffness"),
-        printed=("Fig. 8.15", "Sect. 8.8.1"),
-        assumed=("coupling_stiffness",),
-        no_effect=("input_speed", "axial_force", "slide_friction", "bearing_friction"),
-    )
-    named_there = "the text names Table 7.1; with these the printed critical friction comes out"
-    missing = "Table 7.1 is not in the chapter; both branches of (8.29) are in proportion to it"
-    for name in ("pitch_radius", "lead_angle", "screw_inertia", "coupling_stiffness"):
-        parameters[name][2]["comment"] = missing if name == "coupling_stiffness" else named_there
-    return parameters
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
@@ -195,19 +183,13 @@ def _region_checks(
 
 def _branch_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
     """Check both branches against the quadratic equation (8.29), and where they exist."""
-    friction, branches = (
-        dataset.friction_coefficient.values,
-        (dataset.lower_boundary.values, dataset.upper_boundary.values),
-    )
-    own, k = (
-        {**drive, "friction_coefficient": dataset.boundary_friction_coefficient.values},
-        drive["coupling_stiffness"],
-    )
+    branches, k = (dataset.lower_boundary.values, dataset.upper_boundary.values), drive["coupling_stiffness"]
+    own = {**drive, "friction_coefficient": dataset.boundary_friction_coefficient.values}
     b_1, b_2, b_3 = conditions.boundary_coefficients(own, law=1)
     terms = [np.array([b_1 * x**2, b_2 * k * x, b_3 * k**2 * np.ones_like(x)]) for x in branches]
     residual = max(np.max(np.abs(term.sum(axis=0)) / np.abs(term).max(axis=0)) for term in terms)
     finite = (np.isfinite(branches[0]) & ~np.isnan(branches[1])).sum()
-    own = {**drive, "friction_coefficient": friction}
+    own["friction_coefficient"] = friction = dataset.friction_coefficient.values
     b_1, b_2, b_3 = conditions.boundary_coefficients(own, law=1)
     p, reduced = values_of(own, law=1), conditions.reduced_inertia(own, law=1)
     discriminant = b_2**2 - 4 * b_1 * b_3

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
+from lsvib.datasets import phase_plane
 from lsvib.datasets.attributes import SIGNS, Variables, axis, drive_parameters, flagged, start_state, variable, yes_no
 from lsvib.datasets.checks import Check
 from lsvib.figures import settings as of
@@ -48,8 +49,6 @@ _FAMILIES = {_VISCOUS: (style.BLUE, "o"), "damping ratio": (style.SKY, "s"), "el
 
 
 class Settings(of.FigureSettings):
-    """Convergence of the drive with compliant threads to the rigid one."""
-
     unused: ClassVar = ("support_damping", "translation_damping", "axial_force")
 
     drive: of.DriveChanges
@@ -81,7 +80,6 @@ def build(settings: of.Values) -> xr.Dataset:
     """
     from lsvib.contact import stiff_limit
     from lsvib.contact.stiff_limit import BranchFamily
-    from lsvib.datasets import phase_plane
 
     stiffness, base = np.array(settings["stiffness"], dtype=float), RigidDrive.of(settings["drive"])
     pairs = [(r, c) for r in settings["axial_forces"] for c in settings["support_dampings"]]

@@ -21,7 +21,16 @@ Values = Mapping[str, Any]  # names and values, such as the settings of a figure
 class SettingsSection(BaseModel):
     """Names and values, immutable and checked: no other name, no text for a number, nothing infinite."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, strict=True, allow_inf_nan=False)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _names_are_known(cls, values: Any) -> Any:
+        for key in values if isinstance(values, Mapping) else ():
+            if key not in cls.model_fields:
+                context = {"key": str(key), "known": ", ".join(cls.model_fields)}
+                raise PydanticCustomError("of_the_key", "{key} is not a known key; the known keys are {known}", context)
+        return values
 
 
 class FigureSettings(SettingsSection):
@@ -155,10 +164,9 @@ class ContactStart(SettingsSection):
     rate: float = Field(ge=-1e12, le=1e12)
 
 
-NotZero = (AfterValidator(_not_zero), Field(json_schema_extra={"not": {"const": 0}}))  # add to the type of a number
-Zero = Annotated[float, AfterValidator(_zero), Field(json_schema_extra={"const": 0})]
+NotZero = (AfterValidator(_not_zero),)  # add to the type of a number
 ContactDampings = Annotated[
-    tuple[Zero, parameter("contact_damping", Gt(0), of=ThreadsDrive)],
+    tuple[Annotated[float, AfterValidator(_zero)], parameter("contact_damping", Gt(0), of=ThreadsDrive)],
     Field(strict=False, description="Contact damping of both panels, none first [N s/m]."),
 ]
 Starts = Annotated[list[State], Field(min_length=1, max_length=4, description="States from which motions are drawn.")]

@@ -1,7 +1,6 @@
 """How far the rounding of Table 8.1 explains the distances between printed and computed thresholds."""
 
 import math
-from collections.abc import Callable, Mapping
 from enum import IntEnum
 from typing import ClassVar
 
@@ -19,7 +18,6 @@ from lsvib.models.drive import RigidDrive, SupportDrive
 from lsvib.models.mechanics import coefficients
 from lsvib.numbers import bisected
 from lsvib.stability import force_thresholds
-from lsvib.stability.conditions import critical_friction, critical_mass
 from lsvib.stability.threshold import solve_threshold
 
 CAPTION = """\
@@ -66,8 +64,6 @@ _SYMBOLS = {
 
 
 class Settings(FigureSettings):
-    """What the rounding of Table 8.1 does to the printed thresholds."""
-
     unused: ClassVar = ("mass", "translation_damping", "axial_force")
 
     drive: DriveChanges
@@ -78,14 +74,9 @@ def build(settings: Values) -> xr.Dataset:
     base, own = RigidDrive.of(settings["drive"]), {name: dict(chapter.THRESHOLDS[name].drive) for name in _PRINTED}
     screw_mass = own["critical_friction"].pop("screw_mass")
     drives = {name: base.replace(**changes) for name, changes in own.items()}
-    functions = {
-        "critical_mass": critical_mass,
-        "critical_friction": lambda drive: critical_friction(drive, screw_mass),
-        **{name: getattr(force_thresholds, name) for name in ("onset_force", "stick_force", "detach_force")},
-    }
-    computed = np.array([functions[name](drives[name]) for name in _PRINTED])
     asked = drives | {"critical_friction": SupportDrive.of(drives["critical_friction"], screw_mass=screw_mass)}
     solved = [solve_threshold(drive, *_PRINTED[name][1:]) for name, drive in asked.items()]
+    computed = np.array([found.solutions[0].value for found in solved])
     steps = {name: half for name, half in HALF_UNITS.items() if name != "lead_angle_deg"}
     steps["lead_angle"] = math.radians(HALF_UNITS["lead_angle_deg"])
     changes = np.zeros((len(solved), len(HALF_UNITS)))
@@ -93,7 +84,7 @@ def build(settings: Values) -> xr.Dataset:
         change = found.solutions[0].change({name: step for name, step in steps.items() if name != found.unknown})
         row[:] = [change.get(name.removesuffix("_deg"), 0.0) for name in HALF_UNITS]
     return xr.Dataset(
-        _table(base, computed, changes) | _matching(drives["stick_force"], functions),
+        _table(computed, changes) | _matching(drives["stick_force"]),
         coords={
             **drive_parameters(
                 list(drives.values()), "threshold", along=_VARIED, printed=_PLACES, no_effect=("axial_force",)
@@ -115,36 +106,31 @@ def build(settings: Values) -> xr.Dataset:
     )
 
 
-def _table(drive: RigidDrive, computed: np.ndarray, changes: np.ndarray) -> Variables:
-    """Values of Table 8.1 and half a unit of their last digit; distances from print and changes, relative."""
-    values = [np.degrees(drive.lead_angle) if n == "lead_angle_deg" else getattr(drive, n) for n in HALF_UNITS]
+def _table(computed: np.ndarray, changes: np.ndarray) -> Variables:
+    """Distances from print, half a unit of the last printed digit, and changes, relative to the thresholds."""
     in_print = np.array([chapter.THRESHOLDS[name].value for name in _PRINTED])
     half_units = np.array([half for half, *_ in _PRINTED.values()]) / computed
-    few, units = [name in ROUND for name in HALF_UNITS], "SI units, angle in degrees"
-    half, change = "half a unit of the last printed digit of the threshold, relative", changes / computed[:, None]
-    words = "change of the threshold by half a unit of the parameter's last printed digit"
-    last = f"half a unit of the last printed digit, {units}"
+    half, few = "half a unit of the last printed digit of the threshold, relative", [n in ROUND for n in HALF_UNITS]
+    words, change = "change of the threshold by half a unit of the parameter's last printed digit", changes.T / computed
     return {
         "print_residual": variable("threshold", in_print / computed - 1, "1", "printed less computed, relative"),
         "print_half_unit": variable("threshold", half_units, "1", half),
-        "relative_change": variable(("threshold", "parameter"), change, "1", words),
-        "half_unit": variable("parameter", list(HALF_UNITS.values()), "1", last),
-        "printed_value": variable("parameter", values, "1", f"value of the parameter, {units}"),
+        "relative_change": variable(("threshold", "parameter"), change.T, "1", words),
         "one_digit": yes_no("parameter", few, "printed without a digit but the leading one"),
     }
 
 
-def _matching(drive: RigidDrive, functions: Mapping[str, Callable[[RigidDrive], float]]) -> Variables:
+def _matching(drive: RigidDrive) -> Variables:
     """The damping with which the printed stick force is the computed one, and what else it would change."""
     half, printed_force = HALF_UNITS["support_damping"], chapter.THRESHOLDS["stick_force"].value
 
     def smaller(damping: float) -> bool:
-        return functions["stick_force"](drive.replace(support_damping=damping)) < printed_force
+        return force_thresholds.stick_force(drive.replace(support_damping=damping)) < printed_force
 
     low, high = drive.support_damping - half, drive.support_damping + half  # within half a unit of the printed one
     damping = bisected(lambda c: smaller(c) == smaller(high), low, high)
     other, unit = drive.replace(support_damping=damping), "N m s rad-1"
-    force, plus = functions["detach_force"](other), float(coefficients(other).damping[1])
+    force, plus = force_thresholds.detach_force(other), float(coefficients(other).damping[1])
     words, that = "support damping at which the stick force is the printed one", "with that damping"
     return {
         "matching_support_damping": variable((), damping, unit, words, "$c$"),

@@ -17,19 +17,6 @@ class Claim:
     reason: str = "printed with ≈; 2 % allows for the reading of a printed axis"
 
 
-@dataclass(frozen=True)
-class Reading:
-    """A mass [kg] that the text states for a drive, and the one that other numbers at the same place belong to.
-
-    ``drive``: where it is not Table 8.1; the axial force does not matter.
-    """
-
-    source: str
-    drive: dict[str, float]
-    stated: float
-    needed: float
-
-
 _NEGATIVE_DAMPING = {"mass": 1.0, "translation_damping": 1e3}
 
 # Values of parameters by the place that states them. Table 8.1 is the default of a drive.
@@ -81,10 +68,3 @@ PRINTED = (*THRESHOLDS.values(), PEAK_FORCE, *EFFECTIVE_DAMPING.values(), *EFFEC
 
 # Sect. 8.7 describes the threshold of global stability without a number; the drive is that of Fig. 8.14 beyond m_cr.
 GLOBAL_STABILITY = {"mass": 11.0, "support_damping": 1e-3}
-
-# Places where the text contradicts itself about the mass (docs/physics.md): Γ± as printed are those of 8 kg, and below
-# the critical mass, 10.1 kg, there is no seizure, which Sect. 8.7 is about.
-READINGS = (
-    Reading("Sect. 8.5.1", {"translation_damping": 1e3}, 1.0, 8.0),
-    Reading("Fig. 8.14", {"support_damping": 1e-3}, 10.0, 11.0),
-)
