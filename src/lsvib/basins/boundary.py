@@ -9,7 +9,7 @@ before the seizure is followed in turn, until x reaches a cycle without rest, wh
 """
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from enum import IntEnum
 
 import numpy as np
@@ -76,7 +76,7 @@ class Basin:
 
     def clipped(self, window: Window) -> list[Curve]:
         """Return the closed curves around the part of the basin that lies in a window."""
-        return clip(self.flow, self.curves or [_everything()], window)
+        return [clip(self.flow, curve, window) for curve in self.curves or [_everything()]]
 
     def line(self, window: Window, count: int = 100) -> np.ndarray:
         """Return points (n, 2) of the boundary in a window for drawing, NaN where it is interrupted."""
@@ -92,27 +92,21 @@ class Basin:
     def fraction(self, window: Window) -> float:
         """Return the share [1] of a window that belongs to the basin.
 
-        Raises ``InputError`` where the boundary passes through a window that is too narrow for doubles.
+        Raises ``InputError`` for a window that is too narrow for doubles.
         """
         if not self.curves:
             return 1.0
-        narrow = 1e-10 * self._size(window)  # of the size of the boundary: a share is then still good to 1e-4
-        wide = window.widened(*narrow)
-        if wide != window:
-            if any(inside(self.flow, self.curves, wide)):
-                sides = ("u", window.left, window.right, narrow[0]), ("w", window.bottom, window.top, narrow[1])
-                name, low, high, least = next(side for side in sides if side[2] - side[1] < side[3])
-                raise InputError(
-                    f"window {name} = {float(low)!r} to {float(high)!r} is too narrow for the boundary that passes "
-                    f"through it; the allowed range of high - low is at least {least:g} there."
-                )
-            return float(self.contains(window.middle))
-        return min(max(self.area(window) / window.area, 0.0), 1.0)
-
-    def _size(self, window: Window) -> np.ndarray:
-        """Largest |u| [rad] and |w| [rad/s] of the boundary and of a window: what their last digits are relative to."""
+        # The last digits of a window and of the boundary are relative to their largest |u| [rad] and |w| [rad/s].
         points = np.abs([*sampled(self.flow, self.curves), (window.left, window.bottom), (window.right, window.top)])
-        return np.asarray(np.where(np.isfinite(points), points, 0.0).max(axis=0))
+        least = 1e-10 * np.where(np.isfinite(points), points, 0.0).max(axis=0)  # a share is then still good to 1e-4
+        sides = ("u", window.left, window.right, least[0]), ("w", window.bottom, window.top, least[1])
+        for name, low, high, narrowest in sides:
+            if high - low < narrowest:
+                raise InputError(
+                    f"window {name} = {float(low)!r} to {float(high)!r} is too narrow for the boundary of the basin; "
+                    f"the allowed range of high - low is at least {narrowest:g}."
+                )
+        return min(max(self.area(window) / window.area, 0.0), 1.0)
 
 
 def basin(drive: RigidDrive) -> Basin:
@@ -184,14 +178,12 @@ def _in_paradox(drive: RigidDrive, c: Coefficients) -> tuple[Boundary, list[Curv
     if touch is None:
         return Boundary.NONE, []
     back = backward_automaton(drive, touch[0])
-    earlier, before = _before_touch(drive, c, touch)
-    start, mode = before * [1, -1], _row_of(back, MotionMode.SLIP_FORWARD_NEGATIVE)
+    end = np.array([float(touch[0]), float(touch[1])])
+    start, mode = end * [1, -1], _row_of(back, MotionMode.SLIP_FORWARD_NEGATIVE)
     trace = _traced(back, start, mode, 2)
     if trace is None or trace.time.size == 0:
         return Boundary.NONE, []  # The motion comes from far away, so slip from θ′ = 0 never gets as far as T.
-    end = np.array([float(touch[0]), float(touch[1])])
     arcs = _forward_arcs(trace, drive)
-    arcs[-1] = replace(arcs[-1], end=end, duration=arcs[-1].duration + earlier)
     ended = trace.automaton.codes[trace.end_mode] == BEGINNING
     if trace.before[0, 1] != drive.input_speed:  # The motion comes from Q = 0.
         return Boundary.TOUCHING_MOTION, [[arcs[-1], Segment(end, arcs[-1].start)]]
@@ -235,31 +227,6 @@ def _touch(drive: RigidDrive, c: Coefficients) -> tuple[arb, arb] | None:
             )
         w = -rho / kappa
         return -(q_w * w + q_0) / q_u, w
-
-
-def _before_touch(drive: RigidDrive, c: Coefficients, touch: tuple[arb, arb]) -> tuple[float, NDArray[np.float64]]:
-    """Return a time [s] and the state (u, w) in which the motion that touches Q = 0 was so long before.
-
-    Where the rates of slip lie far apart, their ratio being q, the touching state is on the slow eigenvector but for a
-    part q² of it, which doubles do not hold. Backwards this part grows fast, and decides where the motion comes from:
-    with many digits it is followed until it is a tenth of the rate w, and of Ω, so that θ′ = 0 is not met before.
-    """
-    (u, w), k = touch, drive.exact().coupling_stiffness
-    here = 0.0, np.array([float(u), float(w)])
-    with many_digits():
-        square = c.damping[-1] ** 2 - 4 * k * c.gamma[-1]
-        if square <= 0:
-            return here
-        fast = -(c.damping[-1] + square.sqrt()) / (2 * c.gamma[-1])
-        slow = k / (c.gamma[-1] * fast)
-        part = (w - slow * u) / (fast - slow)  # of u along the fast eigenvector
-        wanted = arb(0.1) * abs(w).min(arb(drive.input_speed))
-        size = abs(fast * part)
-        if not 0 < size < wanted:
-            return here
-        time = (wanted / size).log() / -fast
-        fast_end, slow_end = part * wanted / size, (u - part) * (-slow * time).exp()
-        return float(time), np.array([float(slow_end + fast_end), float(slow * slow_end + fast * fast_end)])
 
 
 def _require_rest_in_basin(drive: RigidDrive, c: Coefficients, edge: float) -> None:
