@@ -208,11 +208,8 @@ def _in_paradox(drive: RigidDrive, c: Coefficients) -> tuple[Boundary, list[Curv
 
 
 def _touch(drive: RigidDrive, c: Coefficients) -> tuple[arb, arb] | None:
-    """Return the state in which slip touches Q = 0 from within; None if slip never crosses Q = 0 outwards.
-
-    On the line u″ = R̃ / (m r_m tan λ) − c_x w / m under either law, so Q′ = κ w + ρ along it.
-    """
-    d = drive.exact()
+    """Return the state in which slip touches Q = 0 from within; None if slip never crosses Q = 0 outwards."""
+    d = drive.exact()  # on the line u″ = R̃ / (m r_m tan λ) − c_x w / m under either law, so Q′ = κ w + ρ along it
     q_u, q_w, q_0 = c.q_row
     with many_digits():
         kappa = q_u - q_w * d.translation_damping / d.mass
@@ -263,12 +260,9 @@ def _everything() -> Curve:
 
 
 def _wind_up(drive: RigidDrive, back: Automaton, start: NDArray[np.float64], mode: int) -> Motion | None:
-    """Return one turn of the cycle on to which a motion backwards winds; None if it grows or does not come back.
-
-    The turns only grow (docs/basin.md). Once they have grown by 1e9 the constants of the drive no longer count: each
-    turn is in proportion to the one before, so they grow for ever.
-    """
+    """Return one turn of the cycle on to which a motion backwards winds; None if it grows or does not come back."""
     state, used, chunk = start, 0, 32
+    # The turns only grow (docs/basin.md). By 1e9 the constants of the drive no longer count, and they grow for ever.
     far, most = 1e9 * np.abs(start).max(), 2_000_000  # events, some seconds: turns that still grow hardly do
     scale = back.tables.flow[mode, layout.TIME_SCALE]
     while used < most:

@@ -252,11 +252,9 @@ def _landings(automaton: Automaton, rests: np.ndarray) -> np.ndarray:
 
 
 def _trap(automaton: Automaton, mode: int, size: np.ndarray) -> tuple[float, float, float]:
-    """κ², ρ² of the largest ellipse η² + κ² y² < ρ² in which no guard of a damped mode fires, and ρ² of arrival.
-
-    y = u − u_e, η = w + α y, κ = max(α, β). With y′ = η − α y and η′ = −α η − β² y (−δ² for β² if the roots are real)
-    the function falls at a rate of 2α − |κ² − β²| / κ at least, which is positive. It is e^{−2αt} exactly if κ = β.
-    """
+    """κ², ρ² of the largest ellipse η² + κ² y² < ρ² in which no guard of a damped mode fires, and ρ² of arrival."""
+    # y = u − u_e, η = w + α y, κ = max(α, β). With y′ = η − α y, η′ = −α η − β² y (−δ² for β² if the roots are real)
+    # the function falls at a rate of 2α − |κ² − β²| / κ at least, which is positive. It is e^{−2αt} exactly if κ = β.
     tables = automaton.tables
     row = tables.flow[mode]
     kappa, radius = max(row[layout.ALPHA], row[layout.BETA]), np.inf
@@ -297,11 +295,7 @@ def _releases(automaton: Automaton, known: Known) -> list[tuple[int, np.ndarray]
 
 
 def _with_labels(automaton: Automaton, known: Known, found: Mapping[Section, Pieces], size: np.ndarray) -> Known:
-    """Add the labels of sections, and one for a whole mode where all sections that it leads to have no other.
-
-    An arc from within the ellipse of size F² stays in it, so that its coordinates are bounded by |y| ≤ F / κ and
-    |w| ≤ F (1 + α / κ): with a ``reach`` F² that keeps both within the known part of the sections.
-    """
+    """Add the labels of sections, and one for a whole mode where all sections that it leads to have no other."""
     tables, edges, labels = automaton.tables, [0.0], [UNKNOWN]
     for (mode, surface, _), pieces in found.items():
         if pieces.labels:
@@ -319,6 +313,7 @@ def _with_labels(automaton: Automaton, known: Known, found: Mapping[Section, Pie
         row, kappa = tables.flow[mode], np.sqrt(known.trap[mode, 0])
         if len(ends) == 1 and kappa > 0:
             known.common[mode] = ends.pop()
+            # An arc from within the ellipse of size F² stays in it: |y| ≤ F / κ and |w| ≤ F (1 + α / κ).
             room = max(0.0, _FAR * size[0] - abs(row[layout.EQUILIBRIUM]))
             known.reach[mode] = min(kappa * room, _FAR * size[1] / (1 + row[layout.ALPHA] / kappa)) ** 2
     return known._replace(edges=np.array(edges), labels=np.array(labels, dtype=np.int64))

@@ -248,20 +248,14 @@ def widest_return(d: SlipDrive) -> tuple[arb, arb, arb]:
 
 
 def _fold(d: SlipDrive) -> tuple[Start, arb]:
-    """Smallest R [N] at which slip can seize again and again without rest, infinite if there is none; q_w > 0.
-
-    Two cycles of seizures meet there. Returns it with the u [rad] at which they seize.
-    """
+    """Smallest R [N] at which two cycles of seizures without rest meet, infinite if at none, and u there; q_w > 0."""
     widest, x, time = widest_return(d)
     return Start("fold", d.onset - widest / d.inertia[-1], (time,)), x
 
 
 def _require_rest_in_every_cycle(d: SlipDrive, force: arb) -> None:
-    """Refuse the drives with q_w < 0 that may have cycles without rest, by the sufficient conditions of docs/basin.md.
-
-    ``force`` [N] is the threshold by rest. The largest u that slip from (−u_p, −Ω), u_p = C₋ Ω / k, reaches on the
-    right bounds that of all other slip; the gap is u_c − u_p.
-    """
+    """Refuse drives with q_w < 0 that may have cycles without rest (docs/basin.md); ``force`` is that of rest."""
+    # The largest u that slip from (−u_p, −Ω) reaches, u_p = C₋ Ω / k, bounds that of all other; the gap is u_c − u_p.
     slip, speed, first = d.slip(-1), d.speed, d.end_without_force()
     found = slip.peak(-first, -speed, (1, 0))
     if found is None or found[0] <= 0:

@@ -11,8 +11,7 @@ ends of a narrow enclosure of t: zero at both ends means zero identically, and o
 is done in rational numbers and balls of FLINT.
 """
 
-import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from flint import acb, arb, ctx, fmpq, fmpq_poly
@@ -52,22 +51,6 @@ def tangents(drive: Drive, digits: int = DIGITS) -> tuple[fmpq, ...]:
         return tuple((tangent * (1 + side * apart)).mid().fmpq() for side in (-1, 1))
 
 
-def settled(drive: Drive, law: int, judge: Callable[[Polynomial], Any]) -> tuple[Any, Polynomial]:
-    """Return what ``judge`` says of the polynomial, the same at both ends of an enclosure of tan λ, and the polynomial.
-
-    ``judge`` must depend on signs of polynomials of the coefficients alone, so that enough digits always decide. Raises
-    ``InputError`` where μ is below cot λ only by the rounding of cot λ to a double.
-    """
-    values, digits = rationals(drive), DIGITS
-    if values["friction_coefficient"] * tangents(drive, digits)[1] >= 1:
-        raise InputError(f"friction_coefficient = {drive.friction_coefficient!r} is not below cot(lead_angle).")
-    while True:
-        low, high = (polynomial(type(drive), values, law, t) for t in tangents(drive, digits))
-        if (verdict := judge(low)) == judge(high):
-            return verdict, low
-        digits *= 4
-
-
 def scale(drive: Drive, law: int) -> fmpq:
     """Return the positive factor by which :func:`polynomial` exceeds det(M s² + C s + K)."""
     return find_model(drive.model).excess(LinearParts.of(rationals(drive), law, tangents(drive)[0]))
@@ -79,10 +62,20 @@ def spectrum(drive: Drive, law: int) -> tuple[str, list[complex], Polynomial]:
     Of the rigid drive (8.18) the class is one of :class:`~lsvib.stability.linear.Stability`, in lower case. Of a drive
     of two bodies it is ``stable`` (asymptotically), ``neutral`` (no eigenvalue to the right of the imaginary axis,
     simple ones on it, as without damping), ``kinematic_constraint`` (det M < 0), else ``divergence`` or ``flutter`` by
-    whether the eigenvalue that grows fastest is real. Signs are certain, eigenvalues rounded once.
+    whether the eigenvalue that grows fastest is real. Signs are certain, eigenvalues rounded once. Raises
+    ``InputError`` where μ is below cot λ only by the rounding of cot λ to a double.
     """
-    kind, exact = settled(drive, law, _class)
-    values = sorted((_rounded(root) for root in _all_roots(exact)), key=lambda z: (z.real, z.imag))
+    parameters, digits = rationals(drive), DIGITS
+    if parameters["friction_coefficient"] * tangents(drive, digits)[1] >= 1:
+        raise InputError(f"friction_coefficient = {drive.friction_coefficient!r} is not below cot(lead_angle).")
+    # The class depends on signs of polynomials in tan λ alone, so enough digits give the same one at both ends.
+    while True:
+        exact, other = (polynomial(type(drive), parameters, law, t) for t in tangents(drive, digits))
+        if (kind := _class(exact)) == _class(other):
+            break
+        digits *= 4
+    roots = (complex(float(root.real), float(root.imag)) for root in _all_roots(exact))
+    values = sorted(roots, key=lambda z: (z.real, z.imag))
     if kind == "unstable":
         kind = "divergence" if values[-1].imag == 0 else "flutter"
     return kind, values, exact
@@ -134,12 +127,9 @@ def positive_roots(p: fmpq_poly, limit: fmpq) -> list[fmpq]:
 
 
 def _all_roots(p: Polynomial) -> list[acb]:
-    """All roots, those that coincide as often as they do, each part to a relative 2⁻⁹⁰, or exactly zero.
-
-    Real ones are isolated by FLINT; imaginary ones are the roots that the parts of the polynomial of even and of odd
-    powers share, in s².
-    """
+    """All roots, those that coincide as often as they do, each part to a relative 2⁻⁹⁰, or exactly zero."""
     both = fmpq_poly(list(reversed(p)))
+    # Imaginary ones are those that the parts of even and of odd powers share, in s²; FLINT isolates the real ones.
     shared = fmpq_poly(both.coeffs()[::2]).gcd(fmpq_poly(both.coeffs()[1::2]))
     rest, _ = divmod(both, fmpq_poly([c for x in shared.coeffs() for c in (x, 0)]))
     bits = _BITS
@@ -158,10 +148,3 @@ def _signed_roots(squares: fmpq_poly) -> Iterator[acb]:
         if square.imag == 0:
             root = acb(0, (-square.real).sqrt()) if square.real < 0 else acb(square.real.sqrt())
         yield from [root, -root] * int(count)
-
-
-def _rounded(root: acb) -> complex:
-    """An eigenvalue in doubles; a part that is not zero is not rounded to zero, as its sign decides on stability."""
-    parts = (float(part) or (math.copysign(math.ulp(0.0), float(part.sgn())) if part != 0 else 0.0)
-             for part in (root.real, root.imag))  # fmt: skip
-    return complex(*parts)
