@@ -1,11 +1,9 @@
 """The basin of steady sliding in the rigid drive: its boundary in closed form, its area (Sect. 8.7).
 
-The boundary is found by following one motion backwards in time; docs/basin.md proves that this is enough. Let Ω > 0
-(otherwise the drive is mirrored), and Q = q_u u + q_w w + q_0 (eq. 8.17). For Γ₊ > 0 it is a motion that starts near
-the equilibrium and winds on to the innermost closed orbit, or grows without bound. For Γ₊ ≤ 0, the Painlevé region,
-with R̃ Ω < 0, it is the motion that touches Q = 0, at a point T. If it comes from Q = 0 itself, the two enclose the
-basin. Otherwise it comes from θ′ = 0, from a state (x, −Ω), and if a seizure that ends there begins beyond T, the slip
-before the seizure is followed in turn, until x reaches a cycle without rest, which repels, or goes to −∞.
+The boundary is found by following one motion backwards in time; docs/basin.md says where it may come from, and proves
+that this is enough. Let Ω > 0 (otherwise the drive is mirrored), and Q = q_u u + q_w w + q_0 (eq. 8.17). For Γ₊ > 0 it
+is a motion that starts near the equilibrium; for Γ₊ ≤ 0, the Painlevé region, with R̃ Ω < 0, it is the motion that
+touches Q = 0, at a point T.
 """
 
 import math
@@ -60,23 +58,14 @@ class Basin:
     curves: tuple[Curve, ...] = field(repr=False)
     flow: np.ndarray = field(repr=False)
 
-    @property
-    def codes(self) -> list[int]:
-        """Codes of the modes to whose rows of ``flow`` the arcs refer."""
-        return [int(code) for code in rigid_automaton(self.drive).codes]
-
-    @property
-    def bounded(self) -> bool:
-        """Whether the basin has a finite area."""
-        return bool(self.curves) and all(math.isfinite(curve[0].start[1]) for curve in self.curves)
-
     def contains(self, state: ArrayLike) -> bool:
         """Whether the motion from ``state`` (u [rad], w [rad/s]) settles; on the boundary itself either answer."""
         return not self.curves or contains(self.flow, self.curves, np.asarray(state, dtype=float))
 
     def clipped(self, window: Window) -> list[Curve]:
         """Return the closed curves around the part of the basin that lies in a window."""
-        return [clip(self.flow, curve, window) for curve in self.curves or [_everything()]]
+        everything: Curve = [Segment(np.array([-1e300, -math.inf]), np.array([-1e300, math.inf]))]  # to its right
+        return [clip(self.flow, curve, window) for curve in self.curves or [everything]]
 
     def line(self, window: Window, count: int = 100) -> np.ndarray:
         """Return points (n, 2) of the boundary in a window for drawing, NaN where it is interrupted."""
@@ -87,7 +76,8 @@ class Basin:
         """Return the area [rad²/s] of the basin, or of its part in a window; infinite if it is not bounded."""
         if window is not None:
             return area(self.flow, self.clipped(window))
-        return area(self.flow, self.curves) if self.bounded else math.inf
+        bounded = self.curves and all(math.isfinite(curve[0].start[1]) for curve in self.curves)
+        return area(self.flow, self.curves) if bounded else math.inf
 
     def fraction(self, window: Window) -> float:
         """Return the share [1] of a window that belongs to the basin.
@@ -254,11 +244,6 @@ def _with_seizures(slip: Arc, c: Coefficients) -> Curve:
     ]
 
 
-def _everything() -> Curve:
-    """Return a curve that has the whole plane on its right."""
-    return [Segment(np.array([-1e300, -math.inf]), np.array([-1e300, math.inf]))]
-
-
 def _wind_up(drive: RigidDrive, back: Automaton, start: NDArray[np.float64], mode: int) -> Motion | None:
     """Return one turn of the cycle on to which a motion backwards winds; None if it grows or does not come back."""
     state, used, chunk = start, 0, 32
@@ -307,13 +292,13 @@ def _row_of(automaton: Automaton, mode: int) -> int:
 
 def _mirrored(found: Basin, drive: RigidDrive) -> Basin:
     """Return the basin of a drive from that of the drive with Ω and R reversed: the plane turned by half a turn."""
-    automaton = rigid_automaton(drive)
+    automaton, codes = rigid_automaton(drive), rigid_automaton(found.drive).codes
 
     def turned(piece: Segment | Arc) -> Segment | Arc:
         """A piece of the boundary, turned by half a turn, with the mode that has both signs reversed."""
         if isinstance(piece, Segment):
             return Segment(-piece.start, -piece.end)
-        code = MotionMode.SLIP_BACKWARD_NEGATIVE - found.codes[piece.mode]
+        code = MotionMode.SLIP_BACKWARD_NEGATIVE - codes[piece.mode]
         return Arc(_row_of(automaton, code), -piece.start, -piece.end, piece.duration)
 
     curves = tuple([turned(piece) for piece in curve] for curve in found.curves)

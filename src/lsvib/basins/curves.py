@@ -1,14 +1,10 @@
 r"""Regions of the phase plane bounded by arcs of a flow and straight segments: areas, points, windows – all exact.
 
 A curve is a list of pieces, each beginning where the one before ends; the region that it bounds lies on its *right*: a
-motion turns clockwise in the phase plane. By Green's theorem the area is then ∮ w du; with du = w dt and the balance of
-energy of the oscillator  u″ + a₁ u′ + a₀ u = b
-
-    ∫ w du = ∫ w² dt = −Δ(w²/2 + a₀ u²/2 − b u) / a₁         along an arc,
-
-evaluated in balls of 150 digits: the strips under a boundary nearly cancel, in a narrow window to 24 digits and 20
-more, and the division by a small a₁ costs as many. Along a line w = const, from u = −∞ on, the region is
-entered where a curve rises and left where one falls; if it is left once more than it is entered, it holds u = −∞.
+motion turns clockwise in the phase plane. The area is then ∮ w du (docs/basin.md), in balls of 150 digits: the strips
+under a boundary nearly cancel, in a narrow window to 24 digits, and a small a₁ costs 20 more. Along a line w = const,
+from u = −∞ on, the region is entered where a curve rises and left where one falls; if it is left once more than it is
+entered, it holds u = −∞.
 """
 
 import itertools
@@ -260,12 +256,7 @@ def _cut(flow: np.ndarray, piece: Piece, window: Window) -> list[Piece]:
 
 def _finite(piece: Segment, window: Window) -> Segment:
     """Replace the infinite ends of a segment by points beyond the window and beyond the other end."""
-    height, ends = window.top - window.bottom, []
-    for point, other in ((piece.start, piece.end), (piece.end, piece.start)):
-        beyond = point[1]
-        if beyond == -math.inf:
-            beyond = min(window.bottom, other[1]) - height
-        elif beyond == math.inf:
-            beyond = max(window.top, other[1]) + height
-        ends.append(np.array([point[0], beyond]))
-    return Segment(*ends)
+    height, ends = window.top - window.bottom, (piece.start, piece.end)
+    places = [window.bottom, window.top, *(point[1] for point in ends if math.isfinite(point[1]))]
+    low, high = min(places) - height, max(places) + height
+    return Segment(*(np.array([point[0], np.clip(point[1], low, high)]) for point in ends))

@@ -2,15 +2,10 @@
 
 A *section* is a mode together with a surface on which the mode is entered. After every event a motion with two states
 is on a section or at rest, unless the event was its last one; so the label of a motion is that of its state after the
-first event. Along a section the label is constant between finitely many points, which are found here to the last bit.
-It is enough to compare two ends (docs/attraction.md proves it): if two points of a section have the same *itinerary*,
-the guards of all events and the signs of all conditions of their transitions, every point between them has it, too.
-Where the itineraries differ, bisection finds the point up to which that of one end holds, and both parts are examined
-again. Rounding moves such a point; so starts within a band about it, far wider than rounding, are unresolved.
-
-An itinerary ends where the rest of the motion is known: at rest, because every rest ends in the same state, or where
-the motion settles. What a motion ends in is decided by :func:`lsvib.dynamics.attractor.steady_state` alone: once for
-the end of rest, and for motions whose itineraries do not end, as on a cycle without rest.
+first event. Along a section the label is constant between finitely many points, which are found here to the last bit:
+docs/attraction.md says how, and why comparing the *itineraries* of two ends – the guards of all events, the signs of
+all conditions of their transitions – is enough. Rounding moves such a point; so starts within a band about it, far
+wider than rounding, are unresolved.
 """
 
 from collections.abc import Mapping, Sequence
@@ -88,7 +83,7 @@ class Sections:
 
     def _labels(self, section: Section) -> Pieces:
         """Return labels along a section, by bisection between motions of different courses, wide pieces first."""
-        size = self.size[section.free]
+        tables, size = self.automaton.tables, self.size[section.free]
         low, high = (end * size for end in self._ends(section))
         found: list[tuple[float, float, int]] = []
         waiting = [(-np.inf, low, high)] if low < high else []
@@ -103,7 +98,7 @@ class Sections:
                 found.append((low, high, UNKNOWN))
             else:
                 self._work += 1
-                tables, resolution = self.automaton.tables, 1e-3 * flow_planar.EPS * size
+                resolution = 1e-3 * flow_planar.EPS * size
                 here, there = kernels.last_agreement(
                     tables, self.known, *section[:2], low, high, resolution, courses[0], differ[0]
                 )

@@ -1,10 +1,8 @@
 r"""Places at which steady sliding changes, as all roots of polynomials in one parameter of a drive.
 
-With t = tan λ the coefficients of :func:`lsvib.stability.spectrum.polynomial` and the net force R̃ are polynomials in
-every parameter and in t. So all roots in any one of them are isolated with certainty, in rational numbers of FLINT, and
-a list of them is complete. Steady sliding changes its stability only at roots of R̃ and of the numbers whose signs
-decide (:func:`lsvib.stability.spectrum.margins`); exact signs between them say where it is stable. The sign of Ω is
-kept on each side of zero. The equations stand in docs/thresholds.md.
+Steady sliding changes its stability only at roots of R̃ and of the numbers whose signs decide
+(:func:`lsvib.stability.spectrum.margins`); exact signs between them say where it is stable. The sign of Ω is kept on
+each side of zero. The equations, and why a list of their roots is complete, stand in docs/thresholds.md.
 """
 
 import math

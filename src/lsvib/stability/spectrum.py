@@ -22,8 +22,6 @@ from lsvib.models.mechanics import LinearParts
 from lsvib.models.model import find_model
 from lsvib.stability.linear import Stability, hurwitz
 
-DIGITS = 100  # of tan λ at first; a condition that vanishes to some 80 digits calls for four times as many
-_BITS = 100  # relative width to which a root is found, far below the spacing of doubles
 SAME = fmpq(1, 2**88)  # relative: no double lies between two roots that are closer, so they count as one
 
 Polynomial = tuple[Any, ...]
@@ -44,7 +42,7 @@ def rationals(drive: Drive) -> dict[str, fmpq]:
     return {key: fmpq(*value.as_integer_ratio()) for key, value in drive}
 
 
-def tangents(drive: Drive, digits: int = DIGITS) -> tuple[fmpq, ...]:
+def tangents(drive: Drive, digits: int = 100) -> tuple[fmpq, ...]:
     """Return rationals just below and just above tan λ, a relative 10^−digits apart from it."""
     with ctx.workdps(digits + 10):
         tangent, apart = arb(drive.lead_angle).tan().mid(), arb(10) ** -digits
@@ -65,10 +63,11 @@ def spectrum(drive: Drive, law: int) -> tuple[str, list[complex], Polynomial]:
     whether the eigenvalue that grows fastest is real. Signs are certain, eigenvalues rounded once. Raises
     ``InputError`` where μ is below cot λ only by the rounding of cot λ to a double.
     """
-    parameters, digits = rationals(drive), DIGITS
+    parameters, digits = rationals(drive), 100
     if parameters["friction_coefficient"] * tangents(drive, digits)[1] >= 1:
         raise InputError(f"friction_coefficient = {drive.friction_coefficient!r} is not below cot(lead_angle).")
-    # The class depends on signs of polynomials in tan λ alone, so enough digits give the same one at both ends.
+    # The class depends on signs of polynomials in tan λ alone, so enough digits give the same one at both ends; where
+    # one vanishes to some 80 digits, four times as many.
     while True:
         exact, other = (polynomial(type(drive), parameters, law, t) for t in tangents(drive, digits))
         if (kind := _class(exact)) == _class(other):
@@ -121,7 +120,7 @@ def _class(p: Polynomial) -> str:
 
 def positive_roots(p: fmpq_poly, limit: fmpq) -> list[fmpq]:
     """Distinct roots in (0, limit] of a polynomial that is not zero, in ascending order, each to a relative 2⁻⁹⁰."""
-    with ctx.workprec(_BITS):
+    with ctx.workprec(100):
         roots = [root.real.mid().fmpq() for root, _ in p.complex_roots() if root.imag == 0]
     return sorted(root for root in roots if 0 < root <= limit)
 
@@ -132,7 +131,7 @@ def _all_roots(p: Polynomial) -> list[acb]:
     # Imaginary ones are those that the parts of even and of odd powers share, in s²; FLINT isolates the real ones.
     shared = fmpq_poly(both.coeffs()[::2]).gcd(fmpq_poly(both.coeffs()[1::2]))
     rest, _ = divmod(both, fmpq_poly([c for x in shared.coeffs() for c in (x, 0)]))
-    bits = _BITS
+    bits = 100
     while True:
         with ctx.workprec(bits):
             found = [*_signed_roots(shared), *(root for root, n in rest.complex_roots() for _ in range(int(n)))]

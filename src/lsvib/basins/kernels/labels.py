@@ -231,12 +231,8 @@ def map_labels(tables, known, x, y, across, budget, labels, first_events):
                 elif first_events.size == 0 and known.common[mode] != UNKNOWN and extent < known.reach[mode]:
                     leaves = _NONE
                     for guard in range(tables.guard_start[mode], tables.guard_start[mode + 1]):
-                        surface, sign = tables.guard_surface[guard], tables.guard_sign[guard]
-                        g_u, g_w, g_0 = (
-                            sign * surfaces[surface, 0],
-                            sign * surfaces[surface, 1],
-                            sign * surfaces[surface, 2],
-                        )
+                        sign, row = tables.guard_sign[guard], surfaces[tables.guard_surface[guard]]
+                        g_u, g_w, g_0 = sign * row[0], sign * row[1], sign * row[2]
                         value = g_u * u + g_w * w + g_0
                         size = ROUNDING * (abs(g_0) + abs(g_u) * abs(u) + abs(g_w) * abs(w))
                         outlook = _CROSSING if value < -size else _UNDECIDED
@@ -348,21 +344,16 @@ def _arrival_time(tables, known, mode, state):
     if row[BETA] * row[BETA] == kappa2:  # the ellipse shrinks as e^{−2αt}
         return 0.5 * math.log(size / goal) / row[ALPHA]
     y, w = state[0] - row[EQUILIBRIUM], state[1]
-    low, high = 0.0, 1.0 / (row[ALPHA] + row[BETA] + row[DELTA])
-    for _ in range(
-        4000
-    ):  # 2098 doublings lead from the smallest double to the largest, some 105 halvings end a bracket
-        middle = high if low == 0.0 else 0.5 * (low + high)
+    low, high, bracketed = 0.0, 1.0 / (row[ALPHA] + row[BETA] + row[DELTA]), False
+    for _ in range(4000):  # 2098 doublings lead from the smallest double to the largest
+        middle = 0.5 * (low + high) if bracketed else high
         c, s, s_rate = flow_planar.responses(row, middle)
         there, rate = y * c + w * s, w * s_rate - row[A0] * y * s
         eta = rate + row[ALPHA] * there
-        if eta * eta + kappa2 * there * there > goal:
-            low, high = (middle, high) if low > 0.0 else (0.0, 2.0 * high)
-        elif low == 0.0:
-            low = EPS * high
-        else:
-            high = middle
-        if low > 0.0 and high - low <= 4.0 * EPS * high:
+        outside = eta * eta + kappa2 * there * there > goal
+        bracketed = bracketed or not outside
+        low, high = (middle, high if bracketed else 2.0 * high) if outside else (low, middle)
+        if bracketed and high - low <= 4.0 * EPS * high:
             break
     return high
 
