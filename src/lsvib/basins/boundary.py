@@ -58,6 +58,11 @@ class Basin:
     curves: tuple[Curve, ...] = field(repr=False)
     flow: np.ndarray = field(repr=False)
 
+    @property
+    def codes(self) -> list[int]:
+        """Codes of the modes to whose rows of ``flow`` the arcs refer."""
+        return [int(code) for code in rigid_automaton(self.drive).codes]
+
     def contains(self, state: ArrayLike) -> bool:
         """Whether the motion from ``state`` (u [rad], w [rad/s]) settles; on the boundary itself either answer."""
         return not self.curves or contains(self.flow, self.curves, np.asarray(state, dtype=float))
@@ -292,13 +297,13 @@ def _row_of(automaton: Automaton, mode: int) -> int:
 
 def _mirrored(found: Basin, drive: RigidDrive) -> Basin:
     """Return the basin of a drive from that of the drive with Ω and R reversed: the plane turned by half a turn."""
-    automaton, codes = rigid_automaton(drive), rigid_automaton(found.drive).codes
+    automaton = rigid_automaton(drive)
 
     def turned(piece: Segment | Arc) -> Segment | Arc:
         """A piece of the boundary, turned by half a turn, with the mode that has both signs reversed."""
         if isinstance(piece, Segment):
             return Segment(-piece.start, -piece.end)
-        code = MotionMode.SLIP_BACKWARD_NEGATIVE - codes[piece.mode]
+        code = MotionMode.SLIP_BACKWARD_NEGATIVE - found.codes[piece.mode]
         return Arc(_row_of(automaton, code), -piece.start, -piece.end, piece.duration)
 
     curves = tuple([turned(piece) for piece in curve] for curve in found.curves)

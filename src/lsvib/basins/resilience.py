@@ -1,8 +1,8 @@
 r"""How large a perturbation steady sliding tolerates, and how much of a window settles: from the boundary of the basin.
 
 A perturbation moves the drive from steady sliding to a deviation (u, w) at once. It is tolerated if that lies in the
-basin; the smallest that is not ends on the boundary, and every smaller one is tolerated: along u = 0 and along w = 0 to
-the nearest crossing, by its energy E = k u² / 2 + J w² / 2, J = I + m r_m² tan² λ, to the nearest point (docs/basin.md).
+basin; the smallest that is not ends on the boundary, and all smaller ones are tolerated: along u = 0 and w = 0 up
+to the nearest crossing, by energy E = k u² / 2 + J w² / 2, J = I + m r_m² tan² λ, to the nearest point (docs/basin.md).
 """
 
 import math

@@ -65,11 +65,12 @@ def backward_automaton(drive: RigidDrive, touch: arb | None = None) -> Automaton
         guards = (contact, Guard("screw_speed", direction, f"stand_{mode.name}"))
         modes[mode.name] = Mode(int(mode), oscillator(*terms), guards, exact=eigenform(*terms))
     if not c.paradox:
-        transitions = {}
+        transitions, named = {}, {signs: mode.name for mode, signs in _SIGNS.items()}
         for mode in map(MotionMode.__getitem__, modes):
             direction, q_sign = _SIGNS[mode]
-            transitions[f"contact_{mode.name}"] = _pass_to(direction, -q_sign, EventKind.CONTACT_REVERSAL)
-            transitions[f"stand_{mode.name}"] = _pass_to(-direction, q_sign, EventKind.REVERSAL)
+            reversal = Branch(named[direction, -q_sign], EventKind.CONTACT_REVERSAL)
+            transitions[f"contact_{mode.name}"] = Transition((reversal,))
+            transitions[f"stand_{mode.name}"] = Transition((Branch(named[-direction, q_sign], EventKind.REVERSAL),))
     else:
         transitions = _seizures(c.q_row, touch)
         # Any motion that grows would do: nothing comes back from there.
@@ -82,11 +83,6 @@ def backward_automaton(drive: RigidDrive, touch: arb | None = None) -> Automaton
         observables={},
         shortest_stay=0.0,
     )
-
-
-def _pass_to(direction: int, q_sign: int, kind: EventKind) -> Transition:
-    mode = next(mode for mode, signs in _SIGNS.items() if signs == (direction, q_sign))
-    return Transition((Branch(mode.name, kind),))
 
 
 def _seizures(q_row, touch: arb) -> dict[str, Transition]:

@@ -237,7 +237,8 @@ def stable_set(drive: Drive, key: str) -> StableSet | None:
     for line, (of_line, places, _) in zip(lines, found, strict=True):
         parts += [sorted((line.side * a, line.side * b)) for a, b, stable in of_line if stable]
         changes += places
-    line, intervals = lines[-1], []
+    line = lines[-1]
+    intervals: list[tuple[fmpq, fmpq]] = []
     for low, high in sorted(parts):
         touches = intervals and intervals[-1][1] == low and (low != 0 or key != "input_speed")
         intervals.append((intervals.pop()[0] if touches else low, high))

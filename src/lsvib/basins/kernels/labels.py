@@ -258,8 +258,7 @@ def map_labels(tables, known, x, y, across, budget, labels, first_events):
 
 @entry
 def put_on(tables, surface, state):
-    """Set the dependent coordinate of a point of a surface, as :func:`lsvib.engine.kernels.event_loop.put_on_surface`
-    does."""
+    """Set the dependent coordinate of a point of a surface, as ``event_loop.put_on_surface`` does."""
     row, chosen = tables.surfaces[surface], tables.snap[surface]
     state[chosen] = -(row[2] + row[1 - chosen] * state[1 - chosen]) / row[chosen]
 
