@@ -3,25 +3,24 @@
 import numpy as np
 import pytest
 
-from lsvib.basins.grid import Grid
+from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapper import mapper
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.models.drive import NutDrive, SupportDrive, ThreadsDrive
 
 DRIVE = {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0}
-GRID = ["u=-0.05:0.05:6", "w=-15:15:5"]
+GRID = Grid(Axis.checked("u", -0.05, 0.05, 6), Axis.checked("w", -15, 15, 5))
 
 
 @pytest.mark.parametrize(("kind", "model"), [(ThreadsDrive, "threads"), (SupportDrive, "support"), (NutDrive, "nut")])
 def test_labels_against_the_return_map(kind, model):
     mapped = mapper(kind.of(DRIVE), model)
-    grid = Grid.parse(GRID)
-    found = mapped.cells(grid, quantities=("label", "time", "seizures", "first_event"))
+    found = mapped.cells(GRID, quantities=("label", "time", "seizures", "first_event"))
     for (i, j), label in np.ndenumerate(found["label"]):
-        state = mapped.definition.initial_state(mapped.drive, {"u": grid.x.centres()[j], "w": grid.y.centres()[i]})
+        state = mapped.definition.initial_state(mapped.drive, {"u": GRID.x.centres()[j], "w": GRID.y.centres()[i]})
         assert steady_state(mapped.automaton, state).label == label
     assert Attractor.UNRESOLVED not in found["label"]
     assert np.isfinite(found["time"]).all()
-    again = mapped.cells(grid, slice(2, 5), slice(1, 4), quantities=("label", "time"), workers=2)
+    again = mapped.cells(GRID, slice(2, 5), slice(1, 4), quantities=("label", "time"), workers=2)
     assert again["time"].tobytes() == found["time"][2:5, 1:4].tobytes()
     assert again["label"].tobytes() == found["label"][2:5, 1:4].tobytes()

@@ -1,15 +1,13 @@
 """The basin of steady sliding in the rigid drive: its boundary in closed form, its area (Sect. 8.7).
 
-The boundary is found by following one motion backwards in time; docs/basin.md proves that this is enough. Let Ω > 0
-(otherwise the drive is mirrored), and Q = q_u u + q_w w + q_0 (eq. 8.17). For Γ₊ > 0 it is a motion that starts near
-the equilibrium and winds on to the innermost closed orbit, or grows without bound. For Γ₊ ≤ 0, the Painlevé region,
-with R̃ Ω < 0, it is the motion that touches Q = 0, at a point T. If it comes from Q = 0 itself, the two enclose the
-basin. Otherwise it comes from θ′ = 0, from a state (x, −Ω), and if a seizure that ends there begins beyond T, the slip
-before the seizure is followed in turn, until x reaches a cycle without rest, which repels, or goes to −∞.
+The boundary is found by following one motion backwards in time; docs/basin.md says where it may come from, and proves
+that this is enough. Let Ω > 0 (otherwise the drive is mirrored), and Q = q_u u + q_w w + q_0 (eq. 8.17). For Γ₊ > 0 it
+is a motion that starts near the equilibrium; for Γ₊ ≤ 0, the Painlevé region, with R̃ Ω < 0, it is the motion that
+touches Q = 0, at a point T.
 """
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from enum import IntEnum
 
 import numpy as np
@@ -65,18 +63,14 @@ class Basin:
         """Codes of the modes to whose rows of ``flow`` the arcs refer."""
         return [int(code) for code in rigid_automaton(self.drive).codes]
 
-    @property
-    def bounded(self) -> bool:
-        """Whether the basin has a finite area."""
-        return bool(self.curves) and all(math.isfinite(curve[0].start[1]) for curve in self.curves)
-
     def contains(self, state: ArrayLike) -> bool:
         """Whether the motion from ``state`` (u [rad], w [rad/s]) settles; on the boundary itself either answer."""
         return not self.curves or contains(self.flow, self.curves, np.asarray(state, dtype=float))
 
     def clipped(self, window: Window) -> list[Curve]:
         """Return the closed curves around the part of the basin that lies in a window."""
-        return clip(self.flow, self.curves or [_everything()], window)
+        everything: Curve = [Segment(np.array([-1e300, -math.inf]), np.array([-1e300, math.inf]))]  # to its right
+        return [clip(self.flow, curve, window) for curve in self.curves or [everything]]
 
     def line(self, window: Window, count: int = 100) -> np.ndarray:
         """Return points (n, 2) of the boundary in a window for drawing, NaN where it is interrupted."""
@@ -87,32 +81,27 @@ class Basin:
         """Return the area [rad²/s] of the basin, or of its part in a window; infinite if it is not bounded."""
         if window is not None:
             return area(self.flow, self.clipped(window))
-        return area(self.flow, self.curves) if self.bounded else math.inf
+        bounded = self.curves and all(math.isfinite(curve[0].start[1]) for curve in self.curves)
+        return area(self.flow, self.curves) if bounded else math.inf
 
     def fraction(self, window: Window) -> float:
         """Return the share [1] of a window that belongs to the basin.
 
-        Raises ``InputError`` where the boundary passes through a window that is too narrow for doubles.
+        Raises ``InputError`` for a window that is too narrow for doubles.
         """
         if not self.curves:
             return 1.0
-        narrow = 1e-10 * self._size(window)  # of the size of the boundary: a share is then still good to 1e-4
-        wide = window.widened(*narrow)
-        if wide != window:
-            if any(inside(self.flow, self.curves, wide)):
-                sides = ("u", window.left, window.right, narrow[0]), ("w", window.bottom, window.top, narrow[1])
-                name, low, high, least = next(side for side in sides if side[2] - side[1] < side[3])
-                raise InputError(
-                    f"window {name} = {float(low)!r} to {float(high)!r} is too narrow for the boundary that passes "
-                    f"through it; the allowed range of high - low is at least {least:g} there."
-                )
-            return float(self.contains(window.middle))
-        return min(max(self.area(window) / window.area, 0.0), 1.0)
-
-    def _size(self, window: Window) -> np.ndarray:
-        """Largest |u| [rad] and |w| [rad/s] of the boundary and of a window: what their last digits are relative to."""
+        # The last digits of a window and of the boundary are relative to their largest |u| [rad] and |w| [rad/s].
         points = np.abs([*sampled(self.flow, self.curves), (window.left, window.bottom), (window.right, window.top)])
-        return np.asarray(np.where(np.isfinite(points), points, 0.0).max(axis=0))
+        least = 1e-10 * np.where(np.isfinite(points), points, 0.0).max(axis=0)  # a share is then still good to 1e-4
+        sides = ("u", window.left, window.right, least[0]), ("w", window.bottom, window.top, least[1])
+        for name, low, high, narrowest in sides:
+            if high - low < narrowest:
+                raise InputError(
+                    f"window {name} = {float(low)!r} to {float(high)!r} is too narrow for the boundary of the basin; "
+                    f"the allowed range of high - low is at least {narrowest:g}."
+                )
+        return min(max(self.area(window) / window.area, 0.0), 1.0)
 
 
 def basin(drive: RigidDrive) -> Basin:
@@ -184,14 +173,12 @@ def _in_paradox(drive: RigidDrive, c: Coefficients) -> tuple[Boundary, list[Curv
     if touch is None:
         return Boundary.NONE, []
     back = backward_automaton(drive, touch[0])
-    earlier, before = _before_touch(drive, c, touch)
-    start, mode = before * [1, -1], _row_of(back, MotionMode.SLIP_FORWARD_NEGATIVE)
+    end = np.array([float(touch[0]), float(touch[1])])
+    start, mode = end * [1, -1], _row_of(back, MotionMode.SLIP_FORWARD_NEGATIVE)
     trace = _traced(back, start, mode, 2)
     if trace is None or trace.time.size == 0:
         return Boundary.NONE, []  # The motion comes from far away, so slip from θ′ = 0 never gets as far as T.
-    end = np.array([float(touch[0]), float(touch[1])])
     arcs = _forward_arcs(trace, drive)
-    arcs[-1] = replace(arcs[-1], end=end, duration=arcs[-1].duration + earlier)
     ended = trace.automaton.codes[trace.end_mode] == BEGINNING
     if trace.before[0, 1] != drive.input_speed:  # The motion comes from Q = 0.
         return Boundary.TOUCHING_MOTION, [[arcs[-1], Segment(end, arcs[-1].start)]]
@@ -216,11 +203,8 @@ def _in_paradox(drive: RigidDrive, c: Coefficients) -> tuple[Boundary, list[Curv
 
 
 def _touch(drive: RigidDrive, c: Coefficients) -> tuple[arb, arb] | None:
-    """Return the state in which slip touches Q = 0 from within; None if slip never crosses Q = 0 outwards.
-
-    On the line u″ = R̃ / (m r_m tan λ) − c_x w / m under either law, so Q′ = κ w + ρ along it.
-    """
-    d = drive.exact()
+    """Return the state in which slip touches Q = 0 from within; None if slip never crosses Q = 0 outwards."""
+    d = drive.exact()  # on the line u″ = R̃ / (m r_m tan λ) − c_x w / m under either law, so Q′ = κ w + ρ along it
     q_u, q_w, q_0 = c.q_row
     with many_digits():
         kappa = q_u - q_w * d.translation_damping / d.mass
@@ -235,31 +219,6 @@ def _touch(drive: RigidDrive, c: Coefficients) -> tuple[arb, arb] | None:
             )
         w = -rho / kappa
         return -(q_w * w + q_0) / q_u, w
-
-
-def _before_touch(drive: RigidDrive, c: Coefficients, touch: tuple[arb, arb]) -> tuple[float, NDArray[np.float64]]:
-    """Return a time [s] and the state (u, w) in which the motion that touches Q = 0 was so long before.
-
-    Where the rates of slip lie far apart, their ratio being q, the touching state is on the slow eigenvector but for a
-    part q² of it, which doubles do not hold. Backwards this part grows fast, and decides where the motion comes from:
-    with many digits it is followed until it is a tenth of the rate w, and of Ω, so that θ′ = 0 is not met before.
-    """
-    (u, w), k = touch, drive.exact().coupling_stiffness
-    here = 0.0, np.array([float(u), float(w)])
-    with many_digits():
-        square = c.damping[-1] ** 2 - 4 * k * c.gamma[-1]
-        if square <= 0:
-            return here
-        fast = -(c.damping[-1] + square.sqrt()) / (2 * c.gamma[-1])
-        slow = k / (c.gamma[-1] * fast)
-        part = (w - slow * u) / (fast - slow)  # of u along the fast eigenvector
-        wanted = arb(0.1) * abs(w).min(arb(drive.input_speed))
-        size = abs(fast * part)
-        if not 0 < size < wanted:
-            return here
-        time = (wanted / size).log() / -fast
-        fast_end, slow_end = part * wanted / size, (u - part) * (-slow * time).exp()
-        return float(time), np.array([float(slow_end + fast_end), float(slow * slow_end + fast * fast_end)])
 
 
 def _require_rest_in_basin(drive: RigidDrive, c: Coefficients, edge: float) -> None:
@@ -290,18 +249,10 @@ def _with_seizures(slip: Arc, c: Coefficients) -> Curve:
     ]
 
 
-def _everything() -> Curve:
-    """Return a curve that has the whole plane on its right."""
-    return [Segment(np.array([-1e300, -math.inf]), np.array([-1e300, math.inf]))]
-
-
 def _wind_up(drive: RigidDrive, back: Automaton, start: NDArray[np.float64], mode: int) -> Motion | None:
-    """Return one turn of the cycle on to which a motion backwards winds; None if it grows or does not come back.
-
-    The turns only grow (docs/basin.md). Once they have grown by 1e9 the constants of the drive no longer count: each
-    turn is in proportion to the one before, so they grow for ever.
-    """
+    """Return one turn of the cycle on to which a motion backwards winds; None if it grows or does not come back."""
     state, used, chunk = start, 0, 32
+    # The turns only grow (docs/basin.md). By 1e9 the constants of the drive no longer count, and they grow for ever.
     far, most = 1e9 * np.abs(start).max(), 2_000_000  # events, some seconds: turns that still grow hardly do
     scale = back.tables.flow[mode, layout.TIME_SCALE]
     while used < most:

@@ -1,14 +1,10 @@
 r"""Regions of the phase plane bounded by arcs of a flow and straight segments: areas, points, windows – all exact.
 
 A curve is a list of pieces, each beginning where the one before ends; the region that it bounds lies on its *right*: a
-motion turns clockwise in the phase plane. By Green's theorem the area is then ∮ w du; with du = w dt and the balance of
-energy of the oscillator  u″ + a₁ u′ + a₀ u = b
-
-    ∫ w du = ∫ w² dt = −Δ(w²/2 + a₀ u²/2 − b u) / a₁         along an arc,
-
-evaluated in balls of 150 digits: the strips under a boundary nearly cancel, in a narrow window to 24 digits and 20
-more, and the division by a small a₁ costs as many. Along a line w = const, from u = −∞ on, the region is
-entered where a curve rises and left where one falls; if it is left once more than it is entered, it holds u = −∞.
+motion turns clockwise in the phase plane. The area is then ∮ w du (docs/basin.md), in balls of 150 digits: the strips
+under a boundary nearly cancel, in a narrow window to 24 digits, and a small a₁ costs 20 more. Along a line w = const,
+from u = −∞ on, the region is entered where a curve rises and left where one falls; if it is left once more than it is
+entered, it holds u = −∞.
 """
 
 import itertools
@@ -62,22 +58,9 @@ class Window(NamedTuple):
         """Area [rad²/s]."""
         return (self.right - self.left) * (self.top - self.bottom)
 
-    @property
-    def middle(self) -> np.ndarray:
-        """Middle (u [rad], w [rad/s])."""
-        return np.array([0.5 * (self.left + self.right), 0.5 * (self.bottom + self.top)])
-
     def holds(self, state: np.ndarray) -> bool:
         """Whether a state (2) lies inside."""
         return bool(self.left < state[0] < self.right and self.bottom < state[1] < self.top)
-
-    def widened(self, width: float, height: float) -> "Window":
-        """Return the window about the same middle that is at least so wide [rad] and high [rad/s]."""
-        (left, right), (bottom, top) = (
-            (low, high) if high - low >= least else (0.5 * (low + high - least), 0.5 * (low + high + least))
-            for low, high, least in ((self.left, self.right, width), (self.bottom, self.top, height))
-        )
-        return Window(left, right, bottom, top)
 
 
 def state_on(flow: np.ndarray, arc: Arc, time: float) -> np.ndarray:
@@ -203,28 +186,25 @@ def _angle_at(flow: np.ndarray, part: Piece, w: float) -> float:
     return float(state_on(flow, part, time)[0] if found == Found.CROSSING else part.end[0])
 
 
-def clip(flow: np.ndarray, curves: Sequence[Curve], window: Window) -> list[Curve]:
-    """Return the closed curves around the part of a region that lies in a window.
+def clip(flow: np.ndarray, curve: Curve, window: Window) -> Curve:
+    """Return the closed curve around the part of a region that lies in a window.
 
-    ``curves`` are closed or reach infinity at both ends, with the region on their right; so are the curves returned,
-    which follow the edges of the window clockwise where the region goes on beyond them.
+    ``curve``, with the region on its right, is closed or goes from one infinite w to the other. What lies outside is
+    moved to the nearest point of the window, which is on an edge: no point within changes the side on which it lies.
     """
-    closed, paths = inside(flow, curves, window)
-    if not paths and not closed:
-        return [_edges(window, 0.0, 4.0)] if contains(flow, curves, window.middle) else []
-    while paths:
-        loop = paths.pop(0)
-        while True:
-            leaves = _place(window, loop[-1].end)
-            ahead = {((_place(window, path[0].start) - leaves) % 4.0): path for path in [loop, *paths]}
-            way = min(ahead)
-            loop = [*loop, *_edges(window, leaves, way)]
-            if ahead[way][0] is loop[0]:
-                break
-            paths = [path for path in paths if path is not ahead[way]]
-            loop = [*loop, *ahead[way]]
-        closed.append(loop)
-    return closed
+    low, high = np.array([window.left, window.bottom]), np.array([window.right, window.top])
+    clipped: Curve = []
+    for part in (part for piece in curve for part in _cut(flow, piece, window)):
+        if window.holds(_middle(flow, part)):
+            clipped.append(part)
+        else:
+            clipped.append(Segment(np.clip(part.start, low, high), np.clip(part.end, low, high)))
+    if math.isinf(curve[0].start[1]):  # back along the edge on the right
+        edge = window.right if curve[0].start[1] < 0 else window.left
+        first, last = clipped[0].start, clipped[-1].end
+        stops = [last, np.array([edge, last[1]]), np.array([edge, first[1]]), first]
+        clipped += [Segment(one, other) for one, other in itertools.pairwise(stops)]
+    return clipped
 
 
 def inside(flow: np.ndarray, curves: Iterable[Curve], window: Window) -> tuple[list[Curve], list[Curve]]:
@@ -276,34 +256,7 @@ def _cut(flow: np.ndarray, piece: Piece, window: Window) -> list[Piece]:
 
 def _finite(piece: Segment, window: Window) -> Segment:
     """Replace the infinite ends of a segment by points beyond the window and beyond the other end."""
-    height, ends = window.top - window.bottom, []
-    for point, other in ((piece.start, piece.end), (piece.end, piece.start)):
-        beyond = point[1]
-        if beyond == -math.inf:
-            beyond = min(window.bottom, other[1]) - height
-        elif beyond == math.inf:
-            beyond = max(window.top, other[1]) + height
-        ends.append(np.array([point[0], beyond]))
-    return Segment(*ends)
-
-
-def _place(window: Window, point: np.ndarray) -> float:
-    """Return how far round the window a point of its edge lies, clockwise from the top left corner: 0 to 4."""
-    u = (point[0] - window.left) / (window.right - window.left)
-    w = (window.top - point[1]) / (window.top - window.bottom)
-    gaps = {u: abs(w), 1 + w: abs(1 - u), 3 - u: abs(1 - w), 4 - w: abs(u)}
-    return float(min(gaps, key=gaps.__getitem__) % 4.0)
-
-
-def _edges(window: Window, start: float, way: float) -> Curve:
-    """Return the edges of a window as segments, clockwise from a place and over a length, of which 4 is once round."""
-    (left, right, bottom, top) = window
-    corners = np.array([(left, top), (right, top), (right, bottom), (left, bottom)], dtype=float)
-
-    def point(place: float) -> np.ndarray:
-        side, share = divmod(place % 4.0, 1.0)
-        here, there = corners[int(side)], corners[(int(side) + 1) % 4]
-        return np.asarray(here + share * (there - here))
-
-    stops = [start, *(float(k) for k in range(math.floor(start) + 1, math.ceil(start + way))), start + way]
-    return [Segment(point(a), point(b)) for a, b in itertools.pairwise(stops) if b > a]
+    height, ends = window.top - window.bottom, (piece.start, piece.end)
+    places = [window.bottom, window.top, *(point[1] for point in ends if math.isfinite(point[1]))]
+    low, high = min(places) - height, max(places) + height
+    return Segment(*(np.array([point[0], np.clip(point[1], low, high)]) for point in ends))

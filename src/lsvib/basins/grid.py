@@ -2,7 +2,7 @@
 
 import math
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import cache
 from typing import Any, NamedTuple, Self
 
@@ -22,9 +22,6 @@ def coordinates() -> dict[str, str]:
         for model in all_models().values()
         for key, state in zip((*model.required, *model.optional), model.states, strict=True)
     }
-
-
-_MOST = 10_000_000  # cells along an axis
 
 
 class Axis(NamedTuple):
@@ -61,15 +58,16 @@ class Axis(NamedTuple):
         start, stop = (numbers.start(f"axis {coordinate}: {name}", x) for name, x in (("start", start), ("stop", stop)))
         if not start < stop:
             raise InputError(f"axis {coordinate} has start = {start:g} and stop = {stop:g}; it needs start < stop.")
+        most = 10_000_000
         try:
             cells = numbers.whole(count)
         except numbers.NotNumber as error:
             raise InputError(
                 f"axis {coordinate} has count = {count if isinstance(count, str) else numbers.shown(count)}, which "
-                f"{error}; the allowed range is 1 <= count <= {_MOST}."
+                f"{error}; the allowed range is 1 <= count <= {most}."
             ) from None
-        if not 1 <= cells <= _MOST:
-            raise InputError(f"axis {coordinate} has count = {cells}; the allowed range is 1 <= count <= {_MOST}.")
+        if not 1 <= cells <= most:
+            raise InputError(f"axis {coordinate} has count = {cells}; the allowed range is 1 <= count <= {most}.")
         # A middle is rounded three times, each time by at most one unit in the last place of the larger end; and the
         # width itself needs all its digits, which doubles below the smallest normal one have not.
         if not (stop - start) / cells >= max(4 * math.ulp(max(abs(start), abs(stop))), sys.float_info.min):
@@ -107,28 +105,3 @@ class Grid(NamedTuple):
                 )
         x, y = (Axis.checked(name, **values[name]) for name in spans)
         return cls(x, y, {name: numbers.start(f"grid: {name}", values[name]) for name in values if name not in spans})
-
-    @classmethod
-    def parse(cls, items: Sequence[str]) -> Self:
-        """Read ``KEY=START:STOP:COUNT`` twice and ``KEY=VALUE`` for coordinates that are fixed.
-
-        Raises ``InputError`` in one sentence.
-        """
-        axes: list[Axis] = []
-        fixed: dict[str, float] = {}
-        for item in items:
-            key, equals, text = item.partition("=")
-            parts = text.split(":")
-            if not equals or len(parts) not in (1, 3):
-                raise InputError(f"{item!r} is neither of the form KEY=START:STOP:COUNT nor KEY=VALUE.")
-            if key in fixed or key in [axis.coordinate for axis in axes]:
-                raise InputError(f"the coordinate {key} is given twice.")
-            if len(parts) == 3:
-                axes.append(Axis.checked(key, *parts))
-            elif key in coordinates():
-                fixed[key] = numbers.start(f"grid: {key}", text)
-            else:
-                raise InputError(f"{item!r} does not fix one of the coordinates {', '.join(coordinates())}.")
-        if len(axes) != 2:
-            raise InputError(f"a grid needs two axes KEY=START:STOP:COUNT, not {len(axes)}.")
-        return cls(axes[0], axes[1], fixed)

@@ -2,16 +2,10 @@
 
 A *section* is a mode together with a surface on which the mode is entered. After every event a motion with two states
 is on a section or at rest, unless the event was its last one; so the label of a motion is that of its state after the
-first event. Along a section the label is constant between finitely many points, which are found here to the last bit.
-It is enough to compare two ends (docs/attraction.md proves it): if two points of a section have the same *itinerary*,
-the guards of all events and the signs of all conditions of their transitions, every point between them has it, too.
-Where the itineraries differ, bisection finds the point up to which that of one end holds, and both parts are examined
-again. Rounding moves such a point; so starts within a band about it, far wider than rounding, are unresolved.
-
-An itinerary ends where the rest of the motion is known: (i) at rest, because every rest ends in the same state; (ii)
-where the motion settles; (iii) in an *absorbing interval* around a point of a cycle, which the return map (Poincaré
-map) takes into itself. What a motion ends in is decided by :func:`lsvib.dynamics.attractor.steady_state` alone: once
-for the end of rest and for every cycle, and for motions whose itineraries do not end.
+first event. Along a section the label is constant between finitely many points, which are found here to the last bit:
+docs/attraction.md says how, and why comparing the *itineraries* of two ends – the guards of all events, the signs of
+all conditions of their transitions – is enough. Rounding moves such a point; so starts within a band about it, far
+wider than rounding, are unresolved.
 """
 
 from collections.abc import Mapping, Sequence
@@ -67,8 +61,6 @@ class Sections:
         self.known = _nothing_known(automaton, self.size)
         self.attractors: list[SteadyState] = []
         self.complete = True
-        self._absorbing = np.empty((0, 4))  # mode, surface and ends of absorbing intervals
-        self._absorbed: list[int] = []  # and their labels
         self._work = self._limit = 0.0
         self._symbols = np.empty(_SYMBOLS, dtype=np.int64)
         sections, releases = _find_sections(automaton, self.known), _releases(automaton, self.known)
@@ -91,16 +83,13 @@ class Sections:
 
     def _labels(self, section: Section) -> Pieces:
         """Return labels along a section, by bisection between motions of different courses, wide pieces first."""
-        size = self.size[section.free]
+        tables, size = self.automaton.tables, self.size[section.free]
         low, high = (end * size for end in self._ends(section))
         found: list[tuple[float, float, int]] = []
         waiting = [(-np.inf, low, high)] if low < high else []
         while waiting:
             _, low, high = heappop(waiting)
-            intervals = len(self._absorbed)
             courses = [self._course(section, x) for x in (low, high)]
-            if intervals != len(self._absorbed):  # new intervals may have changed the codes in either course
-                courses = [self._course(section, x) for x in (low, high)]
             shorter = min(map(len, courses))
             differ = np.flatnonzero(courses[0][:shorter] != courses[1][:shorter])
             if not differ.size:
@@ -109,9 +98,9 @@ class Sections:
                 found.append((low, high, UNKNOWN))
             else:
                 self._work += 1
-                tables, resolution = self.automaton.tables, 1e-3 * flow_planar.EPS * size
+                resolution = 1e-3 * flow_planar.EPS * size
                 here, there = kernels.last_agreement(
-                    tables, self.known, self._absorbing, *section[:2], low, high, resolution, courses[0], differ[0]
+                    tables, self.known, *section[:2], low, high, resolution, courses[0], differ[0]
                 )
                 for part in ((low, here), (there, high)):
                     heappush(waiting, ((part[0] - part[1]) / max(*map(abs, part), 1e-300), *part))
@@ -146,21 +135,10 @@ class Sections:
         return state
 
     def _course(self, section: Section, x: float) -> np.ndarray:
-        """Return the itinerary of the motion from a point of a section, with what it ends in as the last number.
-
-        That is −1 − code, or the label of the attractor where the itinerary does not end.
-        """
-        while True:
-            state = self._point(section, x)
-            code, count, mode = kernels.itinerary(
-                self.automaton.tables, self.known, self._absorbing, section.mode, state, self._symbols
-            )
-            if code != kernels.TOO_LONG:
-                return np.append(self._symbols[:count], -10 - code)
-            intervals = len(self._absorbed)
-            label = self._search(state, mode)
-            if intervals == len(self._absorbed):
-                return np.append(self._symbols[:count], label)
+        """The itinerary from a point of a section; last −10 − code, or the label of a motion that goes on."""
+        state, symbols = self._point(section, x), self._symbols
+        code, count, mode = kernels.itinerary(self.automaton.tables, self.known, section.mode, state, symbols)
+        return np.append(symbols[:count], self._search(state, mode) if code == kernels.TOO_LONG else -10 - code)
 
     def _label(self, course: np.ndarray) -> int:
         """Return the label of a motion by its course."""
@@ -169,57 +147,20 @@ class Sections:
             return int(course[-1])
         if code < 0:
             return self.known.diverged if code == kernels.DIVERGED else UNRESOLVED
-        index, kind = divmod(code, 3)
-        return int((self.known.settled, self.known.resting, self._absorbed)[kind][index])
+        index, rests = divmod(code, 2)
+        return int((self.known.resting if rests else self.known.settled)[index])
 
     def _search(self, state: np.ndarray, mode: int) -> int:
-        """Find the attractor of a motion; if it is a new cycle without rest, note an absorbing interval of it."""
+        """Find the attractor of a motion, and note a new cycle."""
         if self._work > _WORK:
             return UNRESOLVED
         found = steady_state(self.automaton, state, mode=mode, max_events=16_000)
         # A search takes as long as some pieces; where searches are in vain they are soon given up.
         self._work += _WORK / 4 if found.label == Attractor.UNRESOLVED else 8
-        if found.orbit is None or any(one.label == found.label and one.same_period(found) for one in self.attractors):
-            return int(found.label)
-        self.attractors.append(found)
-        orbit = found.orbit
-        if orbit.time.size and (self.known.resting[orbit.arcs()[0]] == UNKNOWN).all():
-            near = _ON_CYCLE * np.abs(orbit.after).max(axis=0)
-            for section in _find_sections(self.automaton, self.known):
-                points = orbit.after[orbit.mode == section.mode]
-                gaps = [np.abs(self._point(section, x[section.free]) - x) for x in points]
-                visits = [x[section.free] for x, gap in zip(points, gaps, strict=True) if (gap <= near).all()]
-                if visits and self._absorb(section, visits, near[section.free], int(found.label)):
-                    break
+        known = any(one.label == found.label and one.same_period(found) for one in self.attractors)
+        if found.orbit is not None and not known:
+            self.attractors.append(found)
         return int(found.label)
-
-    def _absorb(self, section: Section, visits: Sequence[float], width: float, label: int) -> bool:
-        """Double an interval around a point of a cycle while the return map takes it into itself; note the last."""
-        x, found = visits[0], None
-        while width < self.size[section.free]:
-            one, other = (self._returned(section, x + side * width, len(visits)) for side in (-1, 1))
-            if one is None or other is None or one[0] != other[0]:
-                break
-            if max(abs(one[1] - x), abs(other[1] - x)) >= width:
-                break
-            found, width = (section.mode, section.surface, x - width, x + width), 2 * width
-        if found is not None:
-            self._absorbing = np.vstack([self._absorbing, found])
-            self._absorbed.append(label)
-        return found is not None
-
-    def _returned(self, section: Section, x: float, visits: int) -> tuple[list[bytes], float] | None:
-        """Return itinerary and coordinate after so many returns to a section; None if it does not come back."""
-        everywhere = np.array([[section.mode, section.surface, -np.inf, np.inf]])
-        state, path = self._point(section, x), []
-        for _ in range(visits):
-            code, count, _ = kernels.itinerary(
-                self.automaton.tables, self.known, everywhere, section.mode, state, self._symbols
-            )
-            if code != 2:
-                return None
-            path.append(self._symbols[:count].tobytes())
-        return path, float(state[section.free])
 
 
 def _merged(pieces: Sequence[tuple[float, float, int]], sliver: float, band: float) -> Pieces:
@@ -306,11 +247,9 @@ def _landings(automaton: Automaton, rests: np.ndarray) -> np.ndarray:
 
 
 def _trap(automaton: Automaton, mode: int, size: np.ndarray) -> tuple[float, float, float]:
-    """κ², ρ² of the largest ellipse η² + κ² y² < ρ² in which no guard of a damped mode fires, and ρ² of arrival.
-
-    y = u − u_e, η = w + α y, κ = max(α, β). With y′ = η − α y and η′ = −α η − β² y (−δ² for β² if the roots are real)
-    the function falls at a rate of 2α − |κ² − β²| / κ at least, which is positive. It is e^{−2αt} exactly if κ = β.
-    """
+    """κ², ρ² of the largest ellipse η² + κ² y² < ρ² in which no guard of a damped mode fires, and ρ² of arrival."""
+    # y = u − u_e, η = w + α y, κ = max(α, β). With y′ = η − α y, η′ = −α η − β² y (−δ² for β² if the roots are real)
+    # the function falls at a rate of 2α − |κ² − β²| / κ at least, which is positive. It is e^{−2αt} exactly if κ = β.
     tables = automaton.tables
     row = tables.flow[mode]
     kappa, radius = max(row[layout.ALPHA], row[layout.BETA]), np.inf
@@ -351,11 +290,7 @@ def _releases(automaton: Automaton, known: Known) -> list[tuple[int, np.ndarray]
 
 
 def _with_labels(automaton: Automaton, known: Known, found: Mapping[Section, Pieces], size: np.ndarray) -> Known:
-    """Add the labels of sections, and one for a whole mode where all sections that it leads to have no other.
-
-    An arc from within the ellipse of size F² stays in it, so that its coordinates are bounded by |y| ≤ F / κ and
-    |w| ≤ F (1 + α / κ): with a ``reach`` F² that keeps both within the known part of the sections.
-    """
+    """Add the labels of sections, and one for a whole mode where all sections that it leads to have no other."""
     tables, edges, labels = automaton.tables, [0.0], [UNKNOWN]
     for (mode, surface, _), pieces in found.items():
         if pieces.labels:
@@ -373,6 +308,7 @@ def _with_labels(automaton: Automaton, known: Known, found: Mapping[Section, Pie
         row, kappa = tables.flow[mode], np.sqrt(known.trap[mode, 0])
         if len(ends) == 1 and kappa > 0:
             known.common[mode] = ends.pop()
+            # An arc from within the ellipse of size F² stays in it: |y| ≤ F / κ and |w| ≤ F (1 + α / κ).
             room = max(0.0, _FAR * size[0] - abs(row[layout.EQUILIBRIUM]))
             known.reach[mode] = min(kappa * room, _FAR * size[1] / (1 + row[layout.ALPHA] / kappa)) ** 2
     return known._replace(edges=np.array(edges), labels=np.array(labels, dtype=np.int64))

@@ -92,9 +92,11 @@ def mapper(
     Arguments: drive; name of the model; ``physics`` and ``resume`` as in a scene. Raises ``InputError``.
 
     >>> import lsvib
+    >>> from lsvib.basins.grid import Axis
+    >>> grid = Grid(Axis.checked("u", -0.03, 0.03, 4), Axis.checked("w", -5, 5, 2))
     >>> mapped = mapper(lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10))
-    >>> mapped.cells(Grid.parse(["u=-0.03:0.03:4", "w=-5:5:2"]), quantities=("label",))["label"].tolist()
-    [[2, 2, 0, 0], [2, 0, 0, 2]]
+    >>> mapped.cells(grid, quantities=("label",))["label"].tolist()
+    [[0, 0, 0, 0], [0, 0, 0, 2]]
     """
     from lsvib.basins.labels import PlanarMapper
     from lsvib.basins.slice_mapper import StateMapper

@@ -1,15 +1,8 @@
 r"""How large a perturbation steady sliding tolerates, and how much of a window settles: from the boundary of the basin.
 
 A perturbation moves the drive from steady sliding to a deviation (u, w) at once. It is tolerated if that lies in the
-basin; the smallest that is not ends on the boundary, and every smaller one is tolerated. Along u = 0 and along w = 0
-that is the nearest crossing, a root along an arc.
-By its energy
-
-    E = k u² / 2 + J w² / 2,        J = I + m r_m² tan² λ
-
-(of the coupling, and of screw and mass, relative to steady sliding) it is the nearest point: on an arc of the flow
-w′ = b − a₀ u − a₁ w energy is stationary where E′ = w [(k − J a₀) u − J a₁ w + J b] = 0, so again at roots of affine
-functions, and on a segment where a quadratic function is smallest.
+basin; the smallest that is not ends on the boundary, and all smaller ones are tolerated: along u = 0 and w = 0 up
+to the nearest crossing, by energy E = k u² / 2 + J w² / 2, J = I + m r_m² tan² λ, to the nearest point (docs/basin.md).
 """
 
 import math

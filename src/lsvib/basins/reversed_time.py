@@ -12,8 +12,6 @@ ends a backward slip, which began at θ′ = 0 after a seizure that is traced in
 ``beginning``) where no motion arrives: on Q = 0 from the wrong side.
 """
 
-import math
-
 from flint import arb
 
 from lsvib.engine.automaton import (
@@ -58,17 +56,21 @@ def backward_automaton(drive: RigidDrive, touch: arb | None = None) -> Automaton
     modes = {}
     for code in forward.codes[forward.codes != MotionMode.REST]:
         mode = MotionMode(int(code))
-        law = math.prod(_SIGNS[mode])
+        direction, q_sign = _SIGNS[mode]
+        law = direction * q_sign
         with many_digits():
             force = d.pitch_radius * c.slack(law) * c.net_force
             terms = c.gamma[law], -c.damping[law], d.coupling_stiffness, force
-        modes[mode.name] = Mode(int(mode), oscillator(*terms), _guards(mode, c.paradox), exact=eigenform(*terms))
+        contact = Guard("contact", q_sign, "nothing" if c.paradox else f"contact_{mode.name}")
+        guards = (contact, Guard("screw_speed", direction, f"stand_{mode.name}"))
+        modes[mode.name] = Mode(int(mode), oscillator(*terms), guards, exact=eigenform(*terms))
     if not c.paradox:
-        transitions = {}
+        transitions, named = {}, {signs: mode.name for mode, signs in _SIGNS.items()}
         for mode in map(MotionMode.__getitem__, modes):
             direction, q_sign = _SIGNS[mode]
-            transitions[f"contact_{mode.name}"] = _pass_to(direction, -q_sign, EventKind.CONTACT_REVERSAL)
-            transitions[f"stand_{mode.name}"] = _pass_to(-direction, q_sign, EventKind.REVERSAL)
+            reversal = Branch(named[direction, -q_sign], EventKind.CONTACT_REVERSAL)
+            transitions[f"contact_{mode.name}"] = Transition((reversal,))
+            transitions[f"stand_{mode.name}"] = Transition((Branch(named[-direction, q_sign], EventKind.REVERSAL),))
     else:
         transitions = _seizures(c.q_row, touch)
         # Any motion that grows would do: nothing comes back from there.
@@ -81,17 +83,6 @@ def backward_automaton(drive: RigidDrive, touch: arb | None = None) -> Automaton
         observables={},
         shortest_stay=0.0,
     )
-
-
-def _guards(mode: MotionMode, paradox: bool) -> tuple[Guard, ...]:
-    direction, q_sign = _SIGNS[mode]
-    contact = "nothing" if paradox else f"contact_{mode.name}"
-    return (Guard("contact", q_sign, contact), Guard("screw_speed", direction, f"stand_{mode.name}"))
-
-
-def _pass_to(direction: int, q_sign: int, kind: EventKind) -> Transition:
-    mode = next(mode for mode, signs in _SIGNS.items() if signs == (direction, q_sign))
-    return Transition((Branch(mode.name, kind),))
 
 
 def _seizures(q_row, touch: arb) -> dict[str, Transition]:

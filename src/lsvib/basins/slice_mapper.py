@@ -6,7 +6,6 @@ known ones, which a motion that joins them ends on at once. So the result does n
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from typing import NamedTuple
 
 import numpy as np
 
@@ -15,19 +14,6 @@ from lsvib.basins.mapper import NO_DOUBT, Mapper
 from lsvib.dynamics.attractor import Attractor, Doubt, KnownCycles, SteadyState, end_of_motion
 from lsvib.errors import EngineError, InputError
 from lsvib.models.drive import Drive
-
-
-class Destiny(NamedTuple):
-    """What becomes of a motion: label, time [s], number of sprags, kind of the first event (−1: none), and any doubt.
-
-    The time is infinite where the label is unresolved; ``doubt`` says why it is.
-    """
-
-    label: Attractor
-    time: float
-    seizures: int
-    first_event: int
-    doubt: Doubt | None = None
 
 
 class StateMapper(Mapper):
@@ -75,17 +61,14 @@ class StateMapper(Mapper):
         for i in range(y.size):
             for j in range(x.size):
                 values = {**grid.fixed, grid.x.coordinate: x[j], grid.y.coordinate: y[i]}
-                *destiny, doubt = self.destiny(self.definition.initial_state(self.drive, values))
+                state = self.definition.initial_state(self.drive, values)
+                try:
+                    # Each event takes some microseconds.
+                    end, course = end_of_motion(self.automaton, state, max_events=700_000, known=self._known)
+                    label, doubt, sprags, first = end.label, end.doubt, course.sprags, course.first_event
+                    time = np.inf if doubt is not None or label == Attractor.UNBOUNDED else course.time
+                except EngineError as error:  # no mode fits the start
+                    label, doubt, time, sprags, first = Attractor.UNRESOLVED, Doubt.of(error), np.inf, 0, -1
                 code = NO_DOUBT if doubt is None else list(Doubt).index(doubt)
-                for array, value in zip(found.values(), (*destiny, code), strict=True):
+                for array, value in zip(found.values(), (label, time, sprags, first, code), strict=True):
                     array[i, j] = value
-
-    def destiny(self, state: np.ndarray) -> Destiny:
-        """Return what becomes of the motion from a state (n)."""
-        try:
-            # Each event takes some microseconds.
-            end, course = end_of_motion(self.automaton, state, max_events=700_000, known=self._known)
-        except EngineError as error:  # no mode fits the start
-            return Destiny(Attractor.UNRESOLVED, np.inf, 0, -1, Doubt.of(error))
-        unknown = end.doubt is not None or end.label == Attractor.UNBOUNDED
-        return Destiny(end.label, np.inf if unknown else course.time, course.sprags, course.first_event, end.doubt)

@@ -90,11 +90,9 @@ class ForceFlow:
         Between its extrema, which are known in closed form, x is monotone, so the first of them beyond x = 0 isolates
         the root; bisection finds it to the last bit. An oscillation that does not grow crosses by its second extremum.
         """
-        (first, second), (a, b) = self.rates(), self.amplitudes(start)
 
         def left(time: float) -> bool:
-            terms = (a * cmath.exp(first * time)).real, (b * cmath.exp(second * time)).real
-            return self.side * (self.equilibrium + sum(terms)) < 0
+            return self.side * self.at(start, time)[0] < 0
 
         inner = 0.0
         for outer in self._extrema(start):

@@ -289,8 +289,5 @@ def fitted_order(stiffness: np.ndarray, error: np.ndarray) -> tuple[float, float
     good = np.isfinite(error) & (error > 0)
     if good.sum() < 3:
         return math.nan, math.nan
-    x, y = np.log(stiffness[good]), np.log(error[good])
-    x, y = x - x.mean(), y - y.mean()
-    slope = float(x @ y / (x @ x))
-    misfit = float(np.sum((y - slope * x) ** 2)) / (x.size - 2)
-    return -slope, math.sqrt(misfit / float(x @ x))
+    (slope, _), covariance = np.polyfit(np.log(stiffness[good]), np.log(error[good]), 1, cov=True)
+    return -float(slope), math.sqrt(covariance[0, 0])

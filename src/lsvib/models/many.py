@@ -118,21 +118,12 @@ def _layered(automaton: Automaton, size: int) -> Automaton:
     """Give the tables that are the same for all drives of a group, being numbers, the axis for the drives, too."""
 
     def layers(table: np.ndarray, dimensions: int) -> np.ndarray:
-        """Return a table with a first axis for the drives, which it may have already."""
-        table = np.asarray(table)
-        if table.ndim > dimensions:
-            return table
         # a copy, so that kernels see the same type of array for every group
-        return np.array(np.broadcast_to(table, (size, *table.shape)), order="C")
+        return table if np.ndim(table) > dimensions else np.repeat(np.asarray(table)[None], size, axis=0)
 
-    tables = automaton.tables
-    dimensions = {"flow": 2, **DIMENSIONS}
-    layered: dict[str, Any] = {name: layers(getattr(tables, name), n) for name, n in dimensions.items()}
-    return replace(
-        automaton,
-        tables=tables._replace(**layered),
-        observables={name: layers(table, 2) for name, table in automaton.observables.items()},
-    )
+    tables = {name: layers(getattr(automaton.tables, name), n) for name, n in {"flow": 2, **DIMENSIONS}.items()}
+    observables = {name: layers(table, 2) for name, table in automaton.observables.items()}
+    return replace(automaton, tables=automaton.tables._replace(**tables), observables=observables)
 
 
 def automata(drives: ManyDrives, resume: str) -> Iterator[tuple[int, Drive, Automaton | None]]:

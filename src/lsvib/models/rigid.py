@@ -170,11 +170,8 @@ class RigidBuild:
         return -1, 0, steady + friction
 
     def _cornered(self) -> bool:
-        """Whether at θ′ = 0 a double cannot tell the band of static friction, or what Q is at its end, from one corner.
-
-        The band is R (Γ₋ − Γ₊) / (m k r_m tan λ) wide, and Q = 0 lies R Γ₊ / (m k r_m tan λ) from its end.
-        """
-        c, d = self.c, self.d
+        """Whether at θ′ = 0 a double cannot tell the band of static friction, or Q at its end, from a corner."""
+        c, d = self.c, self.d  # the band is R (Γ₋ − Γ₊) / (m k r_m tan λ) wide, and Q = 0 R Γ₊ / (…) from its end
         least = abs(self.band_end[2]) * d.mass * d.coupling_stiffness * d.pitch_radius * d.tan_lead
         force = 10**13 * abs(d.axial_force)  # this part of u counts: a tenth of it is what rounding may make of u
         return any(sign(force * x - least) <= 0 for x in (abs(c.gamma[1]), c.gamma[-1] - c.gamma[1]))
@@ -223,10 +220,7 @@ class RigidBuild:
         return modes, transitions
 
     def _entry(self, modes: dict[str, Mode], rest: bool) -> Iterator[Branch]:
-        """Where a motion starts: by the signs of θ′ and Q; on Q = 0 by that of Q′; at θ′ = 0 as on stopping there.
-
-        Q′ at Q = 0 is the same under both laws.
-        """
+        """Where a motion starts: by the signs of θ′ and Q; on Q = 0 by Q′, the same by both laws; at θ′ = 0 a stop."""
         flow, q = self.flows[1][0], self.c.q_row
         a0, a1, b = flow[..., layout.A0], flow[..., layout.A1], flow[..., layout.B]
         q_u, q_w = double(q[0]), double(q[1])

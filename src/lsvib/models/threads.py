@@ -189,10 +189,8 @@ class _ThreadsBuild:
         return found
 
     def _contact_has(self, sign: int):
-        """Conditions under each of which N has a sign, now or – if it is zero – at once, by N′ or else N″.
-
-        On N = 0 the first derivative that is not zero is the same under both laws.
-        """
+        """Conditions under each of which N has a sign, now or – if it is zero – at once, by N′ or else N″."""
+        # On N = 0 the first derivative that is not zero is the same under both laws.
         rows = self._slip_rows(1)
         rate = rate_of(self.normal, rows)
         zero = ((self.normal, Test.ZERO), (rate, Test.ZERO))

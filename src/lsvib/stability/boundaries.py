@@ -1,10 +1,8 @@
 r"""Places at which steady sliding changes, as all roots of polynomials in one parameter of a drive.
 
-With t = tan λ the coefficients of :func:`lsvib.stability.spectrum.polynomial` and the net force R̃ are polynomials in
-every parameter and in t. So all roots in any one of them are isolated with certainty, in rational numbers of FLINT, and
-a list of them is complete. Steady sliding changes its stability only at roots of R̃ and of the numbers whose signs
-decide (:func:`lsvib.stability.spectrum.margins`); exact signs between them say where it is stable. The sign of Ω is
-kept on each side of zero. The equations stand in docs/thresholds.md.
+Steady sliding changes its stability only at roots of R̃ and of the numbers whose signs decide
+(:func:`lsvib.stability.spectrum.margins`); exact signs between them say where it is stable. The sign of Ω is kept on
+each side of zero. The equations, and why a list of their roots is complete, stand in docs/thresholds.md.
 """
 
 import math
@@ -60,10 +58,10 @@ class StableSet:
     """Values of one parameter at which steady sliding is stable, all others held at those of the drive.
 
     ``intervals`` are open intervals (low, high) [unit of the parameter; of the lead angle its tangent] in ascending
-    order, within the ``limit`` on either side of zero, the end of the range of the parameter; where two touch, steady
-    sliding is not stable between them, or the parameter cannot have that value. With ``neutral`` the drive has no
-    damping, and they are the values at which no motion grows; else those at which steady sliding is asymptotically
-    stable. ``from_zero`` says that zero is one of the values; ``changes`` are the places where stability changes.
+    order, within the ``limit`` on either side of zero, the end of the range of the parameter; a single value without
+    contact force, or on a boundary that is touched, divides none. With ``neutral`` the drive has no damping, and they
+    are the values at which no motion grows; else those at which steady sliding is asymptotically stable. ``from_zero``
+    says that zero is one of the values; ``changes`` are the places where stability changes.
     """
 
     key: str
@@ -235,21 +233,21 @@ def stable_set(drive: Drive, key: str) -> StableSet | None:
     found = [line.stability() for line in lines]
     if not any(depends for *_, depends in found):
         return None
-    intervals, changes = [], []
-    for line, (parts, places, _) in zip(lines, found, strict=True):
-        intervals += [(min(line.side * a, line.side * b), max(line.side * a, line.side * b)) for a, b, s in parts if s]
+    parts, changes = [], []
+    for line, (of_line, places, _) in zip(lines, found, strict=True):
+        parts += [sorted((line.side * a, line.side * b)) for a, b, stable in of_line if stable]
         changes += places
-    line, intervals = lines[-1], sorted(intervals)
-    from_zero = line.stable(fmpq(0))
+    line = lines[-1]
+    intervals: list[tuple[fmpq, fmpq]] = []
+    for low, high in sorted(parts):
+        touches = intervals and intervals[-1][1] == low and (low != 0 or key != "input_speed")
+        intervals.append((intervals.pop()[0] if touches else low, high))
     if len(lines) == 2 and key != "input_speed":  # zero lies between both sides
         (before, *_), (after, *_) = found[0][0], found[1][0]
         vanishes = line.roots_of(line.force)
         if before[2] != after[2] and vanishes and vanishes[0] == 0:
             changes.append(line.place(fmpq(0), line.force))
-        if before[2] and after[2] and from_zero:  # nothing changes there
-            k = next(k for k, (low, _) in enumerate(intervals) if low == 0)
-            intervals[k - 1 : k + 1] = [(intervals[k - 1][0], intervals[k][1])]
-    return StableSet(key, tuple(intervals), line.limit, line.neutral, from_zero, tuple(changes), drive)
+    return StableSet(key, tuple(intervals), line.limit, line.neutral, line.stable(fmpq(0)), tuple(changes), drive)
 
 
 def places(drive: Drive, name: str, unknown: str) -> list[Place] | None:

@@ -164,14 +164,7 @@ def boundary_coefficients(drive: DriveValues, law: int) -> tuple[Any, Any, Any]:
     )
 
 
-def _flutter_terms(drive: DriveValues, law: int, root: Callable[[Any], Any]) -> tuple[Any, Any, Any]:
-    """S, A + B and Γ_0 of the closed form of the flutter boundary."""
-    p = values_of(drive, law)
-    total, lever = p.mass + p.screw_mass, p.factor * p.pitch_radius**2 * p.tan_lead
-    return total, root(total * reduced_inertia(drive, law)) + p.mass * root(lever), effective_inertia(drive, law)
-
-
-def flutter_boundaries(drive: DriveValues, law: int) -> NDArray[np.float64]:
+def flutter_boundaries(drive: DriveValues, law: int) -> NDArray[Any]:
     """Support stiffness k_1 [N/m] on both branches of the flutter boundary (8.29), the lower one first, last axis.
 
     With A² = S Γ̃_0 and B² = m² χ the coefficients of (8.29) are −b_2 = 2 (A² + B²), b_2² − 4 b_1 b_3 = 16 A² B² and
@@ -184,23 +177,12 @@ def flutter_boundaries(drive: DriveValues, law: int) -> NDArray[np.float64]:
     kinematic constraint Γ̃_0 = 0 in k_1 = k S² m̃ / (m² I). The upper one is a boundary of stability only where Γ_0 > 0:
     beyond it, where Γ_0 < 0, both modes diverge (8.25).
     """
-    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        total, both, inertia = _flutter_terms(drive, law, np.sqrt)
-        stiffness = values_of(drive, law).coupling_stiffness
-        return np.stack([stiffness * branch**2 for branch in (total / both, both / inertia)], axis=-1)
-
-
-def exact_flutter_boundaries(drive: SupportDrive, law: int) -> tuple[Any, Any]:
-    """Return :func:`flutter_boundaries` of one drive [N/m] in balls, None where there is none.
-
-    In doubles Γ_0 and Γ̃_0 lose, next to where they vanish, all digits that the stiffness is printed with.
-    """
-    with many_digits():
-        d = drive.exact()
-        if values_of(d, law).factor < 0 or reduced_inertia(d, law) < 0:
-            return None, None
-        total, both, inertia = _flutter_terms(d, law, lambda x: x.sqrt())
-        return d.coupling_stiffness * (total / both) ** 2, d.coupling_stiffness * (both / inertia) ** 2
+    p = values_of(drive, law)
+    with many_digits(), np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        total, lever = p.mass + p.screw_mass, p.factor * p.pitch_radius**2 * p.tan_lead
+        both = np.sqrt(total * reduced_inertia(drive, law)) + p.mass * np.sqrt(lever)
+        branches = total / both, both / effective_inertia(drive, law)
+        return np.stack([p.coupling_stiffness * branch**2 for branch in branches], axis=-1)
 
 
 def critical_friction_by_eigenvalues(drive: SupportDrive) -> float | None:
@@ -369,7 +351,7 @@ def _of_support(drive: SupportDrive, law: int, polynomial: Polynomial, values: l
     undamped_class, _, exact = spectrum(undamped, law)
     factor = scale(drive, law)
     a_4, minus_a_2, discriminant = margins(tuple(p / factor for p in exact), neutral=True)
-    lower, upper = exact_flutter_boundaries(drive, law)
+    lower, upper = flutter_boundaries(d, law)  # in doubles Γ_0 and Γ̃_0 lose all digits next to where they vanish
     return {
         "conditions": {"kinematic_constraint": _condition(negative_reduced_inertia=-inertia)},
         "quantities": {

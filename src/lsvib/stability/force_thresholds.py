@@ -5,10 +5,8 @@ Every ``*_start`` says which statement its force divides, and on which forces, a
 forces change sign. Each raises ``NoThreshold`` where there is no such force.
 
 In the Painlevé region with R̃ < 0 all slip is that of law −1 about steady sliding, one damped oscillator whatever R is;
-R moves the line Q = Q_uw(u, w) + Γ₋ R̃ = 0, at which slip seizes, and, for R > 0, the end of rest. Slip that comes back
-to u = x with Q = 0 seizes in the state that it started from: a cycle without rest. For q_w > 0 two of these, one
-attracting and one repelling, exist on one side of the *fold*; the repelling one goes on until it touches Q = 0 where it
-seizes, its *birth* seen from there. Slip from the end of rest that seizes just there leaves no time for rest.
+R moves the line Q = Q_uw(u, w) + Γ₋ R̃ = 0, at which slip seizes, and, for R > 0, the end of rest. docs/thresholds.md
+says what happens there, and at which cycles.
 """
 
 import math
@@ -26,7 +24,6 @@ from lsvib.stability.motion_equations import Return, Start
 from lsvib.stability.slip import CLOSE, SlipDrive, decay_of_large_motions, slowest_point
 from lsvib.stability.solve import bracketed_root
 
-_GRID = 240  # durations of slip in equal ratios that are looked at before a root among them is refined
 _NONE = Start("", arb.pos_inf())
 
 
@@ -202,7 +199,7 @@ def _rest_goes_on_from(d: SlipDrive) -> Start:
 
 
 def durations(d: SlipDrive) -> list[arb]:
-    """Durations [s] of slip under law − from θ′ = 0 until it is back at the same u, in equal ratios.
+    """Durations [s] of slip under law − from θ′ = 0 until it is back at the same u, 241 in equal ratios.
 
     Q_uw ≤ q_u x + q_w Ω, since slip decays, and x lies between −2 Ω / (a₀ τ) and −Ω / (a₀ τ) as long as τ is short
     against the slowest time: nothing happens earlier. Slip that turns comes back within a turn; other slip has all but
@@ -212,7 +209,7 @@ def durations(d: SlipDrive) -> list[arb]:
     slowest = 1 / slip.a0.sqrt() if slip.turns else -1 / slip.rates[0]
     first = min(q_u / (slip.a0 * q_w), slowest) if q_w > 0 else slowest
     low, high = 0.1 * first, 2 * arb.pi() / slip.beta if slip.turns else 40 * slowest
-    return [(low * (high / low) ** (arb(k) / _GRID)).mid() for k in range(_GRID + 1)]
+    return [(low * (high / low) ** (arb(k) / 240)).mid() for k in range(241)]
 
 
 def widest_return(d: SlipDrive) -> tuple[arb, arb, arb]:
@@ -229,7 +226,7 @@ def widest_return(d: SlipDrive) -> tuple[arb, arb, arb]:
     if not returns:
         return arb.neg_inf(), arb.nan(), arb.nan()
     best = max(range(len(returns)), key=lambda k: float(returns[k].h))
-    low, high, beyond = times[max(best - 1, 0)], times[best], times[min(best + 1, _GRID - 1)]
+    low, high, beyond = times[max(best - 1, 0)], times[best], times[min(best + 1, len(times) - 1)]
     if comes_back(Return(d, beyond)):
         high = beyond
     else:  # as far as slip comes back
@@ -237,31 +234,22 @@ def widest_return(d: SlipDrive) -> tuple[arb, arb, arb]:
             middle = ((high + beyond) / 2).mid()
             high, beyond = (middle, beyond) if comes_back(Return(d, middle)) else (high, middle)
 
-    def rate(time: arb) -> Any:
-        return Return(d, time).h_rate
-
-    time = low if rate(low) < 0 else high
-    if rate(low) > 0 > rate(high):
-        time = bracketed_root(rate, low, high, CLOSE)
+    time = low if Return(d, low).h_rate < 0 else high
+    if Return(d, low).h_rate > 0 > Return(d, high).h_rate:
+        time = bracketed_root(lambda time: Return(d, time).h_rate, low, high, CLOSE)
     back = Return(d, time)
     return back.h, back.x, time
 
 
 def _fold(d: SlipDrive) -> tuple[Start, arb]:
-    """Smallest R [N] at which slip can seize again and again without rest, infinite if there is none; q_w > 0.
-
-    Two cycles of seizures meet there. Returns it with the u [rad] at which they seize.
-    """
+    """Smallest R [N] at which two cycles of seizures without rest meet, infinite if at none, and u there; q_w > 0."""
     widest, x, time = widest_return(d)
     return Start("fold", d.onset - widest / d.inertia[-1], (time,)), x
 
 
 def _require_rest_in_every_cycle(d: SlipDrive, force: arb) -> None:
-    """Refuse the drives with q_w < 0 that may have cycles without rest, by the sufficient conditions of docs/basin.md.
-
-    ``force`` [N] is the threshold by rest. The largest u that slip from (−u_p, −Ω), u_p = C₋ Ω / k, reaches on the
-    right bounds that of all other slip; the gap is u_c − u_p.
-    """
+    """Refuse drives with q_w < 0 that may have cycles without rest (docs/basin.md); ``force`` is that of rest."""
+    # The largest u that slip from (−u_p, −Ω) reaches, u_p = C₋ Ω / k, bounds that of all other; the gap is u_c − u_p.
     slip, speed, first = d.slip(-1), d.speed, d.end_without_force()
     found = slip.peak(-first, -speed, (1, 0))
     if found is None or found[0] <= 0:

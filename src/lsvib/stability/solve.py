@@ -1,9 +1,8 @@
 """Roots: bracketed, searched for, and of systems of equations with an enclosure and exact derivatives.
 
 A threshold is a system F(y, x; p) = 0 of n equations in n − 1 inner unknowns y, such as times, and one parameter x of
-the drive; p are all its other parameters. Newton's method finds it to many digits; the interval Newton operator in
-balls (Arb; Moore; Krawczyk) then proves it, and the same Jacobian gives the derivatives by p (docs/thresholds.md). All
-slopes are exact: F is written once and takes power series of two terms (an ``arb_series`` a + b ε).
+the drive; p are all its other parameters. docs/thresholds.md says how it is found, proved and differentiated; F takes
+power series of two terms (an ``arb_series`` a + b ε).
 """
 
 import math

@@ -11,8 +11,7 @@ ends of a narrow enclosure of t: zero at both ends means zero identically, and o
 is done in rational numbers and balls of FLINT.
 """
 
-import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from flint import acb, arb, ctx, fmpq, fmpq_poly
@@ -23,8 +22,6 @@ from lsvib.models.mechanics import LinearParts
 from lsvib.models.model import find_model
 from lsvib.stability.linear import Stability, hurwitz
 
-DIGITS = 100  # of tan λ at first; a condition that vanishes to some 80 digits calls for four times as many
-_BITS = 100  # relative width to which a root is found, far below the spacing of doubles
 SAME = fmpq(1, 2**88)  # relative: no double lies between two roots that are closer, so they count as one
 
 Polynomial = tuple[Any, ...]
@@ -45,27 +42,11 @@ def rationals(drive: Drive) -> dict[str, fmpq]:
     return {key: fmpq(*value.as_integer_ratio()) for key, value in drive}
 
 
-def tangents(drive: Drive, digits: int = DIGITS) -> tuple[fmpq, ...]:
+def tangents(drive: Drive, digits: int = 100) -> tuple[fmpq, ...]:
     """Return rationals just below and just above tan λ, a relative 10^−digits apart from it."""
     with ctx.workdps(digits + 10):
         tangent, apart = arb(drive.lead_angle).tan().mid(), arb(10) ** -digits
         return tuple((tangent * (1 + side * apart)).mid().fmpq() for side in (-1, 1))
-
-
-def settled(drive: Drive, law: int, judge: Callable[[Polynomial], Any]) -> tuple[Any, Polynomial]:
-    """Return what ``judge`` says of the polynomial, the same at both ends of an enclosure of tan λ, and the polynomial.
-
-    ``judge`` must depend on signs of polynomials of the coefficients alone, so that enough digits always decide. Raises
-    ``InputError`` where μ is below cot λ only by the rounding of cot λ to a double.
-    """
-    values, digits = rationals(drive), DIGITS
-    if values["friction_coefficient"] * tangents(drive, digits)[1] >= 1:
-        raise InputError(f"friction_coefficient = {drive.friction_coefficient!r} is not below cot(lead_angle).")
-    while True:
-        low, high = (polynomial(type(drive), values, law, t) for t in tangents(drive, digits))
-        if (verdict := judge(low)) == judge(high):
-            return verdict, low
-        digits *= 4
 
 
 def scale(drive: Drive, law: int) -> fmpq:
@@ -79,10 +60,21 @@ def spectrum(drive: Drive, law: int) -> tuple[str, list[complex], Polynomial]:
     Of the rigid drive (8.18) the class is one of :class:`~lsvib.stability.linear.Stability`, in lower case. Of a drive
     of two bodies it is ``stable`` (asymptotically), ``neutral`` (no eigenvalue to the right of the imaginary axis,
     simple ones on it, as without damping), ``kinematic_constraint`` (det M < 0), else ``divergence`` or ``flutter`` by
-    whether the eigenvalue that grows fastest is real. Signs are certain, eigenvalues rounded once.
+    whether the eigenvalue that grows fastest is real. Signs are certain, eigenvalues rounded once. Raises
+    ``InputError`` where μ is below cot λ only by the rounding of cot λ to a double.
     """
-    kind, exact = settled(drive, law, _class)
-    values = sorted((_rounded(root) for root in _all_roots(exact)), key=lambda z: (z.real, z.imag))
+    parameters, digits = rationals(drive), 100
+    if parameters["friction_coefficient"] * tangents(drive, digits)[1] >= 1:
+        raise InputError(f"friction_coefficient = {drive.friction_coefficient!r} is not below cot(lead_angle).")
+    # The class depends on signs of polynomials in tan λ alone, so enough digits give the same one at both ends; where
+    # one vanishes to some 80 digits, four times as many.
+    while True:
+        exact, other = (polynomial(type(drive), parameters, law, t) for t in tangents(drive, digits))
+        if (kind := _class(exact)) == _class(other):
+            break
+        digits *= 4
+    roots = (complex(float(root.real), float(root.imag)) for root in _all_roots(exact))
+    values = sorted(roots, key=lambda z: (z.real, z.imag))
     if kind == "unstable":
         kind = "divergence" if values[-1].imag == 0 else "flutter"
     return kind, values, exact
@@ -128,21 +120,18 @@ def _class(p: Polynomial) -> str:
 
 def positive_roots(p: fmpq_poly, limit: fmpq) -> list[fmpq]:
     """Distinct roots in (0, limit] of a polynomial that is not zero, in ascending order, each to a relative 2⁻⁹⁰."""
-    with ctx.workprec(_BITS):
+    with ctx.workprec(100):
         roots = [root.real.mid().fmpq() for root, _ in p.complex_roots() if root.imag == 0]
     return sorted(root for root in roots if 0 < root <= limit)
 
 
 def _all_roots(p: Polynomial) -> list[acb]:
-    """All roots, those that coincide as often as they do, each part to a relative 2⁻⁹⁰, or exactly zero.
-
-    Real ones are isolated by FLINT; imaginary ones are the roots that the parts of the polynomial of even and of odd
-    powers share, in s².
-    """
+    """All roots, those that coincide as often as they do, each part to a relative 2⁻⁹⁰, or exactly zero."""
     both = fmpq_poly(list(reversed(p)))
+    # Imaginary ones are those that the parts of even and of odd powers share, in s²; FLINT isolates the real ones.
     shared = fmpq_poly(both.coeffs()[::2]).gcd(fmpq_poly(both.coeffs()[1::2]))
     rest, _ = divmod(both, fmpq_poly([c for x in shared.coeffs() for c in (x, 0)]))
-    bits = _BITS
+    bits = 100
     while True:
         with ctx.workprec(bits):
             found = [*_signed_roots(shared), *(root for root, n in rest.complex_roots() for _ in range(int(n)))]
@@ -158,10 +147,3 @@ def _signed_roots(squares: fmpq_poly) -> Iterator[acb]:
         if square.imag == 0:
             root = acb(0, (-square.real).sqrt()) if square.real < 0 else acb(square.real.sqrt())
         yield from [root, -root] * int(count)
-
-
-def _rounded(root: acb) -> complex:
-    """An eigenvalue in doubles; a part that is not zero is not rounded to zero, as its sign decides on stability."""
-    parts = (float(part) or (math.copysign(math.ulp(0.0), float(part.sgn())) if part != 0 else 0.0)
-             for part in (root.real, root.imag))  # fmt: skip
-    return complex(*parts)

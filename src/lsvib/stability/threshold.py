@@ -136,15 +136,14 @@ def _by_polynomials(drive: Drive, name: str, unknown: str) -> Threshold:
 
 
 def _at_place(drive: Drive, name: str, unknown: str, place: Place) -> ThresholdSolution:
-    condition = place.condition
     try:
-        root = solved(drive, unknown, condition.equations(type(drive), place.sense), place.value)
+        root = solved(drive, unknown, place.condition.equations(type(drive), place.sense), place.value)
     except Singular:
         raise NoThreshold(
             f"{unknown} = {float(place.value):.17g} is a double root of the threshold {name}, at which it has no "
             "derivatives."
         ) from None
-    return _solution(drive, unknown, root, condition.words)
+    return _solution(drive, unknown, root, place.condition.words)
 
 
 def _by_force(drive: Drive, name: str) -> Threshold:

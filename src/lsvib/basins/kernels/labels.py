@@ -231,12 +231,8 @@ def map_labels(tables, known, x, y, across, budget, labels, first_events):
                 elif first_events.size == 0 and known.common[mode] != UNKNOWN and extent < known.reach[mode]:
                     leaves = _NONE
                     for guard in range(tables.guard_start[mode], tables.guard_start[mode + 1]):
-                        surface, sign = tables.guard_surface[guard], tables.guard_sign[guard]
-                        g_u, g_w, g_0 = (
-                            sign * surfaces[surface, 0],
-                            sign * surfaces[surface, 1],
-                            sign * surfaces[surface, 2],
-                        )
+                        sign, row = tables.guard_sign[guard], surfaces[tables.guard_surface[guard]]
+                        g_u, g_w, g_0 = sign * row[0], sign * row[1], sign * row[2]
                         value = g_u * u + g_w * w + g_0
                         size = ROUNDING * (abs(g_0) + abs(g_u) * abs(u) + abs(g_w) * abs(w))
                         outlook = _CROSSING if value < -size else _UNDECIDED
@@ -262,8 +258,7 @@ def map_labels(tables, known, x, y, across, budget, labels, first_events):
 
 @entry
 def put_on(tables, surface, state):
-    """Set the dependent coordinate of a point of a surface, as :func:`lsvib.engine.kernels.event_loop.put_on_surface`
-    does."""
+    """Set the dependent coordinate of a point of a surface, as ``event_loop.put_on_surface`` does."""
     row, chosen = tables.surfaces[surface], tables.snap[surface]
     state[chosen] = -(row[2] + row[1 - chosen] * state[1 - chosen]) / row[chosen]
 
@@ -282,25 +277,24 @@ def _signs(tables, transition, state, scale):
 
 
 @allocating_entry
-def itinerary(tables, known, absorbing, mode, state, symbols):
+def itinerary(tables, known, mode, state, symbols):
     """Follow the motion from ``state`` (2, replaced by the last state) in ``mode`` and write what decides its course.
 
-    Arguments: ``absorbing`` (j, 4), intervals of sections: mode, surface, low, high; ``symbols``, filled: a number for
-    each event, of the guard and the signs of all conditions of its transition. Returns (code, number of events, mode):
-    code TOO_LONG if the symbols are used up, UNDETERMINED where the motion touches a guard or meets a corner, DIVERGED;
-    3 i if the motion settles in mode i, 3 i + 1 if it comes to rest in it, 3 i + 2 if it enters absorbing interval i.
+    ``symbols`` are filled: a number for each event, of the guard and the signs of all conditions of its transition.
+    Returns (code, number of events, mode): code TOO_LONG if the symbols are used up, UNDETERMINED where the motion
+    touches a guard or meets a corner, DIVERGED; 2 i if the motion settles in mode i, 2 i + 1 if it rests in it.
     """
     scratch, short = new_scratch(tables), 0
     put(scratch, state[0], state[1])
     code, count = TOO_LONG, 0
     while count < symbols.size and code == TOO_LONG:
         if ellipse(tables, known, mode, scratch.state) < known.trap[mode, 1]:
-            code = 3 * mode
+            code = 2 * mode
             break
         before = mode
         outcome, guard, kind, mode, stay, short = step(tables, mode, short, scratch)
         if outcome != event_loop.GOES_ON:
-            code = 3 * before if outcome == _SETTLED else DIVERGED if outcome == _DIVERGED else UNDETERMINED
+            code = 2 * before if outcome == _SETTLED else DIVERGED if outcome == _DIVERGED else UNDETERMINED
             break
         if kind == GRAZE_KIND:
             code = UNDETERMINED
@@ -309,22 +303,14 @@ def itinerary(tables, known, absorbing, mode, state, symbols):
         number = _signs(tables, transition, scratch.state, scratch.scale)
         symbols[count] = (number * tables.guard_sign.size + guard) * 2 + (stay == 0.0)
         count += 1
-        surface = known.landing[transition]
         if known.resting[mode] != UNKNOWN:
-            code = 3 * mode + 1
-        elif surface >= 0:
-            x = scratch.state[known.free[surface]]
-            for k in range(absorbing.shape[0]):
-                here = absorbing[k, 0] == mode and absorbing[k, 1] == surface
-                if here and absorbing[k, 2] <= x <= absorbing[k, 3]:
-                    code = 3 * k + 2
-                    break
+            code = 2 * mode + 1
     state[0], state[1] = scratch.state
     return code, count, mode
 
 
 @allocating_entry
-def last_agreement(tables, known, absorbing, mode, surface, low, high, resolution, course, position):
+def last_agreement(tables, known, mode, surface, low, high, resolution, course, position):
     """Bisect a section between ``low``, whose motion has the ``course``, and ``high``, whose motion leaves it.
 
     ``course``: itinerary with −10 − code appended; ``position``: index at which ``high`` differs first. Returns the
@@ -335,7 +321,7 @@ def last_agreement(tables, known, absorbing, mode, surface, low, high, resolutio
         middle = 0.5 * (low + high)
         state[free] = middle
         put_on(tables, surface, state)
-        code, count, _ = itinerary(tables, known, absorbing, mode, state, symbols)
+        code, count, _ = itinerary(tables, known, mode, state, symbols)
         agrees = count == position + 1 or (count == position and -10 - code == course[position])
         for k in range(count):
             agrees = agrees and symbols[k] == course[k]
@@ -357,21 +343,16 @@ def _arrival_time(tables, known, mode, state):
     if row[BETA] * row[BETA] == kappa2:  # the ellipse shrinks as e^{−2αt}
         return 0.5 * math.log(size / goal) / row[ALPHA]
     y, w = state[0] - row[EQUILIBRIUM], state[1]
-    low, high = 0.0, 1.0 / (row[ALPHA] + row[BETA] + row[DELTA])
-    for _ in range(
-        4000
-    ):  # 2098 doublings lead from the smallest double to the largest, some 105 halvings end a bracket
-        middle = high if low == 0.0 else 0.5 * (low + high)
+    low, high, bracketed = 0.0, 1.0 / (row[ALPHA] + row[BETA] + row[DELTA]), False
+    for _ in range(4000):  # 2098 doublings lead from the smallest double to the largest
+        middle = 0.5 * (low + high) if bracketed else high
         c, s, s_rate = flow_planar.responses(row, middle)
         there, rate = y * c + w * s, w * s_rate - row[A0] * y * s
         eta = rate + row[ALPHA] * there
-        if eta * eta + kappa2 * there * there > goal:
-            low, high = (middle, high) if low > 0.0 else (0.0, 2.0 * high)
-        elif low == 0.0:
-            low = EPS * high
-        else:
-            high = middle
-        if low > 0.0 and high - low <= 4.0 * EPS * high:
+        outside = eta * eta + kappa2 * there * there > goal
+        bracketed = bracketed or not outside
+        low, high = (middle, high if bracketed else 2.0 * high) if outside else (low, middle)
+        if bracketed and high - low <= 4.0 * EPS * high:
             break
     return high
 
