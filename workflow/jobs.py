@@ -98,7 +98,8 @@ def compile_engine(part: str, sources: Texts, marker: str) -> None:
         from lsvib.basins.grid import Grid
         from lsvib.basins.mapper import QUANTITIES, mapper
 
-        mapper(RigidDrive()).cells(Grid.parse(["u=-1:1:1", "w=-1:1:1"]), quantities=QUANTITIES)
+        one = {"start": -1.0, "stop": 1.0, "count": 1}
+        mapper(RigidDrive()).cells(Grid.of({"u": one, "w": one}), quantities=QUANTITIES)
     else:
         from lsvib.engine import motion
 
