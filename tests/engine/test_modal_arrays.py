@@ -64,6 +64,6 @@ def test_forms_that_do_not_hold_are_given_up():
     """Equal rates in pairs of their own, a chain of zeros, no number; beside them a field that holds."""
     good, twice = np.array([4.0, 9.0, 4.0, 4.0]), np.array([25.0, 9.0, np.nan, 0.0])
     rows = [(0, 1, 0, 0, 0), (-good, -0.1, 0, 0, 0), (0, 0, 0, 1, 0), (0, 0, -twice, 0 * twice - 0.1 * (twice > 0), 0)]
-    mode = linear_mode(rows, (1.0,) * 4, None, np.inf, "a damping")
+    mode = linear_mode(rows, (1.0,) * 4, None, "a damping")
     assert np.isfinite(mode.condition).tolist() == [True, False, False, False]
     assert modal_flow([mode]).pairs[0].tolist() == [2]

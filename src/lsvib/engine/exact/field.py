@@ -1,35 +1,17 @@
-r"""The field x′ = A x + b of a mode in balls: its rates, the subspaces of A, and how far its motions get.
+"""The field x′ = A x + b of a mode in balls: its rates, and the subspaces of A.
 
 The characteristic polynomial is split into factors of degree one or two, with a projector on the subspace of each.
-
-A model can only guess the size of, say, the mismatch of its threads. If rates lie many decades apart, the motion soon
-takes a coordinate far beyond that guess, and digits that seem lost by the guess do not matter. Let Π_k be the projector
-on the k slowest rates of the homogeneous field of (x, 1). Once all faster parts have died away, or within half a turn
-of them if they do not, the state is Π_k (x, 1). So the size that a coordinate has in the motion is
-
-    x* = max( x, |Π_k| (x, 1) ),      over all k for which this state is reached before the horizon.
-
-Rates next to each other (``_GAP``) cannot be separated in this way. But a group of such rates, of which the fastest is
-ω, turns the state within its own subspace by about a radian in a time 1/ω: with the projector Π on the group and the
-field H of (x, 1), a coordinate also has the size |H Π / ω| (x, 1). So what a large rate of the nut is given as typical
-makes of its angle counts as typical, too. Nor can rates be separated that are slower than the horizon T. They make
-|exp(H Π T)| (x, 1) of the state: a coupling that is wound up at rest loads the contact long before the nut has swung.
-
-A part that is slower than the horizon has changed little by then, and a coordinate that is small beside such parts is
-moved by their change alone (:mod:`lsvib.engine.kernels.flow_modal`). So digits are lost by what has changed until some
-time, beside the sizes that are reached then: at the horizon, and at the time of each rate that is slower.
 """
 
-import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 from flint import acb, arb, arb_mat, fmpq, fmpq_poly, fmpz
 
-from lsvib.engine.exact.arithmetic import ball, inverse_modulo, many_digits, modulo, multiplied
+from lsvib.engine.exact.arithmetic import ball, inverse_modulo, modulo, multiplied
 
 WORST_CONDITION = 1e6  # rounding grows by so much at most: 1e-9 of the sizes of the coordinates
 # Relative sizes that only the rounding of coefficients of 50 digits can have: of a rate, and of the distance of two
@@ -38,10 +20,6 @@ _NOTHING, _SAME = 1e-40, 1e-24
 _LEFT = 1e-35  # of the terms of a product of projectors that is zero: rounding
 SLOW = 10  # a single rate that is so many times smaller than all larger ones may have its equilibrium far away
 APART = 0.25  # relative distance of two real rates from which on each is carried alone
-SWINGS = 100  # swings of the coupling in a horizon; a size that takes longer to reach does not count
-_NEVER = 1e-35  # relative size of a rate that is zero but for the rounding of the coefficients
-_GAP = 4.0  # ratio of two rates that are separated: e⁻⁴ of the faster part is left after a time unit of the slower one
-_DIGIT = 1e-6  # radius of an element of a projector, in sizes of the coordinates, that leaves it a size
 
 Rows = Sequence[Sequence[arb | float | int]]
 
@@ -87,28 +65,14 @@ class Field:
         return np.array([[float(x) for x in row] for row in self.rows])
 
 
-def balls(rows: Rows) -> arb_mat:
-    """Return a matrix of numbers in the digits of the context."""
-    return arb_mat([[ball(x) for x in row] for row in rows])
-
-
-def homogeneous(field: Field) -> arb_mat:
-    """Return the field of (x, 1) between the coordinates that may change, in units of their sizes."""
-    units = [*map(arb, field.scale()), arb(1)]
-    rows = [[*map(ball, row), last] for row, last in zip(field.matrix(), field.push(), strict=True)]
-    found = [[x * units[j] / units[i] for j, x in enumerate(row)] for i, row in enumerate(rows)]
-    return arb_mat([*found, [0] * len(units)])
-
-
-def amplification(out: np.ndarray, into: np.ndarray, sizes: np.ndarray) -> float:
+def amplification(out: np.ndarray, into: np.ndarray, sizes: np.ndarray) -> np.ndarray:
     """Return the largest amplification of rounding into other coordinates and back, max_i Σ_j |V_ij| (|W| x)_j / x_i.
 
-    Arguments: V (n, p), W (p, n or n + 1, the last for constants), sizes x (n). Infinite beyond the range of doubles.
+    Arguments: V (..., n, p), W (..., p, n + 1), the last for constants, sizes x (..., n).
     """
-    given = np.append(sizes, 1.0)[: into.shape[1]]
-    with np.errstate(over="ignore", invalid="ignore"):
-        found = float(np.max(np.abs(out) @ (np.abs(into) @ given) / sizes))
-    return found if found == found else math.inf
+    given = np.append(sizes, np.ones((*sizes.shape[:-1], 1)), axis=-1)[..., None]
+    with np.errstate(all="ignore"):
+        return ((np.abs(out) @ (np.abs(into) @ given))[..., 0] / sizes).max(axis=-1)
 
 
 class Subspace(NamedTuple):
@@ -231,70 +195,3 @@ def _size_of(matrix: arb_mat, scale: list[float]) -> float:
     n = range(matrix.nrows())
     # What a rate in two factors leaves is not a number, which the largest of some numbers must not hide.
     return float(np.max([float(abs(matrix[i, j]).upper()) * scale[j] / scale[i] for i in n for j in n]))
-
-
-def slow_reaches(field: Field, horizon: float) -> list[tuple[float, np.ndarray]]:
-    """Return the horizon [s] and then the times [s] of all slower rates, with the sizes that are reached by then."""
-    with many_digits():
-        sizes = [float(abs(rate)) for rate in rates_of(balls(field.matrix()))]
-    times = [horizon, *(1 / size for size in sizes if _NEVER * max(sizes) < size < 1 / horizon)]
-    return [(time, reached(field, time).sizes) for time in sorted(times)]
-
-
-def reached(field: Field, horizon: float) -> Field:
-    """Return the field with the sizes that its coordinates reach within a time ``horizon`` [s]."""
-    with many_digits():
-        most = np.ones(len(field.alive))
-        for state in _reached_states(homogeneous(field), horizon):
-            rows = np.abs(np.array([[float(x) for x in row] for row in state.tolist()]))
-            most = np.maximum(most, rows[:-1].sum(axis=1))
-    wider = field.sizes.copy()
-    wider[field.alive] *= most
-    return replace(field, sizes=wider)
-
-
-def _reached_states(matrix: arb_mat, horizon: float) -> Iterator[arb_mat]:
-    """Yield matrices that make of a start the states that it reaches before the horizon [s], by gaps in the rates."""
-    rates = sorted(rates_of(matrix), key=_size)
-    least = max(1 / horizon, _NEVER * max(float(abs(x).upper()) for x in matrix.entries()))
-    gaps = [k for k in range(1, len(rates)) if _size(rates[k]) > max(_GAP * _size(rates[k - 1]), least)]
-    for first, last in zip([0, *gaps], [*gaps, len(rates)], strict=True):
-        slow, group, fast = rates[:first], rates[first:last], rates[last:]
-        if fast and (projector := _separator(matrix, slow + group, fast)) is not None:
-            yield projector
-        if (projector := _separator(matrix, group, slow + fast)) is None:
-            continue
-        if _size(group[-1]) > least:
-            yield matrix * projector * (1 / abs(group[-1]))
-        elif horizon < math.inf:
-            yield (matrix * projector * arb(horizon)).exp() * projector
-
-
-def _size(rate: acb) -> float:
-    return float(abs(rate))
-
-
-def _separator(matrix: arb_mat, group: list[acb], others: list[acb]) -> arb_mat | None:
-    """Return the projector on the subspace of some rates, whatever chains they have; None if no digit is left of it.
-
-    With the polynomials p and q of both parts and u p + v q = 1 it is v q of the matrix.
-    """
-    if not others:
-        return identity(matrix.nrows())
-    own, rest = _with_rates(group), _with_rates(others)
-    common, _, inverse = own.xgcd(rest)
-    if common.degree() > 0:
-        return None
-    found = _polynomial((inverse * rest).coeffs()[::-1], matrix)
-    return found if max(float(x.rad()) for x in found.entries()) < _DIGIT else None
-
-
-def _with_rates(rates: list[acb]) -> fmpq_poly:
-    """Return the real polynomial with these rates, those of a complex pair both among them."""
-    found = fmpq_poly([1])
-    for rate in rates:
-        if float(rate.imag) > 0:
-            found *= fmpq_poly([rational(abs(rate) ** 2), -2 * rational(rate.real), 1])
-        elif float(rate.imag) == 0:
-            found *= fmpq_poly([-rational(rate.real), 1])
-    return found

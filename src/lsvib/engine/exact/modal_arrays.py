@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from lsvib.engine.exact.field import APART, SLOW, WORST_CONDITION
+from lsvib.engine.exact.field import APART, SLOW, WORST_CONDITION, amplification
 from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import ModalFlow
 
@@ -101,19 +101,12 @@ def modal_modes(rows: Sequence[Sequence[Any]], sizes: Sequence[Any], kept: Mappi
         exact[:, i, :count] = out[:, j, :count] * scale[:, j, None]
     for i, value in kept.items():
         exact[:, i, n] = value
-    condition = _condition(exact.astype(float), to_modal, size.astype(float))
+    condition = amplification(exact.astype(float)[..., :-1], to_modal, size.astype(float))
     condition[~(safe & held & (condition < WORST_CONDITION))] = np.inf
     return ModalModes(
         pairs, count - 2 * pairs, oscillators, *singles, to_modal, exact.astype(float), field.astype(float), condition,
         exact, count,
     )  # fmt: skip
-
-
-def _condition(out: np.ndarray, into: np.ndarray, sizes: np.ndarray) -> np.ndarray:
-    """Return the largest amplification of rounding (k), as :func:`lsvib.engine.exact.field.amplification`."""
-    given = np.append(sizes, np.ones((len(sizes), 1)), axis=1)[..., None]
-    with np.errstate(all="ignore"):
-        return ((np.abs(out[..., :-1]) @ (np.abs(into) @ given))[..., 0] / sizes).max(axis=1)
 
 
 def _eigenvectors(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

@@ -7,15 +7,12 @@ sensitive where the two rates of a factor coincide. On the subspace, q = ℓΠx 
 the factor, so (q, q′) is an oscillator, or q alone is an exponential. Rates that are repeated without a chain share a
 factor, and each of them gets such a row.
 
-The loss of digits of a form is judged by the typical sizes of the coordinates and, if they are not good enough, by what
-changes until some times, beside the sizes that a motion reaches by then (:mod:`lsvib.engine.exact.field`). A mode that
-would still lose more than six digits is refused: its rates coincide, or lie too far apart.
+A mode that would lose more than six digits in states of the typical sizes of the coordinates is refused: its rates
+coincide, or lie too far apart.
 """
 
-import math
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from itertools import combinations
 from typing import NamedTuple
@@ -24,7 +21,7 @@ import numpy as np
 from flint import arb, arb_mat
 
 from lsvib.engine.exact.arithmetic import ball, many_digits
-from lsvib.engine.exact.field import WORST_CONDITION, Field, Rows, amplification, reached, slow_reaches, subspaces
+from lsvib.engine.exact.field import WORST_CONDITION, Field, Rows, amplification, subspaces
 from lsvib.engine.exact.modal_arrays import ModalModes, guard_columns, modal_modes, stacked
 from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import ModalFlow
@@ -41,8 +38,7 @@ class ModalMode:
 
     Oscillator rows (p), rates and pushes (s), W and w₀ (q, n + 1), V and v₀ (n, q + 1), A and b (n, n + 1), see
     :class:`lsvib.engine.kernels.layout.ModalFlow`. ``condition`` is the largest amplification of rounding,
-    max_i Σ_j |V_ij| (|W| x)_j / x_i, for states of the sizes x, or of changes to them. ``exact``: V and v₀ before they
-    were rounded.
+    max_i Σ_j |V_ij| (|W| x)_j / x_i, for states of the sizes x. ``exact``: V and v₀ before they were rounded.
     """
 
     oscillators: np.ndarray
@@ -61,11 +57,9 @@ class ModalMode:
         return [*self.oscillators[:, layout.TIME_SCALE], *(1.0 / np.abs(about))]
 
 
-def modal_mode(field: Field, reaches: Sequence[tuple[float, np.ndarray]] | None = None) -> ModalMode:
+def modal_mode(field: Field) -> ModalMode:
     """Decompose a field.
 
-    Its loss of digits is judged by states of the sizes of the field, or by the changes until some times [s], with
-    which states have come to other sizes (n) there (:func:`lsvib.engine.exact.field.slow_reaches`).
     Raises ``ArithmeticError`` if rates coincide with a chain, other than two real ones, or if rates of different
     factors lie so close together that double precision cannot carry the modal form (condition above 1e6).
     """
@@ -78,28 +72,9 @@ def modal_mode(field: Field, reaches: Sequence[tuple[float, np.ndarray]] | None 
             else:
                 singles += _singles(push, space, field.scale())
         mode = _tables(field, pairs, singles)
-    if reaches is not None:
-        mode = replace(mode, condition=max(_loss(mode, time, sizes) for time, sizes in reaches))
     if not mode.condition < WORST_CONDITION:
         raise ArithmeticError(f"condition {mode.condition:.1e}")
     return mode
-
-
-def _loss(mode: ModalMode, time: float, sizes: np.ndarray) -> float:
-    """Return the amplification of the rounding of what changes until a time [s] in states of some sizes (n).
-
-    Growth counts up to one time constant. What is moved by its change (:mod:`lsvib.engine.kernels.flow_modal`) may lose
-    one digit more, and a coordinate that is not small enough for that four digits of its own.
-    """
-    pairs, rates, pushes = len(mode.oscillators), np.abs(mode.rates), np.abs(mode.pushes)
-    rows = mode.oscillators
-    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
-        moves = np.abs(mode.to_modal) @ np.append(sizes, 1.0)
-        turned = np.minimum(1.0, time / rows[:, layout.TIME_SCALE] + np.abs(rows[:, layout.A1]) * time)
-        moves[: 2 * pairs] *= np.repeat(turned, 2)
-        moves[2 * pairs :] = (rates * moves[2 * pairs :] + pushes) * np.minimum(time, 1 / rates)
-        found = float(np.max(np.abs(mode.from_modal[:, :-1]) @ moves / sizes))
-    return found if found == found else math.inf
 
 
 class _Frame(NamedTuple):
@@ -259,7 +234,7 @@ def _tables(field: Field, pairs: list[_Piece], singles: list[_Piece]) -> ModalMo
             exact[i][count] += piece.out[j][-1]
         first += len(piece.into)
     from_modal = np.array([_floats(row) for row in exact])
-    condition = amplification(from_modal[:, :-1], to_modal, field.sizes)
+    condition = float(amplification(from_modal[:, :-1], to_modal, field.sizes))
     return ModalMode(
         np.array([pair.row for pair in pairs]).reshape(-1, layout.COUNT),
         *np.array([single.row for single in singles]).reshape(-1, 2).T.copy(),
@@ -275,25 +250,20 @@ def linear_mode(
     rows: Rows,
     sizes: Sequence[float],
     frozen: Mapping[int, arb | float] | None,
-    horizon: float,
     movable: str,
 ) -> ModalMode | ModalModes:
     """Return a mode of a model.
 
     Arguments: rows of A and b (n, n + 1), balls or floats; typical sizes of the coordinates (n); ``frozen``,
-    coordinates that keep a value in this mode, with that value; the horizon [s] of
-    :func:`lsvib.engine.exact.field.reached`; ``movable``, the parameter to change where two rates coincide.
+    coordinates that keep a value in this mode, with that value; ``movable``, the parameter to change where two rates
+    coincide.
     Raises ``EngineError`` for a mode whose rates double precision cannot distinguish.
     """
     if any(isinstance(x, np.ndarray) for row in rows for x in row):
         return modal_modes(rows, sizes, frozen or {})
     field = Field.of(rows, sizes, frozen)
-    with suppress(ArithmeticError):
-        return modal_mode(field)
-    reaches = slow_reaches(field, horizon) if horizon < math.inf else None
-    field = reached(field, horizon) if reaches is None else replace(field, sizes=reaches[0][1])
     try:
-        return modal_mode(field, reaches)
+        return modal_mode(field)
     except ArithmeticError as error:
         raise EngineError(
             f"two rates of one mode of motion cannot be distinguished in double precision ({error}); change {movable}."
