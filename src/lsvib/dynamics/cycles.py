@@ -33,15 +33,8 @@ from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.model import find_model
 
-_LONGER = 2.0  # a return may take so many times what it did
-_GOLDEN = 0.3819660112501051  # (3 − √5) / 2
 _HALVINGS = 60  # of a bracket in which Newton's method fails: to the last bit
-_CLOSER = np.append(
-    0.7 ** np.arange(1, 40), 0.0
-)  # Close to an end return maps bend, so samples go down to a millionth.
-_BEYOND = 1e-9  # part of a bracket by which a cycle may lie beyond it, for the rounding of its place
 _SAME = 1e-7  # Two cycles of one stability that differ by less, relatively, are the same cycle.
-_MOST, _LESS = 300_000, 30_000  # work for a start, and for one after another remained unresolved
 
 
 @dataclass(frozen=True)
@@ -214,7 +207,7 @@ def cycle_from(
     watched = np.flatnonzero((guess.kind[:events] == key[0]) & (guess.mode[:events] == key[1]))
     if not watched.size:
         return None
-    longest = _LONGER * float(guess.end_time)
+    longest = 2.0 * float(guess.end_time)  # a return may take twice as long as it did
     section = Section(automaton, key, guess.after[watched[0]], size_of(guess), len(watched), longest)
     return cycle_on(drive, section, found_by)
 
@@ -224,8 +217,8 @@ def cycle_of(drive: Drive, steady: SteadyState) -> Cycle | None:
     if steady.orbit is None or steady.label == Attractor.NEUTRAL_FAMILY:
         return None
     orbit = steady.orbit
-    key, longest = (int(orbit.kind[-1]), int(orbit.end_mode)), _LONGER * orbit.end_time
-    section = Section(orbit.automaton, key, steady.state, size_of(orbit), steady.returns, longest)
+    key = int(orbit.kind[-1]), int(orbit.end_mode)
+    section = Section(orbit.automaton, key, steady.state, size_of(orbit), steady.returns, 2.0 * orbit.end_time)
     return cycle_on(drive, section, "start")
 
 
@@ -288,8 +281,9 @@ def search(
         _add(found, cycle_from(drive, automaton, seed.state, seed.mode, seed.events, seed.found_by))
     endings: list[tuple[np.ndarray, SteadyState]] = []
     for state in states:
+        # less work for a start once another one remained unresolved
         lost = any(steady.label == Attractor.UNRESOLVED for _, steady in endings)
-        steady = steady_state(automaton, state, max_events=_LESS if lost else _MOST)
+        steady = steady_state(automaton, state, max_events=30_000 if lost else 300_000)
         endings.append((state, steady))
         if steady.label == Attractor.NEUTRAL_FAMILY:
             families = families or [steady]
@@ -378,7 +372,8 @@ def _to_edges(section: Section, places: np.ndarray, gaps: list[float]) -> np.nda
         for _ in range(_HALVINGS):
             middle = 0.5 * (inside + outside)
             inside, outside = (middle, outside) if math.isfinite(_gap(section, middle)) else (inside, middle)
-        more.append(inside + (first - inside) * _CLOSER)
+        # Close to an end return maps bend, so samples go down to a millionth.
+        more.append(inside + (first - inside) * np.append(0.7 ** np.arange(1, 40), 0.0))
     return np.unique(np.concatenate(more))
 
 
@@ -400,18 +395,19 @@ def _extremum(section: Section, low: float, high: float, sign: float) -> float:
         value = sign * _gap(section, place)
         return value if math.isfinite(value) else math.inf
 
-    left, right = low + _GOLDEN * (high - low), high - _GOLDEN * (high - low)
+    golden = 0.5 * (3 - math.sqrt(5))
+    left, right = low + golden * (high - low), high - golden * (high - low)
     at_left, at_right = height(left), height(right)
     for _ in range(60):  # steps of the golden section, which leave 1e-12 of the bracket
         if min(at_left, at_right) < 0:
             break
         if at_left < at_right:
             high, right, at_right = right, left, at_left
-            left = low + _GOLDEN * (high - low)
+            left = low + golden * (high - low)
             at_left = height(left)
         else:
             low, left, at_left = left, right, at_right
-            right = high - _GOLDEN * (high - low)
+            right = high - golden * (high - low)
             at_right = height(right)
     return left if at_left < at_right else right
 
@@ -430,7 +426,7 @@ def _within(drive: Drive, section: Section, low: float, high: float) -> Cycle | 
             cycle = None
         if cycle is not None:
             place = float(section.place(cycle.state)[0])
-            if low - _BEYOND * width <= place <= high + _BEYOND * width:
+            if low - 1e-9 * width <= place <= high + 1e-9 * width:  # its place is rounded
                 return cycle
         here = _gap(section, middle)
         if not math.isfinite(here):

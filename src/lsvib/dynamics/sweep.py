@@ -38,14 +38,13 @@ from lsvib.models.many import Group, ManyDrives, automata, groups
 from lsvib.models.model import Model, Resume, find_model
 
 WORK = 300_000.0  # events that a motion may take
-_SHARE, _LEAST = 1024, 64  # most and fewest drives that a process takes at a time: some seconds of work
 _WITHOUT_NUMBERS = (Attractor.UNRESOLVED, Attractor.UNBOUNDED)
 
 Done = TypeVar("Done")
 
 
 class Ending(NamedTuple):
-    """What a motion ends on; nan where it has no such number.
+    """What a motion ends on, or arrays (k) of what motions do; nan where it has no such number.
 
     ``attractor``, an :class:`lsvib.dynamics.attractor.Attractor`; ``happens``, what happens on a cycle: the sum of
     those of ``SPRAGS``, ``RESTS`` and ``REVERSES`` (the contact force changes its sign) that do; ``amplitude`` [rad],
@@ -54,39 +53,27 @@ class Ending(NamedTuple):
     without.
     """
 
-    attractor: int
-    happens: int
-    amplitude: float
-    period: float
-    multiplier: float
-    peak_normal_force: float
-    peak_normal_impulse: float
+    attractor: Any
+    happens: Any
+    amplitude: Any
+    period: Any
+    multiplier: Any
+    peak_normal_force: Any
+    peak_normal_impulse: Any
 
     @classmethod
     def without_numbers(cls, attractor: int) -> "Ending":
         """Return an ending of which only the attractor is known."""
         return cls(int(attractor), 0, *(math.nan,) * 5)
 
-
-class Endings(NamedTuple):
-    """What motions end on, arrays (k) of what :class:`Ending` holds, in the same units."""
-
-    attractor: np.ndarray
-    happens: np.ndarray
-    amplitude: np.ndarray
-    period: np.ndarray
-    multiplier: np.ndarray
-    peak_normal_force: np.ndarray
-    peak_normal_impulse: np.ndarray
-
     @classmethod
-    def unknown(cls, size: int) -> "Endings":
+    def unknown(cls, size: int) -> "Ending":
         """Return room for so many."""
         kinds = np.full(size, Attractor.UNRESOLVED, dtype=np.int8), np.zeros(size, dtype=np.int8)
         return cls(*kinds, *(np.full(size, np.nan) for _ in cls._fields[2:]))
 
-    def put(self, places: Any, others: "Endings | Ending") -> None:
-        """Copy the endings ``others`` into the places that are given."""
+    def put(self, places: Any, others: "Ending") -> None:
+        """Copy other endings into some places of these."""
         for mine, theirs in zip(self, others, strict=True):
             mine[places] = theirs
 
@@ -154,7 +141,7 @@ def all_endings(
     workers: int = 1,
     progress: Callable[[int, int], None] | None = None,
     others: Mapping[str, float] | None = None,
-) -> Endings:
+) -> Ending:
     """Return what motions of drives of one model (k) end on, each from its own start, u [rad] and w [rad/s] (k, 2).
 
     A motion depends on nothing but its own drive and start: no number depends on ``workers``, the number of processes
@@ -162,7 +149,7 @@ def all_endings(
     values of the other states by name, by default those that the model begins with. Raises ``InputError`` for a rule of
     resuming that the model does not know.
     """
-    found, alone = Endings.unknown(drives.size), np.arange(drives.size)
+    found, alone = Ending.unknown(drives.size), np.arange(drives.size)
     if len(find_model(drives.drive_class.model).states) == 2:
         found, is_open = endings_at_once(drives, starts, resume, workers)
         alone = np.flatnonzero(is_open)
@@ -179,8 +166,8 @@ def all_endings(
     return found
 
 
-def _share(drives: ManyDrives, starts: np.ndarray, others: Mapping[str, float], resume: str) -> Endings:
-    found = Endings.unknown(drives.size)
+def _share(drives: ManyDrives, starts: np.ndarray, others: Mapping[str, float], resume: str) -> Ending:
+    found = Ending.unknown(drives.size)
     for one in prepared(drives, resume):
         u, w = starts[one.place].tolist()
         found.put(one.place, ending_of(one, one.state({"u": u, "w": w, **others})))
@@ -195,7 +182,8 @@ def in_shares(
     progress: Callable[[int, int], None] | None,
 ) -> Iterator[tuple[slice, Done]]:
     """Yield what ``work`` makes of shares of drives and of the rows (k, ...) that belong to them, in their order."""
-    size = max(_LEAST, min(_SHARE, -(-drives.size // (2 * workers))))
+    # most and fewest drives that a process takes at a time: some seconds of work
+    size = max(64, min(1024, -(-drives.size // (2 * workers))))
     places = [slice(first, min(first + size, drives.size)) for first in range(0, drives.size, size)]
     cases = ((drives.some(np.arange(here.start, here.stop)), *(column[here] for column in columns)) for here in places)
     several = workers > 1 and len(places) > 1
@@ -213,13 +201,13 @@ def _on_case(work: Callable[..., Done], case: tuple[Any, ...]) -> Done:
 
 def endings_at_once(
     drives: ManyDrives, starts: np.ndarray, resume: Resume, workers: int = 1, work: float = WORK
-) -> tuple[Endings, np.ndarray]:
+) -> tuple[Ending, np.ndarray]:
     """Return what motions of drives with two states (k) end on, and which must be followed alone (k).
 
     Those are the ones of drives whose tables are not safe in doubles, or without any damping. ``work``: events that
     each motion may take.
     """
-    found, is_open = Endings.unknown(drives.size), np.ones(drives.size, dtype=bool)
+    found, is_open = Ending.unknown(drives.size), np.ones(drives.size, dtype=bool)
     # drives whose tables are made at once: half a gigabyte of numbers for a million would be too many
     size = max(1, min(8192, -(-drives.size // workers)))
     blocks = [np.arange(first, min(first + size, drives.size)) for first in range(0, drives.size, size)]
@@ -228,7 +216,7 @@ def endings_at_once(
         """Write what a block of drives end on."""
         for group in groups(drives, resume, block):
             closed, endings = _group_endings(drives, group, starts[group.members], work)
-            found.put(group.members[closed], Endings(*(column[closed] for column in endings)))
+            found.put(group.members[closed], Ending(*(column[closed] for column in endings)))
             is_open[group.members[closed]] = False
 
     with ThreadPoolExecutor(workers) as pool:
@@ -236,9 +224,9 @@ def endings_at_once(
     return found, is_open
 
 
-def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray, work: float) -> tuple[np.ndarray, Endings]:
+def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray, work: float) -> tuple[np.ndarray, Ending]:
     """Return which motions of a group (j), from ``starts`` (j, 2), are done, and what these end on."""
-    automaton, size, found = group.automaton, group.members.size, Endings.unknown(group.members.size)
+    automaton, size, found = group.automaton, group.members.size, Ending.unknown(group.members.size)
     flow, moving = automaton.tables.flow, ~np.isin(automaton.codes, automaton.rest_codes)
     done = group.safe & flow[:, moving, layout.A1].any(axis=1)
     if automaton.contracts:
@@ -276,7 +264,7 @@ def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray, work: f
     return cycles | spent | (outcomes == Outcome.SLIDES), found
 
 
-def _slide(group: Group, here: np.ndarray, found: Endings) -> None:
+def _slide(group: Group, here: np.ndarray, found: Ending) -> None:
     """Write steady sliding for some members of a group."""
     found.attractor[here] = Attractor.STEADY_SLIDING
     found.amplitude[here] = found.peak_normal_impulse[here] = 0.0

@@ -26,7 +26,7 @@ class Outcome(IntEnum):
     SPENT = 6  # the budget is spent,
     SPENT_STEADILY = 7  # by a vibration that hardly changes,
     SEARCH_SPENT = 8  # or by the search for one event
-    ACCUMULATES = 9  # events accumulate, which the caller may see through
+    ACCUMULATES = 9  # events accumulate, and the model does not say what follows
     LOST = 10  # the engine has no answer
     OPEN = 11  # no mode fits the start
 

@@ -16,8 +16,6 @@ from lsvib.errors import EngineError
 
 DIGITS = 150  # with rates thirty decades apart, a product of four of their differences leaves 30 digits
 
-_CANCELLED = 1e-40  # radius of a sum that holds zero, relative to its terms: fewer digits do not show that it is zero
-_HELD = 1e-13  # relative error that a sum of arrays may have
 
 Number = Any  # arb, arb_series, an array of doubles, or a float or int
 _precision = RLock()  # FLINT has one precision for all threads
@@ -100,12 +98,12 @@ def added(*terms: Number) -> Number:
     if any(isinstance(term, np.ndarray) for term in terms):
         total, size = sum(terms), np.maximum.reduce(np.broadcast_arrays(*map(np.abs, terms)))
         left, eps = np.abs(total), np.finfo(total.dtype).eps
-        return np.where(left <= 8 * eps * size, 0, np.where(left < eps / _HELD * size, np.nan, total))
+        return np.where(left <= 8 * eps * size, 0, np.where(left < 1e13 * eps * size, np.nan, total))
     total = sum(terms, arb(0))
     if not total.contains(0) or total.is_zero():
         return total
-    if total.rad() > _CANCELLED * max(abs(ball(x)).mid() for x in terms):
-        sign(total)  # too few digits are left
+    if total.rad() > 1e-40 * max(abs(ball(x)).mid() for x in terms):
+        sign(total)  # too few digits are left to show that it is zero
     return arb(0)
 
 

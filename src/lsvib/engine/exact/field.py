@@ -111,28 +111,21 @@ def subspaces(matrix: arb_mat, scale: list[float]) -> list[Subspace]:
     that no factor of degree two holds.
     """
     rates = rates_of(matrix)
-    for once in (True, False):
-        factors = _factors(rates, once)
-        found = [_projector(matrix, factors, k) for k in range(len(factors))]
-        if _carried(matrix, factors, found, scale):
-            return [Subspace(f, p, _slow(f, rates)) for f, p in zip(factors, found, strict=True)]
-    raise ArithmeticError("rates of a mode coincide, with a chain")
+    factors = _factors(rates)
+    found = [_projector(matrix, factors, k) for k in range(len(factors))]
+    if not _carried(matrix, factors, found, scale):
+        raise ArithmeticError("rates of a mode coincide, with a chain")
+    return [Subspace(f, p, _slow(f, rates)) for f, p in zip(factors, found, strict=True)]
 
 
-def _factors(rates: list[acb], once: bool) -> list[list[arb]]:
-    """Real factors of the characteristic polynomial, coefficients from the highest power; one factor for all zeros.
-
-    ``once``: one factor, too, for all rates that coincide, so that the product is the minimal polynomial if no chain
-    comes with them.
-    """
+def _factors(rates: list[acb]) -> list[list[arb]]:
+    """Real factors of the characteristic polynomial, coefficients from the highest power; one factor for all zeros."""
     sizes = [float(abs(rate)) for rate in rates]
     moving = [rate for rate, size in zip(rates, sizes, strict=True) if size > _NOTHING * max(sizes)]
     upper = [rate for rate in moving if float(rate.imag) > _SAME * float(abs(rate))]
     upper.sort(key=lambda rate: float(rate.imag))
     real = [rate.real for rate in moving if abs(float(rate.imag)) <= _SAME * float(abs(rate))]
     real.sort(key=float, reverse=True)
-    if once:
-        upper, real = _distinct(upper), _distinct(real)
     factors = [[arb(1), -2 * rate.real, abs(rate) ** 2] for rate in upper]
     while len(real) > 1:  # the two closest, relative to their size, belong together; far ones lose digits in a pair
         gaps = [abs(float((a - b) / (a if abs(a) > abs(b) else b))) for a, b in pairwise(real)]
@@ -143,14 +136,6 @@ def _factors(rates: list[acb], once: bool) -> list[list[arb]]:
         factors.append([arb(1), -(a + b), a * b])
     factors += [[arb(1), -rate] for rate in real]
     return factors + ([[arb(1), arb(0)]] if len(moving) < len(rates) else [])
-
-
-def _distinct(rates: list) -> list:
-    found: list = []
-    for rate in rates:
-        if all(float(abs(rate - other)) > _SAME * float(abs(rate)) for other in found):
-            found.append(rate)
-    return found
 
 
 def _projector(matrix: arb_mat, factors: list[list[arb]], k: int) -> arb_mat:

@@ -4,8 +4,8 @@ The characteristic polynomial is split into factors: s² + a₁ s + a₀ for two
 s − r for a single real rate, s for zero. With P the product of the other factors, Π = m(A) P(A) projects on the
 subspace of a factor, where m is the inverse of P modulo the factor (:mod:`lsvib.engine.exact.field`). None of this is
 sensitive where the two rates of a factor coincide. On the subspace, q = ℓΠx with a row ℓ obeys the scalar equation of
-the factor, so (q, q′) is an oscillator, or q alone is an exponential. Rates that are repeated without a chain share a
-factor, and each of them gets such a row.
+the factor, so (q, q′) is an oscillator, or q alone is an exponential. Rates of zero without a chain share a factor, and
+each of them gets such a row.
 
 A mode that would lose more than six digits in states of the typical sizes of the coordinates is refused: its rates
 coincide, or lie too far apart.
@@ -27,9 +27,7 @@ from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import ModalFlow
 from lsvib.errors import EngineError
 
-_LOST = 1e-12  # of an entry of a guard in modal coordinates: from here on it is computed with all digits
 _NOTHING = 1e-40  # of the terms of a sum: the rounding of coefficients
-_KEPT = 8  # matrices whose subspaces are kept: with all frictions the modes of a model have six
 
 
 @dataclass(frozen=True)
@@ -67,8 +65,8 @@ def modal_mode(field: Field) -> ModalMode:
         push, pairs, singles = field.push(), [], []
         rows = tuple(tuple(ball(x).mid().man_exp() for x in row) for row in field.matrix())
         for space in _spaces(rows, tuple(field.scale())):
-            if len(space.factor) == 3:
-                pairs += [_pair(push, space.factor, frame) for frame in space.frames]
+            if space.frame is not None:
+                pairs.append(_pair(push, space.factor, space.frame))
             else:
                 singles += _singles(push, space, field.scale())
         mode = _tables(field, pairs, singles)
@@ -86,16 +84,16 @@ class _Frame(NamedTuple):
 
 
 class _Space(NamedTuple):
-    """A subspace of a matrix: its factor, its projector, whether it is slow, its rank, and frames of its pairs."""
+    """A subspace of a matrix: its factor, its projector, whether it is slow, its rank, and the frame of a pair."""
 
     factor: list[arb]
     projector: arb_mat
     slow: bool
     rank: int
-    frames: list[_Frame]
+    frame: _Frame | None
 
 
-@lru_cache(maxsize=_KEPT)
+@lru_cache(maxsize=8)  # with all frictions the modes of a model have six matrices
 def _spaces(rows: tuple, scale: tuple[float, ...]) -> list[_Space]:
     """Return the subspaces of a matrix, by its rows of midpoints (mantissa, exponent).
 
@@ -104,8 +102,8 @@ def _spaces(rows: tuple, scale: tuple[float, ...]) -> list[_Space]:
     matrix, found = arb_mat([[arb(x) for x in row] for row in rows]), []
     for factor, projector, slow in subspaces(matrix, list(scale)):
         rank = round(sum(float(projector[i, i]) for i in range(projector.nrows())))
-        frames = _frames(matrix, factor, projector, scale, rank // 2) if len(factor) == 3 else []
-        found.append(_Space(factor, projector, slow, rank, frames))
+        frame = _frame(matrix, factor, projector, scale) if len(factor) == 3 else None
+        found.append(_Space(factor, projector, slow, rank, frame))
     if sum(space.rank for space in found) != len(rows) or not all(space.rank > 0 for space in found):
         raise ArithmeticError("no digit is left of a subspace")
     return found
@@ -145,24 +143,14 @@ def _minor(projector: arb_mat, chosen: Sequence[int], scale: Sequence[float]) ->
     return float(arb_mat([[projector[i, j] * scale[j] / scale[i] for j in chosen] for i in chosen]).det())
 
 
-def _frames(matrix: arb_mat, factor: list[arb], projector: arb_mat, scale: Sequence[float], count: int) -> list[_Frame]:
-    """Return frames of the oscillators of a factor of degree two that ``count`` pairs share, split off one by one."""
+def _frame(matrix: arb_mat, factor: list[arb], projector: arb_mat, scale: Sequence[float]) -> _Frame:
+    """Return the frame of the oscillator of a factor of degree two."""
     n = len(scale)
     weights = arb_mat([[arb(scale[i]) ** 2 * int(i == j) for j in range(n)] for i in range(n)])
-    frames = []
-    for left in reversed(range(count)):
-        row = _row_of_pair(matrix, factor, projector, scale)
-        turned = row * matrix
-        rows = arb_mat([row.entries(), turned.entries()])
-        if left:
-            vector = projector * weights * row.transpose()
-            vectors = arb_mat([vector.entries(), (matrix * vector).entries()]).transpose()
-            vectors = vectors * (rows * vectors).inv()
-            projector = projector - vectors * rows
-        else:
-            vectors = projector * weights * rows.transpose() * (rows * weights * rows.transpose()).inv()
-        frames.append(_Frame(row, turned, vectors))
-    return frames
+    row = _row_of_pair(matrix, factor, projector, scale)
+    turned = row * matrix
+    rows = arb_mat([row.entries(), turned.entries()])
+    return _Frame(row, turned, projector * weights * rows.transpose() * (rows * weights * rows.transpose()).inv())
 
 
 def _pair(push: list[arb], factor: list[arb], frame: _Frame) -> _Piece:
@@ -292,7 +280,7 @@ def guard_forms(modes: Sequence[ModalMode], rows: Sequence[Sequence[Sequence]]) 
                     rounded += float(constant) if j == count else 0.0
                     true, size = float(sum(terms, arb(0))), sum(abs(float(x)) for x in terms)
                     true = true if abs(true) > _NOTHING * size else 0.0
-                    unsure = abs(true - rounded) > _LOST * abs(true)
+                    unsure = abs(true - rounded) > 1e-12 * abs(true)
                     form[j], lost = true if unsure else rounded, lost or unsure
                 found.append(form)
     return found if lost else None
