@@ -13,7 +13,7 @@ between two samples without an extremum that shows stays unseen.
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -148,22 +148,12 @@ class Cycle:
             "itinerary": self._events(),
             "extremes": {name: list(ends) for name, ends in self.extremes.items()},
             "means": self.means,
-            "work": {
-                "motor": taken.motor,
-                "load": taken.load,
-                "friction": taken.friction,
-                "damping": taken.damping,
-                "impacts": taken.impacts,
-                "balance": taken.balance,
-                "efficiency": _finite(taken.efficiency),
-            },
+            "work": asdict(taken) | {"balance": taken.balance, "efficiency": _finite(taken.efficiency)},
         }
 
     def _stability(self) -> str:
-        for name in ("attracting", "repelling", "neutral"):
-            if getattr(self, name):
-                return name
-        return "not known"  # without multipliers, as infinitely many events have no derivative
+        found = (name for name in ("attracting", "repelling", "neutral") if getattr(self, name))
+        return next(found, "not known")  # without multipliers, as infinitely many events have no derivative
 
     def _events(self) -> list[dict[str, Any]]:
         """Events of a period without touches: time [s], and the impulses [N s, N m s] of those that are seizures."""

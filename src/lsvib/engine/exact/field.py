@@ -9,9 +9,9 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from flint import acb, arb, arb_mat, fmpq, fmpq_poly, fmpz
+from flint import acb, arb, arb_mat, arb_poly, fmpq_poly
 
-from lsvib.engine.exact.arithmetic import ball, inverse_modulo, modulo, multiplied
+from lsvib.engine.exact.arithmetic import ball
 
 WORST_CONDITION = 1e6  # rounding grows by so much at most: 1e-9 of the sizes of the coordinates
 # Relative sizes that only the rounding of coefficients of 50 digits can have: of a rate, and of the distance of two
@@ -88,15 +88,8 @@ def rates_of(matrix: arb_mat) -> list[acb]:
 
     They are those of the midpoint of its characteristic polynomial, whose roots FLINT isolates exactly.
     """
-    exact = fmpq_poly([rational(x) for x in matrix.charpoly().coeffs()])
+    exact = fmpq_poly([x.mid().fmpq() for x in matrix.charpoly().coeffs()])
     return [acb(root.real.mid(), root.imag.mid()) for root, count in exact.complex_roots() for _ in range(int(count))]
-
-
-def rational(number: arb) -> fmpq:
-    """Return the midpoint of a ball, a fraction of a power of two."""
-    mantissa, exponent = number.mid().man_exp()
-    power = fmpq(fmpz(2) ** abs(int(exponent)))
-    return fmpq(mantissa) * power if exponent >= 0 else fmpq(mantissa) / power
 
 
 def identity(n: int) -> arb_mat:
@@ -140,12 +133,17 @@ def _factors(rates: list[acb]) -> list[list[arb]]:
 
 def _projector(matrix: arb_mat, factors: list[list[arb]], k: int) -> arb_mat:
     """Return the projector on the subspace of a factor: the product of the others times its inverse modulo this one."""
-    others, remainder = identity(matrix.nrows()), [arb(1)]
+    own, others, rest = arb_poly(factors[k][::-1]), identity(matrix.nrows()), arb_poly([1])
     for j, other in enumerate(factors):
         if j != k:
             others = others * _polynomial(other, matrix)
-            remainder = modulo(multiplied(remainder, other), factors[k])
-    return _polynomial(inverse_modulo(remainder, factors[k]), matrix) * others
+            rest = rest * arb_poly(other[::-1]) % own
+    b, a = rest[0], rest[1]
+    if len(factors[k]) == 2:
+        return _polynomial([1 / b], matrix) * others
+    _, a1, a0 = factors[k]  # (a s + b)(c s + d) = 1 modulo s² + a₁ s + a₀
+    norm = b * b - a * b * a1 + a * a * a0
+    return _polynomial([-a / norm, (b - a * a1) / norm], matrix) * others
 
 
 def _polynomial(coefficients: list, matrix: arb_mat) -> arb_mat:
