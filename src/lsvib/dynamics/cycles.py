@@ -183,23 +183,31 @@ def _number(value: complex) -> float | list[float] | None:
     return float(value.real) if value.imag == 0 else [float(value.real), float(value.imag)]
 
 
-def cycle_from(
-    drive: Drive, automaton: Automaton, state: np.ndarray, mode: int, events: int, found_by: str
-) -> Cycle | None:
-    """Return the cycle near the motion of so many events from a state (n) in a mode; None if there is none.
+@dataclass(frozen=True)
+class Seed:
+    """A start that is nearly periodic: state (n), mode, number of events of a period, and where it is from."""
 
-    The motion should be nearly periodic. The section is chosen among its events as the attractors' is.
+    state: np.ndarray
+    mode: int
+    events: int
+    found_by: str
+
+
+def cycle_from(drive: Drive, automaton: Automaton, seed: Seed) -> Cycle | None:
+    """Return the cycle near the motion from a seed; None if there is none.
+
+    The section is chosen among its events as the attractors' is.
     """
-    guess = follow(automaton, state, math.inf, mode=mode, max_events=2 * events)
+    guess = follow(automaton, seed.state, math.inf, mode=seed.mode, max_events=2 * seed.events)
     key = section_key(guess)
     if key is None or ACCUMULATION_KIND in guess.kind:
         return None
-    watched = np.flatnonzero((guess.kind[:events] == key[0]) & (guess.mode[:events] == key[1]))
+    watched = np.flatnonzero((guess.kind[: seed.events] == key[0]) & (guess.mode[: seed.events] == key[1]))
     if not watched.size:
         return None
     longest = 2.0 * float(guess.end_time)  # a return may take twice as long as it did
     section = Section(automaton, key, guess.after[watched[0]], size_of(guess), len(watched), longest)
-    return cycle_on(drive, section, found_by)
+    return cycle_on(drive, section, seed.found_by)
 
 
 def cycle_of(drive: Drive, steady: SteadyState) -> Cycle | None:
@@ -220,16 +228,6 @@ def cycle_on(drive: Drive, section: Section, found_by: str) -> Cycle | None:
     orbit, residual = found
     values, error = multipliers(section, orbit, residual)
     return Cycle(drive, orbit, residual, values, error, found_by, section)
-
-
-@dataclass(frozen=True)
-class Seed:
-    """A start that is nearly periodic: state (n), mode, number of events of a period, and where it is from."""
-
-    state: np.ndarray
-    mode: int
-    events: int
-    found_by: str
 
 
 def swing(drive: Drive) -> tuple[float, float]:
@@ -268,7 +266,7 @@ def search(
     found: list[Cycle] = []
     families: list[SteadyState] = []
     for seed in seeds:
-        _add(found, cycle_from(drive, automaton, seed.state, seed.mode, seed.events, seed.found_by))
+        _add(found, cycle_from(drive, automaton, seed))
     endings: list[tuple[np.ndarray, SteadyState]] = []
     for state in states:
         # less work for a start once another one remained unresolved

@@ -147,4 +147,4 @@ def work(drive: Drive, orbit: Motion) -> Work:
         totals[2] += np.abs(found[4:]).sum()
     lost = [powers.kinetic(x) - powers.kinetic(y) for x, y in zip(orbit.before, orbit.after, strict=True)]
     seized = np.isin(orbit.kind, automaton.sprag_kinds)
-    return Work(*map(float, totals), impacts=float(sum(np.array(lost)[seized])))
+    return Work(*map(float, totals), float(sum(np.array(lost)[seized])))

@@ -6,19 +6,18 @@ followed one by one, share by share, in processes of their own. No number depend
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import nullcontext
 from functools import partial
 from multiprocessing import get_context
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from lsvib.dynamics.attractor import (
     Attractor,
     KnownCycles,
-    SteadyState,
     facts_of,
     new_found,
     orbit_extremes,
@@ -35,12 +34,10 @@ from lsvib.engine.motion import engine_for, enter
 from lsvib.errors import EngineError
 from lsvib.models.drive import Drive
 from lsvib.models.many import Group, ManyDrives, automata, groups
-from lsvib.models.model import Model, Resume, find_model
+from lsvib.models.model import Resume, find_model
 
 WORK = 300_000.0  # events that a motion may take
 _WITHOUT_NUMBERS = (Attractor.UNRESOLVED, Attractor.UNBOUNDED)
-
-Done = TypeVar("Done")
 
 
 class Ending(NamedTuple):
@@ -78,60 +75,29 @@ class Ending(NamedTuple):
             mine[places] = theirs
 
 
-class Prepared(NamedTuple):
-    """A drive by its place among others, with its model and its automaton – None if the engine has none."""
-
-    place: int
-    model: Model
-    drive: Drive
-    automaton: Automaton | None
-
-    def state(self, values: Mapping[str, float]) -> np.ndarray:
-        """Return the state (n) with these values by name, u [rad] and w [rad/s] and what else the model has."""
-        return self.model.initial_state(self.drive, values)
-
-
-def prepared(drives: ManyDrives, resume: str) -> Iterator[Prepared]:
-    """Yield drives of one model, each with all its terms that are not zero; raises ``InputError`` as the model does."""
-    model = find_model(drives.drive_class.model)
-    for place, drive, automaton in automata(drives, resume):
-        yield Prepared(place, model, drive, automaton)
-
-
-def ending_of(one: Prepared, state: np.ndarray) -> Ending:
-    """Return what the motion of a drive from a state ends on."""
-    automaton = one.automaton
+def ending_of(drive: Drive, automaton: Automaton | None, state: np.ndarray) -> Ending:
+    """Return what the motion of a drive from a state (n) ends on; unresolved where the engine has no automaton."""
     if automaton is None:
         return Ending.without_numbers(Attractor.UNRESOLVED)
     found = steady_state(automaton, state)
-    force = automaton.observables["normal_force"]
-    if found.label in _WITHOUT_NUMBERS or (found.orbit is None and found.label == Attractor.NEUTRAL_FAMILY):
+    orbit, force = found.orbit, automaton.observables["normal_force"]
+    if found.label in _WITHOUT_NUMBERS or (orbit is None and found.label == Attractor.NEUTRAL_FAMILY):
         return Ending.without_numbers(found.label)
-    if found.orbit is None:
+    if orbit is None:
         mode, _ = enter(automaton, found.state)
         low, high = found.extremes(force[mode])
         return Ending(int(found.label), 0, 0.0, math.nan, math.nan, max(abs(low), abs(high)), 0.0)
     try:
-        amplitude, peak = found.amplitude, max(map(abs, orbit_extremes(found.orbit, force)))
+        amplitude, peak = found.amplitude, max(map(abs, orbit_extremes(orbit, force)))
     except EngineError:  # the rates of a mode lie too far apart to find the extremes
         amplitude = peak = np.nan
-    impulse = 0.0
-    if np.isin(found.orbit.kind, automaton.sprag_kinds).any():
-        impulse = float(np.abs(event_impulses(one.drive, found.orbit).normal).max())
-    return Ending(int(found.label), happens(one.model, found), amplitude, found.period, found.multiplier, peak, impulse)
-
-
-def happens(model: Model, found: SteadyState) -> int:
-    """Return what happens on a cycle, as :class:`Ending` has it."""
-    orbit = found.orbit
-    if orbit is None:
-        return 0
-    codes = orbit.automaton.codes[orbit.arcs()[0]]
-    return (
+    happens = (
         SPRAGS * (found.label == Attractor.SPRAG_SLIP_CYCLE)
-        + RESTS * bool(np.isin(codes, orbit.automaton.rest_codes).any())
-        + REVERSES * bool((orbit.kind == model.events["CONTACT_REVERSAL"]).any())
+        + RESTS * bool(np.isin(automaton.codes[orbit.arcs()[0]], automaton.rest_codes).any())
+        + REVERSES * bool((orbit.kind == find_model(drive.model).events["CONTACT_REVERSAL"]).any())
     )
+    impulse = float(np.abs(event_impulses(drive, orbit).normal).max(initial=0.0))
+    return Ending(int(found.label), happens, amplitude, found.period, found.multiplier, peak, impulse)
 
 
 def all_endings(
@@ -158,45 +124,28 @@ def all_endings(
     done = drives.size - alone.size
     if progress is not None and done:
         progress(done, drives.size)
-    if alone.size:
-        work = partial(_share, others=dict(others or {}), resume=resume)
-        more = progress and (lambda part, _: progress(done + part, drives.size))
-        for places, part in in_shares(work, drives.some(alone), (starts[alone],), workers, more):
-            found.put(alone[places], part)
-    return found
-
-
-def _share(drives: ManyDrives, starts: np.ndarray, others: Mapping[str, float], resume: str) -> Ending:
-    found = Ending.unknown(drives.size)
-    for one in prepared(drives, resume):
-        u, w = starts[one.place].tolist()
-        found.put(one.place, ending_of(one, one.state({"u": u, "w": w, **others})))
-    return found
-
-
-def in_shares(
-    work: Callable[..., Done],
-    drives: ManyDrives,
-    columns: Sequence[np.ndarray],
-    workers: int,
-    progress: Callable[[int, int], None] | None,
-) -> Iterator[tuple[slice, Done]]:
-    """Yield what ``work`` makes of shares of drives and of the rows (k, ...) that belong to them, in their order."""
     # most and fewest drives that a process takes at a time: some seconds of work
-    size = max(64, min(1024, -(-drives.size // (2 * workers))))
-    places = [slice(first, min(first + size, drives.size)) for first in range(0, drives.size, size)]
-    cases = ((drives.some(np.arange(here.start, here.stop)), *(column[here] for column in columns)) for here in places)
-    several = workers > 1 and len(places) > 1
-    with get_context("spawn").Pool(min(workers, len(places))) if several else nullcontext() as processes:
-        parts = processes.imap(partial(_on_case, work), cases) if processes else (work(*case) for case in cases)
-        for here, part in zip(places, parts, strict=True):
-            yield here, part
+    size = max(64, min(1024, -(-alone.size // (2 * workers))))
+    shares = [alone[first : first + size] for first in range(0, alone.size, size)]
+    cases = ((drives.some(share), starts[share]) for share in shares)
+    work, several = partial(_share, others=dict(others or {}), resume=resume), workers > 1 and len(shares) > 1
+    with get_context("spawn").Pool(min(workers, len(shares))) if several else nullcontext() as processes:
+        for share, part in zip(shares, processes.imap(work, cases) if processes else map(work, cases), strict=True):
+            found.put(share, part)
+            done += share.size
             if progress is not None:
-                progress(here.stop, drives.size)
+                progress(done, drives.size)
+    return found
 
 
-def _on_case(work: Callable[..., Done], case: tuple[Any, ...]) -> Done:
-    return work(*case)
+def _share(case: tuple[ManyDrives, np.ndarray], others: Mapping[str, float], resume: str) -> Ending:
+    """Return what motions of some drives of one model end on, from their starts (k, 2)."""
+    drives, starts = case
+    found, model = Ending.unknown(drives.size), find_model(drives.drive_class.model)
+    for place, drive, automaton in automata(drives, resume):
+        u, w = starts[place].tolist()
+        found.put(place, ending_of(drive, automaton, model.initial_state(drive, {"u": u, "w": w, **others})))
+    return found
 
 
 def endings_at_once(
