@@ -145,6 +145,6 @@ def work(drive: Drive, orbit: Motion) -> Work:
         found = quadratic_integrals(automaton, mode, start, float(duration), np.array([*forms, *powers.friction(code)]))
         totals += found[:4]
         totals[2] += np.abs(found[4:]).sum()
-    lost = [powers.kinetic(x) - powers.kinetic(y) for x, y in zip(orbit.before, orbit.after, strict=True)]
+    lost = np.array([powers.kinetic(x) - powers.kinetic(y) for x, y in zip(orbit.before, orbit.after, strict=True)])
     seized = np.isin(orbit.kind, automaton.sprag_kinds)
-    return Work(*map(float, totals), float(sum(np.array(lost)[seized])))
+    return Work(*map(float, [*totals, lost[seized].sum()]))
