@@ -96,7 +96,8 @@ def ending_of(drive: Drive, automaton: Automaton | None, state: np.ndarray) -> E
         + RESTS * bool(np.isin(automaton.codes[orbit.arcs()[0]], automaton.rest_codes).any())
         + REVERSES * bool((orbit.kind == find_model(drive.model).events["CONTACT_REVERSAL"]).any())
     )
-    impulse = float(np.abs(event_impulses(drive, orbit).normal).max(initial=0.0))
+    sprags = np.isin(orbit.kind, automaton.sprag_kinds).any()
+    impulse = float(np.abs(event_impulses(drive, orbit).normal).max()) if sprags else 0.0
     return Ending(int(found.label), happens, amplitude, found.period, found.multiplier, peak, impulse)
 
 
