@@ -328,7 +328,9 @@ def _on_line(drive: Drive, automaton: Automaton, key: tuple[int, int], row: np.n
     middle = nearest_to_origin(np.append(row[:2] * sizes, row[2]))  # in these sizes
     if middle is None:
         return
-    section = Section(automaton, key, middle * sizes, sizes, 1, _patience(automaton), sizes, row)
+    # A return may take 200 turns of the slowest oscillator.
+    longest = 200.0 * float(automaton.tables.flow[:, layout.TIME_SCALE].max())
+    section = Section(automaton, key, middle * sizes, sizes, 1, longest, sizes, row)
     # Lines are searched from 10^-4 to 10^3 of the size of a swing of the screw.
     steps = np.logspace(*(-4.0, 3.0), 160)  # on each side of a line: each lies a tenth farther out than the one before
     coarse = np.concatenate([-steps[::-1], [0.0], steps])
@@ -363,12 +365,6 @@ def _to_edges(section: Section, places: np.ndarray, gaps: list[float]) -> np.nda
         # Close to an end return maps bend, so samples go down to a millionth.
         more.append(inside + (first - inside) * np.append(0.7 ** np.arange(1, 40), 0.0))
     return np.unique(np.concatenate(more))
-
-
-def _patience(automaton: Automaton) -> float:
-    """Longest time [s] that a return may take."""
-    scales = automaton.tables.flow[:, layout.TIME_SCALE]
-    return 200.0 * float(scales.max())  # turns of the slowest oscillator that a return may take
 
 
 def _gap(section: Section, place: float) -> float:
