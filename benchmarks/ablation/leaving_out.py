@@ -4,7 +4,6 @@ The general model of a rigid scene has everything: four states of which the two 
 rest. That of a drive with axial support has friction of the slide, so small (1e-18 N) that no digit feels it.
 """
 
-import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -90,7 +89,7 @@ def generalised(automaton: Automaton, input_speed: float) -> Automaton:
         acceleration = (-row[layout.A0], -row[layout.A1], 0, 0, row[layout.B])
         held = {2: 0, 3: 0} | ({1: -input_speed} if code in rest else {})
         field = [(0, 1, 0, 0, 0), acceleration, (0, 0, 0, 1, 0), (0, 0, 0, 0, 0)]
-        modes.append(linear_mode(field, (0.1, abs(input_speed), *_CONTACT_SIZES), held, math.inf, "the drive"))
+        modes.append(linear_mode(field, (0.1, abs(input_speed), *_CONTACT_SIZES), held, "the drive"))
     resets = np.zeros((len(tables.resets), 4, 5))
     resets[:, :2] = _wider(tables.resets)
     tables = tables._replace(

@@ -11,9 +11,9 @@ from references.wide_drives import wide_drive
 from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapper import mapper
 from lsvib.dynamics.attractor import Attractor
-from lsvib.dynamics.sweep import Ending, all_endings, ending_of, endings_at_once, prepared
+from lsvib.dynamics.sweep import Ending, all_endings, ending_of, endings_at_once
 from lsvib.models.drive import RigidDrive
-from lsvib.models.many import ManyDrives, groups
+from lsvib.models.many import ManyDrives, automata, groups
 from lsvib.models.rigid import rigid_automaton
 
 RULES = ("contact_sign", "at_once")
@@ -64,12 +64,12 @@ def test_endings_are_those_of_one_motion(resume):
     found, is_open = endings_at_once(many, starts, resume)
     assert is_open.mean() < 0.25
     assert len(set(found.attractor[~is_open].tolist())) >= 3
-    for one in prepared(many, resume):
-        if not is_open[one.place]:
-            alone = ending_of(one, starts[one.place])
-            together = Ending(*(column[one.place] for column in found))
-            assert together[:2] == alone[:2], repr(one.drive)
-            np.testing.assert_allclose(together[2:], alone[2:], rtol=1e-9, atol=1e-9, err_msg=repr(one.drive))
+    for place, drive, automaton in automata(many, resume):
+        if not is_open[place]:
+            alone = ending_of(drive, automaton, starts[place])
+            together = Ending(*(column[place] for column in found))
+            assert together[:2] == alone[:2], repr(drive)
+            np.testing.assert_allclose(together[2:], alone[2:], rtol=1e-9, atol=1e-9, err_msg=repr(drive))
 
 
 @pytest.mark.parametrize(

@@ -78,6 +78,6 @@ def test_compiling_is_said_once_for_each_part(caplog):
     assert len(told) == 2
     say = jit.sentence
     assert "mapper of two-state models" in say("lsvib.basins.kernels.labels", "Tables(array(float64, 2d, C))")
-    assert "many drives at once" in say("lsvib.dynamics.kernels.sweep", "Tables(array(float64, 2d, C))")
+    assert "what motions of two-state" in say("lsvib.dynamics.kernels.sweep", "Tables(array(float64, 2d, C))")
     assert say("lsvib.engine.kernels.flow_planar", "array(float64, 1d, C)") is None
     assert say("somebody.else", "Tables") is None

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from references.catalogue import catalogue_drive
 
-from lsvib.dynamics.sweep import Prepared, ending_of
+from lsvib.dynamics.sweep import ending_of
 from lsvib.engine.exact.modal_form import linear_mode, modal_flow
 from lsvib.engine.kernels import event_loop
 from lsvib.engine.kernels.layout import A0, A1, BETA
@@ -53,8 +53,8 @@ def test_tables_are_those_of_each_drive(monkeypatch):
 
 def test_what_motions_end_on_is_what_they_end_on_by_the_tables_of_each_drive():
     for drive, start, many in drawn()[:15]:
-        quick = ending_of(Prepared(0, MODEL, drive, many), start)
-        right = ending_of(Prepared(0, MODEL, drive, MODEL.build(drive, (), "contact_sign")), start)
+        quick = ending_of(drive, many, start)
+        right = ending_of(drive, MODEL.build(drive, (), "contact_sign"), start)
         assert quick.attractor == right.attractor
         for name in ("amplitude", "period", "peak_normal_force"):
             assert getattr(quick, name) == pytest.approx(getattr(right, name), rel=1e-9, nan_ok=True)
@@ -64,6 +64,6 @@ def test_forms_that_do_not_hold_are_given_up():
     """Equal rates in pairs of their own, a chain of zeros, no number; beside them a field that holds."""
     good, twice = np.array([4.0, 9.0, 4.0, 4.0]), np.array([25.0, 9.0, np.nan, 0.0])
     rows = [(0, 1, 0, 0, 0), (-good, -0.1, 0, 0, 0), (0, 0, 0, 1, 0), (0, 0, -twice, 0 * twice - 0.1 * (twice > 0), 0)]
-    mode = linear_mode(rows, (1.0,) * 4, None, np.inf, "a damping")
+    mode = linear_mode(rows, (1.0,) * 4, None, "a damping")
     assert np.isfinite(mode.condition).tolist() == [True, False, False, False]
     assert modal_flow([mode]).pairs[0].tolist() == [2]

@@ -15,7 +15,7 @@ from benchmarks.sweeps.case_judge import judge
 from benchmarks.sweeps.families import Case, CaseFamily
 from benchmarks.sweeps.paths import automaton, fields
 from lsvib.engine.motion import follow
-from lsvib.errors import InputError
+from lsvib.errors import EngineError, InputError
 
 DRIVES = {"rigid": 60, "threads": 20, "support": 12, "nut": 12}
 EVENTS = 8
@@ -33,7 +33,7 @@ def case_of(model: str, index: int) -> Case | None:
     case = Case(CaseFamily.RANDOM, 0.0, wide.drive, start, math.inf, wide.physics)
     try:
         engine = automaton(case)
-    except InputError:
+    except (InputError, EngineError):  # a quarter of such threads have rates that doubles do not tell apart
         return None
     rates = np.concatenate([np.linalg.eigvals(field[:, :-1]) for field in fields(engine)])
     motion = follow(engine, start, TURNS * math.tau / max(np.abs(rates).max(), 1e-9), max_events=EVENTS)

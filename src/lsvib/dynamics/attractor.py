@@ -42,8 +42,6 @@ from lsvib.engine.kernels import event_loop, layout
 from lsvib.engine.motion import Motion, engine_for, enter, follow, new_events
 from lsvib.errors import AccumulationError, DivergenceError, EngineError, UndecidedError, WorkSpentError
 
-_ONE_PERIOD = 1e-6  # relative difference of the periods of one cycle, as two motions reach it
-
 
 class Attractor(IntEnum):
     """Where a motion ends up."""
@@ -85,6 +83,7 @@ _UNRESOLVED = {
     Outcome.SPENT: Doubt.EVENT_BUDGET,
     Outcome.SPENT_STEADILY: Doubt.RECURRENT,
     Outcome.SEARCH_SPENT: Doubt.WORK_BUDGET,
+    Outcome.ACCUMULATES: Doubt.ACCUMULATION,
     Outcome.LOST: Doubt.ENGINE,
 }
 
@@ -120,7 +119,7 @@ class SteadyState:
 
     def same_period(self, other: "SteadyState") -> bool:
         """Whether two cycles have one period, as two motions reach them."""
-        return abs(self.period - other.period) <= _ONE_PERIOD * self.period
+        return abs(self.period - other.period) <= 1e-6 * self.period
 
     def extremes(self, row: np.ndarray) -> tuple[float, float]:
         """Return the extremes over the cycle of an affine function (n + 1) or an observable (m, n + 1)."""
@@ -197,25 +196,15 @@ def end_of_motion(
     if mode is None:
         mode, here = enter(automaton, here)
     known = known or KnownCycles.of((), here.size, 0)
-    facts, found = facts_of(automaton), new_found(here.size, max_events)
-    time, sprags, first = 0.0, 0, -1
-    while True:
-        engine = automaton.engines.pop() if automaton.engines else engine_for(automaton.tables)
-        outcome = rule.end_of(
-            engine, automaton.tables, facts, known.table, mode, here, known.patience, *rooms(here.size), found
-        )
-        automaton.engines.append(engine)
-        time, sprags = time + float(found.notes[0]["time"]), sprags + int(found.notes[0]["sprags"])
-        first = int(found.notes[0]["first_event"]) if first < 0 else first
-        if outcome != Outcome.ACCUMULATES:
-            break
-        try:  # judgements that contradict each other at one instant are seen through by the engine
-            motion = follow(automaton, found.state, math.inf, mode=int(found.notes[0]["mode"]), max_events=rule.SIGHT)
-        except EngineError as error:
-            return _without_answer(automaton, found.state.copy(), error), Course(time, sprags, first)
-        mode, here, time = motion.end_mode, motion.end_state.copy(), time + motion.end_time
-        found.notes[0]["left"] -= motion.time.size
-    return _meant(automaton, outcome, found, known), Course(time, sprags, first)
+    found = new_found(here.size, max_events)
+    engine = automaton.engines.pop() if automaton.engines else engine_for(automaton.tables)
+    outcome = rule.end_of(
+        engine, automaton.tables, facts_of(automaton), known.table, mode, here, known.patience, *rooms(here.size), found
+    )
+    automaton.engines.append(engine)
+    notes = found.notes[0]
+    course = Course(float(notes["time"]), int(notes["sprags"]), int(notes["first_event"]))
+    return _meant(automaton, outcome, found, known), course
 
 
 def rooms(states: int) -> tuple[tuple[np.ndarray, ...], ...]:
@@ -249,12 +238,6 @@ def new_found(states: int, work: float) -> rule.Found:
     notes = np.zeros(1, dtype=rule.NOTES)
     notes["left"] = work
     return rule.Found(notes, np.zeros(states), np.zeros((states, states)))
-
-
-def _without_answer(automaton: Automaton, state: np.ndarray, error: EngineError) -> SteadyState:
-    if isinstance(error, DivergenceError) and not automaton.passive:
-        return SteadyState(Attractor.UNBOUNDED, state)
-    return SteadyState.unresolved(state, error)
 
 
 def _meant(automaton: Automaton, outcome: int, found: rule.Found, known: KnownCycles) -> SteadyState:
@@ -357,18 +340,3 @@ def orbit_extremes(orbit: Motion, row: np.ndarray, wanted: np.ndarray | None = N
     if not (math.isfinite(low) and math.isfinite(high)):
         raise EngineError("the extremes of the motion cannot be isolated: the rates of a mode lie too far apart.")
     return low, high
-
-
-def arc_integrals(orbit: Motion) -> tuple[np.ndarray, np.ndarray]:
-    """Exact ∫(u, w, 1) dt over each arc of a motion, shape (k, 3) [rad s, rad, s], and the arcs' modes (k).
-
-    From the equation of motion of the mode:  a₀ ∫u = b τ − Δw − a₁ Δu;  without stiffness, as at rest, w is constant.
-    """
-    modes, starts, ends, durations = orbit.arcs()
-    flow = orbit.automaton.tables.flow[modes]
-    change = ends - starts
-    a0, a1, b = flow[:, layout.A0], flow[:, layout.A1], flow[:, layout.B]
-    resting = a0 == 0
-    spring = (b * durations - change[:, 1] - a1 * change[:, 0]) / np.where(resting, 1.0, a0)
-    drift = starts[:, 0] * durations + 0.5 * starts[:, 1] * durations**2
-    return np.stack([np.where(resting, drift, spring), change[:, 0], durations], axis=1), modes

@@ -3,12 +3,13 @@ r"""Cycles over a parameter, by pseudo-arclength continuation of the fixed point
 The unknowns are the free coordinates y of a section (the others follow from its surfaces, which move with the parameter
 p) and p itself. On  F(y, p) = P(y, p) − y = 0  the next point is sought where it meets the plane across the tangent at
 the last one. F_y = P′ − I is exact; F_p is a central difference, which steers Newton's method and the tangent, but is
-no part of the residual F. At a *fold* the tangent has no part in p: that zero is found along the branch, and as p is
-stationary there its value is exact to rounding.
+no part of the residual F. At a *fold* the tangent has no part in p; as p is stationary there its value is exact to
+rounding.
 
-The motion decides on its own events, so that the itinerary may change from point to point; such changes are located by
-halving. Where a section is no longer met, another event of the last cycle takes its place; if none does, the branch
-ends. Where an event appears the branch has a kink: there the step, not the tangent before it, gives the direction.
+The motion decides on its own events, so that the itinerary may change from point to point; such changes, and folds, are
+located by halving. Where a section is no longer met, another event of the last cycle takes its place; if none does, the
+branch ends. Where an event appears the branch has a kink: there the step, not the tangent before it, gives the
+direction.
 """
 
 import math
@@ -27,12 +28,8 @@ from lsvib.engine.motion import Motion
 from lsvib.errors import EngineError, InputError
 from lsvib.models.drive import Drive
 
-_FIRST, _LARGEST, _SMALLEST = 1e-2, 4e-2, 1e-7  # steps, in widths of the range and sizes of the motion
+_SMALLEST = 1e-7  # step, in widths of the range and sizes of the motion
 _CONVERGED = 1e-8  # a step of Newton's method after which one more is rounding only
-_ROUNDING = 1e-12  # residual of a point of the branch, times the growth of neighbours over a period
-_PARAMETER_STEP = 1e-5  # of the central difference for F_p, in widths of the range
-_AT_FOLD = 1e-13  # part of the tangent along p that counts as none: the branch turns there
-_NARROW = 1e-12  # length of the branch within which a change is located
 
 Build = Callable[[float], tuple[Drive, Automaton]]
 
@@ -152,7 +149,8 @@ class BranchEquations:
         if last is not None:
             found = np.column_stack([inner, last])
             return found if np.isfinite(found).all() else None
-        step, here = np.eye(d + 1)[-1] * _PARAMETER_STEP, self.section.place(motion.end_state)
+        size = 1e-5  # step of the difference, in widths of the range
+        step, here = np.eye(d + 1)[-1] * size, self.section.place(motion.end_state)
         beside = {0.0: here}
         for sign in (1.0, -1.0):
             there = self.at(z + sign * step)
@@ -161,7 +159,7 @@ class BranchEquations:
         if len(beside) == 1:
             return None
         low, high = min(beside), max(beside)
-        found = np.column_stack([inner, (beside[high] - beside[low]) / ((high - low) * _PARAMETER_STEP)])
+        found = np.column_stack([inner, (beside[high] - beside[low]) / ((high - low) * size)])
         return found if np.isfinite(found).all() else None
 
     def corrected(self, guess: np.ndarray, tangent: np.ndarray) -> Solved | None:
@@ -195,7 +193,7 @@ class BranchEquations:
         drive, section, motion = found
         residual = float(np.max(np.abs(motion.end_state - motion.start_state) / section.size))
         values, error = multipliers(section, motion, residual)
-        if not residual <= _ROUNDING * max(1.0, float(np.abs(values).max(initial=0.0))):
+        if not residual <= 1e-12 * max(1.0, float(np.abs(values).max(initial=0.0))):  # rounding, as neighbours grow
             return None
         ahead = null_direction(slopes)
         if ahead @ tangent < 0:
@@ -254,7 +252,7 @@ def _followed(
         raise InputError(f"the cycle at {parameter} = {start:g} cannot be followed: its return map has no derivative.")
     points: list[BranchPoint] = [BranchPoint(start, here.cycle, 0.0)]
     changes: list[Change] = []
-    along, step = 0.0, _FIRST
+    along, step = 0.0, 1e-2
     while len(points) < most:
         there, curve, here, taken = _next(curve, here, step, low, width)
         if there is None:
@@ -274,8 +272,8 @@ def _followed(
         changes += changes_between(curve, here, there, taken, along)
         along += taken
         points.append(BranchPoint(value, there.cycle, along))
-        # factor from a step that was taken whole to the next one
-        step = min(step * 1.5, _LARGEST) if taken >= step else max(taken, _SMALLEST)
+        # A step that was taken whole makes the next one longer, up to a 25th of the range or of the motion.
+        step = min(step * 1.5, 4e-2) if taken >= step else max(taken, _SMALLEST)
         here = there
     else:
         changes.append(Change("end", points[-1].value, "the branch is longer than the number of points", along))
@@ -360,9 +358,8 @@ def changes_between(curve: BranchEquations, here: Solved, there: Solved, step: f
     found = []
     fold = here.tangent[-1] * there.tangent[-1] < 0
     if fold:
-        at, point = _zero(curve, here, step, lambda solved: float(solved.tangent[-1]))
-        if point is not None:
-            found.append(Change("fold", curve.value(point.z), "two cycles meet", along + at))
+        at, point = _halved(curve, here, step, lambda solved: bool(solved.tangent[-1] * here.tangent[-1] > 0))
+        found.append(Change("fold", curve.value(point.z), "two cycles meet", along + at))
     before, after = Counter(here.cycle.itinerary), Counter(there.cycle.itinerary)
     if here.cycle.itinerary != there.cycle.itinerary and before != after:
         at, point = _halved(curve, here, step, lambda solved: Counter(solved.cycle.itinerary) == before)
@@ -386,45 +383,14 @@ def _outside(cycle: Cycle) -> int:
     return int(np.sum(np.abs(cycle.multipliers) > 1))
 
 
-def _zero(
-    curve: BranchEquations, here: Solved, step: float, function: Callable[[Solved], float]
-) -> tuple[float, Solved | None]:
-    """Where a function changes sign within a step along the tangent: the secant method, kept in its bracket."""
-    low, high, at_low, point = 0.0, step, function(here), None
-    end = curve.corrected(here.z + step * here.tangent, here.tangent)
-    if end is None:
-        return 0.0, None
-    at_high = function(end)
-    for _ in range(60):  # more than halving alone takes from a step to rounding
-        middle = high - at_high * (high - low) / (at_high - at_low)
-        if not low < middle < high:
-            middle = 0.5 * (low + high)
-        solved = curve.corrected(here.z + middle * here.tangent, here.tangent)
-        if solved is None:
-            return middle, point
-        point, value = solved, function(solved)
-        if abs(value) <= _AT_FOLD or high - low <= _AT_FOLD:
-            break
-        if value * at_high < 0:
-            low, at_low = high, at_high
-        else:
-            at_low *= 0.5  # Illinois: the end that stays counts half
-        high, at_high = middle, value
-        if low > high:
-            low, high, at_low, at_high = high, low, at_high, at_low
-    return middle, point
-
-
 def _halved(curve: BranchEquations, here: Solved, step: float, holds: Callable[[Solved], bool]) -> tuple[float, Solved]:
     """The last place within a step at which a condition holds, to rounding; nearly that where points are missing."""
     low, high, point = 0.0, step, here
-    for _ in range(50):  # more than a step needs to shrink to _NARROW
+    while high - low > 1e-12:
         middle = 0.5 * (low + high)
         solved = curve.corrected(here.z + middle * here.tangent, here.tangent)
         if solved is not None and holds(solved):
             low, point = middle, solved
         else:
             high = middle
-        if high - low <= _NARROW:
-            break
     return low, point

@@ -13,7 +13,7 @@ between two samples without an extremum that shows stays unseen.
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -33,15 +33,8 @@ from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.model import find_model
 
-_LONGER = 2.0  # a return may take so many times what it did
-_GOLDEN = 0.3819660112501051  # (3 − √5) / 2
 _HALVINGS = 60  # of a bracket in which Newton's method fails: to the last bit
-_CLOSER = np.append(
-    0.7 ** np.arange(1, 40), 0.0
-)  # Close to an end return maps bend, so samples go down to a millionth.
-_BEYOND = 1e-9  # part of a bracket by which a cycle may lie beyond it, for the rounding of its place
 _SAME = 1e-7  # Two cycles of one stability that differ by less, relatively, are the same cycle.
-_MOST, _LESS = 300_000, 30_000  # work for a start, and for one after another remained unresolved
 
 
 @dataclass(frozen=True)
@@ -155,22 +148,12 @@ class Cycle:
             "itinerary": self._events(),
             "extremes": {name: list(ends) for name, ends in self.extremes.items()},
             "means": self.means,
-            "work": {
-                "motor": taken.motor,
-                "load": taken.load,
-                "friction": taken.friction,
-                "damping": taken.damping,
-                "impacts": taken.impacts,
-                "balance": taken.balance,
-                "efficiency": _finite(taken.efficiency),
-            },
+            "work": asdict(taken) | {"balance": taken.balance, "efficiency": _finite(taken.efficiency)},
         }
 
     def _stability(self) -> str:
-        for name in ("attracting", "repelling", "neutral"):
-            if getattr(self, name):
-                return name
-        return "not known"  # without multipliers, as infinitely many events have no derivative
+        found = (name for name in ("attracting", "repelling", "neutral") if getattr(self, name))
+        return next(found, "not known")  # without multipliers, as infinitely many events have no derivative
 
     def _events(self) -> list[dict[str, Any]]:
         """Events of a period without touches: time [s], and the impulses [N s, N m s] of those that are seizures."""
@@ -200,23 +183,31 @@ def _number(value: complex) -> float | list[float] | None:
     return float(value.real) if value.imag == 0 else [float(value.real), float(value.imag)]
 
 
-def cycle_from(
-    drive: Drive, automaton: Automaton, state: np.ndarray, mode: int, events: int, found_by: str
-) -> Cycle | None:
-    """Return the cycle near the motion of so many events from a state (n) in a mode; None if there is none.
+@dataclass(frozen=True)
+class Seed:
+    """A start that is nearly periodic: state (n), mode, number of events of a period, and where it is from."""
 
-    The motion should be nearly periodic. The section is chosen among its events as the attractors' is.
+    state: np.ndarray
+    mode: int
+    events: int
+    found_by: str
+
+
+def cycle_from(drive: Drive, automaton: Automaton, seed: Seed) -> Cycle | None:
+    """Return the cycle near the motion from a seed; None if there is none.
+
+    The section is chosen among its events as the attractors' is.
     """
-    guess = follow(automaton, state, math.inf, mode=mode, max_events=2 * events)
+    guess = follow(automaton, seed.state, math.inf, mode=seed.mode, max_events=2 * seed.events)
     key = section_key(guess)
     if key is None or ACCUMULATION_KIND in guess.kind:
         return None
-    watched = np.flatnonzero((guess.kind[:events] == key[0]) & (guess.mode[:events] == key[1]))
+    watched = np.flatnonzero((guess.kind[: seed.events] == key[0]) & (guess.mode[: seed.events] == key[1]))
     if not watched.size:
         return None
-    longest = _LONGER * float(guess.end_time)
+    longest = 2.0 * float(guess.end_time)  # a return may take twice as long as it did
     section = Section(automaton, key, guess.after[watched[0]], size_of(guess), len(watched), longest)
-    return cycle_on(drive, section, found_by)
+    return cycle_on(drive, section, seed.found_by)
 
 
 def cycle_of(drive: Drive, steady: SteadyState) -> Cycle | None:
@@ -224,8 +215,8 @@ def cycle_of(drive: Drive, steady: SteadyState) -> Cycle | None:
     if steady.orbit is None or steady.label == Attractor.NEUTRAL_FAMILY:
         return None
     orbit = steady.orbit
-    key, longest = (int(orbit.kind[-1]), int(orbit.end_mode)), _LONGER * orbit.end_time
-    section = Section(orbit.automaton, key, steady.state, size_of(orbit), steady.returns, longest)
+    key = int(orbit.kind[-1]), int(orbit.end_mode)
+    section = Section(orbit.automaton, key, steady.state, size_of(orbit), steady.returns, 2.0 * orbit.end_time)
     return cycle_on(drive, section, "start")
 
 
@@ -237,16 +228,6 @@ def cycle_on(drive: Drive, section: Section, found_by: str) -> Cycle | None:
     orbit, residual = found
     values, error = multipliers(section, orbit, residual)
     return Cycle(drive, orbit, residual, values, error, found_by, section)
-
-
-@dataclass(frozen=True)
-class Seed:
-    """A start that is nearly periodic: state (n), mode, number of events of a period, and where it is from."""
-
-    state: np.ndarray
-    mode: int
-    events: int
-    found_by: str
 
 
 def swing(drive: Drive) -> tuple[float, float]:
@@ -285,11 +266,12 @@ def search(
     found: list[Cycle] = []
     families: list[SteadyState] = []
     for seed in seeds:
-        _add(found, cycle_from(drive, automaton, seed.state, seed.mode, seed.events, seed.found_by))
+        _add(found, cycle_from(drive, automaton, seed))
     endings: list[tuple[np.ndarray, SteadyState]] = []
     for state in states:
+        # less work for a start once another one remained unresolved
         lost = any(steady.label == Attractor.UNRESOLVED for _, steady in endings)
-        steady = steady_state(automaton, state, max_events=_LESS if lost else _MOST)
+        steady = steady_state(automaton, state, max_events=30_000 if lost else 300_000)
         endings.append((state, steady))
         if steady.label == Attractor.NEUTRAL_FAMILY:
             families = families or [steady]
@@ -346,7 +328,9 @@ def _on_line(drive: Drive, automaton: Automaton, key: tuple[int, int], row: np.n
     middle = nearest_to_origin(np.append(row[:2] * sizes, row[2]))  # in these sizes
     if middle is None:
         return
-    section = Section(automaton, key, middle * sizes, sizes, 1, _patience(automaton), sizes, row)
+    # A return may take 200 turns of the slowest oscillator.
+    longest = 200.0 * float(automaton.tables.flow[:, layout.TIME_SCALE].max())
+    section = Section(automaton, key, middle * sizes, sizes, 1, longest, sizes, row)
     # Lines are searched from 10^-4 to 10^3 of the size of a swing of the screw.
     steps = np.logspace(*(-4.0, 3.0), 160)  # on each side of a line: each lies a tenth farther out than the one before
     coarse = np.concatenate([-steps[::-1], [0.0], steps])
@@ -378,14 +362,9 @@ def _to_edges(section: Section, places: np.ndarray, gaps: list[float]) -> np.nda
         for _ in range(_HALVINGS):
             middle = 0.5 * (inside + outside)
             inside, outside = (middle, outside) if math.isfinite(_gap(section, middle)) else (inside, middle)
-        more.append(inside + (first - inside) * _CLOSER)
+        # Close to an end return maps bend, so samples go down to a millionth.
+        more.append(inside + (first - inside) * np.append(0.7 ** np.arange(1, 40), 0.0))
     return np.unique(np.concatenate(more))
-
-
-def _patience(automaton: Automaton) -> float:
-    """Longest time [s] that a return may take."""
-    scales = automaton.tables.flow[:, layout.TIME_SCALE]
-    return 200.0 * float(scales.max())  # turns of the slowest oscillator that a return may take
 
 
 def _gap(section: Section, place: float) -> float:
@@ -400,18 +379,19 @@ def _extremum(section: Section, low: float, high: float, sign: float) -> float:
         value = sign * _gap(section, place)
         return value if math.isfinite(value) else math.inf
 
-    left, right = low + _GOLDEN * (high - low), high - _GOLDEN * (high - low)
+    golden = 0.5 * (3 - math.sqrt(5))
+    left, right = low + golden * (high - low), high - golden * (high - low)
     at_left, at_right = height(left), height(right)
     for _ in range(60):  # steps of the golden section, which leave 1e-12 of the bracket
         if min(at_left, at_right) < 0:
             break
         if at_left < at_right:
             high, right, at_right = right, left, at_left
-            left = low + _GOLDEN * (high - low)
+            left = low + golden * (high - low)
             at_left = height(left)
         else:
             low, left, at_left = left, right, at_right
-            right = high - _GOLDEN * (high - low)
+            right = high - golden * (high - low)
             at_right = height(right)
     return left if at_left < at_right else right
 
@@ -430,7 +410,7 @@ def _within(drive: Drive, section: Section, low: float, high: float) -> Cycle | 
             cycle = None
         if cycle is not None:
             place = float(section.place(cycle.state)[0])
-            if low - _BEYOND * width <= place <= high + _BEYOND * width:
+            if low - 1e-9 * width <= place <= high + 1e-9 * width:  # its place is rounded
                 return cycle
         here = _gap(section, middle)
         if not math.isfinite(here):

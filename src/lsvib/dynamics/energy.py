@@ -11,6 +11,7 @@ is a check of the cycle.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -20,8 +21,6 @@ from lsvib.engine.kernels import flow_planar, layout
 from lsvib.engine.motion import Motion
 from lsvib.models.drive import Drive
 from lsvib.models.model import find_model, product
-
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)  # exact up to the 15th power of the time
 
 
 @dataclass(frozen=True)
@@ -64,7 +63,7 @@ def quadratic_integrals(
     doublings = max(0, math.ceil(math.log2(max(_fastest(automaton, mode) * time / 0.5, 1e-300))))
     step = time * 0.5**doublings
     total = np.zeros_like(inner)
-    for node, weight in zip(_NODES, _WEIGHTS, strict=True):
+    for node, weight in zip(*np.polynomial.legendre.leggauss(8), strict=True):  # exact up to the 15th power of time
         moved = _propagator(automaton, mode, 0.5 * step * (1.0 + node))
         total += 0.5 * step * weight * (moved.T @ inner @ moved)
     for k in range(doublings):
@@ -120,33 +119,32 @@ def _fastest(automaton: Automaton, mode: int) -> float:
     return float(np.max(np.concatenate([np.abs(pairs), np.abs(singles)]), initial=0.0))
 
 
+def observable_integrals(orbit: Motion, names: Sequence[str]) -> np.ndarray:
+    """Return the integrals over time [s] (arcs, k) of observables by name, over each arc of a motion."""
+    automaton, one, found = orbit.automaton, np.eye(orbit.start_state.size + 1)[-1], []
+    for mode, start, _, duration in zip(*orbit.arcs(), strict=True):
+        forms = [product(automaton.observables[name][mode], one) for name in names]
+        found.append(quadratic_integrals(automaton, mode, start, float(duration), np.array(forms)))
+    return np.array(found)
+
+
 def means(orbit: Motion) -> dict[str, float]:
     """Return the exact means over one period of all observables, without the impulses of seizures."""
     names = list(orbit.automaton.observables)
-    totals = np.zeros(len(names))
-    one = np.eye(orbit.start_state.size + 1)[-1]
-    for mode, start, _, duration in zip(*orbit.arcs(), strict=True):
-        rows = [orbit.automaton.observables[name][mode] for name in names]
-        totals += quadratic_integrals(
-            orbit.automaton, mode, start, float(duration), np.array([product(row, one) for row in rows])
-        )
+    totals = observable_integrals(orbit, names).sum(axis=0)
     return dict(zip(names, (float(x) for x in totals / orbit.end_time), strict=True))
 
 
 def work(drive: Drive, orbit: Motion) -> Work:
     """Return the work of each kind over one period of a cycle of a drive."""
     automaton = orbit.automaton
-    powers = find_model(drive.model).powers(drive, automaton)
-    totals = dict.fromkeys(("motor", "load", "friction", "damping"), 0.0)
+    powers, totals = find_model(drive.model).powers(drive, automaton), np.zeros(4)
     for mode, start, _, duration in zip(*orbit.arcs(), strict=True):
         code = int(mode)
-        forms = [powers.motor(code), powers.load(), powers.damping(), powers.signed_friction(code)]
-        forms += powers.friction(code)
-        found = quadratic_integrals(automaton, mode, start, float(duration), np.array(forms))
-        totals["motor"] += found[0]
-        totals["load"] += found[1]
-        totals["damping"] += found[2]
-        totals["friction"] += found[3] + float(np.sum(np.abs(found[4:])))
-    lost = [powers.kinetic(x) - powers.kinetic(y) for x, y in zip(orbit.before, orbit.after, strict=True)]
+        forms = [powers.motor(code), powers.load(), powers.signed_friction(code), powers.damping()]
+        found = quadratic_integrals(automaton, mode, start, float(duration), np.array([*forms, *powers.friction(code)]))
+        totals += found[:4]
+        totals[2] += np.abs(found[4:]).sum()
+    lost = np.array([powers.kinetic(x) - powers.kinetic(y) for x, y in zip(orbit.before, orbit.after, strict=True)])
     seized = np.isin(orbit.kind, automaton.sprag_kinds)
-    return Work(**{k: float(x) for k, x in totals.items()}, impacts=float(sum(np.array(lost)[seized])))
+    return Work(*map(float, [*totals, lost[seized].sum()]))

@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lsvib.dynamics.attractor import arc_integrals
+from lsvib.dynamics.energy import observable_integrals
 from lsvib.engine.motion import Motion
 from lsvib.models.drive import Drive
 
@@ -101,31 +101,21 @@ def mean_load(drive: Drive, orbit: Motion) -> MeanLoad:
     """
     impulses = seizure_impulses(drive, seizure_speeds(drive, orbit))
     sine, cosine = math.sin(drive.lead_angle), math.cos(drive.lead_angle)
-    automaton, (integrals, modes) = orbit.automaton, arc_integrals(orbit)
-    normal, axial, torque, deflection = (
-        automaton.observables[name][modes]
-        for name in ("normal_force", "normal_force", "coupling_torque", "coupling_deflection")
-    )
-    _, starts, ends, _ = orbit.arcs()
+    automaton, (modes, starts, ends, durations) = orbit.automaton, orbit.arcs()
+    found = observable_integrals(orbit, ("normal_force", "coupling_torque", "coupling_deflection"))
+    normal, torque, deflection = found.T
     # Neither θ′ nor N changes its sign along an arc.
     force = automaton.observe("normal_force", starts, modes) + automaton.observe("normal_force", ends, modes)
     friction = np.sign(force * (2 * drive.input_speed + starts[:, 1] + ends[:, 1])) * drive.friction_coefficient
     rests = np.isin(automaton.codes[modes], automaton.rest_codes)
-    axial = axial * (cosine + friction * sine)[:, None]
-    axial[rests] = 0.0, 0.0, drive.axial_force
-    slip = normal * (drive.pitch_radius * (friction * cosine - sine))[:, None]
-    torque[~rests] = slip[~rests]
-
-    def total(rows: np.ndarray, absolute: bool = False) -> float:
-        parts = np.einsum("ki,ki->k", rows, integrals)
-        return float(np.sum(np.abs(parts) if absolute else parts))
-
+    axial = np.where(rests, drive.axial_force * durations, normal * (cosine + friction * sine))
+    torque = np.where(rests, torque, normal * drive.pitch_radius * (friction * cosine - sine))
     impulsive = float(np.sum(np.abs(impulses.normal)))
     period = orbit.end_time
     return MeanLoad(
-        normal=(total(normal, absolute=True) + impulsive) / period,
+        normal=float(np.abs(normal).sum() + impulsive) / period,
         impulsive=impulsive / period,
-        axial=(total(axial) + float(np.sum(impulses.axial))) / period,
-        torque=(total(torque) + float(np.sum(impulses.torque))) / period,
-        deflection=total(deflection) / period,
+        axial=float(axial.sum() + impulses.axial.sum()) / period,
+        torque=float(torque.sum() + impulses.torque.sum()) / period,
+        deflection=float(deflection.sum()) / period,
     )

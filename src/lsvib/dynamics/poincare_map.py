@@ -28,10 +28,7 @@ from lsvib.errors import EngineError
 PATIENCE = 10  # time that a return may take, in times of the longest return seen
 AT_REST = 4 * flow_planar.EPS  # of a step of Newton's method: rounding
 CLOSE = 1e-8  # residual of a motion that is periodic, well above rounding times the growth of neighbours
-_NEWTON, _HALVINGS = 40, 8  # steps, of which a start that Newton's method likes needs six; halvings of one
 _SENSITIVITY = 1e-6  # step in y by which the change of P′ along the section is measured
-_BESIDE, _SCATTERS = 1e-12, 5  # step between places whose P′ scatters by rounding, and how many there are
-_SAFE = 30.0  # by which rounding may exceed a few samples of it, and by which that of the tables counts
 
 
 @dataclass(frozen=True)
@@ -203,10 +200,10 @@ def solve(section: Section) -> tuple[Motion, float] | None:
     """
     place, best = np.zeros(section.dimension), None
     step, halved = np.zeros(section.dimension), 0
-    for _ in range(_NEWTON):
+    for _ in range(40):  # steps; a start that Newton's method likes needs six
         orbit = section.come_back(section.state(place))
         if orbit is None or orbit.time.size == 0 or orbit.time[-1] == 0.0:
-            if not step.any() or halved == _HALVINGS:
+            if not step.any() or halved == 8:
                 break
             step, halved = 0.5 * step, halved + 1  # beyond what comes back: half the way, and half of that
             place = place - step
@@ -278,11 +275,11 @@ def _scatter(section: Section, orbit: Motion, slopes: np.ndarray) -> np.ndarray:
     That of the tables, which all places share, is a relative change of the drive by it, and is added.
     """
     place, found = section.place(orbit.start_state), []
-    for k in range(_SCATTERS):
-        beside = section.come_back(section.state(place + k * _BESIDE))
+    for k in range(5):
+        beside = section.come_back(section.state(place + k * 1e-12))
         if beside is None:
             return np.full_like(slopes, math.nan)
         found.append(section.derivative(beside).matrix)
     noise = np.abs(np.diff(found, 2, axis=0)).max(axis=0)
     tables = flow_planar.EPS * orbit.automaton.condition * orbit.time.size * float(np.abs(slopes).max())
-    return np.asarray(_SAFE * (noise + tables))
+    return np.asarray(30.0 * (noise + tables))  # rounding may exceed a few samples of it so many times

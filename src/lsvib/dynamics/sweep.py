@@ -6,19 +6,18 @@ followed one by one, share by share, in processes of their own. No number depend
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import nullcontext
 from functools import partial
 from multiprocessing import get_context
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from lsvib.dynamics.attractor import (
     Attractor,
     KnownCycles,
-    SteadyState,
     facts_of,
     new_found,
     orbit_extremes,
@@ -35,17 +34,14 @@ from lsvib.engine.motion import engine_for, enter
 from lsvib.errors import EngineError
 from lsvib.models.drive import Drive
 from lsvib.models.many import Group, ManyDrives, automata, groups
-from lsvib.models.model import Model, Resume, find_model
+from lsvib.models.model import Resume, find_model
 
 WORK = 300_000.0  # events that a motion may take
-_SHARE, _LEAST = 1024, 64  # most and fewest drives that a process takes at a time: some seconds of work
 _WITHOUT_NUMBERS = (Attractor.UNRESOLVED, Attractor.UNBOUNDED)
-
-Done = TypeVar("Done")
 
 
 class Ending(NamedTuple):
-    """What a motion ends on; nan where it has no such number.
+    """What a motion ends on, or arrays (k) of what motions do; nan where it has no such number.
 
     ``attractor``, an :class:`lsvib.dynamics.attractor.Attractor`; ``happens``, what happens on a cycle: the sum of
     those of ``SPRAGS``, ``RESTS`` and ``REVERSES`` (the contact force changes its sign) that do; ``amplitude`` [rad],
@@ -54,97 +50,55 @@ class Ending(NamedTuple):
     without.
     """
 
-    attractor: int
-    happens: int
-    amplitude: float
-    period: float
-    multiplier: float
-    peak_normal_force: float
-    peak_normal_impulse: float
+    attractor: Any
+    happens: Any
+    amplitude: Any
+    period: Any
+    multiplier: Any
+    peak_normal_force: Any
+    peak_normal_impulse: Any
 
     @classmethod
     def without_numbers(cls, attractor: int) -> "Ending":
         """Return an ending of which only the attractor is known."""
         return cls(int(attractor), 0, *(math.nan,) * 5)
 
-
-class Endings(NamedTuple):
-    """What motions end on, arrays (k) of what :class:`Ending` holds, in the same units."""
-
-    attractor: np.ndarray
-    happens: np.ndarray
-    amplitude: np.ndarray
-    period: np.ndarray
-    multiplier: np.ndarray
-    peak_normal_force: np.ndarray
-    peak_normal_impulse: np.ndarray
-
     @classmethod
-    def unknown(cls, size: int) -> "Endings":
+    def unknown(cls, size: int) -> "Ending":
         """Return room for so many."""
         kinds = np.full(size, Attractor.UNRESOLVED, dtype=np.int8), np.zeros(size, dtype=np.int8)
         return cls(*kinds, *(np.full(size, np.nan) for _ in cls._fields[2:]))
 
-    def put(self, places: Any, others: "Endings | Ending") -> None:
-        """Copy the endings ``others`` into the places that are given."""
+    def put(self, places: Any, others: "Ending") -> None:
+        """Copy other endings into some places of these."""
         for mine, theirs in zip(self, others, strict=True):
             mine[places] = theirs
 
 
-class Prepared(NamedTuple):
-    """A drive by its place among others, with its model and its automaton – None if the engine has none."""
-
-    place: int
-    model: Model
-    drive: Drive
-    automaton: Automaton | None
-
-    def state(self, values: Mapping[str, float]) -> np.ndarray:
-        """Return the state (n) with these values by name, u [rad] and w [rad/s] and what else the model has."""
-        return self.model.initial_state(self.drive, values)
-
-
-def prepared(drives: ManyDrives, resume: str) -> Iterator[Prepared]:
-    """Yield drives of one model, each with all its terms that are not zero; raises ``InputError`` as the model does."""
-    model = find_model(drives.drive_class.model)
-    for place, drive, automaton in automata(drives, resume):
-        yield Prepared(place, model, drive, automaton)
-
-
-def ending_of(one: Prepared, state: np.ndarray) -> Ending:
-    """Return what the motion of a drive from a state ends on."""
-    automaton = one.automaton
+def ending_of(drive: Drive, automaton: Automaton | None, state: np.ndarray) -> Ending:
+    """Return what the motion of a drive from a state (n) ends on; unresolved where the engine has no automaton."""
     if automaton is None:
         return Ending.without_numbers(Attractor.UNRESOLVED)
     found = steady_state(automaton, state)
-    force = automaton.observables["normal_force"]
-    if found.label in _WITHOUT_NUMBERS or (found.orbit is None and found.label == Attractor.NEUTRAL_FAMILY):
+    orbit, force = found.orbit, automaton.observables["normal_force"]
+    if found.label in _WITHOUT_NUMBERS or (orbit is None and found.label == Attractor.NEUTRAL_FAMILY):
         return Ending.without_numbers(found.label)
-    if found.orbit is None:
+    if orbit is None:
         mode, _ = enter(automaton, found.state)
         low, high = found.extremes(force[mode])
         return Ending(int(found.label), 0, 0.0, math.nan, math.nan, max(abs(low), abs(high)), 0.0)
     try:
-        amplitude, peak = found.amplitude, max(map(abs, orbit_extremes(found.orbit, force)))
+        amplitude, peak = found.amplitude, max(map(abs, orbit_extremes(orbit, force)))
     except EngineError:  # the rates of a mode lie too far apart to find the extremes
         amplitude = peak = np.nan
-    impulse = 0.0
-    if np.isin(found.orbit.kind, automaton.sprag_kinds).any():
-        impulse = float(np.abs(event_impulses(one.drive, found.orbit).normal).max())
-    return Ending(int(found.label), happens(one.model, found), amplitude, found.period, found.multiplier, peak, impulse)
-
-
-def happens(model: Model, found: SteadyState) -> int:
-    """Return what happens on a cycle, as :class:`Ending` has it."""
-    orbit = found.orbit
-    if orbit is None:
-        return 0
-    codes = orbit.automaton.codes[orbit.arcs()[0]]
-    return (
+    happens = (
         SPRAGS * (found.label == Attractor.SPRAG_SLIP_CYCLE)
-        + RESTS * bool(np.isin(codes, orbit.automaton.rest_codes).any())
-        + REVERSES * bool((orbit.kind == model.events["CONTACT_REVERSAL"]).any())
+        + RESTS * bool(np.isin(automaton.codes[orbit.arcs()[0]], automaton.rest_codes).any())
+        + REVERSES * bool((orbit.kind == find_model(drive.model).events["CONTACT_REVERSAL"]).any())
     )
+    sprags = np.isin(orbit.kind, automaton.sprag_kinds).any()
+    impulse = float(np.abs(event_impulses(drive, orbit).normal).max()) if sprags else 0.0
+    return Ending(int(found.label), happens, amplitude, found.period, found.multiplier, peak, impulse)
 
 
 def all_endings(
@@ -154,7 +108,7 @@ def all_endings(
     workers: int = 1,
     progress: Callable[[int, int], None] | None = None,
     others: Mapping[str, float] | None = None,
-) -> Endings:
+) -> Ending:
     """Return what motions of drives of one model (k) end on, each from its own start, u [rad] and w [rad/s] (k, 2).
 
     A motion depends on nothing but its own drive and start: no number depends on ``workers``, the number of processes
@@ -162,7 +116,7 @@ def all_endings(
     values of the other states by name, by default those that the model begins with. Raises ``InputError`` for a rule of
     resuming that the model does not know.
     """
-    found, alone = Endings.unknown(drives.size), np.arange(drives.size)
+    found, alone = Ending.unknown(drives.size), np.arange(drives.size)
     if len(find_model(drives.drive_class.model).states) == 2:
         found, is_open = endings_at_once(drives, starts, resume, workers)
         alone = np.flatnonzero(is_open)
@@ -171,55 +125,39 @@ def all_endings(
     done = drives.size - alone.size
     if progress is not None and done:
         progress(done, drives.size)
-    if alone.size:
-        work = partial(_share, others=dict(others or {}), resume=resume)
-        more = progress and (lambda part, _: progress(done + part, drives.size))
-        for places, part in in_shares(work, drives.some(alone), (starts[alone],), workers, more):
-            found.put(alone[places], part)
-    return found
-
-
-def _share(drives: ManyDrives, starts: np.ndarray, others: Mapping[str, float], resume: str) -> Endings:
-    found = Endings.unknown(drives.size)
-    for one in prepared(drives, resume):
-        u, w = starts[one.place].tolist()
-        found.put(one.place, ending_of(one, one.state({"u": u, "w": w, **others})))
-    return found
-
-
-def in_shares(
-    work: Callable[..., Done],
-    drives: ManyDrives,
-    columns: Sequence[np.ndarray],
-    workers: int,
-    progress: Callable[[int, int], None] | None,
-) -> Iterator[tuple[slice, Done]]:
-    """Yield what ``work`` makes of shares of drives and of the rows (k, ...) that belong to them, in their order."""
-    size = max(_LEAST, min(_SHARE, -(-drives.size // (2 * workers))))
-    places = [slice(first, min(first + size, drives.size)) for first in range(0, drives.size, size)]
-    cases = ((drives.some(np.arange(here.start, here.stop)), *(column[here] for column in columns)) for here in places)
-    several = workers > 1 and len(places) > 1
-    with get_context("spawn").Pool(min(workers, len(places))) if several else nullcontext() as processes:
-        parts = processes.imap(partial(_on_case, work), cases) if processes else (work(*case) for case in cases)
-        for here, part in zip(places, parts, strict=True):
-            yield here, part
+    # most and fewest drives that a process takes at a time: some seconds of work
+    size = max(64, min(1024, -(-alone.size // (2 * workers))))
+    shares = [alone[first : first + size] for first in range(0, alone.size, size)]
+    cases = ((drives.some(share), starts[share]) for share in shares)
+    work, several = partial(_share, others=dict(others or {}), resume=resume), workers > 1 and len(shares) > 1
+    with get_context("spawn").Pool(min(workers, len(shares))) if several else nullcontext() as processes:
+        for share, part in zip(shares, processes.imap(work, cases) if processes else map(work, cases), strict=True):
+            found.put(share, part)
+            done += share.size
             if progress is not None:
-                progress(here.stop, drives.size)
+                progress(done, drives.size)
+    return found
 
 
-def _on_case(work: Callable[..., Done], case: tuple[Any, ...]) -> Done:
-    return work(*case)
+def _share(case: tuple[ManyDrives, np.ndarray], others: Mapping[str, float], resume: str) -> Ending:
+    """Return what motions of some drives of one model end on, from their starts (k, 2)."""
+    drives, starts = case
+    found, model = Ending.unknown(drives.size), find_model(drives.drive_class.model)
+    for place, drive, automaton in automata(drives, resume):
+        u, w = starts[place].tolist()
+        found.put(place, ending_of(drive, automaton, model.initial_state(drive, {"u": u, "w": w, **others})))
+    return found
 
 
 def endings_at_once(
     drives: ManyDrives, starts: np.ndarray, resume: Resume, workers: int = 1, work: float = WORK
-) -> tuple[Endings, np.ndarray]:
+) -> tuple[Ending, np.ndarray]:
     """Return what motions of drives with two states (k) end on, and which must be followed alone (k).
 
     Those are the ones of drives whose tables are not safe in doubles, or without any damping. ``work``: events that
     each motion may take.
     """
-    found, is_open = Endings.unknown(drives.size), np.ones(drives.size, dtype=bool)
+    found, is_open = Ending.unknown(drives.size), np.ones(drives.size, dtype=bool)
     # drives whose tables are made at once: half a gigabyte of numbers for a million would be too many
     size = max(1, min(8192, -(-drives.size // workers)))
     blocks = [np.arange(first, min(first + size, drives.size)) for first in range(0, drives.size, size)]
@@ -228,7 +166,7 @@ def endings_at_once(
         """Write what a block of drives end on."""
         for group in groups(drives, resume, block):
             closed, endings = _group_endings(drives, group, starts[group.members], work)
-            found.put(group.members[closed], Endings(*(column[closed] for column in endings)))
+            found.put(group.members[closed], Ending(*(column[closed] for column in endings)))
             is_open[group.members[closed]] = False
 
     with ThreadPoolExecutor(workers) as pool:
@@ -236,9 +174,9 @@ def endings_at_once(
     return found, is_open
 
 
-def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray, work: float) -> tuple[np.ndarray, Endings]:
+def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray, work: float) -> tuple[np.ndarray, Ending]:
     """Return which motions of a group (j), from ``starts`` (j, 2), are done, and what these end on."""
-    automaton, size, found = group.automaton, group.members.size, Endings.unknown(group.members.size)
+    automaton, size, found = group.automaton, group.members.size, Ending.unknown(group.members.size)
     flow, moving = automaton.tables.flow, ~np.isin(automaton.codes, automaton.rest_codes)
     done = group.safe & flow[:, moving, layout.A1].any(axis=1)
     if automaton.contracts:
@@ -276,7 +214,7 @@ def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray, work: f
     return cycles | spent | (outcomes == Outcome.SLIDES), found
 
 
-def _slide(group: Group, here: np.ndarray, found: Endings) -> None:
+def _slide(group: Group, here: np.ndarray, found: Ending) -> None:
     """Write steady sliding for some members of a group."""
     found.attractor[here] = Attractor.STEADY_SLIDING
     found.amplitude[here] = found.peak_normal_impulse[here] = 0.0

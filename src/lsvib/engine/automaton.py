@@ -195,9 +195,9 @@ def assemble(
     conditions = [condition for branch in branches for condition in branch.conditions]
     resets = [transition.reset for transition in transitions.values() if transition.reset is not None]
     reset_index = iter(range(len(resets)))
-    n = len(states)
+    n, flows = len(states), [mode.flow for mode in modes.values()]
     tables = Tables(
-        flow=(stack or _planar_flow)([mode.flow for mode in modes.values()]),
+        flow=stack(flows) if stack else np.stack(np.broadcast_arrays(*flows), axis=-2),  # of one drive or of many
         surfaces=_rows([surface.row for surface in surfaces.values()], n),
         snap=_integers(surface.snap for surface in surfaces.values()),
         guard_start=_starts(mode.guards for mode in modes.values()),
@@ -254,11 +254,6 @@ def one_of_many(automaton: Automaton, place: int) -> Automaton:
 def scaled(row: Row, factor) -> tuple:
     """Return a row times a number."""
     return tuple(factor * x for x in row)
-
-
-def _planar_flow(rows: Sequence[np.ndarray]) -> np.ndarray:
-    """The flow table of modes with two states from their rows, some or all of which may be those of many drives."""
-    return np.stack(np.broadcast_arrays(*rows), axis=-2)
 
 
 def _rows(rows: Sequence[Row], n: int, shape: tuple[int, ...] | None = None) -> np.ndarray:

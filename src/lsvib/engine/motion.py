@@ -225,7 +225,7 @@ def bouncing(kind: str) -> Automaton:
     """Return the automaton of an oscillator that bounces off a wall; ``kind`` of its flow: planar or modal."""
     planar = kind == "planar"
     field = [(0, 1, 0), (-1, 0, 0)]
-    flow = oscillator(1, 0, 1, 0) if planar else linear_mode(field, (1.0, 1.0), None, math.inf, "the wall")
+    flow = oscillator(1, 0, 1, 0) if planar else linear_mode(field, (1.0, 1.0), None, "the wall")
     free = (Branch("free", FIRST_MODEL_KIND),)
     return assemble(
         states=("u", "w"),

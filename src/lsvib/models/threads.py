@@ -30,7 +30,6 @@ import numpy as np
 from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, scaled
 from lsvib.engine.exact import arithmetic
 from lsvib.engine.exact.arithmetic import double, many_digits, root
-from lsvib.engine.exact.field import SWINGS
 from lsvib.engine.exact.modal_form import ModalMode, guard_forms, linear_mode, modal_flow
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
 from lsvib.models.drive import ThreadsDrive, once
@@ -132,11 +131,10 @@ class _ThreadsBuild:
         mismatch = force / (stiffness + damping / swing + mass / swing**2)
         rate = force / (damping + root(stiffness * mass) + mass / swing)
         self.sizes = (0.1, abs(double(d.input_speed)), mismatch, rate)
-        self.horizon = SWINGS * swing
 
     def slip(self, law: int) -> ModalMode:
         """Field of slip under law s."""
-        return linear_mode(self._slip_rows(law), self.sizes, None, self.horizon, ThreadsDrive.own_damping)
+        return linear_mode(self._slip_rows(law), self.sizes, None, ThreadsDrive.own_damping)
 
     def _slip_rows(self, law: int) -> list[tuple]:
         d = self.d
@@ -150,7 +148,7 @@ class _ThreadsBuild:
         axial = plus(scaled(self.normal, self.d.cos_lead), scaled(self.friction, self.d.sin_lead))
         held = {1: -self.d.input_speed}
         rows = self._rows((0, 0, 0, 0, 0), axial)
-        return linear_mode(rows, self.sizes, held, self.horizon, ThreadsDrive.own_damping)
+        return linear_mode(rows, self.sizes, held, ThreadsDrive.own_damping)
 
     def _rows(self, acceleration: tuple, axial: tuple) -> list[tuple]:
         d = self.d

@@ -16,7 +16,6 @@ speeds and forces.
   (``resume="contact_sign"`` of the rigid drive).
 """
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -37,7 +36,6 @@ from lsvib.engine.automaton import (
     scaled,
 )
 from lsvib.engine.exact.arithmetic import sign
-from lsvib.engine.exact.field import SWINGS
 from lsvib.engine.exact.modal_form import guard_forms, linear_mode, modal_flow
 from lsvib.engine.kernels.layout import Test
 from lsvib.models.drive import NutDrive, SupportDrive
@@ -199,8 +197,7 @@ class TwoBodies(ABC):
 
     def _mode(self, name: str, guards: tuple[Guard, ...]) -> Mode:
         solution = self.solutions[name]
-        horizon = SWINGS * math.sqrt(float(self.d.screw_inertia / self.d.coupling_stiffness))
-        flow = linear_mode(solution.field, self.sizes, solution.frozen, horizon, self.movable)
+        flow = linear_mode(solution.field, self.sizes, solution.frozen, self.movable)
         return Mode(self.modes[name.upper()], flow, guards)
 
     def _guard(self, surface: str, row: Row, side: int, transition: str, snap: int | None = None) -> Guard:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.dynamics.kernels import poincare_map
+from lsvib.dynamics.kernels import poincare_map, saltation
 from lsvib.dynamics.kernels.poincare_map import NEAR, STEP, Verdict
 from lsvib.engine.kernels import event_loop
 from lsvib.engine.kernels.flow_planar import ROUNDING
@@ -26,16 +26,14 @@ class Outcome(IntEnum):
     SPENT = 6  # the budget is spent,
     SPENT_STEADILY = 7  # by a vibration that hardly changes,
     SEARCH_SPENT = 8  # or by the search for one event
-    ACCUMULATES = 9  # events accumulate, which the caller may see through
+    ACCUMULATES = 9  # events accumulate, and the model does not say what follows
     LOST = 10  # the engine has no answer
     OPEN = 11  # no mode fits the start
 
 
 CHUNK = 64  # events that are looked at first; every further look takes twice as many
 SIGHT = 4096  # most events between two looks
-_PERIODS, _SOLVED = 64, 8  # most returns in a period that repeats, and in one that the map is solved for
-_FEWEST, _WATCHED, _POINTS = 4, 10, 1000  # returns that show where a motion goes: for a look, to be near, at most
-_JOINED, _BESIDE = 1e-3, 0.1  # distances from a known cycle, in its sizes: at the end of the way, and of the way
+_SOLVED = 8  # most returns in a period that the map is solved for
 _STILL = 1e-12  # a step of this size, in sizes of a known cycle, is rounding
 
 
@@ -139,22 +137,6 @@ def stays(tables, facts, mode, state, found):
 
 
 @kernel
-def _pushed_planar(flow, mode):
-    return flow[mode, EQUILIBRIUM] != 0.0
-
-
-@kernel
-def _pushed_modal(flow, mode):
-    field, pushed = flow.field[mode], False
-    for i in range(field.shape[0]):
-        pushed = pushed or field[i, field.shape[0]] != 0.0
-    return pushed
-
-
-_pushed = by_kind(_pushed_planar, _pushed_modal)  # whether a mode has its equilibrium elsewhere than at steady sliding
-
-
-@kernel
 def _fits(known, c, kinds, modes, after, at, k):
     """Whether four points in a row, the last of them number k, show that a motion tends to known cycle ``c``."""
     n, size, steps = known.size.shape[1], known.size[c], (0.0, 0.0, 0.0)
@@ -172,7 +154,8 @@ def _fits(known, c, kinds, modes, after, at, k):
     ratio = third / second if third > _STILL else 0.0
     for x in range(n):
         way = ratio / (1.0 - ratio) * (after[at[k], x] - after[at[k - 1], x])
-        if not (abs(way) <= _BESIDE * size[x] and abs(after[at[k], x] + way - known.point[c, x]) <= _JOINED * size[x]):
+        off = after[at[k], x] + way - known.point[c, x]  # where the way ends, from the cycle
+        if not (abs(way) <= 0.1 * size[x] and abs(off) <= 1e-3 * size[x]):
             return False
     return True
 
@@ -219,7 +202,7 @@ def _fewer_returns(section, events, count, state, size):
 
 
 @allocating_kernel
-def _period(engine, tables, facts, section, points, size, pushed, events, room, budget, found):
+def _period(engine, tables, facts, section, points, size, events, room, budget, found):
     """Return what a motion with these ``points`` (k, n) on a section tends to by its map.
 
     It is CYCLE, SLIDES, or SPENT, which stands for nothing that is known.
@@ -240,19 +223,25 @@ def _period(engine, tables, facts, section, points, size, pushed, events, room, 
         reach = max(reach, abs(state[i]) / size[i])
     earlier = points[last // 2 + 1 + (last - last // 2 - 1) % step :: step]
     if away > NEAR:
-        few = d > 1 and earlier.shape[0] <= _WATCHED
+        few = d > 1 and earlier.shape[0] <= 10
         if few or verdict == Verdict.NEUTRAL or not poincare_map.approaches(section, place, earlier, form):
             return Outcome.SPENT
     if d > 0 and not poincare_map.same_events(engine, tables, section, place, events, count, room, budget):
         return Outcome.SPENT
-    # size of a fixed point, relative to the motion, that is steady sliding
-    if reach < 1e-5:  # steady sliding, if that lies on a surface and the motion shrinks towards it
-        nearer = farther = 0.0
+    # A fixed point of this size, relative to the motion, is steady sliding, if that lies on a surface, no mode is
+    # pushed away from it, and the motion shrinks towards it.
+    if reach < 1e-5:
+        nearer = farther = pushed = 0.0
+        none, rate, sizes = np.zeros(n), np.empty(n), np.empty(n)
+        for k in range(count):
+            saltation.field(tables.flow, events[3][k], none, rate, sizes)
+            for i in range(n):
+                pushed = max(pushed, sizes[i])
         for i in range(n):
             nearer = max(nearer, abs(points[last, i]) / size[i])
             farther = max(farther, abs(points[last - step, i]) / size[i])
         found.notes[0]["mode"] = -1
-        return Outcome.SLIDES if nearer < farther and not pushed else Outcome.SPENT
+        return Outcome.SLIDES if nearer < farther and pushed == 0.0 else Outcome.SPENT
     returns, fewer = _fewer_returns(section, events, count, state, size)
     if fewer < count:
         poincare_map.slopes_of(tables, section, events, fewer, slopes)
@@ -284,19 +273,17 @@ def _look(engine, tables, facts, mode, state, events, count, one, other, budget,
         outcome = stays(tables, facts, mode, state, found)
         return Outcome.OSCILLATES if outcome == Outcome.OSCILLATES else Outcome.SPENT
     seen, longest, last = 0, 0.0, -1
-    pushed = count < 0  # never; a literal would be another type, for which ``_period`` would be compiled as well
     all_points = np.empty((count, n))
     for k in range(count):
-        pushed = pushed or (k >= count // 2 and _pushed(tables.flow, modes[k]))
         if kinds[k] == kinds[key] and modes[k] == modes[key]:
             longest = max(longest, times[k] - times[last]) if last >= 0 else 0.0
             for i in range(n):
                 all_points[seen, i] = after[k, i]
             seen, last = seen + 1, k
-    points = all_points[max(0, seen - _POINTS) : seen]
+    points = all_points[max(0, seen - 1000) : seen]
     seen = points.shape[0]
     nearest, smallest, repeats = 1, math.inf, False
-    for back in range(1, min(_PERIODS, seen - 1) + 1):
+    for back in range(1, min(64, seen - 1) + 1):  # most returns in a period that repeats
         change = 0.0
         for i in range(n):
             change = max(change, abs(points[seen - 1, i] - points[seen - 1 - back, i]) / size[i])
@@ -305,7 +292,7 @@ def _look(engine, tables, facts, mode, state, events, count, one, other, budget,
             nearest, smallest = back, change
         if repeats:
             break
-    if seen < 2 or (seen < _FEWEST and not repeats):
+    if seen < 2 or (seen < 4 and not repeats):
         return Outcome.SPENT
     for returns in range(1, nearest + 1):  # a slow cycle may seem to have a multiple of its returns
         if nearest % returns == 0 and (repeats or seen - 1 - returns > seen // 2):
@@ -320,7 +307,7 @@ def _look(engine, tables, facts, mode, state, events, count, one, other, budget,
                 watched,
                 size,
             )
-            outcome = _period(engine, tables, facts, section, points, size, pushed, one, other, budget, found)
+            outcome = _period(engine, tables, facts, section, points, size, one, other, budget, found)
             if outcome != Outcome.SPENT:
                 return outcome
     return Outcome.SPENT
@@ -360,13 +347,9 @@ def end_of(engine, tables, facts, known, mode, state, patience, events, one, oth
     scale, clock, budget = np.empty(n), np.zeros(4), np.empty(1)
     budget[0] = found.notes[0]["left"]
     times, kinds, signs, modes, before, after = events
-    still = event_loop.is_still(tables.flow, mode, state)
     for i in range(n):
-        scale[i], still = abs(state[i]), still and state[i] == 0.0
+        scale[i] = abs(state[i])
     found.notes[0]["first_event"], found.notes[0]["sprags"], found.notes[0]["time"] = event_loop.NO_KIND, 0, 0.0
-    if still:
-        found.notes[0]["mode"], found.notes[0]["frequency"] = mode, 0.0
-        return Outcome.SLIDES
     outcome, never = (
         Outcome.SPENT,
         np.int64(event_loop.NO_KIND),

@@ -16,8 +16,6 @@ from lsvib.errors import EngineError
 
 DIGITS = 150  # with rates thirty decades apart, a product of four of their differences leaves 30 digits
 
-_CANCELLED = 1e-40  # radius of a sum that holds zero, relative to its terms: fewer digits do not show that it is zero
-_HELD = 1e-13  # relative error that a sum of arrays may have
 
 Number = Any  # arb, arb_series, an array of doubles, or a float or int
 _precision = RLock()  # FLINT has one precision for all threads
@@ -100,12 +98,12 @@ def added(*terms: Number) -> Number:
     if any(isinstance(term, np.ndarray) for term in terms):
         total, size = sum(terms), np.maximum.reduce(np.broadcast_arrays(*map(np.abs, terms)))
         left, eps = np.abs(total), np.finfo(total.dtype).eps
-        return np.where(left <= 8 * eps * size, 0, np.where(left < eps / _HELD * size, np.nan, total))
+        return np.where(left <= 8 * eps * size, 0, np.where(left < 1e13 * eps * size, np.nan, total))
     total = sum(terms, arb(0))
     if not total.contains(0) or total.is_zero():
         return total
-    if total.rad() > _CANCELLED * max(abs(ball(x)).mid() for x in terms):
-        sign(total)  # too few digits are left
+    if total.rad() > 1e-40 * max(abs(ball(x)).mid() for x in terms):
+        sign(total)  # too few digits are left to show that it is zero
     return arb(0)
 
 
@@ -116,24 +114,3 @@ def multiplied(left: Sequence[Any], right: Sequence[Any]) -> list[Any]:
         for j, y in enumerate(right):
             result[i + j] += x * y
     return result
-
-
-def modulo(polynomial: Sequence[Any], factor: Sequence[Any]) -> list[Any]:
-    """Return what is left of a polynomial after division by a factor, whose first coefficient is one."""
-    polynomial = list(polynomial)
-    while len(polynomial) >= len(factor):
-        lead = polynomial.pop(0)
-        for i, coefficient in enumerate(factor[1:]):
-            polynomial[i] -= lead * coefficient
-    return polynomial
-
-
-def inverse_modulo(remainder: Sequence[Any], factor: Sequence[Any]) -> list[Any]:
-    """Return the inverse of a polynomial of lower degree modulo the factor."""
-    remainder = [0] * (len(factor) - 1 - len(remainder)) + list(remainder)
-    if len(factor) == 2:
-        return [1 / remainder[0]]
-    a, b = remainder  # (a s + b)(c s + d) = 1 modulo s² + a₁ s + a₀
-    _, a1, a0 = factor
-    norm = b * b - a * b * a1 + a * a * a0
-    return [-a / norm, (b - a * a1) / norm]

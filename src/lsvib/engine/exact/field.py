@@ -1,35 +1,17 @@
-r"""The field x′ = A x + b of a mode in balls: its rates, the subspaces of A, and how far its motions get.
+"""The field x′ = A x + b of a mode in balls: its rates, and the subspaces of A.
 
 The characteristic polynomial is split into factors of degree one or two, with a projector on the subspace of each.
-
-A model can only guess the size of, say, the mismatch of its threads. If rates lie many decades apart, the motion soon
-takes a coordinate far beyond that guess, and digits that seem lost by the guess do not matter. Let Π_k be the projector
-on the k slowest rates of the homogeneous field of (x, 1). Once all faster parts have died away, or within half a turn
-of them if they do not, the state is Π_k (x, 1). So the size that a coordinate has in the motion is
-
-    x* = max( x, |Π_k| (x, 1) ),      over all k for which this state is reached before the horizon.
-
-Rates next to each other (``_GAP``) cannot be separated in this way. But a group of such rates, of which the fastest is
-ω, turns the state within its own subspace by about a radian in a time 1/ω: with the projector Π on the group and the
-field H of (x, 1), a coordinate also has the size |H Π / ω| (x, 1). So what a large rate of the nut is given as typical
-makes of its angle counts as typical, too. Nor can rates be separated that are slower than the horizon T. They make
-|exp(H Π T)| (x, 1) of the state: a coupling that is wound up at rest loads the contact long before the nut has swung.
-
-A part that is slower than the horizon has changed little by then, and a coordinate that is small beside such parts is
-moved by their change alone (:mod:`lsvib.engine.kernels.flow_modal`). So digits are lost by what has changed until some
-time, beside the sizes that are reached then: at the horizon, and at the time of each rate that is slower.
 """
 
-import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from flint import acb, arb, arb_mat, fmpq, fmpq_poly, fmpz
+from flint import acb, arb, arb_mat, arb_poly, fmpq_poly
 
-from lsvib.engine.exact.arithmetic import ball, inverse_modulo, many_digits, modulo, multiplied
+from lsvib.engine.exact.arithmetic import ball
 
 WORST_CONDITION = 1e6  # rounding grows by so much at most: 1e-9 of the sizes of the coordinates
 # Relative sizes that only the rounding of coefficients of 50 digits can have: of a rate, and of the distance of two
@@ -38,10 +20,6 @@ _NOTHING, _SAME = 1e-40, 1e-24
 _LEFT = 1e-35  # of the terms of a product of projectors that is zero: rounding
 SLOW = 10  # a single rate that is so many times smaller than all larger ones may have its equilibrium far away
 APART = 0.25  # relative distance of two real rates from which on each is carried alone
-SWINGS = 100  # swings of the coupling in a horizon; a size that takes longer to reach does not count
-_NEVER = 1e-35  # relative size of a rate that is zero but for the rounding of the coefficients
-_GAP = 4.0  # ratio of two rates that are separated: e⁻⁴ of the faster part is left after a time unit of the slower one
-_DIGIT = 1e-6  # radius of an element of a projector, in sizes of the coordinates, that leaves it a size
 
 Rows = Sequence[Sequence[arb | float | int]]
 
@@ -87,28 +65,14 @@ class Field:
         return np.array([[float(x) for x in row] for row in self.rows])
 
 
-def balls(rows: Rows) -> arb_mat:
-    """Return a matrix of numbers in the digits of the context."""
-    return arb_mat([[ball(x) for x in row] for row in rows])
-
-
-def homogeneous(field: Field) -> arb_mat:
-    """Return the field of (x, 1) between the coordinates that may change, in units of their sizes."""
-    units = [*map(arb, field.scale()), arb(1)]
-    rows = [[*map(ball, row), last] for row, last in zip(field.matrix(), field.push(), strict=True)]
-    found = [[x * units[j] / units[i] for j, x in enumerate(row)] for i, row in enumerate(rows)]
-    return arb_mat([*found, [0] * len(units)])
-
-
-def amplification(out: np.ndarray, into: np.ndarray, sizes: np.ndarray) -> float:
+def amplification(out: np.ndarray, into: np.ndarray, sizes: np.ndarray) -> np.ndarray:
     """Return the largest amplification of rounding into other coordinates and back, max_i Σ_j |V_ij| (|W| x)_j / x_i.
 
-    Arguments: V (n, p), W (p, n or n + 1, the last for constants), sizes x (n). Infinite beyond the range of doubles.
+    Arguments: V (..., n, p), W (..., p, n + 1), the last for constants, sizes x (..., n).
     """
-    given = np.append(sizes, 1.0)[: into.shape[1]]
-    with np.errstate(over="ignore", invalid="ignore"):
-        found = float(np.max(np.abs(out) @ (np.abs(into) @ given) / sizes))
-    return found if found == found else math.inf
+    given = np.append(sizes, np.ones((*sizes.shape[:-1], 1)), axis=-1)[..., None]
+    with np.errstate(all="ignore"):
+        return ((np.abs(out) @ (np.abs(into) @ given))[..., 0] / sizes).max(axis=-1)
 
 
 class Subspace(NamedTuple):
@@ -124,15 +88,8 @@ def rates_of(matrix: arb_mat) -> list[acb]:
 
     They are those of the midpoint of its characteristic polynomial, whose roots FLINT isolates exactly.
     """
-    exact = fmpq_poly([rational(x) for x in matrix.charpoly().coeffs()])
+    exact = fmpq_poly([x.mid().fmpq() for x in matrix.charpoly().coeffs()])
     return [acb(root.real.mid(), root.imag.mid()) for root, count in exact.complex_roots() for _ in range(int(count))]
-
-
-def rational(number: arb) -> fmpq:
-    """Return the midpoint of a ball, a fraction of a power of two."""
-    mantissa, exponent = number.mid().man_exp()
-    power = fmpq(fmpz(2) ** abs(int(exponent)))
-    return fmpq(mantissa) * power if exponent >= 0 else fmpq(mantissa) / power
 
 
 def identity(n: int) -> arb_mat:
@@ -147,28 +104,21 @@ def subspaces(matrix: arb_mat, scale: list[float]) -> list[Subspace]:
     that no factor of degree two holds.
     """
     rates = rates_of(matrix)
-    for once in (True, False):
-        factors = _factors(rates, once)
-        found = [_projector(matrix, factors, k) for k in range(len(factors))]
-        if _carried(matrix, factors, found, scale):
-            return [Subspace(f, p, _slow(f, rates)) for f, p in zip(factors, found, strict=True)]
-    raise ArithmeticError("rates of a mode coincide, with a chain")
+    factors = _factors(rates)
+    found = [_projector(matrix, factors, k) for k in range(len(factors))]
+    if not _carried(matrix, factors, found, scale):
+        raise ArithmeticError("rates of a mode coincide, with a chain")
+    return [Subspace(f, p, _slow(f, rates)) for f, p in zip(factors, found, strict=True)]
 
 
-def _factors(rates: list[acb], once: bool) -> list[list[arb]]:
-    """Real factors of the characteristic polynomial, coefficients from the highest power; one factor for all zeros.
-
-    ``once``: one factor, too, for all rates that coincide, so that the product is the minimal polynomial if no chain
-    comes with them.
-    """
+def _factors(rates: list[acb]) -> list[list[arb]]:
+    """Real factors of the characteristic polynomial, coefficients from the highest power; one factor for all zeros."""
     sizes = [float(abs(rate)) for rate in rates]
     moving = [rate for rate, size in zip(rates, sizes, strict=True) if size > _NOTHING * max(sizes)]
     upper = [rate for rate in moving if float(rate.imag) > _SAME * float(abs(rate))]
     upper.sort(key=lambda rate: float(rate.imag))
     real = [rate.real for rate in moving if abs(float(rate.imag)) <= _SAME * float(abs(rate))]
     real.sort(key=float, reverse=True)
-    if once:
-        upper, real = _distinct(upper), _distinct(real)
     factors = [[arb(1), -2 * rate.real, abs(rate) ** 2] for rate in upper]
     while len(real) > 1:  # the two closest, relative to their size, belong together; far ones lose digits in a pair
         gaps = [abs(float((a - b) / (a if abs(a) > abs(b) else b))) for a, b in pairwise(real)]
@@ -181,22 +131,19 @@ def _factors(rates: list[acb], once: bool) -> list[list[arb]]:
     return factors + ([[arb(1), arb(0)]] if len(moving) < len(rates) else [])
 
 
-def _distinct(rates: list) -> list:
-    found: list = []
-    for rate in rates:
-        if all(float(abs(rate - other)) > _SAME * float(abs(rate)) for other in found):
-            found.append(rate)
-    return found
-
-
 def _projector(matrix: arb_mat, factors: list[list[arb]], k: int) -> arb_mat:
     """Return the projector on the subspace of a factor: the product of the others times its inverse modulo this one."""
-    others, remainder = identity(matrix.nrows()), [arb(1)]
+    own, others, rest = arb_poly(factors[k][::-1]), identity(matrix.nrows()), arb_poly([1])
     for j, other in enumerate(factors):
         if j != k:
             others = others * _polynomial(other, matrix)
-            remainder = modulo(multiplied(remainder, other), factors[k])
-    return _polynomial(inverse_modulo(remainder, factors[k]), matrix) * others
+            rest = rest * arb_poly(other[::-1]) % own
+    b, a = rest[0], rest[1]
+    if len(factors[k]) == 2:
+        return _polynomial([1 / b], matrix) * others
+    _, a1, a0 = factors[k]  # (a s + b)(c s + d) = 1 modulo s² + a₁ s + a₀
+    norm = b * b - a * b * a1 + a * a * a0
+    return _polynomial([-a / norm, (b - a * a1) / norm], matrix) * others
 
 
 def _polynomial(coefficients: list, matrix: arb_mat) -> arb_mat:
@@ -231,70 +178,3 @@ def _size_of(matrix: arb_mat, scale: list[float]) -> float:
     n = range(matrix.nrows())
     # What a rate in two factors leaves is not a number, which the largest of some numbers must not hide.
     return float(np.max([float(abs(matrix[i, j]).upper()) * scale[j] / scale[i] for i in n for j in n]))
-
-
-def slow_reaches(field: Field, horizon: float) -> list[tuple[float, np.ndarray]]:
-    """Return the horizon [s] and then the times [s] of all slower rates, with the sizes that are reached by then."""
-    with many_digits():
-        sizes = [float(abs(rate)) for rate in rates_of(balls(field.matrix()))]
-    times = [horizon, *(1 / size for size in sizes if _NEVER * max(sizes) < size < 1 / horizon)]
-    return [(time, reached(field, time).sizes) for time in sorted(times)]
-
-
-def reached(field: Field, horizon: float) -> Field:
-    """Return the field with the sizes that its coordinates reach within a time ``horizon`` [s]."""
-    with many_digits():
-        most = np.ones(len(field.alive))
-        for state in _reached_states(homogeneous(field), horizon):
-            rows = np.abs(np.array([[float(x) for x in row] for row in state.tolist()]))
-            most = np.maximum(most, rows[:-1].sum(axis=1))
-    wider = field.sizes.copy()
-    wider[field.alive] *= most
-    return replace(field, sizes=wider)
-
-
-def _reached_states(matrix: arb_mat, horizon: float) -> Iterator[arb_mat]:
-    """Yield matrices that make of a start the states that it reaches before the horizon [s], by gaps in the rates."""
-    rates = sorted(rates_of(matrix), key=_size)
-    least = max(1 / horizon, _NEVER * max(float(abs(x).upper()) for x in matrix.entries()))
-    gaps = [k for k in range(1, len(rates)) if _size(rates[k]) > max(_GAP * _size(rates[k - 1]), least)]
-    for first, last in zip([0, *gaps], [*gaps, len(rates)], strict=True):
-        slow, group, fast = rates[:first], rates[first:last], rates[last:]
-        if fast and (projector := _separator(matrix, slow + group, fast)) is not None:
-            yield projector
-        if (projector := _separator(matrix, group, slow + fast)) is None:
-            continue
-        if _size(group[-1]) > least:
-            yield matrix * projector * (1 / abs(group[-1]))
-        elif horizon < math.inf:
-            yield (matrix * projector * arb(horizon)).exp() * projector
-
-
-def _size(rate: acb) -> float:
-    return float(abs(rate))
-
-
-def _separator(matrix: arb_mat, group: list[acb], others: list[acb]) -> arb_mat | None:
-    """Return the projector on the subspace of some rates, whatever chains they have; None if no digit is left of it.
-
-    With the polynomials p and q of both parts and u p + v q = 1 it is v q of the matrix.
-    """
-    if not others:
-        return identity(matrix.nrows())
-    own, rest = _with_rates(group), _with_rates(others)
-    common, _, inverse = own.xgcd(rest)
-    if common.degree() > 0:
-        return None
-    found = _polynomial((inverse * rest).coeffs()[::-1], matrix)
-    return found if max(float(x.rad()) for x in found.entries()) < _DIGIT else None
-
-
-def _with_rates(rates: list[acb]) -> fmpq_poly:
-    """Return the real polynomial with these rates, those of a complex pair both among them."""
-    found = fmpq_poly([1])
-    for rate in rates:
-        if float(rate.imag) > 0:
-            found *= fmpq_poly([rational(abs(rate) ** 2), -2 * rational(rate.real), 1])
-        elif float(rate.imag) == 0:
-            found *= fmpq_poly([-rational(rate.real), 1])
-    return found

@@ -12,15 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from lsvib.engine.exact.field import APART, SLOW, WORST_CONDITION
+from lsvib.engine.exact.field import APART, SLOW, WORST_CONDITION, amplification
 from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import ModalFlow
 
 _EPS = np.finfo(np.longdouble).eps
-_HELD, _SEEN = 1e-12, 1e-11  # relative error that a rate may have, and what a guard has of a coordinate
+_HELD = 1e-12  # relative error that a rate may have
 _NOTHING = 64 * _EPS  # of the terms of a sum: rounding
-_DAMPED = 1e-9  # relative error that the damping of a pair may have: whether there is any is for balls to say
-_STEP = 1e-6  # largest last step of Newton's method, whose square is what is left to do
 _ROUND = 1e-3  # β of a pair over |λ|: three digits are lost where its two rates nearly coincide
 
 
@@ -101,19 +99,12 @@ def modal_modes(rows: Sequence[Sequence[Any]], sizes: Sequence[Any], kept: Mappi
         exact[:, i, :count] = out[:, j, :count] * scale[:, j, None]
     for i, value in kept.items():
         exact[:, i, n] = value
-    condition = _condition(exact.astype(float), to_modal, size.astype(float))
+    condition = amplification(exact.astype(float)[..., :-1], to_modal, size.astype(float))
     condition[~(safe & held & (condition < WORST_CONDITION))] = np.inf
     return ModalModes(
         pairs, count - 2 * pairs, oscillators, *singles, to_modal, exact.astype(float), field.astype(float), condition,
         exact, count,
     )  # fmt: skip
-
-
-def _condition(out: np.ndarray, into: np.ndarray, sizes: np.ndarray) -> np.ndarray:
-    """Return the largest amplification of rounding (k), as :func:`lsvib.engine.exact.field.amplification`."""
-    given = np.append(sizes, np.ones((len(sizes), 1)), axis=1)[..., None]
-    with np.errstate(all="ignore"):
-        return ((np.abs(out[..., :-1]) @ (np.abs(into) @ given))[..., 0] / sizes).max(axis=1)
 
 
 def _eigenvectors(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -146,9 +137,10 @@ def _eigenvectors(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarra
         empty = ((matrix == 0).all(axis=1) | (matrix == 0).all(axis=2)).sum(axis=1)
         zero = real & (sizes == sizes.min(axis=1, keepdims=True)) & (empty == 1)[:, None]
         held = (zero | (error <= _HELD * sizes)).all(axis=1) & (empty <= 1)
-        held &= (np.abs(step) < _STEP).all(axis=(1, 2))
+        held &= (np.abs(step) < 1e-6).all(axis=(1, 2))  # the square of the last step is what is left to do
         held &= (real | (np.abs(rates.imag) >= _ROUND * sizes)).all(axis=1)
-        held &= (real | (np.abs(rates.real) > error / _DAMPED)).all(axis=1)
+        # whether a pair is damped at all is for balls to say
+        held &= (real | (np.abs(rates.real) > 1e9 * error)).all(axis=1)
         gaps = np.abs(rates[:, :, None] - rates[:, None, :])
         near = gaps <= np.where(real[:, :, None] & real[:, None, :], APART, _ROUND) * sizes[:, :, None]
     held &= ~(near & (unit == 0)).any(axis=(1, 2))
@@ -220,7 +212,7 @@ def guard_columns(modes: Sequence[ModalModes], rows: Sequence[Sequence[Sequence[
                 if j == count:
                     terms = np.append(terms, np.broadcast_to(weights[:, n:], (len(terms), 1)), axis=1)
                 total, size = terms.sum(axis=1), np.abs(terms).sum(axis=1)
-                unsure = np.abs(total) < _EPS / _SEEN * size
+                unsure = np.abs(total) < 1e11 * _EPS * size
                 columns[j] = np.where(np.abs(total) <= _NOTHING * size, 0, np.where(unsure, np.nan, total))
             found.append(columns)
     return found

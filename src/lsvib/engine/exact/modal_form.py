@@ -4,18 +4,15 @@ The characteristic polynomial is split into factors: s² + a₁ s + a₀ for two
 s − r for a single real rate, s for zero. With P the product of the other factors, Π = m(A) P(A) projects on the
 subspace of a factor, where m is the inverse of P modulo the factor (:mod:`lsvib.engine.exact.field`). None of this is
 sensitive where the two rates of a factor coincide. On the subspace, q = ℓΠx with a row ℓ obeys the scalar equation of
-the factor, so (q, q′) is an oscillator, or q alone is an exponential. Rates that are repeated without a chain share a
-factor, and each of them gets such a row.
+the factor, so (q, q′) is an oscillator, or q alone is an exponential. Rates of zero without a chain share a factor, and
+each of them gets such a row.
 
-The loss of digits of a form is judged by the typical sizes of the coordinates and, if they are not good enough, by what
-changes until some times, beside the sizes that a motion reaches by then (:mod:`lsvib.engine.exact.field`). A mode that
-would still lose more than six digits is refused: its rates coincide, or lie too far apart.
+A mode that would lose more than six digits in states of the typical sizes of the coordinates is refused: its rates
+coincide, or lie too far apart.
 """
 
-import math
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from itertools import combinations
 from typing import NamedTuple
@@ -24,15 +21,13 @@ import numpy as np
 from flint import arb, arb_mat
 
 from lsvib.engine.exact.arithmetic import ball, many_digits
-from lsvib.engine.exact.field import WORST_CONDITION, Field, Rows, amplification, reached, slow_reaches, subspaces
+from lsvib.engine.exact.field import WORST_CONDITION, Field, Rows, amplification, subspaces
 from lsvib.engine.exact.modal_arrays import ModalModes, guard_columns, modal_modes, stacked
 from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import ModalFlow
 from lsvib.errors import EngineError
 
-_LOST = 1e-12  # of an entry of a guard in modal coordinates: from here on it is computed with all digits
 _NOTHING = 1e-40  # of the terms of a sum: the rounding of coefficients
-_KEPT = 8  # matrices whose subspaces are kept: with all frictions the modes of a model have six
 
 
 @dataclass(frozen=True)
@@ -41,8 +36,7 @@ class ModalMode:
 
     Oscillator rows (p), rates and pushes (s), W and w₀ (q, n + 1), V and v₀ (n, q + 1), A and b (n, n + 1), see
     :class:`lsvib.engine.kernels.layout.ModalFlow`. ``condition`` is the largest amplification of rounding,
-    max_i Σ_j |V_ij| (|W| x)_j / x_i, for states of the sizes x, or of changes to them. ``exact``: V and v₀ before they
-    were rounded.
+    max_i Σ_j |V_ij| (|W| x)_j / x_i, for states of the sizes x. ``exact``: V and v₀ before they were rounded.
     """
 
     oscillators: np.ndarray
@@ -61,11 +55,9 @@ class ModalMode:
         return [*self.oscillators[:, layout.TIME_SCALE], *(1.0 / np.abs(about))]
 
 
-def modal_mode(field: Field, reaches: Sequence[tuple[float, np.ndarray]] | None = None) -> ModalMode:
+def modal_mode(field: Field) -> ModalMode:
     """Decompose a field.
 
-    Its loss of digits is judged by states of the sizes of the field, or by the changes until some times [s], with
-    which states have come to other sizes (n) there (:func:`lsvib.engine.exact.field.slow_reaches`).
     Raises ``ArithmeticError`` if rates coincide with a chain, other than two real ones, or if rates of different
     factors lie so close together that double precision cannot carry the modal form (condition above 1e6).
     """
@@ -73,33 +65,14 @@ def modal_mode(field: Field, reaches: Sequence[tuple[float, np.ndarray]] | None 
         push, pairs, singles = field.push(), [], []
         rows = tuple(tuple(ball(x).mid().man_exp() for x in row) for row in field.matrix())
         for space in _spaces(rows, tuple(field.scale())):
-            if len(space.factor) == 3:
-                pairs += [_pair(push, space.factor, frame) for frame in space.frames]
+            if space.frame is not None:
+                pairs.append(_pair(push, space.factor, space.frame))
             else:
                 singles += _singles(push, space, field.scale())
         mode = _tables(field, pairs, singles)
-    if reaches is not None:
-        mode = replace(mode, condition=max(_loss(mode, time, sizes) for time, sizes in reaches))
     if not mode.condition < WORST_CONDITION:
         raise ArithmeticError(f"condition {mode.condition:.1e}")
     return mode
-
-
-def _loss(mode: ModalMode, time: float, sizes: np.ndarray) -> float:
-    """Return the amplification of the rounding of what changes until a time [s] in states of some sizes (n).
-
-    Growth counts up to one time constant. What is moved by its change (:mod:`lsvib.engine.kernels.flow_modal`) may lose
-    one digit more, and a coordinate that is not small enough for that four digits of its own.
-    """
-    pairs, rates, pushes = len(mode.oscillators), np.abs(mode.rates), np.abs(mode.pushes)
-    rows = mode.oscillators
-    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
-        moves = np.abs(mode.to_modal) @ np.append(sizes, 1.0)
-        turned = np.minimum(1.0, time / rows[:, layout.TIME_SCALE] + np.abs(rows[:, layout.A1]) * time)
-        moves[: 2 * pairs] *= np.repeat(turned, 2)
-        moves[2 * pairs :] = (rates * moves[2 * pairs :] + pushes) * np.minimum(time, 1 / rates)
-        found = float(np.max(np.abs(mode.from_modal[:, :-1]) @ moves / sizes))
-    return found if found == found else math.inf
 
 
 class _Frame(NamedTuple):
@@ -111,16 +84,16 @@ class _Frame(NamedTuple):
 
 
 class _Space(NamedTuple):
-    """A subspace of a matrix: its factor, its projector, whether it is slow, its rank, and frames of its pairs."""
+    """A subspace of a matrix: its factor, its projector, whether it is slow, its rank, and the frame of a pair."""
 
     factor: list[arb]
     projector: arb_mat
     slow: bool
     rank: int
-    frames: list[_Frame]
+    frame: _Frame | None
 
 
-@lru_cache(maxsize=_KEPT)
+@lru_cache(maxsize=8)  # with all frictions the modes of a model have six matrices
 def _spaces(rows: tuple, scale: tuple[float, ...]) -> list[_Space]:
     """Return the subspaces of a matrix, by its rows of midpoints (mantissa, exponent).
 
@@ -129,8 +102,8 @@ def _spaces(rows: tuple, scale: tuple[float, ...]) -> list[_Space]:
     matrix, found = arb_mat([[arb(x) for x in row] for row in rows]), []
     for factor, projector, slow in subspaces(matrix, list(scale)):
         rank = round(sum(float(projector[i, i]) for i in range(projector.nrows())))
-        frames = _frames(matrix, factor, projector, scale, rank // 2) if len(factor) == 3 else []
-        found.append(_Space(factor, projector, slow, rank, frames))
+        frame = _frame(matrix, factor, projector, scale) if len(factor) == 3 else None
+        found.append(_Space(factor, projector, slow, rank, frame))
     if sum(space.rank for space in found) != len(rows) or not all(space.rank > 0 for space in found):
         raise ArithmeticError("no digit is left of a subspace")
     return found
@@ -170,24 +143,14 @@ def _minor(projector: arb_mat, chosen: Sequence[int], scale: Sequence[float]) ->
     return float(arb_mat([[projector[i, j] * scale[j] / scale[i] for j in chosen] for i in chosen]).det())
 
 
-def _frames(matrix: arb_mat, factor: list[arb], projector: arb_mat, scale: Sequence[float], count: int) -> list[_Frame]:
-    """Return frames of the oscillators of a factor of degree two that ``count`` pairs share, split off one by one."""
+def _frame(matrix: arb_mat, factor: list[arb], projector: arb_mat, scale: Sequence[float]) -> _Frame:
+    """Return the frame of the oscillator of a factor of degree two."""
     n = len(scale)
     weights = arb_mat([[arb(scale[i]) ** 2 * int(i == j) for j in range(n)] for i in range(n)])
-    frames = []
-    for left in reversed(range(count)):
-        row = _row_of_pair(matrix, factor, projector, scale)
-        turned = row * matrix
-        rows = arb_mat([row.entries(), turned.entries()])
-        if left:
-            vector = projector * weights * row.transpose()
-            vectors = arb_mat([vector.entries(), (matrix * vector).entries()]).transpose()
-            vectors = vectors * (rows * vectors).inv()
-            projector = projector - vectors * rows
-        else:
-            vectors = projector * weights * rows.transpose() * (rows * weights * rows.transpose()).inv()
-        frames.append(_Frame(row, turned, vectors))
-    return frames
+    row = _row_of_pair(matrix, factor, projector, scale)
+    turned = row * matrix
+    rows = arb_mat([row.entries(), turned.entries()])
+    return _Frame(row, turned, projector * weights * rows.transpose() * (rows * weights * rows.transpose()).inv())
 
 
 def _pair(push: list[arb], factor: list[arb], frame: _Frame) -> _Piece:
@@ -259,7 +222,7 @@ def _tables(field: Field, pairs: list[_Piece], singles: list[_Piece]) -> ModalMo
             exact[i][count] += piece.out[j][-1]
         first += len(piece.into)
     from_modal = np.array([_floats(row) for row in exact])
-    condition = amplification(from_modal[:, :-1], to_modal, field.sizes)
+    condition = float(amplification(from_modal[:, :-1], to_modal, field.sizes))
     return ModalMode(
         np.array([pair.row for pair in pairs]).reshape(-1, layout.COUNT),
         *np.array([single.row for single in singles]).reshape(-1, 2).T.copy(),
@@ -275,25 +238,20 @@ def linear_mode(
     rows: Rows,
     sizes: Sequence[float],
     frozen: Mapping[int, arb | float] | None,
-    horizon: float,
     movable: str,
 ) -> ModalMode | ModalModes:
     """Return a mode of a model.
 
     Arguments: rows of A and b (n, n + 1), balls or floats; typical sizes of the coordinates (n); ``frozen``,
-    coordinates that keep a value in this mode, with that value; the horizon [s] of
-    :func:`lsvib.engine.exact.field.reached`; ``movable``, the parameter to change where two rates coincide.
+    coordinates that keep a value in this mode, with that value; ``movable``, the parameter to change where two rates
+    coincide.
     Raises ``EngineError`` for a mode whose rates double precision cannot distinguish.
     """
     if any(isinstance(x, np.ndarray) for row in rows for x in row):
         return modal_modes(rows, sizes, frozen or {})
     field = Field.of(rows, sizes, frozen)
-    with suppress(ArithmeticError):
-        return modal_mode(field)
-    reaches = slow_reaches(field, horizon) if horizon < math.inf else None
-    field = reached(field, horizon) if reaches is None else replace(field, sizes=reaches[0][1])
     try:
-        return modal_mode(field, reaches)
+        return modal_mode(field)
     except ArithmeticError as error:
         raise EngineError(
             f"two rates of one mode of motion cannot be distinguished in double precision ({error}); change {movable}."
@@ -322,7 +280,7 @@ def guard_forms(modes: Sequence[ModalMode], rows: Sequence[Sequence[Sequence]]) 
                     rounded += float(constant) if j == count else 0.0
                     true, size = float(sum(terms, arb(0))), sum(abs(float(x)) for x in terms)
                     true = true if abs(true) > _NOTHING * size else 0.0
-                    unsure = abs(true - rounded) > _LOST * abs(true)
+                    unsure = abs(true - rounded) > 1e-12 * abs(true)
                     form[j], lost = true if unsure else rounded, lost or unsure
                 found.append(form)
     return found if lost else None

@@ -43,8 +43,6 @@ travel = by_kind(flow_planar.travel, flow_modal.travel)
 slopes_at = by_kind(flow_planar.slopes_at, flow_modal.slopes_at)
 workspace = by_kind(search_planar.room_for, guard_sums.room_for)
 search = by_kind(search_planar.search, search_modal.search)
-is_still = by_kind(flow_planar.is_still, flow_modal.is_still)
-extremes = by_kind(search_planar.extremes, search_modal.extremes)
 extremes_of_arcs = by_kind(search_planar.extremes_of_arcs, search_modal.extremes_of_arcs)
 
 

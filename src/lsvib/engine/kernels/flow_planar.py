@@ -19,7 +19,6 @@ from lsvib.engine.kernels.layout import A0, A1, ALPHA, BETA, DELTA, EQUILIBRIUM,
 
 EPS = float(np.finfo(np.float64).eps)
 OVERFLOW = 700.0  # of an exponent
-_TERMS = 20  # of a Taylor series; at the longest times for which it is summed 18 leave no more than rounding
 ROUNDING = 16.0 * EPS  # sums below this, relative to the sizes that they are made of, count as zero
 
 
@@ -87,7 +86,7 @@ def integrated_response(row, t):
     if abs(row[A1]) * t < 0.5 and abs(row[A0]) * t * t < 0.25:
         older, newer = 0.0, t
         total = 0.5 * t * t
-        for n in range(_TERMS):
+        for n in range(20):  # at the longest times for which the series is summed 18 terms leave rounding only
             older, newer = newer, -(row[A1] * t * (n + 1) * newer + row[A0] * t * t * older) / ((n + 1) * (n + 2))
             total += newer * t / (n + 3)
             if (abs(older) + abs(newer)) * t < 0.1 * EPS * total:  # either may vanish on its own
@@ -169,9 +168,3 @@ def slopes_at(flow, mode, state, scale, guard):
     rate_size = ROUNDING * (abs(guard[0]) * scale[1] + abs(guard[1]) * push)
     bend_size = ROUNDING * (abs(guard[0]) * push + abs(guard[1]) * tug)
     return rate, rate_size, bend, bend_size
-
-
-@kernel
-def is_still(flow, mode, state):
-    """Whether a state is known to be an equilibrium: of two states never, since their search for roots sees it."""
-    return False

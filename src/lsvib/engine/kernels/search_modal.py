@@ -37,16 +37,7 @@ _POSITIVE = int(Decision.POSITIVE)
 _TOUCHES = int(Decision.TOUCHES)
 _ROOT = int(Decision.ROOT)
 _UNDECIDED = int(Decision.UNDECIDED)
-_STEPS = 1_000_000  # budget of a search, which is then undecided: a kernel must come to an end
-# The bounds of the tests grow with the square of the step. So where a test passes by a factor f, the next step is
-# 0.7 √f times as long, and 0.7 leaves a margin.
-_LONGEST = 1e4  # largest f that is counted: a step grows at most 70-fold
-_GROWTH = 8.0  # largest exponent of growth on one step: bounds, taken at its end, are too large by e⁸ at most
 _SPARE = 2  # the node that is free while a root is looked for; nodes 0 and 1 are the ends of the step
-_REPEATS = 3  # of Newton's step to where a guard touches zero, whose slope has lost digits as well
-_HALVINGS = 1100  # an interval of seconds cannot be halved more often: the smallest double is 2⁻¹⁰⁷⁴
-_BEYOND_ROUNDING = 128.0  # factor where the guard changes by less than its rounding: the next step is 8 times as long
-_MANY = 1_000_000  # extremes in one arc
 
 
 @inlined_kernel
@@ -105,15 +96,6 @@ def _common_sign(x, y):
 
 
 @inlined_kernel
-def _left_of_rounding(flow, mode, work, guard, here, there):
-    """Return the rounding of a guard on a step: that of time zero, or less where large parts have died away."""
-    left = max(
-        guard_sums.rounding_at(flow, mode, work, guard, here), guard_sums.rounding_at(flow, mode, work, guard, there)
-    )
-    return min(left, work.rounding[guard])
-
-
-@inlined_kernel
 def _decide_by_chord(first, last, rounding, starts_on_surface):
     """Decide whether a guard with these values and derivatives at the ends of a step rests on zero, or touches it.
 
@@ -156,9 +138,11 @@ def decide(flow, mode, work, guard, here, there, step, starts_on_surface):
             return _POSITIVE if sign > 0.0 else after, _margin(least, low)
     low, least = guard_sums.least_between(flow, mode, work, guard, here, there, 0, 1.0, eighth)
     if least - low <= work.rounding[guard]:
-        rounding = _left_of_rounding(flow, mode, work, guard, here, there)
+        # The rounding on the step is that of time zero, or less where large parts have died away.
+        left = max(rounding_at(flow, mode, work, guard, here), rounding_at(flow, mode, work, guard, there))
+        rounding = min(left, work.rounding[guard])
         if least - low <= rounding:
-            return _decide_by_chord(first, last, rounding, starts_on_surface), _BEYOND_ROUNDING
+            return _decide_by_chord(first, last, rounding, starts_on_surface), 128.0  # the next step is 8 times as long
     return _UNDECIDED, slack
 
 
@@ -182,9 +166,10 @@ def search(flow, mode, state, guards, on_surface, limit, work):
             work.values[0, guard, 0] = 0.0
             work.values[0, guard, 1] = max(work.values[0, guard, 1], 0.0)
     growing, rate = fastest_growth(flow, mode), fastest(flow, mode)
-    longest = _GROWTH / growing if growing > 0.0 else math.inf
+    # Bounds of what grows are taken at the end of a step, so they are too large by e⁸ at most.
+    longest = 8.0 / growing if growing > 0.0 else math.inf
     steps, a, step = 0, 0.0, min(limit, longest, first_step(flow, mode, work, count, rate))
-    for _ in range(_STEPS):
+    for _ in range(1_000_000):  # a kernel must come to an end
         work.steps[0] -= 1.0
         if work.steps[0] < 0.0:
             return _LOST, -1, limit
@@ -193,7 +178,9 @@ def search(flow, mode, state, guards, on_surface, limit, work):
             return _NONE, -1, limit
         b = limit if a + step >= limit else a + step
         go_to(flow, mode, work, b, there)
-        outcome, stretch, touched = _POSITIVE, _LONGEST, -1
+        # The bounds of the tests grow with the square of the step. So where a test passes by a factor f, the next step
+        # is 0.7 √f times as long, and 0.7 leaves a margin; at most 70 times.
+        outcome, stretch, touched = _POSITIVE, 1e4, -1
         for guard in range(count):
             evaluate(flow, mode, work, guard, there)
             decision, slack = decide(flow, mode, work, guard, here, there, b - a, on_surface[guard])
@@ -241,14 +228,10 @@ def _never(flow, mode, work, count, node, t):
 
 @kernel
 def _first_below(values, b):
-    """Result of the search where a step that ends at b [s] cannot be halved any more: the guard that is lowest there.
-
-    Returns (``Found``, index of the guard, b): undecided if every guard is positive.
-    """
+    """Result where a step that ends at b [s] cannot be halved any more: the guard that is lowest, unless positive."""
     lowest = 0
     for guard in range(values.shape[0]):
-        if values[guard, 0] < values[lowest, 0]:
-            lowest = guard
+        lowest = guard if values[guard, 0] < values[lowest, 0] else lowest
     return (_CROSSING if values[lowest, 0] <= 0.0 else _LOST), lowest, b
 
 
@@ -291,7 +274,7 @@ def _touching(flow, mode, work, index, t, slope, bend):
     go_to(flow, mode, work, 0.0, _SPARE)
     evaluate(flow, mode, work, index, _SPARE)
     off = abs(work.values[_SPARE, index, 0] - work.starts[index])
-    for _ in range(_REPEATS):
+    for _ in range(3):  # Newton's steps, whose slope has lost digits as well
         t -= slope / bend
         if not (t > 0.0 and bend > 0.0):
             return -1.0
@@ -306,7 +289,7 @@ def _touching(flow, mode, work, index, t, slope, bend):
 def _top(flow, mode, work, guard, low, high):
     """Return the time at which a concave guard that rises from zero has its maximum, at most ``high``."""
     t = high
-    for _ in range(_HALVINGS):
+    for _ in range(1100):  # seconds cannot be halved more often: the smallest double is 2⁻¹⁰⁷⁴
         go_to(flow, mode, work, t, _SPARE)
         evaluate(flow, mode, work, guard, _SPARE)
         if work.values[_SPARE, guard, 1] < 0.0:
@@ -367,7 +350,7 @@ def extremes(flow, mode, state, functional, duration):
     if not moves:
         return low, high
     passed, sign = 0.0, 0.0
-    for _ in range(_MANY):
+    for _ in range(1_000_000):
         for i in range(n):
             sizes[i] = abs(here[i])
         value, size = level(rate, here, sizes)

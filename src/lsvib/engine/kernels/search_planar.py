@@ -16,11 +16,7 @@ from lsvib.engine.kernels.flow_planar import EPS, far, integrated_response, resp
 from lsvib.engine.kernels.jit import allocating_kernel, entry, inlined_entry, inlined_kernel, kernel
 from lsvib.engine.kernels.layout import A0, A1, ALPHA, BETA, DELTA, EQUILIBRIUM, R1, R2, B, Found
 
-_TWO_PI = 2.0 * math.pi  # one turn of the phase
 _HUGE = 1e250  # beyond it a value is on its way to overflow, and its sign means nothing
-_SOON = 1e-8  # phase of a maximum; a guard that rises and falls again sooner does not leave its rounding
-_PATIENCE = 8  # steps before bisection takes turns
-_LAST_STEP = 1e-6  # in units of the times g′/g″ and 1/rate
 # At most so many steps for a root. Half of those after the first eight halve the bracket, so it shrinks by 10⁴³: to two
 # neighbouring doubles, unless the root is 10²⁷ times nearer to zero than the bracket is wide.
 GUESSES = 300
@@ -48,8 +44,8 @@ def next_guess(t, value, slope, curvature, low, high, rate, count):
         new = t + math.log1p(-bend) * slope / curvature if bend < 1.0 else math.nan
     if new == t:
         return t, True
-    if low < new < high and (count < _PATIENCE or count % 2 == 0):
-        return new, abs(new - t) * max(rate, abs(curvature / slope)) < _LAST_STEP
+    if low < new < high and (count < 8 or count % 2 == 0):  # after some steps bisection takes turns
+        return new, abs(new - t) * max(rate, abs(curvature / slope)) < 1e-6
     middle = 0.5 * (low + high)
     return middle, middle in (low, high)
 
@@ -200,14 +196,15 @@ def _oscillating_crossing(row, shape, bend, on_surface, limit):
     phase = math.atan2(across, p)
     # g′ is proportional to cos(βt − phase): a maximum follows where it falls through zero, a minimum half a turn later.
     top = phase + 0.5 * math.pi
-    if on_surface and abs(top) < _SOON:  # the sum has lost its digits
+    # A guard that rises and falls again as soon as this does not leave its rounding: the sum has lost its digits.
+    if on_surface and abs(top) < 1e-8:
         top = math.atan2(p, -across)
     if top < 0.0:
-        top += _TWO_PI
+        top += math.tau
     bottom = top + math.pi
-    if not on_surface and bottom > _TWO_PI:
-        bottom -= _TWO_PI
-        top -= _TWO_PI
+    if not on_surface and bottom > math.tau:
+        bottom -= math.tau
+        top -= math.tau
     if top >= limit * beta or (limit * beta <= bottom and _value(row, shape, limit)[0] > 0.0):
         return _NONE, limit
     swing = beta * math.sqrt(p * p + across * across) / row[A0]
@@ -215,13 +212,13 @@ def _oscillating_crossing(row, shape, bend, on_surface, limit):
     lowest, resolution = _minimum(row, shape, middle, swing, bottom / beta)
     if lowest > resolution and alpha < 0.0 and middle > swing:
         # A growing oscillation: go straight to the first minimum that is deep enough, or to the one before it.
-        turns = math.floor((math.log(middle / swing) / -alpha * beta - bottom) / _TWO_PI + 1e-9)
-        top += turns * _TWO_PI
-        bottom += turns * _TWO_PI
+        turns = math.floor((math.log(middle / swing) / -alpha * beta - bottom) / math.tau + 1e-9)
+        top += turns * math.tau
+        bottom += turns * math.tau
         lowest, resolution = _minimum(row, shape, middle, swing, bottom / beta)
         if lowest > resolution:
-            top += _TWO_PI
-            bottom += _TWO_PI
+            top += math.tau
+            bottom += math.tau
             lowest, resolution = _minimum(row, shape, middle, swing, bottom / beta)
     if lowest > resolution or top >= limit * beta:
         return _NONE, limit
