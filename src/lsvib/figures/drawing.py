@@ -17,14 +17,14 @@ DrawnLine = tuple[np.ndarray, np.ndarray, str]  # x, y, both of shape (n) and wi
 @style.styled
 def single(dataset: xr.Dataset) -> style.Figure:
     """Draw the only case of a dataset."""
-    figure = style.new_figure(style.SINGLE * 1.25, 3.4)
+    figure = style.new_figure(style.SINGLE, 3.2)
     axes, case = figure.add_subplot(), dataset.isel(case=0)
     phase_plane(axes, case)
     draw_lines(axes, case)
     guide(axes, case)
     label_axes(axes, dataset)
     axes.set_title(f"$R$ = {style.number(case.axial_force)} N")
-    return style.finished(figure, dataset, [axes], 3)
+    return style.legend(figure, [axes], 3)
 
 
 def phase_plane(
@@ -90,9 +90,8 @@ def draw_cycle(
     axes: style.Axes, case: xr.Dataset, colour: str = style.BLACK, width: float = 1.8, name: str = "limit cycle"
 ) -> None:
     """Draw the limit cycle of one case, if it has one, its jumps dotted."""
-    u, w, jumps = cycle_of(case)
-    if np.isfinite(u).any():
-        _broken_line(axes, u, w, jumps, colour, width, name)
+    if "cycle_angle" in case and np.isfinite(case.cycle_angle).any():
+        _broken_line(axes, *cycle_of(case), colour, width, name)
 
 
 def cycle_of(case: xr.Dataset) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -144,8 +143,9 @@ def guide(axes: style.Axes, case: xr.Dataset, size: float = 10.0) -> None:
 def draw_arrows(axes: style.Axes, case: xr.Dataset, size: float = 10.0) -> None:
     """Draw an arrow of time on each motion of one case, and on its limit cycle, by :func:`arrows`."""
     lines = [(*parted(u, w, jumps), colour) for _, u, w, jumps, colour in _motions(case)]
-    u, w, jumps = cycle_of(case)
-    arrows(axes, [*lines, (*parted(u, w, jumps), style.BLACK)], size)
+    if "cycle_angle" in case:
+        lines.append((*parted(*cycle_of(case)), style.BLACK))
+    arrows(axes, lines, size)
 
 
 def mark_origin(axes: style.Axes) -> None:

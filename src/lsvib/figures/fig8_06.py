@@ -34,11 +34,11 @@ _THRESHOLDS = {  # word in the picture, and what the chapter says
     "stick_force": ("stick", "Axial force at which the cycle first touches rest"),
     "detach_force": ("detach", "Axial force beyond which the cycle no longer reaches N = 0"),
 }
-_REGIMES = {  # what the drive does: colour, words
-    "no vibration": (style.BLACK, "no vibration"),
-    "pure slip": (style.BLUE, "cycle of pure slip"),
-    "stick slip with contact reversal": (style.ORANGE, "stick–slip, reaches $N = 0$"),
-    "stick slip": (style.VERMILION, "stick–slip, $N > 0$"),
+_REGIMES = {  # what the drive does: colour, words, dashes
+    "no vibration": (style.BLACK, "no vibration", "-"),
+    "pure slip": (style.BLUE, "cycle of pure slip", "-"),
+    "stick slip with contact reversal": (style.ORANGE, "stick–slip, reaches $N = 0$", "-"),
+    "stick slip": (style.VERMILION, "stick–slip, $N > 0$", (0, (2, 0.6))),
 }
 # Where the curve leaves room for insets, as fractions of the axes: left, bottom, width, height.
 _INSETS = ((0.085, 0.17, 0.21, 0.30), (0.085, 0.61, 0.235, 0.33), (0.735, 0.20, 0.245, 0.38))
@@ -238,9 +238,9 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     figure = style.new_figure(style.DOUBLE, 4.2)
     axes = figure.add_subplot()
     forces, amplitude = dataset.swept_axial_force, dataset.swept_amplitude
-    for name, (colour, words) in _REGIMES.items():
+    for name, (colour, words, dashes) in _REGIMES.items():
         inside = named(dataset.regime, name)
-        axes.plot(forces[inside], amplitude[inside], color=colour, linewidth=2.2, label=words)
+        axes.plot(forces[inside], amplitude[inside], color=colour, linewidth=2.2, linestyle=dashes, label=words)
     top = 1.12 * float(amplitude.max())
     words = ", ".join(f"{float(dataset[f'printed_{name}']):g}" for name in _THRESHOLDS)
     for name, (word, _) in _THRESHOLDS.items():
@@ -257,7 +257,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     insets = [axes.inset_axes(place) for place in _INSETS[: dataset.sizes["case"]]]
     for small, index in zip(insets, dataset.case.values, strict=True):
         _inset(small, dataset.sel(case=index))
-    return style.finished(figure, dataset, [axes, *insets], 4)
+    return style.legend(figure, [axes, *insets], 4)
 
 
 def _inset(small: style.Axes, case: xr.Dataset) -> None:

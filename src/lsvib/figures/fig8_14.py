@@ -28,10 +28,10 @@ from lsvib.models.rigid import EventKind, rigid_automaton
 from lsvib.stability.force_thresholds import global_stability_force
 
 CAPTION = """\
-Trajectories under a negative axial force, c = 1e-3 N m s/rad. R = −50 N, (a) in the chapter, is on the left, attracted
-by steady sliding; R = −10 N, (b) in the chapter, on the right. Both readings of the text are shown: m = 10 kg as
-printed above, and m = 11 kg, beyond the critical mass as Sect. 8.7 assumes, below, where (d) has a limit cycle. Small
-marks are the 169 starts whose attractor was found. (e) The corner of (c) in which N = 0 and θ′ = 0 meet: if motion
+Trajectories under a negative axial force, c = 1e-3 N m s/rad, (a) for R = −50 N and (b) for R = −10 N, as in the
+chapter, whose mass of 10 kg gives no limit cycle in (b). Not in the chapter: (c), (d) the same for m = 11 kg, beyond the
+critical mass as Sect. 8.7 assumes, where (d) has the limit cycle. Small marks are starts whose attractor was found. (e)
+The corner of (c) in which N = 0 and θ′ = 0 meet: if motion
 resumes at once after a seizure, as in the chapter, reverse slips and seizures follow each other without end. (f) The
 distance of the seizures from the corner falls with the ratio c a / (k Ω + c a), so that it is reached in finite time.
 By the sign of the contact force, the limit of a stiff contact, the screw rests after three. See docs/physics.md.
@@ -314,9 +314,9 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     for axes, case, letter in zip(panels, cases, "abcd", strict=True):
         _starts(axes, case)
         drawing.phase_plane(axes, case, (2.2, 1.0, 1.0, 1.0))  # the first motion shows on both sides of a later one
-        note = "as printed" if letter in "ab" else "$m > m_\\mathrm{cr}$"
+        note, ours = ("as printed", "") if letter in "ab" else ("$m > m_\\mathrm{cr}$", "ours: ")
         force, mass = style.number(case.axial_force), style.number(case.mass)
-        axes.set_title(f"({letter}) $R$ = {force} N, $m$ = {mass} kg, {note}")
+        axes.set_title(f"({letter}) {ours}$R$ = {force} N, $m$ = {mass} kg, {note}")
     edges = np.array([dataset[f"grid_{name}_deviation"].values[[0, -1]] for name in ("angle", "velocity")])
     panels[0].axis(np.ravel(edges + 0.06 * np.ptp(edges, axis=1, keepdims=True) * [-1, 1]))  # all motions begin there
     for axes, case in zip(panels, cases, strict=True):
@@ -327,9 +327,9 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     close, distance = below.subplots(1, 2)
     _close_up(close, cases[2])
     _distances(distance, dataset)
-    style.legend(above, panels, 4)
+    starts = {line.get_label(): line for axes in panels for line in axes.lines if line.get_label().startswith("start t")}
+    style.legend(above, panels, 4, [*starts.values()])
     style.legend(below, [distance], 3)
-    style.state_values(figure, dataset)
     return figure
 
 
@@ -358,7 +358,7 @@ def _close_up(axes: style.Axes, case: xr.Dataset) -> None:
     axes.annotate("corner", (corner, stop), (-10, -30), textcoords="offset points", ha="right",
                   arrowprops={"arrowstyle": "-", "linewidth": 0.6})  # fmt: skip
     axes.locator_params(nbins=5)
-    axes.set_title("(e) corner of (c): reverse slips, seizures")
+    axes.set_title("(e) ours: corner of (c), reverse slips")
     drawing.label_axes(axes, case)
 
 
@@ -375,6 +375,6 @@ def _distances(axes: style.Axes, dataset: xr.Dataset) -> None:
         axes.plot(number, found[middle] * ratio ** (number - 1 - middle), color=style.BLACK, linewidth=0.7,
                   label=r"falls with $c a / (k \Omega + c a)$")  # fmt: skip
         axes.text(*place, f"({letter}) ratio {ratio:.4f}", transform=axes.transAxes)
-    axes.set(yscale="log", title="(f) distance of the seizures from the corner", xlabel="Number of the seizure")
+    axes.set(yscale="log", title="(f) ours: seizures approach the corner", xlabel="Number of the seizure")
     axes.xaxis.get_major_locator().set_params(integer=True)
     axes.set_ylabel(style.label(dataset.seizure_distance, "distance"))
