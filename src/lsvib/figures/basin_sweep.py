@@ -309,8 +309,7 @@ def _sweep(axes: style.Axes, dataset: xr.Dataset, name: str, letter: str) -> Non
     kinds = dataset[f"boundary_kind_{name}"]
     for word in flag_names(kinds).values():
         colour, words = _KINDS[word]
-        axes.plot(values, np.where(named(kinds, word), fraction, np.nan), color=colour, linewidth=1.8, label=words,
-                  linestyle=(0, (1.5, 0.5)) if word == "cycle" else "-")  # fmt: skip
+        axes.plot(values, np.where(named(kinds, word), fraction, np.nan), color=colour, linewidth=1.8, label=words)
     for k in np.flatnonzero(np.diff(kinds.values)):
         axes.plot(values[k : k + 2], fraction[k : k + 2], color=style.GREY, linewidth=0.8, linestyle=":",
                   label="jump of the fraction")  # fmt: skip

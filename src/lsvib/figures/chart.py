@@ -26,7 +26,7 @@ _LOOKS = {  # colour, and words of the legend
     "stick slip": (style.GREEN, "stick–slip"),
     "stick slip with contact reversal": (style.SKY, "stick–slip, $N$ reverses"),
     "sprag slip": (style.ORANGE, "sprag–slip"),
-    "coexistence": (style.PURPLE, "steady sliding beside a cycle"),
+    "coexistence": (style.WINE, "steady sliding beside a cycle"),
     "neutral": (style.BLUE, "neutral oscillations"),
     "unresolved": (style.BLACK, "unresolved"),
 }

@@ -40,9 +40,8 @@ _MANIFOLDS = (
     "unstable_away_from_zero_force", "unstable_across_zero_force",
     "stable_away_from_zero_force", "stable_across_zero_force",
 )  # fmt: skip
-_FIRST = (  # in the legend, two to a column
-    "contact force stays bounded", "start", "stable manifold of the saddle", "unstable manifold",
-)  # fmt: skip
+# First words of the entries of the legend, two to a column.
+_ENTRIES = ("contact", "start", "stable", "unstable", "bounded", "growing", "saddle", "centre", "asymptote")
 _WORDS = {"facecolor": "#FFFFFFC0", "linewidth": 0, "pad": 1.0}
 
 
@@ -287,10 +286,9 @@ def draw(dataset: xr.Dataset) -> style.Figure:
             place = 0.02 * side * np.ptp(limits[0]), limits[1][0] + 0.03 * np.ptp(limits[1])
             axes.text(*place, text, ha="left" if side > 0 else "right", bbox=_WORDS, zorder=4)
     panels[0].set_ylabel(style.label(dataset.contact_force_rate, "rate"))
-    # What is drawn first, and starts; manifolds; motions; equilibria: two to a column.
-    entries = {artist.get_label(): artist for axes in panels for artist in axes.get_legend_handles_labels()[0]}
-    first = [entries.pop(name) for name in _FIRST if name in entries]
-    return style.legend(figure, panels, 4, first)
+    drawn = [artist for axes in panels for artist in axes.get_legend_handles_labels()[0]]
+    entries = sorted(drawn, key=lambda artist: _ENTRIES.index(artist.get_label().split()[0]))
+    return style.legend(figure, panels, 4 if "manifold_force" in dataset else 3, entries)
 
 
 def _lines(axes: style.Axes, case: xr.Dataset) -> None:

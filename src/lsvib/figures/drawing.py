@@ -129,12 +129,15 @@ def guide(axes: style.Axes, case: xr.Dataset, size: float = 10.0) -> None:
     draw_arrows(axes, case, size)
     angle, slope, stop = (float(case[x]) for x in ("contact_line_angle", "contact_line_slope", "stop_velocity"))
     sides, (low, high) = np.array(axes.get_xlim()), axes.get_ylim()
+    room = 2.4 * size * axes.figure.dpi / 72 / axes.bbox.width * np.ptp(sides)
     if slope:
         low, high = np.clip(np.sort((sides - angle) / slope), low, high)
     above, below = (stop, stop) if float(case.effective_inertia_plus) < 0 else (low, high)
     for word, side, first, last in (("$N > 0$", 1, low, min(below, high)), ("$N < 0$", -1, max(above, low), high)):
         if last > first:  # in view
-            rate = first + 0.85 * (last - first)
+            # As high as the word has room beside the line.
+            rates = first + np.linspace(0.85, 0.15, 15) * (last - first)
+            rate = max(rates, key=lambda x: min(room, np.abs(sides - angle - slope * x).min()))
             place = angle + slope * rate + 0.015 * side * np.ptp(sides), rate
             axes.text(*place, word, ha="left" if side > 0 else "right", va="center", fontsize=0.8 * size, zorder=4,
                       bbox={"facecolor": "#FFFFFFD0", "linewidth": 0, "pad": 0.8})  # fmt: skip

@@ -21,10 +21,10 @@ from lsvib.stability.conditions import critical_mass
 from lsvib.stability.linear import eigenvalue_pair
 
 CAPTION = """\
-Eigenvalues (8.18) of the steady sliding against the translating mass: (a) real and (b) imaginary parts, and, not in
-the chapter, (c), (d) close to the critical mass. The imaginary parts peak and return to zero before the critical mass, where both eigenvalues
-meet and turn real; beyond it the effective inertia is negative and one eigenvalue is positive. Real parts diverge
-there; (a) cuts them, (c) is logarithmic.
+Eigenvalues (8.18) of the steady sliding against the translating mass: (a) real and (b) imaginary parts, and, not in the
+chapter, (c), (d) close to the critical mass. The imaginary parts peak and return to zero before the critical mass,
+where both eigenvalues meet and turn real; beyond it the effective inertia is negative and one eigenvalue is positive.
+Real parts diverge there; (a) cuts them, (c) is logarithmic.
 """
 
 _CRITICAL = {"color": style.BLACK, "linewidth": 0.8, "linestyle": ":", "label": r"critical mass $m_\mathrm{cr}$"}

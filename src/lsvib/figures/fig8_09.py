@@ -18,8 +18,8 @@ from lsvib.stability.conditions import critical_mass
 CAPTION = """\
 Trajectories of the rigid drive (a) below and (b) above the critical mass; triangles on the lines point forward in time.
 Below, the motion decays to steady sliding; above, it seizes (sprag) and slips for ever. Not in the chapter: (c)
-Amplitude of the cycle in (b), left, and speed of the screw at its impact, right, over the axial force, which the text does not state; the dot is
-the force of (a) and (b).
+Amplitude of the cycle in (b), left, and speed of the screw at its impact, right, over the axial force, which the text
+does not state; the dot is the force of (a) and (b).
 """
 
 _SWEEP = "of the last case with another axial force, from the first start"

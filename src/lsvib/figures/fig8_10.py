@@ -18,9 +18,10 @@ from lsvib.models.threads import ThreadsEvent, ThreadsMode, seated_state, thread
 
 CAPTION = """\
 Compliant threads, k_c = c_c = 10⁸ (SI): (a) phase plane beside the rigid drive's cycle; (b) contact force on a broken
-axis, its peaks in kN above and the sliding between them in N below. Not in the chapter: (c) the right edge of (a), where the rigid drive
-jumps and the compliant one seizes in finite time; (d) one of the peaks; (e) peak (left) and distance to the rigid cycle
-(right) over R, which the text does not state. The dot is the force of (a) to (d), 50 N assumed.
+axis, its peaks in kN above and the sliding between them in N below. Not in the chapter: (c) the right edge of (a),
+where the rigid drive jumps and the compliant one seizes in finite time; (d) one of the peaks; (e) peak (left) and
+distance to the rigid cycle (right) over R, which the text does not state. The dot is the force of (a) to (d), 50 N
+assumed.
 """
 
 _PEAK = ("N", "largest normal force on the cycle", "$N$")
@@ -62,7 +63,7 @@ def build(settings: of.Values) -> xr.Dataset:
             "printed_peak_normal_force": printed.variable(chapter.PEAK_FORCE, "largest contact force on the cycle"),
         },
         attrs=about(__doc__, "exact event-driven motion with four states", "Sect. 8.6.1, Fig. 8.10"),
-    )
+    ).set_coords("time")
 
 
 def compliant_cycle(drive: ThreadsDrive, start: of.Values) -> SteadyState:

@@ -20,8 +20,8 @@ from lsvib.numbers import bisected
 
 CAPTION = """\
 Sprag–slip cycle over the support damping c: (a) amplitude, (b) mean deflection of the coupling and (c) mean contact
-force; not in the chapter, (d) to (f) the same for small c, where the two rules of resuming after a seizure part. The impulses of the
-seizures are part of the mean force.
+force; not in the chapter, (d) to (f) the same for small c, where the two rules of resuming after a seizure part. The
+impulses of the seizures are part of the mean force.
 """
 
 _QUANTITIES = {

@@ -21,12 +21,12 @@ from lsvib.numbers import bisected
 from lsvib.stability.conditions import critical_mass_of_contact
 
 CAPTION = """\
-Softer contacts (assumed values): (a) cycles, (b) coupling deflection; not in the chapter, (c) its largest value over stiffness and damping
-of the contact, a cell for each contact computed, zero on the black line, and (d) the shortest time of the trajectory, Ω
-over the largest acceleration, each contact of (a) on the line of its own stiffness. The drives have the same mass, 11
-kg, but stand at different distances beyond their thresholds: steady sliding is lost at 9.65, 7.44 and 3.77 kg with
-these contacts, at 10.11 kg with a rigid one (see contact_stability). In (c) and (d) it is the contact damping c_c that
-decides; the stiffness matters where it is large.
+Softer contacts (assumed values): (a) cycles, (b) coupling deflection; not in the chapter, (c) its largest value over
+stiffness and damping of the contact, a cell for each contact computed, zero on the black line, and (d) the shortest
+time of the trajectory, Ω over the largest acceleration, each contact of (a) on the line of its own stiffness. The
+drives have the same mass, 11 kg, but stand at different distances beyond their thresholds: steady sliding is lost at
+9.65, 7.44 and 3.77 kg with these contacts, at 10.11 kg with a rigid one (see contact_stability). In (c) and (d) it is
+the contact damping c_c that decides; the stiffness matters where it is large.
 """
 
 _CONTACT = ("contact_stiffness", "contact_damping")
@@ -263,17 +263,19 @@ def _map(figure: style.Figure, axes: style.Axes, dataset: xr.Dataset) -> None:
 def _shortest(axes: style.Axes, dataset: xr.Dataset) -> None:
     """Shortest time over the contact damping, with lines for the stiffnesses of the contacts drawn and the stiffest."""
     speed, stiffness = abs(float(dataset.input_speed)), dataset.grid_contact_stiffness.values
-    rows = {len(stiffness) - 1: style.PURPLE}
-    for one, colour, _ in _contacts(dataset):
-        rows |= {int(row): colour for row in np.flatnonzero(np.isclose(stiffness, float(one.contact_stiffness)))}
+    rows: dict[int, tuple[str, Any]] = {len(stiffness) - 1: (style.PURPLE, (0, (1, 1)))}
+    for one, colour, dashes in _contacts(dataset):
+        rows |= {
+            int(row): (colour, dashes) for row in np.flatnonzero(np.isclose(stiffness, float(one.contact_stiffness)))
+        }
         axes.plot(one.contact_damping, 1e6 * speed / one.largest_acceleration, "o", color=colour, mec=style.BLACK,
                   zorder=3)  # fmt: skip
-    dashes = ("-", (0, (5, 1.5)), (0, (2, 1)), (0, (5, 1.5, 1, 1.5)))  # lines that nearly coincide are all seen
-    for (row, colour), dash in zip(sorted(rows.items()), dashes, strict=False):
+    # The solid line lies below those that nearly coincide with it.
+    for row, (colour, dashes) in sorted(rows.items(), reverse=True):
         curve = dataset.isel(grid_contact_stiffness=row)
         name = f"$k_c$ = {style.number(curve.grid_contact_stiffness)} N m⁻¹"
         shortest = 1e6 * speed / curve.grid_largest_acceleration
-        axes.plot(curve.grid_contact_damping, shortest, color=colour, linestyle=dash, label=name)
+        axes.plot(curve.grid_contact_damping, shortest, color=colour, linestyle=dashes, label=name)
     axes.set(xscale="log", yscale="log", title="(d) ours: shortest time")
     axes.set(xlabel=style.label(dataset.grid_contact_damping), ylabel=r"$\Omega\, /\, \max|\ddot\theta|$ [µs]")
     axes.legend(loc="lower left")

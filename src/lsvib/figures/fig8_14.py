@@ -29,12 +29,12 @@ from lsvib.stability.force_thresholds import global_stability_force
 
 CAPTION = """\
 Trajectories under a negative axial force, c = 1e-3 N m s/rad, (a) for R = −50 N and (b) for R = −10 N, as in the
-chapter, whose mass of 10 kg gives no limit cycle in (b). Not in the chapter: (c), (d) the same for m = 11 kg, beyond the
-critical mass as Sect. 8.7 assumes, where (d) has the limit cycle. Small marks are starts whose attractor was found. (e)
-The corner of (c) in which N = 0 and θ′ = 0 meet: if motion
-resumes at once after a seizure, as in the chapter, reverse slips and seizures follow each other without end. (f) The
-distance of the seizures from the corner falls with the ratio c a / (k Ω + c a), so that it is reached in finite time.
-By the sign of the contact force, the limit of a stiff contact, the screw rests after three. See docs/physics.md.
+chapter, whose mass of 10 kg gives no limit cycle in (b). Not in the chapter: (c), (d) the same for m = 11 kg, beyond
+the critical mass as Sect. 8.7 assumes, where (d) has the limit cycle. Small marks are starts whose attractor was found.
+(e) The corner of (c) in which N = 0 and θ′ = 0 meet: if motion resumes at once after a seizure, as in the chapter,
+reverse slips and seizures follow each other without end. (f) The distance of the seizures from the corner falls with
+the ratio c a / (k Ω + c a), so that it is reached in finite time. By the sign of the contact force, the limit of a
+stiff contact, the screw rests after three. See docs/physics.md.
 """
 
 _CHANGED = ("mass", "axial_force")  # in which the cases differ
@@ -327,7 +327,9 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     close, distance = below.subplots(1, 2)
     _close_up(close, cases[2])
     _distances(distance, dataset)
-    starts = {line.get_label(): line for axes in panels for line in axes.lines if line.get_label().startswith("start t")}
+    starts = {
+        line.get_label(): line for axes in panels for line in axes.lines if line.get_label().startswith("start t")
+    }
     style.legend(above, panels, 4, [*starts.values()])
     style.legend(below, [distance], 3)
     return figure

@@ -20,13 +20,13 @@ from lsvib.stability.conditions import critical_friction, critical_mass
 from lsvib.stability.linear import UndampedClass, eigenvalues, support_model, undamped_class, values_of
 
 CAPTION = """\
-Stability of the undamped drive with axial support, R Ω > 0, over friction coefficient and support stiffness, by the generalised
-eigenvalues of (8.23) at each point, with the boundaries (8.29) in closed form and the critical friction coefficient
-(8.27). Beyond the upper branch, where the effective inertia of the drive with a rigid support is negative, both modes
-diverge by (8.25). The chapter calls the horizontally hatched region the primary one of the kinematic constraint: there
-the reduced effective inertia is negative. The third region, of divergence, is not in the chapter; as the support
-stiffens it becomes the kinematic instability of the rigid drive. The stiffness of the coupling is assumed, because
-Table 7.1 is not in the chapter; the boundaries of mode coupling are in proportion to it.
+Stability of the undamped drive with axial support, R Ω > 0, over friction coefficient and support stiffness, by the
+generalised eigenvalues of (8.23) at each point, with the boundaries (8.29) in closed form and the critical friction
+coefficient (8.27). Beyond the upper branch, where the effective inertia of the drive with a rigid support is negative,
+both modes diverge by (8.25). The chapter calls the horizontally hatched region the primary one of the kinematic
+constraint: there the reduced effective inertia is negative. The third region, of divergence, is not in the chapter; as
+the support stiffens it becomes the kinematic instability of the rigid drive. The stiffness of the coupling is assumed,
+because Table 7.1 is not in the chapter; the boundaries of mode coupling are in proportion to it.
 """
 
 _PARAMETERS = ("mass", "screw_mass", "screw_inertia", "pitch_radius", "lead_angle", "coupling_stiffness")

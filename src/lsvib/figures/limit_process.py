@@ -295,7 +295,7 @@ def _distances(axes: style.Axes, viscous: xr.Dataset) -> None:
     axes.plot(viscous.branch[differ], viscous.motion_distance[:, -1, 1][differ], "x", color=style.VERMILION,
               markersize=4.5, label="stiffest contact against\nthe other rule, at once")  # fmt: skip
     axes.set(yscale="log", ylabel="Distance to the\nrigid motion")
-    axes.set_title("(a) viscous limit, each column a branch", pad=14)
+    axes.set_title("(a) viscous limit, each column a branch", pad=25)
 
 
 def _orders(axes: style.Axes, viscous: xr.Dataset) -> None:
@@ -336,7 +336,7 @@ def _name_branches(columns: Sequence[style.Axes], dataset: xr.Dataset) -> None:
         axes.tick_params(axis="x", length=0)
     for start, stop in pairwise([0, *changes, count]):
         force, damping = (style.number(value) for value in drives[:, start])
-        columns[0].text((start + stop - 1) / 2, 1.02, f"$R$ = {force} N, $c$ = {damping}", ha="center", va="bottom",
+        columns[0].text((start + stop - 1) / 2, 1.02, f"$R$ = {force} N\n$c$ = {damping}", ha="center", va="bottom",
                         fontsize=7.5, transform=columns[0].get_xaxis_transform())  # fmt: skip
 
 

@@ -56,6 +56,7 @@ _STYLE = {
     "ytick.right": True,
     "legend.frameon": False,
     "legend.fontsize": 7.5,
+    "legend.columnspacing": 1.5,
     "figure.constrained_layout.use": True,
     "pdf.fonttype": 42,  # embed TrueType, so that text in the PDF stays text
 }
@@ -149,7 +150,7 @@ def amounts(dataset: xr.Dataset, kind: str) -> list[str]:
         rule, _, exceptions = origin.partition(", except ")
         values = np.unique(variable.values)
         excepted = np.isin([f"{value:g}" for value in values], _STATED.findall(exceptions))
-        chosen = values[excepted != rule.startswith(kind)]
+        chosen = values[~excepted if rule.startswith(kind) else excepted & (kind == "printed")]
         if chosen.size:
             found.append(amount(xr.DataArray(variable), chosen))
     return list(dict.fromkeys(found))
@@ -160,8 +161,8 @@ def stated(dataset: xr.Dataset) -> str:
 
     First come the parameters that the chapter prints elsewhere than in Table 8.1, then all that are assumed or given.
     """
-    found = zip(("As printed", "Assumed", "Given"), (amounts(dataset, kind) for kind in _ORIGINS), strict=True)
-    parts = [f"{words}: {', '.join(own)}." for words, own in found if own]
+    found = zip(("As printed: ", "Assumed: ", ""), (amounts(dataset, kind) for kind in _ORIGINS), strict=True)
+    parts = [f"{words}{', '.join(own)}." for words, own in found if own]
     if any(variable.attrs.get("origin") == "printed: Table 8.1" for variable in dataset.variables.values()):
         parts.append("Otherwise Table 8.1." if parts else "All values: Table 8.1.")
     return plain(" ".join(parts))
