@@ -327,10 +327,8 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     close, distance = below.subplots(1, 2)
     _close_up(close, cases[2])
     _distances(distance, dataset)
-    starts = {
-        line.get_label(): line for axes in panels for line in axes.lines if line.get_label().startswith("start t")
-    }
-    style.legend(above, panels, 4, [*starts.values()])
+    starts = [line for axes in panels for line in axes.lines if line.get_label().startswith("start that")]
+    style.legend(above, panels, 4, starts)
     style.legend(below, [distance], 3)
     return figure
 
