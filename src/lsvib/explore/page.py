@@ -48,7 +48,6 @@ class Page:
         self.document, self.presets, self.view = document, presets, view
         self.controls = Controls(view, presets, self.ask)
         self.plots = Plots()
-        self.seconds = 0.0  # that the last immediate answer took
         self._asked: dict[str, str] = {}
         self._waiting = False
         self._answered = 0.0  # time of the last answer [s]
@@ -149,7 +148,6 @@ class Page:
 
     def _redraw(self, view: View) -> None:
         """Draw what can be drawn at once; a view without an answer leaves the page as it is."""
-        begin = perf_counter()
         shown = answers.followed(view)
         if view.window is None:
             view = replace(view, window=answers.window_around(view.drive, shown))
@@ -166,7 +164,6 @@ class Page:
             self.plots.draw_map(found, window)
         self.plots.draw_motion(view.drive, shown, window)
         self._draw_moment()
-        self.seconds = perf_counter() - begin
         self._slow = iter(())
         if self._settling is not None:
             self.document.remove_timeout_callback(self._settling)
@@ -262,14 +259,8 @@ class Page:
     def _say_links(self) -> None:
         query = escape(self.view.query(), quote=True)
         links = [f'<a href="?{query}">link to this view</a>']
-        links += [
-            f'<a href="export/{name}?{query}" download="{name}">{text}</a>'
-            for name, text in (
-                ("scene.yaml", "scene as YAML"),
-                ("picture.png", "picture as PNG"),
-                ("motion.nc", "motion as netCDF"),
-            )
-        ]
+        for name, text in (("scene.yaml", "scene as YAML"), ("motion.nc", "motion as netCDF")):
+            links.append(f'<a href="export/{name}?{query}" download="{name}">{text}</a>')
         self._say(self._links, " &middot; ".join(links))
 
     def _draw_moment(self) -> None:
