@@ -29,7 +29,7 @@ _COLOURS = {
     "falling_friction": style.SKY,
     "thread_contact": style.GREY,
 }
-_NAMES = {"steady": "steady", "steady_until_perturbed": "steady until perturbed"}
+_NAMES = {kind: MECHANISMS[kind][0].lower() if kind in MECHANISMS else kind.replace("_", " ") for kind in KINDS}
 _SETTINGS = {"svg.hashsalt": "lsvib", "svg.fonttype": "path", "axes.formatter.limits": (-4, 5)}
 
 
@@ -70,7 +70,7 @@ def operating_chart(charts: list[Chart], assessment: Assessment) -> Figure:
         axis.set_title(f"{'Outward' if chart.direction > 0 else 'Back'}")
         if chart.boundaries:
             axis.legend(loc="best", fontsize=6, frameon=True, framealpha=0.85)
-    handles = [Patch(color=_COLOURS[KINDS[k]], label=_name(KINDS[k])) for k in sorted(seen)]
+    handles = [Patch(color=_COLOURS[KINDS[k]], label=_NAMES[KINDS[k]]) for k in sorted(seen)]
     handles.append(Patch(fill=False, edgecolor=style.BLUE, linewidth=1.6, label="operating window"))
     figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize=7)
     return figure
@@ -163,7 +163,3 @@ def _bars(names: list[str], height: float) -> tuple[Figure, Any]:
     axis.invert_yaxis()
     axis.axvline(0, color=style.BLACK, linewidth=0.8)
     return figure, axis
-
-
-def _name(kind: str) -> str:
-    return _NAMES[kind] if kind in _NAMES else MECHANISMS[kind][0].lower()
