@@ -41,14 +41,10 @@ WINDOW = {"force": ("force on the load", "N"), "speed": ("speed", "rad s-1")}
 UNITS = {key: unit for key, (_, unit) in (QUANTITIES | WINDOW).items()}
 IN_WORDS = {key: words for key, (words, _) in (QUANTITIES | WINDOW).items()}
 
-_OWN = {  # parameters of a drive that a part adds, each with its quantity
-    "rigid": {},
-    "contact": {"contact_stiffness": "contact_stiffness", "contact_damping": "contact_damping"},
-    "support": {
-        "screw_mass": "screw_mass",
-        "support_stiffness": "support_stiffness",
-        "axial_support_damping": "support_damping",
-    },
+_OWN = {  # parameters of a drive that a part adds
+    "rigid": (),
+    "contact": ("contact_stiffness", "contact_damping"),
+    "support": ("screw_mass", "support_stiffness", "axial_support_damping"),
 }
 
 
@@ -96,18 +92,14 @@ def quantities(sheet: Sheet, draw: DrawnValues) -> dict[str, Any]:
             found[f"{part}_damping"] = draw.get(f"{part}.damping", 0.0)
     if sheet.support is not None:
         found["screw_mass"] = screw_mass
-    for key, path, scale in (("force", "load.force", 1.0), ("speed", "operation.speed", _turns(sheet, lead))):
+    turns = 2 * math.pi / lead if sheet.operation.speed.unit == "m/s" else 1.0  # from the speed as given to rad/s
+    for key, path, scale in (("force", "load.force", 1.0), ("speed", "operation.speed", turns)):
         if is_window(sheet, path):
             entry = sheet.spreads[path]
             found[f"{key}_low"], found[f"{key}_high"] = entry.low * scale, entry.high * scale
         else:
             found[f"{key}_low"] = found[f"{key}_high"] = draw.get(path, 0.0) * scale
     return found
-
-
-def _turns(sheet: Sheet, lead: Any) -> Any:
-    """Factor from the speed as given to rad/s."""
-    return 2 * math.pi / lead if sheet.operation.speed.unit == "m/s" else 1.0
 
 
 def _thread(sheet: Sheet, draw: DrawnValues) -> tuple[Any, Any, Any]:
@@ -198,7 +190,7 @@ def _along(sheet: Sheet, sliding: Any) -> tuple[NDArray, NDArray]:
 
 def own_parameters(values: DrawnValues, part: str) -> dict[str, Any]:
     """Return the parameters that a part, ``contact`` or ``support``, adds to those of the ``rigid`` drive."""
-    return {key: values[quantity] for key, quantity in _OWN[part].items()}
+    return {key: values[key.removeprefix("axial_")] for key in _OWN[part]}
 
 
 def square_coefficient(coefficient: Any, lead_angle: Any, half_angle: Any) -> Any:
