@@ -86,7 +86,7 @@ class Outputs:
         try:
             for target in self.targets:
                 made += [folder for folder in target.parents if not folder.exists()]
-                make_folder(target.parent)
+                target.parent.mkdir(parents=True, exist_ok=True)
             yield parts
             for part, target in zip(parts, self.targets, strict=True):
                 new = not target.exists()
@@ -139,15 +139,6 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     """
     with Outputs([(path, "")]).writing() as (part,):
         yield part
-
-
-def make_folder(path: Path) -> Path:
-    """Make a folder with all above it, unless it exists, and return it; raises ``LsvibError`` if that fails."""
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise LsvibError(f"Cannot make the folder {path}: {error.strerror or error}.") from error
-    return path
 
 
 def write_text(text: str, path: str | os.PathLike[str]) -> None:

@@ -68,11 +68,9 @@ def _scaled(sheet: Sheet, values: Mapping[str, Any], keys: tuple[str, ...], fact
 
 def _occurs(sheet: Sheet, values: Mapping[str, Any], keys: tuple[str, ...], factors: NDArray) -> dict[str, NDArray]:
     """Whether each mechanism occurs (1, 0, or −1 where the drive cannot move), for factors (n)."""
-    found = worst(sheet, _scaled(sheet, values, keys, factors))
-    shape = factors.shape
     occurs = {
-        name: np.broadcast_to(np.where(np.isnan(one.reserve), -1, (one.reserve < 0).astype(int)), shape)
-        for name, one in found.items()
+        name: np.broadcast_to(np.where(np.isnan(one.reserve), -1, one.reserve < 0), factors.shape)
+        for name, one in worst(sheet, _scaled(sheet, values, keys, factors)).items()
     }
     own = np.stack([flags for name, flags in occurs.items() if name in NAMES])
     return {**occurs, ANY: np.where(own[0] < 0, -1, own.max(axis=0))}

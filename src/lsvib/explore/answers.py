@@ -28,7 +28,7 @@ from lsvib.models.drive import Drive
 from lsvib.models.model import find_model
 
 # Cells of the map of a drive with two states while it is dragged, a seventieth of a second, and when the hand rests, a
-# fortieth; and of any other model, of which every motion is followed, about a millisecond each.
+# fortieth; and of any other model, of which every motion is followed, a third of a second.
 DRAGGED, SETTLED, COARSE = (120, 90), (320, 240), (36, 27)
 
 
@@ -91,15 +91,8 @@ def at_once(drive: Drive) -> bool:
 
 def labels(drive: Drive, window: Window, cells: tuple[int, int]) -> np.ndarray:
     """Return the labels (rows, columns) of the attractors from every cell of a window; raises ``LsvibError``."""
-    return _mapper(drive).cells(grid_of(window, cells), quantities=("label",))["label"]
-
-
-def label_rows(drive: Drive, window: Window, cells: tuple[int, int]) -> Iterator[tuple[int, np.ndarray]]:
-    """Yield the rows of :func:`labels` one by one, with their indices, from the middle of the window outwards."""
-    mapped, grid = _mapper(drive), grid_of(window, cells)
-    middle = cells[1] // 2
-    for row in sorted(range(cells[1]), key=lambda k: abs(k - middle)):
-        yield row, mapped.cells(grid, rows=slice(row, row + 1), quantities=("label",))["label"][0]
+    u, w = Axis.checked("u", *window[:2], cells[0]), Axis.checked("w", *window[2:], cells[1])
+    return _mapper(drive).cells(Grid(u, w), quantities=("label",))["label"]
 
 
 def name_of(kind: Any) -> str:
@@ -168,12 +161,6 @@ def thresholds_over(view: View) -> dict[str, float]:
 def _sampled(motion: Motion) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """As many samples as a screen has columns, and at least four of each arc."""
     return sample(motion, max(2000, 4 * (motion.time.size + 1)))
-
-
-def grid_of(window: Window, cells: tuple[int, int]) -> Grid:
-    """Return the cells, so many along u and w, of a window."""
-    x = Axis.checked("u", window.left, window.right, cells[0])
-    return Grid(x, Axis.checked("w", window.bottom, window.top, cells[1]))
 
 
 @lru_cache(maxsize=4)  # the drives of a few pages; a mapper holds the cycles of its drive

@@ -1,6 +1,5 @@
 """What the page shows, as one value that a link carries unchanged; and the views of the chapter's figures."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Self
@@ -74,8 +73,8 @@ class View:
         """Return the part of a link that says all of this; every number comes back with the same bits."""
         values: dict[str, Any] = {"model": self.drive.model}
         values |= {key: repr(value) for key, value in self._changed().items()}
-        values |= {"u": repr(self.u), "w": repr(self.w), "duration": repr(self.duration)}
-        values |= {"over": self.over, "low": repr(self.low), "high": repr(self.high)}
+        values |= {key: repr(getattr(self, key)) for key in ("u", "w", "duration", "low", "high")}
+        values["over"] = self.over
         if self.window is not None:
             values |= {name: repr(float(edge)) for name, edge in zip(_WINDOW, self.window, strict=True)}
         return urlencode(values)
@@ -138,11 +137,14 @@ def _of_figure(section: Mapping[str, Any]) -> View:
 
 
 def _curve(drive: Drive, section: Mapping[str, Any]) -> dict[str, Any]:
-    """The parameter that the figure varies, with its range; without one the default of a view."""
+    """The parameter that the figure varies, with its range; without one the axial force."""
     for key, span in section.items():
         if key in type(drive).model_fields and isinstance(span, Mapping) and "start" in span:
             return {"over": key, "low": float(span["start"]), "high": float(span["stop"])}
-    ends = sorted(
-        math.copysign(end, drive.axial_force) for end in (View.low, max(View.high, 2 * abs(drive.axial_force)))
-    )
-    return {"over": "axial_force", "low": ends[0], "high": ends[1]}
+    return {"over": "axial_force", **around(drive.axial_force)}
+
+
+def around(value: float) -> dict[str, float]:
+    """Return a range of the amplitude curve: from a hundredth of a value to twice, or a little above zero."""
+    ends = sorted((0.01 * value, 2 * value)) if value else [0.0, 1.0]
+    return {"low": ends[0], "high": ends[1]}
