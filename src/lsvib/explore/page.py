@@ -150,7 +150,7 @@ class Page:
         """Draw what can be drawn at once; a view without an answer leaves the page as it is."""
         shown = answers.followed(view)
         if view.window is None:
-            view = replace(view, window=answers.windowaround(view.drive, shown))
+            view = replace(view, window=answers.window_around(view.drive, shown))
         window = view.window
         assert window is not None
         found = None
