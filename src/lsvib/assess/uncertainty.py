@@ -110,10 +110,7 @@ def study(sheet: Sheet, samples: int, seed: int) -> Uncertainty:
 
 
 def _probability(hits: NDArray[np.bool_], random: bool, reserve: Any = ()) -> Probability:
-    """A share with the interval of Clopper and Pearson, as if the samples were independent.
-
-    Points of a scrambled Sobol sequence scatter less, so it is on the safe side. If nothing is uncertain it is 0 or 1.
-    """
+    """A share with the interval of Clopper and Pearson (docs/assess.md); 0 or 1 if nothing is uncertain."""
     count = np.count_nonzero(hits)
     share = count / hits.size
     ends = binomtest(count, hits.size).proportion_ci(0.95, "exact")
