@@ -75,7 +75,7 @@ def draw_motions(axes: style.Axes, case: xr.Dataset, widths: Sequence[float] = E
         if seized.any():
             before = (motion[f"event_{name}_deviation_before"].values[seized] for name in ("angle", "velocity"))
             mark_seizures(axes, *before, colour)
-        axes.plot(u[0], w[0], "o", color=colour, markerfacecolor="white", label="start", zorder=3)
+        axes.plot(u[0], w[0], "o", color=colour, markerfacecolor="white", label="start", zorder=4.5)
 
 
 def _motions(case: xr.Dataset) -> Iterator[tuple[xr.Dataset, np.ndarray, np.ndarray, np.ndarray, str]]:
