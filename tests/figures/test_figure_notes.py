@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 import xarray as xr
-from references.figure_checks import dataset_of, draft
+from references.figure_checks import assert_drawn_from_file, dataset_of, draft
 
+import lsvib
 from lsvib.contact import contact_force
 from lsvib.datasets import phase_plane
 from lsvib.figures import drawing as drawn
@@ -37,6 +38,13 @@ def test_a_caption_states_what_is_printed_and_what_is_assumed():
         "Values: As printed: m = 10 kg, R = −50 N. Assumed: m = 11 kg, k_c = 10⁸ N m⁻¹. Otherwise Table 8.1."
     )
     assert "Values" not in caption_of("fig8_03", xr.Dataset())
+
+
+def test_maps_and_charts_fit_the_page(tmp_path):
+    drive = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
+    starts = drive.attraction({"u": (-0.3, 0.3, 20), "w": (-150, 150, 20)})
+    assert_drawn_from_file("attraction", starts, tmp_path / "map.nc")
+    assert_drawn_from_file("chart", drive.chart("axial_force=-40:60:9", "mass=1:20:9"), tmp_path / "chart.nc")
 
 
 SIDES = {

@@ -102,9 +102,7 @@ def draw_figure(
 def caption_of(figure: str, dataset: xr.Dataset) -> str:
     """Return the caption of a figure in reStructuredText: what it shows, then for which values, by its ``dataset``."""
     values = re.sub(r"([*`|_\\])", r"\\\1", style.stated(dataset))  # so that they mean themselves
-    words = (
-        load(figure).CAPTION if figure.startswith("fig8_") else f"Not a figure of the chapter. {load(figure).CAPTION}"
-    )
+    words = ("" if figure.startswith("fig8_") else "Not a figure of the chapter. ") + load(figure).CAPTION
     return f"{words}\nValues: {values}\n" if values else words
 
 
