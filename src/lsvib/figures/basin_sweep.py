@@ -292,7 +292,6 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     below[0].set_ylabel("Fraction of the window")
     style.legend(rows[0], above, 4)
     style.legend(rows[1], below, 2)
-    style.state_values(figure, dataset)
     return figure
 
 
@@ -314,7 +313,7 @@ def _basin(axes: style.Axes, case: xr.Dataset, letter: str) -> None:
     axes.locator_params(nbins=5)
     force, damping = case.case_axial_force, case.case_support_damping
     words = f"$c$ = {style.number(damping)} {style.unit(damping.units)[1:-1]}"
-    axes.set_title(f"({letter}) $R$ = {style.number(force)} N,\n{words}", fontsize=7)
+    axes.set_title(f"({letter}) $R$ = {style.number(force)} N,\n{words}")
     starts, exact, counted = int(case.resolution[-1]), float(case.case_fraction), float(case.grid_fraction[-1])
     words = f"{100 * exact:.2f} % of the panel\n{100 * counted:.2f} % of starts\n({starts} × {starts})"
     axes.text(0.97, 0.96, words, transform=axes.transAxes, ha="right", va="top", fontsize=6)
@@ -347,4 +346,4 @@ def _sweep(axes: style.Axes, dataset: xr.Dataset, name: str, letter: str) -> Non
         axes.axvline(place, color=style.VERMILION, **dotted)
         value, late = f"{place:.{digits}f}".replace("-", "−"), place > (left + right) / 2
         axes.text(place, 0.06, f" {symbol} = {value} ", color=style.VERMILION, backgroundcolor="#FFFFFFC0",
-                  fontsize=6.5, ha="right" if late else "left", transform=axes.get_xaxis_transform())  # fmt: skip
+                  fontsize=7.5, ha="right" if late else "left", transform=axes.get_xaxis_transform())  # fmt: skip

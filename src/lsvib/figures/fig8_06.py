@@ -24,8 +24,8 @@ from lsvib.models.mechanics import coefficients
 
 CAPTION = """\
 Amplitude of the steady vibration against the axial force R for m = 1 kg and c_x = 1000 N s/m, with phase portraits at
-three forces. Circles mark the forces of the portraits. Vibration sets in at the onset force, first touches rest at the
-stick force, and no longer reaches N = 0 beyond the detach force.
+three forces below, insets in the chapter. Circles mark the forces of the portraits. Vibration sets in at the onset
+force, first touches rest at the stick force, and no longer reaches N = 0 beyond the detach force.
 """
 
 _THRESHOLDS = {  # word in the picture, and what the chapter says
@@ -33,14 +33,12 @@ _THRESHOLDS = {  # word in the picture, and what the chapter says
     "stick_force": ("stick", "Axial force at which the cycle first touches rest"),
     "detach_force": ("detach", "Axial force beyond which the cycle no longer reaches N = 0"),
 }
-_REGIMES = {  # what the drive does: colour, words
-    "no vibration": (style.BLACK, "no vibration"),
-    "pure slip": (style.BLUE, "cycle of pure slip"),
-    "stick slip with contact reversal": (style.ORANGE, "stick–slip, reaches $N = 0$"),
-    "stick slip": (style.VERMILION, "stick–slip, $N > 0$"),
+_REGIMES = {  # what the drive does: colour, words, dashes
+    "no vibration": (style.BLACK, "no vibration", "-"),
+    "pure slip": (style.BLUE, "cycle of pure slip", "-"),
+    "stick slip with contact reversal": (style.ORANGE, "stick–slip, reaches $N = 0$", "-"),
+    "stick slip": (style.VERMILION, "stick–slip, $N > 0$", (0, (2, 0.6))),
 }
-# Where the curve leaves room for insets, as fractions of the axes: left, bottom, width, height.
-_INSETS = ((0.085, 0.17, 0.21, 0.30), (0.085, 0.61, 0.235, 0.33), (0.735, 0.20, 0.245, 0.38))
 _OF = {
     f"effective_{kind}_{sign}": f"effective_{kind}_{sign}"
     for kind in ("inertia", "damping")
@@ -234,13 +232,14 @@ def _reading_checks(dataset: xr.Dataset) -> list[Check]:
 
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw the amplitude curve by regimes, the three thresholds and the inset portraits."""
-    figure = style.new_figure(style.DOUBLE, 4.2)
-    axes = figure.add_subplot()
+    """Draw the amplitude curve by regimes, the three thresholds, and below the portraits, so that they hide nothing."""
+    figure, cases = style.new_figure(style.DOUBLE, 5.2), dataset.case.values.tolist()
+    panels = figure.subplot_mosaic([["curve"] * len(cases), cases], height_ratios=(1.2, 1))
+    axes = panels["curve"]
     forces, amplitude = dataset.swept_axial_force, dataset.swept_amplitude
-    for name, (colour, words) in _REGIMES.items():
+    for name, (colour, words, dashes) in _REGIMES.items():
         inside = named(dataset.regime, name)
-        axes.plot(forces[inside], amplitude[inside], color=colour, linewidth=2.2, label=words)
+        axes.plot(forces[inside], amplitude[inside], color=colour, linewidth=2.2, linestyle=dashes, label=words)
     top = 1.12 * float(amplitude.max())
     words = ", ".join(f"{float(dataset[f'printed_{name}']):g}" for name in _THRESHOLDS)
     for name, (word, _) in _THRESHOLDS.items():
@@ -254,19 +253,16 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     curve = np.interp(dataset.axial_force, forces, amplitude, np.nan, np.nan)
     axes.plot(dataset.axial_force, curve, "o", color="white", mec=style.BLACK, markersize=4.5, zorder=4,
               label="force of a phase portrait")  # fmt: skip
-    insets = [axes.inset_axes(place) for place in _INSETS[: dataset.sizes["case"]]]
-    for small, index in zip(insets, dataset.case.values, strict=True):
-        _inset(small, dataset.sel(case=index))
-    return style.finished(figure, dataset, [axes, *insets], 4)
+    for index in cases:
+        _portrait(panels[index], dataset.sel(case=index))
+    return style.legend(figure, [*panels.values()], 4)
 
 
-def _inset(small: style.Axes, case: xr.Dataset) -> None:
+def _portrait(axes: style.Axes, case: xr.Dataset) -> None:
     """Draw the phase portrait of one force."""
-    drawing.phase_plane(small, case, [0.6] * case.sizes["start"], 1.4, 0.2)
-    drawing.draw_lines(small, case)
-    drawing.guide(small, case, size=7.5)
-    small.locator_params(nbins=4)
-    small.set_title(f"$R$ = {style.number(case.axial_force)} N", fontsize=7, pad=4)
-    small.tick_params(labelsize=6.5, pad=1.5)
-    small.set_xlabel("$u$ [rad]", fontsize=7, labelpad=0)
-    small.set_ylabel("$\\dot u$ [rad s⁻¹]", fontsize=7, labelpad=0)
+    drawing.phase_plane(axes, case, [0.8] * case.sizes["start"], 1.6, 0.2)
+    drawing.draw_lines(axes, case)
+    drawing.guide(axes, case)
+    drawing.label_axes(axes, case)
+    axes.locator_params(axis="x", nbins=4)
+    axes.set_title(f"$R$ = {style.number(case.axial_force)} N")

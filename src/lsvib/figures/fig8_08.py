@@ -21,10 +21,10 @@ from lsvib.numbers import bisected
 from lsvib.stability.linear import eigenvalue_pair
 
 CAPTION = """\
-Eigenvalues (8.18) of the steady sliding against the translating mass: (a) real and (b) imaginary parts, and (c), (d)
-close to the critical mass. The imaginary parts peak and return to zero before the critical mass, where both eigenvalues
-meet and turn real; beyond it the effective inertia is negative and one eigenvalue is positive. Real parts diverge
-there; (a) cuts them, (c) is logarithmic.
+Eigenvalues (8.18) of the steady sliding against the translating mass: (a) real and (b) imaginary parts, and, not in the
+chapter, (c), (d) close to the critical mass. The imaginary parts peak and return to zero before the critical mass,
+where both eigenvalues meet and turn real; beyond it the effective inertia is negative and one eigenvalue is positive.
+Real parts diverge there; (a) cuts them, (c) is logarithmic.
 """
 
 _CRITICAL = {"color": style.BLACK, "linewidth": 0.8, "linestyle": ":", "label": r"critical mass $m_\mathrm{cr}$"}
@@ -150,8 +150,8 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     printed, meeting, peak = (
         (float(dataset[name]) / critical - 1) * 1e3 for name in ("printed_critical_mass", "meeting_mass", "peak_mass")
     )
-    titles = {"real": ("(a) real parts, cut above and below", "(c) real parts"),
-              "imaginary": ("(b) imaginary parts", "(d) imaginary parts")}  # fmt: skip
+    titles = {"real": ("(a) real parts, cut above and below", "(c) ours: real parts"),
+              "imaginary": ("(b) imaginary parts", "(d) ours: imaginary parts")}  # fmt: skip
     for (word, (title, near)), (whole, close) in zip(titles.items(), panels.T, strict=True):
         variable = dataset[f"eigenvalue_{word}_part"]
         _plot(whole, dataset, dataset.mass, variable, title)
@@ -170,7 +170,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     panels[1, 1].set_ylim(-1.3 * largest, 1.3 * largest)
     unit = style.unit(dataset.eigenvalue_imaginary_part.attrs["units"])[1:-1]
     panels[1, 1].text(peak, 1.05 * largest, f"{largest:.0f} {unit}", ha="center", va="bottom")
-    return style.finished(figure, dataset, panels[:, 0], 5)
+    return style.legend(figure, panels[:, 0], 5)
 
 
 def _plot(axes: style.Axes, dataset: xr.Dataset, abscissa: xr.DataArray, variable: xr.DataArray, title: str) -> None:

@@ -17,9 +17,9 @@ from lsvib.models.drive import RigidDrive
 
 CAPTION = """\
 Trajectories of the rigid drive (a) below and (b) above the critical mass; triangles on the lines point forward in time.
-Below, the motion decays to steady sliding; above, it seizes (sprag) and slips for ever. (c) Amplitude of the cycle in
-(b), left, and speed of the screw at its impact, right, over the axial force, which the text does not state; the dot is
-the force of (a) and (b).
+Below, the motion decays to steady sliding; above, it seizes (sprag) and slips for ever. Not in the chapter: (c)
+Amplitude of the cycle in (b), left, and speed of the screw at its impact, right, over the axial force, which the text
+does not state; the dot is the force of (a) and (b).
 """
 
 _SWEEP = "of the last case with another axial force, from the first start"
@@ -128,12 +128,12 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         # The line N = 0 is steep: beyond m_cr forward slip has N < 0 only.
         axes.text(0.4, 0.35, "$N < 0$", transform=axes.transAxes, ha="center")
         words = "no\nsolution" if index else "$N > 0$"
-        axes.text(0.98, 0.75, words, transform=axes.transAxes, ha="right", va="center")
+        axes.text(0.95, 0.875, words, transform=axes.transAxes, ha="right", va="center")
         drawing.label_axes(axes, dataset)
         axes.locator_params(axis="x", nbins=3)
         axes.set_title(f"({'ab'[index]}) $m$ = {style.number(case.mass)} kg ${relation} m_\\mathrm{{cr}}$")
     _over_force(last, dataset)
-    return style.finished(figure, dataset, planes, 4)
+    return style.legend(figure, planes, 4)
 
 
 def _over_force(axes: style.Axes, dataset: xr.Dataset) -> None:
@@ -141,7 +141,7 @@ def _over_force(axes: style.Axes, dataset: xr.Dataset) -> None:
     force = dataset.swept_axial_force
     axes.plot(force, dataset.swept_amplitude, color=style.BLUE)
     axes.plot(dataset.axial_force, dataset.amplitude[1, 0, 0], "o", color=style.BLUE)
-    axes.set(title="(c) cycle of (b) against $R$", xlabel="Axial force " + style.label(force, " ").strip())
+    axes.set(title="(c) ours: cycle of (b) over $R$", xlabel="Axial force " + style.label(force, " ").strip())
     axes.set(ylim=(0, None), xlim=(0, None))
     axes.set_ylabel(style.label(dataset.swept_amplitude, "amplitude of $u$"), color=style.BLUE)
     axes.tick_params(axis="y", which="both", right=False)

@@ -28,14 +28,13 @@ from lsvib.models.model import RULES
 from lsvib.models.rigid import EventKind, rigid_automaton
 
 CAPTION = """\
-Trajectories under a negative axial force, c = 1e-3 N m s/rad. R = −50 N, (a) in the chapter, is on the left, attracted
-by steady sliding; R = −10 N, (b) in the chapter, on the right. Both readings of the text are shown: m = 10 kg as
-printed above, and m = 11 kg, beyond the critical mass as Sect. 8.7 assumes, below, where (d) has a limit cycle. Shaded
-are starts by the attractor of their motion, as the mapper of the region of attraction finds it. (e) The corner of (c)
-in which N = 0 and θ′ = 0 meet: if motion resumes at once after a seizure, as in the chapter, reverse slips and seizures
-follow each other without end. (f) The distance of the seizures from the corner falls with the ratio c a / (k Ω + c a),
-so that it is reached in finite time. By the sign of the contact force, the limit of a stiff contact, the screw rests
-after three. See docs/physics.md.
+Trajectories under a negative axial force, c = 1e-3 N m s/rad, (a) for R = −50 N and (b) for R = −10 N, as in the
+chapter, whose mass of 10 kg gives no limit cycle in (b). Not in the chapter: (c), (d) the same for m = 11 kg, beyond
+the critical mass as Sect. 8.7 assumes, where (d) has the limit cycle. Shaded are starts by the attractor of their
+motion, as the mapper of the region of attraction finds it. (e) The corner of (c) in which N = 0 and θ′ = 0 meet: if
+motion resumes at once after a seizure, as in the chapter, reverse slips and seizures follow each other without end. (f)
+The distance of the seizures from the corner falls with the ratio c a / (k Ω + c a), so that it is reached in finite
+time. By the sign of the contact force, the limit of a stiff contact, the screw rests after three. See docs/physics.md.
 """
 
 _CHANGED = ("mass", "axial_force")  # in which the cases differ
@@ -47,8 +46,8 @@ _RULES = {  # colour, mark, its size, width, words
     "at once": (style.ORANGE, "o", 3.5, 1.0, "at once, as in the chapter"),
 }
 _STARTS = {  # colour of the starts by their attractor
-    "steady sliding": ("#D5EBD9", "starts that steady sliding attracts"),
-    "sprag slip cycle": ("#F1F1F1", "starts that the cycle attracts"),
+    "steady sliding": ("#E4F4E8", "starts that steady sliding attracts"),
+    "sprag slip cycle": ("#CCCCCC", "starts that the cycle attracts"),
 }
 
 
@@ -329,9 +328,9 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     for axes, case, letter in zip(panels, cases, "abcd", strict=True):
         _region(axes, case)
         drawing.phase_plane(axes, case, (2.2, 1.0, 1.0, 1.0))  # the first motion shows on both sides of a later one
-        note = "as printed" if letter in "ab" else "$m > m_\\mathrm{cr}$"
+        note, ours = ("as printed", "") if letter in "ab" else ("$m > m_\\mathrm{cr}$", "ours: ")
         force, mass = style.number(case.axial_force), style.number(case.mass)
-        axes.set_title(f"({letter}) $R$ = {force} N, $m$ = {mass} kg, {note}")
+        axes.set_title(f"({letter}) {ours}$R$ = {force} N, $m$ = {mass} kg, {note}")
     edges = np.array([dataset[f"grid_{name}_deviation"].values[[0, -1]] for name in ("angle", "velocity")])
     panels[0].axis(np.ravel(edges + 0.06 * np.ptp(edges, axis=1, keepdims=True) * [-1, 1]))  # all motions begin there
     for axes, case in zip(panels, cases, strict=True):
@@ -342,9 +341,8 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     close, distance = below.subplots(1, 2)
     _close_up(close, cases[2])
     _distances(distance, dataset)
-    style.legend(above, panels, 4)
+    style.legend(above, panels, 4, [patch for axes in panels for patch in axes.patches])
     style.legend(below, [distance], 3)
-    style.state_values(figure, dataset)
     return figure
 
 
@@ -377,7 +375,7 @@ def _close_up(axes: style.Axes, case: xr.Dataset) -> None:
     axes.annotate("corner", (corner, stop), (-10, -30), textcoords="offset points", ha="right",
                   arrowprops={"arrowstyle": "-", "linewidth": 0.6})  # fmt: skip
     axes.locator_params(nbins=5)
-    axes.set_title("(e) corner of (c): reverse slips, seizures")
+    axes.set_title("(e) ours: corner of (c), reverse slips")
     drawing.label_axes(axes, case)
 
 
@@ -394,6 +392,6 @@ def _distances(axes: style.Axes, dataset: xr.Dataset) -> None:
         axes.plot(number, found[middle] * ratio ** (number - 1 - middle), color=style.BLACK, linewidth=0.7,
                   label=r"falls with $c a / (k \Omega + c a)$")  # fmt: skip
         axes.text(*place, f"({letter}) ratio {ratio:.4f}", transform=axes.transAxes)
-    axes.set(yscale="log", title="(f) distance of the seizures from the corner", xlabel="Number of the seizure")
+    axes.set(yscale="log", title="(f) ours: seizures approach the corner", xlabel="Number of the seizure")
     axes.xaxis.get_major_locator().set_params(integer=True)
     axes.set_ylabel(style.label(dataset.seizure_distance, "distance"))

@@ -20,13 +20,13 @@ from lsvib.stability.conditions import critical_mass
 from lsvib.stability.linear import UndampedClass, eigenvalues, support_model, undamped_class, values_of
 
 CAPTION = """\
-Stability of the undamped drive with axial support over friction coefficient and support stiffness, by the generalised
-eigenvalues of (8.23) at each point, with the boundaries (8.29) in closed form and the critical friction coefficient
-(8.27). Beyond the upper branch, where the effective inertia of the drive with a rigid support is negative, both modes
-diverge by (8.25). The chapter calls the horizontally hatched region the primary one of the kinematic constraint: there
-the reduced effective inertia is negative. The third region, of divergence, is not in the chapter; as the support
-stiffens it becomes the kinematic instability of the rigid drive. The stiffness of the coupling is assumed, because
-Table 7.1 is not in the chapter; the boundaries of mode coupling are in proportion to it.
+Stability of the undamped drive with axial support, R Ω > 0, over friction coefficient and support stiffness, by the
+generalised eigenvalues of (8.23) at each point, with the boundaries (8.29) in closed form and the critical friction
+coefficient (8.27). Beyond the upper branch, where the effective inertia of the drive with a rigid support is negative,
+both modes diverge by (8.25). The chapter calls the horizontally hatched region the primary one of the kinematic
+constraint: there the reduced effective inertia is negative. The third region, of divergence, is not in the chapter; as
+the support stiffens it becomes the kinematic instability of the rigid drive. The stiffness of the coupling is assumed,
+because Table 7.1 is not in the chapter; the boundaries of mode coupling are in proportion to it.
 """
 
 _PARAMETERS = ("mass", "screw_mass", "screw_inertia", "pitch_radius", "lead_angle", "coupling_stiffness")
@@ -270,7 +270,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the class map by eigenvalues, over it the boundaries in closed form and the critical friction."""
     from matplotlib.patches import Patch
 
-    figure = style.new_figure(style.DOUBLE * 0.8, 4.6)
+    figure = style.new_figure(style.DOUBLE, 3.8)
     axes = figure.add_subplot()
     friction, stiffness, patches = dataset.friction_coefficient, dataset.support_stiffness, []
     colours = {name: colour for name, (colour, *_) in _REGIONS.items()}
@@ -290,4 +290,4 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     axes.axvline(printed, **style.PRINTED, label=rf"$\mu_\mathrm{{kc}}$ = {printed:g}, as printed")
     axes.set(xlabel=style.label(friction), ylabel=style.label(stiffness), yscale="log")
     axes.set(xlim=friction[[0, -1]], ylim=stiffness[[0, -1]])
-    return style.finished(figure, dataset, [axes], 2, patches)
+    return style.legend(figure, [axes], 1, patches, "outside right upper")

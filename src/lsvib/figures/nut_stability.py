@@ -218,7 +218,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     words = {"kinematic constraint": "unstable: kinematic constraint", "stable": "stable"}
     edge = {"edgecolor": style.GREY, "linewidth": 0.5}
     patches = [Patch(facecolor=_COLOURS[name], label=label, **edge) for name, label in words.items()]
-    return style.finished(figure, dataset, [mass, plane], 4, patches)
+    return style.legend(figure, [mass, plane], 4, patches)
 
 
 def _critical_mass(axes: style.Axes, dataset: xr.Dataset) -> None:
@@ -234,7 +234,7 @@ def _critical_mass(axes: style.Axes, dataset: xr.Dataset) -> None:
     axes.annotate(f"nut that cannot turn: {rigid:.3f} kg", (0.03, rigid), (0, 3), color="#505050", fontsize=6.5,
                   xycoords=axes.get_yaxis_transform(), textcoords="offset points")  # fmt: skip
     axes.axvline(screw, 0, 0.82, color=style.BLACK, linewidth=0.6, linestyle=":")
-    axes.text(screw, 0.06, " $I_2 = I$", fontsize=6.5, transform=axes.get_xaxis_transform())
+    axes.text(screw, 0.06, " $I_2 = I$", fontsize=7.5, transform=axes.get_xaxis_transform())
     friction = style.number(dataset.drawn_friction_coefficient)
     axes.set(xscale="log", title=rf"(a) critical mass, $\mu$ = {friction}", xlabel=style.label(inertia))
     axes.set(ylabel="Critical mass $m_\\mathrm{cr}$ [kg]", ylim=(0, 1.15 * rigid), xlim=inertia[[0, -1]])
