@@ -14,6 +14,7 @@ from references.command_line import MOTION, refused
 from lsvib.datasets.io import read_dataset
 from lsvib.engine.motion import follow
 from lsvib.figures.build import compute_figure
+from lsvib.figures.configuration import standard_settings
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import rigid_automaton
 
@@ -90,7 +91,7 @@ def test_simulate_from_a_scene_file(run, tmp_path):
 
 def test_command_and_python_make_the_same_file(run, tmp_path):
     assert run("figure", "8.3", "--out", "built")[0] == 0
-    given = yaml.safe_load(CONFIG.read_text())["fig8_03"]
+    given = standard_settings("fig8_03")
     compute_figure("fig8_03", given, "other.nc", "other.json")
     one, other = read_dataset("built/fig8_03.nc"), read_dataset("other.nc")
     assert one.identical(other)
