@@ -153,15 +153,10 @@ def _mechanisms(
         reserve = float(one.reserve[0])
         occurs: bool | None = reserve < 0
         if name == "after_perturbation":
-            occurs, _, first = most_perturbed(sheet, values) if _stiff(sheet) else (None, None, None)
+            occurs, _, first = most_perturbed(sheet, values) if sheet.stiff else (None, None, None)
             corner = first or corner
         found[name] = Mechanism(name, occurs, reserve, corner, share, interval, edges[name], slopes[name])
     return found
-
-
-def _stiff(sheet: Sheet) -> bool:
-    """Whether the drive has rigid parts alone, so that its basin is known."""
-    return sheet.contact is None and sheet.support is None
 
 
 def _upset(motion: AssessedMotion) -> bool:

@@ -207,27 +207,18 @@ def _fatal_ratio(sheet: Sheet, values: dict[str, float], direction: int, most: f
 
     With Ω and R̃ multiplied alike every motion is; and beyond some force against the motion none ends in vibration.
     """
-    if sheet.contact is not None or sheet.support is not None or sheet.friction.curve is not None:
+    if not sheet.stiff or sheet.friction.curve is not None:
         return None
     speed, weight = values["speed_high"], values["mass"] * GRAVITY * math.sin(values["tilt"])
-
-    def size(ratio: float) -> float | None:
-        """What the drive tolerates [rad/s]; None where that is not known, or is nothing as without damping."""
-        force = direction * speed * (ratio - drag) - weight
-        return tolerated_perturbation(sheet, values, (direction, speed, force))[0] or None
-
     low, high = 1e-4 * most, most
-    ends = size(low), size(high)
-    if None in ends:
-        return None
-    if ends[0] == math.inf or ends[1] < math.inf:
-        return 0.0 if ends[0] == math.inf else most
     for _ in range(12):
-        middle = math.sqrt(low * high)
-        if (found := size(middle)) is None:
+        ratio = math.sqrt(low * high)
+        force = direction * speed * (ratio - drag) - weight
+        size, _ = tolerated_perturbation(sheet, values, (direction, speed, force))
+        if not size:  # not known, or zero as nothing damps the drive
             return None
-        low, high = (middle, high) if found < math.inf else (low, middle)
-    return low
+        low, high = (low, ratio) if size == math.inf else (ratio, high)
+    return high
 
 
 def _boundaries(

@@ -63,7 +63,7 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
         given=sheet.paths(),
         spread=assessment.uncertainty,
         worst=assessment.worst.vibration,
-        summary=f"{_summary(assessment)}{_unknown(assessment)}",
+        summary=_summary(assessment),
         causes=[_cause(assessment, name) for name in (*names, "after_perturbation")],
         names=names,
         vibrates=any(found[name].occurs for name in names),
@@ -121,14 +121,6 @@ def _summary(assessment: Assessment) -> str:
     return (
         f"The nearest cause of vibration is {SHORT[one.name]}: it would set in with the "
         f"{IN_WORDS[row.quantity]} {change(row.factor)}, {shown(row.value, UNITS[row.quantity])}.{absent}"
-    )
-
-
-def _unknown(assessment: Assessment) -> str:
-    """A sentence if it is not known whether a steady drive withstands perturbations."""
-    open_question = assessment.mechanisms["after_perturbation"].occurs is None
-    return " Whether a perturbation can start vibration is not known." * (
-        open_question and assessment.verdict.startswith("steady")
     )
 
 
