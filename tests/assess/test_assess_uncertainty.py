@@ -145,4 +145,4 @@ def test_what_the_basin_does_not_cover_is_not_known():
     assert as_json(found)["after_perturbation"] == {"possible": None, "probability": None, "interval": None}
     page = report(found, charts(given, found.values))
     assert "Whether a perturbation can start vibration is not known." in page
-    assert {KINDS[k] for k in np.unique(charts(given, found.values)[0].kind)} >= {"after_a_perturbation_not_known"}
+    assert {KINDS[k] for k in np.unique(charts(given, found.values)[0].kind)} >= {"steady_when_left_alone"}

@@ -140,7 +140,7 @@ def sensitivities(sheet: Sheet, values: Mapping[str, float]) -> dict[str, dict[s
     return result
 
 
-KINDS = ("steady", "steady_until_perturbed", "after_a_perturbation_not_known", "negative_damping",
+KINDS = ("steady", "steady_until_perturbed", "steady_when_left_alone", "negative_damping",
          "kinematic_constraint", "mode_coupling", "falling_friction", "thread_contact")  # fmt: skip
 """What the chart distinguishes, by flag value."""
 
@@ -195,7 +195,7 @@ def _kinds(
     kind, maybe = np.zeros(shape, dtype=np.int8), np.broadcast_to(found["after_perturbation"] < 0, shape)
     if maybe.any():
         last = _fatal_ratio(sheet, values, direction, ratio[maybe].max(), drag)
-        upset = KINDS.index("after_a_perturbation_not_known" if last is None else "steady_until_perturbed")
+        upset = KINDS.index("steady_when_left_alone" if last is None else "steady_until_perturbed")
         kind[maybe & (ratio <= (math.inf if last is None else last))] = upset
     for name in reversed([name for name in KINDS if name in applicable(sheet)]):
         kind = np.where(np.broadcast_to(found[name], shape) < 0, KINDS.index(name), kind)
