@@ -78,6 +78,12 @@ def test_simulate(run, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["m.nc"]
 
 
+def test_zero_has_no_sign(run):
+    """The motion from steady sliding ends with w = −0 in doubles."""
+    _, out, _ = run("simulate", "--start", "u=0", "w=0", "--duration", "0.5", "--out", "m.nc")
+    assert "final state: u = 0, w = 0, slip" in out
+
+
 def test_simulate_from_a_scene_file(run, tmp_path):
     (tmp_path / "scene.yaml").write_text(
         "drive: {mass: 11, support_damping: 1.0e-3, axial_force: -10}\nstart: {u: 0.1, w: 0}\nduration: 9\n"

@@ -1,7 +1,9 @@
 """What the explorer computes and says without a browser: views, links, presets, exports."""
 
+import http.client
 import math
 import random
+import re
 import subprocess
 import sys
 from urllib.parse import parse_qsl
@@ -128,3 +130,21 @@ def refusal(*arguments: str, before: str = "") -> str:
     done = subprocess.run([sys.executable, "-c", program, *arguments], capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (2, "")
     return done.stderr
+
+
+def test_a_browser_may_call_this_machine_by_name_or_number():
+    """The page comes to life over a socket, which its server opens to pages of its own address alone."""
+    pytest.importorskip("bokeh")
+    from bokeh.util.token import generate_jwt_token
+
+    command = [sys.executable, "-m", "lsvib", "explore", "--no-show", "--port", "0"]
+    socket = {"Connection": "Upgrade", "Upgrade": "websocket", "Sec-WebSocket-Version": "13", "Sec-WebSocket-Key": "x"}
+    socket["Sec-WebSocket-Protocol"] = f"bokeh, {generate_jwt_token('any')}"
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        port = int(re.search(r"localhost:(\d+)/", process.stdout.readline()).group(1))
+        for host, answer in (("localhost", 101), ("127.0.0.1", 101), ("elsewhere.org", 403)):
+            connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
+            connection.request("GET", "/ws", headers={**socket, "Origin": f"http://{host}:{port}"})
+            assert connection.getresponse().status == answer
+            connection.close()
+        process.terminate()

@@ -42,6 +42,10 @@ _KINDS = {  # of quantities, by the unit in which the package counts them, each 
 _TEXT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s(+\-][^+]*)?\s*")
 _UNIT = re.compile(r"[A-Za-z_µμ°²³%*/^·() 0-9.\-]{1,40}")  # the longest sensible one has a dozen characters
 
+_POWER = re.compile(
+    r"(?:\^|\*\*) ?\(?-?\d{1,2}\)?(?![\d.^(]| ?\*\*)"
+)  # others, and powers of powers, take pint for ever
+
 
 class NotQuantity(ValueError):
     """A value is not a quantity of the kind that is needed; the sentence has no name yet."""
@@ -71,7 +75,7 @@ def quantity(value: Any, *units: str) -> tuple[float, str]:
         raise NotQuantity(f"= {shown(value)} has no unit; write it with one, such as {_KINDS[units[0]][1]}")
     if unit == "%" and "" in units:
         return float(Decimal(match[1]).scaleb(-2)), ""  # 0.999 for 99.9 %, which a division would miss
-    if not _UNIT.fullmatch(unit):
+    if not _UNIT.fullmatch(unit) or re.search(r"\^|\*\*", _POWER.sub("", unit)):
         raise NotQuantity(f"= {shown(value)} is not {_wanted(units)}")
     return _converted(figure, unit, units, value)
 

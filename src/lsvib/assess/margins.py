@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.assess.drive import GRAVITY
+from lsvib.assess.drive import GRAVITY, without_friction
 from lsvib.assess.fields import LARGEST_HALF_ANGLE
 from lsvib.assess.mechanisms import NAMES, applicable, corners, directions, drive_of, reserves, worst
 from lsvib.assess.sheet import Sheet
+from lsvib.assess.vibration import tolerated_perturbation
 from lsvib.errors import EngineError, InputError
 from lsvib.stability.force_thresholds import threshold_force
 
@@ -139,8 +140,8 @@ def sensitivities(sheet: Sheet, values: Mapping[str, float]) -> dict[str, dict[s
     return result
 
 
-KINDS = ("steady", "steady_until_perturbed", "negative_damping", "kinematic_constraint", "mode_coupling",
-         "falling_friction", "thread_contact")  # fmt: skip
+KINDS = ("steady", "steady_until_perturbed", "steady_when_left_alone", "negative_damping",
+         "kinematic_constraint", "mode_coupling", "falling_friction", "thread_contact")  # fmt: skip
 """What the chart distinguishes, by flag value."""
 
 _BOUNDARIES = {
@@ -188,10 +189,36 @@ def _kinds(
     """Flag of the first mechanism in the order of :data:`KINDS` that occurs at each point (force, speed)."""
     found = reserves(sheet, values, direction, turning[None, :], force[:, None])
     shape = (force.size, turning.size)
-    kind = np.where(np.broadcast_to(found["after_perturbation"], shape) < 0, KINDS.index("steady_until_perturbed"), 0)
+    p = without_friction(values, direction, turning[None, :], force[:, None])
+    drag = p["pitch_radius"] * np.tan(p["lead_angle"]) * p["translation_damping"]
+    ratio = np.abs(p["axial_force"] - drag * p["input_speed"]) / turning  # |R̃ / Ω|
+    kind, maybe = np.zeros(shape, dtype=np.int8), np.broadcast_to(found["after_perturbation"] < 0, shape)
+    if maybe.any():
+        last = _fatal_ratio(sheet, values, direction, ratio[maybe].max(), drag)
+        upset = KINDS.index("steady_when_left_alone" if last is None else "steady_until_perturbed")
+        kind[maybe & (ratio <= (math.inf if last is None else last))] = upset
     for name in reversed([name for name in KINDS if name in applicable(sheet)]):
         kind = np.where(np.broadcast_to(found[name], shape) < 0, KINDS.index(name), kind)
     return kind.astype(np.int8)
+
+
+def _fatal_ratio(sheet: Sheet, values: dict[str, float], direction: int, most: float, drag: float) -> float | None:
+    """The |R̃ / Ω| up to ``most`` [N s/rad] below which a perturbation starts vibration, to 0.3 %; None if not known.
+
+    With Ω and R̃ multiplied alike every motion is; and beyond some force against the motion none ends in vibration.
+    """
+    if not sheet.stiff or sheet.friction.curve is not None:
+        return None
+    speed, weight = values["speed_high"], values["mass"] * GRAVITY * math.sin(values["tilt"])
+    low, high = 1e-4 * most, most
+    for _ in range(12):
+        ratio = math.sqrt(low * high)
+        force = direction * speed * (ratio - drag) - weight
+        size, _ = tolerated_perturbation(sheet, values, (direction, speed, force))
+        if not size:  # not known, or zero as nothing damps the drive
+            return None
+        low, high = (low, ratio) if size == math.inf else (ratio, high)
+    return high
 
 
 def _boundaries(

@@ -24,6 +24,7 @@ WIDTH = 3.7  # inch: on a phone one to one
 _COLOURS = {
     "steady": "#E8F3EC",
     "steady_until_perturbed": "#F5EFC8",
+    "steady_when_left_alone": "#EDE4F2",
     "negative_damping": style.ORANGE,
     "kinematic_constraint": style.VERMILION,
     "mode_coupling": style.PURPLE,

@@ -143,22 +143,29 @@ def _cause(assessment: Assessment, name: str) -> tuple[Any, ...]:
     """A row of the table of causes."""
     one, perturbed = assessment.mechanisms[name], name == "after_perturbation"
     best = next((row for row in one.margins if row.factor is not None), None)
-    if perturbed and one.occurs != (one.reserve < 0):  # by its motions, of which the reserve knows nothing
-        margin = "not known"
+    if perturbed and (
+        one.probability is None or (best is None and one.occurs) or bool(one.occurs) != (one.reserve < 0)
+    ):
+        margin = "not known"  # its motions decide, of which the reserve knows only what is necessary
     elif best is None:
         margin = f"no single change {'ends it' if one.occurs else 'brings it about'}"
     else:
-        margin = f"the {IN_WORDS[best.quantity]} {change(best.factor)} {'ends' if one.occurs else 'starts'} it"
-    verdict: Any = "does not occur"
+        margin = f"the {IN_WORDS[best.quantity]} {change(best.factor)}"
+        margin = (
+            f"none before {margin}"
+            if perturbed and not one.occurs
+            else f"{margin} {'ends' if one.occurs else 'starts'} it"
+        )
+    verdict: Any = "not known" if one.occurs is None else "does not occur"
     if one.occurs:
         place, verdict = _where(one, assessment), Markup("<b>occurs</b>")
-        if perturbed and (assessment.sheet.contact is not None or assessment.sheet.support is not None):
-            how = "computed with stiff threads and support" if one.reserve < 0 else "found by perturbed motions"
-            place, verdict = f"{how}; {place}", "possible"
+        if perturbed and one.probability is None:
+            place, verdict = f"found by a perturbed motion; {place}", "possible"
         verdict = (verdict, place)
-    most = "at most " if perturbed and one.probability > 0 else ""  # beyond some force none does
-    spread = "" if one.interval[0] == one.interval[1] else f" (95 % sure: {_interval(one.interval)})"
-    return MECHANISMS[name], verdict, f"{most}{percent(one.probability)}{spread}", signed(one.reserve, 2), margin
+    spread = "" if one.interval is None or one.interval[0] == one.interval[1] else _interval(one.interval)
+    share = "not known" if one.probability is None else percent(one.probability)
+    share += f" (95 % sure: {spread})" if spread else ""
+    return MECHANISMS[name], verdict, share, signed(one.reserve, 2), margin
 
 
 def _end_in_words(motion: AssessedMotion, start: str) -> str:

@@ -199,6 +199,11 @@ class Sheet(_Part):
         found = {path for path, _ in self.entries()}
         return found | {path.partition(".")[0] for path in found}
 
+    @property
+    def stiff(self) -> bool:
+        """Whether all parts are rigid; the basin of such drives is known."""
+        return self.contact is None and self.support is None
+
     @cached_property
     def spreads(self) -> dict[str, Spread]:
         """The quantities that are given, by name."""

@@ -4,7 +4,7 @@ The samples are points of one scrambled Sobol sequence.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -21,20 +21,25 @@ from lsvib.assess.drive import (
 )
 from lsvib.assess.mechanisms import worst
 from lsvib.assess.sheet import Sheet
+from lsvib.assess.vibration import most_perturbed
 from lsvib.errors import InputError
 
 BLOCK = 2**12  # samples at once: few enough for the processor's caches, many enough for NumPy
 BINS = np.linspace(-1.0, 1.0, 41)  # edges of the classes of reserve [1] that samples are counted in
+ASKED = 128  # drives whose basins are asked, some 5 ms a corner of the window
 # Lowest reserve [1] of a mechanism within the uncertainties, and the place (d) of the unit cube that has it.
 WorstCase = tuple[float, NDArray[np.float64]]
 
 
 @dataclass(frozen=True)
 class Probability:
-    """How often a mechanism occurs: ``value`` [1] and its confidence ``interval`` [1]; ``counts`` by reserve."""
+    """How often a mechanism occurs: ``value`` [1] and its confidence ``interval`` [1]; ``counts`` by reserve.
 
-    value: float
-    interval: tuple[float, float]
+    Both None where that is not known.
+    """
+
+    value: Any  # float
+    interval: Any  # tuple of floats
     counts: NDArray[np.int64]
 
 
@@ -43,7 +48,8 @@ class Uncertainty:
     """What the samples say: ``samples``, ``probability`` by mechanism, ``any`` of them, and the worst ``share``s.
 
     ``first_order`` and ``total``: Sobol indices [1] by mechanism and entry, absent where a reserve does not vary.
-    ``lowest``: the shares (d) of the sample with the lowest reserve of each mechanism. ``holds``: how often the thread
+    ``lowest``: the shares (d) of the sample with the lowest reserve of each mechanism, ``upset`` of the one that
+    tolerates the smallest perturbation, None if all that were asked tolerate any. ``holds``: how often the thread
     is self-locking (no ``counts``), and ``lifting`` the lowest and highest lifting efficiency [1] of the samples.
     """
 
@@ -53,6 +59,7 @@ class Uncertainty:
     first_order: dict[str, dict[str, float]]
     total: dict[str, dict[str, float]]
     lowest: dict[str, NDArray[np.float64]]
+    upset: NDArray[np.float64] | None
     holds: Probability
     lifting: tuple[float, float]
 
@@ -97,13 +104,18 @@ def study(sheet: Sheet, samples: int, seed: int) -> Uncertainty:
     lifting = np.broadcast_to(lifting_efficiency(coefficient, angle), points.shape[1:])
     lowering = np.broadcast_to(lowering_efficiency(coefficient, angle), points.shape[1:])
     unstable = np.any([reserve < 0 for name, reserve in found.items() if name != "after_perturbation"], axis=0)
+    chances = {name: _probability(reserve < 0, bool(entries), reserve) for name, reserve in found.items()}
+    chances["after_perturbation"], upset = _perturbed(
+        sheet, points, chances["after_perturbation"], found["after_perturbation"]
+    )
     return Uncertainty(
         samples=points.shape[1],
-        probability={name: _probability(reserve < 0, bool(entries), reserve) for name, reserve in found.items()},
+        probability=chances,
         any=_probability(unstable, bool(entries)),
         first_order=first,
         total=whole,
         lowest={name: points[:, np.argmin(reserve)] for name, reserve in found.items()},
+        upset=upset,
         holds=_probability(lowering <= 0, bool(entries)),
         lifting=(float(lifting.min()), float(lifting.max())),
     )
@@ -113,9 +125,41 @@ def _probability(hits: NDArray[np.bool_], random: bool, reserve: Any = ()) -> Pr
     """A share with the interval of Clopper and Pearson (docs/assess.md); 0 or 1 if nothing is uncertain."""
     count = np.count_nonzero(hits)
     share = count / hits.size
-    ends = binomtest(count, hits.size).proportion_ci(0.95, "exact")
-    interval = (float(ends.low), float(ends.high)) if random else (share, share)
+    interval = _ends(count, hits.size, 0.95) if random else (share, share)
     return Probability(share, interval, np.histogram(np.clip(reserve, -1.0, 1.0), BINS)[0])
+
+
+def _ends(hits: int, count: int, level: float = 0.975) -> tuple[float, float]:
+    """The interval of Clopper and Pearson of a share."""
+    ends = binomtest(hits, count).proportion_ci(level, "exact")
+    return float(ends.low), float(ends.high)
+
+
+def _perturbed(
+    sheet: Sheet, points: NDArray[np.float64], may: Probability, reserve: NDArray[np.float64]
+) -> tuple[Probability, NDArray[np.float64] | None]:
+    """How often a perturbation starts vibration, and the shares of the drive that the smallest one upsets.
+
+    By the basins of the first drives that ``may`` vibrate: those with a negative reserve. The interval is that of the
+    share of these times that of the upset among them, each of 97.5 %; drives that are not known widen it.
+    """
+    if not sheet.stiff:
+        return replace(may, value=None, interval=None), None
+    candidates = np.flatnonzero(reserve < 0)
+    if not candidates.size:
+        return may, None
+    answers = []
+    for k in candidates[:ASKED]:
+        found = quantities(sheet, draw_of(sheet, points[:, k, None]))
+        answers.append((k, *most_perturbed(sheet, {key: float(np.ravel(value)[0]) for key, value in found.items()})))
+    hits, asked = sum(answer is True for _, answer, *_ in answers), len(answers)
+    unknown = sum(answer is None for _, answer, *_ in answers)
+    value = candidates.size / reserve.size * hits / (asked - unknown) if unknown < asked else None
+    first = points[:, min(answers, key=lambda answer: answer[2])[0]] if hits else None
+    if reserve.size == 1:
+        return replace(may, value=value, interval=None if value is None else (value, value)), first
+    among, share = (_ends(hits, asked)[0], _ends(hits + unknown, asked)[1]), _ends(candidates.size, reserve.size)
+    return replace(may, value=value, interval=(among[0] * share[0], among[1] * share[1])), first
 
 
 def _indices(sheet: Sheet, entries: list[str], names: list[str], count: int, seed: int) -> tuple[dict, dict]:

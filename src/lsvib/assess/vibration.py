@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.assess.mechanisms import DRIVES, drive_of
+from lsvib.assess.mechanisms import DRIVES, corners, drive_of, reserves
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.words import shown
 from lsvib.basins.boundary import AttractsNothing, basin
@@ -23,6 +23,7 @@ from lsvib.models.mechanics import coefficients
 from lsvib.models.model import Model, find_model
 from lsvib.models.rigid import rigid_automaton
 
+UNDECIDED = ("neutral family", "unresolved", "unknown")  # ends of motions that neither settle nor certainly vibrate
 _NUDGE = 1e-3  # of the speed: how far from steady sliding a motion starts that shows whether it is stable
 STRONG = 5.0  # times the speed: a perturbation that counts as strong, and the largest that has to be tried
 _SAMPLES = 1200  # of the motion shown: 200 a period, more than the page has dots for
@@ -200,6 +201,28 @@ def tolerated_perturbation(
     if found > 1e4 * abs(drive.input_speed):  # more than a drive meets
         return math.inf, "Steady sliding is reached again after any sudden change of the screw's speed."
     return found, "A larger sudden change of the screw's speed ends in vibration that goes on."
+
+
+def most_perturbed(
+    sheet: Sheet, values: Mapping[str, float]
+) -> tuple[bool | None, float, tuple[int, float, float] | None]:
+    """Return whether a perturbation starts vibration of the drive with rigid parts, the smallest, and its corner.
+
+    Asked is the exact basin at every corner of the window where Γ₊ or C₊ is negative, as none does without (docs);
+    where it is not known, a motion after a strong perturbation. None if that does not show it either. The smallest is
+    in rad/s, infinite if there is none.
+    """
+    places = [place for place in corners(sheet, values) if reserves(sheet, values, *place)["after_perturbation"] < 0]
+    sizes: dict[tuple[int, float, float], float | None] = {}
+    for place in dict.fromkeys((int(direction), float(speed), float(force)) for direction, speed, force in places):
+        size = tolerated_perturbation(sheet, values, place)[0]
+        if not size:  # not known, or a drive that nothing damps
+            strong = vibration(sheet, values, place, perturbation=-STRONG).attractor
+            size = None if strong in ("steady sliding", *UNDECIDED) else STRONG * place[1]
+        sizes[place] = size
+    known = {place: size for place, size in sizes.items() if size is not None}
+    size, first = min(((size, place) for place, size in known.items()), default=(math.inf, None))
+    return (True if size < math.inf else None if len(known) < len(sizes) else False), size, first
 
 
 def tolerated_by_trial(

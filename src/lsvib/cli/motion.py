@@ -69,9 +69,7 @@ def sweep(
     from lsvib.datasets.sweep import summary
 
     files = options.Files(out)
-    for axis in over:
-        if axis.key in drive.values():
-            raise InputError(f"{axis.key} is given by --over and by --set; give it once.")
+    drive.refuse(*over)
     begin, wanted = perf_counter(), dict(start) if start else None
     found = drive.drive().sweep(
         start=wanted, resume=resume, workers=workers, progress=ProgressLine("points"),

@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from lsvib import numbers
-from lsvib.basins.grid import Axis
+from lsvib.basins.grid import MOST_CELLS, Axis
 from lsvib.datasets.attributes import (
     VARIED,
     Variable,
@@ -36,7 +36,6 @@ from lsvib.numbers import Progress
 from lsvib.stability.curves import LOGARITHMIC, ChartBoundary, boundary_curves
 
 Curves = dict[ChartBoundary, list[np.ndarray]]
-_MOST = 100_000_000  # cells, of which each takes some hundred bytes while it is computed
 
 
 class ChartAxis(Axis):
@@ -100,8 +99,8 @@ class Plane:
         plane = cls(drive, ChartAxis.of(drive, "x", x), ChartAxis.of(drive, "y", y))
         if plane.x.name == plane.y.name:
             raise InputError(f"x and y are both {plane.x.name}; a chart needs two parameters.")
-        if plane.x.count * plane.y.count > _MOST:
-            raise InputError(f"the chart has more than {_MOST} cells; take fewer.")
+        if plane.x.count * plane.y.count > MOST_CELLS:
+            raise InputError(f"the chart has more than {MOST_CELLS} cells; take fewer.")
         return plane
 
     @property

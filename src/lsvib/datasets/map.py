@@ -14,7 +14,7 @@ import xarray as xr
 from lsvib import numbers
 from lsvib.basins.boundary import known_basin
 from lsvib.basins.curves import Window
-from lsvib.basins.grid import Grid, coordinates
+from lsvib.basins.grid import MOST_CELLS, Grid, coordinates
 from lsvib.basins.mapper import NO_DOUBT, Mapper, mapper
 from lsvib.datasets import phase_plane
 from lsvib.datasets.attributes import (
@@ -60,6 +60,10 @@ def map_attraction(
     """Map the region of attraction of a drive as ``drive.attraction(…)``; the seconds are without compiling."""
     at_once = numbers.workers(workers)
     starts = _grid(grid)
+    if (total := starts.x.count * starts.y.count) > MOST_CELLS:
+        raise InputError(
+            f"grid has {total} cells; the allowed range is up to {MOST_CELLS}, or the tiles of the workflow."
+        )
     mapped = mapper(drive, drive.model, resume=rule(resume))
     if isinstance(quantities, str) or not isinstance(quantities, Sequence):
         raise InputError(f"quantities = {numbers.shown(quantities)} is not a list of names.")

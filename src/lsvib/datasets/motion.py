@@ -151,7 +151,7 @@ def summary(scene: Scene, motion: Motion, steady: SteadyState | None = None) -> 
         "model": scene.model,
         "duration": scene.duration,
         "final_state": {
-            **dict(zip(keys, motion.end_state.tolist(), strict=True)),
+            **dict(zip(keys, (motion.end_state + 0.0).tolist(), strict=True)),
             "mode": definition.modes(int(automaton.codes[motion.end_mode])).name.lower(),
         },
         "events": {event.name.lower(): int(counts[event]) for event in definition.events if counts[event]},

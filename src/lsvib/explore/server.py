@@ -89,6 +89,7 @@ def make_server(port: int) -> Server:
     except OSError as error:
         reason = "another program uses it" if error.errno == errno.EADDRINUSE else error.strerror
         raise InputError(f"port = {port} cannot be used: {reason}; take another one with --port.") from None
+    server._tornado.websocket_origins.add(f"127.0.0.1:{server.port}")  # besides localhost; the port is known only now
     return server
 
 
