@@ -166,10 +166,10 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         ),
         Check.holds(
             "34.5 N and 46.5 N lie farther from the computed values than the rounding of the values with three digits "
-            "and their own explains",
+            "and their own explains: they agree to 2 % and 1 % only, as read from an axis",
             "Table 8.1, Sect. 8.5.1, Fig. 8.6",
             f"{words[stick]}; {words[detach]}",
-            (residual > allowed)[[stick, detach]].all(),
+            (residual > allowed)[[stick, detach]].all() and residual[stick] < 0.02 and residual[detach] < 0.01,
         ),
         newton.touching_check(dataset.isel(threshold=detach), 1, dataset.computed_detach_force, "Detach force"),
         Check.holds(
