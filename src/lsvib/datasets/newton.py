@@ -56,7 +56,7 @@ def residual(motion: xr.Dataset) -> float:
             needed, limit = np.abs(states @ friction), p["friction_coefficient"] * np.abs(force)
             last = np.setdiff1d(here + 1, [*here, time.size - 1])  # where a rest ends
             excess = np.append((needed - limit)[ends], np.abs(needed - limit)[last])
-            worst.append(np.maximum(excess, 0) / needed[ends].max())
+            worst.append(np.maximum(excess, 0) / np.abs(force).max())
     return float(np.max([values.max(initial=0.0) for values in worst]))  # NaN if a sample is
 
 
@@ -93,7 +93,7 @@ def effective(p: Mapping[str, float], law: int) -> tuple[float, float]:
     return inertia, -field[1, 1] * inertia
 
 
-def touching_force(p: Mapping[str, float], law: int) -> float:
+def touching_force(p: Mapping[str, float], law: int) -> Any:
     """Return the axial force [N] at which the slip that follows rest, under the law of steady sliding, touches N = 0.
 
     Ω > 0. The slip, less steady sliding, does not depend on the force; so one motion, in 4000 samples a turn, gives it.
@@ -148,7 +148,7 @@ def _exponentials(field: np.ndarray, spans: np.ndarray) -> np.ndarray:
     return total
 
 
-def _steady_deflection(p: Mapping[str, float]) -> float:
+def _steady_deflection(p: Mapping[str, float]) -> Any:
     """z_0 [rad]: θ″ = 0 at the input speed, where the screw carries R less the drag of the nut."""
     lead = p["pitch_radius"] * np.tan(p["lead_angle"])
     push = p["axial_force"] - lead * p["translation_damping"] * p["input_speed"]
@@ -156,7 +156,7 @@ def _steady_deflection(p: Mapping[str, float]) -> float:
     return -(field[1, 1] * p["input_speed"] + field[1, 2]) / field[1, 0]
 
 
-def _jumps(before: np.ndarray, after: np.ndarray) -> np.ndarray:
+def _jumps(before: np.ndarray, after: np.ndarray) -> Any:
     """Differences of states across events; a speed may drop to zero (seizure)."""
     jumps = np.abs(after - before)
     jumps[:, 1] = np.minimum(jumps[:, 1], np.abs(after[:, 1]))
