@@ -83,7 +83,10 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
     lowering = float(lowering_efficiency(friction, angle))
     nominal = _motion(sheet, _critical(found), entries)
     if not any(one.occurs for one in found.values()) and _upset(nominal):
-        found["after_perturbation"] = _possible(found["after_perturbation"], nominal, spread)
+        sure: dict[str, Any] = {"probability": 1.0, "interval": (1.0, 1.0)} if spread.samples == 1 else {}
+        found["after_perturbation"] = replace(
+            found["after_perturbation"], occurs=True, corner=nominal.corner, **sure
+        )  # as the motion shows it, whatever its reserve says
     worst_motion = _worst_motion(sheet, found, cases) if cases else nominal
     return Assessment(
         sheet=sheet,
@@ -137,15 +140,13 @@ def _mechanisms(
     for name, one in lowest.items():
         corner = _corner(places, one)
         share, interval = spread.probability[name].value, spread.probability[name].interval
-        occurs = bool(one.reserve[0] < 0)
+        reserve = float(one.reserve[0])
+        occurs = reserve < 0
         if name == "after_perturbation" and occurs and sheet.support is None:
             occurs, corner = _most_perturbed(sheet, values, places, corner)
         if spread.samples == 1:  # nothing is uncertain
             share, interval = float(occurs), (float(occurs), float(occurs))
-        found[name] = Mechanism(
-            name, occurs, float(one.reserve[0]), corner,
-            share, interval, edges[name], slopes[name],
-        )  # fmt: skip
+        found[name] = Mechanism(name, occurs, reserve, corner, share, interval, edges[name], slopes[name])
     return found
 
 
@@ -178,12 +179,6 @@ def _upset(motion: AssessedMotion) -> bool:
     if end in ("neutral family", "unresolved", "unknown"):  # it neither settles nor certainly vibrates
         return fatal and size > 0
     return fatal or end != "steady sliding"
-
-
-def _possible(one: Mechanism, nominal: AssessedMotion, spread: Uncertainty) -> Mechanism:
-    """Vibration after a perturbation as the motion at the middle values shows it, whatever its reserve says."""
-    one = replace(one, occurs=True, corner=nominal.corner)
-    return replace(one, probability=1.0, interval=(1.0, 1.0)) if spread.samples == 1 else one
 
 
 def _verdict(

@@ -68,11 +68,9 @@ def _scaled(sheet: Sheet, values: Mapping[str, Any], keys: tuple[str, ...], fact
 
 def _occurs(sheet: Sheet, values: Mapping[str, Any], keys: tuple[str, ...], factors: NDArray) -> dict[str, NDArray]:
     """Whether each mechanism occurs (1, 0, or −1 where the drive cannot move), for factors (n)."""
-    found = worst(sheet, _scaled(sheet, values, keys, factors))
-    shape = factors.shape
     occurs = {
-        name: np.broadcast_to(np.where(np.isnan(one.reserve), -1, (one.reserve < 0).astype(int)), shape)
-        for name, one in found.items()
+        name: np.broadcast_to(np.where(np.isnan(one.reserve), -1, one.reserve < 0), factors.shape)
+        for name, one in worst(sheet, _scaled(sheet, values, keys, factors)).items()
     }
     own = np.stack([flags for name, flags in occurs.items() if name in NAMES])
     return {**occurs, ANY: np.where(own[0] < 0, -1, own.max(axis=0))}
@@ -81,8 +79,7 @@ def _occurs(sheet: Sheet, values: Mapping[str, Any], keys: tuple[str, ...], fact
 def margins(sheet: Sheet, values: Mapping[str, float]) -> dict[str, list[Margin]]:
     """Return for each mechanism, and for :data:`ANY` of them, the margin in every quantity, the smallest change first.
 
-    By a scan in steps of 1.2 % on either side, and finer ones between the two steps where the verdict changes. A change
-    to a drive that cannot move at all (μ ≥ cot λ) does not count.
+    A change to a drive that cannot move at all (μ ≥ cot λ) does not count.
     """
     result: dict[str, list[Margin]] = {}
     per_decade = 200  # steps of 1.2 %; a narrower island of stability between two is not seen
@@ -128,8 +125,8 @@ def _edge(
 def sensitivities(sheet: Sheet, values: Mapping[str, float]) -> dict[str, dict[str, float]]:
     """Return for each mechanism the change of its reserve [1] per relative change of each quantity, dρ/d ln q.
 
-    At the corner of the window where the reserve is lowest. The derivative is that of the closed forms, exact to
-    rounding, by a complex step: ρ(q (1 + ih)) = ρ + i h dρ/d ln q + O(h²), with nothing to cancel.
+    At the corner of the window where the reserve is lowest, by a complex step: ρ(q (1 + ih)) = ρ + i h dρ/d ln q +
+    O(h²), with nothing to cancel.
     """
     lowest, step = worst(sheet, values), 1e-30  # the square of the step, relative, lies far below rounding
     result: dict[str, dict[str, float]] = {name: {} for name in lowest}
@@ -200,10 +197,9 @@ def _kinds(
 def _boundaries(
     sheet: Sheet, values: dict[str, float], direction: int, turning: NDArray, weight: float
 ) -> dict[str, NDArray]:
-    """Forces at which the motion changes its kind, from the thresholds of the rigid drive.
+    """Forces at which the motion of the rigid drive changes its kind; none with friction that depends on speed.
 
-    All of them are proportional to Ω: with Ω and R multiplied alike, every motion of the drive is multiplied alike. So
-    one threshold gives a line. With friction that depends on speed they are left out.
+    With Ω and R multiplied alike, every motion of the drive is multiplied alike. So one threshold gives a line.
     """
     if values["friction_slope"] != 0 or sheet.friction.curve is not None:
         return {}

@@ -177,11 +177,9 @@ def _speeds(orbit: Motion, row: NDArray[np.float64]) -> tuple[float, float]:
 def tolerated_perturbation(
     sheet: Sheet, values: Mapping[str, float], corner: tuple[int, Any, Any]
 ) -> tuple[float | None, str]:
-    """Smallest sudden change of the screw's speed [rad/s], as a size, after which steady sliding does not come back.
+    """Return the sudden change of the screw's speed [rad/s] that the rigid drive tolerates, and a sentence.
 
-    By the boundary of the region of attraction of the rigid drive, in closed form
-    (:func:`lsvib.basins.resilience.largest_tolerated`). Returns the change, infinite if motion comes back from any,
-    zero if steady sliding is unstable, None if it is not known; and a sentence.
+    Infinite if motion comes back from any, zero if steady sliding is unstable, None if it is not known.
     """
     drive = drive_of(sheet, values, *corner)
     try:
@@ -207,11 +205,9 @@ def tolerated_perturbation(
 def tolerated_by_trial(
     sheet: Sheet, values: Mapping[str, float], corner: tuple[int, Any, Any], stiff: float | None
 ) -> tuple[float | None, str]:
-    """The same with the compliant threads of the sheet, by motions after perturbations of either sign, without proof.
+    """Return the same of compliant threads, by motions after perturbations of either sign, without proof.
 
-    ``stiff``: the largest change of speed [rad/s] that the drive with stiff threads tolerates, around which others are
-    tried. Returns the largest one below which all that were tried come back, infinite if all do, None if a motion does
-    not decide it; and a sentence.
+    ``stiff``: what the drive with stiff threads tolerates [rad/s], around which others are tried.
     """
     drive = drive_of(sheet, values, *corner, "contact")
     definition = find_model(drive.model)

@@ -62,8 +62,6 @@ def sweep(
 
         lsvib sweep --set translation_damping=1000 --over axial_force=1:60:200 --json
 
-        lsvib sweep --over mass=1:20:100 --over axial_force=-60:60:100 --workers 2 --out chart.nc
-
         lsvib sweep --model threads --set mass=11 --over contact_damping=1e7:1e8:100 --workers 2
     """
     from time import perf_counter

@@ -130,7 +130,8 @@ def product_of(drive: Drive, axes: Mapping[str, Sequence[float]]) -> ManyDrives:
     for name, values in axes.items():
         other, extreme = _COUPLED.get(name, ("", max))
         beside = {other: extreme(axes[other])} if other in axes else {}
-        for value in values:
+        signs = ([x for x in values if np.sign(x) == sign] for sign in (-1, 0, 1))
+        for value in (end(part) for part in signs if part for end in (min, max)):  # ranges may leave out what is near 0
             drive.replace(**{name: value, **beside})
     grids = np.meshgrid(*axes.values(), indexing="ij")
     whole = dict(drive) | {name: grid.ravel() for name, grid in zip(axes, grids, strict=True)}

@@ -41,7 +41,7 @@ class Export(RequestHandler):
             self.set_header("Content-Type", "text/plain; charset=utf-8")
             self.write(str(error))
             return
-        self.set_header("Content-Type", EXPORTS[name][1])
+        self.set_header("Content-Type", EXPORTS[name])
         self.set_header("Content-Disposition", f'attachment; filename="{name}"')
         self.write(content)
 

@@ -1,6 +1,6 @@
 """Chart over two parameters: what the drive does as colour, the exact curves on top, each with its name.
 
-The rule `chart` of the workflow makes its dataset in tiles (:mod:`lsvib.datasets.chart`).
+The rule `chart` of the workflow makes its dataset (:mod:`lsvib.datasets.chart`).
 """
 
 from typing import Any, Literal
@@ -50,7 +50,6 @@ class Settings(FigureSettings):
     drive: dict[str, float] = Field(description="Changes of the model's drive; lsvib checks keys and ranges.")
     x: ParameterCells = Field(description="Along the columns.")
     y: ParameterCells = Field(description="Along the rows.")
-    tiles: int = Field(ge=1, le=100_000, description="Number of tiles; at least one cell in each.")
 
 
 @style.styled

@@ -4,7 +4,6 @@ Also the coefficients that Sect. 8.5.1 prints, for both readings of the mass: it
 effective inertias of m = 8 kg.
 """
 
-from collections.abc import Sequence
 from typing import ClassVar, Self
 
 import numpy as np
@@ -13,6 +12,7 @@ from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from lsvib.datasets import newton, phase_plane, printed, spans
+from lsvib.datasets.analysis import analyse, value
 from lsvib.datasets.attributes import Variables, axis, flagged, start_state, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
@@ -21,7 +21,6 @@ from lsvib.figures.settings import MassPair, PhasePlane, Span, State, Values, pa
 from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
-from lsvib.stability import force_thresholds
 
 CAPTION = """\
 Amplitude of the steady vibration against the axial force R for m = 1 kg and c_x = 1000 N s/m, with phase portraits at
@@ -42,6 +41,12 @@ _REGIMES = {  # what the drive does: colour, words
 }
 # Where the curve leaves room for insets, as fractions of the axes: left, bottom, width, height.
 _INSETS = ((0.085, 0.17, 0.21, 0.30), (0.085, 0.61, 0.235, 0.33), (0.735, 0.20, 0.245, 0.38))
+_OF = {
+    f"effective_{kind}_{sign}": f"effective_{kind}_{sign}"
+    for kind in ("inertia", "damping")
+    for sign in ("plus", "minus")
+}
+_OF |= {name: name.replace("_force", "_axial_force") for name in _THRESHOLDS}  # names in the analysis
 
 
 class Settings(PhasePlane):
@@ -63,10 +68,22 @@ class Settings(PhasePlane):
         return self
 
 
-def build(settings: Values) -> xr.Dataset:
-    """Compute the amplitude curve, its thresholds, the inset portraits, and the coefficients for both masses."""
+def _readings(settings: Values) -> list[RigidDrive]:
+    """The drive with each of the masses to which numbers of the text belong."""
+    return [RigidDrive.of(settings["drive"]).replace(mass=float(mass)) for mass in settings["mass_readings"]]
+
+
+def analysis(settings: Values) -> xr.Dataset:
+    """Analyse the drive for both readings of its mass: effective inertias and dampings, the three forces."""
+    forces = [(name, "axial_force") for name in ("onset", "stick", "detach")]
+    return analyse(_readings(settings), forces, ("mass",), ("Sect. 8.5.1",))
+
+
+def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
+    """Compute the amplitude curve between the thresholds of the analysis, and the inset portraits."""
     drive = RigidDrive.of(settings["drive"])
-    values = {name: getattr(force_thresholds, name)(drive) for name in _THRESHOLDS}
+    own = settings["mass_readings"].index(drive.mass)
+    values = {name: value(analysis[_OF[name]], own) for name in _THRESHOLDS}
     # Also at a relative distance of 1e-9 on either side of a threshold.
     beside = [value * (1 + sign * 1e-9) for value in values.values() for sign in (-1, 1)]
     forces = np.unique(np.concatenate([spans.even(settings["axial_force"]), list(values.values()), beside]))
@@ -85,7 +102,9 @@ def build(settings: Values) -> xr.Dataset:
             **{f"printed_{n}": printed.variable(chapter.THRESHOLDS[n], words[n]) for n in _THRESHOLDS},
         }
     )
-    readings = _readings([drive.replace(mass=float(m)) for m in settings["mass_readings"]])
+    readings = {
+        f"reading_{name}": ("reading_mass", analysis[of].values, analysis[of].attrs) for name, of in _OF.items()
+    }
     return planes.assign(_curve(drives, steady) | readings).assign_attrs(
         about(__doc__, "exact event-driven motion and its return map", "Sect. 8.5.1, Fig. 8.6")
     )
@@ -104,25 +123,6 @@ def _curve(drives: list[RigidDrive], steady: list[SteadyState]) -> Variables:
         "regime": flagged(dim, kinds, "what the drive does", Behaviour),
         "net_force": variable(dim, net, "N", words, r"$\tilde R$"),
     }
-
-
-def _readings(drives: Sequence[RigidDrive]) -> Variables:
-    """Effective coefficients under both laws, and the two upper thresholds, along ``reading_mass``."""
-    exact, dim, found = [coefficients(d) for d in drives], "reading_mass", {}
-    for law, sign, s in ((1, "plus", "+"), (-1, "minus", "-")):
-        inertia, damping = [float(c.gamma[law]) for c in exact], [float(c.damping[law]) for c in exact]
-        found |= {
-            f"reading_effective_inertia_{sign}": variable(
-                dim, inertia, "kg m2", f"effective inertia of law {s}", f"$\\Gamma_{s}$"
-            ),
-            f"reading_effective_damping_{sign}": variable(
-                dim, damping, "N m s rad-1", f"effective damping of law {s}", f"$C_{s}$"
-            ),
-        }
-    for name in ("stick_force", "detach_force"):
-        forces, words = [getattr(force_thresholds, name)(d) for d in drives], f"{name.replace('_', ' ')} for this mass"
-        found[f"reading_{name}"] = variable(dim, forces, "N", words, "$R$")
-    return found
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:

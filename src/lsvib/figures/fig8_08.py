@@ -8,16 +8,16 @@ from annotated_types import Gt
 from pydantic import Field
 
 from lsvib.datasets import printed, spans
+from lsvib.datasets.analysis import analyse, value
 from lsvib.datasets.attributes import CRITICAL_MASS, axis, drive_parameters, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import style
-from lsvib.figures.common import EIGENVALUE, about, existing
+from lsvib.figures.common import EIGENVALUE, about
 from lsvib.figures.settings import Damping, DriveChanges, FigureSettings, PositiveSpan, Values, several
 from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
 from lsvib.numbers import bisected
-from lsvib.stability.conditions import critical_mass
 from lsvib.stability.linear import eigenvalue_pair
 
 CAPTION = """\
@@ -40,10 +40,15 @@ class Settings(FigureSettings):
     )
 
 
-def build(settings: Values) -> xr.Dataset:
+def analysis(settings: Values) -> xr.Dataset:
+    """Analyse the drive: its critical mass."""
+    return analyse([RigidDrive.of(settings["drive"])], [("kinematic_constraint", "mass")])
+
+
+def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     """Compute both eigenvalues over the mass, the critical mass, and where the spectrum loses stability; c_x = 0."""
     drive = RigidDrive.of(settings["drive"])
-    critical = existing(critical_mass(drive))
+    critical = value(analysis.kinematic_constraint_mass)
     # Im² ε = k/Γ − C²/4Γ² of (8.18) vanishes at Γ = C²/4k, where both meet, and is largest, k²/C², at Γ = C²/2k.
     square = drive.support_damping**2 / drive.coupling_stiffness
     # Γ₊ = I (1 − m/m_cr)

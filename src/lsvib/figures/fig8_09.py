@@ -7,13 +7,13 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import newton, phase_plane, spans
+from lsvib.datasets.analysis import analyse, value
 from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
-from lsvib.figures.common import about, existing, named, spread
+from lsvib.figures.common import about, named, spread
 from lsvib.figures.settings import DriveChanges, PhasePlane, PositiveSpan, Values, several
 from lsvib.models.drive import RigidDrive
-from lsvib.stability.conditions import critical_mass
 
 CAPTION = """\
 Trajectories of the rigid drive (a) below and (b) above the critical mass; triangles on the lines point forward in time.
@@ -25,6 +25,9 @@ the force of (a) and (b).
 _SWEEP = "of the last case with another axial force, from the first start"
 
 
+_PRINTED = ("Sect. 8.6", "Sect. 8.6.1")
+
+
 class Settings(PhasePlane):
     unused: ClassVar = ("mass",)
 
@@ -32,12 +35,21 @@ class Settings(PhasePlane):
     axial_force: PositiveSpan = Field(description="R [N] over which the dependence on it is shown.")
 
 
-def build(settings: Values) -> xr.Dataset:
-    """Compute both phase planes, the critical mass and the sensitivity of case (b) to R, which the text leaves out."""
+def _drives(settings: Values) -> list[RigidDrive]:
     drive = RigidDrive.of(settings["drive"])
-    drives, critical = [drive.replace(**changes) for changes in settings["cases"]], existing(critical_mass(drive))
+    return [drive.replace(**changes) for changes in settings["cases"]]
+
+
+def analysis(settings: Values) -> xr.Dataset:
+    """Analyse both drives: on which side of the critical mass they are."""
+    return analyse(_drives(settings), [("kinematic_constraint", "mass")], ("mass",), _PRINTED)
+
+
+def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
+    """Compute both phase planes, the critical mass and the sensitivity of case (b) to R, which the text leaves out."""
+    drives, critical = _drives(settings), value(analysis.kinematic_constraint_mass)
     forces = spans.even(settings["axial_force"])
-    planes = phase_plane.portraits(settings, drives, ("mass",), ("Sect. 8.6", "Sect. 8.6.1"))
+    planes = phase_plane.portraits(settings, drives, ("mass",), _PRINTED)
     planes = planes.assign_coords(**axis("swept_axial_force", forces), critical_mass=((), critical, CRITICAL_MASS))
     return planes.assign(_sensitivity(drives[-1], forces, settings["starts"][0])).assign_attrs(
         about(__doc__, "exact event-driven motion and its return map", "Sect. 8.6.1, Fig. 8.9")

@@ -15,38 +15,40 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from lsvib.datasets import newton, phase_plane, spans
+from lsvib.datasets import newton, phase_plane
+from lsvib.datasets.analysis import analyse, value
 from lsvib.datasets.attributes import Variables, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures.common import Motion, about, flag_names, named
-from lsvib.figures.settings import MassPair, OpposingForces, PhasePlane, Span, Values
+from lsvib.figures.settings import Cells, MassPair, OpposingForces, PhasePlane, Values
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.model import RULES
 from lsvib.models.rigid import EventKind, rigid_automaton
-from lsvib.stability.force_thresholds import global_stability_force
 
 CAPTION = """\
 Trajectories under a negative axial force, c = 1e-3 N m s/rad. R = −50 N, (a) in the chapter, is on the left, attracted
 by steady sliding; R = −10 N, (b) in the chapter, on the right. Both readings of the text are shown: m = 10 kg as
-printed above, and m = 11 kg, beyond the critical mass as Sect. 8.7 assumes, below, where (d) has a limit cycle. Small
-marks are the 169 starts whose attractor was found. (e) The corner of (c) in which N = 0 and θ′ = 0 meet: if motion
-resumes at once after a seizure, as in the chapter, reverse slips and seizures follow each other without end. (f) The
-distance of the seizures from the corner falls with the ratio c a / (k Ω + c a), so that it is reached in finite time.
-By the sign of the contact force, the limit of a stiff contact, the screw rests after three. See docs/physics.md.
+printed above, and m = 11 kg, beyond the critical mass as Sect. 8.7 assumes, below, where (d) has a limit cycle. Shaded
+are starts by the attractor of their motion, as the mapper of the region of attraction finds it. (e) The corner of (c)
+in which N = 0 and θ′ = 0 meet: if motion resumes at once after a seizure, as in the chapter, reverse slips and seizures
+follow each other without end. (f) The distance of the seizures from the corner falls with the ratio c a / (k Ω + c a),
+so that it is reached in finite time. By the sign of the contact force, the limit of a stiff contact, the screw rests
+after three. See docs/physics.md.
 """
 
 _CHANGED = ("mass", "axial_force")  # in which the cases differ
+_PRINTED = ("Fig. 8.14", "Sect. 8.6")
 _DISTANCES = np.concatenate([[0.0], np.geomspace(1e-4, 2.0, 60)])  # rad; the cycles of the figure are 0.1 rad wide
 _ROUNDING = 16 * np.finfo(float).eps  # of the corner: a few rounding errors of u and of the line N = 0
 _RULES = {  # colour, mark, its size, width, words
     "contact sign": (style.BLUE, "s", 7.0, 2.6, "by the sign of the contact force"),
     "at once": (style.ORANGE, "o", 3.5, 1.0, "at once, as in the chapter"),
 }
-_STARTS = {  # mark and colour of a start of the grid by its attractor
-    "steady sliding": (".", style.GREEN, "start that steady sliding attracts"),
-    "sprag slip cycle": ("x", style.GREY, "start that the cycle attracts"),
+_STARTS = {  # colour of the starts by their attractor
+    "steady sliding": ("#D5EBD9", "starts that steady sliding attracts"),
+    "sprag slip cycle": ("#F1F1F1", "starts that the cycle attracts"),
 }
 
 
@@ -55,28 +57,41 @@ class Settings(PhasePlane):
 
     masses: MassPair = Field(description="Mass as printed, and mass beyond the critical one [kg].")
     axial_forces: OpposingForces = Field(description="Axial forces of panels (a) and (b) [N].")
-    angle: Span = Field(description="Deviations u of the starts whose attractor is found [rad].")
-    velocity: Span = Field(description="Rates of those starts w [rad/s].")
+    angle: Cells = Field(description="Deviations u of the starts whose attractor is found [rad].")
+    velocity: Cells = Field(description="Rates of those starts w [rad/s].")
 
 
-def build(settings: Values) -> xr.Dataset:
-    """Compute the four phase planes (mass by mass, force by force) and the force of global stability beyond m_cr."""
+def _drives(settings: Values) -> list[RigidDrive]:
     drive = RigidDrive.of(settings["drive"])
-    drives = [drive.replace(mass=m, axial_force=r) for m in settings["masses"] for r in settings["axial_forces"]]
-    angle, velocity = spans.even(settings["angle"]), spans.even(settings["velocity"])
-    plane = ("case", "grid_angle_deviation", "grid_velocity_deviation")
-    grid = [[_labels(d, RULES[0], [(u, w) for w in velocity]) for u in angle] for d in drives]
-    threshold = global_stability_force(drives[-1])
+    return [drive.replace(mass=m, axial_force=r) for m in settings["masses"] for r in settings["axial_forces"]]
+
+
+def analysis(settings: Values) -> xr.Dataset:
+    """Analyse the four drives; beyond m_cr they have a force of global stability."""
+    return analyse(_drives(settings), [("global_stability", "axial_force")], _CHANGED, _PRINTED)
+
+
+def maps(settings: Values) -> xr.Dataset:
+    """Map the starts of the four drives to their attractors."""
+    from lsvib.datasets.map import grids_of
+
+    return grids_of(_drives(settings), settings["angle"], settings["velocity"])
+
+
+def build(settings: Values, analysis: xr.Dataset, maps: xr.Dataset) -> xr.Dataset:
+    """Compute the four phase planes, mass by mass and force by force, and motions beside the global stability force."""
+    drives = _drives(settings)
+    drive, threshold = drives[-1], value(analysis.global_stability_axial_force, -1)
     # Also at a relative distance of 1e-9 on either side of a threshold.
     bracket = [threshold * (1 + sign * 1e-9) for sign in (-1, 1)]
     # The end of rest is u = c Ω / k, u′ = −Ω.
     release = drive.support_damping * drive.input_speed / drive.coupling_stiffness, -drive.input_speed
-    beside = [drives[-1].replace(axial_force=force) for force in bracket]
+    beside = [drive.replace(axial_force=force) for force in bracket]
     released = [[_labels(d, rule, [release])[0] for rule in RULES] for d in beside]
     words, below = "attractor of the motion that leaves rest, beside the threshold", "distance of the start below"
-    planes = phase_plane.portraits(settings, drives, _CHANGED, ("Fig. 8.14", "Sect. 8.6")).assign_coords(
+    planes = phase_plane.portraits(settings, drives, _CHANGED, _PRINTED).assign_coords(
         {
-            **phase_plane.grid_axes(angle, velocity),
+            **{name: maps[name] for name in ("grid_angle_deviation", "grid_velocity_deviation")},
             "corner_distance": variable("corner_distance", _DISTANCES, "rad", f"{below} the corner, at standstill"),
             "bracket_axial_force": variable("bracket", bracket, "N", "axial force beside the threshold", "$R$"),
             "global_stability_force": variable(
@@ -88,7 +103,7 @@ def build(settings: Values) -> xr.Dataset:
         _reverse_slips(drives, settings["starts"][-1], settings["duration"], settings["samples"])
         | _corners(drives)
         | {
-            "grid_attractor": phase_plane.attractors(plane, grid),
+            "grid_attractor": maps.grid_attractor,
             "bracket_attractor": phase_plane.attractors(("bracket", "rule"), released, words),
         }
     ).assign_attrs(about(__doc__, "exact event-driven motion and its return map", "Sect. 8.7, Fig. 8.14"))
@@ -313,7 +328,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     panels = above.subplots(2, 2, sharex=True, sharey=True).ravel()
     cases = [dataset.isel(case=index) for index in range(4)]
     for axes, case, letter in zip(panels, cases, "abcd", strict=True):
-        _starts(axes, case)
+        _region(axes, case)
         drawing.phase_plane(axes, case, (2.2, 1.0, 1.0, 1.0))  # the first motion shows on both sides of a later one
         note = "as printed" if letter in "ab" else "$m > m_\\mathrm{cr}$"
         force, mass = style.number(case.axial_force), style.number(case.mass)
@@ -334,14 +349,18 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     return figure
 
 
-def _starts(axes: style.Axes, case: xr.Dataset) -> None:
-    """Mark each start of the grid by the attractor of its motion."""
-    w, u = np.meshgrid(case.grid_velocity_deviation, case.grid_angle_deviation)
+def _region(axes: style.Axes, case: xr.Dataset) -> None:
+    """Shade the starts by the attractor of their motion."""
+    from matplotlib.colors import ListedColormap
+
+    w, u = case.grid_velocity_deviation, case.grid_angle_deviation
     for name in flag_names(case.grid_attractor).values():
         here = named(case.grid_attractor, name)
         if here.any():
-            mark, colour, words = _STARTS.get(name, ("+", style.PURPLE, f"start that leads to {name}"))
-            axes.plot(u[here], w[here], mark, color=colour, markersize=3, markeredgewidth=0.7, label=words, zorder=1)
+            colour, words = _STARTS.get(name, (style.PURPLE, f"starts that lead to {name}"))
+            shown = np.where(here, 1.0, np.nan).T
+            axes.pcolormesh(u, w, shown, cmap=ListedColormap([colour]), rasterized=True, zorder=0)
+            axes.fill([], [], color=colour, label=words)
 
 
 def _close_up(axes: style.Axes, case: xr.Dataset) -> None:

@@ -7,16 +7,16 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import printed, spans
+from lsvib.datasets.analysis import analyse, value
 from lsvib.datasets.attributes import axis, drive_parameters, flagged, variable
 from lsvib.datasets.checks import Check
-from lsvib.errors import InputError
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, named, over_map
 from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Span, Values, parameter
 from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive, SupportDrive
 from lsvib.stability import conditions
-from lsvib.stability.conditions import critical_friction, critical_mass
+from lsvib.stability.conditions import critical_mass
 from lsvib.stability.linear import UndampedClass, eigenvalues, support_model, undamped_class, values_of
 
 CAPTION = """\
@@ -49,15 +49,22 @@ class Settings(FigureSettings):
     support_stiffness: PositiveSpan = Field(description="k_1 [N/m], spaced logarithmically.")
 
 
-def build(settings: Values) -> xr.Dataset:
+def _drive(settings: Values) -> SupportDrive:
+    return SupportDrive.of({"screw_mass": settings["screw_mass"], **settings["drive"]})
+
+
+def analysis(settings: Values) -> xr.Dataset:
+    """Analyse the drive: its critical friction coefficient."""
+    return analyse([_drive(settings)], [("kinematic_constraint", "friction_coefficient")])
+
+
+def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     """Compute the undamped class map by eigenvalues, flutter boundaries in closed form, critical friction both ways."""
-    drive = SupportDrive.of({"screw_mass": settings["screw_mass"], **settings["drive"]})
+    drive = _drive(settings)
     friction = spans.even(settings["friction_coefficient"])
     stiffness = spans.logarithmic(settings["support_stiffness"])
     drive.replace(friction_coefficient=float(friction.max()))  # refuses what is beyond cot λ
-    critical = critical_friction(drive, drive.screw_mass)
-    if critical is None:
-        raise InputError("No friction coefficient below cot(lead_angle) makes the reduced inertia vanish.")
+    critical = value(analysis.kinematic_constraint_friction_coefficient)
     # From tan λ on, crowded at both ends, and the friction coefficients of the map between.
     start = float(np.tan(drive.lead_angle))
     crowded = start + (critical - start) * (1 - np.cos(np.linspace(0, np.pi, 801))) / 2

@@ -9,8 +9,9 @@ from pydantic import Field
 from lsvib.datasets import spans
 from lsvib.datasets.attributes import CRITICAL_MASS, axis, drive_parameters, flagged, origin_of, parameter, variable
 from lsvib.datasets.checks import Check
+from lsvib.errors import InputError
 from lsvib.figures import drawing, style
-from lsvib.figures.common import about, existing, named, over_map
+from lsvib.figures.common import about, named, over_map
 from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Span, Values
 from lsvib.models.drive import NutDrive
 from lsvib.numbers import bisected
@@ -49,7 +50,9 @@ class Settings(FigureSettings):
 def build(settings: Values) -> xr.Dataset:
     """Compute the critical mass over the nut's inertia, in closed form and by eigenvalues, and the classes; c_x = 0."""
     drive = NutDrive.of(settings["drive"])
-    rigid, inertia = existing(critical_mass(drive)), spans.logarithmic(settings["nut_inertia"])
+    rigid, inertia = critical_mass(drive), spans.logarithmic(settings["nut_inertia"])
+    if rigid is None:
+        raise InputError("The drive is not self-locking (mu <= tan lambda), so it has no critical mass.")
     friction = spans.even(settings["friction_coefficient"])
     drive.replace(friction_coefficient=float(friction.max()))  # refuses what is beyond cot λ
     nuts = [drive.replace(nut_inertia=float(value)) for value in inertia]
