@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from lsvib.datasets.checks import Check
 from lsvib.datasets.io import read_dataset, write_dataset
-from lsvib.figures.configuration import load
+from lsvib.figures.configuration import PARTS, load
 
 CONFIG = Path(__file__).parents[2] / "config"
 Spoiler = Callable[[xr.Dataset], xr.Dataset]
@@ -28,7 +28,8 @@ def draft(figure: str) -> dict:
 
 @cache
 def dataset_of(figure: str) -> xr.Dataset:
-    return load(figure).build(draft(figure))
+    module, settings = load(figure), draft(figure)
+    return module.build(settings, **{name: getattr(module, name)(settings) for name in PARTS if hasattr(module, name)})
 
 
 def checks_of(figure: str, dataset: xr.Dataset) -> list[Check]:

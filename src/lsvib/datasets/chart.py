@@ -109,9 +109,7 @@ class Plane:
         """Names of the rows' and the columns' parameter."""
         return self.y.name, self.x.name
 
-    def labels(
-        self, resume: Resume = "contact_sign", workers: int = 1, progress: Progress | None = None
-    ) -> np.ndarray:
+    def labels(self, resume: Resume = "contact_sign", workers: int = 1, progress: Progress | None = None) -> np.ndarray:
         """Return what the drives of the cells do (rows, columns), a ``Behaviour`` each, int8."""
         axes = {one.name: one.centres().tolist() for one in (self.y, self.x)}
         found = behaviours(product_of(self.drive, axes), resume, workers, progress)
