@@ -8,7 +8,7 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.basins.grid import Axis, Grid
-from lsvib.datasets import phase_plane, spans
+from lsvib.datasets import newton, phase_plane, spans
 from lsvib.datasets.analysis import analyse
 from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, drive_parameters, flagged, variable
 from lsvib.datasets.checks import Check
@@ -214,6 +214,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     order = [-np.polyfit(np.log(dataset.resolution), np.log(np.maximum(e, 1e-12)), 1)[0] for e in error.values]
     return [
         *_global_stability_checks(dataset),
+        newton.touching_check(dataset, -1, dataset.global_stability_force, "Force of global stability"),
         Check.holds(
             "The basin can be quite small: less than 1 % of the window at the force of Fig. 8.14b",
             "Sect. 8.7",

@@ -155,7 +155,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     drive = {name: float(dataset[name]) for name in _PARAMETERS}
     return [
         *_critical_mass_checks(dataset, drive),
-        *_lemma_checks(dataset),
+        *_lemma_checks(dataset, drive),
         *_converse_checks(dataset),
         _soft_contact_check(dataset, drive),
         Check.without_exception(
@@ -202,14 +202,23 @@ def _critical_mass_checks(dataset: xr.Dataset, drive: of.Values) -> list[Check]:
     ]
 
 
-def _lemma_checks(dataset: xr.Dataset) -> list[Check]:
+def _lemma_checks(dataset: xr.Dataset, drive: of.Values) -> list[Check]:
     """Check Lemma 8.1 on the larger mass: it is unstable with a stiff contact, and how fast it then grows."""
     growth = dataset.growth_rate.isel(mass=0)
     beyond = dataset.growth_contact_stiffness > dataset.unstable_contact_stiffness
     scale, last = float(dataset.growth_scale), float(dataset.growth_contact_stiffness[-1])
     half = scale * dataset.growth_contact_damping.values / 2
     ratio = growth.values[:, -1] / (half + np.sqrt(half**2 + scale * last))
+    contacts = {**drive, "mass": float(dataset.mass[0]), "contact_damping": dataset.growth_contact_damping.values}
+    places = (0.0, dataset.unstable_contact_stiffness.values)
+    none, left = (threads_model({**contacts, "contact_stiffness": k}, law=1).polynomial()[2] for k in places)
     return [
+        Check.holds(
+            "At the contact stiffness of the proof the coefficient of s² in det(M s² + C s + K) vanishes, to 1e-9",
+            "Lemma 8.1, eq. 8.7",
+            f"largest part of that without stiffness {np.abs(left / none).max():.1e}",
+            (np.abs(left / none) < 1e-9).all(),
+        ),
         Check.holds(
             "Whatever the contact damping, the larger mass is unstable beyond the contact stiffness of the proof",
             "Lemma 8.1",

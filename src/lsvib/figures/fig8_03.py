@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from lsvib.datasets import spans
+from lsvib.datasets import newton, spans
 from lsvib.datasets.attributes import attributes, drive_parameters, flagged, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
@@ -94,6 +94,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             np.sum(regular & ~saddles),
             regular.sum(),
         ),
+        *_placed_checks(dataset),
         Check.exact("C_0²/(4kΓ_0) where node and focus meet (worst point of the curve)", "eq. 8.18", 1.0, ratio),
         Check.holds(
             "The closed form gives the eigenvalues of the Jacobian matrix up to 1e-7 of the larger one",
@@ -123,6 +124,20 @@ def _distance_from_lapack(inertia: np.ndarray, damping: np.ndarray, stiffness: f
     theirs = np.sort_complex(np.linalg.eigvals(jacobian).astype(complex))
     ours = eigenvalue_pair(gamma, c, stiffness)
     return float(np.max(np.abs(ours - theirs) / np.abs(ours).max(axis=1, keepdims=True)))
+
+
+def _placed_checks(dataset: xr.Dataset) -> list[Check]:
+    """Check Γ_0 and C_0 of each drive that is placed against Newton's laws."""
+    claim, found = "The drives placed have the Γ_0 and C_0 of Newton's laws of screw and nut, to 1e-12", []
+    for index in range(dataset.sizes["case"]):
+        one = dataset.isel(case=index)
+        p = newton.parameters(one)
+        lead = p["pitch_radius"] * np.tan(p["lead_angle"])
+        push = p["axial_force"] - lead * p["translation_damping"] * p["input_speed"]
+        theirs = newton.effective(p, 1 if push * p["input_speed"] > 0 else -1)
+        found += [float(one.case_effective_inertia) / theirs[0] - 1, float(one.case_effective_damping) / theirs[1] - 1]
+    worst = np.abs(found).max(initial=0.0)
+    return [Check.holds(claim, "eqs 8.2, 8.13", f"largest relative difference {worst:.1e}", worst < 1e-12)]
 
 
 @style.styled

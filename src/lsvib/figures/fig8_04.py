@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from lsvib.datasets import phase_plane
+from lsvib.datasets import newton, phase_plane
 from lsvib.datasets.attributes import variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing
@@ -66,6 +66,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     amplitudes = dataset.amplitude.values[0].ravel()
     around = first[0] < amplitudes[0] and (first[1:] > amplitudes[0]).all() and first.size > 1
     return [
+        newton.laws_check(dataset, "Fig. 8.4"),
         Check.holds("The three conditions of negative damping hold", "eq. 8.19", margins_text(dataset), holds),
         Check.holds(
             "The origin is unstable by its eigenvalues",

@@ -2,6 +2,7 @@
 
 import xarray as xr
 
+from lsvib.datasets import newton
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, fig8_04
 from lsvib.figures.common import about, named
@@ -27,6 +28,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     growth, (first, last) = dataset.eigenvalue_real_part.values[0], fig8_04.radii(dataset)
     settled = named(dataset.attractor, "steady sliding")
     return [
+        newton.laws_check(dataset, "Fig. 8.5"),
         Check.holds(
             "Of the conditions of negative damping only the second, N_0 Ω > 0, is violated",
             "eq. 8.19, Fig. 8.5",

@@ -11,7 +11,7 @@ import xarray as xr
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from lsvib.datasets import phase_plane, printed, spans
+from lsvib.datasets import newton, phase_plane, printed, spans
 from lsvib.datasets.analysis import analyse, value
 from lsvib.datasets.attributes import Variables, axis, flagged, start_state, variable
 from lsvib.datasets.checks import Check
@@ -127,6 +127,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the thresholds, the shape of the curve, where its regime changes, the insets and the coefficients."""
     friction, tangent = float(dataset.friction_coefficient), float(dataset.lead_tangent)
     return [
+        newton.laws_check(dataset, "Fig. 8.6"),
         printed.check("Tangent of the lead angle", chapter.TAN_LEAD, tangent),
         Check.holds(
             "The thread is self-locking, μ > tan λ",
@@ -135,6 +136,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             friction > tangent,
         ),
         *(printed.check(words, chapter.THRESHOLDS[n], dataset[n]) for n, (_, words) in _THRESHOLDS.items()),
+        newton.touching_check(dataset.isel(case=0), 1, dataset.detach_force, "Detach force"),
         *_curve_checks(dataset),
         *_inset_checks(dataset),
         *_reading_checks(dataset),

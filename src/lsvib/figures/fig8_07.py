@@ -8,7 +8,7 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.contact.contact_force import Existence, existence
-from lsvib.datasets import phase_plane, spans
+from lsvib.datasets import newton, phase_plane, spans
 from lsvib.datasets.attributes import flagged, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
@@ -80,6 +80,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     leftover = np.abs(dataset.law_minus_velocity.values).max()
     virtual = float(_beyond_line(dataset, float(dataset.equilibrium_angle), 0.0))
     return [
+        newton.laws_check(dataset, "Fig. 8.7"),
         Check.holds(
             "The existence analysis finds no solution where sgn Q = sgn θ' and two where they differ, nowhere else",
             f"{place}, eq. 8.5",

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from lsvib.datasets import phase_plane, spans
+from lsvib.datasets import newton, phase_plane, spans
 from lsvib.datasets.analysis import analyse, value
 from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, variable
 from lsvib.datasets.checks import Check
@@ -81,6 +81,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     speed = dataset.impact_speed.values / float(-dataset.stop_velocity[1])
     swing = float(np.ptp(speed) / (speed.max() + speed.min()))
     return [
+        newton.laws_check(dataset, "Fig. 8.9"),
         Check.holds(
             "The critical mass lies between the masses of (a) and (b), and Γ₊ changes sign there",
             "Sect. 8.6.1, eq. 8.20",

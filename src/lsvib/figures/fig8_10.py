@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from lsvib.datasets import phase_plane, printed, spans
+from lsvib.datasets import newton, phase_plane, printed, spans
 from lsvib.datasets.attributes import Variables, axis, drive_parameters, flagged, quantity, start_state, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
@@ -14,7 +14,7 @@ from lsvib.figures import settings as of
 from lsvib.figures.common import Motion, SteadyState, about, named
 from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive, ThreadsDrive
-from lsvib.models.threads import ThreadsEvent, ThreadsMode, seated_state, threads_automaton
+from lsvib.models.threads import STATES, ThreadsEvent, ThreadsMode, seated_state, threads_automaton
 
 CAPTION = """\
 Compliant threads, k_c = c_c = 10⁸ (SI): (a) phase plane beside the rigid drive's cycle; (b) contact force on a broken
@@ -76,16 +76,30 @@ def compliant_cycle(drive: ThreadsDrive, start: of.Values) -> SteadyState:
 def cycle_curves(dims: Sequence[str], cycles: Sequence[SteadyState], count: int, prefix: str = "cycle") -> Variables:
     """Return cycles as curves in the phase plane, dimensions (*dims, sample), NaN where there is none.
 
-    Time [s] from a point of the cycle, angle and velocity; both states of each event are among the samples.
+    Time [s] from a point of the cycle, angle and velocity, what else the state has, and the contact force; both states
+    of each event are among the samples.
     """
-    curves = np.full((len(cycles), count, 3), np.nan)
-    for curve, steady in zip(curves, cycles, strict=True):
+    names = (*STATES[2 : cycles[0].state.size], "normal_force")
+    table = np.full((len(cycles), 3 + len(names), count), np.nan)
+    for rows, steady in zip(table, cycles, strict=True):
         if steady.orbit is not None:
-            times, states, _ = phase_plane.sample(steady.orbit, count)
-            curve[:, 0], curve[:, 1:] = times, states[:, :2]
-    curves, dims = curves if dims else curves[0], (*dims, f"{prefix}_sample")
-    time = variable(dims, curves[..., 0], "s", "time along the cycle", "$t$")
-    return {f"{prefix}_time": time, **phase_plane.curve(prefix, dims, curves[..., 1:], "on the limit cycle")}
+            rows[0], states, modes = phase_plane.sample(steady.orbit, count)
+            rows[1:] = *states.T, steady.orbit.automaton.observe("normal_force", states, modes)
+    (time, u, w, *others), dims = np.moveaxis(table, 1, 0) if dims else table[0], (*dims, f"{prefix}_sample")
+    return {
+        f"{prefix}_time": variable(dims, time, "s", "time along the cycle", "$t$"),
+        **phase_plane.curve(prefix, dims, np.stack([u, w], axis=-1), "on the limit cycle"),
+        **{f"{prefix}_{name}": (dims, x, quantity(name)) for name, x in zip(names, others, strict=True)},
+    }
+
+
+def cycle_motion(dataset: xr.Dataset, prefix: str = "cycle") -> xr.Dataset:
+    """Return cycles of :func:`cycle_curves` under the names of motions, with the parameters of their drives."""
+    names = {"sample": "sample", "time": "time", "angle": "angle_deviation", "velocity": "velocity_deviation"}
+    names |= {name: name for name in (*STATES[2:], "normal_force")}
+    kept = {f"{prefix}_{own}": name for own, name in names.items() if f"{prefix}_{own}" in dataset.variables}
+    drive = ThreadsDrive if f"{prefix}_mismatch_rate" in kept else RigidDrive
+    return dataset[[*kept, *drive.model_fields]].rename(kept | {f"{prefix}_sample": "sample"})
 
 
 def _motion(motion: Motion, samples: int) -> Variables:
@@ -175,6 +189,8 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     late = named(dataset["mode"], "rest positive") & (dataset.time.values > 0.5 * float(dataset.time[-1]))
     highest = float(dataset.normal_force.values[late].max(initial=-np.inf))
     return [
+        newton.laws_check(dataset, "Fig. 8.10"),
+        newton.laws_check(cycle_motion(dataset, "rigid_cycle"), "Fig. 8.10", "cycle of the rigid drive"),
         printed.check("Peak of the contact force on the cycle", claim, dataset.peak_normal_force),
         Check.holds(
             f"The peak stays within {100 * claim.tolerance:g} % of {claim.value / 1e3:g} kN whatever R is, which the "

@@ -5,7 +5,7 @@ from typing import ClassVar
 import numpy as np
 import xarray as xr
 
-from lsvib.datasets import phase_plane
+from lsvib.datasets import newton, phase_plane
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, named
@@ -44,6 +44,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     worst = float((abs(sum(terms)) / sum(abs(term) for term in terms)).where(seizes).max())
     falls, count, rules = amplitude[:, 0].max(axis=1), int(seizes.sum()), np.abs(np.diff(amplitude, axis=1)).max()
     return [
+        newton.laws_check(dataset, "Fig. 8.11"),
         Check.everywhere("The motion is a sprag-slip cycle at each damping", "Sect. 8.6.1, Fig. 8.11", sprags),
         Check.holds(
             "The amplitude falls as the damping grows",

@@ -7,13 +7,13 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from lsvib.datasets import phase_plane, spans
+from lsvib.datasets import newton, phase_plane, spans
 from lsvib.datasets.attributes import Variables, axis, drive_parameters, start_state, variable
 from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
 from lsvib.figures import drawing, style
 from lsvib.figures.common import CRITICAL_MASS_WITH_CONTACT, SteadyState, about, named
-from lsvib.figures.fig8_10 import compliant_cycle, cycle_curves
+from lsvib.figures.fig8_10 import compliant_cycle, cycle_curves, cycle_motion
 from lsvib.figures.settings import Contact, DriveChanges, FigureSettings, PositiveSpan, Samples, State, Values, several
 from lsvib.models.drive import ThreadsDrive
 from lsvib.models.mechanics import coefficients
@@ -142,6 +142,8 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     softest, stiffest = dataset.grid_contact_stiffness.values[[0, -1]]
     next_below = grid[np.arange(len(limit)), above.argmax(axis=1) - 1]
     return [
+        newton.laws_check(cycle_motion(dataset), source, "cycle"),
+        newton.laws_check(cycle_motion(dataset, "rigid_cycle"), source, "cycle of the rigid drive"),
         Check.holds(
             "Each of the contacts drawn ends on a sprag-slip cycle, which repeats to 1e-9",
             source,

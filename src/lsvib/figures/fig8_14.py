@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from lsvib.datasets import phase_plane
+from lsvib.datasets import newton, phase_plane
 from lsvib.datasets.analysis import analyse, value
 from lsvib.datasets.attributes import Variables, variable
 from lsvib.datasets.checks import Check
@@ -182,6 +182,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     no_cycle = "no limit cycle is found, unlike in the text: every start, drawn or not, leads to the origin"
     one_cycle = "every trajectory drawn ends on a limit cycle, the same under either rule of resuming"
     return [
+        newton.laws_check(dataset, "8.22, Fig. 8.14"),
         Check.holds(
             "The printed mass has Γ₊ > 0, against the assumption of Sect. 8.7; the other one has Γ₊ < 0",
             "Sect. 8.7, Fig. 8.14",

@@ -1,0 +1,71 @@
+"""Each coefficient of the equations of motion, wrong by 0.5 %, fails a named check of every figure that it is in."""
+
+import pytest
+import xarray as xr
+from references.figure_checks import checks_of, dataset_of
+
+from lsvib.figures.configuration import default_figures
+from lsvib.models import mechanics, rigid, threads
+from lsvib.models.drive import forget
+
+pytestmark = pytest.mark.slow
+
+WRONG = 0.995
+QUANTITIES = {"Γ": "effective_inertia", "N": "normal_force", "C": "effective_damping", "ξ": "friction_factor"}
+_NO_FORCE = "the contact force is not in it"
+_UNDAMPED = "it has no damping but that of the support, as a parameter"
+NOT_IN = {  # figures whose datasets a quantity does not change at all, and why
+    "Γ": {"nut_stability": "the critical values depend on where Γ vanishes, not on its size"},
+    "N": {
+        **dict.fromkeys(("fig8_01", "fig8_02"), "its contact force χ is an equation of its own (8.7)"),
+        **dict.fromkeys(("fig8_03", "fig8_08", "fig8_15", "contact_stability", "nut_stability"), _NO_FORCE),
+        **dict.fromkeys(("basin_sweep", "table_rounding"), "they depend on where N vanishes, not on its size"),
+        "limit_process": "impulses follow from the momentum, not from N",
+    },
+    "C": {
+        **dict.fromkeys(("fig8_01", "fig8_02"), "while the contact moves the torque is constant"),
+        **dict.fromkeys(("fig8_08", "fig8_15", "nut_stability"), _UNDAMPED),
+    },
+    "ξ": {},
+}
+
+
+@pytest.fixture
+def right(figure):
+    return dataset_of(figure)
+
+
+@pytest.fixture(params=QUANTITIES)
+def quantity(request, right, monkeypatch):
+    """One of the quantities, made wrong where drives, automata and thresholds take it from, once ``right`` is built."""
+    name = QUANTITIES[request.param]
+    if name == "normal_force":
+        for model in (rigid, threads):
+            monkeypatch.setattr(model, "assemble", _observing_wrongly(model.assemble))
+    else:
+        formula = getattr(mechanics, name)
+        monkeypatch.setattr(mechanics, name, lambda *values: formula(*values) * WRONG)
+    forget()
+    yield request.param
+    forget()
+
+
+def _observing_wrongly(assemble):
+    """The rows of N over the state, of all modes, wrong."""
+
+    def wrong(*, observables, **parts):
+        rows = {mode: tuple(x * WRONG for x in row) for mode, row in observables["normal_force"].items()}
+        return assemble(observables={**observables, "normal_force": rows}, **parts)
+
+    return wrong
+
+
+@pytest.mark.parametrize("figure", default_figures())
+def test_a_wrong_coefficient_fails_a_check(figure, right, quantity):
+    dataset = dataset_of.__wrapped__(figure)  # not the one that is kept
+    failed = [check.claim for check in checks_of(figure, dataset) if not check.passed]
+    if figure in NOT_IN[quantity]:
+        xr.testing.assert_equal(dataset, right)
+    else:
+        assert failed
+    print(f"{quantity} | {figure} | {'; '.join(failed) or NOT_IN[quantity][figure]}")
