@@ -21,7 +21,8 @@ from lsvib.figures.style import Axes, Figure
 CAPTION = """\
 What a scene saves by leaving out what it does not need: (a) run time and (b) construction of its own model beside a
 general one in which every term is present and zero, with the quartiles of how many times longer that takes; (c)
-compilation of the engine for two states, and for any number as well; (d) what datasets and pictures import.
+at full size compilation of the engine for two states, and for any number as well; last, what datasets and pictures
+import.
 """
 
 MODULES = {  # what drawing a figure or building its dataset imports; measured in processes of their own
@@ -52,8 +53,9 @@ class Settings(FigureSettings):
 
     duration: Duration
     repeats: Repeats
+    fresh: int = Field(ge=1, le=100, description="Processes of their own in which each import is timed.")
     compile: Annotated[list[Literal["planar", "modal"]], *Unique] = Field(
-        description="Kinds of flow whose compilation is measured, each with those before it; none leaves panel (c) out."
+        description="Kinds of flow whose compilation is measured, each with those before it; or none."
     )
 
 
@@ -141,7 +143,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 
 
 def _imports(settings: Mapping[str, Any]) -> dict[str, tuple]:
-    found = [imports(module, settings["repeats"]) for module in MODULES.values()]
+    found = [imports(module, settings["fresh"]) for module in MODULES.values()]
     (counts, seconds, packages), dim = zip(*found, strict=True), "imported_for"
     loads = [[package in names for package in _PACKAGES] for names in packages]
     return {
@@ -164,22 +166,28 @@ def _compilation(kinds: Mapping[str, tuple[str, ...]]) -> dict[str, tuple]:
 def draw(dataset: xr.Dataset) -> Figure:
     """Draw (a) run time and (b) construction of both models, (c) compilation, (d) imports."""
     figure = style.new_figure(style.DOUBLE, 4.4)
-    run, built, compiled, imported = figure.subplots(2, 2).ravel()
+    places = figure.subplot_mosaic("ab;cd" if "compiled" in dataset else "ab;cc")
+    run, built, *_, imported = places.values()
     _pairs(run, dataset, "run_time", "(a) following the motion", "Run time [ms]")
     _pairs(built, dataset, "build_time", "(b) building the model", "Time [ms]")
     figure.legend(*run.get_legend_handles_labels(), loc="outside lower center", ncols=2)
     if "compiled" in dataset:
-        _bars(compiled, dataset.compiled, dataset.compile_time, "(c) compiling the engine, cache empty", "CPU time [s]",
+        _bars(places["c"], dataset.compiled, dataset.compile_time, "(c) compiling the engine anew", "CPU time [s]",
               [f"{int(n)} kernels" for n in dataset.specialisations])  # fmt: skip
-    else:
-        compiled.set_visible(False)
     names = flag_names(dataset.package)
     loaded = [
         ", ".join(names[int(p)] for p, yes in zip(dataset.package.values, row, strict=True) if yes) or "–"
         for row in dataset.loads.values
     ]
     words = [f"{int(n)} modules:\n{text}" for n, text in zip(dataset.imported, loaded, strict=True)]
-    _bars(imported, dataset.imported_for, dataset.import_time, "(d) importing what it needs", "Time [s]", words)
+    _bars(
+        imported,
+        dataset.imported_for,
+        dataset.import_time,
+        f"({list(places)[-1]}) importing what it needs",
+        "Time [s]",
+        words,
+    )
     return figure
 
 

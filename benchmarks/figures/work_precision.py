@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from collections.abc import Callable, Mapping
 from importlib.metadata import version
 from importlib.util import find_spec
@@ -238,7 +239,7 @@ def _sweeps(settings: Mapping[str, Any], repeats: int, limit: float) -> dict[str
 
     found = sweeps(settings["count"], settings["judged"], settings["methods"], repeats, limit)
     labels = ["lsvib, sweep", "lsvib, drive by drive"]
-    labels += [f"{METHODS[name].label}, {x:g}" for name, values in settings["methods"].items() for x in values]
+    labels += [METHODS[name].label for name, values in settings["methods"].items() for _ in values]
     errors, times = zip(*found.values(), strict=True)
     return {
         "way": named_index(
@@ -311,26 +312,25 @@ def draw(dataset: xr.Dataset) -> Figure:
     """Draw the error of the final state against run time, scene by scene, then ratios, grids and sweeps."""
     count = dataset.sizes["scene"]
     rows = math.ceil(count / _COLUMNS)
-    figure = style.new_figure(style.DOUBLE, 2.2 * (rows + 1) + 0.8)
-    places = figure.add_gridspec(rows + 1, 12)
+    figure = style.new_figure(style.DOUBLE, 2.3 * rows + 3.3)
+    upper, lower = figure.subfigures(2, 1, height_ratios=[2.3 * rows + 0.8, 2.5])
+    panels = upper.subplots(rows, min(count, _COLUMNS), sharey=True, squeeze=False).ravel()
     names = dataset.method.attrs["flag_meanings"].split()
     titles = dataset.scene.attrs["labels"].split("; ")
     right = {word: value for value, word in flag_names(dataset.motion_verdict).items()}["right"]
-    first = None
-    for k, title in enumerate(titles):
-        row, column = divmod(k, _COLUMNS)
-        axes = figure.add_subplot(places[row, 3 * column : 3 * column + 3], sharey=first)
-        first = first or axes
-        axes.tick_params(labelleft=not column)
+    for k, axes in enumerate(panels):
+        if k >= count:
+            axes.set_visible(False)
+            continue
         _panel(axes, dataset.isel(scene=k), names, right)
-        axes.set_title(f"({chr(97 + k)}) {title}", fontsize=7)
+        axes.set_title(f"({chr(97 + k)}) {titles[k]}", fontsize=7)
         axes.set_xlabel("Run time [s]")
-        if not column:
+        if k % _COLUMNS == 0:
             axes.set_ylabel("Error of the final state")
-    for k, draw_panel in enumerate((_draw_ratios, _draw_grids, _draw_sweeps)):
-        axes = figure.add_subplot(places[rows, 4 * k : 4 * k + 4])
+    for k, (axes, draw_panel) in enumerate(zip(lower.subplots(1, 3), (_draw_ratios, _draw_grids, _draw_sweeps),
+                                               strict=True)):  # fmt: skip
         axes.set_title(f"({chr(97 + count + k)}) {draw_panel(axes, dataset)}", fontsize=7)
-    figure.legend(handles=_handles(dataset, names), loc="outside lower center", ncols=5, fontsize=6.5)
+    upper.legend(handles=_handles(dataset, names), loc="outside lower center", ncols=5, fontsize=6.5)
     return figure
 
 
@@ -354,6 +354,7 @@ def _draw_ratios(axes: Axes, dataset: xr.Dataset) -> str:
     axes.axhline(1.0, color=style.GREY, linestyle=":", linewidth=0.8)
     letters = [f"({chr(97 + k)})" for k in range(dataset.sizes["scene"])]
     axes.set_xticks(range(len(letters)), letters)
+    axes.set_xlim(-0.6, len(letters) - 0.4)
     axes.set(yscale="log", xlabel="Scene", ylabel="Run time over that of lsvib")
     axes.margins(y=0.25)
     axes.legend(fontsize=6, ncols=2, loc="best")
@@ -376,18 +377,19 @@ def _draw_grids(axes: Axes, dataset: xr.Dataset) -> str:
 
 
 def _draw_sweeps(axes: Axes, dataset: xr.Dataset) -> str:
-    """Draw the error of amplitudes against the time of one drive."""
-    labels = dataset.way.attrs["labels"].split("; ")
-    for k, label in enumerate(labels):
-        name = flag_names(dataset.way)[k].replace(" ", "_").rpartition("_")[0]
-        colour, marker, _ = _STYLES.get(name, _STYLES["exact"] if k < 2 else (style.GREY, "o", "-"))
-        times, error = dataset.way_time.values[[k]], max(float(dataset.way_error[k]), _LEAST)
-        axes.errorbar(times[:, 1], [error], xerr=_bars(times), fmt=marker, markersize=5, color=colour,
-                      mfc="white" if k == 1 else colour)  # fmt: skip
-        axes.annotate(label, (times[0, 1], error), xytext=(0, 5 - 12 * (k % 2)), textcoords="offset points",
-                      fontsize=6, color=colour, ha="center")  # fmt: skip
+    """Draw the error of amplitudes against the time of one drive, a line for each method."""
+    names, labels = dataset.way.attrs["flag_meanings"].split(), dataset.way.attrs["labels"].split("; ")
+    methods = [re.sub("_[0-9]+$", "", name) for name in names]
+    for method in dict.fromkeys(methods):
+        rows = [k for k, name in enumerate(methods) if name == method]
+        colour, marker, _ = _STYLES.get(method, _STYLES["exact"])
+        times, errors = dataset.way_time.values[rows], np.maximum(dataset.way_error.values[rows], _LEAST)
+        axes.errorbar(times[:, 1], errors, xerr=_bars(times), fmt=f"{marker}-", markersize=4, color=colour,
+                      mfc="white" if method == "single_drives" else colour, linewidth=0.7,
+                      label=labels[rows[0]])  # fmt: skip
     axes.set(xscale="log", yscale="log", xlabel="Time of one drive [s]", ylabel="Error of the amplitude")
-    axes.margins(0.25)
+    axes.margins(0.15)
+    axes.legend(fontsize=6)
     return "sweeps over the axial force"
 
 

@@ -23,7 +23,7 @@ use rule dataset as accuracy_dataset with:
         code=code(jobs.dataset),
         settings=accuracy_settings,
     message:
-        "Computing {wildcards.figure} at full size"
+        "Computing {wildcards.figure} for accuracy"
 
 
 use rule figure as accuracy_figure with:
@@ -42,7 +42,7 @@ use rule figure as accuracy_figure with:
     log:
         "logs/accuracy_figure/{figure}.log",
     message:
-        "Drawing {wildcards.figure} at full size"
+        "Drawing {wildcards.figure} for accuracy"
 
 
 use rule check as accuracy_checks with:
