@@ -389,7 +389,8 @@ def _draw_sweeps(axes: Axes, dataset: xr.Dataset) -> str:
                       label=labels[rows[0]])  # fmt: skip
     axes.set(xscale="log", yscale="log", xlabel="Time of one drive [s]", ylabel="Error of the amplitude")
     axes.margins(0.15)
-    axes.legend(fontsize=6)
+    axes.set_ylim(top=1e5 * axes.get_ylim()[1])  # room for the legend
+    axes.legend(fontsize=6, loc="upper left", handletextpad=0.4)
     return "sweeps over the axial force"
 
 
