@@ -59,7 +59,7 @@ _TIMES = "run time, quartiles of the shortest of each round"
 _FIRST_RUN = "discarded run of a hundredth of the scene, with what is loaded and compiled for it"
 _RATIO = "run time of the best rival of a family over that of the engine, at an equal error, quartiles of the rounds"
 _GENERAL = ("GENERAL", "COMPILED", "TAYLOR")
-_RIVALS = {  # family of methods: marker, words
+RIVALS = {  # family of methods: marker, words
     "GENERAL": ("s", "scipy, CVODE"),
     "COMPILED": ("^", "diffrax"),
     "TAYLOR": ("h", "heyoka"),
@@ -157,7 +157,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
         coords={
             "scene": named_index("scene", "scene", scenes, labels="; ".join(titles)),
             "method": named_index("method", "method", names, labels="; ".join(labels)),
-            "rival": flagged("rival", [MethodFamily[name] for name in _RIVALS], "family of the rival", MethodFamily),
+            "rival": flagged("rival", [MethodFamily[name] for name in RIVALS], "family of the rival", MethodFamily),
             "error_level": variable("error_level", levels, "1", "error of the final state that is asked for"),
             "quartile": variable("quartile", list(QUARTILES), "1", "share of the repeats below"),
         },
@@ -211,7 +211,7 @@ def _ratios(row: _Row, levels: np.ndarray, rounds: int) -> np.ndarray:
             name: [(e.errors.state, e.of_round(k)) for e in found if e.errors.verdict == Verdict.RIGHT]
             for name, found in row.items()
         }
-        of_family = [[points[name] for name in row if METHODS[name].family.name == family] for family in _RIVALS]
+        of_family = [[points[name] for name in row if METHODS[name].family.name == family] for family in RIVALS]
         return [[fastest(rivals, x) / fastest([points["exact"]], x) for x in levels] for rivals in of_family]
 
     return quartiles(np.stack([of_round(k) for k in range(rounds)], axis=-1))
@@ -342,7 +342,7 @@ def _bars(times: np.ndarray) -> np.ndarray:
 def _draw_ratios(axes: Axes, dataset: xr.Dataset) -> str:
     """Draw run times over the engine's, at two errors."""
     levels, width = dataset.error_level.values, 0.12
-    for k, (marker, words) in enumerate(_RIVALS.values()):
+    for k, (marker, words) in enumerate(RIVALS.values()):
         for level, face in zip(_LEVELS, (style.BLACK, "white"), strict=True):
             near = np.isclose(levels, level)
             ratios = dataset.ratio.values[:, k, near].reshape(-1, 3)

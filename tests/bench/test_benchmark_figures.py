@@ -1,7 +1,10 @@
 """Each figure of the benchmarks on a few cases: its checks pass, fail on spoiled data, and its file alone is drawn."""
 
 import re
+import subprocess
+import sys
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +14,7 @@ from benchmarks.record import Verdict
 from lsvib.datasets.io import read_dataset, write_dataset
 from lsvib.figures.configuration import accuracy_figures, load
 
+ROOT = Path(__file__).parents[2]
 DRIVE = {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0}
 SETTINGS = {
     "ablation": {"duration": 0.3, "repeats": 3, "fresh": 1, "compile": ["planar"]},
@@ -124,3 +128,18 @@ def test_no_run_time_decides(figure):
     for name in measured:
         dataset[name] = 1e-3 / dataset[name]
     assert list(map(str, load(figure).checks(dataset))) == list(map(str, load(figure).checks(built(figure))))
+
+
+@pytest.mark.slow
+def test_the_page_of_the_documentation_is_made_from_datasets_of_one_commit(tmp_path):
+    """A section with a picture for each figure; tables with the numbers of the dataset."""
+    for folder in ("run/datasets", "docs/figures"):
+        (tmp_path / folder).mkdir(parents=True)
+    for figure in accuracy_figures():
+        write_dataset(built(figure), tmp_path / "run/datasets" / f"{figure}.nc")
+    command = [sys.executable, ROOT / "tests/tools/accuracy_page.py", tmp_path / "run", tmp_path / "docs"]
+    subprocess.run(command, check=True)
+    page = (tmp_path / "docs/accuracy.md").read_text(encoding="utf-8")
+    assert set(re.findall(r"\(figures/(\w+)\.png\)", page)) == set(accuracy_figures())
+    assert all((tmp_path / "docs/figures" / f"{figure}.png").is_file() for figure in accuracy_figures())
+    assert f"{float(built('work_precision').state_error[0, 0, 0]):.1e}" in page
