@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 _AMPLITUDE = 0.05  # a steady amplitude that is further off, in sizes of the motion, belongs to another attractor
 _STOPS = ("stick", "reversal", "seizure")  # events at which θ′ arrives at zero
@@ -89,3 +90,11 @@ def errors(run: Record, reference: Record) -> Errors:
 def count_stops(kinds: list[str], starts_at_rest: bool) -> int:
     """Return how often θ′ arrives at zero in a motion with events of these kinds (names)."""
     return sum(kind in _STOPS for kind in kinds) + starts_at_rest
+
+
+QUARTILES = (0.25, 0.5, 0.75)
+
+
+def quartiles(repeats: ArrayLike) -> np.ndarray:
+    """Return quartiles (…, 3) of repeats along the last axis; nan if one of them is."""
+    return np.moveaxis(np.quantile(repeats, QUARTILES, axis=-1), 0, -1)

@@ -34,10 +34,10 @@ class Ablated(NamedTuple):
 
 
 class Measured(NamedTuple):
-    """A model on a scene: fastest run and fastest construction [s], number of modes, guards and states, final state."""
+    """A model on a scene: times [s] of its runs and its constructions, number of modes, guards and states, motion."""
 
-    run_time: float
-    build_time: float
+    run_times: list[float]
+    build_times: list[float]
     modes: int
     guards: int
     states: int
@@ -116,28 +116,28 @@ def _wider(rows: np.ndarray) -> np.ndarray:
 def measure(scene: Ablated, repeats: int) -> tuple[Measured, Measured]:
     """Measure the pared and the general model of a scene in turns, so that a busy machine slows both alike."""
     builds = (scene.pared, scene.general)
-    best = np.full((2, 2), np.inf)
+    times: list[list[tuple[float, float]]] = [[], []]
     motions: list[Motion] = []
     for build, start in zip(builds, scene.start, strict=True):
         motions.append(follow(build(), start, scene.duration))
     for _ in range(repeats):
         for k, (build, start) in enumerate(zip(builds, scene.start, strict=True)):
             forget()  # a drive is built once
-            begun = time.perf_counter()
+            begun = time.process_time()
             automaton = build()
-            built = time.perf_counter()
+            built = time.process_time()
             follow(automaton, start, scene.duration)
-            best[k] = np.minimum(best[k], [time.perf_counter() - built, built - begun])
-    return tuple(_measured(motion, *times) for motion, times in zip(motions, best, strict=True))  # type: ignore
+            times[k].append((time.process_time() - built, built - begun))
+    return tuple(_measured(motion, *zip(*found, strict=True)) for motion, found in zip(motions, times, strict=True))
 
 
-def _measured(motion: Motion, run_time: float, build_time: float) -> Measured:
+def _measured(motion: Motion, run_times: list[float], build_times: list[float]) -> Measured:
     tables, automaton = motion.automaton.tables, motion.automaton
     arrays = [x for x in tables if isinstance(x, np.ndarray)]
     arrays += [] if isinstance(tables.flow, np.ndarray) else list(tables.flow)
     size = sum(array.nbytes for array in arrays)
     return Measured(
-        run_time, build_time, automaton.codes.size, tables.guard_sign.size, len(automaton.states), size, motion
+        run_times, build_times, automaton.codes.size, tables.guard_sign.size, len(automaton.states), size, motion
     )
 
 

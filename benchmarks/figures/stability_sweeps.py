@@ -64,7 +64,7 @@ class Settings(FigureSettings):
     counts: dict[FamilyName, Annotated[int, Field(ge=1, le=10_000_000)]] = Field(
         min_length=1, description="Number of cases of each family."
     )
-    thorough: int = Field(ge=1, description="Cases of each family that the reference judges in any case.")
+    thorough: int = Field(ge=0, description="Cases of each family that the reference judges in any case.")
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
@@ -108,7 +108,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     count = {kind: int((verdict == kind).sum()) for kind in VERDICTS}
     failed = total - count[Verdict.RIGHT] - count[Verdict.CORNER]
     worst = float(np.nanmax(dataset.state_error.values[rigid & (verdict != Verdict.BEYOND_INPUT)]))
-    others = ~rigid & (verdict != Verdict.BEYOND_INPUT)
+    others = ~rigid & ~np.isin(verdict, (Verdict.BEYOND_INPUT, Verdict.REFUSED))
     errors = np.fmax(dataset.state_error.values, dataset.time_error.values)[others]
     return [
         Check.holds(
@@ -133,7 +133,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         ),
         Check.holds(
             f"Drives with four states: final states and event times to {_TOLERANCE_WITH_FOUR_STATES:.0e} in every case "
-            "that its input decides",
+            "that is not refused and that its input decides",
             _SOURCE,
             f"worst error {errors.max(initial=0.0, where=np.isfinite(errors)):.1e} of {errors.size} cases, in "
             f"{int(np.isnan(errors).sum())} unknown",
@@ -250,12 +250,12 @@ def _families(axes: Axes, dataset: xr.Dataset, digits: np.ndarray, asked: np.nda
         ylim=(dataset.sizes["edge_family"] - 0.4, -0.6),
     )
     axes.set_xticks([4, 8, 12, 16])
-    handles = (
+    handles = [
         Line2D([], [], color=style.BLUE, marker="o", markersize=2.5, linestyle="none", label="a case"),
         Line2D([], [], color=style.VERMILION, marker="o", markersize=3.5, linestyle="none", label="not passed"),
         Line2D([], [], color=style.BLACK, marker="|", markersize=9, linestyle="none",
                label="what 16 units in the\nlast place of the\ninput may change"),
-    )  # fmt: skip
+    ][: 2 + bool((dataset.sensitivity > 0).any())]  # fmt: skip
     axes.legend(handles=handles, loc="upper left", fontsize=6.5, handletextpad=0.1, borderpad=0.2,
                 frameon=True, framealpha=1.0, edgecolor="none")  # fmt: skip
     axes.text(9.15, dataset.sizes["edge_family"] - 0.6, "tolerance", fontsize=6, color=style.GREY, va="center")

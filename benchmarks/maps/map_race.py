@@ -5,7 +5,6 @@ if it says steady sliding outside of it or anything else inside. Distances are i
 that a cell of a map of n × n cells is 1/n wide.
 """
 
-import math
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -45,11 +44,11 @@ class RaceBox:
 class MapOutcome:
     """What one method does on one box.
 
-    ``seconds`` [s] of processor time for one start on one thread, least of the repeats; numbers of ``cells`` and of
+    ``seconds`` [s] of processor time for one start on one thread, of each repeat; numbers of ``cells`` and of
     those with a wrong and an undecided label; shares [1] of ``wrong`` and ``undecided`` labels at each distance (d).
     """
 
-    seconds: float
+    seconds: list[float]
     cells: int
     wrong_cells: int
     undecided_cells: int
@@ -79,7 +78,7 @@ def contest(
         x, y = box.grid(edge)
         inside_cells = np.array([[exact.contains((u, w)) for u in x] for w in y])
         found = _judged(_cells(labels_of[name], x, y), inside_cells)
-        outcomes[name] = MapOutcome(math.inf, edge**2, int(found[0].sum()), int(found[1].sum()), *share)
+        outcomes[name] = MapOutcome([], edge**2, int(found[0].sum()), int(found[1].sum()), *share)
     _take_times(box, cells, labels_of, outcomes, repeats)
     return outcomes, length
 
@@ -167,7 +166,7 @@ def _take_times(
     outcomes: Mapping[str, MapOutcome],
     repeats: int,
 ) -> None:
-    """Enter the least processor time of each method, all in turn, so that a busy machine slows all alike."""
+    """Enter the processor times of each method, all in turn, so that a busy machine slows all alike."""
     grids = {name: (*box.grid(edge), np.empty((edge, edge), dtype=np.int8)) for name, edge in cells.items()}
     spent = dict.fromkeys(grids, 0.0)
     for _ in range(repeats):
@@ -178,4 +177,4 @@ def _take_times(
             labels_of[name](x, y, labels)
             took = time.process_time() - begun
             spent[name] += took
-            outcomes[name].seconds = min(outcomes[name].seconds, took / labels.size)
+            outcomes[name].seconds.append(took / labels.size)

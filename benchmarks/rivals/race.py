@@ -7,7 +7,6 @@ inflated by what others do. How much faster one method is than others is asked a
 import ctypes
 import math
 import os
-import statistics
 import sys
 import time
 import warnings
@@ -38,7 +37,8 @@ class RaceBudget:
 
 @dataclass
 class Entry:
-    """One method at one setting: its errors, the times of its runs [s], its number of events, why it gave up.
+    """One method at one setting: its errors, the times of its runs [s] and the shortest of each round, its number of
+    events, why it gave up.
 
     ``first`` [s] is the time of the method's discarded run on the scene, in which what it needs is loaded and compiled.
     """
@@ -48,6 +48,7 @@ class Entry:
     first: float = float("nan")
     errors: Errors | None = None
     seconds: list[float] = field(default_factory=list)
+    rounds: list[float] = field(default_factory=list)
     events: int = -1
     failure: str = ""
 
@@ -56,10 +57,9 @@ class Entry:
         """Shortest run [s]."""
         return min(self.seconds, default=float("nan"))
 
-    @property
-    def median(self) -> float:
-        """Median run [s]."""
-        return statistics.median(self.seconds) if self.seconds else float("nan")
+    def of_round(self, number: int) -> float:
+        """Shortest run [s] of a round, or of the last one in which the entry ran."""
+        return self.rounds[min(number, len(self.rounds) - 1)] if self.rounds else float("nan")
 
 
 def contest(
@@ -125,7 +125,7 @@ def quiet() -> Iterator[None]:
 
 def _run(entry: Entry, function, truth: Record) -> None:
     """Run an entry once, or a quick one so often that caches and clock have settled; compare its first result."""
-    total, outcome = 0.0, None
+    total, outcome, before = 0.0, None, len(entry.seconds)
     try:
         while total < _TURN:
             start = time.process_time()
@@ -136,6 +136,7 @@ def _run(entry: Entry, function, truth: Record) -> None:
         entry.failure = str(reason)
         entry.errors = errors(Record(failure=entry.failure), truth)
         return
+    entry.rounds.append(min(entry.seconds[before:]))
     if entry.errors is None:
         run = outcome()
         entry.errors, entry.failure = errors(run, truth), run.failure

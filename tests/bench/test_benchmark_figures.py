@@ -1,25 +1,28 @@
 """Each figure of the benchmarks on a few cases: its checks pass, fail on spoiled data, and its file alone is drawn."""
 
+import re
+import subprocess
+import sys
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 
-from benchmarks.ablation.cost_of_starting import imports
 from benchmarks.record import Verdict
 from lsvib.datasets.io import read_dataset, write_dataset
 from lsvib.figures.configuration import accuracy_figures, load
 
+ROOT = Path(__file__).parents[2]
 DRIVE = {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0}
 SETTINGS = {
-    "ablation": {"duration": 0.3, "repeats": 9, "compile": ["planar"]},
+    "ablation": {"duration": 0.3, "repeats": 3, "fresh": 1, "compile": ["planar"]},
     "map_precision": {
         "boxes": {
             "near": {
                 "drive": DRIVE,
                 "window": {"left": -0.05, "right": 0.05, "bottom": -15.0, "top": 15.0},
-                "ratio_floor": 2.0,
             }
         },
         "cells": {"engine": 60, "rk4_coarse": 40},
@@ -46,19 +49,18 @@ SETTINGS = {
         "seconds": 0.0,
         "limit": 5.0,
         "error_levels": [1e-3, 1e-9],
-        "ratio_floor": 1.0,
-        "compiled_floor": 1.0,
+        "grids": [8, 12],
+        "sweep": {"count": 20, "judged": 3, "methods": {"rk4_refined": [1e-5]}},
     },
 }
 SPOILED = {  # words of a check: variable, value, place
     "ablation": {
         "have the same events": ("difference", 1e-9, 0),
-        "runs faster": ("run_time", 1.0, (0, 0)),
+        "smaller tables": ("table_bytes", 1e6, (0, 0)),
         "import no numba": ("loads", 1, ...),
     },
     "map_precision": {
         "wrong or undecided": ("undecided_near", 1.0, (0, 0, 5)),
-        "times as fast": ("time_per_label", 1.0, 0),
     },
     "rival_verdicts": {
         "The engine is neither": ("engine_count", 1, (0, -1)),
@@ -75,7 +77,8 @@ SPOILED = {  # words of a check: variable, value, place
         "The engine shows the true motion": ("motion_verdict", Verdict.OTHER_EVENTS, (0, 0, 0)),
         "below 1e-11": ("state_error", 1e-10, (0, 0, 0)),
         "General solvers": ("motion_verdict", Verdict.RIGHT, ...),
-        "stick_slip": ("ratio", 0.5, ...),
+        "Every cell": ("grid_wrong_cells", 1, (1, 0)),
+        "Amplitudes": ("way_error", 1e-10, 0),
     },
 }
 
@@ -85,7 +88,6 @@ def built(figure: str) -> xr.Dataset:
     pytest.importorskip("scipy")
     with pytest.MonkeyPatch.context() as patch:  # to compile the engine anew, and to import again, takes a minute
         patch.setattr("benchmarks.ablation.cost_of_starting.compilation", lambda kinds: (60, 9.0))
-        patch.setattr("benchmarks.ablation.cost_of_starting.imports", lambda module, repeats: imports(module, 1))
         return load(figure).build(SETTINGS[figure])
 
 
@@ -113,3 +115,31 @@ def test_a_check_fails_on_spoiled_data(figure, words):
     values[place] = value
     dataset[name] = dataset[name].dims, values, dataset[name].attrs
     assert False in {good for claim, good in passed(figure, dataset).items() if words in claim}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("figure", accuracy_figures())
+def test_no_run_time_decides(figure):
+    """Of times and their ratios other numbers, and every check says the same to the letter."""
+    dataset = built(figure).copy(deep=True)
+    measured = [name for name in dataset if re.search("run_time|build_|_time$|time_per|ratio", str(name))]
+    measured = [name for name in measured if "event" not in str(name)]
+    assert measured or figure in ("rival_verdicts", "stability_sweeps")
+    for name in measured:
+        dataset[name] = 1e-3 / dataset[name]
+    assert list(map(str, load(figure).checks(dataset))) == list(map(str, load(figure).checks(built(figure))))
+
+
+@pytest.mark.slow
+def test_the_page_of_the_documentation_is_made_from_datasets_of_one_commit(tmp_path):
+    """A section with a picture for each figure; tables with the numbers of the dataset."""
+    for folder in ("run/datasets", "docs/figures"):
+        (tmp_path / folder).mkdir(parents=True)
+    for figure in accuracy_figures():
+        write_dataset(built(figure), tmp_path / "run/datasets" / f"{figure}.nc")
+    command = [sys.executable, ROOT / "tests/tools/accuracy_page.py", tmp_path / "run", tmp_path / "docs"]
+    subprocess.run(command, check=True)
+    page = (tmp_path / "docs/accuracy.md").read_text(encoding="utf-8")
+    assert set(re.findall(r"\(figures/(\w+)\.png\)", page)) == set(accuracy_figures())
+    assert all((tmp_path / "docs/figures" / f"{figure}.png").is_file() for figure in accuracy_figures())
+    assert f"{float(built('work_precision').state_error[0, 0, 0]):.1e}" in page

@@ -14,8 +14,9 @@ import pytest
 import yaml
 from conftest import ROOT, TINY
 
+from benchmarks.rivals.method_list import METHODS
 from lsvib.datasets.io import read_dataset
-from lsvib.figures.configuration import accuracy_figures, default_figures, load, settings_of
+from lsvib.figures.configuration import accuracy_figures, default_figures, given, load, settings_of
 from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive
 
@@ -295,11 +296,28 @@ def test_a_wrong_drive_is_one_sentence_and_leaves_no_file(fresh):
 
 
 def test_accuracy_is_a_target_of_its_own(fresh):
-    """It needs packages that the figures of the chapter do not need, and neither builds the other."""
-    jobs = fresh.plan("accuracy", "--configfile", "config/draft.yaml")
-    assert jobs >= {"Compiling the engine: planar", "Computing work_precision", "Drawing work_precision"}
-    assert not jobs & {"Computing fig8_03", "Drawing fig8_03"}
-    assert "Computing work_precision" not in fresh.plan()
+    """It needs packages that the others do not need; a draft leaves out what `all` has."""
+    jobs = fresh.plan("accuracy")
+    assert jobs >= {"Compiling the engine: planar", "Computing work_precision for accuracy"}
+    assert not any("fig8" in job or job == "Computing work_precision" for job in jobs)
+    draft = fresh.plan("accuracy", "--configfile", "config/draft.yaml")
+    assert {job for job in draft if job.startswith("Computing ")} == {
+        "Computing map_precision for accuracy", "Computing rival_verdicts for accuracy"
+    }  # fmt: skip
+    assert not any("accuracy" in job for job in fresh.plan())
+
+
+def test_all_has_the_figures_of_accuracy_at_its_own_size(fresh):
+    """With nothing but what requirements.txt installs, and other settings than the target ``accuracy``."""
+    fresh.edit("config/config.yaml", TINY, "")
+    jobs = fresh.plan()
+    both = ("work_precision", "stability_sweeps", "ablation")
+    assert jobs >= {f"{verb} {figure}" for verb in ("Computing", "Drawing") for figure in both}
+    for figure in both:
+        assert given(CONFIG, figure) != given(CONFIG, figure, accuracy=True)
+    own = given(CONFIG, "work_precision")
+    methods = {name for names in (own["methods"], own["sweep"]["methods"]) for name, values in names.items() if values}
+    assert {METHODS[name].needs for name in methods} == {None, "scipy"}
 
 
 @pytest.mark.slow
@@ -338,7 +356,7 @@ def test_lint_asks_for_nothing(fresh):
 def test_every_figure_has_a_caption_and_a_section_unless_its_settings_have_defaults():
     assert all(load(figure).CAPTION.endswith("\n") for figure in ALL_FIGURES)
     sections = {name for name, section in CONFIG.items() if isinstance(section, dict)}
-    assert sections <= {"table_8_1", *ALL_FIGURES}
+    assert sections <= {"table_8_1", "accuracy", *ALL_FIGURES}
     for name in set(ALL_FIGURES) - sections:
         settings_of(name)()
 

@@ -201,13 +201,18 @@ def engine(modules):
 
 
 def cores(wildcards):
-    """Return the cores of a dataset's job: all of them if run times are measured, so that nothing runs beside it."""
+    """Return the cores of a job of `accuracy`: all of them if run times are measured, so that nothing runs beside it."""
     return workflow.cores if settings_of(wildcards.figure).timed else 1
 
 
 def settings(wildcards):
     """Return the section of the figure; what it does not name has the defaults of its ``Settings``."""
     return given(config, wildcards.figure)
+
+
+def accuracy_settings(wildcards):
+    """Return the same for the target `accuracy`."""
+    return given(config, wildcards.figure, accuracy=True)
 
 
 def category(wildcards):
@@ -238,9 +243,8 @@ def print_results(started, log=None):
         if records.exists() and records.stat().st_mtime >= started:
             checks = read_checks(records)
             print("\n".join(["", *failures(checks), *printed_thresholds(checks), counts(checks)]))
-            print(
-                f"Figures: results/figures   datasets: results/datasets   every check: {folder}/checks.md, .html, .json"
-            )
+            places = f"{folder}/figures   datasets: {folder}/datasets   every check: {folder}/checks.md, .html, .json"
+            print(f"Figures: {places}")
             summary.append(verdict(checks))
     print("\n" + " ".join(summary or ["The run FAILED; the reason stands above." if log else "Done."]))
 
@@ -251,8 +255,8 @@ def judge_alone(started):
     Their pictures go to ``results/failed``, so that the next run does not take them for good.
     """
     wrong = []
-    for records in sorted(Path("results/checks").glob("*.json")):
-        pictures = sorted(Path("results/figures").glob(f"{records.stem}.*"))
+    for records in sorted(Path("results").glob("**/checks/*.json")):
+        pictures = sorted(records.parents[1].glob(f"figures/{records.stem}.*"))
         failed = failures(read_checks(records))
         if failed and any(file.stat().st_mtime >= started for file in (records, *pictures)):
             wrong += failed

@@ -73,7 +73,6 @@ rule dataset:
         checks="results/checks/{figure}.json",
     log:
         "logs/dataset/{figure}.log",
-    threads: cores
     params:
         code=code(jobs.dataset),
         settings=settings,

@@ -41,7 +41,8 @@ _NO_TYPE = {  # complaint of pydantic: what the value should be
     "dict_type": "a set of names and values",
 }
 _ALTERNATIVES = ("number", "axis")  # which of two types a value was taken for; no part of its place
-_BENCHMARKS = ("ablation", "map_precision", "rival_verdicts", "stability_sweeps", "work_precision")
+_IN_ALL = ("work_precision", "stability_sweeps", "ablation")  # benchmarks that a bare snakemake builds, too
+_BENCHMARKS = (*_IN_ALL, "rival_verdicts", "map_precision")
 
 
 PARTS = ("analysis", "maps")
@@ -58,8 +59,13 @@ def figures_with(part: str) -> tuple[str, ...]:
 
 
 def default_figures() -> tuple[str, ...]:
-    """Return the names of the figures that a bare ``snakemake`` builds: those of the chapter first."""
+    """Return the names of the figures of the package: those of the chapter first."""
     return figures_with("build")
+
+
+def figures_of_all() -> tuple[str, ...]:
+    """Return the names of the figures that a bare ``snakemake`` builds: in a checkout, some of the benchmarks too."""
+    return (*default_figures(), *(_IN_ALL if find_spec("benchmarks") else ()))
 
 
 def accuracy_figures() -> tuple[str, ...]:
@@ -93,11 +99,14 @@ class Selection(SettingsSection):
         default=DriveChanges(), description="Parameters of the drive of all figures; their `drive` differs from it."
     )
 
-    figures: Annotated[list[Literal[*default_figures()]], *Unique] = Field(
-        default=list(default_figures()), min_length=1, description="Figures to build; all if it is left out."
+    figures: Annotated[list[Literal[*default_figures(), *_IN_ALL]], *Unique] | None = Field(
+        default=None, min_length=1, description="Figures to build; all if it is left out."
     )
-    accuracy_figures: Annotated[list[Literal[*_BENCHMARKS]], *Unique] = Field(
-        default=list(_BENCHMARKS), min_length=1, description="Figures of the target `accuracy`, as `figures`."
+    accuracy_figures: Annotated[list[Literal[*_BENCHMARKS]], *Unique] | None = Field(
+        default=None, min_length=1, description="Figures of the target `accuracy`, as `figures`."
+    )
+    accuracy: dict[Literal[*_BENCHMARKS], dict[str, Any]] = Field(
+        default={}, description="What the target `accuracy` changes in the sections of its figures."
     )
     draft: bool = Field(
         default=False,
@@ -119,13 +128,20 @@ class Assessments(Selection):
 def check(configuration: Mapping[str, Any]) -> None:
     """Check a complete configuration, that of a run of the workflow; raises ``InputError`` in one sentence."""
     _checked(_configuration(), configuration)
-    for name in (*selected(configuration), *selected(configuration, "accuracy_figures")):
+    for name in selected(configuration):
         complete_settings(name, given(configuration, name))
+    for name in selected(configuration, "accuracy_figures"):
+        complete_settings(name, given(configuration, name, accuracy=True))
 
 
-def given(configuration: Mapping[str, Any], figure: str) -> dict[str, Any]:
-    """Return the section of a figure, its drive with all parameters of ``table_8_1`` that it does not change itself."""
+def given(configuration: Mapping[str, Any], figure: str, *, accuracy: bool = False) -> dict[str, Any]:
+    """Return the section of a figure, its drive with all parameters of ``table_8_1`` that it does not change itself.
+
+    ``accuracy``: as the target of that name builds it, with what the section ``accuracy`` has of it on top.
+    """
     found, table = configuration.get(figure, {}), configuration.get("table_8_1", {})
+    if accuracy:
+        found = _merged(found, configuration.get("accuracy", {}).get(figure, {}))
     if not (table and isinstance(found, dict) and "drive" in settings_of(figure).model_fields):
         return found
     drive = found.get("drive", {})
@@ -146,9 +162,16 @@ def section(configuration: Mapping[str, Any], figure: str) -> Mapping[str, Any]:
     return given(configuration, figure)
 
 
+def _merged(below: Any, above: Any) -> Any:
+    """Lay one value over another as Snakemake does with two files: mappings key by key, all else as a whole."""
+    if not (isinstance(below, Mapping) and isinstance(above, Mapping)):
+        return above
+    return {**below, **{key: _merged(below.get(key), value) for key, value in above.items()}}
+
+
 def selected(configuration: Mapping[str, Any], key: str = "figures") -> tuple[str, ...]:
     """Return the names of the figures to build; ``key``: that of a list in the configuration, which may be absent."""
-    return tuple(configuration.get(key, Selection.model_fields[key].default))
+    return tuple(configuration.get(key) or (figures_of_all() if key == "figures" else accuracy_figures()))
 
 
 def complete_settings(figure: str, section: Mapping[str, Any]) -> dict[str, Any]:
