@@ -131,8 +131,8 @@ def test_no_run_time_decides(figure):
 
 
 @pytest.mark.slow
-def test_the_page_of_the_documentation_is_made_from_datasets_of_one_commit(tmp_path):
-    """A section with a picture for each figure; tables with the numbers of the dataset."""
+def test_the_page_of_the_documentation_is_made_from_datasets(tmp_path):
+    """A section with a picture and the commit for each figure; tables with the numbers of the dataset."""
     for folder in ("run/datasets", "docs/figures"):
         (tmp_path / folder).mkdir(parents=True)
     for figure in accuracy_figures():
@@ -142,4 +142,5 @@ def test_the_page_of_the_documentation_is_made_from_datasets_of_one_commit(tmp_p
     page = (tmp_path / "docs/accuracy.md").read_text(encoding="utf-8")
     assert set(re.findall(r"\(figures/(\w+)\.png\)", page)) == set(accuracy_figures())
     assert all((tmp_path / "docs/figures" / f"{figure}.png").is_file() for figure in accuracy_figures())
+    assert page.count("Computed at commit ") == len(accuracy_figures())
     assert f"{float(built('work_precision').state_error[0, 0, 0]):.1e}" in page
