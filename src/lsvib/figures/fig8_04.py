@@ -6,7 +6,7 @@ import xarray as xr
 from lsvib.datasets import phase_plane
 from lsvib.datasets.attributes import variable
 from lsvib.datasets.checks import Check
-from lsvib.figures import drawing
+from lsvib.figures import drawing, printed_laws
 from lsvib.figures.common import EIGENVALUE, about, named, spread
 from lsvib.figures.settings import PhasePlane, Values
 from lsvib.models.drive import RigidDrive
@@ -73,6 +73,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             f"real parts {growth[0]:.4g} and {growth[1]:.4g} 1/s",
             growth.max() > 0,
         ),
+        _half_plane_check(dataset),
         Check.holds(
             "The exact motion that starts near the origin leaves it",
             "Sect. 8.5, Fig. 8.4",
@@ -87,3 +88,23 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             named(dataset.attractor, "other cycle").all() and spread(amplitudes) < 1e-12 and around,
         ),
     ]
+
+
+def _half_plane_check(p: xr.Dataset) -> Check:
+    """Check in both half planes the law, and by it the energy ½ Γ u′² + ½ k (u − u*)² about its equilibrium u*."""
+    law, steady = printed_laws.laws(p), np.sign(printed_laws.net_force(p) * p.input_speed)
+    slack = printed_laws.factor(p, steady) - printed_laws.factor(p, law)
+    offset = p.angle_deviation - p.pitch_radius * slack * printed_laws.net_force(p) / p.coupling_stiffness
+    energy = printed_laws.inertia(p, law) * p.velocity_deviation**2 + p.coupling_stiffness * offset**2
+    within = (law == law.shift(sample=1)) & (p.time > p.time.shift(sample=1))
+    change = (energy - energy.shift(sample=1)).where(within)
+    grows, falls = change.where(law > 0), change.where(law < 0)
+    sides = (p.normal_force * law > -1e-9).all()  # θ′ > 0 here
+    return Check.holds(
+        "Where N > 0 the motions follow law +, which drives them apart, where N < 0 law −, which damps them",
+        "Sect. 8.5, Fig. 8.4",
+        f"C₊ = {float(printed_laws.damping(p, 1)):.3g} and C₋ = {float(printed_laws.damping(p, -1)):.3g} N m s/rad; the "
+        f"energy about the law's equilibrium grows over {int((grows > 0).sum())} of {int(grows.count())} steps, falls "
+        f"over {int((falls < 0).sum())} of {int(falls.count())}",
+        bool(sides) and bool((grows > 0).sum() == grows.count() > 0) and bool((falls < 0).sum() == falls.count() > 0),
+    )

@@ -3,7 +3,7 @@
 import xarray as xr
 
 from lsvib.datasets.checks import Check
-from lsvib.figures import drawing, fig8_04
+from lsvib.figures import drawing, fig8_04, printed_laws
 from lsvib.figures.common import about, named
 from lsvib.figures.settings import PhasePlane, Values
 
@@ -46,4 +46,5 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             (last < first).all(),
         ),
         Check.everywhere("Every exact motion drawn settles on the origin", "Sect. 8.5, Fig. 8.5", settled),
+        printed_laws.steady_force_check(dataset),
     ]

@@ -9,7 +9,7 @@ from pydantic import Field
 from lsvib.datasets import phase_plane, spans
 from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, variable
 from lsvib.datasets.checks import Check
-from lsvib.figures import drawing, style
+from lsvib.figures import drawing, printed_laws, style
 from lsvib.figures.common import about, existing, named, spread
 from lsvib.figures.settings import DriveChanges, PhasePlane, PositiveSpan, Values, several
 from lsvib.models.drive import RigidDrive
@@ -81,6 +81,8 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             "Sect. 8.6.1, Fig. 8.9a",
             named(dataset.attractor, "steady sliding")[0],
         ),
+        printed_laws.steady_force_check(dataset.isel(case=0), "(a) "),
+        printed_laws.stationary_check(dataset.isel(case=0)),
         Check.holds(
             "(b) above the critical mass every motion ends on one sprag-slip cycle, under either rule of resuming",
             "Sect. 8.6.1, Fig. 8.9b",
