@@ -109,7 +109,6 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-
 def _law_checks(p: xr.Dataset) -> list[Check]:
     """Check the signs of N by (8.3) where there is no solution, and the slip under law − as far as it goes."""
     u, sense = p.grid_angle_deviation, np.sign(p.input_speed + p.grid_velocity_deviation)

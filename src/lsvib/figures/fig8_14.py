@@ -16,7 +16,7 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import phase_plane, spans
-from lsvib.datasets.attributes import Variables, variable
+from lsvib.datasets.attributes import Variables, attributes, flags_or_none, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures.common import Motion, about, flag_names, named
@@ -24,7 +24,7 @@ from lsvib.figures.settings import MassPair, OpposingForces, PhasePlane, Span, V
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.model import RULES
-from lsvib.models.rigid import EventKind, rigid_automaton
+from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
 from lsvib.stability.force_thresholds import global_stability_force
 
 CAPTION = """\
@@ -87,6 +87,7 @@ def build(settings: Values) -> xr.Dataset:
     return planes.assign(
         _reverse_slips(drives, settings["starts"][-1], settings["duration"], settings["samples"])
         | _corners(drives)
+        | _first_events(drives, angle, velocity, settings["duration"])
         | {
             "grid_attractor": phase_plane.attractors(plane, grid),
             "bracket_attractor": phase_plane.attractors(("bracket", "rule"), released, words),
@@ -97,6 +98,33 @@ def build(settings: Values) -> xr.Dataset:
 def _labels(drive: RigidDrive, rule: str, states: Sequence[tuple[float, float]]) -> list[int]:
     """Attractors of the motions from some states u [rad], u′ [rad/s]."""
     return [phase_plane.reached(drive, {"u": u, "w": w}, rule).label for u, w in states]
+
+
+def _first_events(drives: Sequence[RigidDrive], u: np.ndarray, w: np.ndarray, duration: float) -> Variables:
+    """Of the motions from the grid: what happens at the start, if anything, the rate after it, and events from then on.
+
+    A rest counts as an event even if nothing happens at its beginning.
+    """
+    from lsvib.engine.motion import follow
+
+    first, rate, later = (np.full((len(drives), u.size, w.size), value) for value in (-1, np.nan, 0))
+    for place in np.ndindex(first.shape):
+        motion = follow(rigid_automaton(drives[place[0]]), [u[place[1]], w[place[2]]], duration)
+        at_once = motion.time == 0
+        if at_once.any():
+            first[place], rate[place] = motion.kind[0], motion.after[0, 1]
+        rests = motion.automaton.codes[motion.mode[at_once]] == MotionMode.REST
+        later[place] = (~at_once).sum() + rests.sum()
+    dims, when = ("case", "grid_angle_deviation", "grid_velocity_deviation"), "of the motion from a start of the grid"
+    return {
+        "grid_first_event": (
+            dims,
+            first.astype(np.int8),
+            attributes("1", f"event at once {when}", **flags_or_none(EventKind)),
+        ),
+        "grid_velocity_after": variable(dims, rate, "rad s-1", f"rate of the deviation after the event at once {when}"),
+        "grid_later_events": variable(dims, later, "1", f"number of later events and rests {when}"),
+    }
 
 
 def _corners(drives: Sequence[RigidDrive]) -> Variables:
@@ -177,8 +205,51 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         *(_settling_check(dataset.isel(case=case), note) for case, note in ((0, " (as printed)"), (2, ""))),
         _one_attractor_check(dataset.isel(case=1), " (as printed)", "steady sliding", no_cycle),
         _one_attractor_check(dataset.isel(case=3), "", "sprag slip cycle", one_cycle),
+        *_start_checks(dataset.isel(case=[2, 3])),
         *_corner_checks(dataset),
         *_accumulation_checks(dataset),
+    ]
+
+
+def _start_checks(heavy: xr.Dataset) -> list[Check]:
+    """Check beyond m_cr what Sect. 8.7 says of starts, by the signs of N under law − and of θ′, and of N = 0 reached."""
+    first, u, w = xr.broadcast(heavy.grid_first_event, heavy.grid_angle_deviation, heavy.grid_velocity_deviation)
+    positive = u - heavy.contact_line_slope * w > heavy.contact_line_angle  # Q, and N under law −
+    stop = heavy.stop_velocity
+    forward = w > stop
+    jumps = first.copy(data=named(first, "seizure")) & (heavy.grid_velocity_after == stop)
+    origin = jumps.copy(data=named(heavy.grid_attractor, "steady sliding"))
+    alone, back = ~positive & forward & (heavy.grid_later_events == 0), ~positive & ~forward & (w < stop)
+    straight = ((heavy.grid_later_events == 0) & origin).where(back)
+    arrivals = heavy.event_kind.copy(data=named(heavy.event_kind, "seizure"))
+    after, of = heavy.event_velocity_deviation_after, "starts"
+    reversals, place = named(heavy.event_kind, "contact reversal").sum(), "Sect. 8.7"
+    return [
+        Check.everywhere(
+            "From N > 0 and θ′ > 0 the screw stops at once", place, jumps.values[(positive & forward).values], of
+        ),
+        Check.everywhere("From N < 0 and θ′ < 0 it stops at once", place, jumps.values[back.values], of),
+        Check.holds(
+            "From there the origin is reached without rest or another seizure by some starts, not by all",
+            place,
+            ", ".join(
+                f"{int(x.sum())} of {int(x.count())} starts at R = {float(r):g} N"
+                for x, r in zip(straight, heavy.axial_force, strict=True)
+            ),
+            not straight.where(back, True).all(),
+        ),
+        Check.everywhere(
+            "From N < 0 and θ′ > 0 motions that do not touch N = 0 reach the origin",
+            place,
+            origin.values[alone.values],
+            of,
+        ),
+        Check.holds(
+            "Every trajectory that reaches N = 0 stops there at once",
+            place,
+            f"{int(arrivals.sum())} seizures, {reversals} reversals of the contact",
+            reversals == 0 and arrivals.any() and (after == stop).where(arrivals, True).all(),
+        ),
     ]
 
 
@@ -213,17 +284,9 @@ def _corner_checks(dataset: xr.Dataset) -> list[Check]:
     """The end of Sect. 8.7: all starts at standstill up to the corner, beyond m_cr, and the threshold between."""
     force, threshold = dataset.axial_force.values, float(dataset.global_stability_force)
     above, below = dataset.bracket_attractor
-    met = dataset.contact_line_angle + dataset.contact_line_slope * dataset.stop_velocity
-    gap = float(np.abs(met / dataset.corner_angle - 1).max())
     settles = named(dataset.corner_attractor, "steady sliding")
     counts = settles.sum(axis=2)
     return [
-        Check.holds(
-            "The lines N = 0 and θ′ = 0 meet in the printed corner, to 1e-12",
-            "Sect. 8.7",
-            f"largest relative distance {gap:.1e}",
-            gap < 1e-12,
-        ),
         Check.holds(
             "Beyond m_cr every motion from standstill up to the corner reaches the origin in (a), where steady sliding "
             "is globally stable, and not every one in (b), under either rule of resuming",
@@ -251,6 +314,8 @@ def _accumulation_checks(dataset: xr.Dataset) -> list[Check]:
     heavy = dataset.isel(case=np.isfinite(dataset.seizure_ratio.values))
     counts = np.isfinite(heavy.seizure_distance.values).sum(axis=-1)
     excess, timely, words = zip(*(_accumulation(heavy.isel(case=k)) for k in range(len(counts))), strict=True)
+    last = max(float(heavy.seizure_distance[k, 1].dropna("seizure")[-1]) for k in range(len(counts)))
+    gap = last / float(heavy.corner_angle.min())
     longest = 1e3 * float(np.nanmax(dataset.seizure_time.values[:, 1], initial=0.0))
     return [
         Check.holds(
@@ -259,6 +324,12 @@ def _accumulation_checks(dataset: xr.Dataset) -> list[Check]:
             "Sect. 8.7",
             f"{'; '.join(words)}; deviation at most {max(excess):.2f} of what is allowed",
             max(excess) <= 1,
+        ),
+        Check.holds(
+            "The corner is the printed one: the last of these seizures lies in it, to 1e-12",
+            "Sect. 8.7",
+            f"relative distance {gap:.1e}",
+            abs(gap) < 1e-12,
         ),
         Check.holds(
             "They do so in finite time: what is left after each of them lies between the distance over Ω and over the "
