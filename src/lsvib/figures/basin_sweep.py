@@ -204,8 +204,8 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             0 < reading[1, 1] < 0.01,
         ),
         Check.holds(
-            "Steady sliding is locally stable and yet lost after a large perturbation: above the threshold of the force "
-            "it attracts an area that is neither none nor infinite",
+            "Steady sliding is locally stable and yet lost after a large perturbation: above the threshold force it "
+            "attracts an area that is neither none nor infinite",
             "beginning of chapter 8, Sect. 8.7",
             f"from {area.min():.3g} to {area.max():.3g} rad2/s over {area.size} forces",
             area.size > 0 and area.min() > 0 and np.isfinite(area).all(),

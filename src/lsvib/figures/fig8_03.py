@@ -166,8 +166,8 @@ def _condition_checks(dataset: xr.Dataset) -> list[Check]:
         Check.everywhere("Γ₊ < 0 takes μ > tan λ", "Sect. 8.1", among(locking, lost), of),
         Check.everywhere("With R against the motion and c_x = 0 Γ_0 is Γ₋ > 0, and steady sliding stable", "Sect. 8.7",
                          among(opposed, free & ~pushed), of),
-        Check.everywhere("Some state has no contact force exactly where μ > tan λ and tan λ ξ₊ m r_m² > I, whatever the "
-                         "sign of R Ω", "Sect. 8.1, eq. 8.21", none == (locking & third), of),
+        Check.everywhere("Some state has no contact force exactly where μ > tan λ and tan λ ξ₊ m r_m² > I, whatever "
+                         "the sign of R Ω", "Sect. 8.1, eq. 8.21", none == (locking & third), of),
         Check.everywhere("With c_x = 0 steady sliding is unstable exactly where all three conditions of (8.21) hold",
                          "eq. 8.21", among(unstable == (locking & pushed & third), free), of),
         Check.everywhere("C_0 is negative exactly where all three conditions of (8.19) hold", "eq. 8.19",

@@ -103,8 +103,8 @@ def _half_plane_check(p: xr.Dataset) -> Check:
     return Check.holds(
         "Where N > 0 the motions follow law +, which drives them apart, where N < 0 law −, which damps them",
         "Sect. 8.5, Fig. 8.4",
-        f"C₊ = {float(printed_laws.damping(p, 1)):.3g} and C₋ = {float(printed_laws.damping(p, -1)):.3g} N m s/rad; the "
-        f"energy about the law's equilibrium grows over {int((grows > 0).sum())} of {int(grows.count())} steps, falls "
-        f"over {int((falls < 0).sum())} of {int(falls.count())}",
+        f"C₊ = {float(printed_laws.damping(p, 1)):.3g} and C₋ = {float(printed_laws.damping(p, -1)):.3g} N m s/rad; "
+        f"the energy about the law's equilibrium grows over {int((grows > 0).sum())} of {int(grows.count())} steps, "
+        f"falls over {int((falls < 0).sum())} of {int(falls.count())}",
         bool(sides) and bool((grows > 0).sum() == grows.count() > 0) and bool((falls < 0).sum() == falls.count() > 0),
     )

@@ -7,7 +7,7 @@ import xarray as xr
 
 from lsvib.datasets import phase_plane
 from lsvib.datasets.checks import Check
-from lsvib.figures import drawing, printed_laws, style
+from lsvib.figures import drawing, style
 from lsvib.figures.common import about, named
 from lsvib.figures.settings import Damping, PhasePlane, Values, several
 from lsvib.models.drive import RigidDrive
@@ -44,7 +44,6 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     worst = float((abs(sum(terms)) / sum(abs(term) for term in terms)).where(seizes).max())
     falls, count, rules = amplitude[:, 0].max(axis=1), int(seizes.sum()), np.abs(np.diff(amplitude, axis=1)).max()
     return [
-        printed_laws.force_check(dataset),
         Check.everywhere("The motion is a sprag-slip cycle at each damping", "Sect. 8.6.1, Fig. 8.11", sprags),
         Check.holds(
             "The amplitude falls as the damping grows",

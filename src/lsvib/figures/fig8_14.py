@@ -212,7 +212,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 
 
 def _start_checks(heavy: xr.Dataset) -> list[Check]:
-    """Check beyond m_cr what Sect. 8.7 says of starts, by the signs of N under law − and of θ′, and of N = 0 reached."""
+    """Check beyond m_cr what Sect. 8.7 says of starts, by the signs of N under law − and of θ′, and of N = 0."""
     first, u, w = xr.broadcast(heavy.grid_first_event, heavy.grid_angle_deviation, heavy.grid_velocity_deviation)
     positive = u - heavy.contact_line_slope * w > heavy.contact_line_angle  # Q, and N under law −
     stop = heavy.stop_velocity
