@@ -6,6 +6,7 @@ rule check:
     input:
         sources=source_files(imports("lsvib.datasets.checks")),
         checks=collect("results/checks/{figure}.json", figure=FIGURES),
+        listed=ROOT / "config" / "chapter.yaml",
     output:
         json="results/checks.json",
         text="results/checks.md",
@@ -32,6 +33,7 @@ rule check:
             output.text,
             output.page,
             output.printed,
+            input.get("listed"),
         )
 
 

@@ -154,6 +154,8 @@ def _condition_checks(dataset: xr.Dataset) -> list[Check]:
     gap = max(float(abs(x - printed_laws.inertia(p, s)).max() / p.screw_inertia) for s, x in ((1, plus), (-1, minus)))
     none, of, lost = dataset.without_solution == 1, "drives", plus < 0
     both, ways = (inertia < 0) | (damping < 0), ((inertia < 0) & (damping > 0), (inertia > 0) & (damping < 0))
+    net = printed_laws.net_force(p)
+    allowed = {s: s * net / printed_laws.lever(p, s) * p.input_speed > 0 for s in (1, -1)}
     opposed = (inertia == minus) & (minus > 0) & ~unstable
 
     def among(truth: xr.DataArray, cases: xr.DataArray) -> np.ndarray:
@@ -161,6 +163,8 @@ def _condition_checks(dataset: xr.Dataset) -> list[Check]:
 
     return [
         Check.holds("The effective inertias are those of (8.4), to 1e-9 of I", "eq. 8.4", f"{gap:.1e}", gap < 1e-9),
+        Check.everywhere("Γ_0 is that of the one sign of N_0 that (8.15) allows, at every μ < cot λ", "eq. 8.15",
+                         (allowed[1] != allowed[-1]) & (inertia == xr.where(allowed[1], plus, minus)), of),
         Check.everywhere("Law − has Γ₋ > I at every μ < cot λ: its factor is negative", "Sect. 8.1",
                          minus > p.screw_inertia, of),
         Check.everywhere("Γ₊ < 0 takes μ > tan λ", "Sect. 8.1", among(locking, lost), of),

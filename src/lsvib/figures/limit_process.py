@@ -319,7 +319,7 @@ def _other_checks(elastic: xr.Dataset, ratio: xr.Dataset, viscous: xr.Dataset) -
 
 
 def _outcome_checks(dataset: xr.Dataset, viscous: xr.Dataset) -> list[Check]:
-    """Check that impacts bring the screw to a stand in both paradoxes, and the chapter's formula of the velocity lost."""
+    """Check that impacts stop the screw in both paradoxes, and the chapter's formula of the velocity lost."""
     stops = viscous.stop_time.values[~named(dataset.region, "cycle")]
     stiff = dataset.isel(contact_stiffness=dataset.contact_stiffness.values >= float(dataset.fit_from))
     stands, time = named(stiff.indeterminate_event, "stick"), stiff.indeterminate_time.values[:, 0]
