@@ -80,7 +80,7 @@ def build(settings: Values) -> xr.Dataset:
             "critical_mass": ((), rigid, CRITICAL_MASS),
             drawn: ((), own, parameter(drawn, origin, comment="of the critical masses")),
             "steady_deflection": variable(
-                (), float(coefficients(drive).deflection), "rad", "coupling deflection of steady sliding", "$z_0$"
+                (), float(coefficients(drive).deflection), "rad", "coupling deflection in steady sliding", "$z_0$"
             ),
             **drive_parameters(
                 drive,
