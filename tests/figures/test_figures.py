@@ -49,7 +49,7 @@ SPOILED = {  # words of a check, and what it must refuse
 NO_GROWTH, GROWTH = (set_to("growth_rate_of_steady_sliding", rate) for rate in (-1.0, 1.0))
 STRAIGHT, TO_ORIGIN = set_to("grid_later_events", 0), set_to("grid_attractor", Attractor.STEADY_SLIDING)
 SPOILED_STATEMENTS = [  # figure, words of a check that an entry of the list rests on, and what it must refuse
-    ("fig8_01", "They end in exponential growth", scale("contact_force_rate", 1.1)),
+    ("fig8_01", "that grow end in exponential growth", scale("contact_force_rate", 1.1)),
     ("fig8_03", "are those of (8.4)", scale("effective_inertia_plus", 1.001)),
     ("fig8_03", "the one sign of N_0", scale("swept_effective_inertia", 1.001)),
     ("fig8_03", "Law − has Γ₋ > I", scale("effective_inertia_minus", -1)),
@@ -72,7 +72,9 @@ SPOILED_STATEMENTS = [  # figure, words of a check that an entry of the list res
     ("fig8_07", "opposite to the assumed one", scale("mass", 0.9)),
     ("fig8_07", "the energy about u_0", scale("equilibrium_angle", 0.5)),
     ("fig8_09", "stationary solution of (8.7)", scale("normal_force", 1.01)),
-    ("fig8_09", "that of R", scale("normal_force", 1.01)),
+    ("fig8_09", "tends to N_0", scale("normal_force", 1.01)),
+    ("fig8_09", "tends to z_0", scale("coupling_deflection", 1.01)),
+    ("fig8_11", "Every motion that reaches N = 0 seizes", set_to("event_kind", EventKind.CONTACT_REVERSAL, 1, 0, 1)),
     ("fig8_12", "considerable effect", set_to("mean_deflection", -0.1)),
     ("fig8_14", "From N > 0 and θ′ > 0", set_to("grid_velocity_after", 0.0)),
     ("fig8_14", "From N < 0 and θ′ < 0", set_to("grid_velocity_after", 0.0)),

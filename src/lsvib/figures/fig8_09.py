@@ -81,7 +81,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             "Sect. 8.6.1, Fig. 8.9a",
             named(dataset.attractor, "steady sliding")[0],
         ),
-        printed_laws.steady_force_check(dataset.isel(case=0), "(a) "),
+        *printed_laws.steady_checks(dataset.isel(case=0)),  # c_x = 0
         printed_laws.stationary_check(dataset.isel(case=0)),
         Check.holds(
             "(b) above the critical mass every motion ends on one sprag-slip cycle, under either rule of resuming",

@@ -62,19 +62,23 @@ def force_check(p: xr.Dataset) -> Check:
     )
 
 
-def steady_force_check(p: xr.Dataset, of: str = "") -> Check:
-    """Check the contact force at the end of motions that settle: value and sign by (8.15)."""
-    last, sense = p.normal_force.isel(sample=-1), np.sign(p.axial_force * (p.translation_damping == 0) * p.input_speed)
-    force = net_force(p) / lever(p, np.sign(net_force(p) * p.input_speed))
-    gap = float(abs(last / force - 1).max())
-    return Check.holds(
-        f"{of}The contact force of motions that settle tends to N_0 and its sign"
-        f"{', that of R,' if (sense != 0).all() else ''} to 0.1 %",
-        "eq. 8.15",
-        f"last one {float(last.values.flat[0]):.6g} N, N_0 = {float(force.values.flat[0]):.6g} N, largest relative "
-        f"distance {gap:.1e}",
-        gap < 1e-3,
+def steady_checks(p: xr.Dataset) -> list[Check]:
+    """Check value and sign of the contact force, and the deflection, at the end of motions that settle."""
+    law = np.sign(net_force(p) * p.input_speed)
+    force = net_force(p) / lever(p, law)
+    load = damping(p, law) * p.input_speed + p.pitch_radius * factor(p, law) * p.axial_force
+    expected = (
+        ("contact force", "N_0 of (8.15), in value and sign", p.normal_force, force, "N", "eq. 8.15"),
+        ("deflection", "z_0", p.coupling_deflection, -load / p.coupling_stiffness, "rad", "Sect. 8.3"),
     )
+    checks = []
+    for word, limit, values, end, unit, place in expected:
+        gap = float(abs(values.isel(sample=-1) / end - 1).max())
+        found = f"{float(end.values.flat[0]):.6g} {unit}, largest relative distance {gap:.1e}"
+        checks.append(
+            Check.holds(f"The {word} of motions that settle tends to {limit}, to 0.1 %", place, found, gap < 1e-3)
+        )
+    return checks
 
 
 def stationary_check(p: xr.Dataset) -> Check:
