@@ -32,5 +32,5 @@ def counted(statements: Statements) -> str:
         found = Counter("numbers" if "value" in entry else "claims" for entry in entries)
         return " and ".join(f"{found[kind]} {kind}" for kind in ("numbers", "claims") if found[kind])
 
-    parts = [f"{both(statements[v])} are {_VERDICTS[v]}" for v in ("input", "check", "contradicted", "reason")]
-    return f"Of the chapter's {both(chain(*statements.values()))} {', '.join(parts)}."
+    *parts, last = (f"{both(statements[v])} are {_VERDICTS[v]}" for v in ("input", "check", "contradicted", "reason"))
+    return f"Of the chapter's {both(chain(*statements.values()))}, {', '.join(parts)}, and {last}."
