@@ -147,8 +147,8 @@ def draft(figures: dict[str, dict[str, Any]], datasets: Texts, checks: Texts, pn
         Path(png).with_suffix(".pdf").unlink(missing_ok=True)
 
 
-def all_checks(files: Texts, json: str, text: str, page: str, printed: str, listed: str | None) -> None:
-    """Collect the checks of all figures: for programs, as a text and as a page, and the printed numbers.
+def all_checks(files: Texts, outputs: Texts, listed: str | None) -> None:
+    """Collect the checks of all figures: for programs, as a text, the printed numbers, and as a page.
 
     ``listed``: the file of what the chapter states, for figures of the chapter.
     """
@@ -156,6 +156,7 @@ def all_checks(files: Texts, json: str, text: str, page: str, printed: str, list
     from lsvib.datasets.statements import read_statements
     from lsvib.files import write_json, write_text
 
+    json, text, printed, page = outputs
     checks = [pair for file in files for pair in read_checks(file)]
     write_json([{"figure": figure, **check.to_json()} for figure, check in checks], json)
     statements = read_statements(listed) if listed else None

@@ -13,11 +13,10 @@ from lsvib.datasets import spans
 from lsvib.datasets.attributes import Variables, attributes, axis, drive_parameters, flagged, variable, yes_no
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, printed_laws, style
-from lsvib.figures.common import about, existing, flag_names, named
+from lsvib.figures.common import about, flag_names, named
 from lsvib.figures.settings import DriveChanges, FigureSettings, Span, Values, several
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
-from lsvib.stability.conditions import critical_mass
 from lsvib.stability.linear import Stability, eigenvalue_pair, stability_class
 
 CAPTION = """\
@@ -77,7 +76,8 @@ def build(settings: Values) -> xr.Dataset:
 
 def _many_drives(drive: RigidDrive) -> Variables:
     """Drives on both sides of every condition of (8.19) and (8.21): coefficients, growth, states without a solution."""
-    tangent, mass = float(np.tan(drive.lead_angle)), existing(critical_mass(drive))
+    tangent = float(np.tan(drive.lead_angle))
+    mass = drive.screw_inertia / abs(tangent * drive.pitch_radius**2 * printed_laws.factor(drive, 1))  # m_cr
     axes = {
         "mass": mass * np.array([0.1, 0.5, 0.99, 1.01, 2.0]),
         "friction_coefficient": [*(tangent * np.array([0.1, 0.99, 1.01, 2.0, 3.0])), 0.9 / tangent],
