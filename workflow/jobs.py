@@ -201,18 +201,11 @@ def whole_map(settings: dict[str, Any], tiles: Texts, file: str) -> None:
     gather_map(settings, tiles, file)
 
 
-def chart_tile(settings: dict[str, Any], item: str, file: str, workers: int) -> None:
-    """Chart one tile of the chart."""
-    from lsvib.datasets.chart import chart_tile
+def chart(settings: dict[str, Any], file: str, workers: int) -> None:
+    """Chart what a drive does over two of its parameters."""
+    from lsvib.datasets.chart import write_chart
 
-    chart_tile(settings, item, file, workers)
-
-
-def whole_chart(settings: dict[str, Any], tiles: Texts, file: str) -> None:
-    """Put the tiles of the chart together."""
-    from lsvib.datasets.chart import gather_chart
-
-    gather_chart(settings, tiles, file)
+    write_chart(settings, file, workers)
 
 
 def assess(sheet: str, page: str, samples: int) -> None:

@@ -237,7 +237,7 @@ def _near(axes: Axes, box: xr.Dataset, names: list[str]) -> None:
     for power in (3, 6):  # maps of 10³ × 10³ and 10⁶ × 10⁶ cells
         axes.axvline(10.0**-power, color=style.GREY, linestyle=":", linewidth=0.8, zorder=0)
         words = f"cell of\n$10^{power}\\times10^{power}$"
-        axes.text(1.3 * 10.0**-power, 0.99, words, fontsize=6, color=style.GREY, va="top")
+        axes.text(1.3 * 10.0**-power, 0.99, words, fontsize=7.5, color=style.GREY, va="top")
 
 
 def _handles(dataset: xr.Dataset, names: list[str]) -> list:

@@ -199,7 +199,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     for ticks in (axes.get_yticklabels()[0], axes.get_xticklabels()[-1]):
         ticks.set_fontweight("bold")
     axes.tick_params(length=0, labelsize=6.5)
-    axes.tick_params(axis="x", labelsize=5.5)
+    axes.tick_params(axis="x", labelsize=6)
     axes.tick_params(axis="x", top=False, labeltop=True, bottom=False, labelbottom=False)
     axes.spines[:].set_visible(False)
     axes.axhline(0.4, color=style.BLACK, linewidth=0.6)
@@ -251,5 +251,5 @@ def _bar(axes: Axes, row: int, column: int, count: dict[str, int]) -> None:
             axes.barh(row, width, _HEIGHT, left=left, **look)
         left += width
     wrong = sum(count[word] for word in _WRONG)
-    axes.text(column - _WIDTH / 2, row - 0.24, f"{wrong}/{total}", va="bottom", fontsize=5.2,
+    axes.text(column - _WIDTH / 2, row - 0.24, f"{wrong}/{total}", va="bottom", fontsize=6,
               fontweight="bold" if wrong else "normal")  # fmt: skip

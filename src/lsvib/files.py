@@ -86,7 +86,7 @@ class Outputs:
         try:
             for target in self.targets:
                 made += [folder for folder in target.parents if not folder.exists()]
-                make_folder(target.parent)
+                target.parent.mkdir(parents=True, exist_ok=True)
             yield parts
             for part, target in zip(parts, self.targets, strict=True):
                 new = not target.exists()
@@ -126,6 +126,7 @@ def _replaceable(target: Path, kind: str) -> bool:
 
 
 def _part(target: Path) -> Path:
+    """The temporary file; a process left over from a killed run, which has another id, cannot write into ours."""
     return target.with_name(f".{target.name}.{os.getpid()}.part")
 
 
@@ -133,34 +134,19 @@ def _part(target: Path) -> Path:
 def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Give a temporary path beside ``path``; when the block ends well, the file there replaces ``path`` in one step.
 
-    A reader, or the next run after a kill at any moment, sees the old file or the new one, never half of one. The
-    temporary name carries the process id, so that a process left over from a killed run cannot write into ours; it
-    starts with ``.`` and ends in ``.part``. A block that fails leaves ``path`` as it was and no temporary file.
-    Links are followed. Raises ``LsvibError`` if the file cannot be written (no such folder, no permission, no regular
-    file, disk full).
+    A reader, or the next run after a kill at any moment, sees the old file or the new one, never half of one. Raises
+    ``LsvibError`` if the file cannot be written.
     """
     with Outputs([(path, "")]).writing() as (part,):
         yield part
 
 
-def make_folder(path: Path) -> Path:
-    """Make a folder with all above it, unless it exists, and return it; raises ``LsvibError`` if that fails."""
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise LsvibError(f"Cannot make the folder {path}: {error.strerror or error}.") from error
-    return path
-
-
 def write_text(text: str, path: str | os.PathLike[str]) -> None:
-    """Write ``text`` to ``path`` as UTF-8, whole or not at all; raises ``LsvibError`` like :func:`replacing`."""
+    """Write ``text`` to ``path`` as UTF-8, as :func:`replacing` does."""
     with replacing(path) as part:
         part.write_text(text, encoding="utf-8")
 
 
 def write_json(value: Any, path: str | os.PathLike[str]) -> None:
-    """Write ``value`` to ``path`` as indented JSON, whole or not at all; raises ``LsvibError`` like :func:`replacing`.
-
-    NaN and infinities are not JSON and raise ``ValueError``.
-    """
+    """Write ``value`` to ``path`` as indented JSON, as :func:`replacing` does; NaN raises ``ValueError``."""
     write_text(json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False) + "\n", path)

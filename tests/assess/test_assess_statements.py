@@ -204,7 +204,7 @@ def test_a_verdict_of_steady_is_never_given_where_a_perturbation_starts_vibratio
         automaton = rigid_automaton(drive_of(given, found.values, *corners(given, found.values)[0]))
         for speed in (-200.0, -39.0, 20.0, 400.0):
             assert steady_state(automaton, [0.0, speed]).label == Attractor.STEADY_SLIDING
-    assert min(verdicts.count("steady"), verdicts.count("steady until perturbed")) > 4
+    assert min(verdicts.count("steady"), verdicts.count("steady until perturbed")) > 3
 
 
 def test_a_fall_between_two_points_of_a_curve_is_not_passed_over():

@@ -12,11 +12,15 @@ from references.chapter_sheet import sheet
 
 from lsvib.assess import drive as sheets
 from lsvib.assess.assessment import assess
+from lsvib.assess.margins import KINDS, charts
 from lsvib.assess.mechanisms import corners, drive_of, reserves
+from lsvib.assess.output import as_json
+from lsvib.assess.report import report
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.uncertainty import draw_of, evaluated, study
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.models.rigid import rigid_automaton
+from lsvib.stability.force_thresholds import global_stability_force
 
 KINEMATIC = {
     "load": {"mass": {"low": "6 kg", "mode": "9 kg", "high": "16 kg"}, "force": "-50 N"},
@@ -85,3 +89,60 @@ def test_the_worst_case_is_at_least_as_bad_as_every_sample():
     assert reserve <= evaluated(given, shares)["kinematic_constraint"].min() + 1e-12
     assert found.worst.entries["load.mass"] == pytest.approx(16, rel=1e-3)
     assert found.worst.vibration.attractor == "sprag slip cycle"
+
+
+HEAVY = {
+    "thread": {"lead": "4 mm", "pitch_diameter": "18 mm"},
+    "screw": {"length": "500 mm", "material": "steel"},
+    "load": {"mass": "1300 kg", "orientation": "-90 deg"},
+    "operation": {"speed": "10 mm/s", "direction": "back"},
+    "friction": {"coefficient": 0.12},
+    "damping": {"rotational": "1e-3 N*m*s/rad", "translational": "100 N*s/m"},
+}
+
+
+def test_a_drive_whose_basin_is_the_whole_plane_is_steady_however_narrow_its_range():
+    """Γ₊ < 0 alone starts nothing: the same is said with one stiffness and with a range of it."""
+    stiffness = "60 N*m/rad"
+    for given in (stiffness, [stiffness, "60.01 N*m/rad"]):
+        found = assess(sheet(**HEAVY, coupling={"stiffness": given}), samples=256)
+        assert found.mechanisms["after_perturbation"].reserve < 0
+        assert found.verdict == "steady"
+        perturbed = as_json(found)["after_perturbation"]
+        assert (perturbed["possible"], perturbed["probability"]) == (False, 0)
+        assert perturbed["interval"][1] == 0 if given == stiffness else 0 < perturbed["interval"][1] < 0.04
+        page = report(found, charts(found.sheet, found.values))
+        assert "can start vibration" not in page
+
+
+GENTLE = {"damping": {"rotational": "1e-3 N*m*s/rad"}}
+
+
+def test_how_often_a_perturbation_starts_vibration_is_how_often_the_force_is_below_its_threshold():
+    """Forces that resist (11 kg, Fig. 8.14), of which the exact threshold of global stability says which are upset."""
+    force = {"low": "10 N", "mode": "49 N", "high": "100 N"}
+    given = sheet(load={"mass": "11 kg", "force": force}, **GENTLE)
+    found = assess(given, samples=512)
+    values = found.values
+    edge = -global_stability_force(drive_of(given, values, *corners(given, values)[0]))
+    share = (edge - 10) ** 2 / (90 * 39)  # of a triangle, on its rising side
+    chance = found.mechanisms["after_perturbation"]
+    assert chance.interval[0] < share < chance.interval[1] < chance.interval[0] + 0.25
+    assert chance.probability == pytest.approx(share, abs=0.02)
+    assert found.verdict == "steady until perturbed"
+    assert found.worst.tolerated[0] < abs(values["speed_low"])
+    chart = charts(given, values)[0]
+    upset = chart.kind[:, -1] == KINDS.index("steady_until_perturbed")
+    step, stretch = chart.force[1] - chart.force[0], 1.5  # of the highest speed in the chart
+    assert chart.force[upset].max() == pytest.approx(stretch * edge, abs=step + 0.01 * edge)
+
+
+def test_what_the_basin_does_not_cover_is_not_known():
+    """With compliant threads it is that of another drive: neither possible nor impossible, and no probability."""
+    contact = {"stiffness": "1e7 N/m", "damping": "1e4 N*s/m"}
+    given = sheet(load={"mass": ["10.9 kg", "11 kg"], "force": "50 N"}, contact=contact, **GENTLE)
+    found = assess(given, samples=64)
+    assert as_json(found)["after_perturbation"] == {"possible": None, "probability": None, "interval": None}
+    page = report(found, charts(given, found.values))
+    assert "Whether a perturbation can start vibration is not known." in page
+    assert {KINDS[k] for k in np.unique(charts(given, found.values)[0].kind)} >= {"steady_when_left_alone"}

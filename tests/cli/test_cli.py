@@ -14,6 +14,7 @@ from references.command_line import MOTION, refused
 from lsvib.datasets.io import read_dataset
 from lsvib.engine.motion import follow
 from lsvib.figures.build import compute_figure
+from lsvib.figures.configuration import standard_settings
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import rigid_automaton
 
@@ -77,6 +78,12 @@ def test_simulate(run, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["m.nc"]
 
 
+def test_zero_has_no_sign(run):
+    """The motion from steady sliding ends with w = −0 in doubles."""
+    _, out, _ = run("simulate", "--start", "u=0", "w=0", "--duration", "0.5", "--out", "m.nc")
+    assert "final state: u = 0, w = 0, slip" in out
+
+
 def test_simulate_from_a_scene_file(run, tmp_path):
     (tmp_path / "scene.yaml").write_text(
         "drive: {mass: 11, support_damping: 1.0e-3, axial_force: -10}\nstart: {u: 0.1, w: 0}\nduration: 9\n"
@@ -90,7 +97,7 @@ def test_simulate_from_a_scene_file(run, tmp_path):
 
 def test_command_and_python_make_the_same_file(run, tmp_path):
     assert run("figure", "8.3", "--out", "built")[0] == 0
-    given = yaml.safe_load(CONFIG.read_text())["fig8_03"]
+    given = standard_settings("fig8_03")
     compute_figure("fig8_03", given, "other.nc", "other.json")
     one, other = read_dataset("built/fig8_03.nc"), read_dataset("other.nc")
     assert one.identical(other)

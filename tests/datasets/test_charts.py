@@ -3,14 +3,13 @@
 import json
 import math
 from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 
 import lsvib
-from lsvib.datasets.chart import ChartAxis, Plane, chart_tile, gather_chart
+from lsvib.datasets.chart import ChartAxis, Plane, write_chart
 from lsvib.datasets.io import write_dataset
 from lsvib.dynamics.behaviour import Behaviour
 from lsvib.errors import NoThreshold
@@ -151,24 +150,20 @@ def test_chart_is_a_dataset(tmp_path):
         assert "git_commit" in written.attrs
     plane = Plane.of(drive, ("mass", 1, 12, 8), ("axial_force", 0, 60, 6))
     np.testing.assert_array_equal(plane.labels(workers=3), found.label)
-    np.testing.assert_array_equal(plane.labels(slice(2, 5), slice(3, 7)), found.label[2:5, 3:7])  # a tile
 
 
-def test_a_chart_in_tiles_is_the_chart(tmp_path):
+def test_the_chart_of_the_workflow_is_the_chart(tmp_path):
     settings = {
         "drive": {"translation_damping": 1000.0},
         "x": {"parameter": "mass", "start": 1.0, "stop": 5.0, "count": 7},
         "y": {"parameter": "axial_force", "start": 0.0, "stop": 60.0, "count": 5},
     }
-    tiles = [str(tmp_path / f"{k}-of-4.nc") for k in range(1, 5)]
-    for tile in tiles:
-        chart_tile(settings, Path(tile).stem, tile)
-    gather_chart(settings, tiles, tmp_path / "chart.nc")
+    write_chart(settings, tmp_path / "chart.nc")
     whole = lsvib.RigidDrive(translation_damping=1000).chart("mass=1:5:7", "axial_force=0:60:5")
-    with xr.open_dataset(tmp_path / "chart.nc") as gathered:
-        assert set(whole.variables) == set(gathered.variables)
+    with xr.open_dataset(tmp_path / "chart.nc") as written:
+        assert set(whole.variables) == set(written.variables)
         for name in whole.variables:
-            np.testing.assert_array_equal(gathered[name], whole[name])
+            np.testing.assert_array_equal(written[name], whole[name])
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,8 @@ from lsvib.datasets.attributes import (
     origin_of,
 )
 from lsvib.datasets.io import write_dataset
+from lsvib.figures import style
+from lsvib.figures.configuration import default_figures
 from lsvib.models.drive import RigidDrive
 
 
@@ -61,3 +63,15 @@ def test_a_motion_is_repeated_from_its_file_alone(figure, case, tmp_path):
         assert np.abs(found[1] - speed).max() < 1e-5 * np.ptp(speed)
         force = [acceleration_and_force(drive, *state)[1] for state in zip(deflection, speed, strict=True)]
         assert np.abs(force - motion.normal_force).max() < 1e-9 * np.abs(force).max()
+
+
+@pytest.mark.parametrize("figure", default_figures())
+def test_each_motion_is_plotted_over_its_time_and_nothing_is_empty(figure, tmp_path):
+    write_dataset(dataset_of(figure), tmp_path / "figure.nc")
+    file = xr.open_dataset(tmp_path / "figure.nc")
+    assert [name for name, own in file.variables.items() if own.dtype.kind == "f" and np.isnan(own).all()] == []
+    if "time" in file:
+        force = file.normal_force[(0,) * (file.time.ndim - 1)]
+        axes = style.new_figure().add_subplot()
+        force.plot(ax=axes, x="time")
+        assert len(axes.get_title()) < 80

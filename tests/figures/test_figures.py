@@ -47,7 +47,7 @@ SPOILED = {  # words of a check, and what it must refuse
 }
 
 NO_GROWTH, GROWTH = (set_to("growth_rate_of_steady_sliding", rate) for rate in (-1.0, 1.0))
-STRAIGHT, TO_ORIGIN = set_to("grid_later_events", 0), set_to("grid_attractor", Attractor.STEADY_SLIDING)
+STRAIGHT, TO_ORIGIN = set_to("probe_later_events", 0), set_to("probe_attractor", Attractor.STEADY_SLIDING)
 SPOILED_STATEMENTS = [  # figure, words of a check that an entry of the list rests on, and what it must refuse
     ("fig8_01", "that grow end in exponential growth", scale("contact_force_rate", 1.1)),
     ("fig8_03", "are those of (8.4)", scale("effective_inertia_plus", 1.001)),
@@ -76,10 +76,10 @@ SPOILED_STATEMENTS = [  # figure, words of a check that an entry of the list res
     ("fig8_09", "tends to z_0", scale("coupling_deflection", 1.01)),
     ("fig8_11", "Every motion that reaches N = 0 seizes", set_to("event_kind", EventKind.CONTACT_REVERSAL, 1, 0, 1)),
     ("fig8_12", "considerable effect", set_to("mean_deflection", -0.1)),
-    ("fig8_14", "From N > 0 and θ′ > 0", set_to("grid_velocity_after", 0.0)),
-    ("fig8_14", "From N < 0 and θ′ < 0", set_to("grid_velocity_after", 0.0)),
+    ("fig8_14", "From N > 0 and θ′ > 0", set_to("probe_velocity_after", 0.0)),
+    ("fig8_14", "From N < 0 and θ′ < 0", set_to("probe_velocity_after", 0.0)),
     ("fig8_14", "by some starts, not by all", lambda dataset: TO_ORIGIN(STRAIGHT(dataset))),
-    ("fig8_14", "that do not touch N = 0", set_to("grid_attractor", Attractor.SPRAG_SLIP_CYCLE)),
+    ("fig8_14", "that do not touch N = 0", set_to("probe_attractor", Attractor.SPRAG_SLIP_CYCLE)),
     ("fig8_14", "Every trajectory that reaches N = 0", scale("event_velocity_deviation_after", 0.99)),
     ("fig8_14", "The corner is the printed one", scale("seizure_distance", 1e6)),
     ("fig8_15", "exactly where (8.27) holds", scale("screw_mass", 1.1)),

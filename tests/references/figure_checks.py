@@ -1,16 +1,19 @@
 """The datasets of the figures on draft settings, ways to spoil them, and the pictures drawn from their files."""
 
+import re
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
 import xarray as xr
 import yaml
+from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from lsvib.datasets.checks import Check
 from lsvib.datasets.io import read_dataset, write_dataset
-from lsvib.figures.configuration import load
+from lsvib.figures import style
+from lsvib.figures.configuration import PARTS, load
 
 CONFIG = Path(__file__).parents[2] / "config"
 Spoiler = Callable[[xr.Dataset], xr.Dataset]
@@ -28,7 +31,8 @@ def draft(figure: str) -> dict:
 
 @cache
 def dataset_of(figure: str) -> xr.Dataset:
-    return load(figure).build(draft(figure))
+    module, settings = load(figure), draft(figure)
+    return module.build(settings, **{name: getattr(module, name)(settings) for name in PARTS if hasattr(module, name)})
 
 
 def checks_of(figure: str, dataset: xr.Dataset) -> list[Check]:
@@ -52,13 +56,24 @@ def scale(name: str, factor: float, *where: int) -> Spoiler:
 
 
 def assert_drawn_from_file(figure: str, dataset: xr.Dataset, path: Path) -> None:
-    """The file alone gives a figure with something in every panel, and names in its legends that are all different."""
+    """The file alone gives a figure with something in every panel, and names in its legends that are all different.
+
+    It is one or two columns wide, its whole legend is in the picture, and no type, indices included, is below 6 pt.
+    """
     write_dataset(dataset, path)
     drawn: Figure = load(figure).draw(read_dataset(path))
-    drawn.draw_without_rendering()
+    with rc_context({"pdf.compression": 0}):
+        style.save(drawn, path.with_suffix(".png"), path.with_suffix(".pdf"), resolution=200)
+    sizes = re.findall(rb"/F\S+ ([\d.]+) Tf", path.with_suffix(".pdf").read_bytes())
+    assert min(map(float, sizes)) >= 6
+    assert drawn.get_figwidth() in (3.5, 7.2)
     assert drawn.axes
     assert all(axes.has_data() for axes in drawn.axes)
     own = [axes.get_legend() for axes in drawn.axes]
     legends = [*(legend for part in (drawn, *drawn.subfigs) for legend in part.legends), *filter(None, own)]
+    for legend in legends:
+        box, page = legend.get_window_extent(), drawn.bbox
+        assert page.x0 <= box.x0 < box.x1 <= page.x1
+        assert box.y1 <= page.y1
     names = [text.get_text() for legend in legends for text in legend.get_texts()]
     assert len(names) == len(set(names))

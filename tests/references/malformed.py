@@ -46,7 +46,9 @@ COMMANDS = [
     (f"{MOTION} --resume never", 'Invalid value "never" for --resume. Choose from: "contact_sign", "at_once"'),
     (f"{MOTION} --model threads --resume at_once", "resume = 'at_once'"),
     ("simulate --scene none.yaml --out x.nc", "none.yaml"),
-    ("simulate --scene /dev/zero --out x.nc", "does not hold names and values"),
+    ("simulate --scene /dev/zero --out x.nc", "Cannot read /dev/zero: it is not a regular file"),
+    ("figure 8.8 --config pipe", "Cannot read pipe: it is not a regular file"),
+    ("config --scene folder", "Cannot read folder: it is not a regular file"),
     # Maps, charts, sweeps and what else has axes.
     ("attraction --grid u=-0.1:0.1:4 --out x.nc", "grid spans 1 coordinates"),
     ("attraction --grid u=1:0:4 w=0:1:4 --out x.nc", "start < stop"),
@@ -58,8 +60,13 @@ COMMANDS = [
     (f"{MAP} --figure map.pdf", ".png"),
     ("sweep --over axial_force=1:60 --out x.nc", "KEY=START:STOP:COUNT"),
     ("sweep --over mass=-1:1:3 --out x.nc", "mass = -1"),
-    ("sweep --over mass=1:2:3 --set mass=4 --out x.nc", "mass is given by --over and by --set"),
+    ("sweep --over mass=1:2:3 --set mass=4 --out x.nc", "mass is varied and given by --set"),
+    ("sweep --over lead_angle=0.1:0.2:3 --set lead_angle_deg=4", "lead_angle is varied and given by --set"),
+    ("chart --x mass=1:20:2 --y axial_force=1:2:2 --set mass=4", "mass is varied and given by --set"),
+    ("resilience --over mass=1:2:3 --set mass=4 --out x.nc", "mass is varied and given by --set"),
     ("attraction --grid u=0:1:20 w=0:1:1000000000 --out x.nc", "1 <= count <= 10000000"),
+    ("attraction --grid u=0:1:10000 w=0:1:10001 --out x.nc", "grid has 100010000 cells; the allowed range is up to"),
+    ("sweep --over mass=1:2:10000000 --over axial_force=1:2:10000000", "over has 100000000000000 points"),
     ("chart --x mass=1:20:2 --y mass=1:20:2 --out x.nc", "both mass"),
     ("follow --set mass=11 --over axial_force=-18 --out x.nc", "KEY=LOW:HIGH"),
     ("resilience --window u=-0.3", "Invalid value for --window: 'u=-0.3' is not of the form KEY=LOW:HIGH"),
@@ -87,6 +94,11 @@ SCENES = [
     ("start: {u: left, w: 0}\nduration: 1\n", "start.u = 'left'"),
     ("start: {u: 0.1, w: 0}\nduration: 1\nphysics: [gravity]\n", "gravity"),
     ("start: {u: 0.1, w: 0}\nduration: 1\noutputs: [temperature]\n", "temperature"),
+]
+REPEATED = "".join(f"{b}: &{b} [{', '.join([f'*{a}'] * 9)}]\n" for a, b in zip("abcdefg", "bcdefgh", strict=True))
+SCENES += [
+    (f"a: &a [1]\n{REPEATED}start: *h\nduration: 1\n", "more than 1000000 values, with aliases written out"),
+    ("start: &a [*a]\nduration: 1\n", "more than 1000000 values"),
 ]
 # Changes of the settings of a figure: place, value, words.
 SECTIONS = [

@@ -134,6 +134,39 @@ def test_refused_in_one_sentence(drive, arguments, sentence):
     assert "\n" not in str(refused.value)
 
 
+TOUCHING = lsvib.NutDrive(
+    support_damping=0,
+    nut_damping=0,
+    translation_damping=100,
+    axial_force=50,
+    screw_inertia=3e-6,
+    nut_inertia=2e-6,
+    nut_stiffness=0.5,
+    friction_coefficient=0.05,
+)
+
+
+@pytest.mark.parametrize("force", [50, -50])
+@pytest.mark.parametrize("drive", [TOUCHING, lsvib.SupportDrive(support_damping=0, translation_damping=100)])
+def test_what_only_touches_the_axis_is_no_threshold(drive, force):
+    """At k / I = k_2 / I_2 (k_1 / m_1) an undamped pair stands on the axis, and it decays on both sides."""
+    drive = drive.replace(axial_force=force, friction_coefficient=0.05)
+    second = ("nut_stiffness", "nut_inertia") if drive.model == "nut" else ("support_stiffness", "screw_mass")
+    place = drive.coupling_stiffness * getattr(drive, second[1]) / getattr(drive, second[0])
+    for inertia in (0.99 * place, 1.01 * place):
+        assert drive.replace(screw_inertia=inertia).stability().kind == "stable"
+    for unknown in ("screw_inertia", *second):
+        with pytest.raises(lsvib.NoThreshold, match="in the allowed range"):
+            drive.threshold("flutter", unknown)
+
+
+def test_two_pairs_that_cross_at_once_are_no_flutter():
+    """At ξ_0 = 0 both pairs of the nut's drive without dampings of their own stand on the axis; it is an onset."""
+    with pytest.raises(lsvib.NoThreshold, match="in the allowed range"):
+        TOUCHING.threshold("flutter", "friction_coefficient")
+    assert TOUCHING.threshold("onset", "friction_coefficient").value == math.tan(TOUCHING.lead_angle)
+
+
 def test_a_result_is_plain_numbers():
     found = lsvib.RigidDrive(mass=11).threshold("kinematic_constraint", "lead_angle")
     assert found.several

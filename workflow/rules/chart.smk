@@ -1,8 +1,4 @@
-"""A chart over two parameters, in tiles: snakemake -j2 chart. Not a figure of the chapter, so not part of `all`."""
-
-
-scattergather:
-    chart=config["chart"]["tiles"],
+"""A chart over two parameters: snakemake -j2 chart. Not a figure of the chapter, so not part of `all`."""
 
 
 rule chart:
@@ -14,44 +10,25 @@ rule chart:
         "The chart is made"
 
 
-rule chart_tile:
-    """Label the cells of one tile. The file goes when the chart that it is part of is complete."""
+rule chart_cells:
+    """Label the cells of the chart and add the exact curves."""
     input:
         sources=chart_sources(),
         engine=engine(chart_modules()),
     output:
-        temp("results/chart/tiles/{scatteritem}.nc"),
-    log:
-        "logs/chart_tile/{scatteritem}.log",
-    resources:
-        mem_mb=1000,
-    params:
-        code=code(jobs.chart_tile),
-        settings=CHART,
-    message:
-        "Charting tile {wildcards.scatteritem}"
-    run:
-        jobs.run(jobs.chart_tile, log[0], "chart", params.settings, wildcards.scatteritem, output[0], threads)
-
-
-rule gather_chart:
-    """Put the tiles together and add the exact curves."""
-    input:
-        sources=chart_sources(),
-        tiles=gather.chart("results/chart/tiles/{scatteritem}.nc"),
-    output:
         "results/chart/chart.nc",
     log:
-        "logs/gather_chart.log",
+        "logs/chart_cells.log",
+    threads: workflow.cores
     resources:
         mem_mb=1000,
     params:
-        code=code(jobs.whole_chart),
+        code=code(jobs.chart),
         settings=CHART,
     message:
-        "Gathering the chart"
+        "Charting the drive"
     run:
-        jobs.run(jobs.whole_chart, log[0], "chart", params.settings, list(input.tiles), output[0])
+        jobs.run(jobs.chart, log[0], "chart", params.settings, output[0], threads)
 
 
 rule draw_chart:

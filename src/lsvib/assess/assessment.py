@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lsvib.assess import mechanisms
 from lsvib.assess.drive import lifting_efficiency, lowering_efficiency, nominal_draw, quantities, square_thread
@@ -12,7 +13,15 @@ from lsvib.assess.margins import ANY, Margin, margins, sensitivities
 from lsvib.assess.mechanisms import Worst, corners, worst
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.uncertainty import Uncertainty, WorstCase, draw_of, study, worst_cases
-from lsvib.assess.vibration import STRONG, Vibration, tolerated_by_trial, tolerated_perturbation, vibration
+from lsvib.assess.vibration import (
+    STRONG,
+    UNDECIDED,
+    Vibration,
+    most_perturbed,
+    tolerated_by_trial,
+    tolerated_perturbation,
+    vibration,
+)
 from lsvib.errors import InputError
 
 
@@ -22,14 +31,15 @@ class Mechanism:
 
     ``occurs`` at the middle values somewhere in the window; ``reserve`` [1] there, at ``corner`` (direction, speed of
     the screw [rad/s], force [N]); ``probability`` with ``interval``; ``margins``, nearest first; ``sensitivities``.
+    None is what is not known.
     """
 
     name: str
-    occurs: bool
+    occurs: bool | None
     reserve: float
     corner: tuple[int, float, float]
-    probability: float
-    interval: tuple[float, float]
+    probability: float | None
+    interval: tuple[float, float] | None
     margins: list[Margin]
     sensitivities: dict[str, float]
 
@@ -83,8 +93,11 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
     lowering = float(lowering_efficiency(friction, angle))
     nominal = _motion(sheet, _critical(found), entries)
     if not any(one.occurs for one in found.values()) and _upset(nominal):
-        found["after_perturbation"] = _possible(found["after_perturbation"], nominal, spread)
-    worst_motion = _worst_motion(sheet, found, cases) if cases else nominal
+        sure: dict[str, Any] = {"probability": 1.0, "interval": (1.0, 1.0)} if spread.samples == 1 else {}
+        found["after_perturbation"] = replace(
+            found["after_perturbation"], occurs=True, corner=nominal.corner, **sure
+        )  # as the motion shows it, whatever its reserve says
+    worst_motion = _worst_motion(sheet, found, cases, spread.upset) if cases else nominal
     return Assessment(
         sheet=sheet,
         seed=seed,
@@ -137,34 +150,13 @@ def _mechanisms(
     for name, one in lowest.items():
         corner = _corner(places, one)
         share, interval = spread.probability[name].value, spread.probability[name].interval
-        occurs = bool(one.reserve[0] < 0)
-        if name == "after_perturbation" and occurs and sheet.support is None:
-            occurs, corner = _most_perturbed(sheet, values, places, corner)
-        if spread.samples == 1:  # nothing is uncertain
-            share, interval = float(occurs), (float(occurs), float(occurs))
-        found[name] = Mechanism(
-            name, occurs, float(one.reserve[0]), corner,
-            share, interval, edges[name], slopes[name],
-        )  # fmt: skip
+        reserve = float(one.reserve[0])
+        occurs: bool | None = reserve < 0
+        if name == "after_perturbation":
+            occurs, _, first = most_perturbed(sheet, values) if sheet.stiff else (None, None, None)
+            corner = first or corner
+        found[name] = Mechanism(name, occurs, reserve, corner, share, interval, edges[name], slopes[name])
     return found
-
-
-def _most_perturbed(
-    sheet: Sheet, values: dict[str, float], places: list, corner: tuple[int, float, float]
-) -> tuple[bool, tuple[int, float, float]]:
-    """Whether a perturbation starts vibration of the rigid drive at a corner, and the corner where the smallest does.
-
-    Beyond a certain force against the motion none does (end of Sect. 8.7), although Γ₊ or C₊ is negative. Where it is
-    not known of a corner it counts as possible.
-    """
-    places = [place for place in places if mechanisms.reserves(sheet, values, *place)["after_perturbation"] < 0]
-    once = dict.fromkeys((int(direction), float(speed), float(force)) for direction, speed, force in places)
-    sizes = {place: tolerated_perturbation(sheet, values, place)[0] for place in once}
-    known = {place: size for place, size in sizes.items() if size is not None}
-    if not known:
-        return True, corner
-    first = min(known, key=known.__getitem__)
-    return len(known) < len(sizes) or bool(np.isfinite(known[first])), first
 
 
 def _upset(motion: AssessedMotion) -> bool:
@@ -175,15 +167,9 @@ def _upset(motion: AssessedMotion) -> bool:
     """
     size, end = motion.tolerated[0], motion.vibration.attractor
     fatal = size is not None and math.isfinite(size)
-    if end in ("neutral family", "unresolved", "unknown"):  # it neither settles nor certainly vibrates
+    if end in UNDECIDED:
         return fatal and size > 0
     return fatal or end != "steady sliding"
-
-
-def _possible(one: Mechanism, nominal: AssessedMotion, spread: Uncertainty) -> Mechanism:
-    """Vibration after a perturbation as the motion at the middle values shows it, whatever its reserve says."""
-    one = replace(one, occurs=True, corner=nominal.corner)
-    return replace(one, probability=1.0, interval=(1.0, 1.0)) if spread.samples == 1 else one
 
 
 def _verdict(
@@ -195,9 +181,9 @@ def _verdict(
         return "vibrates"
     if spread.any.value > 0:
         return "may vibrate"
-    if found["after_perturbation"].occurs or (spread.samples > 1 and found["after_perturbation"].probability > 0):
+    if found["after_perturbation"].occurs or (found["after_perturbation"].probability or 0) > 0:
         return "steady until perturbed"
-    if any(reserve < 0 for reserve, _ in cases.values()) or _upset(worst_motion):
+    if any(reserve < 0 for name, (reserve, _) in cases.items() if name in mechanisms.NAMES) or _upset(worst_motion):
         return "steady but for rare values"
     return "steady without reserve" if min(one.reserve for one in steady) == 0 else "steady"
 
@@ -206,7 +192,9 @@ def _critical(found: dict[str, Mechanism]) -> str:
     """The mechanism with the lowest reserve; vibration after a perturbation counts only where nothing else occurs."""
     own = {name: one for name, one in found.items() if name != "after_perturbation"}
     name = min(own, key=lambda key: own[key].reserve)
-    return "after_perturbation" if own[name].reserve > 0 and found["after_perturbation"].occurs else name
+    perturbed = found["after_perturbation"]
+    possible = perturbed.occurs or (perturbed.occurs is None and perturbed.reserve < 0)
+    return "after_perturbation" if own[name].reserve > 0 and possible else name
 
 
 def _motion(sheet: Sheet, name: str, entries: dict[str, float]) -> AssessedMotion:
@@ -214,7 +202,7 @@ def _motion(sheet: Sheet, name: str, entries: dict[str, float]) -> AssessedMotio
     places, lowest = corners(sheet, values), worst(sheet, values)
     corner = _corner(places, lowest[name])
     if name == "after_perturbation" and sheet.support is None:
-        corner = _most_perturbed(sheet, values, places, corner)[1]
+        corner = most_perturbed(sheet, values)[2] or corner
     part = "support" if sheet.support is not None else "contact" if sheet.contact is not None else "rigid"
     if name == "thread_contact":  # of which a drive with a support knows nothing
         part = "contact"
@@ -236,12 +224,15 @@ def _motion(sheet: Sheet, name: str, entries: dict[str, float]) -> AssessedMotio
     return AssessedMotion(name, dict(entries), values, corner, moved, tolerated)
 
 
-def _worst_motion(sheet: Sheet, found: dict[str, Mechanism], cases: dict[str, WorstCase]) -> AssessedMotion:
+def _worst_motion(
+    sheet: Sheet, found: dict[str, Mechanism], cases: dict[str, WorstCase], upset: NDArray[np.float64] | None
+) -> AssessedMotion:
     """The motion at the worst values within the uncertainties, of the mechanism that is most likely or nearest."""
     own = {name: reserve for name, (reserve, _) in cases.items() if name != "after_perturbation"}
-    name = min(own, key=lambda key: (-found[key].probability, own[key]))
+    name = min(own, key=lambda key: (-(found[key].probability or 0), own[key]))
     if own[name] > 0 > cases["after_perturbation"][0]:
         name = "after_perturbation"
-    draw = draw_of(sheet, cases[name][1][:, None])
+    shares = cases[name][1] if name != "after_perturbation" or upset is None else upset
+    draw = draw_of(sheet, shares[:, None])
     entries = {path: float(np.ravel(value)[0]) for path, value in draw.items()}
     return _motion(sheet, name, entries)

@@ -1,11 +1,4 @@
-r"""From the entries of a data sheet to the parameters of a drive: plain arithmetic, whole samples at once.
-
-A flank with half angle α in an axial section has the angle α_n in the section normal to the thread, tan α_n = cos λ
-tan α. It carries the normal force N / cos α_n where a square thread carries N, so that the thread behaves as a square
-one with the coefficient μ / cos α_n; that is the μ of all equations of the package (Sect. 5.3).
-
-Functions are plain arithmetic for floats, complex numbers and arrays.
-"""
+"""From the entries of a data sheet to the parameters of a drive: floats, complex numbers or arrays (docs/assess.md)."""
 
 import math
 from collections.abc import Mapping
@@ -20,6 +13,7 @@ from lsvib.models.mechanics import friction_factor
 GRAVITY = 9.80665  # m/s², standard
 DrawnValues = Mapping[str, Any]  # floats, or arrays that broadcast
 
+# What the verdict depends on: name in words and unit. Values of these names are floats or arrays that broadcast.
 QUANTITIES = {
     "lead": ("lead of the thread", "m"),
     "pitch_diameter": ("pitch diameter of the thread", "m"),
@@ -42,20 +36,15 @@ QUANTITIES = {
     "support_damping": ("damping of the axial support", "N s m-1"),
     "screw_mass": ("mass of the screw", "kg"),
 }
-"""What the verdict depends on: name in words and unit. Values of these names are floats or arrays that broadcast."""
+# The same of the sides of the operating window, whose ends are changed together.
 WINDOW = {"force": ("force on the load", "N"), "speed": ("speed", "rad s-1")}
-"""The same of the sides of the operating window, whose ends are changed together."""
 UNITS = {key: unit for key, (_, unit) in (QUANTITIES | WINDOW).items()}
 IN_WORDS = {key: words for key, (words, _) in (QUANTITIES | WINDOW).items()}
 
-_OWN = {  # parameters of a drive that a part adds, each with its quantity
-    "rigid": {},
-    "contact": {"contact_stiffness": "contact_stiffness", "contact_damping": "contact_damping"},
-    "support": {
-        "screw_mass": "screw_mass",
-        "support_stiffness": "support_stiffness",
-        "axial_support_damping": "support_damping",
-    },
+_OWN = {  # parameters of a drive that a part adds
+    "rigid": (),
+    "contact": ("contact_stiffness", "contact_damping"),
+    "support": ("screw_mass", "support_stiffness", "axial_support_damping"),
 }
 
 
@@ -103,18 +92,14 @@ def quantities(sheet: Sheet, draw: DrawnValues) -> dict[str, Any]:
             found[f"{part}_damping"] = draw.get(f"{part}.damping", 0.0)
     if sheet.support is not None:
         found["screw_mass"] = screw_mass
-    for key, path, scale in (("force", "load.force", 1.0), ("speed", "operation.speed", _turns(sheet, lead))):
+    turns = 2 * math.pi / lead if sheet.operation.speed.unit == "m/s" else 1.0  # from the speed as given to rad/s
+    for key, path, scale in (("force", "load.force", 1.0), ("speed", "operation.speed", turns)):
         if is_window(sheet, path):
             entry = sheet.spreads[path]
             found[f"{key}_low"], found[f"{key}_high"] = entry.low * scale, entry.high * scale
         else:
             found[f"{key}_low"] = found[f"{key}_high"] = draw.get(path, 0.0) * scale
     return found
-
-
-def _turns(sheet: Sheet, lead: Any) -> Any:
-    """Factor from the speed as given to rad/s."""
-    return 2 * math.pi / lead if sheet.operation.speed.unit == "m/s" else 1.0
 
 
 def _thread(sheet: Sheet, draw: DrawnValues) -> tuple[Any, Any, Any]:
@@ -157,9 +142,7 @@ def _coefficient(sheet: Sheet, draw: DrawnValues, angle: Any, half_angle: Any) -
 def point(sheet: Sheet, values: DrawnValues, direction: int, speed: Any, force: Any) -> tuple[dict[str, Any], Any]:
     """Return the parameters of the rigid drive, and the slope μ′ of the square thread [s/m], at points of operation.
 
-    Arguments: ``direction`` of travel ±1, ``speed`` > 0 [rad/s], ``force`` against outward travel [N]. The axis leans
-    by ``tilt``, so that the weight m g sin(tilt) adds to the force. The force R of the package acts along outward
-    travel, whence the sign.
+    ``direction`` of travel ±1, ``speed`` > 0 [rad/s], ``force`` against outward travel [N], to which the weight adds.
     """
     parameters = without_friction(values, direction, speed, force)
     radius, angle = parameters["pitch_radius"], parameters["lead_angle"]
@@ -189,10 +172,7 @@ def without_friction(values: DrawnValues, direction: int, speed: Any, force: Any
 
 
 def square_thread(sheet: Sheet, values: DrawnValues) -> tuple[Any, Any]:
-    """Return lead angle [rad] and friction coefficient [1] of the square thread that behaves alike.
-
-    With a curve of friction at the middle of the speeds.
-    """
+    """Return lead angle [rad] and friction coefficient [1], at the middle speed, of the square thread alike."""
     at, _ = point(sheet, values, 1, 0.5 * (values["speed_low"] + values["speed_high"]), 0.0)
     return at["lead_angle"], at["friction_coefficient"]
 
@@ -210,7 +190,7 @@ def _along(sheet: Sheet, sliding: Any) -> tuple[NDArray, NDArray]:
 
 def own_parameters(values: DrawnValues, part: str) -> dict[str, Any]:
     """Return the parameters that a part, ``contact`` or ``support``, adds to those of the ``rigid`` drive."""
-    return {key: values[quantity] for key, quantity in _OWN[part].items()}
+    return {key: values[key.removeprefix("axial_")] for key in _OWN[part]}
 
 
 def square_coefficient(coefficient: Any, lead_angle: Any, half_angle: Any) -> Any:
@@ -247,17 +227,10 @@ def sliding_speed(speed: Any, pitch_radius: Any, lead_angle: Any) -> Any:
 
 
 def damping_by_slope(slope: Any, force: Any, coefficient: Any, pitch_radius: Any, lead_angle: Any, law: Any) -> Any:
-    """Damping that a friction coefficient adds which depends on the sliding speed v [N m s/rad].
+    """Return the damping S [N m s/rad] by a ``slope`` μ′ of the square thread [s/m], ``force`` |R̃| [N].
 
-    With μ(v) = μ + μ′ (v − v₀) the torque of the threads r_m ξ_s n, n = R̃ in steady sliding, changes with θ′ at the
-    rate
-
-        |R̃| r_m² μ′ / [cos³ λ (1 + s μ tan λ)²],
-
-    because dξ_s/dμ = s (1 + tan² λ) / (1 + s μ tan λ)², dv/d|θ′| = r_m / cos λ and s = sgn(R̃ Ω). It is added to the
-    effective damping C_s; steady sliding with Γ_s > 0 loses its stability where the sum passes zero.
-
-    Arguments: ``slope`` μ′ of the square thread [s/m]; ``force`` |R̃| [N]; the others as in the package.
+    It is the rate at which the torque of the threads r_m ξ_s R̃ changes with θ′, as dξ_s/dμ = s (1 + tan² λ) / (1 + s μ
+    tan λ)², dv/d|θ′| = r_m / cos λ and s = sgn(R̃ Ω); C_s + S is what damps.
     """
     return (
         slope * force * pitch_radius**2 / (np.cos(lead_angle) ** 3 * (1 + law * coefficient * np.tan(lead_angle)) ** 2)

@@ -8,6 +8,7 @@ import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from decimal import Decimal
 from fractions import Fraction
 from functools import cache
 from itertools import pairwise
@@ -20,7 +21,7 @@ from pydantic import BeforeValidator
 from scipy.special import ndtr, ndtri  # type: ignore[import-untyped]
 
 from lsvib.models.drive import Drive, ThreadsDrive
-from lsvib.numbers import NotNumber, number, shown
+from lsvib.numbers import shown
 
 _KINDS = {  # of quantities, by the unit in which the package counts them, each with an example
     "m": ("a length", "5 mm"),
@@ -41,6 +42,10 @@ _KINDS = {  # of quantities, by the unit in which the package counts them, each 
 _TEXT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s(+\-][^+]*)?\s*")
 _UNIT = re.compile(r"[A-Za-z_µμ°²³%*/^·() 0-9.\-]{1,40}")  # the longest sensible one has a dozen characters
 
+_POWER = re.compile(
+    r"(?:\^|\*\*) ?\(?-?\d{1,2}\)?(?![\d.^(]| ?\*\*)"
+)  # others, and powers of powers, take pint for ever
+
 
 class NotQuantity(ValueError):
     """A value is not a quantity of the kind that is needed; the sentence has no name yet."""
@@ -58,16 +63,10 @@ def quantity(value: Any, *units: str) -> tuple[float, str]:
     dimension of its own where pint would drop it: an angle needs an angular unit, a number must not have one. Raises
     ``NotQuantity`` with the end of a sentence, such as ``is not a length, such as 5 mm``.
     """
-    if isinstance(value, str):
-        match = _TEXT.fullmatch(value)
-        if not match:
-            raise NotQuantity(f"= {shown(value)} is not {_wanted(units)}")
-        figure, unit = number(match[1]), (match[2] or "").strip()
-    else:
-        try:
-            figure, unit = number(value), ""
-        except NotNumber:
-            raise NotQuantity(f"= {shown(value)} is not {_wanted(units)}") from None
+    match = _TEXT.fullmatch(str(value))
+    if not match:
+        raise NotQuantity(f"= {shown(value)} is not {_wanted(units)}")
+    figure, unit = float(match[1]), (match[2] or "").strip()
     if not math.isfinite(figure):
         raise NotQuantity(f"= {shown(value)} is not finite")
     if not unit:
@@ -75,16 +74,10 @@ def quantity(value: Any, *units: str) -> tuple[float, str]:
             return figure, ""
         raise NotQuantity(f"= {shown(value)} has no unit; write it with one, such as {_KINDS[units[0]][1]}")
     if unit == "%" and "" in units:
-        return _hundredth(str(value).partition("%")[0].strip()), ""
-    if not _UNIT.fullmatch(unit):
+        return float(Decimal(match[1]).scaleb(-2)), ""  # 0.999 for 99.9 %, which a division would miss
+    if not _UNIT.fullmatch(unit) or re.search(r"\^|\*\*", _POWER.sub("", unit)):
         raise NotQuantity(f"= {shown(value)} is not {_wanted(units)}")
     return _converted(figure, unit, units, value)
-
-
-def _hundredth(digits: str) -> float:
-    """A number of per cent as a double: the one that is nearest, as 0.999 for 99.9, which a division may miss."""
-    mantissa, _, power = digits.lower().partition("e")
-    return float(f"{mantissa}e{int(power or 0) - 2}")
 
 
 def _converted(figure: float, unit: str, units: tuple[str, ...], value: Any) -> tuple[float, str]:
@@ -170,12 +163,11 @@ class Spread:
         return (value - middle) / width if self.kind == "normal" else float(np.log(value / middle) / np.log(width))
 
 
-def spread(value: Any, *units: str, check: Callable[[float, str], str | None]) -> Spread:
+def spread(value: Any, *units: str, check: Callable[[float, str], None]) -> Spread:
     """Return what a data sheet says of one quantity, in the first of ``units`` that fits.
 
     ``value``: a quantity, a list of two (a range), or a mapping with ``low`` and ``high``; ``low``, ``mode`` and
-    ``high``; ``mean`` and ``std``; ``median`` and ``factor``. ``check(figure, unit)`` returns what is wrong with a
-    figure, or None. Raises ``NotQuantity`` with the end of a sentence.
+    ``high``; ``mean`` and ``std``; ``median`` and ``factor``. It and ``check(figure, unit)`` raise ``NotQuantity``.
     """
     if isinstance(value, list):
         if len(value) != 2:
@@ -183,7 +175,7 @@ def spread(value: Any, *units: str, check: Callable[[float, str], str | None]) -
         value = {"low": value[0], "high": value[1]}
     if not isinstance(value, Mapping):
         figure, unit = quantity(value, *units)
-        _require(check(figure, unit))
+        check(figure, unit)
         return Spread("value", (figure,), unit, figure, figure, _plain(value))
     kind = next((kind for kind, keys in _FORMS.items() if set(keys) == set(map(str, value))), None)
     if kind is None:
@@ -191,48 +183,44 @@ def spread(value: Any, *units: str, check: Callable[[float, str], str | None]) -
             f"has the keys {', '.join(map(str, value)) or 'none'}; "
             "a distribution has low and high, low, mode and high, mean and std, or median and factor"
         )
-    figures: list[float] = []
-    unit = ""
+    figures, kinds = [], []
     for key in _FORMS[kind]:
         try:
-            figure, own = quantity(value[key], *(("",) if key == "factor" else units))
+            figure, unit = quantity(value[key], *(("",) if key == "factor" else units))
         except NotQuantity as error:
             raise NotQuantity(f"has {key} {error}") from None
-        unit = unit if figures else own
-        if key != "factor" and own != unit:
-            raise NotQuantity("mixes two kinds of quantity in one distribution")
         figures.append(figure)
+        kinds += [unit] if key != "factor" else []
+    unit = kinds[0]
+    if len(set(kinds)) > 1:
+        raise NotQuantity("mixes two kinds of quantity in one distribution")
     text = ", ".join(f"{key} {_plain(value[key])}" for key in _FORMS[kind])
     low, high = _ends(kind, figures, unit, check)
     return Spread(kind, tuple(figures), unit, low, high, text)
 
 
-def _ends(kind: str, figures: list[float], unit: str, check: Callable[[float, str], str | None]) -> tuple[float, float]:
+def _ends(kind: str, figures: list[float], unit: str, check: Callable[[float, str], None]) -> tuple[float, float]:
     """Where a distribution begins and ends; all of its parameters checked."""
     if kind in ("uniform", "triangular"):
         if figures != sorted(figures) or figures[0] == figures[-1]:
             raise NotQuantity(f"has {' and '.join(_FORMS[kind])} that do not ascend")
         for figure in figures:
-            _require(check(figure, unit))
+            check(figure, unit)
         return figures[0], figures[-1]
     middle, width = figures
-    _require(check(middle, unit))
+    check(middle, unit)
     if not width > (0 if kind == "normal" else 1):
         raise NotQuantity(f"has {_FORMS[kind][1]} = {width:g}, which is not above {0 if kind == 'normal' else 1}")
     tail = 4.0  # standard deviations at which a normal distribution is cut off: 6e-5 of it lie beyond
     normal = (middle - tail * width, middle + tail * width)
     low, high = normal if kind == "normal" else (middle / width**tail, middle * width**tail)
     for end in (low, high):
-        problem = check(end, unit)
-        if problem:
-            value, _, rest = problem.removeprefix("= ").partition(" is")
-            raise NotQuantity(f"reaches {value} at four standard deviations, which is{rest}")
+        try:
+            check(end, unit)
+        except NotQuantity as error:
+            value, _, rest = str(error).removeprefix("= ").partition(" is")
+            raise NotQuantity(f"reaches {value} at four standard deviations, which is{rest}") from None
     return low, high
-
-
-def _require(problem: str | None) -> None:
-    if problem:
-        raise NotQuantity(problem)
 
 
 def _plain(value: Any) -> str:
@@ -289,19 +277,18 @@ def thread_size(name: object) -> ThreadSize:
     raise NotQuantity(f"= {name!r} is not the name of a thread, such as Tr 10x2, Tr 8x8 P2 or Acme 1/2-10")
 
 
-def _within(allowed: Mapping[str, tuple[float, float]], above: bool = False) -> Callable[[float, str], str | None]:
+def _within(allowed: Mapping[str, tuple[float, float]], above: bool = False) -> Callable[[float, str], None]:
     """Return a check of figures against the range of their unit; ``above``: its lower end is not part of it."""
 
-    def problem(figure: float, unit: str) -> str | None:
-        """Return the end of a sentence about a figure outside the range; None for one within it."""
+    def check(figure: float, unit: str) -> None:
         low, high = allowed[unit]
         if (figure > low or (figure == low and not above)) and figure <= high:
-            return None
+            return
         name, factor = {"rad": ("deg", 180 / math.pi), "rad/s": ("rpm", 30 / math.pi)}.get(unit, (unit, 1.0))
         value, least, most = (f"{factor * x:.6g} {name}".rstrip() for x in (figure, low, high))
-        return f"= {value} is outside the allowed range {least} {'<' if above else '<='} value <= {most}"
+        raise NotQuantity(f"= {value} is outside the allowed range {least} {'<' if above else '<='} value <= {most}")
 
-    return problem
+    return check
 
 
 def _field(unit: str, low: float, high: float) -> Any:

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.assess.drive import GRAVITY
+from lsvib.assess.drive import GRAVITY, without_friction
 from lsvib.assess.fields import LARGEST_HALF_ANGLE
 from lsvib.assess.mechanisms import NAMES, applicable, corners, directions, drive_of, reserves, worst
 from lsvib.assess.sheet import Sheet
+from lsvib.assess.vibration import tolerated_perturbation
 from lsvib.errors import EngineError, InputError
 from lsvib.stability.force_thresholds import threshold_force
 
@@ -68,11 +69,9 @@ def _scaled(sheet: Sheet, values: Mapping[str, Any], keys: tuple[str, ...], fact
 
 def _occurs(sheet: Sheet, values: Mapping[str, Any], keys: tuple[str, ...], factors: NDArray) -> dict[str, NDArray]:
     """Whether each mechanism occurs (1, 0, or −1 where the drive cannot move), for factors (n)."""
-    found = worst(sheet, _scaled(sheet, values, keys, factors))
-    shape = factors.shape
     occurs = {
-        name: np.broadcast_to(np.where(np.isnan(one.reserve), -1, (one.reserve < 0).astype(int)), shape)
-        for name, one in found.items()
+        name: np.broadcast_to(np.where(np.isnan(one.reserve), -1, one.reserve < 0), factors.shape)
+        for name, one in worst(sheet, _scaled(sheet, values, keys, factors)).items()
     }
     own = np.stack([flags for name, flags in occurs.items() if name in NAMES])
     return {**occurs, ANY: np.where(own[0] < 0, -1, own.max(axis=0))}
@@ -81,8 +80,7 @@ def _occurs(sheet: Sheet, values: Mapping[str, Any], keys: tuple[str, ...], fact
 def margins(sheet: Sheet, values: Mapping[str, float]) -> dict[str, list[Margin]]:
     """Return for each mechanism, and for :data:`ANY` of them, the margin in every quantity, the smallest change first.
 
-    By a scan in steps of 1.2 % on either side, and finer ones between the two steps where the verdict changes. A change
-    to a drive that cannot move at all (μ ≥ cot λ) does not count.
+    A change to a drive that cannot move at all (μ ≥ cot λ) does not count.
     """
     result: dict[str, list[Margin]] = {}
     per_decade = 200  # steps of 1.2 %; a narrower island of stability between two is not seen
@@ -128,8 +126,8 @@ def _edge(
 def sensitivities(sheet: Sheet, values: Mapping[str, float]) -> dict[str, dict[str, float]]:
     """Return for each mechanism the change of its reserve [1] per relative change of each quantity, dρ/d ln q.
 
-    At the corner of the window where the reserve is lowest. The derivative is that of the closed forms, exact to
-    rounding, by a complex step: ρ(q (1 + ih)) = ρ + i h dρ/d ln q + O(h²), with nothing to cancel.
+    At the corner of the window where the reserve is lowest, by a complex step: ρ(q (1 + ih)) = ρ + i h dρ/d ln q +
+    O(h²), with nothing to cancel.
     """
     lowest, step = worst(sheet, values), 1e-30  # the square of the step, relative, lies far below rounding
     result: dict[str, dict[str, float]] = {name: {} for name in lowest}
@@ -142,8 +140,8 @@ def sensitivities(sheet: Sheet, values: Mapping[str, float]) -> dict[str, dict[s
     return result
 
 
-KINDS = ("steady", "steady_until_perturbed", "negative_damping", "kinematic_constraint", "mode_coupling",
-         "falling_friction", "thread_contact")  # fmt: skip
+KINDS = ("steady", "steady_until_perturbed", "steady_when_left_alone", "negative_damping",
+         "kinematic_constraint", "mode_coupling", "falling_friction", "thread_contact")  # fmt: skip
 """What the chart distinguishes, by flag value."""
 
 _BOUNDARIES = {
@@ -191,19 +189,44 @@ def _kinds(
     """Flag of the first mechanism in the order of :data:`KINDS` that occurs at each point (force, speed)."""
     found = reserves(sheet, values, direction, turning[None, :], force[:, None])
     shape = (force.size, turning.size)
-    kind = np.where(np.broadcast_to(found["after_perturbation"], shape) < 0, KINDS.index("steady_until_perturbed"), 0)
+    p = without_friction(values, direction, turning[None, :], force[:, None])
+    drag = p["pitch_radius"] * np.tan(p["lead_angle"]) * p["translation_damping"]
+    ratio = np.abs(p["axial_force"] - drag * p["input_speed"]) / turning  # |R̃ / Ω|
+    kind, maybe = np.zeros(shape, dtype=np.int8), np.broadcast_to(found["after_perturbation"] < 0, shape)
+    if maybe.any():
+        last = _fatal_ratio(sheet, values, direction, ratio[maybe].max(), drag)
+        upset = KINDS.index("steady_when_left_alone" if last is None else "steady_until_perturbed")
+        kind[maybe & (ratio <= (math.inf if last is None else last))] = upset
     for name in reversed([name for name in KINDS if name in applicable(sheet)]):
         kind = np.where(np.broadcast_to(found[name], shape) < 0, KINDS.index(name), kind)
     return kind.astype(np.int8)
 
 
+def _fatal_ratio(sheet: Sheet, values: dict[str, float], direction: int, most: float, drag: float) -> float | None:
+    """The |R̃ / Ω| up to ``most`` [N s/rad] below which a perturbation starts vibration, to 0.3 %; None if not known.
+
+    With Ω and R̃ multiplied alike every motion is; and beyond some force against the motion none ends in vibration.
+    """
+    if not sheet.stiff or sheet.friction.curve is not None:
+        return None
+    speed, weight = values["speed_high"], values["mass"] * GRAVITY * math.sin(values["tilt"])
+    low, high = 1e-4 * most, most
+    for _ in range(12):
+        ratio = math.sqrt(low * high)
+        force = direction * speed * (ratio - drag) - weight
+        size, _ = tolerated_perturbation(sheet, values, (direction, speed, force))
+        if not size:  # not known, or zero as nothing damps the drive
+            return None
+        low, high = (low, ratio) if size == math.inf else (ratio, high)
+    return high
+
+
 def _boundaries(
     sheet: Sheet, values: dict[str, float], direction: int, turning: NDArray, weight: float
 ) -> dict[str, NDArray]:
-    """Forces at which the motion changes its kind, from the thresholds of the rigid drive.
+    """Forces at which the motion of the rigid drive changes its kind; none with friction that depends on speed.
 
-    All of them are proportional to Ω: with Ω and R multiplied alike, every motion of the drive is multiplied alike. So
-    one threshold gives a line. With friction that depends on speed they are left out.
+    With Ω and R multiplied alike, every motion of the drive is multiplied alike. So one threshold gives a line.
     """
     if values["friction_slope"] != 0 or sheet.friction.curve is not None:
         return {}

@@ -1,21 +1,9 @@
-r"""Which mechanism makes steady sliding unstable in the operating window, and how far it is from that.
+"""Which mechanism makes steady sliding unstable in the operating window, and how far it is from that.
 
-All is for whole samples of drives at once.
-
-The reserve [1] of a mechanism is its balance: what keeps steady sliding stable less what destabilises it, over the sum
-of both. It is 1 where nothing destabilises, 0 at the onset and negative where the mechanism occurs:
-
-    kinematic constraint   Γ_0, or Γ̃_0 with a support (eqs 8.20, 8.27), over the sum of the sizes of its two terms
-    negative damping       C_0 likewise (8.19)
-    falling friction       C_0 + S likewise, where the slope of μ gives S (:mod:`lsvib.assess.drive`); with a
-                           support that is stable without the slope, its Hurwitz determinant with C_0 + S
-    mode coupling          the Hurwitz determinant of the drive with support, or without any damping p_2² − 4 p_4 p_0
-    thread contact         the Hurwitz determinant of the drive with compliant threads
-
-The last two are attributed to the mechanism only where the drive with rigid parts would be stable, or where the
-undamped drive with support is unstable already. A support or contact can also keep a drive stable that is unstable with
-rigid parts; then no mechanism occurs. With both, each is judged with the other rigid, and the support decides on the
-mechanisms of the rigid drive. Without any damping a reserve of damping is zero: motions neither grow nor decay.
+All is for whole samples of drives at once. The reserve [1] of a mechanism, in docs/assess.md for each, is its balance:
+what keeps steady sliding stable less what destabilises it, over the sum of both. It is 1 where nothing destabilises, 0
+at the onset and negative where the mechanism occurs. Without any damping a reserve of damping is zero: motions neither
+grow nor decay.
 """
 
 from collections.abc import Mapping
@@ -30,7 +18,6 @@ from lsvib.assess.drive import damping_by_slope, is_window, sliding_speed, witho
 from lsvib.assess.sheet import Sheet
 from lsvib.models import mechanics
 from lsvib.models.drive import RigidDrive, SupportDrive, ThreadsDrive, zero_if_close
-from lsvib.stability.linear import support_model, threads_model
 from lsvib.stability.spectrum import polynomial
 
 NAMES = ("negative_damping", "kinematic_constraint", "mode_coupling", "falling_friction", "thread_contact")
@@ -39,7 +26,6 @@ NAMES = ("negative_damping", "kinematic_constraint", "mode_coupling", "falling_f
 DRIVES = {"rigid": RigidDrive, "support": SupportDrive, "contact": ThreadsDrive}
 """The drive that a motion or verdict is of, by the part of the sheet that is compliant in it."""
 
-_MATRICES = {"support": support_model, "contact": threads_model}
 _BESIDE = 1e-9  # how near to a point of a curve, or to R̃ = 0, relative: far above rounding
 _UNDAMPED = ("support_damping", "translation_damping", "axial_support_damping", "contact_damping")
 
@@ -143,12 +129,7 @@ def _larger(a: Any, b: Any) -> Any:
 
 def _full_reserve(part: str, parameters: dict[str, Any], law: Any) -> Any:
     """Reserve of a drive with two coordinates, from its characteristic polynomial, for a law (scalar or array)."""
-    if any(np.iscomplexobj(value) for value in parameters.values()):
-        exact = {key: complex(value) for key, value in parameters.items()}
-        tangent = complex(np.tan(parameters["lead_angle"]))
-        return _hurwitz_reserve(*polynomial(DRIVES[part], exact, int(law), tangent))
-    both = [_hurwitz_reserve(*_MATRICES[part](parameters, s).polynomial()) for s in (1, -1)]
-    return np.where(law > 0, *both)
+    return _hurwitz_reserve(*polynomial(DRIVES[part], parameters, law, np.tan(parameters["lead_angle"])))
 
 
 def _hurwitz_reserve(p_4: Any, p_3: Any, p_2: Any, p_1: Any, p_0: Any) -> Any:
@@ -190,11 +171,7 @@ def directions(sheet: Sheet) -> tuple[int, ...]:
 def corners(sheet: Sheet, values: Mapping[str, Any]) -> list[tuple[int, Any, Any]]:
     """Return direction, speed [rad/s] and force [N] of the points of the window where a reserve can be lowest.
 
-    All reserves depend on speed and force through R̃ = R − r_m tan λ c_x Ω alone, which is linear in both: through its
-    sign, for which the corners decide, and with a slope of friction through its size as well. Reserves of damping are
-    monotonic in that size, so that the corners and the neighbourhood of R̃ = 0 decide, which is looked for at the ends
-    of the speeds and of the forces; with a support, whose reserve need not be, at 9 places on each side of it. With a
-    curve of friction 17 speeds are looked at, and either side of each of its points, where its slope changes.
+    They are those of docs/assess.md: with rigid parts reserves of damping are monotonic in the size of R̃.
     """
     return [
         (direction, speed, force)

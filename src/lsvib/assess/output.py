@@ -68,9 +68,9 @@ def as_json(assessment: Assessment) -> dict[str, Any]:
             if name != "after_perturbation"
         },
         "after_perturbation": {
-            "possible": perturbed.occurs,
+            "possible": bool(perturbed.probability) or perturbed.occurs,
             "probability": perturbed.probability,
-            "interval": list(perturbed.interval),
+            "interval": None if perturbed.interval is None else list(perturbed.interval),
         },
         "quantities": {key: {"value": value, "unit": UNITS[key]} for key, value in assessment.values.items()},
         "samples": assessment.uncertainty.samples,

@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
+from matplotlib.ticker import EngFormatter
 
 from lsvib.assess.assessment import AssessedMotion, Assessment
 from lsvib.assess.drive import IN_WORDS
@@ -23,13 +24,14 @@ WIDTH = 3.7  # inch: on a phone one to one
 _COLOURS = {
     "steady": "#E8F3EC",
     "steady_until_perturbed": "#F5EFC8",
+    "steady_when_left_alone": "#EDE4F2",
     "negative_damping": style.ORANGE,
     "kinematic_constraint": style.VERMILION,
     "mode_coupling": style.PURPLE,
     "falling_friction": style.SKY,
     "thread_contact": style.GREY,
 }
-_NAMES = {"steady": "steady", "steady_until_perturbed": "steady until perturbed"}
+_NAMES = {kind: MECHANISMS[kind][0].lower() if kind in MECHANISMS else kind.replace("_", " ") for kind in KINDS}
 _SETTINGS = {"svg.hashsalt": "lsvib", "svg.fonttype": "path", "axes.formatter.limits": (-4, 5)}
 
 
@@ -70,7 +72,7 @@ def operating_chart(charts: list[Chart], assessment: Assessment) -> Figure:
         axis.set_title(f"{'Outward' if chart.direction > 0 else 'Back'}")
         if chart.boundaries:
             axis.legend(loc="best", fontsize=6, frameon=True, framealpha=0.85)
-    handles = [Patch(color=_COLOURS[KINDS[k]], label=_name(KINDS[k])) for k in sorted(seen)]
+    handles = [Patch(color=_COLOURS[KINDS[k]], label=_NAMES[KINDS[k]]) for k in sorted(seen)]
     handles.append(Patch(fill=False, edgecolor=style.BLUE, linewidth=1.6, label="operating window"))
     figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize=7)
     return figure
@@ -99,19 +101,15 @@ def motion_chart(motion: AssessedMotion) -> Figure:
     figure = style.new_figure(WIDTH, 4.6)
     plane, history = figure.subplots(2, 1)
     moved = motion.vibration
-    turn, twist = (1e6, "µrad") if np.abs(moved.angle).max() < 1e-4 else (1e3, "mrad")
-    plane.plot(turn * moved.angle, moved.speed * 60 / (2 * math.pi), color=style.BLUE, linewidth=0.9)
+    plane.plot(np.degrees(moved.angle), moved.speed * 60 / (2 * math.pi), color=style.BLUE, linewidth=0.9)
     if np.ptp(moved.speed) > 0.5 * np.abs(moved.speed).max():
         plane.axhline(0, color=style.GREY, linewidth=0.6)
-    plane.set(xlabel=f"Twist of the coupling from steady running [{twist}]", ylabel="Screw speed [rpm]")
+    plane.set(xlabel="Twist of the coupling from steady running [°]", ylabel="Screw speed [rpm]")
     plane.set_title("How the screw turns")
-    time = moved.time
-    unit, factor = ("ms", 1e3) if time[-1] < 1 else ("s", 1.0)
-    size, micro = (1e6, "µm") if np.abs(moved.deviation).max() < 1e-4 else (1e3, "mm")
-    if np.abs(moved.deviation).max() < 1e-7:
-        size, micro = 1e9, "nm"
-    history.plot(factor * time, size * moved.deviation, color=style.VERMILION, linewidth=0.9)
-    history.set(xlabel=f"Time [{unit}]", ylabel=f"Load off its steady path [{micro}]")
+    history.plot(moved.time, moved.deviation, color=style.VERMILION, linewidth=0.9)
+    history.set(xlabel="Time", ylabel="Load off its steady path")
+    history.xaxis.set_major_formatter(EngFormatter("s"))
+    history.yaxis.set_major_formatter(EngFormatter("m"))
     history.set_title("How the load moves")
     return figure
 
@@ -163,7 +161,3 @@ def _bars(names: list[str], height: float) -> tuple[Figure, Any]:
     axis.invert_yaxis()
     axis.axvline(0, color=style.BLACK, linewidth=0.8)
     return figure, axis
-
-
-def _name(kind: str) -> str:
-    return _NAMES[kind] if kind in _NAMES else MECHANISMS[kind][0].lower()

@@ -6,6 +6,7 @@ What is said of every drive stands in the templates beside this file, what depen
 import json
 import math
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,26 +14,19 @@ import yaml
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from lsvib.assess import pictures
+from lsvib.assess import pictures, words
 from lsvib.assess.assessment import AssessedMotion, Assessment, Mechanism
 from lsvib.assess.drive import IN_WORDS, UNITS, flank_coefficient, point, random_entries
 from lsvib.assess.fields import FrictionBySpeed, Spread, ThreadSize
-from lsvib.assess.margins import Chart
-from lsvib.assess.words import (
-    ATTRACTORS,
-    MECHANISMS,
-    SHORT,
-    VERDICTS,
-    change,
-    entry_name,
-    percent,
-    shown,
-    signed,
-)
+from lsvib.assess.margins import Chart, Margin
+from lsvib.assess.words import ATTRACTORS, MECHANISMS, SHORT, change, entry_name, percent, shown, signed
 from lsvib.errors import InputError
 from lsvib.files import write_json, write_text
 
-_NEAR = 10.0  # factor within which a margin is worth a bar and a row
+
+def _is_near(row: Margin) -> bool:
+    """Whether a margin is worth a bar and a row."""
+    return row.factor is not None and 0.1 <= row.factor <= 10
 
 
 def _page(template: str, **values: Any) -> str:
@@ -44,24 +38,23 @@ def _page(template: str, **values: Any) -> str:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.globals |= {
-        "IN_WORDS": IN_WORDS,
-        "UNITS": UNITS,
-        "VERDICTS": VERDICTS,
-        "capital": _capital,
-        "change": change,
-        "ends_in": ATTRACTORS,
-        "interval": _interval,
-        "percent": percent,
-        "shown": shown,
-    }
+    own = (_capital, _end_in_words, _interval, _simplified, _tolerated, _where)
+    environment.globals |= vars(words) | {function.__name__.strip("_"): function for function in own}
+    environment.globals |= {"IN_WORDS": IN_WORDS, "UNITS": UNITS, "pictures": pictures}
+    environment.filters["yaml"] = partial(yaml.safe_dump, sort_keys=False)
     return environment.get_template(template).render(**values).lstrip()
 
 
 def report(assessment: Assessment, charts: list[Chart]) -> str:
     """Return the report on an assessment as the text of one HTML page, which needs no other file."""
-    sheet, names = assessment.sheet, shown_mechanisms(assessment)
-    margin_pictures, lever = _levers(assessment, names)
+    sheet, names, found = assessment.sheet, shown_mechanisms(assessment), assessment.mechanisms
+    near = [name for name in names if any(map(_is_near, found[name].margins))]
+    # A reserve at its lower end, -1, has no slope: then no small change helps against that cause.
+    steep = next((name for name in near if any(found[name].sensitivities.values())), None)
+    same = assessment.worst is assessment.nominal
+    motions = {"At the given values" if same else "At the middle values": assessment.nominal}
+    if not same:
+        motions["In the worst case within the uncertainties"] = assessment.worst
     return _page(
         "report.html.j2",
         title=f"{sheet.name}: will it vibrate?",
@@ -72,13 +65,15 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
         worst=assessment.worst.vibration,
         summary=_summary(assessment),
         causes=[_cause(assessment, name) for name in (*names, "after_perturbation")],
-        vibrates=any(assessment.mechanisms[name].occurs for name in names),
-        changes=[row for row in assessment.margins if row.factor and row.value and 1 / _NEAR <= row.factor <= _NEAR],
-        margin_pictures=margin_pictures,
-        lever=lever,
-        operating_chart=pictures.embedded(pictures.operating_chart, charts, assessment),
-        motions=_motions(assessment),
-        uncertainty_pictures=_uncertainty_pictures(assessment, names),
+        names=names,
+        vibrates=any(found[name].occurs for name in names),
+        changes=[row for row in assessment.margins if _is_near(row) and row.value],
+        near=near,
+        lever=max(found[steep].sensitivities.items(), key=lambda item: abs(item[1])) if steep else None,
+        steep=steep,
+        charts=charts,
+        motions=motions,
+        random=random_entries(sheet),
         locking=locking_sentence(assessment),
         entries=[
             (entry_name(path), _entry(entry), _origin(assessment, path))
@@ -148,84 +143,29 @@ def _cause(assessment: Assessment, name: str) -> tuple[Any, ...]:
     """A row of the table of causes."""
     one, perturbed = assessment.mechanisms[name], name == "after_perturbation"
     best = next((row for row in one.margins if row.factor is not None), None)
-    if perturbed and one.occurs != (one.reserve < 0):  # by its motions, of which the reserve knows nothing
-        margin = "not known"
+    if perturbed and (
+        one.probability is None or (best is None and one.occurs) or bool(one.occurs) != (one.reserve < 0)
+    ):
+        margin = "not known"  # its motions decide, of which the reserve knows only what is necessary
     elif best is None:
         margin = f"no single change {'ends it' if one.occurs else 'brings it about'}"
     else:
-        margin = f"the {IN_WORDS[best.quantity]} {change(best.factor)} {'ends' if one.occurs else 'starts'} it"
-    verdict: Any = "does not occur"
+        margin = f"the {IN_WORDS[best.quantity]} {change(best.factor)}"
+        margin = (
+            f"none before {margin}"
+            if perturbed and not one.occurs
+            else f"{margin} {'ends' if one.occurs else 'starts'} it"
+        )
+    verdict: Any = "not known" if one.occurs is None else "does not occur"
     if one.occurs:
         place, verdict = _where(one, assessment), Markup("<b>occurs</b>")
-        if perturbed and (assessment.sheet.contact is not None or assessment.sheet.support is not None):
-            how = "computed with stiff threads and support" if one.reserve < 0 else "found by perturbed motions"
-            place, verdict = f"{how}; {place}", "possible"
+        if perturbed and one.probability is None:
+            place, verdict = f"found by a perturbed motion; {place}", "possible"
         verdict = (verdict, place)
-    most = "at most " if perturbed and one.probability > 0 else ""  # beyond some force none does
-    spread = "" if one.interval[0] == one.interval[1] else f" (95 % sure: {_interval(one.interval)})"
-    return MECHANISMS[name], verdict, f"{most}{percent(one.probability)}{spread}", signed(one.reserve, 2), margin
-
-
-def _levers(assessment: Assessment, names: list[str]) -> tuple[list[tuple[str, str]], str]:
-    """Pictures of the margins of the nearest causes, and of what changes the reserve most, with a sentence on that."""
-    found = assessment.mechanisms
-    near = [n for n in names if any(row.factor and 1 / _NEAR <= row.factor <= _NEAR for row in found[n].margins)]
-    charts = [
-        (
-            pictures.embedded(pictures.margin_chart, assessment, name),
-            f"{MECHANISMS[name][0]}: factor on each quantity at which it starts or ends.",
-        )
-        for name in near[:3]
-    ]
-    # A reserve at its lower end, -1, has no slope: then no small change helps against that cause.
-    first = next((name for name in near if any(found[name].sensitivities.values())), None)
-    if first is None:
-        return charts, ""
-    quantity, slope = max(found[first].sensitivities.items(), key=lambda item: abs(item[1]))
-    charts.append(
-        (
-            pictures.embedded(pictures.sensitivity_chart, assessment, first),
-            f"What 1 % more of each quantity does to the reserve against {SHORT[first]}.",
-        )
-    )
-    return charts, (
-        f"Per cent for per cent, the strongest single lever on {SHORT[first]} is the {IN_WORDS[quantity]}: 1 % more "
-        f"changes the reserve by {signed(0.01 * slope, 4)}."
-    )
-
-
-def _motions(assessment: Assessment) -> list[dict[str, Any]]:
-    """What is said of the motion at the middle values and in the worst case."""
-    nominal, worst = assessment.nominal, assessment.worst
-    if worst is nominal:
-        return [_motion("At the given values", nominal, assessment)]
-    random, spreads = random_entries(assessment.sheet), assessment.sheet.spreads
-    values = (f"{entry_name(path)} = {shown(worst.entries[path], spreads[path].unit)}" for path in random)
-    return [
-        _motion("At the middle values", nominal, assessment),
-        _motion("In the worst case within the uncertainties", worst, assessment) | {"entries": ", ".join(values)},
-    ]
-
-
-def _motion(title: str, motion: AssessedMotion, assessment: Assessment) -> dict[str, Any]:
-    moved, perturbed = motion.vibration, motion.mechanism == "after_perturbation"
-    start = f"after {'a strong perturbation' if perturbed else 'the slightest disturbance'}"
-    drawn = None
-    if moved.time.size:
-        caption = f"{'Perturbed' if perturbed else 'Left alone'}, {title.lower()}."
-        drawn = (pictures.embedded(pictures.motion_chart, motion), caption)
-    return {
-        "title": title,
-        "vibration": moved,
-        "where": _where(motion, assessment),
-        "simplified": _simplified(motion, assessment),
-        "entries": "",
-        "start": _capital(start),
-        "sentence": _end_in_words(motion, start),
-        "tolerated": _tolerated(motion),
-        "picture": drawn,
-        "scene": yaml.safe_dump(moved.scene, sort_keys=False) if moved.scene else "",
-    }
+    spread = "" if one.interval is None or one.interval[0] == one.interval[1] else _interval(one.interval)
+    share = "not known" if one.probability is None else percent(one.probability)
+    share += f" (95 % sure: {spread})" if spread else ""
+    return MECHANISMS[name], verdict, share, signed(one.reserve, 2), margin
 
 
 def _end_in_words(motion: AssessedMotion, start: str) -> str:
@@ -267,21 +207,6 @@ def _simplified(motion: AssessedMotion, assessment: Assessment) -> str:
         effect = "its rise with speed adds" if slope > 0 else "its fall with speed takes away"
         text += f" Friction is taken as constant at its value there; the damping that {effect} is not in this motion."
     return text
-
-
-def _uncertainty_pictures(assessment: Assessment, names: list[str]) -> list[tuple[str, str]]:
-    if assessment.uncertainty.samples == 1:
-        return []
-    reserves = pictures.embedded(pictures.reserve_chart, assessment, names)
-    charts = [(reserves, "How the reserve is spread over these drives.")]
-    name = next((name for name in names if name in assessment.uncertainty.total), None)
-    if name is not None:
-        caption = (
-            f"Which uncertainty causes the spread of the reserve against {SHORT[name]} (Sobol indices). The longest "
-            "bar is what to measure first."
-        )
-        charts.append((pictures.embedded(pictures.sobol_chart, assessment, name), caption))
-    return charts
 
 
 def locking_sentence(assessment: Assessment) -> str:
@@ -343,9 +268,7 @@ def compare(verdicts: Sequence[Path], page_file: Path, json_file: Path) -> None:
     """
     found = [{"report": f"{path.parent.name}/index.html", **_short(path)} for path in verdicts]
     found.sort(key=lambda short: (-short["probability"], short["reserve"]))
-    write_text(
-        _page("report_comparison.html.j2", title="Which drives vibrate?", rows=list(map(_compared, found))), page_file
-    )
+    write_text(_page("report_comparison.html.j2", title="Which drives vibrate?", drives=found), page_file)
     write_json(found, json_file)
 
 
@@ -373,30 +296,3 @@ def _short(path: Path) -> dict[str, Any]:
         raise InputError(f"Cannot read {path}: {error.strerror}.") from None
     except (ValueError, KeyError, TypeError, AttributeError):
         raise InputError(f"{path} is not a readable assessment; delete it, and run again what makes it.") from None
-
-
-def _compared(short: dict[str, Any]) -> list[Any]:
-    """The row of a drive in the table of the comparison."""
-    low, high = short["interval"]
-    worst, nearest = short["worst_case"], short["nearest_change"]
-    end = {  # of motions without a frequency, by the names of ATTRACTORS
-        "steady sliding": "does not vibrate",
-        "rest": "stands still",
-        "neutral family": "oscillates, neither growing nor decaying",
-        "unbounded": "grows without limit",
-        "unresolved": "not known",
-        "unknown": "not known beyond its onset",
-    }.get(worst["attractor"], "vibrates")
-    motion = end if worst["frequency"] is None else shown(worst["frequency"], "Hz")
-    moved = "none" if nearest["factor"] is None else f"{IN_WORDS[nearest['quantity']]} {change(nearest['factor'])}"
-    share = percent(short["probability"])
-    return [
-        Markup('<a href="{}">{}</a>').format(short["report"], short["name"]),
-        short["verdict"],
-        share if low == high else (share, f"95 % sure: {_interval((low, high))}"),
-        (MECHANISMS[short["nearest_mechanism"]][0], f"reserve {short['reserve']:+.2f}"),
-        moved,
-        motion if worst["amplitude"] is None else (motion, f"± {shown(worst['amplitude'], 'm')} at the load"),
-        "yes" if short["self_locking"] else "no",
-        percent(short["efficiency"]["lifting"]),
-    ]

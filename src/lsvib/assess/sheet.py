@@ -11,7 +11,7 @@ from lsvib.assess import fields
 from lsvib.assess.fields import NotQuantity, Spread
 from lsvib.errors import InputError
 from lsvib.models.scene import read_yaml
-from lsvib.numbers import NotNumber, shown, whole
+from lsvib.numbers import shown, whole_between
 
 DENSITIES = {"steel": 7850.0, "stainless steel": 7900.0, "aluminium": 2700.0, "brass": 8500.0, "titanium": 4430.0}
 """kg/m³, of the usual alloys, to one per cent."""
@@ -38,16 +38,6 @@ class _Part(BaseModel):
         return None
 
 
-def _starts(value: Any) -> int:
-    try:
-        count = whole(value)
-    except NotNumber as error:
-        raise NotQuantity(f"= {shown(value)} {error}") from None
-    if not 1 <= count <= 50:
-        raise NotQuantity(f"= {count} is outside the allowed range 1 <= value <= 50")
-    return count
-
-
 class Thread(_Part):
     """A thread: a size of the catalogue, or lead (or lead angle, or pitch and starts) and diameter."""
 
@@ -55,7 +45,7 @@ class Thread(_Part):
     lead: fields.Length | None = None
     lead_angle: fields.LeadAngle | None = None
     pitch: fields.Length | None = None
-    starts: Annotated[int, BeforeValidator(_starts)] = 1
+    starts: Annotated[int, BeforeValidator(lambda value: whole_between("thread.starts", value, 1, 50))] = 1
     nominal_diameter: fields.Length | None = None
     pitch_diameter: fields.Length | None = None
     half_angle: fields.HalfAngle | None = None
@@ -182,8 +172,6 @@ class Sheet(_Part):
             sheet = cls.model_validate(dict(values))
         except ValidationError as error:
             raise InputError(_sentence(error)) from None
-        except RecursionError:
-            raise InputError("The data sheet is nested too deeply.") from None
         for part in (sheet.thread, sheet.screw, sheet.friction):
             if (problem := part.problem()) is not None:
                 raise InputError(problem)
@@ -211,6 +199,11 @@ class Sheet(_Part):
         found = {path for path, _ in self.entries()}
         return found | {path.partition(".")[0] for path in found}
 
+    @property
+    def stiff(self) -> bool:
+        """Whether all parts are rigid; the basin of such drives is known."""
+        return self.contact is None and self.support is None
+
     @cached_property
     def spreads(self) -> dict[str, Spread]:
         """The quantities that are given, by name."""
@@ -222,6 +215,8 @@ def _sentence(error: ValidationError) -> str:
     first = min(error.errors(), key=lambda complaint: complaint["type"] == "missing")
     path, kind = ".".join(str(part) for part in first["loc"]), first["type"]
     cause = first.get("ctx", {}).get("error")
+    if isinstance(cause, InputError):
+        return str(cause)
     if isinstance(cause, NotQuantity):
         return f"{path} {cause}."
     if kind == "extra_forbidden":

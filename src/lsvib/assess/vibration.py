@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.assess.mechanisms import DRIVES, drive_of
+from lsvib.assess.mechanisms import DRIVES, corners, drive_of, reserves
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.words import shown
 from lsvib.basins.boundary import AttractsNothing, basin
@@ -23,6 +23,7 @@ from lsvib.models.mechanics import coefficients
 from lsvib.models.model import Model, find_model
 from lsvib.models.rigid import rigid_automaton
 
+UNDECIDED = ("neutral family", "unresolved", "unknown")  # ends of motions that neither settle nor certainly vibrate
 _NUDGE = 1e-3  # of the speed: how far from steady sliding a motion starts that shows whether it is stable
 STRONG = 5.0  # times the speed: a perturbation that counts as strong, and the largest that has to be tried
 _SAMPLES = 1200  # of the motion shown: 200 a period, more than the page has dots for
@@ -177,11 +178,9 @@ def _speeds(orbit: Motion, row: NDArray[np.float64]) -> tuple[float, float]:
 def tolerated_perturbation(
     sheet: Sheet, values: Mapping[str, float], corner: tuple[int, Any, Any]
 ) -> tuple[float | None, str]:
-    """Smallest sudden change of the screw's speed [rad/s], as a size, after which steady sliding does not come back.
+    """Return the sudden change of the screw's speed [rad/s] that the rigid drive tolerates, and a sentence.
 
-    By the boundary of the region of attraction of the rigid drive, in closed form
-    (:func:`lsvib.basins.resilience.largest_tolerated`). Returns the change, infinite if motion comes back from any,
-    zero if steady sliding is unstable, None if it is not known; and a sentence.
+    Infinite if motion comes back from any, zero if steady sliding is unstable, None if it is not known.
     """
     drive = drive_of(sheet, values, *corner)
     try:
@@ -204,14 +203,34 @@ def tolerated_perturbation(
     return found, "A larger sudden change of the screw's speed ends in vibration that goes on."
 
 
+def most_perturbed(
+    sheet: Sheet, values: Mapping[str, float]
+) -> tuple[bool | None, float, tuple[int, float, float] | None]:
+    """Return whether a perturbation starts vibration of the drive with rigid parts, the smallest, and its corner.
+
+    Asked is the exact basin at every corner of the window where Γ₊ or C₊ is negative, as none does without (docs);
+    where it is not known, a motion after a strong perturbation. None if that does not show it either. The smallest is
+    in rad/s, infinite if there is none.
+    """
+    places = [place for place in corners(sheet, values) if reserves(sheet, values, *place)["after_perturbation"] < 0]
+    sizes: dict[tuple[int, float, float], float | None] = {}
+    for place in dict.fromkeys((int(direction), float(speed), float(force)) for direction, speed, force in places):
+        size = tolerated_perturbation(sheet, values, place)[0]
+        if not size:  # not known, or a drive that nothing damps
+            strong = vibration(sheet, values, place, perturbation=-STRONG).attractor
+            size = None if strong in ("steady sliding", *UNDECIDED) else STRONG * place[1]
+        sizes[place] = size
+    known = {place: size for place, size in sizes.items() if size is not None}
+    size, first = min(((size, place) for place, size in known.items()), default=(math.inf, None))
+    return (True if size < math.inf else None if len(known) < len(sizes) else False), size, first
+
+
 def tolerated_by_trial(
     sheet: Sheet, values: Mapping[str, float], corner: tuple[int, Any, Any], stiff: float | None
 ) -> tuple[float | None, str]:
-    """The same with the compliant threads of the sheet, by motions after perturbations of either sign, without proof.
+    """Return the same of compliant threads, by motions after perturbations of either sign, without proof.
 
-    ``stiff``: the largest change of speed [rad/s] that the drive with stiff threads tolerates, around which others are
-    tried. Returns the largest one below which all that were tried come back, infinite if all do, None if a motion does
-    not decide it; and a sentence.
+    ``stiff``: what the drive with stiff threads tolerates [rad/s], around which others are tried.
     """
     drive = drive_of(sheet, values, *corner, "contact")
     definition = find_model(drive.model)

@@ -13,6 +13,8 @@ from lsvib.errors import InputError
 from lsvib.models.drive import names_and_values
 from lsvib.models.model import all_models
 
+MOST_CELLS = 100_000_000  # of a map or chart at once; each takes some hundred bytes while it is computed
+
 
 @cache
 def coordinates() -> dict[str, str]:

@@ -61,6 +61,8 @@ class Sections:
         self.known = _nothing_known(automaton, self.size)
         self.attractors: list[SteadyState] = []
         self.complete = True
+        self._absorbing = np.empty((0, 4))  # mode, surface and ends of absorbing intervals
+        self._absorbed: list[int] = []  # and their labels
         self._work = self._limit = 0.0
         self._symbols = np.empty(_SYMBOLS, dtype=np.int64)
         sections, releases = _find_sections(automaton, self.known), _releases(automaton, self.known)
@@ -89,7 +91,10 @@ class Sections:
         waiting = [(-np.inf, low, high)] if low < high else []
         while waiting:
             _, low, high = heappop(waiting)
+            intervals = len(self._absorbed)
             courses = [self._course(section, x) for x in (low, high)]
+            if intervals != len(self._absorbed):  # new intervals may have changed the codes in either course
+                courses = [self._course(section, x) for x in (low, high)]
             shorter = min(map(len, courses))
             differ = np.flatnonzero(courses[0][:shorter] != courses[1][:shorter])
             if not differ.size:
@@ -100,7 +105,7 @@ class Sections:
                 self._work += 1
                 resolution = 1e-3 * flow_planar.EPS * size
                 here, there = kernels.last_agreement(
-                    tables, self.known, *section[:2], low, high, resolution, courses[0], differ[0]
+                    tables, self.known, self._absorbing, *section[:2], low, high, resolution, courses[0], differ[0]
                 )
                 for part in ((low, here), (there, high)):
                     heappush(waiting, ((part[0] - part[1]) / max(*map(abs, part), 1e-300), *part))
@@ -135,10 +140,21 @@ class Sections:
         return state
 
     def _course(self, section: Section, x: float) -> np.ndarray:
-        """The itinerary from a point of a section; last −10 − code, or the label of a motion that goes on."""
-        state, symbols = self._point(section, x), self._symbols
-        code, count, mode = kernels.itinerary(self.automaton.tables, self.known, section.mode, state, symbols)
-        return np.append(symbols[:count], self._search(state, mode) if code == kernels.TOO_LONG else -10 - code)
+        """Return the itinerary of the motion from a point of a section, with what it ends in as the last number.
+
+        That is −1 − code, or the label of the attractor where the itinerary does not end.
+        """
+        while True:
+            state = self._point(section, x)
+            code, count, mode = kernels.itinerary(
+                self.automaton.tables, self.known, self._absorbing, section.mode, state, self._symbols
+            )
+            if code != kernels.TOO_LONG:
+                return np.append(self._symbols[:count], -10 - code)
+            intervals = len(self._absorbed)
+            label = self._search(state, mode)
+            if intervals == len(self._absorbed):
+                return np.append(self._symbols[:count], label)
 
     def _label(self, course: np.ndarray) -> int:
         """Return the label of a motion by its course."""
@@ -147,20 +163,57 @@ class Sections:
             return int(course[-1])
         if code < 0:
             return self.known.diverged if code == kernels.DIVERGED else UNRESOLVED
-        index, rests = divmod(code, 2)
-        return int((self.known.resting if rests else self.known.settled)[index])
+        index, kind = divmod(code, 3)
+        return int((self.known.settled, self.known.resting, self._absorbed)[kind][index])
 
     def _search(self, state: np.ndarray, mode: int) -> int:
-        """Find the attractor of a motion, and note a new cycle."""
+        """Find the attractor of a motion; if it is a new cycle without rest, note an absorbing interval of it."""
         if self._work > _WORK:
             return UNRESOLVED
         found = steady_state(self.automaton, state, mode=mode, max_events=16_000)
         # A search takes as long as some pieces; where searches are in vain they are soon given up.
         self._work += _WORK / 4 if found.label == Attractor.UNRESOLVED else 8
-        known = any(one.label == found.label and one.same_period(found) for one in self.attractors)
-        if found.orbit is not None and not known:
-            self.attractors.append(found)
+        if found.orbit is None or any(one.label == found.label and one.same_period(found) for one in self.attractors):
+            return int(found.label)
+        self.attractors.append(found)
+        orbit = found.orbit
+        if orbit.time.size and (self.known.resting[orbit.arcs()[0]] == UNKNOWN).all():
+            near = _ON_CYCLE * np.abs(orbit.after).max(axis=0)
+            for section in _find_sections(self.automaton, self.known):
+                points = orbit.after[orbit.mode == section.mode]
+                gaps = [np.abs(self._point(section, x[section.free]) - x) for x in points]
+                visits = [x[section.free] for x, gap in zip(points, gaps, strict=True) if (gap <= near).all()]
+                if visits and self._absorb(section, visits, near[section.free], int(found.label)):
+                    break
         return int(found.label)
+
+    def _absorb(self, section: Section, visits: Sequence[float], width: float, label: int) -> bool:
+        """Double an interval around a point of a cycle while the return map takes it into itself; note the last."""
+        x, found = visits[0], None
+        while width < self.size[section.free]:
+            one, other = (self._returned(section, x + side * width, len(visits)) for side in (-1, 1))
+            if one is None or other is None or one[0] != other[0]:
+                break
+            if max(abs(one[1] - x), abs(other[1] - x)) >= width:
+                break
+            found, width = (section.mode, section.surface, x - width, x + width), 2 * width
+        if found is not None:
+            self._absorbing = np.vstack([self._absorbing, found])
+            self._absorbed.append(label)
+        return found is not None
+
+    def _returned(self, section: Section, x: float, visits: int) -> tuple[list[bytes], float] | None:
+        """Return itinerary and coordinate after so many returns to a section; None if it does not come back."""
+        everywhere = np.array([[section.mode, section.surface, -np.inf, np.inf]])
+        state, path = self._point(section, x), []
+        for _ in range(visits):
+            code, count, _ = kernels.itinerary(
+                self.automaton.tables, self.known, everywhere, section.mode, state, self._symbols
+            )
+            if code != 2:
+                return None
+            path.append(self._symbols[:count].tobytes())
+        return path, float(state[section.free])
 
 
 def _merged(pieces: Sequence[tuple[float, float, int]], sliver: float, band: float) -> Pieces:

@@ -17,8 +17,6 @@ def config(*, drive: DriveOptions = CHAPTER, scene: SceneFile = None, as_json: A
 
     Examples of use:
 
-        lsvib config
-
         lsvib config --set lead_angle_deg=4 --json
 
         lsvib config --model threads
@@ -72,11 +70,7 @@ def thresholds(
 
     Examples of use:
 
-        lsvib thresholds
-
         lsvib thresholds --set translation_damping=1000 --json
-
-        lsvib thresholds --model threads --set mass=9 --set contact_damping=5e4 --for contact_damping
 
         lsvib thresholds --solve stick --for translation_damping --set translation_damping=1000 --set axial_force=35
 
@@ -97,9 +91,7 @@ def stability(*, drive: DriveOptions = CHAPTER, as_json: AsJson = False) -> None
 
         lsvib stability --set mass=11
 
-        lsvib stability --set mass=1 --set translation_damping=1000 --set axial_force=25 --json
-
-        lsvib stability --model threads --set mass=9 --set contact_stiffness=1e8 --set contact_damping=5e4
+        lsvib stability --model threads --set mass=9 --set contact_damping=5e4 --json
 
         lsvib stability --model support --set mass=15 --set friction_coefficient=0.3
     """

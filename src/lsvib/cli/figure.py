@@ -33,8 +33,6 @@ def figure(
 
     Examples of use:
 
-        lsvib figure 8.6
-
         lsvib figure 8.9 --set support_damping=4e-4 --out mine
 
         lsvib figure limit_process

@@ -77,6 +77,7 @@ def chart(
 
     from lsvib.datasets.chart import summary
 
+    drive.refuse(x, y)
     files, begin = options.Files(out, figure), perf_counter()
     found = drive.drive().chart(x, y, resume=resume, workers=workers, progress=ProgressLine("motions"))
     result = summary(found, perf_counter() - begin)
@@ -109,6 +110,7 @@ def resilience(
         reserve = drive.drive().resilience(part)
         show(reserve.to_json(), as_json, lambda result: _print_resilience(reserve))
         return
+    drive.refuse(*over)
     axes = {axis.key: axis.values() for axis in over}
     found = drive.drive().resilience_sweep(part, progress=ProgressLine("points"), **axes)
     files.write(found)

@@ -62,8 +62,6 @@ def sweep(
 
         lsvib sweep --set translation_damping=1000 --over axial_force=1:60:200 --json
 
-        lsvib sweep --over mass=1:20:100 --over axial_force=-60:60:100 --workers 2 --out chart.nc
-
         lsvib sweep --model threads --set mass=11 --over contact_damping=1e7:1e8:100 --workers 2
     """
     from time import perf_counter
@@ -71,9 +69,7 @@ def sweep(
     from lsvib.datasets.sweep import summary
 
     files = options.Files(out)
-    for axis in over:
-        if axis.key in drive.values():
-            raise InputError(f"{axis.key} is given by --over and by --set; give it once.")
+    drive.refuse(*over)
     begin, wanted = perf_counter(), dict(start) if start else None
     found = drive.drive().sweep(
         start=wanted, resume=resume, workers=workers, progress=ProgressLine("points"),

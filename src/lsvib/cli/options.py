@@ -159,6 +159,11 @@ class DriveOptions:
 
         return drive_class(self.model or model_names()[0]).of(self.values())
 
+    def refuse(self, *axes: NamedTuple) -> None:
+        """Refuse parameters that are varied as well as changed; raises ``InputError``."""
+        for key in {axis[0] for axis in axes} & {key.removesuffix("_deg") for key in self.values()}:
+            raise InputError(f"{key} is varied and given by --set; give it once.")
+
 
 CHAPTER = DriveOptions()
 """The drive of Table 8.1."""

@@ -27,8 +27,6 @@ def assess(
     Examples of use:
 
         lsvib assess examples/powered_seat.yaml --out report
-
-        lsvib assess drive.yaml --samples 1048576 --out report
     """
     refuse_results_of_the_workflow(out / "index.html")
     try:
@@ -52,8 +50,6 @@ def explore(
     """Explore drives in a browser: phase plane, region of attraction, amplitudes, contact, while you drag a parameter.
 
     Examples of use:
-
-        lsvib explore
 
         lsvib explore --port 5010 --no-show
     """

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets.attributes import Variables, drive_parameters, named_index, parameter, variable, yes_no
-from lsvib.errors import NoThreshold
+from lsvib.errors import InputError, NoThreshold
 from lsvib.models.drive import Drive
 from lsvib.results import Threshold
 from lsvib.stability.conditions import stability
@@ -67,6 +67,14 @@ def analyse(
             "references": "doi:10.1007/978-1-4419-1752-2_8, eqs 8.4, 8.13, 8.18 to 8.21, 8.27",
         },
     )
+
+
+def value(threshold: xr.DataArray, case: int = 0) -> float:
+    """Return a threshold of an analysis as a number; ``InputError`` with the reason if the drive has none."""
+    found = float(threshold[case])
+    if math.isnan(found):
+        raise InputError(f"{threshold.attrs['comment'][0].upper()}{threshold.attrs['comment'][1:]}")
+    return found
 
 
 def _solved(drive: Drive, name: str, unknown: str) -> Threshold | str:

@@ -5,7 +5,7 @@ A cell depends on nothing but its own drive, so a large chart can be cut into ti
 
 import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from lsvib import numbers
-from lsvib.basins.grid import Axis
+from lsvib.basins.grid import MOST_CELLS, Axis
 from lsvib.datasets.attributes import (
     VARIED,
     Variable,
@@ -25,7 +25,7 @@ from lsvib.datasets.attributes import (
     parameter,
     variable,
 )
-from lsvib.datasets.io import joined, rows_of, write_dataset
+from lsvib.datasets.io import write_dataset
 from lsvib.datasets.spans import zero_where_rounded
 from lsvib.datasets.sweep import known_key, product_of
 from lsvib.dynamics.behaviour import Behaviour, behaviours
@@ -36,7 +36,6 @@ from lsvib.numbers import Progress
 from lsvib.stability.curves import LOGARITHMIC, ChartBoundary, boundary_curves
 
 Curves = dict[ChartBoundary, list[np.ndarray]]
-_MOST = 100_000_000  # cells, of which each takes some hundred bytes while it is computed
 
 
 class ChartAxis(Axis):
@@ -100,8 +99,8 @@ class Plane:
         plane = cls(drive, ChartAxis.of(drive, "x", x), ChartAxis.of(drive, "y", y))
         if plane.x.name == plane.y.name:
             raise InputError(f"x and y are both {plane.x.name}; a chart needs two parameters.")
-        if plane.x.count * plane.y.count > _MOST:
-            raise InputError(f"the chart has more than {_MOST} cells; take fewer.")
+        if plane.x.count * plane.y.count > MOST_CELLS:
+            raise InputError(f"the chart has more than {MOST_CELLS} cells; take fewer.")
         return plane
 
     @property
@@ -109,40 +108,29 @@ class Plane:
         """Names of the rows' and the columns' parameter."""
         return self.y.name, self.x.name
 
-    def labels(
-        self,
-        rows: slice = slice(None),
-        columns: slice = slice(None),
-        resume: Resume = "contact_sign",
-        workers: int = 1,
-        progress: Progress | None = None,
-    ) -> np.ndarray:
-        """Return what the drives of some cells do (rows, columns), a ``Behaviour`` each, int8."""
-        parts = ((self.y, rows), (self.x, columns))
-        axes = {one.name: one.centres(*part.indices(one.count)[:2]).tolist() for one, part in parts}
-        shape = tuple(map(len, axes.values()))
-        return behaviours(product_of(self.drive, axes), resume, workers, progress).reshape(shape)
+    def labels(self, resume: Resume = "contact_sign", workers: int = 1, progress: Progress | None = None) -> np.ndarray:
+        """Return what the drives of the cells do (rows, columns), a ``Behaviour`` each, int8."""
+        axes = {one.name: one.centres().tolist() for one in (self.y, self.x)}
+        found = behaviours(product_of(self.drive, axes), resume, workers, progress)
+        return found.reshape(self.y.count, self.x.count)
 
-    def axes(self, resume: Resume = "contact_sign") -> xr.Dataset:
-        """Return the axes of the chart with the global attributes."""
+    def whole(self, labels: np.ndarray, resume: Resume, curves: Curves) -> xr.Dataset:
+        """Return the chart from its labels (rows, columns) and :meth:`curves`."""
+        fixed = [(name, value) for name, value in self.drive if name not in self.dims]
+        counts = {kind: int(np.count_nonzero(labels == kind)) for kind in Behaviour}
+        cells = {"label": (self.dims, labels, LABEL)} | fractions("behaviour", LABEL["long_name"], counts)
         return xr.Dataset(
+            given(fixed) | self._points(curves) | cells,
             coords={one.name: (one.name, one.centres(), one.attributes()) for one in (self.y, self.x)},
             attrs={
                 "title": f"What a lead-screw drive does over {self.x.name} and {self.y.name}",
                 "source": "lsvib, exact event-driven motions from two starts of the drive in the middle of every cell",
                 "references": "doi:10.1007/978-1-4419-1752-2_8, Sects 8.5-8.7",
                 "model": self.drive.model,
-                "parameters": json.dumps({key: value for key, value in self.drive if key not in self.dims}),
+                "parameters": json.dumps(dict(fixed)),
                 "resume": resume,
             },
         )
-
-    def whole(self, labels: np.ndarray, resume: Resume, curves: Curves) -> xr.Dataset:
-        """Return the chart from its labels (rows, columns) and :meth:`curves`."""
-        fixed = given((name, value) for name, value in self.drive if name not in self.dims)
-        counts = {kind: int(np.count_nonzero(labels == kind)) for kind in Behaviour}
-        cells = {"label": (self.dims, labels, LABEL)} | fractions("behaviour", LABEL["long_name"], counts)
-        return self.axes(resume).assign(fixed | self._points(curves) | cells)
 
     def curves(self) -> Curves:
         """Return the exact curves."""
@@ -179,7 +167,7 @@ def chart(
     x), ``fraction`` of each ``behaviour``, and the points of the exact curves (``boundary_…``). Raises ``InputError``.
     """
     plane, resumption, at_once = Plane.of(drive, x, y), rule(resume), numbers.workers(workers)
-    labels = plane.labels(resume=resumption, workers=at_once, progress=progress)
+    labels = plane.labels(resumption, at_once, progress)
     return plane.whole(labels, resumption, plane.curves())
 
 
@@ -198,28 +186,11 @@ def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
     }
 
 
-def plane_of(settings: Mapping[str, Any]) -> Plane:
-    """Return the plane of a chart from ``model``, ``drive`` (changes of Table 8.1), ``x`` and ``y``; ``InputError``.
+def write_chart(settings: Mapping[str, Any], path: str | os.PathLike[str], workers: int = 1) -> None:
+    """Write the chart of settings ``model``, ``drive`` (changes of Table 8.1), ``x``, ``y`` and ``resume``.
 
-    Each axis has ``parameter``, ``start``, ``stop`` and ``count``.
+    Each axis has ``parameter``, ``start``, ``stop`` and ``count``. Raises ``InputError``.
     """
     drive = find_model(settings.get("model", "rigid")).drive.of(settings["drive"])
     x, y = ([settings[name][key] for key in ("parameter", "start", "stop", "count")] for name in ("x", "y"))
-    return Plane.of(drive, x, y)
-
-
-def chart_tile(settings: Mapping[str, Any], item: str, path: str | os.PathLike[str], workers: int = 1) -> None:
-    """Chart one tile, such as "3-of-6", and write it; ``settings`` as of :func:`plane_of`, and ``resume``."""
-    plane, resume = plane_of(settings), settings.get("resume", "contact_sign")
-    rows = rows_of(item, plane.y.count)
-    labels = plane.labels(rows, resume=resume, workers=workers)
-    write_dataset(plane.axes(resume).isel({plane.y.name: rows}).assign(label=(plane.dims, labels, LABEL)), path)
-
-
-def gather_chart(
-    settings: Mapping[str, Any], tiles: Sequence[str | os.PathLike[str]], path: str | os.PathLike[str]
-) -> None:
-    """Write the chart, the dataset of ``drive.chart(…)``, from the files of its tiles; ``settings`` as of a tile."""
-    plane = plane_of(settings)
-    labels = joined(tiles, plane.y.name).label.values
-    write_dataset(plane.whole(labels, settings.get("resume", "contact_sign"), plane.curves()), path)
+    write_dataset(chart(drive, x, y, settings.get("resume", "contact_sign"), workers), path)

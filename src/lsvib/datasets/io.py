@@ -30,7 +30,8 @@ def write_dataset(dataset: xr.Dataset, path: str | os.PathLike[str], maker: str 
     """Write ``dataset`` to ``path`` as CF-1.11 netCDF-4, whole or not at all, and re-open it to be sure.
 
     It brings the global attributes ``title``, ``source`` and ``references``, and for every variable ``units`` (UDUNITS
-    syntax, "1" if dimensionless) and ``long_name``; categories are ``int8`` with flags. Added here are ``Conventions``
+    syntax, "1" if dimensionless) and ``long_name``; categories are ``int8`` with flags. A coordinate without dimensions
+    is written as a variable, because xarray would put it into the title of every plot. Added here are ``Conventions``
     and :func:`provenance`, whose ``history`` names the ``maker``, a function. Raises ``InputError`` if the dataset
     breaks one of these rules, ``LsvibError`` if the file cannot be written.
     """
@@ -38,6 +39,7 @@ def write_dataset(dataset: xr.Dataset, path: str | os.PathLike[str], maker: str 
     for key in _REQUIRED:
         if not isinstance(dataset.attrs.get(key), str) or not dataset.attrs[key]:
             raise InputError(f"{path.name}: the global attribute {key} is missing.")
+    dataset = dataset.reset_coords([name for name, own in dataset.coords.items() if not own.ndim])
     for name in dataset.variables:
         problem = _problem(str(name), dataset.variables[name], is_coordinate=name in dataset.coords)
         if problem:

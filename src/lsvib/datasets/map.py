@@ -14,10 +14,20 @@ import xarray as xr
 from lsvib import numbers
 from lsvib.basins.boundary import known_basin
 from lsvib.basins.curves import Window
-from lsvib.basins.grid import Grid, coordinates
+from lsvib.basins.grid import MOST_CELLS, Grid, coordinates
 from lsvib.basins.mapper import NO_DOUBT, Mapper, mapper
 from lsvib.datasets import phase_plane
-from lsvib.datasets.attributes import Variable, attributes, flags, flags_or_none, fractions, given, quantity, variable
+from lsvib.datasets.attributes import (
+    Variable,
+    attributes,
+    drive_parameters,
+    flags,
+    flags_or_none,
+    fractions,
+    given,
+    quantity,
+    variable,
+)
 from lsvib.datasets.io import joined, rows_of, write_dataset
 from lsvib.dynamics.attractor import Attractor, Doubt
 from lsvib.errors import InputError
@@ -50,6 +60,10 @@ def map_attraction(
     """Map the region of attraction of a drive as ``drive.attraction(…)``; the seconds are without compiling."""
     at_once = numbers.workers(workers)
     starts = _grid(grid)
+    if (total := starts.x.count * starts.y.count) > MOST_CELLS:
+        raise InputError(
+            f"grid has {total} cells; the allowed range is up to {MOST_CELLS}, or the tiles of the workflow."
+        )
     mapped = mapper(drive, drive.model, resume=rule(resume))
     if isinstance(quantities, str) or not isinstance(quantities, Sequence):
         raise InputError(f"quantities = {numbers.shown(quantities)} is not a list of names.")
@@ -63,6 +77,25 @@ def map_attraction(
     doubts = Counter(str(reasons[code]) for code in found["doubt"][found["doubt"] != NO_DOUBT])
     whole = attraction_map(mapped, starts, shown)
     return AttractionMap(whole, count(found["label"]), seconds, dict(sorted(doubts.items())))
+
+
+def grids_of(drives: Sequence[RigidDrive], angle: Mapping[str, Any], velocity: Mapping[str, Any]) -> xr.Dataset:
+    """Return the attractors of the motions of some drives from the middles of cells, (case, u, w), by the mapper.
+
+    ``angle`` u [rad] and ``velocity`` w [rad/s]: ``start``, ``stop`` and ``count`` of the cells of equal width.
+    """
+    grid = Grid.of({"u": dict(angle), "w": dict(velocity)})
+    labels = [mapper(drive).cells(grid, quantities=("label",))["label"].T for drive in drives]
+    plane = ("case", "grid_angle_deviation", "grid_velocity_deviation")
+    return xr.Dataset(
+        {"grid_attractor": phase_plane.attractors(plane, labels)},
+        coords=phase_plane.grid_axes(grid.x.centres(), grid.y.centres()) | drive_parameters(drives),
+        attrs={
+            "title": "Attractors of the motions of lead-screw drives from grids of starts",
+            "source": "lsvib, exact event-driven motion from the middle of every cell",
+            "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.7",
+        },
+    )
 
 
 def count(labels: np.ndarray) -> dict[Attractor, int]:

@@ -127,7 +127,7 @@ def motion_file(scene: Scene, motion: Motion, steady: SteadyState) -> xr.Dataset
     outputs = tuple(dict.fromkeys((*scene.outputs, "normal_force", "coupling_deflection")))
     dataset = trajectory(scene.model_copy(update={"outputs": outputs}), motion)
     doubt = {} if steady.doubt is None else {"comment": f"unresolved: {steady.doubt}"}
-    return dataset.assign_coords(given(scene.parameters().items())).assign(
+    return dataset.assign(given(scene.parameters().items())).assign(
         attractor=flagged((), steady.label, phase_plane.ATTRACTOR, Attractor, **doubt),
         amplitude=variable((), steady.amplitude, "rad", phase_plane.AMPLITUDE),
         period=variable((), steady.period, "s", phase_plane.PERIOD, "$T$"),
@@ -151,7 +151,7 @@ def summary(scene: Scene, motion: Motion, steady: SteadyState | None = None) -> 
         "model": scene.model,
         "duration": scene.duration,
         "final_state": {
-            **dict(zip(keys, motion.end_state.tolist(), strict=True)),
+            **dict(zip(keys, (motion.end_state + 0.0).tolist(), strict=True)),
             "mode": definition.modes(int(automaton.codes[motion.end_mode])).name.lower(),
         },
         "events": {event.name.lower(): int(counts[event]) for event in definition.events if counts[event]},

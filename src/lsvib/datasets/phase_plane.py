@@ -122,7 +122,7 @@ def portraits(
     return xr.Dataset(
         lines(drives) | _motions(followed, samples) | _events(followed, impulses) | _attractors(steady, samples),
         coords={**drive_parameters(drives, along=varied, printed=printed), **rule_coordinate()},
-    )
+    ).set_coords("time")
 
 
 def lines(drives: Sequence[RigidDrive]) -> Variables:
@@ -193,7 +193,10 @@ def _events(followed: Sequence[Sequence[Motion]], impulses: Sequence[Sequence[Im
 
 
 def _attractors(steady: Sequence[Sequence[Sequence[SteadyState]]], samples: int) -> Variables:
-    """Return what motions settle on, (case, rule, start), and the limit cycle of the first one, (case, sample)."""
+    """Return what motions settle on, (case, rule, start), and the limit cycle of the first one, (case, sample).
+
+    Period and cycle are left out where no motion has one.
+    """
     dims = ("case", "rule", "start")
 
     def table(name: str, dtype: type) -> np.ndarray:
@@ -203,12 +206,13 @@ def _attractors(steady: Sequence[Sequence[Sequence[SteadyState]]], samples: int)
     for points, case in zip(cycle, steady, strict=True):
         if case[0][0].orbit is not None:
             points[:] = sample(case[0][0].orbit, samples)[1]
-    return {
+    found = {
         "attractor": attractors(dims, table("label", np.int8)),
         "amplitude": variable(dims, table("amplitude", float), "rad", AMPLITUDE),
         "period": variable(dims, table("period", float), "s", PERIOD, "$T$"),
         **curve("cycle", ("case", "sample"), cycle, "on the limit cycle", comment=_WHICH_CYCLE),
     }
+    return {name: own for name, own in found.items() if not np.isnan(own[1]).all()}
 
 
 def sample(motion: Motion, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -105,19 +105,20 @@ def known_key(kind: type[Drive], name: Any, where: str = "") -> None:
 def axes_of(over: Any, kind: type[Drive], most: int) -> dict[str, list[float]]:
     """Return the values of each parameter of a product of ``most`` points at most; raises ``InputError``."""
     axes: dict[str, list[float]] = {}
+    total = 1
     for name, given in names_and_values("over", over).items():
         known_key(kind, name)
         if isinstance(given, str | bytes | Mapping) or not hasattr(given, "__len__") or not hasattr(given, "__iter__"):
             raise InputError(f"over: {name} = {numbers.shown(given)} is not a list of numbers.")
+        total *= len(given)
+        if not 1 <= total <= most:
+            raise InputError(f"over has {total} points; the allowed range is 1 <= points <= {most}.")
         try:
             axes[name] = [numbers.number(value) for value in given]
         except numbers.NotNumber as error:
             raise InputError(f"over: {name} holds a value that {error}.") from None
     if not axes:
         raise InputError("over names no parameter; give the values of one, such as axial_force.")
-    total = math.prod(map(len, axes.values()))
-    if not 1 <= total <= most:
-        raise InputError(f"over has {total} points; the allowed range is 1 <= points <= {most}.")
     return axes
 
 
@@ -130,7 +131,8 @@ def product_of(drive: Drive, axes: Mapping[str, Sequence[float]]) -> ManyDrives:
     for name, values in axes.items():
         other, extreme = _COUPLED.get(name, ("", max))
         beside = {other: extreme(axes[other])} if other in axes else {}
-        for value in values:
+        signs = ([x for x in values if np.sign(x) == sign] for sign in (-1, 0, 1))
+        for value in (end(part) for part in signs if part for end in (min, max)):  # ranges may leave out what is near 0
             drive.replace(**{name: value, **beside})
     grids = np.meshgrid(*axes.values(), indexing="ij")
     whole = dict(drive) | {name: grid.ravel() for name, grid in zip(axes, grids, strict=True)}

@@ -1,6 +1,6 @@
 """What the page asks of the engine, without a page: maps, motions and curves as plain arrays; and its exports."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
@@ -15,7 +15,6 @@ from lsvib.basins.curves import Window
 from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapper import Mapper, mapper
 from lsvib.datasets.io import write_dataset
-from lsvib.datasets.map import attraction_map
 from lsvib.datasets.motion import attractor_of, motion_file, run
 from lsvib.datasets.phase_plane import lines, sample
 from lsvib.datasets.spans import stepped
@@ -24,12 +23,12 @@ from lsvib.dynamics.attractor import Attractor, SteadyState, steady_state
 from lsvib.engine.motion import Motion
 from lsvib.errors import EngineError, LsvibError
 from lsvib.explore.view import View
-from lsvib.figures import attraction, style
+from lsvib.figures.attraction import COLOURS
 from lsvib.models.drive import Drive
 from lsvib.models.model import find_model
 
 # Cells of the map of a drive with two states while it is dragged, a seventieth of a second, and when the hand rests, a
-# fortieth; and of any other model, of which every motion is followed, about a millisecond each.
+# fortieth; and of any other model, of which every motion is followed, a third of a second.
 DRAGGED, SETTLED, COARSE = (120, 90), (320, 240), (36, 27)
 
 
@@ -92,15 +91,8 @@ def at_once(drive: Drive) -> bool:
 
 def labels(drive: Drive, window: Window, cells: tuple[int, int]) -> np.ndarray:
     """Return the labels (rows, columns) of the attractors from every cell of a window; raises ``LsvibError``."""
-    return _mapper(drive).cells(grid_of(window, cells), quantities=("label",))["label"]
-
-
-def label_rows(drive: Drive, window: Window, cells: tuple[int, int]) -> Iterator[tuple[int, np.ndarray]]:
-    """Yield the rows of :func:`labels` one by one, with their indices, from the middle of the window outwards."""
-    mapped, grid = _mapper(drive), grid_of(window, cells)
-    middle = cells[1] // 2
-    for row in sorted(range(cells[1]), key=lambda k: abs(k - middle)):
-        yield row, mapped.cells(grid, rows=slice(row, row + 1), quantities=("label",))["label"][0]
+    u, w = Axis.checked("u", *window[:2], cells[0]), Axis.checked("w", *window[2:], cells[1])
+    return _mapper(drive).cells(Grid(u, w), quantities=("label",))["label"]
 
 
 def name_of(kind: Any) -> str:
@@ -138,7 +130,8 @@ def amplitudes(view: View, count: int) -> Iterator[AmplitudePoint]:
 
     A drive that the engine has no answer for is unresolved.
     """
-    for value in values_over(view, count).tolist():
+    spaced = np.geomspace if logarithmic(view) else stepped
+    for value in spaced(view.low, view.high, count).tolist():
         for near, start in ((True, START), (False, {"u": view.u, "w": view.w})):
             try:
                 found = view.drive.replace(**{view.over: value}).steady_state(start)  # type: ignore[attr-defined]
@@ -150,12 +143,6 @@ def amplitudes(view: View, count: int) -> Iterator[AmplitudePoint]:
 def logarithmic(view: View) -> bool:
     """Return whether the parameter of the amplitude curve spans decades, so that it is drawn over its logarithm."""
     return view.low > 0 and view.high >= 1e3 * view.low
-
-
-def values_over(view: View, count: int) -> np.ndarray:
-    """Return the values (count) of the parameter of the amplitude curve."""
-    spaced = np.geomspace if logarithmic(view) else stepped
-    return spaced(view.low, view.high, count)
 
 
 def thresholds_over(view: View) -> dict[str, float]:
@@ -176,12 +163,6 @@ def _sampled(motion: Motion) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return sample(motion, max(2000, 4 * (motion.time.size + 1)))
 
 
-def grid_of(window: Window, cells: tuple[int, int]) -> Grid:
-    """Return the cells, so many along u and w, of a window."""
-    x = Axis.checked("u", window.left, window.right, cells[0])
-    return Grid(x, Axis.checked("w", window.bottom, window.top, cells[1]))
-
-
 @lru_cache(maxsize=4)  # the drives of a few pages; a mapper holds the cycles of its drive
 def _mapper(drive: Drive) -> Mapper:
     return mapper(drive, drive.model)
@@ -191,47 +172,24 @@ def _palette() -> np.ndarray:
     """Colours of a map's labels, from −2 (not computed yet) on, as little-endian RGBA; motion and lines show on it."""
     colours = np.zeros((len(Attractor) + 1, 4), dtype=np.uint8)
     for kind in Attractor:
-        colours[kind + 2] = np.round(255 * np.array(to_rgba(attraction.COLOURS[name_of(kind)], 0.45)))
+        colours[kind + 2] = np.round(255 * np.array(to_rgba(COLOURS[name_of(kind)], 0.45)))
     return colours.view(np.uint32)[:, 0]
 
 
 _PALETTE = _palette()
 
 
-def scene(view: View, path: Path) -> None:
-    """Write the scene of a view as YAML."""
-    path.write_text(view.yaml(), encoding="utf-8")
-
-
-def motion(view: View, path: Path) -> None:
-    """Write the motion of a view as netCDF, as ``lsvib simulate`` writes it."""
-    checked = view.scene()
-    made = run(checked)
-    write_dataset(motion_file(checked, made, attractor_of(made)), path, "lsvib.explore")
-
-
-def drawing(view: View, path: Path) -> None:
-    """Draw the map of the window of a view and its motion on it as PNG, in the look of the figures."""
-    shown = followed(view)
-    window = view.window or window_around(view.drive, shown)
-    grid = grid_of(window, SETTLED if at_once(view.drive) else COARSE)
-    mapped = mapper(view.drive, view.drive.model)
-    figure = attraction.draw(attraction_map(mapped, grid, mapped.cells(grid, quantities=("label",))))
-    figure.axes[0].plot(shown.u, shown.w, color=style.BLUE, linewidth=1.0)
-    style.save(figure, path)
-
-
-EXPORTS: dict[str, tuple[Callable[[View, Path], None], str]] = {
-    "scene.yaml": (scene, "application/yaml"),
-    "motion.nc": (motion, "application/x-netcdf"),
-    "picture.png": (drawing, "image/png"),
-}
+EXPORTS = {"scene.yaml": "application/yaml", "motion.nc": "application/x-netcdf"}
+"""Files that can be had of a view, with their media types."""
 
 
 def export(name: str, view: View) -> bytes:
-    """Return an export of a view by its name, one of :data:`EXPORTS`; raises ``LsvibError``."""
-    write, _ = EXPORTS[name]
+    """Return the scene of a view, or its motion as ``lsvib simulate`` writes it; raises ``LsvibError``."""
+    if name == "scene.yaml":
+        return view.yaml().encode()
+    scene = view.scene()
+    motion = run(scene)
     with TemporaryDirectory() as folder:
         path = Path(folder) / name
-        write(view, path)
+        write_dataset(motion_file(scene, motion, attractor_of(motion)), path, "lsvib.explore")
         return path.read_bytes()

@@ -21,7 +21,7 @@ from lsvib.explore import answers
 from lsvib.explore.answers import AmplitudePoint, name_of
 from lsvib.explore.controls import Controls
 from lsvib.explore.plots import Plots
-from lsvib.explore.view import View
+from lsvib.explore.view import View, around
 from lsvib.figures.attraction import COLOURS
 from lsvib.models.model import find_model
 
@@ -48,7 +48,6 @@ class Page:
         self.document, self.presets, self.view = document, presets, view
         self.controls = Controls(view, presets, self.ask)
         self.plots = Plots()
-        self.seconds = 0.0  # that the last immediate answer took
         self._asked: dict[str, str] = {}
         self._waiting = False
         self._answered = 0.0  # time of the last answer [s]
@@ -128,7 +127,7 @@ class Page:
                 parameters[name] = text
             elif key == "over":
                 value = getattr(self.view.drive, text)
-                changes |= {"over": text, **_around(value)}
+                changes |= {"over": text, **around(value)}
             elif key == "window":
                 changes["window"] = Window(*map(float, text.split()))
             elif key == "fit":
@@ -144,12 +143,11 @@ class Page:
         kind = drive_class(model)
         shared = {key: value for key, value in self.view.drive if key in kind.model_fields}
         over = self.view.over if self.view.over in kind.model_fields else "axial_force"
-        ends = {} if over == self.view.over else _around(self.view.drive.axial_force)
+        ends = {} if over == self.view.over else around(self.view.drive.axial_force)
         return replace(self.view, drive=kind.of(shared), over=over, **ends)
 
     def _redraw(self, view: View) -> None:
         """Draw what can be drawn at once; a view without an answer leaves the page as it is."""
-        begin = perf_counter()
         shown = answers.followed(view)
         if view.window is None:
             view = replace(view, window=answers.window_around(view.drive, shown))
@@ -166,7 +164,6 @@ class Page:
             self.plots.draw_map(found, window)
         self.plots.draw_motion(view.drive, shown, window)
         self._draw_moment()
-        self.seconds = perf_counter() - begin
         self._slow = iter(())
         if self._settling is not None:
             self.document.remove_timeout_callback(self._settling)
@@ -197,15 +194,9 @@ class Page:
         view, window = self.view, self.view.window
         assert window is not None
         try:
-            if answers.at_once(view.drive):
-                found = answers.labels(view.drive, window, answers.SETTLED)
-                self.plots.draw_map(found, window)
-            else:
-                found = np.full(answers.COARSE[::-1], -2)
-                for row_index, labels in answers.label_rows(view.drive, window, answers.COARSE):
-                    found[row_index] = labels
-                    self.plots.draw_map(found, window)
-                    yield
+            cells = answers.SETTLED if answers.at_once(view.drive) else answers.COARSE
+            found = answers.labels(view.drive, window, cells)
+            self.plots.draw_map(found, window)
             self._shares = answers.shares(found)
             self._say_words()
             yield
@@ -262,14 +253,8 @@ class Page:
     def _say_links(self) -> None:
         query = escape(self.view.query(), quote=True)
         links = [f'<a href="?{query}">link to this view</a>']
-        links += [
-            f'<a href="export/{name}?{query}" download="{name}">{text}</a>'
-            for name, text in (
-                ("scene.yaml", "scene as YAML"),
-                ("picture.png", "picture as PNG"),
-                ("motion.nc", "motion as netCDF"),
-            )
-        ]
+        for name, text in (("scene.yaml", "scene as YAML"), ("motion.nc", "motion as netCDF")):
+            links.append(f'<a href="export/{name}?{query}" download="{name}">{text}</a>')
         self._say(self._links, " &middot; ".join(links))
 
     def _draw_moment(self) -> None:
@@ -324,9 +309,3 @@ def _vibrating(points: Sequence[AmplitudePoint], near: bool, place: str) -> str:
     values = [point.value for point in points if point.near == near and point.amplitude > 0]
     first = f", the first at {values[0]:.4g}" if values else ""
     return f"{len(values) or 'none'} vibrate when started {place}{first}"
-
-
-def _around(value: float) -> dict[str, float]:
-    """A range of the amplitude curve around a value: from a hundredth of it to twice, or a little around zero."""
-    ends = sorted((0.01 * value, 2 * value)) if value else [0.0, 1.0]
-    return {"low": ends[0], "high": ends[1]}

@@ -31,7 +31,6 @@ from lsvib.figures.attraction import COLOURS
 from lsvib.models.drive import Drive, described
 
 SLOPE = 0.22  # of the drawn threads, whatever the lead angle: those of most screws are too flat to be seen
-_MARKS = 0.5  # distance of the marks on the drawn screw
 _TOOLS = "pan,wheel_zoom,box_zoom,reset,save"
 _NARROW = {"sizing_mode": "scale_width", "min_width": 320}  # a drawing shrinks with its column, down to a telephone
 _LOOKS: dict[str, dict[str, list[Any]]] = {  # of the rows of sources that the browser draws anew in a redraw
@@ -186,7 +185,8 @@ class Plots:
         gap = 0.06  # backlash in pitches; real threads have less
         half = 0.25 - gap
         turned = drive.input_speed * time + float(shown.u[k])
-        at = (np.arange(-5, 5) * _MARKS - 2 * turned) % (10 * _MARKS) - 5 * _MARKS
+        marks = 0.5  # distance of the marks on the screw
+        at = (np.arange(-5, 5) * marks - 2 * turned) % (10 * marks) - 5 * marks
         at = np.concatenate([at, at])
         base = SLOPE * at + np.repeat([-0.5, 0.5], 10)
         breaks = np.full(at.size, np.nan)  # each ends the line of a mark

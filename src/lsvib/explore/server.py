@@ -41,7 +41,7 @@ class Export(RequestHandler):
             self.set_header("Content-Type", "text/plain; charset=utf-8")
             self.write(str(error))
             return
-        self.set_header("Content-Type", EXPORTS[name][1])
+        self.set_header("Content-Type", EXPORTS[name])
         self.set_header("Content-Disposition", f'attachment; filename="{name}"')
         self.write(content)
 
@@ -89,6 +89,7 @@ def make_server(port: int) -> Server:
     except OSError as error:
         reason = "another program uses it" if error.errno == errno.EADDRINUSE else error.strerror
         raise InputError(f"port = {port} cannot be used: {reason}; take another one with --port.") from None
+    server._tornado.websocket_origins.add(f"127.0.0.1:{server.port}")  # besides localhost; the port is known only now
     return server
 
 

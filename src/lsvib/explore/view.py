@@ -1,9 +1,7 @@
 """What the page shows, as one value that a link carries unchanged; and the views of the chapter's figures."""
 
-import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from itertools import product
 from typing import Any, Self
 from urllib.parse import urlencode
 
@@ -14,7 +12,7 @@ from lsvib.api import RigidDrive, drive_class
 from lsvib.basins.curves import Window
 from lsvib.errors import InputError
 from lsvib.figures.configuration import DEFAULT
-from lsvib.models.drive import Drive, described
+from lsvib.models.drive import Drive
 from lsvib.models.model import all_models
 from lsvib.models.scene import Scene, read_yaml
 
@@ -75,8 +73,8 @@ class View:
         """Return the part of a link that says all of this; every number comes back with the same bits."""
         values: dict[str, Any] = {"model": self.drive.model}
         values |= {key: repr(value) for key, value in self._changed().items()}
-        values |= {"u": repr(self.u), "w": repr(self.w), "duration": repr(self.duration)}
-        values |= {"over": self.over, "low": repr(self.low), "high": repr(self.high)}
+        values |= {key: repr(getattr(self, key)) for key in ("u", "w", "duration", "low", "high")}
+        values["over"] = self.over
         if self.window is not None:
             values |= {name: repr(float(edge)) for name, edge in zip(_WINDOW, self.window, strict=True)}
         return urlencode(values)
@@ -111,67 +109,42 @@ _LISTS = {  # key of a section: the parameter that it lists values of
 
 
 def presets() -> dict[str, View]:
-    """Return a view for each drive of each figure of the chapter, by a name such as "Figure 8.9: m = 11 kg"."""
-    sections = read_yaml(DEFAULT)
-    found: dict[str, View] = {}
-    for name, section in sections.items():
-        if name.startswith("fig8_"):
-            found |= _of_figure(f"Figure 8.{int(name.removeprefix('fig8_'))}", section)
-    return found
+    """Return a view for each figure of the chapter, of the last drive that it lists, by a name such as Figure 8.9."""
+    return {
+        f"Figure 8.{int(name.removeprefix('fig8_'))}": _of_figure(section)
+        for name, section in read_yaml(DEFAULT).items()
+        if name.startswith("fig8_")
+    }
 
 
-def _of_figure(label: str, section: Mapping[str, Any]) -> dict[str, View]:
-    """The views of one figure: each of its drives."""
-    shared = {**section["drive"], **{key: section[key] for key in section if _is_parameter(key, section[key])}}
-    kind = _model({**shared, **{_LISTS.get(key, key): None for key in section}, **next(_cases(section), {})})
+def _of_figure(section: Mapping[str, Any]) -> View:
+    given = section["drive"] | {key: value for key, value in section.items() if isinstance(value, int | float)}
+    given |= {parameter: section[key][-1] for key, parameter in _LISTS.items() if key in section}
+    for key in ("cases", "contacts"):
+        given |= section[key][-1] if key in section else {}
+    kinds = [model.drive for model in all_models().values()]
+    named = {key for kind in kinds for key in kind.model_fields if key in given or key in section}
+    kind = next(kind for kind in kinds if named <= kind.model_fields.keys())  # rigid has no parameter of its own
+    drive = kind.of({key: value for key, value in given.items() if key in named})
     starts = section.get("starts") or [section.get("start") or {}]
-    start = starts[0] if "u" in starts[0] else {"u": View.u, "w": View.w}
-    common: dict[str, Any] = {**start, "duration": section.get("duration", View.duration), "window": None}
+    more: dict[str, Any] = starts[0] if "u" in starts[0] else {}
+    if "duration" in section:
+        more = {**more, "duration": section["duration"]}
     if {"angle", "velocity"} <= section.keys():
         angle, rate = section["angle"], section["velocity"]
-        common["window"] = Window(angle["start"], angle["stop"], rate["start"], rate["stop"])
-    found = {}
-    for case in _cases(section):
-        drive = kind.of({**shared, **case})
-        about = ", ".join(_amount(kind, key, value) for key, value in case.items())
-        found[f"{label}: {about}" if about else label] = View(drive=drive, **common, **_curve(drive, section))
-    return found
-
-
-def _cases(section: Mapping[str, Any]) -> Iterator[dict[str, float]]:
-    """The drives of a figure, as what each adds to the shared parameters."""
-    lists = [[{parameter: value} for value in section[key]] for key, parameter in _LISTS.items() if key in section]
-    named = [section[key] for key in ("cases", "contacts") if key in section]
-    for parts in product(*named, *lists):
-        yield {key: value for part in parts for key, value in part.items()}
+        more = {**more, "window": Window(angle["start"], angle["stop"], rate["start"], rate["stop"])}
+    return View(drive=drive, **more, **_curve(drive, section))
 
 
 def _curve(drive: Drive, section: Mapping[str, Any]) -> dict[str, Any]:
-    """The parameter that the figure varies, with its range; without one the default of a view."""
+    """The parameter that the figure varies, with its range; without one the axial force."""
     for key, span in section.items():
         if key in type(drive).model_fields and isinstance(span, Mapping) and "start" in span:
             return {"over": key, "low": float(span["start"]), "high": float(span["stop"])}
-    ends = sorted(
-        math.copysign(end, drive.axial_force) for end in (View.low, max(View.high, 2 * abs(drive.axial_force)))
-    )
-    return {"over": "axial_force", "low": ends[0], "high": ends[1]}
+    return {"over": "axial_force", **around(drive.axial_force)}
 
 
-def _model(values: Mapping[str, Any]) -> type[Drive]:
-    """The first model that has all parameters among some keys; the rigid drive has no parameter of its own."""
-    every = {key for kind in _drives() for key in kind.model_fields}
-    return next(kind for kind in _drives() if (values.keys() & every) <= kind.model_fields.keys())
-
-
-def _drives() -> list[type[Drive]]:
-    return [model.drive for model in all_models().values()]
-
-
-def _is_parameter(key: str, value: Any) -> bool:
-    return isinstance(value, int | float) and any(key in kind.model_fields for kind in _drives())
-
-
-def _amount(kind: type[Drive], key: str, value: float) -> str:
-    about = described(kind, key)
-    unit = "" if about["unit"] == "1" else f" {about['unit']}"
-    return f"{about['symbol']} = {value:g}{unit}"
+def around(value: float) -> dict[str, float]:
+    """Return a range of the amplitude curve: from a hundredth of a value to twice, or a little above zero."""
+    ends = sorted((0.01 * value, 2 * value)) if value else [0.0, 1.0]
+    return {"low": ends[0], "high": ends[1]}

@@ -71,7 +71,7 @@ class Settings(FigureSettings):
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the map of two coordinates with the lines Q = 0 and θ′ = 0, the boundary if known, and the attractors."""
-    figure = style.new_figure(style.SINGLE * 1.35, 4.2)
+    figure = style.new_figure(style.DOUBLE, 3.8)
     axes = figure.add_subplot()
     first = draw_map(axes, dataset)
     if "boundary_angle" in dataset:
@@ -84,9 +84,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     if "contact_line_angle" in dataset:
         drawing.draw_lines(axes, dataset, style.VERMILION, "$Q = 0$")
     drawing.label_axes(axes, dataset)
-    style.state_given(figure, dataset)
-    style.legend(figure, [axes], 2, first)
-    return figure
+    return style.legend(figure, [axes], 1, first, "outside right upper")
 
 
 def draw_map(axes: style.Axes, dataset: xr.Dataset) -> list:

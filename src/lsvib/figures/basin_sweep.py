@@ -9,13 +9,13 @@ from pydantic import Field
 
 from lsvib.basins.grid import Axis, Grid
 from lsvib.datasets import phase_plane, spans
+from lsvib.datasets.analysis import analyse
 from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, drive_parameters, flagged, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures import settings as of
-from lsvib.figures.common import Basin, Window, about, flag_names, named, spread
+from lsvib.figures.common import Basin, about, flag_names, named, spread
 from lsvib.models.drive import RigidDrive
-from lsvib.stability.conditions import critical_friction, critical_mass
 from lsvib.stability.force_thresholds import global_stability_force
 
 CAPTION = """\
@@ -33,6 +33,7 @@ _SWEPT = {  # what each panel is called, its threshold, how that is named, decim
     "friction_coefficient": ("friction", "critical_friction_of_rigid_drive", "$\\mu_\\mathrm{cr}$", 4),
 }
 _FRACTION = "fraction of the window that steady sliding attracts, exact"
+_PRINTED = ("Fig. 8.14", "Sect. 8.6")
 _KINDS = {  # what bounds the basin: colour, words
     "none": (style.BLACK, "no boundary: globally stable"),
     "touching motion": (style.BLUE, "bounded by the motion that touches $N = 0$, and by $N = 0$"),
@@ -63,7 +64,35 @@ class Settings(of.FigureSettings):
     axial_forces: of.OpposingForces = Field(description="Axial forces of Fig. 8.14 (a) and (b) [N].")
 
 
-def build(settings: of.Values) -> xr.Dataset:
+def analysis(settings: of.Values) -> xr.Dataset:
+    """Analyse the drive: up to which force, mass and friction its basin is the whole plane."""
+    unknowns = ("mass", "friction_coefficient")
+    limits = ("global_stability", "axial_force"), *(("kinematic_constraint", unknown) for unknown in unknowns)
+    return analyse([RigidDrive.of(settings["drive"])], limits, printed=_PRINTED)
+
+
+def maps(settings: of.Values) -> xr.Dataset:
+    """Map a grid of starts of the window of each case to their attractors, at each resolution."""
+    from lsvib.basins.mapper import mapper
+
+    drive, found = RigidDrive.of(settings["drive"]), Variables()
+    drives = [drive.replace(**case["drive"]) for case in settings["cases"]]
+    for n in settings["resolutions"]:
+        labels = []
+        for one, window in zip(drives, (case["window"] for case in settings["cases"]), strict=True):
+            u = Axis.checked("u", window["left"], window["right"], n)
+            w = Axis.checked("w", window["bottom"], window["top"], n)
+            labels.append(mapper(one).cells(Grid(u, w), quantities=("label",))["label"])
+        dims = "case", f"velocity_{n}", f"angle_{n}"
+        found[f"attractor_{n}"] = phase_plane.attractors(
+            dims, labels, f"{phase_plane.ATTRACTOR}, from {n} x {n} starts"
+        )
+    return xr.Dataset(
+        found, attrs=about(__doc__, "exact event-driven motion from the middle of every cell", "Sect. 8.7, Fig. 8.14")
+    )
+
+
+def build(settings: of.Values, analysis: xr.Dataset, maps: xr.Dataset) -> xr.Dataset:
     """Compute the basins of a few drives, exactly and on grids, and the exact share of a window along four sweeps."""
     from lsvib.basins.boundary import Boundary, basin
     from lsvib.basins.curves import Window
@@ -79,16 +108,16 @@ def build(settings: of.Values) -> xr.Dataset:
         if name == "axial_force":
             words = "area of the basin, infinite where it has no bound"
             variables["basin_area_axial_force"] = variable(dim, [b.area() for b in basins], "rad2 s-1", words)
-    variables |= _cases(drive, settings["cases"], settings["resolutions"])
+    variables |= _cases(drive, settings["cases"], maps)
     masses, forces = settings["masses"], settings["axial_forces"]
     readings = [[basin(drive.replace(mass=m, axial_force=r)).fraction(window) for r in forces] for m in masses]
     variables["reading_fraction"] = variable(("reading_mass", "reading_axial_force"), readings, "1", _FRACTION)
     variables |= axis("reading_mass", masses) | axis("reading_axial_force", forces)
     variables |= phase_plane.window_edges("window", "edge", window)
-    variables |= _critical_values(drive, coordinates["swept_support_damping"][1])
+    variables |= _critical_values(drive, analysis.isel(case=0), coordinates["swept_support_damping"][1])
     return xr.Dataset(
         variables,
-        coords=coordinates | drive_parameters(drive, printed=("Fig. 8.14", "Sect. 8.6")),
+        coords=coordinates | drive_parameters(drive, printed=_PRINTED),
         attrs=about(
             __doc__, "exact boundary of the basin; grids by the map of the region of attraction", "Sect. 8.7, Fig. 8.14"
         ),
@@ -118,21 +147,20 @@ def _swept(drive: RigidDrive, name: str, values: np.ndarray) -> tuple[np.ndarray
     return np.array(sorted(found)), [found[value] for value in sorted(found)]
 
 
-def _critical_values(drive: RigidDrive, dampings: np.ndarray) -> Variables:
+def _critical_values(drive: RigidDrive, analysis: xr.Dataset, dampings: np.ndarray) -> Variables:
     """Values of force, mass and friction up to which the basin is the whole plane; of the force for each damping."""
     stable = ("N", phase_plane.GLOBAL_STABILITY, "$R$")
-    mass, friction = (np.nan if x is None else x for x in (critical_mass(drive), critical_friction(drive)))
     forces = [global_stability_force(drive.replace(support_damping=c)) for c in dampings]
-    words = "friction coefficient at which the effective inertia of law + vanishes, missing if at none"
+    friction = analysis.kinematic_constraint_friction_coefficient
     return {
         "swept_global_stability_force": variable("swept_support_damping", forces, *stable),
-        "critical_mass": ((), mass, CRITICAL_MASS),
-        "critical_friction_of_rigid_drive": variable((), friction, "1", words, r"$\mu_\mathrm{cr}$"),
-        "global_stability_force": variable((), global_stability_force(drive), *stable),
+        "critical_mass": ((), float(analysis.kinematic_constraint_mass), CRITICAL_MASS),
+        "critical_friction_of_rigid_drive": ((), float(friction), friction.attrs),
+        "global_stability_force": variable((), float(analysis.global_stability_axial_force), *stable),
     }
 
 
-def _cases(drive: RigidDrive, cases: Sequence[of.Values], resolutions: Sequence[int]) -> Variables:
+def _cases(drive: RigidDrive, cases: Sequence[of.Values], maps: xr.Dataset) -> Variables:
     """Basins to be drawn: boundary and region as sampled curves, exact fraction of their window, fractions on grids."""
     from lsvib.basins.boundary import Boundary, basin
     from lsvib.basins.curves import Window, sampled
@@ -141,7 +169,8 @@ def _cases(drive: RigidDrive, cases: Sequence[of.Values], resolutions: Sequence[
     basins = [basin(d) for d in drives]
     pairs = list(zip(basins, windows, strict=True))
     lines, regions = [b.line(w, 60) for b, w in pairs], [sampled(b.flow, b.clipped(w), 60) for b, w in pairs]
-    grid = np.array([_grid_fraction(d, w, resolutions) for d, w in zip(drives, windows, strict=True)])
+    resolutions = [labels.shape[-1] for labels in maps.values()]
+    grid = np.array([named(labels, "steady sliding").mean(axis=(1, 2)) for labels in maps.values()]).T
     # A boundary passes from cell to cell across one edge at a time; 16 for its ends and where it turns.
     steps = [
         float(np.nansum(np.abs(np.diff(line, axis=0)) / [w.right - w.left, w.top - w.bottom]))
@@ -149,7 +178,7 @@ def _cases(drive: RigidDrive, cases: Sequence[of.Values], resolutions: Sequence[
     ]
     bound = [[(n * step + 16) / n**2 for n in resolutions] for step in steps]
     varied = tuple(name for name, value in drive if len({value, *(getattr(d, name) for d in drives)}) > 1)
-    own = drive_parameters(drives, along=varied, printed=("Fig. 8.14", "Sect. 8.6"))
+    own = drive_parameters(drives, along=varied, printed=_PRINTED)
     dims, exact = ("case", "resolution"), "fraction of the case's window that steady sliding attracts, exact"
     cut = "fraction of the cells of the grid that the boundary cuts at most"
     return {
@@ -173,17 +202,6 @@ def _points(name: str, curves: Sequence[np.ndarray], where: str) -> Variables:
     for row, points in zip(table, curves, strict=True):
         row[: len(points)] = points
     return phase_plane.curve(name, ("case", f"{name}_point"), table, where)
-
-
-def _grid_fraction(drive: RigidDrive, window: Window, resolutions: Sequence[int]) -> list[float]:
-    """Fraction of the middles of n × n cells from which the motion settles, for each resolution n, by the mapper."""
-    from lsvib.basins.mapper import mapper
-    from lsvib.dynamics.attractor import Attractor
-
-    sides = (("u", window.left, window.right), ("w", window.bottom, window.top))
-    grids = [Grid(*(Axis.checked(*side, count) for side in sides)) for count in resolutions]
-    found = [mapper(drive).cells(grid, quantities=("label",))["label"] for grid in grids]
-    return [float(np.mean(label == Attractor.STEADY_SLIDING)) for label in found]
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
@@ -282,7 +300,6 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     below[0].set_ylabel("Fraction of the window")
     style.legend(rows[0], above, 4)
     style.legend(rows[1], below, 2)
-    style.state_values(figure, dataset)
     return figure
 
 
@@ -304,7 +321,7 @@ def _basin(axes: style.Axes, case: xr.Dataset, letter: str) -> None:
     axes.locator_params(nbins=5)
     force, damping = case.case_axial_force, case.case_support_damping
     words = f"$c$ = {style.number(damping)} {style.unit(damping.units)[1:-1]}"
-    axes.set_title(f"({letter}) $R$ = {style.number(force)} N,\n{words}", fontsize=7)
+    axes.set_title(f"({letter}) $R$ = {style.number(force)} N,\n{words}")
     starts, exact, counted = int(case.resolution[-1]), float(case.case_fraction), float(case.grid_fraction[-1])
     words = f"{100 * exact:.2f} % of the panel\n{100 * counted:.2f} % of starts\n({starts} × {starts})"
     axes.text(0.97, 0.96, words, transform=axes.transAxes, ha="right", va="top", fontsize=6)
@@ -337,4 +354,4 @@ def _sweep(axes: style.Axes, dataset: xr.Dataset, name: str, letter: str) -> Non
         axes.axvline(place, color=style.VERMILION, **dotted)
         value, late = f"{place:.{digits}f}".replace("-", "−"), place > (left + right) / 2
         axes.text(place, 0.06, f" {symbol} = {value} ", color=style.VERMILION, backgroundcolor="#FFFFFFC0",
-                  fontsize=6.5, ha="right" if late else "left", transform=axes.get_xaxis_transform())  # fmt: skip
+                  fontsize=7.5, ha="right" if late else "left", transform=axes.get_xaxis_transform())  # fmt: skip

@@ -16,7 +16,6 @@ from lsvib.datasets.io import read_dataset, write_dataset
 from lsvib.errors import InputError
 from lsvib.figures import style
 from lsvib.figures.configuration import PARTS, complete_settings, load
-from lsvib.figures.style import Figure
 from lsvib.files import write_json, write_text
 
 FULL, DRAFT = 300, 100  # resolution of a PNG for print and of one for a quick look [dots per inch]
@@ -94,19 +93,16 @@ def draw_figure(
     [dots per inch]. Raises ``LsvibError`` about files, in one sentence.
     """
     module = load(figure)  # the file of a map or a chart, which has no ``build``, may be a large one
-    picture = module.draw(read_dataset(dataset_file) if hasattr(module, "build") else overview(dataset_file))
-    style.save(picture, png, pdf, resolution=resolution)
+    dataset = read_dataset(dataset_file) if hasattr(module, "build") else overview(dataset_file)
+    style.save(module.draw(dataset), png, pdf, resolution=resolution)
     if caption is not None:
-        write_text(caption_of(figure, picture), caption)
+        write_text(caption_of(figure, dataset), caption)
 
 
-def caption_of(figure: str, picture: Figure) -> str:
-    """Return the caption of a figure in reStructuredText: what it shows, then the values for which ``picture`` does.
-
-    These are the words under the picture, which say what is printed and what is assumed, without mathematics.
-    """
-    values = re.sub(r"([*`|_\\])", r"\\\1", style.plain(picture.get_supxlabel()))  # so that they mean themselves
-    words = load(figure).CAPTION
+def caption_of(figure: str, dataset: xr.Dataset) -> str:
+    """Return the caption of a figure in reStructuredText: what it shows, then for which values, by its ``dataset``."""
+    values = re.sub(r"([*`|_\\])", r"\\\1", style.stated(dataset))  # so that they mean themselves
+    words = ("" if figure.startswith("fig8_") else "Not a figure of the chapter. ") + load(figure).CAPTION
     return f"{words}\nValues: {values}\n" if values else words
 
 

@@ -1,6 +1,6 @@
 """Chart over two parameters: what the drive does as colour, the exact curves on top, each with its name.
 
-The rule `chart` of the workflow makes its dataset in tiles (:mod:`lsvib.datasets.chart`).
+The rule `chart` of the workflow makes its dataset (:mod:`lsvib.datasets.chart`).
 """
 
 from typing import Any, Literal
@@ -26,7 +26,7 @@ _LOOKS = {  # colour, and words of the legend
     "stick slip": (style.GREEN, "stick–slip"),
     "stick slip with contact reversal": (style.SKY, "stick–slip, $N$ reverses"),
     "sprag slip": (style.ORANGE, "sprag–slip"),
-    "coexistence": (style.PURPLE, "steady sliding beside a cycle"),
+    "coexistence": (style.WINE, "steady sliding beside a cycle"),
     "neutral": (style.BLUE, "neutral oscillations"),
     "unresolved": (style.BLACK, "unresolved"),
 }
@@ -50,15 +50,14 @@ class Settings(FigureSettings):
     drive: dict[str, float] = Field(description="Changes of the model's drive; lsvib checks keys and ranges.")
     x: ParameterCells = Field(description="Along the columns.")
     y: ParameterCells = Field(description="Along the rows.")
-    tiles: int = Field(ge=1, le=100_000, description="Number of tiles; at least one cell in each.")
 
 
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw the chart with its curves, and below it the values of the drive."""
+    """Draw the chart with its curves."""
     from matplotlib.patches import Patch
 
-    figure = style.new_figure(style.SINGLE * 1.5, 4.3)
+    figure = style.new_figure(style.DOUBLE, 4.3)
     axes = figure.add_subplot()
     down, across = dataset.label.dims
     x, y = dataset[across], dataset[down]
@@ -78,7 +77,6 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         for kind, (colour, words) in ((kind, _LOOKS[name]) for kind, name in flag_names(dataset.label).items())
         if shares[kind]
     ]
-    style.state_given(figure, dataset)
     figure.legend(handles=patches, loc="outside upper center", ncols=2)
     return figure
 
@@ -109,5 +107,5 @@ def _curves(axes: style.Axes, dataset: xr.Dataset, across: str, down: str) -> No
         ]
         first, last = axes.transData.transform(ends)
         angle = np.degrees(np.arctan(np.divide(*(last - first)[::-1]))) if last[0] != first[0] else 90.0
-        axes.annotate(_CURVES.get(name, (name,))[0], ends[0], fontsize=6.5, rotation=angle, rotation_mode="anchor",
+        axes.annotate(_CURVES.get(name, (name,))[0], ends[0], fontsize=7.5, rotation=angle, rotation_mode="anchor",
                       ha="center", va="bottom", path_effects=_halo(), zorder=3)  # fmt: skip

@@ -6,7 +6,6 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets.attributes import variable
-from lsvib.errors import InputError
 from lsvib.figures.settings import Values
 
 if TYPE_CHECKING:
@@ -53,10 +52,3 @@ def over_map(dataset: xr.Dataset, drive: Values) -> dict[str, Any]:
 def spread(values: np.ndarray) -> float:
     """Return the range of values over the largest of them [1]; infinite, which no check passes, if that is not > 0."""
     return float(np.ptp(values) / values.max()) if values.size and values.max() > 0 else np.inf
-
-
-def existing(critical_mass: float | None) -> float:
-    """Return a critical mass of the rigid drive [kg]; raises ``InputError`` if there is none."""
-    if critical_mass is None:
-        raise InputError("The drive is not self-locking (mu <= tan lambda), so it has no critical mass.")
-    return critical_mass

@@ -40,6 +40,8 @@ _MANIFOLDS = (
     "unstable_away_from_zero_force", "unstable_across_zero_force",
     "stable_away_from_zero_force", "stable_across_zero_force",
 )  # fmt: skip
+# First words of the entries of the legend, two to a column.
+_ENTRIES = ("contact", "start", "stable", "unstable", "bounded", "growing", "saddle", "centre", "asymptote")
 _WORDS = {"facecolor": "#FFFFFFC0", "linewidth": 0, "pad": 1.0}
 
 
@@ -290,7 +292,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         _equilibria(axes, case)
         axes.axvline(0, color=style.GREY, linewidth=0.9, zorder=1)
         damping = float(case.contact_damping_ratio)
-        words = f"contact damping, $\\zeta$ = {damping:.2g}" if damping else "elastic contact"
+        words = f"ours: contact damping, $\\zeta$ = {damping:.2g}" if damping else "elastic contact"
         axes.set_title(f"({letter}) {words}", y=1.0, pad=13)  # clear of the power of ten
         axes.set(xlabel=style.label(case.contact_force), xlim=limits[0], ylim=limits[1])
         drawing.arrows(axes, paths)
@@ -298,7 +300,9 @@ def draw(dataset: xr.Dataset) -> style.Figure:
             place = 0.02 * side * np.ptp(limits[0]), limits[1][0] + 0.03 * np.ptp(limits[1])
             axes.text(*place, text, ha="left" if side > 0 else "right", bbox=_WORDS, zorder=4)
     panels[0].set_ylabel(style.label(dataset.contact_force_rate, "rate"))
-    return style.finished(figure, dataset, panels, 4)
+    drawn = [artist for axes in panels for artist in axes.get_legend_handles_labels()[0]]
+    entries = sorted(drawn, key=lambda artist: _ENTRIES.index(artist.get_label().split()[0]))
+    return style.legend(figure, panels, 4 if "manifold_force" in dataset else 3, entries)
 
 
 def _lines(axes: style.Axes, case: xr.Dataset) -> None:
@@ -323,7 +327,7 @@ def _motion(axes: style.Axes, motion: xr.Dataset) -> drawing.DrawnLine:
     """Draw a motion from its start, and return it as a line."""
     x, y = motion.contact_force.values, motion.contact_force_rate.values
     stays = named(motion.start_outcome, "bounded")
-    colour, name = (style.BLUE, "bounded") if stays else (style.VERMILION, "growing without bound")
+    colour, name = (style.BLUE, "bounded") if stays else (style.ORANGE, "growing without bound")
     axes.plot(x, y, color=colour, linewidth=1.0, label=name, zorder=2)
     axes.plot(x[0], y[0], "o", color=colour, mfc="white", markersize=3.2, label="start", zorder=3, clip_on=False)
     return x, y, colour

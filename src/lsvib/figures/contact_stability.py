@@ -32,7 +32,8 @@ _CONTACT = ("contact_stiffness", "contact_damping")
 _BESIDE = 1e-6  # relative distance from a critical mass at which LAPACK must see the change
 _PARAMETERS = [name for name in RigidDrive.model_fields if name not in ("mass", "axial_force")]
 _COLOURS = (style.VERMILION, style.ORANGE, style.BLUE, style.BLACK, style.GREEN, style.PURPLE)
-_DASHES = ("-", (0, (5, 1.5)), "-", (0, (5, 1.5)), "-", (0, (5, 1.5)))  # where two lines coincide both are seen
+# Where two lines coincide both are seen, and in grey they differ.
+_DASHES = ("-", (0, (5, 1.5)), (0, (3, 1, 1, 1)), (0, (8, 2)), "-", (0, (5, 1.5)))
 
 
 class Settings(of.FigureSettings):
@@ -303,9 +304,8 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     heavy.text(0.02, 0.03, "dotted: from here on unstable by Lemma 8.1, same colour", fontsize=6.5,
                transform=heavy.transAxes, bbox={"facecolor": "#FFFFFF", "linewidth": 0, "pad": 0.8})  # fmt: skip
     heavy.text(0.03, 0.7, "colours as in (c)", fontsize=6.5, transform=heavy.transAxes)
-    light.legend(loc="lower left", fontsize=6.5)
+    light.legend(loc="lower left")
     _least(least, dataset)
-    style.state_values(figure, dataset)
     return figure
 
 
@@ -324,7 +324,7 @@ def _critical_mass(axes: style.Axes, dataset: xr.Dataset) -> None:
                   textcoords="offset points", fontsize=6.5, va="top", color=style.GREY)  # fmt: skip
     axes.set(xscale="log", title="(a) critical mass; steady sliding is lost above", xlabel=style.label(damping))
     axes.set(ylabel="Critical mass $m_\\mathrm{cr}$ [kg]", ylim=(0, 1.8 * rigid))
-    axes.legend(loc="upper left", fontsize=6.5)
+    axes.legend(loc="upper left")
 
 
 def _growth(axes: style.Axes, dataset: xr.Dataset, letter: str, rigid: float) -> None:

@@ -17,14 +17,14 @@ DrawnLine = tuple[np.ndarray, np.ndarray, str]  # x, y, both of shape (n) and wi
 @style.styled
 def single(dataset: xr.Dataset) -> style.Figure:
     """Draw the only case of a dataset."""
-    figure = style.new_figure(style.SINGLE * 1.25, 3.4)
+    figure = style.new_figure(style.SINGLE, 3.2)
     axes, case = figure.add_subplot(), dataset.isel(case=0)
     phase_plane(axes, case)
     draw_lines(axes, case)
     guide(axes, case)
     label_axes(axes, dataset)
     axes.set_title(f"$R$ = {style.number(case.axial_force)} N")
-    return style.finished(figure, dataset, [axes], 3)
+    return style.legend(figure, [axes], 3)
 
 
 def phase_plane(
@@ -75,7 +75,7 @@ def draw_motions(axes: style.Axes, case: xr.Dataset, widths: Sequence[float] = E
         if seized.any():
             before = (motion[f"event_{name}_deviation_before"].values[seized] for name in ("angle", "velocity"))
             mark_seizures(axes, *before, colour)
-        axes.plot(u[0], w[0], "o", color=colour, markerfacecolor="white", label="start", zorder=3)
+        axes.plot(u[0], w[0], "o", color=colour, markerfacecolor="white", label="start", zorder=4.5)
 
 
 def _motions(case: xr.Dataset) -> Iterator[tuple[xr.Dataset, np.ndarray, np.ndarray, np.ndarray, str]]:
@@ -90,9 +90,8 @@ def draw_cycle(
     axes: style.Axes, case: xr.Dataset, colour: str = style.BLACK, width: float = 1.8, name: str = "limit cycle"
 ) -> None:
     """Draw the limit cycle of one case, if it has one, its jumps dotted."""
-    u, w, jumps = cycle_of(case)
-    if np.isfinite(u).any():
-        _broken_line(axes, u, w, jumps, colour, width, name)
+    if "cycle_angle" in case and np.isfinite(case.cycle_angle).any():
+        _broken_line(axes, *cycle_of(case), colour, width, name)
 
 
 def cycle_of(case: xr.Dataset) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -130,12 +129,15 @@ def guide(axes: style.Axes, case: xr.Dataset, size: float = 10.0) -> None:
     draw_arrows(axes, case, size)
     angle, slope, stop = (float(case[x]) for x in ("contact_line_angle", "contact_line_slope", "stop_velocity"))
     sides, (low, high) = np.array(axes.get_xlim()), axes.get_ylim()
+    room = 2.4 * size * axes.figure.dpi / 72 / axes.bbox.width * np.ptp(sides)
     if slope:
         low, high = np.clip(np.sort((sides - angle) / slope), low, high)
     above, below = (stop, stop) if float(case.effective_inertia_plus) < 0 else (low, high)
     for word, side, first, last in (("$N > 0$", 1, low, min(below, high)), ("$N < 0$", -1, max(above, low), high)):
         if last > first:  # in view
-            rate = first + 0.85 * (last - first)
+            # As high as the word has room beside the line.
+            rates = first + np.linspace(0.85, 0.15, 15) * (last - first)
+            rate = max(rates, key=lambda x: min(room, np.abs(sides - angle - slope * x).min()))
             place = angle + slope * rate + 0.015 * side * np.ptp(sides), rate
             axes.text(*place, word, ha="left" if side > 0 else "right", va="center", fontsize=0.8 * size, zorder=4,
                       bbox={"facecolor": "#FFFFFFD0", "linewidth": 0, "pad": 0.8})  # fmt: skip
@@ -144,8 +146,9 @@ def guide(axes: style.Axes, case: xr.Dataset, size: float = 10.0) -> None:
 def draw_arrows(axes: style.Axes, case: xr.Dataset, size: float = 10.0) -> None:
     """Draw an arrow of time on each motion of one case, and on its limit cycle, by :func:`arrows`."""
     lines = [(*parted(u, w, jumps), colour) for _, u, w, jumps, colour in _motions(case)]
-    u, w, jumps = cycle_of(case)
-    arrows(axes, [*lines, (*parted(u, w, jumps), style.BLACK)], size)
+    if "cycle_angle" in case:
+        lines.append((*parted(*cycle_of(case)), style.BLACK))
+    arrows(axes, lines, size)
 
 
 def mark_origin(axes: style.Axes) -> None:

@@ -11,10 +11,10 @@ from lsvib.figures.settings import ContactPortrait, Values
 
 CAPTION = """\
 Phase portrait of the contact force while the threads are stiff, in the indeterminate case and with the screw turning
-forwards, (a) without and (b) with contact damping. Abscissa: the chapter's force χ (8.8); ordinate: its rate, scaled
-alike on both sides. Law + has a saddle where the contact force is positive, law − a centre or a focus where it is
-negative; the saddle's stable manifold separates contact forces that stay bounded from those that grow without bound. In
-(a) part of the unstable manifold lies on it. Arrows point along time.
+forwards, (a) without and (b), not in the chapter, with contact damping. Abscissa: the chapter's force χ (8.8);
+ordinate: its rate, scaled alike on both sides. Law + has a saddle where the contact force is positive, law − a centre
+or a focus where it is negative; the saddle's stable manifold separates contact forces that stay bounded from those that
+grow without bound. In (a) part of the unstable manifold lies on it. Arrows point along time.
 """
 
 Settings = ContactPortrait

@@ -10,9 +10,9 @@ from lsvib.figures.settings import ContactPortrait, Values
 
 CAPTION = """\
 Phase portrait of the contact force while the threads are stiff, in the inconsistent case and with the screw turning
-forwards, (a) without and (b) with contact damping. Both equilibria lie where the other law holds, so there is no
-solution; every contact force ends growing in the first quadrant along the unstable manifold of the virtual saddle.
-Arrows point along time.
+forwards, (a) without and (b), not in the chapter, with contact damping. Both equilibria lie where the other law holds,
+so there is no solution; every contact force ends growing in the first quadrant along the unstable manifold of the
+virtual saddle. Arrows point along time.
 """
 
 Settings = ContactPortrait

@@ -21,8 +21,8 @@ from lsvib.stability.linear import Stability, eigenvalue_pair, stability_class
 
 CAPTION = """\
 Stability of the steady sliding over effective inertia and effective damping, from the eigenvalues (8.18) at each point
-of the plane. Colours and words name the class; node and focus meet on the black curve; the markers are drives of the
-chapter, two of them enlarged.
+of the plane. Colours and words name the class; node and focus meet on the black curve. Not in the chapter's figure: the
+markers, which are drives of the chapter, two of them enlarged.
 """
 
 _CHANGED = ("mass", "translation_damping")  # in which the drives that are placed differ
@@ -211,7 +211,7 @@ def _distance_from_lapack(inertia: np.ndarray, damping: np.ndarray, stiffness: f
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the class map, the node–focus boundary C_0² = 4kΓ_0 and the chapter's drives, two of them enlarged."""
-    figure = style.new_figure(style.DOUBLE * 0.72, 3.7)
+    figure = style.new_figure(style.DOUBLE, 3.6)
     axes = figure.add_subplot()
     inertia, damping = dataset.effective_inertia, dataset.effective_damping
     close = axes.inset_axes((0.075, 0.125, 0.225, 0.27))  # in the saddles, the largest class
@@ -224,7 +224,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
             axes.text(inertia.where(inside).mean(), damping.where(inside).mean(), name, ha="center")
     axes.set(xlabel=style.label(inertia), ylabel=style.label(damping), xlim=inertia[[0, -1]], ylim=damping[[0, -1]])
     _close_up(axes, close, dataset)
-    return style.finished(figure, dataset, [axes], 2)
+    return style.legend(figure, [axes], 1, place="outside right upper")
 
 
 def _lines_and_drives(axes: style.Axes, dataset: xr.Dataset) -> None:

@@ -4,7 +4,6 @@ Also the coefficients that Sect. 8.5.1 prints, for both readings of the mass: it
 effective inertias of m = 8 kg.
 """
 
-from collections.abc import Sequence
 from typing import ClassVar, Self
 
 import numpy as np
@@ -13,6 +12,7 @@ from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from lsvib.datasets import phase_plane, printed, spans
+from lsvib.datasets.analysis import analyse, value
 from lsvib.datasets.attributes import Variables, axis, flagged, start_state, variable, yes_no
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, printed_laws, style
@@ -22,12 +22,11 @@ from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import MotionMode, rigid_automaton
-from lsvib.stability import force_thresholds
 
 CAPTION = """\
 Amplitude of the steady vibration against the axial force R for m = 1 kg and c_x = 1000 N s/m, with phase portraits at
-three forces. Circles mark the forces of the portraits. Vibration sets in at the onset force, first touches rest at the
-stick force, and no longer reaches N = 0 beyond the detach force.
+three forces below, insets in the chapter. Circles mark the forces of the portraits. Vibration sets in at the onset
+force, first touches rest at the stick force, and no longer reaches N = 0 beyond the detach force.
 """
 
 _THRESHOLDS = {  # word in the picture, and what the chapter says
@@ -35,14 +34,18 @@ _THRESHOLDS = {  # word in the picture, and what the chapter says
     "stick_force": ("stick", "Axial force at which the cycle first touches rest"),
     "detach_force": ("detach", "Axial force beyond which the cycle no longer reaches N = 0"),
 }
-_REGIMES = {  # what the drive does: colour, words
-    "no vibration": (style.BLACK, "no vibration"),
-    "pure slip": (style.BLUE, "cycle of pure slip"),
-    "stick slip with contact reversal": (style.ORANGE, "stick–slip, reaches $N = 0$"),
-    "stick slip": (style.VERMILION, "stick–slip, $N > 0$"),
+_REGIMES = {  # what the drive does: colour, words, dashes
+    "no vibration": (style.BLACK, "no vibration", "-"),
+    "pure slip": (style.BLUE, "cycle of pure slip", "-"),
+    "stick slip with contact reversal": (style.ORANGE, "stick–slip, reaches $N = 0$", "-"),
+    "stick slip": (style.VERMILION, "stick–slip, $N > 0$", (0, (2, 0.6))),
 }
-# Where the curve leaves room for insets, as fractions of the axes: left, bottom, width, height.
-_INSETS = ((0.085, 0.17, 0.21, 0.30), (0.085, 0.61, 0.235, 0.33), (0.735, 0.20, 0.245, 0.38))
+_OF = {
+    f"effective_{kind}_{sign}": f"effective_{kind}_{sign}"
+    for kind in ("inertia", "damping")
+    for sign in ("plus", "minus")
+}
+_OF |= {name: name.replace("_force", "_axial_force") for name in _THRESHOLDS}  # names in the analysis
 
 
 class Settings(PhasePlane):
@@ -64,10 +67,22 @@ class Settings(PhasePlane):
         return self
 
 
-def build(settings: Values) -> xr.Dataset:
-    """Compute the amplitude curve, its thresholds, the inset portraits, and the coefficients for both masses."""
+def _readings(settings: Values) -> list[RigidDrive]:
+    """The drive with each of the masses to which numbers of the text belong."""
+    return [RigidDrive.of(settings["drive"]).replace(mass=float(mass)) for mass in settings["mass_readings"]]
+
+
+def analysis(settings: Values) -> xr.Dataset:
+    """Analyse the drive for both readings of its mass: effective inertias and dampings, the three forces."""
+    forces = [(name, "axial_force") for name in ("onset", "stick", "detach")]
+    return analyse(_readings(settings), forces, ("mass",), ("Sect. 8.5.1",))
+
+
+def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
+    """Compute the amplitude curve between the thresholds of the analysis, and the inset portraits."""
     drive = RigidDrive.of(settings["drive"])
-    values = {name: getattr(force_thresholds, name)(drive) for name in _THRESHOLDS}
+    own = settings["mass_readings"].index(drive.mass)
+    values = {name: value(analysis[_OF[name]], own) for name in _THRESHOLDS}
     # Also at a relative distance of 1e-9 on either side of a threshold.
     beside = [value * (1 + sign * 1e-9) for value in values.values() for sign in (-1, 1)]
     forces = np.unique(np.concatenate([spans.even(settings["axial_force"]), list(values.values()), beside]))
@@ -88,7 +103,9 @@ def build(settings: Values) -> xr.Dataset:
             **{f"printed_{n}": printed.variable(chapter.THRESHOLDS[n], words[n]) for n in _THRESHOLDS},
         }
     )
-    readings = _readings([drive.replace(mass=float(m)) for m in settings["mass_readings"]])
+    readings = {
+        f"reading_{name}": ("reading_mass", analysis[of].values, analysis[of].attrs) for name, of in _OF.items()
+    }
     holding = [_holds_without_torque(insets[-1].replace(friction_coefficient=float(x))) for x in frictions]
     words = "the screw, standing in an untwisted coupling, stays at rest under the largest force of a portrait"
     holds = {"holds_without_torque": yes_no("swept_friction_coefficient", holding, words)}
@@ -119,25 +136,6 @@ def _curve(drives: list[RigidDrive], steady: list[SteadyState]) -> Variables:
         "regime": flagged(dim, kinds, "what the drive does", Behaviour),
         "net_force": variable(dim, net, "N", words, r"$\tilde R$"),
     }
-
-
-def _readings(drives: Sequence[RigidDrive]) -> Variables:
-    """Effective coefficients under both laws, and the two upper thresholds, along ``reading_mass``."""
-    exact, dim, found = [coefficients(d) for d in drives], "reading_mass", {}
-    for law, sign, s in ((1, "plus", "+"), (-1, "minus", "-")):
-        inertia, damping = [float(c.gamma[law]) for c in exact], [float(c.damping[law]) for c in exact]
-        found |= {
-            f"reading_effective_inertia_{sign}": variable(
-                dim, inertia, "kg m2", f"effective inertia of law {s}", f"$\\Gamma_{s}$"
-            ),
-            f"reading_effective_damping_{sign}": variable(
-                dim, damping, "N m s rad-1", f"effective damping of law {s}", f"$C_{s}$"
-            ),
-        }
-    for name in ("stick_force", "detach_force"):
-        forces, words = [getattr(force_thresholds, name)(d) for d in drives], f"{name.replace('_', ' ')} for this mass"
-        found[f"reading_{name}"] = variable(dim, forces, "N", words, "$R$")
-    return found
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
@@ -259,13 +257,14 @@ def _reading_checks(dataset: xr.Dataset) -> list[Check]:
 
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw the amplitude curve by regimes, the three thresholds and the inset portraits."""
-    figure = style.new_figure(style.DOUBLE, 4.2)
-    axes = figure.add_subplot()
+    """Draw the amplitude curve by regimes, the three thresholds, and below the portraits, so that they hide nothing."""
+    figure, cases = style.new_figure(style.DOUBLE, 5.2), dataset.case.values.tolist()
+    panels = figure.subplot_mosaic([["curve"] * len(cases), cases], height_ratios=(1.2, 1))
+    axes = panels["curve"]
     forces, amplitude = dataset.swept_axial_force, dataset.swept_amplitude
-    for name, (colour, words) in _REGIMES.items():
+    for name, (colour, words, dashes) in _REGIMES.items():
         inside = named(dataset.regime, name)
-        axes.plot(forces[inside], amplitude[inside], color=colour, linewidth=2.2, label=words)
+        axes.plot(forces[inside], amplitude[inside], color=colour, linewidth=2.2, linestyle=dashes, label=words)
     top = 1.12 * float(amplitude.max())
     words = ", ".join(f"{float(dataset[f'printed_{name}']):g}" for name in _THRESHOLDS)
     for name, (word, _) in _THRESHOLDS.items():
@@ -279,19 +278,16 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     curve = np.interp(dataset.axial_force, forces, amplitude, np.nan, np.nan)
     axes.plot(dataset.axial_force, curve, "o", color="white", mec=style.BLACK, markersize=4.5, zorder=4,
               label="force of a phase portrait")  # fmt: skip
-    insets = [axes.inset_axes(place) for place in _INSETS[: dataset.sizes["case"]]]
-    for small, index in zip(insets, dataset.case.values, strict=True):
-        _inset(small, dataset.sel(case=index))
-    return style.finished(figure, dataset, [axes, *insets], 4)
+    for index in cases:
+        _portrait(panels[index], dataset.sel(case=index))
+    return style.legend(figure, [*panels.values()], 4)
 
 
-def _inset(small: style.Axes, case: xr.Dataset) -> None:
+def _portrait(axes: style.Axes, case: xr.Dataset) -> None:
     """Draw the phase portrait of one force."""
-    drawing.phase_plane(small, case, [0.6] * case.sizes["start"], 1.4, 0.2)
-    drawing.draw_lines(small, case)
-    drawing.guide(small, case, size=7.5)
-    small.locator_params(nbins=4)
-    small.set_title(f"$R$ = {style.number(case.axial_force)} N", fontsize=7, pad=4)
-    small.tick_params(labelsize=6.5, pad=1.5)
-    small.set_xlabel("$u$ [rad]", fontsize=7, labelpad=0)
-    small.set_ylabel("$\\dot u$ [rad s⁻¹]", fontsize=7, labelpad=0)
+    drawing.phase_plane(axes, case, [0.8] * case.sizes["start"], 1.6, 0.2)
+    drawing.draw_lines(axes, case)
+    drawing.guide(axes, case)
+    drawing.label_axes(axes, case)
+    axes.locator_params(axis="x", nbins=4)
+    axes.set_title(f"$R$ = {style.number(case.axial_force)} N")

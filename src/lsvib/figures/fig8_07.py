@@ -21,8 +21,10 @@ from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
 CAPTION = """\
 The four sectors of the phase plane in the region of Painlevé's paradoxes: no solution in the hatched sectors, two
 solutions in the others. The lines are zero contact force and zero velocity of the screw; the words give the signs of
-both, those of law − first, under which motions slip. Each motion is drawn up to the end of the first seizure into which
-it slips, and goes on to the limit cycle.
+both, those of law − first, under which motions slip. Not in the chapter's figure: the motions, each drawn up to the end
+of the first seizure into which it slips, whence it goes on to the limit cycle. One seizes at its start so far to the
+right that the coupling holds the screw: it rests, the green bar, while the input turns on, u falling at the rate Ω,
+until the screw can slip forwards again.
 """
 
 _SECTORS = {"inconsistent": ("#F7D9C4", "no solution", "////"), "indeterminate": ("#FFFFFF", "two solutions", None)}
@@ -160,7 +162,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the map, hatched without solution, the lines, motions up to their first seizure, the cycle."""
     from matplotlib.patches import Patch
 
-    figure = style.new_figure(style.DOUBLE * 0.72, 4.4)
+    figure = style.new_figure(style.DOUBLE, 4.2)
     axes = figure.add_subplot()
     case, patches = _until_seizure(dataset.isel(case=0)), []
     u, w = dataset.grid_angle_deviation, dataset.grid_velocity_deviation
@@ -179,7 +181,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     drawing.draw_arrows(axes, case)
     _name_sectors(axes, dataset)
     drawing.label_axes(axes, dataset)
-    return style.finished(figure, dataset, [axes], 3, patches)
+    return style.legend(figure, [axes], 1, patches, "outside right upper")
 
 
 def _until_seizure(case: xr.Dataset) -> xr.Dataset:

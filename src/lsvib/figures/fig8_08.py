@@ -8,23 +8,23 @@ from annotated_types import Gt
 from pydantic import Field
 
 from lsvib.datasets import printed, spans
+from lsvib.datasets.analysis import analyse, value
 from lsvib.datasets.attributes import CRITICAL_MASS, axis, drive_parameters, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import style
-from lsvib.figures.common import EIGENVALUE, about, existing
+from lsvib.figures.common import EIGENVALUE, about
 from lsvib.figures.settings import Damping, DriveChanges, FigureSettings, PositiveSpan, Values, several
 from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
 from lsvib.numbers import bisected
-from lsvib.stability.conditions import critical_mass
 from lsvib.stability.linear import eigenvalue_pair
 
 CAPTION = """\
-Eigenvalues (8.18) of the steady sliding against the translating mass: (a) real and (b) imaginary parts, and (c), (d)
-close to the critical mass. The imaginary parts peak and return to zero before the critical mass, where both eigenvalues
-meet and turn real; beyond it the effective inertia is negative and one eigenvalue is positive. Real parts diverge
-there; (a) cuts them, (c) is logarithmic.
+Eigenvalues (8.18) of the steady sliding against the translating mass: (a) real and (b) imaginary parts, and, not in the
+chapter, (c), (d) close to the critical mass. The imaginary parts peak and return to zero before the critical mass,
+where both eigenvalues meet and turn real; beyond it the effective inertia is negative and one eigenvalue is positive.
+Real parts diverge there; (a) cuts them, (c) is logarithmic.
 """
 
 _CRITICAL = {"color": style.BLACK, "linewidth": 0.8, "linestyle": ":", "label": r"critical mass $m_\mathrm{cr}$"}
@@ -40,10 +40,15 @@ class Settings(FigureSettings):
     )
 
 
-def build(settings: Values) -> xr.Dataset:
+def analysis(settings: Values) -> xr.Dataset:
+    """Analyse the drive: its critical mass."""
+    return analyse([RigidDrive.of(settings["drive"])], [("kinematic_constraint", "mass")])
+
+
+def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     """Compute both eigenvalues over the mass, the critical mass, and where the spectrum loses stability; c_x = 0."""
     drive = RigidDrive.of(settings["drive"])
-    critical = existing(critical_mass(drive))
+    critical = value(analysis.kinematic_constraint_mass)
     # Im² ε = k/Γ − C²/4Γ² of (8.18) vanishes at Γ = C²/4k, where both meet, and is largest, k²/C², at Γ = C²/2k.
     square = drive.support_damping**2 / drive.coupling_stiffness
     # Γ₊ = I (1 − m/m_cr)
@@ -145,8 +150,8 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     printed, meeting, peak = (
         (float(dataset[name]) / critical - 1) * 1e3 for name in ("printed_critical_mass", "meeting_mass", "peak_mass")
     )
-    titles = {"real": ("(a) real parts, cut above and below", "(c) real parts"),
-              "imaginary": ("(b) imaginary parts", "(d) imaginary parts")}  # fmt: skip
+    titles = {"real": ("(a) real parts, cut above and below", "(c) ours: real parts"),
+              "imaginary": ("(b) imaginary parts", "(d) ours: imaginary parts")}  # fmt: skip
     for (word, (title, near)), (whole, close) in zip(titles.items(), panels.T, strict=True):
         variable = dataset[f"eigenvalue_{word}_part"]
         _plot(whole, dataset, dataset.mass, variable, title)
@@ -165,7 +170,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     panels[1, 1].set_ylim(-1.3 * largest, 1.3 * largest)
     unit = style.unit(dataset.eigenvalue_imaginary_part.attrs["units"])[1:-1]
     panels[1, 1].text(peak, 1.05 * largest, f"{largest:.0f} {unit}", ha="center", va="bottom")
-    return style.finished(figure, dataset, panels[:, 0], 5)
+    return style.legend(figure, panels[:, 0], 5)
 
 
 def _plot(axes: style.Axes, dataset: xr.Dataset, abscissa: xr.DataArray, variable: xr.DataArray, title: str) -> None:

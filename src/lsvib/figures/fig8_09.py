@@ -7,22 +7,25 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import phase_plane, spans
+from lsvib.datasets.analysis import analyse, value
 from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, printed_laws, style
-from lsvib.figures.common import about, existing, named, spread
+from lsvib.figures.common import about, named, spread
 from lsvib.figures.settings import DriveChanges, PhasePlane, PositiveSpan, Values, several
 from lsvib.models.drive import RigidDrive
-from lsvib.stability.conditions import critical_mass
 
 CAPTION = """\
 Trajectories of the rigid drive (a) below and (b) above the critical mass; triangles on the lines point forward in time.
-Below, the motion decays to steady sliding; above, it seizes (sprag) and slips for ever. (c) Amplitude of the cycle in
-(b), left, and speed of the screw at its impact, right, over the axial force, which the text does not state; the dot is
-the force of (a) and (b).
+Below, the motion decays to steady sliding; above, it seizes (sprag) and slips for ever. Not in the chapter: (c)
+Amplitude of the cycle in (b), left, and speed of the screw at its impact, right, over the axial force, which the text
+does not state; the dot is the force of (a) and (b).
 """
 
 _SWEEP = "of the last case with another axial force, from the first start"
+
+
+_PRINTED = ("Sect. 8.6", "Sect. 8.6.1")
 
 
 class Settings(PhasePlane):
@@ -32,12 +35,21 @@ class Settings(PhasePlane):
     axial_force: PositiveSpan = Field(description="R [N] over which the dependence on it is shown.")
 
 
-def build(settings: Values) -> xr.Dataset:
-    """Compute both phase planes, the critical mass and the sensitivity of case (b) to R, which the text leaves out."""
+def _drives(settings: Values) -> list[RigidDrive]:
     drive = RigidDrive.of(settings["drive"])
-    drives, critical = [drive.replace(**changes) for changes in settings["cases"]], existing(critical_mass(drive))
+    return [drive.replace(**changes) for changes in settings["cases"]]
+
+
+def analysis(settings: Values) -> xr.Dataset:
+    """Analyse both drives: on which side of the critical mass they are."""
+    return analyse(_drives(settings), [("kinematic_constraint", "mass")], ("mass",), _PRINTED)
+
+
+def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
+    """Compute both phase planes, the critical mass and the sensitivity of case (b) to R, which the text leaves out."""
+    drives, critical = _drives(settings), value(analysis.kinematic_constraint_mass)
     forces = spans.even(settings["axial_force"])
-    planes = phase_plane.portraits(settings, drives, ("mass",), ("Sect. 8.6", "Sect. 8.6.1"))
+    planes = phase_plane.portraits(settings, drives, ("mass",), _PRINTED)
     planes = planes.assign_coords(**axis("swept_axial_force", forces), critical_mass=((), critical, CRITICAL_MASS))
     return planes.assign(_sensitivity(drives[-1], forces, settings["starts"][0])).assign_attrs(
         about(__doc__, "exact event-driven motion and its return map", "Sect. 8.6.1, Fig. 8.9")
@@ -118,12 +130,12 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         # The line N = 0 is steep: beyond m_cr forward slip has N < 0 only.
         axes.text(0.4, 0.35, "$N < 0$", transform=axes.transAxes, ha="center")
         words = "no\nsolution" if index else "$N > 0$"
-        axes.text(0.98, 0.75, words, transform=axes.transAxes, ha="right", va="center")
+        axes.text(0.95, 0.875, words, transform=axes.transAxes, ha="right", va="center")
         drawing.label_axes(axes, dataset)
         axes.locator_params(axis="x", nbins=3)
         axes.set_title(f"({'ab'[index]}) $m$ = {style.number(case.mass)} kg ${relation} m_\\mathrm{{cr}}$")
     _over_force(last, dataset)
-    return style.finished(figure, dataset, planes, 4)
+    return style.legend(figure, planes, 4)
 
 
 def _over_force(axes: style.Axes, dataset: xr.Dataset) -> None:
@@ -131,7 +143,7 @@ def _over_force(axes: style.Axes, dataset: xr.Dataset) -> None:
     force = dataset.swept_axial_force
     axes.plot(force, dataset.swept_amplitude, color=style.BLUE)
     axes.plot(dataset.axial_force, dataset.amplitude[1, 0, 0], "o", color=style.BLUE)
-    axes.set(title="(c) cycle of (b) against $R$", xlabel="Axial force " + style.label(force, " ").strip())
+    axes.set(title="(c) ours: cycle of (b) over $R$", xlabel="Axial force " + style.label(force, " ").strip())
     axes.set(ylim=(0, None), xlim=(0, None))
     axes.set_ylabel(style.label(dataset.swept_amplitude, "amplitude of $u$"), color=style.BLUE)
     axes.tick_params(axis="y", which="both", right=False)

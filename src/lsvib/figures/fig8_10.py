@@ -18,9 +18,10 @@ from lsvib.models.threads import ThreadsEvent, ThreadsMode, seated_state, thread
 
 CAPTION = """\
 Compliant threads, k_c = c_c = 10⁸ (SI): (a) phase plane beside the rigid drive's cycle; (b) contact force on a broken
-axis, its peaks in kN above and the sliding between them in N below; (c) the right edge of (a), where the rigid drive
-jumps and the compliant one seizes in finite time; (d) one of the peaks; (e) peak (left) and distance to the rigid cycle
-(right) over R, which the text does not state. The dot is the force of (a) to (d), 50 N assumed.
+axis, its peaks in kN above and the sliding between them in N below. Not in the chapter: (c) the right edge of (a),
+where the rigid drive jumps and the compliant one seizes in finite time; (d) one of the peaks; (e) peak (left) and
+distance to the rigid cycle (right) over R, which the text does not state. The dot is the force of (a) to (d), 50 N
+assumed.
 """
 
 _PEAK = ("N", "largest normal force on the cycle", "$N$")
@@ -62,7 +63,7 @@ def build(settings: of.Values) -> xr.Dataset:
             "printed_peak_normal_force": printed.variable(chapter.PEAK_FORCE, "largest contact force on the cycle"),
         },
         attrs=about(__doc__, "exact event-driven motion with four states", "Sect. 8.6.1, Fig. 8.10"),
-    )
+    ).set_coords("time")
 
 
 def compliant_cycle(drive: ThreadsDrive, start: of.Values) -> SteadyState:
@@ -218,7 +219,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     _close_up(close, dataset)
     _one_peak(peak, dataset)
     _over_force(force, dataset)
-    return style.finished(figure, dataset, [panels["a"], peak], 3)
+    return style.legend(figure, [panels["a"], peak], 3)
 
 
 def _plane(axes: style.Axes, dataset: xr.Dataset) -> None:
@@ -243,7 +244,7 @@ def _close_up(axes: style.Axes, dataset: xr.Dataset) -> None:
         axes.set(xlim=(edge - 0.05 * width, edge + 0.02 * width), ylim=(-1.1 * speed, 1.1 * speed))
     axes.xaxis.set_major_formatter(lambda value, _: f"{1e3 * value:g}".replace("-", "−"))
     axes.locator_params(axis="x", nbins=4)
-    axes.set(title="(c) right edge of (a)", xlabel="Deviation $u$ [10⁻³ rad]",
+    axes.set(title="(c) ours: right edge of (a)", xlabel="Deviation $u$ [10⁻³ rad]",
              ylabel=style.label(dataset.velocity_deviation, "rate"))  # fmt: skip
 
 
@@ -265,7 +266,7 @@ def _force(peaks: style.Axes, sliding: style.Axes, dataset: xr.Dataset) -> None:
         axes.set_xlim(0, float(time[-1]))
         axes.plot([0, 1], [edge, edge], transform=axes.transAxes, clip_on=False, zorder=10, **cut)
     peaks.axhline(printed, color=style.VERMILION, linestyle="--", linewidth=0.9)
-    peaks.text(0.99, 0.97, f"{printed:g} kN, printed", color=style.VERMILION, ha="right", va="top", fontsize=6.5,
+    peaks.text(0.99, 0.97, f"{printed:g} kN, printed", color=style.VERMILION, ha="right", va="top", fontsize=7,
                transform=peaks.transAxes)  # fmt: skip
     sliding.axhline(0, color=style.GREY, linewidth=0.6)
     peaks.set(title="(b) contact force, axis broken: kN above, N below", ylim=(0, 1.06 * _top(dataset)))
@@ -285,7 +286,7 @@ def _one_peak(axes: style.Axes, dataset: xr.Dataset) -> None:
     time = dataset.close_up_time * 1e6
     axes.plot(time, dataset.close_up_normal_force / 1e3, color=style.BLUE)
     axes.axvspan(0, sprag, color=style.YELLOW, alpha=0.35, linewidth=0, label=r"sprag: $N > 0$, $\dot\theta > 0$")
-    axes.set(title="(d) one peak", xlabel="Time after $N = 0$ [µs]", ylabel="$N$ [kN]", ylim=(-10, _top(dataset)))
+    axes.set(title="(d) ours: one peak", xlabel="Time after $N = 0$ [µs]", ylabel="$N$ [kN]", ylim=(-10, _top(dataset)))
     axes.margins(x=0)
 
 
@@ -298,7 +299,7 @@ def _over_force(axes: style.Axes, dataset: xr.Dataset) -> None:
               transform=axes.transAxes)  # fmt: skip
     axes.plot(force, dataset.swept_peak_normal_force / 1e3, color=style.BLUE)
     axes.plot(dataset.axial_force, dataset.peak_normal_force / 1e3, "o", color=style.BLUE)
-    axes.set(title="(e) dependence on $R$", xlabel=f"Axial force {style.label(force, ' ').strip()}")
+    axes.set(title="(e) ours: dependence on $R$", xlabel=f"Axial force {style.label(force, ' ').strip()}")
     axes.set_ylabel("Peak of $N$ [kN]", color=style.BLUE)
     axes.set_xlim(0, float(force[-1]))
     axes.tick_params(axis="y", which="both", right=False)

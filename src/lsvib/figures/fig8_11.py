@@ -71,13 +71,15 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw each limit cycle with its own line N = 0, on which its seizure starts."""
-    figure = style.new_figure(style.DOUBLE * 0.72, 4.3)
+    figure = style.new_figure(style.DOUBLE, 3.6)
     axes = figure.add_subplot()
     cases = [dataset.sel(case=index) for index in dataset.case.values]
-    colours, lines = (style.BLUE, style.ORANGE, style.GREEN, style.PURPLE), []
+    colours, lines = (style.BLACK, style.BLUE, style.SKY, "#C9C9C9"), []  # apart in grey, too
     for case, colour in zip(cases, colours, strict=False):
         unit = style.unit(case.support_damping.attrs["units"])[1:-1]
         drawing.draw_cycle(axes, case, colour, name=f"$c$ = {style.number(case.support_damping)} {unit}")
+        if "cycle_angle" not in case:  # none vibrates
+            continue
         u, w, seized = drawing.cycle_of(case)
         drawing.mark_seizures(axes, u[:-1][seized], w[:-1][seized], colour)
         lines.append((*drawing.parted(u[:-1], w[:-1], seized[:-1]), colour))
@@ -92,4 +94,5 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     axes.text(0.38, 0.5, "$N < 0$ left of\neach line: slip", transform=axes.transAxes, ha="center", va="center")
     axes.text(0.98, 0.96, "right of each line\nno solution: seizure", transform=axes.transAxes, ha="right", va="top")
     drawing.label_axes(axes, dataset)
-    return style.finished(figure, dataset, [axes], 3)
+    cycles = [line for line in axes.lines if line.get_label().startswith("$c$")]
+    return style.legend(figure, [axes], 1, cycles, "outside right upper")

@@ -20,8 +20,8 @@ from lsvib.numbers import bisected
 
 CAPTION = """\
 Sprag–slip cycle over the support damping c: (a) amplitude, (b) mean deflection of the coupling and (c) mean contact
-force; (d) to (f) the same for small c, where the two rules of resuming after a seizure part. The impulses of the
-seizures are part of the mean force.
+force; not in the chapter, (d) to (f) the same for small c, where the two rules of resuming after a seizure part. The
+impulses of the seizures are part of the mean force.
 """
 
 _QUANTITIES = {
@@ -173,7 +173,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         whole, close = panels[:, column]
         for axes, part, scale, power, name_of in (
             (whole, dataset, 1e3, "⁻³", f"({'abc'[column]}) {title}"),
-            (close, near, 1e6, "⁻⁶", f"({'def'[column]}) {title}, small $c$"),
+            (close, near, 1e6, "⁻⁶", f"({'def'[column]}) ours: {title}, small $c$"),
         ):
             _curves(axes, part, name, scale)
             axes.set(
@@ -187,7 +187,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
             whole.plot(dataset.support_damping * 1e3, dataset.mean_impulsive_force[0], color=style.GREY, linewidth=1.0,
                        label="part from impulses")  # fmt: skip
             whole.set_ylim(0, None)
-    return style.finished(figure, dataset, [panels[0, 2], panels[1, 0]], 2)
+    return style.legend(figure, [panels[0, 2], panels[1, 0]], 2)
 
 
 def _curves(axes: style.Axes, dataset: xr.Dataset, name: str, scale: float) -> None:

@@ -21,12 +21,12 @@ from lsvib.numbers import bisected
 from lsvib.stability.conditions import critical_mass_of_contact
 
 CAPTION = """\
-Softer contacts (assumed values): (a) cycles, (b) coupling deflection, (c) its largest value over stiffness and damping
-of the contact, a cell for each contact computed, zero on the black line, and (d) the shortest time of the trajectory, Ω
-over the largest acceleration, each contact of (a) on the line of its own stiffness. The drives have the same mass, 11
-kg, but stand at different distances beyond their thresholds: steady sliding is lost at 9.65, 7.44 and 3.77 kg with
-these contacts, at 10.11 kg with a rigid one (see contact_stability). In (c) and (d) it is the contact damping c_c that
-decides; the stiffness matters where it is large.
+Softer contacts (assumed values): (a) cycles, (b) coupling deflection; not in the chapter, (c) its largest value over
+stiffness and damping of the contact, a cell for each contact computed, zero on the black line, and (d) the shortest
+time of the trajectory, Ω over the largest acceleration, each contact of (a) on the line of its own stiffness. The
+drives have the same mass, 11 kg, but stand at different distances beyond their thresholds: steady sliding is lost at
+9.65, 7.44 and 3.77 kg with these contacts, at 10.11 kg with a rigid one (see contact_stability). In (c) and (d) it is
+the contact damping c_c that decides; the stiffness matters where it is large.
 """
 
 _CONTACT = ("contact_stiffness", "contact_damping")
@@ -199,24 +199,25 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     _deflection(deflection, dataset)
     _map(figure, grid, dataset)
     _shortest(shortest, dataset)
-    return style.finished(figure, dataset, [plane, deflection], 2)
+    return style.legend(figure, [plane, deflection], 2)
 
 
-def _contacts(dataset: xr.Dataset) -> list[tuple[xr.Dataset, str]]:
-    """The contacts that are drawn, each with its colour."""
-    return list(zip((dataset.isel(contact=k) for k in dataset.contact.values), _COLOURS, strict=False))
+def _contacts(dataset: xr.Dataset) -> list[tuple[xr.Dataset, str, Any]]:
+    """The contacts that are drawn, each with its colour and dashes."""
+    contacts = (dataset.isel(contact=k) for k in dataset.contact.values)
+    return list(zip(contacts, _COLOURS, ("-", (0, (5, 1.5)), (0, (3, 1, 1, 1)), (0, (1, 1))), strict=False))
 
 
 def _plane(axes: style.Axes, dataset: xr.Dataset) -> None:
-    axes.plot(dataset.rigid_cycle_angle, dataset.rigid_cycle_velocity, color=style.BLACK, linewidth=0.9,
-              linestyle=(0, (4, 2)), label="rigid drive")  # fmt: skip
     cycles: list[drawing.DrawnLine] = []
-    for one, colour in _contacts(dataset):
+    for one, colour, dashes in _contacts(dataset):
         stiffness, damping = (style.number(one[name]) for name in _CONTACT)
         critical = f"$m_\\mathrm{{cr}}$ = {float(one.critical_mass_with_contact):.2f} kg"
         cycles.append((one.cycle_angle.values, one.cycle_velocity.values, colour))
-        axes.plot(*cycles[-1][:2], color=colour,
+        axes.plot(*cycles[-1][:2], color=colour, linestyle=dashes,
                   label=f"$k_c$ = {stiffness} N m⁻¹, $c_c$ = {damping} N s m⁻¹, {critical}")  # fmt: skip
+    axes.plot(dataset.rigid_cycle_angle, dataset.rigid_cycle_velocity, color=style.BLACK, linewidth=0.9,
+              linestyle=(0, (4, 2)), label="rigid drive")  # fmt: skip
     zero = -float(dataset.steady_deflection)
     axes.axvline(zero, color=style.GREEN, linewidth=0.9, linestyle=":")
     axes.text(zero, 0.45, " $z = 0$", color=style.GREEN, fontsize=7, transform=axes.get_xaxis_transform())
@@ -231,11 +232,11 @@ def _plane(axes: style.Axes, dataset: xr.Dataset) -> None:
 def _deflection(axes: style.Axes, dataset: xr.Dataset) -> None:
     """The coupling deflection from one standstill of the screw to the next."""
     steady = float(dataset.steady_deflection)
-    for one, colour in _contacts(dataset):
+    for one, colour, dashes in _contacts(dataset):
         time, angle = one.cycle_time.values, one.cycle_angle.values
         lowest = np.argmin(angle)
         turned = np.concatenate([time[lowest:] - time[lowest], time[:lowest] + time[-1] - time[lowest]])
-        axes.plot(turned / float(one.period), np.roll(angle, -lowest) + steady, color=colour)
+        axes.plot(turned / float(one.period), np.roll(angle, -lowest) + steady, color=colour, linestyle=dashes)
     axes.axhline(0, color=style.GREEN, linewidth=0.9, linestyle=":")
     axes.set(title="(b) coupling deflection over a period", xlabel="Time after the smallest $z$ / period",
              ylabel="Coupling deflection $z$ [rad]", xlim=(0, 1))  # fmt: skip
@@ -250,9 +251,9 @@ def _map(figure: style.Figure, axes: style.Axes, dataset: xr.Dataset) -> None:
     axes.plot(dataset.boundary_contact_damping, stiffness, "-|", color=style.BLACK, markersize=5)
     axes.annotate("$z = 0$", (float(dataset.boundary_contact_damping[0]), stiffness[0]), (5, 2), fontsize=7,
                   textcoords="offset points")  # fmt: skip
-    axes.set(xscale="log", yscale="log", title="(c) largest deflection: $c_c$ decides its sign")
+    axes.set(xscale="log", yscale="log", title="(c) ours: largest deflection")
     axes.set(xlabel=style.label(dataset.grid_contact_damping), ylabel=style.label(dataset.grid_contact_stiffness))
-    for one, colour in _contacts(dataset):
+    for one, colour, _ in _contacts(dataset):
         if float(one.contact_damping) >= damping[0] and float(one.contact_stiffness) >= stiffness[0]:
             axes.plot(one.contact_damping, one.contact_stiffness, "o", color=colour, mec=style.BLACK, clip_on=False,
                       zorder=4)  # fmt: skip
@@ -262,17 +263,19 @@ def _map(figure: style.Figure, axes: style.Axes, dataset: xr.Dataset) -> None:
 def _shortest(axes: style.Axes, dataset: xr.Dataset) -> None:
     """Shortest time over the contact damping, with lines for the stiffnesses of the contacts drawn and the stiffest."""
     speed, stiffness = abs(float(dataset.input_speed)), dataset.grid_contact_stiffness.values
-    rows = {len(stiffness) - 1: style.PURPLE}
-    for one, colour in _contacts(dataset):
-        rows |= {int(row): colour for row in np.flatnonzero(np.isclose(stiffness, float(one.contact_stiffness)))}
+    rows: dict[int, tuple[str, Any]] = {len(stiffness) - 1: (style.PURPLE, (0, (1, 1)))}
+    for one, colour, dashes in _contacts(dataset):
+        rows |= {
+            int(row): (colour, dashes) for row in np.flatnonzero(np.isclose(stiffness, float(one.contact_stiffness)))
+        }
         axes.plot(one.contact_damping, 1e6 * speed / one.largest_acceleration, "o", color=colour, mec=style.BLACK,
                   zorder=3)  # fmt: skip
-    dashes = ("-", (0, (5, 1.5)), (0, (2, 1)), (0, (5, 1.5, 1, 1.5)))  # lines that nearly coincide are all seen
-    for (row, colour), dash in zip(sorted(rows.items()), dashes, strict=False):
+    # The solid line lies below those that nearly coincide with it.
+    for row, (colour, dashes) in sorted(rows.items(), reverse=True):
         curve = dataset.isel(grid_contact_stiffness=row)
         name = f"$k_c$ = {style.number(curve.grid_contact_stiffness)} N m⁻¹"
         shortest = 1e6 * speed / curve.grid_largest_acceleration
-        axes.plot(curve.grid_contact_damping, shortest, color=colour, linestyle=dash, label=name)
-    axes.set(xscale="log", yscale="log", title="(d) shortest time: $c_c$ decides it, too")
+        axes.plot(curve.grid_contact_damping, shortest, color=colour, linestyle=dashes, label=name)
+    axes.set(xscale="log", yscale="log", title="(d) ours: shortest time")
     axes.set(xlabel=style.label(dataset.grid_contact_damping), ylabel=r"$\Omega\, /\, \max|\ddot\theta|$ [µs]")
-    axes.legend(loc="lower left", fontsize=6.5)
+    axes.legend(loc="lower left")

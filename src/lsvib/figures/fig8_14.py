@@ -16,37 +16,38 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import phase_plane, spans
+from lsvib.datasets.analysis import analyse, value
 from lsvib.datasets.attributes import Variables, attributes, flags_or_none, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures.common import Motion, about, flag_names, named
-from lsvib.figures.settings import MassPair, OpposingForces, PhasePlane, Span, Values
+from lsvib.figures.settings import Cells, MassPair, OpposingForces, PhasePlane, Values
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.model import RULES
 from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
-from lsvib.stability.force_thresholds import global_stability_force
 
 CAPTION = """\
-Trajectories under a negative axial force, c = 1e-3 N m s/rad. R = −50 N, (a) in the chapter, is on the left, attracted
-by steady sliding; R = −10 N, (b) in the chapter, on the right. Both readings of the text are shown: m = 10 kg as
-printed above, and m = 11 kg, beyond the critical mass as Sect. 8.7 assumes, below, where (d) has a limit cycle. Small
-marks are the 169 starts whose attractor was found. (e) The corner of (c) in which N = 0 and θ′ = 0 meet: if motion
-resumes at once after a seizure, as in the chapter, reverse slips and seizures follow each other without end. (f) The
-distance of the seizures from the corner falls with the ratio c a / (k Ω + c a), so that it is reached in finite time.
-By the sign of the contact force, the limit of a stiff contact, the screw rests after three. See docs/physics.md.
+Trajectories under a negative axial force, c = 1e-3 N m s/rad, (a) for R = −50 N and (b) for R = −10 N, as in the
+chapter, whose mass of 10 kg gives no limit cycle in (b). Not in the chapter: (c), (d) the same for m = 11 kg, beyond
+the critical mass as Sect. 8.7 assumes, where (d) has the limit cycle. Shaded are starts by the attractor of their
+motion, as the mapper of the region of attraction finds it. (e) The corner of (c) in which N = 0 and θ′ = 0 meet: if
+motion resumes at once after a seizure, as in the chapter, reverse slips and seizures follow each other without end. (f)
+The distance of the seizures from the corner falls with the ratio c a / (k Ω + c a), so that it is reached in finite
+time. By the sign of the contact force, the limit of a stiff contact, the screw rests after three. See docs/physics.md.
 """
 
 _CHANGED = ("mass", "axial_force")  # in which the cases differ
+_PRINTED = ("Fig. 8.14", "Sect. 8.6")
 _DISTANCES = np.concatenate([[0.0], np.geomspace(1e-4, 2.0, 60)])  # rad; the cycles of the figure are 0.1 rad wide
 _ROUNDING = 16 * np.finfo(float).eps  # of the corner: a few rounding errors of u and of the line N = 0
 _RULES = {  # colour, mark, its size, width, words
     "contact sign": (style.BLUE, "s", 7.0, 2.6, "by the sign of the contact force"),
     "at once": (style.ORANGE, "o", 3.5, 1.0, "at once, as in the chapter"),
 }
-_STARTS = {  # mark and colour of a start of the grid by its attractor
-    "steady sliding": (".", style.GREEN, "start that steady sliding attracts"),
-    "sprag slip cycle": ("x", style.GREY, "start that the cycle attracts"),
+_STARTS = {  # colour of the starts by their attractor
+    "steady sliding": ("#E4F4E8", "starts that steady sliding attracts"),
+    "sprag slip cycle": ("#CCCCCC", "starts that the cycle attracts"),
 }
 
 
@@ -55,28 +56,41 @@ class Settings(PhasePlane):
 
     masses: MassPair = Field(description="Mass as printed, and mass beyond the critical one [kg].")
     axial_forces: OpposingForces = Field(description="Axial forces of panels (a) and (b) [N].")
-    angle: Span = Field(description="Deviations u of the starts whose attractor is found [rad].")
-    velocity: Span = Field(description="Rates of those starts w [rad/s].")
+    angle: Cells = Field(description="Deviations u of the starts whose attractor is found [rad].")
+    velocity: Cells = Field(description="Rates of those starts w [rad/s].")
 
 
-def build(settings: Values) -> xr.Dataset:
-    """Compute the four phase planes (mass by mass, force by force) and the force of global stability beyond m_cr."""
+def _drives(settings: Values) -> list[RigidDrive]:
     drive = RigidDrive.of(settings["drive"])
-    drives = [drive.replace(mass=m, axial_force=r) for m in settings["masses"] for r in settings["axial_forces"]]
-    angle, velocity = spans.even(settings["angle"]), spans.even(settings["velocity"])
-    plane = ("case", "grid_angle_deviation", "grid_velocity_deviation")
-    grid = [[_labels(d, RULES[0], [(u, w) for w in velocity]) for u in angle] for d in drives]
-    threshold = global_stability_force(drives[-1])
+    return [drive.replace(mass=m, axial_force=r) for m in settings["masses"] for r in settings["axial_forces"]]
+
+
+def analysis(settings: Values) -> xr.Dataset:
+    """Analyse the four drives; beyond m_cr they have a force of global stability."""
+    return analyse(_drives(settings), [("global_stability", "axial_force")], _CHANGED, _PRINTED)
+
+
+def maps(settings: Values) -> xr.Dataset:
+    """Map the starts of the four drives to their attractors."""
+    from lsvib.datasets.map import grids_of
+
+    return grids_of(_drives(settings), settings["angle"], settings["velocity"])
+
+
+def build(settings: Values, analysis: xr.Dataset, maps: xr.Dataset) -> xr.Dataset:
+    """Compute the four phase planes, mass by mass and force by force, and motions beside the global stability force."""
+    drives = _drives(settings)
+    drive, threshold = drives[-1], value(analysis.global_stability_axial_force, -1)
     # Also at a relative distance of 1e-9 on either side of a threshold.
     bracket = [threshold * (1 + sign * 1e-9) for sign in (-1, 1)]
     # The end of rest is u = c Ω / k, u′ = −Ω.
     release = drive.support_damping * drive.input_speed / drive.coupling_stiffness, -drive.input_speed
-    beside = [drives[-1].replace(axial_force=force) for force in bracket]
+    beside = [drive.replace(axial_force=force) for force in bracket]
     released = [[_labels(d, rule, [release])[0] for rule in RULES] for d in beside]
     words, below = "attractor of the motion that leaves rest, beside the threshold", "distance of the start below"
-    planes = phase_plane.portraits(settings, drives, _CHANGED, ("Fig. 8.14", "Sect. 8.6")).assign_coords(
+    planes = phase_plane.portraits(settings, drives, _CHANGED, _PRINTED).assign_coords(
         {
-            **phase_plane.grid_axes(angle, velocity),
+            **{name: maps[name] for name in ("grid_angle_deviation", "grid_velocity_deviation")},
             "corner_distance": variable("corner_distance", _DISTANCES, "rad", f"{below} the corner, at standstill"),
             "bracket_axial_force": variable("bracket", bracket, "N", "axial force beside the threshold", "$R$"),
             "global_stability_force": variable(
@@ -87,9 +101,9 @@ def build(settings: Values) -> xr.Dataset:
     return planes.assign(
         _reverse_slips(drives, settings["starts"][-1], settings["duration"], settings["samples"])
         | _corners(drives)
-        | _first_events(drives, angle, velocity, settings["duration"])
+        | _first_events(drives, maps, settings["duration"])
         | {
-            "grid_attractor": phase_plane.attractors(plane, grid),
+            "grid_attractor": maps.grid_attractor,
             "bracket_attractor": phase_plane.attractors(("bracket", "rule"), released, words),
         }
     ).assign_attrs(about(__doc__, "exact event-driven motion and its return map", "Sect. 8.7, Fig. 8.14"))
@@ -100,30 +114,32 @@ def _labels(drive: RigidDrive, rule: str, states: Sequence[tuple[float, float]])
     return [phase_plane.reached(drive, {"u": u, "w": w}, rule).label for u, w in states]
 
 
-def _first_events(drives: Sequence[RigidDrive], u: np.ndarray, w: np.ndarray, duration: float) -> Variables:
-    """Of the motions from the grid: what happens at the start, if anything, the rate after it, and events from then on.
+def _first_events(drives: Sequence[RigidDrive], maps: xr.Dataset, duration: float) -> Variables:
+    """Of motions from some cells of the map: what happens at once, if anything, the rate after it, and later events.
 
-    A rest counts as an event even if nothing happens at its beginning.
+    A rest counts as a later event even if it begins at once.
     """
     from lsvib.engine.motion import follow
 
-    first, rate, later = (np.full((len(drives), u.size, w.size), value) for value in (-1, np.nan, 0))
-    for place in np.ndindex(first.shape):
-        motion = follow(rigid_automaton(drives[place[0]]), [u[place[1]], w[place[2]]], duration)
+    places = {f"grid_{name}_deviation": maps[f"grid_{name}_deviation"] for name in ("angle", "velocity")}
+    few = maps.isel({name: spans.evenly_chosen(axis.size, 16) for name, axis in places.items()})
+    few = few.stack(probe=list(places), create_index=False)
+    u, w = (few[name].values for name in places)
+    first, rate, later = (np.full((len(drives), u.size), value) for value in (-1, np.nan, 0))
+    for case, probe in np.ndindex(first.shape):
+        motion = follow(rigid_automaton(drives[case]), [u[probe], w[probe]], duration)
         at_once = motion.time == 0
         if at_once.any():
-            first[place], rate[place] = motion.kind[0], motion.after[0, 1]
+            first[case, probe], rate[case, probe] = motion.kind[0], motion.after[0, 1]
         rests = motion.automaton.codes[motion.mode[at_once]] == MotionMode.REST
-        later[place] = (~at_once).sum() + rests.sum()
-    dims, when = ("case", "grid_angle_deviation", "grid_velocity_deviation"), "of the motion from a start of the grid"
+        later[case, probe] = (~at_once).sum() + rests.sum()
+    dims, when, about_first = ("case", "probe"), "of the motion from the cell", flags_or_none(EventKind)
     return {
-        "grid_first_event": (
-            dims,
-            first.astype(np.int8),
-            attributes("1", f"event at once {when}", **flags_or_none(EventKind)),
-        ),
-        "grid_velocity_after": variable(dims, rate, "rad s-1", f"rate of the deviation after the event at once {when}"),
-        "grid_later_events": variable(dims, later, "1", f"number of later events and rests {when}"),
+        **phase_plane.curve("probe", "probe", np.transpose([u, w]), "of a cell of the map"),
+        "probe_attractor": phase_plane.attractors(dims, few.grid_attractor.transpose(*dims).values),
+        "probe_event": (dims, first.astype(np.int8), attributes("1", f"event at once {when}", **about_first)),
+        "probe_velocity_after": variable(dims, rate, "rad s-1", f"rate of the deviation after that event {when}"),
+        "probe_later_events": variable(dims, later, "1", f"number of later events and rests {when}"),
     }
 
 
@@ -213,14 +229,14 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 
 def _start_checks(heavy: xr.Dataset) -> list[Check]:
     """Check beyond m_cr what Sect. 8.7 says of starts, by the signs of N under law − and of θ′, and of N = 0."""
-    first, u, w = xr.broadcast(heavy.grid_first_event, heavy.grid_angle_deviation, heavy.grid_velocity_deviation)
+    first, u, w = xr.broadcast(heavy.probe_event, heavy.probe_angle, heavy.probe_velocity)
     positive = u - heavy.contact_line_slope * w > heavy.contact_line_angle  # Q, and N under law −
     stop = heavy.stop_velocity
     forward = w > stop
-    jumps = first.copy(data=named(first, "seizure")) & (heavy.grid_velocity_after == stop)
-    origin = jumps.copy(data=named(heavy.grid_attractor, "steady sliding"))
-    alone, back = ~positive & forward & (heavy.grid_later_events == 0), ~positive & ~forward & (w < stop)
-    straight = ((heavy.grid_later_events == 0) & origin).where(back)
+    jumps = first.copy(data=named(first, "seizure")) & (heavy.probe_velocity_after == stop)
+    origin = jumps.copy(data=named(heavy.probe_attractor, "steady sliding"))
+    alone, back = ~positive & forward & (heavy.probe_later_events == 0), ~positive & ~forward & (w < stop)
+    straight = ((heavy.probe_later_events == 0) & origin).where(back)
     arrivals = heavy.event_kind.copy(data=named(heavy.event_kind, "seizure"))
     after, of = heavy.event_velocity_deviation_after, "starts"
     reversals, place = named(heavy.event_kind, "contact reversal").sum(), "Sect. 8.7"
@@ -383,11 +399,11 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     panels = above.subplots(2, 2, sharex=True, sharey=True).ravel()
     cases = [dataset.isel(case=index) for index in range(4)]
     for axes, case, letter in zip(panels, cases, "abcd", strict=True):
-        _starts(axes, case)
+        _region(axes, case)
         drawing.phase_plane(axes, case, (2.2, 1.0, 1.0, 1.0))  # the first motion shows on both sides of a later one
-        note = "as printed" if letter in "ab" else "$m > m_\\mathrm{cr}$"
+        note, ours = ("as printed", "") if letter in "ab" else ("$m > m_\\mathrm{cr}$", "ours: ")
         force, mass = style.number(case.axial_force), style.number(case.mass)
-        axes.set_title(f"({letter}) $R$ = {force} N, $m$ = {mass} kg, {note}")
+        axes.set_title(f"({letter}) {ours}$R$ = {force} N, $m$ = {mass} kg, {note}")
     edges = np.array([dataset[f"grid_{name}_deviation"].values[[0, -1]] for name in ("angle", "velocity")])
     panels[0].axis(np.ravel(edges + 0.06 * np.ptp(edges, axis=1, keepdims=True) * [-1, 1]))  # all motions begin there
     for axes, case in zip(panels, cases, strict=True):
@@ -398,20 +414,23 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     close, distance = below.subplots(1, 2)
     _close_up(close, cases[2])
     _distances(distance, dataset)
-    style.legend(above, panels, 4)
+    style.legend(above, panels, 4, [patch for axes in panels for patch in axes.patches])
     style.legend(below, [distance], 3)
-    style.state_values(figure, dataset)
     return figure
 
 
-def _starts(axes: style.Axes, case: xr.Dataset) -> None:
-    """Mark each start of the grid by the attractor of its motion."""
-    w, u = np.meshgrid(case.grid_velocity_deviation, case.grid_angle_deviation)
+def _region(axes: style.Axes, case: xr.Dataset) -> None:
+    """Shade the starts by the attractor of their motion."""
+    from matplotlib.colors import ListedColormap
+
+    w, u = case.grid_velocity_deviation, case.grid_angle_deviation
     for name in flag_names(case.grid_attractor).values():
         here = named(case.grid_attractor, name)
         if here.any():
-            mark, colour, words = _STARTS.get(name, ("+", style.PURPLE, f"start that leads to {name}"))
-            axes.plot(u[here], w[here], mark, color=colour, markersize=3, markeredgewidth=0.7, label=words, zorder=1)
+            colour, words = _STARTS.get(name, (style.PURPLE, f"starts that lead to {name}"))
+            shown = np.where(here, 1.0, np.nan).T
+            axes.pcolormesh(u, w, shown, cmap=ListedColormap([colour]), rasterized=True, zorder=0)
+            axes.fill([], [], color=colour, label=words)
 
 
 def _close_up(axes: style.Axes, case: xr.Dataset) -> None:
@@ -429,7 +448,7 @@ def _close_up(axes: style.Axes, case: xr.Dataset) -> None:
     axes.annotate("corner", (corner, stop), (-10, -30), textcoords="offset points", ha="right",
                   arrowprops={"arrowstyle": "-", "linewidth": 0.6})  # fmt: skip
     axes.locator_params(nbins=5)
-    axes.set_title("(e) corner of (c): reverse slips, seizures")
+    axes.set_title("(e) ours: corner of (c), reverse slips")
     drawing.label_axes(axes, case)
 
 
@@ -446,6 +465,6 @@ def _distances(axes: style.Axes, dataset: xr.Dataset) -> None:
         axes.plot(number, found[middle] * ratio ** (number - 1 - middle), color=style.BLACK, linewidth=0.7,
                   label=r"falls with $c a / (k \Omega + c a)$")  # fmt: skip
         axes.text(*place, f"({letter}) ratio {ratio:.4f}", transform=axes.transAxes)
-    axes.set(yscale="log", title="(f) distance of the seizures from the corner", xlabel="Number of the seizure")
+    axes.set(yscale="log", title="(f) ours: seizures approach the corner", xlabel="Number of the seizure")
     axes.xaxis.get_major_locator().set_params(integer=True)
     axes.set_ylabel(style.label(dataset.seizure_distance, "distance"))

@@ -7,26 +7,26 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import printed, spans
+from lsvib.datasets.analysis import analyse, value
 from lsvib.datasets.attributes import axis, drive_parameters, flagged, variable
 from lsvib.datasets.checks import Check
-from lsvib.errors import InputError
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, named, over_map
 from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Span, Values, parameter
 from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive, SupportDrive
 from lsvib.stability import conditions
-from lsvib.stability.conditions import critical_friction, critical_mass
+from lsvib.stability.conditions import critical_mass
 from lsvib.stability.linear import UndampedClass, eigenvalues, support_model, undamped_class, values_of
 
 CAPTION = """\
-Stability of the undamped drive with axial support over friction coefficient and support stiffness, by the generalised
-eigenvalues of (8.23) at each point, with the boundaries (8.29) in closed form and the critical friction coefficient
-(8.27). Beyond the upper branch, where the effective inertia of the drive with a rigid support is negative, both modes
-diverge by (8.25). The chapter calls the horizontally hatched region the primary one of the kinematic constraint: there
-the reduced effective inertia is negative. The third region, of divergence, is not in the chapter; as the support
-stiffens it becomes the kinematic instability of the rigid drive. The stiffness of the coupling is assumed, because
-Table 7.1 is not in the chapter; the boundaries of mode coupling are in proportion to it.
+Stability of the undamped drive with axial support, R Ω > 0, over friction coefficient and support stiffness, by the
+generalised eigenvalues of (8.23) at each point, with the boundaries (8.29) in closed form and the critical friction
+coefficient (8.27). Beyond the upper branch, where the effective inertia of the drive with a rigid support is negative,
+both modes diverge by (8.25). The chapter calls the horizontally hatched region the primary one of the kinematic
+constraint: there the reduced effective inertia is negative. The third region, of divergence, is not in the chapter; as
+the support stiffens it becomes the kinematic instability of the rigid drive. The stiffness of the coupling is assumed,
+because Table 7.1 is not in the chapter; the boundaries of mode coupling are in proportion to it.
 """
 
 _PARAMETERS = ("mass", "screw_mass", "screw_inertia", "pitch_radius", "lead_angle", "coupling_stiffness")
@@ -49,15 +49,22 @@ class Settings(FigureSettings):
     support_stiffness: PositiveSpan = Field(description="k_1 [N/m], spaced logarithmically.")
 
 
-def build(settings: Values) -> xr.Dataset:
+def _drive(settings: Values) -> SupportDrive:
+    return SupportDrive.of({"screw_mass": settings["screw_mass"], **settings["drive"]})
+
+
+def analysis(settings: Values) -> xr.Dataset:
+    """Analyse the drive: its critical friction coefficient."""
+    return analyse([_drive(settings)], [("kinematic_constraint", "friction_coefficient")])
+
+
+def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     """Compute the undamped class map by eigenvalues, flutter boundaries in closed form, critical friction both ways."""
-    drive = SupportDrive.of({"screw_mass": settings["screw_mass"], **settings["drive"]})
+    drive = _drive(settings)
     friction = spans.even(settings["friction_coefficient"])
     stiffness = spans.logarithmic(settings["support_stiffness"])
     drive.replace(friction_coefficient=float(friction.max()))  # refuses what is beyond cot λ
-    critical = critical_friction(drive, drive.screw_mass)
-    if critical is None:
-        raise InputError("No friction coefficient below cot(lead_angle) makes the reduced inertia vanish.")
+    critical = value(analysis.kinematic_constraint_friction_coefficient)
     # From tan λ on, crowded at both ends, and the friction coefficients of the map between.
     start = float(np.tan(drive.lead_angle))
     crowded = start + (critical - start) * (1 - np.cos(np.linspace(0, np.pi, 801))) / 2
@@ -290,7 +297,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the class map by eigenvalues, over it the boundaries in closed form and the critical friction."""
     from matplotlib.patches import Patch
 
-    figure = style.new_figure(style.DOUBLE * 0.8, 4.6)
+    figure = style.new_figure(style.DOUBLE, 3.8)
     axes = figure.add_subplot()
     friction, stiffness, patches = dataset.friction_coefficient, dataset.support_stiffness, []
     colours = {name: colour for name, (colour, *_) in _REGIONS.items()}
@@ -310,4 +317,4 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     axes.axvline(printed, **style.PRINTED, label=rf"$\mu_\mathrm{{kc}}$ = {printed:g}, as printed")
     axes.set(xlabel=style.label(friction), ylabel=style.label(stiffness), yscale="log")
     axes.set(xlim=friction[[0, -1]], ylim=stiffness[[0, -1]])
-    return style.finished(figure, dataset, [axes], 2, patches)
+    return style.legend(figure, [axes], 1, patches, "outside right upper")

@@ -368,7 +368,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     _orders(columns[1], families[_VISCOUS])
     _others(columns[2], families)
     for axes in columns:
-        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=6.5, handletextpad=0.3)
+        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), handletextpad=0.3)
     _name_branches(columns, dataset)
     _errors(panels[0], families[_VISCOUS])
     _rests(panels[1], families)
@@ -376,7 +376,6 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     for axes in panels:
         axes.set(xscale="log", yscale="log", xlabel="Contact stiffness $k_c$ [N m⁻¹]")
         axes.set_xlim(float(dataset.contact_stiffness[0]), float(dataset.contact_stiffness[-1]))
-    style.state_values(figure, dataset)
     return figure
 
 
@@ -393,7 +392,7 @@ def _distances(axes: style.Axes, viscous: xr.Dataset) -> None:
     axes.plot(viscous.branch[differ], viscous.motion_distance[:, -1, 1][differ], "x", color=style.VERMILION,
               markersize=4.5, label="stiffest contact against\nthe other rule, at once")  # fmt: skip
     axes.set(yscale="log", ylabel="Distance to the\nrigid motion")
-    axes.set_title("(a) viscous limit, each column a branch", pad=14)
+    axes.set_title("(a) viscous limit, each column a branch", pad=25)
 
 
 def _orders(axes: style.Axes, viscous: xr.Dataset) -> None:
@@ -434,8 +433,8 @@ def _name_branches(columns: Sequence[style.Axes], dataset: xr.Dataset) -> None:
         axes.tick_params(axis="x", length=0)
     for start, stop in pairwise([0, *changes, count]):
         force, damping = (style.number(value) for value in drives[:, start])
-        columns[0].text((start + stop - 1) / 2, 1.02, f"$R$ = {force} N, $c$ = {damping}", ha="center", va="bottom",
-                        fontsize=6.5, transform=columns[0].get_xaxis_transform())  # fmt: skip
+        columns[0].text((start + stop - 1) / 2, 1.02, f"$R$ = {force} N\n$c$ = {damping}", ha="center", va="bottom",
+                        fontsize=7.5, transform=columns[0].get_xaxis_transform())  # fmt: skip
 
 
 def _errors(axes: style.Axes, viscous: xr.Dataset) -> None:

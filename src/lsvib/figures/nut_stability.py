@@ -9,8 +9,9 @@ from pydantic import Field
 from lsvib.datasets import spans
 from lsvib.datasets.attributes import CRITICAL_MASS, axis, drive_parameters, flagged, origin_of, parameter, variable
 from lsvib.datasets.checks import Check
+from lsvib.errors import InputError
 from lsvib.figures import drawing, printed_laws, style
-from lsvib.figures.common import about, existing, named, over_map
+from lsvib.figures.common import about, named, over_map
 from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Span, Values
 from lsvib.models.drive import NutDrive
 from lsvib.models.mechanics import coefficients
@@ -50,7 +51,9 @@ class Settings(FigureSettings):
 def build(settings: Values) -> xr.Dataset:
     """Compute the critical mass over the nut's inertia, in closed form and by eigenvalues, and the classes; c_x = 0."""
     drive = NutDrive.of(settings["drive"])
-    rigid, inertia = existing(critical_mass(drive)), spans.logarithmic(settings["nut_inertia"])
+    rigid, inertia = critical_mass(drive), spans.logarithmic(settings["nut_inertia"])
+    if rigid is None:
+        raise InputError("The drive is not self-locking (mu <= tan lambda), so it has no critical mass.")
     friction = spans.even(settings["friction_coefficient"])
     drive.replace(friction_coefficient=float(friction.max()))  # refuses what is beyond cot λ
     nuts = [drive.replace(nut_inertia=float(value)) for value in inertia]
@@ -237,7 +240,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     words = {"kinematic constraint": "unstable: kinematic constraint", "stable": "stable"}
     edge = {"edgecolor": style.GREY, "linewidth": 0.5}
     patches = [Patch(facecolor=_COLOURS[name], label=label, **edge) for name, label in words.items()]
-    return style.finished(figure, dataset, [mass, plane], 4, patches)
+    return style.legend(figure, [mass, plane], 4, patches)
 
 
 def _critical_mass(axes: style.Axes, dataset: xr.Dataset) -> None:
@@ -253,7 +256,7 @@ def _critical_mass(axes: style.Axes, dataset: xr.Dataset) -> None:
     axes.annotate(f"nut that cannot turn: {rigid:.3f} kg", (0.03, rigid), (0, 3), color="#505050", fontsize=6.5,
                   xycoords=axes.get_yaxis_transform(), textcoords="offset points")  # fmt: skip
     axes.axvline(screw, 0, 0.82, color=style.BLACK, linewidth=0.6, linestyle=":")
-    axes.text(screw, 0.06, " $I_2 = I$", fontsize=6.5, transform=axes.get_xaxis_transform())
+    axes.text(screw, 0.06, " $I_2 = I$", fontsize=7.5, transform=axes.get_xaxis_transform())
     friction = style.number(dataset.drawn_friction_coefficient)
     axes.set(xscale="log", title=rf"(a) critical mass, $\mu$ = {friction}", xlabel=style.label(inertia))
     axes.set(ylabel="Critical mass $m_\\mathrm{cr}$ [kg]", ylim=(0, 1.15 * rigid), xlim=inertia[[0, -1]])

@@ -5,7 +5,8 @@ Importing this loads no matplotlib, so a figure, whose dataset is built without 
 
 import os
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from functools import wraps
 from typing import TYPE_CHECKING, Any
 
@@ -55,11 +56,13 @@ _STYLE = {
     "ytick.right": True,
     "legend.frameon": False,
     "legend.fontsize": 7.5,
+    "legend.columnspacing": 1.5,
     "figure.constrained_layout.use": True,
     "pdf.fonttype": 42,  # embed TrueType, so that text in the PDF stays text
 }
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _LETTERS = {"\\times": "×", "\\Omega": "Ω", "\\lambda": "λ", "\\mu": "μ", "\\theta": "θ", "\\zeta": "ζ"}
+_ORIGINS = ("printed", "assumed", "given")
 _STATED = re.compile(r"(\S+) \(printed")  # a printed value among assumed ones
 
 
@@ -69,12 +72,23 @@ def styled(draw: Callable[[xr.Dataset], Figure]) -> Callable[[xr.Dataset], Figur
     @wraps(draw)
     def in_style(dataset: xr.Dataset) -> Figure:
         """Draw in our style."""
-        from matplotlib import rc_context
-
-        with rc_context(_STYLE):
+        with _look():
             return draw(dataset)
 
     return in_style
+
+
+@contextmanager
+def _look(**more: Any) -> Iterator[None]:
+    """Our style, with indices of four fifths of the size, so that those of 7.5 pt are of 6 pt."""
+    from matplotlib import _mathtext, rc_context
+
+    factor, _mathtext.SHRINK_FACTOR = _mathtext.SHRINK_FACTOR, 0.8
+    try:
+        with rc_context(_STYLE | more):
+            yield
+    finally:
+        _mathtext.SHRINK_FACTOR = factor
 
 
 def new_figure(width: float = SINGLE, height: float = 2.8) -> Figure:
@@ -123,7 +137,7 @@ def amount(variable: xr.DataArray, values: np.ndarray | None = None) -> str:
 
 
 def amounts(dataset: xr.Dataset, kind: str) -> list[str]:
-    """Return :func:`amount` of each parameter, as far as it is "printed" beyond Table 8.1, or "assumed", each once.
+    """Return :func:`amount` of each parameter that is "printed" beyond Table 8.1, "assumed" or "given", each once.
 
     The attribute ``origin`` of a parameter says which; of several values it names those that are printed and not
     assumed after the word "except".
@@ -131,80 +145,47 @@ def amounts(dataset: xr.Dataset, kind: str) -> list[str]:
     found = []
     for variable in dataset.variables.values():
         origin = variable.attrs.get("origin", "")
-        if not origin.startswith(("printed", "assumed")) or origin == "printed: Table 8.1":
+        if not origin.startswith(_ORIGINS) or origin == "printed: Table 8.1":
             continue
         rule, _, exceptions = origin.partition(", except ")
         values = np.unique(variable.values)
         excepted = np.isin([f"{value:g}" for value in values], _STATED.findall(exceptions))
-        chosen = values[excepted != rule.startswith(kind)]
+        chosen = values[~excepted if rule.startswith(kind) else excepted & (kind == "printed")]
         if chosen.size:
             found.append(amount(xr.DataArray(variable), chosen))
     return list(dict.fromkeys(found))
 
 
-def state_values(figure: Figure, dataset: xr.Dataset, rest: str = "Otherwise Table 8.1.") -> None:
-    """Write under a picture which values it holds for, by the metadata of the dataset alone.
+def stated(dataset: xr.Dataset) -> str:
+    """Return which values a dataset holds for, by its metadata alone, without mathematics; empty where it has none.
 
-    First come the parameters that the chapter prints elsewhere than in Table 8.1, then all that are assumed, then
-    ``rest``. The text is broken where it would be wider than the figure.
+    First come the parameters that the chapter prints elsewhere than in Table 8.1, then all that are assumed or given.
     """
-    words = [
-        *enumeration("As printed: ", amounts(dataset, "printed")),
-        *enumeration("Assumed: ", amounts(dataset, "assumed")),
-    ]
-    write_below(figure, [*words, rest if words else "All values: Table 8.1."])
+    found = zip(("As printed: ", "Assumed: ", ""), (amounts(dataset, kind) for kind in _ORIGINS), strict=True)
+    parts = [f"{words}{', '.join(own)}." for words, own in found if own]
+    if any(variable.attrs.get("origin") == "printed: Table 8.1" for variable in dataset.variables.values()):
+        parts.append("Otherwise Table 8.1." if parts else "All values: Table 8.1.")
+    return plain(" ".join(parts))
 
 
-def state_given(figure: Figure, dataset: xr.Dataset) -> None:
-    """Write under a picture the parameters that were given for it."""
-    given = [x for x in dataset.variables.values() if x.attrs.get("origin", "").startswith("given")]
-    write_below(figure, enumeration("", [amount(xr.DataArray(x)) for x in given]))
-
-
-def legend(figure: Figure, axes: Sequence[Axes], columns: int, first: Sequence[Any] = ()) -> None:
-    """Put one legend above the panels: the ``first`` artists, then what the panels name, each name once."""
+def legend(
+    figure: Figure, axes: Sequence[Axes], columns: int, first: Sequence[Any] = (), place: str = "outside upper center"
+) -> Figure:
+    """Put one legend beside the panels: the ``first`` artists, then what the panels name, each name once."""
     entries = {artist.get_label(): artist for artist in first}
     for panel in axes:
         for handle, name in zip(*panel.get_legend_handles_labels(), strict=True):
             entries.setdefault(name, handle)
-    figure.legend(entries.values(), entries.keys(), loc="outside upper center", ncols=columns)
-
-
-def finished(
-    figure: Figure, dataset: xr.Dataset, axes: Sequence[Axes], columns: int, first: Sequence[Any] = ()
-) -> Figure:
-    """Return a picture with its values below, :func:`state_values`, and one legend above, :func:`legend`."""
-    state_values(figure, dataset)
-    legend(figure, axes, columns, first)
+    figure.legend(entries.values(), entries.keys(), loc=place, ncols=columns)
     return figure
 
 
-def write_below(figure: Figure, words: Sequence[str]) -> None:
-    """Write pieces of a text under a picture, in as many lines as its width takes."""
-    note = figure.supxlabel("", x=0.01, ha="left", fontsize=7, linespacing=1.4)
-    room = 0.98 * figure.bbox.width
-    lines: list[str] = []
-    for word in words:
-        note.set_text(f"{lines[-1]} {word}" if lines else word)
-        if lines and note.get_window_extent().width <= room:
-            lines[-1] = note.get_text()
-        else:
-            lines.append(word)
-    note.set_text("\n".join(lines))
-
-
 def plain(text: str) -> str:
-    """Return words of a picture in one line and without mathematics: ``"$k_c$ = $10^{8}$"`` becomes ``"k_c = 10⁸"``."""
+    """Return words in one line and without mathematics: ``"$k_c$ = $10^{8}$"`` becomes ``"k_c = 10⁸"``."""
     text = re.sub(r"\^\{(-?\d+)\}", lambda power: power[1].translate(SUPERSCRIPTS), text)
     for command, letter in _LETTERS.items():
         text = text.replace(command, letter)
     return " ".join(text.replace("$", "").split())
-
-
-def enumeration(start: str, items: Sequence[str]) -> list[str]:
-    """Return the pieces of "start a, b, c." that a line break may part."""
-    ends = [","] * (len(items) - 1) + ["."]
-    return [f"{start if k == 0 else ''}{item}{end}" for k, (item, end) in enumerate(zip(items, ends, strict=False))]
 
 
 def save(
@@ -215,11 +196,9 @@ def save(
     ``pdf``: None for no PDF; ``resolution`` [dots per inch] of the PNG. The layout is found once, for the PNG; the PDF
     has the same. Raises ``LsvibError`` if a file cannot be written.
     """
-    from matplotlib import rc_context
-
     metadata: dict[str, dict[str, Any]] = {"png": {"Software": None}, "pdf": {"CreationDate": None, "Producer": None}}
     # With an engine of layout, be it the one named "none", each file would be drawn once more, unseen, to lay it out.
-    with rc_context(_STYLE | {"figure.constrained_layout.use": False}):
+    with _look(**{"figure.constrained_layout.use": False}):
         figure.set_dpi(resolution)
         if (layout := figure.get_layout_engine()) is not None:
             layout.execute(figure)

@@ -55,11 +55,11 @@ Parameter = IntEnum("Parameter", list(HALF_UNITS), start=0)
 _SYMBOLS = {
     "pitch radius": ("$r_m$", style.BLUE),
     "lead angle deg": ("$\\lambda$", style.SKY),
-    "screw inertia": ("$I$", style.GREEN),
+    "screw inertia": ("$I$", style.BLACK),
     "friction coefficient": ("$\\mu$", style.PURPLE),
     "coupling stiffness": ("$k$", style.YELLOW),
     "support damping": ("$c$", style.ORANGE),
-    "input speed": ("$\\Omega$", style.GREY),
+    "input speed": ("$\\Omega$", style.WINE),
 }
 
 

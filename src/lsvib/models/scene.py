@@ -89,11 +89,14 @@ def read_yaml(path: str | Path) -> dict[str, Any]:
     """Read a YAML file that holds names and values.
 
     Numbers are decimal, with leading zeros too; what YAML 1.1 would read as sexagesimal, hexadecimal or with
-    underscores stays text. Raises ``InputError`` in one sentence if the file is missing or something else, or gives a
-    key twice.
+    underscores stays text. Raises ``InputError`` in one sentence if the file is missing or something else, gives a key
+    twice, or holds more than a million values, those that aliases repeat included.
     """
     largest = 10_000_000  # bytes
     try:
+        if not Path(path).is_file():  # a pipe or device may never end
+            Path(path).stat()
+            raise OSError(0, "it is not a regular file")
         with Path(path).open("rb") as file:
             content = file.read(largest + 1)
         values = yaml.load(content.decode("utf-8"), Loader=_Loader) if len(content) <= largest else None
@@ -123,6 +126,15 @@ class _Loader(yaml.SafeLoader):
                 seen.add((key.tag, key.value))
         return super().construct_mapping(node, deep)  # type: ignore[arg-type]  # it refuses what is no mapping
 
+    def get_single_node(self) -> yaml.Node | None:
+        """Return the whole document; refuse one that aliases make too large, or part of itself."""
+        node = super().get_single_node()
+        if node is not None and _values_in(node, {}) > 1e6:
+            raise yaml.constructor.ConstructorError(
+                None, None, "it holds more than 1000000 values, with aliases written out", node.start_mark
+            )
+        return node
+
     def construct_decimal(self, node: yaml.ScalarNode) -> int | float | str:
         """Return a decimal number; what is none, such as an octal or sexagesimal one, stays text."""
         text = self.construct_scalar(node)
@@ -130,6 +142,16 @@ class _Loader(yaml.SafeLoader):
             return int(text) if _DECIMAL.fullmatch(text) else number(text)
         except NotNumber:
             return _NOT_FINITE.get(text.lower().lstrip("+"), text)
+
+
+def _values_in(node: yaml.Node, known: dict[int, float]) -> float:
+    """The number of values in a node; infinite if it is part of itself."""
+    if id(node) not in known:
+        known[id(node)] = math.inf
+        parts = [] if isinstance(node, yaml.ScalarNode) else node.value
+        inner = (x for part in parts for x in (part if isinstance(part, tuple) else (part,)))
+        known[id(node)] = 1 + sum(_values_in(x, known) for x in inner)
+    return known[id(node)]
 
 
 _DECIMAL = re.compile(r"[+-]?(0|[1-9][0-9]*)")

@@ -166,6 +166,11 @@ class Line:
         """Return the distances x ≥ 0 from zero at which a condition vanishes; None if it does not depend on x."""
         return self.roots(condition.of(*self.at(fmpq_poly([0, 1]))))
 
+    def crosses(self, x: fmpq, condition: RootCondition) -> bool:
+        """Whether a condition has different signs right below and above its root x > 0."""
+        below, above = (condition.of(*self.at(x * (1 + side * 2 * SAME))) > 0 for side in (-1, 1))
+        return bool(below != above)
+
     def law(self, x: fmpq) -> int:
         """Return the law s_0 of steady sliding, 0 where the contact carries no force."""
         force = net_force(*self.at(x)) * self.sense
@@ -253,7 +258,8 @@ def stable_set(drive: Drive, key: str) -> StableSet | None:
 def places(drive: Drive, name: str, unknown: str) -> list[Place] | None:
     """Return all places at which the one condition of a threshold vanishes, in ascending order.
 
-    Of flutter that of the law that holds there. None if the unknown is not in the condition.
+    It changes sign there: where it only touches zero nothing begins. Of flutter it is that of the law that holds there.
+    None if the unknown is not in the condition.
     """
     lines, neutral = Line.all_of(drive, unknown), undamped(drive, unknown)
     if name == "flutter":
@@ -270,6 +276,7 @@ def places(drive: Drive, name: str, unknown: str) -> list[Place] | None:
         for line, law, condition, found in roots
         for x in found or []
         if (x or line is lines[0]) and (not law or (line.law(x) == law and min(line.margins(x, law)[:-1]) > 0))
+        if not x or line.crosses(x, condition)
     ]
     return _in_order(drive, unknown, found)
 

@@ -62,17 +62,14 @@ def curves_of(drive: Drive) -> tuple[ChartBoundary, ...]:
     return tuple(ChartBoundary[name.upper()] for name in find_model(drive.model).curves)
 
 
-def boundary_curves(
-    drive: Drive, x: AxisSpan, y: AxisSpan, kinds: tuple[ChartBoundary, ...] | None = None
-) -> dict[ChartBoundary, list[np.ndarray]]:
+def boundary_curves(drive: Drive, x: AxisSpan, y: AxisSpan) -> dict[ChartBoundary, list[np.ndarray]]:
     """Return the lines, points (k, 2) each, by the name of the curve, in a window of two parameters.
 
-    Arguments: a drive of the rigid model or with compliant threads; name and ends of either axis [SI unit]; which of
-    the curves, by default all that the drive can have. The function that vanishes on a curve is evaluated with many
-    digits at every point of it.
+    Arguments: a drive of the rigid model or with compliant threads; name and ends of either axis [SI unit]. The
+    function that vanishes on a curve is evaluated with many digits at every point of it.
     """
     names, found = (x[0], y[0]), {}
-    for kind in kinds or curves_of(drive):
+    for kind in curves_of(drive):
         if kind is ChartBoundary.FLUTTER:  # R̃ is linear in each parameter that it depends on
             corners = (drive.replace(**{x[0]: first, y[0]: second}) for first, second in product(x[1], y[1]))
             if not any(map(sliding_law, corners)):

@@ -277,24 +277,25 @@ def _signs(tables, transition, state, scale):
 
 
 @allocating_entry
-def itinerary(tables, known, mode, state, symbols):
+def itinerary(tables, known, absorbing, mode, state, symbols):
     """Follow the motion from ``state`` (2, replaced by the last state) in ``mode`` and write what decides its course.
 
-    ``symbols`` are filled: a number for each event, of the guard and the signs of all conditions of its transition.
-    Returns (code, number of events, mode): code TOO_LONG if the symbols are used up, UNDETERMINED where the motion
-    touches a guard or meets a corner, DIVERGED; 2 i if the motion settles in mode i, 2 i + 1 if it rests in it.
+    Arguments: ``absorbing`` (j, 4), intervals of sections: mode, surface, low, high; ``symbols``, filled: a number for
+    each event, of the guard and the signs of all conditions of its transition. Returns (code, number of events, mode):
+    code TOO_LONG if the symbols are used up, UNDETERMINED where the motion touches a guard or meets a corner, DIVERGED;
+    3 i if the motion settles in mode i, 3 i + 1 if it comes to rest in it, 3 i + 2 if it enters absorbing interval i.
     """
     scratch, short = new_scratch(tables), 0
     put(scratch, state[0], state[1])
     code, count = TOO_LONG, 0
     while count < symbols.size and code == TOO_LONG:
         if ellipse(tables, known, mode, scratch.state) < known.trap[mode, 1]:
-            code = 2 * mode
+            code = 3 * mode
             break
         before = mode
         outcome, guard, kind, mode, stay, short = step(tables, mode, short, scratch)
         if outcome != event_loop.GOES_ON:
-            code = 2 * before if outcome == _SETTLED else DIVERGED if outcome == _DIVERGED else UNDETERMINED
+            code = 3 * before if outcome == _SETTLED else DIVERGED if outcome == _DIVERGED else UNDETERMINED
             break
         if kind == GRAZE_KIND:
             code = UNDETERMINED
@@ -303,14 +304,22 @@ def itinerary(tables, known, mode, state, symbols):
         number = _signs(tables, transition, scratch.state, scratch.scale)
         symbols[count] = (number * tables.guard_sign.size + guard) * 2 + (stay == 0.0)
         count += 1
+        surface = known.landing[transition]
         if known.resting[mode] != UNKNOWN:
-            code = 2 * mode + 1
+            code = 3 * mode + 1
+        elif surface >= 0:
+            x = scratch.state[known.free[surface]]
+            for k in range(absorbing.shape[0]):
+                here = absorbing[k, 0] == mode and absorbing[k, 1] == surface
+                if here and absorbing[k, 2] <= x <= absorbing[k, 3]:
+                    code = 3 * k + 2
+                    break
     state[0], state[1] = scratch.state
     return code, count, mode
 
 
 @allocating_entry
-def last_agreement(tables, known, mode, surface, low, high, resolution, course, position):
+def last_agreement(tables, known, absorbing, mode, surface, low, high, resolution, course, position):
     """Bisect a section between ``low``, whose motion has the ``course``, and ``high``, whose motion leaves it.
 
     ``course``: itinerary with −10 − code appended; ``position``: index at which ``high`` differs first. Returns the
@@ -321,7 +330,7 @@ def last_agreement(tables, known, mode, surface, low, high, resolution, course, 
         middle = 0.5 * (low + high)
         state[free] = middle
         put_on(tables, surface, state)
-        code, count, _ = itinerary(tables, known, mode, state, symbols)
+        code, count, _ = itinerary(tables, known, absorbing, mode, state, symbols)
         agrees = count == position + 1 or (count == position and -10 - code == course[position])
         for k in range(count):
             agrees = agrees and symbols[k] == course[k]
