@@ -147,16 +147,22 @@ def draft(figures: dict[str, dict[str, Any]], datasets: Texts, checks: Texts, pn
         Path(png).with_suffix(".pdf").unlink(missing_ok=True)
 
 
-def all_checks(files: Texts, json: str, text: str, page: str, printed: str) -> None:
-    """Collect the checks of all figures: for programs, as a text and as a page, and the printed numbers."""
+def all_checks(files: Texts, outputs: Texts, listed: str | None) -> None:
+    """Collect the checks of all figures: for programs, as a text, the printed numbers, and as a page.
+
+    ``listed``: the file of what the chapter states, for figures of the chapter.
+    """
     from lsvib.datasets.checks import checks_page, checks_text, printed_table, read_checks
+    from lsvib.datasets.statements import read_statements
     from lsvib.files import write_json, write_text
 
+    json, text, printed, page = outputs
     checks = [pair for file in files for pair in read_checks(file)]
     write_json([{"figure": figure, **check.to_json()} for figure, check in checks], json)
-    write_text(checks_text(checks), text)
-    write_text(checks_page(checks), page)
-    write_text(printed_table(checks), printed)
+    statements = read_statements(listed) if listed else None
+    write_text(checks_text(checks, statements), text)
+    write_text(checks_page(checks, statements), page)
+    write_text(printed_table(checks, statements), printed)
 
 
 def verdict(file: str, marker: str) -> None:

@@ -1,19 +1,22 @@
 """The list of the chapter's numbers and claims is complete by its numbering, and each entry leads somewhere."""
 
+import html
 import math
 import re
 from pathlib import Path
 
 import pytest
 import yaml
-from references.listed_claims import entries
+from references.listed_claims import LIST, entries
 
+from lsvib.datasets.checks import checks_page, checks_text, printed_table
+from lsvib.datasets.statements import counted, read_statements
 from lsvib.figures.configuration import default_figures
 from lsvib.models.drive import RigidDrive
 
 ROOT = Path(__file__).parents[2]
 CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
-KEYS = {"at", "says", "value", "unit", "figure", "check", "input", "reason"}
+KEYS = {"at", "says", "value", "unit", "figure", "check", "input", "reason", "contradicted"}
 
 
 def numbers_in(places: list[str], word: str) -> set[int]:
@@ -26,7 +29,8 @@ def test_every_entry_is_whole():
     for entry in entries():
         assert entry.keys() <= KEYS, entry
         assert {"at", "says"} <= entry.keys(), entry
-        assert sum(key in entry for key in ("check", "input", "reason")) == 1, entry
+        verdicts = [key for key in ("check", "input", "reason", "contradicted") if key in entry]
+        assert len(verdicts) == 1 or verdicts == ["check", "contradicted"], entry
         assert ("check" in entry) == ("figure" in entry), entry
         assert ("value" in entry) == ("unit" in entry), entry
         assert "value" in entry or "input" not in entry, entry
@@ -64,14 +68,29 @@ def test_reasons_name_files_that_exist():
             assert (ROOT / name).exists(), entry
 
 
-def test_the_readme_counts_as_the_list_does():
-    counts = {key: sum(key in entry for entry in entries()) for key in ("check", "input", "reason")}
-    numbers = sum("value" in entry for entry in entries())
-    compared = sum("value" in entry and "check" in entry for entry in entries())
-    text = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
-    words = (
-        f"names every statement of the chapter, {numbers} numbers and {len(entries()) - numbers} claims: "
-        f"{counts['input']} are inputs, {counts['check']} are checked ({compared} numbers and "
-        f"{counts['check'] - compared} claims), and for the other {counts['reason']} it says why they are not."
-    )
-    assert words in text
+def test_a_contradicted_entry_counts_as_nothing_else():
+    statements = read_statements(LIST)
+    assert sum(map(len, statements.values())) == len(entries())
+    assert all("contradicted" in entry for entry in statements["contradicted"])
+    assert not any("contradicted" in entry for verdict in ("check", "input", "reason") for entry in statements[verdict])
+    assert {verdict: len(found) for verdict, found in statements.items()} == {
+        "contradicted": sum("contradicted" in entry for entry in entries()),
+        "check": sum("check" in entry and "contradicted" not in entry for entry in entries()),
+        **{verdict: sum(verdict in entry for entry in entries()) for verdict in ("input", "reason")},
+    }
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/physics.md"])
+def test_pages_count_as_the_list_does(page):
+    assert counted(read_statements(LIST)) in " ".join((ROOT / page).read_text(encoding="utf-8").split())
+
+
+def test_the_report_has_the_counts_and_the_contradictions():
+    """Without the list, as for the figures of accuracy, it says nothing of the chapter's statements."""
+    statements = read_statements(LIST)
+    pages = [show([], statements) for show in (checks_text, checks_page, printed_table)]
+    assert all(counted(statements) in html.unescape(page) for page in pages)
+    for entry in statements["contradicted"]:
+        assert entry["contradicted"][1:] in pages[0]
+        assert entry["contradicted"] in html.unescape(pages[1])
+    assert "contradicted" not in checks_text([]) + checks_page([]) + printed_table([])

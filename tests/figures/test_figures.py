@@ -18,6 +18,7 @@ from lsvib.figures.limit_process import BranchVerdict
 from lsvib.models.chapter import THRESHOLDS
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import EventKind
+from lsvib.models.threads import ThreadsEvent
 from lsvib.stability.linear import Stability, UndampedClass
 
 SPOILED = {  # words of a check, and what it must refuse
@@ -45,6 +46,66 @@ SPOILED = {  # words of a check, and what it must refuse
         set_to("stability", UndampedClass.KINEMATIC_CONSTRAINT, 0, 0),
     ),
 }
+
+NO_GROWTH, GROWTH = (set_to("growth_rate_of_steady_sliding", rate) for rate in (-1.0, 1.0))
+STRAIGHT, TO_ORIGIN = set_to("probe_later_events", 0), set_to("probe_attractor", Attractor.STEADY_SLIDING)
+SPOILED_STATEMENTS = [  # figure, words of a check that an entry of the list rests on, and what it must refuse
+    ("fig8_01", "that grow end in exponential growth", scale("contact_force_rate", 1.1)),
+    ("fig8_03", "are those of (8.4)", scale("effective_inertia_plus", 1.001)),
+    ("fig8_03", "the one sign of N_0", scale("swept_effective_inertia", 1.001)),
+    ("fig8_03", "Law − has Γ₋ > I", scale("effective_inertia_minus", -1)),
+    ("fig8_03", "takes μ > tan λ", set_to("effective_inertia_plus", -1.0)),
+    ("fig8_03", "With R against the motion", GROWTH),
+    ("fig8_03", "Some state has no contact force", set_to("without_solution", 0)),
+    ("fig8_03", "three conditions of (8.21)", set_to("growth_rate_of_steady_sliding", 1.0, -1, -1, 0, 0)),
+    ("fig8_03", "three conditions of (8.19)", scale("swept_effective_damping", -1)),
+    ("fig8_03", "necessary for each instability", GROWTH),
+    ("fig8_03", "can be negative where μ > tan λ", set_to("swept_effective_damping", -1.0)),
+    ("fig8_03", "alone makes unstable", NO_GROWTH),
+    ("fig8_04", "Where N > 0 the motions follow", scale("normal_force", -1)),
+    ("fig8_04", "Where N > 0 the motions follow", scale("axial_force", 1.05)),
+    ("fig8_05", "tends to N_0", scale("normal_force", 1.01)),
+    ("fig8_06", "self-locking", set_to("holds_without_torque", 1)),
+    ("fig8_06", "moves towards the origin", set_to("contact_line_angle", 0.1)),
+    ("fig8_06", "is that of (8.17)", scale("normal_force", 1.01)),
+    ("fig8_06", "At R = 25 N", set_to("attractor", Attractor.STEADY_SLIDING)),
+    ("fig8_07", "need not resume at once", set_to("rest_after_seizure", 0.0)),
+    ("fig8_07", "opposite to the assumed one", scale("mass", 0.9)),
+    ("fig8_07", "the energy about u_0", scale("equilibrium_angle", 0.5)),
+    ("fig8_09", "stationary solution of (8.7)", scale("normal_force", 1.01)),
+    ("fig8_09", "tends to N_0", scale("normal_force", 1.01)),
+    ("fig8_09", "tends to z_0", scale("coupling_deflection", 1.01)),
+    ("fig8_11", "Every motion that reaches N = 0 seizes", set_to("event_kind", EventKind.CONTACT_REVERSAL, 1, 0, 1)),
+    ("fig8_12", "considerable effect", set_to("mean_deflection", -0.1)),
+    ("fig8_14", "From N > 0 and θ′ > 0", set_to("probe_velocity_after", 0.0)),
+    ("fig8_14", "From N < 0 and θ′ < 0", set_to("probe_velocity_after", 0.0)),
+    ("fig8_14", "by some starts, not by all", lambda dataset: TO_ORIGIN(STRAIGHT(dataset))),
+    ("fig8_14", "that do not touch N = 0", set_to("probe_attractor", Attractor.SPRAG_SLIP_CYCLE)),
+    ("fig8_14", "Every trajectory that reaches N = 0", scale("event_velocity_deviation_after", 0.99)),
+    ("fig8_14", "The corner is the printed one", scale("seizure_distance", 1e6)),
+    ("fig8_15", "exactly where (8.27) holds", scale("screw_mass", 1.1)),
+    ("nut_stability", "over the printed θ_0", scale("steady_deflection", 1.01)),
+    ("nut_stability", "balance with θ_20", scale("steady_deflection", 1.01)),
+    ("basin_sweep", "locally stable and yet lost", set_to("basin_area_axial_force", 0.0)),
+    ("basin_sweep", "beyond m_cr at (a) alone", set_to("reading_fraction", 1.0)),
+    ("contact_stability", "it still rises", scale("growth_rate", 100.0, 0, 0, -2)),
+    ("limit_process", "brings the screw to a stand", set_to("stop_time", float("nan"))),
+    (
+        "limit_process",
+        "N > 0 grows until the screw stands",
+        set_to("indeterminate_event", ThreadsEvent.CONTACT_REVERSAL),
+    ),
+    ("limit_process", "Short of the saddle", set_to("indeterminate_event", ThreadsEvent.STICK)),
+    ("limit_process", "that of the chapter's formula", scale("formula_velocity", 1.2)),
+]
+
+
+@pytest.mark.parametrize(
+    ("figure", "words", "spoil"), SPOILED_STATEMENTS, ids=lambda x: x if isinstance(x, str) else ""
+)
+def test_checks_of_statements_refuse_spoiled_data(figure, words, spoil):
+    found = [check.passed for check in checks_of(figure, spoil(dataset_of(figure))) if words in check.claim]
+    assert found == [False]
 
 
 @pytest.mark.parametrize("figure", default_figures())

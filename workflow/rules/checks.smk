@@ -6,6 +6,7 @@ rule check:
     input:
         sources=source_files(imports("lsvib.datasets.checks")),
         checks=collect("results/checks/{figure}.json", figure=FIGURES),
+        listed="config/chapter.yaml",
     output:
         json="results/checks.json",
         text="results/checks.md",
@@ -23,16 +24,7 @@ rule check:
     message:
         "Collecting the checks"
     run:
-        jobs.run(
-            jobs.all_checks,
-            log[0],
-            "checks",
-            list(input.checks),
-            output.json,
-            output.text,
-            output.page,
-            output.printed,
-        )
+        jobs.run(jobs.all_checks, log[0], "checks", list(input.checks), list(output), input.get("listed"))
 
 
 rule verdict:

@@ -15,6 +15,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from lsvib.datasets.statements import Statements, counted
 from lsvib.errors import InputError
 from lsvib.models.chapter import PRINTED, THRESHOLDS, Claim
 
@@ -187,30 +188,30 @@ def printed(checks: NamedChecks, claims: Iterable[Claim] = PRINTED) -> list[tupl
     ]
 
 
-def checks_text(checks: NamedChecks) -> str:
+def checks_text(checks: NamedChecks, statements: Statements | None = None) -> str:
     """Return checks as Markdown that reads well as text.
 
-    First a table of the numbers that the chapter prints, if some are among them; then for each figure how many checks
-    passed, and a line for each of them.
+    First how many ``statements`` of the chapter have which verdict, if these are given, and a table of the numbers that
+    it prints, if some are among the checks; then for each figure how many passed, and a line for each of them.
     """
-    return _page("checks.md.j2", checks)
+    return _page("checks.md.j2", checks, statements)
 
 
-def printed_table(checks: NamedChecks) -> str:
+def printed_table(checks: NamedChecks, statements: Statements | None = None) -> str:
     """Return the printed numbers among checks as a table in reStructuredText, for a report."""
-    return _page("checks.rst.j2", checks)
+    return _page("checks.rst.j2", checks, statements)
 
 
-def checks_page(checks: NamedChecks) -> str:
-    """Return checks as an HTML page that needs no other file: numbers first, then every check.
+def checks_page(checks: NamedChecks, statements: Statements | None = None) -> str:
+    """Return checks as an HTML page that needs no other file: numbers, contradicted statements, then every check.
 
     The table of every check can be filtered by words, by figure, and for those that failed; on a phone its rows become
     lists.
     """
-    return _page("checks.html.j2", checks)
+    return _page("checks.html.j2", checks, statements)
 
 
-def _page(template: str, checks: NamedChecks) -> str:
+def _page(template: str, checks: NamedChecks, statements: Statements | None) -> str:
     """Fill a template with checks, each with its cells, of what was expected and found up to verdict and figure."""
     from jinja2 import Environment, PackageLoader
 
@@ -227,6 +228,8 @@ def _page(template: str, checks: NamedChecks) -> str:
         heading="Printed by the chapter",
         printed=rows(printed(checks)),
         every=rows(checks),
+        statements=statements,
+        counted=counted(statements) if statements else "",
         figures=dict.fromkeys(figure for figure, _ in checks),
     )
 

@@ -212,6 +212,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     error = np.abs(dataset.grid_fraction - dataset.case_fraction)
     worst = float((error / dataset.grid_bound).max())
     order = [-np.polyfit(np.log(dataset.resolution), np.log(np.maximum(e, 1e-12)), 1)[0] for e in error.values]
+    area = dataset.basin_area_axial_force.values[force > float(dataset.global_stability_force)]
     return [
         *_global_stability_checks(dataset),
         newton.touching_check(dataset, -1, dataset.global_stability_force, "Force of global stability"),
@@ -219,13 +220,20 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             "The basin can be quite small: less than 1 % of the window at the force of Fig. 8.14b",
             "Sect. 8.7",
             f"{100 * reading[1, 1]:.6g} %",
-            reading[1, 1] < 0.01,
+            0 < reading[1, 1] < 0.01,
+        ),
+        Check.holds(
+            "Steady sliding is locally stable and yet lost after a large perturbation: above the threshold force it "
+            "attracts an area that is neither none nor infinite",
+            "beginning of chapter 8, Sect. 8.7",
+            f"from {area.min():.3g} to {area.max():.3g} rad2/s over {area.size} forces",
+            area.size > 0 and area.min() > 0 and np.isfinite(area).all(),
         ),
         Check.holds(
             "As printed steady sliding attracts the whole window at both forces of Fig. 8.14, beyond m_cr at (a) alone",
             "Sect. 8.7, Fig. 8.14",
             f"fractions {', '.join(f'{x:.6g}' for x in reading.ravel())}",
-            (reading[0] == 1).all() and reading[1, 0] == 1,
+            (reading[0] == 1).all() and reading[1, 0] == 1 > reading[1, 1],
         ),
         Check.holds(
             "Where a motion that touches N = 0 bounds the basin, its area grows with the square of the force, to 1e-12",

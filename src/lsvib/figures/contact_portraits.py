@@ -239,6 +239,20 @@ def energy_check(dataset: xr.Dataset) -> Check:
     )
 
 
+def growth_check(dataset: xr.Dataset, outcome: str, source: str) -> Check:
+    """Check how motions of an ``outcome`` grow in the end."""
+    distance = dataset.contact_force[..., -1] - dataset.equilibrium_contact_force.sel(law=1)
+    rate = dataset.contact_force_rate[..., -1] * dataset.force_scale / distance
+    off = abs(rate / dataset.scaled_eigenvalue_real_part.sel(law=1).max("eigenvalue") - 1)
+    gap = float(off.where(named(dataset.start_outcome, outcome)).max())
+    return Check.holds(
+        "The drawn motions that grow end in exponential growth at the positive eigenvalue of law +, to 1 %",
+        source,
+        f"rate over distance from 1/Γ₊ deviates by at most {gap:.2%} of it",
+        gap < 0.01,
+    )
+
+
 def newton_checks(dataset: xr.Dataset) -> list[Check]:
     """Check equilibria and eigenvalues against Newton's laws, of which the closed forms (8.11), (8.12) make no use."""
     gap = float(np.abs(dataset.equilibrium_contact_force / dataset.equilibrium_contact_force_by_newton - 1).max())

@@ -75,6 +75,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             "Sect. 8.2, Fig. 8.1",
             last < float(dataset.grid_contact_force.min()),
         ),
+        contact_portraits.growth_check(dataset, "minus infinity", "Sect. 8.2, Fig. 8.1"),
         Check.holds(
             "With contact damping the equilibrium of law − is a stable focus",
             "Remark 8.1",

@@ -1,16 +1,18 @@
 """Figure 8.3: stability of the steady sliding over effective inertia and damping, by eigenvalues (8.18)."""
 
-from itertools import combinations
+from itertools import combinations, product
+from types import SimpleNamespace
 from typing import ClassVar
 
 import numpy as np
 import xarray as xr
 from pydantic import Field
 
+from lsvib.contact.contact_force import Existence, existence
 from lsvib.datasets import newton, spans
-from lsvib.datasets.attributes import attributes, drive_parameters, flagged, variable
+from lsvib.datasets.attributes import Variables, attributes, axis, drive_parameters, flagged, variable, yes_no
 from lsvib.datasets.checks import Check
-from lsvib.figures import drawing, style
+from lsvib.figures import drawing, printed_laws, style
 from lsvib.figures.common import about, flag_names, named
 from lsvib.figures.settings import DriveChanges, FigureSettings, Span, Values, several
 from lsvib.models.drive import RigidDrive
@@ -60,7 +62,8 @@ def build(settings: Values) -> xr.Dataset:
             ),
             "case_effective_inertia": ("case", [inertia for inertia, _ in own], _INERTIA),
             "case_effective_damping": ("case", [damping for _, damping in own], _DAMPING),
-        },
+        }
+        | _many_drives(drive),
         coords={
             "effective_inertia": ("effective_inertia", inertia, _INERTIA),
             "effective_damping": ("effective_damping", damping, _DAMPING),
@@ -69,6 +72,39 @@ def build(settings: Values) -> xr.Dataset:
         },
         attrs=about(__doc__, "eigenvalues in closed form (8.18)", "Sect. 8.4, Fig. 8.3"),
     )
+
+
+def _many_drives(drive: RigidDrive) -> Variables:
+    """Drives on both sides of every condition of (8.19) and (8.21): coefficients, growth, states without a solution."""
+    tangent = float(np.tan(drive.lead_angle))
+    mass = drive.screw_inertia / abs(tangent * drive.pitch_radius**2 * printed_laws.factor(drive, 1))  # m_cr
+    axes = {
+        "mass": mass * np.array([0.1, 0.5, 0.99, 1.01, 2.0]),
+        "friction_coefficient": [*(tangent * np.array([0.1, 0.99, 1.01, 2.0, 3.0])), 0.9 / tangent],
+        "axial_force": [-50.0, 50.0],
+        "translation_damping": [0.0, 1e3],
+    }
+    angles = np.geomspace(1e-3, 1e3, 13) * np.array([[-1], [1]])
+    u, w = np.meshgrid(angles, drive.input_speed * np.array([-3, 0.5]))
+    rows = []
+    for values in product(*axes.values()):
+        own = drive.replace(**dict(zip(axes, map(float, values), strict=True)))
+        c = coefficients(own)
+        inertia, damping = float(c.gamma[c.steady_law]), float(c.damping[c.steady_law])
+        growth = eigenvalue_pair(inertia, damping, drive.coupling_stiffness).real.max()
+        none = (existence(own, u, w) == Existence.INCONSISTENT).any()
+        rows.append((float(c.gamma[1]), float(c.gamma[-1]), inertia, damping, growth, none))
+    table = np.moveaxis(np.array(rows).reshape(*map(len, axes.values()), 6), -1, 0)
+    dims = tuple(f"swept_{name}" for name in axes)
+    return {
+        **{name: part for key, values in axes.items() for name, part in axis(f"swept_{key}", values).items()},
+        "effective_inertia_plus": variable(dims, table[0], "kg m2", "effective inertia of law +", r"$\Gamma_+$"),
+        "effective_inertia_minus": variable(dims, table[1], "kg m2", "effective inertia of law -", r"$\Gamma_-$"),
+        "swept_effective_inertia": (dims, table[2], _INERTIA),
+        "swept_effective_damping": (dims, table[3], _DAMPING),
+        "growth_rate_of_steady_sliding": variable(dims, table[4], "s-1", "largest real part of an eigenvalue"),
+        "without_solution": yes_no(dims, table[5], "some state of the drive has no contact force"),
+    }
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
@@ -102,7 +138,54 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             f"largest difference {largest:.1e}",
             largest < 1e-7,  # LAPACK keeps only half of the digits (1.5e-8) where two eigenvalues coincide
         ),
+        *_condition_checks(dataset),
     ]
+
+
+def _condition_checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the conditions of the chapter, as printed, on drives on both sides of each of them."""
+    swept = {name[6:]: dataset[name] for name in dataset.coords if name.startswith("swept_")}
+    p = SimpleNamespace(**{str(name): x for name, x in dataset.coords.items()} | swept)
+    locking, pushed = p.friction_coefficient > np.tan(p.lead_angle), p.axial_force * p.input_speed > 0
+    third = printed_laws.inertia(p, 1) < 0
+    negative = locking & (printed_laws.net_force(p) * p.input_speed > 0) & (printed_laws.damping(p, 1) < 0)
+    plus, minus = dataset.effective_inertia_plus, dataset.effective_inertia_minus
+    inertia, damping = dataset.swept_effective_inertia, dataset.swept_effective_damping
+    unstable, free = dataset.growth_rate_of_steady_sliding > 0, p.translation_damping == 0
+    gap = max(float(abs(x - printed_laws.inertia(p, s)).max() / p.screw_inertia) for s, x in ((1, plus), (-1, minus)))
+    none, of, lost = dataset.without_solution == 1, "drives", plus < 0
+    both, ways = (inertia < 0) | (damping < 0), ((inertia < 0) & (damping > 0), (inertia > 0) & (damping < 0))
+    net = printed_laws.net_force(p)
+    allowed = {s: s * net / printed_laws.lever(p, s) * p.input_speed > 0 for s in (1, -1)}
+    opposed = (inertia == minus) & (minus > 0) & ~unstable
+
+    def among(truth: xr.DataArray, cases: xr.DataArray) -> np.ndarray:
+        return truth.broadcast_like(unstable).values[cases.broadcast_like(unstable).values]
+
+    return [
+        Check.holds("The effective inertias are those of (8.4), to 1e-9 of I", "eq. 8.4", f"{gap:.1e}", gap < 1e-9),
+        Check.everywhere("Γ_0 is that of the one sign of N_0 that (8.15) allows, at every μ < cot λ", "eq. 8.15",
+                         (allowed[1] != allowed[-1]) & (inertia == xr.where(allowed[1], plus, minus)), of),
+        Check.everywhere("Law − has Γ₋ > I at every μ < cot λ: its factor is negative", "Sect. 8.1",
+                         minus > p.screw_inertia, of),
+        Check.everywhere("Γ₊ < 0 takes μ > tan λ", "Sect. 8.1", among(locking, lost), of),
+        Check.everywhere("With R against the motion and c_x = 0 Γ_0 is Γ₋ > 0, and steady sliding stable", "Sect. 8.7",
+                         among(opposed, free & ~pushed), of),
+        Check.everywhere("Some state has no contact force exactly where μ > tan λ and tan λ ξ₊ m r_m² > I, whatever "
+                         "the sign of R Ω", "Sect. 8.1, eq. 8.21", none == (locking & third), of),
+        Check.everywhere("With c_x = 0 steady sliding is unstable exactly where all three conditions of (8.21) hold",
+                         "eq. 8.21", among(unstable == (locking & pushed & third), free), of),
+        Check.everywhere("C_0 is negative exactly where all three conditions of (8.19) hold", "eq. 8.19",
+                         (damping < 0) == negative, of),
+        Check.everywhere("Self-locking and a force with the motion are necessary for each instability", "Sect. 8.9",
+                         among(locking & pushed, unstable), of),
+        Check.holds("Γ_0 and C_0 can be negative where μ > tan λ, and neither elsewhere", "Sect. 8.4",
+                    f"Γ_0 of {int((inertia < 0).sum())} drives and C_0 of {int((damping < 0).sum())}",
+                    bool((inertia < 0).any() & (damping < 0).any() & (locking | ~both).all())),
+        Check.holds("Either of Γ_0 < 0 and C_0 < 0 alone makes unstable", "Sect. 8.9",
+                    " and ".join(f"{int((unstable & way).sum())} of {int(way.sum())} drives" for way in ways),
+                    all(way.any() and (unstable | ~way).all() for way in ways)),
+    ]  # fmt: skip
 
 
 def _node_focus_boundary(inertia: np.ndarray, stiffness: float) -> np.ndarray:

@@ -6,7 +6,7 @@ import xarray as xr
 from lsvib.datasets import newton, phase_plane
 from lsvib.datasets.attributes import variable
 from lsvib.datasets.checks import Check
-from lsvib.figures import drawing
+from lsvib.figures import drawing, printed_laws
 from lsvib.figures.common import EIGENVALUE, about, named, spread
 from lsvib.figures.settings import PhasePlane, Values
 from lsvib.models.drive import RigidDrive
@@ -74,6 +74,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             f"real parts {growth[0]:.4g} and {growth[1]:.4g} 1/s",
             growth.max() > 0,
         ),
+        _half_plane_check(dataset),
         Check.holds(
             "The exact motion that starts near the origin leaves it",
             "Sect. 8.5, Fig. 8.4",
@@ -88,3 +89,25 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             named(dataset.attractor, "other cycle").all() and spread(amplitudes) < 1e-12 and around,
         ),
     ]
+
+
+def _half_plane_check(p: xr.Dataset) -> Check:
+    """Check in both half planes the law, and Γ u′² + k (u − u*)² about its equilibrium u*, of rate −2 C u′²."""
+    law, steady = printed_laws.laws(p), np.sign(printed_laws.net_force(p) * p.input_speed)
+    slack = printed_laws.factor(p, steady) - printed_laws.factor(p, law)
+    offset = p.angle_deviation - p.pitch_radius * slack * printed_laws.net_force(p) / p.coupling_stiffness
+    energy = printed_laws.inertia(p, law) * p.velocity_deviation**2 + p.coupling_stiffness * offset**2
+    within = (law == law.shift(sample=1)) & (law != 0)
+    change = (energy - energy.shift(sample=1)).where(within)
+    both = p.velocity_deviation**2 + p.velocity_deviation.shift(sample=1) ** 2
+    lost = printed_laws.damping(p, law) * both * (p.time - p.time.shift(sample=1))
+    left = [float(abs((change + lost).where(law == s).sum() / lost.where(law == s).sum())) for s in (1, -1)]
+    sides = (p.normal_force * law > -1e-9).all()  # θ′ > 0 here
+    gains = float(printed_laws.damping(p, 1)), float(printed_laws.damping(p, -1))
+    return Check.holds(
+        "Where N > 0 the motions follow law +, which drives them apart, where N < 0 law −, which damps them: the "
+        "energy about the law's equilibrium changes as C₊ < 0 and C₋ > 0 say, to 1 %",
+        "Sect. 8.5, Fig. 8.4",
+        f"C₊ = {gains[0]:.3g} and C₋ = {gains[1]:.3g} N m s/rad; off by {left[0]:.1e} and {left[1]:.1e}",
+        bool(sides) and gains[0] < 0 < gains[1] and max(left) < 0.01,
+    )

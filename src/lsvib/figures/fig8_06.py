@@ -13,14 +13,15 @@ from pydantic_core import PydanticCustomError
 
 from lsvib.datasets import newton, phase_plane, printed, spans
 from lsvib.datasets.analysis import analyse, value
-from lsvib.datasets.attributes import Variables, axis, flagged, start_state, variable
+from lsvib.datasets.attributes import Variables, axis, flagged, start_state, variable, yes_no
 from lsvib.datasets.checks import Check
-from lsvib.figures import drawing, style
+from lsvib.figures import drawing, printed_laws, style
 from lsvib.figures.common import SteadyState, about, flag_names, named, spread
 from lsvib.figures.settings import MassPair, PhasePlane, Span, State, Values, parameter, several
 from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive
 from lsvib.models.mechanics import coefficients
+from lsvib.models.rigid import MotionMode, rigid_automaton
 
 CAPTION = """\
 Amplitude of the steady vibration against the axial force R for m = 1 kg and c_x = 1000 N s/m, with phase portraits at
@@ -86,6 +87,7 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     beside = [value * (1 + sign * 1e-9) for value in values.values() for sign in (-1, 1)]
     forces = np.unique(np.concatenate([spans.even(settings["axial_force"]), list(values.values()), beside]))
     tangent = float(drive.exact().tan_lead)
+    frictions = np.append(tangent * np.array([0.99, 1.01]), drive.friction_coefficient)
     drives = [drive.replace(axial_force=float(force)) for force in forces]
     steady = [phase_plane.reached(d, settings["start"]) for d in drives]
     insets = [drive.replace(axial_force=float(force)) for force in settings["insets"]]
@@ -95,6 +97,7 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
             **axis("swept_axial_force", forces),
             **axis("reading_mass", settings["mass_readings"]),
             **start_state(settings["start"], "of the motions whose steady vibration swept_amplitude describes"),
+            **axis("swept_friction_coefficient", frictions),
             "lead_tangent": variable((), tangent, "1", "tangent of the lead angle", r"$\tan\lambda$"),
             **{name: variable((), value, "N", words[name], "$R$") for name, value in values.items()},
             **{f"printed_{n}": printed.variable(chapter.THRESHOLDS[n], words[n]) for n in _THRESHOLDS},
@@ -103,9 +106,21 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     readings = {
         f"reading_{name}": ("reading_mass", analysis[of].values, analysis[of].attrs) for name, of in _OF.items()
     }
-    return planes.assign(_curve(drives, steady) | readings).assign_attrs(
+    holding = [_holds_without_torque(insets[-1].replace(friction_coefficient=float(x))) for x in frictions]
+    words = "the screw, standing in an untwisted coupling, stays at rest under the largest force of a portrait"
+    holds = {"holds_without_torque": yes_no("swept_friction_coefficient", holding, words)}
+    return planes.assign(_curve(drives, steady) | readings | holds).assign_attrs(
         about(__doc__, "exact event-driven motion and its return map", "Sect. 8.5.1, Fig. 8.6")
     )
+
+
+def _holds_without_torque(drive: RigidDrive) -> bool:
+    """Whether the motion from θ′ = 0 and z = 0 begins with rest."""
+    from lsvib.engine.motion import follow
+
+    untwisted = [-float(coefficients(drive).deflection), -drive.input_speed]
+    motion = follow(rigid_automaton(drive), untwisted, 1e-9)
+    return bool(motion.automaton.codes[motion.arcs()[0][0]] == MotionMode.REST)
 
 
 def _curve(drives: list[RigidDrive], steady: list[SteadyState]) -> Variables:
@@ -125,18 +140,28 @@ def _curve(drives: list[RigidDrive], steady: list[SteadyState]) -> Variables:
 
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the thresholds, the shape of the curve, where its regime changes, the insets and the coefficients."""
-    friction, tangent = float(dataset.friction_coefficient), float(dataset.lead_tangent)
+    friction, tangent = dataset.swept_friction_coefficient.values, float(dataset.lead_tangent)
+    holds, force = dataset.holds_without_torque.values == 1, dataset.axial_force.values
+    line = dataset.contact_line_angle.values[force > chapter.THRESHOLDS["onset_force"].value]
     return [
         newton.laws_check(dataset, "Fig. 8.6"),
         printed.check("Tangent of the lead angle", chapter.TAN_LEAD, tangent),
         Check.holds(
-            "The thread is self-locking, μ > tan λ",
+            "The thread is self-locking: without a torque of the coupling the axial force does not turn the screw, nor "
+            "does it with 1.01 tan λ for μ, but with 0.99 tan λ",
             "Sect. 8.5.1",
-            f"μ = {friction:g}, tan λ = {tangent:.6g}",
-            friction > tangent,
+            f"at rest with μ = {', '.join(f'{x:.5g}' for x in friction[holds])}; tan λ = {tangent:.6g}",
+            (holds == (friction > tangent)).all() and holds[-1],
+        ),
+        Check.holds(
+            "As the axial force decreases towards the onset the line N = 0 moves towards the origin",
+            "Sect. 8.5, Figs 8.4, 8.6",
+            f"from {abs(line[-1]):.4g} to {abs(line[0]):.4g} rad off",
+            line.size > 1 and (np.diff(np.abs(line)) > 0).all() and np.ptp(np.sign(line)) == 0,
         ),
         *(printed.check(words, chapter.THRESHOLDS[n], dataset[n]) for n, (_, words) in _THRESHOLDS.items()),
         newton.touching_check(dataset.isel(case=0), 1, dataset.detach_force, "Detach force"),
+        printed_laws.force_check(dataset),
         *_curve_checks(dataset),
         *_inset_checks(dataset),
         *_reading_checks(dataset),
@@ -193,13 +218,13 @@ def _curve_checks(dataset: xr.Dataset) -> list[Check]:
 
 
 def _inset_checks(dataset: xr.Dataset) -> list[Check]:
-    """Check what the motions of each portrait reach."""
+    """Check what the motions of each portrait reach: what the chapter says of a force, by its own printed limits."""
     expected = (
         ("steady sliding", "the origin is stable"),
         ("other cycle", "a pure-slip limit cycle attracts"),
         ("stick slip cycle", "a stick-slip cycle attracts"),
     )
-    limits = [float(dataset[name]) for name in ("onset_force", "stick_force")]
+    limits = [chapter.THRESHOLDS[name].value for name in ("onset_force", "stick_force")]
     words, result = flag_names(dataset.attractor), []
     for found, force in zip(dataset.attractor, dataset.axial_force.values, strict=True):
         kind, claim = expected[np.searchsorted(limits, force)]

@@ -10,7 +10,7 @@ from lsvib.datasets import newton, phase_plane, spans
 from lsvib.datasets.analysis import analyse, value
 from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, variable
 from lsvib.datasets.checks import Check
-from lsvib.figures import drawing, style
+from lsvib.figures import drawing, printed_laws, style
 from lsvib.figures.common import about, named, spread
 from lsvib.figures.settings import DriveChanges, PhasePlane, PositiveSpan, Values, several
 from lsvib.models.drive import RigidDrive
@@ -94,6 +94,8 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             "Sect. 8.6.1, Fig. 8.9a",
             named(dataset.attractor, "steady sliding")[0],
         ),
+        *printed_laws.steady_checks(dataset.isel(case=0)),  # c_x = 0
+        printed_laws.stationary_check(dataset.isel(case=0)),
         Check.holds(
             "(b) above the critical mass every motion ends on one sprag-slip cycle, under either rule of resuming",
             "Sect. 8.6.1, Fig. 8.9b",

@@ -129,6 +129,12 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             (np.diff(deflection[0]) > 0).all() and (np.diff(deflection[1, damped]) > 0).all(),
         ),
         Check.holds(
+            "The damping has a considerable effect: over its range the mean deflection more than doubles",
+            "Sect. 8.6.1, Fig. 8.11",
+            f"by {deflection[0, -1] / deflection[0, 0] - 1:.0%}",
+            deflection[0, -1] > 2 * deflection[0, 0],
+        ),
+        Check.holds(
             "The mean of |N|, impulses included, grows with the damping wherever motion resumes at once",
             "Sect. 8.6.1, Fig. 8.12",
             f"from {force[0, slips][0]:.5g} N at c = {limit:.3g} N m s/rad to {force[0, -1]:.5g} N; below, "

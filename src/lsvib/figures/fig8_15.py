@@ -128,6 +128,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         *_region_checks(dataset, grid, clear, a_4, discriminant),
         *_branch_checks(dataset, drive),
         *_condition_checks(dataset, drive),
+        *_support_checks(dataset, drive),
     ]
 
 
@@ -220,6 +221,32 @@ def _branch_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
             f"both branches; the printed form differs by {rewritten:.1e} of b_2²",
             odd == 0 and finite == branches[0].size and rewritten < 1e-12,
         ),
+    ]
+
+
+def _support_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
+    """Check (8.27) as a condition for the contact force by Newton's laws, and flutter where a_2 = 0."""
+    own = {**drive, **dict.fromkeys(_DAMPINGS, 0.0), "friction_coefficient": dataset.friction_coefficient.values}
+    tan, r = np.tan(drive["lead_angle"]), drive["pitch_radius"]
+    solves = {}  # x″ − x_1″ = r_m tan λ θ″ gives N: its coefficient has a sign for each law
+    for law in (1, -1):
+        push, friction = np.cos(drive["lead_angle"]), law * own["friction_coefficient"]
+        turn = r**2 * tan * (friction - tan) * push / drive["screw_inertia"]
+        solves[law] = push * (1 + friction * tan) * (1 / drive["mass"] + 1 / drive["screw_mass"]) - turn
+    paradox, inertia = solves[1] * solves[-1] < 0, conditions.effective_inertia(own, law=1)
+    kinematic = named(dataset.stability, "kinematic constraint")
+    stiffness = -drive["coupling_stiffness"] * (drive["mass"] + drive["screw_mass"]) / inertia
+    there = (inertia < 0) & ~paradox  # k_1 > 0 with a_2 = 0
+    model = support_model({**own, "support_stiffness": np.where(there, stiffness, 1.0)}, law=1)
+    flutter = undamped_class(model)[there] == UndampedClass.FLUTTER
+    return [
+        Check.everywhere(
+            "The contact force has no solution or two exactly where (8.27) holds, by Newton's laws",
+            "eq. 8.27",
+            kinematic == paradox[:, None],
+            "points",
+        ),
+        Check.everywhere("Where a_2 = 0 < a_4 there is flutter", "Sect. 8.8.1", flutter, "friction coefficients"),
     ]
 
 

@@ -10,12 +10,24 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import phase_plane
-from lsvib.datasets.attributes import SIGNS, Variables, axis, drive_parameters, flagged, start_state, variable, yes_no
+from lsvib.datasets.attributes import (
+    SIGNS,
+    Variables,
+    attributes,
+    axis,
+    drive_parameters,
+    flagged,
+    flags_or_none,
+    start_state,
+    variable,
+    yes_no,
+)
 from lsvib.datasets.checks import Check
+from lsvib.figures import printed_laws, style
 from lsvib.figures import settings as of
-from lsvib.figures import style
 from lsvib.figures.common import LimitBranch, about, flag_names, named
 from lsvib.models.drive import RigidDrive, ThreadsDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.models.model import RULES
 
 CAPTION = """\
@@ -29,6 +41,7 @@ docs/limit_process.md.
 """
 
 _ORDER = 0.8  # of convergence, at least: the first order shows as 0.86 to 0.94 at stiffnesses that are finite
+_SADDLE_MULTIPLES = (2.0, 0.5)
 _QUANTITIES = {
     "motion_distance": ("1", "distance of the motion from the rigid one in the phase plane"),
     "rest_error": ("s", "time at rest less that of the rigid motion"),
@@ -94,7 +107,10 @@ def build(settings: of.Values) -> xr.Dataset:
     deviations = _deviations(branches, stiffness, ratio, settings["fit_from"])
     varied = ("axial_force", "support_damping")
     return xr.Dataset(
-        deviations | {"rebound_force": variable(dims, rebound, "N", thrown)} | _rules_followed(branches, deviations),
+        deviations
+        | {"rebound_force": variable(dims, rebound, "N", thrown)}
+        | _rules_followed(branches, deviations)
+        | _indeterminate(drives[0], stiffness, speed, settings["duration"]),
         coords={
             **drive_parameters([b.drive for b in branches], "branch", along=varied, printed=("Sect. 8.6",)),
             "family": flagged("family", BranchFamily, "how the damping of the contact grows", BranchFamily),
@@ -136,6 +152,48 @@ def _deviations(branches: Sequence[LimitBranch], stiffness: np.ndarray, ratio: f
     return variables
 
 
+def _indeterminate(drive: RigidDrive, stiffness: np.ndarray, speed: float, duration: float) -> Variables:
+    """The first event of motions between two solutions, from contact forces of _SADDLE_MULTIPLES times the saddle's.
+
+    Without contact damping N′ = 0 at the start. Of the larger force also the velocity that the chapter's formula says
+    the screw has lost when it first stands (Sect. 8.2), and the limit of that formula, over the velocity lost.
+    """
+    from lsvib.contact.stiff_limit import BranchFamily, stiffened
+    from lsvib.engine.motion import follow
+    from lsvib.models.threads import ThreadsEvent, threads_automaton
+
+    c, w = coefficients(drive), speed - drive.input_speed
+    q_u, q_w, q_0 = (float(x) for x in c.q_row)
+    u = -(q_w * w + q_0) / q_u - 0.05  # N < 0 under law − there
+    drift, gamma, xi = q_u * u + q_w * w + q_0, float(c.gamma[1]), float(c.xi[1])  # W = I P − m r_m tan λ T
+    lever, cosine = float(printed_laws.lever(drive, 1)), float(np.cos(drive.lead_angle))
+    torque = -drive.coupling_stiffness * (float(c.deflection) + u) - drive.support_damping * speed
+    kinds, times, lost = [], [], []
+    for family, multiple, k in product((BranchFamily.VISCOUS, BranchFamily.ELASTIC), _SADDLE_MULTIPLES, stiffness):
+        contact, force = stiffened(drive, family, k, 0.0), multiple * drift / (lever * gamma)
+        rate = force / (contact.contact_damping * cosine) if contact.contact_damping else 0.0
+        state = [u, w, 0.0 if rate else force / (k * cosine), rate]
+        motion = follow(threads_automaton(contact), state, duration)
+        kinds.append(motion.kind[0] if motion.kind.size else -1)
+        times.append(motion.time[0] if motion.kind.size else np.nan)
+        pulse = np.sqrt(k * cosine * lever * abs(gamma) / (drive.mass * drive.screw_inertia))  # ω̄ of (8.9)
+        factor, t = -drive.pitch_radius * xi * drift / drive.screw_inertia, times[-1]
+        a = (multiple - 1) / (2 * gamma)
+        whole = a / pulse * (np.exp(pulse * t) - np.exp(-pulse * t)) + t / gamma
+        change = torque * t / drive.screw_inertia + factor * whole, factor * a * np.exp(pulse * t) / pulse
+        lost.append(-np.array(change) / speed)
+    size, dims = (2, len(_SADDLE_MULTIPLES), stiffness.size), ("contact_kind", "multiple", "contact_stiffness")
+    kinds, times = np.reshape(kinds, size).astype(np.int8), np.reshape(times, size)
+    own = np.reshape(lost, (*size, 2))[1, 0]  # without contact damping, from the larger force
+    event, words = "first event from a multiple of the contact force of the saddle", "velocity lost by the formula"
+    return {
+        "indeterminate_event": (dims, kinds, attributes("1", event, **flags_or_none(ThreadsEvent))),
+        "indeterminate_time": variable(dims, times, "s", f"time of the {event}"),
+        "formula_velocity": variable("contact_stiffness", own[:, 0], "1", f"{words} of Sect. 8.2 over that lost"),
+        "formula_velocity_limit": variable("contact_stiffness", own[:, 1], "1", f"{words} in its limit over that lost"),
+    }
+
+
 def _rules_followed(branches: Sequence[LimitBranch], variables: Variables) -> Variables:
     """The rule that each branch follows, if with the order wanted and all small at the end; the rigid duration."""
     durations = np.array([branch.rigid[0].end_time for branch in branches])
@@ -173,7 +231,11 @@ def _branch_coordinates(branches: Sequence[LimitBranch]) -> Variables:
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the orders in the viscous limit, the rule that each branch follows, and that the elastic limit differs."""
     viscous, ratio, elastic = _families(dataset).values()
-    return [*_viscous_checks(dataset, viscous), *_other_checks(elastic, ratio, viscous)]
+    return [
+        *_viscous_checks(dataset, viscous),
+        *_other_checks(elastic, ratio, viscous),
+        *_outcome_checks(dataset, viscous),
+    ]
 
 
 def _families(dataset: xr.Dataset) -> dict[str, xr.Dataset]:
@@ -252,6 +314,41 @@ def _other_checks(elastic: xr.Dataset, ratio: xr.Dataset, viscous: xr.Dataset) -
             f"{slow.max():.2f}; force of the rebound {float(ratio.rebound_force[-1]):.3g} N, in the viscous limit "
             f"{float(viscous.rebound_force[-1]):.1e} N",
             (excess > 0.01).all() and (far > 0.01).all() and slow.max() < _ORDER,
+        ),
+    ]
+
+
+def _outcome_checks(dataset: xr.Dataset, viscous: xr.Dataset) -> list[Check]:
+    """Check that impacts stop the screw in both paradoxes, and the chapter's formula of the velocity lost."""
+    stops = viscous.stop_time.values[~named(dataset.region, "cycle")]
+    stiff = dataset.isel(contact_stiffness=dataset.contact_stiffness.values >= float(dataset.fit_from))
+    stands, time = named(stiff.indeterminate_event, "stick"), stiff.indeterminate_time.values[:, 0]
+    error = np.abs(np.stack([stiff.formula_velocity, stiff.formula_velocity_limit]) - 1)
+    return [
+        Check.everywhere(
+            "From every state without a solution the impact of a compliant contact brings the screw to a stand",
+            "Sect. 8.2",
+            np.isfinite(stops),
+            "impacts",
+        ),
+        Check.holds(
+            "Between two solutions, too, N > 0 grows until the screw stands, the sooner the stiffer the contact, if N "
+            "is beyond the saddle",
+            "Sects 8.2, 8.9",
+            f"{stands[:, 0].sum()} of {stands[:, 0].size} contacts, {time[..., -1].max():.1e} s with the stiffest",
+            stands[:, 0].all() and (np.diff(time) < 0).all(),
+        ),
+        Check.holds(
+            "Short of the saddle the contact changes over to law − while the screw turns on",
+            "Sect. 8.2, Fig. 8.1",
+            f"{(~stands[:, 1]).sum()} of {stands[:, 1].size} contacts",
+            named(stiff.indeterminate_event, "contact reversal")[:, 1].all(),
+        ),
+        Check.holds(
+            "The velocity lost in an impact tends to that of the chapter's formula, and of its limit κ e^(ω̄ Δt) / ω̄",
+            "Sect. 8.2",
+            f"off by {error[0, -1]:.1e} and {error[1, -1]:.1e} with the stiffest contact",
+            (np.diff(error) < 0).all() and error[:, -1].max() < 0.05,
         ),
     ]
 

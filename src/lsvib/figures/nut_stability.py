@@ -10,10 +10,11 @@ from lsvib.datasets import spans
 from lsvib.datasets.attributes import CRITICAL_MASS, axis, drive_parameters, flagged, origin_of, parameter, variable
 from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
-from lsvib.figures import drawing, style
+from lsvib.figures import drawing, printed_laws, style
 from lsvib.figures.common import about, named, over_map
 from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Span, Values
 from lsvib.models.drive import NutDrive
+from lsvib.models.mechanics import coefficients
 from lsvib.numbers import bisected
 from lsvib.stability.conditions import critical_mass, effective_screw_inertia, kinematic_inertia, kinematic_mass
 from lsvib.stability.linear import (
@@ -81,6 +82,9 @@ def build(settings: Values) -> xr.Dataset:
             **axis("friction_coefficient", friction),
             "critical_mass": ((), rigid, CRITICAL_MASS),
             drawn: ((), own, parameter(drawn, origin, comment="of the critical masses")),
+            "steady_deflection": variable(
+                (), float(coefficients(drive).deflection), "rad", "coupling deflection in steady sliding", "$z_0$"
+            ),
             **drive_parameters(
                 drive,
                 axes=("nut_inertia", "friction_coefficient"),
@@ -123,6 +127,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         *_class_checks(dataset, drive, grid, clear),
         *_boundary_checks(dataset, drive, clear),
         *_critical_mass_checks(dataset, drive),
+        *_deflection_checks(dataset),
     ]
 
 
@@ -172,6 +177,23 @@ def _boundary_checks(dataset: xr.Dataset, drive: Values, clear: np.ndarray) -> l
             "eq. 8.33",
             f"largest remainder {left:.1e} at {np.isfinite(edge).sum()} of {edge.size} inertias",
             left < 1e-12,
+        ),
+    ]
+
+
+def _deflection_checks(p: xr.Dataset) -> list[Check]:
+    """Check the printed deflections of steady sliding: the torques on screw and nut together must balance."""
+    own = p.drop_vars("friction_coefficient").rename(drawn_friction_coefficient="friction_coefficient")
+    moment = float(p.pitch_radius * printed_laws.factor(own, 1) * p.axial_force)  # R Ω > 0, F_0 = T_0 = 0
+    on_screw = float(-p.coupling_stiffness * p.steady_deflection - p.support_damping * p.input_speed)
+    left = [abs(on_screw - sign * moment) / moment for sign in (1, -1)]  # k_2 θ_20 = ± moment
+    return [
+        Check.exact("Deflection of the coupling over the printed θ_0", "Sect. 8.8.2", 1.0, on_screw / moment),
+        Check.holds(
+            "The torques on screw and nut balance with θ_20 > 0, not with the sign as printed",
+            "Sect. 8.8.2",
+            f"remainder {left[0]:.1e} and {left[1]:.3g} of r_m ξ_0 R",
+            left[0] < 1e-12 < left[1],
         ),
     ]
 

@@ -1,0 +1,100 @@
+"""Equations of Sects 8.1 to 8.4 as they are printed, in doubles from a dataset's parameters, against its motions."""
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.datasets.checks import Check
+from lsvib.figures.common import named
+
+
+def factor(p: Any, law: Any) -> Any:
+    """Return ξ of a law [1] (8.4)."""
+    return (law * p.friction_coefficient - np.tan(p.lead_angle)) / (
+        1 + law * p.friction_coefficient * np.tan(p.lead_angle)
+    )
+
+
+def inertia(p: Any, law: Any) -> Any:
+    """Return Γ of a law [kg m²] (8.4)."""
+    return p.screw_inertia - p.mass * p.pitch_radius**2 * np.tan(p.lead_angle) * factor(p, law)
+
+
+def damping(p: Any, law: Any) -> Any:
+    """Return C of a law [N m s/rad] (8.13)."""
+    return p.support_damping - factor(p, law) * p.pitch_radius**2 * np.tan(p.lead_angle) * p.translation_damping
+
+
+def net_force(p: Any) -> Any:
+    """Return R − r_m tan λ c_x Ω [N], the numerator of (8.15)."""
+    return p.axial_force - p.pitch_radius * np.tan(p.lead_angle) * p.translation_damping * p.input_speed
+
+
+def lever(p: Any, law: Any) -> Any:
+    """Return cos λ + s μ sin λ [1]."""
+    return np.cos(p.lead_angle) + law * p.friction_coefficient * np.sin(p.lead_angle)
+
+
+def laws(dataset: xr.Dataset) -> xr.DataArray:
+    """Return the law of each sample of the motions, 0 at rest."""
+    plus, minus = (f"slip forward {a}, slip backward {b}".split(", ") for a, b in (("positive", "negative"),
+                                                                                 ("negative", "positive")))  # fmt: skip
+    return dataset["mode"].copy(data=1 * named(dataset["mode"], *plus) - named(dataset["mode"], *minus))
+
+
+def force_check(p: xr.Dataset) -> Check:
+    """Check the contact force of the motions by (8.17), in its terms."""
+    law, steady, tan = laws(p), np.sign(net_force(p) * p.input_speed), np.tan(p.lead_angle)
+    rate = p.mass * p.support_damping - p.screw_inertia * p.translation_damping
+    terms = [
+        p.pitch_radius * tan * p.mass * p.coupling_stiffness * p.angle_deviation,
+        p.pitch_radius * tan * rate * p.velocity_deviation,
+        inertia(p, steady) * net_force(p),
+    ]
+    over = inertia(p, law) * lever(p, law)
+    worst = float((abs(p.normal_force * over - sum(terms)) / sum(map(abs, terms))).where(law != 0).max())
+    return Check.holds(
+        "Along every motion drawn the contact force is that of (8.17), to 1e-12 of its terms",
+        "eq. 8.17",
+        f"largest difference {worst:.1e} at {int((law != 0).sum())} states that slip",
+        worst < 1e-12,
+    )
+
+
+def steady_checks(p: xr.Dataset) -> list[Check]:
+    """Check value and sign of the contact force, and the deflection, at the end of motions that settle."""
+    law = np.sign(net_force(p) * p.input_speed)
+    force = net_force(p) / lever(p, law)
+    load = damping(p, law) * p.input_speed + p.pitch_radius * factor(p, law) * p.axial_force
+    expected = (
+        ("contact force", "N_0 of (8.15), in value and sign", p.normal_force, force, "N", "eq. 8.15"),
+        ("deflection", "z_0", p.coupling_deflection, -load / p.coupling_stiffness, "rad", "Sect. 8.3"),
+    )
+    checks = []
+    for word, limit, values, end, unit, place in expected:
+        gap = float(abs(values.isel(sample=-1) / end - 1).max())
+        found = f"{float(end.values.flat[0]):.6g} {unit}, largest relative distance {gap:.1e}"
+        checks.append(
+            Check.holds(f"The {word} of motions that settle tends to {limit}, to 0.1 %", place, found, gap < 1e-3)
+        )
+    return checks
+
+
+def stationary_check(p: xr.Dataset) -> Check:
+    """Check that the contact force of the motions, (8.3), is a zero of the right-hand side of (8.7)."""
+    law, tan, rate = laws(p), np.tan(p.lead_angle), p.input_speed + p.velocity_deviation
+    torque = -p.coupling_stiffness * p.coupling_deflection - p.support_damping * rate
+    push = p.axial_force - p.translation_damping * p.pitch_radius * tan * rate
+    terms = [
+        -lever(p, law) * inertia(p, law) * p.normal_force,
+        p.screw_inertia * push,
+        -p.pitch_radius * tan * p.mass * torque,
+    ]
+    worst = float((abs(sum(terms)) / sum(map(abs, terms))).where(law != 0).max())
+    return Check.holds(
+        "(a) outside the paradoxes the contact force of the motions is the stationary solution of (8.7), to 1e-12",
+        "Sect. 8.2, eqs 8.3, 8.7",
+        f"largest remainder {worst:.1e} of the terms at {int((law != 0).sum())} states",
+        worst < 1e-12,
+    )
