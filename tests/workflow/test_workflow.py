@@ -13,6 +13,7 @@ import docutils.core
 import pytest
 import yaml
 from conftest import ROOT, TINY
+from tools.rule_graph import rule_graph
 
 from benchmarks.rivals.method_list import METHODS
 from lsvib.datasets.io import read_dataset
@@ -199,6 +200,14 @@ def test_the_command_line_changes_a_figure_and_the_drive_of_all(built, change, j
 def test_the_table_of_the_configuration_is_the_default_drive():
     assert RigidDrive.of(CONFIG["table_8_1"]) == RigidDrive()
     assert set(CONFIG["table_8_1"]) == {*chapter.STATED["Table 8.1"]} - {"lead_angle"} | {"lead_angle_deg"}
+
+
+def test_the_rules_are_those_that_the_picture_shows():
+    dataset = {"figure", "check", "all"}  # for what waits for a dataset
+    assert rule_graph(ROOT) == {
+        "core": {"map", "dataset"}, "analyse": {"dataset"}, "map": {"dataset"}, "dataset": dataset,
+        "figure": {"all"}, "check": {"verdict", "all"}, "verdict": {"all"}, "all": set(),
+    }  # fmt: skip
 
 
 def test_both_snakefiles_are_one_workflow(built):

@@ -19,7 +19,7 @@ rule chart_cells:
         "results/chart/chart.nc",
     log:
         "logs/chart_cells.log",
-    threads: workflow.cores
+    threads: lambda wildcards: workflow.cores
     resources:
         mem_mb=1000,
     params:
