@@ -140,7 +140,7 @@ def guide(axes: style.Axes, case: xr.Dataset, size: float = 10.0) -> None:
             rate = max(rates, key=lambda x: min(room, np.abs(sides - angle - slope * x).min()))
             place = angle + slope * rate + 0.015 * side * np.ptp(sides), rate
             axes.text(*place, word, ha="left" if side > 0 else "right", va="center", fontsize=0.8 * size, zorder=4,
-                      bbox={"facecolor": "#FFFFFFD0", "linewidth": 0, "pad": 0.8})  # fmt: skip
+                      bbox={"facecolor": "#FFFFFF90", "linewidth": 0, "pad": 0.2})  # fmt: skip
 
 
 def draw_arrows(axes: style.Axes, case: xr.Dataset, size: float = 10.0) -> None:
