@@ -182,15 +182,22 @@ def _boundary_checks(dataset: xr.Dataset, drive: Values, clear: np.ndarray) -> l
 
 
 def _deflection_checks(p: xr.Dataset) -> list[Check]:
-    """Check the printed deflections of steady sliding: the torques on screw and nut together must balance."""
+    """Check the printed deflections of steady sliding by the force and the friction of the threads alone."""
     own = p.drop_vars("friction_coefficient").rename(drawn_friction_coefficient="friction_coefficient")
-    moment = float(p.pitch_radius * printed_laws.factor(own, 1) * p.axial_force)  # R Ω > 0, F_0 = T_0 = 0
+    printed_moment = float(p.pitch_radius * printed_laws.factor(own, 1) * p.axial_force)  # R Ω > 0, F_0 = T_0 = 0
+    force, (mu, angle) = p.axial_force / printed_laws.lever(own, 1), (own.friction_coefficient, p.lead_angle)
+    turns = float(p.pitch_radius * force * (mu * np.cos(angle) - np.sin(angle)))  # the nut, and brakes the screw
     on_screw = float(-p.coupling_stiffness * p.steady_deflection - p.support_damping * p.input_speed)
-    left = [abs(on_screw - sign * moment) / moment for sign in (1, -1)]  # k_2 θ_20 = ± moment
+    left = [abs(turns - sign * printed_moment) / turns for sign in (1, -1)]  # k_2 θ_20 = ± r_m ξ_0 R
     return [
-        Check.exact("Deflection of the coupling over the printed θ_0", "Sect. 8.8.2", 1.0, on_screw / moment),
+        Check.exact(
+            "Torque of the coupling at the deflection θ_0 over that of the threads",
+            "Sect. 8.8.2",
+            1.0,
+            on_screw / turns,
+        ),
         Check.holds(
-            "The torques on screw and nut balance with θ_20 > 0, not with the sign as printed",
+            "Contact force and friction turn the nut to θ_20 > 0, not with the sign as printed",
             "Sect. 8.8.2",
             f"remainder {left[0]:.1e} and {left[1]:.3g} of r_m ξ_0 R",
             left[0] < 1e-12 < left[1],
