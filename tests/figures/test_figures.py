@@ -85,7 +85,7 @@ SPOILED_STATEMENTS = [  # figure, words of a check that an entry of the list res
     ("fig8_14", "The corner is the printed one", scale("seizure_distance", 1e6)),
     ("fig8_15", "exactly where (8.27) holds", scale("screw_mass", 1.1)),
     ("nut_stability", "Torque of the coupling at the deflection θ_0", scale("steady_deflection", 1.01)),
-    ("nut_stability", "turn the nut to θ_20", scale("steady_deflection", 1.01)),
+    ("nut_stability", "balance with θ_20", scale("steady_deflection", 1.01)),
     ("basin_sweep", "locally stable and yet lost", set_to("basin_area_axial_force", 0.0)),
     ("basin_sweep", "beyond m_cr at (a) alone", set_to("reading_fraction", 1.0)),
     ("contact_stability", "it still rises", scale("growth_rate", 100.0, 0, 0, -2)),

@@ -188,7 +188,7 @@ def _deflection_checks(p: xr.Dataset) -> list[Check]:
     force, (mu, angle) = p.axial_force / printed_laws.lever(own, 1), (own.friction_coefficient, p.lead_angle)
     turns = float(p.pitch_radius * force * (mu * np.cos(angle) - np.sin(angle)))  # the nut, and brakes the screw
     on_screw = float(-p.coupling_stiffness * p.steady_deflection - p.support_damping * p.input_speed)
-    left = [abs(turns - sign * printed_moment) / turns for sign in (1, -1)]  # k_2 θ_20 = ± r_m ξ_0 R
+    left = [abs(on_screw - sign * printed_moment) / turns for sign in (1, -1)]  # k_2 θ_20 = ± r_m ξ_0 R
     return [
         Check.exact(
             "Torque of the coupling at the deflection θ_0 over that of the threads",
@@ -197,7 +197,7 @@ def _deflection_checks(p: xr.Dataset) -> list[Check]:
             on_screw / turns,
         ),
         Check.holds(
-            "Contact force and friction turn the nut to θ_20 > 0, not with the sign as printed",
+            "The torques on screw and nut balance with θ_20 > 0, not with the sign as printed",
             "Sect. 8.8.2",
             f"remainder {left[0]:.1e} and {left[1]:.3g} of r_m ξ_0 R",
             left[0] < 1e-12 < left[1],
