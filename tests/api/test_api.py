@@ -32,8 +32,9 @@ WINDOW = {"u": (-0.1, 0.1, 40), "w": (-80.0, 80.0, 30)}
 def random_drives(count: int, seed: int = 1):
     """Drives of every model with some parameters changed, the values over many decades."""
     rng = np.random.default_rng(seed)
+    names = model_names()
     for k in range(count):
-        kind = api.drive_class(model_names()[k % 4])
+        kind = api.drive_class(names[k % len(names)])
         changes = {}
         for key in kind.model_fields:
             if rng.random() < 0.5:

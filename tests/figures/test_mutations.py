@@ -67,5 +67,5 @@ def test_a_wrong_coefficient_fails_a_check(figure, right, quantity):
     if figure in NOT_IN[quantity]:
         xr.testing.assert_equal(dataset, right)
     else:
-        assert failed
+        assert failed, f"no check of {figure} notices {quantity}: give it one, or say in NOT_IN why it cannot"
     print(f"{quantity} | {figure} | {'; '.join(failed) or NOT_IN[quantity][figure]}")

@@ -5,12 +5,15 @@ import os
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 import lsvib
-from lsvib.models.model import model_names
+from lsvib.models import threads
+from lsvib.models.drive import RigidDrive
+from lsvib.models.model import find_model, model_names
 
 PACKAGE = Path(lsvib.__file__).parent
 # Compliant threads on a slope, along which a part of the weight adds to the axial force.
@@ -206,3 +209,9 @@ def test_grids_and_drives_know_it(found):
 
 def test_a_name_without_a_file_is_refused_with_the_names_that_have_one(found):
     assert found["refusal"] == f"model = 'wood' is not one of {', '.join(model_names())}, slope."
+
+
+def test_a_copied_file_whose_drives_still_bear_the_old_name_is_refused(monkeypatch):
+    monkeypatch.setattr(threads, "MODEL", replace(threads.MODEL, drive=RigidDrive))
+    with pytest.raises(lsvib.InputError, match="has drives with model = 'rigid'; their class needs model = 'threads'"):
+        find_model("threads")

@@ -1,7 +1,8 @@
 """What the layers above ask of a model: its :class:`Model`, found by the name of the model's file.
 
 To add a model, write one file ``lsvib/models/NAME.py`` and nothing else. Its docstring has the equations with their
-numbers in the chapter. Then come, as in :mod:`lsvib.models.threads`,
+numbers in the chapter. Then come, as in :mod:`lsvib.models.rigid` (two states: the flow of a mode is an ``oscillator``)
+or :mod:`lsvib.models.threads` (more: it is a ``linear_mode``, and ``assemble`` takes ``stack`` and ``forms``),
 
 * the class of its drives, a :class:`lsvib.models.drive.Drive` with ``model = "NAME"`` and its own parameters, each a
   ``quantity`` with symbol, unit, name and range;
@@ -125,17 +126,19 @@ class Model:
     *Motion.* ``build(drive, physics, resume)`` makes the automaton, and its attribute ``many(d, resume)``, where it has
     one, those of many drives at once, from arrays of parameters; ``start(drive, values)`` makes the state of a start
     from the keys ``required`` and ``optional``, one for each of the coordinates ``states``. ``modes`` and ``events``
-    name the codes of datasets. ``terms`` are the parameters that a scene may leave out (then they must be zero),
-    ``options`` the other words that its ``physics`` may hold, ``outputs`` its observables, and ``quantities`` long
-    name, unit and symbol of those coordinates and observables that no other model has. ``powers(drive, automaton)``
-    gives the powers of its cycles.
+    name the codes of datasets. A model that knows only one rule of resuming refuses the other in ``build``
+    (:func:`seizures_only_by_contact`). ``terms`` are the parameters that a scene may leave out (then they must be
+    zero), ``options`` the other words that its ``physics`` may hold, ``outputs`` its observables, and ``quantities``
+    long name, unit and symbol of those coordinates and observables that no other model has.
+    ``powers(drive, automaton)`` gives the powers of its cycles.
 
     *Linear stability.* ``characteristic(parameters, parts)`` is the characteristic polynomial of steady sliding in the
     arithmetic of the parameters; ``excess(parts)`` the positive factor by which it exceeds det(M s² + C s + K). The
     class ``drive`` names the damper that the model adds to the rigid drive, ``own_damping``. The kinematic constraint
     is where the leading coefficient of ``constrained(parameters, parts)`` vanishes, by default of the characteristic
     polynomial; ``constraint`` is its equation in words. ``thresholds`` are the names of those that can be solved for a
-    parameter, ``curves`` those of the exact curves in its charts; a model without any has no charts.
+    parameter (the default is for more than two states: of two there is no flutter), ``curves`` those of the exact
+    curves in its charts; a model without any has no charts.
 
     ``section`` is the section of the book that derives the model, by which models are listed, and ``equations`` are the
     numbers of its equations.
@@ -185,12 +188,14 @@ def seizures_only_by_contact(model: str, resume: str) -> None:
 
 
 def find_model(name: str) -> Model:
-    """Return a model by name; ``InputError`` if there is none of that name.
+    """Return a model by name; ``InputError`` if there is none of that name, or if its drives bear another one.
 
     >>> find_model("threads").states
     ('angle_deviation', 'velocity_deviation', 'thread_mismatch', 'mismatch_rate')
     """
     model: Model = import_module(model_module(name)).MODEL
+    if (own := getattr(model.drive, "model", "")) != name:  # a copied file, which would answer as the one it is from
+        raise InputError(f"lsvib/models/{name}.py has drives with model = {own!r}; their class needs model = {name!r}.")
     return model
 
 
