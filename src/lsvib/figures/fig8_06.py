@@ -250,6 +250,11 @@ def _reading_checks(dataset: xr.Dataset) -> list[Check]:
             f"(with the stated m = {stated:g} kg it is {float(ours[f'reading_effective_inertia_{sign}']):.3g} kg m2)"
         )
         result.append(printed.check(words, chapter.EFFECTIVE_INERTIA[law], theirs[f"reading_effective_inertia_{sign}"]))
+    inertias = {law: float(ours[f"reading_effective_inertia_{sign}"]) for law, sign, _ in laws}
+    wrong = [abs(x / chapter.EFFECTIVE_INERTIA[law].value - 1) > 0.1 for law, x in inertias.items()]
+    claim, found = "The printed Γ± are not those of the stated mass (more than 10 % off)", f"m = {stated:g} kg gives "
+    found += " and ".join(f"{x:.3g} kg m2" for x in inertias.values())
+    result.append(Check.holds(claim, "Sect. 8.5.1", found, all(wrong)))
     own = {name: float(theirs[f"reading_{name}"]) for name in ("stick_force", "detach_force")}
     claim = f"The thresholds of Fig. 8.6 are not those of m = {printed_for:g} kg (more than 2 % off)"
     found = f"m = {printed_for:g} kg gives {' and '.join(f'{force:.2f} N' for force in own.values())}"
