@@ -67,7 +67,7 @@ SPOILED_STATEMENTS = [  # figure, words of a check that an entry of the list res
     ("fig8_05", "tends to N_0", scale("normal_force", 1.01)),
     ("fig8_06", "self-locking", set_to("holds_without_torque", 1)),
     ("fig8_06", "moves towards the origin", set_to("contact_line_angle", 0.1)),
-    ("fig8_06", "is that of (8.17)", scale("normal_force", 1.01)),
+    ("fig8_06", "Newton's laws of screw", scale("normal_force", 1.01)),
     ("fig8_06", "At R = 25 N", set_to("attractor", Attractor.STEADY_SLIDING)),
     ("fig8_07", "need not resume at once", set_to("rest_after_seizure", 0.0)),
     ("fig8_07", "opposite to the assumed one", scale("mass", 0.9)),

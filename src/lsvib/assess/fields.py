@@ -281,6 +281,7 @@ def _within(allowed: Mapping[str, tuple[float, float]], above: bool = False) -> 
     """Return a check of figures against the range of their unit; ``above``: its lower end is not part of it."""
 
     def check(figure: float, unit: str) -> None:
+        """Raise ``NotQuantity`` unless a figure in this unit is in the range."""
         low, high = allowed[unit]
         if (figure > low or (figure == low and not above)) and figure <= high:
             return

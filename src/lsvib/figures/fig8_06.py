@@ -15,7 +15,7 @@ from lsvib.datasets import newton, phase_plane, printed, spans
 from lsvib.datasets.analysis import analyse, value
 from lsvib.datasets.attributes import Variables, axis, flagged, start_state, variable, yes_no
 from lsvib.datasets.checks import Check
-from lsvib.figures import drawing, printed_laws, style
+from lsvib.figures import drawing, style
 from lsvib.figures.common import SteadyState, about, flag_names, named, spread
 from lsvib.figures.settings import MassPair, PhasePlane, Span, State, Values, parameter, several
 from lsvib.models import chapter
@@ -161,7 +161,6 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         ),
         *(printed.check(words, chapter.THRESHOLDS[n], dataset[n]) for n, (_, words) in _THRESHOLDS.items()),
         newton.touching_check(dataset.isel(case=0), 1, dataset.detach_force, "Detach force"),
-        printed_laws.force_check(dataset),
         *_curve_checks(dataset),
         *_inset_checks(dataset),
         *_reading_checks(dataset),

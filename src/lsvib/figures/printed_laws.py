@@ -43,25 +43,6 @@ def laws(dataset: xr.Dataset) -> xr.DataArray:
     return dataset["mode"].copy(data=1 * named(dataset["mode"], *plus) - named(dataset["mode"], *minus))
 
 
-def force_check(p: xr.Dataset) -> Check:
-    """Check the contact force of the motions by (8.17), in its terms."""
-    law, steady, tan = laws(p), np.sign(net_force(p) * p.input_speed), np.tan(p.lead_angle)
-    rate = p.mass * p.support_damping - p.screw_inertia * p.translation_damping
-    terms = [
-        p.pitch_radius * tan * p.mass * p.coupling_stiffness * p.angle_deviation,
-        p.pitch_radius * tan * rate * p.velocity_deviation,
-        inertia(p, steady) * net_force(p),
-    ]
-    over = inertia(p, law) * lever(p, law)
-    worst = float((abs(p.normal_force * over - sum(terms)) / sum(map(abs, terms))).where(law != 0).max())
-    return Check.holds(
-        "Along every motion drawn the contact force is that of (8.17), to 1e-12 of its terms",
-        "eq. 8.17",
-        f"largest difference {worst:.1e} at {int((law != 0).sum())} states that slip",
-        worst < 1e-12,
-    )
-
-
 def steady_checks(p: xr.Dataset) -> list[Check]:
     """Check value and sign of the contact force, and the deflection, at the end of motions that settle."""
     law = np.sign(net_force(p) * p.input_speed)
