@@ -47,7 +47,7 @@ def test_the_same_formulas_carry_derivatives():
 def test_the_same_formulas_serve_many_drives():
     drives = [DRIVE.replace(mass=m) for m in (1.0, 5.0, 9.0)]
     values = {key: np.array([getattr(d, key) for d in drives]) for key in RigidDrive.model_fields}
-    lead = values["lead_angle"]
+    lead, values["steady_friction"] = values["lead_angle"], values["friction_coefficient"]
     d = SimpleNamespace(**values, tan_lead=np.tan(lead), sin_lead=np.sin(lead), cos_lead=np.cos(lead))
     for k, drive in enumerate(drives):
         np.testing.assert_allclose(coefficients_of(d).gamma[1][k], float(coefficients(drive).gamma[1]), rtol=1e-14)

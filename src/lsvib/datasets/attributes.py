@@ -173,8 +173,9 @@ def drive_parameters(
     if not isinstance(drives, Drive):
         words = ["_".join(f"{name}_{getattr(drive, name)!r}" for name in along) or "drive" for drive in row]
         result[dim] = named_index(dim, f"index of the {dim}", words)
+    own = {name for drive in row for name, _ in drive}
     for name in type(row[0]).model_fields:
-        if name in axes:
+        if name in axes or name not in own:
             continue
         values = np.array([getattr(drive, name) for drive in row])
         origin = NO_EFFECT if name in no_effect else ASSUMED if name in assumed else origin_of(name, values, printed)

@@ -24,6 +24,7 @@ from pydantic_core import PydanticCustomError, core_schema
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import InputError
+from lsvib.models import friction
 from lsvib.numbers import NotNumber, number, shown, whole
 
 
@@ -165,6 +166,19 @@ class Drive(BaseModel):
         0.0, "c_x", "N s m-1", "damping of the translating mass", least=1e-18, ge=0, le=1e15
     )
     axial_force: Value = quantity(50.0, "R", "N", "axial force on the translating mass", least=1e-18, ge=-1e12, le=1e12)
+    static_friction_coefficient: Value = quantity(
+        0.0, "mu_s", "1", "friction coefficient of the threads at rest; 0: as that of slow sliding", least=1e-18, ge=0
+    )
+    stribeck_rise: Value = quantity(0.0, "Delta_mu", "1", "rise of the friction coefficient towards slow sliding", ge=0)
+    stribeck_speed: Value = quantity(
+        0.0, "v_s", "m s-1", "sliding speed over which the rise of friction fades", least=1e-12, ge=0, le=1e6
+    )
+    stribeck_exponent: Value = quantity(
+        1.0, "delta", "1", "exponent of the fading rise of friction, 1 or 2", ge=1, le=2
+    )
+    friction_slope: Value = quantity(
+        0.0, "mu_v", "s m-1", "slope of the friction coefficient over the sliding speed", least=1e-18, ge=-1e6, le=1e6
+    )
 
     if not TYPE_CHECKING:  # a type checker reads the parameters from the fields
 
@@ -193,14 +207,22 @@ class Drive(BaseModel):
     def __str__(self) -> str:
         return repr(self)
 
+    def __iter__(self) -> Iterator[tuple[str, Any]]:  # type: ignore[override]  # as pydantic's, of what it has
+        """Yield names and values of the parameters that the drive has: of its friction law those that it uses."""
+        for key, value in self.__dict__.items():
+            if key not in friction.NAMES or value != type(self).model_fields[key].default:
+                yield key, value
+
     def model_post_init(self, context: Any) -> None:
-        """Check what couples two parameters: μ < cot λ."""
+        """Check what couples two parameters: μ < cot λ, and the parts of the friction law."""
         limit = 1 / math.tan(self.lead_angle)
         if not self.friction_coefficient < limit:
             raise InputError(
                 f"friction_coefficient = {self.friction_coefficient:g} is outside the allowed range "
                 f"{allowed_range(type(self), 'friction_coefficient')} = {limit:.6g}."
             )
+        if any(True for key, _ in self if key in friction.NAMES):
+            friction.check(self, limit)
 
     @classmethod
     def of(cls, values: "Drive | Mapping[str, Any] | None" = None, /, **more: Any) -> Self:
@@ -292,7 +314,10 @@ class NutDrive(Drive):
 
 
 class ExactParameters:
-    """A drive in balls of 150 digits (``flint.arb``): attributes as in :class:`Drive`, plus the functions of λ.
+    """A drive in balls of 150 digits (``flint.arb``): attributes as in :class:`Drive`, plus functions of them.
+
+    These are those of λ, ``sin_lead``, ``cos_lead`` and ``tan_lead``, and the coefficients ``steady_friction`` in
+    steady sliding and ``static_friction`` at rest (:mod:`lsvib.models.friction`).
 
     It is made once and shared, so it cannot be changed: an attempt raises ``AttributeError``.
     """
@@ -302,6 +327,7 @@ class ExactParameters:
         with many_digits():
             angle = values["lead_angle"]
             self.__dict__.update(values, sin_lead=angle.sin(), cos_lead=angle.cos(), tan_lead=angle.tan())
+            self.__dict__.update(friction.levels(self))
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"{name} cannot be set: exact parameters are shared.")

@@ -17,6 +17,7 @@ from lsvib.engine.exact.arithmetic import Divided
 from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import Tables
 from lsvib.errors import EngineError
+from lsvib.models import friction
 from lsvib.models.drive import Drive, RigidDrive
 from lsvib.models.mechanics import Coefficients, coefficients_of, steady_force
 from lsvib.models.model import Resume, find_model
@@ -47,8 +48,10 @@ class ManyDrives:
 
     def doubles(self, entries: np.ndarray, kind: type = float) -> SimpleNamespace:
         """Return some of the drives (j) with attributes as those of ``Drive.exact()``, arrays (j) of a ``kind``."""
-        d = SimpleNamespace(**{name: column[entries].astype(kind) for name, column in self.values.items()})
+        d = SimpleNamespace(**{name: self.drive_class.model_fields[name].default for name in friction.NAMES})
+        vars(d).update({name: column[entries].astype(kind) for name, column in self.values.items()})
         d.sin_lead, d.cos_lead, d.tan_lead = (f(d.lead_angle) for f in (np.sin, np.cos, np.tan))
+        vars(d).update(friction.levels(d))
         return d
 
 
@@ -98,8 +101,8 @@ def _safe(c: Coefficients, d: Any, tables: Tables) -> np.ndarray:
         (force * d.cos_lead, d.coupling_stiffness * c.deflection * d.sin_lead / d.pitch_radius),
     ]
     for law, xi in c.xi.items():
-        friction, turned = law * d.friction_coefficient, xi * lever * d.pitch_radius
-        sums += [(friction, -d.tan_lead), (np.ones_like(lever), friction * d.tan_lead)]
+        factor, turned = law * d.steady_friction, xi * lever * d.pitch_radius
+        sums += [(factor, -d.tan_lead), (np.ones_like(lever), factor * d.tan_lead)]
         sums += [(d.screw_inertia, -turned * d.mass), (d.support_damping, -turned * d.translation_damping)]
         sums.append((c.damping[law] ** 2, -4 * c.gamma[law] * d.coupling_stiffness))
         if law != c.steady_law:

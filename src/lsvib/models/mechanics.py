@@ -79,7 +79,7 @@ def coefficients_of(d: Any) -> Coefficients:
     """Return the coefficients from parameters as balls, arrays of doubles or power series."""
     with many_digits():
         r, tan = d.pitch_radius, d.tan_lead
-        xi = {s: friction_factor(d.friction_coefficient, tan, s) for s in (1, -1)}
+        xi = {s: friction_factor(d.steady_friction, tan, s) for s in (1, -1)}
         gamma = {s: effective_inertia(d.screw_inertia, d.mass, r, tan, xi[s]) for s in xi}
         damping = {s: effective_damping(d.support_damping, d.translation_damping, r, tan, xi[s]) for s in xi}
         net_force = d.axial_force - r * tan * d.translation_damping * d.input_speed
@@ -101,7 +101,7 @@ def coefficients_of(d: Any) -> Coefficients:
 
 def steady_force(c: Coefficients, d: Any) -> Any:
     """Return |N_0| of steady sliding [N] (eq. 8.15): N_0 (cos λ + s_0 μ sin λ) = R̃."""
-    return abs(c.net_force / (d.cos_lead + c.steady_law * d.friction_coefficient * d.sin_lead))
+    return abs(c.net_force / (d.cos_lead + c.steady_law * d.steady_friction * d.sin_lead))
 
 
 @dataclass(frozen=True)

@@ -119,7 +119,7 @@ class _Nut(TwoBodies):
             """Return what is left before the threads slip in a direction, as a row."""
             force = self._force(direction)
             law = 1 if sign(direction * force, "axial_force") > 0 else -1
-            most = self.d.pitch_radius * self.xi[law] * force
+            most = self.d.pitch_radius * self.xi_rest[law] * force
             return scaled(plus(constant(most), scaled(torque, -1)), direction)
 
         return {0: {direction: left(direction) for direction in (1, -1)}}

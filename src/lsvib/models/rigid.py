@@ -11,7 +11,10 @@ State (u, w): u = z − z_0 [rad] is the deviation of the coupling deflection z 
     (8.16, 8.17) Q = r_m tan λ [m k u + (m c − I c_x) u′] + Γ_0 R̃,
 
 so the motion is linear in each combination of signs of θ′ and Q, and at rest, where u′ = −Ω and static friction holds
-while the coupling torque T_r = −k (z_0 + u) stays between r_m R ξ₊ and r_m R ξ₋.
+while the coupling torque T_r = −k (z_0 + u) stays between r_m R ξ₊ and r_m R ξ₋, these two with the coefficient of
+static friction. Where that is above the coefficient of sliding, a screw that comes to θ′ = 0 within the band might
+also slip on; it is taken to stick, as it does in the limit of a coefficient that falls ever faster from rest on, and
+as it must once it stands still.
 
 Γ₊ > 0: the sign of N is that of Q, and N reverses where Q does.
 Γ₊ ≤ 0 (Painlevé region): law s = −1 is followed where it is admissible (θ′ > 0, Q < 0 and θ′ < 0, Q > 0); elsewhere,
@@ -55,7 +58,7 @@ from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
 from lsvib.errors import InputError
 from lsvib.models.drive import RigidDrive, once
-from lsvib.models.mechanics import Coefficients, coefficients
+from lsvib.models.mechanics import Coefficients, coefficients, effective_inertia, friction_factor
 from lsvib.models.model import Model, Powers, Resume
 
 STATES = ("angle_deviation", "velocity_deviation")
@@ -122,11 +125,16 @@ class RigidBuild:
             terms = c.gamma[s], c.damping[s], d.coupling_stiffness, d.pitch_radius * c.slack(s) * c.net_force
             self.flows[s] = oscillator(*terms), eigenform(*terms)
         self.turning, force = sign(d.input_speed), sign(d.axial_force)
+        self.same = d.static_friction is d.steady_friction  # rest then holds as much as sliding carries
+        self.xi_rest = c.xi if self.same else {s: friction_factor(d.static_friction, d.tan_lead, s) for s in c.xi}
         upper, lower = (1, -1) if force >= 0 else (-1, 1)
-        self.above, self.below = self._torque_above(upper), scaled(self._torque_above(lower), -1)
+        self.above, self.below = self._torque_above(upper, True), scaled(self._torque_above(lower, True), -1)
         self.band_end = scaled(self.above if self.turning > 0 else self.below, -1)
         self.speed = (0, 1, d.input_speed)
         self.release_sign = force or -self.turning
+        if force * self.turning > 0 and not (self.same or c.paradox):
+            # At the end of the band Q is R Γ₊ with static friction, which alone may reach the Painlevé region.
+            self.release_sign *= sign(self.gamma_rest()[1]) or 1
         # Where the band is a point, events accumulate there when what is left of them lies below rounding; rest then
         # ends as soon as it begins, and the release begins in the very corner: beside it, on the wrong side by a last
         # place, the screw would stop again at once, and so for ever.
@@ -162,19 +170,29 @@ class RigidBuild:
             contracts=self.contracts(),
         )
 
-    def _torque_above(self, law: int) -> tuple:
-        """(T_r − r_m ξ R) / k [rad] under a law; k z_0 is inserted: nothing cancels."""
+    def _torque_above(self, law: int, at_rest: bool) -> tuple:
+        """(T_r − r_m ξ R) / k [rad] under a law, static or sliding; k z_0 is inserted: nothing cancels."""
         c, d = self.c, self.d
         steady = (c.damping[c.steady_law] * d.input_speed) / d.coupling_stiffness
-        friction = d.pitch_radius * c.slack(law) * d.axial_force / d.coupling_stiffness
-        return -1, 0, steady + friction
+        slack = c.xi[c.steady_law] - self.xi_rest[law] if at_rest and not self.same else c.slack(law)
+        return -1, 0, steady + d.pitch_radius * slack * d.axial_force / d.coupling_stiffness
+
+    @many_digits()
+    def gamma_rest(self) -> dict[int, Any]:
+        """Γ_s with static friction, by law."""
+        d = self.d
+        return {
+            s: effective_inertia(d.screw_inertia, d.mass, d.pitch_radius, d.tan_lead, xi)
+            for s, xi in self.xi_rest.items()
+        }
 
     def _cornered(self) -> bool:
         """Whether at θ′ = 0 a double cannot tell the band of static friction, or Q at its end, from a corner."""
-        c, d = self.c, self.d  # the band is R (Γ₋ − Γ₊) / (m k r_m tan λ) wide, and Q = 0 R Γ₊ / (…) from its end
+        d, gamma = self.d, self.gamma_rest()
+        # The band is R (Γ₋ − Γ₊) / (m k r_m tan λ) wide, and Q = 0 R Γ₊ / (…) from its end.
         least = abs(self.band_end[2]) * d.mass * d.coupling_stiffness * d.pitch_radius * d.tan_lead
         force = 10**13 * abs(d.axial_force)  # this part of u counts: a tenth of it is what rounding may make of u
-        return any(sign(force * x - least) <= 0 for x in (abs(c.gamma[1]), c.gamma[-1] - c.gamma[1]))
+        return any(sign(force * x - least) <= 0 for x in (abs(gamma[1]), gamma[-1] - gamma[1]))
 
     def mover(self) -> int:
         """Coordinate that is set on Q = 0: the one that moves Q more, so that its own rounding is not amplified."""
@@ -182,14 +200,14 @@ class RigidBuild:
         return 0 if sign(abs(self.c.q_row[0]) * time - abs(self.c.q_row[1])) >= 0 else 1
 
     def contracts(self) -> bool:
-        """Whether the motion enlarges no area (see ``Automaton``): Γ₊ > 0 and both C_s > 0, or both zero.
+        """Whether the motion enlarges no area (see ``Automaton``): Γ₊ > 0, both C_s > 0 or zero, one friction for all.
 
         Slip changes an area at the rate −C_s / Γ_s. Both laws agree on Q = 0. Where θ′ passes zero, friction reverses:
         the acceleration forward is below that backward by |Q| (1/Γ₊ − 1/Γ₋) / (m r_m tan λ), so that areas are
-        squeezed.
+        squeezed. Static friction above that of sliding makes motions jump where rest begins.
         """
         signs = [sign(damping, "support_damping") for damping in self.c.damping.values()]
-        return not self.c.paradox and signs in ([0, 0], [1, 1])
+        return self.same and not self.c.paradox and signs in ([0, 0], [1, 1])
 
     def _slip(self, name: str, guards: tuple[Guard, ...], beyond: str | None) -> Mode:
         flow, exact = self.flows[math.prod(SLIPS[name])]
@@ -255,7 +273,7 @@ class RigidBuild:
             for direction, name in _BY_LAW_MINUS.items()
         )
         modes, transitions = {}, {"entry": Transition((*starts, *standing)), "stop": Transition(standing)}
-        push = self._torque_above(-1)  # slip under law −1 accelerates forward
+        push = self._torque_above(-1, False)  # slip under law −1 accelerates forward
         to_rest = ((1, 0, 0), (0, 0, -self.d.input_speed))
         for direction, name in _BY_LAW_MINUS.items():
             guards = Guard("contact", -direction, f"seizure_{name}"), Guard("screw_speed", direction, "stop")
@@ -292,7 +310,7 @@ class RigidBuild:
         normal = {"rest": (lever, 0, d.axial_force * d.cos_lead + lever * z0)}
         for name in modes.keys() - normal.keys():
             law = math.prod(SLIPS[name])
-            push = c.gamma[law] * (d.cos_lead + law * d.friction_coefficient * d.sin_lead)
+            push = c.gamma[law] * (d.cos_lead + law * d.steady_friction * d.sin_lead)
             normal[name] = scaled(c.q_row, 1 / push)
         return {
             "normal_force": normal,

@@ -110,7 +110,7 @@ class _Support(TwoBodies):
 
         def left(side: int, direction: int) -> tuple:
             """Return what is left before the threads slip in a direction, on a side of the contact, as a row."""
-            threads = scaled(rest.contact, self.d.pitch_radius * self.xi[direction * side])
+            threads = scaled(rest.contact, self.d.pitch_radius * self.xi_rest[direction * side])
             return plus(scaled(plus(threads, scaled(rest.torque, -1)), direction), constant(self.bearing))
 
         return {side: {direction: left(side, direction) for direction in (1, -1)} for side in (1, -1)}

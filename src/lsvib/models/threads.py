@@ -14,8 +14,8 @@ Differentiating N twice gives (8.7) for c_c = 0.
 
 Friction. The motion is linear for each combination of the signs of θ′ and N; the law s changes where either of them
 passes zero. When θ′ arrives at zero the screw sticks if static friction holds: the friction force F takes what the
-torque asks for, F = (−k z / r_m + N sin λ) / cos λ, as long as |F| ≤ μ |N|. During rest the nut still moves,
-m x″ = R − c_x x′ − N cos λ − F sin λ, so N changes, and slip begins where |F| reaches μ |N|.
+torque asks for, F = (−k z / r_m + N sin λ) / cos λ, as long as |F| ≤ μ_s |N|. During rest the nut still moves,
+m x″ = R − c_x x′ − N cos λ − F sin λ, so N changes, and slip begins where |F| reaches μ_s |N|.
 
 Painlevé region. Nothing is imposed: N is a function of the state, so a seizure is the fast growth of N under law
 s = +1, which stops the screw, and the motion after it follows from the same equations.
@@ -139,9 +139,9 @@ class _ThreadsBuild:
     def _slip_rows(self, law: int) -> list[tuple]:
         d = self.d
         torque = plus(scaled(self.deflection, -d.coupling_stiffness), scaled(self.speed, -d.support_damping))
-        lever = d.pitch_radius * (law * d.friction_coefficient * d.cos_lead - d.sin_lead)
+        lever = d.pitch_radius * (law * d.steady_friction * d.cos_lead - d.sin_lead)
         acceleration = scaled(plus(torque, scaled(self.normal, -lever)), 1 / d.screw_inertia)
-        return self._rows(acceleration, scaled(self.normal, d.cos_lead + law * d.friction_coefficient * d.sin_lead))
+        return self._rows(acceleration, scaled(self.normal, d.cos_lead + law * d.steady_friction * d.sin_lead))
 
     def rest(self) -> ModalMode:
         """Field of rest: w stays −Ω, the nut moves on."""
@@ -167,7 +167,7 @@ class _ThreadsBuild:
             "screw_speed": Surface(self.speed, 1),
         }
         for sign, contact in SIGNS.items():
-            limit = scaled(self.normal, sign * self.d.friction_coefficient)
+            limit = scaled(self.normal, sign * self.d.static_friction)
             found[f"hold_{contact}"] = Surface(plus(limit, scaled(self.friction, -1)), 0)
             found[f"hold_back_{contact}"] = Surface(plus(limit, self.friction), 0)
         return found
@@ -207,7 +207,7 @@ class _ThreadsBuild:
     def _standing(self):
         """At θ′ = 0, for N of either sign: too much friction asked for starts slip, else rest."""
         for sign, contact in SIGNS.items():
-            limit = scaled(self.normal, -sign * self.d.friction_coefficient)
+            limit = scaled(self.normal, -sign * self.d.static_friction)
             for here in self._contact_has(sign):
                 for direction, where in DIRECTIONS.items():
                     excess = (plus(scaled(self.friction, direction), limit), Test.POSITIVE)
@@ -219,7 +219,7 @@ def seated_state(drive: ThreadsDrive, u: float, w: float) -> np.ndarray:
     """State with the contact compressed as in steady sliding, N = N_0 and v = 0; u [rad], w [rad/s] (eq. 8.15)."""
     c, d = coefficients(drive), drive.exact()
     with many_digits():
-        normal = c.net_force / (d.cos_lead + c.steady_law * d.friction_coefficient * d.sin_lead)
+        normal = c.net_force / (d.cos_lead + c.steady_law * d.steady_friction * d.sin_lead)
         return np.array([u, w, float(normal / (d.cos_lead * d.contact_stiffness)), 0.0])
 
 

@@ -68,8 +68,9 @@ class TwoBodies(ABC):
     """A drive of a model as rows over its state (u, w, and two of the second body) and 1, and its automaton.
 
     In steady sliding the threads carry the force ``force`` = R − r_m tan λ c_x Ω − F_0 sgn Ω [N] with the torque
-    ``twist`` = r_m ξ_s0 · force [N m] (eq. 8.15). ``reach``: r_m tan λ; ``xi``: ξ_s by law; ``turned``: ξ₊ tan λ r_m²;
-    ``turning``: sgn Ω; ``slides``, ``bears``: whether there is F_0, T_0; ``speed``, ``deflection``: rows of θ′ and z.
+    ``twist`` = r_m ξ_s0 · force [N m] (eq. 8.15). ``reach``: r_m tan λ; ``xi``: ξ_s by law, ``xi_rest`` with static
+    friction, and ``same``, whether that is none of its own; ``turned``: ξ₊ tan λ r_m²; ``turning``: sgn Ω; ``slides``,
+    ``bears``: whether there is F_0, T_0; ``speed``, ``deflection``: rows of θ′ and z.
 
     A model names its ``states``, ``modes``, ``events``, and the ``second`` body with the coordinates ``snaps`` that are
     moved to put the speeds ``slip`` and ``sliding`` on zero. It sets the attributes that are only declared here: the
@@ -99,7 +100,9 @@ class TwoBodies(ABC):
         self.slides, self.bears = slide and drive.slide_friction > 0, bearing and drive.bearing_friction > 0
         self.slide, self.bearing = d.slide_friction * slide, d.bearing_friction * bearing
         self.reach = d.pitch_radius * d.tan_lead
-        self.xi = {s: friction_factor(d.friction_coefficient, d.tan_lead, s) for s in (1, -1)}
+        self.xi = {s: friction_factor(d.steady_friction, d.tan_lead, s) for s in (1, -1)}
+        self.same = d.static_friction is d.steady_friction  # rest then holds as much as sliding carries
+        self.xi_rest = self.xi if self.same else {s: friction_factor(d.static_friction, d.tan_lead, s) for s in self.xi}
         self.turned = self.xi[1] * self.reach * d.pitch_radius
         self.turning = sign(d.input_speed)
         self.force = d.axial_force - self.reach * d.translation_damping * d.input_speed - self.slide * self.turning
@@ -176,7 +179,7 @@ class TwoBodies(ABC):
         """Rows of the observables; N is n / (cos λ + s μ sin λ) in slip, n cos λ − T sin λ / r_m at rest (torque T)."""
         d, law = self.d, solution.law
         if law:
-            normal = scaled(solution.contact, 1 / (d.cos_lead + law * d.friction_coefficient * d.sin_lead))
+            normal = scaled(solution.contact, 1 / (d.cos_lead + law * d.steady_friction * d.sin_lead))
         else:
             tilted = scaled(solution.torque, -d.sin_lead / d.pitch_radius)
             normal = plus(scaled(solution.contact, d.cos_lead), tilted)
@@ -227,9 +230,12 @@ class TwoBodies(ABC):
     def _rest_guards(self, side: int, a: int) -> tuple[Guard, ...]:
         here, guards = self._rest(side, a), []
         for d in (self.turning, -self.turning):  # the guards of the mirrored drive come in the same order
-            target = self._slip(d, -d if self.paradox else self.released(d, side), a)
+            sign_of_n = -d if self.paradox else self.released(d, side)
+            released = [Branch(self._slip(d, sign_of_n, a), self.release)]
+            if not (self.same or self.paradox):  # with static friction alone n might turn over as slip begins
+                released.insert(0, Branch(self._slip(d, -sign_of_n, a), self.release, (self._turns(d, -sign_of_n, a),)))
             transition = f"release_{DIRECTIONS[d]}_{here}"
-            self.transitions[transition] = Transition((Branch(target, self.release),), reset=self.tied(True, a == 0))
+            self.transitions[transition] = Transition(tuple(released), reset=self.tied(True, a == 0))
             guards.append(self._guard(f"hold_{DIRECTIONS[d]}_{here}", self.held[a][side][d], 1, transition))
         if self.turns_over:
             turned = Branch(self._rest(-side, a), self.reversal, sign=-side)
@@ -278,6 +284,10 @@ class TwoBodies(ABC):
         """Condition under which Q gives n the sign q."""
         return scaled(self.gauge[d, a], q), Test.POSITIVE if q > 0 else Test.NOT_NEGATIVE
 
+    def _turns(self, d: int, q: int, a: int) -> Side:
+        """Condition under which Q gives n the sign q beyond doubt."""
+        return scaled(self.gauge[d, a], q), Test.POSITIVE
+
     def _starts(self, d: int, q: int, a: int) -> Side:
         return scaled(rate_of(self.slip, self.solutions[self._slip(d, q, a)].field), d), Test.POSITIVE
 
@@ -295,9 +305,17 @@ class TwoBodies(ABC):
 
     def _standing(self, a: int) -> Iterator[Branch]:
         """Branches at ω = 0 where the second body slides or has no friction: slip that accelerates, else rest."""
+        if not self.same:
+            yield from self._held_at_rest(a, self.stick)
         for d, q in self.slips:
             yield Branch(self._slip(d, q, a), self.turn, (self._law_holds(d, q, a), self._starts(d, q, a)))
         yield from self._rests(a, self.stick)
+
+    def _held_at_rest(self, a: int, kind: int) -> Iterator[Branch]:
+        """Branches to rest where static friction holds, although sliding friction might not."""
+        for side in self.sides:
+            stays = tuple((row, Test.NOT_NEGATIVE) for row in self.held[a][side].values())
+            yield Branch(self._rest(side, a), kind, (*self._side_holds(side, a), *stays))
 
     def _second_stopped(self, d: int) -> Iterator[Branch]:
         """The second body stops while the threads slip; it slides on if that accelerates it, else it is held."""
@@ -311,14 +329,16 @@ class TwoBodies(ABC):
     def _corner(self, kind: Callable[[int, int], int]) -> Iterator[Branch]:
         """Branches where both are at rest: the one mode whose accelerations, forces and signs agree."""
         for a in self.ways:
+            rests = [
+                Branch(branch.mode, branch.kind, (*branch.conditions, *self._second_agrees(branch.mode, a)))
+                for branch in (self._held_at_rest(a, kind(0, a)) if a or not self.same else ())
+            ]
+            yield from () if self.same else rests
             for d, q in self.slips:
                 mode = self._slip(d, q, a)
                 conditions = (self._law_holds(d, q, a), self._starts(d, q, a), *self._second_agrees(mode, a))
                 yield Branch(mode, kind(d, a), conditions)
-            for side in self.sides if a else ():
-                mode = self._rest(side, a)
-                stays = tuple((row, Test.NOT_NEGATIVE) for row in self.held[a][side].values())
-                yield Branch(mode, kind(0, a), (*self._side_holds(side, a), *stays, *self._second_agrees(mode, a)))
+            yield from rests if self.same else ()
         yield from self._rests(0, kind(0, 0))
 
     def _second_agrees(self, mode: str, a: int) -> tuple[Side, ...]:

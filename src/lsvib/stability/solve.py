@@ -80,8 +80,9 @@ def solved(drive: Drive, unknown: str, equations: Equations, guess: Any, inner: 
     good to four digits. Raises ``Singular`` at a double root, and where no root so close is proved.
     """
     with many_digits():
-        names = list(type(drive).model_fields)
-        system = _System(equations, names, {name: arb(value) for name, value in drive}, unknown, len(inner))
+        values = {name: arb(value) for name, value in drive}
+        names = [*values, *([] if unknown in values else [unknown])]
+        system = _System(equations, names, values, unknown, len(inner))
         place = system.newton([_middle(arb(x)) for x in (*inner, guess)])
         others = [len(inner) + k for k, name in enumerate(names) if name != unknown]
         values, jacobian = system.linearised(place, system.columns)

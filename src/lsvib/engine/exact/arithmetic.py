@@ -76,6 +76,11 @@ def root(number: Number) -> Number:
     return np.sqrt(number) if isinstance(number, (np.ndarray, float, int)) else number.sqrt()
 
 
+def exponential(number: Number) -> Number:
+    """Return e to the power of a number."""
+    return np.exp(number) if isinstance(number, (np.ndarray, float, int)) else number.exp()
+
+
 def double(number: Number) -> Any:
     """Return a number rounded to double once; an array of doubles as it is."""
     return number.astype(float, copy=False) if isinstance(number, np.ndarray) else float(number)
