@@ -39,6 +39,7 @@ from lsvib.dynamics.kernels.attractor import Outcome
 from lsvib.dynamics.kernels.poincare_map import LONGEST, ON_CIRCLE
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import event_loop, layout
+from lsvib.engine.kernels.layout import TaylorFlow
 from lsvib.engine.motion import Motion, engine_for, enter, follow, new_events
 from lsvib.errors import AccumulationError, DivergenceError, EngineError, UndecidedError, WorkSpentError
 
@@ -228,6 +229,8 @@ def facts_of(automaton: Automaton) -> rule.Facts:
 def _conserves(automaton: Automaton, rests: np.ndarray) -> bool:
     """Whether all modes in motion preserve volumes, because nothing damps them."""
     flow = automaton.tables.flow
+    if isinstance(flow, TaylorFlow):
+        return False
     if isinstance(flow, np.ndarray):
         return not flow[..., ~rests, layout.A1].any()
     return not np.trace(flow.field[~rests][:, :, :-1], axis1=1, axis2=2).any()
@@ -270,7 +273,7 @@ def _equilibrium(automaton: Automaton, mode: int, states: int) -> np.ndarray:
     from steady sliding, which is zero.
     """
     flow = automaton.tables.flow
-    if mode < 0:
+    if mode < 0 or isinstance(flow, TaylorFlow):
         return np.zeros(states)
     if isinstance(flow, np.ndarray):
         return np.array([flow[mode, layout.EQUILIBRIUM], 0.0])

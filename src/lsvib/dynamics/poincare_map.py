@@ -48,8 +48,8 @@ def derivative(motion: Motion) -> Derivative:
     n = motion.start_state.size
     matrix, rounding = np.empty((n, n)), np.empty((n, n))
     saltation.derivative(
-        motion.automaton.tables, motion.start_mode, motion.start_time, motion.time, motion.kind, motion.mode,
-        motion.before, matrix, rounding,
+        motion.automaton.tables, motion.start_mode, motion.start_time, motion.start_state, motion.time, motion.kind,
+        motion.mode, motion.before, motion.after, matrix, rounding,
     )  # fmt: skip
     return Derivative(matrix, rounding)
 

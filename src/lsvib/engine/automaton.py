@@ -12,6 +12,7 @@ import numpy as np
 from flint import arb
 
 from lsvib.engine.exact.arithmetic import alike, double, doubles, many_digits, root, sign
+from lsvib.engine.exact.taylor_form import eta
 from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import ModalFlow, Tables, Test
 from lsvib.errors import EngineError
@@ -77,7 +78,8 @@ class Automaton:
     """A model ready to run: the engine's tables, the code of each mode and the observables.
 
     ``observables[name]`` has shape (modes, n + 1): the affine function of the state that gives the quantity in each
-    mode. ``condition`` is the largest amplification of rounding by the modal form of a mode, 1 for two states.
+    mode; under a friction law ``parts[name]`` of it counts η times (:class:`lsvib.engine.kernels.layout.TaylorFlow`).
+    ``condition`` is the largest amplification of rounding by the modal form of a mode, 1 for two states.
     ``rest_codes`` are the codes of the modes at rest, and ``release_kinds`` the kinds of the events that end rest; a
     motion sprags in modes of ``sprag_codes`` and at events of ``sprag_kinds``. The model vouches for two facts:
     ``passive``, energy enters as the work of constant forces only, so that no motion grows faster than in proportion to
@@ -89,6 +91,7 @@ class Automaton:
     codes: np.ndarray
     states: tuple[str, ...]
     observables: dict[str, np.ndarray] = field(repr=False)
+    parts: dict[str, np.ndarray] = field(repr=False, default_factory=dict)
     condition: float = 1.0
     rest_codes: tuple[int, ...] = ()
     release_kinds: tuple[int, ...] = ()
@@ -100,8 +103,20 @@ class Automaton:
 
     def observe(self, name: str, states: np.ndarray, modes: np.ndarray) -> np.ndarray:
         """Return an observable [its SI unit] at ``states`` (k, n) in ``modes`` (k); shape (k)."""
-        rows = self.observables[name][modes]
-        return np.einsum("ki,ki->k", rows[:, :-1], states) + rows[:, -1]
+        found = affine(self.observables[name][modes], states)
+        if name in self.parts:
+            found = found + eta(self.tables.flow, states, modes) * affine(self.parts[name][modes], states)
+        return found
+
+    def functional(self, name: str) -> np.ndarray:
+        """Return an observable for :func:`lsvib.engine.kernels.event_loop.extremes_of_arcs`, a row for each mode."""
+        own = self.observables[name]
+        return np.concatenate([own, self.parts[name]], axis=1) if name in self.parts else own
+
+
+def affine(rows: np.ndarray, states: np.ndarray) -> np.ndarray:
+    """Return affine functions (k, n + 1) at states (k, n)."""
+    return np.asarray(np.einsum("ki,ki->k", rows[:, :-1], states) + rows[:, -1])
 
 
 def oscillator(inertia, damping, stiffness, force) -> np.ndarray:
@@ -177,6 +192,7 @@ def assemble(
     shortest_stay: Any,
     stack: Callable | None = None,
     forms: Callable | None = None,
+    parts: dict[str, dict[str, Row]] | None = None,
     **facts: tuple[int, ...] | bool,
 ) -> Automaton:
     """Lay a model out as tables.
@@ -184,7 +200,7 @@ def assemble(
     Arguments: names of the state's coordinates (n); surfaces, modes and transitions by name, the first transition being
     the entry; observables by name and mode; shortest stay [s] (see ``Tables``); with more than two states ``stack``,
     which makes the flow of those of the modes, and ``forms``, which makes ``guard_parts`` of them and of the guards by
-    mode; ``facts``, the other attributes of :class:`Automaton`. Branches into modes that the model does not have are an
+    mode; ``parts``, observables' rows that count η times, as those are given; ``facts``, the other attributes of :class:`Automaton`. Branches into modes that the model does not have are an
     error.
     """
     mode_index = {name: i for i, name in enumerate(modes)}
@@ -222,6 +238,7 @@ def assemble(
         codes=np.array([mode.code for mode in modes.values()], dtype=np.int8),
         states=states,
         observables={name: _rows([rows[mode] for mode in modes], n) for name, rows in observables.items()},
+        parts={name: _rows([rows[mode] for mode in modes], n) for name, rows in (parts or {}).items()},
         condition=1.0 if n == 2 else np.max([mode.flow.condition for mode in modes.values()], axis=0),
         **facts,
     )

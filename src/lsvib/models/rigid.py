@@ -34,11 +34,13 @@ of a double. The screw rests there for no time, and is released to the other sid
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from enum import IntEnum
 from typing import Any
 
 import numpy as np
+from flint import arb
 
 from lsvib.engine.automaton import (
     SHORT_STAY,
@@ -54,12 +56,22 @@ from lsvib.engine.automaton import (
     scaled,
 )
 from lsvib.engine.exact.arithmetic import double, many_digits, root, sign
+from lsvib.engine.exact.taylor_form import Split, still_mode, taylor_flow
 from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
 from lsvib.errors import InputError
+from lsvib.models import friction, sliding
 from lsvib.models.drive import RigidDrive, once
-from lsvib.models.mechanics import Coefficients, coefficients, effective_inertia, friction_factor
-from lsvib.models.model import Model, Powers, Resume
+from lsvib.models.mechanics import (
+    Coefficients,
+    coefficients,
+    effective_damping,
+    effective_inertia,
+    friction_factor,
+    plus,
+    rate_of,
+)
+from lsvib.models.model import DIRECTIONS, Model, Powers, Resume
 
 STATES = ("angle_deviation", "velocity_deviation")
 
@@ -74,6 +86,7 @@ class EventKind(IntEnum):
     REVERSAL = FIRST_MODEL_KIND + 2  # θ′ = 0, and the screw turns back
     RELEASE = FIRST_MODEL_KIND + 3  # static friction gives way
     SEIZURE = FIRST_MODEL_KIND + 4  # θ′ jumps to zero by a tangential impact
+    PASSAGE = FIRST_MODEL_KIND + 5  # θ′ passes a speed at which a friction law divides a mode, Ω as a rule
 
 
 class MotionMode(IntEnum):
@@ -105,6 +118,8 @@ def rigid_automaton(drive: RigidDrive, *, rest: bool = True, resume: Resume = "c
     Observables: normal_force [N], coupling_torque [N m], coupling_deflection [rad], screw_speed [rad/s]. Raises
     ``InputError`` for ``rest=False`` in the Painlevé region.
     """
+    if friction.depends_on_speed(drive):
+        return SpeedBuild(drive).automaton(rest, resume)
     return RigidBuild(coefficients(drive), drive.exact()).automaton(rest, resume)
 
 
@@ -120,19 +135,17 @@ class RigidBuild:
     @many_digits()
     def __init__(self, c: Coefficients, d: Any) -> None:
         self.c, self.d = c, d
-        self.flows = {}
-        for s in (-1,) if c.paradox else (1, -1):
-            terms = c.gamma[s], c.damping[s], d.coupling_stiffness, d.pitch_radius * c.slack(s) * c.net_force
-            self.flows[s] = oscillator(*terms), eigenform(*terms)
+        self.flows = self._flows()
         self.turning, force = sign(d.input_speed), sign(d.axial_force)
         self.same = d.static_friction is d.steady_friction  # rest then holds as much as sliding carries
         self.xi_rest = c.xi if self.same else {s: friction_factor(d.static_friction, d.tan_lead, s) for s in c.xi}
+        self.xi_slow = self._xi_slow()
         upper, lower = (1, -1) if force >= 0 else (-1, 1)
         self.above, self.below = self._torque_above(upper, True), scaled(self._torque_above(lower, True), -1)
         self.band_end = scaled(self.above if self.turning > 0 else self.below, -1)
         self.speed = (0, 1, d.input_speed)
         self.release_sign = force or -self.turning
-        if force * self.turning > 0 and not (self.same or c.paradox):
+        if force * self.turning > 0 and not self.same:
             # At the end of the band Q is R Γ₊ with static friction, which alone may reach the Painlevé region.
             self.release_sign *= sign(self.gamma_rest()[1]) or 1
         # Where the band is a point, events accumulate there when what is left of them lies below rounding; rest then
@@ -140,6 +153,17 @@ class RigidBuild:
         # place, the screw would stop again at once, and so for ever.
         corner = ((0, 0, -self.turning * self.band_end[2]), (0, 1, 0))
         self.to_corner = corner if force == 0 or self._cornered() else None
+
+    def _xi_slow(self) -> dict[int, Any]:
+        """ξ_s of slow sliding, by law."""
+        return self.c.xi
+
+    def _flows(self) -> dict[int, tuple]:
+        c, d, found = self.c, self.d, {}
+        for s in (-1,) if c.paradox else (1, -1):
+            terms = c.gamma[s], c.damping[s], d.coupling_stiffness, d.pitch_radius * c.slack(s) * c.net_force
+            found[s] = oscillator(*terms), eigenform(*terms)
+        return found
 
     @many_digits()
     def automaton(self, rest: bool, resume: Resume) -> Automaton:
@@ -174,7 +198,8 @@ class RigidBuild:
         """(T_r − r_m ξ R) / k [rad] under a law, static or sliding; k z_0 is inserted: nothing cancels."""
         c, d = self.c, self.d
         steady = (c.damping[c.steady_law] * d.input_speed) / d.coupling_stiffness
-        slack = c.xi[c.steady_law] - self.xi_rest[law] if at_rest and not self.same else c.slack(law)
+        xi = self.xi_rest if at_rest else self.xi_slow
+        slack = c.slack(law) if xi is c.xi else c.xi[c.steady_law] - xi[law]
         return -1, 0, steady + d.pitch_radius * slack * d.axial_force / d.coupling_stiffness
 
     @many_digits()
@@ -215,7 +240,10 @@ class RigidBuild:
 
     def _rest(self) -> Mode:
         beyond = "rest" if self.to_corner else None
-        return Mode(MotionMode.REST, oscillator(1, 0, 0, 0), (Guard("band_end", 1, "release"),), beyond)
+        return Mode(MotionMode.REST, self._still(), (Guard("band_end", 1, "release"),), beyond)
+
+    def _still(self) -> Any:
+        return oscillator(1, 0, 0, 0)
 
     def regular(self, rest: bool) -> tuple[dict[str, Mode], dict[str, Transition]]:
         """Modes and transitions for Γ₊ > 0."""
@@ -239,11 +267,7 @@ class RigidBuild:
 
     def _entry(self, modes: dict[str, Mode], rest: bool) -> Iterator[Branch]:
         """Where a motion starts: by the signs of θ′ and Q; on Q = 0 by Q′, the same by both laws; at θ′ = 0 a stop."""
-        flow, q = self.flows[1][0], self.c.q_row
-        a0, a1, b = flow[..., layout.A0], flow[..., layout.A1], flow[..., layout.B]
-        q_u, q_w = double(q[0]), double(q[1])
-        with np.errstate(over="ignore", invalid="ignore"):  # what is beyond all numbers is refused with the tables
-            q_rate = (-q_w * a0, q_u - q_w * a1, q_w * b)
+        q, q_rate = self.c.q_row, self._q_rate()
         for name in modes:
             direction, q_sign = SLIPS[name]
             moving = ((scaled(self.speed, direction), Test.POSITIVE),) if rest else ()
@@ -252,6 +276,13 @@ class RigidBuild:
             yield Branch(name, EventKind.RELEASE, (*moving, *enters))
         if rest:
             yield from self._stop()
+
+    def _q_rate(self) -> tuple:
+        flow, q = self.flows[1][0], self.c.q_row
+        a0, a1, b = flow[..., layout.A0], flow[..., layout.A1], flow[..., layout.B]
+        q_u, q_w = double(q[0]), double(q[1])
+        with np.errstate(over="ignore", invalid="ignore"):  # what is beyond all numbers is refused with the tables
+            return -q_w * a0, q_u - q_w * a1, q_w * b
 
     def _stop(self) -> tuple[Branch, ...]:
         """At θ′ = 0 with Γ₊ > 0: the torque beyond the band decides the direction, Q the law."""
@@ -303,12 +334,12 @@ class RigidBuild:
             Branch("rest", stays, (), impulse),
         )
 
-    def observables(self, modes: dict[str, Mode]) -> dict[str, dict[str, tuple]]:
+    def observables(self, modes: Iterable[str]) -> dict[str, dict[str, tuple]]:
         """Rows of the observables by name and mode."""
         c, d, stiffness, z0 = self.c, self.d, self.d.coupling_stiffness, self.c.deflection
         lever = stiffness * d.sin_lead / d.pitch_radius
         normal = {"rest": (lever, 0, d.axial_force * d.cos_lead + lever * z0)}
-        for name in modes.keys() - normal.keys():
+        for name in set(modes) - normal.keys():
             law = math.prod(SLIPS[name])
             push = c.gamma[law] * (d.cos_lead + law * d.steady_friction * d.sin_lead)
             normal[name] = scaled(c.q_row, 1 / push)
@@ -318,6 +349,169 @@ class RigidBuild:
             "coupling_deflection": dict.fromkeys(modes, (1, 0, z0)),
             "screw_speed": dict.fromkeys(modes, self.speed),
         }
+
+
+class SpeedBuild(RigidBuild):
+    """The rigid drive under a friction law: its modes, with Γ₊ of either sign as the sliding speed has it.
+
+    ``range``: the interval of sliding speed in which Γ₊ > 0, None if there is none. Below it lies the Painlevé band:
+    where law + comes to the end of it, the screw seizes. What follows a seizure at a speed above it, where friction has
+    grown beyond all use, is not determined, and a motion that comes there has no branch.
+    """
+
+    def __init__(self, drive: RigidDrive) -> None:
+        super().__init__(coefficients(drive), drive.exact())
+        self.drive, self.pieces = drive, sliding.pieces_of(drive)
+        d = self.d
+        with many_digits():
+            heavy = d.mass * d.pitch_radius**2 - d.screw_inertia
+            turned = d.mass * d.pitch_radius**2 * d.tan_lead**2
+            most = double((d.screw_inertia + turned) / (heavy * d.tan_lead)) if sign(heavy, "mass") > 0 else math.inf
+            t = d.tan_lead
+            self.probe = t / 2 if t < 1 else 1 / (2 * t)  # Γ_s is positive there under both laws
+        found = sliding.speeds_below(drive, most)
+        if len(found) > 1:
+            raise InputError(
+                "friction reaches the Painlevé region at two separate ranges of speed; such are not followed."
+            )
+        self.range = found[0] if found else None
+        self.splits = {law: self._split(law) for law in (1, -1)}
+
+    def _flows(self) -> dict[int, tuple]:
+        return {}
+
+    @many_digits()
+    def _split(self, law: int) -> Split:
+        (free, loose), (rubbed, pressed) = (self._rows(law, mu) for mu in (arb(0), self.probe))
+        return Split.of(free, loose, rubbed, pressed, self.probe)
+
+    def _rows(self, law: int, mu: arb) -> tuple[list[tuple], tuple]:
+        """Rows of the field, and of N, under a law with a constant coefficient."""
+        c, d = self.c, self.d
+        xi = friction_factor(mu, d.tan_lead, law)
+        gamma = effective_inertia(d.screw_inertia, d.mass, d.pitch_radius, d.tan_lead, xi)
+        damping = effective_damping(d.support_damping, d.translation_damping, d.pitch_radius, d.tan_lead, xi)
+        coupling = scaled((1, 0, c.deflection), -d.coupling_stiffness)
+        rest = plus(scaled(self.speed, -damping), (0, 0, -d.pitch_radius * xi * d.axial_force))
+        normal = scaled(c.q_row, 1 / (gamma * (d.cos_lead + law * mu * d.sin_lead)))
+        return [(0, 1, 0), scaled(plus(coupling, rest), 1 / gamma)], normal
+
+    @many_digits()
+    def automaton(self, rest: bool, resume: Resume) -> Automaton:
+        """Return the automaton; rest is part of it."""
+        if not rest:
+            raise InputError("physics leaves out rest, which a drive with a friction law always has; list rest.")
+        self.surfaces = {
+            "contact": Surface(self.c.q_row, self.mover()),
+            "screw_speed": Surface(self.speed, 1),
+            "band_end": Surface(self.band_end, 0),
+        }
+        modes, transitions = self._modes(resume)
+        steady = _NAMES[self.turning, self.c.steady_law * self.turning]
+        if f"{steady}_fast" in modes and double(friction.steady_speed(self.d)) > self.range[0]:
+            steady += "_fast"
+        if steady in modes:
+            sliding.divided(steady, EventKind.PASSAGE, modes, transitions, self.surfaces)
+        return assemble(
+            states=STATES,
+            surfaces=self.surfaces,
+            modes=modes,
+            transitions=transitions,
+            observables=self.observables(modes),
+            parts=self.parts(modes),
+            shortest_stay=SHORT_STAY * min(scale for mode in modes.values() for scale in mode.flow.time_scales),
+            stack=taylor_flow,
+            rest_codes=(MotionMode.REST,),
+            release_kinds=(EventKind.RELEASE,),
+            sprag_kinds=(EventKind.SEIZURE,),
+            passive=True,
+        )
+
+    def _modes(self, resume: Resume) -> tuple[dict[str, Mode], dict[str, Transition]]:
+        """Modes and transitions: below the interval ``range`` those of the Painlevé region, within it the others."""
+        low, high = self.range or (math.inf, math.inf)
+        if low == 0:
+            modes, transitions = super().regular(True)
+        else:
+            modes, transitions = self.painleve(resume)
+        if 0 < low < math.inf:
+            self._band(modes, transitions, low)
+        if math.isfinite(high):
+            transitions["beyond"] = Transition(())
+            for name in set(modes) - {*_BY_LAW_MINUS.values(), "rest"}:
+                direction = SLIPS[name.removesuffix("_fast")][0]
+                if math.prod(SLIPS[name.removesuffix("_fast")]) > 0:
+                    self._add(modes, name, f"end_{DIRECTIONS[direction]}", direction, high, -1, "beyond")
+        return modes, transitions
+
+    def _add(
+        self, modes: dict[str, Mode], name: str, surface: str, direction: int, speed: float, side: int, leads: str
+    ) -> None:
+        """Add a guard to a mode: a sliding speed [m/s] that it lies above (side 1) or below; what leaving it leads to."""
+        row = sliding.speed_row(direction, self.speed, self.d)
+        self.surfaces[surface] = Surface((*row[:-1], row[-1] - speed), 1)
+        modes[name] = replace(modes[name], guards=(*modes[name].guards, Guard(surface, side, leads)))
+
+    def _band(self, modes: dict[str, Mode], transitions: dict[str, Transition], low: float) -> None:
+        """Add to the modes of the Painlevé region those above a sliding speed [m/s], where Γ₊ > 0."""
+        starts = []
+        for direction, minus in _BY_LAW_MINUS.items():
+            plus_name, fast, where = _NAMES[direction, direction], f"{minus}_fast", DIRECTIONS[direction]
+            reversals = f"contact_reversal_{plus_name}", f"contact_reversal_{fast}"
+            modes[plus_name] = self._slip(plus_name, (Guard("contact", direction, reversals[0]),), None)
+            modes[fast] = self._slip(minus, (Guard("contact", -direction, reversals[1]),), None)
+            transitions[reversals[0]] = Transition((Branch(fast, EventKind.CONTACT_REVERSAL, sign=-direction),))
+            transitions[reversals[1]] = Transition((Branch(plus_name, EventKind.CONTACT_REVERSAL, sign=direction),))
+            transitions[f"slower_{where}"] = Transition((Branch(minus, EventKind.PASSAGE),))
+            transitions[f"faster_{where}"] = Transition((Branch(fast, EventKind.PASSAGE),))
+            self._add(modes, minus, f"band_{where}", direction, low, -1, f"faster_{where}")
+            self._add(modes, fast, f"band_{where}", direction, low, 1, f"slower_{where}")
+            # Before Γ₊ = 0 the deceleration grows without bound, and what is left of the time as the square of the
+            # distance: here it is below rounding.
+            self._add(modes, plus_name, f"jam_{where}", direction, low * (1 + 1e-8), 1, f"seizure_{minus}")
+            above = self.surfaces[f"jam_{where}"].row, Test.POSITIVE
+            carried = scaled(self.c.q_row, direction), Test.POSITIVE
+            enters = (self.c.q_row, Test.ZERO), (scaled(self._q_rate(), direction), Test.NOT_NEGATIVE)
+            starts.append(Branch(plus_name, EventKind.RELEASE, (above, carried)))
+            starts.append(Branch(plus_name, EventKind.RELEASE, (above, *enters)))
+            starts.append(Branch(fast, EventKind.RELEASE, (above,)))
+        transitions["entry"] = Transition((*starts, *transitions["entry"].branches))
+
+    def _xi_slow(self) -> dict[int, Any]:
+        slowest = friction.coefficient(self.d, arb(0))
+        return {s: friction_factor(slowest, self.d.tan_lead, s) for s in (1, -1)}
+
+    def _q_rate(self) -> tuple:
+        with many_digits():
+            return rate_of(self.c.q_row, self.splits[1].free)
+
+    def _still(self) -> Any:
+        return still_mode([(0, 1, 0), (0, 0, 0)])
+
+    def _slip(self, name: str, guards: tuple[Guard, ...], beyond: str | None) -> Mode:
+        direction, law = SLIPS[name][0], math.prod(SLIPS[name])
+        speed = sliding.speed_row(direction, self.speed, self.d)
+        return Mode(MotionMode[name.upper()], self.splits[law].mode(speed, self.pieces), guards, beyond)
+
+    def observables(self, modes: Iterable[str]) -> dict[str, dict[str, tuple]]:
+        """Rows of the observables by name and mode, of the contact force in slip without friction."""
+        found = super().observables(["rest"])
+        one = {name: dict.fromkeys(modes, rows["rest"]) for name, rows in found.items()}
+        return one | {"normal_force": {n: self._normal(n) or one["normal_force"][n] for n in modes}}
+
+    def _normal(self, mode: str) -> tuple | None:
+        law = self._law(mode)
+        return self.splits[law].contact if law else None
+
+    def _law(self, mode: str) -> int:
+        """The law of a mode, 0 of rest."""
+        name = mode.removesuffix("_slow").removesuffix("_fast")
+        return math.prod(SLIPS[name]) if name in SLIPS else 0
+
+    def parts(self, modes: Iterable[str]) -> dict[str, dict[str, tuple]]:
+        """Rows of the observables that count η times, by name and mode: N = N_0 / (1 + B μ) = N_0 (1 − B η)."""
+        own = {law: scaled(split.contact, -split.feedback) for law, split in self.splits.items()} | {0: (0, 0, 0)}
+        return {"normal_force": {name: own[self._law(name)] for name in modes}}
 
 
 _FORCES = ("stick", "detach", "global_stability")  # thresholds of the axial force in closed form, also curves

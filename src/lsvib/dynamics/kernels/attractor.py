@@ -123,7 +123,12 @@ def _stays_modal(flow, mode, state):
     return (Outcome.OSCILLATES, frequency if lasting == 1 else 0.0) if lasting > 0 else (Outcome.SLIDES, 0.0)
 
 
-_stays = by_kind(_stays_planar, _stays_modal)
+@kernel
+def _stays_taylor(flow, mode, state):
+    return Outcome.SLIDES, 0.0  # by the region that no motion leaves; without end nothing else is known of it
+
+
+_stays = by_kind(_stays_planar, _stays_modal, _stays_taylor)
 
 
 @kernel
@@ -244,7 +249,7 @@ def _period(engine, tables, facts, section, points, size, events, room, budget, 
         return Outcome.SLIDES if nearer < farther and pushed == 0.0 else Outcome.SPENT
     returns, fewer = _fewer_returns(section, events, count, state, size)
     if fewer < count:
-        poincare_map.slopes_of(tables, section, events, fewer, slopes)
+        poincare_map.slopes_of(tables, section, state, events, fewer, slopes)
     found.notes[0]["kind"], found.notes[0]["mode"], found.notes[0]["returns"] = section.kind, section.mode, returns
     found.notes[0]["events"], found.notes[0]["dimension"] = fewer, d
     for i in range(n):

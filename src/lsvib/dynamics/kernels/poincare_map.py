@@ -222,12 +222,15 @@ def _solve(matrix, vector):
 
 
 @allocating_kernel
-def slopes_of(tables, section, events, count, slopes):
-    """Write P′ (d, d) along a period of so many events; returns the size of its rounding, not finite without P′."""
+def slopes_of(tables, section, state, events, count, slopes):
+    """Write P′ (d, d) along a period of so many events from ``state`` (n); returns the size of its rounding, not finite without P′."""
     n, size = section.origin.size, 0.0
     total, lost = np.empty((n, n)), np.empty((n, n))
-    times, kinds, _, modes, before, _ = events
-    derivative(tables, section.mode, 0.0, times[:count], kinds[:count], modes[:count], before[:count], total, lost)
+    times, kinds, _, modes, before, after = events
+    derivative(
+        tables, section.mode, 0.0, state, times[:count], kinds[:count], modes[:count], before[:count], after[:count],
+        total, lost,
+    )  # fmt: skip
     for f in range(section.dimension):
         i = section.free[f]
         for g in range(section.dimension):
@@ -259,7 +262,7 @@ def newton(engine, tables, section, place, state, slopes, events, budget):
         if count == 0 or d == 0:
             return count, 0.0
         budget[0] -= count
-        lost = slopes_of(tables, section, events, count, slopes)
+        lost = slopes_of(tables, section, state, events, count, slopes)
         for f in range(d):
             i = section.free[f]
             gap[f] = (end[i] - section.origin[i]) / section.unit[i] - place[f]

@@ -17,7 +17,7 @@ import math
 
 import numpy as np
 
-from lsvib.engine.kernels import flow_planar
+from lsvib.engine.kernels import flow_planar, flow_taylor
 from lsvib.engine.kernels.flow_planar import EPS, OVERFLOW
 from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, by_kind, kernel
 from lsvib.engine.kernels.layout import A0, A1, ACCUMULATION_KIND, GRAZE_KIND, B
@@ -26,7 +26,7 @@ _TERMS = 8.0  # most roundings in a term of a product of two matrices with up to
 
 
 @kernel
-def _planar_flow(flow, mode, time, out, size):
+def _planar_flow(flow, mode, start, time, out, size):
     c, s, s_rate = flow_planar.responses(flow[mode], time)
     out[0, 0], out[0, 1], out[1, 0], out[1, 1] = c, s, -flow[mode, A0] * s, s_rate
     for i in range(2):
@@ -35,7 +35,7 @@ def _planar_flow(flow, mode, time, out, size):
 
 
 @allocating_kernel
-def _modal_flow(flow, mode, time, out, size):
+def _modal_flow(flow, mode, start, time, out, size):
     n, pairs, singles = out.shape[0], flow.pairs[mode], flow.singles[mode]
     into, back = flow.to_modal[mode], flow.from_modal[mode]
     carried = np.zeros((2 * pairs + singles, 2))  # of one column: its values and their sizes
@@ -57,7 +57,9 @@ def _modal_flow(flow, mode, time, out, size):
                 size[i, j] += abs(back[i, k]) * carried[k, 1]
 
 
-flow_matrix = by_kind(_planar_flow, _modal_flow)  # e^{At} and the sizes of the terms of its entries, both (n, n)
+# The derivative of the state after a time by that at the start, e^{At} of a linear flow, and the sizes of the terms of
+# its entries, both (n, n).
+flow_matrix = by_kind(_planar_flow, _modal_flow, flow_taylor.derivative)
 
 
 @kernel
@@ -78,7 +80,7 @@ def _modal_field(flow, mode, state, rate, size):
             size[i] += abs(flow.field[mode, i, j] * state[j])
 
 
-field = by_kind(_planar_field, _modal_field)  # x′ at a state, and the sizes of its terms, both (n)
+field = by_kind(_planar_field, _modal_field, flow_taylor.field)  # x′ at a state, and the sizes of its terms, both (n)
 
 
 @kernel
@@ -157,11 +159,11 @@ def _then(matrix, lost, total, total_lost, room):
 
 
 @allocating_entry
-def derivative(tables, mode, start, times, kinds, modes, before, total, lost):
+def derivative(tables, mode, start, state, times, kinds, modes, before, after, total, lost):
     """Write the derivative (n, n) of the state after the last event by the start, and a bound (n, n) of its rounding.
 
-    Arguments: mode and time [s] of the start; times, kinds, modes after and states before the events (k). Entries are
-    nan if an event has no derivative. The start's own mode is kept: neighbours start in it.
+    Arguments: mode, time [s] and state (n) of the start; times, kinds, modes after, and states before and after the
+    events (k). Entries are nan if an event has no derivative. The start's own mode is kept: neighbours start in it.
     """
     n = before.shape[1]
     matrix, rounding, room = np.empty((n, n)), np.empty((n, n)), np.empty((n, 2))
@@ -169,7 +171,8 @@ def derivative(tables, mode, start, times, kinds, modes, before, total, lost):
         for j in range(n):
             total[i, j], lost[i, j] = 1.0 if i == j else 0.0, 0.0
     for k in range(times.size):
-        flow_matrix(tables.flow, mode, times[k] - start, matrix, rounding)
+        begin = after[k - 1] if k > 0 else state
+        flow_matrix(tables.flow, mode, begin, times[k] - start, matrix, rounding)
         for i in range(n):
             for j in range(n):
                 rounding[i, j] *= _TERMS * EPS

@@ -11,7 +11,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lsvib.engine.kernels import flow_modal, flow_planar, guard_sums, search_modal, search_planar
+from lsvib.engine.kernels import (
+    flow_modal,
+    flow_planar,
+    flow_taylor,
+    guard_sums,
+    search_modal,
+    search_planar,
+    search_taylor,
+)
 from lsvib.engine.kernels.flow_planar import level
 from lsvib.engine.kernels.jit import (
     allocating_entry,
@@ -38,12 +46,14 @@ MANY = 24  # this many stays in a row below ``shortest_stay`` are an accumulatio
 LARGEST = 1e150  # a coordinate beyond it has left the range of numbers: its square is close to overflow
 
 # What depends on the kind of flow.
-advance = by_kind(flow_planar.advance, flow_modal.advance)
-travel = by_kind(flow_planar.travel, flow_modal.travel)
-slopes_at = by_kind(flow_planar.slopes_at, flow_modal.slopes_at)
-workspace = by_kind(search_planar.room_for, guard_sums.room_for)
-search = by_kind(search_planar.search, search_modal.search)
-extremes_of_arcs = by_kind(search_planar.extremes_of_arcs, search_modal.extremes_of_arcs)
+advance = by_kind(flow_planar.advance, flow_modal.advance, flow_taylor.advance)
+travel = by_kind(flow_planar.travel, flow_modal.travel, flow_taylor.travel)
+slopes_at = by_kind(flow_planar.slopes_at, flow_modal.slopes_at, flow_taylor.slopes_at)
+workspace = by_kind(search_planar.room_for, guard_sums.room_for, search_taylor.room_for)
+search = by_kind(search_planar.search, search_modal.search, search_taylor.search)
+extremes_of_arcs = by_kind(
+    search_planar.extremes_of_arcs, search_modal.extremes_of_arcs, search_taylor.extremes_of_arcs
+)
 
 
 @merged_kernel

@@ -34,9 +34,13 @@ from numba.core.imputils import impl_ret_borrowed, lower_builtin
 from numba.core.registry import CPUDispatcher
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 
+from lsvib.engine.kernels.layout import TaylorFlow
+
 # What is compiled, by the folder of the kernel and a word in the types of its arguments, the first that fits; with the
 # processor time that was measured. Kernels that fit nothing are small and are compiled for one of the others.
 _PARTS = (
+    ("lsvib.dynamics.", "TaylorFlow", "the rule of what motions with a friction law end in, once, about 20 s"),
+    ("lsvib.", "TaylorFlow", "the engine for friction that depends on speed, once, about 15 s"),
     ("lsvib.dynamics.", "ModalFlow", "the rule of what motions of models with four states end in, once, about 20 s"),
     ("lsvib.", "ModalFlow", "the engine for models with three or four states, once, about 30 s"),
     ("lsvib.basins.", "", "the mapper of two-state models, once, 6 to 15 s"),
@@ -181,16 +185,18 @@ merged_kernel = _compiler(_nrt=False, inline="always", no_cpython_wrapper=True)
 merged_allocating_kernel = _compiler(_nrt=True, inline="always", no_cpython_wrapper=True)
 
 
-def by_kind(planar_kernel: Any, modal_kernel: Any) -> Any:
+def by_kind(planar_kernel: Any, modal_kernel: Any, taylor_kernel: Any) -> Any:
     """Return a function that chooses a kernel by the kind of flow, its first argument.
 
-    A flow is a plain table of oscillators (two states, :mod:`lsvib.engine.kernels.flow_planar`) or a ``ModalFlow``
-    (:mod:`lsvib.engine.kernels.flow_modal`). Kernels choose by type when they are compiled, so that a model compiles
-    none of the kernels of the other kind.
+    A flow is a plain table of oscillators (two states, :mod:`lsvib.engine.kernels.flow_planar`), a ``ModalFlow``
+    (:mod:`lsvib.engine.kernels.flow_modal`) or a ``TaylorFlow`` (:mod:`lsvib.engine.kernels.flow_taylor`). Kernels
+    choose by type when they are compiled, so that a model compiles none of the kernels of another kind.
     """
 
     def choose(flow, *arguments):
-        return (planar_kernel if isinstance(flow, np.ndarray) else modal_kernel)(flow, *arguments)
+        if isinstance(flow, np.ndarray):
+            return planar_kernel(flow, *arguments)
+        return (taylor_kernel if isinstance(flow, TaylorFlow) else modal_kernel)(flow, *arguments)
 
     class Choice(AbstractTemplate):
         """A call of the chosen kernel itself. An overload would call it in a function that is compiled with it."""
@@ -204,7 +210,10 @@ def by_kind(planar_kernel: Any, modal_kernel: Any) -> Any:
             return self._kernel(signature.args).get_impl_key(signature)
 
         def _kernel(self, arguments):
-            return types.Dispatcher(planar_kernel if isinstance(arguments[0], types.Array) else modal_kernel)
+            if isinstance(arguments[0], types.Array):
+                return types.Dispatcher(planar_kernel)
+            own = arguments[0].instance_class is TaylorFlow
+            return types.Dispatcher(taylor_kernel if own else modal_kernel)
 
     infer_global(choose, types.Function(Choice))
     return choose

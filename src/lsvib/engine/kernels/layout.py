@@ -109,3 +109,31 @@ class ModalFlow(NamedTuple):
     to_modal: np.ndarray  # (m, q, n + 1)
     from_modal: np.ndarray  # (m, n, q + 1)
     field: np.ndarray  # (m, n, n + 1), A and b
+
+
+ORDER = 20  # of the power series of a step, which an error of a rounding asks for (Jorba and Zou 2005)
+FROM, TO, CUBIC, RISE, FADE, EXPONENT = 0, 1, 2, 6, 7, 8  # columns of a piece of a friction law
+PIECE = 9  # of all columns
+
+
+class TaylorFlow(NamedTuple):
+    """Flow tables of m modes with n states whose friction depends on the sliding speed σ [m/s].
+
+        x′ = P(x) + η d q(x),      η = μ(σ) / (1 + B μ(σ)),
+
+    where P is the motion without friction, and q and σ are affine functions of the state. The law μ has pieces,
+
+        μ(σ) = Σ c_i (σ − from)^i + rise exp(−(fade σ)^exponent)      from ≤ σ ≤ to,
+
+    of which a mode without friction has none. A motion with xᵀ S x ≤ L in a mode stays there for ever.
+    """
+
+    field: np.ndarray  # (m, n, n + 1) P
+    push: np.ndarray  # (m, n) d
+    contact: np.ndarray  # (m, n + 1) q
+    speed: np.ndarray  # (m, n + 1) σ, positive in the mode
+    feedback: np.ndarray  # (m,) B
+    piece_start: np.ndarray  # (m + 1,)
+    pieces: np.ndarray  # (p, PIECE) from, to, c_0 … c_3, rise, fade, exponent
+    settled_form: np.ndarray  # (m, n, n) S
+    settled_level: np.ndarray  # (m,) L, negative where no motion stays

@@ -1,0 +1,387 @@
+"""Flow of a mode whose friction depends on the sliding speed, by power series in time, step by step.
+
+The field of a :class:`lsvib.engine.kernels.layout.TaylorFlow` is made of sums, products, one quotient and one
+exponential, so the coefficients of its series follow from each other by short recurrences (Jorba and Zou 2005). A step
+is so long that the last two terms are below the rounding of the largest one in each coordinate; with some twenty terms
+that is a seventh of the radius of convergence. On the step the motion is the polynomial, and a guard, being affine, is
+a polynomial too (:mod:`lsvib.engine.kernels.search_taylor`).
+
+A constant coefficient is a case like any other, and so is a mode that does not slip: it has no piece of a law.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from lsvib.engine.kernels.flow_planar import ROUNDING
+from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, inlined_kernel, kernel
+from lsvib.engine.kernels.layout import CUBIC, EXPONENT, FADE, FROM, ORDER, RISE, TO
+
+TAIL = 1e-17  # size of the last terms of a series over the largest of the first three
+SIGMA, POWER, DECAY, MU, ETA, CONTACT, RIDE, STEEP, SLOPE, REST = range(10)  # rows of series beside those of the state
+
+
+class Series(NamedTuple):
+    """Power series of a step, in time [s] from its start, and scratch space of the search."""
+
+    state: np.ndarray  # (n, ORDER + 1)
+    parts: np.ndarray  # (10, ORDER + 1) σ, exponent, exponential, μ, η, q, σ − from, q dη/dσ, and room for it
+    here: np.ndarray  # (n,) the state at the start of the step
+    sizes: np.ndarray  # (n,) sizes of the terms that the state was summed from, the largest of all steps so far
+    guard: np.ndarray  # (ORDER + 1,) a guard as a polynomial of the part of the step
+    local: np.ndarray  # (ORDER + 1,) the same on a part of the step, in Bernstein's form
+    place: np.ndarray  # (1,) time [s] of the event that was found, from the start of the step
+    steps: np.ndarray  # (1,) steps that searches may still take; infinite at first
+
+
+@allocating_kernel
+def series_for(n):
+    """Return uninitialised ``Series`` of n states, with steps without end."""
+    return Series(
+        np.empty((n, ORDER + 1)),
+        np.empty((10, ORDER + 1)),
+        np.empty(n),
+        np.empty(n),
+        np.empty(ORDER + 1),
+        np.empty(ORDER + 1),
+        np.empty(1),
+        np.full(1, math.inf),
+    )
+
+
+@inlined_kernel
+def _product(a, b, first, k):
+    """Return Σ a_i b_{k−i} over i from ``first`` to k."""
+    total = 0.0
+    for i in range(first, k + 1):
+        total += a[i] * b[k - i]
+    return total
+
+
+@inlined_kernel
+def _affine(row, state, k):
+    """Return the k-th coefficient of an affine function of the state."""
+    n = state.shape[0]
+    total = row[n] if k == 0 else 0.0
+    for i in range(n):
+        total += row[i] * state[i, k]
+    return total
+
+
+@inlined_kernel
+def _law(law, parts, k):
+    """Write the k-th coefficient of μ from those of σ so far."""
+    sigma, power, decay, ride = parts[SIGMA], parts[POWER], parts[DECAY], parts[RIDE]
+    ride[k] = sigma[k] - (law[FROM] if k == 0 else 0.0)
+    value = law[CUBIC + 1] * ride[k] + (law[CUBIC] if k == 0 else 0.0)
+    if law[CUBIC + 2] != 0.0 or law[CUBIC + 3] != 0.0:
+        for i in range(k + 1):
+            value += (law[CUBIC + 2] * ride[i] + law[CUBIC + 3] * _product(ride, ride, 0, i)) * ride[k - i]
+    if law[RISE] != 0.0:
+        fade = law[FADE]
+        power[k] = -fade * (sigma[k] if law[EXPONENT] == 1.0 else fade * _product(sigma, sigma, 0, k))
+        if k == 0:
+            decay[0] = math.exp(power[0])
+        else:
+            total = 0.0
+            for i in range(1, k + 1):
+                total += i * power[i] * decay[k - i]
+            decay[k] = total / k
+        value += law[RISE] * decay[k]
+    parts[MU, k] = value
+
+
+@kernel
+def expand(flow, mode, piece, series, order):
+    """Write the series of the state from ``series.here`` in a mode to an order; ``piece`` of the law, −1 for none."""
+    x, parts, n = series.state, series.parts, series.here.size
+    field, push, feedback = flow.field[mode], flow.push[mode], flow.feedback[mode]
+    mu, eta, contact = parts[MU], parts[ETA], parts[CONTACT]
+    for i in range(n):
+        x[i, 0] = series.here[i]
+    for k in range(order):
+        drive = 0.0
+        if piece >= 0:
+            parts[SIGMA, k], contact[k] = _affine(flow.speed[mode], x, k), _affine(flow.contact[mode], x, k)
+            _law(flow.pieces[piece], parts, k)
+            eta[k] = (mu[k] - feedback * _product(mu, eta, 1, k)) / (1.0 + feedback * mu[0])
+            drive = _product(eta, contact, 0, k)
+        for i in range(n):
+            x[i, k + 1] = (_affine(field[i], x, k) + push[i] * drive) / (k + 1)
+
+
+@kernel
+def piece_at(flow, mode, state):
+    """Return the piece of the law that holds at a state, −1 for none; where two meet, the one that is entered."""
+    first, last = flow.piece_start[mode], flow.piece_start[mode + 1] - 1
+    if first >= last:
+        return first if first == last else -1
+    row, n = flow.speed[mode], state.size
+    sigma = row[n]
+    for i in range(n):
+        sigma += row[i] * state[i]
+    piece = first
+    while piece < last and sigma >= flow.pieces[piece, TO]:
+        piece += 1
+    return piece
+
+
+@inlined_kernel
+def step_of(series):
+    """Return the time [s] up to which the last two terms of the series of each coordinate are rounding."""
+    step = math.inf
+    for i in range(series.here.size):
+        x = series.state[i]
+        for last in range(ORDER - 1, ORDER + 1):
+            if x[last] == 0.0:
+                continue
+            reach = 0.0
+            for k in range(3):
+                if x[k] != 0.0:
+                    reach = max(reach, math.exp(math.log(TAIL * abs(x[k] / x[last])) / (last - k)))
+            step = min(step, reach)
+    return step
+
+
+@inlined_kernel
+def value_at(row, t):
+    """Return a polynomial (coefficients in ascending order) at t."""
+    total = row[row.size - 1]
+    for k in range(row.size - 2, -1, -1):
+        total = total * t + row[k]
+    return total
+
+
+@inlined_kernel
+def note_sizes(series, t):
+    """Note the sizes of the terms that the state at t [s] is summed from."""
+    for i in range(series.here.size):
+        total = 0.0
+        for k in range(ORDER, -1, -1):
+            total = total * t + abs(series.state[i, k])
+        series.sizes[i] = max(series.sizes[i], total)
+
+
+@inlined_kernel
+def begin(state, series):
+    """Put a state at the start of a step."""
+    for i in range(state.size):
+        series.here[i], series.sizes[i] = state[i], abs(state[i])
+
+
+@kernel
+def go_on(series, t):
+    """Move the start of the step to the time t [s] on it."""
+    note_sizes(series, t)
+    for i in range(series.here.size):
+        series.here[i] = value_at(series.state[i], t)
+
+
+@inlined_kernel
+def is_settled(flow, mode, state):
+    """Whether a motion stays in its mode for ever, by the quadratic form that falls along it."""
+    level = flow.settled_level[mode]
+    if level < 0.0:
+        return False
+    form, total = flow.settled_form[mode], 0.0
+    for i in range(state.size):
+        for j in range(state.size):
+            total += state[i] * form[i, j] * state[j]
+    return total <= level
+
+
+@kernel
+def cut_at_piece(flow, mode, piece, series, step):
+    """Return the end of a step within a piece of the law, and the piece that holds from there on.
+
+    The speed is a polynomial of the time; its first passage over an end of the piece is found on a fine grid, which a
+    speed that is all but straight on a step does not pass over, and by bisection.
+    """
+    if flow.piece_start[mode + 1] - flow.piece_start[mode] < 2:
+        return step, piece
+    x, row, low, high = series.state, flow.speed[mode], flow.pieces[piece, FROM], flow.pieces[piece, TO]
+    form = series.guard
+    for k in range(ORDER + 1):
+        form[k] = _affine(row, x, k)
+    first, last = piece == flow.piece_start[mode], piece == flow.piece_start[mode + 1] - 1
+    before = 0.0
+    for part in range(1, 33):
+        after = step * part / 32.0
+        sigma = value_at(form, after)
+        below, above = sigma < low and not first, sigma > high and not last
+        if below or above:
+            bound = low if below else high
+            for _ in range(60):
+                middle = 0.5 * (before + after)
+                inside = value_at(form, middle) >= bound if below else value_at(form, middle) <= bound
+                before, after = (middle, after) if inside else (before, middle)
+            return after, piece - 1 if below else piece + 1
+        before = after
+    return step, piece
+
+
+@allocating_entry
+def advance(flow, mode, state, t, out):
+    """Write the state after a time t [s] in ``mode`` to ``out`` (may be ``state`` itself)."""
+    series = series_for(state.size)
+    begin(state, series)
+    piece, passed = piece_at(flow, mode, state), 0.0
+    while passed < t:
+        expand(flow, mode, piece, series, ORDER)
+        step, piece = cut_at_piece(flow, mode, piece, series, min(step_of(series), t - passed))
+        go_on(series, step)
+        if not passed + step > passed:
+            break
+        passed += step
+    for i in range(state.size):
+        out[i] = series.here[i]
+
+
+@inlined_kernel
+def travel(flow, mode, state, stay, scale, work):
+    """Replace ``state`` by the one of the event that the search has just found, and write the sizes of its terms."""
+    go_on(work, work.place[0])
+    for i in range(state.size):
+        state[i], scale[i] = work.here[i], work.sizes[i]
+
+
+@allocating_kernel
+def slopes_at(flow, mode, state, scale, guard):
+    """First and second derivative of a guard at a state, each with the size below which it is rounding only."""
+    series, n = series_for(state.size), state.size
+    begin(state, series)
+    expand(flow, mode, piece_at(flow, mode, state), series, 2)
+    rate, bend, rate_size, bend_size, drive = 0.0, 0.0, 0.0, 0.0, 0.0
+    for j in range(n + 1):
+        drive += abs(series.parts[ETA, 0] * flow.contact[mode, j]) * (scale[j] if j < n else 1.0)
+    drive = drive if flow.piece_start[mode + 1] > flow.piece_start[mode] else 0.0
+    for i in range(n):
+        size = abs(flow.field[mode, i, n]) + abs(flow.push[mode, i]) * drive
+        for j in range(n):
+            size += abs(flow.field[mode, i, j]) * scale[j]
+        rate += guard[i] * series.state[i, 1]
+        rate_size += abs(guard[i]) * size
+        bend += 2.0 * guard[i] * series.state[i, 2]
+        for j in range(n):
+            bend_size += abs(guard[j] * flow.field[mode, j, i]) * size
+    bend_size = max(bend_size, abs(bend) * ROUNDING)
+    return rate, ROUNDING * rate_size, bend, ROUNDING * bend_size
+
+
+@kernel
+def field(flow, mode, state, rate, size):
+    """Write x′ at a state, and the sizes of its terms, both (n)."""
+    n, piece = state.size, piece_at(flow, mode, state)
+    force = force_size = share = 0.0
+    if piece >= 0:
+        row = flow.contact[mode]
+        force, force_size = row[n], abs(row[n])
+        for i in range(n):
+            force += row[i] * state[i]
+            force_size += abs(row[i] * state[i])
+        mu, _ = law_at(flow, mode, piece, state)
+        share = mu / (1.0 + flow.feedback[mode] * mu)
+    for i in range(n):
+        rate[i] = flow.field[mode, i, n] + flow.push[mode, i] * share * force
+        size[i] = abs(flow.field[mode, i, n]) + abs(flow.push[mode, i] * share) * force_size
+        for j in range(n):
+            rate[i] += flow.field[mode, i, j] * state[j]
+            size[i] += abs(flow.field[mode, i, j] * state[j])
+
+
+@inlined_kernel
+def law_at(flow, mode, piece, state):
+    """Return μ and dμ/dσ at a state on a piece of the law."""
+    row, law, n = flow.speed[mode], flow.pieces[piece], state.size
+    sigma = row[n]
+    for i in range(n):
+        sigma += row[i] * state[i]
+    ride = sigma - law[FROM]
+    value = law[CUBIC] + ride * (law[CUBIC + 1] + ride * (law[CUBIC + 2] + ride * law[CUBIC + 3]))
+    slope = law[CUBIC + 1] + ride * (2.0 * law[CUBIC + 2] + 3.0 * ride * law[CUBIC + 3])
+    if law[RISE] != 0.0:
+        ratio = law[FADE] * sigma
+        linear = law[EXPONENT] == 1.0
+        decay = law[RISE] * math.exp(-(ratio if linear else ratio * ratio))
+        value += decay
+        slope -= decay * law[FADE] * (1.0 if linear else 2.0 * ratio)
+    return value, slope
+
+
+@inlined_kernel
+def _steepness(flow, mode, piece, parts):
+    """Write the series of q dη/dσ = q μ′ (1 − B η)² from those of the step."""
+    law, feedback, ride, decay = flow.pieces[piece], flow.feedback[mode], parts[RIDE], parts[DECAY]
+    slope, rest = parts[SLOPE], parts[REST]
+    for k in range(ORDER):
+        slope[k] = law[CUBIC + 1] if k == 0 else 0.0
+        slope[k] += 2.0 * law[CUBIC + 2] * ride[k]
+        if law[CUBIC + 3] != 0.0:
+            slope[k] += 3.0 * law[CUBIC + 3] * _product(ride, ride, 0, k)
+        if law[RISE] != 0.0:
+            steep = decay[k]
+            if law[EXPONENT] != 1.0:
+                steep = 2.0 * law[FADE] * _product(parts[SIGMA], decay, 0, k)
+            slope[k] -= law[RISE] * law[FADE] * steep
+        rest[k] = (1.0 if k == 0 else 0.0) - feedback * parts[ETA, k]
+    for k in range(ORDER):  # products in place, from the highest power down
+        parts[STEEP, k] = _product(rest, rest, 0, k)
+    for k in range(ORDER - 1, -1, -1):
+        slope[k] = _product(slope, parts[STEEP], 0, k)
+    for k in range(ORDER - 1, -1, -1):
+        parts[STEEP, k] = _product(slope, parts[CONTACT], 0, k)
+
+
+@kernel
+def _carry(flow, mode, piece, series, column, step, total, room):
+    """Multiply a column of ``total`` (n, n) by the derivative of a step, whose series are known."""
+    n, parts = series.here.size, series.parts
+    for i in range(n):
+        room[i, 0] = total[i, column]
+    sigma, contact = parts[POWER], parts[MU]  # are not needed any more
+    for k in range(ORDER):
+        drive = 0.0
+        if piece >= 0:
+            sigma[k] = contact[k] = 0.0
+            for i in range(n):
+                sigma[k] += flow.speed[mode, i] * room[i, k]
+                contact[k] += flow.contact[mode, i] * room[i, k]
+            drive = _product(parts[ETA], contact, 0, k) + _product(parts[STEEP], sigma, 0, k)
+        for i in range(n):
+            value = flow.push[mode, i] * drive
+            for j in range(n):
+                value += flow.field[mode, i, j] * room[j, k]
+            room[i, k + 1] = value / (k + 1)
+    for i in range(n):
+        total[i, column] = value_at(room[i], step)
+
+
+@allocating_kernel
+def derivative(flow, mode, state, t, out, size):
+    """Write the derivative (n, n) of the state after a time t [s] in ``mode`` by ``state``, and sizes of its terms."""
+    n = state.size
+    series, room = series_for(n), np.empty((n, ORDER + 1))
+    begin(state, series)
+    piece, passed, steps = piece_at(flow, mode, state), 0.0, 0
+    for i in range(n):
+        for j in range(n):
+            out[i, j] = 1.0 if i == j else 0.0
+            size[i, j] = 0.0
+    while passed < t:
+        expand(flow, mode, piece, series, ORDER)
+        step, following = cut_at_piece(flow, mode, piece, series, min(step_of(series), t - passed))
+        if piece >= 0:
+            _steepness(flow, mode, piece, series.parts)
+        for column in range(n):
+            _carry(flow, mode, piece, series, column, step, out, room)
+        go_on(series, step)
+        for i in range(n):
+            for j in range(n):
+                size[i, j] = max(size[i, j], abs(out[i, j]))
+        if not passed + step > passed:
+            break
+        passed, piece, steps = passed + step, following, steps + 1
+    for i in range(n):
+        for j in range(n):
+            size[i, j] *= 1.0 + 0.1 * steps

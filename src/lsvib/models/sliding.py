@@ -1,0 +1,136 @@
+"""Slip modes under a friction law: the law as the engine has it, its Painlevé band of speeds, and passages.
+
+A motion that only slips, around steady sliding, meets no guard of its model. So a mode that steady sliding lies in is
+divided at θ′ = Ω: the two halves have one code, and what leads from one to the other is an event, a *passage*. Every
+vibration then has events, and so a Poincaré map.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from lsvib.engine.automaton import Branch, Guard, Mode, Surface, Transition, scaled
+from lsvib.engine.exact.taylor_form import settled_region
+from lsvib.engine.kernels.layout import CUBIC, EXPONENT, FADE, PIECE, RISE, TO, Test
+from lsvib.models.drive import Drive
+from lsvib.models.friction import unbounded_coefficient
+
+
+def pieces_of(drive: Drive) -> np.ndarray:
+    """Return the pieces of the friction law of a drive (p, columns as of ``TaylorFlow``)."""
+    piece = np.zeros(PIECE)
+    piece[CUBIC], piece[CUBIC + 1] = drive.friction_coefficient, drive.friction_slope
+    piece[EXPONENT], piece[TO] = drive.stribeck_exponent, math.inf
+    if drive.stribeck_rise:
+        piece[RISE], piece[FADE] = drive.stribeck_rise, 1 / drive.stribeck_speed
+    if drive.friction_slope >= 0:
+        return piece[None]
+    # The law falls for ever, so it comes to zero once; with a rise later than without.
+    low = high = drive.friction_coefficient / -drive.friction_slope
+    while unbounded_coefficient(_doubles(drive), high) > 0:
+        high = 2 * high + 1e-300
+    end = _root(drive, 0.0, low, high) if high > low else low
+    zero = np.zeros(PIECE)
+    zero[0], zero[TO], piece[TO] = end, math.inf, end
+    return np.array([piece, zero])
+
+
+def speeds_below(drive: Drive, level: float) -> list[tuple[float, float]]:
+    """Return the intervals of sliding speed [m/s] in which the coefficient is below a level, in ascending order."""
+    turns = [0.0, *_turning_speeds(drive), math.inf]
+    marks = [0.0]
+    for low, high in zip(turns, turns[1:], strict=False):
+        top = high
+        if math.isinf(high):
+            top = max(2 * low, drive.stribeck_speed, 1e-12)
+            while top < 1e12 and not _crosses(drive, level, low, top):
+                top *= 2
+        if _crosses(drive, level, low, top):
+            marks.append(_root(drive, level, low, top))
+    marks.append(math.inf)
+    parts = [(a, b) for a, b in zip(marks, marks[1:], strict=False) if a < b]
+    middle = [0.5 * (a + b) if math.isfinite(b) else 2 * a + 1e-12 for a, b in parts]
+    return [part for part, v in zip(parts, middle, strict=True) if _mu(drive, v) < level]
+
+
+def _turning_speeds(drive: Drive) -> list[float]:
+    """Speeds at which the slope of the law changes its sign."""
+    rise, speed, slope = drive.stribeck_rise, drive.stribeck_speed, drive.friction_slope
+    if not rise or slope <= 0:
+        return []
+    steep = slope * speed / rise
+    if drive.stribeck_exponent == 1:
+        return [speed * -math.log(steep)] if steep < 1 else []
+    crest = math.sqrt(0.5)  # where the rise falls fastest, in Stribeck speeds
+
+    def excess(x: float) -> float:
+        return 2 * x * math.exp(-x * x) - steep
+
+    if excess(crest) <= 0:
+        return []
+    return [speed * _bisected(excess, a, b) for a, b in ((0.0, crest), (crest, 30.0))]
+
+
+def _doubles(drive: Drive) -> Any:
+    return SimpleNamespace(**drive.__dict__)
+
+
+def _mu(drive: Drive, speed: float) -> float:
+    return max(unbounded_coefficient(_doubles(drive), speed), 0.0)
+
+
+def _crosses(drive: Drive, level: float, low: float, high: float) -> bool:
+    return (_mu(drive, low) < level) != (_mu(drive, high) < level)
+
+
+def _root(drive: Drive, level: float, low: float, high: float) -> float:
+    return _bisected(lambda v: unbounded_coefficient(_doubles(drive), v) - level, low, high)
+
+
+def _bisected(function: Any, low: float, high: float) -> float:
+    """Return the root of a function between two places where its signs differ."""
+    first = function(low) > 0
+    for _ in range(2000):
+        middle = 0.5 * (low + high)
+        if middle in (low, high):
+            break
+        low, high = (middle, high) if (function(middle) > 0) == first else (low, middle)
+    return high
+
+
+def divided(
+    name: str, kind: int, modes: dict[str, Mode], transitions: dict[str, Transition], surfaces: dict[str, Surface]
+) -> None:
+    """Divide the mode that steady sliding lies in at w = 0, in place; ``kind`` is that of the event in between.
+
+    The region that no motion leaves goes into both halves (:func:`lsvib.engine.exact.taylor_form.settled_region`).
+    """
+    slow, mode, n = f"{name}_slow", modes[name], len(next(iter(surfaces.values())).row) - 1
+    rows = [np.array(scaled(surfaces[guard.surface].row, guard.sign), dtype=float) for guard in mode.guards]
+    flow = replace(mode.flow, settled=settled_region(mode.flow, rows))
+    deviation = tuple(1 if i == 1 else 0 for i in range(n + 1))
+    surfaces["passage"] = Surface(deviation, 1)
+    for own, other, sign in ((name, slow, 1), (slow, name, -1)):
+        guards = (*mode.guards, Guard("passage", sign, f"passage_from_{own}"))
+        modes[own] = replace(mode, flow=flow, guards=guards)
+        transitions[f"passage_from_{own}"] = Transition((Branch(other, kind),))
+    for key, transition in transitions.items():
+        if not key.startswith("passage"):
+            branches = tuple(x for branch in transition.branches for x in _halves(branch, name, slow, deviation))
+            transitions[key] = replace(transition, branches=branches)
+
+
+def _halves(branch: Branch, name: str, slow: str, deviation: tuple) -> Iterator[Branch]:
+    if branch.mode == name:
+        yield replace(branch, conditions=(*branch.conditions, (deviation, Test.POSITIVE)))
+        branch = replace(branch, mode=slow)
+    yield branch
+
+
+def speed_row(direction: int, speed: tuple, d: Any) -> tuple:
+    """Return the row of the sliding speed [m/s] in a direction ±1, from that of the angular speed [rad/s]."""
+    return scaled(speed, direction * d.pitch_radius / d.cos_lead)
