@@ -200,8 +200,8 @@ def assemble(
     Arguments: names of the state's coordinates (n); surfaces, modes and transitions by name, the first transition being
     the entry; observables by name and mode; shortest stay [s] (see ``Tables``); with more than two states ``stack``,
     which makes the flow of those of the modes, and ``forms``, which makes ``guard_parts`` of them and of the guards by
-    mode; ``parts``, observables' rows that count η times, as those are given; ``facts``, the other attributes of :class:`Automaton`. Branches into modes that the model does not have are an
-    error.
+    mode; ``parts``, observables' rows that count η times, as those are given; ``facts``, the other attributes of
+    :class:`Automaton`. Branches into modes that the model does not have are an error.
     """
     mode_index = {name: i for i, name in enumerate(modes)}
     surface_index = {name: i for i, name in enumerate(surfaces)}

@@ -372,7 +372,7 @@ class SpeedBuild(RigidBuild):
         found = sliding.speeds_below(drive, most)
         if len(found) > 1:
             raise InputError(
-                "friction reaches the Painlevé region at two separate ranges of speed; such are not followed."
+                "friction reaches the Painlevé region in two ranges of speed; such drives are not followed."
             )
         self.range = found[0] if found else None
         self.splits = {law: self._split(law) for law in (1, -1)}
@@ -447,7 +447,7 @@ class SpeedBuild(RigidBuild):
     def _add(
         self, modes: dict[str, Mode], name: str, surface: str, direction: int, speed: float, side: int, leads: str
     ) -> None:
-        """Add a guard to a mode: a sliding speed [m/s] that it lies above (side 1) or below; what leaving it leads to."""
+        """Add a guard to a mode, which lies above (``side`` 1) or below a sliding speed [m/s], and its transition."""
         row = sliding.speed_row(direction, self.speed, self.d)
         self.surfaces[surface] = Surface((*row[:-1], row[-1] - speed), 1)
         modes[name] = replace(modes[name], guards=(*modes[name].guards, Guard(surface, side, leads)))

@@ -8,6 +8,7 @@ vibration then has events, and so a Poincaré map.
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
@@ -43,7 +44,7 @@ def speeds_below(drive: Drive, level: float) -> list[tuple[float, float]]:
     """Return the intervals of sliding speed [m/s] in which the coefficient is below a level, in ascending order."""
     turns = [0.0, *_turning_speeds(drive), math.inf]
     marks = [0.0]
-    for low, high in zip(turns, turns[1:], strict=False):
+    for low, high in pairwise(turns):
         top = high
         if math.isinf(high):
             top = max(2 * low, drive.stribeck_speed, 1e-12)
@@ -52,7 +53,7 @@ def speeds_below(drive: Drive, level: float) -> list[tuple[float, float]]:
         if _crosses(drive, level, low, top):
             marks.append(_root(drive, level, low, top))
     marks.append(math.inf)
-    parts = [(a, b) for a, b in zip(marks, marks[1:], strict=False) if a < b]
+    parts = [(a, b) for a, b in pairwise(marks) if a < b]
     middle = [0.5 * (a + b) if math.isfinite(b) else 2 * a + 1e-12 for a, b in parts]
     return [part for part, v in zip(parts, middle, strict=True) if _mu(drive, v) < level]
 

@@ -223,7 +223,10 @@ def _solve(matrix, vector):
 
 @allocating_kernel
 def slopes_of(tables, section, state, events, count, slopes):
-    """Write P′ (d, d) along a period of so many events from ``state`` (n); returns the size of its rounding, not finite without P′."""
+    """Write P′ (d, d) along a period of so many events from ``state`` (n).
+
+    Returns the size of its rounding, not finite without P′.
+    """
     n, size = section.origin.size, 0.0
     total, lost = np.empty((n, n)), np.empty((n, n))
     times, kinds, _, modes, before, after = events

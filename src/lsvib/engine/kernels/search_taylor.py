@@ -143,10 +143,10 @@ def first_fall(form, on_surface, rounding, top, local):
 @inlined_kernel
 def _moves(series):
     """Whether a state moves at all."""
+    moves = False
     for i in range(series.here.size):
-        if series.state[i, 1] != 0.0:
-            return True
-    return False
+        moves = moves or series.state[i, 1] != 0.0
+    return moves
 
 
 @kernel
