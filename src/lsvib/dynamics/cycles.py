@@ -104,7 +104,7 @@ class Cycle:
         """Smallest and largest value of each coordinate and observable, in its SI unit, in closed form."""
         automaton, unit = self.orbit.automaton, np.eye(self.state.size + 1)
         found = {name: orbit_extremes(self.orbit, unit[i]) for i, name in enumerate(automaton.states)}
-        return found | {name: orbit_extremes(self.orbit, rows) for name, rows in automaton.observables.items()}
+        return found | {name: orbit_extremes(self.orbit, automaton.functional(name)) for name in automaton.observables}
 
     @property
     def amplitude(self) -> float:

@@ -80,15 +80,15 @@ def ending_of(drive: Drive, automaton: Automaton | None, state: np.ndarray) -> E
     if automaton is None:
         return Ending.without_numbers(Attractor.UNRESOLVED)
     found = steady_state(automaton, state)
-    orbit, force = found.orbit, automaton.observables["normal_force"]
+    orbit = found.orbit
     if found.label in _WITHOUT_NUMBERS or (orbit is None and found.label == Attractor.NEUTRAL_FAMILY):
         return Ending.without_numbers(found.label)
     if orbit is None:
         mode, _ = enter(automaton, found.state)
-        low, high = found.extremes(force[mode])
-        return Ending(int(found.label), 0, 0.0, math.nan, math.nan, max(abs(low), abs(high)), 0.0)
+        (force,) = automaton.observe("normal_force", found.state[None], np.array([mode]))
+        return Ending(int(found.label), 0, 0.0, math.nan, math.nan, abs(float(force)), 0.0)
     try:
-        amplitude, peak = found.amplitude, max(map(abs, orbit_extremes(orbit, force)))
+        amplitude, peak = found.amplitude, max(map(abs, orbit_extremes(orbit, automaton.functional("normal_force"))))
     except EngineError:  # the rates of a mode lie too far apart to find the extremes
         amplitude = peak = np.nan
     happens = (

@@ -275,7 +275,7 @@ class ThreadsPowers(Powers):
             return self.sine * product(friction, self.parting)
         law = 1 if self.automaton.codes[mode] in _UNDER_LAW_PLUS else -1
         sliding = d.pitch_radius / self.cosine * self.screw + self.sine * self.parting
-        return law * d.friction_coefficient * product(normal, sliding)
+        return self.rubbed(law * product(normal, sliding))
 
 
 MODEL = Model(

@@ -385,3 +385,29 @@ def derivative(flow, mode, state, t, out, size):
     for i in range(n):
         for j in range(n):
             size[i, j] *= 1.0 + 0.1 * steps
+
+
+@allocating_entry
+def nodes(flow, mode, state, t, places, states, steps):
+    """Write the states at the ``places`` (j, parts of a step) of all steps of a stay t [s] in a mode.
+
+    They go to ``states`` (k · j, n), and the lengths [s] of the steps to ``steps`` (k), as far as there is room. Returns
+    the number of steps.
+    """
+    series, count = series_for(state.size), 0
+    begin(state, series)
+    piece, passed = piece_at(flow, mode, state), 0.0
+    while passed < t:
+        expand(flow, mode, piece, series, ORDER)
+        step, piece = cut_at_piece(flow, mode, piece, series, min(step_of(series), t - passed))
+        if count < steps.size:
+            steps[count] = step
+            for j in range(places.size):
+                for i in range(state.size):
+                    states[count * places.size + j, i] = value_at(series.state[i], places[j] * step)
+        go_on(series, step)
+        count += 1
+        if not passed + step > passed:
+            break
+        passed += step
+    return count
