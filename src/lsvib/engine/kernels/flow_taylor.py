@@ -14,23 +14,24 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.engine.kernels.flow_planar import ROUNDING
+from lsvib.engine.kernels.flow_planar import EPS, ROUNDING
 from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, inlined_kernel, kernel
 from lsvib.engine.kernels.layout import CUBIC, EXPONENT, FADE, FROM, ORDER, RISE, TO
 
-TAIL = 1e-17  # size of the last terms of a series over the largest of the first three
-SIGMA, POWER, DECAY, MU, ETA, CONTACT, RIDE, STEEP, SLOPE, REST = range(10)  # rows of series beside those of the state
+TAIL = 0.5 * EPS  # size of the last terms of a series over that of a coordinate
+SIGMA, POWER, DECAY, MU, ETA, CONTACT, RIDE, STEEP, SLOPE, REST, RATE = range(11)  # rows of series beside those of the state
 
 
 class Series(NamedTuple):
     """Power series of a step, in time [s] from its start, and scratch space of the search."""
 
     state: np.ndarray  # (n, ORDER + 1)
-    parts: np.ndarray  # (10, ORDER + 1) σ, exponent, exponential, μ, η, q, σ − from, q dη/dσ, and room for it
+    parts: np.ndarray  # (11, ORDER + 1) σ, exponent, exponential, μ, η, q, σ − from, q dη/dσ, and room for these
     here: np.ndarray  # (n,) the state at the start of the step
     sizes: np.ndarray  # (n,) sizes of the terms that the state was summed from, the largest of all steps so far
     guard: np.ndarray  # (ORDER + 1,) a guard as a polynomial of the part of the step
     local: np.ndarray  # (ORDER + 1,) the same on a part of the step, in Bernstein's form
+    fresh: np.ndarray  # (1,) whether the step is the first one, 1 or 0
     place: np.ndarray  # (1,) time [s] of the event that was found, from the start of the step
     steps: np.ndarray  # (1,) steps that searches may still take; infinite at first
 
@@ -40,11 +41,12 @@ def series_for(n):
     """Return uninitialised ``Series`` of n states, with steps without end."""
     return Series(
         np.empty((n, ORDER + 1)),
-        np.empty((10, ORDER + 1)),
+        np.empty((11, ORDER + 1)),
         np.empty(n),
         np.empty(n),
         np.empty(ORDER + 1),
         np.empty(ORDER + 1),
+        np.ones(1),
         np.empty(1),
         np.full(1, math.inf),
     )
@@ -52,11 +54,16 @@ def series_for(n):
 
 @inlined_kernel
 def _product(a, b, first, k):
-    """Return Σ a_i b_{k−i} over i from ``first`` to k."""
-    total = 0.0
-    for i in range(first, k + 1):
+    """Return Σ a_i b_{k−i} over i from ``first`` to k; in two sums, which a processor adds up side by side."""
+    total = other = 0.0
+    i = first
+    while i < k:
         total += a[i] * b[k - i]
-    return total
+        other += a[i + 1] * b[k - i - 1]
+        i += 2
+    if i == k:
+        total += a[k] * b[0]
+    return total + other
 
 
 @inlined_kernel
@@ -84,10 +91,8 @@ def _law(law, parts, k):
         if k == 0:
             decay[0] = math.exp(power[0])
         else:
-            total = 0.0
-            for i in range(1, k + 1):
-                total += i * power[i] * decay[k - i]
-            decay[k] = total / k
+            parts[RATE, k] = k * power[k]
+            decay[k] = _product(parts[RATE], decay, 1, k) / k
         value += law[RISE] * decay[k]
     parts[MU, k] = value
 
@@ -129,19 +134,24 @@ def piece_at(flow, mode, state):
 
 @inlined_kernel
 def step_of(series):
-    """Return the time [s] up to which the last two terms of the series of each coordinate are rounding."""
-    step = math.inf
+    """Return the time [s] up to which the last two terms of the series of each coordinate are rounding.
+
+    That is in proportion to its sizes so far, and on the first step to the largest of its first three terms.
+    """
+    logarithm = math.inf
     for i in range(series.here.size):
         x = series.state[i]
         for last in range(ORDER - 1, ORDER + 1):
             if x[last] == 0.0:
                 continue
-            reach = 0.0
-            for k in range(3):
-                if x[k] != 0.0:
-                    reach = max(reach, math.exp(math.log(TAIL * abs(x[k] / x[last])) / (last - k)))
-            step = min(step, reach)
-    return step
+            reach = math.log(TAIL * series.sizes[i] / abs(x[last])) / last if series.sizes[i] > 0.0 else -math.inf
+            if series.fresh[0] > 0.0:
+                for k in range(1, 3):
+                    if x[k] != 0.0:
+                        reach = max(reach, math.log(TAIL * abs(x[k] / x[last])) / (last - k))
+            logarithm = min(logarithm, reach)
+    series.fresh[0] = 0.0
+    return math.exp(logarithm)
 
 
 @inlined_kernel
@@ -155,25 +165,23 @@ def value_at(row, t):
 
 @inlined_kernel
 def note_sizes(series, t):
-    """Note the sizes of the terms that the state at t [s] is summed from."""
+    """Note the sizes of the terms that the state at t [s] is summed from; those after the first three are smaller."""
     for i in range(series.here.size):
-        total = 0.0
-        for k in range(ORDER, -1, -1):
-            total = total * t + abs(series.state[i, k])
-        series.sizes[i] = max(series.sizes[i], total)
+        x = series.state[i]
+        series.sizes[i] = max(series.sizes[i], abs(x[0]) + t * (abs(x[1]) + t * abs(x[2])))
 
 
 @inlined_kernel
 def begin(state, series):
     """Put a state at the start of a step."""
+    series.fresh[0] = 1.0
     for i in range(state.size):
         series.here[i], series.sizes[i] = state[i], abs(state[i])
 
 
 @kernel
 def go_on(series, t):
-    """Move the start of the step to the time t [s] on it."""
-    note_sizes(series, t)
+    """Move the start of the step to the time t [s] on it, up to which sizes have been noted."""
     for i in range(series.here.size):
         series.here[i] = value_at(series.state[i], t)
 
@@ -202,8 +210,13 @@ def cut_at_piece(flow, mode, piece, series, step):
         return step, piece
     x, row, low, high = series.state, flow.speed[mode], flow.pieces[piece, FROM], flow.pieces[piece, TO]
     form = series.guard
+    spread, power = 0.0, 1.0
     for k in range(ORDER + 1):
         form[k] = _affine(row, x, k)
+        spread += abs(form[k]) * power if k > 0 else 0.0
+        power *= step
+    if low < form[0] - spread and form[0] + spread < high:
+        return step, piece
     first, last = piece == flow.piece_start[mode], piece == flow.piece_start[mode + 1] - 1
     before = 0.0
     for part in range(1, 33):
@@ -230,6 +243,7 @@ def advance(flow, mode, state, t, out):
     while passed < t:
         expand(flow, mode, piece, series, ORDER)
         step, piece = cut_at_piece(flow, mode, piece, series, min(step_of(series), t - passed))
+        note_sizes(series, step)
         go_on(series, step)
         if not passed + step > passed:
             break
@@ -375,6 +389,7 @@ def derivative(flow, mode, state, t, out, size):
             _steepness(flow, mode, piece, series.parts)
         for column in range(n):
             _carry(flow, mode, piece, series, column, step, out, room)
+        note_sizes(series, step)
         go_on(series, step)
         for i in range(n):
             for j in range(n):
@@ -405,6 +420,7 @@ def nodes(flow, mode, state, t, places, states, steps):
             for j in range(places.size):
                 for i in range(state.size):
                     states[count * places.size + j, i] = value_at(series.state[i], places[j] * step)
+        note_sizes(series, step)
         go_on(series, step)
         count += 1
         if not passed + step > passed:

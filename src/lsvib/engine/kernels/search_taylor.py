@@ -262,6 +262,7 @@ def extremes(flow, mode, state, functional, duration):
         step, piece = cut_at_piece(flow, mode, piece, series, min(step_of(series), duration - passed))
         _functional(series, functional)
         low, high = _extremes_on_step(series.guard, step, low, high, series.local)
+        flow_taylor.note_sizes(series, step)
         go_on(series, step)
         if not passed + step > passed:
             break
