@@ -103,7 +103,9 @@ class Powers:
     def friction(self, mode: int) -> Iterator[np.ndarray]:
         """Yield powers [W] of friction that keep their sign in a mode; their size is what friction takes out."""
         if not self.rests(mode):
-            yield self.rubbed(self.drive.pitch_radius / self.cosine * product(self.rows(mode)["normal_force"], self.slip))
+            yield self.rubbed(
+                self.drive.pitch_radius / self.cosine * product(self.rows(mode)["normal_force"], self.slip)
+            )
 
     def rubbed(self, form: np.ndarray) -> np.ndarray:
         """Return the power of sliding friction from that of the contact force, under a law of that without friction."""

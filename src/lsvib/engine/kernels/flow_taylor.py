@@ -19,7 +19,9 @@ from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, inline
 from lsvib.engine.kernels.layout import CUBIC, EXPONENT, FADE, FROM, ORDER, RISE, TO
 
 TAIL = 0.5 * EPS  # size of the last terms of a series over that of a coordinate
-SIGMA, POWER, DECAY, MU, ETA, CONTACT, RIDE, STEEP, SLOPE, REST, RATE = range(11)  # rows of series beside those of the state
+SIGMA, POWER, DECAY, MU, ETA, CONTACT, RIDE, STEEP, SLOPE, REST, RATE = range(
+    11
+)  # rows of series beside those of the state
 
 
 class Series(NamedTuple):
