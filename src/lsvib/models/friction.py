@@ -42,18 +42,19 @@ def steady_speed(d: Any) -> Any:
     return d.pitch_radius * (d.input_speed * sign(d.input_speed)) / d.cos_lead
 
 
+def decay(d: Any, speed: Any) -> Any:
+    """Return the share of the rise that is left at a sliding speed [m/s], the exponential above [1]."""
+    scale, power = _fading(d)
+    return exponential(-((speed / scale) ** power))
+
+
 def unbounded(d: Any, speed: Any) -> tuple[Any, Any]:
     """Return the sum above at a sliding speed [m/s], which may be negative [1], and its derivative [s/m]."""
     value, rate = d.friction_coefficient, 0 * speed
     if not _zero(d.stribeck_rise):
-        scale, power = d.stribeck_speed, d.stribeck_exponent
-        if isinstance(scale, np.ndarray):
-            scale = np.where(d.stribeck_rise == 0, 1.0, scale)
-        if not isinstance(power, np.ndarray):
-            power = 2 if power == 2 else 1
-        ratio = speed / scale
-        left = d.stribeck_rise * (d.decay if hasattr(d, "decay") else exponential(-(ratio**power)))
-        value, rate = value + left, rate - left * power * ratio ** (power - 1) / scale
+        scale, power = _fading(d)
+        left = d.stribeck_rise * (d.decay if hasattr(d, "decay") else decay(d, speed))
+        value, rate = value + left, rate - left * power * (speed / scale) ** (power - 1) / scale
     if not _zero(d.friction_slope):
         value, rate = value + d.friction_slope * speed, rate + d.friction_slope
     return value, rate
@@ -124,19 +125,37 @@ def moves(p: Mapping[str, Any]) -> bool:
     return not all(_zero(p.get(key, 0.0)) for key in ("stribeck_rise", "friction_slope"))
 
 
-def steady(p: Mapping[str, Any], t: Any) -> tuple[Any, Any]:
-    """Return μ [1] and dμ/dv [s/m] in steady sliding, by parameters by name; those of the law may be missing.
+def steady_sum(p: Mapping[str, Any], t: Any) -> tuple[Any, Any]:
+    """Return the sum above in steady sliding, which may be negative [1], and its derivative by the speed [s/m].
 
-    ``t`` is tan λ. All are numbers of one kind: arrays, balls, power series, rationals, or polynomials in an unknown.
-    The last two come with what is no rational: ``secant``, 1 / cos λ, and ``decay``, the exponential of the law. A ball
-    counts as negative where it is so for certain, a polynomial never.
+    Arguments: parameters by name, of which those of the law may be missing; tan λ. All are numbers of one kind: arrays,
+    balls, power series, rationals, or polynomials in an unknown. The last two come with what is no rational:
+    ``secant``, 1 / cos λ, and ``decay``, the exponential of the law.
     """
-    d = SimpleNamespace(**{**dict.fromkeys(NAMES, 0.0), "stribeck_exponent": 1.0, **p})
+    if not moves(p):
+        return p["friction_coefficient"], 0
+    d = SimpleNamespace(**{**dict.fromkeys(NAMES, 0), "stribeck_exponent": 1, **p})
     speed = d.pitch_radius * _size(d.input_speed) * (d.secant if hasattr(d, "secant") else root(1 + t * t))
-    value, rate = unbounded(d, speed)
+    return unbounded(d, speed)
+
+
+def steady(p: Mapping[str, Any], t: Any) -> tuple[Any, Any]:
+    """Return μ [1] and dμ/dv [s/m] in steady sliding; arguments as :func:`steady_sum`.
+
+    A ball counts as negative where it is so for certain, a polynomial never.
+    """
+    value, rate = steady_sum(p, t)
     if isinstance(value, np.ndarray):
         return np.where(value < 0, 0.0, value), np.where(value < 0, 0.0, rate)
     return (0 * value, 0 * rate) if _negative(value) else (value, rate)
+
+
+def _fading(d: Any) -> tuple[Any, Any]:
+    """The speed and the exponent with which the rise fades; the speed is any where there is no rise."""
+    scale, power = d.stribeck_speed, d.stribeck_exponent
+    if isinstance(scale, np.ndarray):
+        scale = np.where(scale == 0, 1.0, scale)
+    return scale, power if isinstance(power, np.ndarray) else 2 if power == 2 else 1
 
 
 def _zero(x: Any) -> bool:
