@@ -28,7 +28,6 @@ from lsvib.stability.spectrum import (
     margins,
     polynomial,
     positive_roots,
-    rationals,
     sliding_law_values,
     undamped,
 )

@@ -56,22 +56,24 @@ def conditions(drive: RigidDrive) -> dict[str, Condition]:
     """Return the instability conditions of a rigid drive; margins in SI units.
 
     ``negative_damping`` (8.19): μ − tan λ, N_0 Ω (by its sign as R̃ Ω), −C₊; ``kinematic_constraint`` (8.21): μ − tan λ,
-    R̃ Ω, −Γ₊, which hold exactly where Γ_0 < 0 (8.20), as Γ₋ > 0. Both are those of friction as it is in steady
-    sliding. Where it depends on the speed there is ``falling_friction`` as well: the damping S by its slope is
-    negative, and so is C_0 + S.
+    R̃ Ω, −Γ₊, which hold exactly where Γ_0 < 0 (8.20), as Γ₋ > 0. Where friction depends on the speed, μ is that of
+    steady sliding, its slope damps by S, and what is negative must be C_0 + S as well; ``falling_friction`` then is S
+    and C_0 + S negative.
     """
     c, d = mechanics.coefficients(drive), drive.exact()
     with many_digits():
         both = {"self_locking": d.steady_friction - d.tan_lead, "force_with_motion": c.net_force * d.input_speed}
-    found = {
-        "negative_damping": _condition(**both, negative_effective_damping=-c.damping[1]),
-        "kinematic_constraint": _condition(**both, negative_effective_inertia=-c.gamma[1]),
-    }
+    sloped = {}
     if friction.depends_on_speed(drive):
         with many_digits():
             by_slope = damping_by_slope(d, c.steady_law)
-            total = c.damping[c.steady_law] + by_slope
-        found["falling_friction"] = _condition(negative_damping_by_slope=-by_slope, negative_total_damping=-total)
+            sloped = {"negative_total_damping": -(c.damping[c.steady_law] + by_slope)}
+    found = {
+        "negative_damping": _condition(**both, negative_effective_damping=-c.damping[1], **sloped),
+        "kinematic_constraint": _condition(**both, negative_effective_inertia=-c.gamma[1]),
+    }
+    if sloped:
+        found["falling_friction"] = _condition(negative_damping_by_slope=-by_slope, **sloped)
     return found
 
 
@@ -248,7 +250,7 @@ def least_damping_of_stiff_contact(drive: ThreadsDrive) -> float | None:
     """Contact damping c_c [N s/m] above which steady sliding stays stable as k_c → ∞; None unless Γ_0 > 0 and C_0 > 0.
 
     c_c = max[0, (I m C_0 − (I c_x + m c) Γ_0) / (β Γ_0²)], from the Routh–Hurwitz condition p_3 Γ_0 > I m C_0 that is
-    left in the limit. With a constant coefficient of friction the numerator is c m (I − Γ_0) − I² c_x. With less damping
+    left in the limit. With a constant friction coefficient the numerator is c m (I − Γ_0) − I² c_x. With less damping
     a contact that is stiff enough flutters, although the rigid drive (8.13) is stable. The least damping at the drive's
     own k_c (:mod:`lsvib.stability.boundaries`) may be many times larger.
     """
