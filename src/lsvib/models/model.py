@@ -166,7 +166,7 @@ class Model:
     optional: tuple[str, ...] = ()
     options: tuple[str, ...] = ()
     outputs: tuple[str, ...] = ("normal_force", "coupling_torque", "coupling_deflection", "screw_speed")
-    excess: Callable[[LinearParts], Any] = lambda parts: parts.g
+    excess: Callable[[LinearParts], Any] = lambda parts: parts.g * parts.times
     constrained: Callable[[Mapping[str, Any], LinearParts], Polynomial] | None = None
     constraint: str = "det M = 0"
     thresholds: tuple[str, ...] = ("onset", "kinematic_constraint", "flutter")
