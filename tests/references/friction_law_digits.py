@@ -36,6 +36,7 @@ from flint import arb, ctx
 PRECISION = 130  # bits
 TERMS = 36
 TAIL = 1e-29  # last term of a series over its largest
+NOTHING = -75.0  # logarithm of a rise that is below all digits
 PLACES = np.linspace(0.0, 1.0, 41)[:, None] ** np.arange(TERMS + 1)
 REST = (0, 0)
 
@@ -137,7 +138,10 @@ class LawDrive:
         return self.I * self.R, self.m * self.p * self.k * z, (self.m * self.p * self.c - self.I * self.cx * self.p) * V
 
     def Q(self, z, V):
-        return near(sum(self.Q_terms(z, V)))
+        """Q, zero where it is rounding."""
+        terms = self.Q_terms(z, V)
+        total, size = near(sum(terms)), sum(abs(float(x)) for x in terms)
+        return total if abs(total) > 1e-25 * size else arb(0)
 
     def acceleration(self, s, z, V):
         mu, T, P = self.mu(V), -self.k * z - self.c * V, self.R - self.cx * self.p * V
@@ -197,18 +201,22 @@ def series_of(drive, direction, s, z0, V0):
         rate.append(near((upper[k] - dot(lower, rate, 1, k)) / lower[0]))
         z.append(near((V[k] - (d.Omega if k == 0 else 0)) / (k + 1)))
         V.append(near(rate[k] / (k + 1)))
-    return z, V
+    return z, V, power
 
 
-def step_of(*series):
+def step_of(drive, z, V, power):
+    """Step on which the series are good; a rise that is nothing at its start counts at its end at most a little."""
     step = np.inf
-    for row in series:
+    for row in (z, V):
         for n in (TERMS - 1, TERMS):
             if row[n] != 0:
                 largest = max(
                     float((abs(row[j]) / abs(row[n])).log() / (n - j)) for j in range(3) if row[j] != 0
                 )
                 step = min(step, np.exp(largest + np.log(TAIL) / n))
+    if drive.rise > 0 and float(power[0]) < NOTHING:
+        while float(value_at(power, arb(step))) > NOTHING + 5:
+            step *= 0.9
     return step
 
 
@@ -255,7 +263,7 @@ def first_fall(form, step, touching):
     return tau
 
 
-def guards_of(drive, mode, z, V, series):
+def guards_of(drive, mode, V, series):
     """The guards of a slip mode: (name, polynomial that is positive in the mode)."""
     direction, contact = mode
     s = direction * contact
@@ -347,9 +355,9 @@ def _simulate(drive, z, V, t_end, max_events):
             V, touching = arb(0), {"stop"}
             continue
         series = series_of(drive, direction, direction * contact, z, V)
-        step = min(step_of(*series), float(t_end - t))
+        step = min(step_of(drive, *series), float(t_end - t))
         tau, name = None, None
-        for guard, form in guards_of(drive, mode, z, V, series):
+        for guard, form in guards_of(drive, mode, V, series[:2]):
             found = first_fall(form, step, guard in touching)
             if found is not None and (tau is None or found < tau):
                 tau, name = found, guard

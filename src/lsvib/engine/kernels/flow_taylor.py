@@ -19,6 +19,7 @@ from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, inline
 from lsvib.engine.kernels.layout import CUBIC, EXPONENT, FADE, FROM, ORDER, RISE, TO
 
 TAIL = 1e-17  # size of the last terms of a series over the largest of the first three
+NOTHING = -45.0  # exponent of a decay that is below the rounding of a coefficient of friction; beyond −44 it counts
 SIGMA, POWER, DECAY, MU, ETA, CONTACT, RIDE, STEEP, SLOPE, REST = range(10)  # rows of series beside those of the state
 
 
@@ -192,12 +193,36 @@ def is_settled(flow, mode, state):
 
 
 @kernel
+def _cut_at_rise(law, power, step):
+    """Return a step that ends where a decay which is nothing at its start begins to count, if it does.
+
+    All terms of its series that are kept may be nothing, and yet the decay large before the end of a step: the length
+    of the step, made of these terms, cannot know.
+    """
+    if law[RISE] == 0.0 or power[0] >= NOTHING:
+        return step
+    before = 0.0
+    for part in range(1, 33):
+        after = step * part / 32.0
+        if value_at(power[:ORDER], after) > NOTHING + 1.0:
+            for _ in range(60):
+                middle = 0.5 * (before + after)
+                nothing = value_at(power[:ORDER], middle) <= NOTHING + 1.0
+                before, after = (middle, after) if nothing else (before, middle)
+            return after
+        before = after
+    return step
+
+
+@kernel
 def cut_at_piece(flow, mode, piece, series, step):
     """Return the end of a step within a piece of the law, and the piece that holds from there on.
 
     The speed is a polynomial of the time; its first passage over an end of the piece is found on a fine grid, which a
     speed that is all but straight on a step does not pass over, and by bisection.
     """
+    if piece >= 0:
+        step = _cut_at_rise(flow.pieces[piece], series.parts[POWER], step)
     if flow.piece_start[mode + 1] - flow.piece_start[mode] < 2:
         return step, piece
     x, row, low, high = series.state, flow.speed[mode], flow.pieces[piece, FROM], flow.pieces[piece, TO]

@@ -32,6 +32,9 @@ _CROSSING = int(Found.CROSSING)
 _GRAZE = int(Found.GRAZE)
 _LOST = int(Found.UNDECIDED)
 _FINEST = 2.0**-40  # part of a step on which a guard that is still undecided touches zero
+# Steps below the rounding of the time, one after the other, in which a guard may still be reached: so it is where the
+# acceleration grows without bound before Γ₊ = 0.
+_STALLED = 256
 
 
 @allocating_kernel
@@ -158,7 +161,7 @@ def search(flow, mode, state, guards, on_surface, limit, work):
     left the search is undecided. Returns (``Found``, index of the guard, time [s]).
     """
     begin(state, work)
-    piece, passed = piece_at(flow, mode, state), 0.0
+    piece, passed, stalled = piece_at(flow, mode, state), 0.0, 0
     while passed < limit:
         if is_settled(flow, mode, work.here):  # passages beside the point of rest, which are many, say nothing
             return _NONE, -1, limit
@@ -183,7 +186,8 @@ def search(flow, mode, state, guards, on_surface, limit, work):
         if found != _NONE:
             work.place[0] = top * step
             return found, first, passed + top * step
-        if not passed + step > passed:
+        stalled = 0 if passed + step > passed else stalled + 1
+        if stalled > _STALLED:
             return _LOST, -1, limit
         go_on(work, step)
         passed, piece = passed + step, following
