@@ -24,7 +24,10 @@ SIGMA, POWER, DECAY, MU, ETA, CONTACT, RIDE, STEEP, SLOPE, REST = range(10)  # r
 
 
 class Series(NamedTuple):
-    """Power series of a step, in time [s] from its start, and scratch space of the search."""
+    """Power series of a step, in time from its start over ``unit``, and scratch space of the search.
+
+    The unit is a power of two near the step before, so that no coefficient leaves the range of numbers.
+    """
 
     state: np.ndarray  # (n, ORDER + 1)
     parts: np.ndarray  # (10, ORDER + 1) σ, exponent, exponential, μ, η, q, σ − from, q dη/dσ, and room for it
@@ -32,6 +35,7 @@ class Series(NamedTuple):
     sizes: np.ndarray  # (n,) sizes of the terms that the state was summed from, the largest of all steps so far
     guard: np.ndarray  # (ORDER + 1,) a guard as a polynomial of the part of the step
     local: np.ndarray  # (ORDER + 1,) the same on a part of the step, in Bernstein's form
+    unit: np.ndarray  # (1,) of the time [s]
     place: np.ndarray  # (1,) time [s] of the event that was found, from the start of the step
     steps: np.ndarray  # (1,) steps that searches may still take; infinite at first
 
@@ -46,6 +50,7 @@ def series_for(n):
         np.empty(n),
         np.empty(ORDER + 1),
         np.empty(ORDER + 1),
+        np.ones(1),
         np.empty(1),
         np.full(1, math.inf),
     )
@@ -98,7 +103,7 @@ def expand(flow, mode, piece, series, order):
     """Write the series of the state from ``series.here`` in a mode to an order; ``piece`` of the law, −1 for none."""
     x, parts, n = series.state, series.parts, series.here.size
     field, push, feedback = flow.field[mode], flow.push[mode], flow.feedback[mode]
-    mu, eta, contact = parts[MU], parts[ETA], parts[CONTACT]
+    mu, eta, contact, unit = parts[MU], parts[ETA], parts[CONTACT], series.unit[0]
     for i in range(n):
         x[i, 0] = series.here[i]
     for k in range(order):
@@ -109,7 +114,7 @@ def expand(flow, mode, piece, series, order):
             eta[k] = (mu[k] - feedback * _product(mu, eta, 1, k)) / (1.0 + feedback * mu[0])
             drive = _product(eta, contact, 0, k)
         for i in range(n):
-            x[i, k + 1] = (_affine(field[i], x, k) + push[i] * drive) / (k + 1)
+            x[i, k + 1] = unit * (_affine(field[i], x, k) + push[i] * drive) / (k + 1)
 
 
 @kernel
@@ -142,12 +147,12 @@ def step_of(series):
                 if x[k] != 0.0:
                     reach = max(reach, math.exp(math.log(TAIL * abs(x[k] / x[last])) / (last - k)))
             step = min(step, reach)
-    return step
+    return step * series.unit[0]
 
 
 @inlined_kernel
 def value_at(row, t):
-    """Return a polynomial (coefficients in ascending order) at t."""
+    """Return a polynomial (coefficients in ascending order) at t, of a series at a time over its unit."""
     total = row[row.size - 1]
     for k in range(row.size - 2, -1, -1):
         total = total * t + row[k]
@@ -157,6 +162,7 @@ def value_at(row, t):
 @inlined_kernel
 def note_sizes(series, t):
     """Note the sizes of the terms that the state at t [s] is summed from."""
+    t /= series.unit[0]
     for i in range(series.here.size):
         total = 0.0
         for k in range(ORDER, -1, -1):
@@ -167,6 +173,7 @@ def note_sizes(series, t):
 @inlined_kernel
 def begin(state, series):
     """Put a state at the start of a step."""
+    series.unit[0] = 1.0
     for i in range(state.size):
         series.here[i], series.sizes[i] = state[i], abs(state[i])
 
@@ -176,7 +183,9 @@ def go_on(series, t):
     """Move the start of the step to the time t [s] on it."""
     note_sizes(series, t)
     for i in range(series.here.size):
-        series.here[i] = value_at(series.state[i], t)
+        series.here[i] = value_at(series.state[i], t / series.unit[0])
+    if 1e-300 < t < 1e300:
+        series.unit[0] = math.ldexp(1.0, math.frexp(t)[1])
 
 
 @inlined_kernel
@@ -194,7 +203,7 @@ def is_settled(flow, mode, state):
 
 @kernel
 def _cut_at_rise(law, power, step):
-    """Return a step that ends where a decay which is nothing at its start begins to count, if it does.
+    """Return a step, in units of its series, that ends where a decay which is nothing at its start begins to count, if it does.
 
     All terms of its series that are kept may be nothing, and yet the decay large before the end of a step: the length
     of the step, made of these terms, cannot know.
@@ -221,8 +230,9 @@ def cut_at_piece(flow, mode, piece, series, step):
     The speed is a polynomial of the time; its first passage over an end of the piece is found on a fine grid, which a
     speed that is all but straight on a step does not pass over, and by bisection.
     """
+    unit = series.unit[0]
     if piece >= 0:
-        step = _cut_at_rise(flow.pieces[piece], series.parts[POWER], step)
+        step = unit * _cut_at_rise(flow.pieces[piece], series.parts[POWER], step / unit)
     if flow.piece_start[mode + 1] - flow.piece_start[mode] < 2:
         return step, piece
     x, row, low, high = series.state, flow.speed[mode], flow.pieces[piece, FROM], flow.pieces[piece, TO]
@@ -233,13 +243,13 @@ def cut_at_piece(flow, mode, piece, series, step):
     before = 0.0
     for part in range(1, 33):
         after = step * part / 32.0
-        sigma = value_at(form, after)
+        sigma = value_at(form, after / unit)
         below, above = sigma < low and not first, sigma > high and not last
         if below or above:
             bound = low if below else high
             for _ in range(60):
                 middle = 0.5 * (before + after)
-                inside = value_at(form, middle) >= bound if below else value_at(form, middle) <= bound
+                inside = value_at(form, middle / unit) >= bound if below else value_at(form, middle / unit) <= bound
                 before, after = (middle, after) if inside else (before, middle)
             return after, piece - 1 if below else piece + 1
         before = after
@@ -361,7 +371,7 @@ def _steepness(flow, mode, piece, parts):
 @kernel
 def _carry(flow, mode, piece, series, column, step, total, room):
     """Multiply a column of ``total`` (n, n) by the derivative of a step, whose series are known."""
-    n, parts = series.here.size, series.parts
+    n, parts, unit = series.here.size, series.parts, series.unit[0]
     for i in range(n):
         room[i, 0] = total[i, column]
     sigma, contact = parts[POWER], parts[MU]  # are not needed any more
@@ -377,9 +387,9 @@ def _carry(flow, mode, piece, series, column, step, total, room):
             value = flow.push[mode, i] * drive
             for j in range(n):
                 value += flow.field[mode, i, j] * room[j, k]
-            room[i, k + 1] = value / (k + 1)
+            room[i, k + 1] = unit * value / (k + 1)
     for i in range(n):
-        total[i, column] = value_at(room[i], step)
+        total[i, column] = value_at(room[i], step / unit)
 
 
 @allocating_kernel

@@ -52,7 +52,7 @@ def _form(series, guard, step):
         for i in range(n):
             total += guard[i] * series.state[i, k]
         series.guard[k] = total * power
-        power *= step
+        power *= step / series.unit[0]
     for i in range(n):
         size += abs(guard[i]) * series.sizes[i]
     return 8.0 * EPS * size
@@ -217,7 +217,7 @@ def _functional(series, functional):
 
 @allocating_kernel
 def _extremes_on_step(form, step, low, high, local):
-    """Return the bounds low and high widened to hold a polynomial (ascending) of the time on a step [s]."""
+    """Return the bounds low and high widened to hold a polynomial (ascending) on a step, in its unit of the time."""
     slope, power, last = np.empty(form.size), 1.0, form.size - 1
     for k in range(form.size):
         form[k] *= power
@@ -265,7 +265,7 @@ def extremes(flow, mode, state, functional, duration):
         expand(flow, mode, piece, series, ORDER)
         step, piece = cut_at_piece(flow, mode, piece, series, min(step_of(series), duration - passed))
         _functional(series, functional)
-        low, high = _extremes_on_step(series.guard, step, low, high, series.local)
+        low, high = _extremes_on_step(series.guard, step / series.unit[0], low, high, series.local)
         go_on(series, step)
         if not passed + step > passed:
             break
