@@ -80,15 +80,15 @@ def ending_of(drive: Drive, automaton: Automaton | None, state: np.ndarray) -> E
     if automaton is None:
         return Ending.without_numbers(Attractor.UNRESOLVED)
     found = steady_state(automaton, state)
-    orbit, force = found.orbit, automaton.observables["normal_force"]
+    orbit = found.orbit
     if found.label in _WITHOUT_NUMBERS or (orbit is None and found.label == Attractor.NEUTRAL_FAMILY):
         return Ending.without_numbers(found.label)
     if orbit is None:
         mode, _ = enter(automaton, found.state)
-        low, high = found.extremes(force[mode])
-        return Ending(int(found.label), 0, 0.0, math.nan, math.nan, max(abs(low), abs(high)), 0.0)
+        force = automaton.observe("normal_force", found.state[None], np.array([mode]))
+        return Ending(int(found.label), 0, 0.0, math.nan, math.nan, abs(float(force[0])), 0.0)
     try:
-        amplitude, peak = found.amplitude, max(map(abs, orbit_extremes(orbit, force)))
+        amplitude, peak = found.amplitude, max(map(abs, orbit_extremes(orbit, automaton.functional("normal_force"))))
     except EngineError:  # the rates of a mode lie too far apart to find the extremes
         amplitude = peak = np.nan
     happens = (
@@ -154,8 +154,8 @@ def endings_at_once(
 ) -> tuple[Ending, np.ndarray]:
     """Return what motions of drives with two states (k) end on, and which must be followed alone (k).
 
-    Those are the ones of drives whose tables are not safe in doubles, or without any damping. ``work``: events that
-    each motion may take.
+    Those are the ones of drives whose tables are not safe in doubles, whose friction depends on speed, or without any
+    damping. ``work``: events that each motion may take.
     """
     found, is_open = Ending.unknown(drives.size), np.ones(drives.size, dtype=bool)
     # drives whose tables are made at once: half a gigabyte of numbers for a million would be too many
