@@ -152,9 +152,7 @@ class _ThreadsBuild:
 
     def slips(self) -> dict[tuple[int, int], Any]:
         """Return the flows of slip by direction and law s."""
-        found = {
-            law: linear_mode(self._slip_rows(law), self.sizes, None, ThreadsDrive.own_damping) for law in (1, -1)
-        }
+        found = {law: linear_mode(self._slip_rows(law), self.sizes, None, ThreadsDrive.own_damping) for law in (1, -1)}
         return {(direction, law): found[law] for direction in DIRECTIONS for law in found}
 
     def _slip_rows(self, law: int, mu: Any = None) -> list[tuple]:
