@@ -191,7 +191,11 @@ def series_of(drive, direction, s, z0, V0):
             ratio = speed / d.v_s
             power.append(near(-ratio * V[k] if d.power == 1 else -ratio * ratio * dot(V, V, 0, k)))
             decay.append(
-                near(power[0].exp() if k == 0 else sum((i * power[i] * decay[k - i] for i in range(1, k + 1)), arb(0)) / k)
+                near(
+                    power[0].exp()
+                    if k == 0
+                    else sum((i * power[i] * decay[k - i] for i in range(1, k + 1)), arb(0)) / k
+                )
             )
             value += d.rise * decay[k]
         mu.append(arb(0) if zero_mu else near(value))
@@ -210,9 +214,7 @@ def step_of(drive, z, V, power):
     for row in (z, V):
         for n in (TERMS - 1, TERMS):
             if row[n] != 0:
-                largest = max(
-                    float((abs(row[j]) / abs(row[n])).log() / (n - j)) for j in range(3) if row[j] != 0
-                )
+                largest = max(float((abs(row[j]) / abs(row[n])).log() / (n - j)) for j in range(3) if row[j] != 0)
                 step = min(step, np.exp(largest + np.log(TAIL) / n))
     if drive.rise > 0 and float(power[0]) < NOTHING:
         while float(value_at(power, arb(step))) > NOTHING + 5:
@@ -234,7 +236,9 @@ def first_fall(form, step, touching):
     while touching and shift < 4:  # divided by the time while it starts on the surface
         del form[0]
         shift += 1
-        if abs(form[0]) * arb(step) > arb(2) ** (30 - PRECISION) * max(float(abs(x) * arb(step) ** (k + 1)) for k, x in enumerate(form[:4])):
+        if abs(form[0]) * arb(step) > arb(2) ** (30 - PRECISION) * max(
+            float(abs(x) * arb(step) ** (k + 1)) for k, x in enumerate(form[:4])
+        ):
             break
     row = np.zeros(TERMS + 1)
     row[: len(form)] = [float(x * arb(step) ** k) for k, x in enumerate(form)]
@@ -373,7 +377,9 @@ def _simulate(drive, z, V, t_end, max_events):
         if kind in ("passage", "zero", "band"):
             V_on = direction * name[1]
             # off the edge, to the side it goes to: the next guard says where the motion is by its speed
-            V = near(V_on + sgn(value_at([k * x for k, x in enumerate(series[1])][1:], tau)) * arb(2) ** -110 * abs(V_on))
+            V = near(
+                V_on + sgn(value_at([k * x for k, x in enumerate(series[1])][1:], tau)) * arb(2) ** -110 * abs(V_on)
+            )
             touching = set()
             if kind != "zero":
                 record("passage", (z, V), (z, V))

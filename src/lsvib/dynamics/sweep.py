@@ -154,8 +154,8 @@ def endings_at_once(
 ) -> tuple[Ending, np.ndarray]:
     """Return what motions of drives with two states (k) end on, and which must be followed alone (k).
 
-    Those are the ones of drives whose tables are not safe in doubles, or without any damping. ``work``: events that
-    each motion may take.
+    Those are the ones of drives whose tables are not safe in doubles, whose friction depends on speed, or without any
+    damping. ``work``: events that each motion may take.
     """
     found, is_open = Ending.unknown(drives.size), np.ones(drives.size, dtype=bool)
     # drives whose tables are made at once: half a gigabyte of numbers for a million would be too many

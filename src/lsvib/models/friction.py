@@ -27,6 +27,7 @@ NAMES = (  # of the parameters that make more of friction than one number
     "stribeck_exponent",
     "friction_slope",
 )
+OF_SPEED = ("stribeck_rise", "friction_slope")  # of these, each that is not zero makes friction depend on speed
 
 
 def depends_on_speed(d: Any) -> bool:
@@ -34,7 +35,7 @@ def depends_on_speed(d: Any) -> bool:
 
     The drive may be given by its parameters as floats, balls or arrays; raises ``Divided`` where arrays do not agree.
     """
-    return bool(sign(d.stribeck_rise) or sign(d.friction_slope))
+    return any(sign(getattr(d, name)) for name in OF_SPEED)
 
 
 def refusal(d: Any, rest: bool = True) -> str:

@@ -1,7 +1,8 @@
 """The tables of many rigid drives at once, in plain arrays of doubles, from the formulas that make those of one.
 
 Drives whose tables differ in structure – in a sign, say – are divided into groups. A drive is *safe* if no sum in its
-formulas cancels by more than three decades, so that its tables hold to 1e-12; the others are made exactly, one by one.
+formulas cancels by more than three decades, so that its tables hold to 1e-12; the others are made exactly, one by one,
+and so are drives whose friction depends on speed.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -42,6 +43,14 @@ class ManyDrives:
         """Return some of the drives, by their indices (j)."""
         return ManyDrives({name: column[entries] for name, column in self.values.items()}, self.drive_class)
 
+    def constant_friction(self, entries: np.ndarray) -> np.ndarray:
+        """Return those of some drives, by their indices (j), whose friction does not depend on speed.
+
+        The tables of the others are made exactly, one by one.
+        """
+        laws = [self.values[name][entries] for name in friction.OF_SPEED if name in self.values]
+        return entries[~np.any(laws, axis=0)] if laws else entries
+
     def one(self, entry: int) -> Drive:
         """Return one of the drives."""
         return self.drive_class(**{name: float(column[entry]) for name, column in self.values.items()})
@@ -76,11 +85,12 @@ def groups(drives: ManyDrives, resume: Resume, entries: np.ndarray) -> Iterator[
 
     Drives that are in no group must be made exactly, too.
     """
+    entries = drives.constant_friction(entries)
     waiting = [entries] if entries.size else []
     while waiting:
         members = waiting.pop()
-        d = drives.doubles(members)
         try:
+            d = drives.doubles(members)
             with np.errstate(all="ignore"):  # what overflows or divides by zero is not safe
                 c = coefficients_of(d)
                 automaton = RigidBuild(c, d).automaton(True, resume)
@@ -137,18 +147,19 @@ def automata(drives: ManyDrives, resume: str) -> Iterator[tuple[int, Drive, Auto
     """
     model = find_model(drives.drive_class.model)
     many: Callable[[Any, str], Automaton] | None = getattr(model.build, "many", None)  # not of a build that replaces it
-    waiting = [np.arange(drives.size)]
+    together = drives.constant_friction(np.arange(drives.size))
+    waiting = [together] if together.size else []
     made: dict[int, Automaton] = {}
     while many and waiting:
         members = waiting.pop()
         try:
             with np.errstate(all="ignore"):
-                together = many(drives.doubles(members, np.longdouble), resume)
+                group = many(drives.doubles(members, np.longdouble), resume)
         except Divided as parts:
             waiting += [members[parts.signs == value] for value in np.unique(parts.signs)]
             continue
-        for place in np.flatnonzero(_finite(together, members.size)).tolist():
-            made[int(members[place])] = one_of_many(together, place)
+        for place in np.flatnonzero(_finite(group, members.size)).tolist():
+            made[int(members[place])] = one_of_many(group, place)
     for k in range(drives.size):
         drive, automaton = drives.one(k), made.get(k)
         if automaton is None:

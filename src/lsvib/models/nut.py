@@ -53,13 +53,14 @@ class _Nut(TwoBodies):
 
     states = ("angle_deviation", "velocity_deviation", "nut_angle", "nut_rate")
     modes, events, second, snaps, turns_over = NutMode, NutEvent, "screw", (3, 1), False
+    limiting = "bearing_friction"
 
     def __init__(self, drive: NutDrive, slide: bool, bearing: bool) -> None:
         super().__init__(drive, slide, bearing)
         d = self.d
         total = d.screw_inertia + d.nut_inertia
         inertia = d.screw_inertia * d.nut_inertia / total
-        self.paradox = sign(inertia - self.turned * d.mass, "mass") <= 0
+        self.paradox = self.in_paradox(inertia, d.mass)
         if self.bears and self.paradox:
             most = float(inertia / self.turned)
             raise InputError(
@@ -84,7 +85,7 @@ class _Nut(TwoBodies):
         """The sign of R ∓ F_0; without that force the threads resist."""
         return sign(self._force(direction), "axial_force") or -direction
 
-    def solve(self, direction: int, law: int, way: int) -> Solution:
+    def solve(self, direction: int, law: int, way: int, mu: arb | None = None) -> Solution:
         """Newton's laws for θ″, θ_2″, n, the torque that the threads take, and the friction of the bearing."""
         d, zero = self.d, constant(0)
         rests, held = direction == 0, self.bears and way == 0
@@ -94,7 +95,7 @@ class _Nut(TwoBodies):
         torque = plus(scaled(self.deflection, -d.coupling_stiffness), scaled(turning, -d.support_damping))
         spring = plus(scaled(self.angle, -d.nut_stiffness), scaled(rate, -d.nut_damping))
         push = plus(constant(self._force(direction)), scaled(travel, -d.translation_damping))
-        threads = (1, -1, 0, 0, 0) if rests else (0, 0, -d.pitch_radius * self.xi[law], 1, 0)
+        threads = (1, -1, 0, 0, 0) if rests else (0, 0, -self.lever(law, mu), 1, 0)
         bearing = (1, 0, 0, 0, 0) if held else (0, 0, 0, 0, 1)
         return self.solution(
             direction and law,

@@ -364,12 +364,8 @@ class SpeedBuild(RigidBuild):
         self.drive, self.pieces = drive, sliding.pieces_of(drive)
         d = self.d
         with many_digits():
-            heavy = d.mass * d.pitch_radius**2 - d.screw_inertia
-            turned = d.mass * d.pitch_radius**2 * d.tan_lead**2
-            most = double((d.screw_inertia + turned) / (heavy * d.tan_lead)) if sign(heavy, "mass") > 0 else math.inf
-            t = d.tan_lead
-            self.probe = t / 2 if t < 1 else 1 / (2 * t)  # Γ_s is positive there under both laws
-        found = sliding.speeds_below(drive, most)
+            self.probe = sliding.probe(d)
+        found = sliding.speeds_below(drive, sliding.critical_coefficient(d.screw_inertia, d, d.mass))
         if len(found) > 1:
             raise InputError(
                 "friction reaches the Painlevé region in two ranges of speed; such drives are not followed."

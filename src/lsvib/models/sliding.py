@@ -15,10 +15,14 @@ from typing import Any
 import numpy as np
 
 from lsvib.engine.automaton import Branch, Guard, Mode, Surface, Transition, scaled
+from lsvib.engine.exact.arithmetic import double, many_digits, sign
 from lsvib.engine.exact.taylor_form import settled_region
 from lsvib.engine.kernels.layout import CUBIC, EXPONENT, FADE, PIECE, RISE, TO, Test
+from lsvib.errors import InputError
 from lsvib.models.drive import Drive
 from lsvib.models.friction import unbounded_coefficient
+
+FAR = 100  # times the sliding speed of steady sliding: no motion of interest is faster
 
 
 def pieces_of(drive: Drive) -> np.ndarray:
@@ -55,6 +59,41 @@ def speeds_below(drive: Drive, level: float) -> list[tuple[float, float]]:
     parts = [(a, b) for a, b in pairwise(marks) if a < b]
     middle = [0.5 * (a + b) if math.isfinite(b) else 2 * a + 1e-12 for a, b in parts]
     return [part for part, v in zip(parts, middle, strict=True) if _mu(drive, v) < level]
+
+
+def critical_coefficient(inertia: Any, d: Any, mass: Any) -> float:
+    """Return the coefficient from which on Γ₊ = I − ξ₊ tan λ m r_m² ≤ 0, infinite if there is none [1].
+
+    ``inertia`` I and ``mass`` m are those that a seizure has to stop; ``d``, the parameters of the drive in balls.
+    """
+    with many_digits():
+        turned = mass * d.pitch_radius**2
+        heavy = turned - inertia
+        if sign(heavy, "mass") <= 0:
+            return math.inf
+        return double((inertia + turned * d.tan_lead**2) / (heavy * d.tan_lead))
+
+
+def probe(d: Any) -> Any:
+    """Return a coefficient with which Γ_s is positive under both laws, whatever the masses."""
+    return d.tan_lead / 2 if d.tan_lead < 1 else 1 / (2 * d.tan_lead)
+
+
+def regular_below(drive: Drive, most: float) -> float:
+    """Return the sliding speed [m/s] up to which friction is below a level ``most`` [1], zero if it never is.
+
+    Raises ``InputError`` where it is below that in one range of speed and above it in another one that motions reach.
+    """
+    found = speeds_below(drive, most)
+    reached = FAR * drive.pitch_radius * abs(drive.input_speed) / math.cos(drive.lead_angle)
+    if not found:
+        return 0.0
+    if found[0][0] > 0 or found[0][1] < reached:
+        raise InputError(
+            f"friction reaches the Painlevé region in one range of sliding speed and not in another; model "
+            f"{drive.model} does not follow such drives."
+        )
+    return found[0][1]
 
 
 def _turning_speeds(drive: Drive) -> list[float]:
@@ -114,8 +153,8 @@ def divided(
     flow = replace(mode.flow, settled=settled_region(mode.flow, rows))
     deviation = tuple(1 if i == 1 else 0 for i in range(n + 1))
     surfaces["passage"] = Surface(deviation, 1)
-    for own, other, sign in ((name, slow, 1), (slow, name, -1)):
-        guards = (*mode.guards, Guard("passage", sign, f"passage_from_{own}"))
+    for own, other, side in ((name, slow, 1), (slow, name, -1)):
+        guards = (*mode.guards, Guard("passage", side, f"passage_from_{own}"))
         modes[own] = replace(mode, flow=flow, guards=guards)
         transitions[f"passage_from_{own}"] = Transition((Branch(other, kind),))
     for key, transition in transitions.items():

@@ -31,6 +31,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from flint import arb
+
 from lsvib.engine.automaton import Automaton, scaled
 from lsvib.engine.exact.arithmetic import sign
 from lsvib.errors import InputError
@@ -48,12 +50,13 @@ class _Support(TwoBodies):
 
     states = ("angle_deviation", "velocity_deviation", "screw_shift", "shift_rate")
     modes, events, second, snaps = SupportMode, SupportEvent, "nut", (1, 3)
+    limiting = "slide_friction"
 
     def __init__(self, drive: SupportDrive, slide: bool, bearing: bool) -> None:
         super().__init__(drive, slide, bearing)
         d = self.d
         reduced = d.mass * d.screw_mass / (d.mass + d.screw_mass)
-        self.paradox = sign(d.screw_inertia - self.turned * reduced, "mass") <= 0
+        self.paradox = self.in_paradox(d.screw_inertia, reduced)
         if self.slides and sign(d.screw_inertia - self.turned * d.screw_mass, "screw_mass") <= 0:
             most = float(d.screw_inertia / self.turned)
             raise InputError(
@@ -71,7 +74,7 @@ class _Support(TwoBodies):
         kick = d.mass * self.reach / (d.mass + d.screw_mass)
         self.impact = (*self.tied(True, False)[:3], plus((0, 0, 0, 1, 0), scaled(self.speed, kick)))
 
-    def solve(self, direction: int, law: int, way: int) -> Solution:
+    def solve(self, direction: int, law: int, way: int, mu: arb | None = None) -> Solution:
         """Newton's laws for θ″, x_1″, n, the torque of friction on the screw, and the friction of the slide."""
         d, zero = self.d, constant(0)
         rests, held = direction == 0, self.slides and way == 0
@@ -81,7 +84,7 @@ class _Support(TwoBodies):
         torque = plus(scaled(self.deflection, -d.coupling_stiffness), scaled(turning, -d.support_damping))
         support = plus(scaled(self.shift, d.support_stiffness), scaled(rate, d.axial_support_damping))
         push = plus(constant(d.axial_force), scaled(travel, -d.translation_damping))
-        threads = (1, 0, 0, 0, 0) if rests else (0, 0, -d.pitch_radius * self.xi[law], 1, 0)
+        threads = (1, 0, 0, 0, 0) if rests else (0, 0, -self.lever(law, mu), 1, 0)
         slide = (self.reach, 1, 0, 0, 0) if held else (0, 0, 0, 0, 1)
         return self.solution(
             direction and law,

@@ -21,17 +21,20 @@ Painlevé region. Nothing is imposed: N is a function of the state, so a seizure
 s = +1, which stops the screw, and the motion after it follows from the same equations.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from enum import IntEnum
 from typing import Any
 
 import numpy as np
+from flint import arb
 
 from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, scaled
 from lsvib.engine.exact import arithmetic
 from lsvib.engine.exact.arithmetic import double, many_digits, root
-from lsvib.engine.exact.modal_form import ModalMode, guard_forms, linear_mode, modal_flow
+from lsvib.engine.exact.modal_form import guard_forms, linear_mode, modal_flow
+from lsvib.engine.exact.taylor_form import Split, still_mode, taylor_flow
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
+from lsvib.models import friction, sliding
 from lsvib.models.drive import ThreadsDrive, once
 from lsvib.models.mechanics import Coefficients, LinearParts, Polynomial, coefficients, coefficients_of, plus, rate_of
 from lsvib.models.model import DIRECTIONS, SIGNS, Model, Powers, product, seizures_only_by_contact
@@ -48,6 +51,7 @@ class ThreadsEvent(IntEnum):
     STICK = FIRST_MODEL_KIND + 1  # θ′ = 0, and static friction holds
     REVERSAL = FIRST_MODEL_KIND + 2  # θ′ = 0, and the screw turns back
     RELEASE = FIRST_MODEL_KIND + 3  # static friction gives way
+    PASSAGE = FIRST_MODEL_KIND + 4  # θ′ passes Ω, where a friction law divides the mode of steady sliding
 
 
 class ThreadsMode(IntEnum):
@@ -71,52 +75,17 @@ def threads_automaton(drive: ThreadsDrive) -> Automaton:
     Observables: normal_force [N], coupling_torque [N m], coupling_deflection [rad], screw_speed [rad/s]. Raises
     ``EngineError`` if the coordinates of a mode cannot be distinguished in double precision.
     """
-    return automaton_of(coefficients(drive), drive.exact())
-
-
-def automaton_of(c: Coefficients, d: Any) -> Automaton:
-    """Return the automaton from coefficients and exact parameters, of one drive or of many at once."""
+    c, d = coefficients(drive), drive.exact()
     with many_digits():
-        build = _ThreadsBuild(c, d)
-        surfaces, transitions = build.surfaces(), build.transitions()
-        slip, rest = {law: build.slip(law) for law in (1, -1)}, build.rest()
-        modes: dict[str, Mode] = {}
-        for direction, where in DIRECTIONS.items():
-            for sign, contact in SIGNS.items():
-                name = f"slip_{where}_{contact}"
-                guards = (Guard("contact", sign, f"contact_reversal_{name}"), Guard("screw_speed", direction, "stop"))
-                modes[name] = Mode(ThreadsMode[name.upper()], slip[direction * sign], guards)
-        for contact in SIGNS.values():
-            name = f"rest_{contact}"
-            guards = (Guard(f"hold_{contact}", 1, f"release_forward_{contact}"),)
-            guards += (Guard(f"hold_back_{contact}", 1, f"release_backward_{contact}"),)
-            modes[name] = Mode(ThreadsMode[name.upper()], rest, guards)
-        normal = dict.fromkeys(modes, build.normal)
-        return assemble(
-            states=STATES,
-            surfaces=surfaces,
-            modes=modes,
-            transitions=transitions,
-            observables={
-                "normal_force": normal,
-                "coupling_torque": dict.fromkeys(modes, scaled(build.deflection, -build.d.coupling_stiffness)),
-                "coupling_deflection": dict.fromkeys(modes, build.deflection),
-                "screw_speed": dict.fromkeys(modes, build.speed),
-            },
-            shortest_stay=0.0,
-            stack=modal_flow,
-            forms=guard_forms,
-            rest_codes=(ThreadsMode.REST_POSITIVE, ThreadsMode.REST_NEGATIVE),
-            release_kinds=(ThreadsEvent.RELEASE,),
-            sprag_codes=_UNDER_LAW_PLUS if c.paradox else (),
-        )
+        build = _SpeedBuild(c, d, drive) if friction.depends_on_speed(drive) else _ThreadsBuild(c, d)
+        return build.automaton()
 
 
 class _ThreadsBuild:
-    """Rows over (u, w, e, v, 1) that the model is made of."""
+    """Rows over (u, w, e, v, 1) that the model is made of, and its automaton, of one drive or of many at once."""
 
     def __init__(self, c: Coefficients, d: Any) -> None:
-        self.d = d
+        self.c, self.d = c, d
         self.reach = d.pitch_radius * d.tan_lead
         self.deflection = (1, 0, 0, 0, c.deflection)
         self.speed = (0, 1, 0, 0, d.input_speed)
@@ -132,23 +101,76 @@ class _ThreadsBuild:
         rate = force / (damping + root(stiffness * mass) + mass / swing)
         self.sizes = (0.1, abs(double(d.input_speed)), mismatch, rate)
 
-    def slip(self, law: int) -> ModalMode:
-        """Field of slip under law s."""
-        return linear_mode(self._slip_rows(law), self.sizes, None, ThreadsDrive.own_damping)
+    def automaton(self) -> Automaton:
+        """Return the automaton."""
+        surfaces, transitions, modes = self.surfaces(), self.transitions(), self.modes()
+        return assemble(
+            states=STATES,
+            surfaces=surfaces,
+            modes=modes,
+            transitions=transitions,
+            observables=self.observables(modes),
+            shortest_stay=0.0,
+            stack=modal_flow,
+            forms=guard_forms,
+            **self.facts(self.c.paradox),
+        )
 
-    def _slip_rows(self, law: int) -> list[tuple]:
-        d = self.d
+    def facts(self, paradox: bool) -> dict[str, tuple[int, ...]]:
+        """Return codes and kinds of the automaton; in the Painlevé region motions sprag under law s = +1."""
+        return {
+            "rest_codes": (ThreadsMode.REST_POSITIVE, ThreadsMode.REST_NEGATIVE),
+            "release_kinds": (ThreadsEvent.RELEASE,),
+            "sprag_codes": _UNDER_LAW_PLUS if paradox else (),
+        }
+
+    def observables(self, modes: Iterable[str]) -> dict[str, dict[str, tuple]]:
+        """Return the rows of the observables by name and mode."""
+        rows = {
+            "normal_force": self.normal,
+            "coupling_torque": scaled(self.deflection, -self.d.coupling_stiffness),
+            "coupling_deflection": self.deflection,
+            "screw_speed": self.speed,
+        }
+        return {name: dict.fromkeys(modes, row) for name, row in rows.items()}
+
+    def modes(self) -> dict[str, Mode]:
+        """Return the modes by name."""
+        slips, rest = self.slips(), self.rest()
+        modes: dict[str, Mode] = {}
+        for direction, where in DIRECTIONS.items():
+            for sign, contact in SIGNS.items():
+                name = f"slip_{where}_{contact}"
+                guards = (Guard("contact", sign, f"contact_reversal_{name}"), Guard("screw_speed", direction, "stop"))
+                modes[name] = Mode(ThreadsMode[name.upper()], slips[direction, direction * sign], guards)
+        for contact in SIGNS.values():
+            name = f"rest_{contact}"
+            guards = (Guard(f"hold_{contact}", 1, f"release_forward_{contact}"),)
+            guards += (Guard(f"hold_back_{contact}", 1, f"release_backward_{contact}"),)
+            modes[name] = Mode(ThreadsMode[name.upper()], rest, guards)
+        return modes
+
+    def slips(self) -> dict[tuple[int, int], Any]:
+        """Return the flows of slip by direction and law s."""
+        found = {law: linear_mode(self._slip_rows(law), self.sizes, None, ThreadsDrive.own_damping) for law in (1, -1)}
+        return {(direction, law): found[law] for direction in DIRECTIONS for law in found}
+
+    def _slip_rows(self, law: int, mu: Any = None) -> list[tuple]:
+        """Field of slip under law s with a constant coefficient, by default that of steady sliding."""
+        d, mu = self.d, self.d.steady_friction if mu is None else mu
         torque = plus(scaled(self.deflection, -d.coupling_stiffness), scaled(self.speed, -d.support_damping))
-        lever = d.pitch_radius * (law * d.steady_friction * d.cos_lead - d.sin_lead)
+        lever = d.pitch_radius * (law * mu * d.cos_lead - d.sin_lead)
         acceleration = scaled(plus(torque, scaled(self.normal, -lever)), 1 / d.screw_inertia)
-        return self._rows(acceleration, scaled(self.normal, d.cos_lead + law * d.steady_friction * d.sin_lead))
+        return self._rows(acceleration, scaled(self.normal, d.cos_lead + law * mu * d.sin_lead))
 
-    def rest(self) -> ModalMode:
-        """Field of rest: w stays −Ω, the nut moves on."""
-        axial = plus(scaled(self.normal, self.d.cos_lead), scaled(self.friction, self.d.sin_lead))
+    def rest(self) -> Any:
+        """Return the flow of rest: w stays −Ω, the nut moves on."""
         held = {1: -self.d.input_speed}
-        rows = self._rows((0, 0, 0, 0, 0), axial)
-        return linear_mode(rows, self.sizes, held, ThreadsDrive.own_damping)
+        return linear_mode(self._rest_rows(), self.sizes, held, ThreadsDrive.own_damping)
+
+    def _rest_rows(self) -> list[tuple]:
+        axial = plus(scaled(self.normal, self.d.cos_lead), scaled(self.friction, self.d.sin_lead))
+        return self._rows((0, 0, 0, 0, 0), axial)
 
     def _rows(self, acceleration: tuple, axial: tuple) -> list[tuple]:
         d = self.d
@@ -188,7 +210,7 @@ class _ThreadsBuild:
 
     def _contact_has(self, sign: int):
         """Conditions under each of which N has a sign, now or – if it is zero – at once, by N′ or else N″."""
-        # On N = 0 the first derivative that is not zero is the same under both laws.
+        # On N = 0 the first derivative that is not zero is the same under both laws, with any coefficient.
         rows = self._slip_rows(1)
         rate = rate_of(self.normal, rows)
         zero = ((self.normal, Test.ZERO), (rate, Test.ZERO))
@@ -215,6 +237,53 @@ class _ThreadsBuild:
                 yield Branch(f"rest_{contact}", ThreadsEvent.STICK, here)
 
 
+class _SpeedBuild(_ThreadsBuild):
+    """The same under a friction law.
+
+    N follows from the state, so friction of any size is followed. Motions are taken to sprag under law s = +1 if
+    Γ₊ ≤ 0 in slow sliding, to which the growing force brings them.
+    """
+
+    def __init__(self, c: Coefficients, d: Any, drive: ThreadsDrive) -> None:
+        super().__init__(c, d)
+        self.pieces = sliding.pieces_of(drive)
+
+    def automaton(self) -> Automaton:
+        """Return the automaton."""
+        surfaces, transitions, modes = self.surfaces(), self.transitions(), self.modes()
+        turning = arithmetic.sign(self.d.input_speed)
+        steady = f"slip_{DIRECTIONS[turning]}_{SIGNS[self.c.steady_law * turning]}"
+        sliding.divided(steady, ThreadsEvent.PASSAGE, modes, transitions, surfaces)
+        return assemble(
+            states=STATES,
+            surfaces=surfaces,
+            modes=modes,
+            transitions=transitions,
+            observables=self.observables(modes),
+            shortest_stay=0.0,
+            stack=taylor_flow,
+            **self.facts(self._jams()),
+        )
+
+    def _jams(self) -> bool:
+        """Whether Γ₊ ≤ 0 in slow sliding."""
+        most = sliding.critical_coefficient(self.d.screw_inertia, self.d, self.d.mass)
+        return double(friction.coefficient(self.d, arb(0))) >= most
+
+    def slips(self) -> dict[tuple[int, int], Any]:
+        """Return the flows of slip by direction and law s."""
+        d, mu, found = self.d, sliding.probe(self.d), {}
+        for law in (1, -1):
+            split = Split.of(self._slip_rows(law, 0), self.normal, self._slip_rows(law, mu), self.normal, mu)
+            for direction in DIRECTIONS:
+                found[direction, law] = split.mode(sliding.speed_row(direction, self.speed, d), self.pieces)
+        return found
+
+    def rest(self) -> Any:
+        """Return the flow of rest."""
+        return still_mode(self._rest_rows())
+
+
 def seated_state(drive: ThreadsDrive, u: float, w: float) -> np.ndarray:
     """State with the contact compressed as in steady sliding, N = N_0 and v = 0; u [rad], w [rad/s] (eq. 8.15)."""
     c, d = coefficients(drive), drive.exact()
@@ -236,7 +305,8 @@ def _automaton(drive: ThreadsDrive, physics: tuple[str, ...], resume: str) -> Au
 
 def _many(d: Any, resume: str) -> Automaton:
     seizures_only_by_contact("threads", resume)
-    return automaton_of(coefficients_of(d), d)
+    with many_digits():
+        return _ThreadsBuild(coefficients_of(d), d).automaton()
 
 
 _automaton.many = _many  # type: ignore[attr-defined]

@@ -25,6 +25,7 @@ def event_enum(name: str, friction: str) -> type[IntEnum]:
     """Return the kinds of a model's events; ``friction``: word for the friction of the second body."""
     kinds = ["CONTACT_REVERSAL", "STICK", "REVERSAL", "RELEASE", "SEIZURE"]
     kinds += [f"{friction}_{kind}".upper() for kind in ("stick", "reversal", "release")]
+    kinds.append("PASSAGE")  # θ′ passes Ω, where a friction law divides the mode of steady sliding
     own = {kind: FIRST_MODEL_KIND + i for i, kind in enumerate(kinds)}
     return IntEnum(name, {"GRAZE": GRAZE_KIND, "ACCUMULATION": ACCUMULATION_KIND, **own})
 
