@@ -13,6 +13,7 @@ is a check of the cycle.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 
@@ -83,7 +84,8 @@ def quadratic_integrals(
 
 def _summed(automaton: Automaton, mode: int, state: np.ndarray, time: float, forms: np.ndarray) -> np.ndarray:
     """Return the integrals under a friction law by Gauss' rule on each step of the series: exact to rounding."""
-    flow, room = automaton.tables.flow, 64
+    flow: Any = automaton.tables.flow
+    room = 64
     places, weights = np.polynomial.legendre.leggauss(12)
     while True:
         states, steps = np.empty((room * 12, state.size)), np.empty(room)
@@ -160,7 +162,7 @@ def observable_integrals(orbit: Motion, names: Sequence[str]) -> np.ndarray:
 def rubbing_integrals(drive: Drive, orbit: Motion) -> np.ndarray:
     """Return ∫ μ N dt [N s] (arcs) over each arc of a motion; at rest it has no meaning."""
     automaton, one = orbit.automaton, np.eye(orbit.start_state.size + 1)[-1]
-    powers, found = find_model(drive.model).powers(drive, automaton), []
+    powers, found = find_model(drive.model).powers(drive, automaton), list[float]()
     for mode, start, _, duration in zip(*orbit.arcs(), strict=True):
         form = powers.rubbed(product(automaton.observables["normal_force"][mode], one))
         found.extend(quadratic_integrals(automaton, mode, start, float(duration), form[None]))
