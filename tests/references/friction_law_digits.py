@@ -60,7 +60,8 @@ class LawEvent:
 
 @dataclass
 class LawTruth:
-    """A motion with its events; ``end`` says why it ends: time, events, or beyond (law +1 at a speed of G_+ = 0)."""
+    """A motion with its events; ``end`` says why it ends: time, events, or beyond (N changes its sign, or law +1 comes, where
+    growing friction has G_+ <= 0)."""
 
     drive: object = field(repr=False)
     events: list
@@ -100,6 +101,7 @@ class LawDrive:
         heavy = self.r * self.p * self.m - self.I * self.t
         limit = near((self.I + self.t * self.r * self.p * self.m) / heavy) if heavy > 0 else None
         self.jams = self.crossings(limit) if limit is not None else []
+        self.upper = self.jams[-1] if self.jams and self.slope > 0 else None
         self.zeros = self.crossings(arb(0))
 
     def raw_mu(self, V):
@@ -149,6 +151,10 @@ class LawDrive:
 
     def deviation(self, z, V):
         return near(z - self.z0), near(V - self.Omega)
+
+    def is_beyond(self, V):
+        """Whether friction, which grows with speed, has come to G_+ <= 0 from above: what follows is not determined."""
+        return self.upper is not None and bool(abs(V) > self.upper)
 
     # --- which mode follows
     def by_band(self, z):
@@ -215,8 +221,10 @@ def step_of(drive, z, V, power):
                 )
                 step = min(step, np.exp(largest + np.log(TAIL) / n))
     if drive.rise > 0 and float(power[0]) < NOTHING:
-        while float(value_at(power, arb(step))) > NOTHING + 5:
-            step *= 0.9
+        row = np.array([float(x * arb(step) ** k) for k, x in enumerate(power)])
+        counts = PLACES[:, : len(row)] @ row > NOTHING + 5
+        if counts.any():
+            step *= np.argmax(counts) / 40 or 1 / 400
     return step
 
 
@@ -280,7 +288,8 @@ def guards_of(drive, mode, V, series):
     yield "contact", affine(contact, by_z, by_V, constant)
     for edge in drive.jams:
         if s < 0:
-            yield ("band", edge), affine(1 if V * direction > edge else -1, 0, direction, -edge)
+            if edge is not drive.upper:
+                yield ("band", edge), affine(1 if V * direction > edge else -1, 0, direction, -edge)
         else:
             above = bool(V * direction > edge)
             close = edge * (1 + arb(1e-4)) if above else edge * (1 - arb(1e-4))
@@ -348,7 +357,7 @@ def _simulate(drive, z, V, t_end, max_events):
             continue
         direction, contact = mode
         if direction == contact and not touching and drive.G(1, V) <= 0:  # law +1 where it has no motion
-            if drive.jams and direction * V > drive.jams[-1] and drive.slope > 0:
+            if drive.is_beyond(V):
                 return ended("beyond")
             mode = drive.after_seizure(z, direction)
             record("seizure", (z, V), (z, arb(0)))
@@ -380,6 +389,8 @@ def _simulate(drive, z, V, t_end, max_events):
         elif kind == "beyond":
             return ended("beyond")
         elif kind == "contact":
+            if drive.is_beyond(V):
+                return ended("beyond")
             if drive.G(1, V) > 0:
                 mode = direction, -contact
                 record("contact_reversal", (z, V), (z, V))
