@@ -36,7 +36,7 @@ from flint import arb, ctx
 PRECISION = 130  # bits
 TERMS = 36
 TAIL = 1e-29  # last term of a series over its largest
-NOTHING = -75.0  # logarithm of a rise that is below all digits
+NOTHING = 75.0  # minus the logarithm of a rise that is below all digits
 PLACES = np.linspace(0.0, 1.0, 41)[:, None] ** np.arange(TERMS + 1)
 REST = (0, 0)
 
@@ -101,6 +101,8 @@ class LawDrive:
         heavy = self.r * self.p * self.m - self.I * self.t
         limit = near((self.I + self.t * self.r * self.p * self.m) / heavy) if heavy > 0 else None
         self.jams = self.crossings(limit) if limit is not None else []
+        # Speed beyond which the rise is nothing.
+        self.fast = float(self.v_s / self.lever) * (NOTHING if self.power == 1 else NOTHING**0.5)
         self.upper = self.jams[-1] if self.jams and self.slope > 0 else None
         self.zeros = self.crossings(arb(0))
 
@@ -207,10 +209,10 @@ def series_of(drive, direction, s, z0, V0):
         rate.append(near((upper[k] - dot(lower, rate, 1, k)) / lower[0]))
         z.append(near((V[k] - (d.Omega if k == 0 else 0)) / (k + 1)))
         V.append(near(rate[k] / (k + 1)))
-    return z, V, power
+    return z, V
 
 
-def step_of(drive, z, V, power):
+def step_of(drive, direction, z, V):
     """Step on which the series are good; a rise that is nothing at its start counts at its end at most a little."""
     step = np.inf
     for row in (z, V):
@@ -220,11 +222,11 @@ def step_of(drive, z, V, power):
                     float((abs(row[j]) / abs(row[n])).log() / (n - j)) for j in range(3) if row[j] != 0
                 )
                 step = min(step, np.exp(largest + np.log(TAIL) / n))
-    if drive.rise > 0 and float(power[0]) < NOTHING:
-        row = np.array([float(x * arb(step) ** k) for k, x in enumerate(power)])
-        counts = PLACES[:, : len(row)] @ row > NOTHING + 5
+    if drive.rise > 0 and float(V[0] * direction) > drive.fast:
+        row = np.array([float(x * direction * arb(step) ** k) for k, x in enumerate(V)])
+        counts = PLACES @ row < 0.98 * drive.fast
         if counts.any():
-            step *= np.argmax(counts) / 40 or 1 / 400
+            step *= np.argmax(counts) / 40 - 1 / 41
     return step
 
 
@@ -292,7 +294,7 @@ def guards_of(drive, mode, V, series):
                 yield ("band", edge), affine(1 if V * direction > edge else -1, 0, direction, -edge)
         else:
             above = bool(V * direction > edge)
-            close = edge * (1 + arb(1e-4)) if above else edge * (1 - arb(1e-4))
+            close = edge * (1 + arb(1e-5)) if above else edge * (1 - arb(1e-5))
             yield ("jam" if above else "beyond", edge), affine(1 if above else -1, 0, direction, -close)
     for edge in drive.zeros:
         yield ("zero", edge), affine(1 if V * direction > edge else -1, 0, direction, -edge)
@@ -301,7 +303,10 @@ def guards_of(drive, mode, V, series):
 
 
 def to_the_jam(drive, direction, z, V, edge):
-    """Time and z at which law +1 comes to G_+ = 0, from close by: Runge and Kutta's steps with V as the variable."""
+    """Time and z at which law +1 comes to G_+ = 0, from close by: Runge and Kutta's steps with V as the variable.
+
+    Where Q comes to zero in the same place, the acceleration is 0 / 0 there, so the steps halve what is left.
+    """
 
     def rates(V, z):
         mu, P = drive.mu(V), drive.R - drive.cx * drive.p * V
@@ -309,16 +314,17 @@ def to_the_jam(drive, direction, z, V, edge):
         lower = drive.G(1, V) / upper
         return lower, (V - drive.Omega) * lower
 
-    time, steps = arb(0), 8
-    h = (direction * edge - V) / steps
-    for _ in range(steps):
-        a = rates(V, z)
-        b = rates(V + h / 2, z + h / 2 * a[1])
-        c = rates(V + h / 2, z + h / 2 * b[1])
-        d = rates(V + h, z + h * c[1])
-        time = near(time + h / 6 * (a[0] + 2 * b[0] + 2 * c[0] + d[0]))
-        z = near(z + h / 6 * (a[1] + 2 * b[1] + 2 * c[1] + d[1]))
-        V = near(V + h)
+    time = arb(0)
+    for _ in range(40):
+        h = (direction * edge - V) / 16
+        for _ in range(8):
+            a = rates(V, z)
+            b = rates(V + h / 2, z + h / 2 * a[1])
+            c = rates(V + h / 2, z + h / 2 * b[1])
+            d = rates(V + h, z + h * c[1])
+            time = near(time + h / 6 * (a[0] + 2 * b[0] + 2 * c[0] + d[0]))
+            z = near(z + h / 6 * (a[1] + 2 * b[1] + 2 * c[1] + d[1]))
+            V = near(V + h)
     return time, z
 
 
@@ -364,9 +370,9 @@ def _simulate(drive, z, V, t_end, max_events):
             V, touching = arb(0), {"stop"}
             continue
         series = series_of(drive, direction, direction * contact, z, V)
-        step = min(step_of(drive, *series), float(t_end - t))
+        step = min(step_of(drive, direction, *series), float(t_end - t))
         tau, name = None, None
-        for guard, form in guards_of(drive, mode, V, series[:2]):
+        for guard, form in guards_of(drive, mode, V, series):
             found = first_fall(form, step, guard in touching)
             if found is not None and (tau is None or found < tau):
                 tau, name = found, guard
@@ -400,6 +406,8 @@ def _simulate(drive, z, V, t_end, max_events):
                 V, touching = arb(0), {"stop"}
         elif kind == "jam":
             sooner, before = to_the_jam(drive, direction, z, V, name[1])
+            if sgn(drive.Q(before, direction * name[1])) == -contact:
+                return ended("corner")  # Q = 0 came first, if only just
             t, z, V = near(t + sooner), before, near(direction * name[1])
             mode = drive.after_seizure(z, direction)
             record("seizure", (z, V), (z, arb(0)))
