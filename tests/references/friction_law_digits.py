@@ -29,14 +29,16 @@ are looked at on it in doubles at many places, and their roots found with all di
 """
 
 from dataclasses import dataclass, field
+from operator import mul
 
 import numpy as np
 from flint import arb, ctx
 
-PRECISION = 130  # bits
-TERMS = 36
-TAIL = 1e-29  # last term of a series over its largest
-NOTHING = 75.0  # minus the logarithm of a rise that is below all digits
+PRECISION = 110  # bits
+TERMS = 28
+TAIL = 1e-23  # last term of a series over its largest
+NOTHING = 60.0  # minus the logarithm of a rise that is below all digits
+ZERO = arb(0)
 PLACES = np.linspace(0.0, 1.0, 41)[:, None] ** np.arange(TERMS + 1)
 REST = (0, 0)
 
@@ -60,8 +62,12 @@ class LawEvent:
 
 @dataclass
 class LawTruth:
-    """A motion with its events; ``end`` says why it ends: time, events, or beyond (N changes its sign, or law +1 comes, where
-    growing friction has G_+ <= 0)."""
+    """A motion with its events; ``end`` says why it ends.
+
+    time, events: as asked. beyond: N would change its sign, or law +1 comes to, a speed at which growing friction has
+    G_+ <= 0. corner: law +1 comes to G_+ = 0 and Q = 0 at once, with a finite acceleration (both go to zero along the
+    slow direction of a node). What follows these two is not determined.
+    """
 
     drive: object = field(repr=False)
     events: list
@@ -145,7 +151,7 @@ class LawDrive:
         """Q, zero where it is rounding."""
         terms = self.Q_terms(z, V)
         total, size = near(sum(terms)), sum(abs(float(x)) for x in terms)
-        return total if abs(total) > 1e-25 * size else arb(0)
+        return total if abs(total) > 1e-24 * size else arb(0)
 
     def acceleration(self, s, z, V):
         mu, T, P = self.mu(V), -self.k * z - self.c * V, self.R - self.cx * self.p * V
@@ -179,16 +185,13 @@ class LawDrive:
 
 def dot(a, b, first, k):
     """Sum of a_i b_{k-i} from i = first on."""
-    total = arb(0)
-    for i in range(first, k + 1):
-        total += a[i] * b[k - i]
-    return total
+    return sum(map(mul, a[first : k + 1], b[k - first :: -1]), ZERO) if k >= first else ZERO
 
 
 def series_of(drive, direction, s, z0, V0):
     """Power series of z and V in a mode with law s."""
     d, zero_mu = drive, drive.raw_mu(V0) <= 0
-    z, V, mu, decay, power = [z0], [V0], [], [], []
+    z, V, mu, decay, power, steep = [z0], [V0], [], [], [], []
     T, P, upper, lower, rate = [], [], [], [], []
     speed = d.lever * direction
     for k in range(TERMS):
@@ -198,9 +201,8 @@ def series_of(drive, direction, s, z0, V0):
         if d.rise > 0:
             ratio = speed / d.v_s
             power.append(near(-ratio * V[k] if d.power == 1 else -ratio * ratio * dot(V, V, 0, k)))
-            decay.append(
-                near(power[0].exp() if k == 0 else sum((i * power[i] * decay[k - i] for i in range(1, k + 1)), arb(0)) / k)
-            )
+            steep.append(k * power[k])
+            decay.append(near(power[0].exp() if k == 0 else dot(steep, decay, 1, k) / k))
             value += d.rise * decay[k]
         mu.append(arb(0) if zero_mu else near(value))
         one = 1 if k == 0 else 0
@@ -315,7 +317,7 @@ def to_the_jam(drive, direction, z, V, edge):
         return lower, (V - drive.Omega) * lower
 
     time = arb(0)
-    for _ in range(40):
+    for _ in range(20):
         h = (direction * edge - V) / 16
         for _ in range(8):
             a = rates(V, z)
@@ -379,7 +381,7 @@ def _simulate(drive, z, V, t_end, max_events):
         if tau is None:
             z, V, t = value_at(series[0], arb(step)), value_at(series[1], arb(step)), near(t + arb(step))
             touching = set()
-            if not t_end - t > 1e-25:
+            if not t_end - t > 1e-24:
                 return ended("time")
             continue
         z, V, t = value_at(series[0], tau), value_at(series[1], tau), near(t + tau)
@@ -388,7 +390,7 @@ def _simulate(drive, z, V, t_end, max_events):
         if kind in ("passage", "zero", "band"):
             V_on = direction * name[1]
             # off the edge, to the side it goes to: the next guard says where the motion is by its speed
-            V = near(V_on + sgn(value_at([k * x for k, x in enumerate(series[1])][1:], tau)) * arb(2) ** -110 * abs(V_on))
+            V = near(V_on + sgn(value_at([k * x for k, x in enumerate(series[1])][1:], tau)) * arb(2) ** -95 * abs(V_on))
             touching = set()
             if kind != "zero":
                 record("passage", (z, V), (z, V))
@@ -405,10 +407,10 @@ def _simulate(drive, z, V, t_end, max_events):
                 record("seizure", (z, V), (z, arb(0)))
                 V, touching = arb(0), {"stop"}
         elif kind == "jam":
-            sooner, before = to_the_jam(drive, direction, z, V, name[1])
-            if sgn(drive.Q(before, direction * name[1])) == -contact:
-                return ended("corner")  # Q = 0 came first, if only just
-            t, z, V = near(t + sooner), before, near(direction * name[1])
+            sooner, there = to_the_jam(drive, direction, z, V, name[1])
+            if not abs(drive.Q(there, direction * name[1])) > 1e-3 * abs(drive.Q(z, V)):
+                return ended("corner")
+            t, z, V = near(t + sooner), there, near(direction * name[1])
             mode = drive.after_seizure(z, direction)
             record("seizure", (z, V), (z, arb(0)))
             V, touching = arb(0), {"stop"}
