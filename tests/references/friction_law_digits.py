@@ -29,14 +29,16 @@ are looked at on it in doubles at many places, and their roots found with all di
 """
 
 from dataclasses import dataclass, field
+from operator import mul
 
 import numpy as np
 from flint import arb, ctx
 
-PRECISION = 130  # bits
-TERMS = 36
-TAIL = 1e-29  # last term of a series over its largest
-NOTHING = -75.0  # logarithm of a rise that is below all digits
+PRECISION = 110  # bits
+TERMS = 28
+TAIL = 1e-23  # last term of a series over its largest
+NOTHING = 60.0  # minus the logarithm of a rise that is below all digits
+ZERO = arb(0)
 PLACES = np.linspace(0.0, 1.0, 41)[:, None] ** np.arange(TERMS + 1)
 REST = (0, 0)
 
@@ -60,7 +62,12 @@ class LawEvent:
 
 @dataclass
 class LawTruth:
-    """A motion with its events; ``end`` says why it ends: time, events, or beyond (law +1 at a speed of G_+ = 0)."""
+    """A motion with its events; ``end`` says why it ends.
+
+    time, events: as asked. beyond: N would change its sign, or law +1 comes to, a speed at which growing friction has
+    G_+ <= 0. corner: law +1 comes to G_+ = 0 and Q = 0 at once, with a finite acceleration (both go to zero along the
+    slow direction of a node). What follows these two is not determined.
+    """
 
     drive: object = field(repr=False)
     events: list
@@ -100,6 +107,9 @@ class LawDrive:
         heavy = self.r * self.p * self.m - self.I * self.t
         limit = near((self.I + self.t * self.r * self.p * self.m) / heavy) if heavy > 0 else None
         self.jams = self.crossings(limit) if limit is not None else []
+        # Speed beyond which the rise is nothing.
+        self.fast = float(self.v_s / self.lever) * (NOTHING if self.power == 1 else NOTHING**0.5)
+        self.upper = self.jams[-1] if self.jams and self.slope > 0 else None
         self.zeros = self.crossings(arb(0))
 
     def raw_mu(self, V):
@@ -141,7 +151,7 @@ class LawDrive:
         """Q, zero where it is rounding."""
         terms = self.Q_terms(z, V)
         total, size = near(sum(terms)), sum(abs(float(x)) for x in terms)
-        return total if abs(total) > 1e-25 * size else arb(0)
+        return total if abs(total) > 1e-24 * size else arb(0)
 
     def acceleration(self, s, z, V):
         mu, T, P = self.mu(V), -self.k * z - self.c * V, self.R - self.cx * self.p * V
@@ -149,6 +159,10 @@ class LawDrive:
 
     def deviation(self, z, V):
         return near(z - self.z0), near(V - self.Omega)
+
+    def is_beyond(self, V):
+        """Whether friction, which grows with speed, has come to G_+ <= 0 from above: what follows is not determined."""
+        return self.upper is not None and bool(abs(V) > self.upper)
 
     # --- which mode follows
     def by_band(self, z):
@@ -171,16 +185,13 @@ class LawDrive:
 
 def dot(a, b, first, k):
     """Sum of a_i b_{k-i} from i = first on."""
-    total = arb(0)
-    for i in range(first, k + 1):
-        total += a[i] * b[k - i]
-    return total
+    return sum(map(mul, a[first : k + 1], b[k - first :: -1]), ZERO) if k >= first else ZERO
 
 
 def series_of(drive, direction, s, z0, V0):
     """Power series of z and V in a mode with law s."""
     d, zero_mu = drive, drive.raw_mu(V0) <= 0
-    z, V, mu, decay, power = [z0], [V0], [], [], []
+    z, V, mu, decay, power, steep = [z0], [V0], [], [], [], []
     T, P, upper, lower, rate = [], [], [], [], []
     speed = d.lever * direction
     for k in range(TERMS):
@@ -190,13 +201,8 @@ def series_of(drive, direction, s, z0, V0):
         if d.rise > 0:
             ratio = speed / d.v_s
             power.append(near(-ratio * V[k] if d.power == 1 else -ratio * ratio * dot(V, V, 0, k)))
-            decay.append(
-                near(
-                    power[0].exp()
-                    if k == 0
-                    else sum((i * power[i] * decay[k - i] for i in range(1, k + 1)), arb(0)) / k
-                )
-            )
+            steep.append(k * power[k])
+            decay.append(near(power[0].exp() if k == 0 else dot(steep, decay, 1, k) / k))
             value += d.rise * decay[k]
         mu.append(arb(0) if zero_mu else near(value))
         one = 1 if k == 0 else 0
@@ -205,10 +211,10 @@ def series_of(drive, direction, s, z0, V0):
         rate.append(near((upper[k] - dot(lower, rate, 1, k)) / lower[0]))
         z.append(near((V[k] - (d.Omega if k == 0 else 0)) / (k + 1)))
         V.append(near(rate[k] / (k + 1)))
-    return z, V, power
+    return z, V
 
 
-def step_of(drive, z, V, power):
+def step_of(drive, direction, z, V):
     """Step on which the series are good; a rise that is nothing at its start counts at its end at most a little."""
     step = np.inf
     for row in (z, V):
@@ -216,9 +222,11 @@ def step_of(drive, z, V, power):
             if row[n] != 0:
                 largest = max(float((abs(row[j]) / abs(row[n])).log() / (n - j)) for j in range(3) if row[j] != 0)
                 step = min(step, np.exp(largest + np.log(TAIL) / n))
-    if drive.rise > 0 and float(power[0]) < NOTHING:
-        while float(value_at(power, arb(step))) > NOTHING + 5:
-            step *= 0.9
+    if drive.rise > 0 and float(V[0] * direction) > drive.fast:
+        row = np.array([float(x * direction * arb(step) ** k) for k, x in enumerate(V)])
+        counts = PLACES @ row < 0.98 * drive.fast
+        if counts.any():
+            step *= np.argmax(counts) / 40 - 1 / 41
     return step
 
 
@@ -284,10 +292,11 @@ def guards_of(drive, mode, V, series):
     yield "contact", affine(contact, by_z, by_V, constant)
     for edge in drive.jams:
         if s < 0:
-            yield ("band", edge), affine(1 if V * direction > edge else -1, 0, direction, -edge)
+            if edge is not drive.upper:
+                yield ("band", edge), affine(1 if V * direction > edge else -1, 0, direction, -edge)
         else:
             above = bool(V * direction > edge)
-            close = edge * (1 + arb(1e-4)) if above else edge * (1 - arb(1e-4))
+            close = edge * (1 + arb(1e-5)) if above else edge * (1 - arb(1e-5))
             yield ("jam" if above else "beyond", edge), affine(1 if above else -1, 0, direction, -close)
     for edge in drive.zeros:
         yield ("zero", edge), affine(1 if V * direction > edge else -1, 0, direction, -edge)
@@ -296,7 +305,10 @@ def guards_of(drive, mode, V, series):
 
 
 def to_the_jam(drive, direction, z, V, edge):
-    """Time and z at which law +1 comes to G_+ = 0, from close by: Runge and Kutta's steps with V as the variable."""
+    """Time and z at which law +1 comes to G_+ = 0, from close by: Runge and Kutta's steps with V as the variable.
+
+    Where Q comes to zero in the same place, the acceleration is 0 / 0 there, so the steps halve what is left.
+    """
 
     def rates(V, z):
         mu, P = drive.mu(V), drive.R - drive.cx * drive.p * V
@@ -304,16 +316,17 @@ def to_the_jam(drive, direction, z, V, edge):
         lower = drive.G(1, V) / upper
         return lower, (V - drive.Omega) * lower
 
-    time, steps = arb(0), 8
-    h = (direction * edge - V) / steps
-    for _ in range(steps):
-        a = rates(V, z)
-        b = rates(V + h / 2, z + h / 2 * a[1])
-        c = rates(V + h / 2, z + h / 2 * b[1])
-        d = rates(V + h, z + h * c[1])
-        time = near(time + h / 6 * (a[0] + 2 * b[0] + 2 * c[0] + d[0]))
-        z = near(z + h / 6 * (a[1] + 2 * b[1] + 2 * c[1] + d[1]))
-        V = near(V + h)
+    time = arb(0)
+    for _ in range(20):
+        h = (direction * edge - V) / 16
+        for _ in range(8):
+            a = rates(V, z)
+            b = rates(V + h / 2, z + h / 2 * a[1])
+            c = rates(V + h / 2, z + h / 2 * b[1])
+            d = rates(V + h, z + h * c[1])
+            time = near(time + h / 6 * (a[0] + 2 * b[0] + 2 * c[0] + d[0]))
+            z = near(z + h / 6 * (a[1] + 2 * b[1] + 2 * c[1] + d[1]))
+            V = near(V + h)
     return time, z
 
 
@@ -352,23 +365,23 @@ def _simulate(drive, z, V, t_end, max_events):
             continue
         direction, contact = mode
         if direction == contact and not touching and drive.G(1, V) <= 0:  # law +1 where it has no motion
-            if drive.jams and direction * V > drive.jams[-1] and drive.slope > 0:
+            if drive.is_beyond(V):
                 return ended("beyond")
             mode = drive.after_seizure(z, direction)
             record("seizure", (z, V), (z, arb(0)))
             V, touching = arb(0), {"stop"}
             continue
         series = series_of(drive, direction, direction * contact, z, V)
-        step = min(step_of(drive, *series), float(t_end - t))
+        step = min(step_of(drive, direction, *series), float(t_end - t))
         tau, name = None, None
-        for guard, form in guards_of(drive, mode, V, series[:2]):
+        for guard, form in guards_of(drive, mode, V, series):
             found = first_fall(form, step, guard in touching)
             if found is not None and (tau is None or found < tau):
                 tau, name = found, guard
         if tau is None:
             z, V, t = value_at(series[0], arb(step)), value_at(series[1], arb(step)), near(t + arb(step))
             touching = set()
-            if not t_end - t > 1e-25:
+            if not t_end - t > 1e-24:
                 return ended("time")
             continue
         z, V, t = value_at(series[0], tau), value_at(series[1], tau), near(t + tau)
@@ -377,15 +390,15 @@ def _simulate(drive, z, V, t_end, max_events):
         if kind in ("passage", "zero", "band"):
             V_on = direction * name[1]
             # off the edge, to the side it goes to: the next guard says where the motion is by its speed
-            V = near(
-                V_on + sgn(value_at([k * x for k, x in enumerate(series[1])][1:], tau)) * arb(2) ** -110 * abs(V_on)
-            )
+            V = near(V_on + sgn(value_at([k * x for k, x in enumerate(series[1])][1:], tau)) * arb(2) ** -95 * abs(V_on))
             touching = set()
             if kind != "zero":
                 record("passage", (z, V), (z, V))
         elif kind == "beyond":
             return ended("beyond")
         elif kind == "contact":
+            if drive.is_beyond(V):
+                return ended("beyond")
             if drive.G(1, V) > 0:
                 mode = direction, -contact
                 record("contact_reversal", (z, V), (z, V))
@@ -394,8 +407,10 @@ def _simulate(drive, z, V, t_end, max_events):
                 record("seizure", (z, V), (z, arb(0)))
                 V, touching = arb(0), {"stop"}
         elif kind == "jam":
-            sooner, before = to_the_jam(drive, direction, z, V, name[1])
-            t, z, V = near(t + sooner), before, near(direction * name[1])
+            sooner, there = to_the_jam(drive, direction, z, V, name[1])
+            if not abs(drive.Q(there, direction * name[1])) > 1e-3 * abs(drive.Q(z, V)):
+                return ended("corner")
+            t, z, V = near(t + sooner), there, near(direction * name[1])
             mode = drive.after_seizure(z, direction)
             record("seizure", (z, V), (z, arb(0)))
             V, touching = arb(0), {"stop"}

@@ -337,8 +337,8 @@ def _on_line(drive: Drive, automaton: Automaton, key: tuple[int, int], row: np.n
     middle = nearest_to_origin(np.append(row[:2] * sizes, row[2]))  # in these sizes
     if middle is None:
         return
-    # A return may take 200 turns of the slowest oscillator.
-    longest = 200.0 * slowest(automaton)
+    # A return may take 200 turns of the slowest oscillator, under a friction law, where a turn costs more, 20.
+    longest = (20.0 if isinstance(automaton.tables.flow, TaylorFlow) else 200.0) * slowest(automaton)
     section = Section(automaton, key, middle * sizes, sizes, 1, longest, sizes, row)
     # Lines are searched from 10^-4 to 10^3 of the size of a swing of the screw.
     steps = np.logspace(*(-4.0, 3.0), 160)  # on each side of a line: each lies a tenth farther out than the one before

@@ -19,7 +19,7 @@ from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, inline
 from lsvib.engine.kernels.layout import CUBIC, EXPONENT, FADE, FROM, ORDER, RISE, TO
 
 TAIL = 0.5 * EPS  # size of the last terms of a series over that of a coordinate
-NOTHING = -45.0  # exponent of a decay that is below the rounding of a coefficient of friction; beyond −44 it counts
+NOTHING = 45.0  # (fade σ)^exponent of a decay that is below the rounding of a coefficient of friction
 # Rows of series beside those of the state.
 SIGMA, POWER, DECAY, MU, ETA, CONTACT, RIDE, STEEP, SLOPE, REST, RATE = range(11)
 
@@ -210,21 +210,23 @@ def is_settled(flow, mode, state):
 
 
 @kernel
-def _cut_at_rise(law, power, step):
-    """Return a step, in units of its series, that ends where a decay which is nothing at its start begins to count.
+def _cut_at_rise(law, sigma, step):
+    """Return a step, in units of its series, that ends where a decay which is nothing at first begins to count, if so.
 
     All terms of its series that are kept may be nothing, and yet the decay large before the end of a step: the length
     of the step, made of these terms, cannot know.
     """
-    if law[RISE] == 0.0 or power[0] >= NOTHING:
+    ratio, linear = law[FADE] * sigma[0], law[EXPONENT] == 1.0
+    if law[RISE] == 0.0 or (ratio if linear else ratio * ratio) <= NOTHING:
         return step
+    bound = ((NOTHING - 1.0) if linear else math.sqrt(NOTHING - 1.0)) / law[FADE]
     before = 0.0
     for part in range(1, 33):
         after = step * part / 32.0
-        if value_at(power[:ORDER], after) > NOTHING + 1.0:
+        if value_at(sigma[:ORDER], after) < bound:
             for _ in range(60):
                 middle = 0.5 * (before + after)
-                nothing = value_at(power[:ORDER], middle) <= NOTHING + 1.0
+                nothing = value_at(sigma[:ORDER], middle) >= bound
                 before, after = (middle, after) if nothing else (before, middle)
             return after
         before = after
@@ -240,7 +242,7 @@ def cut_at_piece(flow, mode, piece, series, step):
     """
     unit = series.unit[0]
     if piece >= 0:
-        step = unit * _cut_at_rise(flow.pieces[piece], series.parts[POWER], step / unit)
+        step = unit * _cut_at_rise(flow.pieces[piece], series.parts[SIGMA], step / unit)
     if flow.piece_start[mode + 1] - flow.piece_start[mode] < 2:
         return step, piece
     x, row, low, high = series.state, flow.speed[mode], flow.pieces[piece, FROM], flow.pieces[piece, TO]
