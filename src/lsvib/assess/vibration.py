@@ -156,7 +156,7 @@ def _of_cycle(drive: Drive, orbit: Motion, row: NDArray[np.float64]) -> dict[str
     turning[1], turning[-1] = 1.0, drive.input_speed
     rates[1:-1:2], rates[-1] = row[::2], row[0] * drive.input_speed  # each coordinate is followed by its rate
     impulses = np.abs(event_impulses(drive, orbit).normal)
-    normal = orbit_extremes(orbit, orbit.automaton.observables["normal_force"])
+    normal = orbit_extremes(orbit, orbit.automaton.functional("normal_force"))
     return {
         "frequency": 1 / orbit.end_time,
         "amplitude": 0.5 * (high - low),

@@ -10,6 +10,7 @@ from lsvib.basins.grid import Grid
 from lsvib.dynamics.attractor import SteadyState
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
+from lsvib.models.friction import depends_on_speed
 from lsvib.models.model import find_model
 from lsvib.numbers import Progress
 
@@ -87,7 +88,7 @@ class Mapper(ABC):
 def mapper(
     drive: Drive, model: str = "rigid", physics: Sequence[str] | None = None, resume: str = "contact_sign"
 ) -> Mapper:
-    """Return the mapper of a drive: a ``PlanarMapper`` for two states, a ``StateMapper`` for more.
+    """Return the mapper of a drive: a ``PlanarMapper`` for two states and linear modes, else a ``StateMapper``.
 
     Arguments: drive; name of the model; ``physics`` and ``resume`` as in a scene. Raises ``InputError``.
 
@@ -103,5 +104,6 @@ def mapper(
 
     definition = find_model(model)
     physics = (*definition.terms, *definition.options) if physics is None else tuple(physics)
-    kind = PlanarMapper if len(definition.states) == 2 else StateMapper
+    linear = len(definition.states) == 2 and not depends_on_speed(drive)
+    kind = PlanarMapper if linear else StateMapper
     return kind(drive, model, physics, resume)

@@ -4,6 +4,7 @@ Functions return variables ``(dimensions, values, attributes)`` as ``xarray.Data
 What the ``origin`` of a parameter says, so that whoever opens a file can repeat it, is in ``docs/design.md``.
 """
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from enum import IntEnum
 from typing import Any
@@ -129,7 +130,7 @@ def _fields(kind: type[Drive] = Drive) -> dict[str, Any]:
 
 
 FIELDS = _fields()
-_GREEK = ("Omega", "lambda", "mu")
+_GREEK = re.compile(r"\b(Omega|lambda|mu|Delta|delta)(?![a-z])")
 
 
 def parameter(name: str, origin: str, **more: Any) -> dict[str, Any]:
@@ -137,8 +138,8 @@ def parameter(name: str, origin: str, **more: Any) -> dict[str, Any]:
     qualifier, _, rest = name.partition("_")
     fields = FIELDS if name in FIELDS or rest in FIELDS else _fields()  # of a model that was loaded since
     known = fields[rest if name not in fields and qualifier in QUALIFIERS else name]
-    symbol = f"$\\{known['symbol']}$" if known["symbol"] in _GREEK else f"${known['symbol']}$"
-    return attributes(known["unit"], known["long_name"], symbol, origin=origin, **more)
+    symbol = _GREEK.sub(r"\\\1", known["symbol"])
+    return attributes(known["unit"], known["long_name"], f"${symbol}$", origin=origin, **more)
 
 
 def given(values: Iterable[tuple[str, Any]]) -> Variables:

@@ -156,7 +156,7 @@ def summary(scene: Scene, motion: Motion, steady: SteadyState | None = None) -> 
         },
         "events": {event.name.lower(): int(counts[event]) for event in definition.events if counts[event]},
         "attractor": steady.label.name.lower(),
-        "peak_normal_force": max(map(abs, orbit_extremes(motion, automaton.observables["normal_force"]))),
+        "peak_normal_force": max(map(abs, orbit_extremes(motion, automaton.functional("normal_force")))),
         "status": motion.status.name.lower(),
     }
     if steady.doubt is not None:

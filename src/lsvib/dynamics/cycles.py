@@ -26,7 +26,7 @@ from lsvib.dynamics.impulses import Impulses, event_impulses
 from lsvib.dynamics.poincare_map import Section, lines, multipliers, nearest_to_origin, section_key, size_of, solve
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import layout
-from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND
+from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND, TaylorFlow
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError
 from lsvib.models.drive import Drive
@@ -104,7 +104,7 @@ class Cycle:
         """Smallest and largest value of each coordinate and observable, in its SI unit, in closed form."""
         automaton, unit = self.orbit.automaton, np.eye(self.state.size + 1)
         found = {name: orbit_extremes(self.orbit, unit[i]) for i, name in enumerate(automaton.states)}
-        return found | {name: orbit_extremes(self.orbit, rows) for name, rows in automaton.observables.items()}
+        return found | {name: orbit_extremes(self.orbit, automaton.functional(name)) for name in automaton.observables}
 
     @property
     def amplitude(self) -> float:
@@ -322,6 +322,15 @@ def _same(one: Cycle, other: Cycle) -> bool:
     return all(abs(a - b) <= _SAME * (one.amplitude + other.amplitude) for a, b in ends)
 
 
+def slowest(automaton: Automaton) -> float:
+    """Return the longest time scale [s] of the oscillators of an automaton with two states."""
+    flow = automaton.tables.flow
+    if isinstance(flow, TaylorFlow):  # without friction
+        stiff = np.abs(flow.field[:, 1, 0])
+        return float(1 / math.sqrt(stiff[stiff > 0].min()))
+    return float(flow[:, layout.TIME_SCALE].max())
+
+
 def _on_line(drive: Drive, automaton: Automaton, key: tuple[int, int], row: np.ndarray) -> Iterator[Cycle]:
     """Yield the cycles that the return map of a line shows."""
     sizes = np.array(swing(drive))
@@ -329,7 +338,7 @@ def _on_line(drive: Drive, automaton: Automaton, key: tuple[int, int], row: np.n
     if middle is None:
         return
     # A return may take 200 turns of the slowest oscillator.
-    longest = 200.0 * float(automaton.tables.flow[:, layout.TIME_SCALE].max())
+    longest = 200.0 * slowest(automaton)
     section = Section(automaton, key, middle * sizes, sizes, 1, longest, sizes, row)
     # Lines are searched from 10^-4 to 10^3 of the size of a swing of the screw.
     steps = np.logspace(*(-4.0, 3.0), 160)  # on each side of a line: each lies a tenth farther out than the one before

@@ -17,7 +17,9 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import flow_planar, layout
+from lsvib.engine.exact.taylor_form import eta
+from lsvib.engine.kernels import flow_planar, flow_taylor, layout
+from lsvib.engine.kernels.layout import TaylorFlow
 from lsvib.engine.motion import Motion
 from lsvib.models.drive import Drive
 from lsvib.models.model import find_model, product
@@ -54,9 +56,14 @@ class Work:
 def quadratic_integrals(
     automaton: Automaton, mode: int, state: np.ndarray, time: float, forms: np.ndarray
 ) -> np.ndarray:
-    """Return ∫ (x, 1)ᵀ Q (x, 1) dt (k) over a time [s] from a state (n) in a mode, of forms Q (k, n + 1, n + 1)."""
+    """Return ∫ (x, 1)ᵀ Q (x, 1) dt (k) over a time [s] from a state (n) in a mode, of forms Q (k, n + 1, n + 1).
+
+    Under a friction law there may be two for each (k, 2, n + 1, n + 1), the second of which counts η times.
+    """
     if time == 0.0:
         return np.zeros(len(forms))
+    if isinstance(automaton.tables.flow, TaylorFlow):
+        return _summed(automaton, mode, state, time, forms)
     into, out = _inner_coordinates(automaton, mode)
     inner = out.T @ forms @ out
     # phase of the first step at the fastest rate: the rule is then wrong by less than 1e-20
@@ -72,6 +79,24 @@ def quadratic_integrals(
     start = into @ np.append(state, 1.0)
     integrals: np.ndarray = np.einsum("i,kij,j->k", start, total, start)
     return integrals
+
+
+def _summed(automaton: Automaton, mode: int, state: np.ndarray, time: float, forms: np.ndarray) -> np.ndarray:
+    """Return the integrals under a friction law by Gauss' rule on each step of the series: exact to rounding."""
+    flow, room = automaton.tables.flow, 64
+    places, weights = np.polynomial.legendre.leggauss(12)
+    while True:
+        states, steps = np.empty((room * 12, state.size)), np.empty(room)
+        count = flow_taylor.nodes(flow, mode, state, time, 0.5 * (1.0 + places), states, steps)
+        if count <= room:
+            break
+        room = count
+    states, weights = states[: count * 12], (0.5 * steps[:count, None] * weights).ravel()
+    whole = np.column_stack([states, np.ones(len(states))])
+    shares = np.stack([np.ones(len(states)), eta(flow, states, np.full(len(states), mode))])
+    pairs = forms if forms.ndim == 4 else np.stack([forms, 0 * forms], axis=1)
+    values = np.einsum("ji,kpil,jl->kpj", whole, pairs, whole)
+    return np.asarray(np.einsum("kpj,pj,j->k", values, shares, weights))
 
 
 def _inner_coordinates(automaton: Automaton, mode: int) -> tuple[np.ndarray, np.ndarray]:
@@ -123,8 +148,22 @@ def observable_integrals(orbit: Motion, names: Sequence[str]) -> np.ndarray:
     """Return the integrals over time [s] (arcs, k) of observables by name, over each arc of a motion."""
     automaton, one, found = orbit.automaton, np.eye(orbit.start_state.size + 1)[-1], []
     for mode, start, _, duration in zip(*orbit.arcs(), strict=True):
-        forms = [product(automaton.observables[name][mode], one) for name in names]
-        found.append(quadratic_integrals(automaton, mode, start, float(duration), np.array(forms)))
+        forms = np.array([product(automaton.observables[name][mode], one) for name in names])
+        if automaton.parts:
+            none = np.zeros_like(one)
+            more = [product(automaton.parts[name][mode] if name in automaton.parts else none, one) for name in names]
+            forms = np.stack([forms, more], axis=1)
+        found.append(quadratic_integrals(automaton, mode, start, float(duration), forms))
+    return np.array(found)
+
+
+def rubbing_integrals(drive: Drive, orbit: Motion) -> np.ndarray:
+    """Return ∫ μ N dt [N s] (arcs) over each arc of a motion; at rest it has no meaning."""
+    automaton, one = orbit.automaton, np.eye(orbit.start_state.size + 1)[-1]
+    powers, found = find_model(drive.model).powers(drive, automaton), []
+    for mode, start, _, duration in zip(*orbit.arcs(), strict=True):
+        form = powers.rubbed(product(automaton.observables["normal_force"][mode], one))
+        found.extend(quadratic_integrals(automaton, mode, start, float(duration), form[None]))
     return np.array(found)
 
 
@@ -142,7 +181,10 @@ def work(drive: Drive, orbit: Motion) -> Work:
     for mode, start, _, duration in zip(*orbit.arcs(), strict=True):
         code = int(mode)
         forms = [powers.motor(code), powers.load(), powers.signed_friction(code), powers.damping()]
-        found = quadratic_integrals(automaton, mode, start, float(duration), np.array([*forms, *powers.friction(code)]))
+        forms += powers.friction(code)
+        if powers.by_speed:
+            forms = [form if form.ndim == 3 else np.stack([form, 0 * form]) for form in forms]
+        found = quadratic_integrals(automaton, mode, start, float(duration), np.array(forms))
         totals += found[:4]
         totals[2] += np.abs(found[4:]).sum()
     lost = np.array([powers.kinetic(x) - powers.kinetic(y) for x, y in zip(orbit.before, orbit.after, strict=True)])

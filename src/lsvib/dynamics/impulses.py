@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lsvib.dynamics.energy import observable_integrals
+from lsvib.dynamics.energy import observable_integrals, rubbing_integrals
 from lsvib.engine.motion import Motion
 from lsvib.models.drive import Drive
 
@@ -106,10 +106,11 @@ def mean_load(drive: Drive, orbit: Motion) -> MeanLoad:
     normal, torque, deflection = found.T
     # Neither θ′ nor N changes its sign along an arc.
     force = automaton.observe("normal_force", starts, modes) + automaton.observe("normal_force", ends, modes)
-    friction = np.sign(force * (2 * drive.input_speed + starts[:, 1] + ends[:, 1])) * drive.friction_coefficient
+    law = np.sign(force * (2 * drive.input_speed + starts[:, 1] + ends[:, 1]))
+    rubbed = law * rubbing_integrals(drive, orbit)
     rests = np.isin(automaton.codes[modes], automaton.rest_codes)
-    axial = np.where(rests, drive.axial_force * durations, normal * (cosine + friction * sine))
-    torque = np.where(rests, torque, normal * drive.pitch_radius * (friction * cosine - sine))
+    axial = np.where(rests, drive.axial_force * durations, normal * cosine + rubbed * sine)
+    torque = np.where(rests, torque, drive.pitch_radius * (rubbed * cosine - normal * sine))
     impulsive = float(np.sum(np.abs(impulses.normal)))
     period = orbit.end_time
     return MeanLoad(

@@ -85,8 +85,8 @@ def ending_of(drive: Drive, automaton: Automaton | None, state: np.ndarray) -> E
         return Ending.without_numbers(found.label)
     if orbit is None:
         mode, _ = enter(automaton, found.state)
-        force = automaton.observe("normal_force", found.state[None], np.array([mode]))
-        return Ending(int(found.label), 0, 0.0, math.nan, math.nan, abs(float(force[0])), 0.0)
+        (force,) = automaton.observe("normal_force", found.state[None], np.array([mode]))
+        return Ending(int(found.label), 0, 0.0, math.nan, math.nan, abs(float(force)), 0.0)
     try:
         amplitude, peak = found.amplitude, max(map(abs, orbit_extremes(orbit, automaton.functional("normal_force"))))
     except EngineError:  # the rates of a mode lie too far apart to find the extremes

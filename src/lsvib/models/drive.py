@@ -169,7 +169,7 @@ class Drive(BaseModel):
     static_friction_coefficient: Value = quantity(
         0.0, "mu_s", "1", "friction coefficient of the threads at rest; 0: as that of slow sliding", least=1e-18, ge=0
     )
-    stribeck_rise: Value = quantity(0.0, "Delta_mu", "1", "rise of the friction coefficient towards slow sliding", ge=0)
+    stribeck_rise: Value = quantity(0.0, "Delta mu", "1", "rise of the friction coefficient towards slow sliding", ge=0)
     stribeck_speed: Value = quantity(
         0.0, "v_s", "m s-1", "sliding speed over which the rise of friction fades", least=1e-12, ge=0, le=1e6
     )

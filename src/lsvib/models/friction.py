@@ -10,9 +10,14 @@ The formulas are plain arithmetic, for the balls of one drive, the arrays of man
 """
 
 import math
+from collections.abc import Mapping
+from types import SimpleNamespace
 from typing import Any
 
-from lsvib.engine.exact.arithmetic import exponential, sign
+import numpy as np
+from flint import arb_series, fmpq_poly
+
+from lsvib.engine.exact.arithmetic import exponential, root, sign
 from lsvib.errors import InputError
 
 NAMES = (  # of the parameters that make more of friction than one number
@@ -33,17 +38,45 @@ def depends_on_speed(d: Any) -> bool:
     return any(sign(getattr(d, name)) for name in OF_SPEED)
 
 
+def refusal(d: Any, rest: bool = True) -> str:
+    """Return for which friction alone a closed form holds, where that of a drive is another; else nothing.
+
+    ``rest``: whether the closed form is also about rest, and so about static friction.
+    """
+    if depends_on_speed(d):
+        return "holds for friction that does not depend on speed"
+    static = d.static_friction_coefficient
+    if rest and sign(static) and sign(static - d.friction_coefficient):
+        return "holds for static friction that is not above that of sliding"
+    return ""
+
+
 def steady_speed(d: Any) -> Any:
     """Return the sliding speed of steady sliding, r_m |Ω| / cos λ [m/s]."""
     return d.pitch_radius * (d.input_speed * sign(d.input_speed)) / d.cos_lead
 
 
+def decay(d: Any, speed: Any) -> Any:
+    """Return the share of the rise that is left at a sliding speed [m/s], the exponential above [1]."""
+    scale, power = _fading(d)
+    return exponential(-((speed / scale) ** power))
+
+
+def unbounded(d: Any, speed: Any) -> tuple[Any, Any]:
+    """Return the sum above at a sliding speed [m/s], which may be negative [1], and its derivative [s/m]."""
+    value, rate = d.friction_coefficient, 0 * speed
+    if not _zero(d.stribeck_rise):
+        scale, power = _fading(d)
+        left = d.stribeck_rise * (d.decay if hasattr(d, "decay") else decay(d, speed))
+        value, rate = value + left, rate - left * power * (speed / scale) ** (power - 1) / scale
+    if not _zero(d.friction_slope):
+        value, rate = value + d.friction_slope * speed, rate + d.friction_slope
+    return value, rate
+
+
 def unbounded_coefficient(d: Any, speed: Any) -> Any:
     """Return the sum above at a sliding speed [m/s], which may be negative [1]."""
-    value = d.friction_coefficient
-    if sign(d.stribeck_rise):
-        value = value + d.stribeck_rise * _decay(d, speed)
-    return value + d.friction_slope * speed if sign(d.friction_slope) else value
+    return unbounded(d, speed)[0]
 
 
 def coefficient(d: Any, speed: Any) -> Any:
@@ -54,13 +87,8 @@ def coefficient(d: Any, speed: Any) -> Any:
 
 def slope(d: Any, speed: Any) -> Any:
     """Return dμ/dv at a sliding speed v > 0 [s/m]."""
-    if sign(unbounded_coefficient(d, speed), "friction_slope") < 0:
-        return 0 * speed
-    found = d.friction_slope + 0 * speed
-    if sign(d.stribeck_rise):
-        steep = d.stribeck_exponent * (speed if _squared(d) else 1) / d.stribeck_speed
-        found = found - d.stribeck_rise * _decay(d, speed) * (steep / d.stribeck_speed if _squared(d) else steep)
-    return found
+    value, rate = unbounded(d, speed)
+    return rate if sign(value, "friction_slope") >= 0 else 0 * speed
 
 
 def steady_coefficient(d: Any) -> Any:
@@ -106,10 +134,54 @@ def check(drive: Any, limit: float) -> None:
         )
 
 
-def _squared(d: Any) -> bool:
-    return bool(sign(d.stribeck_exponent - 1))
+def moves(p: Mapping[str, Any]) -> bool:
+    """Whether friction depends on the sliding speed, by parameters by name; those of the law may be missing."""
+    return not all(_zero(p.get(key, 0.0)) for key in ("stribeck_rise", "friction_slope"))
 
 
-def _decay(d: Any, speed: Any) -> Any:
-    ratio = speed / d.stribeck_speed
-    return exponential(-(ratio * ratio if _squared(d) else ratio))
+def steady_sum(p: Mapping[str, Any], t: Any) -> tuple[Any, Any]:
+    """Return the sum above in steady sliding, which may be negative [1], and its derivative by the speed [s/m].
+
+    Arguments: parameters by name, of which those of the law may be missing; tan λ. All are numbers of one kind: arrays,
+    balls, power series, rationals, or polynomials in an unknown. The last two come with what is no rational:
+    ``secant``, 1 / cos λ, and ``decay``, the exponential of the law.
+    """
+    if not moves(p):
+        return p["friction_coefficient"], 0
+    d = SimpleNamespace(**{**dict.fromkeys(NAMES, 0), "stribeck_exponent": 1, **p})
+    speed = d.pitch_radius * _size(d.input_speed) * (d.secant if hasattr(d, "secant") else root(1 + t * t))
+    return unbounded(d, speed)
+
+
+def steady(p: Mapping[str, Any], t: Any) -> tuple[Any, Any]:
+    """Return μ [1] and dμ/dv [s/m] in steady sliding; arguments as :func:`steady_sum`.
+
+    A ball counts as negative where it is so for certain, a polynomial never.
+    """
+    value, rate = steady_sum(p, t)
+    if isinstance(value, np.ndarray):
+        return np.where(value < 0, 0.0, value), np.where(value < 0, 0.0, rate)
+    return (0 * value, 0 * rate) if _negative(value) else (value, rate)
+
+
+def _fading(d: Any) -> tuple[Any, Any]:
+    """The speed and the exponent with which the rise fades; the speed is any where there is no rise."""
+    scale, power = d.stribeck_speed, d.stribeck_exponent
+    if isinstance(scale, np.ndarray):
+        scale = np.where(scale == 0, 1.0, scale)
+    return scale, power if isinstance(power, np.ndarray) else 2 if power == 2 else 1
+
+
+def _zero(x: Any) -> bool:
+    """Whether a number is zero for certain, or all of an array are."""
+    if isinstance(x, np.ndarray):
+        return not np.any(x)
+    return not isinstance(x, (arb_series, fmpq_poly)) and bool(x == 0)
+
+
+def _negative(x: Any) -> bool:
+    return not isinstance(x, fmpq_poly) and bool((x[0] if isinstance(x, arb_series) else x) < 0)
+
+
+def _size(x: Any) -> Any:
+    return np.abs(x) if isinstance(x, np.ndarray) else -x if _negative(x) else x

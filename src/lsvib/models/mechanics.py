@@ -7,12 +7,14 @@ drive (``Drive.exact()``), arrays of doubles, which are many drives, and power s
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Self
 
+import numpy as np
 from flint import arb
 
-from lsvib.engine.exact.arithmetic import added, ball, many_digits, multiplied, sign
+from lsvib.engine.exact.arithmetic import added, ball, many_digits, multiplied, root, sign
+from lsvib.models import friction
 from lsvib.models.drive import Drive, once
 
 if TYPE_CHECKING:
@@ -104,6 +106,29 @@ def steady_force(c: Coefficients, d: Any) -> Any:
     return abs(c.net_force / (d.cos_lead + c.steady_law * d.steady_friction * d.sin_lead))
 
 
+def net_force(p: Mapping[str, Any], t: Any, sense: Any) -> Any:
+    """Return R̃ less the friction of the slide, R − r_m tan λ c_x Ω − F_0 sgn Ω [N] (eq. 8.15)."""
+    drag = p["pitch_radius"] * t * p["translation_damping"] * p["input_speed"]
+    return p["axial_force"] - drag - p.get("slide_friction", 0) * sense
+
+
+def carried(p: Mapping[str, Any], t: Any, law: Any) -> Any:
+    """Return s sgn Ω (R̃ − F_0 sgn Ω) [N], its size under the law that holds; arguments as :func:`net_force`."""
+    sense = np.sign(p["input_speed"]) if isinstance(p["input_speed"], np.ndarray) else sign(p["input_speed"])
+    return law * sense * net_force(p, t, sense)
+
+
+def damping_by_slope(
+    slope: Any, force: Any, friction_coefficient: Any, pitch_radius: Any, cos_lead: Any, tan_lead: Any, law: Any
+) -> Any:
+    """Damping S = μ′ |R̃| r_m² / [cos³ λ (1 + s μ tan λ)²] [N m s/rad] of the rigid drive by a ``slope`` μ′ [s/m].
+
+    It is the rate at which the torque of the threads r_m ξ_s R̃ changes with θ′, as dξ_s/dμ = s (1 + tan² λ) / (1 + s μ
+    tan λ)², dv/d|θ′| = r_m / cos λ and s = sgn(R̃ Ω); C_s + S is what damps. ``force`` is |R̃| [N].
+    """
+    return slope * force * pitch_radius**2 / (cos_lead**3 * (1 + law * friction_coefficient * tan_lead) ** 2)
+
+
 @dataclass(frozen=True)
 class LinearParts:
     """The parts of the characteristic polynomials of all models, in any kind of number (SI units).
@@ -111,6 +136,11 @@ class LinearParts:
     With t = tan λ, g = 1 + s_0 μ t, h = r_m² t (s_0 μ − t), the ``screw`` A = I s² + c s + k and the translating mass,
     ``slide``, B = m s² + c_x s, the polynomial of the rigid drive (8.13) is D = g A − h B = g (Γ_0 s² + C_0 s + k). A
     model with a second coordinate has factor · A B + own · D; its file states factor and ``own``.
+
+    Where friction depends on the sliding speed, μ is that of steady sliding, and its change with the speed damps (see
+    docs/physics.md): D has the term σ s more, with σ = (1 + t²) r_m² |N_0| μ′, and the other models σ s (B + own) or
+    σ s (A + own). As |N_0| is |R̃| / (g cos λ), all is then multiplied by g, called ``times``, so that it is a
+    polynomial in every parameter but those of the sliding speed; ``sloped`` is g σ, None without such a law.
     """
 
     t: Any
@@ -118,27 +148,52 @@ class LinearParts:
     h: Any
     screw: Polynomial
     slide: Polynomial
+    times: Any = 1
+    sloped: Any = None
 
     @classmethod
     def of(cls, p: Mapping[str, Any], law: int, t: Any) -> Self:
         """Make the parts from the parameters ``p`` of a drive, the law s_0 = ±1 and tan λ."""
-        friction = law * p["friction_coefficient"]
-        return cls(
+        moves = friction.moves(p)
+        level, rate = friction.steady(p, t) if moves else (p["friction_coefficient"], None)
+        level = law * level
+        level_only = cls(
             t=t,
-            g=1 + friction * t,
-            h=p["pitch_radius"] ** 2 * t * (friction - t),
+            g=1 + level * t,
+            h=p["pitch_radius"] ** 2 * t * (level - t),
             screw=(p["screw_inertia"], p["support_damping"], p["coupling_stiffness"]),
             slide=(p["mass"], p["translation_damping"], 0),
         )
+        if not moves:
+            return level_only
+        secant = p["secant"] if "secant" in p else root(1 + t * t)
+        sloped = p["pitch_radius"] ** 2 * (1 + t * t) * secant * carried(p, t, law) * rate
+        return replace(level_only, times=level_only.g, sloped=sloped)
+
+    def level(self) -> Self:
+        """Return the same parts without the slope of friction, as if it stayed what it is in steady sliding."""
+        return replace(self, times=1, sloped=None)
 
     def rigid(self) -> Polynomial:
-        """Return D, the polynomial of the rigid drive."""
-        return tuple(self.g * a - self.h * b for a, b in zip(self.screw, self.slide, strict=True))
+        """Return D, the polynomial of the rigid drive, times ``times``."""
+        tied = tuple(self.g * a - self.h * b for a, b in zip(self.screw, self.slide, strict=True))
+        return tied if self.sloped is None else self._sloped(tied, (1,))
 
-    def coupled(self, factor: Any, own: Polynomial) -> Polynomial:
-        """Return factor · A B + own · D, the polynomial of a model with a second coordinate."""
-        free, tied = multiplied(self.screw, self.slide), multiplied(own, self.rigid())
-        return tuple(factor * a + b for a, b in zip(free, tied, strict=True))
+    def coupled(self, factor: Any, own: Polynomial, slips: Polynomial | None = None) -> Polynomial:
+        """Return factor · A B + own · D, the polynomial of a model with a second coordinate, times ``times``.
+
+        ``slips`` + ``own`` is what the slope of friction is multiplied by, with B for ``slips`` if it is not given.
+        """
+        free, tied = multiplied(self.screw, self.slide), multiplied(own, self.level().rigid())
+        whole = tuple(factor * a + b for a, b in zip(free, tied, strict=True))
+        if self.sloped is None:
+            return whole
+        return self._sloped(whole, [a + b for a, b in zip(slips or self.slide, own, strict=True)])
+
+    def _sloped(self, level: Polynomial, by: Sequence[Any]) -> Polynomial:
+        """A polynomial times ``times`` and, with the slope of friction, σ s times another one."""
+        more = [0] * (len(level) - 1 - len(by)) + [self.sloped * x for x in by] + [0]
+        return tuple(self.times * a + b for a, b in zip(level, more, strict=True))
 
 
 def plus(*rows: "Row") -> tuple[Any, ...]:

@@ -27,6 +27,7 @@ import numpy as np
 
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
+from lsvib.models.friction import depends_on_speed
 from lsvib.models.mechanics import LinearParts, Polynomial
 from lsvib.numbers import shown
 
@@ -53,7 +54,8 @@ class Powers:
 
     A row is an affine function of the state: coefficients over x, then the constant. The product of two rows is a
     symmetric form over (x, 1), whose integral along a motion :mod:`lsvib.dynamics.energy` knows in closed form. Rows:
-    ``screw``, θ′ [rad/s]; ``nut``, x′ [m/s]; ``slip``, the speed of the threads [rad/s].
+    ``screw``, θ′ [rad/s]; ``nut``, x′ [m/s]; ``slip``, the speed of the threads [rad/s]. Under a friction law,
+    ``by_speed``, what friction takes out is a pair of forms, the second of which counts η times.
     """
 
     def __init__(self, drive: Drive, automaton: "Automaton") -> None:
@@ -63,6 +65,7 @@ class Powers:
         self.screw = self.unit[1] + drive.input_speed * self.one
         self.reach = drive.pitch_radius * math.tan(drive.lead_angle)
         self.slip, self.nut = self.screw, self.reach * self.screw
+        self.by_speed = depends_on_speed(drive)
         self.sine, self.cosine = math.sin(drive.lead_angle), math.cos(drive.lead_angle)
 
     def rows(self, mode: int) -> dict[str, np.ndarray]:
@@ -100,8 +103,13 @@ class Powers:
     def friction(self, mode: int) -> Iterator[np.ndarray]:
         """Yield powers [W] of friction that keep their sign in a mode; their size is what friction takes out."""
         if not self.rests(mode):
-            lever = self.drive.friction_coefficient * self.drive.pitch_radius / self.cosine
-            yield lever * product(self.rows(mode)["normal_force"], self.slip)
+            yield self.rubbed(
+                self.drive.pitch_radius / self.cosine * product(self.rows(mode)["normal_force"], self.slip)
+            )
+
+    def rubbed(self, form: np.ndarray) -> np.ndarray:
+        """Return the power of sliding friction from that of the contact force, under a law of that without friction."""
+        return np.stack([0 * form, form]) if self.by_speed else self.drive.friction_coefficient * form
 
     def second_energy(self, x: np.ndarray) -> float:
         """Return twice the kinetic energy [J] of the second body at (x, 1); none without one."""
@@ -158,7 +166,7 @@ class Model:
     optional: tuple[str, ...] = ()
     options: tuple[str, ...] = ()
     outputs: tuple[str, ...] = ("normal_force", "coupling_torque", "coupling_deflection", "screw_speed")
-    excess: Callable[[LinearParts], Any] = lambda parts: parts.g
+    excess: Callable[[LinearParts], Any] = lambda parts: parts.g * parts.times
     constrained: Callable[[Mapping[str, Any], LinearParts], Polynomial] | None = None
     constraint: str = "det M = 0"
     thresholds: tuple[str, ...] = ("onset", "kinematic_constraint", "flutter")

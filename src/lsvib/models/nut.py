@@ -134,7 +134,8 @@ class _Nut(TwoBodies):
 
 def _characteristic(p: Mapping[str, Any], parts: LinearParts) -> Polynomial:
     """−h A B + (I_2 s² + c_2 s + k_2) D, which is g det(M s² + C s + K) with the matrices above (8.33)."""
-    return parts.coupled(-parts.h, (p["nut_inertia"], p["nut_damping"], p["nut_stiffness"]))
+    own = (p["nut_inertia"], p["nut_damping"], p["nut_stiffness"])
+    return parts.coupled(-parts.h, own, parts.screw)  # the threads slip at θ′ − θ_2′
 
 
 class NutPowers(TwoBodyPowers):

@@ -46,16 +46,15 @@ def pieces_of(drive: Drive) -> np.ndarray:
 
 def speeds_below(drive: Drive, level: float) -> list[tuple[float, float]]:
     """Return the intervals of sliding speed [m/s] in which the coefficient is below a level, in ascending order."""
-    turns = [0.0, *_turning_speeds(drive), math.inf]
+    if math.isinf(level):
+        return [(0.0, math.inf)]
+    # So far out the rise has faded, and the slope alone has taken the coefficient over the level, or down to zero.
+    slope = abs(drive.friction_slope)
+    far = 50 * drive.stribeck_speed + (2 * (drive.friction_coefficient + level) / slope if slope else 0.0)
     marks = [0.0]
-    for low, high in pairwise(turns):
-        top = high
-        if math.isinf(high):
-            top = max(2 * low, drive.stribeck_speed, 1e-12)
-            while top < 1e12 and not _crosses(drive, level, low, top):
-                top *= 2
-        if _crosses(drive, level, low, top):
-            marks.append(_root(drive, level, low, top))
+    for low, high in pairwise([0.0, *_turning_speeds(drive), far]):
+        if low < high and _crosses(drive, level, low, high):
+            marks.append(_root(drive, level, low, high))
     marks.append(math.inf)
     parts = [(a, b) for a, b in pairwise(marks) if a < b]
     middle = [0.5 * (a + b) if math.isfinite(b) else 2 * a + 1e-12 for a, b in parts]

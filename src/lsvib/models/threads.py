@@ -313,7 +313,10 @@ _automaton.many = _many  # type: ignore[attr-defined]
 
 
 def _characteristic(p: Mapping[str, Any], parts: LinearParts) -> Polynomial:
-    """(1 + t²) A B + (k_c + c_c s) D, which is (1 + t²) det(M s² + C s + K) with the matrices of (8.6), (8.7)."""
+    """(1 + t²) A B + (k_c + c_c s) D, which is (1 + t²) det(M s² + C s + K) with the matrices of (8.6), (8.7).
+
+    Both, and so with the other models, times g where friction depends on the speed.
+    """
     return parts.coupled(1 + parts.t**2, (0, p["contact_damping"], p["contact_stiffness"]))
 
 
@@ -345,7 +348,7 @@ class ThreadsPowers(Powers):
             return self.sine * product(friction, self.parting)
         law = 1 if self.automaton.codes[mode] in _UNDER_LAW_PLUS else -1
         sliding = d.pitch_radius / self.cosine * self.screw + self.sine * self.parting
-        return law * d.friction_coefficient * product(normal, sliding)
+        return self.rubbed(law * product(normal, sliding))
 
 
 MODEL = Model(
@@ -363,7 +366,7 @@ MODEL = Model(
     constraint="Γ₊ = I − ξ₊ tan λ m r_m² = 0, the limit of stiff threads (eq. 8.20, Lemma 8.1)",
     curves=("flutter",),
     powers=ThreadsPowers,
-    excess=lambda parts: 1 + parts.t**2,
+    excess=lambda parts: (1 + parts.t**2) * parts.times,
     quantities={
         "thread_mismatch": ("mismatch of nut and screw along the axis", "m", "$e$"),
         "mismatch_rate": ("rate of the mismatch of nut and screw", "m s-1", r"$\dot e$"),

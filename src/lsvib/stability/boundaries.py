@@ -1,12 +1,13 @@
-r"""Places at which steady sliding changes, as all roots of polynomials in one parameter of a drive.
+r"""Places at which steady sliding changes, as all roots of equations in one parameter of a drive.
 
 Steady sliding changes its stability only at roots of R̃ and of the numbers whose signs decide
 (:func:`lsvib.stability.spectrum.margins`); exact signs between them say where it is stable. The sign of Ω is kept on
-each side of zero. The equations, and why a list of their roots is complete, stand in docs/thresholds.md.
+each side of zero. The equations are polynomials in the parameter, but where it changes the sliding speed on which
+friction depends. They, and why a list of their roots is complete, stand in docs/thresholds.md.
 """
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
@@ -15,20 +16,36 @@ from typing import Any
 from flint import arb, fmpq, fmpq_poly
 
 from lsvib.engine.exact.arithmetic import many_digits
+from lsvib.models import friction, mechanics
 from lsvib.models.drive import Drive, may_vanish
 from lsvib.models.mechanics import LinearParts
 from lsvib.models.model import find_model
+from lsvib.stability.isolation import isolated_roots
 from lsvib.stability.solve import Equations, allowed
-from lsvib.stability.spectrum import SAME, margins, polynomial, positive_roots, rationals, tangents, undamped
+from lsvib.stability.spectrum import (
+    SAME,
+    enclosed,
+    margins,
+    polynomial,
+    positive_roots,
+    sliding_law_values,
+    undamped,
+)
 
 NAMES = ("onset", "kinematic_constraint", "negative_damping", "flutter")
-"""Thresholds that are roots of polynomials."""
+"""Thresholds that are roots of these equations."""
+_OF_SPEED = ("pitch_radius", "lead_angle", "input_speed", "stribeck_speed")
+"""Parameters of the exponential of the friction law."""
+_OF_LAW = ("stribeck_rise", "friction_slope")
+"""Parameters by which any drive has a friction law that depends on the speed."""
 
 ParameterValues = Mapping[str, Any]
 _DAMPING = "C₊ = c − ξ₊ r_m² tan λ c_x = 0 (eq. 8.19)"
+_SLOPED = "C_0 + r_m² |R̃| μ′ / [cos³ λ (1 + s_0 μ tan λ)²] = 0 with μ and μ′ at the speed of steady sliding (eq. 8.19)"
 _NET_FORCE = "R̃ = R − r_m tan λ c_x Ω = 0 (eqs 8.15, 8.19)"
 _NET_FORCE_OF_SLIDE = "R − r_m tan λ c_x Ω − F_0 sgn Ω = 0 (eq. 8.15)"
 _FLUTTER = "Hurwitz determinant (p_3 p_2 − p_4 p_1) p_1 − p_3² p_0 of det(M s² + C s + K) = 0: two eigenvalues ± i ω"
+_FRICTIONLESS = "μ = 0 at the speed of steady sliding, beyond which friction is cut off"
 _COUPLING = "p_2² − 4 p_4 p_0 of det(M s² + K) = 0: two frequencies meet (8.29)"
 
 
@@ -61,7 +78,8 @@ class StableSet:
     order, within the ``limit`` on either side of zero, the end of the range of the parameter; a single value without
     contact force, or on a boundary that is touched, divides none. With ``neutral`` the drive has no damping, and they
     are the values at which no motion grows; else those at which steady sliding is asymptotically stable. ``from_zero``
-    says that zero is one of the values; ``changes`` are the places where stability changes.
+    says that zero is one of the values; ``changes`` are the places where stability changes; ``limits`` those of the
+    values on both sides of zero.
     """
 
     key: str
@@ -71,6 +89,7 @@ class StableSet:
     from_zero: bool
     changes: tuple[Place, ...]
     drive: Drive
+    limits: tuple[fmpq, ...]
 
     def places(self) -> list[Place]:
         """Return the changes that the drive can have, in ascending order."""
@@ -80,7 +99,7 @@ class StableSet:
         """Return the intervals in the unit of the parameter, None at the end of its range."""
 
         def end(x: fmpq) -> float | None:
-            if abs(x) == self.limit:
+            if abs(x) in self.limits:
                 return None
             return math.atan(float(x)) if self.key == "lead_angle" else float(x)
 
@@ -98,20 +117,23 @@ class StableSet:
 
 def net_force(kind: type[Drive], values: ParameterValues, t: Any, sense: int) -> Any:
     """Return R̃ less the friction of the slide, R − r_m tan λ c_x Ω − F_0 sgn Ω [N] (eq. 8.15)."""
-    drag = values["pitch_radius"] * t * values["translation_damping"] * values["input_speed"]
-    return values["axial_force"] - drag - values.get("slide_friction", 0) * sense
+    return mechanics.net_force(values, t, sense)
 
 
 def _leading(kind: type[Drive], values: ParameterValues, t: Any, sense: int) -> Any:
     model = find_model(kind.model)
-    return (model.constrained or model.characteristic)(values, LinearParts.of(values, 1, t))[0]
+    return (model.constrained or model.characteristic)(values, LinearParts.of(values, 1, t).level())[0]
 
 
-def _margins(drive: Drive, law: int, neutral: bool) -> list[RootCondition]:
-    """The numbers whose signs decide on stability under a law, each as a condition."""
+def _friction(kind: type[Drive], values: ParameterValues, t: Any, sense: int) -> Any:
+    return friction.steady_sum(values, t)[0]
+
+
+def _margins(drive: Drive, law: int, neutral: bool, sloped: bool) -> list[RootCondition]:
+    """The numbers whose signs decide on stability under a law, each as a condition; ``sloped``: with a slope of μ."""
     model = find_model(drive.model)
     if len(model.states) == 2:
-        words = [model.constraint, _DAMPING][: 1 if neutral else 2]
+        words = [model.constraint, _SLOPED if sloped else _DAMPING][: 1 if neutral else 2]
     else:
         powers = (4, 2) if neutral else (4, 3, 2, 1)
         words = [*(f"p_{n} of det(M s² + C s + K) = 0" for n in powers), _COUPLING if neutral else _FLUTTER]
@@ -126,30 +148,67 @@ def _margins(drive: Drive, law: int, neutral: bool) -> list[RootCondition]:
     return [condition(k, text) for k, text in enumerate(words)]
 
 
+def searched(drive: Drive, unknown: str) -> bool:
+    """Whether the equations are no polynomials, as the unknown changes the sliding speed on which friction depends."""
+    return friction.depends_on_speed(drive) and unknown in _OF_SPEED
+
+
 class Line:
     """The values that one parameter of a drive may take, on one side of zero, all others held."""
 
     def __init__(self, drive: Drive, unknown: str, side: int) -> None:
         self.drive, self.unknown, self.side, self.kind = drive, unknown, side, type(drive)
-        self.fixed, self.tangent = rationals(drive), tangents(drive)[0]
+        self.fixed: dict[str, Any]
+        self.tangent: Any
+        self.fixed, self.tangent = enclosed(drive)[0]
         self.neutral = undamped(drive, unknown)
         self.sense = side if unknown == "input_speed" else 1 if drive.input_speed > 0 else -1
-        friction = self.fixed["friction_coefficient"]
-        if unknown == "friction_coefficient":
-            self.limit = 1 / self.tangent  # cot λ
-        elif unknown == "lead_angle":
-            steepest = fmpq(10**17)  # more than tan λ of the largest double below π/2
-            self.limit = min(1 / friction, steepest) if friction else steepest
-        else:
-            self.limit = fmpq(*float(_range(self.kind, unknown)["maximum"]).as_integer_ratio())
+        self.sloped = friction.depends_on_speed(drive) or unknown in _OF_LAW
+        self.searched = searched(drive, unknown)
+        if self.searched:
+            self.fixed = {key: arb(value) for key, value in drive}
+            self.tangent = self.fixed["lead_angle"].tan()
+        elif self.sloped:
+            self.fixed = {**self.fixed, **sliding_law_values(drive)[0]}
         slide = getattr(drive, "slide_friction", 0.0) or unknown == "slide_friction"
         self.force = RootCondition(_NET_FORCE_OF_SLIDE if slide else _NET_FORCE, net_force)
+        self.lowest, self.limit = fmpq(0), self._limit()
+        if self.searched:
+            self._speed_limits()
+
+    def _limit(self) -> Any:
+        """The largest distance from zero, as far as it is no matter of the sliding speed in the law of friction."""
+        drive, cot, one = self.drive, 1 / self.tangent, fmpq_poly([1])
+        static = fmpq(*drive.static_friction_coefficient.as_integer_ratio())
+        if self.unknown == "lead_angle":
+            steepest = fmpq(10**17)  # more than tan λ of the largest double below π/2
+            slowest = sum(fmpq(*x.as_integer_ratio()) for x in (drive.friction_coefficient, drive.stribeck_rise))
+            most = max(slowest, static)
+            return min(1 / most, steepest) if most else steepest
+        if self.unknown not in ("friction_coefficient", "static_friction_coefficient", *_OF_LAW):
+            return fmpq(*float(_range(self.kind, self.unknown)["maximum"]).as_integer_ratio())
+        place = self.at(fmpq_poly([0, 1]))
+        slowest = place[1]["friction_coefficient"] + place[1].get("stribeck_rise", 0)
+        limits = [fmpq(10**6)]  # of the slope; more than cot λ of the least lead angle
+        for level, bound in ((one * slowest, static or cot), (one * _friction(*place), cot)):
+            limits += [(bound - level[0]) / level[1]] if level[1] > 0 else []
+        return min(limits)
+
+    def _speed_limits(self) -> None:
+        """Narrow a parameter of the sliding speed to where μ tan λ < 1 in steady sliding."""
+        rule = _range(self.kind, self.unknown)
+        least = rule["anyOf"][-1]["minimum"] if "anyOf" in rule else rule["minimum"]
+        self.lowest = fmpq(*float(least).as_integer_ratio())
+        locked = RootCondition("", lambda kind, values, t, sense: 1 - t * _friction(kind, values, t, sense))
+        self.limit = min([*(self.roots_of(locked) or []), self.limit])
 
     def at(self, x: Any) -> tuple[type[Drive], ParameterValues, Any, int]:
         """Return the arguments of a condition at a distance x ≥ 0 from zero, a number or the unknown of a polynomial.
 
         Of λ it is tan λ.
         """
+        if self.searched and isinstance(x, fmpq):
+            x = arb(x)
         if self.unknown == "lead_angle":
             return self.kind, self.fixed, x, self.sense
         return self.kind, {**self.fixed, self.unknown: self.side * x}, self.tangent, self.sense
@@ -164,6 +223,8 @@ class Line:
 
     def roots_of(self, condition: RootCondition) -> list[fmpq] | None:
         """Return the distances x ≥ 0 from zero at which a condition vanishes; None if it does not depend on x."""
+        if self.searched:
+            return isolated_roots(lambda x: condition.of(*self.at(x)), self.lowest, self.limit)
         return self.roots(condition.of(*self.at(fmpq_poly([0, 1]))))
 
     def crosses(self, x: fmpq, condition: RootCondition) -> bool:
@@ -176,6 +237,10 @@ class Line:
         force = net_force(*self.at(x)) * self.sense
         return int(force > 0) - int(force < 0)
 
+    def rubs(self, x: fmpq) -> bool:
+        """Whether friction is not cut off, so that what holds of the sum of its law holds of it."""
+        return not self.sloped or bool(_friction(*self.at(x)) > 0)
+
     def margins(self, x: Any, law: int) -> tuple[Any, ...]:
         """Return the numbers that are all positive where steady sliding is stable under a law."""
         kind, values, t, _ = self.at(x)
@@ -184,7 +249,7 @@ class Line:
     def stable(self, x: fmpq) -> bool:
         """Whether steady sliding is stable (asymptotically; neutrally where nothing damps)."""
         law = self.law(x)
-        return bool(law) and min(self.margins(x, law)) > 0
+        return bool(law) and all(margin > 0 for margin in self.margins(x, law))
 
     def place(self, x: fmpq, condition: RootCondition) -> Place:
         """Return the place at a distance from zero."""
@@ -199,12 +264,13 @@ class Line:
         laws = {self.law((a + b) / 2) for a, b in pairwise(ends)} - {0}
         candidates = [(x, self.force) for x in found or []]
         depends = found is not None
+        if self.sloped:
+            cut = RootCondition(_FRICTIONLESS, _friction)
+            candidates += [(x, cut) for x in self.roots_of(cut) or []]
         for law in sorted(laws, reverse=True):
-            numbers = self.margins(fmpq_poly([0, 1]), law)
-            for condition, values in zip(_margins(self.drive, law, self.neutral), numbers, strict=True):
-                roots = self.roots(values)
+            for condition, roots in self._margin_roots(law):
                 depends |= roots is not None
-                candidates += [(x, condition) for x in roots or [] if self.law(x) == law]
+                candidates += [(x, condition) for x in roots or [] if self.law(x) == law and self.rubs(x)]
         candidates = sorted(((x, c) for x, c in candidates if x), key=lambda at: at[0])
         cuts: list[tuple[fmpq, RootCondition]] = []
         for x, condition in candidates:
@@ -214,6 +280,14 @@ class Line:
         parts = [(a, b, self.stable((a + b) / 2)) for a, b in pairwise(edges)]
         changed = [cut for cut, before, after in zip(cuts, parts, parts[1:], strict=False) if before[2] != after[2]]
         return parts, [self.place(*cut) for cut in changed], depends
+
+    def _margin_roots(self, law: int) -> Iterator[tuple[RootCondition, list[fmpq] | None]]:
+        conditions = _margins(self.drive, law, self.neutral, self.sloped)
+        if self.searched:
+            yield from ((condition, self.roots_of(condition)) for condition in conditions)
+        else:
+            numbers = self.margins(fmpq_poly([0, 1]), law)
+            yield from ((condition, self.roots(x)) for condition, x in zip(conditions, numbers, strict=True))
 
     @classmethod
     def all_of(cls, drive: Drive, unknown: str) -> "list[Line]":
@@ -229,6 +303,7 @@ def _range(kind: type[Drive], key: str) -> dict[str, Any]:
     return found
 
 
+@many_digits()
 def stable_set(drive: Drive, key: str) -> StableSet | None:
     """Compute the values of the parameter ``key`` at which the steady sliding of a drive is stable.
 
@@ -252,9 +327,19 @@ def stable_set(drive: Drive, key: str) -> StableSet | None:
         vanishes = line.roots_of(line.force)
         if before[2] != after[2] and vanishes and vanishes[0] == 0:
             changes.append(line.place(fmpq(0), line.force))
-    return StableSet(key, tuple(intervals), line.limit, line.neutral, line.stable(fmpq(0)), tuple(changes), drive)
+    return StableSet(
+        key,
+        tuple(intervals),
+        line.limit,
+        line.neutral,
+        line.stable(line.lowest),
+        tuple(changes),
+        drive,
+        tuple(line.limit for line in lines),
+    )
 
 
+@many_digits()
 def places(drive: Drive, name: str, unknown: str) -> list[Place] | None:
     """Return all places at which the one condition of a threshold vanishes, in ascending order.
 
@@ -263,11 +348,11 @@ def places(drive: Drive, name: str, unknown: str) -> list[Place] | None:
     """
     lines, neutral = Line.all_of(drive, unknown), undamped(drive, unknown)
     if name == "flutter":
-        wanted = {law: _margins(drive, law, neutral)[-1] for law in (1, -1)}
+        wanted = {law: _margins(drive, law, neutral, False)[-1] for law in (1, -1)}
     elif name == "kinematic_constraint":
         wanted = {0: RootCondition(find_model(drive.model).constraint, _leading)}
     else:
-        wanted = {0: RootCondition(_DAMPING, lambda kind, values, t, sense: polynomial(kind, values, 1, t)[1])}
+        wanted = {0: RootCondition(_DAMPING, lambda kind, values, t, sense: polynomial(kind, values, 1, t, True)[1])}
     roots = [(line, law, condition, line.roots_of(condition)) for line in lines for law, condition in wanted.items()]
     if all(found is None for *_, found in roots):
         return None
@@ -275,7 +360,8 @@ def places(drive: Drive, name: str, unknown: str) -> list[Place] | None:
         line.place(x, condition)
         for line, law, condition, found in roots
         for x in found or []
-        if (x or line is lines[0]) and (not law or (line.law(x) == law and min(line.margins(x, law)[:-1]) > 0))
+        if (x or line is lines[0]) and line.rubs(x)
+        if not law or (line.law(x) == law and all(margin > 0 for margin in line.margins(x, law)[:-1]))
         if not x or line.crosses(x, condition)
     ]
     return _in_order(drive, unknown, found)

@@ -8,7 +8,10 @@ q and read M q″ + C q′ + K q = 0. With a screw that turns at θ′, a nut at
     m x″ = P − b N            b = cos λ + μ_s sin λ
 
 with T = k (Ω t − θ) − c θ′ and P = R − c_x x′. The models differ in what ties x to θ. Coulomb friction F_0 and T_0 is
-constant in steady sliding, so it shifts the equilibrium – and may turn the sign of N – but is in no matrix.
+constant in steady sliding, so it shifts the equilibrium – and may turn the sign of N – but is in no matrix. Where μ
+depends on the sliding speed v = r_m θ′ / cos λ, it is that of steady sliding here, and a change of v by v′ changes
+friction by ν v′ with ν = |N_0| dμ/dv, which has the lever r_m cos λ against the screw and the share sin λ against the
+nut.
 
 The entries are plain arithmetic: they serve floats, numpy arrays that broadcast and balls (Arb) alike. The class of one
 drive, decided with certainty, is the matter of :mod:`lsvib.stability.spectrum`.
@@ -26,7 +29,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import InputError
-from lsvib.models import mechanics
+from lsvib.models import friction, mechanics
 from lsvib.models.drive import Drive, ExactParameters
 
 TwoByTwo = tuple[tuple[Any, Any], tuple[Any, Any]]
@@ -112,7 +115,8 @@ def threads_model(drive: DriveValues, law: int) -> LinearModel:
         m (r_m tan λ z″ + e″) + c_x (r_m tan λ z′ + e′) + b cos λ (k_c e + c_c e′) = 0
 
     and det(M s² + C s + K) = (I s² + c s + k)(m s² + c_x s) + b cos λ (k_c + c_c s)(Γ_s s² + C_s s + k): the last
-    factor is the rigid drive (8.13). The state matrix is that of [z, θ′, e, e′].
+    factor is the rigid drive (8.13). The slope of friction adds r_m² ν z′ to the first equation and r_m tan λ ν z′ to
+    the second. The state matrix is that of [z, θ′, e, e′].
 
     Arguments: drive with ``contact_stiffness`` k_c [N/m] and ``contact_damping`` c_c [N s/m]; law s = ±1. Units of the
     first equation [N m], of the second [N].
@@ -120,14 +124,14 @@ def threads_model(drive: DriveValues, law: int) -> LinearModel:
     p = values_of(drive, law)
     with many_digits():
         lead = p.pitch_radius * p.tan_lead
-        b = p.cos_lead * (1 + law * p.friction_coefficient * p.tan_lead)
+        b = p.cos_lead * (1 + law * p.steady_friction * p.tan_lead)
         a = -p.pitch_radius * p.factor * b
         stiffness, damping = p.cos_lead * p.contact_stiffness, p.cos_lead * p.contact_damping
         return LinearModel(
             mass=((p.screw_inertia, 0), (p.mass * lead, p.mass)),
             damping=(
-                (p.support_damping, -a * damping),
-                (p.translation_damping * lead, p.translation_damping + b * damping),
+                (p.support_damping + p.slope, -a * damping),
+                (p.translation_damping * lead + p.slope_on_nut, p.translation_damping + b * damping),
             ),
             stiffness=((p.coupling_stiffness, -a * stiffness), (0, b * stiffness)),
         )
@@ -142,6 +146,7 @@ def support_model(drive: DriveValues, law: int) -> LinearModel:
         (I − ξ_s m r_m² tan λ) θ″ − ξ_s r_m m x_1″ + (c − ξ_s c_x r_m² tan λ) θ′ − ξ_s r_m c_x x_1′ + k θ = 0
         m r_m tan λ θ″ + (m + m_1) x_1″ + c_x r_m tan λ θ′ + (c_x + c_1) x_1′ + k_1 x_1 = 0
 
+    The slope of friction adds r_m² ν (1 − ξ_s tan λ) θ′ to the first equation.
     Arguments as :func:`threads_model`, with ``screw_mass`` m_1 [kg], ``support_stiffness`` k_1 [N/m] and
     ``axial_support_damping`` c_1 [N s/m] (not the c_1 of eq. 8.15, which is c_x).
     """
@@ -151,7 +156,10 @@ def support_model(drive: DriveValues, law: int) -> LinearModel:
         return LinearModel(
             mass=((p.screw_inertia - lever * lead * p.mass, -lever * p.mass), (lead * p.mass, p.mass + p.screw_mass)),
             damping=(
-                (p.support_damping - lever * lead * p.translation_damping, -lever * p.translation_damping),
+                (
+                    p.support_damping - lever * lead * p.translation_damping + p.sloped,
+                    -lever * p.translation_damping,
+                ),
                 (lead * p.translation_damping, p.translation_damping + p.axial_support_damping),
             ),
             stiffness=((p.coupling_stiffness, 0), (0, p.support_stiffness)),
@@ -163,7 +171,8 @@ def nut_model(drive: DriveValues, law: int) -> LinearModel:
 
     x = r_m tan λ (θ − θ_2), I_2 θ_2″ = −k_2 θ_2 − c_2 θ_2′ − a N. With χ = ξ_s r_m² tan λ all three matrices are
     symmetric: M = diag(I, I_2) − m χ D, C = diag(c, c_2) − c_x χ D, K = diag(k, k_2), D = [[1, −1], [−1, 1]]. (The
-    chapter prints them for c_x = 0.)
+    chapter prints them for c_x = 0.) The slope of friction adds r_m² ν (1 − ξ_s tan λ) D to C, as the threads slip at
+    θ′ − θ_2′.
 
     Arguments as :func:`threads_model`, with ``nut_inertia`` I_2 [kg m²], ``nut_stiffness`` k_2 [N m/rad] and
     ``nut_damping`` c_2 [N m s/rad].
@@ -171,7 +180,7 @@ def nut_model(drive: DriveValues, law: int) -> LinearModel:
     p = values_of(drive, law)
     with many_digits():
         lever = p.factor * p.pitch_radius**2 * p.tan_lead
-        mass, damping = lever * p.mass, lever * p.translation_damping
+        mass, damping = lever * p.mass, lever * p.translation_damping - p.sloped
         return LinearModel(
             mass=((p.screw_inertia - mass, mass), (mass, p.nut_inertia - mass)),
             damping=((p.support_damping - damping, damping), (damping, p.nut_damping - damping)),
@@ -198,14 +207,28 @@ def _solved(a: TwoByTwo, b: TwoByTwo) -> TwoByTwo:
 
 
 def values_of(drive: DriveValues, law: int) -> SimpleNamespace:
-    """Return the parameters as attributes, with sin λ, cos λ, tan λ and, as ``factor``, ξ_s of the law s = ±1."""
+    """Return the parameters as attributes, with sin λ, cos λ, tan λ and, as ``factor``, ξ_s of the law s = ±1.
+
+    ``steady_friction`` is μ in steady sliding; its slope over the speed gives the dampings ``slope``, r_m² ν,
+    ``slope_on_nut``, r_m tan λ ν, and ``sloped``, r_m² ν (1 − ξ_s tan λ) = r_m² ν (1 + tan² λ) / (1 + s μ tan λ).
+    """
     if isinstance(drive, ExactParameters):
         p = SimpleNamespace(**vars(drive))
     else:
         p = SimpleNamespace(**{key: np.asarray(value, dtype=float) for key, value in dict(drive).items()})
         p.sin_lead, p.cos_lead, p.tan_lead = (f(p.lead_angle) for f in (np.sin, np.cos, np.tan))
+    p.steady_friction, p.slope, p.slope_on_nut, p.sloped = p.friction_coefficient, 0, 0, 0
     with many_digits():
-        p.factor = mechanics.friction_factor(p.friction_coefficient, p.tan_lead, law)
+        moves = friction.moves(vars(p))
+        if moves:
+            p.steady_friction, rate = friction.steady(vars(p), p.tan_lead)
+        p.factor = mechanics.friction_factor(p.steady_friction, p.tan_lead, law)
+        if moves:
+            force = mechanics.carried(vars(p), p.tan_lead, law)
+            geometry = p.pitch_radius, p.cos_lead, p.tan_lead
+            p.sloped = mechanics.damping_by_slope(rate, force, p.steady_friction, *geometry, law)
+            p.slope = p.sloped * (1 + law * p.steady_friction * p.tan_lead) / (1 + p.tan_lead**2)
+            p.slope_on_nut = p.slope * p.tan_lead / p.pitch_radius
     return p
 
 

@@ -22,6 +22,7 @@ from lsvib.models.drive import Drive, zero_if_close
 Equations = Callable[[Mapping[str, Any], Sequence[Any]], Sequence[Any]]
 """F as a function of the parameters by name and the inner unknowns, all of them balls or power series."""
 
+_WHOLE = ("stribeck_exponent",)  # parameters that are whole numbers, by which there is no derivative
 DECADES = 6  # of a search, on both sides of its middle
 
 
@@ -80,11 +81,11 @@ def solved(drive: Drive, unknown: str, equations: Equations, guess: Any, inner: 
     good to four digits. Raises ``Singular`` at a double root, and where no root so close is proved.
     """
     with many_digits():
-        values = {name: arb(value) for name, value in drive}
-        names = [*values, *([] if unknown in values else [unknown])]
-        system = _System(equations, names, values, unknown, len(inner))
+        fixed = {name: arb(value) for name, value in drive}
+        names = [*fixed, *([] if unknown in fixed else [unknown])]
+        system = _System(equations, names, fixed, unknown, len(inner))
         place = system.newton([_middle(arb(x)) for x in (*inner, guess)])
-        others = [len(inner) + k for k, name in enumerate(names) if name != unknown]
+        others = [len(inner) + k for k, name in enumerate(names) if name not in (unknown, *_WHOLE)]
         values, jacobian = system.linearised(place, system.columns)
         step = _quotient(jacobian, [[value] for value in values])
         box = [m + arb(0, 4 * row[0].abs_upper()) for m, row in zip(place, step, strict=True)]
@@ -95,7 +96,7 @@ def solved(drive: Drive, unknown: str, equations: Equations, guess: Any, inner: 
         if not all(x == y or x.contains_interior(y) for x, y in zip(box, proved, strict=True)):
             raise Singular
         found = _quotient(jacobian, [row[n:] for row in slopes])[-1] if others else []
-        of = {name: -slope for name, slope in zip((k for k in names if k != unknown), found, strict=True)}
+        of = {name: -slope for name, slope in zip((names[k - len(inner)] for k in others), found, strict=True)}
         return Root(unknown=proved[-1], inner=tuple(proved[:-1]), derivatives=of)
 
 

@@ -8,33 +8,40 @@ but what the physics subtracts.
 A double is a rational number and t is transcendental for every double λ > 0 (Lindemann), so a polynomial in t with
 rational coefficients vanishes only if it vanishes for every t. A sign is therefore certain if it is the same at both
 ends of a narrow enclosure of t: zero at both ends means zero identically, and otherwise more digits separate them. All
-is done in rational numbers and balls of FLINT.
+is done in rational numbers and balls of FLINT. Where friction depends on the sliding speed, 1 / cos λ and the
+exponential of the law are enclosed like t, and the class is taken if it is the same at both ends.
 """
 
 from collections.abc import Iterator, Mapping
+from types import SimpleNamespace
 from typing import Any
 
 from flint import acb, arb, ctx, fmpq, fmpq_poly
 
 from lsvib.errors import InputError
+from lsvib.models import friction
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import LinearParts
 from lsvib.models.model import find_model
 from lsvib.stability.linear import Stability, hurwitz
 
+_LEAST = fmpq(1, 2**2000)
 SAME = fmpq(1, 2**88)  # relative: no double lies between two roots that are closer, so they count as one
 
 Polynomial = tuple[Any, ...]
 """Coefficients, highest power first; rational numbers, or polynomials in an unknown parameter."""
 
 
-def polynomial(kind: type[Drive], values: Mapping[str, Any], law: int, tan_lead: Any) -> Polynomial:
+def polynomial(
+    kind: type[Drive], values: Mapping[str, Any], law: int, tan_lead: Any, level: bool = False
+) -> Polynomial:
     """Return the coefficients of the characteristic polynomial, times :func:`scale`, highest power first (SI units).
 
-    Arguments: class of the drive; its parameters, law s = ±1 and tan λ, in any one arithmetic: floats, rationals,
-    polynomials in an unknown, balls or power series.
+    Arguments: class of the drive; its parameters, law s = ±1 and tan λ, in any one arithmetic: floats, rationals
+    (:func:`enclosed`), polynomials in an unknown, balls or power series; ``level`` leaves out the slope of friction.
     """
-    return find_model(kind.model).characteristic(values, LinearParts.of(values, law, tan_lead))
+    parts = LinearParts.of(values, law, tan_lead)
+    return find_model(kind.model).characteristic(values, parts.level() if level else parts)
 
 
 def rationals(drive: Drive) -> dict[str, fmpq]:
@@ -49,27 +56,53 @@ def tangents(drive: Drive, digits: int = 100) -> tuple[fmpq, ...]:
         return tuple((tangent * (1 + side * apart)).mid().fmpq() for side in (-1, 1))
 
 
-def scale(drive: Drive, law: int) -> fmpq:
+def sliding_law_values(drive: Drive, digits: int = 100) -> tuple[dict[str, fmpq], ...]:
+    """Return ``secant`` and ``decay`` of :func:`lsvib.models.friction.steady_sum` just below and above their values."""
+    found: tuple[dict[str, fmpq], ...] = ({}, {})
+    with ctx.workdps(digits + 10):
+        secant, apart = 1 / arb(drive.lead_angle).cos(), arb(10) ** -digits
+        left = arb(1)
+        if drive.stribeck_speed:
+            d = SimpleNamespace(stribeck_speed=arb(drive.stribeck_speed), stribeck_exponent=drive.stribeck_exponent)
+            left = friction.decay(d, arb(drive.pitch_radius) * abs(arb(drive.input_speed)) * secant)
+        for side, values in zip((-1, 1), found, strict=True):
+            values["secant"] = (secant.mid() * (1 + side * apart)).mid().fmpq()
+            # What is left of a rise may have no end of digits; so little of it counts only where nothing else does.
+            values["decay"] = (left.mid() * (1 + side * apart)).mid().fmpq() if left > _LEAST else _LEAST ** (2 - side)
+    return found
+
+
+def enclosed(drive: Drive, digits: int = 100) -> tuple[tuple[dict[str, fmpq], fmpq], ...]:
+    """Return the parameters as rationals and tan λ, twice: all that is no rational just below and above its value."""
+    values, ends = rationals(drive), tangents(drive, digits)
+    if not friction.moves(values):
+        return tuple((values, t) for t in ends)
+    return tuple((values | law, t) for law, t in zip(sliding_law_values(drive, digits), ends, strict=True))
+
+
+def scale(drive: Drive, law: int, level: bool = False) -> fmpq:
     """Return the positive factor by which :func:`polynomial` exceeds det(M s² + C s + K)."""
-    return find_model(drive.model).excess(LinearParts.of(rationals(drive), law, tangents(drive)[0]))
+    parts = LinearParts.of(enclosed(drive)[0][0], law, enclosed(drive)[0][1])
+    return find_model(drive.model).excess(parts.level() if level else parts)
 
 
-def spectrum(drive: Drive, law: int) -> tuple[str, list[complex], Polynomial]:
+def spectrum(drive: Drive, law: int, level: bool = False) -> tuple[str, list[complex], Polynomial]:
     """Class, eigenvalues [1/s] in ascending real part, and characteristic polynomial of the steady sliding of a drive.
 
     Of the rigid drive (8.18) the class is one of :class:`~lsvib.stability.linear.Stability`, in lower case. Of a drive
     of two bodies it is ``stable`` (asymptotically), ``neutral`` (no eigenvalue to the right of the imaginary axis,
     simple ones on it, as without damping), ``kinematic_constraint`` (det M < 0), else ``divergence`` or ``flutter`` by
-    whether the eigenvalue that grows fastest is real. Signs are certain, eigenvalues rounded once. Raises
-    ``InputError`` where μ is below cot λ only by the rounding of cot λ to a double.
+    whether the eigenvalue that grows fastest is real. Signs are certain, eigenvalues rounded once. ``level`` leaves out
+    the slope of friction. Raises ``InputError`` where μ is below cot λ only by the rounding of cot λ to a double.
     """
-    parameters, digits = rationals(drive), 100
-    if parameters["friction_coefficient"] * tangents(drive, digits)[1] >= 1:
+    digits = 100
+    parameters, tangent = enclosed(drive, digits)[1]
+    if friction.steady(parameters, tangent)[0] * tangent >= 1:
         raise InputError(f"friction_coefficient = {drive.friction_coefficient!r} is not below cot(lead_angle).")
     # The class depends on signs of polynomials in tan λ alone, so enough digits give the same one at both ends; where
     # one vanishes to some 80 digits, four times as many.
     while True:
-        exact, other = (polynomial(type(drive), parameters, law, t) for t in tangents(drive, digits))
+        exact, other = (polynomial(type(drive), values, law, t, level) for values, t in enclosed(drive, digits))
         if (kind := _class(exact)) == _class(other):
             break
         digits *= 4
@@ -92,7 +125,12 @@ def margins(p: Polynomial, neutral: bool) -> Polynomial:
 
 
 def undamped(drive: Drive, key: str = "") -> bool:
-    """Whether nothing damps the drive, whatever the parameter ``key`` is: stability is then neutral stability."""
+    """Whether nothing damps the drive, whatever the parameter ``key`` is: stability is then neutral stability.
+
+    The slope of friction damps as well, or the opposite.
+    """
+    if friction.depends_on_speed(drive) or key in ("stribeck_rise", "friction_slope"):
+        return False
     dampings = ["support_damping", "translation_damping", drive.own_damping]
     return key not in dampings and not any(getattr(drive, name) for name in dampings if name)
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from lsvib.dynamics.kernels import poincare_map, saltation
 from lsvib.dynamics.kernels.poincare_map import NEAR, STEP, Verdict
-from lsvib.engine.kernels import event_loop
+from lsvib.engine.kernels import event_loop, flow_taylor
 from lsvib.engine.kernels.flow_planar import ROUNDING
 from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, by_kind, kernel, merged_kernel
 from lsvib.engine.kernels.layout import ALPHA, BETA, EQUILIBRIUM, Status
@@ -132,6 +132,27 @@ _stays = by_kind(_stays_planar, _stays_modal, _stays_taylor)
 
 
 @kernel
+def _never(flow, mode, state):
+    return False
+
+
+rests_at = by_kind(_never, _never, flow_taylor.is_settled)  # whether a motion from a state beside it slides steadily
+
+
+@kernel
+def _as_always(flow):
+    return 0
+
+
+@kernel
+def _soon(flow):
+    return 8
+
+
+first_look = by_kind(_as_always, _as_always, _soon)  # events looked at first where a cycle is known; 0: as otherwise
+
+
+@kernel
 def stays(tables, facts, mode, state, found):
     """Return what a motion that never leaves its mode ends in; the frequency [1/s] of what lasts, 0 if several do."""
     found.notes[0]["mode"] = mode
@@ -165,9 +186,21 @@ def _fits(known, c, kinds, modes, after, at, k):
     return True
 
 
+@kernel
+def _meets(known, c, state):
+    """Whether a state is the point of known cycle ``c``, to rounding."""
+    meets = True
+    for x in range(state.size):
+        meets = meets and abs(state[x] - known.point[c, x]) <= _STILL * known.size[c, x]
+    return meets
+
+
 @allocating_kernel
-def _joins(known, kinds, modes, after):
-    """Return the known cycle that a motion (k events) joins, and the event that shows it; −1 if it joins none."""
+def _joins(known, kinds, modes, after, by_speed):
+    """Return the known cycle that a motion (k events) joins, and the event that shows it; −1 if it joins none.
+
+    Under a friction law (``by_speed``), where motions cost more, one point of the cycle itself shows that as well.
+    """
     at = np.empty(kinds.size, dtype=np.int64)
     for c in range(known.kind.size):
         seen = count = 0
@@ -176,6 +209,9 @@ def _joins(known, kinds, modes, after):
                 if seen % known.visits[c] == 0:
                     at[count], count = i, count + 1
                 seen += 1
+        for k in range(count if by_speed else 0):
+            if _meets(known, c, after[at[k]]):
+                return c, at[k]
         for k in range(3, count):
             if _fits(known, c, kinds, modes, after, at, k):
                 return c, at[k]
@@ -217,6 +253,14 @@ def _period(engine, tables, facts, section, points, size, events, room, budget, 
     slopes, form = np.empty((d, d)), np.empty((d, d))
     count, lost = poincare_map.newton(engine, tables, section, place, state, slopes, events, budget)
     if count == 0:
+        form[:] = 0.0
+        for f in range(d):
+            form[f, f] = 1.0
+        earlier = points[points.shape[0] // 2 :: step]
+        settles = rests_at(tables.flow, section.mode, state) and earlier.shape[0] > 3
+        if settles and poincare_map.approaches(section, place, earlier, form):
+            found.notes[0]["mode"] = -1
+            return Outcome.SLIDES
         return Outcome.SPENT
     verdict = poincare_map.judge(poincare_map.growth(slopes, form), lost, facts.conserves)
     if verdict == Verdict.NONE:
@@ -352,6 +396,8 @@ def end_of(engine, tables, facts, known, mode, state, patience, events, one, oth
     scale, clock, budget = np.empty(n), np.zeros(4), np.empty(1)
     budget[0] = found.notes[0]["left"]
     times, kinds, signs, modes, before, after = events
+    few = first_look(tables.flow) if known.kind.size > 0 else 0
+    chunk = few if few > 0 else chunk
     for i in range(n):
         scale[i] = abs(state[i])
     found.notes[0]["first_event"], found.notes[0]["sprags"], found.notes[0]["time"] = event_loop.NO_KIND, 0, 0.0
@@ -377,7 +423,7 @@ def end_of(engine, tables, facts, known, mode, state, patience, events, one, oth
         if status != _FULL and status != _SETTLED:
             return _complaint(status)
         if status == _FULL and known.kind.size > 0:
-            found.notes[0]["index"], shows = _joins(known, kinds[:count], modes[:count], after[:count])
+            found.notes[0]["index"], shows = _joins(known, kinds[:count], modes[:count], after[:count], few > 0)
             if shows >= 0:
                 _count_sprags(facts, kinds[: shows + 1], modes[: shows + 1], found)
                 found.notes[0]["time"] = times[shows]
@@ -389,7 +435,7 @@ def end_of(engine, tables, facts, known, mode, state, patience, events, one, oth
         if status == _SETTLED:
             return stays(tables, facts, mode, state, found)
         used, last = used + count, count
-        if used < patience:
+        if used < (min(patience, 8 * few) if few > 0 else patience):
             continue
         outcome = _look(engine, tables, facts, mode, state, events, count, one, other, budget, found)
         if outcome != Outcome.SPENT:

@@ -10,7 +10,7 @@ from threading import RLock
 from typing import Any
 
 import numpy as np
-from flint import arb, ctx
+from flint import arb, arb_series, ctx
 
 from lsvib.errors import EngineError
 
@@ -59,7 +59,7 @@ def sign(number: Number, parameter: str = "a parameter") -> int:
         if signs.size and not (signs == signs.flat[0]).all():
             raise Divided(signs)
         return int(signs.flat[0]) if signs.size else 0
-    value = number if isinstance(number, (arb, float, int)) else number[0]  # of a series
+    value = number[0] if isinstance(number, arb_series) else number
     if value > 0:
         return 1
     if value < 0:

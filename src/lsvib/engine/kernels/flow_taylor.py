@@ -14,23 +14,30 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.engine.kernels.flow_planar import ROUNDING
+from lsvib.engine.kernels.flow_planar import EPS, ROUNDING
 from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, inlined_kernel, kernel
 from lsvib.engine.kernels.layout import CUBIC, EXPONENT, FADE, FROM, ORDER, RISE, TO
 
-TAIL = 1e-17  # size of the last terms of a series over the largest of the first three
-SIGMA, POWER, DECAY, MU, ETA, CONTACT, RIDE, STEEP, SLOPE, REST = range(10)  # rows of series beside those of the state
+TAIL = 0.5 * EPS  # size of the last terms of a series over that of a coordinate
+NOTHING = -45.0  # exponent of a decay that is below the rounding of a coefficient of friction; beyond −44 it counts
+# Rows of series beside those of the state.
+SIGMA, POWER, DECAY, MU, ETA, CONTACT, RIDE, STEEP, SLOPE, REST, RATE = range(11)
 
 
 class Series(NamedTuple):
-    """Power series of a step, in time [s] from its start, and scratch space of the search."""
+    """Power series of a step, in time from its start over ``unit``, and scratch space of the search.
+
+    The unit is a power of two near the step before, so that no coefficient leaves the range of numbers.
+    """
 
     state: np.ndarray  # (n, ORDER + 1)
-    parts: np.ndarray  # (10, ORDER + 1) σ, exponent, exponential, μ, η, q, σ − from, q dη/dσ, and room for it
+    parts: np.ndarray  # (11, ORDER + 1) σ, exponent, exponential, μ, η, q, σ − from, q dη/dσ, and room for these
     here: np.ndarray  # (n,) the state at the start of the step
     sizes: np.ndarray  # (n,) sizes of the terms that the state was summed from, the largest of all steps so far
     guard: np.ndarray  # (ORDER + 1,) a guard as a polynomial of the part of the step
     local: np.ndarray  # (ORDER + 1,) the same on a part of the step, in Bernstein's form
+    fresh: np.ndarray  # (1,) whether the step is the first one, 1 or 0
+    unit: np.ndarray  # (1,) of the time [s]
     place: np.ndarray  # (1,) time [s] of the event that was found, from the start of the step
     steps: np.ndarray  # (1,) steps that searches may still take; infinite at first
 
@@ -40,11 +47,12 @@ def series_for(n):
     """Return uninitialised ``Series`` of n states, with steps without end."""
     return Series(
         np.empty((n, ORDER + 1)),
-        np.empty((10, ORDER + 1)),
+        np.empty((11, ORDER + 1)),
         np.empty(n),
         np.empty(n),
         np.empty(ORDER + 1),
         np.empty(ORDER + 1),
+        np.ones(1),
         np.empty(1),
         np.full(1, math.inf),
     )
@@ -52,11 +60,16 @@ def series_for(n):
 
 @inlined_kernel
 def _product(a, b, first, k):
-    """Return Σ a_i b_{k−i} over i from ``first`` to k."""
-    total = 0.0
-    for i in range(first, k + 1):
+    """Return Σ a_i b_{k−i} over i from ``first`` to k; in two sums, which a processor adds up side by side."""
+    total = other = 0.0
+    i = first
+    while i < k:
         total += a[i] * b[k - i]
-    return total
+        other += a[i + 1] * b[k - i - 1]
+        i += 2
+    if i == k:
+        total += a[k] * b[0]
+    return total + other
 
 
 @inlined_kernel
@@ -84,10 +97,8 @@ def _law(law, parts, k):
         if k == 0:
             decay[0] = math.exp(power[0])
         else:
-            total = 0.0
-            for i in range(1, k + 1):
-                total += i * power[i] * decay[k - i]
-            decay[k] = total / k
+            parts[RATE, k] = k * power[k]
+            decay[k] = _product(parts[RATE], decay, 1, k) / k
         value += law[RISE] * decay[k]
     parts[MU, k] = value
 
@@ -97,7 +108,7 @@ def expand(flow, mode, piece, series, order):
     """Write the series of the state from ``series.here`` in a mode to an order; ``piece`` of the law, −1 for none."""
     x, parts, n = series.state, series.parts, series.here.size
     field, push, feedback = flow.field[mode], flow.push[mode], flow.feedback[mode]
-    mu, eta, contact = parts[MU], parts[ETA], parts[CONTACT]
+    mu, eta, contact, unit = parts[MU], parts[ETA], parts[CONTACT], series.unit[0]
     for i in range(n):
         x[i, 0] = series.here[i]
     for k in range(order):
@@ -108,7 +119,7 @@ def expand(flow, mode, piece, series, order):
             eta[k] = (mu[k] - feedback * _product(mu, eta, 1, k)) / (1.0 + feedback * mu[0])
             drive = _product(eta, contact, 0, k)
         for i in range(n):
-            x[i, k + 1] = (_affine(field[i], x, k) + push[i] * drive) / (k + 1)
+            x[i, k + 1] = unit * (_affine(field[i], x, k) + push[i] * drive) / (k + 1)
 
 
 @kernel
@@ -129,24 +140,29 @@ def piece_at(flow, mode, state):
 
 @inlined_kernel
 def step_of(series):
-    """Return the time [s] up to which the last two terms of the series of each coordinate are rounding."""
-    step = math.inf
+    """Return the time [s] up to which the last two terms of the series of each coordinate are rounding.
+
+    That is in proportion to its sizes so far, and on the first step to the largest of its first three terms.
+    """
+    logarithm = math.inf
     for i in range(series.here.size):
         x = series.state[i]
         for last in range(ORDER - 1, ORDER + 1):
             if x[last] == 0.0:
                 continue
-            reach = 0.0
-            for k in range(3):
-                if x[k] != 0.0:
-                    reach = max(reach, math.exp(math.log(TAIL * abs(x[k] / x[last])) / (last - k)))
-            step = min(step, reach)
-    return step
+            reach = math.log(TAIL * series.sizes[i] / abs(x[last])) / last if series.sizes[i] > 0.0 else -math.inf
+            if series.fresh[0] > 0.0:
+                for k in range(1, 3):
+                    if x[k] != 0.0:
+                        reach = max(reach, math.log(TAIL * abs(x[k] / x[last])) / (last - k))
+            logarithm = min(logarithm, reach)
+    series.fresh[0] = 0.0
+    return math.exp(logarithm) * series.unit[0]
 
 
 @inlined_kernel
 def value_at(row, t):
-    """Return a polynomial (coefficients in ascending order) at t."""
+    """Return a polynomial (coefficients in ascending order) at t, of a series at a time over its unit."""
     total = row[row.size - 1]
     for k in range(row.size - 2, -1, -1):
         total = total * t + row[k]
@@ -155,27 +171,28 @@ def value_at(row, t):
 
 @inlined_kernel
 def note_sizes(series, t):
-    """Note the sizes of the terms that the state at t [s] is summed from."""
+    """Note the sizes of the terms that the state at t [s] is summed from; those after the first three are smaller."""
+    t /= series.unit[0]
     for i in range(series.here.size):
-        total = 0.0
-        for k in range(ORDER, -1, -1):
-            total = total * t + abs(series.state[i, k])
-        series.sizes[i] = max(series.sizes[i], total)
+        x = series.state[i]
+        series.sizes[i] = max(series.sizes[i], abs(x[0]) + t * (abs(x[1]) + t * abs(x[2])))
 
 
 @inlined_kernel
 def begin(state, series):
     """Put a state at the start of a step."""
+    series.fresh[0] = series.unit[0] = 1.0
     for i in range(state.size):
         series.here[i], series.sizes[i] = state[i], abs(state[i])
 
 
 @kernel
 def go_on(series, t):
-    """Move the start of the step to the time t [s] on it."""
-    note_sizes(series, t)
+    """Move the start of the step to the time t [s] on it, up to which sizes have been noted."""
     for i in range(series.here.size):
-        series.here[i] = value_at(series.state[i], t)
+        series.here[i] = value_at(series.state[i], t / series.unit[0])
+    if 1e-300 < t < 1e300:
+        series.unit[0] = math.ldexp(1.0, math.frexp(t)[1])
 
 
 @inlined_kernel
@@ -192,29 +209,59 @@ def is_settled(flow, mode, state):
 
 
 @kernel
+def _cut_at_rise(law, power, step):
+    """Return a step, in units of its series, that ends where a decay which is nothing at its start begins to count.
+
+    All terms of its series that are kept may be nothing, and yet the decay large before the end of a step: the length
+    of the step, made of these terms, cannot know.
+    """
+    if law[RISE] == 0.0 or power[0] >= NOTHING:
+        return step
+    before = 0.0
+    for part in range(1, 33):
+        after = step * part / 32.0
+        if value_at(power[:ORDER], after) > NOTHING + 1.0:
+            for _ in range(60):
+                middle = 0.5 * (before + after)
+                nothing = value_at(power[:ORDER], middle) <= NOTHING + 1.0
+                before, after = (middle, after) if nothing else (before, middle)
+            return after
+        before = after
+    return step
+
+
+@kernel
 def cut_at_piece(flow, mode, piece, series, step):
     """Return the end of a step within a piece of the law, and the piece that holds from there on.
 
     The speed is a polynomial of the time; its first passage over an end of the piece is found on a fine grid, which a
     speed that is all but straight on a step does not pass over, and by bisection.
     """
+    unit = series.unit[0]
+    if piece >= 0:
+        step = unit * _cut_at_rise(flow.pieces[piece], series.parts[POWER], step / unit)
     if flow.piece_start[mode + 1] - flow.piece_start[mode] < 2:
         return step, piece
     x, row, low, high = series.state, flow.speed[mode], flow.pieces[piece, FROM], flow.pieces[piece, TO]
     form = series.guard
+    spread, power = 0.0, 1.0
     for k in range(ORDER + 1):
         form[k] = _affine(row, x, k)
+        spread += abs(form[k]) * power if k > 0 else 0.0
+        power *= step / unit
+    if low < form[0] - spread and form[0] + spread < high:
+        return step, piece
     first, last = piece == flow.piece_start[mode], piece == flow.piece_start[mode + 1] - 1
     before = 0.0
     for part in range(1, 33):
         after = step * part / 32.0
-        sigma = value_at(form, after)
+        sigma = value_at(form, after / unit)
         below, above = sigma < low and not first, sigma > high and not last
         if below or above:
             bound = low if below else high
             for _ in range(60):
                 middle = 0.5 * (before + after)
-                inside = value_at(form, middle) >= bound if below else value_at(form, middle) <= bound
+                inside = value_at(form, middle / unit) >= bound if below else value_at(form, middle / unit) <= bound
                 before, after = (middle, after) if inside else (before, middle)
             return after, piece - 1 if below else piece + 1
         before = after
@@ -230,6 +277,7 @@ def advance(flow, mode, state, t, out):
     while passed < t:
         expand(flow, mode, piece, series, ORDER)
         step, piece = cut_at_piece(flow, mode, piece, series, min(step_of(series), t - passed))
+        note_sizes(series, step)
         go_on(series, step)
         if not passed + step > passed:
             break
@@ -336,7 +384,7 @@ def _steepness(flow, mode, piece, parts):
 @kernel
 def _carry(flow, mode, piece, series, column, step, total, room):
     """Multiply a column of ``total`` (n, n) by the derivative of a step, whose series are known."""
-    n, parts = series.here.size, series.parts
+    n, parts, unit = series.here.size, series.parts, series.unit[0]
     for i in range(n):
         room[i, 0] = total[i, column]
     sigma, contact = parts[POWER], parts[MU]  # are not needed any more
@@ -352,9 +400,9 @@ def _carry(flow, mode, piece, series, column, step, total, room):
             value = flow.push[mode, i] * drive
             for j in range(n):
                 value += flow.field[mode, i, j] * room[j, k]
-            room[i, k + 1] = value / (k + 1)
+            room[i, k + 1] = unit * value / (k + 1)
     for i in range(n):
-        total[i, column] = value_at(room[i], step)
+        total[i, column] = value_at(room[i], step / unit)
 
 
 @allocating_kernel
@@ -375,6 +423,7 @@ def derivative(flow, mode, state, t, out, size):
             _steepness(flow, mode, piece, series.parts)
         for column in range(n):
             _carry(flow, mode, piece, series, column, step, out, room)
+        note_sizes(series, step)
         go_on(series, step)
         for i in range(n):
             for j in range(n):
@@ -385,3 +434,30 @@ def derivative(flow, mode, state, t, out, size):
     for i in range(n):
         for j in range(n):
             size[i, j] *= 1.0 + 0.1 * steps
+
+
+@allocating_entry
+def nodes(flow, mode, state, t, places, states, steps):
+    """Write the states at the ``places`` (j, parts of a step) of all steps of a stay t [s] in a mode.
+
+    They go to ``states`` (k · j, n), and the lengths [s] of the steps to ``steps`` (k), as far as there is room.
+    Returns the number of steps.
+    """
+    series, count = series_for(state.size), 0
+    begin(state, series)
+    piece, passed = piece_at(flow, mode, state), 0.0
+    while passed < t:
+        expand(flow, mode, piece, series, ORDER)
+        step, piece = cut_at_piece(flow, mode, piece, series, min(step_of(series), t - passed))
+        if count < steps.size:
+            steps[count] = step
+            for j in range(places.size):
+                for i in range(state.size):
+                    states[count * places.size + j, i] = value_at(series.state[i], places[j] * step / series.unit[0])
+        note_sizes(series, step)
+        go_on(series, step)
+        count += 1
+        if not passed + step > passed:
+            break
+        passed += step
+    return count

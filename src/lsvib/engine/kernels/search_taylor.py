@@ -32,6 +32,9 @@ _CROSSING = int(Found.CROSSING)
 _GRAZE = int(Found.GRAZE)
 _LOST = int(Found.UNDECIDED)
 _FINEST = 2.0**-40  # part of a step on which a guard that is still undecided touches zero
+# Steps below the rounding of the time, one after the other, in which a guard may still be reached: so it is where the
+# acceleration grows without bound before Γ₊ = 0.
+_STALLED = 256
 
 
 @allocating_kernel
@@ -49,7 +52,7 @@ def _form(series, guard, step):
         for i in range(n):
             total += guard[i] * series.state[i, k]
         series.guard[k] = total * power
-        power *= step
+        power *= step / series.unit[0]
     for i in range(n):
         size += abs(guard[i]) * series.sizes[i]
     return 8.0 * EPS * size
@@ -158,7 +161,7 @@ def search(flow, mode, state, guards, on_surface, limit, work):
     left the search is undecided. Returns (``Found``, index of the guard, time [s]).
     """
     begin(state, work)
-    piece, passed = piece_at(flow, mode, state), 0.0
+    piece, passed, stalled = piece_at(flow, mode, state), 0.0, 0
     while passed < limit:
         if is_settled(flow, mode, work.here):  # passages beside the point of rest, which are many, say nothing
             return _NONE, -1, limit
@@ -183,7 +186,8 @@ def search(flow, mode, state, guards, on_surface, limit, work):
         if found != _NONE:
             work.place[0] = top * step
             return found, first, passed + top * step
-        if not passed + step > passed:
+        stalled = 0 if passed + step > passed else stalled + 1
+        if stalled > _STALLED:
             return _LOST, -1, limit
         go_on(work, step)
         passed, piece = passed + step, following
@@ -213,7 +217,7 @@ def _functional(series, functional):
 
 @allocating_kernel
 def _extremes_on_step(form, step, low, high, local):
-    """Return the bounds low and high widened to hold a polynomial (ascending) of the time on a step [s]."""
+    """Return the bounds low and high widened to hold a polynomial (ascending) on a step, in its unit of the time."""
     slope, power, last = np.empty(form.size), 1.0, form.size - 1
     for k in range(form.size):
         form[k] *= power
@@ -261,7 +265,8 @@ def extremes(flow, mode, state, functional, duration):
         expand(flow, mode, piece, series, ORDER)
         step, piece = cut_at_piece(flow, mode, piece, series, min(step_of(series), duration - passed))
         _functional(series, functional)
-        low, high = _extremes_on_step(series.guard, step, low, high, series.local)
+        low, high = _extremes_on_step(series.guard, step / series.unit[0], low, high, series.local)
+        flow_taylor.note_sizes(series, step)
         go_on(series, step)
         if not passed + step > passed:
             break

@@ -1,0 +1,169 @@
+"""Chatter by falling friction: the onset over the input speed, and the vibration on both sides of it."""
+
+from typing import ClassVar
+
+import numpy as np
+import xarray as xr
+from pydantic import Field
+
+from lsvib.datasets import spans
+from lsvib.datasets.analysis import analyse
+from lsvib.datasets.attributes import ASSUMED, axis, drive_parameters, flagged, named_index, parameter, variable
+from lsvib.datasets.checks import Check
+from lsvib.dynamics.attractor import Attractor
+from lsvib.figures import settings as of
+from lsvib.figures import style
+from lsvib.figures.common import about, named
+from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Values
+from lsvib.models import friction
+from lsvib.models.drive import RigidDrive
+
+CAPTION = """\
+The seat drive of which Table 8.1 keeps the constant part of friction, with the whole law that was identified for it
+(μ falls with the sliding speed). (a) Coefficient of friction. (b) Axial force from which steady sliding is unstable:
+with the law; with the constant of the chapter it is stable at every force. (c), (d) Amplitude of what motions end in,
+from a start next to steady sliding and from one far away, over the force and over the input speed: where both differ,
+chatter that has begun goes on although it would not begin, and stops only beyond the end of the upper branch.
+"""
+
+STARTS = ("near", "far")
+# Onset forces [N] of the law at input speeds [rad/s], from the closed form C_0 + S = 0 evaluated apart from lsvib.
+KNOWN = {40.0: 88.934, 10.0: 64.305, 5.0: 24.914, 2.0: 9.8556}
+
+
+class Settings(FigureSettings):
+    unused: ClassVar = ()
+
+    drive: DriveChanges
+    input_speed: PositiveSpan = Field(description="Input speeds of the onset, evenly spaced in logarithm [rad/s].")
+    swept_input_speed: PositiveSpan = Field(description="Input speeds over which motions are followed [rad/s].")
+    swept_axial_force: PositiveSpan = Field(description="Axial forces over which motions are followed [N].")
+    force: of.parameter("axial_force")
+
+
+def _speeds(settings: Values) -> np.ndarray:
+    return np.unique([*spans.logarithmic(settings["input_speed"]), *KNOWN])
+
+
+def analysis(settings: Values) -> xr.Dataset:
+    """Analyse the drive at each input speed: the axial force of its onset, and its critical mass."""
+    drive = RigidDrive.of(settings["drive"])
+    drives = [drive.replace(input_speed=speed) for speed in _speeds(settings).tolist()]
+    return analyse(drives, [("onset", "axial_force"), ("kinematic_constraint", "mass")], along=("input_speed",))
+
+
+def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
+    """Compute the coefficient and the onset over the speed, and what motions end in on both sides of it."""
+    drive, speeds = RigidDrive.of(settings["drive"]), _speeds(settings)
+    force, speed = spans.even(settings["swept_axial_force"]), spans.logarithmic(settings["swept_input_speed"])
+    over_force = _motions(drive, axial_force=force)
+    over_speed = _motions(drive.replace(axial_force=settings["force"]), input_speed=speed)
+    sliding = np.geomspace(1e-4, 1.2 * drive.pitch_radius * speeds.max(), 200)
+    mu = [float(friction.coefficient(drive, v)) for v in sliding.tolist()]
+    words, dims = "what the motion from a start ends in", ("start", "swept_axial_force")
+    other, size = ("start", "swept_input_speed"), "half the peak-to-peak of the deviation that a motion ends in"
+    return xr.Dataset(
+        {
+            "coefficient": variable("sliding_speed", mu, "1", "friction coefficient of the threads", r"$\mu$"),
+            "onset_force": variable(
+                "input_speed", analysis.onset_axial_force.values, "N", "axial force of the onset of vibration", "$R$"
+            ),
+            "critical_mass": variable(
+                "input_speed", analysis.kinematic_constraint_mass.values, "kg", "critical mass with steady friction",
+                r"$m_\mathrm{cr}$",
+            ),
+            "attractor": flagged(dims, over_force.attractor, words, Attractor),
+            "amplitude": variable(dims, over_force.amplitude, "rad", size, r"$\hat u$"),
+            "speed_attractor": flagged(other, over_speed.attractor, f"{words}, over the input speed", Attractor),
+            "speed_amplitude": variable(other, over_speed.amplitude, "rad", f"{size}, over the input speed", r"$\hat u$"),
+        },
+        coords={
+            **drive_parameters(drive, axes=("input_speed",), no_effect=("axial_force",), printed=("Sect. 8.5.1",)),
+            **axis("input_speed", speeds),
+            "sliding_speed": variable("sliding_speed", sliding, "m s-1", "sliding speed of the threads", "$v$"),
+            "start": named_index("start", "where motions start", STARTS),
+            **axis("swept_axial_force", force),
+            **axis("swept_input_speed", speed),
+            "drawn_input_speed": ((), drive.input_speed, parameter("drawn_input_speed", ASSUMED)),
+            "drawn_axial_force": ((), settings["force"], parameter("drawn_axial_force", ASSUMED)),
+        },
+        attrs=about(__doc__, "closed form and motions by power series", "Table 8.1, Sect. 8.5"),
+    )  # fmt: skip
+
+
+def _motions(drive: RigidDrive, **swept: np.ndarray):
+    """Return what motions end in, from both starts, along one parameter; arrays (start, k)."""
+    from lsvib.dynamics.behaviour import near_and_far
+    from lsvib.dynamics.sweep import Ending, all_endings
+    from lsvib.models.many import ManyDrives
+
+    drives = ManyDrives({**dict(drive), **swept})
+    found = [all_endings(drives, starts, "contact_sign") for starts in near_and_far(drives)]
+    return Ending(*(np.stack(pair) for pair in zip(*found, strict=True)))
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the onset against the closed form, and that motions change where it says."""
+    onset, slides = dataset.onset_force, named(dataset.attractor, "steady sliding")
+    force, speed = dataset.swept_axial_force.values, dataset.swept_input_speed.values
+    begins, stops = (float(force[~row].min()) for row in slides)
+    here = float(onset.sel(input_speed=dataset.drawn_input_speed))
+    step, reason = float(np.diff(force).max()), "the step of the swept force"
+    found = [
+        Check.within(f"Onset force of the seat's law at {at:g} rad/s", "eqs 6.44-6.48 of the thesis, eq. 8.13",
+                     known, float(onset.sel(input_speed=at)), 1e-5, "N", "given with five or six digits")
+        for at, known in KNOWN.items()
+    ]  # fmt: skip
+    found.append(
+        Check.within("Force at which a motion next to steady sliding begins to vibrate", "eq. 8.13", here, begins,
+                     step / here, "N", reason)
+    )  # fmt: skip
+    near, far = (named(dataset.speed_attractor, "steady sliding")[k] for k in (0, 1))
+    found += [
+        Check.holds("Chatter that has begun goes on below the force at which it begins", "ours",
+                    f"begins at {begins:.4g} N, stops at {stops:.4g} N", stops < begins),
+        Check.holds("Over the input speed chatter stops at a higher speed than that below which it begins", "ours",
+                    f"begins below {speed[~near].max():.4g} rad/s, stops above {speed[~far].max():.4g} rad/s",
+                    speed[~near].max() < speed[~far].max()),
+        Check.holds("With the constant friction of the chapter steady sliding is stable at every force", "eq. 8.13",
+                    f"C_0 = c = {float(dataset.support_damping):.3g} N m s/rad",
+                    float(dataset.support_damping) > 0 and float(dataset.translation_damping) == 0),
+    ]  # fmt: skip
+    return found
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> style.Figure:
+    """Draw the law, the onset over the speed, and both sweeps of motions."""
+    figure = style.new_figure(style.DOUBLE, 4.6)
+    (law, onset), (force, speed) = figure.subplots(2, 2)
+    law.plot(dataset.sliding_speed * 1e3, dataset.coefficient, color=style.BLUE, label="the law")
+    constant = float(dataset.friction_coefficient)
+    law.axhline(constant, **style.PRINTED, label=f"constant of Table 8.1: {constant:g}")
+    law.set(xscale="log", xlabel="sliding speed $v$ [mm/s]", ylabel=style.label(dataset.coefficient, "coefficient"),
+            title="(a) friction")  # fmt: skip
+    law.legend(loc="lower left")
+    onset.plot(dataset.input_speed, dataset.onset_force, color=style.BLUE)
+    onset.fill_between(dataset.input_speed, dataset.onset_force, 1.2 * dataset.onset_force.max(), color=style.BLUE,
+                       alpha=0.15, linewidth=0)  # fmt: skip
+    onset.text(0.6, 0.8, "steady sliding unstable", transform=onset.transAxes, ha="center")
+    onset.text(0.75, 0.15, "stable", transform=onset.transAxes, ha="center")
+    onset.set(xscale="log", ylim=(0, 1.2 * float(dataset.onset_force.max())), title="(b) onset of vibration",
+              xlabel=style.label(dataset.input_speed), ylabel=style.label(dataset.onset_force, "axial force"))  # fmt: skip
+    fixed = f"$\\Omega$ = {float(dataset.drawn_input_speed):g} rad/s", f"$R$ = {float(dataset.drawn_axial_force):g} N"
+    _sweep(force, dataset.swept_axial_force, dataset.amplitude, f"(c) over the force, {fixed[0]}")
+    _sweep(speed, dataset.swept_input_speed, dataset.speed_amplitude, f"(d) over the speed, {fixed[1]}")
+    speed.set_xscale("log")
+    here = float(dataset.onset_force.sel(input_speed=dataset.drawn_input_speed))
+    force.axvline(here, color=style.GREY, linestyle=":", linewidth=0.8, label=f"onset, {here:.2f} N")
+    return style.legend(figure, [force], 3)
+
+
+def _sweep(axes: style.Axes, swept: xr.DataArray, amplitude: xr.DataArray, title: str) -> None:
+    marks = (("o", style.BLUE, 3.2, "white"), ("x", style.VERMILION, 3.0, None))
+    words = ("start next to steady sliding", "start far away")
+    for row, (mark, colour, size, face), word in zip(amplitude, marks, words, strict=True):
+        axes.plot(
+            swept, row, mark, color=colour, markersize=size, markerfacecolor=face, markeredgewidth=0.7, label=word
+        )
+    axes.set(title=title, xlabel=style.label(swept), ylabel=style.label(amplitude, "amplitude"))

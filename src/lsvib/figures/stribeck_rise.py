@@ -1,0 +1,211 @@
+"""What becomes of the chapter's thresholds and cycles when friction rises towards slow sliding, or is higher at rest."""
+
+from collections.abc import Callable
+from typing import ClassVar
+
+import numpy as np
+import xarray as xr
+from pydantic import Field
+
+from lsvib.datasets import printed, spans
+from lsvib.datasets.analysis import analyse
+from lsvib.datasets.attributes import ASSUMED, drive_parameters, flagged, named_index, parameter, variable
+from lsvib.datasets.checks import Check
+from lsvib.dynamics.attractor import Attractor
+from lsvib.figures import settings as of
+from lsvib.figures import style
+from lsvib.figures.common import about, named
+from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Span, Values
+from lsvib.models import chapter
+from lsvib.models.drive import RigidDrive
+
+CAPTION = """\
+Friction that rises by a part of its kinetic value towards slow sliding, over the Stribeck speed: (a) critical mass and
+critical friction with the coefficient of slow sliding, where a drive comes to the Painlevé region first, and critical
+mass with that of steady sliding; (b) the three forces of Fig. 8.6. Static friction above the kinetic one, without a
+rise: (c) amplitude and (d) period of the stick–slip cycle of a slow drive and of the sprag–slip cycle of Fig. 8.9.
+"""
+
+_FORCES = ("onset_force", "stick_force", "detach_force")
+_PRINTED = ("critical_mass", *_FORCES)
+CYCLES = ("stick_slip", "sprag_slip")
+
+
+class Settings(FigureSettings):
+    unused: ClassVar = ("axial_force",)
+
+    drive: DriveChanges
+    rise: Span = Field(description="Rise of friction over its kinetic value [1].")
+    static: PositiveSpan = Field(description="Static over kinetic friction [1].")
+    heavy_mass: of.parameter("mass")
+    stick_slip: DriveChanges
+    sprag_slip: DriveChanges
+
+
+def _risen(drive: RigidDrive, share: float) -> RigidDrive:
+    return drive.replace(stribeck_rise=share * drive.friction_coefficient)
+
+
+def _slow(drive: RigidDrive, share: float) -> RigidDrive:
+    """The drive with the constant coefficient that it has in slow sliding."""
+    return RigidDrive.of({**dict(drive), "stribeck_speed": 0}).replace(
+        friction_coefficient=(1 + share) * drive.friction_coefficient
+    )
+
+
+def analysis(settings: Values) -> xr.Dataset:
+    """Analyse the drive with each rise: its onset force, and its critical mass with the friction of steady sliding."""
+    drive = RigidDrive.of(settings["drive"])
+    drives = [_risen(drive, share) for share in spans.even(settings["rise"]).tolist()]
+    return analyse(drives, [("onset", "axial_force"), ("kinematic_constraint", "mass")], along=("stribeck_rise",))
+
+
+def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
+    """Compute thresholds over the rise, and both cycles over the static friction."""
+    drive, rise = RigidDrive.of(settings["drive"]), spans.even(settings["rise"])
+    heavy = drive.replace(mass=settings["heavy_mass"])
+    slow = [_threshold(_slow(drive, share), "mass") for share in rise.tolist()]
+    least = _threshold(_slow(heavy, 0.0), "friction_coefficient")
+    onset = analysis.onset_axial_force.values
+    forces = [_forces(_risen(drive, share), float(first)) for share, first in zip(rise.tolist(), onset, strict=True)]
+    static, rows = spans.even(settings["static"]), []
+    for name in CYCLES:
+        own = RigidDrive.of(settings[name])
+        held = [own.replace(static_friction_coefficient=share * own.friction_coefficient) for share in static.tolist()]
+        rows.append([_cycle(each) for each in held])
+    label, amplitude, period = np.moveaxis(np.array(rows), -1, 0)
+    other = ("cycle", "static_share")
+    return xr.Dataset(
+        {
+            "slow_critical_mass": variable("rise_share", slow, "kg", "critical mass in slow sliding", "$m$"),
+            "steady_critical_mass": variable(
+                "rise_share", analysis.kinematic_constraint_mass.values, "kg", "critical mass in steady sliding", "$m$"
+            ),
+            "critical_friction": variable(
+                "rise_share", least / (1 + rise), "1", "kinetic friction that is critical in slow sliding", r"$\mu$"
+            ),
+            "onset_force": variable("rise_share", onset, "N", "onset force", "$R$"),
+            "stick_force": variable("rise_share", [pair[0] for pair in forces], "N", "stick force", "$R$"),
+            "detach_force": variable("rise_share", [pair[1] for pair in forces], "N", "detach force", "$R$"),
+            "attractor": flagged(other, label.astype(np.int8), "what the motion ends in", Attractor),
+            "amplitude": variable(other, amplitude, "rad", "half the peak-to-peak of the deviation", r"$\hat u$"),
+            "period": variable(other, period, "s", "period of the cycle", "$T$"),
+        },
+        coords={
+            **drive_parameters(drive, printed=("Sect. 8.5.1",), no_effect=("axial_force",)),
+            "rise_share": variable("rise_share", rise, "1", "rise of friction over its kinetic value"),
+            "static_share": variable("static_share", static, "1", "static over kinetic friction"),
+            "cycle": named_index("cycle", "which cycle", CYCLES),
+            "case_mass": ((), settings["heavy_mass"], parameter("case_mass", ASSUMED)),
+            **{f"printed_{n}": printed.variable(chapter.THRESHOLDS[n], n.replace("_", " ")) for n in _PRINTED},
+        },
+        attrs=about(__doc__, "closed form, motions and their return maps", "Figs 8.6, 8.8, 8.9"),
+    )
+
+
+def _threshold(drive: RigidDrive, unknown: str) -> float:
+    from lsvib.stability.threshold import solve_threshold
+
+    return solve_threshold(drive, "kinematic_constraint", unknown).value
+
+
+def _forces(drive: RigidDrive, onset: float) -> tuple[float, float]:
+    """Stick and detach force [N] of a drive whose vibration sets in at a force: by bisection, from its motions."""
+    from lsvib.dynamics.sweep import RESTS, REVERSES, ending_of
+    from lsvib.models.rigid import rigid_automaton
+
+    def happens(force: float) -> int:
+        """What happens on the cycle at a force."""
+        here = drive.replace(axial_force=force)
+        return int(ending_of(here, rigid_automaton(here), np.array([1e-3, 0.0])).happens)
+
+    stick = _beginning(lambda force: bool(happens(force) & RESTS), 1.01 * onset, 4 * onset)
+    return stick, _beginning(lambda force: not happens(force) & REVERSES, stick, 4 * onset)
+
+
+def _beginning(holds: Callable[[float], bool], low: float, high: float) -> float:
+    """The force [N] from which something holds that does not at ``low`` and does at ``high``, to a part in 10⁶."""
+    while high - low > 1e-6 * high:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if holds(middle) else (middle, high)
+    return high
+
+
+def _cycle(drive: RigidDrive) -> tuple[int, float, float]:
+    """What the motion of a drive from far away ends in, with amplitude [rad] and period [s]."""
+    from lsvib.dynamics.attractor import steady_state
+    from lsvib.models.rigid import rigid_automaton
+
+    found = steady_state(rigid_automaton(drive), [0.06, -drive.input_speed])
+    return int(found.label), found.amplitude, found.period
+
+
+def checks(dataset: xr.Dataset) -> list[Check]:
+    """Check the values without a rise against the chapter, and what the rise and static friction do."""
+    rise = dataset.rise_share.values
+    first = dataset.isel(rise_share=0)
+    exact = float(first.slow_critical_mass)
+    limit = exact * (1 - 0.5 * float(rise[-1]))
+    slips, sprags = (
+        named(dataset.attractor, f"{name} cycle")[k] for k, name in enumerate(("stick slip", "sprag slip"))
+    )
+    amplitude, period = dataset.amplitude.values, dataset.period.values
+    return [
+        printed.check("Critical mass without a rise", chapter.THRESHOLDS["critical_mass"], exact),
+        *(
+            printed.check(f"{name.replace('_', ' ').capitalize()} without a rise", chapter.THRESHOLDS[name],
+                          float(first[name]))
+            for name in _FORCES
+        ),
+        Check.holds("The rise lowers the critical mass of slow sliding, and not that of steady sliding", "eq. 8.20",
+                    f"{exact:.4g} kg to {float(dataset.slow_critical_mass[-1]):.4g} kg, steady "
+                    f"{float(dataset.steady_critical_mass[-1]):.4g} kg",
+                    (np.diff(dataset.slow_critical_mass) < 0).all()
+                    and float(dataset.slow_critical_mass[-1]) < limit + 0.5 * exact
+                    and np.ptp(dataset.steady_critical_mass) < 1e-3 * exact),
+        Check.holds("The rise leaves the onset force and lowers the force from which the cycle rests", "ours",
+                    f"stick force {float(dataset.stick_force[0]):.4g} N to {float(dataset.stick_force[-1]):.4g} N",
+                    np.ptp(dataset.onset_force) < 1e-2 * float(dataset.onset_force[0])
+                    and (np.diff(dataset.stick_force) < 0).all()),
+        Check.holds("Without static friction above the kinetic one the slow drive slides steadily, with it it sticks and "
+                    "slips, with an amplitude and a period that grow", "ours",
+                    f"amplitude {amplitude[0].max():.3g} rad, period {period[0][slips].max():.3g} s",
+                    not slips[0] and slips[1:].all() and (np.diff(amplitude[0][1:]) > 0).all()
+                    and (np.diff(period[0][1:]) > 0).all()),
+        Check.holds("The sprag-slip cycle stays one under static friction, and grows with it", "Fig. 8.9, ours",
+                    f"amplitude {amplitude[1].min():.4g} to {amplitude[1].max():.4g} rad",
+                    sprags.all() and (np.diff(amplitude[1]) >= -1e-12).all() and amplitude[1][-1] > amplitude[1][0]),
+    ]  # fmt: skip
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> style.Figure:
+    """Draw critical mass and friction and the three forces over the rise, and both cycles over the static friction."""
+    figure = style.new_figure(style.DOUBLE, 4.8)
+    (critical, force), (amplitude, period) = figure.subplots(2, 2)
+    percent = 100 * dataset.rise_share
+    for name, colour, dashes, words in (
+        ("slow_critical_mass", style.BLUE, "-", "critical mass, slow sliding"),
+        ("steady_critical_mass", style.SKY, (0, (4, 2)), "critical mass, steady sliding"),
+    ):
+        critical.plot(percent, dataset[name], color=colour, linestyle=dashes, label=words)
+    other = critical.twinx()
+    other.plot(percent, dataset.critical_friction, color=style.VERMILION, linestyle=":", label="critical friction")
+    critical.set(title="(a) Painlevé region", ylabel="critical mass [kg]")
+    other.set(ylabel=f"critical friction at {float(dataset.case_mass):g} kg [1]")
+    for name, colour, dashes in zip(
+        _FORCES, (style.BLACK, style.BLUE, style.VERMILION), ("-", (0, (4, 2)), ":"), strict=True
+    ):
+        force.plot(percent, dataset[name], color=colour, linestyle=dashes, label=name.replace("_", " "))
+    force.set(title="(b) forces of Fig. 8.6", ylabel="axial force $R$ [N]")
+    for axes in (critical, force):
+        axes.set(xlabel="rise of friction [%]", xlim=(0, percent[-1]))
+    for axes, name, title in ((amplitude, "amplitude", "(c) amplitude"), (period, "period", "(d) period")):
+        for row, colour, dashes, words in zip(
+            dataset[name], (style.BLUE, style.VERMILION), ("-", (0, (4, 2))),
+            ("stick–slip, constant kinetic friction", "sprag–slip of Fig. 8.9"), strict=True,
+        ):  # fmt: skip
+            axes.plot(dataset.static_share, row, color=colour, linestyle=dashes, marker=".", markersize=3, label=words)
+        axes.set(title=title, xlabel="static over kinetic friction [1]", ylabel=style.label(dataset[name], name),
+                 ylim=(0, None))  # fmt: skip
+    return style.legend(figure, [critical, other, force, amplitude], 4)
