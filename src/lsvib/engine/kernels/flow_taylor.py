@@ -53,6 +53,7 @@ def series_for(n):
         np.empty(ORDER + 1),
         np.empty(ORDER + 1),
         np.ones(1),
+        np.ones(1),
         np.empty(1),
         np.full(1, math.inf),
     )
