@@ -1,7 +1,7 @@
-"""Newton's laws of the models with four states under a friction law, in doubles, with equations of their own.
+"""Newton's laws of all models under a friction law, in doubles, with equations of their own.
 
-States are absolute: coupling deflection z = θ − Ω t [rad], θ′ [rad/s], and position and rate of the second body. Signs
-of slip and contact force are given; accelerations and N are solved for.
+States are absolute: coupling deflection z = θ − Ω t [rad], θ′ [rad/s], and position and rate of the second body. The
+direction of slip, 0 for rest, and the sign of the contact force are given; accelerations and N are solved for.
 """
 
 import math
@@ -17,7 +17,7 @@ def coefficient(drive, speed):
 
 
 class Laws:
-    """A drive's laws: ``steady``, its state of steady sliding, and the rate of a state with the contact force."""
+    """A drive's laws: ``steady``, where its coordinates are zero, and the rate of a state with the contact force."""
 
     def __init__(self, drive):
         self.d, lead = drive, drive.lead_angle
@@ -37,23 +37,22 @@ class Laws:
         """Return what N gives along the axis, and about it on the screw."""
         return self.cos + law * mu * self.sin, self.r * (law * mu * self.cos - self.sin)
 
-    def friction(self, speed, force_sign):
+    def friction(self, speed, law):
         """Return the levers at a speed of the threads [rad/s]."""
-        law = math.copysign(1, speed) * force_sign
         return self.levers(law, coefficient(self.d, self.r * abs(speed) / self.cos))
 
 
 class ThreadsLaws(Laws):
-    """Compliant threads: the second body is the mismatch e, e′."""
+    """Compliant threads: the second body is the mismatch e, e′, from no compression on."""
 
     def second(self, about):
-        return self.normal / (self.cos * self.d.contact_stiffness), 0.0
+        return 0.0, 0.0
 
     def rate(self, x, direction, force_sign):
         d, (z, turn, e, v) = self.d, x
         normal = self.cos * (d.contact_stiffness * e + d.contact_damping * v)
         if direction:
-            along, about = self.friction(turn, force_sign)
+            along, about = self.friction(turn, direction * force_sign)
             turned = (-d.coupling_stiffness * z - d.support_damping * turn - about * normal) / d.screw_inertia
         else:
             held = (-d.coupling_stiffness * z / self.r + normal * self.sin) / self.cos
@@ -75,9 +74,9 @@ class SupportLaws(Laws):
         if not direction:
             shift = (push - support) / (d.mass + d.screw_mass)
             return np.array([turn - d.input_speed, 0.0, v1, shift]), math.nan
-        along, about = self.friction(turn, force_sign)
+        along, about = self.friction(turn, direction * force_sign)
         matrix = [[d.screw_inertia, 0, about], [0, d.screw_mass, -along], [d.mass * self.reach, d.mass, along]]
-        torque = -d.coupling_stiffness * z - d.support_damping * turn - self.bearing * math.copysign(1, turn)
+        torque = -d.coupling_stiffness * z - d.support_damping * turn - self.bearing * direction
         turned, shift, normal = np.linalg.solve(matrix, [torque, -support, push])
         return np.array([turn - d.input_speed, turned, v1, shift]), normal
 
@@ -96,10 +95,10 @@ class NutLaws(Laws):
             common = (torque + spring) / (d.screw_inertia + d.nut_inertia)
             return np.array([turn - d.input_speed, common, spin, common]), math.nan
         slip = turn - spin
-        along, about = self.friction(slip, force_sign)
+        along, about = self.friction(slip, direction * force_sign)
         lever = d.mass * self.reach
         matrix = [[d.screw_inertia, 0, about], [0, d.nut_inertia, -about], [lever, -lever, along]]
-        push = d.axial_force - d.translation_damping * self.reach * slip - self.slide * math.copysign(1, slip)
+        push = d.axial_force - d.translation_damping * self.reach * slip - self.slide * direction
         turned, second, normal = np.linalg.solve(matrix, [torque, spring, push])
         return np.array([turn - d.input_speed, turned, spin, second]), normal
 
@@ -114,7 +113,7 @@ class RigidLaws(Laws):
         d, (z, turn) = self.d, x
         if not direction:
             return np.array([turn - d.input_speed, 0.0]), math.nan
-        along, about = self.friction(turn, force_sign)
+        along, about = self.friction(turn, direction * force_sign)
         torque = -d.coupling_stiffness * z - d.support_damping * turn
         push = d.axial_force - d.translation_damping * self.reach * turn
         matrix = [[d.screw_inertia, about], [d.mass * self.reach, along]]
