@@ -22,7 +22,7 @@ from lsvib.errors import InputError
 from lsvib.models.drive import Drive
 from lsvib.models.friction import unbounded_coefficient
 
-FAR = 100  # times the sliding speed of steady sliding: no motion of interest is faster
+FAR = 10  # times the speed of steady sliding, which most motions stay below; a guard sees those that do not
 
 
 def pieces_of(drive: Drive) -> np.ndarray:
@@ -79,21 +79,21 @@ def probe(d: Any) -> Any:
     return d.tan_lead / 2 if d.tan_lead < 1 else 1 / (2 * d.tan_lead)
 
 
-def regular_below(drive: Drive, most: float) -> float:
-    """Return the sliding speed [m/s] up to which friction is below a level ``most`` [1], zero if it never is.
+def paradox_below(drive: Drive, most: float) -> tuple[bool, float]:
+    """Return whether friction is at or above a level ``most`` [1], and the sliding speed [m/s] up to which it stays so.
 
-    Raises ``InputError`` where it is below that in one range of speed and above it in another one that motions reach.
+    Raises ``InputError`` where it comes to the level at a speed that motions are sure to reach.
     """
-    found = speeds_below(drive, most)
-    reached = FAR * drive.pitch_radius * abs(drive.input_speed) / math.cos(drive.lead_angle)
-    if not found:
-        return 0.0
-    if found[0][0] > 0 or found[0][1] < reached:
+    found, steady = speeds_below(drive, most), drive.pitch_radius * abs(drive.input_speed) / math.cos(drive.lead_angle)
+    paradox = not found or found[0][0] > 0
+    end = found[0][0 if paradox else 1] if found else math.inf
+    if end < FAR * steady:
         raise InputError(
-            f"friction reaches the Painlevé region in one range of sliding speed and not in another; model "
-            f"{drive.model} does not follow such drives."
+            f"friction reaches the Painlevé region in one range of sliding speed and not in another, with the limit at "
+            f"{end:.6g} m/s; model {drive.model} does not follow drives with a limit below {FAR} times the speed of "
+            f"steady sliding."
         )
-    return found[0][1]
+    return paradox, end
 
 
 def _turning_speeds(drive: Drive) -> list[float]:

@@ -15,9 +15,9 @@ speeds and forces.
   away from rest; otherwise the threads rest, or, beyond the ends of static friction, slip under law −1
   (``resume="contact_sign"`` of the rigid drive).
 
-Under a friction law what is said here of Γ₊ has to hold at all sliding speeds that motions reach. Where a speed is
-zero, the threads slip with the friction of slow sliding. The second friction is refused: while it holds a body, the
-force that is left would be no affine function of the state.
+Under a friction law what is said here of Γ₊ has to hold at all sliding speeds that a motion reaches; one that leaves
+them has no branch. Where a speed is zero, the threads slip with the friction of slow sliding. The second friction is
+refused: while it holds a body, the force that is left would be no affine function of the state.
 """
 
 from abc import ABC, abstractmethod
@@ -78,8 +78,8 @@ class TwoBodies(ABC):
     In steady sliding the threads carry the force ``force`` = R − r_m tan λ c_x Ω − F_0 sgn Ω [N] with the torque
     ``twist`` = r_m ξ_s0 · force [N m] (eq. 8.15). ``reach``: r_m tan λ; ``xi``: ξ_s by law, ``xi_rest`` with static
     friction, and ``same``, whether that is none of its own; ``slowest``: μ of slow sliding; ``pieces`` of a friction
-    law, if any, and ``fastest``, the sliding speed [m/s] up to which Γ₊ > 0 under it; ``turning``: sgn Ω; ``slides``,
-    ``bears``: whether there is F_0, T_0; ``speed``, ``deflection``: rows of θ′ and z.
+    law, if any, and ``fastest``, the sliding speed [m/s] up to which it leaves Γ₊ its sign; ``turning``: sgn Ω;
+    ``slides``, ``bears``: whether there is F_0, T_0; ``speed``, ``deflection``: rows of θ′ and z.
 
     A model names its ``states``, ``modes``, ``events``, and the ``second`` body with the coordinates ``snaps`` that are
     moved to put the speeds ``slip`` and ``sliding`` on zero. It sets the attributes that are only declared here: the
@@ -130,8 +130,8 @@ class TwoBodies(ABC):
         if self.pieces is None:
             return sign(inertia - self.turned * mass, "mass") <= 0
         most = sliding.critical_coefficient(inertia, self.d, mass)
-        self.fastest = sliding.regular_below(self.drive, most)
-        return self.fastest == 0
+        paradox, self.fastest = sliding.paradox_below(self.drive, most)
+        return paradox
 
     @property
     def turned(self) -> arb:

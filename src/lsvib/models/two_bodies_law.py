@@ -34,7 +34,7 @@ def under_law(
         force = without["normal_force"]
         split = Split.of(free.field, force, rubbed.field, pressed["normal_force"], probe)
         row, guards = sliding.speed_row(d, model.slip, model.d), modes[name].guards
-        if 0 < model.fastest < math.inf:
+        if math.isfinite(model.fastest):
             model.transitions["beyond"] = Transition(())
             guards += (model.guard(f"beyond_{DIRECTIONS[d]}", (*row[:-1], row[-1] - model.fastest), -1, "beyond"),)
         modes[name] = replace(modes[name], flow=split.mode(row, model.pieces), guards=guards)
