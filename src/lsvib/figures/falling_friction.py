@@ -7,7 +7,6 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import spans
-from lsvib.datasets.analysis import analyse
 from lsvib.datasets.attributes import ASSUMED, axis, drive_parameters, flagged, named_index, parameter, variable
 from lsvib.datasets.checks import Check
 from lsvib.dynamics.attractor import Attractor
@@ -45,17 +44,11 @@ def _speeds(settings: Values) -> np.ndarray:
     return np.unique([*spans.logarithmic(settings["input_speed"]), *KNOWN])
 
 
-def analysis(settings: Values) -> xr.Dataset:
-    """Analyse the drive at each input speed: the axial force of its onset, and its critical mass."""
-    drive = RigidDrive.of(settings["drive"])
-    drives = [drive.replace(input_speed=speed) for speed in _speeds(settings).tolist()]
-    return analyse(drives, [("onset", "axial_force"), ("kinematic_constraint", "mass")], along=("input_speed",))
-
-
-def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
+def build(settings: Values) -> xr.Dataset:
     """Compute the coefficient and the onset over the speed, and what motions end in on both sides of it."""
     drive, speeds = RigidDrive.of(settings["drive"]), _speeds(settings)
     force, speed = spans.even(settings["swept_axial_force"]), spans.logarithmic(settings["swept_input_speed"])
+    thresholds = [_thresholds(drive.replace(input_speed=at)) for at in speeds.tolist()]
     over_force = _motions(drive, axial_force=force)
     over_speed = _motions(drive.replace(axial_force=settings["force"]), input_speed=speed)
     sliding = np.geomspace(1e-4, 1.2 * drive.pitch_radius * speeds.max(), 200)
@@ -66,16 +59,19 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
         {
             "coefficient": variable("sliding_speed", mu, "1", "friction coefficient of the threads", r"$\mu$"),
             "onset_force": variable(
-                "input_speed", analysis.onset_axial_force.values, "N", "axial force of the onset of vibration", "$R$"
+                "input_speed", [pair[0] for pair in thresholds], "N", "axial force of the onset of vibration", "$R$"
             ),
             "critical_mass": variable(
-                "input_speed", analysis.kinematic_constraint_mass.values, "kg", "critical mass with steady friction",
+                "input_speed",
+                [pair[1] for pair in thresholds], "kg", "critical mass with steady friction",
                 r"$m_\mathrm{cr}$",
             ),
             "attractor": flagged(dims, over_force.attractor, words, Attractor),
             "amplitude": variable(dims, over_force.amplitude, "rad", size, r"$\hat u$"),
             "speed_attractor": flagged(other, over_speed.attractor, f"{words}, over the input speed", Attractor),
-            "speed_amplitude": variable(other, over_speed.amplitude, "rad", f"{size}, over the input speed", r"$\hat u$"),
+            "speed_amplitude": variable(
+                other, over_speed.amplitude, "rad", f"{size}, over the input speed", r"$\hat u$"
+            ),
         },
         coords={
             **drive_parameters(drive, axes=("input_speed",), no_effect=("axial_force",), printed=("Sect. 8.5.1",)),
@@ -89,6 +85,14 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
         },
         attrs=about(__doc__, "closed form and motions by power series", "Table 8.1, Sect. 8.5"),
     )  # fmt: skip
+
+
+def _thresholds(drive: RigidDrive) -> tuple[float, float]:
+    """Onset force [N] of a drive under law +, and its critical mass [kg]."""
+    from lsvib.stability.threshold import solve_threshold
+
+    onset = solve_threshold(drive, "onset", "axial_force")
+    return min(x.value for x in onset.solutions if x.value > 0), solve_threshold(drive, "kinematic_constraint").value
 
 
 def _motions(drive: RigidDrive, **swept: np.ndarray):
@@ -148,8 +152,9 @@ def draw(dataset: xr.Dataset) -> style.Figure:
                        alpha=0.15, linewidth=0)  # fmt: skip
     onset.text(0.6, 0.8, "steady sliding unstable", transform=onset.transAxes, ha="center")
     onset.text(0.75, 0.15, "stable", transform=onset.transAxes, ha="center")
-    onset.set(xscale="log", ylim=(0, 1.2 * float(dataset.onset_force.max())), title="(b) onset of vibration",
-              xlabel=style.label(dataset.input_speed), ylabel=style.label(dataset.onset_force, "axial force"))  # fmt: skip
+    onset.set(xscale="log", title="(b) onset of vibration", ylim=(0, 1.2 * float(dataset.onset_force.max())),
+              xlabel=style.label(dataset.input_speed),
+              ylabel=style.label(dataset.onset_force, "axial force"))  # fmt: skip
     fixed = f"$\\Omega$ = {float(dataset.drawn_input_speed):g} rad/s", f"$R$ = {float(dataset.drawn_axial_force):g} N"
     _sweep(force, dataset.swept_axial_force, dataset.amplitude, f"(c) over the force, {fixed[0]}")
     _sweep(speed, dataset.swept_input_speed, dataset.speed_amplitude, f"(d) over the speed, {fixed[1]}")
