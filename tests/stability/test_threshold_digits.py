@@ -97,7 +97,7 @@ def compared(drive, solved, solution, truth, rng, slopes):
     exact = truth(values, solution.value)
     assert abs(solution.value - exact) <= VALUE * abs(exact)
     assert solution.enclosure[0] <= exact <= solution.enclosure[1]
-    others = [key for key in type(drive).model_fields if key != solved.unknown and values[key]]
+    others = [key for key, value in values.items() if key != solved.unknown and value]
     for key in rng.choice(others, slopes, replace=False):
         step = abs(mpf(values[key])) * _STEP
         ends = [truth({**values, key: values[key] + sign * step}, exact) for sign in (1, -1)]

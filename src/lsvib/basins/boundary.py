@@ -23,6 +23,7 @@ from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError, InputError, LsvibError
+from lsvib.models import friction
 from lsvib.models.drive import Drive, RigidDrive
 from lsvib.models.mechanics import Coefficients, coefficients
 from lsvib.models.rigid import MotionMode, rigid_automaton
@@ -111,6 +112,8 @@ def basin(drive: RigidDrive) -> Basin:
     nothing, and for the few drives whose basin has another shape (see docs/basin.md); ``EngineError`` where the engine
     cannot follow the boundary.
     """
+    if wanted := friction.refusal(drive):
+        raise InputError(f"the closed form of the basin {wanted}.")
     if drive.input_speed < 0:
         return _mirrored(basin(drive.replace(input_speed=-drive.input_speed, axial_force=-drive.axial_force)), drive)
     c = coefficients(drive)

@@ -24,13 +24,15 @@ import cmath
 import math
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from lsvib.errors import InputError
+from lsvib.models import friction
 from lsvib.models.drive import RigidDrive, ThreadsDrive
-from lsvib.models.mechanics import coefficients
+from lsvib.models.mechanics import coefficients, effective_inertia, friction_factor
 from lsvib.numbers import bisected
 
 ForceState = tuple[float, float]
@@ -157,7 +159,7 @@ def force_scale(drive: ThreadsDrive) -> float:
 
 
 def _lever(drive: ThreadsDrive, law: int) -> float:
-    return math.cos(drive.lead_angle) + law * drive.friction_coefficient * math.sin(drive.lead_angle)
+    return math.cos(drive.lead_angle) + law * float(drive.exact().steady_friction) * math.sin(drive.lead_angle)
 
 
 def follow(flows: dict[int, ForceFlow], start: ForceState) -> tuple[list[ForceArc], ForceOutcome]:
@@ -201,14 +203,28 @@ def contact_forces(drive: RigidDrive, u: ArrayLike, w: ArrayLike) -> np.ndarray:
     """Contact force that each friction law would give, N_s = Q / [Γ_s (cos λ + s μ sin λ)] (eqs 8.5, 8.17).
 
     Arguments: u [rad], w = u′ [rad/s], arrays of one shape. Returns N₊ and N₋ [N], shape (2, ...). The law is
-    admissible where sgn(N_s) sgn(θ′) = s; Γ_s = 0 gives an infinite force.
+    admissible where sgn(N_s) sgn(θ′) = s; Γ_s = 0 gives an infinite force. Where friction depends on the speed, Γ_s and
+    μ are those at the sliding speed of the state; Q is the same.
     """
     c = coefficients(drive)
     q_u, q_w, q_0 = (float(x) for x in c.q_row)
     q = q_u * np.asarray(u) + q_w * np.asarray(w) + q_0
     cosine, sine = np.cos(drive.lead_angle), np.sin(drive.lead_angle)
+    mu, gamma = drive.friction_coefficient, {s: float(inertia) for s, inertia in c.gamma.items()}
+    if friction.depends_on_speed(drive):
+        mu, gamma = _at_speed(drive, np.asarray(w, dtype=float))
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.stack([q / (float(c.gamma[s]) * (cosine + s * drive.friction_coefficient * sine)) for s in (1, -1)])
+        return np.stack([q / (gamma[s] * (cosine + s * mu * sine)) for s in (1, -1)])
+
+
+def _at_speed(drive: RigidDrive, w: np.ndarray) -> tuple[Any, dict[int, Any]]:
+    """μ and Γ_s at the rate w [rad/s] of states."""
+    tangent = np.tan(drive.lead_angle)
+    mu, _ = friction.steady({**dict(drive), "input_speed": np.atleast_1d(drive.input_speed + w)}, tangent)
+    mu = mu.reshape(w.shape)
+    factors = {s: friction_factor(mu, tangent, s) for s in (1, -1)}
+    geometry = drive.screw_inertia, drive.mass, drive.pitch_radius, tangent
+    return mu, {s: effective_inertia(*geometry, factor) for s, factor in factors.items()}
 
 
 def existence(drive: RigidDrive, u: ArrayLike, w: ArrayLike) -> np.ndarray:

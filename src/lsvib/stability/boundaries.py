@@ -28,7 +28,6 @@ from lsvib.stability.spectrum import (
     margins,
     polynomial,
     positive_roots,
-    rationals,
     sliding_law_values,
     undamped,
 )
@@ -149,16 +148,23 @@ def _margins(drive: Drive, law: int, neutral: bool, sloped: bool) -> list[RootCo
     return [condition(k, text) for k, text in enumerate(words)]
 
 
+def searched(drive: Drive, unknown: str) -> bool:
+    """Whether the equations are no polynomials, as the unknown changes the sliding speed on which friction depends."""
+    return friction.depends_on_speed(drive) and unknown in _OF_SPEED
+
+
 class Line:
     """The values that one parameter of a drive may take, on one side of zero, all others held."""
 
     def __init__(self, drive: Drive, unknown: str, side: int) -> None:
         self.drive, self.unknown, self.side, self.kind = drive, unknown, side, type(drive)
+        self.fixed: dict[str, Any]
+        self.tangent: Any
         self.fixed, self.tangent = enclosed(drive)[0]
         self.neutral = undamped(drive, unknown)
         self.sense = side if unknown == "input_speed" else 1 if drive.input_speed > 0 else -1
         self.sloped = friction.depends_on_speed(drive) or unknown in _OF_LAW
-        self.searched = self.sloped and unknown in _OF_SPEED
+        self.searched = searched(drive, unknown)
         if self.searched:
             self.fixed = {key: arb(value) for key, value in drive}
             self.tangent = self.fixed["lead_angle"].tan()
@@ -170,24 +176,23 @@ class Line:
         if self.searched:
             self._speed_limits()
 
-    def _limit(self) -> fmpq:
+    def _limit(self) -> Any:
         """The largest distance from zero, as far as it is no matter of the sliding speed in the law of friction."""
-        rule, drive = _range(self.kind, self.unknown), self.drive
-        static, cot = fmpq(*drive.static_friction_coefficient.as_integer_ratio()), None
+        drive, cot, one = self.drive, 1 / self.tangent, fmpq_poly([1])
+        static = fmpq(*drive.static_friction_coefficient.as_integer_ratio())
         if self.unknown == "lead_angle":
             steepest = fmpq(10**17)  # more than tan λ of the largest double below π/2
-            slowest = rationals(drive)["friction_coefficient"] + fmpq(*drive.stribeck_rise.as_integer_ratio())
+            slowest = sum(fmpq(*x.as_integer_ratio()) for x in (drive.friction_coefficient, drive.stribeck_rise))
             most = max(slowest, static)
             return min(1 / most, steepest) if most else steepest
-        limits = []
-        if "maximum" in rule:
-            limits.append(fmpq(*float(rule["maximum"]).as_integer_ratio()))
-        if self.unknown in ("friction_coefficient", "static_friction_coefficient", *_OF_LAW):
-            cot, values, x = 1 / self.tangent, self.at(fmpq_poly([0, 1]))[1], fmpq_poly([0])
-            slowest = x + values["friction_coefficient"] + values.get("stribeck_rise", 0)
-            levels = [(slowest, static or cot), (x + _friction(*self.at(fmpq_poly([0, 1]))), cot)]
-            limits += [(bound - level[0]) / level[1] for level, bound in levels if level[1] > 0]
-        return min(limits) if limits else cot
+        if self.unknown not in ("friction_coefficient", "static_friction_coefficient", *_OF_LAW):
+            return fmpq(*float(_range(self.kind, self.unknown)["maximum"]).as_integer_ratio())
+        place = self.at(fmpq_poly([0, 1]))
+        slowest = place[1]["friction_coefficient"] + place[1].get("stribeck_rise", 0)
+        limits = [fmpq(10**6)]  # of the slope; more than cot λ of the least lead angle
+        for level, bound in ((one * slowest, static or cot), (one * _friction(*place), cot)):
+            limits += [(bound - level[0]) / level[1]] if level[1] > 0 else []
+        return min(limits)
 
     def _speed_limits(self) -> None:
         """Narrow a parameter of the sliding speed to where μ tan λ < 1 in steady sliding."""
@@ -322,7 +327,16 @@ def stable_set(drive: Drive, key: str) -> StableSet | None:
         vanishes = line.roots_of(line.force)
         if before[2] != after[2] and vanishes and vanishes[0] == 0:
             changes.append(line.place(fmpq(0), line.force))
-    return StableSet(key, tuple(intervals), line.limit, line.neutral, line.stable(line.lowest), tuple(changes), drive, tuple(line.limit for line in lines))
+    return StableSet(
+        key,
+        tuple(intervals),
+        line.limit,
+        line.neutral,
+        line.stable(line.lowest),
+        tuple(changes),
+        drive,
+        tuple(line.limit for line in lines),
+    )
 
 
 @many_digits()

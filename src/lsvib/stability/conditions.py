@@ -3,7 +3,7 @@
 Functions of ``DriveValues`` (:mod:`lsvib.stability.linear`) and a law s = ±1 serve whole grids, and one drive in balls.
 With χ = ξ_s r_m² tan λ, S = m + m_1 and m̃ = m m_1 / S the printed quantities of the axial support are Γ_0 = I − m χ and
 Γ̃_0 = I − m̃ χ. Of compliant threads, with Γ_0 and C_0 of the steady law and β = cos λ (cos λ + s_0 μ sin λ), the
-characteristic polynomial has the coefficients
+characteristic polynomial of a constant friction coefficient has the coefficients
 
     p_4 = I m,   p_3 = I c_x + m c + β c_c Γ_0,   p_2 = c c_x + m k + β (k_c Γ_0 + c_c C_0),
     p_1 = c_x k + β (k_c C_0 + c_c k),   p_0 = β k_c k.
@@ -18,7 +18,7 @@ from flint import fmpq
 from numpy.typing import NDArray
 
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.models import mechanics
+from lsvib.models import friction, mechanics
 from lsvib.models.drive import Drive, RigidDrive, SupportDrive, ThreadsDrive
 from lsvib.numbers import bisected
 from lsvib.results import Condition, Quantity, StabilityReport, UndampedStability
@@ -56,15 +56,33 @@ def conditions(drive: RigidDrive) -> dict[str, Condition]:
     """Return the instability conditions of a rigid drive; margins in SI units.
 
     ``negative_damping`` (8.19): μ − tan λ, N_0 Ω (by its sign as R̃ Ω), −C₊; ``kinematic_constraint`` (8.21): μ − tan λ,
-    R̃ Ω, −Γ₊, which hold exactly where Γ_0 < 0 (8.20), as Γ₋ > 0.
+    R̃ Ω, −Γ₊, which hold exactly where Γ_0 < 0 (8.20), as Γ₋ > 0. Where friction depends on the speed, μ is that of
+    steady sliding, its slope damps by S, and what is negative must be C_0 + S as well; ``falling_friction`` then is S
+    and C_0 + S negative.
     """
     c, d = mechanics.coefficients(drive), drive.exact()
     with many_digits():
-        both = {"self_locking": d.friction_coefficient - d.tan_lead, "force_with_motion": c.net_force * d.input_speed}
-    return {
-        "negative_damping": _condition(**both, negative_effective_damping=-c.damping[1]),
+        both = {"self_locking": d.steady_friction - d.tan_lead, "force_with_motion": c.net_force * d.input_speed}
+    sloped = {}
+    if friction.depends_on_speed(drive):
+        with many_digits():
+            by_slope = damping_by_slope(d, c.steady_law)
+            sloped = {"negative_total_damping": -(c.damping[c.steady_law] + by_slope)}
+    found = {
+        "negative_damping": _condition(**both, negative_effective_damping=-c.damping[1], **sloped),
         "kinematic_constraint": _condition(**both, negative_effective_inertia=-c.gamma[1]),
     }
+    if sloped:
+        found["falling_friction"] = _condition(negative_damping_by_slope=-by_slope, **sloped)
+    return found
+
+
+def damping_by_slope(drive: DriveValues, law: int) -> Any:
+    """Return S = r_m² (1 + tan² λ) |R̃| μ′ / [cos λ (1 + s μ tan λ)²] [N m s/rad] of the rigid drive.
+
+    It is what the slope μ′ of friction at the speed of steady sliding adds to C_s; zero for a constant coefficient.
+    """
+    return values_of(drive, law).sloped
 
 
 def critical_mass(drive: Drive) -> float | None:
@@ -202,10 +220,17 @@ def critical_friction_by_eigenvalues(drive: SupportDrive) -> float | None:
 
 
 def _contact_terms(drive: ThreadsDrive) -> tuple[Any, Any, Any, Any]:
-    """Parameters of a drive in balls, Γ_0 [kg m²], C_0 [N m s/rad] and β [1] of its steady law."""
-    d, law = drive.exact(), steady_law(drive)
-    beta = d.cos_lead * (d.cos_lead + law * d.friction_coefficient * d.sin_lead)
-    return d, effective_inertia(d, law), effective_damping(d, law), beta
+    """Parameters of a drive in balls, Γ_0 [kg m²], C_0 [N m s/rad] and β [1] of its steady law.
+
+    The slope of friction damps the screw alone by r_m² ν, with which ``support_damping`` is given here, and the rigid
+    drive by S, which is in C_0.
+    """
+    law = steady_law(drive)
+    d = values_of(drive.exact(), law)
+    beta = d.cos_lead * (d.cos_lead + law * d.steady_friction * d.sin_lead)
+    damping = effective_damping(drive.exact(), law) + d.sloped
+    d.support_damping = d.support_damping + d.slope
+    return d, effective_inertia(drive.exact(), law), damping, beta
 
 
 def unstable_contact_stiffness(drive: ThreadsDrive) -> float | None:
@@ -224,15 +249,20 @@ def unstable_contact_stiffness(drive: ThreadsDrive) -> float | None:
 def least_damping_of_stiff_contact(drive: ThreadsDrive) -> float | None:
     """Contact damping c_c [N s/m] above which steady sliding stays stable as k_c → ∞; None unless Γ_0 > 0 and C_0 > 0.
 
-    c_c = max[0, (c m (I − Γ_0) − I² c_x) / (β Γ_0²)], from the Routh–Hurwitz condition p_3 Γ_0 > I m C_0 that is left
-    in the limit. With less damping a contact that is stiff enough flutters, although the rigid drive (8.13) is stable.
-    The least damping at the drive's own k_c (:mod:`lsvib.stability.boundaries`) may be many times larger.
+    c_c = max[0, (I m C_0 − (I c_x + m c) Γ_0) / (β Γ_0²)], from the Routh–Hurwitz condition p_3 Γ_0 > I m C_0 that is
+    left in the limit. With a constant friction coefficient the numerator is c m (I − Γ_0) − I² c_x. With less damping
+    a contact that is stiff enough flutters, although the rigid drive (8.13) is stable. The least damping at the drive's
+    own k_c (:mod:`lsvib.stability.boundaries`) may be many times larger.
     """
     with many_digits():
         d, gamma, damping, beta = _contact_terms(drive)
         if not (gamma > 0 and damping > 0):
             return None
-        excess = d.support_damping * d.mass * (d.screw_inertia - gamma) - d.screw_inertia**2 * d.translation_damping
+        if friction.depends_on_speed(drive):
+            excess = d.screw_inertia * (d.mass * damping - d.translation_damping * gamma)
+            excess -= d.mass * d.support_damping * gamma
+        else:  # without a difference of large terms
+            excess = d.support_damping * d.mass * (d.screw_inertia - gamma) - d.screw_inertia**2 * d.translation_damping
         return max(0.0, float(excess / (beta * gamma**2)))
 
 
@@ -312,11 +342,11 @@ def _of_rigid(drive: RigidDrive, law: int, polynomial: Polynomial, values: list[
     for name, by_law, unit in (("inertia", c.gamma, "kg m2"), ("damping", c.damping, "N m s rad-1")):
         for word, s in (("plus", 1), ("minus", -1)):
             found[f"effective_{name}_{word}"] = _quantity(by_law[s], unit)
-    return {
-        "conditions": conditions(drive),
-        "quantities": {**found, "steady_deflection": _quantity(c.deflection, "rad")},
-        "paradox_region": c.paradox,
-    }
+    found["steady_deflection"] = _quantity(c.deflection, "rad")
+    if friction.depends_on_speed(drive):
+        found["steady_friction"] = _quantity(drive.exact().steady_friction, "1")
+        found["damping_by_slope"] = _quantity(damping_by_slope(drive.exact(), law), "N m s rad-1")
+    return {"conditions": conditions(drive), "quantities": found, "paradox_region": c.paradox}
 
 
 def _of_threads(drive: ThreadsDrive, law: int, polynomial: Polynomial, values: list[complex]) -> dict[str, Any]:
@@ -348,8 +378,8 @@ def _of_support(drive: SupportDrive, law: int, polynomial: Polynomial, values: l
     d = drive.exact()
     inertia = reduced_inertia(d, law)
     undamped = drive.replace(support_damping=0.0, translation_damping=0.0, axial_support_damping=0.0)
-    undamped_class, _, exact = spectrum(undamped, law)
-    factor = scale(drive, law)
+    undamped_class, _, exact = spectrum(undamped, law, level=True)
+    factor = scale(drive, law, level=True)
     a_4, minus_a_2, discriminant = margins(tuple(p / factor for p in exact), neutral=True)
     lower, upper = flutter_boundaries(d, law)  # in doubles Γ_0 and Γ̃_0 lose all digits next to where they vanish
     return {

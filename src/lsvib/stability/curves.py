@@ -25,14 +25,15 @@ from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import follow
 from lsvib.errors import NoThreshold
+from lsvib.models import friction
 from lsvib.models.drive import Drive, zero_if_close
 from lsvib.models.model import find_model
 from lsvib.stability.boundaries import net_force
-from lsvib.stability.conditions import effective_damping, effective_inertia
+from lsvib.stability.conditions import damping_by_slope, effective_damping, effective_inertia
 from lsvib.stability.force_thresholds import threshold_force
 from lsvib.stability.linear import hurwitz, sliding_law
 from lsvib.stability.solve import bracketed_root
-from lsvib.stability.spectrum import polynomial, rationals, tangents
+from lsvib.stability.spectrum import enclosed, polynomial
 
 LOGARITHMIC = ("contact_stiffness", "contact_damping")
 """Parameters that span many decades, so that their axes have equal ratios in place of equal steps."""
@@ -52,6 +53,10 @@ class ChartBoundary(IntEnum):
     FLUTTER = 7
 
 
+_OF_REST = (ChartBoundary.DETACH, ChartBoundary.GLOBAL_STABILITY, ChartBoundary.STICK_SLIP_BIRTH)
+"""Curves that hold for static friction that is not above that of sliding."""
+_OF_CONSTANT_FRICTION = (*_OF_REST, ChartBoundary.STICK, ChartBoundary.NEGATIVE_DAMPING)
+"""Curves that hold for friction that does not depend on the speed."""
 _FORCES = (ChartBoundary.STICK, ChartBoundary.DETACH, ChartBoundary.GLOBAL_STABILITY)
 AxisSpan = tuple[str, tuple[float, float]]
 PlaneFunction = Callable[[float, float], float]
@@ -69,11 +74,14 @@ def boundary_curves(drive: Drive, x: AxisSpan, y: AxisSpan) -> dict[ChartBoundar
     function that vanishes on a curve is evaluated with many digits at every point of it.
     """
     names, found = (x[0], y[0]), {}
+    corners = [drive.replace(**{x[0]: first, y[0]: second}) for first, second in product(x[1], y[1])]
+    moves, rests = ([friction.refusal(corner, rest) for corner in corners] for rest in (False, True))
     for kind in curves_of(drive):
-        if kind is ChartBoundary.FLUTTER:  # R̃ is linear in each parameter that it depends on
-            corners = (drive.replace(**{x[0]: first, y[0]: second}) for first, second in product(x[1], y[1]))
-            if not any(map(sliding_law, corners)):
-                continue
+        if (any(moves) and kind in _OF_CONSTANT_FRICTION) or (any(rests) and kind in _OF_REST):
+            continue
+        # R̃ is linear in each parameter that it depends on.
+        if kind is ChartBoundary.FLUTTER and not any(map(sliding_law, corners)):
+            continue
         slow = kind is ChartBoundary.FLUTTER or (kind in _FORCES and "axial_force" not in names)
         nodes = [nodes_between(*ends, 32 if slow else 64, name) for name, ends in (x, y)]
         function = _function(drive, kind, names)
@@ -140,7 +148,8 @@ def _function(drive: Drive, kind: ChartBoundary, names: tuple[str, str]) -> Plan
         if kind is ChartBoundary.STICK_SLIP_BIRTH:
             return stops_again(changed)
         if kind is ChartBoundary.FLUTTER:
-            exact = polynomial(type(changed), rationals(changed), sliding_law(changed) or 1, tangents(changed)[0])
+            values, tangent = enclosed(changed)[0]
+            exact = polynomial(type(changed), values, sliding_law(changed) or 1, tangent)
             return float(min((*exact[:4], hurwitz(exact))))
         return _closed_form(changed, kind)
 
@@ -148,7 +157,10 @@ def _function(drive: Drive, kind: ChartBoundary, names: tuple[str, str]) -> Plan
 
 
 def _closed_form(drive: Drive, kind: ChartBoundary) -> float:
-    """Γ₊, C₊ or R̃ Ω of a rigid drive; nan where its zero changes nothing."""
+    """Γ₊, C₊ or R̃ Ω of a rigid drive; nan where its zero changes nothing.
+
+    Where friction depends on the speed and Γ₊ > 0 the onset is where C_0 + S changes its sign.
+    """
     d = drive.exact()
     inertia, damping = float(effective_inertia(d, 1)), float(effective_damping(d, 1))
     if kind is ChartBoundary.KINEMATIC_CONSTRAINT:
@@ -157,6 +169,10 @@ def _closed_form(drive: Drive, kind: ChartBoundary) -> float:
         drag = float(net_force(type(drive), vars(d), d.tan_lead, 1) * d.input_speed)
     if kind is ChartBoundary.NEGATIVE_DAMPING:
         return damping if inertia > 0 and drag > 0 else math.nan
+    if inertia > 0 and friction.depends_on_speed(drive):
+        law = 1 if drag > 0 else -1
+        with many_digits():
+            return -float(effective_damping(d, law) + damping_by_slope(d, law))
     return drag if inertia <= 0 or damping < 0 else math.nan
 
 

@@ -19,6 +19,7 @@ from flint import arb
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import NoThreshold
+from lsvib.models import friction
 from lsvib.models.drive import RigidDrive, allowed_range
 from lsvib.stability.motion_equations import Return, Start
 from lsvib.stability.slip import CLOSE, SlipDrive, decay_of_large_motions, slowest_point
@@ -57,8 +58,15 @@ def _negatively_damped(drive: RigidDrive) -> SlipDrive:
     return d
 
 
+def _require_one_friction(drive: RigidDrive) -> None:
+    """Refuse static friction above that of sliding, under which rest ends elsewhere."""
+    if wanted := friction.refusal(drive):
+        raise NoThreshold(f"the closed form of this threshold {wanted}.")
+
+
 def _seizing(drive: RigidDrive, undamped: str = "without damping no cycle of this drive is isolated.") -> SlipDrive:
     """Constants of a drive in the Painlevé region; refused outside and, in words of its own, if undamped."""
+    _require_one_friction(drive)
     d = SlipDrive.of(drive)
     if not d.inertia[1] <= 0:
         raise NoThreshold(
@@ -126,6 +134,7 @@ def detach_start(drive: RigidDrive) -> Start:
     Rest ends at u = C₊ Ω / k whatever R is, and the slip under law + that follows depends on R only through N; so it
     touches Q = Q_uw(u, w) + Γ₊ R̃ = 0 at R̃ = −min Q_uw / Γ₊.
     """
+    _require_one_friction(drive)
     d = _negatively_damped(drive)
     slip = d.slip(1)
     if not slip.turns:

@@ -1,8 +1,8 @@
 """All roots of a function of one positive number between two ends, each isolated with certainty, in balls.
 
 Where the sliding speed changes, an exponential of it is in the equations, so that they are no polynomials. On a box, a
-ball about its middle m, the values lie within f(m) + f′(box) (box − m). Where that holds no zero there is no root; where
-f′ has none there is one exactly if the ends differ in sign; other boxes are halved.
+ball about its middle m, the values lie within f(m) + f′(box) (box − m). Where that holds no zero there is no root;
+where f′ has none there is one exactly if the ends differ in sign; other boxes are halved.
 """
 
 from collections.abc import Callable

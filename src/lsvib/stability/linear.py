@@ -7,10 +7,11 @@ q and read M q″ + C q′ + K q = 0. With a screw that turns at θ′, a nut at
     I θ″ = T + a N            a = r_m (sin λ − μ_s cos λ) = −r_m ξ_s b
     m x″ = P − b N            b = cos λ + μ_s sin λ
 
-with T = k (Ω t − θ) − c θ′ and P = R − c_x x′. Where μ depends on the sliding speed v, which is r_m θ′ / cos λ, μ is that
-of steady sliding, and friction has the part ν v′ more for a change v′ of v, ν = |N_0| μ′: with the lever r_m cos λ
-against the screw, and with sin λ against the nut. The models differ in what ties x to θ. Coulomb friction F_0 and T_0 is
-constant in steady sliding, so it shifts the equilibrium – and may turn the sign of N – but is in no matrix.
+with T = k (Ω t − θ) − c θ′ and P = R − c_x x′. The models differ in what ties x to θ. Coulomb friction F_0 and T_0 is
+constant in steady sliding, so it shifts the equilibrium – and may turn the sign of N – but is in no matrix. Where μ
+depends on the sliding speed v = r_m θ′ / cos λ, it is that of steady sliding here, and a change of v by v′ changes
+friction by ν v′ with ν = |N_0| dμ/dv, which has the lever r_m cos λ against the screw and the share sin λ against the
+nut.
 
 The entries are plain arithmetic: they serve floats, numpy arrays that broadcast and balls (Arb) alike. The class of one
 drive, decided with certainty, is the matter of :mod:`lsvib.stability.spectrum`.

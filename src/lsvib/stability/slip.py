@@ -24,7 +24,7 @@ from typing import Any
 from flint import arb, arb_series
 
 from lsvib.errors import NoThreshold
-from lsvib.models import mechanics
+from lsvib.models import friction, mechanics
 from lsvib.models.drive import Drive
 from lsvib.stability.solve import bracketed_root
 
@@ -150,7 +150,12 @@ class SlipDrive:
 
     @classmethod
     def of(cls, drive: Drive) -> "SlipDrive":
-        """Make the constants of a drive in balls, in the digits of the context."""
+        """Make the constants of a drive in balls, in the digits of the context.
+
+        Raises ``NoThreshold`` where friction depends on the sliding speed, as slip has no closed form then.
+        """
+        if wanted := friction.refusal(drive, rest=False):
+            raise NoThreshold(f"the closed form of this threshold {wanted}.")
         return cls({name: arb(value) for name, value in drive}, 1 if drive.input_speed > 0 else -1)
 
     def slip(self, law: int) -> Slip:

@@ -81,9 +81,9 @@ def solved(drive: Drive, unknown: str, equations: Equations, guess: Any, inner: 
     good to four digits. Raises ``Singular`` at a double root, and where no root so close is proved.
     """
     with many_digits():
-        values = {name: arb(value) for name, value in drive}
-        names = [*values, *([] if unknown in values else [unknown])]
-        system = _System(equations, names, values, unknown, len(inner))
+        fixed = {name: arb(value) for name, value in drive}
+        names = [*fixed, *([] if unknown in fixed else [unknown])]
+        system = _System(equations, names, fixed, unknown, len(inner))
         place = system.newton([_middle(arb(x)) for x in (*inner, guess)])
         others = [len(inner) + k for k, name in enumerate(names) if name not in (unknown, *_WHOLE)]
         values, jacobian = system.linearised(place, system.columns)

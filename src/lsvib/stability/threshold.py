@@ -1,6 +1,6 @@
 """Thresholds of a drive by name, each solved for any one of its parameters, with an enclosure and derivatives.
 
-Names and equations stand in docs/thresholds.md. Roots of polynomials are isolated (:mod:`lsvib.stability.boundaries`),
+Names and equations stand in docs/thresholds.md. Roots of one equation are isolated (:mod:`lsvib.stability.boundaries`),
 axial forces follow from closed forms and return maps (:mod:`lsvib.stability.force_thresholds`), and as any other
 parameter a threshold of a motion is searched for: where that force equals the force of the drive. All then go through
 one solver, which proves and encloses them (:mod:`lsvib.stability.solve`).
@@ -17,13 +17,13 @@ from flint import arb
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import EngineError, InputError, NoThreshold
-from lsvib.models import chapter
+from lsvib.models import chapter, friction
 from lsvib.models.drive import Drive, allowed_range, described
 from lsvib.models.model import find_model
 from lsvib.numbers import shown
 from lsvib.results import Derivative, PrintedValue, Threshold, ThresholdSolution
 from lsvib.stability import boundaries, motion_equations
-from lsvib.stability.boundaries import Place, StableSet, places, stable_set
+from lsvib.stability.boundaries import Place, StableSet, places, searched, stable_set
 from lsvib.stability.force_thresholds import STARTS, rest_left
 from lsvib.stability.motion_equations import Start
 from lsvib.stability.solve import DECADES, Root, Singular, outwards, samples, sign_changes, solved
@@ -111,14 +111,30 @@ def _parameter(drive: Drive, name: str, unknown: Any) -> str:
 
 def _solve(drive: Drive, name: str, unknown: str) -> Threshold:
     """A threshold, perhaps without solutions but with a reason; or ``NoThreshold``."""
+    if unknown == "stribeck_exponent":
+        raise NoThreshold("stribeck_exponent is either 1 or 2, so no threshold is solved for it.")
+    if unknown == "stribeck_rise" and not drive.stribeck_speed:
+        raise NoThreshold("no threshold is solved for stribeck_rise without stribeck_speed > 0.")
     if name in boundaries.NAMES:
-        return _by_polynomials(drive, name, unknown)
+        return _by_roots(drive, name, unknown)
+    _require_one_friction(drive, name, unknown)
     if name in STARTS and unknown == "axial_force":
         return _by_force(drive, name)
     return _by_search(drive, name, unknown)
 
 
-def _by_polynomials(drive: Drive, name: str, unknown: str) -> Threshold:
+def _require_one_friction(drive: Drive, name: str, unknown: str) -> None:
+    """Refuse a threshold of motions for a friction law that its equations do not have."""
+    if unknown == "static_friction_coefficient" and name == "stick":
+        raise NoThreshold("the threshold stick does not depend on static_friction_coefficient.")
+    wanted = friction.refusal(drive, rest=name != "stick")
+    if not wanted and unknown in friction.NAMES:
+        wanted = "holds for friction that is one number"
+    if wanted:
+        raise NoThreshold(f"the closed form of the threshold {name} {wanted}.")
+
+
+def _by_roots(drive: Drive, name: str, unknown: str) -> Threshold:
     stable = stable_set(drive, unknown) if name == "onset" else None
     found = stable.places() if stable else None if name == "onset" else places(drive, name, unknown)
     if found is None:
@@ -131,7 +147,8 @@ def _by_polynomials(drive: Drive, name: str, unknown: str) -> Threshold:
             f"no {unknown} in the allowed range {allowed_range(type(drive), unknown)} is the threshold {name}, "
             "all other parameters held."
         )
-    how = "All of them: the roots of polynomials are isolated with certainty."
+    what = "equations" if searched(drive, unknown) else "polynomials"
+    how = f"All of them: the roots of {what} are isolated with certainty."
     return _result(drive, name, unknown, solutions, how, reason, stable)
 
 

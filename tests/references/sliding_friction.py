@@ -1,0 +1,108 @@
+"""Newton's laws of all four drives with friction that depends on the sliding speed, linearised by differences.
+
+Nothing of the library is used but the values of a drive. The unknowns are the accelerations and the normal force N;
+the friction along the helix is s mu(v) N with the sliding speed v = r |theta' - theta_2'| / cos(lambda).
+"""
+
+import mpmath
+from mpmath import mp, mpf
+
+DIGITS = 80
+STEP = mpf(10) ** -25  # of a central difference, relative to the rates of the drive
+
+
+class SlidingDrive:
+    """The laws of a drive of a model; ``law`` s is that of steady sliding, of which the state is the deviation."""
+
+    def __init__(self, model, drive):
+        self.model = model
+        self.p = p = {key: mpf(value) for key, value in drive}
+        self.sin, self.cos = mp.sin(p["lead_angle"]), mp.cos(p["lead_angle"])
+        self.reach = p["pitch_radius"] * self.sin / self.cos
+        self.sense = mp.sign(p["input_speed"])
+        drag = p["translation_damping"] * self.reach * p["input_speed"] + p.get("slide_friction", 0) * self.sense
+        self.axial = p["axial_force"] - drag
+        self.law = int(mp.sign(self.axial) * self.sense)
+
+    def friction(self, speed):
+        """The coefficient at a speed of the threads [rad/s]."""
+        p, v = self.p, self.p["pitch_radius"] * abs(speed) / self.cos
+        value = p["friction_coefficient"] + p.get("friction_slope", 0) * v
+        if p.get("stribeck_rise"):
+            value += p["stribeck_rise"] * mp.exp(-((v / p["stribeck_speed"]) ** int(p.get("stribeck_exponent", 1))))
+        return max(value, mpf(0))
+
+    def steady(self):
+        """The state (z, theta', second place, its rate) of steady sliding, by the balance of forces."""
+        p, omega = self.p, self.p["input_speed"]
+        rub = self.law * self.friction(omega)
+        normal = self.axial / (self.cos + rub * self.sin)
+        torque = p["pitch_radius"] * normal * (rub * self.cos - self.sin)
+        load = torque + p["support_damping"] * omega + p.get("bearing_friction", 0) * self.sense
+        place = {
+            "rigid": lambda: [],
+            "threads": lambda: [normal / (self.cos * p["contact_stiffness"]), mpf(0)],
+            "support": lambda: [self.axial / p["support_stiffness"], mpf(0)],
+            "nut": lambda: [torque / p["nut_stiffness"], mpf(0)],
+        }[self.model]()
+        return [-load / p["coupling_stiffness"], omega, *place]
+
+    def rates(self, state):
+        """The rates of a state."""
+        p, radius, reach = self.p, self.p["pitch_radius"], self.reach
+        z, turn, place, rate = [*state, mpf(0), mpf(0)][:4]
+        slip = turn - rate if self.model == "nut" else turn
+        travel = reach * slip + (0 if self.model == "nut" else rate)
+        rub = self.law * self.friction(slip)
+        arm, push = radius * (rub * self.cos - self.sin), self.cos + rub * self.sin
+        torque = -p["coupling_stiffness"] * z - p["support_damping"] * turn - p.get("bearing_friction", 0) * self.sense
+        force = p["axial_force"] - p["translation_damping"] * travel - p.get("slide_friction", 0) * self.sense
+        screw, nut = [p["screw_inertia"], 0, arm], [p["mass"] * reach, p["mass"], push]
+        if self.model == "rigid":
+            other, side = [0, 1, 0], 0
+        elif self.model == "threads":
+            other = [0, 0, 1]
+            side = self.cos * (p["contact_stiffness"] * place + p["contact_damping"] * rate)
+        elif self.model == "support":
+            other = [0, p["screw_mass"], -push]
+            side = -p["support_stiffness"] * place - p["axial_support_damping"] * rate
+        else:
+            nut[1] *= -reach
+            other = [0, p["nut_inertia"], -arm]
+            side = -p["nut_stiffness"] * place - p["nut_damping"] * rate
+        found = mpmath.lu_solve(mpmath.matrix([screw, other, nut]), mpmath.matrix([torque, side, force]))
+        return [turn - p["input_speed"], found[0], rate, found[1]][: len(state)]
+
+    def eigenvalues(self):
+        """Eigenvalues [1/s] of steady sliding, in ascending real part; it must be a state of rest of the laws."""
+        state = self.steady()
+        size = len(state)
+        still = self.rates(state)
+        scale = [mpf(1), abs(self.p["input_speed"])] * (size // 2)
+        assert all(abs(x) < mpf(10) ** (30 - DIGITS) * self.fastest() ** 2 * s for x, s in zip(still, scale, strict=True))
+        jacobian = mpmath.matrix(size, size)
+        for j in range(size):
+            step = STEP * (self.p["input_speed"] if j % 2 else mpf(1))
+            ends = []
+            for way in (1, -1):
+                moved = list(state)
+                moved[j] += way * step
+                ends.append(self.rates(moved))
+            for i in range(size):
+                jacobian[i, j] = (ends[0][i] - ends[1][i]) / (2 * step)
+        found = mpmath.eig(jacobian, left=False, right=False)
+        return sorted(found, key=lambda x: (float(mp.re(x)), float(mp.im(x))))
+
+    def fastest(self):
+        """A rate [1/s] of the size of the fastest, or more."""
+        p = self.p
+        sizes = [p["coupling_stiffness"] / p["screw_inertia"], mpf(1)]
+        sizes += [p[a] / p[b] for a, b in (("support_stiffness", "screw_mass"), ("nut_stiffness", "nut_inertia")) if a in p]
+        sizes += [p["contact_stiffness"] / p["mass"], p["contact_damping"] / p["mass"]] if self.model == "threads" else []
+        return sum(mp.sqrt(x) + x for x in sizes)
+
+
+def eigenvalues(model, drive):
+    """Eigenvalues [1/s] of the steady sliding of a drive, as mpmath's complex numbers."""
+    with mp.workdps(DIGITS):
+        return SlidingDrive(model, drive).eigenvalues()

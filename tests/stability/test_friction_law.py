@@ -1,0 +1,292 @@
+"""Steady sliding with friction that depends on the speed: against Newton's laws linearised by differences."""
+
+import math
+
+import mpmath
+import numpy as np
+import pytest
+from references import sliding_friction
+
+import lsvib
+from lsvib.errors import InputError, NoThreshold
+from lsvib.models import friction
+from lsvib.models.drive import NutDrive, RigidDrive, SupportDrive, ThreadsDrive
+from lsvib.stability import linear
+from lsvib.stability.boundaries import stable_set
+from lsvib.stability.conditions import stability
+from lsvib.stability.curves import ChartBoundary, boundary_curves
+
+KINDS = {"rigid": RigidDrive, "threads": ThreadsDrive, "support": SupportDrive, "nut": NutDrive}
+MODELS = tuple(KINDS)
+LEAD, RADIUS = math.radians(5.57), 5.18e-3
+SEAT = {  # a measured law of a seat adjuster
+    "stribeck_rise": 0.0203,
+    "stribeck_speed": 0.013704,
+    "friction_slope": -4.47e-4 * math.cos(LEAD) / RADIUS,
+    "friction_coefficient": 0.218,
+}
+
+
+def drawn(model: str, rng: np.random.Generator):
+    """A drive about as large as the chapter's, with a law of friction that matters at its speed."""
+
+    def about(value: float, factor: float = 2.0) -> float:
+        return float(value * factor ** rng.uniform(-1, 1))
+
+    values = {
+        "pitch_radius": about(5.18e-3),
+        "lead_angle": about(0.0972),
+        "screw_inertia": about(3.12e-6),
+        "friction_coefficient": about(0.218),
+        "input_speed": about(10.0, 8.0) * rng.choice([-1, 1]),
+        "support_damping": about(2e-4) * rng.integers(0, 4),
+        "mass": about(3.0),
+        "axial_force": about(40.0) * rng.choice([-1, 1]),
+        "translation_damping": about(20.0) * rng.integers(0, 2),
+    }
+    more = {
+        "rigid": {},
+        "threads": {"contact_stiffness": about(1e7, 10.0), "contact_damping": about(1e4, 10.0)},
+        "support": {
+            "screw_mass": about(10.0),
+            "support_stiffness": about(1e5),
+            "axial_support_damping": about(100.0),
+            "slide_friction": about(2.0) * rng.integers(0, 2),
+        },
+        "nut": {
+            "nut_inertia": about(3e-6),
+            "nut_stiffness": about(1.0),
+            "nut_damping": about(2e-4),
+            "slide_friction": about(2.0) * rng.integers(0, 2),
+        },
+    }[model]
+    speed = values["pitch_radius"] * abs(values["input_speed"])
+    law = {"friction_slope": about(0.02 / speed) * rng.choice([-1.0, 0.5])}
+    if rng.random() < 0.8:
+        law |= {"stribeck_rise": about(0.05), "stribeck_speed": about(speed), "stribeck_exponent": 1 + rng.integers(2)}
+    return KINDS[model].of(values | more | law)
+
+
+def polynomial_of(roots) -> list:
+    """Coefficients of the polynomial with these roots, the highest one 1."""
+    found = [mpmath.mpf(1)]
+    for root in roots:
+        found = [a - root * b for a, b in zip([*found, 0], [0, *found], strict=True)]
+    return [float(mpmath.re(x)) for x in found]
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_report_against_newtons_laws(model):
+    rng, kinds = np.random.default_rng(1), set()
+    for _ in range(25):
+        drive = drawn(model, rng)
+        report, exact = stability(drive), sliding_friction.eigenvalues(model, drive)
+        with mpmath.workdps(60):
+            expected = polynomial_of(exact)
+        lead = report.characteristic_polynomial[0]
+        np.testing.assert_allclose([p / lead for p in report.characteristic_polynomial], expected, rtol=1e-12)
+        for ours, theirs in zip(report.eigenvalues, exact, strict=True):
+            assert abs(ours - complex(theirs)) <= 1e-13 * abs(complex(theirs))
+        growing = bool(mpmath.re(exact[-1]) > 0)
+        assert report.stable is not growing
+        assert any(condition.hold for condition in report.conditions.values()) == growing
+        kinds.add(report.stable)
+    assert kinds == {True, False}
+
+
+@pytest.mark.parametrize("model", [model for model in MODELS if model != "rigid"])
+def test_matrices_in_balls_in_floats_and_of_grids(model):
+    rng, build = np.random.default_rng(2), getattr(linear, f"{model}_model")
+    for _ in range(10):
+        drive = drawn(model, rng)
+        law, report = linear.steady_law(drive), stability(drive)
+        for own in (drive, drive.exact()):
+            found = [float(p) for p in build(own, law).polynomial()]
+            np.testing.assert_allclose(found, report.characteristic_polynomial, rtol=1e-12)
+        values = linear.eigenvalues(build(drive, law))
+        assert report.stable == (values[-1].real < 0)
+        np.testing.assert_allclose(values[-1].real, report.eigenvalues[-1].real, rtol=1e-6, atol=1e-9)
+    # one of the drives without a law, one that is cut off at zero
+    changes = {"friction_slope": [0.0, drive.friction_slope, -1e3], "stribeck_rise": [0.0, 0.03, 0.01]}
+    law = {"stribeck_speed": 0.1, "stribeck_exponent": 2.0}
+    grid = build({**dict(drive), **law, **{key: np.array(x) for key, x in changes.items()}}, 1)
+    for k in range(3):
+        one = build(drive.replace(**law, **{key: x[k] for key, x in changes.items()}), 1)
+        np.testing.assert_allclose(grid.jacobian()[k], one.jacobian(), rtol=1e-14)
+
+
+def test_forces_and_masses_of_the_seat():
+    expected = {40: (88.934, 11.848), 10: (64.305, 10.451), 5: (24.914, 10.041), 2: (9.8556, 9.441)}
+    for speed, (force, mass) in expected.items():
+        drive = RigidDrive(**SEAT, input_speed=speed, mass=1)
+        found = drive.threshold("onset", unknown="axial_force").solutions
+        assert float(f"{found[-1].value:.5g}") == force
+        assert found[0].value < 0  # the law falls for the load in the other direction, too
+        assert round(drive.threshold("kinematic_constraint").value, 3) == mass
+        onset = drive.replace(axial_force=1.0).threshold("onset", unknown="mass")
+        assert round(onset.value, 3) == mass
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_onset_by_every_parameter(model):
+    """Every solution divides stable from unstable drives, and every random value has the stability that is said."""
+    rng, seen = np.random.default_rng(3), set()
+    for _ in range(4):
+        drive = drawn(model, rng)
+        for key in set(KINDS[model].model_fields) - {"stribeck_exponent"}:
+            if key == "stribeck_rise" and not drive.stribeck_speed:
+                continue
+            stable = stable_set(drive, key)
+            if stable is None:
+                continue
+            ends = [float(x) for x in {end for interval in stable.intervals for end in interval}]
+            ends = [math.atan(x) if key == "lead_angle" else x for x in ends]
+            own = getattr(drive, key) or 1.0
+            places = [own * x for x in (0.3, 0.9, 1.2, 4.0)] + [end * (1 + side * 1e-7) for end in ends for side in (-1, 1)]
+            for value in places:
+                seen |= {(key, found)} if (found := judged(model, drive, key, value, stable)) is not None else set()
+            if (solved := solutions(drive, key)) is not None:
+                inner = [end for end in ends if any(math.isclose(end, x.value, rel_tol=1e-14) for x in solved)]
+                assert len(inner) == len(solved)
+                assert all(low <= x.value <= high for x in solved for low, high in [x.enclosure])
+    assert {key for key, found in seen if found} >= {"mass", "input_speed", "pitch_radius", *friction.NAMES[1:3]}
+    assert {key for key, found in seen if not found} >= {"mass", "input_speed", "pitch_radius", "friction_slope"}
+
+
+def judged(model, drive, key, value, stable) -> bool | None:
+    """Hold the stability that a set says of a value against Newton's laws; None where the drive may not have it."""
+    try:
+        other = drive.replace(**{key: value})
+    except InputError:
+        return None
+    if not linear.sliding_law(other):
+        return None
+    x = math.tan(value) if key == "lead_angle" else value
+    said = any(float(low) < x < float(high) for low, high in stable.intervals)
+    exact = sliding_friction.eigenvalues(model, other)
+    assert said == bool(mpmath.re(exact[-1]) < 0), (key, value, drive)
+    return said
+
+
+def solutions(drive, key):
+    """The solutions of the onset, None where there is none."""
+    try:
+        return drive.threshold("onset", unknown=key).solutions
+    except NoThreshold:
+        return None
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_derivatives_of_the_onset(model):
+    rng, count = np.random.default_rng(5), 0
+    while count < 3:
+        drive = drawn(model, rng)
+        if not drive.stribeck_rise or not (found := solutions(drive, "axial_force")):
+            continue
+        count += 1
+        root = found[-1]
+        assert "stribeck_exponent" not in root.derivatives
+        for key in ("stribeck_rise", "stribeck_speed", "friction_slope", "friction_coefficient", "input_speed"):
+            step = 1e-5 * getattr(drive, key)
+            ends = []
+            for way in (1, -1):
+                near = solutions(drive.replace(**{key: getattr(drive, key) + way * step}), "axial_force")
+                ends.append(min((x.value for x in near), key=lambda value: abs(value - root.value)))
+            slope = root.derivatives[key].value
+            assert math.isclose(slope, (ends[0] - ends[1]) / (2 * step), rel_tol=1e-5, abs_tol=1e-7 * abs(slope)), key
+
+
+def test_where_friction_is_cut_off_it_has_no_slope():
+    drive = RigidDrive(friction_slope=-3.0, input_speed=40.0, axial_force=50.0)
+    assert drive.exact().steady_friction == 0
+    report = stability(drive)
+    assert report.stable
+    assert report.quantities["damping_by_slope"].value == 0
+    cut = drive.threshold("onset", unknown="friction_slope").solutions[0]
+    assert cut.equation.startswith("μ = 0")
+    assert math.isclose(cut.value, -0.218 * math.cos(LEAD) / (RADIUS * 40.0), rel_tol=1e-14)
+
+
+def test_speeds_at_which_nothing_is_left_of_a_rise():
+    """An exponential below all numbers still has its sign."""
+    drive = RigidDrive(stribeck_rise=0.1, stribeck_speed=1e-12, stribeck_exponent=2, support_damping=0, input_speed=1e9)
+    assert stability(drive).kind.startswith("unstable")
+    assert stability(drive.replace(support_damping=1e-30)).kind.startswith("stable")
+
+
+REFUSED = "the closed form of the threshold {} holds for friction that does not depend on speed."
+
+
+def test_what_holds_for_constant_friction_is_refused():
+    drive = RigidDrive(**SEAT, translation_damping=1000, axial_force=35)
+    for name in ("stick", "detach", "global_stability", "fold", "cycle_birth", "rest_loss"):
+        for unknown in (None, "mass"):
+            with pytest.raises(NoThreshold) as error:
+                drive.threshold(name, unknown=unknown)
+            assert str(error.value) == REFUSED.format(name)
+    with pytest.raises(NoThreshold, match=r"^the closed form .* holds for friction that is one number\.$"):
+        RigidDrive(translation_damping=1000).threshold("stick", unknown="friction_slope")
+    with pytest.raises(NoThreshold, match=r"^stribeck_exponent is either 1 or 2"):
+        drive.threshold("onset", unknown="stribeck_exponent")
+    with pytest.raises(NoThreshold, match=r"^no threshold is solved for stribeck_rise without stribeck_speed > 0\.$"):
+        RigidDrive().threshold("onset", unknown="stribeck_rise")
+    with pytest.raises(InputError, match=r"^the closed form of the basin holds for friction that does not depend on"):
+        drive.replace(axial_force=-35).basin()
+
+
+def test_static_friction_above_sliding_keeps_what_is_not_about_rest():
+    drive = RigidDrive(translation_damping=1000, axial_force=35)
+    rough = drive.replace(static_friction_coefficient=0.3)
+    assert rough.threshold("stick", unknown="axial_force").value == drive.threshold("stick").value
+    assert rough.threshold("onset").value == drive.threshold("onset").value
+    assert rough.stability() == drive.stability()
+    for name in ("detach", "global_stability", "fold", "cycle_birth", "rest_loss"):
+        with pytest.raises(NoThreshold, match=r"holds for static friction that is not above that of sliding\.$"):
+            rough.threshold(name)
+    with pytest.raises(NoThreshold, match=r"^the threshold stick does not depend on static_friction_coefficient\.$"):
+        rough.threshold("stick", unknown="static_friction_coefficient")
+    with pytest.raises(InputError, match=r"^the closed form of the basin holds for static friction that is not above"):
+        RigidDrive(static_friction_coefficient=0.3).basin()
+    assert RigidDrive(static_friction_coefficient=0.3).cycles().proved == ""
+    limits = RigidDrive(static_friction_coefficient=0.3, mass=12).threshold("onset", unknown="friction_coefficient")
+    assert [x.value for x in limits.solutions] == [RigidDrive(mass=12).threshold("onset", "friction_coefficient").value]
+    assert limits.stable_intervals[-1][0] == 0.0
+
+
+def test_curves_of_a_law():
+    """The onset is where the report changes; curves that hold for constant friction alone are not drawn."""
+    drive = RigidDrive(**SEAT, input_speed=10)
+    found = boundary_curves(drive, ("mass", (1.0, 14.0)), ("axial_force", (-80.0, 80.0)))
+    assert set(found) == {ChartBoundary.ONSET, ChartBoundary.KINEMATIC_CONSTRAINT}
+    for kind in found:
+        for line in found[kind]:
+            for mass, force in line[:: max(1, len(line) // 10)]:
+                sides = {
+                    drive.replace(mass=mass + a * 1e-6, axial_force=force + b * 1e-6).stability().stable
+                    for a, b in ((1, 0), (-1, 0), (0, 1), (0, -1))
+                }
+                assert sides == {True, False} or kind is ChartBoundary.KINEMATIC_CONSTRAINT
+    forces = {round(force, 3) for line in found[ChartBoundary.ONSET] for mass, force in line if mass < 8}
+    assert forces == {64.305, -59.155}
+    rough = boundary_curves(
+        RigidDrive(translation_damping=1000, static_friction_coefficient=0.3), ("mass", (1.0, 9.0)), ("axial_force", (5, 60))
+    )
+    assert set(rough) == {ChartBoundary.ONSET, ChartBoundary.STICK}
+
+
+def test_contact_forces_at_the_speed_of_a_state():
+    drive = lsvib.RigidDrive(**SEAT, mass=12, input_speed=10)
+    u, w = np.array([0.01, -0.05]), np.array([-3.0, 4.0])
+    for k in range(2):
+        with mpmath.workdps(40):
+            laws = sliding_friction.SlidingDrive("rigid", drive)
+            turn = mpmath.mpf(10 + w[k])
+            p, z = laws.p, laws.steady()[0] + u[k]
+            torque = -p["coupling_stiffness"] * z - p["support_damping"] * turn
+            for law, force in zip((1, -1), lsvib.contact.contact_force.contact_forces(drive, u, w), strict=True):
+                rub = law * laws.friction(turn)
+                arm, push = RADIUS * (rub * laws.cos - laws.sin), laws.cos + rub * laws.sin
+                theirs = (p["axial_force"] / p["mass"] - laws.reach * torque / p["screw_inertia"]) / (
+                    push / p["mass"] - laws.reach * arm / p["screw_inertia"]
+                )
+                assert math.isclose(force[k], theirs, rel_tol=1e-12)
