@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from references import sliding_friction
 
-import lsvib
+from lsvib import NutDrive, RigidDrive, SupportDrive, ThreadsDrive
+from lsvib.contact.contact_force import contact_forces
 from lsvib.errors import InputError, NoThreshold
 from lsvib.models import friction
-from lsvib.models.drive import NutDrive, RigidDrive, SupportDrive, ThreadsDrive
 from lsvib.stability import linear
 from lsvib.stability.boundaries import stable_set
 from lsvib.stability.conditions import stability
@@ -141,6 +141,7 @@ def test_onset_by_every_parameter(model):
                 continue
             ends = [float(x) for x in {end for interval in stable.intervals for end in interval}]
             ends = [math.atan(x) if key == "lead_angle" else x for x in ends]
+            ends = [end for end in ends if end]
             own = getattr(drive, key) or 1.0
             places = [own * x for x in (0.3, 0.9, 1.2, 4.0)] + [end * (1 + side * 1e-7) for end in ends for side in (-1, 1)]
             for value in places:
@@ -265,7 +266,7 @@ def test_curves_of_a_law():
                     drive.replace(mass=mass + a * 1e-6, axial_force=force + b * 1e-6).stability().stable
                     for a, b in ((1, 0), (-1, 0), (0, 1), (0, -1))
                 }
-                assert sides == {True, False} or kind is ChartBoundary.KINEMATIC_CONSTRAINT
+                assert sides == {True, False} or kind is ChartBoundary.KINEMATIC_CONSTRAINT, (mass, force)
     forces = {round(force, 3) for line in found[ChartBoundary.ONSET] for mass, force in line if mass < 8}
     assert forces == {64.305, -59.155}
     rough = boundary_curves(
@@ -275,7 +276,7 @@ def test_curves_of_a_law():
 
 
 def test_contact_forces_at_the_speed_of_a_state():
-    drive = lsvib.RigidDrive(**SEAT, mass=12, input_speed=10)
+    drive = RigidDrive(**SEAT, mass=12, input_speed=10)
     u, w = np.array([0.01, -0.05]), np.array([-3.0, 4.0])
     for k in range(2):
         with mpmath.workdps(40):
@@ -283,7 +284,7 @@ def test_contact_forces_at_the_speed_of_a_state():
             turn = mpmath.mpf(10 + w[k])
             p, z = laws.p, laws.steady()[0] + u[k]
             torque = -p["coupling_stiffness"] * z - p["support_damping"] * turn
-            for law, force in zip((1, -1), lsvib.contact.contact_force.contact_forces(drive, u, w), strict=True):
+            for law, force in zip((1, -1), contact_forces(drive, u, w), strict=True):
                 rub = law * laws.friction(turn)
                 arm, push = RADIUS * (rub * laws.cos - laws.sin), laws.cos + rub * laws.sin
                 theirs = (p["axial_force"] / p["mass"] - laws.reach * torque / p["screw_inertia"]) / (

@@ -159,7 +159,7 @@ def _function(drive: Drive, kind: ChartBoundary, names: tuple[str, str]) -> Plan
 def _closed_form(drive: Drive, kind: ChartBoundary) -> float:
     """Γ₊, C₊ or R̃ Ω of a rigid drive; nan where its zero changes nothing.
 
-    Where friction depends on the speed and Γ₊ > 0 the onset is where C_0 + S changes its sign.
+    Where friction depends on the speed the onset is where C_0 + S changes its sign, or R̃ Ω or Γ₊ beside C_0 + S > 0.
     """
     d = drive.exact()
     inertia, damping = float(effective_inertia(d, 1)), float(effective_damping(d, 1))
@@ -169,7 +169,7 @@ def _closed_form(drive: Drive, kind: ChartBoundary) -> float:
         drag = float(net_force(type(drive), vars(d), d.tan_lead, 1) * d.input_speed)
     if kind is ChartBoundary.NEGATIVE_DAMPING:
         return damping if inertia > 0 and drag > 0 else math.nan
-    if inertia > 0 and friction.depends_on_speed(drive):
+    if friction.depends_on_speed(drive) and not (inertia <= 0 < drag):
         law = 1 if drag > 0 else -1
         with many_digits():
             return -float(effective_damping(d, law) + damping_by_slope(d, law))
