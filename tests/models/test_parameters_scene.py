@@ -57,7 +57,9 @@ def test_defaults_are_table_8_1():
         "translation_damping": 0.0,
         "axial_force": 50.0,
     }
-    assert set(BOUNDS) == set(RigidDrive.model_fields)
+    assert set(BOUNDS) == set(RigidDrive.model_fields) - set(friction.NAMES)
+    law = {"static_friction_coefficient": 0, "stribeck_rise": 0, "stribeck_speed": 0, "friction_slope": 0}
+    assert {name: getattr(RigidDrive(), name) for name in friction.NAMES} == law | {"stribeck_exponent": 1}
 
 
 @pytest.mark.parametrize("side", [0, 1])

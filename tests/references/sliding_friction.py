@@ -79,7 +79,9 @@ class SlidingDrive:
         size = len(state)
         still = self.rates(state)
         scale = [mpf(1), abs(self.p["input_speed"])] * (size // 2)
-        assert all(abs(x) < mpf(10) ** (30 - DIGITS) * self.fastest() ** 2 * s for x, s in zip(still, scale, strict=True))
+        assert all(
+            abs(x) < mpf(10) ** (30 - DIGITS) * self.fastest() ** 2 * s for x, s in zip(still, scale, strict=True)
+        )
         jacobian = mpmath.matrix(size, size)
         for j in range(size):
             step = STEP * (self.p["input_speed"] if j % 2 else mpf(1))
@@ -97,8 +99,12 @@ class SlidingDrive:
         """A rate [1/s] of the size of the fastest, or more."""
         p = self.p
         sizes = [p["coupling_stiffness"] / p["screw_inertia"], mpf(1)]
-        sizes += [p[a] / p[b] for a, b in (("support_stiffness", "screw_mass"), ("nut_stiffness", "nut_inertia")) if a in p]
-        sizes += [p["contact_stiffness"] / p["mass"], p["contact_damping"] / p["mass"]] if self.model == "threads" else []
+        sizes += [
+            p[a] / p[b] for a, b in (("support_stiffness", "screw_mass"), ("nut_stiffness", "nut_inertia")) if a in p
+        ]
+        sizes += (
+            [p["contact_stiffness"] / p["mass"], p["contact_damping"] / p["mass"]] if self.model == "threads" else []
+        )
         return sum(mp.sqrt(x) + x for x in sizes)
 
 

@@ -143,7 +143,9 @@ def test_onset_by_every_parameter(model):
             ends = [math.atan(x) if key == "lead_angle" else x for x in ends]
             ends = [end for end in ends if end]
             own = getattr(drive, key) or 1.0
-            places = [own * x for x in (0.3, 0.9, 1.2, 4.0)] + [end * (1 + side * 1e-7) for end in ends for side in (-1, 1)]
+            places = [own * x for x in (0.3, 0.9, 1.2, 4.0)] + [
+                end * (1 + side * 1e-7) for end in ends for side in (-1, 1)
+            ]
             for value in places:
                 seen |= {(key, found)} if (found := judged(model, drive, key, value, stable)) is not None else set()
             if (solved := solutions(drive, key)) is not None:
@@ -270,7 +272,9 @@ def test_curves_of_a_law():
     forces = {round(force, 3) for line in found[ChartBoundary.ONSET] for mass, force in line if mass < 8}
     assert forces == {64.305, -59.155}
     rough = boundary_curves(
-        RigidDrive(translation_damping=1000, static_friction_coefficient=0.3), ("mass", (1.0, 9.0)), ("axial_force", (5, 60))
+        RigidDrive(translation_damping=1000, static_friction_coefficient=0.3),
+        ("mass", (1.0, 9.0)),
+        ("axial_force", (5, 60)),
     )
     assert set(rough) == {ChartBoundary.ONSET, ChartBoundary.STICK}
 

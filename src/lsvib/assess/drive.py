@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsvib.assess.sheet import DENSITIES, Sheet
+from lsvib.models import mechanics
 from lsvib.models.mechanics import friction_factor
 
 GRAVITY = 9.80665  # m/s², standard
@@ -227,11 +228,6 @@ def sliding_speed(speed: Any, pitch_radius: Any, lead_angle: Any) -> Any:
 
 
 def damping_by_slope(slope: Any, force: Any, coefficient: Any, pitch_radius: Any, lead_angle: Any, law: Any) -> Any:
-    """Return the damping S [N m s/rad] by a ``slope`` μ′ of the square thread [s/m], ``force`` |R̃| [N].
-
-    It is the rate at which the torque of the threads r_m ξ_s R̃ changes with θ′, as dξ_s/dμ = s (1 + tan² λ) / (1 + s μ
-    tan λ)², dv/d|θ′| = r_m / cos λ and s = sgn(R̃ Ω); C_s + S is what damps.
-    """
-    return (
-        slope * force * pitch_radius**2 / (np.cos(lead_angle) ** 3 * (1 + law * coefficient * np.tan(lead_angle)) ** 2)
-    )
+    """Return the damping S [N m s/rad] by a ``slope`` μ′ of the square thread [s/m], ``force`` |R̃| [N]."""
+    cosine, tangent = np.cos(lead_angle), np.tan(lead_angle)
+    return mechanics.damping_by_slope(slope, force, coefficient, pitch_radius, cosine, tangent, law)

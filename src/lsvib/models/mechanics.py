@@ -112,14 +112,21 @@ def net_force(p: Mapping[str, Any], t: Any, sense: Any) -> Any:
     return p["axial_force"] - drag - p.get("slide_friction", 0) * sense
 
 
-def slip_damping(p: Mapping[str, Any], law: Any, t: Any, rate: Any) -> Any:
-    """Return g r_m² |N_0| μ′ [N m s/rad] for a slope ``rate`` of friction [s/m]; parameters by name, and tan λ.
-
-    |N_0| is s_0 sgn Ω (R̃ − F_0 sgn Ω) / (g cos λ) (eq. 8.15), which is negative under the law that does not hold.
-    """
+def carried(p: Mapping[str, Any], t: Any, law: Any) -> Any:
+    """Return s sgn Ω (R̃ − F_0 sgn Ω) [N], its size under the law that holds; arguments as :func:`net_force`."""
     sense = np.sign(p["input_speed"]) if isinstance(p["input_speed"], np.ndarray) else sign(p["input_speed"])
-    secant = p["secant"] if "secant" in p else root(1 + t * t)
-    return p["pitch_radius"] ** 2 * secant * law * sense * net_force(p, t, sense) * rate
+    return law * sense * net_force(p, t, sense)
+
+
+def damping_by_slope(
+    slope: Any, force: Any, friction_coefficient: Any, pitch_radius: Any, cos_lead: Any, tan_lead: Any, law: Any
+) -> Any:
+    """Damping S = μ′ |R̃| r_m² / [cos³ λ (1 + s μ tan λ)²] [N m s/rad] of the rigid drive by a ``slope`` μ′ [s/m].
+
+    It is the rate at which the torque of the threads r_m ξ_s R̃ changes with θ′, as dξ_s/dμ = s (1 + tan² λ) / (1 + s μ
+    tan λ)², dv/d|θ′| = r_m / cos λ and s = sgn(R̃ Ω); C_s + S is what damps. ``force`` is |R̃| [N].
+    """
+    return slope * force * pitch_radius**2 / (cos_lead**3 * (1 + law * friction_coefficient * tan_lead) ** 2)
 
 
 @dataclass(frozen=True)
@@ -159,7 +166,9 @@ class LinearParts:
         )
         if not moves:
             return level_only
-        return replace(level_only, times=level_only.g, sloped=slip_damping(p, law, t, rate) * (1 + t * t))
+        secant = p["secant"] if "secant" in p else root(1 + t * t)
+        sloped = p["pitch_radius"] ** 2 * (1 + t * t) * secant * carried(p, t, law) * rate
+        return replace(level_only, times=level_only.g, sloped=sloped)
 
     def level(self) -> Self:
         """Return the same parts without the slope of friction, as if it stayed what it is in steady sliding."""

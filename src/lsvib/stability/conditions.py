@@ -78,10 +78,7 @@ def conditions(drive: RigidDrive) -> dict[str, Condition]:
 
 
 def damping_by_slope(drive: DriveValues, law: int) -> Any:
-    """Return S = r_m² (1 + tan² λ) |R̃| μ′ / [cos λ (1 + s μ tan λ)²] [N m s/rad] of the rigid drive.
-
-    It is what the slope μ′ of friction at the speed of steady sliding adds to C_s; zero for a constant coefficient.
-    """
+    """Return S [N m s/rad], which the slope of friction in steady sliding adds to C_s of the rigid drive."""
     return values_of(drive, law).sloped
 
 

@@ -224,10 +224,11 @@ def values_of(drive: DriveValues, law: int) -> SimpleNamespace:
             p.steady_friction, rate = friction.steady(vars(p), p.tan_lead)
         p.factor = mechanics.friction_factor(p.steady_friction, p.tan_lead, law)
         if moves:
-            g = 1 + law * p.steady_friction * p.tan_lead
-            p.slope = mechanics.slip_damping(vars(p), law, p.tan_lead, rate) / g
+            force = mechanics.carried(vars(p), p.tan_lead, law)
+            geometry = p.pitch_radius, p.cos_lead, p.tan_lead
+            p.sloped = mechanics.damping_by_slope(rate, force, p.steady_friction, *geometry, law)
+            p.slope = p.sloped * (1 + law * p.steady_friction * p.tan_lead) / (1 + p.tan_lead**2)
             p.slope_on_nut = p.slope * p.tan_lead / p.pitch_radius
-            p.sloped = p.slope * (1 + p.tan_lead**2) / g
     return p
 
 

@@ -1,0 +1,121 @@
+"""The friction law of the threads: its values, and one sentence for every law that is none."""
+
+import math
+
+import numpy as np
+import pytest
+from flint import arb, arb_series
+
+from lsvib.engine.exact.arithmetic import many_digits
+from lsvib.errors import InputError
+from lsvib.models import friction
+from lsvib.models.drive import NutDrive, RigidDrive, SupportDrive, ThreadsDrive
+
+LAW = {"stribeck_rise": 0.05, "stribeck_speed": 0.1, "friction_slope": -0.02}
+
+
+def values(drive, speeds, power):
+    return 0.218 + 0.05 * np.exp(-((speeds / 0.1) ** power)) - 0.02 * speeds
+
+
+@pytest.mark.parametrize("power", [1, 2])
+def test_law_in_balls_and_arrays(power):
+    drive = RigidDrive(**LAW, stribeck_exponent=power)
+    speeds = np.array([0.01, 0.1, 0.5, 5.0])
+    expected, step = values(drive, speeds, power), 1e-6
+    np.testing.assert_allclose(friction.coefficient(drive, speeds), expected, rtol=1e-15)
+    slopes = (values(drive, speeds + step, power) - values(drive, speeds - step, power)) / (2 * step)
+    np.testing.assert_allclose(friction.slope(drive, speeds), slopes, rtol=1e-8)
+    with many_digits():
+        for speed, mu in zip(speeds, expected, strict=True):
+            series = friction.coefficient(drive.exact(), arb_series([arb(speed), 1], prec=2))
+            assert math.isclose(float(series[0]), mu, rel_tol=1e-15)
+            assert abs(series[1] - friction.slope(drive.exact(), arb(speed))) < 1e-100
+    sliding = RigidDrive(input_speed=-7.0).pitch_radius * 7.0 / math.cos(drive.lead_angle)
+    exact = drive.replace(input_speed=-7.0).exact()
+    assert math.isclose(float(exact.steady_friction), values(drive, sliding, power), rel_tol=1e-15)
+    assert float(exact.static_friction) == 0.268
+
+
+def test_steady_sliding_of_many_drives():
+    """Drives with and without a law, and one whose friction is cut off, in one call."""
+    drive = RigidDrive(**LAW)
+    changes = {"stribeck_rise": np.array([0.0, 0.05, 0.05, 0.05]), "friction_slope": np.array([0.0, -0.02, 0.1, -9.0])}
+    mu, rate = friction.steady({**dict(drive), **changes}, math.tan(drive.lead_angle))
+    speed = drive.pitch_radius * drive.input_speed / math.cos(drive.lead_angle)
+    for k in range(4):
+        one = drive.replace(**{key: float(x[k]) for key, x in changes.items()})
+        assert math.isclose(mu[k], float(one.exact().steady_friction), rel_tol=1e-14)
+        assert math.isclose(rate[k], float(friction.slope(one.exact(), arb(speed))), rel_tol=1e-13)
+    assert mu[3] == rate[3] == 0
+
+
+@pytest.mark.parametrize("kind", [RigidDrive, ThreadsDrive, SupportDrive, NutDrive])
+def test_drives_list_the_law_that_they_have(kind):
+    assert not set(dict(kind())) & set(friction.NAMES)
+    law = {**LAW, "static_friction_coefficient": 0.3, "stribeck_exponent": 2.0}
+    assert {key: value for key, value in kind(**law) if key in friction.NAMES} == law
+    assert kind.of(dict(kind(**law))) == kind(**law)
+    assert kind(**law).exact().static_friction == 0.3
+    for constant in (kind(), kind(static_friction_coefficient=0.3)):
+        assert constant.exact().steady_friction is constant.exact().friction_coefficient
+
+
+@pytest.mark.parametrize(
+    ("law", "sentence"),
+    [
+        ({"stribeck_exponent": 1.5}, "stribeck_exponent = 1.5 is neither 1 nor 2."),
+        (
+            {"stribeck_exponent": 3.0},
+            "stribeck_exponent = 3.0 is outside the allowed range 1 <= stribeck_exponent <= 2.",
+        ),
+        ({"stribeck_rise": 0.1}, "stribeck_rise = 0.1 needs stribeck_speed > 0."),
+        ({"stribeck_rise": -0.1}, "stribeck_rise = -0.1 is outside the allowed range 0 <= stribeck_rise."),
+        (
+            {"stribeck_rise": 10.1, "stribeck_speed": 0.1},
+            "friction_coefficient + stribeck_rise = 10.318, the friction of slow sliding, is not below "
+            "cot(lead_angle) = 10.2541.",
+        ),
+        (
+            {"static_friction_coefficient": 0.2},
+            "static_friction_coefficient = 0.2 is outside the allowed range 0.218 (the friction of slow sliding) <= "
+            "static_friction_coefficient < cot(lead_angle) = 10.2541.",
+        ),
+        (
+            {"static_friction_coefficient": 0.25, **LAW},
+            "static_friction_coefficient = 0.25 is outside the allowed range 0.268 (the friction of slow sliding) <= "
+            "static_friction_coefficient < cot(lead_angle) = 10.2541.",
+        ),
+        (
+            {"static_friction_coefficient": 11},
+            "static_friction_coefficient = 11 is outside the allowed range 0.218 (the friction of slow sliding) <= "
+            "static_friction_coefficient < cot(lead_angle) = 10.2541.",
+        ),
+        (
+            {"friction_slope": 50},
+            "friction_slope = 50 makes the friction coefficient 10.6271 at the sliding speed 0.208183 m/s of steady "
+            "sliding, which is not below cot(lead_angle) = 10.2541.",
+        ),
+        (
+            {"friction_slope": 2e6},
+            "friction_slope = 2000000.0 is outside the allowed range 0 or 1e-18 <= |friction_slope| <= 1e+06.",
+        ),
+        (
+            {"stribeck_speed": 1e-13},
+            "stribeck_speed = 1e-13 is outside the allowed range 0 or 1e-12 <= stribeck_speed <= 1e+06.",
+        ),
+        ({"friction_slope": "steep"}, None),
+        ({"stribeck_rise": math.nan}, None),
+        ({"stribeck_rise": math.inf}, None),
+    ],
+)
+def test_a_law_that_is_none_gets_one_sentence(law, sentence):
+    with pytest.raises(InputError) as error:
+        RigidDrive(**law)
+    found = str(error.value)
+    if sentence is None:
+        ((key, value),) = law.items()
+        assert found.startswith(f"{key} = {value!r} ")
+        assert found.endswith(".")
+    else:
+        assert found == sentence
