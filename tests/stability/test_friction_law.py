@@ -9,6 +9,7 @@ from references import sliding_friction
 
 from lsvib import NutDrive, RigidDrive, SupportDrive, ThreadsDrive
 from lsvib.contact.contact_force import contact_forces
+from lsvib.contact.stiff_limit import impacts
 from lsvib.errors import InputError, NoThreshold
 from lsvib.models import friction
 from lsvib.stability import linear
@@ -295,3 +296,12 @@ def test_contact_forces_at_the_speed_of_a_state():
                     push / p["mass"] - laws.reach * arm / p["screw_inertia"]
                 )
                 assert math.isclose(force[k], theirs, rel_tol=1e-12)
+
+
+def test_impacts_of_another_friction_are_refused():
+    for law, wanted in (
+        (SEAT, "friction that does not depend on speed"),
+        ({"static_friction_coefficient": 0.3}, "static"),
+    ):
+        with pytest.raises(InputError, match=f"^the closed form of what follows an impact holds for {wanted}"):
+            next(impacts(RigidDrive(**law, mass=12), 40.0))

@@ -18,6 +18,7 @@ from lsvib.dynamics.impulses import seizure_impulses
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import InputError
+from lsvib.models import friction
 from lsvib.models.drive import RigidDrive, ThreadsDrive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.model import RULES
@@ -128,8 +129,10 @@ class Impact:
 def impacts(drive: RigidDrive, speed: float) -> Iterator[Impact]:
     """Yield an impact from θ′ = ±``speed`` [rad/s] for each region that it can reach, in the middle of what it reaches.
 
-    The outer regions are taken as wide as the band.
+    The outer regions are taken as wide as the band. Raises ``InputError`` for friction that is not one number.
     """
+    if wanted := friction.refusal(drive):
+        raise InputError(f"the closed form of what follows an impact {wanted}.")
     c, torque = coefficients(drive), drive.pitch_radius * drive.axial_force
     damping, stiffness = float(c.damping[c.steady_law]), drive.coupling_stiffness
     with many_digits():
@@ -262,8 +265,11 @@ def impact_impulse(drive: ThreadsDrive, motion: Motion) -> float:
 
     The impact lasts from the last reversal of the contact force before the first rest to the end of that rest; the
     impulse of the static force during the rest is not counted. The momentum of the nut gives the impulse: in slip under
-    law s ∫N dt = (R Δt − m Δx′) / (cos λ + s μ sin λ), at rest ∫(N − N_static) dt = −m cos λ Δx′.
+    law s ∫N dt = (R Δt − m Δx′) / (cos λ + s μ sin λ), at rest ∫(N − N_static) dt = −m cos λ Δx′. Raises ``InputError``
+    for friction that depends on the speed.
     """
+    if wanted := friction.refusal(drive, rest=False):
+        raise InputError(f"the closed form of the impulse of an impact {wanted}.")
     modes, starts, ends, durations = motion.arcs()
     codes = motion.automaton.codes[modes]
     rests = np.flatnonzero(np.isin(codes, motion.automaton.rest_codes))
