@@ -30,19 +30,26 @@ WINDOW = {"u": (-0.1, 0.1, 40), "w": (-80.0, 80.0, 30)}
 
 
 def random_drives(count: int, seed: int = 1):
-    """Drives of every model with some parameters changed, the values over many decades."""
-    rng = np.random.default_rng(seed)
+    """Drives of every model with some parameters changed, the values over many decades; half of them have a law."""
+    rng, laws = np.random.default_rng(seed), np.random.default_rng([seed, 1])
     names = model_names()
     for k in range(count):
         kind = api.drive_class(names[k % len(names)])
         changes = {}
-        for key in kind.model_fields:
+        for key in dict(kind()):
             if rng.random() < 0.5:
                 changes[key] = 10 ** rng.uniform(-4, 2)
         changes["lead_angle"] = rng.uniform(0.01, 0.8)
         changes["friction_coefficient"] = rng.uniform(0, 0.95 / np.tan(changes["lead_angle"]))
         changes["pitch_radius"] = 10 ** rng.uniform(-3, -1.3)
         changes["axial_force"] = rng.choice([-1, 0, 1]) * 10 ** rng.uniform(-3, 6)
+        if laws.random() < 0.5:
+            changes |= {"friction_slope": -(10 ** laws.uniform(-4, 0))}
+        if laws.random() < 0.5:
+            changes |= {"stribeck_rise": 0.02, "stribeck_speed": 10 ** laws.uniform(-3, 1)}
+            changes |= {"stribeck_exponent": 1 + laws.integers(2)}
+        if laws.random() < 0.3:
+            changes |= {"static_friction_coefficient": changes["friction_coefficient"] + 0.03}
         yield kind(**changes)
 
 

@@ -1,11 +1,12 @@
 """All roots of a function of one positive number between two ends, each isolated with certainty, in balls.
 
-Where the sliding speed changes, an exponential of it is in the equations, so that they are no polynomials. On a box, a
-ball about its middle m, the values lie within f(m) + f′(box) (box − m). Where that holds no zero there is no root;
-where f′ has none there is one exactly if the ends differ in sign; other boxes are halved.
+Where the sliding speed changes, an exponential of it is in the equations, so that they are no polynomials. On a box of
+the half-width r about its middle m the function is a Taylor polynomial of h = x − m, |h| <= r, whose coefficients are
+those of m, but for the last one, which is that of the whole box. Where this holds no zero there is no root; where its
+derivative has none there is one exactly if the ends of the box differ in sign; other boxes are halved.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from flint import arb, arb_series, fmpq
@@ -13,11 +14,12 @@ from flint import arb, arb_series, fmpq
 from lsvib.errors import NoThreshold
 from lsvib.stability.solve import bracketed_root
 
-_MOST = 30_000  # boxes, some seconds
+_ORDER = 12  # of the polynomial: next to a double root, or where large terms cancel, boxes may still be wide
+_MOST = 4000  # boxes, some seconds
 _CLOSE = 1e-29  # relative error of a root
 
 Function = Callable[[Any], Any]
-"""A function of a ball or a power series of two terms; it returns a number of the same kind, or a constant."""
+"""A function of a ball or a power series; it returns a number of the same kind, or a constant."""
 
 
 def isolated_roots(function: Function, low: fmpq, high: fmpq) -> list[fmpq] | None:
@@ -26,30 +28,25 @@ def isolated_roots(function: Function, low: fmpq, high: fmpq) -> list[fmpq] | No
     To be called with many digits. Raises ``NoThreshold`` where they cannot be told apart.
     """
 
-    def linear(x: arb) -> tuple[arb, arb]:
-        """Return the value and the derivative."""
-        series = arb_series(function(arb_series([x, 1], prec=2)), prec=2)
-        return series[0], series[1]
-
     def value(x: Any) -> arb:
         return arb(function(arb(x)))
 
     span = (arb(high) / arb(low)).log()
-    if all(linear((arb(low) * (span * n / 64).exp()).mid())[1].contains(0) for n in range(65)):
+    if all(_series(function, (arb(low) * (span * n / 64).exp()).mid(), 1)[1].contains(0) for n in range(65)):
         return None
-    boxes, waiting, roots = [], low, []
-    while waiting < high:
-        boxes.append((waiting, min(2 * waiting, high)))
-        waiting = 2 * waiting
+    boxes, start, roots = [], low, []
+    while start < high:
+        boxes.append((start, min(2 * start, high)))
+        start = 2 * start
     boxes.reverse()
     for _ in range(_MOST):
         if not boxes:
             return roots
         a, b = boxes.pop()
-        middle = (a + b) / 2
-        half = arb((b - a) / 2)
-        slope = linear(arb(arb(middle).mid(), half.abs_upper()))[1]
-        if not (value(middle) + slope * arb(0, half.abs_upper())).contains(0):
+        if not value(_box(a, b)).contains(0):  # as where all terms have one sign
+            continue
+        whole, slope = _over(function, a, b)
+        if not whole.contains(0):
             continue
         if not slope.contains(0):
             before, after = value(a), value(b)
@@ -58,5 +55,32 @@ def isolated_roots(function: Function, low: fmpq, high: fmpq) -> list[fmpq] | No
                 continue
             if (before > 0 and after > 0) or (before < 0 and after < 0):
                 continue
-        boxes += [(middle, b), (a, middle)]
+        boxes += [((a + b) / 2, b), (a, (a + b) / 2)]
     raise NoThreshold("two roots of an equation of the threshold lie too close together to be told apart.")
+
+
+def _series(function: Function, x: arb, order: int) -> list[arb]:
+    """The Taylor coefficients at a ball, up to an order."""
+    found = arb_series(function(arb_series([x, 1], prec=order + 1)), prec=order + 1)
+    return [found[k] for k in range(order + 1)]
+
+
+def _box(a: fmpq, b: fmpq) -> arb:
+    middle = arb((a + b) / 2)
+    return arb(middle.mid(), arb((b - a) / 2).abs_upper() + middle.rad())
+
+
+def _over(function: Function, a: fmpq, b: fmpq) -> tuple[arb, arb]:
+    """Enclosures of the values and of the derivative between two numbers."""
+    terms = _series(function, arb((a + b) / 2), _ORDER - 1)
+    terms.append(_series(function, _box(a, b), _ORDER)[-1])
+    h = arb(0, arb((b - a) / 2).abs_upper())
+    return _summed(terms, h), _summed([k * term for k, term in enumerate(terms)][1:], h)
+
+
+def _summed(terms: Sequence[arb], h: arb) -> arb:
+    """A polynomial, the constant first, by Horner's rule."""
+    total = arb(0)
+    for term in reversed(terms):
+        total = total * h + term
+    return total
