@@ -25,7 +25,7 @@ from lsvib.models.mechanics import LinearParts
 from lsvib.models.model import find_model
 from lsvib.stability.linear import Stability, hurwitz
 
-_LEAST = fmpq(1, 2**2000)
+_LEAST = fmpq(1, 2**400)  # beyond all quotients of parameters
 SAME = fmpq(1, 2**88)  # relative: no double lies between two roots that are closer, so they count as one
 
 Polynomial = tuple[Any, ...]
