@@ -23,6 +23,7 @@ from lsvib.models.model import find_model
 from lsvib.stability.isolation import isolated_roots
 from lsvib.stability.solve import Equations, allowed
 from lsvib.stability.spectrum import (
+    LEAST,
     SAME,
     enclosed,
     margins,
@@ -169,7 +170,10 @@ class Line:
             self.fixed = {key: arb(value) for key, value in drive}
             self.tangent = self.fixed["lead_angle"].tan()
         elif self.sloped:
-            self.fixed = {**self.fixed, **sliding_law_values(drive)[0]}
+            law = sliding_law_values(drive)[0]
+            if law["decay"] < LEAST:  # which would only part double roots by as little
+                law["decay"] = fmpq(0)
+            self.fixed = {**self.fixed, **law}
         slide = getattr(drive, "slide_friction", 0.0) or unknown == "slide_friction"
         self.force = RootCondition(_NET_FORCE_OF_SLIDE if slide else _NET_FORCE, net_force)
         self.lowest, self.limit = fmpq(0), self._limit()
