@@ -82,7 +82,8 @@ def enclosed(drive: Drive, digits: int = 100) -> tuple[tuple[dict[str, fmpq], fm
 
 def scale(drive: Drive, law: int, level: bool = False) -> fmpq:
     """Return the positive factor by which :func:`polynomial` exceeds det(M s² + C s + K)."""
-    parts = LinearParts.of(enclosed(drive)[0][0], law, enclosed(drive)[0][1])
+    values, tangent = enclosed(drive)[0]
+    parts = LinearParts.of(values, law, tangent)
     return find_model(drive.model).excess(parts.level() if level else parts)
 
 
