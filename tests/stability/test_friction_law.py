@@ -305,3 +305,33 @@ def test_impacts_of_another_friction_are_refused():
     ):
         with pytest.raises(InputError, match=f"^the closed form of what follows an impact holds for {wanted}"):
             next(impacts(RigidDrive(**law, mass=12), 40.0))
+
+
+def test_undamped_drives_whose_friction_is_cut_off():
+    """Beyond the cut a condition vanishes throughout, which is no root."""
+    drive = RigidDrive(friction_slope=-2.0, support_damping=0.0, input_speed=30.0)
+    for key in ("pitch_radius", "input_speed", "lead_angle"):
+        with pytest.raises(NoThreshold, match=r"^steady sliding is asymptotically stable for no "):
+            drive.threshold("onset", unknown=key)
+
+
+def test_stability_is_asked_within_the_range():
+    """Below the least pitch radius, 1e-6 m, this drive would be stable again."""
+    drive = ThreadsDrive(
+        pitch_radius=0.0425, lead_angle=0.4165, screw_inertia=2.77e-8, coupling_stiffness=14.7, support_damping=1.63e-8,
+        friction_coefficient=0.685, input_speed=251.2, mass=3230.6, translation_damping=1650.0, axial_force=141790.0,
+        stribeck_rise=0.008, stribeck_speed=0.0555, friction_slope=-0.0535, contact_stiffness=3.56e9,
+        contact_damping=0.059,
+    )  # fmt: skip
+    stable = stable_set(drive, "pitch_radius")
+    for value in (1e-6, 1.1e-6, 1e-5, 0.04, 0.05):
+        assert judged("threads", drive, "pitch_radius", value, stable) == (value == 0.05)
+
+
+def test_next_to_nothing_of_a_rise_parts_no_double_roots():
+    drive = ThreadsDrive(stribeck_rise=0.01, stribeck_speed=1e-6, contact_damping=0.0, axial_force=5.0, input_speed=2.0)
+    level = drive.replace(stribeck_rise=0.0, stribeck_speed=0.0)
+    for key in ("friction_coefficient", "mass"):
+        one, other = (d.thresholds(key)["onset"] for d in (drive, level))
+        assert one.stable_intervals[:-1] == other.stable_intervals[:-1]
+        assert [x.value for x in one.solutions] == [x.value for x in other.solutions]

@@ -23,6 +23,7 @@ from lsvib.models.model import find_model
 from lsvib.stability.isolation import isolated_roots
 from lsvib.stability.solve import Equations, allowed
 from lsvib.stability.spectrum import (
+    LEAST,
     SAME,
     enclosed,
     margins,
@@ -169,7 +170,10 @@ class Line:
             self.fixed = {key: arb(value) for key, value in drive}
             self.tangent = self.fixed["lead_angle"].tan()
         elif self.sloped:
-            self.fixed = {**self.fixed, **sliding_law_values(drive)[0]}
+            law = sliding_law_values(drive)[0]
+            if law["decay"] < LEAST:  # which would only part double roots by as little
+                law["decay"] = fmpq(0)
+            self.fixed = {**self.fixed, **law}
         slide = getattr(drive, "slide_friction", 0.0) or unknown == "slide_friction"
         self.force = RootCondition(_NET_FORCE_OF_SLIDE if slide else _NET_FORCE, net_force)
         self.lowest, self.limit = fmpq(0), self._limit()
@@ -224,8 +228,28 @@ class Line:
     def roots_of(self, condition: RootCondition) -> list[fmpq] | None:
         """Return the distances x ≥ 0 from zero at which a condition vanishes; None if it does not depend on x."""
         if self.searched:
-            return isolated_roots(lambda x: condition.of(*self.at(x)), self.lowest, self.limit)
+            return self._isolated(condition, self.lowest, self.limit)
         return self.roots(condition.of(*self.at(fmpq_poly([0, 1]))))
+
+    def _isolated(self, condition: RootCondition, low: fmpq, high: fmpq) -> list[fmpq] | None:
+        return isolated_roots(lambda x: condition.of(*self.at(x)), low, high)
+
+    def roots_with_friction(self, condition: RootCondition) -> list[fmpq] | None:
+        """As :meth:`roots_of`, but only where friction is not cut off; beyond, a condition may vanish throughout."""
+        if not self.searched:
+            roots = self.roots_of(condition)
+            return None if roots is None else [x for x in roots if self.rubs(x)]
+        ends = [self.lowest, *self.cuts(), self.limit]
+        found = [self._isolated(condition, a, b) for a, b in pairwise(ends) if self.rubs(self.between(a, b))]
+        return None if None in found else [x for roots in found for x in roots or []]
+
+    def cuts(self) -> list[fmpq]:
+        """Return where friction begins to be cut off, or ends to be."""
+        return self.roots_of(RootCondition(_FRICTIONLESS, _friction)) or [] if self.sloped else []
+
+    def between(self, a: fmpq, b: fmpq) -> fmpq:
+        """Return a place between two ends, within the range that is searched."""
+        return (max(a, self.lowest) + b) / 2
 
     def crosses(self, x: fmpq, condition: RootCondition) -> bool:
         """Whether a condition has different signs right below and above its root x > 0."""
@@ -261,12 +285,10 @@ class Line:
         """Return intervals (distances from zero, whether stable), places of a change, whether anything depends on x."""
         found = self.roots_of(self.force)
         ends = [fmpq(0), *(x for x in found or [] if x), self.limit]
-        laws = {self.law((a + b) / 2) for a, b in pairwise(ends)} - {0}
+        laws = {self.law(self.between(a, b)) for a, b in pairwise(ends)} - {0}
         candidates = [(x, self.force) for x in found or []]
         depends = found is not None
-        if self.sloped:
-            cut = RootCondition(_FRICTIONLESS, _friction)
-            candidates += [(x, cut) for x in self.roots_of(cut) or []]
+        candidates += [(x, RootCondition(_FRICTIONLESS, _friction)) for x in self.cuts()]
         for law in sorted(laws, reverse=True):
             for condition, roots in self._margin_roots(law):
                 depends |= roots is not None
@@ -277,14 +299,14 @@ class Line:
             if not cuts or x - cuts[-1][0] > SAME * x:
                 cuts.append((x, condition))
         edges = [fmpq(0), *(x for x, _ in cuts), self.limit]
-        parts = [(a, b, self.stable((a + b) / 2)) for a, b in pairwise(edges)]
+        parts = [(a, b, self.stable(self.between(a, b))) for a, b in pairwise(edges)]
         changed = [cut for cut, before, after in zip(cuts, parts, parts[1:], strict=False) if before[2] != after[2]]
         return parts, [self.place(*cut) for cut in changed], depends
 
     def _margin_roots(self, law: int) -> Iterator[tuple[RootCondition, list[fmpq] | None]]:
         conditions = _margins(self.drive, law, self.neutral, self.sloped)
         if self.searched:
-            yield from ((condition, self.roots_of(condition)) for condition in conditions)
+            yield from ((condition, self.roots_with_friction(condition)) for condition in conditions)
         else:
             numbers = self.margins(fmpq_poly([0, 1]), law)
             yield from ((condition, self.roots(x)) for condition, x in zip(conditions, numbers, strict=True))
@@ -353,14 +375,14 @@ def places(drive: Drive, name: str, unknown: str) -> list[Place] | None:
         wanted = {0: RootCondition(find_model(drive.model).constraint, _leading)}
     else:
         wanted = {0: RootCondition(_DAMPING, lambda kind, values, t, sense: polynomial(kind, values, 1, t, True)[1])}
-    roots = [(line, law, condition, line.roots_of(condition)) for line in lines for law, condition in wanted.items()]
+    roots = [(line, law, c, line.roots_with_friction(c)) for line in lines for law, c in wanted.items()]
     if all(found is None for *_, found in roots):
         return None
     found = [
         line.place(x, condition)
         for line, law, condition, found in roots
         for x in found or []
-        if (x or line is lines[0]) and line.rubs(x)
+        if x or line is lines[0]
         if not law or (line.law(x) == law and all(margin > 0 for margin in line.margins(x, law)[:-1]))
         if not x or line.crosses(x, condition)
     ]

@@ -25,7 +25,7 @@ from lsvib.models.mechanics import LinearParts
 from lsvib.models.model import find_model
 from lsvib.stability.linear import Stability, hurwitz
 
-_LEAST = fmpq(1, 2**2000)
+LEAST = fmpq(1, 2**400)  # beyond all quotients of parameters
 SAME = fmpq(1, 2**88)  # relative: no double lies between two roots that are closer, so they count as one
 
 Polynomial = tuple[Any, ...]
@@ -68,7 +68,7 @@ def sliding_law_values(drive: Drive, digits: int = 100) -> tuple[dict[str, fmpq]
         for side, values in zip((-1, 1), found, strict=True):
             values["secant"] = (secant.mid() * (1 + side * apart)).mid().fmpq()
             # What is left of a rise may have no end of digits; so little of it counts only where nothing else does.
-            values["decay"] = (left.mid() * (1 + side * apart)).mid().fmpq() if left > _LEAST else _LEAST ** (2 - side)
+            values["decay"] = (left.mid() * (1 + side * apart)).mid().fmpq() if left > LEAST else LEAST ** (2 - side)
     return found
 
 
@@ -82,7 +82,8 @@ def enclosed(drive: Drive, digits: int = 100) -> tuple[tuple[dict[str, fmpq], fm
 
 def scale(drive: Drive, law: int, level: bool = False) -> fmpq:
     """Return the positive factor by which :func:`polynomial` exceeds det(M s² + C s + K)."""
-    parts = LinearParts.of(enclosed(drive)[0][0], law, enclosed(drive)[0][1])
+    values, tangent = enclosed(drive)[0]
+    parts = LinearParts.of(values, law, tangent)
     return find_model(drive.model).excess(parts.level() if level else parts)
 
 
