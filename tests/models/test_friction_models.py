@@ -1,13 +1,155 @@
 """Friction laws in every model: against constant friction, and against Newton's laws with adaptive steps."""
 
+import math
+
 import numpy as np
 import pytest
+from references.friction_laws import LAWS
+from scipy.integrate import solve_ivp
 
 from lsvib.dynamics.attractor import Attractor
 from lsvib.dynamics.sweep import all_endings, ending_of
-from lsvib.models.drive import RigidDrive, ThreadsDrive
+from lsvib.engine.motion import follow
+from lsvib.errors import EngineError, InputError
+from lsvib.models.drive import NutDrive, RigidDrive, SupportDrive, ThreadsDrive
 from lsvib.models.many import ManyDrives
 from lsvib.models.model import find_model
+
+KINDS = (RigidDrive, ThreadsDrive, SupportDrive, NutDrive)
+
+
+def mild(kind, rng):
+    """Parameters of a random drive of the chapter's size, and a start."""
+    values = {
+        "mass": rng.uniform(1, 8),
+        "axial_force": rng.choice([-1, 1]) * rng.uniform(5, 80),
+        "support_damping": 10 ** rng.uniform(-5, -2.5),
+        "translation_damping": rng.choice([0.0, 20.0]),
+        "input_speed": rng.choice([-1, 1]) * rng.uniform(5, 40),
+        "static_friction_coefficient": rng.choice([0.0, 0.0, 0.36]),
+    }
+    own = {
+        ThreadsDrive: {"contact_stiffness": 10 ** rng.uniform(4, 6), "contact_damping": 10 ** rng.uniform(1, 2)},
+        SupportDrive: {
+            "screw_mass": 10 ** rng.uniform(-1, 1),
+            "support_stiffness": 10 ** rng.uniform(4, 7),
+            "axial_support_damping": rng.uniform(1, 100),
+            "bearing_friction": rng.choice([0.0, 0.02]),
+        },
+        NutDrive: {
+            "nut_inertia": 10 ** rng.uniform(-5.5, -4.5),
+            "nut_stiffness": 10 ** rng.uniform(-1, 1.5),
+            "nut_damping": 10 ** rng.uniform(-5, -3),
+            "slide_friction": rng.choice([0.0, 3.0]),
+        },
+    }
+    return values | own.get(kind, {}), {"u": rng.uniform(-1, 1), "w": rng.uniform(-2, 2) * values["input_speed"]}
+
+
+def random_law(rng):
+    """A fall, a rise or a mixture of both."""
+    rise = {"stribeck_rise": rng.uniform(0, 0.1), "stribeck_speed": 10 ** rng.uniform(-2.3, -0.5)}
+    rise["stribeck_exponent"] = float(rng.integers(1, 3))
+    slope = {"friction_slope": rng.uniform(-0.5, 0.3)}
+    return [rise, slope, rise | slope][rng.integers(3)]
+
+
+def made(drive):
+    model = find_model(drive.model)
+    return model, model.build(drive, model.physics_of(drive), "contact_sign")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_rise_of_nothing_changes_nothing(kind):
+    """Events, times, states and observables of 20 random drives to 1e-12, passages left out."""
+    events = 0
+    for seed in range(20):
+        values, start = mild(kind, np.random.default_rng([seed, 1]))
+        drive = kind(**values)
+        model, plain = made(drive)
+        _, law = made(kind(**values, stribeck_rise=1e-300, stribeck_speed=0.01))
+        motion = follow(plain, model.initial_state(drive, start), 0.05, max_events=30)
+        end = motion.end_time if motion.time.size < 30 else motion.time[-2:].mean()
+        other = follow(law, motion.start_state, end)
+        known, found = motion.time < end, other.kind != model.events["PASSAGE"]
+        assert (motion.kind[known] == other.kind[found]).all()
+        size = np.abs([*motion.before, *motion.after, motion.start_state]).max(axis=0)
+        np.testing.assert_allclose(other.time[found], motion.time[known], rtol=1e-12, atol=1e-14 * end)
+        assert (np.abs(other.before[found] - motion.before[known]) <= 1e-12 * size).all()
+        assert (np.abs(other.after[found] - motion.after[known]) <= 1e-12 * size).all()
+        times = np.linspace(0, end, 30)[1:-1]
+        here, there = motion.at(times), other.at(times)
+        for name in plain.observables:
+            one, two = plain.observe(name, *here), law.observe(name, *there)
+            np.testing.assert_allclose(two, one, rtol=0, atol=1e-11 * np.abs(one).max())
+        events += known.sum()
+    assert events > 100
+
+
+@pytest.mark.parametrize("kind", KINDS[1:])
+def test_motions_obey_newtons_laws(kind):
+    """Arcs of random drives under random laws end where an integration of Newton's laws does, to 1e-9, with N."""
+    arcs, kinds, refused = 0, set(), 0
+    for seed in range(12):
+        rng = np.random.default_rng([seed, 2])
+        values, start = mild(kind, rng)
+        drive = kind(**values | random_law(rng))
+        try:
+            model, automaton = made(drive)
+            motion = follow(automaton, model.initial_state(drive, start), 0.03, max_events=8)
+        except (InputError, EngineError):  # friction reaches the limit of the Painlevé region
+            refused += 1
+            continue
+        kinds |= set(motion.kind.tolist())
+        laws, (modes, starts, ends, durations) = LAWS[kind.model](drive), motion.arcs()
+        size = np.abs([*starts, *ends]).max(axis=0)
+        for mode, first, last, duration in zip(modes, starts, ends, durations, strict=True):
+            if duration > 1e-9:
+                check_arc(laws, model.modes(automaton.codes[mode]).name, first, last, duration, size, automaton, mode)
+                arcs += 1
+    assert arcs > 20
+    assert len(kinds) >= 4
+    assert refused <= 5
+
+
+def check_arc(laws, name, first, last, duration, size, automaton, mode):
+    direction = 0 if name.startswith("REST") else 1 if "FORWARD" in name else -1
+    sign = 1 if "POSITIVE" in name else -1
+    found = solve_ivp(
+        lambda _, x: laws.rate(x, direction, sign)[0], (0, duration), first + laws.steady,
+        method="DOP853", rtol=1e-12, atol=1e-13 * size, t_eval=[duration / 2, duration],
+    ).y - laws.steady[:, None]  # fmt: skip
+    assert (np.abs(found[:, 1] - last) <= 1e-9 * size).all()
+    _, normal = laws.rate(found[:, 0] + laws.steady, direction, sign)
+    if direction:
+        assert normal * sign > 0
+    if not math.isnan(normal):
+        observed = automaton.observe("normal_force", found[:, :1].T, np.array([mode]))
+        np.testing.assert_allclose(observed, normal, rtol=1e-9)
+
+
+@pytest.mark.parametrize(("kind", "name"), [(SupportDrive, "slide_friction"), (NutDrive, "bearing_friction")])
+def test_what_a_law_does_not_go_with_is_refused(kind, name):
+    law = {"stribeck_rise": 0.05, "stribeck_speed": 0.1}
+    with pytest.raises(InputError, match=f"{name} = 0.01 is not followed in model {kind.model} where friction of"):
+        made(kind(mass=2, **{name: 0.01}, **law))
+    model = find_model(kind.model)
+    drive = kind(mass=2, **{name: 0.01}, **law)
+    assert model.build(drive, (), "contact_sign").parts
+    heavy = {"mass": 40.0} | ({"screw_mass": 40.0} if kind is SupportDrive else {})
+    with pytest.raises(InputError, match="friction reaches the Painlevé region in one range of sliding speed"):
+        made(kind(**heavy, friction_coefficient=0.1, stribeck_rise=0.2, stribeck_speed=0.1))
+
+
+@pytest.mark.parametrize("kind", [SupportDrive, NutDrive])
+def test_seizures_under_a_law(kind):
+    """In the Painlevé region at all speeds the threads seize, and slip begins with the friction of slow sliding."""
+    heavy = {"mass": 40.0} | ({"screw_mass": 40.0} if kind is SupportDrive else {})
+    drive = kind(**heavy, axial_force=-50, stribeck_rise=0.1, stribeck_speed=0.1)
+    model, automaton = made(drive)
+    assert {int(code) for code in automaton.codes} <= {int(m) for m in model.modes if "FORWARD_POS" not in m.name}
+    motion = follow(automaton, model.initial_state(drive, {"u": 1.0, "w": 10.0}), 0.05)
+    assert (motion.kind == model.events["SEIZURE"]).any()
 
 
 @pytest.mark.parametrize("kind", [RigidDrive, ThreadsDrive])
@@ -15,7 +157,10 @@ def test_a_sweep_makes_drives_with_a_law_one_by_one(kind):
     """Drives with and without a law in one sweep end as each alone; tables of many hold to 1e-12, not to the bit."""
     law = {"stribeck_rise": 0.06, "stribeck_speed": 0.05}
     laws = [{}, law, {"friction_slope": -0.05}, {"static_friction_coefficient": 0.3}, law | {"stribeck_exponent": 2}]
-    drives = [kind(mass=mass, support_damping=2e-3, axial_force=40, **law) for law in laws for mass in (1, 3)]
+    own = {"support_damping": 2e-3, "axial_force": 40}
+    if kind is ThreadsDrive:
+        own |= {"contact_stiffness": 1e6, "contact_damping": 100}
+    drives = [kind(mass=mass, **own, **law) for law in laws for mass in (1, 3)]
     many = ManyDrives({name: [getattr(drive, name) for drive in drives] for name in kind.model_fields}, kind)
     starts = np.tile([0.05, -20.0], (len(drives), 1))
     found, model = all_endings(many, starts, "contact_sign"), find_model(kind.model)

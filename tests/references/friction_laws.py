@@ -1,4 +1,4 @@
-"""Newton's laws of all models under a friction law, in doubles, with equations of their own.
+"""Newton's laws of the models with four states under a friction law, in doubles, with equations of their own.
 
 States are absolute: coupling deflection z = θ − Ω t [rad], θ′ [rad/s], and position and rate of the second body. The
 direction of slip, 0 for rest, and the sign of the contact force are given; accelerations and N are solved for.
@@ -38,8 +38,8 @@ class Laws:
         return self.cos + law * mu * self.sin, self.r * (law * mu * self.cos - self.sin)
 
     def friction(self, speed, law):
-        """Return the levers at a speed of the threads [rad/s]."""
-        return self.levers(law, coefficient(self.d, self.r * abs(speed) / self.cos))
+        """Return the levers at a speed of the threads in the direction of slip [rad/s]."""
+        return self.levers(law, coefficient(self.d, self.r * speed / self.cos))
 
 
 class ThreadsLaws(Laws):
@@ -52,7 +52,7 @@ class ThreadsLaws(Laws):
         d, (z, turn, e, v) = self.d, x
         normal = self.cos * (d.contact_stiffness * e + d.contact_damping * v)
         if direction:
-            along, about = self.friction(turn, direction * force_sign)
+            along, about = self.friction(direction * turn, direction * force_sign)
             turned = (-d.coupling_stiffness * z - d.support_damping * turn - about * normal) / d.screw_inertia
         else:
             held = (-d.coupling_stiffness * z / self.r + normal * self.sin) / self.cos
@@ -74,7 +74,7 @@ class SupportLaws(Laws):
         if not direction:
             shift = (push - support) / (d.mass + d.screw_mass)
             return np.array([turn - d.input_speed, 0.0, v1, shift]), math.nan
-        along, about = self.friction(turn, direction * force_sign)
+        along, about = self.friction(direction * turn, direction * force_sign)
         matrix = [[d.screw_inertia, 0, about], [0, d.screw_mass, -along], [d.mass * self.reach, d.mass, along]]
         torque = -d.coupling_stiffness * z - d.support_damping * turn - self.bearing * direction
         turned, shift, normal = np.linalg.solve(matrix, [torque, -support, push])
@@ -95,7 +95,7 @@ class NutLaws(Laws):
             common = (torque + spring) / (d.screw_inertia + d.nut_inertia)
             return np.array([turn - d.input_speed, common, spin, common]), math.nan
         slip = turn - spin
-        along, about = self.friction(slip, direction * force_sign)
+        along, about = self.friction(direction * slip, direction * force_sign)
         lever = d.mass * self.reach
         matrix = [[d.screw_inertia, 0, about], [0, d.nut_inertia, -about], [lever, -lever, along]]
         push = d.axial_force - d.translation_damping * self.reach * slip - self.slide * direction
@@ -103,22 +103,4 @@ class NutLaws(Laws):
         return np.array([turn - d.input_speed, turned, spin, second]), normal
 
 
-class RigidLaws(Laws):
-    """The rigid drive, which has no second body."""
-
-    def second(self, about):
-        return ()
-
-    def rate(self, x, direction, force_sign):
-        d, (z, turn) = self.d, x
-        if not direction:
-            return np.array([turn - d.input_speed, 0.0]), math.nan
-        along, about = self.friction(turn, direction * force_sign)
-        torque = -d.coupling_stiffness * z - d.support_damping * turn
-        push = d.axial_force - d.translation_damping * self.reach * turn
-        matrix = [[d.screw_inertia, about], [d.mass * self.reach, along]]
-        turned, normal = np.linalg.solve(matrix, [torque, push])
-        return np.array([turn - d.input_speed, turned]), normal
-
-
-LAWS = {"rigid": RigidLaws, "threads": ThreadsLaws, "support": SupportLaws, "nut": NutLaws}
+LAWS = {"threads": ThreadsLaws, "support": SupportLaws, "nut": NutLaws}

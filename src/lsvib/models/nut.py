@@ -71,7 +71,7 @@ class _Nut(TwoBodies):
         self.angle = (0, 0, 1, 0, self.twist / d.nut_stiffness)
         self.slip = plus(self.speed, (0, 0, 0, -1, 0))
         self.nut_speed = scaled(self.slip, self.reach)
-        self.sliding, self.limited, self.limit = self.speed, self.bears, self.bearing
+        self.sliding = self.speed
         speed = abs(float(d.input_speed))
         self.sizes = (0.1, speed, 0.1 * min(float(d.coupling_stiffness / d.nut_stiffness), 1.0), speed)
         common = plus(scaled(self.speed, d.screw_inertia / total), (0, 0, 0, d.nut_inertia / total, 0))

@@ -66,7 +66,6 @@ class _Support(TwoBodies):
         self.shift = (0, 0, 1, 0, self.force / d.support_stiffness)
         self.nut_speed = self.sliding = plus(scaled(self.speed, self.reach), (0, 0, 0, 1, 0))  # x′
         self.slip, self.turns_over = self.speed, self.bears
-        self.limited, self.limit = self.slides, self.slide
         rate = float(self.reach * abs(d.input_speed))
         loaded = (abs(float(d.axial_force)) + 1) / float(d.support_stiffness)
         swing = rate * math.sqrt(float(d.screw_mass / d.support_stiffness))

@@ -81,12 +81,12 @@ class TwoBodies(ABC):
     law, if any, and ``fastest``, the sliding speed [m/s] up to which it leaves Γ₊ its sign; ``turning``: sgn Ω;
     ``slides``, ``bears``: whether there is F_0, T_0; ``speed``, ``deflection``: rows of θ′ and z.
 
-    A model names its ``states``, ``modes``, ``events``, and the ``second`` body with the coordinates ``snaps`` that are
-    moved to put the speeds ``slip`` and ``sliding`` on zero. It sets the attributes that are only declared here: the
-    typical ``sizes`` of the state, the rows of ``slip``, ``sliding`` and ``nut_speed`` (of the nut against the ground
-    [m/s]), the rows of the reset of a seizure, ``impact``, whether the second body has friction, ``limited``, its size,
-    ``limit``, and the parameter that is it, ``limiting``, whether Γ₊ ≤ 0, ``paradox``, and whether n may pass zero at
-    rest, ``turns_over``.
+    A model names its ``states``, ``modes``, ``events``, and the ``second`` body with the parameter that is its friction
+    against the ground, ``limiting`` (``limited``: whether there is any, ``limit``: its size), and the coordinates
+    ``snaps`` that are moved to put the speeds ``slip`` and ``sliding`` on zero. It sets the attributes that are only
+    declared here: the typical ``sizes`` of the state, the rows of ``slip``, ``sliding`` and ``nut_speed`` (of the nut
+    against the ground [m/s]), the rows of the reset of a seizure, ``impact``, whether Γ₊ ≤ 0, ``paradox``, and whether
+    n may pass zero at rest, ``turns_over``.
     """
 
     states: tuple[str, ...]
@@ -116,6 +116,14 @@ class TwoBodies(ABC):
         self.same = sign(d.static_friction_coefficient) == 0  # rest then holds as much as slow sliding carries
         self.xi_rest = {s: friction_factor(d.static_friction, d.tan_lead, s) for s in self.xi}
         self.pieces = sliding.pieces_of(drive) if friction.depends_on_speed(drive) else None
+        own = self.limiting == "slide_friction"
+        self.limited, self.limit = (self.slides, self.slide) if own else (self.bears, self.bearing)
+        if self.limited and self.pieces is not None:
+            raise InputError(
+                f"{self.limiting} = {getattr(self.drive, self.limiting):g} is not followed in model {self.drive.model} "
+                f"where friction of the threads depends on speed; leave {self.limiting} out of the physics, or "
+                "stribeck_rise and friction_slope at zero."
+            )
         self.slowest = d.steady_friction if self.pieces is None else friction.coefficient(d, arb(0))
         self.turning = sign(d.input_speed)
         self.force = d.axial_force - self.reach * d.translation_damping * d.input_speed - self.slide * self.turning
@@ -179,12 +187,6 @@ class TwoBodies(ABC):
 
     def automaton(self) -> Automaton:
         """Assemble the tables of all modes; the shortest stay that counts as one is set by their time scales [s]."""
-        if self.limited and self.pieces is not None:
-            raise InputError(
-                f"{self.limiting} = {getattr(self.drive, self.limiting):g} is not followed in model {self.drive.model} "
-                f"where friction of the threads depends on speed; leave {self.limiting} out of the physics, or "
-                "stribeck_rise and friction_slope at zero."
-            )
         _, _, self.reversal, self.stick, self.turn, self.release, self.seizure, *self.second_kinds = self.events
         # Directions of the second body; without friction a single one stands for all of them.
         self.ways = tuple(HELD) if self.limited else (1,)
