@@ -304,16 +304,37 @@ def guards_of(drive, mode, V, series):
         yield ("passage", direction * drive.Omega), affine(1 if V > drive.Omega else -1, 0, 1, -drive.Omega)
 
 
+def upper_of(drive, z, V):
+    """F = G_+ V' under law +1, which stays finite where G_+ = 0."""
+    return near(drive.acceleration(1, z, V) * drive.G(1, V))
+
+
+def comes_to_the_corner(drive, direction, z, V, edge):
+    """Whether a motion of law +1 close to G_+ = 0 comes to F = 0 there, so that its acceleration is finite.
+
+    In the time s with dt = G_+ ds, x = V - V_edge and F obey x' = F, F' = F_V F + F_z (V - Omega) G_V x. Where both
+    rates of that are negative, motions slower than the faster one, F = rate x, end in x = F = 0.
+    """
+    on, step = near(direction * edge), near(edge * arb(2) ** -40)
+    F_V = (upper_of(drive, z, on + 3 * step) - upper_of(drive, z, on + step)) / (2 * step)
+    F_z = (upper_of(drive, z + step, on + step) - upper_of(drive, z, on + step)) / step
+    G_V = (drive.G(1, on + step) - drive.G(1, on - step)) / (2 * step)
+    product = -F_z * (on - drive.Omega) * G_V
+    square = F_V * F_V / 4 - product
+    if not (F_V < 0 and product > 0 and square > 0):
+        return False
+    faster = F_V / 2 - square.sqrt()
+    return bool(abs(upper_of(drive, z, V)) < abs(faster * (V - on)))
+
+
 def to_the_jam(drive, direction, z, V, edge):
     """Time and z at which law +1 comes to G_+ = 0, from close by: Runge and Kutta's steps with V as the variable.
 
-    Where Q comes to zero in the same place, the acceleration is 0 / 0 there, so the steps halve what is left.
+    The acceleration may be large only in the end, so the steps halve what is left.
     """
 
     def rates(V, z):
-        mu, P = drive.mu(V), drive.R - drive.cx * drive.p * V
-        upper = (1 + mu * drive.t) * (-drive.k * z - drive.c * V) - drive.r * (mu - drive.t) * P
-        lower = drive.G(1, V) / upper
+        lower = drive.G(1, V) / upper_of(drive, z, V)
         return lower, (V - drive.Omega) * lower
 
     time = arb(0)
@@ -407,9 +428,9 @@ def _simulate(drive, z, V, t_end, max_events):
                 record("seizure", (z, V), (z, arb(0)))
                 V, touching = arb(0), {"stop"}
         elif kind == "jam":
-            sooner, there = to_the_jam(drive, direction, z, V, name[1])
-            if not abs(drive.Q(there, direction * name[1])) > 1e-3 * abs(drive.Q(z, V)):
+            if comes_to_the_corner(drive, direction, z, V, name[1]):
                 return ended("corner")
+            sooner, there = to_the_jam(drive, direction, z, V, name[1])
             t, z, V = near(t + sooner), there, near(direction * name[1])
             mode = drive.after_seizure(z, direction)
             record("seizure", (z, V), (z, arb(0)))

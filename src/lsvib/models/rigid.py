@@ -463,8 +463,8 @@ class SpeedBuild(RigidBuild):
             self._add(modes, minus, f"band_{where}", direction, low, -1, f"faster_{where}")
             self._add(modes, fast, f"band_{where}", direction, low, 1, f"slower_{where}")
             # Before Γ₊ = 0 the deceleration grows without bound, and what is left of the time as the square of the
-            # distance: here it is below rounding.
-            self._add(modes, plus_name, f"jam_{where}", direction, low * (1 + 1e-8), 1, f"seizure_{minus}")
+            # distance: here it is below rounding. Nearer to it, the rounding of Γ₊ itself makes steps short.
+            self._add(modes, plus_name, f"jam_{where}", direction, low * (1 + 3e-9), 1, f"seizure_{minus}")
             above = self.surfaces[f"jam_{where}"].row, Test.POSITIVE
             carried = scaled(self.c.q_row, direction), Test.POSITIVE
             enters = (self.c.q_row, Test.ZERO), (scaled(self._q_rate(), direction), Test.NOT_NEGATIVE)

@@ -1,0 +1,121 @@
+"""The friction oscillator of bSTAB and pybasin on the engine: the share of starts that end in sliding, its basin stability.
+
+A mass on a belt that runs at the speed V, tied by a spring and a damper of the ratio ξ (units of mass and stiffness),
+
+    x″ = −x − 2 ξ x′ − sgn(x′ − V) μ(|x′ − V|),      μ(v) = μ_d + (μ_sd − 1) μ_d exp(−v / v_0),
+
+sticks to the belt while |x + 2 ξ V| ≤ μ_sd μ_d. With the parameters of bSTAB's case, sliding at x = μ(V) attracts beside
+stick–slip. The shares are those that bSTAB finds from 5000 starts in the box −2 ≤ x ≤ 2, 0 ≤ x′ ≤ 2 (0.312 ± 0.0066 at
+V = 1.5), printed by pybasin for other speeds. The model is no drive: its tables are made here.
+"""
+
+import math
+
+import numpy as np
+import pytest
+
+from lsvib.dynamics.attractor import Attractor, KnownCycles, end_of_motion, steady_state
+from lsvib.engine.automaton import Branch, Guard, Mode, Surface, Transition, assemble
+from lsvib.engine.exact.taylor_form import TaylorMode, still_mode, taylor_flow
+from lsvib.engine.kernels.layout import CUBIC, EXPONENT, FADE, FIRST_MODEL_KIND, PIECE, RISE, TO, Test
+from lsvib.models.sliding import divided
+
+DAMPING, DYNAMIC, STATIC_RATIO, FADING_SPEED = 0.05, 0.5, 2.0, 0.5
+STOP, RELEASE, PASSAGE = range(FIRST_MODEL_KIND, FIRST_MODEL_KIND + 3)
+BSTAB = 0.312, 0.0066  # basin stability of sliding at V = 1.5, and its standard error
+STARTS = 5000  # of bSTAB, and of pybasin, for each speed
+
+
+def friction(speed):
+    return DYNAMIC + (STATIC_RATIO - 1) * DYNAMIC * math.exp(-speed / FADING_SPEED)
+
+
+def oscillator(belt):
+    """The automaton of the states x − μ(V) and x′; slip below the belt's speed is divided at x′ = 0."""
+    law = np.zeros(PIECE)
+    law[CUBIC], law[RISE], law[FADE] = DYNAMIC, (STATIC_RATIO - 1) * DYNAMIC, 1 / FADING_SPEED
+    law[EXPONENT], law[TO] = 1, math.inf
+    steady, hold = friction(belt), STATIC_RATIO * DYNAMIC
+    field = np.array([[0.0, 1.0, 0.0], [-1.0, -2 * DAMPING, -steady]])
+
+    def slip(side):
+        """Slip with sgn(x′ − V) = side."""
+        return TaylorMode(
+            field=field,
+            push=np.array([0.0, -side]),
+            contact=np.array([0.0, 0.0, 1.0]),
+            speed=np.array([0.0, side, -side * belt]),
+            pieces=law[None],
+        )
+
+    over = 1, 2 * DAMPING, steady - hold  # x + 2 ξ x′ beyond what friction holds
+    under = -1, -2 * DAMPING, -steady - hold
+    surfaces = {"belt": Surface((0, 1, -belt), 1), "hold": Surface(over, 0)}
+    modes = {
+        "below": Mode(0, slip(-1), (Guard("belt", -1, "stop"),)),
+        "above": Mode(1, slip(1), (Guard("belt", 1, "stop"),)),
+        "stick": Mode(2, still_mode([(0, 1, 0), (0, 0, 0)]), (Guard("hold", -1, "release"),)),
+    }
+    standing = (
+        Branch("below", STOP, ((over, Test.POSITIVE),)),
+        Branch("above", STOP, ((under, Test.POSITIVE),)),
+        Branch("stick", STOP),
+    )
+    moving = (
+        Branch("below", STOP, (((0, -1, belt), Test.POSITIVE),)),
+        Branch("above", STOP, (((0, 1, -belt), Test.POSITIVE),)),
+    )
+    transitions = {
+        "entry": Transition((*moving, *standing)),
+        "stop": Transition(standing),
+        "release": Transition((Branch("below", RELEASE),)),
+    }
+    divided("below", PASSAGE, modes, transitions, surfaces)
+    return assemble(
+        states=("x", "v"),
+        surfaces=surfaces,
+        modes=modes,
+        transitions=transitions,
+        observables={},
+        shortest_stay=1e-13,
+        stack=taylor_flow,
+        rest_codes=(2,),
+        release_kinds=(RELEASE,),
+        passive=True,
+    )
+
+
+def share_of_sliding(belt, starts, seed=20261126):
+    """Share of random starts in bSTAB's box that end in sliding; all others stick and slip."""
+    automaton, rng = oscillator(belt), np.random.default_rng(seed)
+    steady, found = friction(belt), []
+    cycle = steady_state(automaton, [2.0 - steady, 2.0])
+    known = KnownCycles.of([cycle] if cycle.orbit else [], 2, 0)
+    for x, v in zip(rng.uniform(-2, 2, starts), rng.uniform(0, 2, starts), strict=True):
+        found.append(end_of_motion(automaton, [x - steady, v], known=known)[0].label)
+    assert set(found) <= {Attractor.STEADY_SLIDING, Attractor.STICK_SLIP_CYCLE}
+    return found.count(Attractor.STEADY_SLIDING) / starts
+
+
+def spread(share, starts):
+    """Four standard errors of the difference between a share of so many starts and one of bSTAB's."""
+    return 4 * math.sqrt(share * (1 - share) * (1 / starts + 1 / STARTS))
+
+
+def test_share_of_sliding():
+    assert abs(share_of_sliding(1.5, 2000) - BSTAB[0]) <= spread(BSTAB[0], 2000)
+    assert share_of_sliding(1.1, 200) == 0.0
+    assert share_of_sliding(1.85, 200) == 1.0
+
+
+@pytest.mark.slow
+def test_share_of_sliding_from_many_starts():
+    assert abs(share_of_sliding(1.5, 100_000) - BSTAB[0]) <= spread(BSTAB[0], 100_000)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("belt", "share"), [(1.25, 0.084), (1.4, 0.211), (1.55, 0.364), (1.7, 0.491), (1.775, 0.555), (2.0, 1.0)]
+)
+def test_share_of_sliding_over_the_speed_of_the_belt(belt, share):
+    assert abs(share_of_sliding(belt, STARTS) - share) <= spread(share, STARTS)
