@@ -150,7 +150,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     onset.plot(dataset.input_speed, dataset.onset_force, color=style.BLUE)
     onset.fill_between(dataset.input_speed, dataset.onset_force, 1.2 * dataset.onset_force.max(), color=style.BLUE,
                        alpha=0.15, linewidth=0)  # fmt: skip
-    onset.text(0.6, 0.8, "steady sliding unstable", transform=onset.transAxes, ha="center")
+    onset.text(0.32, 0.72, "steady sliding unstable", transform=onset.transAxes, ha="center")
     onset.text(0.75, 0.15, "stable", transform=onset.transAxes, ha="center")
     onset.set(xscale="log", title="(b) onset of vibration", ylim=(0, 1.2 * float(dataset.onset_force.max())),
               xlabel=style.label(dataset.input_speed),
@@ -159,6 +159,9 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     _sweep(force, dataset.swept_axial_force, dataset.amplitude, f"(c) over the force, {fixed[0]}")
     _sweep(speed, dataset.swept_input_speed, dataset.speed_amplitude, f"(d) over the speed, {fixed[1]}")
     speed.set_xscale("log")
+    for axes, ticks in ((onset, (2, 5, 10, 20, 50)), (speed, (5, 10, 20, 40))):
+        axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+        axes.set_xticks([], minor=True)
     here = float(dataset.onset_force.sel(input_speed=dataset.drawn_input_speed))
     force.axvline(here, color=style.GREY, linestyle=":", linewidth=0.8, label=f"onset, {here:.2f} N")
     return style.legend(figure, [force], 3)

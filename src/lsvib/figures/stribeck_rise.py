@@ -168,10 +168,10 @@ def checks(dataset: xr.Dataset) -> list[Check]:
                     f"{float(dataset.steady_critical_mass[-1]):.4g} kg",
                     (np.diff(dataset.slow_critical_mass) < 0).all()
                     and float(dataset.slow_critical_mass[-1]) < limit + 0.5 * exact
-                    and np.ptp(dataset.steady_critical_mass) < 1e-3 * exact),
+                    and np.ptp(dataset.steady_critical_mass.values) < 1e-3 * exact),
         Check.holds("The rise leaves the onset force and lowers the force from which the cycle rests", "ours",
                     f"stick force {float(dataset.stick_force[0]):.4g} N to {float(dataset.stick_force[-1]):.4g} N",
-                    np.ptp(dataset.onset_force) < 1e-2 * float(dataset.onset_force[0])
+                    np.ptp(dataset.onset_force.values) < 1e-2 * float(dataset.onset_force[0])
                     and (np.diff(dataset.stick_force) < 0).all()),
         Check.holds("Without static friction above the kinetic one the slow drive slides steadily, with it it sticks "
                     "and slips, with an amplitude and a period that grow", "ours",
