@@ -1,12 +1,12 @@
-"""The friction oscillator of bSTAB and pybasin on the engine: the share of starts that end in sliding, its basin stability.
+"""The friction oscillator of bSTAB and pybasin on the engine: the share of starts that end in sliding.
 
 A mass on a belt that runs at the speed V, tied by a spring and a damper of the ratio ξ (units of mass and stiffness),
 
     x″ = −x − 2 ξ x′ − sgn(x′ − V) μ(|x′ − V|),      μ(v) = μ_d + (μ_sd − 1) μ_d exp(−v / v_0),
 
-sticks to the belt while |x + 2 ξ V| ≤ μ_sd μ_d. With the parameters of bSTAB's case, sliding at x = μ(V) attracts beside
-stick–slip. The shares are those that bSTAB finds from 5000 starts in the box −2 ≤ x ≤ 2, 0 ≤ x′ ≤ 2 (0.312 ± 0.0066 at
-V = 1.5), printed by pybasin for other speeds. The model is no drive: its tables are made here.
+sticks to the belt while |x + 2 ξ V| ≤ μ_sd μ_d. With the parameters of bSTAB's case, sliding at x = μ(V) attracts
+beside stick–slip. The shares are those that bSTAB finds from 5000 starts in the box −2 ≤ x ≤ 2, 0 ≤ x′ ≤ 2 (0.312 ±
+0.0066 at V = 1.5), printed by pybasin for other speeds. The model is no drive: its tables are made here.
 """
 
 import math
@@ -17,7 +17,8 @@ import pytest
 from lsvib.dynamics.attractor import Attractor, KnownCycles, end_of_motion, steady_state
 from lsvib.engine.automaton import Branch, Guard, Mode, Surface, Transition, assemble
 from lsvib.engine.exact.taylor_form import TaylorMode, still_mode, taylor_flow
-from lsvib.engine.kernels.layout import CUBIC, EXPONENT, FADE, FIRST_MODEL_KIND, PIECE, RISE, TO, Test
+from lsvib.engine.kernels.layout import CUBIC, EXPONENT, FADE, FIRST_MODEL_KIND, PIECE, RISE, TO
+from lsvib.engine.kernels.layout import Test as Is
 from lsvib.models.sliding import divided
 
 DAMPING, DYNAMIC, STATIC_RATIO, FADING_SPEED = 0.05, 0.5, 2.0, 0.5
@@ -57,13 +58,13 @@ def oscillator(belt):
         "stick": Mode(2, still_mode([(0, 1, 0), (0, 0, 0)]), (Guard("hold", -1, "release"),)),
     }
     standing = (
-        Branch("below", STOP, ((over, Test.POSITIVE),)),
-        Branch("above", STOP, ((under, Test.POSITIVE),)),
+        Branch("below", STOP, ((over, Is.POSITIVE),)),
+        Branch("above", STOP, ((under, Is.POSITIVE),)),
         Branch("stick", STOP),
     )
     moving = (
-        Branch("below", STOP, (((0, -1, belt), Test.POSITIVE),)),
-        Branch("above", STOP, (((0, 1, -belt), Test.POSITIVE),)),
+        Branch("below", STOP, (((0, -1, belt), Is.POSITIVE),)),
+        Branch("above", STOP, (((0, 1, -belt), Is.POSITIVE),)),
     )
     transitions = {
         "entry": Transition((*moving, *standing)),

@@ -62,7 +62,9 @@ class ClosedForm:
         last = above.index(False)
         t_1 = mp.findroot(lambda t: self.rate(t) + self.Omega, (grid[last - 1], grid[last]), solver="anderson")
         turning = mp.atan2(self.beta * self.B - self.alpha * self.y_0, self.beta * self.y_0 + self.alpha * self.B)
-        ends = [self.y((turning + j * mp.pi) / self.beta) for j in range(-2, 5) if 0 < turning + j * mp.pi < self.beta * t_1]
+        ends = [
+            self.y((turning + j * mp.pi) / self.beta) for j in range(-2, 5) if 0 < turning + j * mp.pi < self.beta * t_1
+        ]
         period = t_1 + (self.y(t_1) - self.y_0) / self.Omega
         return period, (max(ends) - min(ends)) / 2
 

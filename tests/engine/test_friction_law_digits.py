@@ -1,4 +1,4 @@
-"""The rigid drive under a friction law against an independent reference of 30 digits: events in order, times and states.
+"""The rigid drive under a friction law against an independent reference: events in order, times and states.
 
 Drives are random: both exponents, slopes of both signs, static friction above that of sliding or not, outside the
 Painlevé region, in it, or in it below some speed. A motion that comes to the end of what the model determines, or into
@@ -92,7 +92,7 @@ def compare_random(seeds) -> Counter:
 
 
 def test_random_motions():
-    found = compare_random(range(20))
+    found = compare_random(range(14))
     kinds = {"contact_reversal", "stick", "reversal", "release", "seizure", "passage"}
     assert kinds <= found.keys(), found  # a test that never seizes would prove little
 
@@ -100,4 +100,4 @@ def test_random_motions():
 @pytest.mark.slow
 @pytest.mark.parametrize("block", range(5))
 def test_many_random_motions(block):
-    assert compare_random(range(20 + 40 * block, 60 + 40 * block))["events"] > 20
+    assert compare_random(range(14 + 40 * block, 54 + 40 * block))["events"] > 20
