@@ -51,19 +51,6 @@ def refusal(d: Any, rest: bool = True) -> str:
     return ""
 
 
-def refusal(d: Any, rest: bool = True) -> str:
-    """Return for which friction alone a closed form holds, where that of a drive is another; else nothing.
-
-    ``rest``: whether the closed form is also about rest, and so about static friction.
-    """
-    if depends_on_speed(d):
-        return "holds for friction that does not depend on speed"
-    static = d.static_friction_coefficient
-    if rest and sign(static) and sign(static - d.friction_coefficient):
-        return "holds for static friction that is not above that of sliding"
-    return ""
-
-
 def steady_speed(d: Any) -> Any:
     """Return the sliding speed of steady sliding, r_m |Ω| / cos λ [m/s]."""
     return d.pitch_radius * (d.input_speed * sign(d.input_speed)) / d.cos_lead
