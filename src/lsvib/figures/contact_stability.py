@@ -30,7 +30,7 @@ dampings at which it is stable, which for soft contacts are two intervals. See d
 
 _CONTACT = ("contact_stiffness", "contact_damping")
 _BESIDE = 1e-6  # relative distance from a critical mass at which LAPACK must see the change
-_PARAMETERS = [name for name in RigidDrive.model_fields if name not in ("mass", "axial_force")]
+_PARAMETERS = [name for name in dict(RigidDrive()) if name not in ("mass", "axial_force")]
 _COLOURS = (style.VERMILION, style.ORANGE, style.BLUE, style.BLACK, style.GREEN, style.PURPLE)
 # Where two lines coincide both are seen, and in grey they differ.
 _DASHES = ("-", (0, (5, 1.5)), (0, (3, 1, 1, 1)), (0, (8, 2)), "-", (0, (5, 1.5)))

@@ -6,10 +6,9 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from lsvib.datasets import spans
+from lsvib.datasets import phase_plane, spans
 from lsvib.datasets.attributes import ASSUMED, axis, drive_parameters, flagged, named_index, parameter, variable
 from lsvib.datasets.checks import Check
-from lsvib.dynamics.attractor import Attractor
 from lsvib.figures import settings as of
 from lsvib.figures import style
 from lsvib.figures.common import about, named
@@ -46,6 +45,8 @@ def _speeds(settings: Values) -> np.ndarray:
 
 def build(settings: Values) -> xr.Dataset:
     """Compute the coefficient and the onset over the speed, and what motions end in on both sides of it."""
+    from lsvib.dynamics.attractor import Attractor
+
     drive, speeds = RigidDrive.of(settings["drive"]), _speeds(settings)
     force, speed = spans.even(settings["swept_axial_force"]), spans.logarithmic(settings["swept_input_speed"])
     thresholds = [_thresholds(drive.replace(input_speed=at)) for at in speeds.tolist()]
@@ -53,17 +54,17 @@ def build(settings: Values) -> xr.Dataset:
     over_speed = _motions(drive.replace(axial_force=settings["force"]), input_speed=speed)
     sliding = np.geomspace(1e-4, 1.2 * drive.pitch_radius * speeds.max(), 200)
     mu = [float(friction.coefficient(drive, v)) for v in sliding.tolist()]
-    words, dims = "what the motion from a start ends in", ("start", "swept_axial_force")
-    other, size = ("start", "swept_input_speed"), "half the peak-to-peak of the deviation that a motion ends in"
+    words, dims = phase_plane.ATTRACTOR, ("start", "swept_axial_force")
+    other, size = ("start", "swept_input_speed"), phase_plane.AMPLITUDE
     return xr.Dataset(
         {
             "coefficient": variable("sliding_speed", mu, "1", "friction coefficient of the threads", r"$\mu$"),
             "onset_force": variable(
-                "input_speed", [pair[0] for pair in thresholds], "N", "axial force of the onset of vibration", "$R$"
+                "input_speed", [pair[0] for pair in thresholds], "N", "onset force", "$R$"
             ),
-            "critical_mass": variable(
+            "steady_critical_mass": variable(
                 "input_speed",
-                [pair[1] for pair in thresholds], "kg", "critical mass with steady friction",
+                [pair[1] for pair in thresholds], "kg", "critical mass in steady sliding",
                 r"$m_\mathrm{cr}$",
             ),
             "attractor": flagged(dims, over_force.attractor, words, Attractor),
@@ -110,7 +111,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the onset against the closed form, and that motions change where it says."""
     onset, slides = dataset.onset_force, named(dataset.attractor, "steady sliding")
     force, speed = dataset.swept_axial_force.values, dataset.swept_input_speed.values
-    begins, stops = (float(force[~row].min()) for row in slides)
+    begins, stops = (float(force[~row].min(initial=np.inf)) for row in slides)
     here = float(onset.sel(input_speed=dataset.drawn_input_speed))
     step, reason = float(np.diff(force).max()), "the step of the swept force"
     found = [
@@ -127,8 +128,8 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         Check.holds("Chatter that has begun goes on below the force at which it begins", "ours",
                     f"begins at {begins:.4g} N, stops at {stops:.4g} N", stops < begins),
         Check.holds("Over the input speed chatter stops at a higher speed than that below which it begins", "ours",
-                    f"begins below {speed[~near].max():.4g} rad/s, stops above {speed[~far].max():.4g} rad/s",
-                    speed[~near].max() < speed[~far].max()),
+                    f"begins below {speed[~near].max(initial=0.0):.4g} rad/s, stops above {speed[~far].max(initial=0.0):.4g} rad/s",
+                    speed[~near].max(initial=0.0) < speed[~far].max(initial=0.0)),
         Check.holds("With the constant friction of the chapter steady sliding is stable at every force", "eq. 8.13",
                     f"C_0 = c = {float(dataset.support_damping):.3g} N m s/rad",
                     float(dataset.support_damping) > 0 and float(dataset.translation_damping) == 0),

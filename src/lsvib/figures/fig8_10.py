@@ -99,7 +99,7 @@ def cycle_motion(dataset: xr.Dataset, prefix: str = "cycle") -> xr.Dataset:
     names |= {name: name for name in (*STATES[2:], "normal_force")}
     kept = {f"{prefix}_{own}": name for own, name in names.items() if f"{prefix}_{own}" in dataset.variables}
     drive = ThreadsDrive if f"{prefix}_mismatch_rate" in kept else RigidDrive
-    return dataset[[*kept, *drive.model_fields]].rename(kept | {f"{prefix}_sample": "sample"})
+    return dataset[[*kept, *dict(drive())]].rename(kept | {f"{prefix}_sample": "sample"})
 
 
 def _motion(motion: Motion, samples: int) -> Variables:

@@ -7,11 +7,10 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from lsvib.datasets import printed, spans
+from lsvib.datasets import phase_plane, printed, spans
 from lsvib.datasets.analysis import analyse
 from lsvib.datasets.attributes import ASSUMED, drive_parameters, flagged, named_index, parameter, variable
 from lsvib.datasets.checks import Check
-from lsvib.dynamics.attractor import Attractor
 from lsvib.figures import settings as of
 from lsvib.figures import style
 from lsvib.figures.common import about, named
@@ -62,6 +61,8 @@ def analysis(settings: Values) -> xr.Dataset:
 
 def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     """Compute thresholds over the rise, and both cycles over the static friction."""
+    from lsvib.dynamics.attractor import Attractor
+
     drive, rise = RigidDrive.of(settings["drive"]), spans.even(settings["rise"])
     heavy = drive.replace(mass=settings["heavy_mass"])
     slow = [_threshold(_slow(drive, share), "mass") for share in rise.tolist()]
@@ -81,15 +82,15 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
             "steady_critical_mass": variable(
                 "rise_share", analysis.kinematic_constraint_mass.values, "kg", "critical mass in steady sliding", "$m$"
             ),
-            "critical_friction": variable(
+            "slow_critical_friction": variable(
                 "rise_share", least / (1 + rise), "1", "kinetic friction that is critical in slow sliding", r"$\mu$"
             ),
             "onset_force": variable("rise_share", onset, "N", "onset force", "$R$"),
             "stick_force": variable("rise_share", [pair[0] for pair in forces], "N", "stick force", "$R$"),
             "detach_force": variable("rise_share", [pair[1] for pair in forces], "N", "detach force", "$R$"),
-            "attractor": flagged(other, label.astype(np.int8), "what the motion ends in", Attractor),
-            "amplitude": variable(other, amplitude, "rad", "half the peak-to-peak of the deviation", r"$\hat u$"),
-            "period": variable(other, period, "s", "period of the cycle", "$T$"),
+            "attractor": flagged(other, label.astype(np.int8), phase_plane.ATTRACTOR, Attractor),
+            "amplitude": variable(other, amplitude, "rad", phase_plane.AMPLITUDE, r"$\hat u$"),
+            "period": variable(other, period, "s", phase_plane.PERIOD, "$T$"),
         },
         coords={
             **drive_parameters(drive, printed=("Sect. 8.5.1",), no_effect=("axial_force",)),
@@ -196,7 +197,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     ):
         critical.plot(percent, dataset[name], color=colour, linestyle=dashes, label=words)
     other = critical.twinx()
-    other.plot(percent, dataset.critical_friction, color=style.VERMILION, linestyle=":", label="critical friction")
+    other.plot(percent, dataset.slow_critical_friction, color=style.VERMILION, linestyle=":", label="critical friction")
     critical.set(title="(a) Painlevé region", ylabel="critical mass [kg]")
     other.set(ylabel=f"critical friction at {float(dataset.case_mass):g} kg [1]")
     for name, colour, dashes in zip(
