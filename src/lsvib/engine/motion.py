@@ -204,8 +204,8 @@ def _complain(status: Status, time: float, state: np.ndarray, most: int | None) 
         )
     if status == Status.NO_BRANCH:
         raise EngineError(
-            f"no branch of a transition fits {where}: where friction grows with speed it has reached the Painlevé region "
-            "there, and what follows is not determined; elsewhere this is a fault of the model, please report it."
+            f"no branch of a transition fits {where}: where friction grows with speed it has reached the Painlevé "
+            "region, and what follows is not determined; elsewhere this is a fault of the model, please report it."
         )
     raise EngineError(f"the clock left the range of numbers ({where}).")
 
