@@ -273,7 +273,9 @@ def _equilibrium(automaton: Automaton, mode: int, states: int) -> np.ndarray:
     from steady sliding, which is zero.
     """
     flow = automaton.tables.flow
-    if mode < 0 or isinstance(flow, TaylorFlow):
+    if isinstance(flow, TaylorFlow):
+        return np.array(flow.settled_place[np.argmax(flow.settled_level)])
+    if mode < 0:
         return np.zeros(states)
     if isinstance(flow, np.ndarray):
         return np.array([flow[mode, layout.EQUILIBRIUM], 0.0])

@@ -142,15 +142,22 @@ def _bisected(function: Any, low: float, high: float) -> float:
 
 
 def divided(
-    name: str, kind: int, modes: dict[str, Mode], transitions: dict[str, Transition], surfaces: dict[str, Surface]
+    name: str,
+    kind: int,
+    modes: dict[str, Mode],
+    transitions: dict[str, Transition],
+    surfaces: dict[str, Surface],
+    steady: np.ndarray | None = None,
 ) -> None:
     """Divide the mode that steady sliding lies in at w = 0, in place; ``kind`` is that of the event in between.
+
+    ``steady`` (n): the state of steady sliding, where it is not zero.
 
     The region that no motion leaves goes into both halves (:func:`lsvib.engine.exact.taylor_form.settled_region`).
     """
     slow, mode, n = f"{name}_slow", modes[name], len(next(iter(surfaces.values())).row) - 1
     rows = [np.array(scaled(surfaces[guard.surface].row, guard.sign), dtype=float) for guard in mode.guards]
-    flow = replace(mode.flow, settled=settled_region(mode.flow, rows))
+    flow = replace(mode.flow, settled=settled_region(mode.flow, rows, np.zeros(n) if steady is None else steady))
     deviation = tuple(1 if i == 1 else 0 for i in range(n + 1))
     surfaces["passage"] = Surface(deviation, 1)
     for own, other, side in ((name, slow, 1), (slow, name, -1)):

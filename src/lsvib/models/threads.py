@@ -246,14 +246,15 @@ class _SpeedBuild(_ThreadsBuild):
 
     def __init__(self, c: Coefficients, d: Any, drive: ThreadsDrive) -> None:
         super().__init__(c, d)
-        self.pieces = sliding.pieces_of(drive)
+        self.drive, self.pieces = drive, sliding.pieces_of(drive)
 
     def automaton(self) -> Automaton:
         """Return the automaton."""
         surfaces, transitions, modes = self.surfaces(), self.transitions(), self.modes()
         turning = arithmetic.sign(self.d.input_speed)
         steady = f"slip_{DIRECTIONS[turning]}_{SIGNS[self.c.steady_law * turning]}"
-        sliding.divided(steady, ThreadsEvent.PASSAGE, modes, transitions, surfaces)
+        place = seated_state(self.drive, 0.0, 0.0)
+        sliding.divided(steady, ThreadsEvent.PASSAGE, modes, transitions, surfaces, place)
         return assemble(
             states=STATES,
             surfaces=surfaces,

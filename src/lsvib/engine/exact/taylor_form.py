@@ -17,7 +17,8 @@ Row = Sequence[Any]
 class TaylorMode:
     """One mode of a :class:`lsvib.engine.kernels.layout.TaylorFlow`: its tables in doubles.
 
-    ``pieces`` (p, PIECE), none where the mode does not slip. ``settled``: S and L of the region that no motion leaves.
+    ``pieces`` (p, PIECE), none where the mode does not slip. ``settled``: x₀, S and L of the region that no motion
+    leaves.
     """
 
     field: np.ndarray
@@ -26,7 +27,7 @@ class TaylorMode:
     speed: np.ndarray
     feedback: float = 0.0
     pieces: np.ndarray = field(default_factory=lambda: np.zeros((0, PIECE)))
-    settled: tuple[np.ndarray, float] | None = None
+    settled: tuple[np.ndarray, np.ndarray, float] | None = None
     condition: float = 1.0
 
     @property
@@ -90,7 +91,7 @@ class Split:
 def taylor_flow(modes: Sequence[TaylorMode]) -> TaylorFlow:
     """Return the flow tables of some modes."""
     n = len(modes[0].push)
-    settled = [mode.settled or (np.zeros((n, n)), -1.0) for mode in modes]
+    settled = [mode.settled or (np.zeros(n), np.zeros((n, n)), -1.0) for mode in modes]
     return TaylorFlow(
         field=np.array([mode.field for mode in modes]),
         push=np.array([mode.push for mode in modes]),
@@ -99,19 +100,23 @@ def taylor_flow(modes: Sequence[TaylorMode]) -> TaylorFlow:
         feedback=np.array([mode.feedback for mode in modes]),
         piece_start=np.cumsum([0, *(len(mode.pieces) for mode in modes)]).astype(np.int64),
         pieces=np.concatenate([mode.pieces for mode in modes]),
-        settled_form=np.array([form for form, _ in settled]),
-        settled_level=np.array([level for _, level in settled]),
+        settled_place=np.array([place for place, _, _ in settled]),
+        settled_form=np.array([form for _, form, _ in settled]),
+        settled_level=np.array([level for _, _, level in settled]),
     )
 
 
-def settled_region(mode: TaylorMode, guards: Sequence[np.ndarray]) -> tuple[np.ndarray, float]:
-    """Return S (n, n) and a level L such that a motion with xᵀ S x ≤ L of a mode stays near x = 0 for ever.
+def settled_region(
+    mode: TaylorMode, guards: Sequence[np.ndarray], place: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Return x₀, S (n, n) and a level L such that a motion with yᵀ S y ≤ L, y = x − x₀, stays near x₀ for ever.
 
-    ``guards`` (n + 1 each) are positive in the mode. With the linear field A at x = 0, Aᵀ S + S A = −W, and what is
-    left of the field, d (Δη q̃ + q₀ (Δη − η′ σ̃)), is bounded by the first two derivatives of η: xᵀ S x falls as long as
-    it is below L. L is zero where x = 0 is not stable, so that nothing but rest at x = 0 itself stays.
+    ``guards`` (n + 1 each) are positive in the mode, and ``place`` (n) is x₀, its equilibrium. With the linear field A
+    there, Aᵀ S + S A = −W, and what is left of the field, d (Δη q̃ + q₀ (Δη − η′ σ̃)), is bounded by the first two
+    derivatives of η: yᵀ S y falls as long as it is below L. L is zero where x₀ is not stable, so that only x₀ stays.
     """
-    n, sigma = len(mode.push), mode.speed[-1]
+    n, whole = len(mode.push), np.append(place, 1.0)
+    sigma = float(mode.speed @ whole)
     piece = mode.pieces[np.searchsorted(mode.pieces[1:, FROM], sigma, side="right")]
     mu, first, _ = _law(piece, sigma)
     steep, bent = _bounds(piece)
@@ -120,10 +125,10 @@ def settled_region(mode: TaylorMode, guards: Sequence[np.ndarray]) -> tuple[np.n
     reach = min(reach, piece[TO] - sigma)
     slope = first / one**2
     steep, bent = 4 * steep / one**2, 4 * bent / one**2 + 16 * abs(mode.feedback) * steep**2 / abs(one) ** 3
-    force = mode.contact[-1]
+    force = float(mode.contact @ whole)
     matrix = mode.field[:, :-1] + np.outer(mode.push, mu / one * mode.contact[:-1] + slope * force * mode.speed[:-1])
     if np.linalg.eigvals(matrix).real.max() >= 0 or reach <= 0:
-        return np.eye(n), 0.0
+        return place, np.eye(n), 0.0
     sizes = np.abs(np.linalg.eig(matrix)[1]).max(axis=1)  # of the coordinates to each other
     weight = np.diag(1 / sizes**2)
     unit = np.eye(n)
@@ -131,20 +136,20 @@ def settled_region(mode: TaylorMode, guards: Sequence[np.ndarray]) -> tuple[np.n
     form = np.linalg.solve(flat, -weight.ravel()).reshape(n, n)
     form = (form + form.T) / 2
     if np.linalg.eigvalsh(form).min() <= 0:
-        return np.eye(n), 0.0
+        return place, np.eye(n), 0.0
     inverse = np.linalg.inv(form)
 
     def length(row: np.ndarray) -> float:
-        """Return the largest value of a linear function where xᵀ S x = 1."""
+        """Return the largest value of a linear function where yᵀ S y = 1."""
         return math.sqrt(max(row @ inverse @ row, 0.0))
 
-    falls = np.linalg.eigvals(inverse @ weight).real.min()  # xᵀ W x over xᵀ S x
+    falls = np.linalg.eigvals(inverse @ weight).real.min()  # yᵀ W y over yᵀ S y
     away = length(mode.speed[:-1])
     rest = steep * away * length(mode.contact[:-1]) + 0.5 * abs(force) * bent * away**2
     pushed = 2 * math.sqrt(mode.push @ form @ mode.push) * rest
     levels = [0.5 * falls / pushed if pushed > 0 else math.inf, reach / away if away > 0 else math.inf]
-    levels += [row[-1] / length(row[:-1]) for row in guards if length(row[:-1]) > 0]
-    return form, 0.9 * max(min(levels), 0.0) ** 2
+    levels += [row @ whole / length(row[:-1]) for row in guards if length(row[:-1]) > 0]
+    return place, form, 0.9 * max(min(levels), 0.0) ** 2
 
 
 def eta(flow: TaylorFlow, states: np.ndarray, modes: np.ndarray) -> np.ndarray:

@@ -215,10 +215,10 @@ def is_settled(flow, mode, state):
     level = flow.settled_level[mode]
     if level < 0.0:
         return False
-    form, total = flow.settled_form[mode], 0.0
+    form, place, total = flow.settled_form[mode], flow.settled_place[mode], 0.0
     for i in range(state.size):
         for j in range(state.size):
-            total += state[i] * form[i, j] * state[j]
+            total += (state[i] - place[i]) * form[i, j] * (state[j] - place[j])
     return total <= level
 
 

@@ -125,7 +125,7 @@ class TaylorFlow(NamedTuple):
 
         μ(σ) = Σ c_i (σ − from)^i + rise exp(−(fade σ)^exponent)      from ≤ σ ≤ to,
 
-    of which a mode without friction has none. A motion with xᵀ S x ≤ L in a mode stays there for ever.
+    of which a mode without friction has none. A motion with yᵀ S y ≤ L in a mode, y = x − x₀, stays there for ever.
     """
 
     field: np.ndarray  # (m, n, n + 1) P
@@ -135,5 +135,6 @@ class TaylorFlow(NamedTuple):
     feedback: np.ndarray  # (m,) B
     piece_start: np.ndarray  # (m + 1,)
     pieces: np.ndarray  # (p, PIECE) from, to, c_0 … c_3, rise, fade, exponent
+    settled_place: np.ndarray  # (m, n) x₀
     settled_form: np.ndarray  # (m, n, n) S
     settled_level: np.ndarray  # (m,) L, negative where no motion stays
