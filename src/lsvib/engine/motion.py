@@ -203,7 +203,10 @@ def _complain(status: Status, time: float, state: np.ndarray, most: int | None) 
             f"the search for the next event does not end ({where}): the rates of the mode lie too far apart."
         )
     if status == Status.NO_BRANCH:
-        raise EngineError(f"no branch of a transition fits {where}; this is a fault of the model, please report it.")
+        raise EngineError(
+            f"no branch of a transition fits {where}: where friction grows with speed it has reached the Painlevé "
+            "region, and what follows is not determined; elsewhere this is a fault of the model, please report it."
+        )
     raise EngineError(f"the clock left the range of numbers ({where}).")
 
 

@@ -123,13 +123,12 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         Check.within("Force at which a motion next to steady sliding begins to vibrate", "eq. 8.13", here, begins,
                      step / here, "N", reason)
     )  # fmt: skip
-    near, far = (named(dataset.speed_attractor, "steady sliding")[k] for k in (0, 1))
+    slow, fast = (float(speed[~row].max(initial=0.0)) for row in named(dataset.speed_attractor, "steady sliding"))
     found += [
         Check.holds("Chatter that has begun goes on below the force at which it begins", "ours",
                     f"begins at {begins:.4g} N, stops at {stops:.4g} N", stops < begins),
         Check.holds("Over the input speed chatter stops at a higher speed than that below which it begins", "ours",
-                    f"begins below {speed[~near].max(initial=0.0):.4g} rad/s, stops above {speed[~far].max(initial=0.0):.4g} rad/s",
-                    speed[~near].max(initial=0.0) < speed[~far].max(initial=0.0)),
+                    f"begins below {slow:.4g} rad/s, stops above {fast:.4g} rad/s", slow < fast),
         Check.holds("With the constant friction of the chapter steady sliding is stable at every force", "eq. 8.13",
                     f"C_0 = c = {float(dataset.support_damping):.3g} N m s/rad",
                     float(dataset.support_damping) > 0 and float(dataset.translation_damping) == 0),
