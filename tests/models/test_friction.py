@@ -1,6 +1,8 @@
 """The friction law of the threads: its values, and one sentence for every law that is none."""
 
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -165,3 +167,14 @@ def test_a_pairing_beside_parameters():
     for name in ("butter", 0.2, None, [bronze]):
         with pytest.raises(InputError, match=r"^friction = .* is not known; known are steel_on_bronze_dry, .*seat\.$"):
             RigidDrive(friction=name)
+
+
+def test_the_page_lists_the_pairings_as_they_are():
+    page = (Path(__file__).parents[2] / "docs" / "friction.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `(\w+)` \| ([\d.–]+) \| (.*) \| (.*) \|$", page, re.MULTILINE)
+    expected = []
+    for name, one in pairings.PAIRINGS.items():
+        numbers = f"{one.low:g}" if one.low == one.high else f"{one.low:g}–{one.high:g}"
+        law = ", ".join(f"{key} {value:.6g}" for key, value in one.law.items())
+        expected.append((name, numbers, law or "–", one.source))
+    assert rows == expected
