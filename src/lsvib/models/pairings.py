@@ -74,7 +74,7 @@ PAIRINGS = {
     # The slope is −4.47e-4 s/rad of θ′, over r_m / cos λ of Table 8.1.
     "powered_seat": _one(
         0.218,
-        "the drive of Table 8.1; eqs 6.44-6.48 of Vahid-Araghi's thesis, as example 4 of github.com/canbooo/duqo has them",
+        "the drive of Table 8.1; eqs 6.44-6.48 of Vahid-Araghi's thesis, as in example 4 of github.com/canbooo/duqo",
         stribeck_rise=0.0203,
         stribeck_speed=0.013704,
         friction_slope=-0.08588598956673593,
