@@ -34,6 +34,7 @@ class Series(NamedTuple):
     parts: np.ndarray  # (11, ORDER + 1) σ, exponent, exponential, μ, η, q, σ − from, q dη/dσ, and room for these
     here: np.ndarray  # (n,) the state at the start of the step
     sizes: np.ndarray  # (n,) sizes of the terms that the state was summed from, the largest of all steps so far
+    spans: np.ndarray  # (n, 2) least and largest changes of the state on the step
     guard: np.ndarray  # (ORDER + 1,) a guard as a polynomial of the part of the step
     local: np.ndarray  # (ORDER + 1,) the same on a part of the step, in Bernstein's form
     fresh: np.ndarray  # (1,) whether the step is the first one, 1 or 0
@@ -50,6 +51,7 @@ def series_for(n):
         np.empty((11, ORDER + 1)),
         np.empty(n),
         np.empty(n),
+        np.empty((n, 2)),
         np.empty(ORDER + 1),
         np.empty(ORDER + 1),
         np.ones(1),
@@ -106,10 +108,13 @@ def _law(law, parts, k):
 
 @kernel
 def expand(flow, mode, piece, series, order):
-    """Write the series of the state from ``series.here`` in a mode to an order; ``piece`` of the law, −1 for none."""
+    """Write the series of the state from ``series.here`` in a mode to an order; ``piece`` of the law, −1 for none.
+
+    The force f = η q follows from (1 + B μ) f = μ q with a single product of series, of μ with q − B f.
+    """
     x, parts, n = series.state, series.parts, series.here.size
     field, push, feedback = flow.field[mode], flow.push[mode], flow.feedback[mode]
-    mu, eta, contact, unit = parts[MU], parts[ETA], parts[CONTACT], series.unit[0]
+    mu, contact, rest, unit = parts[MU], parts[CONTACT], parts[REST], series.unit[0]
     for i in range(n):
         x[i, 0] = series.here[i]
     for k in range(order):
@@ -117,10 +122,18 @@ def expand(flow, mode, piece, series, order):
         if piece >= 0:
             parts[SIGMA, k], contact[k] = _affine(flow.speed[mode], x, k), _affine(flow.contact[mode], x, k)
             _law(flow.pieces[piece], parts, k)
-            eta[k] = (mu[k] - feedback * _product(mu, eta, 1, k)) / (1.0 + feedback * mu[0])
-            drive = _product(eta, contact, 0, k)
+            drive = (mu[0] * contact[k] + _product(mu, rest, 1, k)) / (1.0 + feedback * mu[0])
+            rest[k] = contact[k] - feedback * drive
         for i in range(n):
             x[i, k + 1] = unit * (_affine(field[i], x, k) + push[i] * drive) / (k + 1)
+
+
+@kernel
+def find_share(flow, mode, parts):
+    """Write the series of η = μ / (1 + B μ) from that of μ."""
+    mu, eta, feedback = parts[MU], parts[ETA], flow.feedback[mode]
+    for k in range(ORDER):
+        eta[k] = (mu[k] - feedback * _product(mu, eta, 1, k)) / (1.0 + feedback * mu[0])
 
 
 @kernel
@@ -304,9 +317,10 @@ def slopes_at(flow, mode, state, scale, guard):
     begin(state, series)
     expand(flow, mode, piece_at(flow, mode, state), series, 2)
     rate, bend, rate_size, bend_size, drive = 0.0, 0.0, 0.0, 0.0, 0.0
-    for j in range(n + 1):
-        drive += abs(series.parts[ETA, 0] * flow.contact[mode, j]) * (scale[j] if j < n else 1.0)
-    drive = drive if flow.piece_start[mode + 1] > flow.piece_start[mode] else 0.0
+    if flow.piece_start[mode + 1] > flow.piece_start[mode]:
+        share = abs(series.parts[MU, 0] / (1.0 + flow.feedback[mode] * series.parts[MU, 0]))
+        for j in range(n + 1):
+            drive += share * abs(flow.contact[mode, j]) * (scale[j] if j < n else 1.0)
     for i in range(n):
         size = abs(flow.field[mode, i, n]) + abs(flow.push[mode, i]) * drive
         for j in range(n):
@@ -365,6 +379,7 @@ def _steepness(flow, mode, piece, parts):
     """Write the series of q dη/dσ = q μ′ (1 − B η)² from those of the step."""
     law, feedback, ride, decay = flow.pieces[piece], flow.feedback[mode], parts[RIDE], parts[DECAY]
     slope, rest = parts[SLOPE], parts[REST]
+    find_share(flow, mode, parts)
     for k in range(ORDER):
         slope[k] = law[CUBIC + 1] if k == 0 else 0.0
         slope[k] += 2.0 * law[CUBIC + 2] * ride[k]

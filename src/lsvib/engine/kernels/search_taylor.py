@@ -17,6 +17,7 @@ from lsvib.engine.kernels.flow_taylor import (
     begin,
     cut_at_piece,
     expand,
+    find_share,
     go_on,
     is_settled,
     piece_at,
@@ -41,6 +42,30 @@ _STALLED = 256
 def room_for(flow, guards):
     """Return the scratch space of a search for any number of guards, with steps without end."""
     return series_for(flow.push.shape[1])
+
+
+@inlined_kernel
+def _find_spans(series, step):
+    """Write bounds of the changes of all coordinates on a step [s] to ``spans``."""
+    for i in range(series.here.size):
+        low, high, power = 0.0, 0.0, 1.0
+        for k in range(1, ORDER + 1):
+            power *= step / series.unit[0]
+            term = series.state[i, k] * power
+            low, high = low + min(term, 0.0), high + max(term, 0.0)
+        series.spans[i, 0], series.spans[i, 1] = low, high
+
+
+@inlined_kernel
+def _stays_positive(series, guard):
+    """Whether a guard is positive on the whole step, by the bounds of the coordinates alone."""
+    n = series.here.size
+    least, size = guard[n], abs(guard[n])
+    for i in range(n):
+        low, high = guard[i] * series.spans[i, 0], guard[i] * series.spans[i, 1]
+        least += guard[i] * series.here[i] + min(low, high)
+        size += abs(guard[i]) * series.sizes[i]
+    return least > 8.0 * EPS * size
 
 
 @inlined_kernel
@@ -115,10 +140,10 @@ def first_fall(form, on_surface, rounding, top, local):
             form[form.size - 1] = 0.0
             if abs(form[0]) > rounding:
                 break
-    rest = 0.0
+    least = form[0]
     for k in range(1, form.size):
-        rest += abs(form[k])
-    if form[0] - rest > 0.0:
+        least += min(form[k], 0.0)
+    if least > 0.0:
         return _NONE, top
     if form[0] <= 0.0:  # what rests on zero to all these orders does not fall
         return (_NONE, top) if on_surface and form[0] >= -rounding else (_CROSSING, 0.0)
@@ -177,8 +202,11 @@ def search(flow, mode, state, guards, on_surface, limit, work):
             return _LOST, -1, limit
         step, following = cut_at_piece(flow, mode, piece, work, step)
         flow_taylor.note_sizes(work, step)
+        _find_spans(work, step)
         found, first, top = _NONE, -1, 1.0
         for guard in range(guards.shape[0]):
+            if not on_surface[guard] and _stays_positive(work, guards[guard]):
+                continue
             rounding = _form(work, guards[guard], step)
             outcome, part = first_fall(work.guard, on_surface[guard], rounding, top, work.local)
             if outcome != _NONE:
@@ -197,15 +225,16 @@ def search(flow, mode, state, guards, on_surface, limit, work):
 
 
 @inlined_kernel
-def _functional(series, functional):
+def _functional(flow, mode, piece, series, functional):
     """Write the series of an affine function, and of η times another one that stands behind it, to ``series.guard``."""
     n = series.here.size
     for k in range(ORDER + 1):
         series.guard[k] = functional[n] if k == 0 else 0.0
         for i in range(n):
             series.guard[k] += functional[i] * series.state[i, k]
-    if functional.size == n + 1:
+    if functional.size == n + 1 or piece < 0:
         return
+    find_share(flow, mode, series.parts)
     for k in range(ORDER):  # η is known to one order less
         for j in range(k + 1):
             other = functional[2 * n + 1] if k == j else 0.0
@@ -263,8 +292,9 @@ def extremes(flow, mode, state, functional, duration):
     piece, passed, low, high = piece_at(flow, mode, state), 0.0, math.inf, -math.inf
     while passed <= duration:
         expand(flow, mode, piece, series, ORDER)
-        step, piece = cut_at_piece(flow, mode, piece, series, min(step_of(series), duration - passed))
-        _functional(series, functional)
+        step, following = cut_at_piece(flow, mode, piece, series, min(step_of(series), duration - passed))
+        _functional(flow, mode, piece, series, functional)
+        piece = following
         low, high = _extremes_on_step(series.guard, step / series.unit[0], low, high, series.local)
         flow_taylor.note_sizes(series, step)
         go_on(series, step)
