@@ -16,6 +16,7 @@ from lsvib.engine.motion import follow
 from lsvib.figures.build import compute_figure
 from lsvib.figures.configuration import standard_settings
 from lsvib.models.drive import RigidDrive
+from lsvib.models.pairings import PAIRINGS
 from lsvib.models.rigid import rigid_automaton
 
 CONFIG = Path(__file__).parents[2] / "config" / "config.yaml"
@@ -42,6 +43,20 @@ def test_config_json(run):
     assert list(table) == list(RigidDrive.model_fields)
     assert table["lead_angle"]["value"] == np.radians(4)
     assert table["mass"] == {"value": 1.0, "unit": "kg", "symbol": "m", "allowed": "1e-18 <= mass <= 1e+09"}
+
+
+def test_friction_by_name(run):
+    """A listed pairing gives its parameters to the drive of any command; what is varied is not given by it."""
+    listed = json.loads(run("pairings", "--json")[1])
+    assert listed == {
+        key: {"low": one.low, "high": one.high, "parameters": one.parameters(), "source": one.source}
+        for key, one in PAIRINGS.items()
+    }
+    table = json.loads(run("config", "--set", "friction=powered_seat", "--json")[1])
+    for key, value in PAIRINGS["powered_seat"].parameters().items():
+        assert table[key]["value"] == value
+    over = "sweep", "--set", "friction=powered_seat", "--over", "stribeck_rise=0:0.1:3"
+    assert refused(run, *over) == "lsvib: stribeck_rise is varied and given by --set; give it once.\n"
 
 
 def test_simulate(run, tmp_path):

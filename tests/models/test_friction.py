@@ -1,6 +1,8 @@
 """The friction law of the threads: its values, and one sentence for every law that is none."""
 
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,8 +10,9 @@ from flint import arb, arb_series
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import InputError
-from lsvib.models import friction
-from lsvib.models.drive import NutDrive, RigidDrive, SupportDrive, ThreadsDrive
+from lsvib.models import friction, pairings
+from lsvib.models.drive import NutDrive, RigidDrive, SupportDrive, ThreadsDrive, changed
+from lsvib.stability.threshold import solve_threshold
 
 LAW = {"stribeck_rise": 0.05, "stribeck_speed": 0.1, "friction_slope": -0.02}
 
@@ -119,3 +122,59 @@ def test_a_law_that_is_none_gets_one_sentence(law, sentence):
         assert found.endswith(".")
     else:
         assert found == sentence
+
+
+@pytest.mark.parametrize("name", pairings.PAIRINGS)
+def test_a_pairing_makes_a_drive(name):
+    one = pairings.PAIRINGS[name]
+    assert 0 < one.low <= one.high < 1
+    for kind in (RigidDrive, NutDrive):
+        drive = kind(friction=name)
+        assert drive == kind(**one.parameters())
+        assert one.low <= drive.friction_coefficient <= one.high
+        assert kind(mass=2, **LAW, static_friction_coefficient=0.4).replace(friction=name) == kind(
+            mass=2, friction=name
+        )
+    assert RigidDrive.of({"friction": name, "mass": "2"}) == RigidDrive.of(
+        changed({**LAW, "mass": 2}, {"friction": name})
+    )
+
+
+def test_numbers_of_pairings_are_those_of_their_sources():
+    """Middles of ranges, and both laws over the rate of the screw, as they are printed."""
+    assert RigidDrive(friction="steel_on_bronze_lubricated").friction_coefficient == 0.15
+    assert RigidDrive(friction="iglidur_j").friction_coefficient == 0.12
+    seat, lever = RigidDrive(friction="powered_seat"), 5.18e-3 / math.cos(math.radians(5.57))
+    assert math.isclose(seat.friction_slope * lever, -4.47e-4, rel_tol=1e-14)
+    onset = solve_threshold(seat, "onset", "axial_force")
+    assert min(x.value for x in onset.solutions if x.value > 0) == pytest.approx(88.934, rel=1e-5)
+    screw = RigidDrive(friction="measured_screw", pitch_radius=5.5e-3, lead_angle=math.atan(2 / (11 * math.pi)))
+    rate = np.array([0.5, 3.2, 20.0])
+    speed = screw.pitch_radius * rate / math.cos(screw.lead_angle)
+    np.testing.assert_allclose(friction.coefficient(screw, speed), 0.27 + 0.1 * np.exp(-2 * rate / 6.4), rtol=1e-4)
+
+
+def test_a_pairing_beside_parameters():
+    bronze = "steel_on_bronze_dry"
+    drive = RigidDrive(friction=bronze, static_friction_coefficient=0.5, **LAW)
+    assert (drive.friction_coefficient, drive.static_friction_coefficient, drive.stribeck_rise) == (0.4, 0.5, 0.05)
+    assert changed({"friction": bronze}, {"friction_coefficient": 0.1}) == {**pairings.in_parameters(
+        {"friction": bronze}), "friction_coefficient": 0.1}  # fmt: skip
+    for given, key in ((bronze, "friction_coefficient"), ("powered_seat", "stribeck_rise")):
+        for make in (RigidDrive, RigidDrive().replace, lambda **values: RigidDrive.of(values)):
+            with pytest.raises(InputError, match=f"^friction and {key} are both given; give one of them.$"):
+                make(friction=given, **{key: 0.1})
+    for name in ("butter", 0.2, None, [bronze]):
+        with pytest.raises(InputError, match=r"^friction = .* is not known; known are steel_on_bronze_dry, .*seat\.$"):
+            RigidDrive(friction=name)
+
+
+def test_the_page_lists_the_pairings_as_they_are():
+    page = (Path(__file__).parents[2] / "docs" / "friction.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `(\w+)` \| ([\d.–]+) \| (.*) \| (.*) \|$", page, re.MULTILINE)
+    expected = []
+    for name, one in pairings.PAIRINGS.items():
+        numbers = f"{one.low:g}" if one.low == one.high else f"{one.low:g}–{one.high:g}"
+        law = ", ".join(f"{key} {value:.6g}" for key, value in one.law.items())
+        expected.append((name, numbers, law or "–", one.source))
+    assert rows == expected

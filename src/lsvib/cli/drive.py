@@ -31,7 +31,8 @@ def config(*, drive: DriveOptions = CHAPTER, scene: SceneFile = None, as_json: A
             raise InputError(f"{key} is not a known key; the known keys are {', '.join(Scene.model_fields)}.")
     kind = drive_class(drive.model or start.get("model", "rigid"))
     fields = {}
-    for key, value in kind.of(names_and_values("drive", start.get("drive"))).replace(**drive.values()):
+    made = kind.of(names_and_values("drive", start.get("drive"))).replace(**drive.values())
+    for key, value in made.model_dump().items():
         about = described(kind, key)
         allowed = allowed_range(kind, key)
         fields[key] = {"value": value, "unit": about["unit"], "symbol": about["symbol"], "allowed": allowed}
@@ -44,6 +45,31 @@ def config(*, drive: DriveOptions = CHAPTER, scene: SceneFile = None, as_json: A
         table(rows, "parameter", "symbol", "value", "unit", "allowed range")
 
     show(fields, as_json, text)
+
+
+@app.command
+def pairings(*, as_json: AsJson = False) -> None:
+    """List the friction that is known by name, with its source, for --set friction=NAME.
+
+    Example of use:
+
+        lsvib pairings
+
+        lsvib config --set friction=steel_on_bronze_lubricated
+    """
+    from lsvib.models.pairings import PAIRINGS
+
+    found = {
+        key: {"low": one.low, "high": one.high, "parameters": one.parameters(), "source": one.source}
+        for key, one in PAIRINGS.items()
+    }
+
+    def text(found: Mapping[str, Any]) -> None:
+        """Print the pairings as a table."""
+        rows = [(key, f"{one['low']:g}", f"{one['high']:g}", one["source"]) for key, one in found.items()]
+        table(rows, "friction", "from", "to", "source")
+
+    show(found, as_json, text)
 
 
 @app.command

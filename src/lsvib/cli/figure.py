@@ -83,9 +83,10 @@ def _changed_drive(number: str, name: str, section: Mapping[str, Any], changes: 
     """Return the drive of a figure with changes; a change that would change nothing in the figure is refused."""
     from lsvib.figures.configuration import settings_of
     from lsvib.models.drive import RigidDrive, changed
+    from lsvib.models.pairings import in_parameters
     from lsvib.numbers import number as number_of
 
-    settings = settings_of(name)
+    settings, changes = settings_of(name), in_parameters(changes)
     if "drive" not in settings.model_fields:
         raise InputError(f"figure {number} has no drive of its own, so --set cannot change it.")
     for key in changes:

@@ -11,6 +11,7 @@ from cyclopts import Parameter
 from lsvib import numbers
 from lsvib.errors import InputError
 from lsvib.models.model import model_names
+from lsvib.models.pairings import stated
 
 if TYPE_CHECKING:
     import numpy as np
@@ -162,7 +163,11 @@ class DriveOptions:
 
     def refuse(self, *axes: NamedTuple) -> None:
         """Refuse parameters that are varied as well as changed; raises ``InputError``."""
-        for key in {axis[0] for axis in axes} & {key.removesuffix("_deg") for key in self.values()}:
+        values = self.values()
+        given = {key.removesuffix("_deg") for key in values}
+        if "friction" in values:
+            given |= stated(values["friction"]).keys()
+        for key in {axis[0] for axis in axes} & given:
             raise InputError(f"{key} is varied and given by --set; give it once.")
 
 

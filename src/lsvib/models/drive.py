@@ -24,7 +24,7 @@ from pydantic_core import PydanticCustomError, core_schema
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import InputError
-from lsvib.models import friction
+from lsvib.models import friction, pairings
 from lsvib.numbers import NotNumber, number, shown, whole
 
 
@@ -136,7 +136,8 @@ class Drive(BaseModel):
     """What drives of all models have, in SI units; immutable, every value checked (Table 8.1 gives the defaults).
 
     Drives of one ``model`` with the same values are equal, whatever class they are of; ``repr`` shows the values that
-    differ from the defaults. ``lead_angle_deg`` [degree] may stand for ``lead_angle`` [rad] wherever values are given.
+    differ from the defaults. Wherever values are given ``lead_angle_deg`` [degree] may stand for ``lead_angle`` [rad],
+    and ``friction``, the name of a pairing, for the coefficient and the law (:mod:`lsvib.models.pairings`).
     ``mass``, ``translation_damping`` and ``axial_force`` differ from figure to figure in the chapter; their defaults
     are m = 1 kg (Sect. 8.5.1), c_x = 0 and R = 50 N (assumed: the text does not state R for Figs 8.9–8.13). Raises
     ``InputError`` through :meth:`of` and :meth:`replace`, in one sentence naming key, value and range.
@@ -184,8 +185,8 @@ class Drive(BaseModel):
 
         def __init__(self, /, **values: Any) -> None:
             """Make a drive from its parameters; raises ``InputError`` in one sentence."""
-            if "lead_angle_deg" in values:
-                values = _in_radians(values)
+            if "lead_angle_deg" in values or "friction" in values:
+                values = _resolved(values)
             try:
                 super().__init__(**values)
             except ValidationError as error:
@@ -236,7 +237,7 @@ class Drive(BaseModel):
 
     def replace(self, /, **changes: Any) -> Self:
         """Return a copy with some parameters changed, checked again."""
-        return type(self)(**{**self.model_dump(), **_in_radians(changes)})
+        return type(self)(**{**self.model_dump(), **_resolved(changes)})
 
     def exact(self) -> "ExactParameters":
         """Return the same drive with every value as a ball (``flint.arb``), and tan λ, sin λ, cos λ."""
@@ -340,7 +341,9 @@ class ExactParameters:
 _exact = once(ExactParameters)
 
 
-def _in_radians(values: dict[str, Any]) -> dict[str, Any]:
+def _resolved(values: dict[str, Any]) -> dict[str, Any]:
+    """Names and values with what ``lead_angle_deg`` and ``friction`` stand for in their place."""
+    values = pairings.in_parameters(values)
     if "lead_angle_deg" not in values:
         return values
     if "lead_angle" in values:
@@ -369,7 +372,11 @@ def names_and_values(name: str, given: Any) -> dict[str, Any]:
 
 
 def changed(given: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return names and values of a drive with changes; a lead angle replaces the given one, whatever its unit."""
+    """Return names and values of a drive with changes.
+
+    A lead angle replaces the given one, whatever its unit, and a friction that is given by name all of the law.
+    """
+    given, changes = pairings.in_parameters(given), pairings.in_parameters(changes)
     angles = {"lead_angle", "lead_angle_deg"}
     dropped = angles if changes.keys() & angles else set()
     return {**{key: value for key, value in given.items() if key not in dropped}, **changes}
