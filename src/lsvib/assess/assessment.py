@@ -206,7 +206,7 @@ def _motion(sheet: Sheet, name: str, entries: dict[str, float]) -> AssessedMotio
     part = "support" if sheet.support is not None else "contact" if sheet.contact is not None else "rigid"
     if name == "thread_contact":  # of which a drive with a support knows nothing
         part = "contact"
-    if name == "falling_friction" and lowest[name].reserve[0] < 0:
+    if name == "falling_friction" and lowest[name].reserve[0] < 0 and not sheet.friction.law:
         beyond = Vibration(
             "rigid",
             "unknown",

@@ -78,8 +78,8 @@ def vibration(
 ) -> Vibration:
     """Follow the motion of a drive from near steady sliding, u = 0, w = ``perturbation`` Ω, to where it ends.
 
-    ``part``: rigid, or with the ``contact`` or ``support`` of the sheet. Friction is that at the running speed: a slope
-    is not part of the motion.
+    ``part``: rigid, or with the ``contact`` or ``support`` of the sheet. Friction is that at the running speed, to which a
+    slope or curve adds nothing, unless the sheet has a law of friction.
     """
     model = DRIVES[part].model
     try:
