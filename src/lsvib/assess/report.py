@@ -203,7 +203,7 @@ def _simplified(motion: AssessedMotion, assessment: Assessment) -> str:
     stiff = " and ".join(name for name, given in parts.items() if given and name != model)
     text = f" Its motion is computed with stiff {stiff}." if stiff else ""
     slope = float(point(sheet, motion.values, *motion.corner)[1])
-    if slope != 0:
+    if slope != 0 and not sheet.friction.law:
         effect = "its rise with speed adds" if slope > 0 else "its fall with speed takes away"
         text += f" Friction is taken as constant at its value there; the damping that {effect} is not in this motion."
     return text

@@ -231,7 +231,7 @@ class Sheet(_Part):
 
     @property
     def stiff(self) -> bool:
-        """Whether all parts are rigid; the basin of such drives is known."""
+        """Whether all parts are rigid; the basin of such drives is known, but with a law of friction."""
         return self.contact is None and self.support is None
 
     @cached_property

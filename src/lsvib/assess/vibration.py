@@ -29,7 +29,7 @@ STRONG = 5.0  # times the speed: a perturbation that counts as strong, and the l
 _SAMPLES = 1200  # of the motion shown: 200 a period, more than the page has dots for
 # Work after which a motion counts as unresolved, some seconds: events with two states, units of one with more. Of 180
 # random sheets with a compliant support or threads 20 were unresolved with a tenth of it; 3 are now, 16 never repeat.
-_MOST_WORK = {"rigid": 4_000, "support": 2_000_000, "contact": 2_000_000}
+_MOST_WORK = {"rigid": 4_000, "law": 400_000, "support": 2_000_000, "contact": 2_000_000}
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ def vibration(
         start = {"u": 0.0, "w": perturbation * drive.input_speed}
         automaton = definition.build(drive, definition.physics_of(drive), "contact_sign")
         state = definition.initial_state(drive, start)
-        end = steady_state(automaton, state, max_events=_MOST_WORK[part])
+        end = steady_state(automaton, state, max_events=_MOST_WORK["law" if sheet.friction.law and part == "rigid" else part])
     except (InputError, EngineError) as error:
         return Vibration(model, "unknown", reason=str(error))
     words = _word(end.label)
@@ -209,10 +209,14 @@ def most_perturbed(
     """Return whether a perturbation starts vibration of the drive with rigid parts, the smallest, and its corner.
 
     Asked is the exact basin at every corner of the window where Γ₊ or C₊ is negative, as none does without (docs);
-    where it is not known, a motion after a strong perturbation. None if that does not show it either. The smallest is
+    where it is not known, a motion after a strong perturbation; with a law of friction so at all corners. None if that does not show it either. The smallest is
     in rad/s, infinite if there is none.
     """
-    places = [place for place in corners(sheet, values) if reserves(sheet, values, *place)["after_perturbation"] < 0]
+    places = [
+        place
+        for place in corners(sheet, values)
+        if sheet.friction.law or reserves(sheet, values, *place)["after_perturbation"] < 0
+    ]
     sizes: dict[tuple[int, float, float], float | None] = {}
     for place in dict.fromkeys((int(direction), float(speed), float(force)) for direction, speed, force in places):
         size = tolerated_perturbation(sheet, values, place)[0]
