@@ -229,14 +229,52 @@ def most_perturbed(
     return (True if size < math.inf else None if len(known) < len(sizes) else False), size, first
 
 
+def highest_vibrating_speed(
+    sheet: Sheet, values: Mapping[str, float], corner: tuple[int, Any, Any], part: str
+) -> float | None:
+    """Return the speed [rad/s] up to which motions from w = −5 Ω vibrate, at the direction and force of a corner.
+
+    Tried are 25 speeds from the lowest of the window to ten times the highest; the last that vibrates is refined to
+    0.1 %. None if none does, if the last does, or if one above it is not known.
+    """
+    direction, _, force = corner
+
+    def end(speed: float) -> Vibration:
+        return vibration(sheet, values, (direction, speed, force), part, perturbation=-STRONG)
+
+    speeds = np.geomspace(values["speed_low"], 10 * values["speed_high"], 25).tolist()
+    quiet = None
+    for speed in reversed(speeds):
+        moved = end(speed)
+        if moved.attractor in UNDECIDED:
+            return None
+        if moved.vibrates:
+            break
+        quiet = speed
+    else:
+        return None
+    if quiet is None:
+        return None
+    while quiet > 1.001 * speed:
+        middle = math.sqrt(quiet * speed)
+        speed, quiet = (middle, quiet) if end(middle).vibrates else (speed, middle)
+    return float(speed)
+
+
 def tolerated_by_trial(
-    sheet: Sheet, values: Mapping[str, float], corner: tuple[int, Any, Any], stiff: float | None
+    sheet: Sheet,
+    values: Mapping[str, float],
+    corner: tuple[int, Any, Any],
+    stiff: float | None,
+    part: str = "contact",
 ) -> tuple[float | None, str]:
     """Return the same of compliant threads, by motions after perturbations of either sign, without proof.
 
-    ``stiff``: what the drive with stiff threads tolerates [rad/s], around which others are tried.
+    ``stiff``: what the drive with stiff threads tolerates [rad/s], around which others are tried; ``part``: ``rigid``
+    for a drive with rigid parts and a law of friction.
     """
-    drive = drive_of(sheet, values, *corner, "contact")
+    drive = drive_of(sheet, values, *corner, part)
+    threads = " with compliant threads" if part == "contact" else ""
     definition = find_model(drive.model)
 
     def ends(speed: float) -> str:
@@ -246,14 +284,15 @@ def tolerated_by_trial(
     known = stiff is not None and 0 < stiff < math.inf
     scale = stiff if known else abs(drive.input_speed)
     beside = f" With perfectly stiff threads it would be {shown(stiff, 'rad/s')}." if known else ""
-    tried = f"Tried with the compliant threads of the data sheet, by perturbations of either sign.{beside}"
+    of_sheet = f"{threads} of the data sheet,".replace("with", "with the") if threads else ""
+    tried = f"Tried{of_sheet} by perturbations of either sign.{beside}"
     low = 0.0
     try:
         automaton = definition.build(drive, definition.physics_of(drive), "contact_sign")
         slightest = ends(_NUDGE**2 * scale)
         if slightest != "steady sliding":  # without damping it neither comes back nor vibrates more and more
             known = slightest not in ("neutral family", "unresolved")
-            return (0.0, "Steady running is unstable with compliant threads.") if known else (None, "")
+            return (0.0, f"Steady running is unstable{threads}.") if known else (None, "")
         sizes = [scale * part for part in (0.1, 0.25, 0.5, 0.75, 0.95, 1.2, 2.0, 5.0)]
         while sizes[-1] < STRONG * abs(drive.input_speed):
             sizes.append(2 * sizes[-1])
@@ -261,7 +300,7 @@ def tolerated_by_trial(
             found = {sign: ends(sign * size) for sign in (1, -1)}
             lost = [sign for sign, end in found.items() if end != "steady sliding"]
             if "unresolved" in found.values():
-                return None, "How large a perturbation it tolerates with compliant threads could not be determined."
+                return None, f"How large a perturbation it tolerates{threads} could not be determined."
             if lost:
                 high = size
                 for _ in range(6):  # until the ends of the bracket are some 1 % apart
@@ -274,5 +313,5 @@ def tolerated_by_trial(
         return None, str(error)
     return (
         math.inf,
-        f"Perturbations of up to {shown(low, 'rad/s')} were tried with compliant threads; all were tolerated.",
+        f"Perturbations of up to {shown(low, 'rad/s')} were tried{threads}; all were tolerated.",
     )
