@@ -208,7 +208,9 @@ def _points(sheet: Sheet, values: Mapping[str, Any], direction: int) -> tuple[ND
     speeds = values["speed_low"][None]
     pushed = ("low", "high") if is_window(sheet, "load.force") else ("low",)
     if is_window(sheet, "operation.speed"):
-        steps = np.linspace(0.0, 1.0, 17 if curve is not None or sheet.friction.law else 2)  # between points only the level of friction changes
+        steps = np.linspace(
+            0.0, 1.0, 17 if curve is not None or sheet.friction.law else 2
+        )  # between points only the level of friction changes
         rows = [speeds[0] + np.multiply.outer(steps, values["speed_high"] - speeds[0])]
         if curve is not None:
             sliding = np.multiply.outer(curve.speeds, (1 - _BESIDE, 1 + _BESIDE)).ravel()

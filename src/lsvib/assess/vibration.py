@@ -88,7 +88,9 @@ def vibration(
         start = {"u": 0.0, "w": perturbation * drive.input_speed}
         automaton = definition.build(drive, definition.physics_of(drive), "contact_sign")
         state = definition.initial_state(drive, start)
-        end = steady_state(automaton, state, max_events=_MOST_WORK["law" if sheet.friction.law and part == "rigid" else part])
+        end = steady_state(
+            automaton, state, max_events=_MOST_WORK["law" if sheet.friction.law and part == "rigid" else part]
+        )
     except (InputError, EngineError) as error:
         return Vibration(model, "unknown", reason=str(error))
     words = _word(end.label)
