@@ -117,7 +117,8 @@ def _summary(assessment: Assessment) -> str:
         return f"The cause is {SHORT[one.name]}, worst {_where(one, assessment)}.{too}{advice}{fast}{absent}"
     near = [(abs(math.log(row.factor)), one, row) for one in found for row in one.margins if row.factor is not None]
     if not near:
-        return f"No single change of any quantity, from a thousandth to a thousandfold, would make it vibrate.{fast}{absent}"
+        nothing = "No single change of any quantity, from a thousandth to a thousandfold, would make it vibrate."
+        return f"{nothing}{fast}{absent}"
     _, one, row = min(near, key=lambda entry: entry[0])
     return (
         f"The nearest cause of vibration is {SHORT[one.name]}: it would set in with the "

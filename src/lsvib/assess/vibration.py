@@ -78,8 +78,8 @@ def vibration(
 ) -> Vibration:
     """Follow the motion of a drive from near steady sliding, u = 0, w = ``perturbation`` Ω, to where it ends.
 
-    ``part``: rigid, or with the ``contact`` or ``support`` of the sheet. Friction is that at the running speed, to which a
-    slope or curve adds nothing, unless the sheet has a law of friction.
+    ``part``: rigid, or with the ``contact`` or ``support`` of the sheet. Friction is that at the running speed, to
+    which a slope or curve adds nothing, unless the sheet has a law of friction.
     """
     model = DRIVES[part].model
     try:
@@ -211,8 +211,8 @@ def most_perturbed(
     """Return whether a perturbation starts vibration of the drive with rigid parts, the smallest, and its corner.
 
     Asked is the exact basin at every corner of the window where Γ₊ or C₊ is negative, as none does without (docs);
-    where it is not known, a motion after a strong perturbation; with a law of friction so at all corners. None if that does not show it either. The smallest is
-    in rad/s, infinite if there is none.
+    where it is not known, a motion after a strong perturbation, with a law of friction at all corners. None if that
+    does not show it either. The smallest is in rad/s, infinite if there is none.
     """
     places = [
         place

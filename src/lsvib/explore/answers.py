@@ -24,11 +24,12 @@ from lsvib.engine.motion import Motion
 from lsvib.errors import EngineError, LsvibError
 from lsvib.explore.view import View
 from lsvib.figures.attraction import COLOURS
+from lsvib.models import friction
 from lsvib.models.drive import Drive
 from lsvib.models.model import find_model
 
 # Cells of the map of a drive with two states while it is dragged, a seventieth of a second, and when the hand rests, a
-# fortieth; and of any other model, of which every motion is followed, a third of a second.
+# fortieth; and of any other drive, of which every motion is followed, a third of a second.
 DRAGGED, SETTLED, COARSE = (120, 90), (320, 240), (36, 27)
 
 
@@ -85,8 +86,27 @@ def contact_line(drive: Drive, window: Window) -> tuple[np.ndarray, np.ndarray]:
 
 
 def at_once(drive: Drive) -> bool:
-    """Return whether the map of a drive takes no longer than a drawing: its model has two states."""
-    return len(find_model(drive.model).states) == 2
+    """Return whether the map of a drive takes no longer than a drawing.
+
+    Its model has two states, and its friction does not depend on speed.
+    """
+    return len(find_model(drive.model).states) == 2 and not friction.depends_on_speed(drive)
+
+
+def friction_visited(drive: Drive, shown: Followed) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return sliding speeds (n) [m/s], the coefficient (n) at each, and whether (n) a motion takes such a speed.
+
+    The speeds go from zero to a quarter beyond the fastest of the motion; those that it takes are all between its ends.
+    """
+    exact = drive.exact()
+    per_turn = float(exact.pitch_radius / exact.cos_lead)
+    taken = per_turn * np.abs(shown.w + drive.input_speed)
+    ends = float(taken.min()), float(taken.max())
+    if np.ptp(np.sign(shown.w + drive.input_speed)) == 2:  # it turns back in between
+        ends = 0.0, ends[1]
+    speeds = np.unique(np.append(np.linspace(0.0, 1.25 * ends[1] or 1.0, 301), ends))
+    coefficients = np.maximum(np.broadcast_to(friction.unbounded_coefficient(drive, speeds), speeds.shape), 0.0)
+    return speeds, coefficients, (speeds >= ends[0]) & (speeds <= ends[1])
 
 
 def labels(drive: Drive, window: Window, cells: tuple[int, int]) -> np.ndarray:

@@ -127,7 +127,7 @@ class Page:
                 parameters[name] = text
             elif key == "over":
                 value = getattr(self.view.drive, text)
-                changes |= {"over": text, **around(value)}
+                changes |= {"over": text, **around(value, text)}
             elif key == "window":
                 changes["window"] = Window(*map(float, text.split()))
             elif key == "fit":
@@ -163,6 +163,7 @@ class Page:
         if found is not None:
             self.plots.draw_map(found, window)
         self.plots.draw_motion(view.drive, shown, window)
+        self.plots.draw_friction(*answers.friction_visited(view.drive, shown))
         self._draw_moment()
         self._slow = iter(())
         if self._settling is not None:
@@ -292,7 +293,9 @@ class Page:
         middle = column(self.plots.plane, self._alert, self._words, self._legend, start, self._links, **_NARROW)
         curve = _line(c.over, c.texts["low"], c.texts["high"])
         moment = _line(c.play, c.moment)
-        right = column(self.plots.curve, curve, self.plots.force, self.plots.contact, moment, **_NARROW)
+        right = column(
+            self.plots.curve, curve, self.plots.force, self.plots.contact, moment, self.plots.friction, **_NARROW
+        )
         heading = Div(text=_HEADING, name="heading", sizing_mode="stretch_width")
         self.document.add_root(column(heading, _line(left, middle, right), sizing_mode="stretch_width"))
         self.document.title = "lsvib explorer"
