@@ -8,6 +8,7 @@ import subprocess
 import sys
 from urllib.parse import parse_qsl
 
+import numpy as np
 import pytest
 import yaml
 
@@ -197,3 +198,22 @@ def test_a_page_with_a_friction_law_opens():
     next(page._work())  # the fine map
     assert page.shown.steady.label == Attractor.STICK_SLIP_CYCLE
     assert max(page.plots.sources["law"].data["y"]) == pytest.approx(0.2383, rel=1e-12)
+
+
+@pytest.mark.parametrize("model", ["nut", "support"])
+def test_a_drive_with_compliant_parts_and_a_law_is_followed_without_its_map(model):
+    """The page says so; the sliding speed of a rotating nut is that at which the screw turns in it."""
+    pytest.importorskip("bokeh")
+    from bokeh.document import Document
+
+    from lsvib.explore.page import Page
+
+    page = Page(Document(), View(drive_class(model)(axial_force=100, input_speed=10, **LAW), w=-9.0, duration=0.05), {})
+    page._settle()
+    assert list(page._work()) == []
+    assert "Map and amplitude curve are left out here" in page._words.text
+    assert set(np.unique(page.plots.drawn["map"].data["image"][0])) == {answers.rgba(np.array([-2]))[0]}
+    motion = page.view.drive.simulate({"u": 0.0, "w": -9.0}, 0.05, samples=2001)
+    if model == "nut":
+        turning = 10 + motion.velocity_deviation.values - motion.nut_rate.values
+        assert np.abs(page.shown.turning).max() == pytest.approx(np.abs(turning).max(), rel=1e-3)

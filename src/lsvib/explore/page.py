@@ -194,6 +194,9 @@ class Page:
         """The fine map, the thresholds and the amplitude curve, in steps."""
         view, window = self.view, self.view.window
         assert window is not None
+        if answers.laborious(view.drive):  # each point of a map would take a second
+            self.plots.start_curve(view, {})
+            return
         try:
             cells = answers.SETTLED if answers.at_once(view.drive) else answers.COARSE
             found = answers.labels(view.drive, window, cells)
@@ -234,6 +237,9 @@ class Page:
             )
         except InputError as error:
             words.append(str(error))
+        if answers.laborious(view.drive):
+            words.append("Map and amplitude curve are left out here: with a friction law and compliant parts they are")
+            words.append("work for `lsvib attraction` and `lsvib sweep`.")
         if self._shares:
             parts = [f"{name_of(kind)} {100 * share:.1f} %" for kind, share in self._shares.items()]
             words.append(f"Of the starts in the window: {', '.join(parts)}.")
