@@ -195,6 +195,8 @@ def test_a_page_with_a_friction_law_opens():
     from lsvib.explore.page import Page
 
     page = Page(Document(), View(lsvib.RigidDrive(axial_force=100, input_speed=10, **LAW), w=-9.0, duration=0.2), {})
+    page._settle()
+    assert "0 to 0.126 m/s, with a coefficient of 0.207 to 0.238." in page._words.text  # 0.218 - 0.0859 * 0.126
     next(page._work())  # the fine map
     assert page.shown.steady.label == Attractor.STICK_SLIP_CYCLE
     assert max(page.plots.sources["law"].data["y"]) == pytest.approx(0.2383, rel=1e-12)

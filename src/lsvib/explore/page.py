@@ -23,6 +23,7 @@ from lsvib.explore.controls import Controls
 from lsvib.explore.plots import Plots
 from lsvib.explore.view import View, around
 from lsvib.figures.attraction import COLOURS
+from lsvib.models import friction
 from lsvib.models.model import find_model
 
 _TO_ADDRESS = """
@@ -237,6 +238,13 @@ class Page:
             )
         except InputError as error:
             words.append(str(error))
+        if friction.depends_on_speed(view.drive):
+            speeds, coefficients, visited = answers.friction_visited(view.drive, shown)
+            speeds, coefficients = speeds[visited], coefficients[visited]
+            words.append(
+                f"The threads slide at {speeds[0]:.3g} to {speeds[-1]:.3g} m/s, with a coefficient of "
+                f"{coefficients.min():.3g} to {coefficients.max():.3g}."
+            )
         if answers.laborious(view.drive):
             words.append("Map and amplitude curve are left out here: with a friction law and compliant parts they are")
             words.append("work for `lsvib attraction` and `lsvib sweep`.")
