@@ -10,17 +10,23 @@ pytest.importorskip("pint")
 pytest.importorskip("scipy")
 
 
-from references.chapter_sheet import sheet
+from references.chapter_sheet import sheet, values_of
 
 from lsvib.assess.assessment import assess
 from lsvib.assess.drive import (
     coefficient_from_efficiency,
     lifting_efficiency,
     lowering_efficiency,
+    point,
     square_coefficient,
 )
 from lsvib.assess.fields import thread_size
+from lsvib.assess.margins import sensitivities
+from lsvib.assess.mechanisms import drive_of, reserves, worst
 from lsvib.assess.report import locking_sentence
+from lsvib.assess.vibration import highest_vibrating_speed, vibration
+from lsvib.errors import InputError
+from lsvib.models import friction
 
 # PBC Linear, white paper "Lead Screw Efficiency": per cent by lead [mm]; diameters 6, 10, 12, 16 mm.
 COATED = {
@@ -109,3 +115,77 @@ def test_a_flank_angle_raises_friction_as_in_the_force_balance():
     assert lifting_efficiency(square_coefficient(mu, lead_angle, half_angle), lead_angle) == pytest.approx(
         eta, rel=1e-14
     )
+
+
+LAW = {"coefficient": 0.218, "stribeck_rise": 0.0203, "stribeck_speed": "0.013704 m/s", "slope": "-0.0858859895667 s/m"}
+SLOW = {"speed": "10 rad/s", "direction": "out"}
+
+
+def test_the_fall_of_the_law_decides_from_the_onset_force_on():
+    """At 10 rad/s C_0 + S vanishes at R = 64.305 N, where the law is that of the powered seat, without drag."""
+    given = sheet(friction=LAW, operation=SLOW)
+    values = values_of(given)
+    found = [float(reserves(given, values, 1, 10.0, -force)["falling_friction"]) for force in (64.304, 64.307)]
+    assert found[0] > 0 > found[1]
+    below, above = (vibration(given, values, (1, 10.0, -force)) for force in (62.0, 67.0))
+    assert (below.attractor, above.attractor) == ("steady sliding", "stick slip cycle")
+    assert above.load_speed[0] == 0 < above.amplitude
+
+
+def test_a_strong_perturbation_keeps_vibration_going_up_to_the_stated_speed():
+    """On either side of it by one per cent; small ones decay there, as steady sliding is stable."""
+    given = sheet(friction=LAW, operation=SLOW, load={"mass": "1 kg", "force": "-60 N"})
+    values = values_of(given)
+    edge = highest_vibrating_speed(given, values, (1, 10.0, -60.0), "rigid")
+    strong = [vibration(given, values, (1, part * edge, -60.0), perturbation=-5.0) for part in (0.99, 1.01)]
+    assert [moved.vibrates for moved in strong] == [True, False]
+    assert vibration(given, values, (1, 0.99 * edge, -60.0)).attractor == "steady sliding"
+
+
+@pytest.mark.parametrize("exponent", [1, 2])
+def test_a_flank_angle_raises_all_of_the_law_alike(exponent):
+    """The drive that is followed has, at any speed, the coefficient and the slope that the reserves use."""
+    law = {**LAW, "static": 0.25, "stribeck_exponent": exponent}
+    thread = {"lead_angle": "5.57 deg", "pitch_diameter": "10.36 mm", "half_angle": "25 deg"}
+    given, flat = sheet(friction=law, thread=thread), sheet(friction=law)
+    values = values_of(given)
+    drive, level = drive_of(given, values, 1, 3.0, 20.0), drive_of(flat, values_of(flat), 1, 3.0, 20.0)
+    factor = square_coefficient(1.0, drive.lead_angle, math.radians(25))
+    for key in ("friction_coefficient", "static_friction_coefficient", "stribeck_rise", "friction_slope"):
+        assert getattr(drive, key) == pytest.approx(factor * getattr(level, key), rel=1e-14)
+    assert (drive.stribeck_speed, drive.stribeck_exponent) == (0.013704, exponent)
+    parameters, slope = point(given, values, 1, 3.0, 20.0)
+    speed = friction.steady_speed(drive.replace(input_speed=3.0).exact())
+    assert parameters["friction_coefficient"] == pytest.approx(
+        float(friction.coefficient(drive.exact(), speed)), rel=1e-14
+    )
+    assert slope == pytest.approx(float(friction.slope(drive.exact(), speed)), rel=1e-14)
+
+
+def test_sensitivities_to_the_law_are_differences_of_the_reserve():
+    """By the complex step, against central differences."""
+    given = sheet(friction=LAW, operation=SLOW, load={"mass": "1 kg", "force": "-60 N"})
+    values, step = values_of(given), 1e-5
+    found = sensitivities(given, values)["falling_friction"]
+    for key in ("stribeck_rise", "stribeck_speed", "friction_slope", "friction"):
+        ends = [worst(given, {**values, key: values[key] * (1 + d)}) for d in (step, -step)]
+        up, down = (float(end["falling_friction"].reserve[0]) for end in ends)
+        assert found[key] == pytest.approx((up - down) / (2 * step), rel=1e-6, abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("friction", "said"),
+    [
+        ({"stribeck_speed": None}, "friction.stribeck_rise needs friction.stribeck_speed"),
+        ({"stribeck_rise": None}, "friction.stribeck_speed and friction.stribeck_exponent need friction.stribeck_rise"),
+        ({"stribeck_speed": "0.01 s"}, "friction.stribeck_speed = '0.01 s' is not a speed"),
+        ({"stribeck_exponent": 3}, "friction.stribeck_exponent = 3 is not one of 1 or 2"),
+        ({"static": 0.23}, "friction.static, at least 0.23, is not above the friction of slow sliding"),
+        ({"coefficient": None, "efficiency": 0.3}, "friction.efficiency and friction.stribeck_rise are both given"),
+    ],
+)
+def test_a_law_that_does_not_fit_together_is_refused_in_one_sentence(friction, said):
+    law = {key: value for key, value in {**LAW, **friction}.items() if value is not None}
+    with pytest.raises(InputError, match=r"\.$") as refused:
+        sheet(friction=law)
+    assert said in str(refused.value)

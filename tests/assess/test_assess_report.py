@@ -38,8 +38,11 @@ def test_the_json_file_has_the_verdict(seat):
     assert {"verdict", "mechanisms", "efficiency", "self_locking"} <= set(stored)
     assert stored["verdict"] == "vibrates"
     assert stored["self_locking"] is True
-    for one in stored["mechanisms"].values():
+    for name, one in stored["mechanisms"].items():
         assert {"occurs", "margin", "probability", "interval"} <= set(one)
+        if name == "after_perturbation":  # basins are not known with the seat's friction law
+            assert one["probability"] is None
+            continue
         assert one["interval"][0] <= one["probability"] <= one["interval"][1]
 
 

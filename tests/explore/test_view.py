@@ -8,6 +8,7 @@ import subprocess
 import sys
 from urllib.parse import parse_qsl
 
+import numpy as np
 import pytest
 import yaml
 
@@ -18,7 +19,7 @@ from lsvib.datasets.io import read_dataset
 from lsvib.dynamics.attractor import Attractor
 from lsvib.errors import InputError
 from lsvib.explore import answers
-from lsvib.explore.view import View, presets
+from lsvib.explore.view import OF_LAW, View, around, presets
 from lsvib.models.model import model_names
 from lsvib.models.scene import Scene
 
@@ -148,3 +149,73 @@ def test_a_browser_may_call_this_machine_by_name_or_number():
             assert connection.getresponse().status == answer
             connection.close()
         process.terminate()
+
+
+LAW = {"stribeck_rise": 0.0203, "stribeck_speed": 0.013704, "friction_slope": -0.0859}
+
+
+def test_a_view_with_a_friction_law_follows_it():
+    """Its map and the coefficient that is drawn are those of the drive; its closed forms are not used."""
+    drive = lsvib.RigidDrive(axial_force=100, input_speed=10, **LAW)
+    view = View(drive, u=0.0, w=-9.0, duration=0.2)
+    assert View.of(dict(parse_qsl(view.query()))) == view
+    assert answers.at_once(lsvib.RigidDrive())
+    assert not answers.at_once(drive)
+    shown = answers.followed(view)
+    assert shown.steady.label == Attractor.STICK_SLIP_CYCLE
+    window, cells = answers.window_around(drive, shown), (6, 4)
+    grid = {"u": (*window[:2], cells[0]), "w": (*window[2:], cells[1])}
+    assert (answers.labels(drive, window, cells) == drive.attraction(grid).label.values).all()
+    speeds, coefficients, visited = answers.friction_visited(drive, shown)
+    expected = 0.218 + 0.0203 * math.e ** (-speeds / 0.013704) - 0.0859 * speeds
+    assert coefficients == pytest.approx(expected, rel=1e-12)
+    fastest = drive.pitch_radius / math.cos(drive.lead_angle) * (shown.w + 10).max()
+    assert (speeds[visited].min(), speeds[visited].max()) == (0.0, pytest.approx(fastest, rel=1e-12))
+
+
+def test_every_parameter_of_a_law_can_be_moved_and_varied():
+    """All have a field and a slider that show their value, and a range of the amplitude curve that is accepted."""
+    pytest.importorskip("bokeh")
+    from lsvib.explore.controls import Controls
+
+    view = View(lsvib.RigidDrive(static_friction_coefficient=0.45, **LAW))
+    controls = Controls(view, {}, lambda key, text: None)
+    for key, (low, high) in OF_LAW.items():
+        assert float(controls.fields[key].value) == controls.sliders[key].value == getattr(view.drive, key)
+        assert (controls.sliders[key].start, controls.sliders[key].end) == (low, high)
+        assert View(view.drive, over=key, **around(0.0, key)).over == key
+    controls.show(View())
+    assert controls.sliders["stribeck_rise"].value == float(controls.fields["stribeck_rise"].value) == 0
+
+
+def test_a_page_with_a_friction_law_opens():
+    pytest.importorskip("bokeh")
+    from bokeh.document import Document
+
+    from lsvib.explore.page import Page
+
+    page = Page(Document(), View(lsvib.RigidDrive(axial_force=100, input_speed=10, **LAW), w=-9.0, duration=0.2), {})
+    page._settle()
+    assert "0 to 0.126 m/s, with a coefficient of 0.207 to 0.238." in page._words.text  # 0.218 - 0.0859 * 0.126
+    next(page._work())  # the fine map
+    assert page.shown.steady.label == Attractor.STICK_SLIP_CYCLE
+    assert max(page.plots.sources["law"].data["y"]) == pytest.approx(0.2383, rel=1e-12)
+
+
+@pytest.mark.parametrize("model", ["nut", "support"])
+def test_a_drive_with_compliant_parts_and_a_law_is_followed_without_its_map(model):
+    """The page says so; the sliding speed of a rotating nut is that at which the screw turns in it."""
+    pytest.importorskip("bokeh")
+    from bokeh.document import Document
+
+    from lsvib.explore.page import Page
+
+    page = Page(Document(), View(drive_class(model)(axial_force=100, input_speed=10, **LAW), w=-9.0, duration=0.05), {})
+    page._settle()
+    assert list(page._work()) == []
+    assert "Map and amplitude curve are left out here" in page._words.text
+    assert set(np.unique(page.plots.drawn["map"].data["image"][0])) == {answers.rgba(np.array([-2]))[0]}
+    motion = page.view.drive.simulate({"u": 0.0, "w": -9.0}, 0.05, samples=2001)
+    if model == "nut":
+        turning = 10 + motion.velocity_deviation.values - motion.nut_rate.values
+        assert np.abs(page.shown.turning).max() == pytest.approx(np.abs(turning).max(), rel=1e-3)

@@ -17,6 +17,7 @@ from lsvib.assess.vibration import (
     STRONG,
     UNDECIDED,
     Vibration,
+    highest_vibrating_speed,
     most_perturbed,
     tolerated_by_trial,
     tolerated_perturbation,
@@ -63,7 +64,8 @@ class Assessment:
     ``values``: :data:`lsvib.assess.drive.QUANTITIES` at the middle values; ``verdict``: a key of
     :data:`lsvib.assess.words.VERDICTS`; ``efficiency`` [1] ``lifting``, ``lowering`` (None if self-locking);
     ``margins``: those of all mechanisms together, nearest first; ``nominal``, ``worst``: the motion at the middle
-    values and in the worst case, each where the reserve is lowest.
+    values and in the worst case, each where the reserve is lowest; ``vibrates_up_to``: of the former the speed of the
+    screw [rad/s] above which it does not vibrate, if there is a law of friction and it is known.
     """
 
     sheet: Sheet
@@ -78,6 +80,7 @@ class Assessment:
     uncertainty: Uncertainty
     nominal: AssessedMotion
     worst: AssessedMotion
+    vibrates_up_to: float | None
 
 
 def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
@@ -114,6 +117,9 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
         uncertainty=spread,
         nominal=nominal,
         worst=worst_motion,
+        vibrates_up_to=highest_vibrating_speed(sheet, values, nominal.corner, _part(sheet))
+        if sheet.friction.law
+        else None,
     )
 
 
@@ -203,10 +209,10 @@ def _motion(sheet: Sheet, name: str, entries: dict[str, float]) -> AssessedMotio
     corner = _corner(places, lowest[name])
     if name == "after_perturbation" and sheet.support is None:
         corner = most_perturbed(sheet, values)[2] or corner
-    part = "support" if sheet.support is not None else "contact" if sheet.contact is not None else "rigid"
+    part = _part(sheet)
     if name == "thread_contact":  # of which a drive with a support knows nothing
         part = "contact"
-    if name == "falling_friction" and lowest[name].reserve[0] < 0:
+    if name == "falling_friction" and lowest[name].reserve[0] < 0 and not sheet.friction.law:
         beyond = Vibration(
             "rigid",
             "unknown",
@@ -219,9 +225,14 @@ def _motion(sheet: Sheet, name: str, entries: dict[str, float]) -> AssessedMotio
     if moved.attractor in ("unknown", "unresolved") and part != "rigid":  # the simpler drive says more than nothing
         moved = vibration(sheet, values, corner, "rigid", **strong)
     tolerated = (None, "") if sheet.support is not None else tolerated_perturbation(sheet, values, corner)
-    if part == "contact" and sheet.support is None:
-        tolerated = tolerated_by_trial(sheet, values, corner, tolerated[0])
+    if sheet.support is None and (part == "contact" or sheet.friction.law):
+        tolerated = tolerated_by_trial(sheet, values, corner, tolerated[0], part)
     return AssessedMotion(name, dict(entries), values, corner, moved, tolerated)
+
+
+def _part(sheet: Sheet) -> str:
+    """The part that is compliant in the motions of a sheet."""
+    return "support" if sheet.support is not None else "contact" if sheet.contact is not None else "rigid"
 
 
 def _worst_motion(

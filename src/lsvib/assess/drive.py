@@ -2,13 +2,14 @@
 
 import math
 from collections.abc import Mapping
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lsvib.assess.sheet import DENSITIES, Sheet
-from lsvib.models import mechanics
+from lsvib.models import friction, mechanics
 from lsvib.models.mechanics import friction_factor
 
 GRAVITY = 9.80665  # m/s², standard
@@ -21,6 +22,9 @@ QUANTITIES = {
     "half_angle": ("half angle of the thread", "rad"),
     "friction": ("friction of the threads", "1"),
     "friction_slope": ("slope of friction over the sliding speed", "s m-1"),
+    "stribeck_rise": ("rise of friction towards slow sliding", "1"),
+    "stribeck_speed": ("sliding speed over which the rise of friction fades", "m s-1"),
+    "static_friction": ("friction of the threads at rest", "1"),
     "inertia": ("rotating inertia", "kg m2"),
     "coupling_stiffness": ("stiffness of the coupling", "N m rad-1"),
     "rotational_damping": ("rotational damping of the screw", "N m s rad-1"),
@@ -49,6 +53,13 @@ _OWN = {  # parameters of a drive that a part adds
 }
 
 
+_OF_LAW = {  # entries that only a law of friction has
+    "stribeck_rise": "friction.stribeck_rise",
+    "stribeck_speed": "friction.stribeck_speed",
+    "static_friction": "friction.static",
+}
+
+
 def nominal_draw(sheet: Sheet) -> dict[str, float]:
     """Return the entries of a sheet, each at the value in its middle."""
     return {path: entry.nominal for path, entry in sheet.spreads.items()}
@@ -68,7 +79,8 @@ def is_window(sheet: Sheet, path: str) -> bool:
 def quantities(sheet: Sheet, draw: DrawnValues) -> dict[str, Any]:
     """Return the quantities of :data:`QUANTITIES` from the entries (floats, or arrays of one shape) of a sheet.
 
-    Quantities that the sheet does not give are zero, or absent for a contact or support that it does not have.
+    Quantities that the sheet does not give are zero, or absent for a contact, support or law of friction that it does
+    not have.
     """
     lead, diameter, half_angle = _thread(sheet, draw)
     angle = np.arctan(lead / (math.pi * diameter))
@@ -87,6 +99,9 @@ def quantities(sheet: Sheet, draw: DrawnValues) -> dict[str, Any]:
         "mass": draw["load.mass"],
         "tilt": draw.get("load.orientation", 0.0),
     }
+    for key, path in _OF_LAW.items():
+        if path in draw:
+            found[key] = draw[path]
     for part, keys in (("contact", sheet.contact), ("support", sheet.support)):
         if keys is not None:
             found[f"{part}_stiffness"] = draw[f"{part}.stiffness"]
@@ -147,6 +162,12 @@ def point(sheet: Sheet, values: DrawnValues, direction: int, speed: Any, force: 
     """
     parameters = without_friction(values, direction, speed, force)
     radius, angle = parameters["pitch_radius"], parameters["lead_angle"]
+    if sheet.friction.law:
+        law = SimpleNamespace(**friction_law(sheet, values, angle))
+        coefficient, slope = friction.unbounded(law, sliding_speed(speed, radius, angle))
+        positive = np.real(coefficient) > 0
+        parameters["friction_coefficient"] = np.where(positive, coefficient, 0.0)
+        return parameters, np.where(positive, slope, 0.0)
     coefficient, slope = values["friction"], values["friction_slope"]
     if sheet.friction.curve is not None:
         mean = float(np.mean(sheet.friction.curve.coefficients))
@@ -154,6 +175,19 @@ def point(sheet: Sheet, values: DrawnValues, direction: int, speed: Any, force: 
         coefficient, slope = (scale * x for x in _along(sheet, sliding_speed(speed, radius, angle)))
     parameters["friction_coefficient"] = square_coefficient(coefficient, angle, values["half_angle"])
     return parameters, square_coefficient(slope, angle, values["half_angle"])
+
+
+def friction_law(sheet: Sheet, values: DrawnValues, lead_angle: Any) -> dict[str, Any]:
+    """Return the parameters of the friction law of the square thread (:mod:`lsvib.models.friction`)."""
+    given = {
+        "friction_coefficient": values["friction"],
+        "static_friction_coefficient": values.get("static_friction", 0.0),
+        "stribeck_rise": values.get("stribeck_rise", 0.0),
+        "friction_slope": values["friction_slope"],
+    }
+    square = {key: square_coefficient(value, lead_angle, values["half_angle"]) for key, value in given.items()}
+    fading = {"stribeck_speed": values.get("stribeck_speed", 0.0)}
+    return square | fading | {"stribeck_exponent": sheet.friction.stribeck_exponent}
 
 
 def without_friction(values: DrawnValues, direction: int, speed: Any, force: Any) -> dict[str, Any]:

@@ -327,6 +327,7 @@ Ratio = _positive({"": 1e4})
 Coefficient = _field("", 0.0, 3.0)
 Efficiency = _field("", 0.001, 0.999)
 Slope = _field("s/m", -1e3, 1e3)
+StribeckSpeed = _positive({"m/s": 1e4})
 CurveFactor = _positive({"": 10.0})
 
 

@@ -207,7 +207,7 @@ def _fatal_ratio(sheet: Sheet, values: dict[str, float], direction: int, most: f
 
     With Ω and R̃ multiplied alike every motion is; and beyond some force against the motion none ends in vibration.
     """
-    if not sheet.stiff or sheet.friction.curve is not None:
+    if not sheet.stiff or sheet.friction.curve is not None or sheet.friction.law:
         return None
     speed, weight = values["speed_high"], values["mass"] * GRAVITY * math.sin(values["tilt"])
     low, high = 1e-4 * most, most
@@ -228,7 +228,7 @@ def _boundaries(
 
     With Ω and R multiplied alike, every motion of the drive is multiplied alike. So one threshold gives a line.
     """
-    if values["friction_slope"] != 0 or sheet.friction.curve is not None:
+    if values["friction_slope"] != 0 or sheet.friction.curve is not None or sheet.friction.law:
         return {}
     found = {}
     speed = float(turning[-1])

@@ -101,7 +101,7 @@ def _with_support(
     inertia, helped, by_slope = terms
     p = {**p, **sheets.own_parameters(values, "support")}
     level = sloped = _full_reserve("support", p, law)
-    if sheet.friction.slope is not None or sheet.friction.curve is not None:
+    if sheet.friction.sloped:
         sloped = _full_reserve("support", {**p, "support_damping": p["support_damping"] + by_slope}, law)
     bare = _full_reserve("support", {**p, **dict.fromkeys(_UNDAMPED, 0.0)}, law)
     falls, kinematic = np.real(by_slope) < 0, np.real(inertia) <= 0
@@ -149,8 +149,13 @@ def _hurwitz_reserve(p_4: Any, p_3: Any, p_2: Any, p_1: Any, p_0: Any) -> Any:
 def drive_of(
     sheet: Sheet, values: Mapping[str, float], direction: int, speed: float, force: float, part: str = "rigid"
 ):
-    """Return the drive of the package at one point of operation: rigid, or with the ``contact`` or ``support``."""
+    """Return the drive of the package at one point of operation: rigid, or with the ``contact`` or ``support``.
+
+    It has the law of friction of the sheet, if there is one, else the coefficient at that point.
+    """
     given = sheets.point(sheet, values, direction, speed, force)[0] | sheets.own_parameters(values, part)
+    if sheet.friction.law:
+        given |= sheets.friction_law(sheet, values, given["lead_angle"])
     kind = DRIVES[part]
     return kind(**{key: zero_if_close(kind, key, float(value)) for key, value in given.items()})
 
@@ -183,7 +188,7 @@ def corners(sheet: Sheet, values: Mapping[str, Any]) -> list[tuple[int, Any, Any
 def _points(sheet: Sheet, values: Mapping[str, Any], direction: int) -> tuple[NDArray, NDArray]:
     """Speeds [rad/s] and forces [N] of all corners of one direction: (k) for one drive, (k, n) for arrays of drives."""
     curve, shares = sheet.friction.curve, np.linspace(_BESIDE, 1.0, 1 if sheet.support is None else 9)
-    sloped = curve is not None or sheet.friction.slope is not None
+    sloped = sheet.friction.sloped
     shape = np.broadcast_shapes(*map(np.shape, values.values()))
     values = {key: np.broadcast_to(value, shape) for key, value in values.items()}
     p = without_friction(values, direction, 1.0, 0.0)
@@ -203,7 +208,9 @@ def _points(sheet: Sheet, values: Mapping[str, Any], direction: int) -> tuple[ND
     speeds = values["speed_low"][None]
     pushed = ("low", "high") if is_window(sheet, "load.force") else ("low",)
     if is_window(sheet, "operation.speed"):
-        steps = np.linspace(0.0, 1.0, 2 if curve is None else 17)  # between points only the level of friction changes
+        steps = np.linspace(
+            0.0, 1.0, 17 if curve is not None or sheet.friction.law else 2
+        )  # between points only the level of friction changes
         rows = [speeds[0] + np.multiply.outer(steps, values["speed_high"] - speeds[0])]
         if curve is not None:
             sliding = np.multiply.outer(curve.speeds, (1 - _BESIDE, 1 + _BESIDE)).ravel()

@@ -81,6 +81,7 @@ def as_json(assessment: Assessment) -> dict[str, Any]:
             "margin": _margins_json(assessment.margins),
         },
         "sobol": {"first_order": assessment.uncertainty.first_order, "total": assessment.uncertainty.total},
+        "vibrates_up_to": assessment.vibrates_up_to,
         "nominal": _motion_json(assessment.nominal),
         "worst_case": _motion_json(assessment.worst),
         "assumptions": dict(assessment.sheet.assumptions),

@@ -103,6 +103,7 @@ def _where(one: Mechanism | AssessedMotion, assessment: Assessment) -> str:
 def _summary(assessment: Assessment) -> str:
     found = [assessment.mechanisms[name] for name in shown_mechanisms(assessment)]
     occurring, absent = [one for one in found if one.occurs], _absent(assessment)
+    fast = _fast_enough(assessment)
     if occurring:
         one, *others = occurring
         too = f" So does {' and '.join(SHORT[other.name] for other in others)}." if others else ""
@@ -113,14 +114,26 @@ def _summary(assessment: Assessment) -> str:
             if best
             else " No single change of one quantity alone makes it run steadily."
         )
-        return f"The cause is {SHORT[one.name]}, worst {_where(one, assessment)}.{too}{advice}{absent}"
+        return f"The cause is {SHORT[one.name]}, worst {_where(one, assessment)}.{too}{advice}{fast}{absent}"
     near = [(abs(math.log(row.factor)), one, row) for one in found for row in one.margins if row.factor is not None]
     if not near:
-        return f"No single change of any quantity, from a thousandth to a thousandfold, would make it vibrate.{absent}"
+        nothing = "No single change of any quantity, from a thousandth to a thousandfold, would make it vibrate."
+        return f"{nothing}{fast}{absent}"
     _, one, row = min(near, key=lambda entry: entry[0])
     return (
         f"The nearest cause of vibration is {SHORT[one.name]}: it would set in with the "
-        f"{IN_WORDS[row.quantity]} {change(row.factor)}, {shown(row.value, UNITS[row.quantity])}.{absent}"
+        f"{IN_WORDS[row.quantity]} {change(row.factor)}, {shown(row.value, UNITS[row.quantity])}.{fast}{absent}"
+    )
+
+
+def _fast_enough(assessment: Assessment) -> str:
+    """A sentence on the speed above which friction that depends on speed keeps no vibration going, if it is known."""
+    if (speed := assessment.vibrates_up_to) is None:
+        return ""
+    load = shown(assessment.values["lead"] / (2 * math.pi) * speed, "m/s")
+    return (
+        f" Once started {_where(assessment.nominal, assessment)}, vibration goes on at speeds of up to {load} "
+        f"({shown(speed, 'rad/s')}); run faster, and it dies out."
     )
 
 
@@ -203,7 +216,7 @@ def _simplified(motion: AssessedMotion, assessment: Assessment) -> str:
     stiff = " and ".join(name for name, given in parts.items() if given and name != model)
     text = f" Its motion is computed with stiff {stiff}." if stiff else ""
     slope = float(point(sheet, motion.values, *motion.corner)[1])
-    if slope != 0:
+    if slope != 0 and not sheet.friction.law:
         effect = "its rise with speed adds" if slope > 0 else "its fall with speed takes away"
         text += f" Friction is taken as constant at its value there; the damping that {effect} is not in this motion."
     return text

@@ -116,7 +116,8 @@ class Operation(_Part):
 class Friction(_Part):
     """Friction of the threads: a coefficient, or a measured efficiency, or a curve; and its slope over the speed.
 
-    ``curve_factor`` multiplies all coefficients of a curve, so that the curve may be uncertain as a whole.
+    ``curve_factor`` multiplies all coefficients of a curve, so that the curve may be uncertain as a whole. With
+    ``stribeck_rise`` or ``static`` coefficient and slope are parts of a law of the speed (docs/assess.md).
     """
 
     coefficient: fields.Coefficient | None = None
@@ -124,12 +125,41 @@ class Friction(_Part):
     curve: fields.FrictionCurve | None = None
     curve_factor: fields.CurveFactor | None = None
     slope: fields.Slope | None = None
+    stribeck_rise: fields.Coefficient | None = None
+    stribeck_speed: fields.StribeckSpeed | None = None
+    stribeck_exponent: Literal[1, 2] = 1
+    static: fields.Coefficient | None = None
     _needed = (("coefficient", "efficiency", "curve"),)
-    _either = (("coefficient", "efficiency", "curve"), ("curve", "efficiency", "slope"))
+    _either = (
+        ("coefficient", "efficiency", "curve"),
+        ("curve", "efficiency", "slope", "stribeck_rise", "static"),
+        ("efficiency", "stribeck_rise", "static"),
+    )
+
+    @property
+    def law(self) -> bool:
+        """Whether it is a law of the sliding speed, which motions follow too."""
+        return self.stribeck_rise is not None or self.static is not None
+
+    @property
+    def sloped(self) -> bool:
+        """Whether it changes with the speed about which it slides."""
+        return any(one is not None for one in (self.curve, self.slope, self.stribeck_rise))
 
     def _misfit(self) -> str | None:
         if self.curve is None and self.curve_factor is not None:
             return "friction.curve_factor needs friction.curve, whose coefficients it multiplies."
+        if self.stribeck_rise is not None and self.stribeck_speed is None:
+            return "friction.stribeck_rise needs friction.stribeck_speed, the sliding speed over which it fades."
+        if self.stribeck_rise is None and self.model_fields_set & {"stribeck_speed", "stribeck_exponent"}:
+            return "friction.stribeck_speed and friction.stribeck_exponent need friction.stribeck_rise, which fades."
+        if self.static is not None:
+            slowest = sum(one.high for one in (self.coefficient, self.stribeck_rise) if one is not None)
+            if not self.static.low > slowest:
+                return (
+                    f"friction.static, at least {self.static.low:g}, is not above the friction of slow sliding, "
+                    f"coefficient + stribeck_rise, at most {slowest:g}."
+                )
         return None
 
 
@@ -201,7 +231,7 @@ class Sheet(_Part):
 
     @property
     def stiff(self) -> bool:
-        """Whether all parts are rigid; the basin of such drives is known."""
+        """Whether all parts are rigid; the basin of such drives is known, but with a law of friction."""
         return self.contact is None and self.support is None
 
     @cached_property

@@ -143,7 +143,7 @@ def _perturbed(
     By the basins of the first drives that ``may`` vibrate: those with a negative reserve. The interval is that of the
     share of these times that of the upset among them, each of 97.5 %; drives that are not known widen it.
     """
-    if not sheet.stiff:
+    if not sheet.stiff or sheet.friction.law:
         return replace(may, value=None, interval=None), None
     candidates = np.flatnonzero(reserve < 0)
     if not candidates.size:

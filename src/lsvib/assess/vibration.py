@@ -29,7 +29,7 @@ STRONG = 5.0  # times the speed: a perturbation that counts as strong, and the l
 _SAMPLES = 1200  # of the motion shown: 200 a period, more than the page has dots for
 # Work after which a motion counts as unresolved, some seconds: events with two states, units of one with more. Of 180
 # random sheets with a compliant support or threads 20 were unresolved with a tenth of it; 3 are now, 16 never repeat.
-_MOST_WORK = {"rigid": 4_000, "support": 2_000_000, "contact": 2_000_000}
+_MOST_WORK = {"rigid": 4_000, "law": 400_000, "support": 2_000_000, "contact": 2_000_000}
 
 
 @dataclass(frozen=True)
@@ -78,8 +78,8 @@ def vibration(
 ) -> Vibration:
     """Follow the motion of a drive from near steady sliding, u = 0, w = ``perturbation`` Ω, to where it ends.
 
-    ``part``: rigid, or with the ``contact`` or ``support`` of the sheet. Friction is that at the running speed: a slope
-    is not part of the motion.
+    ``part``: rigid, or with the ``contact`` or ``support`` of the sheet. Friction is that at the running speed, to
+    which a slope or curve adds nothing, unless the sheet has a law of friction.
     """
     model = DRIVES[part].model
     try:
@@ -88,7 +88,9 @@ def vibration(
         start = {"u": 0.0, "w": perturbation * drive.input_speed}
         automaton = definition.build(drive, definition.physics_of(drive), "contact_sign")
         state = definition.initial_state(drive, start)
-        end = steady_state(automaton, state, max_events=_MOST_WORK[part])
+        end = steady_state(
+            automaton, state, max_events=_MOST_WORK["law" if sheet.friction.law and part == "rigid" else part]
+        )
     except (InputError, EngineError) as error:
         return Vibration(model, "unknown", reason=str(error))
     words = _word(end.label)
@@ -209,10 +211,14 @@ def most_perturbed(
     """Return whether a perturbation starts vibration of the drive with rigid parts, the smallest, and its corner.
 
     Asked is the exact basin at every corner of the window where Γ₊ or C₊ is negative, as none does without (docs);
-    where it is not known, a motion after a strong perturbation. None if that does not show it either. The smallest is
-    in rad/s, infinite if there is none.
+    where it is not known, a motion after a strong perturbation, with a law of friction at all corners. None if that
+    does not show it either. The smallest is in rad/s, infinite if there is none.
     """
-    places = [place for place in corners(sheet, values) if reserves(sheet, values, *place)["after_perturbation"] < 0]
+    places = [
+        place
+        for place in corners(sheet, values)
+        if sheet.friction.law or reserves(sheet, values, *place)["after_perturbation"] < 0
+    ]
     sizes: dict[tuple[int, float, float], float | None] = {}
     for place in dict.fromkeys((int(direction), float(speed), float(force)) for direction, speed, force in places):
         size = tolerated_perturbation(sheet, values, place)[0]
@@ -225,14 +231,52 @@ def most_perturbed(
     return (True if size < math.inf else None if len(known) < len(sizes) else False), size, first
 
 
+def highest_vibrating_speed(
+    sheet: Sheet, values: Mapping[str, float], corner: tuple[int, Any, Any], part: str
+) -> float | None:
+    """Return the speed [rad/s] up to which motions from w = −5 Ω vibrate, at the direction and force of a corner.
+
+    Tried are 25 speeds from the lowest of the window to ten times the highest; the last that vibrates is refined to
+    0.1 %. None if none does, if the last does, or if one above it is not known.
+    """
+    direction, _, force = corner
+
+    def end(speed: float) -> Vibration:
+        return vibration(sheet, values, (direction, speed, force), part, perturbation=-STRONG)
+
+    speeds = np.geomspace(values["speed_low"], 10 * values["speed_high"], 25).tolist()
+    quiet = None
+    for speed in reversed(speeds):
+        moved = end(speed)
+        if moved.attractor in UNDECIDED:
+            return None
+        if moved.vibrates:
+            break
+        quiet = speed
+    else:
+        return None
+    if quiet is None:
+        return None
+    while quiet > 1.001 * speed:
+        middle = math.sqrt(quiet * speed)
+        speed, quiet = (middle, quiet) if end(middle).vibrates else (speed, middle)
+    return float(speed)
+
+
 def tolerated_by_trial(
-    sheet: Sheet, values: Mapping[str, float], corner: tuple[int, Any, Any], stiff: float | None
+    sheet: Sheet,
+    values: Mapping[str, float],
+    corner: tuple[int, Any, Any],
+    stiff: float | None,
+    part: str = "contact",
 ) -> tuple[float | None, str]:
     """Return the same of compliant threads, by motions after perturbations of either sign, without proof.
 
-    ``stiff``: what the drive with stiff threads tolerates [rad/s], around which others are tried.
+    ``stiff``: what the drive with stiff threads tolerates [rad/s], around which others are tried; ``part``: ``rigid``
+    for a drive with rigid parts and a law of friction.
     """
-    drive = drive_of(sheet, values, *corner, "contact")
+    drive = drive_of(sheet, values, *corner, part)
+    threads = " with compliant threads" if part == "contact" else ""
     definition = find_model(drive.model)
 
     def ends(speed: float) -> str:
@@ -242,14 +286,15 @@ def tolerated_by_trial(
     known = stiff is not None and 0 < stiff < math.inf
     scale = stiff if known else abs(drive.input_speed)
     beside = f" With perfectly stiff threads it would be {shown(stiff, 'rad/s')}." if known else ""
-    tried = f"Tried with the compliant threads of the data sheet, by perturbations of either sign.{beside}"
+    of_sheet = f"{threads} of the data sheet,".replace("with", "with the") if threads else ""
+    tried = f"Tried{of_sheet} by perturbations of either sign.{beside}"
     low = 0.0
     try:
         automaton = definition.build(drive, definition.physics_of(drive), "contact_sign")
         slightest = ends(_NUDGE**2 * scale)
         if slightest != "steady sliding":  # without damping it neither comes back nor vibrates more and more
             known = slightest not in ("neutral family", "unresolved")
-            return (0.0, "Steady running is unstable with compliant threads.") if known else (None, "")
+            return (0.0, f"Steady running is unstable{threads}.") if known else (None, "")
         sizes = [scale * part for part in (0.1, 0.25, 0.5, 0.75, 0.95, 1.2, 2.0, 5.0)]
         while sizes[-1] < STRONG * abs(drive.input_speed):
             sizes.append(2 * sizes[-1])
@@ -257,7 +302,7 @@ def tolerated_by_trial(
             found = {sign: ends(sign * size) for sign in (1, -1)}
             lost = [sign for sign, end in found.items() if end != "steady sliding"]
             if "unresolved" in found.values():
-                return None, "How large a perturbation it tolerates with compliant threads could not be determined."
+                return None, f"How large a perturbation it tolerates{threads} could not be determined."
             if lost:
                 high = size
                 for _ in range(6):  # until the ends of the bracket are some 1 % apart
@@ -270,5 +315,5 @@ def tolerated_by_trial(
         return None, str(error)
     return (
         math.inf,
-        f"Perturbations of up to {shown(low, 'rad/s')} were tried with compliant threads; all were tolerated.",
+        f"Perturbations of up to {shown(low, 'rad/s')} were tried{threads}; all were tolerated.",
     )

@@ -24,11 +24,14 @@ from lsvib.engine.motion import Motion
 from lsvib.errors import EngineError, LsvibError
 from lsvib.explore.view import View
 from lsvib.figures.attraction import COLOURS
+from lsvib.models import friction
 from lsvib.models.drive import Drive
 from lsvib.models.model import find_model
 
 # Cells of the map of a drive with two states while it is dragged, a seventieth of a second, and when the hand rests, a
-# fortieth; and of any other model, of which every motion is followed, a third of a second.
+# fortieth; and of any other drive, of which every motion is followed, a third of a second.
+# Work after which what a motion ends on is unresolved: a second with compliant parts and a friction law.
+_MOST_WORK, _LEAST_WORK = 300_000, 20_000
 DRAGGED, SETTLED, COARSE = (120, 90), (320, 240), (36, 27)
 
 
@@ -38,7 +41,7 @@ class Followed:
 
     ``time`` [s] (n), ``u`` [rad] (n), ``w`` [rad/s] (n), ``mode`` (n) codes of modes, ``force`` (n), N [N]; ``cycle``
     (k, 2), the limit cycle, empty without one; ``steady``, the attractor, None where the engine has no answer; the
-    number of ``events``.
+    number of ``events``; ``turning`` (n), the rate at which the screw turns in the nut [rad/s].
     """
 
     time: np.ndarray
@@ -49,6 +52,7 @@ class Followed:
     cycle: np.ndarray
     steady: SteadyState | None
     events: int
+    turning: np.ndarray
 
 
 def followed(view: View) -> Followed:
@@ -57,13 +61,18 @@ def followed(view: View) -> Followed:
     time, states, modes = _sampled(motion)
     mode, force = motion.automaton.codes[modes], motion.automaton.observe("normal_force", states, modes)
     try:
-        steady = steady_state(motion.automaton, motion.start_state)
+        work = _LEAST_WORK if laborious(view.drive) else _MOST_WORK
+        steady = steady_state(motion.automaton, motion.start_state, max_events=work)
     except EngineError:
         steady = None
     cycle = np.empty((0, 2))
     if steady is not None and steady.orbit is not None and steady.orbit.time.size:
         cycle = _sampled(steady.orbit)[1][:, :2]
-    return Followed(time, states[:, 0], states[:, 1], mode, force, cycle, steady, motion.time.size)
+    turning = states[:, 1] + view.drive.input_speed
+    names = find_model(view.drive.model).states
+    if "nut_rate" in names:
+        turning = turning - states[:, names.index("nut_rate")]
+    return Followed(time, states[:, 0], states[:, 1], mode, force, cycle, steady, motion.time.size, turning)
 
 
 def window_around(drive: Drive, shown: Followed) -> Window:
@@ -85,8 +94,32 @@ def contact_line(drive: Drive, window: Window) -> tuple[np.ndarray, np.ndarray]:
 
 
 def at_once(drive: Drive) -> bool:
-    """Return whether the map of a drive takes no longer than a drawing: its model has two states."""
-    return len(find_model(drive.model).states) == 2
+    """Return whether the map of a drive takes no longer than a drawing.
+
+    Its model has two states, and its friction does not depend on speed.
+    """
+    return len(find_model(drive.model).states) == 2 and not friction.depends_on_speed(drive)
+
+
+def laborious(drive: Drive) -> bool:
+    """Return whether the page follows one motion of a drive only: friction depends on speed and parts comply."""
+    return len(find_model(drive.model).states) > 2 and friction.depends_on_speed(drive)
+
+
+def friction_visited(drive: Drive, shown: Followed) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return sliding speeds (n) [m/s], the coefficient (n) at each, and whether (n) a motion takes such a speed.
+
+    The speeds go from zero to a quarter beyond the fastest of the motion; those that it takes are all between its ends.
+    """
+    exact = drive.exact()
+    per_turn = float(exact.pitch_radius / exact.cos_lead)
+    taken = per_turn * np.abs(shown.turning)
+    ends = float(taken.min()), float(taken.max())
+    if np.ptp(np.sign(shown.turning)) == 2:  # it turns back in between
+        ends = 0.0, ends[1]
+    speeds = np.unique(np.append(np.linspace(0.0, 1.25 * ends[1] or 1.0, 301), ends))
+    coefficients = np.maximum(np.broadcast_to(friction.unbounded_coefficient(drive, speeds), speeds.shape), 0.0)
+    return speeds, coefficients, (speeds >= ends[0]) & (speeds <= ends[1])
 
 
 def labels(drive: Drive, window: Window, cells: tuple[int, int]) -> np.ndarray:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from bokeh.layouts import column, row
 from bokeh.models import Button, Column, Select, Slider, TextInput, Toggle
 
-from lsvib.explore.view import View
+from lsvib.explore.view import OF_LAW, View
 from lsvib.figures import style
 from lsvib.models.drive import Drive, allowed_range, described, may_vanish
 from lsvib.models.model import model_names
@@ -67,7 +67,8 @@ class Controls:
             self.over.value = view.over
             for key, control in self.texts.items():
                 control.value = f"{getattr(view, key):.10g}"
-            for key, value in view.drive:
+            for key in self.fields:
+                value = getattr(view.drive, key)
                 self.fields[key].value = f"{value:.10g}"
                 self._place(type(view.drive), key, value)
         finally:
@@ -97,6 +98,11 @@ class Controls:
 
     def _place(self, kind: type[Drive], key: str, value: float) -> None:
         """Give a slider its ends around a value, and the value."""
+        if key in OF_LAW:
+            low, high = OF_LAW[key]
+            step = 1.0 if key == "stribeck_exponent" else (high - low) / 200
+            self.sliders[key].update(start=min(low, value), end=max(high, value), step=step, value=value)
+            return
         end = 2 * abs(value) or _FROM_ZERO.get(key, 1.0)
         step = (2 if key in _SIGNED else 1) * end / 200  # finer than a hand
         zero = 0.0 if may_vanish(kind, key) else step

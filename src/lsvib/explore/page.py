@@ -23,6 +23,7 @@ from lsvib.explore.controls import Controls
 from lsvib.explore.plots import Plots
 from lsvib.explore.view import View, around
 from lsvib.figures.attraction import COLOURS
+from lsvib.models import friction
 from lsvib.models.model import find_model
 
 _TO_ADDRESS = """
@@ -127,7 +128,7 @@ class Page:
                 parameters[name] = text
             elif key == "over":
                 value = getattr(self.view.drive, text)
-                changes |= {"over": text, **around(value)}
+                changes |= {"over": text, **around(value, text)}
             elif key == "window":
                 changes["window"] = Window(*map(float, text.split()))
             elif key == "fit":
@@ -163,6 +164,7 @@ class Page:
         if found is not None:
             self.plots.draw_map(found, window)
         self.plots.draw_motion(view.drive, shown, window)
+        self.plots.draw_friction(*answers.friction_visited(view.drive, shown))
         self._draw_moment()
         self._slow = iter(())
         if self._settling is not None:
@@ -193,6 +195,9 @@ class Page:
         """The fine map, the thresholds and the amplitude curve, in steps."""
         view, window = self.view, self.view.window
         assert window is not None
+        if answers.laborious(view.drive):  # each point of a map would take a second
+            self.plots.start_curve(view, {})
+            return
         try:
             cells = answers.SETTLED if answers.at_once(view.drive) else answers.COARSE
             found = answers.labels(view.drive, window, cells)
@@ -233,6 +238,16 @@ class Page:
             )
         except InputError as error:
             words.append(str(error))
+        if friction.depends_on_speed(view.drive):
+            speeds, coefficients, visited = answers.friction_visited(view.drive, shown)
+            speeds, coefficients = speeds[visited], coefficients[visited]
+            words.append(
+                f"The threads slide at {speeds[0]:.3g} to {speeds[-1]:.3g} m/s, with a coefficient of "
+                f"{coefficients.min():.3g} to {coefficients.max():.3g}."
+            )
+        if answers.laborious(view.drive):
+            words.append("Map and amplitude curve are left out here: with a friction law and compliant parts they are")
+            words.append("work for `lsvib attraction` and `lsvib sweep`.")
         if self._shares:
             parts = [f"{name_of(kind)} {100 * share:.1f} %" for kind, share in self._shares.items()]
             words.append(f"Of the starts in the window: {', '.join(parts)}.")
@@ -292,7 +307,9 @@ class Page:
         middle = column(self.plots.plane, self._alert, self._words, self._legend, start, self._links, **_NARROW)
         curve = _line(c.over, c.texts["low"], c.texts["high"])
         moment = _line(c.play, c.moment)
-        right = column(self.plots.curve, curve, self.plots.force, self.plots.contact, moment, **_NARROW)
+        right = column(
+            self.plots.curve, curve, self.plots.force, self.plots.contact, moment, self.plots.friction, **_NARROW
+        )
         heading = Div(text=_HEADING, name="heading", sizing_mode="stretch_width")
         self.document.add_root(column(heading, _line(left, middle, right), sizing_mode="stretch_width"))
         self.document.title = "lsvib explorer"

@@ -59,7 +59,14 @@ _LOOKS: dict[str, dict[str, list[Any]]] = {  # of the rows of sources that the b
     },
     "nut": {"x": [], "y": [], "tip": [], "words": []},
 }
-_PLAIN = {"curve": "x y colour", "near": "x y colour", "marks": "x name", "bar": "x"}  # columns of the other sources
+_PLAIN = {
+    "curve": "x y colour",
+    "near": "x y colour",
+    "marks": "x name",
+    "bar": "x",
+    "law": "x y",
+    "visited": "x y",
+}  # columns of the other sources
 # Painted without title, axes, grid and legend, which take longer than all that a redraw changes; seen once clipped.
 _ABOVE = {"level": "overlay", "visible": False}
 # Bokeh clips overlays to the whole drawing; these belong into its frame, as what lies below them.
@@ -84,6 +91,7 @@ class Plots:
         self.curve = self._curve()
         self.force = self._force()
         self.contact = self._contact()
+        self.friction = self._friction()
         self.clip = CustomJS(args={"plots": [self.plane, self.force, self.contact]}, code=_CLIP)
 
     def _plane(self) -> figure:
@@ -146,6 +154,21 @@ class Plots:
         made.scatter(0, "tip", source=nut, color=style.VERMILION, size=8, **_ABOVE)
         made.text(-1.95, 0.98, "words", source=nut, text_font_size="12px", **_ABOVE)
         return made
+
+    def _friction(self) -> figure:
+        made = _figure("friction", "Friction over the sliding speed", 470, 190, (0, 1), (0, 0.3), tools="")
+        made.toolbar_location = None
+        made.xaxis.axis_label, made.yaxis.axis_label = "sliding speed [m/s]", "coefficient"
+        made.line("x", "y", source=self.sources["law"], color=style.BLACK)
+        made.line("x", "y", source=self.sources["visited"], color=style.BLUE, line_width=4, line_alpha=0.5)
+        return made
+
+    def draw_friction(self, speeds: np.ndarray, coefficients: np.ndarray, visited: np.ndarray) -> None:
+        """Show the coefficient (n) over sliding speeds (n) [m/s], and which (n) of them the motion takes."""
+        self.sources["law"].data = {"x": speeds, "y": coefficients}
+        self.sources["visited"].data = {"x": speeds[visited], "y": coefficients[visited]}
+        self.friction.x_range.update(start=0.0, end=float(speeds[-1]))
+        self.friction.y_range.update(start=0.0, end=1.1 * float(coefficients.max()) or 1.0)
 
     def set_window(self, window: Window) -> None:
         """Let the phase plane show a window."""

@@ -18,6 +18,13 @@ from lsvib.models.scene import Scene, read_yaml
 
 _WINDOW = ("left", "right", "bottom", "top")
 _RANGE = ("over", "low", "high")
+OF_LAW = {  # ends between which the parameters of a friction law are looked at
+    "static_friction_coefficient": (0.0, 0.5),
+    "stribeck_rise": (0.0, 0.2),
+    "stribeck_speed": (0.0, 0.1),
+    "stribeck_exponent": (1.0, 2.0),
+    "friction_slope": (-0.2, 0.2),
+}
 
 
 @dataclass(frozen=True)
@@ -144,7 +151,14 @@ def _curve(drive: Drive, section: Mapping[str, Any]) -> dict[str, Any]:
     return {"over": "axial_force", **around(drive.axial_force)}
 
 
-def around(value: float) -> dict[str, float]:
-    """Return a range of the amplitude curve: from a hundredth of a value to twice, or a little above zero."""
+def around(value: float, key: str = "") -> dict[str, float]:
+    """Return a range of the amplitude curve: from a hundredth of a value to twice, or a little above zero.
+
+    Of a parameter ``key`` of a friction law it is that of :data:`OF_LAW`, from a hundredth of the speed, which must not
+    vanish beside a rise.
+    """
+    if key in OF_LAW:
+        low, high = OF_LAW[key]
+        return {"low": 0.01 * high if key == "stribeck_speed" else low, "high": high}
     ends = sorted((0.01 * value, 2 * value)) if value else [0.0, 1.0]
     return {"low": ends[0], "high": ends[1]}

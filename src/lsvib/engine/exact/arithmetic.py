@@ -78,7 +78,7 @@ def root(number: Number) -> Number:
 
 def exponential(number: Number) -> Number:
     """Return e to the power of a number."""
-    return np.exp(number) if isinstance(number, (np.ndarray, float, int)) else number.exp()
+    return np.exp(number) if isinstance(number, (np.ndarray, float, int, complex)) else number.exp()
 
 
 def double(number: Number) -> Any:
