@@ -103,9 +103,11 @@ def compile_engine(part: str, sources: Texts, marker: str) -> None:
     else:
         from lsvib.engine import motion
 
-        motion.compile_engine((part,))
-        drive = RigidDrive(mass=11) if part == "planar" else ThreadsDrive(mass=11)
-        drive.steady_state({"u": 0.1, "w": 0.0})
+        if part != "taylor":
+            motion.compile_engine((part,))
+        drive = ThreadsDrive(mass=11) if part == "modal" else RigidDrive(mass=11)
+        law = {"stribeck_rise": 0.02, "stribeck_speed": 0.01} if part == "taylor" else {}
+        drive.replace(**law).steady_state({"u": 0.1, "w": 0.0})
         if part == "planar":
             drive.sweep(axial_force=[50.0])
     digest = hashlib.sha256(b"".join(Path(file).read_bytes() for file in sources))

@@ -185,6 +185,7 @@ ENGINE = {
     "planar": ("lsvib.engine.kernels.jit",),  # all compiled code imports it
     "modal": tuple(model_module(name) for name, model in all_models().items() if len(model.states) > 2),
     "mapper": ("lsvib.basins.labels",),
+    "taylor": (),  # of figures that say so, `by_speed` of their settings
 }
 
 
@@ -193,11 +194,15 @@ def marker(part):
     return f"results/engine/{part}.txt"
 
 
-def engine(modules):
-    """Return the markers of the parts of the engine that modules run; none if they reach no compiled code."""
+def engine(modules, by_speed=False):
+    """Return the markers of the parts of the engine that modules run; none if they reach no compiled code.
+
+    ``by_speed``: whether there is friction that depends on speed.
+    """
     if "lsvib.engine.kernels.jit" not in modules:
         return []
-    return [marker(part) for part, roots in ENGINE.items() if not modules.isdisjoint(roots)]
+    parts = [part for part, roots in ENGINE.items() if not modules.isdisjoint(roots)]
+    return [marker(part) for part in [*parts, *(["taylor"] if by_speed else [])]]
 
 
 def cores(wildcards):

@@ -2,7 +2,7 @@
 
 
 rule core:
-    """Compile one part of the engine: the flow of two states, that of more states, or the mapper.
+    """Compile one part of the engine: the flow of two states, of more states, of a friction law, or the mapper.
 
     Several parts may be compiled side by side; a figure waits only for those that it runs.
     """
@@ -67,7 +67,7 @@ rule dataset:
     input:
         unpack(parts),
         sources=sources("datasets"),
-        engine=lambda wildcards: engine(imports(module_of(wildcards.figure))),
+        engine=lambda wildcards: engine(imports(module_of(wildcards.figure)), settings_of(wildcards.figure).by_speed),
     output:
         dataset="results/datasets/{figure}.nc",
         checks="results/checks/{figure}.json",

@@ -30,7 +30,7 @@ KNOWN = {40.0: 88.934, 10.0: 64.305, 5.0: 24.914, 2.0: 9.8556}
 
 
 class Settings(FigureSettings):
-    unused: ClassVar = ()
+    by_speed: ClassVar = True
 
     drive: DriveChanges
     input_speed: PositiveSpan = Field(description="Input speeds of the onset, evenly spaced in logarithm [rad/s].")

@@ -38,12 +38,14 @@ class FigureSettings(SettingsSection):
 
     ``unused``: parameters of its drive on which the figure does not depend, because it varies them itself or because
     they drop out of what it shows. ``needs``: modules that its dataset runs in processes of their own or finds by name.
-    ``timed``: whether its dataset measures run times, so that nothing may run beside it.
+    ``timed``: whether its dataset measures run times, so that nothing may run beside it. ``by_speed``: whether its
+    dataset follows motions with friction that depends on speed.
     """
 
     unused: ClassVar[tuple[str, ...]] = ()
     needs: ClassVar[tuple[str, ...]] = ()
     timed: ClassVar[bool] = False
+    by_speed: ClassVar[bool] = False
 
 
 def _ordered(low: float, high: float, names: tuple[str, str]) -> None:

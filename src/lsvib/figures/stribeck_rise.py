@@ -32,6 +32,7 @@ CYCLES = ("stick_slip", "sprag_slip")
 
 class Settings(FigureSettings):
     unused: ClassVar = ("axial_force",)
+    by_speed: ClassVar = True
 
     drive: DriveChanges
     rise: Span = Field(description="Rise of friction over its kinetic value [1].")
