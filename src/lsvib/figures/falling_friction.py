@@ -11,7 +11,7 @@ from lsvib.datasets.attributes import ASSUMED, axis, drive_parameters, flagged, 
 from lsvib.datasets.checks import Check
 from lsvib.figures import settings as of
 from lsvib.figures import style
-from lsvib.figures.common import about, named
+from lsvib.figures.common import BALANCE, about, energy_balance, named
 from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Values
 from lsvib.models import friction
 from lsvib.models.drive import RigidDrive
@@ -67,6 +67,7 @@ def build(settings: Values) -> xr.Dataset:
                 [pair[1] for pair in thresholds], "kg", "critical mass in steady sliding",
                 r"$m_\mathrm{cr}$",
             ),
+            "energy_balance": variable((), _balance(drive.replace(axial_force=float(force[-1]))), *BALANCE),
             "attractor": flagged(dims, over_force.attractor, words, Attractor),
             "amplitude": variable(dims, over_force.amplitude, "rad", size, r"$\hat u$"),
             "speed_attractor": flagged(other, over_speed.attractor, f"{words}, over the input speed", Attractor),
@@ -94,6 +95,14 @@ def _thresholds(drive: RigidDrive) -> tuple[float, float]:
 
     onset = solve_threshold(drive, "onset", "axial_force")
     return min(x.value for x in onset.solutions if x.value > 0), solve_threshold(drive, "kinematic_constraint").value
+
+
+def _balance(drive: RigidDrive) -> float:
+    """Return the balance of energy of the cycle that a motion from far away ends on."""
+    from lsvib.dynamics.attractor import steady_state
+    from lsvib.models.rigid import rigid_automaton
+
+    return energy_balance(drive, steady_state(rigid_automaton(drive), [0.1, -drive.input_speed]))
 
 
 def _motions(drive: RigidDrive, **swept: np.ndarray):
@@ -129,6 +138,9 @@ def checks(dataset: xr.Dataset) -> list[Check]:
                     f"begins at {begins:.4g} N, stops at {stops:.4g} N", stops < begins),
         Check.holds("Over the input speed chatter stops at a higher speed than that below which it begins", "ours",
                     f"begins below {slow:.4g} rad/s, stops above {fast:.4g} rad/s", slow < fast),
+        Check.holds("Over a period of the chatter at the largest force the works of motor, load, friction and dampers "
+                    "add up to nothing", "ours", f"{float(dataset.energy_balance):.1e} of the largest",
+                    abs(float(dataset.energy_balance)) < 1e-10),
         Check.holds("With the constant friction of the chapter steady sliding is stable at every force", "eq. 8.13",
                     f"C_0 = c = {float(dataset.support_damping):.3g} N m s/rad",
                     float(dataset.support_damping) > 0 and float(dataset.translation_damping) == 0),

@@ -13,7 +13,7 @@ from lsvib.datasets.attributes import ASSUMED, drive_parameters, flagged, named_
 from lsvib.datasets.checks import Check
 from lsvib.figures import settings as of
 from lsvib.figures import style
-from lsvib.figures.common import about, named
+from lsvib.figures.common import BALANCE, about, energy_balance, named
 from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Span, Values
 from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive
@@ -75,7 +75,7 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
         own = RigidDrive.of(settings[name])
         held = [own.replace(static_friction_coefficient=share * own.friction_coefficient) for share in static.tolist()]
         rows.append([_cycle(each) for each in held])
-    label, amplitude, period = np.moveaxis(np.array(rows), -1, 0)
+    label, amplitude, period, balance = np.moveaxis(np.array(rows), -1, 0)
     other = ("cycle", "static_share")
     return xr.Dataset(
         {
@@ -91,6 +91,7 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
             "detach_force": variable("rise_share", [pair[1] for pair in forces], "N", "detach force", "$R$"),
             "attractor": flagged(other, label.astype(np.int8), phase_plane.ATTRACTOR, Attractor),
             "amplitude": variable(other, amplitude, "rad", phase_plane.AMPLITUDE, r"$\hat u$"),
+            "energy_balance": variable(other, balance, *BALANCE),
             "period": variable(other, period, "s", phase_plane.PERIOD, "$T$"),
         },
         coords={
@@ -139,13 +140,13 @@ def _beginning(holds: Callable[[float], bool], low: float, high: float) -> float
     return high
 
 
-def _cycle(drive: RigidDrive) -> tuple[int, float, float]:
-    """What the motion of a drive from far away ends in, with amplitude [rad] and period [s]."""
+def _cycle(drive: RigidDrive) -> tuple[int, float, float, float]:
+    """What the motion of a drive from far away ends in, amplitude [rad], period [s], and balance of energy [1]."""
     from lsvib.dynamics.attractor import steady_state
     from lsvib.models.rigid import rigid_automaton
 
     found = steady_state(rigid_automaton(drive), [0.06, -drive.input_speed])
-    return int(found.label), found.amplitude, found.period
+    return int(found.label), found.amplitude, found.period, energy_balance(drive, found)
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
@@ -180,6 +181,9 @@ def checks(dataset: xr.Dataset) -> list[Check]:
                     f"amplitude {amplitude[0].max():.3g} rad, period {period[0][slips].max():.3g} s",
                     not slips[0] and slips[1:].all() and (np.diff(amplitude[0][1:]) > 0).all()
                     and (np.diff(period[0][1:]) > 0).all()),
+        Check.holds("Over a period of each cycle the works of motor, load, friction, dampers and impacts cancel",
+                    "ours", f"{float(np.abs(dataset.energy_balance).max()):.1e} of the largest",
+                    float(np.abs(dataset.energy_balance).max()) < 1e-10),
         Check.holds("The sprag-slip cycle stays one under static friction, and grows with it", "Fig. 8.9, ours",
                     f"amplitude {amplitude[1].min():.4g} to {amplitude[1].max():.4g} rad",
                     sprags.all() and (np.diff(amplitude[1]) >= -1e-12).all() and amplitude[1][-1] > amplitude[1][0]),

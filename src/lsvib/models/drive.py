@@ -168,17 +168,17 @@ class Drive(BaseModel):
     )
     axial_force: Value = quantity(50.0, "R", "N", "axial force on the translating mass", least=1e-18, ge=-1e12, le=1e12)
     static_friction_coefficient: Value = quantity(
-        0.0, "mu_s", "1", "friction coefficient of the threads at rest; 0: as that of slow sliding", least=1e-18, ge=0
+        0.0, "mu_s", "1", "static friction coefficient of the threads", least=1e-18, ge=0
     )
-    stribeck_rise: Value = quantity(0.0, "Delta mu", "1", "rise of the friction coefficient towards slow sliding", ge=0)
+    stribeck_rise: Value = quantity(0.0, "Delta mu", "1", "rise of friction towards slow sliding", ge=0)
     stribeck_speed: Value = quantity(
-        0.0, "v_s", "m s-1", "sliding speed over which the rise of friction fades", least=1e-12, ge=0, le=1e6
+        0.0, "v_s", "m s-1", "sliding speed over which the rise fades", least=1e-12, ge=0, le=1e6
     )
     stribeck_exponent: Value = quantity(
         1.0, "delta", "1", "exponent of the fading rise of friction, 1 or 2", ge=1, le=2
     )
     friction_slope: Value = quantity(
-        0.0, "mu_v", "s m-1", "slope of the friction coefficient over the sliding speed", least=1e-18, ge=-1e6, le=1e6
+        0.0, "mu_v", "s m-1", "slope of friction over the sliding speed", least=1e-18, ge=-1e6, le=1e6
     )
 
     if not TYPE_CHECKING:  # a type checker reads the parameters from the fields

@@ -60,14 +60,11 @@ from lsvib.engine.exact.taylor_form import Split, still_mode, taylor_flow
 from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
 from lsvib.errors import InputError
-from lsvib.models import friction, sliding
+from lsvib.models import friction, mechanics, sliding
 from lsvib.models.drive import RigidDrive, once
 from lsvib.models.mechanics import (
     Coefficients,
     coefficients,
-    effective_damping,
-    effective_inertia,
-    friction_factor,
     plus,
     rate_of,
 )
@@ -138,7 +135,9 @@ class RigidBuild:
         self.flows = self._flows()
         self.turning, force = sign(d.input_speed), sign(d.axial_force)
         self.same = d.static_friction is d.steady_friction  # rest then holds as much as sliding carries
-        self.xi_rest = c.xi if self.same else {s: friction_factor(d.static_friction, d.tan_lead, s) for s in c.xi}
+        self.xi_rest = (
+            c.xi if self.same else {s: mechanics.friction_factor(d.static_friction, d.tan_lead, s) for s in c.xi}
+        )
         self.xi_slow = self._xi_slow()
         upper, lower = (1, -1) if force >= 0 else (-1, 1)
         self.above, self.below = self._torque_above(upper, True), scaled(self._torque_above(lower, True), -1)
@@ -207,7 +206,7 @@ class RigidBuild:
         """Γ_s with static friction, by law."""
         d = self.d
         return {
-            s: effective_inertia(d.screw_inertia, d.mass, d.pitch_radius, d.tan_lead, xi)
+            s: mechanics.effective_inertia(d.screw_inertia, d.mass, d.pitch_radius, d.tan_lead, xi)
             for s, xi in self.xi_rest.items()
         }
 
@@ -384,9 +383,9 @@ class SpeedBuild(RigidBuild):
     def _rows(self, law: int, mu: arb) -> tuple[list[tuple], tuple]:
         """Rows of the field, and of N, under a law with a constant coefficient."""
         c, d = self.c, self.d
-        xi = friction_factor(mu, d.tan_lead, law)
-        gamma = effective_inertia(d.screw_inertia, d.mass, d.pitch_radius, d.tan_lead, xi)
-        damping = effective_damping(d.support_damping, d.translation_damping, d.pitch_radius, d.tan_lead, xi)
+        xi = mechanics.friction_factor(mu, d.tan_lead, law)
+        gamma = mechanics.effective_inertia(d.screw_inertia, d.mass, d.pitch_radius, d.tan_lead, xi)
+        damping = mechanics.effective_damping(d.support_damping, d.translation_damping, d.pitch_radius, d.tan_lead, xi)
         coupling = scaled((1, 0, c.deflection), -d.coupling_stiffness)
         rest = plus(scaled(self.speed, -damping), (0, 0, -d.pitch_radius * xi * d.axial_force))
         normal = scaled(c.q_row, 1 / (gamma * (d.cos_lead + law * mu * d.sin_lead)))
@@ -475,7 +474,7 @@ class SpeedBuild(RigidBuild):
 
     def _xi_slow(self) -> dict[int, Any]:
         slowest = friction.coefficient(self.d, arb(0))
-        return {s: friction_factor(slowest, self.d.tan_lead, s) for s in (1, -1)}
+        return {s: mechanics.friction_factor(slowest, self.d.tan_lead, s) for s in (1, -1)}
 
     def _q_rate(self) -> tuple:
         with many_digits():
