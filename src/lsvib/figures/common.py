@@ -7,7 +7,6 @@ import xarray as xr
 
 from lsvib.datasets.attributes import variable
 from lsvib.figures.settings import Values
-from lsvib.models.drive import Drive
 
 if TYPE_CHECKING:
     from lsvib.basins.boundary import Basin
@@ -23,6 +22,7 @@ EIGENVALUE = variable("eigenvalue", np.array([1, 2]), "1", "index of the eigenva
 CRITICAL_MASS_WITH_CONTACT = (
     "kg", "mass at which steady sliding with the contact loses its stability", r"$m_\mathrm{cr}$",
 )  # fmt: skip
+BALANCE = ("1", "sum of all works over one period of the cycle, over the largest")  # unit and words
 
 
 def about(module: str | None, source: str, places: str, **more: str) -> dict[str, str]:
@@ -53,13 +53,3 @@ def over_map(dataset: xr.Dataset, drive: Values) -> dict[str, Any]:
 def spread(values: np.ndarray) -> float:
     """Return the range of values over the largest of them [1]; infinite, which no check passes, if that is not > 0."""
     return float(np.ptp(values) / values.max()) if values.size and values.max() > 0 else np.inf
-
-
-def energy_balance(drive: Drive, steady: SteadyState) -> float:
-    """Return what the works over one period of a cycle add up to, over the largest [1]; nan without a cycle."""
-    from lsvib.dynamics.energy import work
-
-    return work(drive, steady.orbit).balance if steady.orbit is not None else np.nan
-
-
-BALANCE = ("1", "sum of all works over one period of the cycle, over the largest")  # unit and words
