@@ -9,7 +9,6 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -21,6 +20,7 @@ from lsvib.engine.kernels.layout import CUBIC, EXPONENT, FADE, PIECE, RISE, TO, 
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
 from lsvib.models.friction import unbounded_coefficient
+from lsvib.numbers import bisected
 
 FAR = 10  # times the speed of steady sliding, which most motions stay below; a guard sees those that do not
 
@@ -36,7 +36,7 @@ def pieces_of(drive: Drive) -> np.ndarray:
         return piece[None]
     # The law falls for ever, so it comes to zero once; with a rise later than without.
     low = high = drive.friction_coefficient / -drive.friction_slope
-    while unbounded_coefficient(_doubles(drive), high) > 0:
+    while unbounded_coefficient(drive, high) > 0:
         high = 2 * high + 1e-300
     end = _root(drive, 0.0, low, high) if high > low else low
     zero = np.zeros(PIECE)
@@ -106,20 +106,17 @@ def _turning_speeds(drive: Drive) -> list[float]:
         return [speed * -math.log(steep)] if steep < 1 else []
     crest = math.sqrt(0.5)  # where the rise falls fastest, in Stribeck speeds
 
-    def excess(x: float) -> float:
-        return 2 * x * math.exp(-x * x) - steep
+    def falls(x: float) -> bool:
+        """Whether friction falls at a sliding speed of so many Stribeck speeds."""
+        return 2 * x * math.exp(-x * x) > steep
 
-    if excess(crest) <= 0:
+    if not falls(crest):
         return []
-    return [speed * _bisected(excess, a, b) for a, b in ((0.0, crest), (crest, 30.0))]
-
-
-def _doubles(drive: Drive) -> Any:
-    return SimpleNamespace(**drive.__dict__)
+    return [speed * bisected(falls, 0.0, crest), speed * bisected(lambda x: not falls(x), crest, 30.0)]
 
 
 def _mu(drive: Drive, speed: float) -> float:
-    return max(unbounded_coefficient(_doubles(drive), speed), 0.0)
+    return max(unbounded_coefficient(drive, speed), 0.0)
 
 
 def _crosses(drive: Drive, level: float, low: float, high: float) -> bool:
@@ -127,18 +124,8 @@ def _crosses(drive: Drive, level: float, low: float, high: float) -> bool:
 
 
 def _root(drive: Drive, level: float, low: float, high: float) -> float:
-    return _bisected(lambda v: unbounded_coefficient(_doubles(drive), v) - level, low, high)
-
-
-def _bisected(function: Any, low: float, high: float) -> float:
-    """Return the root of a function between two places where its signs differ."""
-    first = function(low) > 0
-    for _ in range(2000):
-        middle = 0.5 * (low + high)
-        if middle in (low, high):
-            break
-        low, high = (middle, high) if (function(middle) > 0) == first else (low, middle)
-    return high
+    begins_below = unbounded_coefficient(drive, low) < level
+    return bisected(lambda v: (unbounded_coefficient(drive, v) < level) != begins_below, low, high)
 
 
 def divided(

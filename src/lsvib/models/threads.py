@@ -23,7 +23,7 @@ s = +1, which stops the screw, and the motion after it follows from the same equ
 
 from collections.abc import Iterable, Iterator, Mapping
 from enum import IntEnum
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from flint import arb
@@ -84,6 +84,8 @@ def threads_automaton(drive: ThreadsDrive) -> Automaton:
 class _ThreadsBuild:
     """Rows over (u, w, e, v, 1) that the model is made of, and its automaton, of one drive or of many at once."""
 
+    flow: ClassVar[dict[str, Any]] = {"stack": modal_flow, "forms": guard_forms}  # how ``assemble`` makes its tables
+
     def __init__(self, c: Coefficients, d: Any) -> None:
         self.c, self.d = c, d
         self.reach = d.pitch_radius * d.tan_lead
@@ -104,6 +106,7 @@ class _ThreadsBuild:
     def automaton(self) -> Automaton:
         """Return the automaton."""
         surfaces, transitions, modes = self.surfaces(), self.transitions(), self.modes()
+        self.divide(modes, transitions, surfaces)
         return assemble(
             states=STATES,
             surfaces=surfaces,
@@ -111,18 +114,18 @@ class _ThreadsBuild:
             transitions=transitions,
             observables=self.observables(modes),
             shortest_stay=0.0,
-            stack=modal_flow,
-            forms=guard_forms,
-            **self.facts(self.c.paradox),
+            rest_codes=(ThreadsMode.REST_POSITIVE, ThreadsMode.REST_NEGATIVE),
+            release_kinds=(ThreadsEvent.RELEASE,),
+            sprag_codes=_UNDER_LAW_PLUS if self.jams() else (),
+            **self.flow,
         )
 
-    def facts(self, paradox: bool) -> dict[str, tuple[int, ...]]:
-        """Return codes and kinds of the automaton; in the Painlevé region motions sprag under law s = +1."""
-        return {
-            "rest_codes": (ThreadsMode.REST_POSITIVE, ThreadsMode.REST_NEGATIVE),
-            "release_kinds": (ThreadsEvent.RELEASE,),
-            "sprag_codes": _UNDER_LAW_PLUS if paradox else (),
-        }
+    def divide(self, modes: dict[str, Mode], transitions: dict[str, Transition], surfaces: dict[str, Surface]) -> None:
+        """Divide modes, in place, where friction depends on speed."""
+
+    def jams(self) -> bool:
+        """Whether motions sprag under law s = +1: in the Painlevé region."""
+        return self.c.paradox
 
     def observables(self, modes: Iterable[str]) -> dict[str, dict[str, tuple]]:
         """Return the rows of the observables by name and mode."""
@@ -244,29 +247,20 @@ class _SpeedBuild(_ThreadsBuild):
     Γ₊ ≤ 0 in slow sliding, to which the growing force brings them.
     """
 
+    flow: ClassVar[dict[str, Any]] = {"stack": taylor_flow}
+
     def __init__(self, c: Coefficients, d: Any, drive: ThreadsDrive) -> None:
         super().__init__(c, d)
         self.drive, self.pieces = drive, sliding.pieces_of(drive)
 
-    def automaton(self) -> Automaton:
-        """Return the automaton."""
-        surfaces, transitions, modes = self.surfaces(), self.transitions(), self.modes()
+    def divide(self, modes: dict[str, Mode], transitions: dict[str, Transition], surfaces: dict[str, Surface]) -> None:
+        """Divide the mode of steady sliding."""
         turning = arithmetic.sign(self.d.input_speed)
         steady = f"slip_{DIRECTIONS[turning]}_{SIGNS[self.c.steady_law * turning]}"
         place = seated_state(self.drive, 0.0, 0.0)
         sliding.divided(steady, ThreadsEvent.PASSAGE, modes, transitions, surfaces, place)
-        return assemble(
-            states=STATES,
-            surfaces=surfaces,
-            modes=modes,
-            transitions=transitions,
-            observables=self.observables(modes),
-            shortest_stay=0.0,
-            stack=taylor_flow,
-            **self.facts(self._jams()),
-        )
 
-    def _jams(self) -> bool:
+    def jams(self) -> bool:
         """Whether Γ₊ ≤ 0 in slow sliding."""
         most = sliding.critical_coefficient(self.d.screw_inertia, self.d, self.d.mass)
         return double(friction.coefficient(self.d, arb(0))) >= most

@@ -17,7 +17,8 @@ import math
 
 import numpy as np
 
-from lsvib.engine.kernels import flow_planar, flow_taylor
+from lsvib.dynamics.kernels import saltation_taylor
+from lsvib.engine.kernels import flow_planar
 from lsvib.engine.kernels.flow_planar import EPS, OVERFLOW
 from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, by_kind, kernel
 from lsvib.engine.kernels.layout import A0, A1, ACCUMULATION_KIND, GRAZE_KIND, B
@@ -59,7 +60,7 @@ def _modal_flow(flow, mode, start, time, out, size):
 
 # The derivative of the state after a time by that at the start, e^{At} of a linear flow, and the sizes of the terms of
 # its entries, both (n, n).
-flow_matrix = by_kind(_planar_flow, _modal_flow, flow_taylor.derivative)
+flow_matrix = by_kind(_planar_flow, _modal_flow, saltation_taylor.derivative)
 
 
 @kernel
@@ -80,7 +81,9 @@ def _modal_field(flow, mode, state, rate, size):
             size[i] += abs(flow.field[mode, i, j] * state[j])
 
 
-field = by_kind(_planar_field, _modal_field, flow_taylor.field)  # x′ at a state, and the sizes of its terms, both (n)
+field = by_kind(
+    _planar_field, _modal_field, saltation_taylor.field
+)  # x′ at a state, and the sizes of its terms, both (n)
 
 
 @kernel

@@ -51,9 +51,7 @@ travel = by_kind(flow_planar.travel, flow_modal.travel, flow_taylor.travel)
 slopes_at = by_kind(flow_planar.slopes_at, flow_modal.slopes_at, flow_taylor.slopes_at)
 workspace = by_kind(search_planar.room_for, guard_sums.room_for, search_taylor.room_for)
 search = by_kind(search_planar.search, search_modal.search, search_taylor.search)
-extremes_of_arcs = by_kind(
-    search_planar.extremes_of_arcs, search_modal.extremes_of_arcs, search_taylor.extremes_of_arcs
-)
+extremes = by_kind(search_planar.extremes, search_modal.extremes, search_taylor.extremes)
 
 
 @merged_kernel
@@ -295,3 +293,18 @@ def states_at(
         else:
             modes[k] = event_modes[event]
             advance(tables.flow, event_modes[event], event_states[event], times[k] - event_times[event], states[k])
+
+
+@allocating_entry
+def extremes_of_arcs(flow, modes, starts, durations, functionals):
+    """Smallest and largest value over many arcs of a function that is affine in the state in each mode.
+
+    Arguments: for each arc its mode (k), the state at its start (k, n) and its duration [s] (k); ``functionals``
+    (modes, n + 1), under a friction law also (modes, 2 n + 2), of which the second half counts η times. Returns
+    (smallest, largest), infinite if those of an arc are.
+    """
+    low, high = math.inf, -math.inf
+    for k in range(modes.size):
+        a, b = extremes(flow, modes[k], starts[k], functionals[modes[k]], durations[k])
+        low, high = min(low, a), max(high, b)
+    return low, high

@@ -62,7 +62,7 @@ def series_for(n):
 
 
 @inlined_kernel
-def _product(a, b, first, k):
+def product(a, b, first, k):
     """Return Σ a_i b_{k−i} over i from ``first`` to k; in two sums, which a processor adds up side by side."""
     total = other = 0.0
     i = first
@@ -93,15 +93,15 @@ def _law(law, parts, k):
     value = law[CUBIC + 1] * ride[k] + (law[CUBIC] if k == 0 else 0.0)
     if law[CUBIC + 2] != 0.0 or law[CUBIC + 3] != 0.0:
         for i in range(k + 1):
-            value += (law[CUBIC + 2] * ride[i] + law[CUBIC + 3] * _product(ride, ride, 0, i)) * ride[k - i]
+            value += (law[CUBIC + 2] * ride[i] + law[CUBIC + 3] * product(ride, ride, 0, i)) * ride[k - i]
     if law[RISE] != 0.0:
         fade = law[FADE]
-        power[k] = -fade * (sigma[k] if law[EXPONENT] == 1.0 else fade * _product(sigma, sigma, 0, k))
+        power[k] = -fade * (sigma[k] if law[EXPONENT] == 1.0 else fade * product(sigma, sigma, 0, k))
         if k == 0:
             decay[0] = math.exp(power[0])
         else:
             parts[RATE, k] = k * power[k]
-            decay[k] = _product(parts[RATE], decay, 1, k) / k
+            decay[k] = product(parts[RATE], decay, 1, k) / k
         value += law[RISE] * decay[k]
     parts[MU, k] = value
 
@@ -122,7 +122,7 @@ def expand(flow, mode, piece, series, order):
         if piece >= 0:
             parts[SIGMA, k], contact[k] = _affine(flow.speed[mode], x, k), _affine(flow.contact[mode], x, k)
             _law(flow.pieces[piece], parts, k)
-            drive = (mu[0] * contact[k] + _product(mu, rest, 1, k)) / (1.0 + feedback * mu[0])
+            drive = (mu[0] * contact[k] + product(mu, rest, 1, k)) / (1.0 + feedback * mu[0])
             rest[k] = contact[k] - feedback * drive
         for i in range(n):
             x[i, k + 1] = unit * (_affine(field[i], x, k) + push[i] * drive) / (k + 1)
@@ -133,7 +133,7 @@ def find_share(flow, mode, parts):
     """Write the series of η = μ / (1 + B μ) from that of μ."""
     mu, eta, feedback = parts[MU], parts[ETA], flow.feedback[mode]
     for k in range(ORDER):
-        eta[k] = (mu[k] - feedback * _product(mu, eta, 1, k)) / (1.0 + feedback * mu[0])
+        eta[k] = (mu[k] - feedback * product(mu, eta, 1, k)) / (1.0 + feedback * mu[0])
 
 
 @kernel
@@ -223,6 +223,26 @@ def is_settled(flow, mode, state):
 
 
 @kernel
+def _first_beyond(form, bound, side, step):
+    """Return the first time, in units of the series, at which side · (form − bound) < 0; ``step`` if there is none.
+
+    It is looked for on a fine grid, which a speed that is all but straight on a step does not pass over unseen, and
+    then halved.
+    """
+    before = 0.0
+    for part in range(1, 33):
+        after = step * part / 32.0
+        if side * (value_at(form, after) - bound) < 0.0:
+            for _ in range(60):
+                middle = 0.5 * (before + after)
+                inside = side * (value_at(form, middle) - bound) >= 0.0
+                before, after = (middle, after) if inside else (before, middle)
+            return after
+        before = after
+    return step
+
+
+@kernel
 def _cut_at_rise(law, sigma, step):
     """Return a step, in units of its series, that ends where a decay which is nothing at first begins to count, if so.
 
@@ -232,56 +252,35 @@ def _cut_at_rise(law, sigma, step):
     ratio, linear = law[FADE] * sigma[0], law[EXPONENT] == 1.0
     if law[RISE] == 0.0 or (ratio if linear else ratio * ratio) <= NOTHING:
         return step
-    bound = ((NOTHING - 1.0) if linear else math.sqrt(NOTHING - 1.0)) / law[FADE]
-    before = 0.0
-    for part in range(1, 33):
-        after = step * part / 32.0
-        if value_at(sigma[:ORDER], after) < bound:
-            for _ in range(60):
-                middle = 0.5 * (before + after)
-                nothing = value_at(sigma[:ORDER], middle) >= bound
-                before, after = (middle, after) if nothing else (before, middle)
-            return after
-        before = after
-    return step
+    return _first_beyond(
+        sigma[:ORDER], ((NOTHING - 1.0) if linear else math.sqrt(NOTHING - 1.0)) / law[FADE], 1.0, step
+    )
 
 
 @kernel
 def cut_at_piece(flow, mode, piece, series, step):
-    """Return the end of a step within a piece of the law, and the piece that holds from there on.
-
-    The speed is a polynomial of the time; its first passage over an end of the piece is found on a fine grid, which a
-    speed that is all but straight on a step does not pass over, and by bisection.
-    """
+    """Return the end of a step [s] within a piece of the law, and the piece that holds from there on."""
     unit = series.unit[0]
     if piece >= 0:
         step = unit * _cut_at_rise(flow.pieces[piece], series.parts[SIGMA], step / unit)
     if flow.piece_start[mode + 1] - flow.piece_start[mode] < 2:
         return step, piece
-    x, row, low, high = series.state, flow.speed[mode], flow.pieces[piece, FROM], flow.pieces[piece, TO]
-    form = series.guard
+    low, high, form = flow.pieces[piece, FROM], flow.pieces[piece, TO], series.guard
     spread, power = 0.0, 1.0
     for k in range(ORDER + 1):
-        form[k] = _affine(row, x, k)
+        form[k] = _affine(flow.speed[mode], series.state, k)
         spread += abs(form[k]) * power if k > 0 else 0.0
         power *= step / unit
     if low < form[0] - spread and form[0] + spread < high:
         return step, piece
-    first, last = piece == flow.piece_start[mode], piece == flow.piece_start[mode + 1] - 1
-    before = 0.0
-    for part in range(1, 33):
-        after = step * part / 32.0
-        sigma = value_at(form, after / unit)
-        below, above = sigma < low and not first, sigma > high and not last
-        if below or above:
-            bound = low if below else high
-            for _ in range(60):
-                middle = 0.5 * (before + after)
-                inside = value_at(form, middle / unit) >= bound if below else value_at(form, middle / unit) <= bound
-                before, after = (middle, after) if inside else (before, middle)
-            return after, piece - 1 if below else piece + 1
-        before = after
-    return step, piece
+    following, whole = piece, step / unit
+    if piece > flow.piece_start[mode]:
+        until = _first_beyond(form, low, 1.0, whole)
+        following, whole = (piece - 1, until) if until < whole else (following, whole)
+    if piece < flow.piece_start[mode + 1] - 1:
+        until = _first_beyond(form, high, -1.0, whole)
+        following, whole = (piece + 1, until) if until < whole else (following, whole)
+    return (unit * whole if following != piece else step), following
 
 
 @allocating_entry
@@ -332,126 +331,6 @@ def slopes_at(flow, mode, state, scale, guard):
             bend_size += abs(guard[j] * flow.field[mode, j, i]) * size
     bend_size = max(bend_size, abs(bend) * ROUNDING)
     return rate, ROUNDING * rate_size, bend, ROUNDING * bend_size
-
-
-@kernel
-def field(flow, mode, state, rate, size):
-    """Write x′ at a state, and the sizes of its terms, both (n)."""
-    n, piece = state.size, piece_at(flow, mode, state)
-    force = force_size = share = 0.0
-    if piece >= 0:
-        row = flow.contact[mode]
-        force, force_size = row[n], abs(row[n])
-        for i in range(n):
-            force += row[i] * state[i]
-            force_size += abs(row[i] * state[i])
-        mu, _ = law_at(flow, mode, piece, state)
-        share = mu / (1.0 + flow.feedback[mode] * mu)
-    for i in range(n):
-        rate[i] = flow.field[mode, i, n] + flow.push[mode, i] * share * force
-        size[i] = abs(flow.field[mode, i, n]) + abs(flow.push[mode, i] * share) * force_size
-        for j in range(n):
-            rate[i] += flow.field[mode, i, j] * state[j]
-            size[i] += abs(flow.field[mode, i, j] * state[j])
-
-
-@inlined_kernel
-def law_at(flow, mode, piece, state):
-    """Return μ and dμ/dσ at a state on a piece of the law."""
-    row, law, n = flow.speed[mode], flow.pieces[piece], state.size
-    sigma = row[n]
-    for i in range(n):
-        sigma += row[i] * state[i]
-    ride = sigma - law[FROM]
-    value = law[CUBIC] + ride * (law[CUBIC + 1] + ride * (law[CUBIC + 2] + ride * law[CUBIC + 3]))
-    slope = law[CUBIC + 1] + ride * (2.0 * law[CUBIC + 2] + 3.0 * ride * law[CUBIC + 3])
-    if law[RISE] != 0.0:
-        ratio = law[FADE] * sigma
-        linear = law[EXPONENT] == 1.0
-        decay = law[RISE] * math.exp(-(ratio if linear else ratio * ratio))
-        value += decay
-        slope -= decay * law[FADE] * (1.0 if linear else 2.0 * ratio)
-    return value, slope
-
-
-@inlined_kernel
-def _steepness(flow, mode, piece, parts):
-    """Write the series of q dη/dσ = q μ′ (1 − B η)² from those of the step."""
-    law, feedback, ride, decay = flow.pieces[piece], flow.feedback[mode], parts[RIDE], parts[DECAY]
-    slope, rest = parts[SLOPE], parts[REST]
-    find_share(flow, mode, parts)
-    for k in range(ORDER):
-        slope[k] = law[CUBIC + 1] if k == 0 else 0.0
-        slope[k] += 2.0 * law[CUBIC + 2] * ride[k]
-        if law[CUBIC + 3] != 0.0:
-            slope[k] += 3.0 * law[CUBIC + 3] * _product(ride, ride, 0, k)
-        if law[RISE] != 0.0:
-            steep = decay[k]
-            if law[EXPONENT] != 1.0:
-                steep = 2.0 * law[FADE] * _product(parts[SIGMA], decay, 0, k)
-            slope[k] -= law[RISE] * law[FADE] * steep
-        rest[k] = (1.0 if k == 0 else 0.0) - feedback * parts[ETA, k]
-    for k in range(ORDER):  # products in place, from the highest power down
-        parts[STEEP, k] = _product(rest, rest, 0, k)
-    for k in range(ORDER - 1, -1, -1):
-        slope[k] = _product(slope, parts[STEEP], 0, k)
-    for k in range(ORDER - 1, -1, -1):
-        parts[STEEP, k] = _product(slope, parts[CONTACT], 0, k)
-
-
-@kernel
-def _carry(flow, mode, piece, series, column, step, total, room):
-    """Multiply a column of ``total`` (n, n) by the derivative of a step, whose series are known."""
-    n, parts, unit = series.here.size, series.parts, series.unit[0]
-    for i in range(n):
-        room[i, 0] = total[i, column]
-    sigma, contact = parts[POWER], parts[MU]  # are not needed any more
-    for k in range(ORDER):
-        drive = 0.0
-        if piece >= 0:
-            sigma[k] = contact[k] = 0.0
-            for i in range(n):
-                sigma[k] += flow.speed[mode, i] * room[i, k]
-                contact[k] += flow.contact[mode, i] * room[i, k]
-            drive = _product(parts[ETA], contact, 0, k) + _product(parts[STEEP], sigma, 0, k)
-        for i in range(n):
-            value = flow.push[mode, i] * drive
-            for j in range(n):
-                value += flow.field[mode, i, j] * room[j, k]
-            room[i, k + 1] = unit * value / (k + 1)
-    for i in range(n):
-        total[i, column] = value_at(room[i], step / unit)
-
-
-@allocating_kernel
-def derivative(flow, mode, state, t, out, size):
-    """Write the derivative (n, n) of the state after a time t [s] in ``mode`` by ``state``, and sizes of its terms."""
-    n = state.size
-    series, room = series_for(n), np.empty((n, ORDER + 1))
-    begin(state, series)
-    piece, passed, steps = piece_at(flow, mode, state), 0.0, 0
-    for i in range(n):
-        for j in range(n):
-            out[i, j] = 1.0 if i == j else 0.0
-            size[i, j] = 0.0
-    while passed < t:
-        expand(flow, mode, piece, series, ORDER)
-        step, following = cut_at_piece(flow, mode, piece, series, min(step_of(series), t - passed))
-        if piece >= 0:
-            _steepness(flow, mode, piece, series.parts)
-        for column in range(n):
-            _carry(flow, mode, piece, series, column, step, out, room)
-        note_sizes(series, step)
-        go_on(series, step)
-        for i in range(n):
-            for j in range(n):
-                size[i, j] = max(size[i, j], abs(out[i, j]))
-        if not passed + step > passed:
-            break
-        passed, piece, steps = passed + step, following, steps + 1
-    for i in range(n):
-        for j in range(n):
-            size[i, j] *= 1.0 + 0.1 * steps
 
 
 @allocating_entry

@@ -182,7 +182,6 @@ inlined_kernel = _compiler(_nrt=False, forceinline=True, no_cpython_wrapper=True
 # A kernel that is put into its few callers before types are inferred: it is not compiled alone, with all that it calls,
 # as every other one is. Of kernels with many callers that would make more to compile.
 merged_kernel = _compiler(_nrt=False, inline="always", no_cpython_wrapper=True)
-merged_allocating_kernel = _compiler(_nrt=True, inline="always", no_cpython_wrapper=True)
 
 
 def by_kind(planar_kernel: Any, modal_kernel: Any, taylor_kernel: Any) -> Any:

@@ -25,7 +25,7 @@ from lsvib.engine.kernels import guard_sums
 from lsvib.engine.kernels.flow_modal import advance, is_still, slopes_at, stays
 from lsvib.engine.kernels.flow_planar import level, own_rate
 from lsvib.engine.kernels.guard_sums import evaluate, go_to, lowest_from, prepare, room_for, rounding_at
-from lsvib.engine.kernels.jit import allocating_entry, inlined_kernel, kernel, merged_allocating_kernel
+from lsvib.engine.kernels.jit import allocating_kernel, inlined_kernel, kernel
 from lsvib.engine.kernels.layout import ALPHA, BETA, R1, R2, Decision, Found
 from lsvib.engine.kernels.search_planar import GUESSES, next_guess
 
@@ -328,7 +328,7 @@ def _root(flow, mode, work, guard, node, low, high, rate):
     return t
 
 
-@merged_allocating_kernel
+@allocating_kernel
 def extremes(flow, mode, state, functional, duration):
     """Smallest and largest value of an affine function of the state over [0, duration] in a mode.
 
@@ -376,13 +376,3 @@ def extremes(flow, mode, state, functional, duration):
     advance(flow, mode, state, duration, here)
     value, _ = level(functional, here, here)
     return min(low, value), max(high, value)
-
-
-@allocating_entry
-def extremes_of_arcs(flow, modes, starts, durations, functionals):
-    """Smallest and largest value over many arcs; as :func:`lsvib.engine.kernels.search_planar.extremes_of_arcs`."""
-    low, high = math.inf, -math.inf
-    for k in range(modes.size):
-        a, b = extremes(flow, modes[k], starts[k], functionals[modes[k]], durations[k])
-        low, high = min(low, a), max(high, b)
-    return low, high

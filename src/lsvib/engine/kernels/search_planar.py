@@ -339,17 +339,3 @@ def extremes(flow, mode, state, functional, duration):
         value = _value(row, shape, turn)[0]
         low, high = min(low, value), max(high, value)
     return low, high
-
-
-@entry
-def extremes_of_arcs(flow, modes, starts, durations, functionals):
-    """Smallest and largest value over many arcs of a function that is affine in the state in each mode.
-
-    Arguments: for each arc its mode (k), the state at its start (k, n) and its duration [s] (k); ``functionals``
-    (modes, n + 1). Returns (smallest, largest), infinite if those of an arc are.
-    """
-    low, high = math.inf, -math.inf
-    for k in range(modes.size):
-        a, b = extremes(flow, modes[k], starts[k], functionals[modes[k]], durations[k])
-        low, high = min(low, a), max(high, b)
-    return low, high

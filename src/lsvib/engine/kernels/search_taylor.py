@@ -25,7 +25,7 @@ from lsvib.engine.kernels.flow_taylor import (
     step_of,
     value_at,
 )
-from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, inlined_kernel, kernel
+from lsvib.engine.kernels.jit import allocating_kernel, inlined_kernel, kernel
 from lsvib.engine.kernels.layout import ORDER, Found
 
 _NONE = int(Found.NONE)
@@ -301,14 +301,4 @@ def extremes(flow, mode, state, functional, duration):
         if not passed + step > passed:
             break
         passed += step
-    return low, high
-
-
-@allocating_entry
-def extremes_of_arcs(flow, modes, starts, durations, functionals):
-    """Smallest and largest value over many arcs; as :func:`lsvib.engine.kernels.search_planar.extremes_of_arcs`."""
-    low, high = math.inf, -math.inf
-    for k in range(modes.size):
-        a, b = extremes(flow, modes[k], starts[k], functionals[modes[k]], durations[k])
-        low, high = min(low, a), max(high, b)
     return low, high

@@ -1,0 +1,155 @@
+"""The derivative of a stay in a mode with respect to its start, where friction depends on speed, and the field there.
+
+Neighbours separate by y′ = (P + η d qᵀ + q₀ (dη/dσ) d σᵀ) y along the motion, whose coefficients are power series on
+each step of :mod:`lsvib.engine.kernels.flow_taylor`; so is y.
+"""
+
+import math
+
+import numpy as np
+
+from lsvib.engine.kernels.flow_taylor import (
+    CONTACT,
+    DECAY,
+    ETA,
+    MU,
+    POWER,
+    REST,
+    RIDE,
+    SIGMA,
+    SLOPE,
+    STEEP,
+    begin,
+    cut_at_piece,
+    expand,
+    find_share,
+    go_on,
+    note_sizes,
+    piece_at,
+    product,
+    series_for,
+    step_of,
+    value_at,
+)
+from lsvib.engine.kernels.jit import allocating_kernel, inlined_kernel, kernel
+from lsvib.engine.kernels.layout import CUBIC, EXPONENT, FADE, FROM, ORDER, RISE
+
+
+@inlined_kernel
+def law_at(flow, mode, piece, state):
+    """Return μ and dμ/dσ at a state on a piece of the law."""
+    row, law, n = flow.speed[mode], flow.pieces[piece], state.size
+    sigma = row[n]
+    for i in range(n):
+        sigma += row[i] * state[i]
+    ride = sigma - law[FROM]
+    value = law[CUBIC] + ride * (law[CUBIC + 1] + ride * (law[CUBIC + 2] + ride * law[CUBIC + 3]))
+    slope = law[CUBIC + 1] + ride * (2.0 * law[CUBIC + 2] + 3.0 * ride * law[CUBIC + 3])
+    if law[RISE] != 0.0:
+        ratio = law[FADE] * sigma
+        linear = law[EXPONENT] == 1.0
+        decay = law[RISE] * math.exp(-(ratio if linear else ratio * ratio))
+        value += decay
+        slope -= decay * law[FADE] * (1.0 if linear else 2.0 * ratio)
+    return value, slope
+
+
+@kernel
+def field(flow, mode, state, rate, size):
+    """Write x′ at a state, and the sizes of its terms, both (n)."""
+    n, piece = state.size, piece_at(flow, mode, state)
+    force = force_size = share = 0.0
+    if piece >= 0:
+        row = flow.contact[mode]
+        force, force_size = row[n], abs(row[n])
+        for i in range(n):
+            force += row[i] * state[i]
+            force_size += abs(row[i] * state[i])
+        mu, _ = law_at(flow, mode, piece, state)
+        share = mu / (1.0 + flow.feedback[mode] * mu)
+    for i in range(n):
+        rate[i] = flow.field[mode, i, n] + flow.push[mode, i] * share * force
+        size[i] = abs(flow.field[mode, i, n]) + abs(flow.push[mode, i] * share) * force_size
+        for j in range(n):
+            rate[i] += flow.field[mode, i, j] * state[j]
+            size[i] += abs(flow.field[mode, i, j] * state[j])
+
+
+@inlined_kernel
+def _steepness(flow, mode, piece, parts):
+    """Write the series of q dη/dσ = q μ′ (1 − B η)² from those of the step."""
+    law, feedback, ride, decay = flow.pieces[piece], flow.feedback[mode], parts[RIDE], parts[DECAY]
+    slope, rest = parts[SLOPE], parts[REST]
+    find_share(flow, mode, parts)
+    for k in range(ORDER):
+        slope[k] = law[CUBIC + 1] if k == 0 else 0.0
+        slope[k] += 2.0 * law[CUBIC + 2] * ride[k]
+        if law[CUBIC + 3] != 0.0:
+            slope[k] += 3.0 * law[CUBIC + 3] * product(ride, ride, 0, k)
+        if law[RISE] != 0.0:
+            steep = decay[k]
+            if law[EXPONENT] != 1.0:
+                steep = 2.0 * law[FADE] * product(parts[SIGMA], decay, 0, k)
+            slope[k] -= law[RISE] * law[FADE] * steep
+        rest[k] = (1.0 if k == 0 else 0.0) - feedback * parts[ETA, k]
+    for k in range(ORDER):  # products in place, from the highest power down
+        parts[STEEP, k] = product(rest, rest, 0, k)
+    for k in range(ORDER - 1, -1, -1):
+        slope[k] = product(slope, parts[STEEP], 0, k)
+    for k in range(ORDER - 1, -1, -1):
+        parts[STEEP, k] = product(slope, parts[CONTACT], 0, k)
+
+
+@kernel
+def _carry(flow, mode, piece, series, column, step, total, room):
+    """Multiply a column of ``total`` (n, n) by the derivative of a step, whose series are known."""
+    n, parts, unit = series.here.size, series.parts, series.unit[0]
+    for i in range(n):
+        room[i, 0] = total[i, column]
+    sigma, contact = parts[POWER], parts[MU]  # are not needed any more
+    for k in range(ORDER):
+        drive = 0.0
+        if piece >= 0:
+            sigma[k] = contact[k] = 0.0
+            for i in range(n):
+                sigma[k] += flow.speed[mode, i] * room[i, k]
+                contact[k] += flow.contact[mode, i] * room[i, k]
+            drive = product(parts[ETA], contact, 0, k) + product(parts[STEEP], sigma, 0, k)
+        for i in range(n):
+            value = flow.push[mode, i] * drive
+            for j in range(n):
+                value += flow.field[mode, i, j] * room[j, k]
+            room[i, k + 1] = unit * value / (k + 1)
+    for i in range(n):
+        total[i, column] = value_at(room[i], step / unit)
+
+
+@allocating_kernel
+def derivative(flow, mode, state, t, out, size):
+    """Write the derivative (n, n) of the state after a time t [s] in ``mode`` by ``state``, and sizes of its terms."""
+    n = state.size
+    series, room = series_for(n), np.empty((n, ORDER + 1))
+    begin(state, series)
+    piece, passed, steps = piece_at(flow, mode, state), 0.0, 0
+    for i in range(n):
+        for j in range(n):
+            out[i, j] = 1.0 if i == j else 0.0
+            size[i, j] = 0.0
+    while passed < t:
+        expand(flow, mode, piece, series, ORDER)
+        step, following = cut_at_piece(flow, mode, piece, series, min(step_of(series), t - passed))
+        if piece >= 0:
+            _steepness(flow, mode, piece, series.parts)
+        for column in range(n):
+            _carry(flow, mode, piece, series, column, step, out, room)
+        note_sizes(series, step)
+        go_on(series, step)
+        for i in range(n):
+            for j in range(n):
+                size[i, j] = max(size[i, j], abs(out[i, j]))
+        if not passed + step > passed:
+            break
+        passed, piece, steps = passed + step, following, steps + 1
+    for i in range(n):
+        for j in range(n):
+            size[i, j] *= 1.0 + 0.1 * steps
