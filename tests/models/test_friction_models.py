@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from references.friction_laws import LAWS
+from references.friction_laws import LAWS, unbounded
 from scipy.integrate import solve_ivp
 
 from lsvib.dynamics.attractor import Attractor
@@ -87,10 +87,15 @@ def test_a_rise_of_nothing_changes_nothing(kind):
 
 
 @pytest.mark.parametrize("kind", KINDS[1:])
-def test_motions_obey_newtons_laws(kind):
-    """Arcs of random drives under random laws end where an integration of Newton's laws does, to 1e-9, with N."""
+@pytest.mark.parametrize("seeds", [range(12), pytest.param(range(12, 60), marks=pytest.mark.slow)], ids=["few", "many"])
+def test_motions_obey_newtons_laws(kind, seeds):
+    """Arcs of random drives under random laws end where an integration of Newton's laws does, with N.
+
+    To 2e-10: of 2270 arcs of 293 drives the worst is 1.8e-10 off, where the slip is so unstable that it makes 1e-11 of
+    a rounding, and 7e-11 beside heyoka in extended precision.
+    """
     arcs, kinds, refused = 0, set(), 0
-    for seed in range(12):
+    for seed in seeds:
         rng = np.random.default_rng([seed, 2])
         values, start = mild(kind, rng)
         drive = kind(**values | random_law(rng))
@@ -107,25 +112,49 @@ def test_motions_obey_newtons_laws(kind):
             if duration > 1e-9:
                 check_arc(laws, model.modes(automaton.codes[mode]).name, first, last, duration, size, automaton, mode)
                 arcs += 1
-    assert arcs > 20
+    assert arcs > 4 * len(seeds)
     assert len(kinds) >= 4
-    assert refused <= 5
+    assert refused <= 0.4 * len(seeds)
 
 
 def check_arc(laws, name, first, last, duration, size, automaton, mode):
     direction = 0 if name.startswith("REST") else 1 if "FORWARD" in name else -1
     sign = 1 if "POSITIVE" in name else -1
-    found = solve_ivp(
-        lambda _, x: laws.rate(x, direction, sign)[0], (0, duration), first + laws.steady,
-        method="DOP853", rtol=1e-12, atol=1e-13 * size, t_eval=[duration / 2, duration],
-    ).y - laws.steady[:, None]  # fmt: skip
-    assert (np.abs(found[:, 1] - last) <= 1e-9 * size).all()
-    _, normal = laws.rate(found[:, 0] + laws.steady, direction, sign)
+    half, end = integrated(laws, first + laws.steady, duration, direction, sign, size)
+    assert (np.abs(end - laws.steady - last) <= 2e-10 * size).all()
+    _, normal = laws.rate(half, direction, sign)
     if direction:
         assert normal * sign > 0
     if not math.isnan(normal):
-        observed = automaton.observe("normal_force", found[:, :1].T, np.array([mode]))
+        observed = automaton.observe("normal_force", (half - laws.steady)[None], np.array([mode]))
         np.testing.assert_allclose(observed, normal, rtol=1e-9)
+
+
+def integrated(laws, start, duration, direction, sign, size):
+    """Return the states at half the duration and at its end; an integration ends where the law comes to zero."""
+
+    def kink(_, x):
+        return unbounded(laws.d, laws.sliding_speed(x, direction)) if direction else 1.0
+
+    def run(stop, **events):
+        return solve_ivp(
+            lambda _, x: laws.rate(x, direction, sign)[0], (time, stop), state,
+            method="DOP853", rtol=3e-14, atol=1e-16 * size, **events,
+        )  # fmt: skip
+
+    kink.terminal = True
+    time, state, reached = 0.0, start, []
+    for stop in (duration / 2, duration):
+        while time < stop:
+            found = run(stop, events=kink)
+            if found.status == 1:  # between steps it is less exact: once more, and over the kink by next to nothing
+                found = run(found.t[-1])
+                step = min(1e-12 * duration, stop - found.t[-1])
+                time, state = found.t[-1] + step, found.y[:, -1] + step * laws.rate(found.y[:, -1], direction, sign)[0]
+            else:
+                time, state = stop, found.y[:, -1]
+        reached.append(state)
+    return reached
 
 
 @pytest.mark.parametrize(("kind", "name"), [(SupportDrive, "slide_friction"), (NutDrive, "bearing_friction")])

@@ -9,11 +9,15 @@ import math
 import numpy as np
 
 
+def unbounded(drive, speed):
+    """Return the sum of the law at a sliding speed [m/s], which may be negative."""
+    fade = (speed / drive.stribeck_speed) ** drive.stribeck_exponent if drive.stribeck_rise else 0.0
+    return drive.friction_coefficient + drive.stribeck_rise * math.exp(-fade) + drive.friction_slope * speed
+
+
 def coefficient(drive, speed):
     """Return μ of the law at a sliding speed [m/s]."""
-    fade = (speed / drive.stribeck_speed) ** drive.stribeck_exponent if drive.stribeck_rise else 0.0
-    sliding = drive.friction_coefficient + drive.stribeck_rise * math.exp(-fade) + drive.friction_slope * speed
-    return max(sliding, 0.0)
+    return max(unbounded(drive, speed), 0.0)
 
 
 class Laws:
@@ -36,6 +40,14 @@ class Laws:
     def levers(self, law, mu):
         """Return what N gives along the axis, and about it on the screw."""
         return self.cos + law * mu * self.sin, self.r * (law * mu * self.cos - self.sin)
+
+    def sliding_speed(self, x, direction):
+        """Return the sliding speed in the direction of slip [m/s]."""
+        return self.r * direction * self.slip(x) / self.cos
+
+    def slip(self, x):
+        """Return the speed of the screw in the nut [rad/s]."""
+        return x[1]
 
     def friction(self, speed, law):
         """Return the levers at a speed of the threads in the direction of slip [rad/s]."""
@@ -84,6 +96,9 @@ class SupportLaws(Laws):
 class NutLaws(Laws):
     """Rotating nut: the second body is the nut, θ_2, θ_2′."""
 
+    def slip(self, x):
+        return x[1] - x[3]
+
     def second(self, about):
         return about * self.normal / self.d.nut_stiffness, 0.0
 
@@ -94,7 +109,7 @@ class NutLaws(Laws):
         if not direction:
             common = (torque + spring) / (d.screw_inertia + d.nut_inertia)
             return np.array([turn - d.input_speed, common, spin, common]), math.nan
-        slip = turn - spin
+        slip = self.slip(x)
         along, about = self.friction(direction * slip, direction * force_sign)
         lever = d.mass * self.reach
         matrix = [[d.screw_inertia, 0, about], [0, d.nut_inertia, -about], [lever, -lever, along]]
