@@ -39,7 +39,7 @@ class StateMapper(Mapper):
                 if found.orbit is not None and found.orbit.time.size and not known:
                     self.attractors.append(found)
         # Cycles that are not known are looked for after 1024 events: their map costs more than these.
-        self._known = KnownCycles.of(self.attractors, len(self.automaton.states), 1024)
+        self._known = KnownCycles.of(self.attractors, self.automaton, 1024)
 
     def check(self, grid: Grid) -> None:
         """Raise ``InputError`` unless the grid has what a start needs, and nothing that the state has not."""

@@ -145,15 +145,20 @@ class Course(NamedTuple):
 
 
 class KnownCycles(NamedTuple):
-    """Cycles that a motion may be found to join, before others are looked for: after ``patience`` events."""
+    """Cycles that a motion may be found to join, before others are looked for: after ``patience`` events.
+
+    ``facts`` are what the rule needs to know of the automaton.
+    """
 
     cycles: Sequence[SteadyState]
     table: rule.Known
+    facts: rule.Facts
     patience: int = 0
 
     @classmethod
-    def of(cls, cycles: Sequence[SteadyState], states: int, patience: int) -> "KnownCycles":
-        """Return the table of cycles with so many states; neutral families and cycles without events do not count."""
+    def of(cls, cycles: Sequence[SteadyState], automaton: Automaton, patience: int) -> "KnownCycles":
+        """Return the table of cycles of an automaton; neutral families and cycles without events do not count."""
+        states = len(automaton.states)
         own = [one for one in cycles if one.orbit is not None and one.orbit.time.size]
         orbits = [one.orbit for one in own if one.orbit is not None]
         kind, mode = (np.array([getattr(o, name)[-1] for o in orbits], dtype=np.int64) for name in ("kind", "mode"))
@@ -162,7 +167,8 @@ class KnownCycles(NamedTuple):
         for k, orbit in enumerate(orbits):
             point[k], size[k] = orbit.after[-1], np.maximum(np.abs(orbit.after).max(axis=0), np.finfo(float).tiny)
         events = np.array([o.time.size for o in orbits], dtype=np.int64)
-        return cls(own, rule.Known(kind, mode, np.array(visits, dtype=np.int64), events, point, size), patience)
+        table = rule.Known(kind, mode, np.array(visits, dtype=np.int64), events, point, size)
+        return cls(own, table, facts_of(automaton), patience)
 
 
 def steady_state(
@@ -196,11 +202,11 @@ def end_of_motion(
         return SteadyState(Attractor.STEADY_SLIDING, np.zeros_like(here)), Course(math.nan, 0, -1)
     if mode is None:
         mode, here = enter(automaton, here)
-    known = known or KnownCycles.of((), here.size, 0)
+    known = known or KnownCycles.of((), automaton, 0)
     found = new_found(here.size, max_events)
     engine = automaton.engines.pop() if automaton.engines else engine_for(automaton.tables)
     outcome = rule.end_of(
-        engine, automaton.tables, facts_of(automaton), known.table, mode, here, known.patience, *rooms(here.size), found
+        engine, automaton.tables, known.facts, known.table, mode, here, known.patience, *rooms(here.size), found
     )
     automaton.engines.append(engine)
     notes = found.notes[0]
@@ -261,7 +267,7 @@ def _meant(automaton: Automaton, outcome: int, found: rule.Found, known: KnownCy
     try:
         if outcome == Outcome.OSCILLATES:
             return _oscillation(automaton, mode, state, float(found.notes[0]["frequency"]))
-        return _cycle(automaton, found)
+        return _cycle(automaton, found, known)
     except EngineError as error:
         return SteadyState.unresolved(state, error)
 
@@ -294,9 +300,9 @@ def _oscillation(automaton: Automaton, mode: int, state: np.ndarray, frequency: 
     return SteadyState(Attractor.NEUTRAL_FAMILY, state, orbit, 1, 0.0, 1.0)
 
 
-def _cycle(automaton: Automaton, found: rule.Found) -> SteadyState:
+def _cycle(automaton: Automaton, found: rule.Found, known: KnownCycles) -> SteadyState:
     """Return the cycle through the fixed point that was found."""
-    notes, state, facts = found.notes[0], found.state.copy(), facts_of(automaton)
+    notes, state, facts = found.notes[0], found.state.copy(), known.facts
     d = int(notes["dimension"])
     orbit = follow(automaton, state, math.inf, mode=int(notes["mode"]), max_events=int(notes["events"]))
     label, leading = cycle_label(orbit), largest(found.slopes[:d, :d])

@@ -18,7 +18,6 @@ import numpy as np
 from lsvib.dynamics.attractor import (
     Attractor,
     KnownCycles,
-    facts_of,
     new_found,
     orbit_extremes,
     rooms,
@@ -184,9 +183,10 @@ def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray, work: f
         _slide(group, slides, found)
         return slides, found
     outcomes, numbers = np.full(size, Outcome.OPEN, dtype=np.int8), np.full(size, np.nan, dtype=kernels.NUMBERS)
-    facts = facts_of(automaton)._replace(conserves=False)
+    none = KnownCycles.of((), automaton, 0)
+    known, facts = none.table, none.facts._replace(conserves=False)
     reversal = np.int64(find_model(drives.drive_class.model).events["CONTACT_REVERSAL"])
-    known, force = KnownCycles.of((), 2, 0).table, automaton.observables["normal_force"]
+    force = automaton.observables["normal_force"]
     starts, speed = np.ascontiguousarray(starts, dtype=float), drives.values["input_speed"][group.members]
     many, room = automaton.tables, rooms(2)
     split = ("flow", "surfaces", "guard_parts", "resets", "condition_row", "shortest_stay")

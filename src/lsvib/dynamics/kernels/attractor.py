@@ -146,7 +146,7 @@ def _as_always(flow):
 
 @kernel
 def _soon(flow):
-    return 8
+    return 2
 
 
 first_look = by_kind(_as_always, _as_always, _soon)  # events looked at first where a cycle is known; 0: as otherwise
@@ -435,7 +435,7 @@ def end_of(engine, tables, facts, known, mode, state, patience, events, one, oth
         if status == _SETTLED:
             return stays(tables, facts, mode, state, found)
         used, last = used + count, count
-        if used < (min(patience, 8 * few) if few > 0 else patience):
+        if used < (min(patience, CHUNK) if few > 0 else patience):
             continue
         outcome = _look(engine, tables, facts, mode, state, events, count, one, other, budget, found)
         if outcome != Outcome.SPENT:
