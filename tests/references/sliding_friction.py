@@ -1,14 +1,19 @@
 """Newton's laws of all four drives with friction that depends on the sliding speed, linearised by differences.
 
 Nothing of the library is used but the values of a drive. The unknowns are the accelerations and the normal force N;
-the friction along the helix is s mu(v) N with the sliding speed v = r |theta' - theta_2'| / cos(lambda).
+the friction along the helix is s mu(v) N with the sliding speed v = r |theta' - theta_2'| / cos(lambda). Numbers are
+flint's balls of 80 digits; of the differences only the middle is kept.
 """
 
 import mpmath
-from mpmath import mp, mpf
+from flint import acb, acb_mat, arb, arb_mat, ctx
 
 DIGITS = 80
-STEP = mpf(10) ** -25  # of a central difference, relative to the rates of the drive
+STEP = arb(10) ** -25  # of a central difference, relative to the rates of the drive
+
+
+def sign(x):
+    return 1 if x > 0 else -1 if x < 0 else 0
 
 
 class SlidingDrive:
@@ -16,21 +21,22 @@ class SlidingDrive:
 
     def __init__(self, model, drive):
         self.model = model
-        self.p = p = {key: mpf(value) for key, value in drive}
-        self.sin, self.cos = mp.sin(p["lead_angle"]), mp.cos(p["lead_angle"])
+        self.p = p = {key: arb(value) for key, value in drive}
+        self.sin, self.cos = p["lead_angle"].sin(), p["lead_angle"].cos()
         self.reach = p["pitch_radius"] * self.sin / self.cos
-        self.sense = mp.sign(p["input_speed"])
+        self.sense = sign(p["input_speed"])
         drag = p["translation_damping"] * self.reach * p["input_speed"] + p.get("slide_friction", 0) * self.sense
         self.axial = p["axial_force"] - drag
-        self.law = int(mp.sign(self.axial) * self.sense)
+        self.law = sign(self.axial) * self.sense
 
     def friction(self, speed):
         """The coefficient at a speed of the threads [rad/s]."""
         p, v = self.p, self.p["pitch_radius"] * abs(speed) / self.cos
         value = p["friction_coefficient"] + p.get("friction_slope", 0) * v
         if p.get("stribeck_rise"):
-            value += p["stribeck_rise"] * mp.exp(-((v / p["stribeck_speed"]) ** int(p.get("stribeck_exponent", 1))))
-        return max(value, mpf(0))
+            power = 2 if p.get("stribeck_exponent", 1) == 2 else 1
+            value += p["stribeck_rise"] * (-((v / p["stribeck_speed"]) ** power)).exp()
+        return value if value > 0 else arb(0)
 
     def steady(self):
         """The state (z, theta', second place, its rate) of steady sliding, by the balance of forces."""
@@ -41,16 +47,16 @@ class SlidingDrive:
         load = torque + p["support_damping"] * omega + p.get("bearing_friction", 0) * self.sense
         place = {
             "rigid": lambda: [],
-            "threads": lambda: [normal / (self.cos * p["contact_stiffness"]), mpf(0)],
-            "support": lambda: [self.axial / p["support_stiffness"], mpf(0)],
-            "nut": lambda: [torque / p["nut_stiffness"], mpf(0)],
+            "threads": lambda: [normal / (self.cos * p["contact_stiffness"]), arb(0)],
+            "support": lambda: [self.axial / p["support_stiffness"], arb(0)],
+            "nut": lambda: [torque / p["nut_stiffness"], arb(0)],
         }[self.model]()
         return [-load / p["coupling_stiffness"], omega, *place]
 
     def rates(self, state):
         """The rates of a state."""
         p, radius, reach = self.p, self.p["pitch_radius"], self.reach
-        z, turn, place, rate = [*state, mpf(0), mpf(0)][:4]
+        z, turn, place, rate = [*state, arb(0), arb(0)][:4]
         slip = turn - rate if self.model == "nut" else turn
         travel = reach * slip + (0 if self.model == "nut" else rate)
         rub = self.law * self.friction(slip)
@@ -70,45 +76,46 @@ class SlidingDrive:
             nut[1] *= -reach
             other = [0, p["nut_inertia"], -arm]
             side = -p["nut_stiffness"] * place - p["nut_damping"] * rate
-        found = mpmath.lu_solve(mpmath.matrix([screw, other, nut]), mpmath.matrix([torque, side, force]))
-        return [turn - p["input_speed"], found[0], rate, found[1]][: len(state)]
+        found = arb_mat([screw, other, nut]).solve(arb_mat(3, 1, [torque, side, force]))
+        return [turn - p["input_speed"], found[0, 0], rate, found[1, 0]][: len(state)]
 
     def eigenvalues(self):
         """Eigenvalues [1/s] of steady sliding, in ascending real part; it must be a state of rest of the laws."""
         state = self.steady()
         size = len(state)
         still = self.rates(state)
-        scale = [mpf(1), abs(self.p["input_speed"])] * (size // 2)
+        scale = [arb(1), abs(self.p["input_speed"])] * (size // 2)
         assert all(
-            abs(x) < mpf(10) ** (30 - DIGITS) * self.fastest() ** 2 * s for x, s in zip(still, scale, strict=True)
+            abs(x) < arb(10) ** (30 - DIGITS) * self.fastest() ** 2 * s for x, s in zip(still, scale, strict=True)
         )
-        jacobian = mpmath.matrix(size, size)
+        jacobian = acb_mat(size, size)
         for j in range(size):
-            step = STEP * (self.p["input_speed"] if j % 2 else mpf(1))
+            step = STEP * (self.p["input_speed"] if j % 2 else arb(1))
             ends = []
             for way in (1, -1):
                 moved = list(state)
                 moved[j] += way * step
                 ends.append(self.rates(moved))
             for i in range(size):
-                jacobian[i, j] = (ends[0][i] - ends[1][i]) / (2 * step)
-        found = mpmath.eig(jacobian, left=False, right=False)
-        return sorted(found, key=lambda x: (float(mp.re(x)), float(mp.im(x))))
+                jacobian[i, j] = acb(((ends[0][i] - ends[1][i]) / (2 * step)).mid())
+        return sorted(jacobian.eig(nonstop=True), key=lambda x: (float(x.real), float(x.imag)))
 
     def fastest(self):
         """A rate [1/s] of the size of the fastest, or more."""
         p = self.p
-        sizes = [p["coupling_stiffness"] / p["screw_inertia"], mpf(1)]
+        sizes = [p["coupling_stiffness"] / p["screw_inertia"], arb(1)]
         sizes += [
             p[a] / p[b] for a, b in (("support_stiffness", "screw_mass"), ("nut_stiffness", "nut_inertia")) if a in p
         ]
         sizes += (
             [p["contact_stiffness"] / p["mass"], p["contact_damping"] / p["mass"]] if self.model == "threads" else []
         )
-        return sum(mp.sqrt(x) + x for x in sizes)
+        return sum((x.sqrt() + x for x in sizes), arb(0))
 
 
 def eigenvalues(model, drive):
     """Eigenvalues [1/s] of the steady sliding of a drive, as mpmath's complex numbers."""
-    with mp.workdps(DIGITS):
-        return SlidingDrive(model, drive).eigenvalues()
+    with ctx.workdps(DIGITS):
+        found = SlidingDrive(model, drive).eigenvalues()
+    with mpmath.workdps(DIGITS):
+        return [mpmath.mpc(*(part.str(DIGITS, radius=False) for part in (x.real, x.imag))) for x in found]
