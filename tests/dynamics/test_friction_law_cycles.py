@@ -117,6 +117,6 @@ def test_cycles_of_random_drives():
 
 @pytest.mark.slow
 def test_cycles_of_many_random_drives():
-    compared, moving = agreeing(range(10, 150))
-    assert compared >= 40
-    assert moving >= 12
+    compared, moving = agreeing(range(10, 60))
+    assert compared >= 14
+    assert moving >= 4

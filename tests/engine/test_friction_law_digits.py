@@ -98,6 +98,6 @@ def test_random_motions():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("block", range(5))
+@pytest.mark.parametrize("block", range(3))
 def test_many_random_motions(block):
     assert compare_random(range(14 + 40 * block, 54 + 40 * block))["events"] > 20

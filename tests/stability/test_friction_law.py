@@ -5,6 +5,7 @@ import math
 import mpmath
 import numpy as np
 import pytest
+from flint import arb, ctx
 from references import sliding_friction
 
 from lsvib import NutDrive, RigidDrive, SupportDrive, ThreadsDrive
@@ -272,21 +273,15 @@ def test_curves_of_a_law():
                 assert sides == {True, False} or kind is ChartBoundary.KINEMATIC_CONSTRAINT, (mass, force)
     forces = {round(force, 3) for line in found[ChartBoundary.ONSET] for mass, force in line if mass < 8}
     assert forces == {64.305, -59.155}
-    rough = boundary_curves(
-        RigidDrive(translation_damping=1000, static_friction_coefficient=0.3),
-        ("mass", (1.0, 9.0)),
-        ("axial_force", (5, 60)),
-    )
-    assert set(rough) == {ChartBoundary.ONSET, ChartBoundary.STICK}
 
 
 def test_contact_forces_at_the_speed_of_a_state():
     drive = RigidDrive(**SEAT, mass=12, input_speed=10)
     u, w = np.array([0.01, -0.05]), np.array([-3.0, 4.0])
     for k in range(2):
-        with mpmath.workdps(40):
+        with ctx.workdps(40):
             laws = sliding_friction.SlidingDrive("rigid", drive)
-            turn = mpmath.mpf(10 + w[k])
+            turn = arb(10 + w[k])
             p, z = laws.p, laws.steady()[0] + u[k]
             torque = -p["coupling_stiffness"] * z - p["support_damping"] * turn
             for law, force in zip((1, -1), contact_forces(drive, u, w), strict=True):
@@ -295,7 +290,7 @@ def test_contact_forces_at_the_speed_of_a_state():
                 theirs = (p["axial_force"] / p["mass"] - laws.reach * torque / p["screw_inertia"]) / (
                     push / p["mass"] - laws.reach * arm / p["screw_inertia"]
                 )
-                assert math.isclose(force[k], theirs, rel_tol=1e-12)
+                assert math.isclose(force[k], float(theirs), rel_tol=1e-12)
 
 
 def test_impacts_of_another_friction_are_refused():
