@@ -17,7 +17,7 @@ import pytest
 from lsvib.dynamics.attractor import Attractor, KnownCycles, end_of_motion, steady_state
 from lsvib.engine.automaton import Branch, Guard, Mode, Surface, Transition, assemble
 from lsvib.engine.exact.taylor_form import TaylorMode, still_mode, taylor_flow
-from lsvib.engine.kernels.layout import CUBIC, EXPONENT, FADE, FIRST_MODEL_KIND, PIECE, RISE, TO
+from lsvib.engine.kernels.layout import CONSTANT, EXPONENT, FADE, FIRST_MODEL_KIND, PIECE, RISE, TO
 from lsvib.engine.kernels.layout import Test as Is
 from lsvib.models.sliding import divided
 
@@ -34,7 +34,7 @@ def friction(speed):
 def oscillator(belt):
     """The automaton of the states x − μ(V) and x′; slip below the belt's speed is divided at x′ = 0."""
     law = np.zeros(PIECE)
-    law[CUBIC], law[RISE], law[FADE] = DYNAMIC, (STATIC_RATIO - 1) * DYNAMIC, 1 / FADING_SPEED
+    law[CONSTANT], law[RISE], law[FADE] = DYNAMIC, (STATIC_RATIO - 1) * DYNAMIC, 1 / FADING_SPEED
     law[EXPONENT], law[TO] = 1, math.inf
     steady, hold = friction(belt), STATIC_RATIO * DYNAMIC
     field = np.array([[0.0, 1.0, 0.0], [-1.0, -2 * DAMPING, -steady]])

@@ -16,7 +16,7 @@ import numpy as np
 from lsvib.engine.automaton import Branch, Guard, Mode, Surface, Transition, scaled
 from lsvib.engine.exact.arithmetic import double, many_digits, sign
 from lsvib.engine.exact.taylor_form import settled_region
-from lsvib.engine.kernels.layout import CUBIC, EXPONENT, FADE, PIECE, RISE, TO, Test
+from lsvib.engine.kernels.layout import CONSTANT, EXPONENT, FADE, LINEAR, PIECE, RISE, TO, Test
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
 from lsvib.models.friction import unbounded_coefficient
@@ -28,7 +28,7 @@ FAR = 10  # times the speed of steady sliding, which most motions stay below; a 
 def pieces_of(drive: Drive) -> np.ndarray:
     """Return the pieces of the friction law of a drive (p, columns as of ``TaylorFlow``)."""
     piece = np.zeros(PIECE)
-    piece[CUBIC], piece[CUBIC + 1] = drive.friction_coefficient, drive.friction_slope
+    piece[CONSTANT], piece[LINEAR] = drive.friction_coefficient, drive.friction_slope
     piece[EXPONENT], piece[TO] = drive.stribeck_exponent, math.inf
     if drive.stribeck_rise:
         piece[RISE], piece[FADE] = drive.stribeck_rise, 1 / drive.stribeck_speed

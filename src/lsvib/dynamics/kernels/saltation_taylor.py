@@ -15,7 +15,6 @@ from lsvib.engine.kernels.flow_taylor import (
     MU,
     POWER,
     REST,
-    RIDE,
     SIGMA,
     SLOPE,
     STEEP,
@@ -32,7 +31,7 @@ from lsvib.engine.kernels.flow_taylor import (
     value_at,
 )
 from lsvib.engine.kernels.jit import allocating_kernel, inlined_kernel, kernel
-from lsvib.engine.kernels.layout import CUBIC, EXPONENT, FADE, FROM, ORDER, RISE
+from lsvib.engine.kernels.layout import CONSTANT, EXPONENT, FADE, LINEAR, ORDER, RISE
 
 
 @inlined_kernel
@@ -42,9 +41,7 @@ def law_at(flow, mode, piece, state):
     sigma = row[n]
     for i in range(n):
         sigma += row[i] * state[i]
-    ride = sigma - law[FROM]
-    value = law[CUBIC] + ride * (law[CUBIC + 1] + ride * (law[CUBIC + 2] + ride * law[CUBIC + 3]))
-    slope = law[CUBIC + 1] + ride * (2.0 * law[CUBIC + 2] + 3.0 * ride * law[CUBIC + 3])
+    value, slope = law[CONSTANT] + law[LINEAR] * sigma, law[LINEAR]
     if law[RISE] != 0.0:
         ratio = law[FADE] * sigma
         linear = law[EXPONENT] == 1.0
@@ -78,14 +75,11 @@ def field(flow, mode, state, rate, size):
 @inlined_kernel
 def _steepness(flow, mode, piece, parts):
     """Write the series of q dη/dσ = q μ′ (1 − B η)² from those of the step."""
-    law, feedback, ride, decay = flow.pieces[piece], flow.feedback[mode], parts[RIDE], parts[DECAY]
+    law, feedback, decay = flow.pieces[piece], flow.feedback[mode], parts[DECAY]
     slope, rest = parts[SLOPE], parts[REST]
     find_share(flow, mode, parts)
     for k in range(ORDER):
-        slope[k] = law[CUBIC + 1] if k == 0 else 0.0
-        slope[k] += 2.0 * law[CUBIC + 2] * ride[k]
-        if law[CUBIC + 3] != 0.0:
-            slope[k] += 3.0 * law[CUBIC + 3] * product(ride, ride, 0, k)
+        slope[k] = law[LINEAR] if k == 0 else 0.0
         if law[RISE] != 0.0:
             steep = decay[k]
             if law[EXPONENT] != 1.0:

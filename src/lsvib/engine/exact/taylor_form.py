@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from lsvib.engine.exact.arithmetic import ball, doubles
-from lsvib.engine.kernels.layout import CUBIC, EXPONENT, FADE, FROM, PIECE, RISE, TO, TaylorFlow
+from lsvib.engine.kernels.layout import CONSTANT, EXPONENT, FADE, FROM, LINEAR, PIECE, RISE, TO, TaylorFlow
 
 Row = Sequence[Any]
 
@@ -167,10 +167,7 @@ def eta(flow: TaylorFlow, states: np.ndarray, modes: np.ndarray) -> np.ndarray:
 
 def _law(piece: np.ndarray, sigma: float) -> tuple[float, float, float]:
     """Return μ of a piece of a law and its first two derivatives at a sliding speed [m/s]."""
-    ride, powers = sigma - piece[FROM], piece[CUBIC : CUBIC + 4]
-    value = sum(c * ride**k for k, c in enumerate(powers))
-    first = sum(k * c * ride ** (k - 1) for k, c in enumerate(powers) if k)
-    second = 2 * powers[2] + 6 * powers[3] * ride
+    value, first, second = piece[CONSTANT] + piece[LINEAR] * sigma, piece[LINEAR], 0.0
     if piece[RISE]:
         fade, ratio = piece[FADE], piece[FADE] * sigma
         squared = piece[EXPONENT] == 2
@@ -183,7 +180,5 @@ def _law(piece: np.ndarray, sigma: float) -> tuple[float, float, float]:
 
 def _bounds(piece: np.ndarray) -> tuple[float, float]:
     """Return bounds of the first two derivatives of μ on a piece of a law."""
-    width = piece[TO] - piece[FROM] if math.isfinite(piece[TO]) else 0.0  # a piece without an end is no cubic
-    c, fade = np.abs(piece[CUBIC : CUBIC + 4]), piece[FADE]
-    first = c[1] + 2 * c[2] * width + 3 * c[3] * width**2 + piece[RISE] * fade
-    return float(first), float(2 * c[2] + 6 * c[3] * width + 2 * piece[RISE] * fade**2)
+    fade = piece[FADE]
+    return float(abs(piece[LINEAR]) + piece[RISE] * fade), float(2 * piece[RISE] * fade**2)

@@ -16,12 +16,12 @@ import numpy as np
 
 from lsvib.engine.kernels.flow_planar import EPS, ROUNDING
 from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, inlined_kernel, kernel
-from lsvib.engine.kernels.layout import CUBIC, EXPONENT, FADE, FROM, ORDER, RISE, TO
+from lsvib.engine.kernels.layout import CONSTANT, EXPONENT, FADE, FROM, LINEAR, ORDER, RISE, TO
 
 TAIL = 0.5 * EPS  # size of the last terms of a series over that of a coordinate
 NOTHING = 45.0  # (fade σ)^exponent of a decay that is below the rounding of a coefficient of friction
 # Rows of series beside those of the state.
-SIGMA, POWER, DECAY, MU, ETA, CONTACT, RIDE, STEEP, SLOPE, REST, RATE = range(11)
+SIGMA, POWER, DECAY, MU, ETA, CONTACT, STEEP, SLOPE, REST, RATE = range(10)
 
 
 class Series(NamedTuple):
@@ -31,7 +31,7 @@ class Series(NamedTuple):
     """
 
     state: np.ndarray  # (n, ORDER + 1)
-    parts: np.ndarray  # (11, ORDER + 1) σ, exponent, exponential, μ, η, q, σ − from, q dη/dσ, and room for these
+    parts: np.ndarray  # (10, ORDER + 1) σ, exponent, exponential, μ, η, q, q dη/dσ, and room for these
     here: np.ndarray  # (n,) the state at the start of the step
     sizes: np.ndarray  # (n,) sizes of the terms that the state was summed from, the largest of all steps so far
     spans: np.ndarray  # (n, 2) least and largest changes of the state on the step
@@ -48,7 +48,7 @@ def series_for(n):
     """Return uninitialised ``Series`` of n states, with steps without end."""
     return Series(
         np.empty((n, ORDER + 1)),
-        np.empty((11, ORDER + 1)),
+        np.empty((10, ORDER + 1)),
         np.empty(n),
         np.empty(n),
         np.empty((n, 2)),
@@ -88,12 +88,8 @@ def _affine(row, state, k):
 @inlined_kernel
 def _law(law, parts, k):
     """Write the k-th coefficient of μ from those of σ so far."""
-    sigma, power, decay, ride = parts[SIGMA], parts[POWER], parts[DECAY], parts[RIDE]
-    ride[k] = sigma[k] - (law[FROM] if k == 0 else 0.0)
-    value = law[CUBIC + 1] * ride[k] + (law[CUBIC] if k == 0 else 0.0)
-    if law[CUBIC + 2] != 0.0 or law[CUBIC + 3] != 0.0:
-        for i in range(k + 1):
-            value += (law[CUBIC + 2] * ride[i] + law[CUBIC + 3] * product(ride, ride, 0, i)) * ride[k - i]
+    sigma, power, decay = parts[SIGMA], parts[POWER], parts[DECAY]
+    value = law[LINEAR] * sigma[k] + (law[CONSTANT] if k == 0 else 0.0)
     if law[RISE] != 0.0:
         fade = law[FADE]
         power[k] = -fade * (sigma[k] if law[EXPONENT] == 1.0 else fade * product(sigma, sigma, 0, k))

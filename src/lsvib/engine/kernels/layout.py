@@ -112,8 +112,8 @@ class ModalFlow(NamedTuple):
 
 
 ORDER = 20  # of the power series of a step, which an error of a rounding asks for (Jorba and Zou 2005)
-FROM, TO, CUBIC, RISE, FADE, EXPONENT = 0, 1, 2, 6, 7, 8  # columns of a piece of a friction law
-PIECE = 9  # of all columns
+FROM, TO, CONSTANT, LINEAR, RISE, FADE, EXPONENT = range(7)  # columns of a piece of a friction law
+PIECE = 7  # of all columns
 
 
 class TaylorFlow(NamedTuple):
@@ -123,7 +123,7 @@ class TaylorFlow(NamedTuple):
 
     where P is the motion without friction, and q and σ are affine functions of the state. The law μ has pieces,
 
-        μ(σ) = Σ c_i (σ − from)^i + rise exp(−(fade σ)^exponent)      from ≤ σ ≤ to,
+        μ(σ) = constant + linear σ + rise exp(−(fade σ)^exponent)      from ≤ σ ≤ to,
 
     of which a mode without friction has none. A motion with yᵀ S y ≤ L in a mode, y = x − x₀, stays there for ever.
     """
@@ -134,7 +134,7 @@ class TaylorFlow(NamedTuple):
     speed: np.ndarray  # (m, n + 1) σ, positive in the mode
     feedback: np.ndarray  # (m,) B
     piece_start: np.ndarray  # (m + 1,)
-    pieces: np.ndarray  # (p, PIECE) from, to, c_0 … c_3, rise, fade, exponent
+    pieces: np.ndarray  # (p, PIECE)
     settled_place: np.ndarray  # (m, n) x₀
     settled_form: np.ndarray  # (m, n, n) S
     settled_level: np.ndarray  # (m,) L, negative where no motion stays
