@@ -172,6 +172,15 @@ def test_the_window_counts_with_its_ends():
     assert "lowering_torque" not in statics(given.model_copy(update={"operation": out(given)})).rows
 
 
+def test_an_end_at_which_the_threads_jam_is_the_worst_one():
+    """μ = 1.3 is above cot 40°: no torque lifts, though one does at the middle values and for the samples."""
+    steep = {"lead_angle": "40 deg", "pitch_diameter": "9 mm"}
+    friction = {"coefficient": {"low": 0.1, "mode": 0.2, "high": 1.3}}
+    found = statics(sheet(thread=steep, screw={"length": "1 m"}, friction=friction)).rows
+    assert (found["lifting_torque"].worst, found["lifting_efficiency"].worst) == (math.inf, 0)
+    assert 0 < found["lifting_torque"].middle < 1
+
+
 def out(given: Sheet):
     """Its operation, outward alone."""
     return given.operation.model_copy(update={"direction": "out"})

@@ -1,6 +1,7 @@
 """Assess one data sheet and write the report, the dataset and the JSON file: all of them or none."""
 
 import json
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -96,10 +97,10 @@ def as_json(assessment: Assessment) -> dict[str, Any]:
 
 
 def _statics_json(found: Statics) -> dict[str, Any]:
-    rows = {
-        key: {"middle": row.middle, "worst": row.worst, "limit": row.limit, "passed": row.passed, "unit": ABOUT[key][1]}
-        for key, row in found.rows.items()
-    }
+    rows: dict[str, Any] = {}
+    for key, row in found.rows.items():
+        worst = row.worst if np.isfinite(row.worst) else None  # a torque, where the threads jam
+        rows[key] = {**asdict(row), "worst": worst, "unit": ABOUT[key][1]}
     return {"back_drives": found.back_drives, **rows}
 
 

@@ -20,7 +20,7 @@ from lsvib.assess.sheet import Sheet
 from lsvib.assess.uncertainty import draw_of, ends
 from lsvib.models.mechanics import friction_factor
 
-SAFE = 0.8  # share of a critical load or speed that is used, as Thomson, Nook and others recommend
+SAFE = 0.8  # share of a critical load or speed that may be used, as Thomson recommends
 ENDS = {  # of the shaft: end factor K of the column, and β of its first bending mode (Euler, Bernoulli)
     "fixed-free": (0.25, 1.8751),
     "supported-supported": (1.0, math.pi),
@@ -148,7 +148,7 @@ def statics(sheet: Sheet) -> Statics:
     worst = _judged(sheet, draw, values, speed, load)
     rows = {key: _row(key, worst[key], middle.get(key)) for key in ABOUT if key in worst}
     holding = rows["holding_friction"]
-    if not _pushed(sheet, values):
+    if not _pushed(values):
         return Statics({**rows, holding.key: replace(holding, passed=False)}, None)
     if not holding.passed:
         return Statics(rows, False)
@@ -156,7 +156,7 @@ def statics(sheet: Sheet) -> Statics:
     return Statics(rows, "at the middle values" if surely else "within the uncertainties")
 
 
-def _pushed(sheet: Sheet, values: Mapping[str, Any]) -> bool:
+def _pushed(values: Mapping[str, Any]) -> bool:
     """Whether anything pushes the load at rest."""
     return any(np.any(values[f"force_{end}"] + _weight(values) != 0) for end in ("low", "high"))
 
@@ -195,18 +195,23 @@ def _middle(speed: Floats, load: Floats) -> tuple[Floats, Floats]:
 def _judged(
     sheet: Sheet, draw: Mapping[str, Any], values: Mapping[str, Any], speed: Floats, load: Floats
 ) -> dict[str, Judged]:
-    """All quantities with their limits, for speeds and loads (k, n); NaN where a load is not lifted or lowered."""
+    """All quantities with their limits, for speeds and loads (k, n).
+
+    NaN where a load is not lifted or not lowered. Where the threads jam, μ ≥ cot λ, the torque to lift is infinite.
+    """
     p, _ = sheets.point(sheet, values, 1, speed, 0.0)
     threads = p["pitch_radius"], p["lead_angle"], p["friction_coefficient"]
     found: dict[str, Judged] = {}
+    _, angle, coefficient = threads
+    turns = coefficient * np.tan(angle) < 1
     lifted = (load > 0) | (not load.any())
     for name, acting in (("lifting", lifted), ("lowering", load < 0)):
         if acting.any():
-            turning = torque(np.abs(load), *threads, name == "lifting") + values["rotational_damping"] * speed
+            needed = torque(np.abs(load), *threads, name == "lifting") + values["rotational_damping"] * speed
+            turning = np.where(turns, needed, np.inf) if name == "lifting" else needed
             found[f"{name}_torque"] = np.where(acting, turning, np.nan), None
             found[f"{name}_power"] = np.where(acting, turning * speed, np.nan), None
-    _, angle, coefficient = threads
-    found["lifting_efficiency"] = lifting_efficiency(coefficient, angle), None
+    found["lifting_efficiency"] = np.where(turns, lifting_efficiency(coefficient, angle), 0.0), None
     found["lowering_efficiency"] = lowering_efficiency(coefficient, angle), None
     found["holding_friction"] = _at_rest(sheet, values), flank_coefficient(np.tan(angle), angle, values["half_angle"])
     sliding = sliding_speed(speed, *threads[:2])

@@ -1,5 +1,6 @@
 """The short answer: what statics and margins say of a drive, in a few sentences and one table."""
 
+import math
 from typing import Any
 
 from markupsafe import Markup
@@ -52,8 +53,8 @@ def effort(assessment: Assessment) -> str:
         if f"{name}_torque" in rows:
             pair = [(rows[f"{name}_torque"], "N m"), (rows[f"{name}_power"], "W")]
             middle = " and ".join(shown(row.middle, unit) for row, unit in pair)
-            worst = " and ".join(shown(row.worst, unit) for row, unit in pair)
-            verb = "lift" if name == "lifting" else "lower"
+            worst = " and ".join(_size(row.worst, unit) for row, unit in pair)
+            verb = "lift" if name == "lifting" else "lower, below zero by braking" if "−" in worst else "lower"
             end = f"({worst} at worst) " if worst != middle else ""
             found.append(f"{middle} {end}to {verb}")
     row = rows["lifting_efficiency"]
@@ -95,20 +96,25 @@ def _changes(assessment: Assessment) -> str:
 
 def rows(assessment: Assessment) -> list[tuple[Any, ...]]:
     """Return the rows of the table: name, middle, worst, limit, formula with source; vibration first."""
-    share, bad = assessment.uncertainty.any.value, assessment.verdict in ("vibrates", "may vibrate")
-    occurs, often = "occurs" if assessment.verdict == "vibrates" else "none", f"in {percent(share)} of all drives"
-    found: list[tuple[Any, ...]] = [("Vibration", occurs, _marked(often, bad), "none", "the conditions below")]
+    often, bad = f"in {percent(assessment.uncertainty.any.value)} of drives", "vibrate" in assessment.verdict
+    found: list[tuple[Any, ...]] = [
+        ("Vibration", assessment.verdict, _marked(often, bad), "none", ("see below", "what can make it vibrate"))
+    ]
     for row in assessment.statics.rows.values():
         name, unit, formula, source = ABOUT[row.key]
         nut = assessment.sheet.nut
         if nut is not None and row.key in _NUT_LIMITS and row.limit is not None:
             source += f"; limit: {_limit_source(nut, row.key)}"
-        write = percent if row.key.endswith("efficiency") else lambda value, unit=unit: shown(value, unit)
+        write = percent if row.key.endswith("efficiency") else lambda value, unit=unit: _size(value, unit)
         title = tuple(part.strip() for part in name.split(";")) if ";" in name else name
         found.append(
             (title, write(row.middle), _marked(write(row.worst), row.passed), _limit(row, unit), (formula, source))
         )
     return found
+
+
+def _size(value: float | None, unit: str) -> str:
+    return "any (it jams)" if value is not None and math.isinf(value) else shown(value, unit)
 
 
 def _limit_source(nut: Nut, key: str) -> str:
@@ -127,4 +133,4 @@ def _limit(row: Row, unit: str) -> Any:
     share = percent(row.worst / row.limit)
     if row.key == "holding_friction":
         return f"at least {shown(row.limit, unit)}", f"it has {share} of that at worst"
-    return shown(row.limit, unit), f"{share} of it is used at worst"
+    return shown(row.limit, unit), f"{share} of it at worst"
