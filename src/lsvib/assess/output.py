@@ -1,7 +1,6 @@
 """Assess one data sheet and write the report, the dataset and the JSON file: all of them or none."""
 
 import json
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -100,7 +99,13 @@ def _statics_json(found: Statics) -> dict[str, Any]:
     rows: dict[str, Any] = {}
     for key, row in found.rows.items():
         worst = row.worst if np.isfinite(row.worst) else None  # a torque, where the threads jam
-        rows[key] = {**asdict(row), "worst": worst, "unit": ABOUT[key][1]}
+        rows[key] = {
+            "middle": row.middle,
+            "worst": worst,
+            "limit": row.limit,
+            "passed": row.passed,
+            "unit": ABOUT[key][1],
+        }
     return {"back_drives": found.back_drives, **rows}
 
 
