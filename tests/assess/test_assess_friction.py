@@ -20,10 +20,10 @@ from lsvib.assess.drive import (
     point,
     square_coefficient,
 )
-from lsvib.assess.fields import thread_size
 from lsvib.assess.margins import sensitivities
 from lsvib.assess.mechanisms import drive_of, reserves, worst
 from lsvib.assess.report import locking_sentence
+from lsvib.assess.threads import thread_size
 from lsvib.assess.vibration import highest_vibrating_speed, vibration
 from lsvib.errors import InputError
 from lsvib.models import friction

@@ -12,6 +12,7 @@ from lsvib.assess.drive import lifting_efficiency, lowering_efficiency, nominal_
 from lsvib.assess.margins import ANY, Margin, margins, sensitivities
 from lsvib.assess.mechanisms import Worst, corners, worst
 from lsvib.assess.sheet import Sheet
+from lsvib.assess.statics import Statics, statics
 from lsvib.assess.uncertainty import Uncertainty, WorstCase, draw_of, study, worst_cases
 from lsvib.assess.vibration import (
     STRONG,
@@ -80,6 +81,7 @@ class Assessment:
     uncertainty: Uncertainty
     nominal: AssessedMotion
     worst: AssessedMotion
+    statics: Statics
     vibrates_up_to: float | None
 
 
@@ -117,6 +119,7 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
         uncertainty=spread,
         nominal=nominal,
         worst=worst_motion,
+        statics=statics(sheet),
         vibrates_up_to=highest_vibrating_speed(sheet, values, nominal.corner, _part(sheet))
         if sheet.friction.law
         else None,

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.assess.sheet import DENSITIES, Sheet
+from lsvib.assess.materials import SCREW_MATERIALS
+from lsvib.assess.sheet import Sheet
 from lsvib.models import friction, mechanics
 from lsvib.models.mechanics import friction_factor
 
@@ -139,7 +140,7 @@ def _screw(sheet: Sheet, draw: DrawnValues, pitch_diameter: Any) -> tuple[Any, A
     screw = sheet.screw
     if screw.inertia is not None:
         return draw["screw.inertia"], draw.get("screw.mass")
-    density = draw.get("screw.density", DENSITIES[screw.material or "steel"])
+    density = draw.get("screw.density", SCREW_MATERIALS[screw.material or "steel"].density)
     diameter = draw.get("screw.diameter", pitch_diameter)
     mass = density * math.pi / 4 * diameter**2 * draw["screw.length"]
     return mass * diameter**2 / 8, draw.get("screw.mass", mass)

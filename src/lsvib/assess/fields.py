@@ -9,7 +9,6 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
-from fractions import Fraction
 from functools import cache
 from itertools import pairwise
 from typing import Annotated, Any
@@ -28,6 +27,8 @@ _KINDS = {  # of quantities, by the unit in which the package counts them, each 
     "rad": ("an angle", "4 deg"),
     "kg": ("a mass", "20 kg"),
     "kg/m^3": ("a density", "7850 kg/m^3"),
+    "Pa": ("a pressure", "5 MPa"),
+    "Pa m/s": ("a pressure times a speed", "0.15 MPa*m/s"),
     "kg m^2": ("a moment of inertia", "2.3e-6 kg*m^2"),
     "N m/rad": ("a torsional stiffness", "30 N*m/rad"),
     "N m s/rad": ("a rotational damping", "2e-4 N*m*s/rad"),
@@ -227,56 +228,6 @@ def _plain(value: Any) -> str:
     return value.strip() if isinstance(value, str) else shown(value)
 
 
-_TRAPEZOIDAL = {  # nominal diameter: pitches [mm] of ISO 2902, and those of drive screws that printers use
-    8: (1.5, 2), 9: (1.5, 2), 10: (1.5, 2, 3), 11: (2, 3), 12: (2, 3), 14: (2, 3, 4), 16: (2, 3, 4), 18: (2, 4),
-    20: (2, 4), 22: (3, 5, 8), 24: (3, 5, 8), 26: (3, 5, 8), 28: (3, 5, 8), 30: (3, 6, 10), 32: (3, 6, 10),
-    34: (3, 6, 10), 36: (3, 6, 10), 38: (3, 7, 10), 40: (3, 7, 10), 44: (3, 7, 12), 48: (3, 8, 12), 50: (3, 8, 12),
-    52: (3, 8, 12), 55: (3, 9, 14), 60: (3, 9, 14), 65: (4, 10, 16), 70: (4, 10, 16), 80: (4, 10, 16),
-}  # fmt: skip
-_ACME = {  # nominal diameter [inch]: threads per inch
-    "1/4": 16, "5/16": 14, "3/8": 12, "7/16": 12, "1/2": 10, "5/8": 8, "3/4": 6, "7/8": 6, "1": 5, "1-1/8": 5,
-    "1-1/4": 5, "1-3/8": 4, "1-1/2": 4, "1-3/4": 4, "2": 4, "2-1/4": 3, "2-1/2": 3, "2-3/4": 3, "3": 2,
-}  # fmt: skip
-_METRIC = re.compile(r"Tr\s*(\d+)\s*x\s*(\d+(?:\.\d+)?)(?:\s*\(?P(\d+(?:\.\d+)?)\)?)?", re.IGNORECASE)
-_INCHES = re.compile(r"Acme\s*((?:\d+-)?\d+/\d+|\d+)\s*-\s*(\d+)", re.IGNORECASE)
-
-
-@dataclass(frozen=True)
-class ThreadSize:
-    """A thread: ``lead`` and ``pitch_diameter`` [m], ``half_angle`` of a flank in an axial section [rad]."""
-
-    lead: float
-    pitch_diameter: float
-    half_angle: float
-
-
-def thread_size(name: object) -> ThreadSize:
-    """Return the thread of a name such as ``Tr 10x2``, ``Tr 8x8 P2`` (lead, then pitch) or ``Acme 1/2-10``.
-
-    The pitch diameter is the nominal one less half a pitch. Raises ``NotQuantity`` with the end of a sentence.
-    """
-    text = name if isinstance(name, str) else ""
-    if match := _METRIC.fullmatch(text.strip()):
-        diameter, lead = int(match[1]), float(match[2])
-        pitch = float(match[3] or lead)
-        if diameter not in _TRAPEZOIDAL or pitch not in _TRAPEZOIDAL[diameter]:
-            pitches = ", ".join(f"{p:g}" for p in _TRAPEZOIDAL.get(diameter, ()))
-            hint = f"Tr {diameter} has the pitches {pitches} mm" if pitches else "diameters go from Tr 8 to Tr 80"
-            raise NotQuantity(f"= {name!r} is not in the catalogue: {hint}")
-        starts = lead / pitch
-        if starts != round(starts) or not 1 <= starts <= 8:
-            raise NotQuantity(f"= {name!r} has a lead that is not 1 to 8 times its pitch of {pitch:g} mm")
-        return ThreadSize(lead * 1e-3, (diameter - 0.5 * pitch) * 1e-3, math.radians(15))
-    if match := _INCHES.fullmatch(text.strip()):
-        threads = int(match[2])
-        if _ACME.get(match[1]) != threads:
-            raise NotQuantity(f"= {name!r} is not in the catalogue of general-purpose Acme threads")
-        whole, _, rest = match[1].rpartition("-")
-        inches = float(Fraction(rest) + (int(whole) if whole else 0))
-        return ThreadSize(0.0254 / threads, (inches - 0.5 / threads) * 0.0254, math.radians(14.5))
-    raise NotQuantity(f"= {name!r} is not the name of a thread, such as Tr 10x2, Tr 8x8 P2 or Acme 1/2-10")
-
-
 def _within(allowed: Mapping[str, tuple[float, float]], above: bool = False) -> Callable[[float, str], None]:
     """Return a check of figures against the range of their unit; ``above``: its lower end is not part of it."""
 
@@ -315,6 +266,8 @@ LeadAngle = _field("rad", _least("lead_angle"), math.radians(80))
 HalfAngle = _field("rad", 0.0, LARGEST_HALF_ANGLE)
 Mass = _field("kg", _least("mass"), 1e9)
 Density = _positive({"kg/m^3": 3e4})
+Pressure = _positive({"Pa": 1e12})
+PressureSpeed = _positive({"Pa m/s": 1e15})
 Inertia = _field("kg m^2", _least("screw_inertia"), 1e6)
 MoreInertia = _field("kg m^2", 0.0, 1e6)
 Torsion = _field("N m/rad", _least("coupling_stiffness"), 1e12)
@@ -327,7 +280,7 @@ Ratio = _positive({"": 1e4})
 Coefficient = _field("", 0.0, 3.0)
 Efficiency = _field("", 0.001, 0.999)
 Slope = _field("s/m", -1e3, 1e3)
-StribeckSpeed = _positive({"m/s": 1e4})
+SlidingSpeed = _positive({"m/s": 1e4})
 CurveFactor = _positive({"": 10.0})
 
 
@@ -344,7 +297,6 @@ def _tilt(value: Any) -> Spread:
 
 
 Tilt = Annotated[Spread, BeforeValidator(_tilt)]  # of the axis above the horizontal; outward is upward
-Size = Annotated[ThreadSize, BeforeValidator(thread_size)]
 
 
 @dataclass(frozen=True)

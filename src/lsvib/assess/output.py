@@ -13,6 +13,8 @@ from lsvib.assess.drive import UNITS
 from lsvib.assess.margins import KINDS, Chart, Margin, charts
 from lsvib.assess.report import report
 from lsvib.assess.sheet import Sheet
+from lsvib.assess.statics import ABOUT, Statics
+from lsvib.assess.summary import brief
 from lsvib.assess.uncertainty import BINS
 from lsvib.assess.words import VERDICTS
 from lsvib.datasets.attributes import named_flags, named_index, variable
@@ -24,17 +26,19 @@ _OF_MOTIONS = ("model", "attractor", "vibrates", "frequency", "audible", "amplit
                "peak_contact_force", "peak_impulse", "reason", "scene")  # fmt: skip
 
 
-def assess_file(path: Path, out: Path, samples: Any = 4096, seed: Any = 1) -> dict[str, Any]:
+def assess_file(path: Path, out: Path | None, samples: Any = 4096, seed: Any = 1) -> dict[str, Any]:
     """Assess the data sheet in a YAML file; write ``index.html``, ``assessment.nc``, ``assessment.json`` to ``out``.
 
-    ``samples``: a power of two. Returns what ``assessment.json`` holds. Raises ``InputError`` or another ``LsvibError``
-    in one sentence; then nothing is written.
+    Without ``out`` nothing is written. ``samples``: a power of two. Returns what ``assessment.json`` holds. Raises
+    ``InputError`` or another ``LsvibError`` in one sentence; then nothing is written.
     """
     count = numbers.whole_between("samples", samples, 64, 2**20)  # seconds; a share is in error by less than 1e-3
     if count & (count - 1):
         raise InputError(f"samples = {count} is not a power of two, as the sequence of samples needs.")
     start = numbers.whole_between("seed", seed, 0, 2**32 - 1)
     sheet = Sheet.read(path)
+    if out is None:
+        return as_json(assess(sheet, count, start))
     files = [(out / "index.html", "HTML"), (out / "assessment.nc", "netCDF"), (out / "assessment.json", "JSON")]
     outputs = Outputs(files, [path], make_folders=True)
     found = assess(sheet, count, start)
@@ -54,6 +58,8 @@ def as_json(assessment: Assessment) -> dict[str, Any]:
         "name": assessment.sheet.name,
         "verdict": assessment.verdict,
         "sentence": VERDICTS[assessment.verdict],
+        "brief": brief(assessment),
+        "statics": _statics_json(assessment.statics),
         "self_locking": assessment.self_locking,
         "self_locking_probability": assessment.uncertainty.holds.value,
         "efficiency": {**assessment.efficiency, "lifting_range": list(assessment.uncertainty.lifting)},
@@ -87,6 +93,20 @@ def as_json(assessment: Assessment) -> dict[str, Any]:
         "assumptions": dict(assessment.sheet.assumptions),
         "sources": dict(assessment.sheet.sources),
     }
+
+
+def _statics_json(found: Statics) -> dict[str, Any]:
+    rows: dict[str, Any] = {}
+    for key, row in found.rows.items():
+        worst = row.worst if np.isfinite(row.worst) else None  # a torque, where the threads jam
+        rows[key] = {
+            "middle": row.middle,
+            "worst": worst,
+            "limit": row.limit,
+            "passed": row.passed,
+            "unit": ABOUT[key][1],
+        }
+    return {"back_drives": found.back_drives, **rows}
 
 
 def _place(corner: tuple[int, float, float]) -> dict[str, float]:

@@ -14,19 +14,15 @@ import yaml
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from lsvib.assess import pictures, words
+from lsvib.assess import pictures, summary, words
 from lsvib.assess.assessment import AssessedMotion, Assessment, Mechanism
 from lsvib.assess.drive import IN_WORDS, UNITS, flank_coefficient, point, random_entries
-from lsvib.assess.fields import FrictionBySpeed, Spread, ThreadSize
-from lsvib.assess.margins import Chart, Margin
+from lsvib.assess.fields import FrictionBySpeed, Spread
+from lsvib.assess.margins import Chart
+from lsvib.assess.threads import ThreadSize
 from lsvib.assess.words import ATTRACTORS, MECHANISMS, SHORT, change, entry_name, percent, shown, signed
 from lsvib.errors import InputError
 from lsvib.files import write_json, write_text
-
-
-def _is_near(row: Margin) -> bool:
-    """Whether a margin is worth a bar and a row."""
-    return row.factor is not None and 0.1 <= row.factor <= 10
 
 
 def _page(template: str, **values: Any) -> str:
@@ -48,7 +44,7 @@ def _page(template: str, **values: Any) -> str:
 def report(assessment: Assessment, charts: list[Chart]) -> str:
     """Return the report on an assessment as the text of one HTML page, which needs no other file."""
     sheet, names, found = assessment.sheet, shown_mechanisms(assessment), assessment.mechanisms
-    near = [name for name in names if any(map(_is_near, found[name].margins))]
+    near = [name for name in names if any(map(summary.is_near, found[name].margins))]
     # A reserve at its lower end, -1, has no slope: then no small change helps against that cause.
     steep = next((name for name in near if any(found[name].sensitivities.values())), None)
     same = assessment.worst is assessment.nominal
@@ -67,7 +63,7 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
         causes=[_cause(assessment, name) for name in (*names, "after_perturbation")],
         names=names,
         vibrates=any(found[name].occurs for name in names),
-        changes=[row for row in assessment.margins if _is_near(row) and row.value],
+        changes=[row for row in assessment.margins if summary.is_near(row) and row.value],
         near=near,
         lever=max(found[steep].sensitivities.items(), key=lambda item: abs(item[1])) if steep else None,
         steep=steep,
@@ -75,6 +71,8 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
         motions=motions,
         random=random_entries(sheet),
         locking=locking_sentence(assessment),
+        static=summary,
+        endangered=bool(assessment.statics.back_drives) or any(row.passed for row in assessment.statics.limited),
         entries=[
             (entry_name(path), _entry(entry), _origin(assessment, path))
             for path, entry in sheet.entries()

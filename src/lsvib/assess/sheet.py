@@ -5,16 +5,16 @@ from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
 from lsvib.assess import fields
 from lsvib.assess.fields import NotQuantity, Spread
+from lsvib.assess.materials import NUT_MATERIALS, SCREW_MATERIALS
+from lsvib.assess.threads import Size
 from lsvib.errors import InputError
+from lsvib.models.pairings import PAIRINGS, stated
 from lsvib.models.scene import read_yaml
 from lsvib.numbers import shown, whole_between
-
-DENSITIES = {"steel": 7850.0, "stainless steel": 7900.0, "aluminium": 2700.0, "brass": 8500.0, "titanium": 4430.0}
-"""kg/m³, of the usual alloys, to one per cent."""
 
 
 class _Part(BaseModel):
@@ -41,7 +41,7 @@ class _Part(BaseModel):
 class Thread(_Part):
     """A thread: a size of the catalogue, or lead (or lead angle, or pitch and starts) and diameter."""
 
-    size: fields.Size | None = None
+    size: Size | None = None
     lead: fields.Length | None = None
     lead_angle: fields.LeadAngle | None = None
     pitch: fields.Length | None = None
@@ -71,7 +71,10 @@ class Thread(_Part):
 
 
 class Screw(_Part):
-    """What turns: an inertia, or a cylinder; its mass is needed with a support only."""
+    """What turns: an inertia, or a cylinder; its mass is needed with a support only.
+
+    With ``ends`` its column and its critical speed are judged, over ``unsupported_length``, or else ``length``.
+    """
 
     inertia: fields.Inertia | None = None
     length: fields.Length | None = None
@@ -79,14 +82,36 @@ class Screw(_Part):
     material: str | None = None
     density: fields.Density | None = None
     mass: fields.Mass | None = None
+    ends: Literal["fixed-free", "supported-supported", "fixed-supported", "fixed-fixed"] | None = None
+    unsupported_length: fields.Length | None = None
+    root_diameter: fields.Length | None = None
     _needed = (("inertia", "length"),)
     _either = (("inertia", "length"), ("material", "density"))
 
     def _misfit(self) -> str | None:
-        if self.material is not None and self.material not in DENSITIES:
-            return (
-                f"screw.material = {shown(self.material)} is not one of {', '.join(DENSITIES)}; or give screw.density."
-            )
+        if self.material is not None and self.material not in SCREW_MATERIALS:
+            names = ", ".join(SCREW_MATERIALS)
+            return f"screw.material = {shown(self.material)} is not one of {names}; or give screw.density."
+        if self.ends is not None and self.density is not None:
+            return "screw.ends needs screw.material instead of screw.density, as the modulus follows from it."
+        if self.ends is not None and self.length is None and self.unsupported_length is None:
+            return "screw.ends needs screw.unsupported_length or screw.length, over which the screw can bend."
+        return None
+
+
+class Nut(_Part):
+    """The nut: its length, over which the threads are engaged, and what it bears, by ``material`` or by limits."""
+
+    length: fields.Length
+    material: str | None = None
+    pressure_limit: fields.Pressure | None = None
+    pv_limit: fields.PressureSpeed | None = None
+    speed_limit: fields.SlidingSpeed | None = None
+
+    def _misfit(self) -> str | None:
+        if self.material is not None and self.material not in NUT_MATERIALS:
+            names = ", ".join(NUT_MATERIALS)
+            return f"nut.material = {shown(self.material)} is not one of {names}; or give nut.pv_limit."
         return None
 
 
@@ -116,17 +141,19 @@ class Operation(_Part):
 class Friction(_Part):
     """Friction of the threads: a coefficient, or a measured efficiency, or a curve; and its slope over the speed.
 
+    ``pairing``, a name of :data:`lsvib.models.pairings.PAIRINGS`, stands for the coefficient and law that it states.
     ``curve_factor`` multiplies all coefficients of a curve, so that the curve may be uncertain as a whole. With
     ``stribeck_rise`` or ``static`` coefficient and slope are parts of a law of the speed (docs/assess.md).
     """
 
+    pairing: str | None = None
     coefficient: fields.Coefficient | None = None
     efficiency: fields.Efficiency | None = None
     curve: fields.FrictionCurve | None = None
     curve_factor: fields.CurveFactor | None = None
     slope: fields.Slope | None = None
     stribeck_rise: fields.Coefficient | None = None
-    stribeck_speed: fields.StribeckSpeed | None = None
+    stribeck_speed: fields.SlidingSpeed | None = None
     stribeck_exponent: Literal[1, 2] = 1
     static: fields.Coefficient | None = None
     _needed = (("coefficient", "efficiency", "curve"),)
@@ -135,6 +162,22 @@ class Friction(_Part):
         ("curve", "efficiency", "slope", "stribeck_rise", "static"),
         ("efficiency", "stribeck_rise", "static"),
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _named(cls, values: Any) -> Any:
+        """Put what a pairing states beside its name."""
+        if not isinstance(values, Mapping) or values.get("pairing") is None:
+            return values
+        law, name = stated(values["pairing"]), values["pairing"]
+        low, high = PAIRINGS[name].low, PAIRINGS[name].high
+        units = {"stribeck_speed": "m/s", "friction_slope": "s/m"}
+        found = {key.removeprefix("friction_"): f"{value!r} {units.get(key, '')}" for key, value in law.items()}
+        found["coefficient"] = [low, high] if low < high else low
+        for key in found:
+            if values.get(key) is not None:
+                raise InputError(f"friction.pairing and friction.{key} are both given; give one of them.")
+        return {**values, **found}
 
     @property
     def law(self) -> bool:
@@ -188,6 +231,7 @@ class Sheet(_Part):
     operation: Operation
     friction: Friction
     damping: Dampings = Dampings()
+    nut: Nut | None = None
     contact: Spring | None = None
     support: Spring | None = None
     sources: dict[str, str] = Field(default_factory=dict)
@@ -202,9 +246,11 @@ class Sheet(_Part):
             sheet = cls.model_validate(dict(values))
         except ValidationError as error:
             raise InputError(_sentence(error)) from None
-        for part in (sheet.thread, sheet.screw, sheet.friction):
-            if (problem := part.problem()) is not None:
+        for part in (sheet.thread, sheet.screw, sheet.friction, sheet.nut):
+            if part is not None and (problem := part.problem()) is not None:
                 raise InputError(problem)
+        if sheet.screw.ends is not None and sheet.screw.root_diameter is None and sheet.thread.size is None:
+            raise InputError("screw.ends needs screw.root_diameter, or thread.size from which it follows.")
         if sheet.support is not None and sheet.screw.mass is None and sheet.screw.length is None:
             raise InputError("support needs screw.mass, or screw.length from which it follows.")
         for table in ("sources", "assumptions"):

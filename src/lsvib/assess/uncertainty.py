@@ -180,6 +180,14 @@ def _indices(sheet: Sheet, entries: list[str], names: list[str], count: int, see
     return first, total
 
 
+def ends(sheet: Sheet) -> NDArray[np.float64]:
+    """Return the corners (d, n) of the unit cube of the uncertain entries, as many as a block has samples at most."""
+    size = len(random_entries(sheet))
+    if size <= 12:
+        return (np.arange(2**size) >> np.arange(size)[:, None]) % 2.0
+    return np.round(qmc.Sobol(size, scramble=True, rng=size).random(BLOCK).T)
+
+
 def worst_cases(sheet: Sheet, lowest: Mapping[str, NDArray[np.float64]]) -> dict[str, WorstCase]:
     """Return the worst case of each mechanism within the uncertainties; none if nothing is uncertain.
 
@@ -187,14 +195,9 @@ def worst_cases(sheet: Sheet, lowest: Mapping[str, NDArray[np.float64]]) -> dict
     at once. Corners at which the drive cannot move at all are left out. A search from there on found a lower reserve
     for one in 100 worst cases of drives such as catalogues offer, and another sign for none.
     """
-    size = len(random_entries(sheet))
-    if size == 0:
+    if not random_entries(sheet):
         return {}
-    if size <= 12:  # no more corners than a block has samples
-        corners = (np.arange(2**size) >> np.arange(size)[:, None]) % 2.0
-    else:
-        corners = np.round(qmc.Sobol(size, scramble=True, rng=size).random(BLOCK).T)
-    shares = np.concatenate([np.stack(list(lowest.values()), axis=1), corners], axis=1)
+    shares = np.concatenate([np.stack(list(lowest.values()), axis=1), ends(sheet)], axis=1)
     found = {}
     for name, one in worst(sheet, quantities(sheet, draw_of(sheet, shares))).items():
         reserve = np.broadcast_to(one.reserve, shares.shape[1:])

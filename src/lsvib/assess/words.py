@@ -75,7 +75,7 @@ def entry_name(path: str) -> str:
 
 
 _PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
-_PREFIXED = ("N", "m", "m/s", "Hz", "N s", "N/m", "N m/rad", "s")
+_PREFIXED = ("N", "m", "m/s", "Hz", "N s", "N/m", "N m/rad", "s", "N m", "W")
 _READABLE = {
     "kg m2": "kg m²",
     "kg m^2": "kg m²",
@@ -90,7 +90,7 @@ _READABLE = {
 
 
 def shown(value: float | None, unit: str) -> str:
-    """Return a quantity in SI units with a prefix where one is usual, rad and rad/s in degrees and rpm.
+    """Return a quantity in SI units with a prefix where one is usual, rad and rad/s in degrees and rpm, Pa in MPa.
 
     ``unit`` in the spelling of datasets (``N m s rad-1``) or of people; an empty text or 1 for plain numbers.
     """
@@ -102,6 +102,8 @@ def shown(value: float | None, unit: str) -> str:
         return f"{_figure(value * 60 / (2 * math.pi))} rpm"
     if unit == "rad":
         return f"{_figure(math.degrees(value))}°"
+    if unit in ("Pa", "Pa m/s"):
+        return f"{_figure(1e-6 * value)} M{unit}"
     unit = _READABLE.get(unit, unit)
     if unit in ("", "1"):
         return _figure(value)

@@ -1,5 +1,6 @@
 """The commands that make pages: the report on a data sheet, and the explorer."""
 
+from importlib.resources import files
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
@@ -15,20 +16,34 @@ from lsvib.numbers import whole_between
 
 @app.command
 def assess(
-    sheet: Annotated[Path, Parameter(help="YAML file of the data sheet; see docs/assess.md.")],
+    sheet: Annotated[Path | None, Parameter(help="YAML file of the data sheet; see docs/assess.md.")] = None,
     *,
-    out: Annotated[Path, Parameter(help="Folder to write index.html, assessment.nc and assessment.json to.")],
+    out: Annotated[
+        Path | None,
+        Parameter(help="Folder to write index.html, assessment.nc and assessment.json to; none if left out."),
+    ] = None,
+    template: Annotated[bool, Parameter(negative="", help="Print a data sheet to fill in, and nothing else.")] = False,
     samples: Annotated[Whole, Parameter(help="Drives drawn from the uncertainties, a power of two.")] = 4096,
     seed: Annotated[Whole, Parameter(help="Seed of the samples.")] = 1,
     as_json: AsJson = False,
 ) -> None:
-    """Assess a drive from its data sheet: will it vibrate, how close is it, and what should be changed.
+    """Assess a drive from its data sheet: will it vibrate, what does it bear, and what should be changed.
+
+    Prints verdict, torque, efficiency, whether it holds its load, limits that are passed, and three changes.
 
     Examples of use:
 
+        lsvib assess --template > drive.yaml
+
         lsvib assess examples/powered_seat.yaml --out report
     """
-    refuse_results_of_the_workflow(out / "index.html")
+    if template:
+        print(files("lsvib.assess").joinpath("template.yaml").read_text(encoding="utf-8"), end="")
+        return
+    if sheet is None:
+        raise InputError("lsvib assess needs the file of a data sheet; lsvib assess --template prints one to fill in.")
+    if out is not None:
+        refuse_results_of_the_workflow(out / "index.html")
     try:
         from lsvib.assess.output import assess_file
     except ModuleNotFoundError as error:
@@ -37,8 +52,8 @@ def assess(
         ) from None
 
     result = assess_file(sheet, out, samples, seed)
-    written = f"wrote {out / 'index.html'}, assessment.nc and assessment.json"
-    show(result, as_json, lambda result: print(result["sentence"], written, sep="\n"))
+    written = [f"wrote {out / 'index.html'}, assessment.nc and assessment.json"] if out is not None else []
+    show(result, as_json, lambda result: print(*result["brief"], *written, sep="\n"))
 
 
 @app.command

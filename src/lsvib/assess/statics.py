@@ -1,0 +1,267 @@
+"""The statics of a screw: torque, efficiency, self-locking, pressure in the nut, column and critical speed.
+
+Formulas are plain, in SI units, for floats and arrays alike. A row of the result has the value at the middle of all
+entries and of the window, and the worst one: at the ends of the operating window and of all uncertain entries.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsvib.assess import drive as sheets
+from lsvib.assess.drive import flank_coefficient, lifting_efficiency, lowering_efficiency, sliding_speed
+from lsvib.assess.materials import NUT_MATERIALS, SCREW_MATERIALS
+from lsvib.assess.mechanisms import directions
+from lsvib.assess.sheet import Sheet
+from lsvib.assess.uncertainty import draw_of, ends
+from lsvib.models.mechanics import friction_factor
+
+SAFE = 0.8  # share of a critical load or speed that may be used, as Thomson recommends
+ENDS = {  # of the shaft: end factor K of the column, and β of its first bending mode (Euler, Bernoulli)
+    "fixed-free": (0.25, 1.8751),
+    "supported-supported": (1.0, math.pi),
+    "fixed-supported": (2.0, 3.9266),
+    "fixed-fixed": (4.0, 4.7300),
+}
+_SHIGLEY = "Shigley, Mechanical Engineering Design"
+_THREAD = f"{_SHIGLEY}, power screws"
+_RECOMMENDED = "limit: 80 % of it, Thomson"
+ABOUT = {  # name, unit, formula and source of each row
+    "lifting_torque": ("Torque to lift", "N m", "r F tan(λ + ρ) + c Ω", _THREAD),
+    "lifting_power": ("Power to lift", "W", "torque × Ω", _THREAD),
+    "lowering_torque": ("Torque to lower; below zero it brakes", "N m", "r F tan(ρ − λ) + c Ω", _THREAD),
+    "lowering_power": ("Power to lower; below zero the load gives it", "W", "torque × Ω", _THREAD),
+    "lifting_efficiency": ("Efficiency against the load", "1", "tan λ / tan(λ + ρ)", _THREAD),
+    "lowering_efficiency": (
+        "Efficiency with the load; below zero the thread locks", "1", "tan(λ − ρ) / tan λ", _THREAD,
+    ),
+    "holding_friction": (
+        "Friction at rest; the thread holds from the limit on", "1", "tan λ · cos αₙ", f"{_THREAD}, self-locking",
+    ),
+    "nut_pressure": ("Pressure in the nut", "Pa", "F P / (π d h L)", _THREAD),
+    "sliding_speed": ("Sliding speed of the threads", "m/s", "r Ω / cos λ", "geometry of the helix"),
+    "pv": ("PV, pressure × sliding speed", "Pa m/s", "F P / (π d h L) · r Ω / cos λ", "as bearings are judged"),
+    "column_load": (
+        "Load on the screw as a column", "N", "K π² E I / l² (Euler), or where that is above half of the yield "
+        "strength, A σ (1 − σ A / (4 K π² E I / l²)) (Johnson)", f"{_SHIGLEY}, columns; {_RECOMMENDED}",
+    ),
+    "screw_speed": (
+        "Speed of the screw; its shaft whirls at the critical one", "rad/s", "β² / l² · √(E I / (density · A))",
+        f"first bending mode of a beam; {_RECOMMENDED}",
+    ),
+}  # fmt: skip
+
+
+Floats = NDArray[np.float64]
+Judged = tuple[Any, Any]  # values at many points and their limits, or None
+
+
+@dataclass(frozen=True)
+class Row:
+    """One quantity of :data:`ABOUT`: its ``middle`` and ``worst`` value, the ``limit`` at the latter if it has one.
+
+    ``passed``: whether the worst value is beyond the limit. ``middle`` is None where a load is lifted or lowered in
+    the middle of the window at no time, but at its ends.
+    """
+
+    key: str
+    middle: float | None
+    worst: float
+    limit: float | None
+    passed: bool
+
+
+@dataclass(frozen=True)
+class Statics:
+    """All rows; ``back_drives``: whether the load can turn the screw when the current is off.
+
+    False, ``at the middle values`` or ``within the uncertainties``; None if nothing pushes the load.
+    """
+
+    rows: dict[str, Row]
+    back_drives: str | bool | None
+
+    @property
+    def limited(self) -> list[Row]:
+        """The rows that have a limit."""
+        return [row for row in self.rows.values() if row.limit is not None]
+
+
+def torque(force: Any, pitch_radius: Any, lead_angle: Any, coefficient: Any, lifting: bool) -> Any:
+    """Return the torque of the threads [N m] under an axial ``force`` [N], r F tan(ρ ± λ), ρ = arctan μ.
+
+    ``coefficient`` μ of the square thread; ``lifting``: against the force. Lowering, it is negative where the thread
+    does not lock and has to be braked.
+
+    >>> round(torque(1000.0, 9.188e-3, 0.04328, 0.15, lifting=True), 3)
+    1.788
+    """
+    law = -1 if lifting else 1
+    return law * pitch_radius * force * friction_factor(coefficient, np.tan(lead_angle), law)
+
+
+def nut_pressure(force: Any, pitch_diameter: Any, length: Any, engaged_depth: Any = 0.5) -> Any:
+    """Return the pressure [Pa] on the projected area of the threads in a nut, F P / (π d h L).
+
+    ``engaged_depth`` h / P [1]: threads half as deep as their pitch P unless the standard says otherwise.
+    """
+    return force / (math.pi * pitch_diameter * engaged_depth * length)
+
+
+def column_load(modulus: Any, yield_strength: Any, diameter: Any, length: Any, end_factor: float) -> Any:
+    """Return the axial load [N] at which a round column buckles: Euler's, or Johnson's where it is short.
+
+    Euler: K π² E I / l²; Johnson, where Euler's stress is above half of the yield strength σ: A σ (1 − σ / (4 σ_E)).
+    ``modulus`` and ``yield_strength`` [Pa], ``diameter`` of the root and ``length`` [m], ``end_factor`` K [1].
+
+    >>> round(column_load(200e9, 250e6, 0.0155, 0.6, 1.0))
+    15535
+    """
+    area = math.pi / 4 * diameter**2
+    euler = end_factor * math.pi**2 * modulus * (diameter / (4 * length)) ** 2
+    return area * np.where(2 * euler < yield_strength, euler, yield_strength * (1 - yield_strength / (4 * euler)))
+
+
+def critical_speed(modulus: Any, density: Any, diameter: Any, length: Any, root: float) -> Any:
+    """Return the speed [rad/s] of the first bending mode of a round shaft, β² d / (4 l²) √(E / density).
+
+    ``root`` β [1]: of the ends, π if both are supported; other arguments as :func:`column_load`, in SI units.
+
+    >>> round(critical_speed(200e9, 7850.0, 0.0155, 0.6, math.pi) * 30 / math.pi)
+    5121
+    """
+    return root**2 * diameter / (4 * length**2) * np.sqrt(modulus / density)
+
+
+def statics(sheet: Sheet) -> Statics:
+    """Return all rows for which a sheet has the entries, at the middle values and at the worst ones."""
+    draw = sheets.nominal_draw(sheet)
+    values = sheets.quantities(sheet, draw)
+    middle = _judged(sheet, draw, values, *_middle(*_window(sheet, values)))
+    draw = draw_of(sheet, ends(sheet))
+    values = sheets.quantities(sheet, draw)
+    speed, load = (side.reshape(-1, side.shape[-1]) for side in _window(sheet, values))
+    worst = _judged(sheet, draw, values, speed, load)
+    rows = {key: _row(key, worst[key], middle.get(key)) for key in ABOUT if key in worst}
+    holding = rows["holding_friction"]
+    if not _pushed(values):
+        return Statics({**rows, holding.key: replace(holding, passed=False)}, None)
+    if not holding.passed:
+        return Statics(rows, False)
+    surely = _row(holding.key, middle[holding.key], None).passed
+    return Statics(rows, "at the middle values" if surely else "within the uncertainties")
+
+
+def _pushed(values: Mapping[str, Any]) -> bool:
+    """Whether anything pushes the load at rest."""
+    return any(np.any(values[f"force_{end}"] + _weight(values) != 0) for end in ("low", "high"))
+
+
+def _weight(values: Mapping[str, Any]) -> Any:
+    """The part of the weight along the axis [N], against outward travel."""
+    return values["mass"] * sheets.GRAVITY * np.sin(values["tilt"])
+
+
+def _window(sheet: Sheet, values: Mapping[str, Any]) -> tuple[Floats, Floats]:
+    """Speed [rad/s] and load against the travel [N] at the ends of the window, (directions, 4, n) each."""
+    zero = np.zeros(np.broadcast_shapes((1,), *map(np.shape, values.values())))
+    sides = [
+        (values[f"speed_{fast}"] + zero, values[f"force_{strong}"] + _weight(values) + zero)
+        for fast in ("low", "high")
+        for strong in ("low", "high")
+    ]
+    speed, force = map(np.stack, zip(*sides, strict=True))
+    drag = values["translational_damping"] * values["lead"] / (2 * math.pi) * speed
+    load = np.stack([direction * force + drag for direction in directions(sheet)])
+    return np.broadcast_to(speed, load.shape), load
+
+
+def _middle(speed: Floats, load: Floats) -> tuple[Floats, Floats]:
+    """Speeds and loads (k, 1) in the middle of a window: of what is lifted in it, and of what is lowered."""
+    found = []
+    for sign in (1, -1):
+        sizes = np.clip(sign * load, 0, None)
+        sizes = sizes[sizes.max(axis=(1, 2)) > 0]  # of the directions in which there is such a load
+        if sizes.size:
+            found.append(sign * 0.5 * (sizes.min() + sizes.max()))
+    loads = np.array(found or [0.0])[:, None]
+    return np.full(loads.shape, 0.5 * (speed.min() + speed.max())), loads
+
+
+def _judged(
+    sheet: Sheet, draw: Mapping[str, Any], values: Mapping[str, Any], speed: Floats, load: Floats
+) -> dict[str, Judged]:
+    """All quantities with their limits, for speeds and loads (k, n).
+
+    NaN where a load is not lifted or not lowered. Where the threads jam, μ ≥ cot λ, the torque to lift is infinite.
+    """
+    p, _ = sheets.point(sheet, values, 1, speed, 0.0)
+    threads = p["pitch_radius"], p["lead_angle"], p["friction_coefficient"]
+    found: dict[str, Judged] = {}
+    _, angle, coefficient = threads
+    turns = coefficient * np.tan(angle) < 1
+    lifted = (load > 0) | (not load.any())
+    for name, acting in (("lifting", lifted), ("lowering", load < 0)):
+        if acting.any():
+            needed = torque(np.abs(load), *threads, name == "lifting") + values["rotational_damping"] * speed
+            turning = np.where(turns, needed, np.inf) if name == "lifting" else needed
+            found[f"{name}_torque"] = np.where(acting, turning, np.nan), None
+            found[f"{name}_power"] = np.where(acting, turning * speed, np.nan), None
+    found["lifting_efficiency"] = np.where(turns, lifting_efficiency(coefficient, angle), 0.0), None
+    found["lowering_efficiency"] = lowering_efficiency(coefficient, angle), None
+    found["holding_friction"] = _at_rest(sheet, values), flank_coefficient(np.tan(angle), angle, values["half_angle"])
+    sliding = sliding_speed(speed, *threads[:2])
+    return found | _nut(sheet, draw, values, load, sliding) | _shaft(sheet, draw, speed, load)
+
+
+def _at_rest(sheet: Sheet, values: Mapping[str, Any]) -> Any:
+    """Friction of the flanks at rest [1]: static friction, or else that of slow sliding."""
+    if "static_friction" in values:
+        return values["static_friction"]
+    p, _ = sheets.point(sheet, values, 1, 0.0, 0.0)
+    return flank_coefficient(p["friction_coefficient"], p["lead_angle"], values["half_angle"])
+
+
+def _nut(
+    sheet: Sheet, draw: Mapping[str, Any], values: Mapping[str, Any], load: Floats, sliding: Any
+) -> dict[str, Judged]:
+    """Pressure, sliding speed and their product in the nut; a limit of the sheet goes before that of the material."""
+    if sheet.nut is None:
+        return {}
+    material = NUT_MATERIALS.get(sheet.nut.material or "")
+    depth = sheet.thread.size.engaged_depth if sheet.thread.size else 0.5
+    pressure = nut_pressure(np.abs(load), values["pitch_diameter"], draw["nut.length"], depth)
+    return {
+        "nut_pressure": (pressure, draw.get("nut.pressure_limit", material and material.pressure_limit)),
+        "sliding_speed": (sliding, draw.get("nut.speed_limit")),
+        "pv": (pressure * sliding, draw.get("nut.pv_limit", material and material.pv_limit)),
+    }
+
+
+def _shaft(sheet: Sheet, draw: Mapping[str, Any], speed: Floats, load: Floats) -> dict[str, Judged]:
+    """The screw as a column, whichever way it is loaded, and its speed beside the critical one."""
+    if sheet.screw.ends is None:
+        return {}
+    diameter = draw.get("screw.root_diameter", sheet.thread.size and sheet.thread.size.root_diameter)
+    length = draw["screw.unsupported_length" if "screw.unsupported_length" in draw else "screw.length"]
+    material, (factor, root) = SCREW_MATERIALS[sheet.screw.material or "steel"], ENDS[sheet.screw.ends]
+    column = column_load(material.modulus, material.yield_strength, diameter, length, factor)
+    whirling = critical_speed(material.modulus, material.density, diameter, length, root)
+    return {"column_load": (np.abs(load), SAFE * column), "screw_speed": (speed, SAFE * whirling)}
+
+
+def _row(key: str, judged: Judged, middle: Judged | None) -> Row:
+    """The row of a quantity at its worst point: nearest to the limit or beyond it, or the largest where it has none."""
+    value, limit = judged
+    low = key in ("lifting_efficiency", "holding_friction")  # of these the lowest is the worst
+    size = np.abs(value) if key.endswith(("torque", "power")) else value
+    score = (-1 if low else 1) * (size if limit is None else size / limit)
+    value, limits, score = np.broadcast_arrays(value, np.nan if limit is None else limit, score)
+    k = np.unravel_index(np.nanargmax(score), score.shape) if score.ndim else ()
+    found, most = float(value[k]), None if limit is None else float(limits[k])
+    passed = most is not None and (found < most if low else found > most)
+    return Row(key, None if middle is None else _row(key, middle, None).worst, found, most, passed)

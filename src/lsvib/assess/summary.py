@@ -1,0 +1,136 @@
+"""The short answer: what statics and margins say of a drive, in a few sentences and one table."""
+
+import math
+from typing import Any
+
+from markupsafe import Markup
+
+from lsvib.assess.assessment import Assessment
+from lsvib.assess.drive import IN_WORDS
+from lsvib.assess.margins import Margin
+from lsvib.assess.materials import NUT_MATERIALS
+from lsvib.assess.sheet import Nut
+from lsvib.assess.statics import ABOUT, Row
+from lsvib.assess.words import VERDICTS, change, percent, shown
+
+_NUT_LIMITS = {"nut_pressure": "pressure_limit", "sliding_speed": "speed_limit", "pv": "pv_limit"}
+
+
+def brief(assessment: Assessment) -> list[str]:
+    """Return the short answer for the shell, a sentence or two to a line: verdict, statics, limits, three changes."""
+    lines = [VERDICTS[assessment.verdict], holding(assessment), effort(assessment), limits(assessment)]
+    return [line for line in (*lines, _changes(assessment)) if line]
+
+
+def is_near(row: Margin) -> bool:
+    """Whether a margin is worth a bar and a row: a change by no more than a factor of ten."""
+    return row.factor is not None and 0.1 <= row.factor <= 10
+
+
+def holding(assessment: Assessment) -> str:
+    """Say whether the load stays where it is when the current is off; static friction counts."""
+    found, row = assessment.statics.back_drives, assessment.statics.rows["holding_friction"]
+    if found is None:
+        return "Nothing pushes the load while it is at rest."
+    worst = "" if row.worst == row.middle else " at worst"
+    why = f"friction at rest is {shown(row.worst, '')}{worst}, and the thread holds from {shown(row.limit, '')} on"
+    if found is False:
+        runs_on = "" if assessment.self_locking else " Once it moves, it does not stop by itself."
+        return f"The screw holds its load when the current is off: {why}.{runs_on}"
+    drops = found == "at the middle values"
+    if assessment.values["tilt"] != 0:
+        text = f"The load {'drops' if drops else 'can drop'} when the current is off"
+    else:
+        text = f"The force on the load {'turns' if drops else 'can turn'} the screw back when the current is off"
+    return f"{text}, unless a brake or the motor holds it: {why}."
+
+
+def effort(assessment: Assessment) -> str:
+    """Say which torque, power and efficiency the drive has."""
+    rows = assessment.statics.rows
+    found = []
+    for name in ("lifting", "lowering"):
+        if f"{name}_torque" in rows:
+            pair = [(rows[f"{name}_torque"], "N m"), (rows[f"{name}_power"], "W")]
+            middle = " and ".join(shown(row.middle, unit) for row, unit in pair)
+            worst = " and ".join(_size(row.worst, unit) for row, unit in pair)
+            verb = "lift" if name == "lifting" else "lower, below zero by braking" if "−" in worst else "lower"
+            end = f"({worst} at worst) " if worst != middle else ""
+            found.append(f"{middle} {end}to {verb}")
+    row = rows["lifting_efficiency"]
+    low = "" if row.worst == row.middle else f", {percent(row.worst)} at worst"
+    return f"The screw takes {', and '.join(found)}. Efficiency against the load: {percent(row.middle)}{low}."
+
+
+def limits(assessment: Assessment) -> str:
+    """Say which limits of nut and screw are passed, if the sheet gives any."""
+    found = [row for row in assessment.statics.limited if row.key != "holding_friction"]
+    passed = [row for row in found if row.passed]
+    if not found:
+        return ""
+    if not passed:
+        return f"All limits of nut and screw are kept ({len(found)} checked)."
+    each = []
+    for row in passed:
+        value, limit = (shown(figure, ABOUT[row.key][1]) for figure in (row.worst, row.limit))
+        each.append(f"{_short(row)} reaches {value}, the limit is {limit}")
+    return f"{len(passed)} of {len(found)} limits of nut and screw passed: {'; '.join(each)}."
+
+
+def _short(row: Row) -> str:
+    """The name of a row for the middle of a sentence."""
+    name = ABOUT[row.key][0].partition(";")[0].partition(",")[0]
+    return name if name == "PV" else name[0].lower() + name[1:]
+
+
+def _changes(assessment: Assessment) -> str:
+    """The three smallest single changes that alter the verdict at the middle values."""
+    occurs = any(one.occurs for name, one in assessment.mechanisms.items() if name != "after_perturbation")
+    best = [row for row in assessment.margins if is_near(row)][:3]
+    if not best:
+        return ""
+    each = "; ".join(f"{IN_WORDS[row.quantity]} {change(row.factor)}" for row in best)
+    effect = "ends the vibration" if occurs else "would start vibration"
+    return f"Each of these changes alone {effect} at the middle values: {each}."
+
+
+def rows(assessment: Assessment) -> list[tuple[Any, ...]]:
+    """Return the rows of the table: name, middle, worst, limit, formula with source; vibration first."""
+    often, bad = f"in {percent(assessment.uncertainty.any.value)} of drives", "vibrate" in assessment.verdict
+    found: list[tuple[Any, ...]] = [
+        ("Vibration", assessment.verdict, _marked(often, bad), "none", ("see below", "what can make it vibrate"))
+    ]
+    for row in assessment.statics.rows.values():
+        name, unit, formula, source = ABOUT[row.key]
+        nut = assessment.sheet.nut
+        if nut is not None and row.key in _NUT_LIMITS and row.limit is not None:
+            source += f"; limit: {_limit_source(nut, row.key)}"
+        write = percent if row.key.endswith("efficiency") else lambda value, unit=unit: _size(value, unit)
+        title = tuple(part.strip() for part in name.split(";")) if ";" in name else name
+        found.append(
+            (title, write(row.middle), _marked(write(row.worst), row.passed), _limit(row, unit), (formula, source))
+        )
+    return found
+
+
+def _size(value: float | None, unit: str) -> str:
+    return "any (it jams)" if value is not None and math.isinf(value) else shown(value, unit)
+
+
+def _limit_source(nut: Nut, key: str) -> str:
+    if getattr(nut, _NUT_LIMITS[key]) is not None:
+        return "the data sheet"
+    return NUT_MATERIALS[nut.material or ""].source
+
+
+def _marked(text: str, passed: bool) -> Any:
+    return (Markup('<b class="over">{}</b>').format(text), "limit passed") if passed else text
+
+
+def _limit(row: Row, unit: str) -> Any:
+    if row.limit is None:
+        return "–"
+    share = percent(row.worst / row.limit)
+    if row.key == "holding_friction":
+        return f"at least {shown(row.limit, unit)}", f"it has {share} of that at worst"
+    return shown(row.limit, unit), f"{share} of it at worst"

@@ -1,0 +1,227 @@
+"""The statics of a screw against printed tables of makers and standards, and against the work that goes in and out."""
+
+import math
+import re
+import warnings
+
+import pytest
+
+pytest.importorskip("pint")
+pytest.importorskip("scipy")
+
+import yaml
+
+from lsvib.assess.assessment import assess
+from lsvib.assess.materials import SCREW_MATERIALS
+from lsvib.assess.sheet import Coupling, Friction, Nut, Screw, Sheet, Thread
+from lsvib.assess.statics import ENDS, column_load, critical_speed, nut_pressure, statics, torque
+from lsvib.assess.summary import brief, rows
+from lsvib.assess.threads import thread_size
+from lsvib.cli.app import run
+from lsvib.cli.pages import app
+
+INCH, POUND = 0.0254, 4.4482216152605
+BASE = {
+    "name": "a lift",
+    "thread": {"size": "Tr 16x4"},
+    "screw": {"length": "500 mm", "ends": "fixed-supported"},
+    "nut": {"length": "30 mm", "material": "iglidur_b"},
+    "coupling": {"stiffness": "60 N*m/rad"},
+    "load": {"mass": "10 kg", "orientation": "vertical"},
+    "operation": {"speed": "10 mm/s"},
+    "friction": {"coefficient": 0.15},
+}
+
+
+def sheet(**changes) -> Sheet:
+    """The lift with parts replaced."""
+    return Sheet.of({**BASE, **changes})
+
+
+@pytest.mark.parametrize(("coefficient", "efficiency"), [(0.1, 0.82), (0.15, 0.74), (0.2, 0.67)])
+def test_change_nuts_have_the_efficiency_that_their_maker_prints(coefficient, efficiency):
+    """THK, change nut, table 2: lead angle of 45°, printed with two digits."""
+    given = sheet(
+        thread={"lead_angle": "45 deg", "pitch_diameter": "15 mm"},
+        screw={"length": "500 mm"},
+        friction={"coefficient": coefficient},
+    )
+    assert statics(given).rows["lifting_efficiency"].worst == pytest.approx(efficiency, abs=0.005)
+
+
+def test_a_bolt_locks_from_the_friction_of_its_lead_angle_on():
+    """M20 × 2.5: tan λ = 0.0433 without a flank angle; 30° of it lower that by cos αₙ."""
+    size = thread_size("M20x2.5")
+    assert size.pitch_diameter == pytest.approx(18.376e-3, abs=5e-7)  # ISO 724
+    square = {"lead": "2.5 mm", "pitch_diameter": f"{size.pitch_diameter!r} m"}
+    held = {}
+    for friction in (0.0432, 0.0434):
+        found = statics(sheet(thread=square, screw={"length": "1 m"}, friction={"coefficient": friction}))
+        assert found.rows["holding_friction"].limit == pytest.approx(0.0433, abs=5e-5)
+        held[friction] = found.back_drives
+    assert held == {0.0432: "at the middle values", 0.0434: False}
+    flanks = statics(sheet(thread={"size": "M20x2.5"})).rows["holding_friction"].limit
+    assert flanks == pytest.approx(0.04331 * math.cos(math.radians(30)), rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("name", "coefficient"),
+    [("bronze_dry", 0.40), ("bronze_lubricated", 0.15), ("brass_dry", 0.35), ("brass_lubricated", 0.19)],
+)
+def test_pairs_of_a_makers_table_are_known_by_name(name, coefficient):
+    """Roton, screw actions, table of friction."""
+    named, written = sheet(friction={"pairing": f"steel_on_{name}"}), sheet(friction={"coefficient": coefficient})
+    assert statics(named).rows == statics(written).rows
+
+
+def test_a_pairing_brings_its_range_and_its_law():
+    """A range stays a range; a law fades over its speed."""
+    assert sheet(friction={"pairing": "iglidur_j"}).friction.coefficient.low == 0.06
+    law = sheet(friction={"pairing": "powered_seat", "static": 0.3}).friction
+    assert (law.slope.nominal, law.stribeck_speed.nominal) == (-0.08588598956673593, 0.013704)
+
+
+@pytest.mark.parametrize(
+    ("name", "root"),
+    [("Tr 10x2", 7.5), ("Tr 12x3", 8.5), ("Tr 24x5", 18.5), ("Tr 22x5", 16.5), ("Acme 1/2-10", 0.38 * 25.4),
+     ("Acme 1/4-16", 0.1775 * 25.4), ("M20x2.5", 16.933)],
+)  # fmt: skip
+def test_root_diameters_are_those_of_the_standards(name, root):
+    """Largest minor diameters of DIN 103, ASME B1.5 and ISO 724 [mm]."""
+    assert thread_size(name).root_diameter == pytest.approx(root * 1e-3, abs=6e-7)
+
+
+@pytest.mark.parametrize(
+    ("ends", "factor"),
+    [("fixed-free", 0.25), ("supported-supported", 1), ("fixed-supported", 2), ("fixed-fixed", 4)],
+)
+def test_columns_bear_what_a_catalogue_says(ends, factor):
+    """Berg: F = K C 10⁶ d⁴ / D², C = 13.4 for stainless steel, pounds and inches; 0.25 is misprinted .025 there."""
+    steel = SCREW_MATERIALS["stainless steel"]
+    for diameter, length in ((0.25, 20.0), (0.5, 48.0)):
+        load = column_load(steel.modulus, steel.yield_strength, diameter * INCH, length * INCH, ENDS[ends][0]) / POUND
+        assert load == pytest.approx(factor * 13.4e6 * diameter**4 / length**2, rel=0.02)
+
+
+def test_short_columns_follow_johnson():
+    """σ_y − (σ_y l / (2π k))² / (K E), k = d/4 (Shigley, eq. 4-43); Euler's alone would be 40 % above it."""
+    modulus, strength, diameter, length = 200e9, 250e6, 0.02, 0.4
+    stress = strength - (strength * length / (2 * math.pi * diameter / 4)) ** 2 / modulus
+    load = column_load(modulus, strength, diameter, length, 1.0)
+    assert load == pytest.approx(stress * math.pi / 4 * diameter**2, rel=1e-12)
+    assert load < 0.75 * column_load(modulus, 1e12, diameter, length, 1.0)
+
+
+def test_shafts_whirl_at_the_speed_of_a_makers_formula():
+    """Thomson: 4.76e6 d / L² rpm and inches for supported ends of steel, of a modulus of 207 instead of 200 GPa."""
+    steel = SCREW_MATERIALS["steel"]
+    speed = critical_speed(steel.modulus, steel.density, 0.5 * INCH, 30 * INCH, ENDS["supported-supported"][1])
+    assert speed * 30 / math.pi == pytest.approx(4.76e6 * 0.5 / 30**2, rel=0.02)
+
+
+def test_what_goes_in_comes_out_or_is_friction():
+    """Over a turn: work of the torque = F × lead + μ' N × path, with N from the equilibrium of the nut."""
+    radius, angle, friction, force = 8e-3, 0.12, 0.17, 500.0
+    for lifting, way in ((True, 1), (False, -1)):
+        normal = force / (math.cos(angle) - way * friction * math.sin(angle))
+        work = way * force * 2 * math.pi * radius * math.tan(angle)
+        work += friction * normal * 2 * math.pi * radius / math.cos(angle)
+        assert 2 * math.pi * torque(force, radius, angle, friction, lifting) == pytest.approx(work, rel=1e-12)
+
+
+def test_a_plastic_nut_is_refused_above_its_limit():
+    """Iglidur B bears 0.15 MPa m/s: of 10 kg on Tr 16x4, two per cent less speed are right, two more are wrong."""
+    pressure = nut_pressure(10 * 9.80665, 14e-3, 30e-3)
+    limit = 0.15e6 / pressure / math.hypot(1, math.pi * 14 / 4)  # speed of the load [m/s]
+    for share, passed in ((0.98, False), (1.02, True)):
+        given = sheet(operation={"speed": f"{share * limit!r} m/s"})
+        row = statics(given).rows["pv"]
+        assert row.passed == passed
+        assert row.worst == pytest.approx(share * 0.15e6, rel=1e-9)
+    found = assess(given, samples=64)
+    assert any("PV reaches 0.153 MPa m/s, the limit is 0.15 MPa m/s" in line for line in brief(found))
+    cell = next(cells[2] for cells in rows(found) if str(cells[0]).startswith("PV"))
+    assert cell == ('<b class="over">0.153 MPa m/s</b>', "limit passed")
+
+
+@pytest.mark.parametrize(
+    ("friction", "orientation", "words"),
+    [
+        ({"coefficient": 0.05}, "vertical", "The load drops when the current is off"),
+        ({"coefficient": [0.05, 0.15]}, "vertical", "The load can drop when the current is off"),
+        ({"coefficient": 0.15}, "vertical", "The screw holds its load when the current is off"),
+        ({"coefficient": 0.05, "static": 0.12}, "vertical", "Once it moves, it does not stop by itself."),
+        ({"coefficient": 0.05}, "horizontal", "Nothing pushes the load"),
+    ],
+)
+def test_the_second_line_says_whether_the_load_stays(friction, orientation, words):
+    """Static friction holds, not that of motion; within uncertainties it may not."""
+    given = sheet(friction=friction, load={"mass": "10 kg", "orientation": orientation}, nut=None)
+    assert words in brief(assess(given, samples=64))[1]
+
+
+def test_the_window_counts_with_its_ends():
+    """From 50 to 200 N outward: lifting goes by 125 N in the middle and 200 N at worst, lowering likewise."""
+    given = sheet(load={"mass": "10 kg", "force": ["50 N", "200 N"]}, operation={"speed": ["5 mm/s", "20 mm/s"]})
+    found = statics(given).rows
+    lift = 4e-3 / (2 * math.pi) / found["lifting_efficiency"].worst
+    assert found["lifting_torque"].middle == pytest.approx(125 * lift, rel=1e-12)
+    assert found["lifting_torque"].worst == pytest.approx(200 * lift, rel=1e-12)
+    assert found["lifting_power"].worst == pytest.approx(200 * lift * 10 * math.pi, rel=1e-12)
+    assert found["column_load"].worst == 200
+    assert "lowering_torque" not in statics(given.model_copy(update={"operation": out(given)})).rows
+
+
+def test_an_end_at_which_the_threads_jam_is_the_worst_one():
+    """μ = 1.3 is above cot 40°: no torque lifts, though one does at the middle values and for the samples."""
+    steep = {"lead_angle": "40 deg", "pitch_diameter": "9 mm"}
+    friction = {"coefficient": {"low": 0.1, "mode": 0.2, "high": 1.3}}
+    found = statics(sheet(thread=steep, screw={"length": "1 m"}, friction=friction)).rows
+    assert (found["lifting_torque"].worst, found["lifting_efficiency"].worst) == (math.inf, 0)
+    assert 0 < found["lifting_torque"].middle < 1
+
+
+def out(given: Sheet):
+    """Its operation, outward alone."""
+    return given.operation.model_copy(update={"direction": "out"})
+
+
+def test_inches_and_pounds_are_as_good_as_si():
+    """The same drive in either units has the same statics."""
+    inches = sheet(
+        thread={"lead": "0.1 inch", "pitch_diameter": "0.45 inch"},
+        screw={"length": "20 inch", "ends": "fixed-free", "root_diameter": "0.38 inch"},
+        nut={"length": "1 inch", "pv_limit": "4000 psi*ft/min", "pressure_limit": "500 psi"},
+        load={"mass": "2 lb", "force": "20 lbf"},
+        operation={"speed": "300 rpm"},
+    )
+    si = sheet(
+        thread={"lead": "2.54 mm", "pitch_diameter": "11.43 mm"},
+        screw={"length": "508 mm", "ends": "fixed-free", "root_diameter": "9.652 mm"},
+        nut={"length": "25.4 mm", "pv_limit": "140.10148 kPa*m/s", "pressure_limit": "3.447379 MPa"},
+        load={"mass": "0.90718474 kg", "force": "88.964432 N"},
+        operation={"speed": "31.415927 rad/s"},
+    )
+    for key, row in statics(inches).rows.items():
+        other = statics(si).rows[key]
+        assert row.worst == pytest.approx(other.worst, rel=1e-6)
+        assert row.limit == (other.limit and pytest.approx(other.limit, rel=1e-6))
+
+
+def test_the_template_is_a_sheet_that_can_be_assessed(tmp_path, capsys, monkeypatch):
+    """From the shell: print it, assess it, and read the answer; nothing is written without a folder."""
+    monkeypatch.setattr(warnings, "showwarning", warnings.showwarning)  # which the command replaces
+
+    def lsvib(*tokens: str) -> str:
+        run(lambda: app(["assess", *tokens], exit_on_error=False, print_error=False, result_action="return_value"))
+        return capsys.readouterr().out
+
+    file = tmp_path / "drive.yaml"
+    file.write_text(lsvib("--template"), encoding="utf-8")
+    said = lsvib(str(file), "--samples", "64").splitlines()
+    assert [line.partition(" ")[0] for line in said] == ["This", "The", "The", "All", "Each"]
+    assert said[-1].count(";") == 2
+    assert list(tmp_path.iterdir()) == [file]
+    every = yaml.safe_load(re.sub("(?m)^  # ", "  ", file.read_text(encoding="utf-8")))
+    parts = {"thread": Thread, "screw": Screw, "nut": Nut, "coupling": Coupling, "friction": Friction}
+    assert all(set(every[name]) <= set(part.model_fields) for name, part in parts.items())
