@@ -35,7 +35,7 @@ SCREW_MATERIALS = {
 }
 
 _IGUS = "igus, material data of plain bearings, dry at 20 °C"
-_MOTT = "Mott, Machine Elements in Mechanical Design, table of pV in boundary lubrication"
+_MOTT = "Mott, Machine Elements in Mechanical Design, table of pV in boundary lubrication, as others quote it"
 NUT_MATERIALS = {
     "iglidur_j": NutMaterial(35.0e6, 0.34e6, _IGUS),
     "iglidur_j260": NutMaterial(40.0e6, 0.35e6, _IGUS),
