@@ -18,6 +18,7 @@ from lsvib.engine.kernels.flow_planar import EPS, ROUNDING
 from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, inlined_kernel, kernel
 from lsvib.engine.kernels.layout import CONSTANT, EXPONENT, FADE, FROM, LINEAR, ORDER, RISE, TO
 
+_INVERSE = np.concatenate([[0.0], 1 / np.arange(1.0, ORDER + 1)])  # of an order; a product takes less than a quotient
 TAIL = 0.5 * EPS  # size of the last terms of a series over that of a coordinate
 NOTHING = 45.0  # (fade σ)^exponent of a decay that is below the rounding of a coefficient of friction
 # Rows of series beside those of the state.
@@ -63,16 +64,19 @@ def series_for(n):
 
 @inlined_kernel
 def product(a, b, first, k):
-    """Return Σ a_i b_{k−i} over i from ``first`` to k; in two sums, which a processor adds up side by side."""
-    total = other = 0.0
+    """Return Σ a_i b_{k−i} over i from ``first`` to k; in four sums, which a processor adds up side by side."""
+    one = two = three = four = 0.0
     i = first
-    while i < k:
-        total += a[i] * b[k - i]
-        other += a[i + 1] * b[k - i - 1]
-        i += 2
-    if i == k:
-        total += a[k] * b[0]
-    return total + other
+    while i + 2 < k:
+        one += a[i] * b[k - i]
+        two += a[i + 1] * b[k - i - 1]
+        three += a[i + 2] * b[k - i - 2]
+        four += a[i + 3] * b[k - i - 3]
+        i += 4
+    while i <= k:
+        one += a[i] * b[k - i]
+        i += 1
+    return (one + two) + (three + four)
 
 
 @inlined_kernel
@@ -97,7 +101,7 @@ def _law(law, parts, k):
             decay[0] = math.exp(power[0])
         else:
             parts[RATE, k] = k * power[k]
-            decay[k] = product(parts[RATE], decay, 1, k) / k
+            decay[k] = product(parts[RATE], decay, 1, k) * _INVERSE[k]
         value += law[RISE] * decay[k]
     parts[MU, k] = value
 
@@ -110,7 +114,7 @@ def expand(flow, mode, piece, series, order):
     """
     x, parts, n = series.state, series.parts, series.here.size
     field, push, feedback = flow.field[mode], flow.push[mode], flow.feedback[mode]
-    mu, contact, rest, unit = parts[MU], parts[CONTACT], parts[REST], series.unit[0]
+    mu, contact, rest, unit, share = parts[MU], parts[CONTACT], parts[REST], series.unit[0], 1.0
     for i in range(n):
         x[i, 0] = series.here[i]
     for k in range(order):
@@ -118,10 +122,11 @@ def expand(flow, mode, piece, series, order):
         if piece >= 0:
             parts[SIGMA, k], contact[k] = _affine(flow.speed[mode], x, k), _affine(flow.contact[mode], x, k)
             _law(flow.pieces[piece], parts, k)
-            drive = (mu[0] * contact[k] + product(mu, rest, 1, k)) / (1.0 + feedback * mu[0])
+            share = 1.0 / (1.0 + feedback * mu[0]) if k == 0 else share
+            drive = (mu[0] * contact[k] + product(mu, rest, 1, k)) * share
             rest[k] = contact[k] - feedback * drive
         for i in range(n):
-            x[i, k + 1] = unit * (_affine(field[i], x, k) + push[i] * drive) / (k + 1)
+            x[i, k + 1] = unit * _INVERSE[k + 1] * (_affine(field[i], x, k) + push[i] * drive)
 
 
 @kernel
@@ -261,15 +266,16 @@ def cut_at_piece(flow, mode, piece, series, step):
         step = unit * _cut_at_rise(flow.pieces[piece], series.parts[SIGMA], step / unit)
     if flow.piece_start[mode + 1] - flow.piece_start[mode] < 2:
         return step, piece
-    low, high, form = flow.pieces[piece, FROM], flow.pieces[piece, TO], series.guard
-    spread, power = 0.0, 1.0
+    low, high, form, whole = flow.pieces[piece, FROM], flow.pieces[piece, TO], series.guard, step / unit
+    spread = abs(_affine(flow.speed[mode], series.state, ORDER))
+    for k in range(ORDER - 1, 0, -1):
+        spread = abs(series.parts[SIGMA, k]) + whole * spread
+    spread *= whole
+    if low < series.parts[SIGMA, 0] - spread and series.parts[SIGMA, 0] + spread < high:
+        return step, piece
     for k in range(ORDER + 1):
         form[k] = _affine(flow.speed[mode], series.state, k)
-        spread += abs(form[k]) * power if k > 0 else 0.0
-        power *= step / unit
-    if low < form[0] - spread and form[0] + spread < high:
-        return step, piece
-    following, whole = piece, step / unit
+    following = piece
     if piece > flow.piece_start[mode]:
         until = _first_beyond(form, low, 1.0, whole)
         following, whole = (piece - 1, until) if until < whole else (following, whole)
