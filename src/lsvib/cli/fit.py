@@ -36,4 +36,4 @@ def fit(
         raise InputError(
             f"lsvib fit needs {error.name}, which is not installed: pip install 'lsvib[assess]'."
         ) from None
-    show(result, as_json, lambda result: print(text_of(result)), out)
+    show(result, as_json, lambda _: print(text_of(result)), out)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from lsvib.datasets.attributes import Variables, named_index, variable
+from lsvib.datasets.attributes import Variable, Variables, named_index, variable
 from lsvib.fit.law import PARAMETERS, Array, Fit, halves, steady_torque
 from lsvib.fit.tables import Point
 
@@ -31,7 +31,7 @@ def fit_variables(fit: Fit, points: Sequence[Point]) -> tuple[Variables, Variabl
         "residual": variable(
             ("end", "point"), [end.residual for end in ends], "N m", "measured torque less fitted torque"
         ),
-        "law_torque": variable(("end", "load_case", "direction", "law_speed"), law, "N m", "fitted torque of the motor"),
+        "law_torque": variable(("end", "load_case", "direction", "law_speed"), law, "N m", "fitted torque"),
         "half_sum": variable("pair", half[:, 1], "N m", "half-sum of the torques of both directions"),
         "half_difference": variable("pair", half[:, 2], "N m", "half-difference of the torques of both directions"),
         "residual_rms": variable("end", [end.rms for end in ends], "N m", "root of the mean square of the residuals"),
@@ -64,7 +64,7 @@ def fit_variables(fit: Fit, points: Sequence[Point]) -> tuple[Variables, Variabl
     return variables, coordinates, attributes
 
 
-def _of_points(points: Sequence[Point], name: str, unit: str, words: str) -> tuple[str, Array, dict[str, str]]:
+def _of_points(points: Sequence[Point], name: str, unit: str, words: str) -> Variable:
     return variable("point", np.array([getattr(point, name) for point in points]), unit, words)
 
 

@@ -4,14 +4,14 @@ A motor that turns the screw at ω against an axial load W (positive against out
 
     T = T₀ + s T_b + b ω − r_m W ξ_±(μ(v)),    s = sgn ω,    v = r_m |ω| / cos λ,
 
-with law − (ξ₋ = −tan(φ + λ), lifting) where W ω > 0 and law + (ξ₊ = tan(φ − λ), lowering) elsewhere, φ = arctan μ, and
-μ(v) the law of :mod:`lsvib.models.friction` of the square thread. T_b and b are the Coulomb and viscous drag of bearings
-and slide, T₀ is what the zero of the torque is off: it has the same sign in both directions, as the load's own part has.
+with law − (ξ₋ = −tan(φ + λ), lifting) where W ω > 0 and law + (ξ₊ = tan(φ − λ), lowering) elsewhere, φ = arctan μ,
+and μ(v) the law of :mod:`lsvib.models.friction` of the square thread. T_b and b are the Coulomb and viscous drag of
+bearings and slide, T₀ the error of the torque's zero, which has the same sign in both directions, as the load has.
 
-*What the data tell apart* is read off the Jacobian of the torques by all unknown numbers, each in its natural size, over
-the scatter of the residuals. Its singular values are the inverse standard errors of combinations of the numbers. With
-one load T_b acts as the constant of friction, and b as its slope, so that only the sums are determined; then two ends
-are fitted, all of a sum in the threads, and as much as can be in the bearing.
+*What the data tell apart* is read off the Jacobian of the torques by all unknown numbers, each in its natural size,
+over the scatter of the residuals. Its singular values are the inverse standard errors of combinations of the numbers.
+With one load T_b acts as the constant of friction, and b as its slope, so that only the sums are determined; then two
+ends are fitted, all of a sum in the threads, and as much as can be in the bearing.
 """
 
 import math
@@ -67,7 +67,7 @@ class Measured:
     def speeds(self) -> Array:
         """The different speeds |ω|, ascending [rad/s]."""
         found = np.unique(np.abs(self.speed))
-        return found[np.append(True, np.diff(found) > SAME_SPEED * found[1:])]
+        return np.asarray(found[np.append(True, np.diff(found) > SAME_SPEED * found[1:])])
 
     @property
     def sizes(self) -> dict[str, float]:
@@ -106,7 +106,7 @@ class Solution:
     def correlation(self) -> Array:
         """Correlation of the numbers that were fitted (f, f)."""
         scale = np.sqrt(np.diag(self.covariance))
-        return self.covariance / np.outer(scale, scale)
+        return np.asarray(self.covariance / np.outer(scale, scale))
 
     @property
     def rms(self) -> float:
@@ -124,7 +124,7 @@ class Solution:
 
 @dataclass(frozen=True)
 class Fit:
-    """What measured torques say: ``ends`` by name, ``threads`` and ``bearing``, or the one ``fit`` if all is determined.
+    """What measured torques say: ``ends`` by name, ``threads`` and ``bearing``, or one, ``fit``, if all is determined.
 
     ``not_separable``: pairs of numbers of which only the sum of their torques is known. ``singular_values`` of the
     scaled Jacobian by the ``unknown`` numbers. ``rise_seen``: whether friction rises towards slow sliding.
@@ -209,7 +209,10 @@ def _enough(measured: Measured, known: Mapping[str, float]) -> None:
 
 def _solved(measured: Measured, fixed: Mapping[str, float]) -> Solution:
     """Fit the numbers that are not fixed: first with squares, then with outliers weighed down."""
-    from scipy.optimize import least_squares  # type: ignore[import-untyped]  # of the extra `assess`
+    try:
+        from scipy.optimize import least_squares  # type: ignore[import-untyped]
+    except ModuleNotFoundError:
+        raise InputError("A fit needs scipy, which is not installed: pip install 'lsvib[assess]'.") from None
 
     sizes, speeds = measured.sizes, measured.sliding(measured.speeds)
     free = tuple(name for name in PARAMETERS if name not in fixed)
@@ -226,7 +229,7 @@ def _solved(measured: Measured, fixed: Mapping[str, float]) -> Solution:
     def misfit(x: Array) -> Array:
         """Residuals in units of ``size``."""
         values = {**fixed, **dict(zip(free, x * scale, strict=True))}
-        return (measured.torque - steady_torque(values, measured, measured.speed, measured.load)) / size
+        return np.asarray((measured.torque - steady_torque(values, measured, measured.speed, measured.load)) / size)
 
     def run(start: Array, **loss: Any) -> Any:
         return least_squares(misfit, start, bounds=(low / scale, high / scale), **loss)
@@ -308,7 +311,7 @@ def load_of_directions(measured: Measured, solution: Solution) -> float | None:
     mu = float(np.median(np.maximum(friction.unbounded_coefficient(law, measured.sliding(measured.speed)), 0.0)))
     tangent = math.tan(measured.lead_angle)
     lever = 0.5 * measured.pitch_radius * -sum(friction_factor(mu, tangent, s) for s in (1, -1))
-    return solution.values["offset"] / lever
+    return float(solution.values["offset"] / lever)
 
 
 def _same_sign(measured: Measured, ends: Mapping[str, Solution]) -> None:
@@ -347,5 +350,3 @@ def falls_up_to(measured: Measured, solution: Solution, load: float, sense: int)
     torque = np.abs(steady_torque(solution.values, measured, sense * speeds, load))
     least = int(np.argmin(torque))
     return float(speeds[least]) if least else 0.0
-
-

@@ -18,8 +18,8 @@ from lsvib.fit.sheet import FittedSheet, fit_sheet
 
 _FILES = {"fit.nc": "netCDF", "fit.json": "JSON", "fit.png": "PNG", "fit.pdf": "PDF", "friction.yaml": ""}
 _WORDS = {
-    "friction_coefficient": "the constant part of friction of the threads and the Coulomb drag of the bearing",
-    "friction_slope": "the slope of friction of the threads and the viscous drag of the bearing",
+    "friction_coefficient": "The constant part of friction of the threads and the Coulomb drag of the bearing",
+    "friction_slope": "The slope of friction of the threads and the viscous drag of the bearing",
 }
 
 
@@ -60,7 +60,10 @@ def as_json(found: FittedSheet) -> dict[str, Any]:
         "not_separable": [list(pair) for pair in fit.not_separable],
         "ends": {name: _end(found, end) for name, end in fit.ends.items()},
         "falls_up_to": {str(sense): falls_up_to(measured, main, load, sense) for sense in (1, -1)},
-        "halves": [dict(zip(("speed", "half_sum", "half_difference"), row, strict=True)) for row in halves(measured).tolist()],
+        "halves": [
+            {"speed": speed, "half_sum": friction, "half_difference": of_load}
+            for speed, friction, of_load in halves(measured).tolist()
+        ],
         "measured": [
             {key: None if value != value else value for key, value in vars(point).items()} for point in found.points
         ],
@@ -96,9 +99,9 @@ def sentences(found: FittedSheet) -> list[str]:
     fit, measured = found.fit, found.fit.measured
     said = [f"Left out of {text}." for text in found.left_out] or ["No sample was left out."]
     said += [
-        f"{_WORDS[threads].capitalize()} are not separable: only the sum of their torques is known. Give one of them in "
-        "the sheet, or measure with a second load; below is one end with all in the threads, and one with as much as "
-        "can be in the bearing."
+        f"{_WORDS[threads]} are not separable: only the sum of their torques is known. Give one of them in "
+        "the sheet, or measure with a second load; below all of it is in the threads at one end, and as much as can be "
+        "in the bearing at the other."
         for threads, _ in fit.not_separable
     ]
     if measured.directions == 1:
@@ -109,6 +112,13 @@ def sentences(found: FittedSheet) -> list[str]:
         said.append(
             f"If the zero of the torque is right, both directions differ by a load of {text} N; given are "
             f"{float(np.median(measured.load)):.4g} N."
+        )
+    residual = fit.main.residual[np.lexsort((measured.speed, measured.load))]
+    alike = float(np.sum(residual[1:] * residual[:-1]) / np.sum(residual**2)) if residual.any() else 0.0
+    if alike > 2 / np.sqrt(residual.size):  # two standard deviations of what independent residuals have
+        said.append(
+            f"Residuals at neighbouring speeds are alike (correlation {alike:.2f}): the law leaves more than noise, "
+            "and the standard errors, which take residuals to be independent, are too small."
         )
     if not fit.rise_seen:
         said.append("No rise of friction towards slow sliding is seen.")
@@ -137,11 +147,19 @@ def text_of(result: dict[str, Any]) -> str:
     lines = [f"{'file':>16} {'rad/s':>9} {'scatter':>8} {'mN m':>9} {'scatter':>8} {'samples':>8}"]
     for point in result["measured"] if result["points"] <= 100 else ():  # a table of rows is not repeated
         scatter = [point["speed_scatter"], point["torque_scatter"]]
-        spread = ["" if value is None else f"{value * factor:.3g}" for value, factor in zip(scatter, (1, 1e3), strict=True)]
+        spread = [
+            "" if value is None else f"{value * factor:.3g}" for value, factor in zip(scatter, (1, 1e3), strict=True)
+        ]
         lines.append(
             f"{point['name'][-16:]:>16} {point['speed']:9.4g} {spread[0]:>8} {point['torque'] * 1e3:9.4f} "
             f"{spread[1]:>8} {point['samples']:8d}"
         )
+    if result["halves"]:
+        lines += ["", f"{'both directions':>16} {'rad/s':>9} {'half-sum':>18} {'half-difference, mN m':>26}"]
+    lines += [
+        f"{'':>16} {row['speed']:9.4g} {row['half_sum'] * 1e3:18.4f} {row['half_difference'] * 1e3:26.4f}"
+        for row in result["halves"]
+    ]
     lines += ["", *result["said"], ""]
     for name, end in result["ends"].items():
         values = {**end["friction"], **end["bearing"], "offset": end["offset"]}
@@ -181,4 +199,6 @@ def draw(found: xr.Dataset) -> style.Figure:
     torque, residual = figure.subplots(1, 2)
     torque_panel(torque, found)
     residual_panel(residual, found)
-    return style.legend(figure, [torque, residual], 4)
+    torque.set_title("(a) torque of the motor")
+    residual.set_title("(b) measured less fitted")
+    return figure

@@ -1,7 +1,7 @@
 """The sheet of a measurement: thread, load and tables with units; from it points, and the friction that fits them."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -48,15 +48,18 @@ def _column(value: Any) -> int:
     return found
 
 
-def _unit(*units: str) -> Any:
-    """A unit as text: its size in the first of ``units`` that it fits, and that."""
+_Unit = tuple[float, str]  # the size of a unit in one of the package, and that
 
-    def read(value: Any) -> tuple[float, str]:
+
+def _unit(*units: str) -> Callable[[Any], _Unit]:
+    """What reads the name of a unit that fits one of ``units``."""
+
+    def read(value: Any) -> _Unit:
         if not isinstance(value, str):
             raise NotQuantity(f"= {shown(value)} is not the name of a unit")
         return fields.quantity(f"1 {value}", *units)
 
-    return Annotated[tuple[float, str], BeforeValidator(read)]
+    return read
 
 
 class _Entries(BaseModel):
@@ -73,13 +76,13 @@ class Column(_Entries):
 class SpeedColumn(Column):
     """Speed of the screw, or of the load."""
 
-    unit: _unit("rad/s", "m/s")
+    unit: Annotated[_Unit, BeforeValidator(_unit("rad/s", "m/s"))]
 
 
 class TorqueColumn(Column):
     """Torque of the motor."""
 
-    unit: _unit("N m")
+    unit: Annotated[_Unit, BeforeValidator(_unit("N m"))]
 
 
 class Load(_Entries):
@@ -193,6 +196,8 @@ def fit_sheet(path: Path) -> FittedSheet:
     draw = {key: entry.nominal for key, entry in sheet.spreads().items()}
     lead, diameter, half_angle = thread_geometry(sheet, draw)
     points, loads, left_out = _points(sheet, path.parent, lead)
+    order = sorted(range(len(points)), key=lambda k: (loads[k], points[k].speed))
+    points, loads = [points[k] for k in order], [loads[k] for k in order]
     turning = np.array([bool(point.speed) for point in points])
     columns = np.array([(point.speed, point.torque, load) for point, load in zip(points, loads, strict=True)])
     # A file that begins at rest goes on in the direction in which it breaks away, a row at rest has that of its torque.
@@ -202,9 +207,12 @@ def fit_sheet(path: Path) -> FittedSheet:
         if point.breakaway is not None
     ]
     angle = math.atan(lead / (math.pi * diameter))
-    measured = Measured(*columns[turning].T, 0.5 * diameter, angle, np.array(held).reshape(-1, 3))
+    speed, torque, load = columns[turning].T
+    measured = Measured(speed, torque, load, 0.5 * diameter, angle, np.array(held).reshape(-1, 3))
     moving = [point for point in points if point.speed]
-    return FittedSheet(sheet.name, moving, left_out, fitted(measured, _known(sheet, draw, angle, half_angle)), half_angle)
+    return FittedSheet(
+        sheet.name, moving, left_out, fitted(measured, _known(sheet, draw, angle, half_angle)), half_angle
+    )
 
 
 def _known(sheet: MeasuredSheet, draw: Mapping[str, float], angle: float, half_angle: float) -> dict[str, float]:

@@ -79,7 +79,9 @@ def read_table(
     found = np.array([_pair(row, columns, decimal) for row in own])
     for column, holds in zip(columns, np.isfinite(found).any(axis=0), strict=True):
         if not holds:
-            raise InputError(f"{path} has no number in column {column}, whose last cell is {shown(own[-1][column - 1])}.")
+            raise InputError(
+                f"{path} has no number in column {column}, whose last cell is {shown(own[-1][column - 1])}."
+            )
     kept = np.isfinite(found).all(axis=1)
     if not kept.any():
         raise InputError(f"{path} has no row with numbers in columns {columns[0]} and {columns[1]}.")
@@ -126,7 +128,7 @@ def steady_point(recording: Recording) -> Point:
     mean, scatter = float(speed[kept].mean()), _scatter(speed[kept])
     if scatter > 2 * abs(mean):
         raise InputError(
-            f"{recording.name} does not run at one speed: it goes from {speed.min():.4g} to {speed.max():.4g} rad/s; if "
+            f"{recording.name} does not run at one speed, but from {speed.min():.4g} to {speed.max():.4g} rad/s; if "
             "each of its rows is steady motion of its own, give measurements.point: row."
         )
     resting = np.abs(speed[:begin]) < REST * abs(mean)
