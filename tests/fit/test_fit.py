@@ -75,7 +75,11 @@ def test_the_blocks_are_taken_by_data_sheet_scene_and_shell(screw, run):
     assert friction.problem() is None
     angle = screw.fit.measured.lead_angle
     drive = lsvib.RigidDrive(**text["drive"])
-    for entry, key in (("coefficient", "friction_coefficient"), ("stribeck_rise", "stribeck_rise"), ("slope", "friction_slope")):
+    for entry, key in (
+        ("coefficient", "friction_coefficient"),
+        ("stribeck_rise", "stribeck_rise"),
+        ("slope", "friction_slope"),
+    ):
         flank = getattr(friction, entry).nominal
         assert square_coefficient(flank, angle, math.radians(15)) == pytest.approx(getattr(drive, key), rel=1e-5)
     options = blocks(result).splitlines()[-1].removeprefix("# ").split()
@@ -89,7 +93,13 @@ def test_the_command_writes_all_and_says_what_it_found(run):
     assert (code, error) == (0, "")
     assert "not separable" in out
     assert "No table begins at rest" in out
-    assert {path.name for path in Path("fitted").iterdir()} == {"fit.nc", "fit.json", "fit.png", "fit.pdf", "friction.yaml"}
+    assert {path.name for path in Path("fitted").iterdir()} == {
+        "fit.nc",
+        "fit.json",
+        "fit.png",
+        "fit.pdf",
+        "friction.yaml",
+    }
     code, out, _ = run("fit", str(SCREW), "--json")
     found = json.loads(out)
     assert found == json.loads(Path("fitted/fit.json").read_text())
@@ -102,7 +112,10 @@ def test_the_command_writes_all_and_says_what_it_found(run):
 
 def test_torque_is_that_of_the_wedge():
     speed = np.array([*-SPEEDS, *SPEEDS])
-    values = {**LAW, **{key: LAW[key] * square() for key in ("friction_coefficient", "stribeck_rise", "friction_slope")}}
+    values = {
+        **LAW,
+        **{key: LAW[key] * square() for key in ("friction_coefficient", "stribeck_rise", "friction_slope")},
+    }
     for load in (300.0, -300.0):
         measured = Measured(speed, speed, np.full(speed.size, load), 9e-3, math.atan(4e-3 / (math.pi * 18e-3)))
         assert steady_torque(values, measured, speed, load) == pytest.approx(torque(speed, load), rel=1e-12)
@@ -153,6 +166,16 @@ def test_transients_spikes_and_breakaway_are_left_out_of_the_mean(tmp_path):
     assert point.breakaway == pytest.approx(1.9, abs=0.02)
 
 
+def test_what_was_left_out_is_said(tmp_path):
+    path = write_tables(tmp_path, noise=1e-3)
+    folder = tmp_path / "load300"
+    (folder / "03.csv").write_text("rpm,mN m\n" + "0,20\n" * 30)
+    (folder / "04.csv").write_text((folder / "04.csv").read_text() + "broken,5\n")
+    found = fit_sheet(path)
+    assert len(found.points) == 4 * SPEEDS.size - 1
+    assert found.left_out == ["03.csv: 30 rows, all of a screw at rest", "04.csv: 1 rows that are not numbers"]
+
+
 def test_a_breakaway_gives_the_static_coefficient(tmp_path):
     """Files that begin at rest, under a torque that rises to that of a static coefficient of 0.25."""
     path = write_tables(tmp_path, noise=1e-3)
@@ -177,7 +200,9 @@ def test_a_table_of_many_speeds_is_a_point_a_row(tmp_path):
     for block in sheet["measurements"]:
         folder = tmp_path / block["files"].split("/")[0]
         rows = [line for file in sorted(folder.glob("*.csv")) for line in file.read_text().splitlines()[1:]]
-        (tmp_path / f"{folder.name}.txt").write_text("speed;torque\n" + "\n".join(rows).replace(",", ";").replace(".", ","))
+        (tmp_path / f"{folder.name}.txt").write_text(
+            "speed;torque\n" + "\n".join(rows).replace(",", ";").replace(".", ",")
+        )
         block |= {"files": f"{folder.name}.txt", "separator": ";", "decimal": ","}
     path.write_text(yaml.safe_dump(sheet))
     found = fit_sheet(path)
