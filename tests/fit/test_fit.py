@@ -55,7 +55,7 @@ def test_the_half_sums_of_the_measured_screw_are_those_computed_apart(screw):
 
 
 def test_the_published_bearing_gives_a_friction_near_the_published(screw, tmp_path):
-    """Published: 0.27 and a rise of 0.1 over μ that, with other drag of the carriage, is of the square thread or not."""
+    """Published: 0.27, with a rise of 0.1; friction of the carriage is apart there, and one of the bearing here."""
     sheet = yaml.safe_load(SCREW.read_text())
     sheet["measurements"]["files"] = "examples/measured_screw/drive1/*.csv"
     sheet["bearing"] = {"coulomb": "1 mN*m", "viscous": "3e-5 N*m*s/rad"}
@@ -173,7 +173,7 @@ def test_what_was_left_out_is_said(tmp_path):
     (folder / "04.csv").write_text((folder / "04.csv").read_text() + "broken,5\n")
     found = fit_sheet(path)
     assert len(found.points) == 4 * SPEEDS.size - 1
-    assert found.left_out == ["03.csv: 30 rows, all of a screw at rest", "04.csv: 1 rows that are not numbers"]
+    assert found.left_out == ["03.csv: rows of a screw at rest (30)", "04.csv: rows that are not numbers (1)"]
 
 
 def test_a_breakaway_gives_the_static_coefficient(tmp_path):

@@ -250,11 +250,11 @@ def _points(sheet: MeasuredSheet, folder: Path, lead: float) -> tuple[list[Point
             loads += len(new) * [load.axial()]
             counts = {
                 "rows that are not numbers": table.skipped,
-                "rows, all of a screw at rest": 0 if each_row or new[0].speed else new[0].samples,
+                "rows of a screw at rest": 0 if each_row or new[0].speed else new[0].samples,
                 "first samples, before the speed was steady": sum(point.transient for point in new),
                 "spikes of the torque": sum(point.spikes for point in new),
             }
-            said += [f"{file.name}: {count} {words}" for words, count in counts.items() if count]
+            said += [f"{file.name}: {words} ({count})" for words, count in counts.items() if count]
     return points, loads, said
 
 
