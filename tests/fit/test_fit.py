@@ -230,5 +230,13 @@ def test_the_law_lies_within_its_stated_errors(tmp_path):
     assert {key: count for key, count in inside.items() if count < least} == {}
 
 
-def test_the_example_of_the_function_runs():
+def test_tables_without_any_noise_make_json(tmp_path, run):
+    """No residual, no scatter: nothing that JSON does not know."""
+    path = write_tables(tmp_path, noise=0.0, samples=1, friction={"stribeck_rise": 0, "coefficient": 0.15})
+    code, out, _ = run("fit", str(path), "--json")
+    assert code == 0
+    assert json.loads(out)["measured"][0]["torque_scatter"] is None
+
+
+def test_a_function_does_the_same():
     assert fit_file(SCREW)["points"] == 32

@@ -78,6 +78,11 @@ class Measured:
         sizes = (level, level, sliding, level / sliding, torque, torque / fastest, torque)
         return dict(zip(PARAMETERS, sizes, strict=True))
 
+    @property
+    def fading(self) -> tuple[float, float]:
+        """The sliding speeds [m/s] between which a rise would fade that the measured speeds can show."""
+        return 0.3 * float(self.sliding(self.speeds[0])), float(self.sliding(self.speeds[-1]))
+
     def sliding(self, speed: Any) -> Any:
         """Return the sliding speed [m/s] at speeds of the screw [rad/s]."""
         return self.pitch_radius * np.abs(speed) / math.cos(self.lead_angle)
@@ -106,6 +111,7 @@ class Solution:
     def correlation(self) -> Array:
         """Correlation of the numbers that were fitted (f, f)."""
         scale = np.sqrt(np.diag(self.covariance))
+        scale[scale == 0] = 1.0  # without any residual
         return np.asarray(self.covariance / np.outer(scale, scale))
 
     @property
@@ -173,12 +179,9 @@ def fitted(measured: Measured, given: Mapping[str, float] | None = None) -> Fit:
     laws = [{**known, "stribeck_exponent": exponent} for exponent in exponents]
     if not known.keys() & set(OF_RISE):
         laws.append({**known, **flat, "stribeck_exponent": exponents[0]})
-    of_bearing = {bearing: 0.0 for threads, bearing in PAIRS if not {threads, bearing} & known.keys()}
-    first = {k: _solved(measured, {**of_bearing, **law}) for k, law in enumerate(laws)}
-    best = min(first, key=lambda k: _schwarz(first[k]))
-    fixed = laws[best]
-    singular, lost = _undetermined(measured, fixed, first[best])
-    ends = {"fit": _solved(measured, fixed)} if not lost else {
+    fixed, whole = min(((law, _solved(measured, law)) for law in laws), key=lambda pair: _schwarz(pair[1]))
+    singular, lost = _undetermined(measured, whole)
+    ends = {"fit": whole} if not lost else {
         "threads": _solved(measured, {**fixed, **{bearing: 0.0 for _, bearing in lost}}),
         "bearing": _solved(measured, {**fixed, **{threads: 0.0 for threads, _ in lost}}),
     }  # fmt: skip
@@ -223,7 +226,7 @@ def _solved(measured: Measured, fixed: Mapping[str, float]) -> Solution:
         if name in ("friction_coefficient", "stribeck_rise"):
             high[k] = 0.5 / math.tan(measured.lead_angle)  # the sum of both is below cot λ, where lifting jams
         if name == "stribeck_speed":
-            low[k], high[k] = 0.3 * speeds[0], speeds[-1]  # what fades outside was not measured
+            low[k], high[k] = measured.fading
     size = sizes["coulomb"]
 
     def misfit(x: Array) -> Array:
@@ -259,11 +262,9 @@ def _schwarz(solution: Solution) -> float:
     return float(n * np.log(np.mean(capped**2)) + len(solution.free) * np.log(n))
 
 
-def _undetermined(
-    measured: Measured, fixed: Mapping[str, float], at: Solution
-) -> tuple[Array, tuple[tuple[str, str], ...]]:
+def _undetermined(measured: Measured, at: Solution) -> tuple[Array, tuple[tuple[str, str], ...]]:
     """Return the singular values of the scaled Jacobian, and the pairs of which only the sum is determined."""
-    free, sizes = [name for name in PARAMETERS if name not in fixed], measured.sizes
+    free, sizes = at.free, measured.sizes
     columns = []
     for name in free:
         step = 1e-4 * sizes[name]

@@ -120,6 +120,11 @@ def sentences(found: FittedSheet) -> list[str]:
             f"Residuals at neighbouring speeds are alike (correlation {alike:.2f}): the law leaves more than noise, "
             "and the standard errors, which take residuals to be independent, are too small."
         )
+    fading, speed = np.array(measured.fading), fit.main.values["stribeck_speed"]
+    if "stribeck_speed" in fit.main.free and (abs(speed / fading - 1) < 1e-3).any():
+        said.append(
+            f"The speed over which the rise fades, {speed:.3g} m/s, is at the end of what the measured speeds can show."
+        )
     if not fit.rise_seen:
         said.append("No rise of friction towards slow sliding is seen.")
     falls = falls_up_to(measured, fit.main, float(np.median(measured.load)), int(np.sign(measured.speed[0])))
