@@ -151,6 +151,7 @@ def test_an_outlier_and_a_flat_law_are_seen(tmp_path):
     clean = fitted(replace(found.measured, torque=torque(found.measured.speed, 600.0, {**LAW, "stribeck_rise": 0.0}),
                            load=np.full(found.measured.speed.size, 600.0)), {"offset": 0.004})  # fmt: skip
     assert not clean.rise_seen
+    assert set(clean.main.drive()) == {"friction_coefficient", "friction_slope"}
 
 
 def test_transients_spikes_and_breakaway_are_left_out_of_the_mean(tmp_path):

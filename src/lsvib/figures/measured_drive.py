@@ -2,6 +2,7 @@
 
 import json
 import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -278,15 +279,19 @@ def _over_stiffness(axes: style.Axes, found: xr.DataArray) -> None:
 
 def torque_panel(axes: style.Axes, dataset: xr.Dataset) -> None:
     """Draw the magnitudes of torques over that of the speed, with their scatter, and the law of the first end."""
-    law = np.abs(dataset.law_torque.isel(end=0)) * 1e3
-    for sense, colour, mark, words in _directions(dataset):
-        own = dataset.isel(point=np.flatnonzero(np.sign(dataset.measured_speed) == sense))
+    laws = np.abs(dataset.law_torque.isel(end=0)) * 1e3
+    for sign, colour, mark, words, own in _ways(dataset):
+        points = dataset.isel(point=own)
         axes.errorbar(
-            np.abs(own.measured_speed) / RPM, np.abs(own.measured_torque) * 1e3, own.torque_scatter * 1e3, fmt=mark,
-            color=colour, markersize=3, elinewidth=0.5, label=f"measured, {words}",
+            np.abs(points.measured_speed) / RPM, np.abs(points.measured_torque) * 1e3, points.torque_scatter * 1e3,
+            fmt=mark, color=colour, markersize=3, elinewidth=0.5, label=f"measured, {words}",
         )  # fmt: skip
-        for line in law.sel(direction=sense):
-            axes.plot(dataset.law_speed / RPM, line, color=colour, linewidth=1, label=f"fitted law, {words}")
+        label = f"fitted law, {words}"
+        for law in laws:
+            sense = sign * int(np.sign(law.load_case))
+            if sense in dataset.direction:
+                axes.plot(dataset.law_speed / RPM, law.sel(direction=sense), color=colour, linewidth=1, label=label)
+                label = ""
     axes.set(xlabel="speed of the screw [rpm]", ylabel="torque of the motor [mN m]")
     axes.legend(fontsize=7)
 
@@ -294,22 +299,20 @@ def torque_panel(axes: style.Axes, dataset: xr.Dataset) -> None:
 def residual_panel(axes: style.Axes, dataset: xr.Dataset) -> None:
     """Draw what the fit leaves over, by end, with the standard error of each mean, over the speed."""
     error = dataset.torque_scatter / np.sqrt(dataset.samples) * 1e3
-    for sense, colour, mark, words in _directions(dataset):
-        own = np.flatnonzero(np.sign(dataset.measured_speed) == sense)
+    for _, colour, mark, words, own in _ways(dataset):
         speed = np.abs(dataset.measured_speed[own]) / RPM
-        for k, end in enumerate(dataset.residual[:, own] * 1e3):
-            if k:
-                axes.plot(speed, end, "x", color=colour, markersize=3, label=f"{words}, bearing end")
-            else:
-                axes.errorbar(speed, end, error[own], fmt=mark, color=colour, markersize=3, elinewidth=0.5,
-                              label=words)  # fmt: skip
+        first, *others = dataset.residual[:, own] * 1e3
+        axes.errorbar(speed, first, error[own], fmt=mark, color=colour, markersize=3, elinewidth=0.5, label=words)
+        for end in others:
+            axes.plot(speed, end, "x", color=colour, markersize=3, label=f"{words}, bearing end")
     axes.axhline(0, color=style.GREY, linewidth=0.6)
     axes.set(xlabel="speed of the screw [rpm]", ylabel="torque [mN m]")
     axes.legend(fontsize=7)
 
 
-def _directions(dataset: xr.Dataset) -> list[tuple[int, str, str, str]]:
-    """The directions that were measured, each with colour, mark and words."""
-    lifts = int(np.sign(dataset.measured_load.values[0]))
-    looks = {lifts: (style.VERMILION, "o", "lifting"), -lifts: (style.BLUE, "s", "lowering")}
-    return [(sense, *looks[sense]) for sense in dataset.direction.values.tolist()]
+def _ways(dataset: xr.Dataset) -> Iterator[tuple[int, str, str, str, np.ndarray]]:
+    """Lifting and lowering, as far as measured: sign of speed times load, colour, mark, words, indices of points."""
+    for sign, colour, mark, words in ((1, style.VERMILION, "o", "lifting"), (-1, style.BLUE, "s", "lowering")):
+        own = np.flatnonzero(np.sign(dataset.measured_speed * dataset.measured_load) == sign)
+        if own.size:
+            yield sign, colour, mark, words, own

@@ -36,7 +36,7 @@ def fit_variables(fit: Fit, points: Sequence[Point]) -> tuple[Variables, Variabl
         "half_difference": variable("pair", half[:, 2], "N m", "half-difference of the torques of both directions"),
         "residual_rms": variable("end", [end.rms for end in ends], "N m", "root of the mean square of the residuals"),
         "correlation": variable(
-            ("end", "parameter", "other_parameter"), [_correlation(fit, name) for name in fit.ends], "1",
+            ("end", "number", "other_number"), [_correlation(fit, name) for name in fit.ends], "1",
             "correlation of the fitted numbers",
         ),
         "singular_value": variable(
@@ -53,8 +53,8 @@ def fit_variables(fit: Fit, points: Sequence[Point]) -> tuple[Variables, Variabl
         "direction": variable("direction", senses, "1", "direction of turning, 1 is outward"),
         "law_speed": variable("law_speed", curve, "rad s-1", "speed of the screw", r"$|\omega|$"),
         "half_speed": variable("pair", half[:, 0], "rad s-1", "speed at which both directions were measured"),
-        "parameter": named_index("parameter", "fitted number", list(PARAMETERS)),
-        "other_parameter": named_index("other_parameter", "other fitted number", list(PARAMETERS)),
+        "number": named_index("number", "fitted number", list(PARAMETERS)),
+        "other_number": named_index("other_number", "other fitted number", list(PARAMETERS)),
     }
     attributes = {
         "not_separable": json.dumps(fit.not_separable),

@@ -41,6 +41,7 @@ OF_RISE = ("stribeck_rise", "stribeck_speed")
 PAIRS = (("friction_coefficient", "coulomb"), ("friction_slope", "viscous"))  # of the threads, and of the bearing
 DETERMINED = 0.1  # of the typical torque: largest standard error of what counts as determined
 LOSS = 3.0  # standard deviations from which on a residual counts as an outlier
+AT_ZERO = 1e-9  # in natural sizes: a number that the search left so close to its bound is zero
 SAME_SPEED = 0.05  # relative: files of one commanded speed are not further apart
 
 
@@ -121,10 +122,11 @@ class Solution:
 
     def drive(self) -> dict[str, float]:
         """Return the friction law as parameters of a drive; those of a rise or slope that it has not are left out."""
-        names = [name for name in PARAMETERS if name.startswith(("friction", "stribeck"))]
-        law = {name: self.values[name] for name in names if name == names[0] or self.values[name]}
+        law = {"friction_coefficient": self.values["friction_coefficient"]}
         if self.values["stribeck_rise"]:
-            law["stribeck_exponent"] = self.values["stribeck_exponent"]
+            law |= {name: self.values[name] for name in (*OF_RISE, "stribeck_exponent")}
+        if self.values["friction_slope"]:
+            law["friction_slope"] = self.values["friction_slope"]
         return law | ({"static_friction_coefficient": self.static[0]} if self.static else {})
 
 
@@ -250,16 +252,17 @@ def _solved(measured: Measured, fixed: Mapping[str, float]) -> Solution:
     weight = 1 / np.sqrt(1 + (found.fun / (LOSS * spread)) ** 2)
     variance = float(np.sum(weight * found.fun**2)) / max(found.fun.size - len(free), 1)
     covariance = np.linalg.pinv(jacobian.T @ jacobian) * variance * np.outer(scale, scale)
-    values = {**fixed, **dict(zip(free, (found.x * scale).tolist(), strict=True))}
+    settled = np.where(np.abs(found.x) < AT_ZERO, 0.0, found.x) * scale
+    values = {**fixed, **dict(zip(free, settled.tolist(), strict=True))}
     return Solution(values, free, covariance, found.fun * size)
 
 
 def _schwarz(solution: Solution) -> float:
     """Schwarz's criterion: what a model must fit better for each more of its numbers."""
     n = solution.residual.size
-    level = np.median(np.abs(solution.residual)) or np.finfo(float).tiny
+    level = float(np.median(np.abs(solution.residual)))
     capped = np.minimum(np.abs(solution.residual), LOSS * 1.4826 * level)  # outliers do not choose the model
-    return float(n * np.log(np.mean(capped**2)) + len(solution.free) * np.log(n))
+    return float(n * np.log(np.mean(capped**2) + np.finfo(float).tiny) + len(solution.free) * np.log(n))
 
 
 def _undetermined(measured: Measured, at: Solution) -> tuple[Array, tuple[tuple[str, str], ...]]:
@@ -334,7 +337,7 @@ def halves(measured: Measured) -> Array:
     (and T₀).
     """
     rows = []
-    order = np.argsort(np.abs(measured.speed))
+    order = np.lexsort((np.abs(measured.speed), measured.load))
     back = [k for k in order if measured.speed[k] < 0]
     for k in (k for k in order if measured.speed[k] > 0):
         near = [j for j in back if measured.load[j] == measured.load[k]

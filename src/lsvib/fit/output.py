@@ -107,7 +107,7 @@ def sentences(found: FittedSheet) -> list[str]:
     if measured.directions == 1:
         said.append("One direction was measured only: whether load and zero of the torque are right cannot be seen.")
     loads = [value for end in fit.ends.values() if (value := _load(found, end)) is not None]
-    if loads and "offset" in fit.unknown:
+    if loads and "offset" in fit.unknown and np.ptp(measured.load) == 0:
         text = " to ".join(f"{value:.3g}" for value in sorted({float(f"{value:.3g}") for value in loads}))
         said.append(
             f"If the zero of the torque is right, both directions differ by a load of {text} N; given are "
