@@ -29,10 +29,11 @@ this law makes of a rigid drive with the published inertias; all drag is frictio
 of the torques decides on stability. (c) Speed up to which vibration that has begun goes on, over the stiffness of the
 drive, for three dampings c, the gain of a feedback of speed. Shaded: from 2 rpm, where the screw jerked between 0 and
 12 rpm, to 10 rpm, where it turned evenly (10 ± 0.4 rpm). (d) Largest speed of the screw that jerks at 2 rpm. The
-controller's gains are not published, which leaves k and c open. Of k the limit (c) says nothing. A c of some 10⁻⁴ N m
-s/rad would explain it, a soft spring without feedback the 12 rpm, but no pair of both all that was seen: the
-controller is more than a spring and a damper, the law between 0 and 10 rpm rests on the torque of a screw that jerked,
-and speeds are averages over some time, so that quick jerks at 10 rpm would not be seen.
+controller's gains are not published, which leaves k and c open. Of k the limit (c) says next to nothing. A c of some
+10⁻⁴ N m s/rad would explain it; but with it only a spring so soft lets jerks reach 12 rpm that they come less often
+than the 2.4 a second that were counted at least. So spring and damper alone do not explain all that was seen: the
+controller may do more, the law below 10 rpm rests on the torque of a screw that jerked, and speeds are averages over
+some time, so that quick jerks at 10 rpm would not be seen.
 """
 
 DATA = Path(__file__).parents[3] / "examples" / "measured_screw" / "drive1"
@@ -40,6 +41,7 @@ RPM = math.pi / 30  # rad/s
 LEAD, RADIUS = 2e-3, 5.5e-3  # m
 LOAD = -0.096 * 9.80665  # N, travel at positive speed lowers it
 JERKS, EVEN = 2 * RPM, 10 * RPM  # rad/s: speeds at which the screw was seen to jerk, and to turn evenly
+SAMPLED = 51.2e-3  # s, from one sample of a table to the next
 LARGEST_SEEN = 12 * RPM  # rad/s, at 2 rpm outward
 PUBLISHED = {"pitch_radius": RADIUS, "lead_angle": math.atan(LEAD / (2 * math.pi * RADIUS)), "screw_inertia": 2.186e-6,
              "mass": 0.180 + 0.096, "axial_force": -LOAD}  # fmt: skip
@@ -64,8 +66,10 @@ def build(settings: Values) -> xr.Dataset:
     """Fit the friction law, and follow motions of the drive that it makes."""
     from lsvib.fit.dataset import fit_variables
     from lsvib.fit.law import Measured, fitted
+    from lsvib.fit.tables import steady_point
 
-    points = sorted(_points(), key=lambda point: point.speed)
+    tables = _tables()
+    points = sorted(map(steady_point, tables), key=lambda point: point.speed)
     speed, torque = (np.array([getattr(point, name) for point in points]) for name in ("speed", "torque"))
     fit = fitted(Measured(speed, torque, np.full(speed.size, LOAD), RADIUS, PUBLISHED["lead_angle"]))
     variables, coordinates, more = fit_variables(fit, points)
@@ -77,14 +81,16 @@ def build(settings: Values) -> xr.Dataset:
     grid = [(c, sense, k) for c in dampings.tolist() for sense in (-1, 1) for k in stiffness.tolist()]
     shape = (dampings.size, 2, stiffness.size)
     found = np.array([_vibrates_up_to(drive, *place) for place in grid]).reshape(*shape, 2)
-    peak = np.array([_largest_speed(drive, *place) for place in grid]).reshape(shape)
+    jerks = np.array([_jerks(drive, *place) for place in grid]).reshape(*shape, 2)
     onset = np.array([[_damping_at(drive, sense * at) for sense in (-1, 1)] for at in (JERKS, EVEN)])
     variables |= {
         "vibrates_up_to": variable(
             dims, found[..., 0], "rad s-1", "speed up to which vibration that has begun goes on"
         ),
         "unresolved_motions": variable(dims, found[..., 1], "1", "number of motions that did not settle"),
-        "largest_speed": variable(dims, peak, "rad s-1", "largest speed of the screw of a drive that jerks"),
+        "largest_speed": variable(dims, jerks[..., 0], "rad s-1", "largest speed of the screw of a drive that jerks"),
+        "jerk_frequency": variable(dims, jerks[..., 1], "s-1", "frequency of jerks"),
+        "seen_jerk_frequency": variable((), _seen_frequency(tables), "s-1", "frequency of jerks that were seen"),
         "onset_damping": variable(
             ("seen_speed", "direction"), onset, "N m s rad-1", "damping below which steady sliding is unstable"
         ),
@@ -106,14 +112,21 @@ def build(settings: Values) -> xr.Dataset:
     return xr.Dataset(variables, coordinates, {**words, **more, "data": SOURCE})
 
 
-def _points() -> list[Any]:
-    from lsvib.fit.tables import read_table, steady_point
+def _tables() -> list[Any]:
+    from lsvib.fit.tables import read_table
 
     files = sorted(DATA.glob("*.csv"))
     if not files:
         raise InputError("The tables of figure measured_drive come with a checkout of lsvib only, in examples.")
     factors = (-RPM, -0.0984e-3)  # signs of the motor; per cent of 9.84 mN m
-    return [steady_point(read_table(file, (2, 3), factors, ";")) for file in files]
+    return [read_table(file, (2, 3), factors, ";") for file in files]
+
+
+def _seen_frequency(tables: list[Any]) -> float:
+    """How often in a second the speed rises beyond twice its mean in the outward table of jerks, at least."""
+    (speed,) = (table.speed for table in tables if table.name == "2.csv")
+    high = speed > 2 * speed.mean()
+    return float(np.count_nonzero(high[1:] & ~high[:-1]) / (speed.size * SAMPLED))
 
 
 def _ends_on(drive: RigidDrive, speed: float) -> Any:
@@ -144,15 +157,15 @@ def _vibrates_up_to(drive: RigidDrive, damping: float, sense: int, stiffness: fl
     return low, unresolved
 
 
-def _largest_speed(drive: RigidDrive, damping: float, sense: int, stiffness: float) -> float:
-    """The largest speed [rad/s] of the cycle at the speed at which the screw was seen to jerk; NaN if there is none."""
+def _jerks(drive: RigidDrive, damping: float, sense: int, stiffness: float) -> tuple[float, float]:
+    """Largest speed [rad/s] and frequency [1/s] of the cycle at the speed of jerks; NaN if there is none."""
     from lsvib.dynamics.attractor import orbit_extremes
 
     own = drive.replace(support_damping=damping, coupling_stiffness=stiffness)
     end = _ends_on(own, sense * JERKS)
     if end.orbit is None or not end.label.name.endswith("CYCLE"):
-        return math.nan
-    return JERKS + max(sense * x for x in orbit_extremes(end.orbit, np.array([0.0, 1.0, 0.0])))
+        return math.nan, math.nan
+    return JERKS + max(sense * x for x in orbit_extremes(end.orbit, np.array([0.0, 1.0, 0.0]))), 1 / end.period
 
 
 def _damping_at(drive: RigidDrive, speed: float) -> float:
@@ -184,6 +197,8 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     lost = dataset.attrs["not_separable"]
     fitted = dataset.measured_torque.values - end.residual.values
     ratio = fitted / _by_angles(dataset, dataset.measured_speed.values)
+    most = dataset.isel(support_damping=-1)
+    slow = most.jerk_frequency.values[most.largest_speed.values >= LARGEST_SEEN]
     fall = float(np.abs(dataset.onset_damping.values / _falling(dataset) - 1).max())
     limits = dataset.vibrates_up_to
     undamped = limits.sel(support_damping=0.0).values
@@ -199,9 +214,9 @@ def checks(dataset: xr.Dataset) -> list[Check]:
                     f"least at {float(dataset.half_speed[int(np.argmin(half.values))]) / RPM:.0f} rpm, rise "
                     f"{float(end.fitted_stribeck_rise):.3g} ± {float(end.fitted_stribeck_rise_error):.1g}",
                     float(end.fitted_stribeck_rise) > 4 * float(end.fitted_stribeck_rise_error)),
-        Check.holds("The speed up to which vibration goes on hardly depends on the stiffness without speed feedback",
+        Check.holds("Over all stiffnesses the speed up to which vibration goes on changes by less than a quarter",
                     "ours", f"{undamped.min() / RPM:.3g} to {undamped.max() / RPM:.3g} rpm",
-                    np.ptp(undamped) < 0.1 * undamped.min()),
+                    np.ptp(undamped) < 0.25 * undamped.min()),
         Check.holds("Without speed feedback the screw would vibrate at 10 rpm, where it turned evenly", "ours",
                     f"up to {undamped.min() / RPM:.3g} rpm", undamped.min() > EVEN),
         Check.holds("The damping that makes steady sliding stable is the slope at which the torque falls", "eq. 8.13",
@@ -211,6 +226,9 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         Check.holds("Among the stiffnesses is one at which the jerks at 2 rpm reach the 12 rpm that were seen", "ours",
                     f"{float(reach.min()) / RPM:.3g} to {float(reach.max()) / RPM:.3g} rpm",
                     float(reach.min()) < LARGEST_SEEN < float(reach.max())),
+        Check.holds("With feedback for which 10 rpm is even, jerks as large as those seen come less often",
+                    "ours", f"at most {slow.max(initial=0.0):.2g} a second, {float(dataset.seen_jerk_frequency):.2g} seen",
+                    slow.size > 0 and slow.max() < dataset.seen_jerk_frequency),
         Check.holds("Over a period of jerks at 2 rpm the works of motor, load, friction and dampers add up to nothing",
                     "ours", f"{float(dataset.motion_balance):.1e} of the largest",
                     abs(float(dataset.motion_balance)) < 1e-10),
@@ -260,7 +278,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     largest.axhline(LARGEST_SEEN / RPM, **style.PRINTED)
     largest.text(0.97, 1.05 * LARGEST_SEEN / RPM, "seen: 12 rpm", transform=largest.get_yaxis_transform(), ha="right",
                  va="bottom", fontsize=7)  # fmt: skip
-    for axes, ticks in ((limit, (2, 5, 10, 20, 50, 100)), (largest, (5, 10, 20, 50))):
+    for axes, ticks in ((limit, (2, 5, 10, 20, 50, 100)), (largest, (5, 10, 20, 50, 100))):
         axes.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
         axes.set_yticks([], minor=True)
     largest.legend(loc="upper right", title="colours and order as in (c)", title_fontsize=7, fontsize=7)
