@@ -227,7 +227,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
                     f"{float(reach.min()) / RPM:.3g} to {float(reach.max()) / RPM:.3g} rpm",
                     float(reach.min()) < LARGEST_SEEN < float(reach.max())),
         Check.holds("With feedback for which 10 rpm is even, jerks as large as those seen come less often",
-                    "ours", f"at most {slow.max(initial=0.0):.2g} a second, {float(dataset.seen_jerk_frequency):.2g} seen",
+                    "ours", f"{slow.max(initial=0.0):.2g} a second, {float(dataset.seen_jerk_frequency):.2g} seen",
                     slow.size > 0 and slow.max() < dataset.seen_jerk_frequency),
         Check.holds("Over a period of jerks at 2 rpm the works of motor, load, friction and dampers add up to nothing",
                     "ours", f"{float(dataset.motion_balance):.1e} of the largest",
