@@ -104,7 +104,7 @@ def test_columns_bear_what_a_catalogue_says(ends, factor):
 
 
 def test_short_columns_follow_johnson():
-    """σ_y − (σ_y l / (2π k))² / (K E), k = d/4 (Johnson, as Shigley writes it); Euler's alone would be 40 % above it."""
+    """σ_y − (σ_y l / (2π k))² / (K E), k = d/4 (Johnson, as in Shigley); Euler's alone would be 40 % above it."""
     modulus, strength, diameter, length = 200e9, 250e6, 0.02, 0.4
     stress = strength - (strength * length / (2 * math.pi * diameter / 4)) ** 2 / modulus
     load = column_load(modulus, strength, diameter, length, 1.0)

@@ -83,7 +83,7 @@ def quantities(sheet: Sheet, draw: DrawnValues) -> dict[str, Any]:
     Quantities that the sheet does not give are zero, or absent for a contact, support or law of friction that it does
     not have.
     """
-    lead, diameter, half_angle = _thread(sheet, draw)
+    lead, diameter, half_angle = thread_geometry(sheet, draw)
     angle = np.arctan(lead / (math.pi * diameter))
     inertia, screw_mass = _screw(sheet, draw, diameter)
     ratio = draw.get("coupling.gear_ratio", 1.0)
@@ -119,7 +119,8 @@ def quantities(sheet: Sheet, draw: DrawnValues) -> dict[str, Any]:
     return found
 
 
-def _thread(sheet: Sheet, draw: DrawnValues) -> tuple[Any, Any, Any]:
+def thread_geometry(sheet: Any, draw: DrawnValues) -> tuple[Any, Any, Any]:
+    """Return lead [m], pitch diameter [m] and half angle [rad] from the entries of a sheet that has a ``thread``."""
     thread = sheet.thread
     if thread.size is not None:
         return thread.size.lead, thread.size.pitch_diameter, thread.size.half_angle

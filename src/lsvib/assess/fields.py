@@ -34,6 +34,7 @@ _KINDS = {  # of quantities, by the unit in which the package counts them, each 
     "N m s/rad": ("a rotational damping", "2e-4 N*m*s/rad"),
     "N s/m": ("a damping", "100 N*s/m"),
     "N": ("a force", "50 N"),
+    "N m": ("a torque", "3 mN*m"),
     "N/m": ("a stiffness", "1e6 N/m"),
     "rad/s": ("a rotational speed", "60 rpm"),
     "m/s": ("a speed", "10 mm/s"),
@@ -275,6 +276,8 @@ TurningDamping = _field("N m s/rad", 0.0, 1e12)
 LinearDamping = _field("N s/m", 0.0, 1e15)
 Stiffness = _field("N/m", _least("contact_stiffness", ThreadsDrive), 1e15)
 Force = _field("N", -1e10, 1e10)
+Torque = _field("N m", -1e9, 1e9)
+Drag = _field("N m", 0.0, 1e9)
 Speed = _positive({"rad/s": 1e6, "m/s": 1e4})
 Ratio = _positive({"": 1e4})
 Coefficient = _field("", 0.0, 3.0)

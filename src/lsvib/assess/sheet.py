@@ -245,7 +245,7 @@ class Sheet(_Part):
         try:
             sheet = cls.model_validate(dict(values))
         except ValidationError as error:
-            raise InputError(_sentence(error)) from None
+            raise InputError(sentence(error, cls)) from None
         for part in (sheet.thread, sheet.screw, sheet.friction, sheet.nut):
             if part is not None and (problem := part.problem()) is not None:
                 raise InputError(problem)
@@ -286,8 +286,8 @@ class Sheet(_Part):
         return {path: value for path, value in self.entries() if isinstance(value, Spread)}
 
 
-def _sentence(error: ValidationError) -> str:
-    """One sentence about the first complaint of pydantic, a misspelt key before a missing one."""
+def sentence(error: ValidationError, whole: type[BaseModel]) -> str:
+    """Return one sentence about the first complaint of pydantic, a misspelt key before a missing one."""
     first = min(error.errors(), key=lambda complaint: complaint["type"] == "missing")
     path, kind = ".".join(str(part) for part in first["loc"]), first["type"]
     cause = first.get("ctx", {}).get("error")
@@ -296,7 +296,7 @@ def _sentence(error: ValidationError) -> str:
     if isinstance(cause, NotQuantity):
         return f"{path} {cause}."
     if kind == "extra_forbidden":
-        part: Any = Sheet
+        part: Any = whole
         for key in first["loc"][:-1]:
             annotation = part.model_fields[str(key)].annotation
             kinds = (annotation, *getattr(annotation, "__args__", ()))

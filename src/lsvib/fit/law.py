@@ -1,0 +1,356 @@
+r"""The torque of a screw that turns steadily, and the friction law that measured torques follow; SI units.
+
+A motor that turns the screw at ω against an axial load W (positive against outward travel, θ′ > 0) needs
+
+    T = T₀ + s T_b + b ω − r_m W ξ_±(μ(v)),    s = sgn ω,    v = r_m |ω| / cos λ,
+
+with law − (ξ₋ = −tan(φ + λ), lifting) where W ω > 0 and law + (ξ₊ = tan(φ − λ), lowering) elsewhere, φ = arctan μ,
+and μ(v) the law of :mod:`lsvib.models.friction` of the square thread. T_b and b are the Coulomb and viscous drag of
+bearings and slide, T₀ the error of the torque's zero, which has the same sign in both directions, as the load has.
+
+*What the data tell apart* is read off the Jacobian of the torques by all unknown numbers, each in its natural size,
+over the scatter of the residuals. Its singular values are the inverse standard errors of combinations of the numbers.
+With one load T_b acts as the constant of friction, and b as its slope, so that only the sums are determined; then two
+ends are fitted, all of a sum in the threads, and as much as can be in the bearing.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsvib.errors import InputError
+from lsvib.models import friction
+from lsvib.models.mechanics import friction_factor
+
+Array = NDArray[np.float64]
+PARAMETERS = {  # unit and words, those of the law as parameters of a drive have them
+    "friction_coefficient": ("1", "friction coefficient of the threads"),
+    "stribeck_rise": ("1", "rise of friction towards slow sliding"),
+    "stribeck_speed": ("m s-1", "sliding speed over which the rise fades"),
+    "friction_slope": ("s m-1", "slope of friction over the sliding speed"),
+    "coulomb": ("N m", "Coulomb drag of the bearing"),
+    "viscous": ("N m s rad-1", "viscous drag of the bearing"),
+    "offset": ("N m", "zero error of the torque"),
+}
+OF_RISE = ("stribeck_rise", "stribeck_speed")
+PAIRS = (("friction_coefficient", "coulomb"), ("friction_slope", "viscous"))  # of the threads, and of the bearing
+DETERMINED = 0.1  # of the typical torque: largest standard error of what counts as determined
+LOSS = 3.0  # standard deviations from which on a residual counts as an outlier
+AT_ZERO = 1e-9  # in natural sizes: a number that the search left so close to its bound is zero
+SAME_SPEED = 0.05  # relative: files of one commanded speed are not further apart
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Points of steady motion (n): ``speed`` [rad/s], ``torque`` [N m], axial ``load`` W [N]; and the screw.
+
+    ``breakaway`` (k, 3): direction ±1, torque [N m] and load [N] at which a screw at rest began to turn.
+    """
+
+    speed: Array
+    torque: Array
+    load: Array
+    pitch_radius: float
+    lead_angle: float
+    breakaway: Array = field(default_factory=lambda: np.zeros((0, 3)))
+
+    @property
+    def directions(self) -> int:
+        """Number of directions of turning, 1 or 2."""
+        return np.unique(np.sign(self.speed)).size
+
+    @property
+    def speeds(self) -> Array:
+        """The different speeds |ω|, ascending [rad/s]."""
+        found = np.unique(np.abs(self.speed))
+        return np.asarray(found[np.append(True, np.diff(found) > SAME_SPEED * found[1:])])
+
+    @property
+    def sizes(self) -> dict[str, float]:
+        """The natural size of each parameter: what alone would make the typical torque at the highest speed."""
+        torque, fastest = float(np.median(np.abs(self.torque))), float(self.speeds[-1])
+        level = torque / (self.pitch_radius * float(np.median(np.abs(self.load))))
+        sliding = self.sliding(fastest)
+        sizes = (level, level, sliding, level / sliding, torque, torque / fastest, torque)
+        return dict(zip(PARAMETERS, sizes, strict=True))
+
+    @property
+    def fading(self) -> tuple[float, float]:
+        """The sliding speeds [m/s] between which a rise would fade that the measured speeds can show."""
+        return 0.3 * float(self.sliding(self.speeds[0])), float(self.sliding(self.speeds[-1]))
+
+    def sliding(self, speed: Any) -> Any:
+        """Return the sliding speed [m/s] at speeds of the screw [rad/s]."""
+        return self.pitch_radius * np.abs(speed) / math.cos(self.lead_angle)
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Numbers that fit the points, by names of :data:`PARAMETERS` and ``stribeck_exponent``.
+
+    ``free``: the names that were fitted, in the order of ``covariance`` (f, f); ``residual`` (n) [N m], measured less
+    fitted. ``static``: static coefficient [1] and its standard error, or None.
+    """
+
+    values: dict[str, float]
+    free: tuple[str, ...]
+    covariance: Array
+    residual: Array
+    static: tuple[float, float] | None = None
+
+    @property
+    def errors(self) -> dict[str, float]:
+        """Standard errors of the numbers that were fitted."""
+        return dict(zip(self.free, np.sqrt(np.diag(self.covariance)).tolist(), strict=True))
+
+    @property
+    def correlation(self) -> Array:
+        """Correlation of the numbers that were fitted (f, f)."""
+        scale = np.sqrt(np.diag(self.covariance))
+        scale[scale == 0] = 1.0  # without any residual
+        return np.asarray(self.covariance / np.outer(scale, scale))
+
+    @property
+    def rms(self) -> float:
+        """Root of the mean square of the residuals [N m]."""
+        return float(np.sqrt(np.mean(self.residual**2)))
+
+    def drive(self) -> dict[str, float]:
+        """Return the friction law as parameters of a drive; those of a rise or slope that it has not are left out."""
+        law = {"friction_coefficient": self.values["friction_coefficient"]}
+        if self.values["stribeck_rise"]:
+            law |= {name: self.values[name] for name in (*OF_RISE, "stribeck_exponent")}
+        if self.values["friction_slope"]:
+            law["friction_slope"] = self.values["friction_slope"]
+        return law | ({"static_friction_coefficient": self.static[0]} if self.static else {})
+
+
+@dataclass(frozen=True)
+class Fit:
+    """What measured torques say: ``ends`` by name, ``threads`` and ``bearing``, or one, ``fit``, if all is determined.
+
+    ``not_separable``: pairs of numbers of which only the sum of their torques is known. ``singular_values`` of the
+    scaled Jacobian by the ``unknown`` numbers. ``rise_seen``: whether friction rises towards slow sliding.
+    """
+
+    measured: Measured
+    ends: dict[str, Solution]
+    not_separable: tuple[tuple[str, str], ...]
+    unknown: tuple[str, ...]
+    singular_values: Array
+    rise_seen: bool
+
+    @property
+    def main(self) -> Solution:
+        """The first end, all that the bearing may have being in the threads."""
+        return next(iter(self.ends.values()))
+
+
+def steady_torque(values: Mapping[str, Any], measured: Measured, speed: Any, load: Any) -> Any:
+    """Return the torque [N m] at speeds ω ≠ 0 [rad/s] under loads W [N], as above.
+
+    Friction is not below zero. Arguments broadcast; ``values`` by names of :data:`PARAMETERS`.
+    """
+    law = SimpleNamespace(**{"stribeck_exponent": 1, **values})
+    mu = np.maximum(friction.unbounded_coefficient(law, measured.sliding(speed)), 0.0)
+    sense, tangent = np.sign(speed), math.tan(measured.lead_angle)
+    threads = -measured.pitch_radius * load * friction_factor(mu, tangent, -np.sign(load) * sense)
+    return values["offset"] + values["coulomb"] * sense + values["viscous"] * speed + threads
+
+
+def fitted(measured: Measured, given: Mapping[str, float] | None = None) -> Fit:
+    """Fit the friction law of the threads and the drag of the bearing by least squares with a robust loss.
+
+    ``given``: numbers that are known, by names of :data:`PARAMETERS` or ``stribeck_exponent`` (1 or 2; else the one
+    that fits better). A rise is fitted if it is worth its two numbers by Schwarz's criterion. The zero of the torque is
+    fitted where both directions were measured, else it is taken to be right. Raises ``InputError``.
+    """
+    known = dict(given or {})
+    if measured.directions == 1:
+        known.setdefault("offset", 0.0)
+    if known.get("stribeck_rise") == 0:
+        known["stribeck_speed"] = measured.sizes["stribeck_speed"]
+    _enough(measured, known)
+    exponents = [known.pop("stribeck_exponent")] if "stribeck_exponent" in known else [1.0, 2.0]
+    flat = {"stribeck_rise": 0.0, "stribeck_speed": measured.sizes["stribeck_speed"]}
+    laws = [{**known, "stribeck_exponent": exponent} for exponent in exponents]
+    if not known.keys() & set(OF_RISE):
+        laws.append({**known, **flat, "stribeck_exponent": exponents[0]})
+    fixed, whole = min(((law, _solved(measured, law)) for law in laws), key=lambda pair: _schwarz(pair[1]))
+    singular, lost = _undetermined(measured, whole)
+    ends = {"fit": whole} if not lost else {
+        "threads": _solved(measured, {**fixed, **{bearing: 0.0 for _, bearing in lost}}),
+        "bearing": _solved(measured, {**fixed, **{threads: 0.0 for threads, _ in lost}}),
+    }  # fmt: skip
+    found = {name: _with_static(measured, solution) for name, solution in ends.items()}
+    _same_sign(measured, found)
+    unknown = tuple(name for name in PARAMETERS if name not in fixed)
+    return Fit(measured, found, lost, unknown, singular, bool(fixed.get("stribeck_rise", 1.0)))
+
+
+def _enough(measured: Measured, known: Mapping[str, float]) -> None:
+    """Refuse fewer speeds than the law has unknown numbers, and fewer points than there are in all."""
+    if not np.isfinite([measured.speed, measured.torque, measured.load]).all():
+        raise InputError("the measurements hold a number that is not finite.")
+    if not (measured.speed * measured.load).all():
+        raise InputError("the measurements have a point without speed or axial load, where friction tells nothing.")
+    unknown = [name for name in PARAMETERS if name not in known]
+    over_speed = {next((a for a, b in PAIRS if name == b), name) for name in unknown} - {"offset"}
+    speeds = measured.speeds.size
+    if speeds < len(over_speed):
+        raise InputError(
+            f"the measurements have {speeds} speed{'s' * (speeds > 1)} for the {len(over_speed)} unknown numbers of "
+            "the friction law over the speed; measure at more speeds, or give some of friction.stribeck_rise (0 for "
+            "none), friction.slope and bearing.viscous."
+        )
+    if measured.speed.size <= len(unknown):
+        raise InputError(f"the measurements have {measured.speed.size} points for {len(unknown)} unknown numbers.")
+
+
+def _solved(measured: Measured, fixed: Mapping[str, float]) -> Solution:
+    """Fit the numbers that are not fixed: first with squares, then with outliers weighed down."""
+    try:
+        from scipy.optimize import least_squares  # type: ignore[import-untyped]
+    except ModuleNotFoundError:
+        raise InputError("A fit needs scipy, which is not installed: pip install 'lsvib[assess]'.") from None
+
+    sizes, speeds = measured.sizes, measured.sliding(measured.speeds)
+    free = tuple(name for name in PARAMETERS if name not in fixed)
+    scale = np.array([sizes[name] for name in free])
+    low = np.array([-np.inf if name in ("friction_slope", "offset") else 0.0 for name in free])
+    high = np.full(len(free), np.inf)
+    for k, name in enumerate(free):
+        if name in ("friction_coefficient", "stribeck_rise"):
+            high[k] = 0.5 / math.tan(measured.lead_angle)  # the sum of both is below cot λ, where lifting jams
+        if name == "stribeck_speed":
+            low[k], high[k] = measured.fading
+    size = sizes["coulomb"]
+
+    def misfit(x: Array) -> Array:
+        """Residuals in units of ``size``."""
+        values = {**fixed, **dict(zip(free, x * scale, strict=True))}
+        return np.asarray((measured.torque - steady_torque(values, measured, measured.speed, measured.load)) / size)
+
+    def run(start: Array, **loss: Any) -> Any:
+        return least_squares(misfit, start, bounds=(low / scale, high / scale), **loss)
+
+    half = {"friction_coefficient": 0.5, "stribeck_rise": 0.1, "coulomb": 0.5}
+    starts = []
+    for at in np.geomspace(speeds[0], speeds[-1], 7)[1:-1:2] if "stribeck_speed" in free else (0.0,):
+        guess = {**half, "stribeck_speed": at / sizes["stribeck_speed"]}
+        starts.append(np.clip([guess.get(name, 0.0) for name in free], low / scale, high / scale))
+    plain = min((run(start) for start in starts), key=lambda found: found.cost)
+    spread = max(1.4826 * float(np.median(np.abs(plain.fun))), 1e-12)
+    found = run(plain.x, loss="soft_l1", f_scale=LOSS * spread)
+    jacobian = found.jac  # weighed, so that its square is the curvature of the loss
+    # The gradient of the loss over that of squares weighs each residual.
+    weight = 1 / np.sqrt(1 + (found.fun / (LOSS * spread)) ** 2)
+    variance = float(np.sum(weight * found.fun**2)) / max(found.fun.size - len(free), 1)
+    covariance = np.linalg.pinv(jacobian.T @ jacobian) * variance * np.outer(scale, scale)
+    settled = np.where(np.abs(found.x) < AT_ZERO, 0.0, found.x) * scale
+    values = {**fixed, **dict(zip(free, settled.tolist(), strict=True))}
+    return Solution(values, free, covariance, found.fun * size)
+
+
+def _schwarz(solution: Solution) -> float:
+    """Schwarz's criterion: what a model must fit better for each more of its numbers."""
+    n = solution.residual.size
+    level = float(np.median(np.abs(solution.residual)))
+    capped = np.minimum(np.abs(solution.residual), LOSS * 1.4826 * level)  # outliers do not choose the model
+    return float(n * np.log(np.mean(capped**2) + np.finfo(float).tiny) + len(solution.free) * np.log(n))
+
+
+def _undetermined(measured: Measured, at: Solution) -> tuple[Array, tuple[tuple[str, str], ...]]:
+    """Return the singular values of the scaled Jacobian, and the pairs of which only the sum is determined."""
+    free, sizes = at.free, measured.sizes
+    columns = []
+    for name in free:
+        step = 1e-4 * sizes[name]
+        ends = [{**at.values, name: at.values[name] + s * step} for s in (1, -1)]
+        up, down = (steady_torque(end, measured, measured.speed, measured.load) for end in ends)
+        columns.append((up - down) / 2e-4)
+    degrees = max(at.residual.size - len(at.free), 1)
+    noise = max(float(np.sqrt(np.sum(at.residual**2) / degrees)), 1e-9 * sizes["coulomb"])
+    _, singular, rows = np.linalg.svd(np.array(columns).T / noise, full_matrices=False)
+    lost = []
+    for pair in PAIRS:
+        if set(pair) <= set(free):
+            split = np.zeros(len(free))
+            split[[free.index(name) for name in pair]] = 1, -1
+            error = np.linalg.norm((rows @ split / 2) / np.maximum(singular, np.finfo(float).tiny))
+            if error > DETERMINED:
+                lost.append(pair)
+    return singular, tuple(lost)
+
+
+def _with_static(measured: Measured, solution: Solution) -> Solution:
+    """Add the static coefficient, the mean of those of the breakaway torques, where it is above slow sliding's."""
+    if not len(measured.breakaway):
+        return solution
+    sense, torque, load = measured.breakaway.T
+    held = torque - solution.values["offset"] - solution.values["coulomb"] * sense
+    # ξ_s = tan(s φ − λ) up to which friction holds, solved for μ = tan φ.
+    law = -np.sign(load) * sense
+    angle = np.arctan(-held / (measured.pitch_radius * load)) + measured.lead_angle
+    found = np.tan(law * angle)
+    error = float(found.std(ddof=1) / math.sqrt(found.size)) if found.size > 1 else math.nan
+    slow = solution.values["friction_coefficient"] + solution.values["stribeck_rise"]
+    static = (float(found.mean()), error) if found.mean() > slow else None
+    return Solution(solution.values, solution.free, solution.covariance, solution.residual, static)
+
+
+def load_of_directions(measured: Measured, solution: Solution) -> float | None:
+    """Return by how much the load is larger [N] if the difference of both directions is all the load's, T₀ being zero.
+
+    To lift takes more than to lower, by r_m W (tan(φ + λ) − tan(φ − λ)); None where one direction was measured only.
+    """
+    if measured.directions == 1:
+        return None
+    law = SimpleNamespace(**solution.values)
+    mu = float(np.median(np.maximum(friction.unbounded_coefficient(law, measured.sliding(measured.speed)), 0.0)))
+    tangent = math.tan(measured.lead_angle)
+    lever = 0.5 * measured.pitch_radius * -sum(friction_factor(mu, tangent, s) for s in (1, -1))
+    return float(solution.values["offset"] / lever)
+
+
+def _same_sign(measured: Measured, ends: Mapping[str, Solution]) -> None:
+    """Refuse a load whose sign is not that of the direction in which the screw turns harder."""
+    for solution in ends.values():
+        more = load_of_directions(measured, solution)
+        if more is None or np.sign(measured.load + more).sum() * np.sign(measured.load).sum() >= 0:
+            return
+    raise InputError(
+        "the screw turns harder in the direction in which the given load would help; change the sign of the load or of "
+        "measurements.speed.factor and measurements.torque.factor."
+    )
+
+
+def halves(measured: Measured) -> Array:
+    """Return speed |ω| [rad/s], half-sum and half-difference [N m] of both directions at equal speeds and loads (k, 3).
+
+    The half-sum of the torques' magnitudes is friction, the half-difference, positive direction less negative, the load
+    (and T₀).
+    """
+    rows = []
+    order = np.lexsort((np.abs(measured.speed), measured.load))
+    back = [k for k in order if measured.speed[k] < 0]
+    for k in (k for k in order if measured.speed[k] > 0):
+        near = [j for j in back if measured.load[j] == measured.load[k]
+                and abs(measured.speed[j] + measured.speed[k]) <= SAME_SPEED * measured.speed[k]]  # fmt: skip
+        if near:
+            forth, other = measured.torque[k], -measured.torque[near].mean()
+            rows.append((measured.speed[k], 0.5 * (forth + other), 0.5 * (forth - other)))
+    return np.array(rows).reshape(-1, 3)
+
+
+def falls_up_to(measured: Measured, solution: Solution, load: float, sense: int) -> float:
+    """Return the speed [rad/s] up to which the fitted torque falls in one direction; zero if it does not fall."""
+    speeds = np.geomspace(measured.speeds[0] / 3, measured.speeds[-1], 2000)
+    torque = np.abs(steady_torque(solution.values, measured, sense * speeds, load))
+    least = int(np.argmin(torque))
+    return float(speeds[least]) if least else 0.0

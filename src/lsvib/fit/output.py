@@ -1,0 +1,209 @@
+"""Fit one sheet; say what was found in plain words and as JSON, and write dataset and picture: all of them or none."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+import yaml
+
+from lsvib.datasets.io import write_dataset
+from lsvib.figures import style
+from lsvib.figures.measured_drive import residual_panel, torque_panel
+from lsvib.files import Outputs, write_json, write_text
+from lsvib.fit.dataset import fit_variables
+from lsvib.fit.law import PARAMETERS, Solution, falls_up_to, halves, load_of_directions
+from lsvib.fit.sheet import FittedSheet, fit_sheet
+
+_FILES = {"fit.nc": "netCDF", "fit.json": "JSON", "fit.png": "PNG", "fit.pdf": "PDF", "friction.yaml": ""}
+_WORDS = {
+    "friction_coefficient": "The constant part of friction of the threads and the Coulomb drag of the bearing",
+    "friction_slope": "The slope of friction of the threads and the viscous drag of the bearing",
+}
+
+
+def fit_file(path: Path, out: Path | None = None) -> dict[str, Any]:
+    """Fit the sheet in a YAML file; write ``fit.nc``, ``.json``, ``.png``, ``.pdf``, ``friction.yaml`` to ``out``.
+
+    Returns what ``fit.json`` holds. Raises ``InputError`` or another ``LsvibError`` in one sentence; then nothing is
+    written.
+
+    >>> from pathlib import Path
+    >>> from lsvib.fit.output import fit_file
+    >>> found = fit_file(Path("examples/measured_screw/measured_screw.yaml"))
+    >>> found["points"], round(found["friction"]["stribeck_rise"], 2)
+    (32, 0.16)
+    """
+    files = [(out / name, kind) for name, kind in _FILES.items()] if out else []
+    outputs = Outputs(files, [path], make_folders=True)
+    found = fit_sheet(path)
+    result = as_json(found)
+    if out:
+        made = dataset(found)
+        with outputs.writing() as (data, numbers, png, pdf, block):
+            write_dataset(made, data, "lsvib.fit.output.fit_file")
+            write_json(result, numbers)
+            style.save(draw(made), png, pdf)
+            write_text(blocks(result), block)
+    return result
+
+
+def as_json(found: FittedSheet) -> dict[str, Any]:
+    """Return what was found as plain values for JSON: SI units, None for what does not exist."""
+    fit, main = found.fit, found.fit.main
+    measured, load = fit.measured, float(np.median(fit.measured.load))
+    return {
+        "name": found.name,
+        **_end(found, main),
+        "points": len(found.points),
+        "not_separable": [list(pair) for pair in fit.not_separable],
+        "ends": {name: _end(found, end) for name, end in fit.ends.items()},
+        "falls_up_to": {str(sense): falls_up_to(measured, main, load, sense) for sense in (1, -1)},
+        "halves": [
+            {"speed": speed, "half_sum": friction, "half_difference": of_load}
+            for speed, friction, of_load in halves(measured).tolist()
+        ],
+        "measured": [
+            {key: None if value != value else value for key, value in vars(point).items()} for point in found.points
+        ],
+        "said": sentences(found),
+    }  # fmt: skip
+
+
+def _end(found: FittedSheet, end: Solution) -> dict[str, Any]:
+    return {
+        "friction": end.drive(),
+        "bearing": {name: end.values[name] for name in ("coulomb", "viscous")},
+        "offset": end.values["offset"],
+        "sheet": found.flank_law(end),
+        "standard_errors": end.errors | ({"static_friction_coefficient": _finite(end.static[1])} if end.static else {}),
+        "correlation": {"of": list(end.free), "matrix": end.correlation.tolist()},
+        "rms": end.rms,
+        "largest_residual": float(np.abs(end.residual).max()),
+        "load_of_directions": _load(found, end),
+    }
+
+
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None
+
+
+def _load(found: FittedSheet, end: Solution) -> float | None:
+    more = load_of_directions(found.fit.measured, end)
+    return None if more is None else float(np.median(found.fit.measured.load)) + more
+
+
+def sentences(found: FittedSheet) -> list[str]:
+    """Return what the data say and what they do not, in sentences."""
+    fit, measured = found.fit, found.fit.measured
+    said = [f"Left out of {text}." for text in found.left_out] or ["No sample was left out."]
+    said += [
+        f"{_WORDS[threads]} are not separable: only the sum of their torques is known. Give one of them in "
+        "the sheet, or measure with a second load; below all of it is in the threads at one end, and as much as can be "
+        "in the bearing at the other."
+        for threads, _ in fit.not_separable
+    ]
+    if measured.directions == 1:
+        said.append("One direction was measured only: whether load and zero of the torque are right cannot be seen.")
+    loads = [value for end in fit.ends.values() if (value := _load(found, end)) is not None]
+    if loads and "offset" in fit.unknown and np.ptp(measured.load) == 0:
+        text = " to ".join(f"{value:.3g}" for value in sorted({float(f"{value:.3g}") for value in loads}))
+        said.append(
+            f"If the zero of the torque is right, both directions differ by a load of {text} N; given are "
+            f"{float(np.median(measured.load)):.4g} N."
+        )
+    residual = fit.main.residual[np.lexsort((measured.speed, measured.load))]
+    alike = float(np.sum(residual[1:] * residual[:-1]) / np.sum(residual**2)) if residual.any() else 0.0
+    if alike > 2 / np.sqrt(residual.size):  # two standard deviations of what independent residuals have
+        said.append(
+            f"Residuals at neighbouring speeds are alike (correlation {alike:.2f}): the law leaves more than noise, "
+            "and the standard errors, which take residuals to be independent, are too small."
+        )
+    fading, speed = np.array(measured.fading), fit.main.values["stribeck_speed"]
+    if "stribeck_speed" in fit.main.free and (abs(speed / fading - 1) < 1e-3).any():
+        said.append(
+            f"The speed over which the rise fades, {speed:.3g} m/s, is at the end of what the measured speeds can show."
+        )
+    if not fit.rise_seen:
+        said.append("No rise of friction towards slow sliding is seen.")
+    falls = falls_up_to(measured, fit.main, float(np.median(measured.load)), int(np.sign(measured.speed[0])))
+    if falls:
+        said.append(f"The torque falls with the speed up to {falls:.3g} rad/s ({falls * 30 / np.pi:.3g} rpm).")
+    if not len(measured.breakaway):
+        said.append("No table begins at rest, so there is no breakaway and no static coefficient.")
+    elif not fit.main.static:
+        said.append("The breakaway torque is not above that of slow sliding, so there is no static coefficient.")
+    return said
+
+
+def blocks(result: dict[str, Any]) -> str:
+    """Return the friction law as a data sheet, a scene and ``--set`` take it, each introduced by a comment."""
+    law = {key: float(f"{value:.6g}") for key, value in result["friction"].items()}
+    options = " ".join(f"--set {key}={value:g}" for key, value in law.items())
+    sheet = yaml.safe_dump({"friction": result["sheet"]}, sort_keys=False)
+    scene = yaml.safe_dump({"drive": law}, sort_keys=False)
+    end = f", {next(iter(result['ends']))} end" if result["not_separable"] else ""
+    return f"# Data sheet of lsvib assess (of the flanks{end}):\n{sheet}# Scene:\n{scene}# Shell:\n# {options}\n"
+
+
+def text_of(result: dict[str, Any]) -> str:
+    """Return what was found as a person reads it, torques in mN m."""
+    lines = [f"{'file':>16} {'rad/s':>9} {'scatter':>8} {'mN m':>9} {'scatter':>8} {'samples':>8}"]
+    for point in result["measured"] if result["points"] <= 100 else ():  # a table of rows is not repeated
+        scatter = [point["speed_scatter"], point["torque_scatter"]]
+        spread = [
+            "" if value is None else f"{value * factor:.3g}" for value, factor in zip(scatter, (1, 1e3), strict=True)
+        ]
+        lines.append(
+            f"{point['name'][-16:]:>16} {point['speed']:9.4g} {spread[0]:>8} {point['torque'] * 1e3:9.4f} "
+            f"{spread[1]:>8} {point['samples']:8d}"
+        )
+    if result["halves"]:
+        lines += ["", f"{'both directions':>16} {'rad/s':>9} {'half-sum':>18} {'half-difference, mN m':>26}"]
+    lines += [
+        f"{'':>16} {row['speed']:9.4g} {row['half_sum'] * 1e3:18.4f} {row['half_difference'] * 1e3:26.4f}"
+        for row in result["halves"]
+    ]
+    lines += ["", *result["said"], ""]
+    for name, end in result["ends"].items():
+        values = {**end["friction"], **end["bearing"], "offset": end["offset"]}
+        lines.append(
+            f"{'Fit' if name == 'fit' else f'End {name}'}: rms {end['rms'] * 1e3:.3g} mN m, largest residual "
+            f"{end['largest_residual'] * 1e3:.3g} mN m"
+        )
+        for key, value in values.items():
+            error = end["standard_errors"].get(key)
+            unit = PARAMETERS.get(key, ("1",))[0]
+            of_error = f" ± {error:.2g}" if error is not None else ""
+            lines.append(f"  {key:28} {value:.4g}{of_error}{'' if unit == '1' else f' {unit}'}")
+        lines += ["  correlation:"]
+        lines += [
+            f"  {key:28} {' '.join(f'{value:6.2f}' for value in row)}"
+            for key, row in zip(end["correlation"]["of"], end["correlation"]["matrix"], strict=True)
+        ]
+    return "\n".join([*lines, "", blocks(result).rstrip()])
+
+
+def dataset(found: FittedSheet) -> xr.Dataset:
+    """Return points, law, errors and residuals of a fit."""
+    variables, coordinates, attributes = fit_variables(found.fit, found.points)
+    about = {
+        "title": f"Friction of a lead screw from measured torque: {found.name}",
+        "source": "lsvib fit, least squares with a robust loss",
+        "references": "steady torque of a lead screw, eqs 8.4 and 8.13 of doi:10.1007/978-1-4419-1752-2_8",
+        "said": json.dumps(sentences(found)),
+    }
+    return xr.Dataset(variables, coordinates, {**about, **attributes})
+
+
+@style.styled
+def draw(found: xr.Dataset) -> style.Figure:
+    """Draw the points with the scatter of their samples, the fitted law, and the residuals."""
+    figure = style.new_figure(style.DOUBLE, 2.8)
+    torque, residual = figure.subplots(1, 2)
+    torque_panel(torque, found)
+    residual_panel(residual, found)
+    torque.set_title("(a) torque of the motor")
+    residual.set_title("(b) measured less fitted")
+    return figure

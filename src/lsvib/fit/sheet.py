@@ -1,0 +1,271 @@
+"""The sheet of a measurement: thread, load and tables with units; from it points, and the friction that fits them."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+
+from lsvib.assess import fields
+from lsvib.assess.drive import GRAVITY, flank_coefficient, square_coefficient, thread_geometry
+from lsvib.assess.fields import NotQuantity, Spread
+from lsvib.assess.sheet import Thread, sentence
+from lsvib.errors import InputError
+from lsvib.fit.law import Fit, Measured, Solution, fitted
+from lsvib.fit.tables import MOST_COLUMNS, Point, read_table, row_points, steady_point
+from lsvib.models.scene import read_yaml
+from lsvib.numbers import NotNumber, number, shown, whole
+
+MOST_FILES = 1000  # of one sheet, and of points some million
+OF_FLANKS = {  # entries of `friction`, coefficients of a flank, and the parameters that they are of the square thread
+    "coefficient": "friction_coefficient",
+    "stribeck_rise": "stribeck_rise",
+    "slope": "friction_slope",
+    "static": "static_friction_coefficient",
+}
+
+
+def _factor(value: Any) -> float:
+    try:
+        found = number(value)
+    except NotNumber as error:
+        raise NotQuantity(f"= {shown(value)} {error}") from None
+    if not (math.isfinite(found) and found):
+        raise NotQuantity(f"= {shown(value)} is outside the allowed range: any finite number but 0")
+    return found
+
+
+def _column(value: Any) -> int:
+    try:
+        found = whole(value)
+    except NotNumber as error:
+        raise NotQuantity(f"= {shown(value)} {error}") from None
+    if not 1 <= found <= MOST_COLUMNS:
+        raise NotQuantity(f"= {found} is outside the allowed range 1 <= column <= {MOST_COLUMNS}")
+    return found
+
+
+_Unit = tuple[float, str]  # the size of a unit in one of the package, and that
+
+
+def _unit(*units: str) -> Callable[[Any], _Unit]:
+    """What reads the name of a unit that fits one of ``units``."""
+
+    def read(value: Any) -> _Unit:
+        if not isinstance(value, str):
+            raise NotQuantity(f"= {shown(value)} is not the name of a unit")
+        return fields.quantity(f"1 {value}", *units)
+
+    return read
+
+
+class _Entries(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+
+
+class Column(_Entries):
+    """A column of a table, from 1; its numbers times ``factor`` are in ``unit``."""
+
+    column: Annotated[int, BeforeValidator(_column)]
+    factor: Annotated[float, BeforeValidator(_factor)] = 1.0
+
+
+class SpeedColumn(Column):
+    """Speed of the screw, or of the load."""
+
+    unit: Annotated[_Unit, BeforeValidator(_unit("rad/s", "m/s"))]
+
+
+class TorqueColumn(Column):
+    """Torque of the motor."""
+
+    unit: Annotated[_Unit, BeforeValidator(_unit("N m"))]
+
+
+class Load(_Entries):
+    """What pulls along the axis: a force against outward travel, and the weight of a mass on an axis that is tilted."""
+
+    mass: fields.Mass | None = None
+    force: fields.Force | None = None
+    orientation: fields.Tilt | None = None
+
+    def axial(self) -> float:
+        """Return the axial load against outward travel [N]."""
+        force, mass, tilt = (entry.nominal if entry else 0.0 for entry in (self.force, self.mass, self.orientation))
+        return float(force + mass * GRAVITY * math.sin(tilt))
+
+
+class Measurements(_Entries):
+    """Tables of one load: ``files`` beside the sheet, a pattern; by default several files are a point each."""
+
+    files: str = Field(min_length=1, max_length=500)
+    separator: str = Field(default=",", pattern=r"^[^\w\".+\-\r\n]$")
+    decimal: Literal[".", ","] = "."
+    speed: SpeedColumn
+    torque: TorqueColumn
+    point: Literal["file", "row"] | None = None
+    load: Load | None = None
+
+
+class KnownFriction(_Entries):
+    """What is known of the friction of the flanks; the rest is fitted."""
+
+    coefficient: fields.Coefficient | None = None
+    slope: fields.Slope | None = None
+    stribeck_rise: fields.Coefficient | None = None
+    stribeck_speed: fields.SlidingSpeed | None = None
+    stribeck_exponent: Literal[1, 2] | None = None
+
+
+class Bearing(_Entries):
+    """What is known of the drag of bearing and slide, as torques of the screw; the rest is fitted."""
+
+    coulomb: fields.Drag | None = None
+    viscous: fields.TurningDamping | None = None
+
+
+class MeasuredSheet(_Entries):
+    """A whole sheet. ``offset``: the zero error of the torque, where it is known."""
+
+    name: str = Field(default="measured screw", min_length=1, max_length=200)
+    thread: Thread
+    load: Load | None = None
+    measurements: list[Measurements] = Field(min_length=1, max_length=100)
+    friction: KnownFriction = KnownFriction()
+    bearing: Bearing = Bearing()
+    offset: fields.Torque | None = None
+
+    @classmethod
+    def of(cls, values: Mapping[str, Any]) -> Self:
+        """Make a sheet from names and values; raises ``InputError`` in one sentence."""
+        found, alone = dict(values), isinstance(values.get("measurements"), Mapping)
+        if alone:
+            found["measurements"] = [found["measurements"]]
+        try:
+            sheet = cls.model_validate(found)
+        except ValidationError as error:
+            text = sentence(error, cls)
+            raise InputError(text.replace("measurements.0.", "measurements.") if alone else text) from None
+        if (problem := sheet.thread.problem()) is not None:
+            raise InputError(problem)
+        for path, entry in sheet.spreads().items():
+            if entry.uncertain:
+                raise InputError(f"{path} = {entry.text} is more than one value; a fit takes one.")
+        return sheet
+
+    def spreads(self) -> dict[str, Spread]:
+        """The quantities that are given, by name."""
+        parts = {"thread": self.thread, "load": self.load, "friction": self.friction, "bearing": self.bearing}
+        parts |= {f"measurements.{k}.load": block.load for k, block in enumerate(self.measurements)}
+        entries = [(f"{part}.{key}", entry) for part, whole_part in parts.items() for key, entry in whole_part or ()]
+        return {path: entry for path, entry in (*entries, ("offset", self.offset)) if isinstance(entry, Spread)}
+
+
+@dataclass(frozen=True)
+class FittedSheet:
+    """A sheet with its points (n), as read from the tables, and the fit; ``half_angle`` of the thread [rad]."""
+
+    name: str
+    points: list[Point]
+    left_out: list[str]
+    fit: Fit
+    half_angle: float
+
+    def flank_law(self, solution: Solution) -> dict[str, Any]:
+        """Return a friction law as the block ``friction`` of a data sheet, with coefficients of the flanks."""
+        law, angle = solution.drive(), self.fit.measured.lead_angle
+        found: dict[str, Any] = {
+            entry: float(f"{flank_coefficient(law[name], angle, self.half_angle):.6g}")
+            for entry, name in OF_FLANKS.items()
+            if name in law
+        }
+        if "slope" in found:
+            found["slope"] = f"{found['slope']:g} s/m"
+        if "stribeck_rise" in found:
+            found["stribeck_speed"] = f"{law['stribeck_speed']:.6g} m/s"
+            found["stribeck_exponent"] = int(law["stribeck_exponent"])
+        return found
+
+
+def fit_sheet(path: Path) -> FittedSheet:
+    """Read the sheet and its tables, and fit the friction law; raises ``InputError`` in one sentence."""
+    sheet = MeasuredSheet.of(read_yaml(path))
+    draw = {key: entry.nominal for key, entry in sheet.spreads().items()}
+    lead, diameter, half_angle = thread_geometry(sheet, draw)
+    points, loads, left_out = _points(sheet, path.parent, lead)
+    order = sorted(range(len(points)), key=lambda k: (loads[k], points[k].speed))
+    points, loads = [points[k] for k in order], [loads[k] for k in order]
+    turning = np.array([bool(point.speed) for point in points])
+    columns = np.array([(point.speed, point.torque, load) for point, load in zip(points, loads, strict=True)])
+    # A file that begins at rest goes on in the direction in which it breaks away, a row at rest has that of its torque.
+    held = [
+        (math.copysign(1.0, point.speed or point.torque), point.breakaway, load)
+        for point, load in zip(points, loads, strict=True)
+        if point.breakaway is not None
+    ]
+    angle = math.atan(lead / (math.pi * diameter))
+    speed, torque, load = columns[turning].T
+    measured = Measured(speed, torque, load, 0.5 * diameter, angle, np.array(held).reshape(-1, 3))
+    moving = [point for point in points if point.speed]
+    return FittedSheet(
+        sheet.name, moving, left_out, fitted(measured, _known(sheet, draw, angle, half_angle)), half_angle
+    )
+
+
+def _known(sheet: MeasuredSheet, draw: Mapping[str, float], angle: float, half_angle: float) -> dict[str, float]:
+    """What the sheet gives of friction and drag, by names of the fit, friction of the square thread."""
+    found = {
+        name: float(square_coefficient(draw[f"friction.{entry}"], angle, half_angle))
+        for entry, name in OF_FLANKS.items()
+        if f"friction.{entry}" in draw
+    }
+    paths = {"stribeck_speed": "friction.stribeck_speed", "coulomb": "bearing.coulomb", "viscous": "bearing.viscous"}
+    found |= {name: draw[path] for name, path in {**paths, "offset": "offset"}.items() if path in draw}
+    if sheet.friction.stribeck_exponent is not None:
+        found["stribeck_exponent"] = float(sheet.friction.stribeck_exponent)
+    return found
+
+
+def _points(sheet: MeasuredSheet, folder: Path, lead: float) -> tuple[list[Point], list[float], list[str]]:
+    """Points of all tables with their loads [N], and sentences about what was left out."""
+    points, loads, said = [], [], []
+    for block in sheet.measurements:
+        if (load := block.load or sheet.load) is None:
+            raise InputError("load is missing.")
+        if not load.axial():
+            raise InputError("load makes no axial force: give load.force, or load.mass with an orientation.")
+        files = _files(block.files, folder)
+        scale, unit = block.speed.unit
+        per_turn = 2 * math.pi / lead if unit == "m/s" else 1.0  # from the speed of the load to that of the screw
+        factors = (block.speed.factor * scale * per_turn, block.torque.factor * block.torque.unit[0])
+        for file in files:
+            columns = (block.speed.column, block.torque.column)
+            table = read_table(file, columns, factors, block.separator, block.decimal)
+            each_row = block.point == "row" or (block.point is None and len(files) == 1)
+            new = row_points(table) if each_row else [steady_point(table)]
+            points += new
+            loads += len(new) * [load.axial()]
+            counts = {
+                "rows that are not numbers": table.skipped,
+                "rows of a screw at rest": 0 if each_row or new[0].speed else new[0].samples,
+                "first samples, before the speed was steady": sum(point.transient for point in new),
+                "spikes of the torque": sum(point.spikes for point in new),
+            }
+            said += [f"{file.name}: {words} ({count})" for words, count in counts.items() if count]
+    return points, loads, said
+
+
+def _files(pattern: str, folder: Path) -> list[Path]:
+    try:
+        found = sorted(path for path in folder.glob(pattern) if path.is_file())
+    except (ValueError, NotImplementedError) as error:
+        raise InputError(f"measurements.files = {shown(pattern)} is not a pattern of files: {error}.") from None
+    if not 1 <= len(found) <= MOST_FILES:
+        raise InputError(
+            f"measurements.files = {shown(pattern)} names {len(found) or 'no'} files in {folder}; the allowed range is "
+            f"1 <= files <= {MOST_FILES}."
+        )
+    return found

@@ -1,0 +1,159 @@
+"""Tables of measured speed and torque: read, and reduced to points of steady motion.
+
+A file is a table of rows in which cells are parted by one letter. Its header, and rows that hold no numbers where they
+are wanted, are skipped. A file that was recorded at one speed is one point, the mean of its samples; of a table of many
+speeds each row is a point.
+"""
+
+import csv
+import os
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsvib.errors import InputError
+from lsvib.numbers import NotNumber, number, shown
+
+LARGEST_FILE = 64 * 2**20  # bytes; a million rows of three columns
+MOST_COLUMNS = 200  # of a table; more are no table of two quantities, but one that was read with a wrong separator
+TRANSIENT = 5.0  # standard deviations of the second half: further off, the first samples are not yet steady
+SPIKE = 10.0  # robust standard deviations of the torque: so far off is no friction
+REST = 0.05  # of the mean speed: below it a screw that is about to start still rests
+
+
+@dataclass(frozen=True)
+class Recording:
+    """What one file holds: ``speed`` of the screw (n) [rad/s], ``torque`` of the motor (n) [N m], rows ``skipped``."""
+
+    name: str
+    speed: NDArray[np.float64]
+    torque: NDArray[np.float64]
+    skipped: int = 0
+
+
+@dataclass(frozen=True)
+class Point:
+    """Steady motion: means of ``speed`` [rad/s] and ``torque`` [N m] with the scatter of the samples about them.
+
+    ``samples``: of how many; left out were ``transient`` first samples and ``spikes``. ``breakaway``: the largest
+    torque [N m] of a screw at rest that then began to turn, None where it turned all the time.
+    """
+
+    name: str
+    speed: float
+    torque: float
+    speed_scatter: float
+    torque_scatter: float
+    samples: int
+    transient: int = 0
+    spikes: int = 0
+    breakaway: float | None = None
+
+
+def read_table(
+    path: Path, columns: tuple[int, int], factors: tuple[float, float], separator: str = ",", decimal: str = "."
+) -> Recording:
+    """Read speed and torque from two ``columns`` (from 1), times ``factors`` to rad/s and N m.
+
+    Rows count that have as many cells as most rows have, and numbers in both columns. Raises ``InputError``.
+    """
+    try:
+        rows = [row for row in csv.reader(_text(path).splitlines(), delimiter=separator) if any(row)]
+    except csv.Error as error:
+        raise InputError(f"{path} is not a table: {error}.") from None
+    if not rows:
+        raise InputError(f"{path} is empty.")
+    width = Counter(map(len, rows)).most_common(1)[0][0]
+    if width > MOST_COLUMNS:
+        raise InputError(f"{path} has {width} columns; the allowed range is 1 <= columns <= {MOST_COLUMNS}.")
+    if width < max(columns):
+        raise InputError(
+            f"{path} has {width} column{'s' * (width > 1)} where they are parted by {shown(separator)}, and no column "
+            f"{max(columns)}."
+        )
+    own = [row for row in rows if len(row) == width]
+    found = np.array([_pair(row, columns, decimal) for row in own])
+    for column, holds in zip(columns, np.isfinite(found).any(axis=0), strict=True):
+        if not holds:
+            raise InputError(
+                f"{path} has no number in column {column}, whose last cell is {shown(own[-1][column - 1])}."
+            )
+    kept = np.isfinite(found).all(axis=1)
+    if not kept.any():
+        raise InputError(f"{path} has no row with numbers in columns {columns[0]} and {columns[1]}.")
+    first = int(np.argmax(kept))  # what stands above is the header
+    speed, torque = (found[kept] * factors).T
+    return Recording(path.name, speed, torque, int(np.count_nonzero(~kept[first:])))
+
+
+def _text(path: Path) -> str:
+    try:
+        if not path.is_file():
+            raise InputError(f"Cannot read {path}: it is not a regular file.")
+        if os.path.getsize(path) > LARGEST_FILE:
+            raise InputError(f"{path} is larger than {LARGEST_FILE // 2**20} MB, the largest table that is read.")
+        return path.read_text(encoding="utf-8-sig", errors="replace").replace("\0", "?")
+    except OSError as error:
+        raise InputError(f"Cannot read {path}: {error.strerror or error}.") from None
+
+
+def _pair(row: Sequence[str], columns: tuple[int, int], decimal: str) -> tuple[float, float]:
+    first, second = (_number(row[column - 1].replace(decimal, ".")) for column in columns)
+    return first, second
+
+
+def _number(text: str) -> float:
+    try:
+        return number(text)
+    except NotNumber:
+        return np.nan
+
+
+def steady_point(recording: Recording) -> Point:
+    """Return the mean of a recording at one speed, without what is not steady motion at its beginning.
+
+    Raises ``InputError`` where it does not run at one speed.
+    """
+    speed, torque = recording.speed, recording.torque
+    half = speed[speed.size // 2 :]
+    tolerance = TRANSIENT * half.std() + 1e-9 * abs(half.mean())  # more than rounding where all speeds are equal
+    begin = int(np.argmax(np.abs(speed - half.mean()) <= tolerance))
+    deviation = np.abs(torque[begin:] - np.median(torque[begin:]))
+    usual = 1.4826 * np.median(deviation)  # the standard deviation where samples are normally distributed
+    kept = begin + np.flatnonzero((deviation <= SPIKE * usual) | (usual == 0))
+    mean, scatter = float(speed[kept].mean()), _scatter(speed[kept])
+    if scatter > 2 * abs(mean):
+        raise InputError(
+            f"{recording.name} does not run at one speed, but from {speed.min():.4g} to {speed.max():.4g} rad/s; if "
+            "each of its rows is steady motion of its own, give measurements.point: row."
+        )
+    resting = np.abs(speed[:begin]) < REST * abs(mean)
+    held = torque[: begin if resting.all() else int(np.argmin(resting))]
+    return Point(
+        recording.name,
+        mean,
+        float(torque[kept].mean()),
+        scatter,
+        _scatter(torque[kept]),
+        kept.size,
+        transient=begin,
+        spikes=speed.size - begin - kept.size,
+        breakaway=float(held[np.argmax(np.abs(held))]) if held.size else None,
+    )
+
+
+def row_points(recording: Recording) -> list[Point]:
+    """Return each row of a table as a point; a row at rest, with its torque, is a breakaway."""
+    rows = zip(recording.speed.tolist(), recording.torque.tolist(), strict=True)
+    return [
+        Point(recording.name, speed, torque, np.nan, np.nan, 1, breakaway=None if speed else torque)
+        for speed, torque in rows
+    ]
+
+
+def _scatter(values: NDArray[np.float64]) -> float:
+    return float(values.std(ddof=1)) if values.size > 1 else float("nan")
