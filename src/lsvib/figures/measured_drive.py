@@ -49,9 +49,6 @@ SOURCE = "IEEE T-RO 37:1252, data of github.com/RViMLab/TRO2021-Dynamic-Modellin
 # Half-sums of both directions [mN m] by commanded speed [rpm], of the same tables apart from lsvib.
 HALF_SUMS = {2: 3.1631, 10: 3.0892, 20: 3.0272, 40: 2.9133, 50: 2.9061, 100: 3.0328, 199: 3.5677}
 PERTURBED = 5.0  # times the speed: from how far motions start
-# Static friction over that of slow sliding: were both the same, a screw would begin to slip without acceleration, and
-# rounding would decide whether it goes on; 1e-9 or 1e-6 make no difference to periods in six digits.
-RELEASE = 1 + 1e-9
 FASTEST = 100 * RPM  # rad/s; at twice the speed up to which the torque falls nothing vibrates
 
 
@@ -73,9 +70,7 @@ def build(settings: Values) -> xr.Dataset:
     speed, torque = (np.array([getattr(point, name) for point in points]) for name in ("speed", "torque"))
     fit = fitted(Measured(speed, torque, np.full(speed.size, LOAD), RADIUS, PUBLISHED["lead_angle"]))
     variables, coordinates, more = fit_variables(fit, points)
-    law = fit.main.drive()
-    law["static_friction_coefficient"] = RELEASE * (law["friction_coefficient"] + law["stribeck_rise"])
-    drive = RigidDrive(**PUBLISHED, **law, support_damping=0.0)
+    drive = RigidDrive(**PUBLISHED, **fit.main.drive(), support_damping=0.0)
     stiffness, dampings = spans.logarithmic(settings["stiffness"]), np.array(settings["dampings"])
     dims = ("support_damping", "direction", "coupling_stiffness")
     grid = [(c, sense, k) for c in dampings.tolist() for sense in (-1, 1) for k in stiffness.tolist()]

@@ -133,12 +133,12 @@ def first_fall(form, on_surface, rounding, top, local):
     Arguments: coefficients in ascending order; whether it is zero at τ = 0, and does not fall there; size of it that
     is rounding; scratch space. Returns (``Found``, τ).
     """
-    if on_surface:  # of g = τ^k p only p matters
+    if on_surface:  # of g = τ^k p only p matters; as it does not fall, what is negative of the first orders is rounding
         for _ in range(3):
             for k in range(form.size - 1):
                 form[k] = form[k + 1]
             form[form.size - 1] = 0.0
-            if abs(form[0]) > rounding:
+            if form[0] > rounding:
                 break
     least = form[0]
     for k in range(1, form.size):
