@@ -305,8 +305,11 @@ def torque_panel(axes: style.Axes, dataset: xr.Dataset) -> None:
             if sense in dataset.direction:
                 axes.plot(dataset.law_speed / RPM, law.sel(direction=sense), color=colour, linewidth=1, label=label)
                 label = ""
-    axes.set(xlabel="speed of the screw [rpm]", ylabel="torque of the motor [mN m]")
-    axes.legend(fontsize=7)
+    low, high = axes.get_ylim()
+    axes.set(
+        xlabel="speed of the screw [rpm]", ylabel="torque of the motor [mN m]", ylim=(low, high + 0.25 * (high - low))
+    )
+    axes.legend(fontsize=7, ncols=2, loc="upper left")
 
 
 def residual_panel(axes: style.Axes, dataset: xr.Dataset) -> None:
