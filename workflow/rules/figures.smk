@@ -68,6 +68,7 @@ rule dataset:
         unpack(parts),
         sources=sources("datasets"),
         engine=lambda wildcards: engine(imports(module_of(wildcards.figure)), settings_of(wildcards.figure).by_speed),
+        tables=lambda wildcards: list(map(str, settings_of(wildcards.figure).tables)),
     output:
         dataset="results/datasets/{figure}.nc",
         checks="results/checks/{figure}.json",

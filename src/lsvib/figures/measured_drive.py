@@ -36,7 +36,7 @@ controller may do more, the law below 10 rpm rests on the torque of a screw that
 some time, so that quick jerks at 10 rpm would not be seen.
 """
 
-DATA = Path(__file__).parents[3] / "examples" / "measured_screw" / "drive1"
+TABLES = tuple(sorted((Path(__file__).parents[3] / "examples" / "measured_screw" / "drive1").glob("*.csv")))
 RPM = math.pi / 30  # rad/s
 LEAD, RADIUS = 2e-3, 5.5e-3  # m
 LOAD = -0.096 * 9.80665  # N, travel at positive speed lowers it
@@ -54,6 +54,7 @@ FASTEST = 100 * RPM  # rad/s; at twice the speed up to which the torque falls no
 
 class Settings(FigureSettings):
     by_speed: ClassVar = True
+    tables: ClassVar = TABLES
 
     stiffness: PositiveSpan = Field(description="Stiffnesses of the drive, evenly spaced in logarithm [N m/rad].")
     dampings: of.several(of.Damping, 1, 4, "Dampings of the screw by speed feedback [N m s/rad].")
@@ -110,11 +111,10 @@ def build(settings: Values) -> xr.Dataset:
 def _tables() -> list[Any]:
     from lsvib.fit.tables import read_table
 
-    files = sorted(DATA.glob("*.csv"))
-    if not files:
+    if not TABLES:
         raise InputError("The tables of figure measured_drive come with a checkout of lsvib only, in examples.")
     factors = (-RPM, -0.0984e-3)  # signs of the motor; per cent of 9.84 mN m
-    return [read_table(file, (2, 3), factors, ";") for file in files]
+    return [read_table(file, (2, 3), factors, ";") for file in TABLES]
 
 
 def _seen_frequency(tables: list[Any]) -> float:

@@ -6,6 +6,7 @@ parameters are those of :mod:`lsvib.models.drive`.
 
 import math
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Annotated, Any, ClassVar, Self
 
 from annotated_types import Ge, Gt, Le, Lt
@@ -39,13 +40,14 @@ class FigureSettings(SettingsSection):
     ``unused``: parameters of its drive on which the figure does not depend, because it varies them itself or because
     they drop out of what it shows. ``needs``: modules that its dataset runs in processes of their own or finds by name.
     ``timed``: whether its dataset measures run times, so that nothing may run beside it. ``by_speed``: whether its
-    dataset follows motions with friction that depends on speed.
+    dataset follows motions with friction that depends on speed. ``tables``: files of measurements that it reads.
     """
 
     unused: ClassVar[tuple[str, ...]] = ()
     needs: ClassVar[tuple[str, ...]] = ()
     timed: ClassVar[bool] = False
     by_speed: ClassVar[bool] = False
+    tables: ClassVar[tuple[Path, ...]] = ()
 
 
 def _ordered(low: float, high: float, names: tuple[str, str]) -> None:
