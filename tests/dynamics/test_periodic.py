@@ -212,10 +212,9 @@ def test_a_touch_is_no_cycle():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(2))
-def test_at_most_one_cycle_of_pure_slip(seed):
+def test_at_most_one_cycle_of_pure_slip():
     """The bound of one limit cycle of plane systems of two linear zones, and hyperbolic, over random drives."""
-    rng, seen = np.random.default_rng(seed), 0
+    rng, seen = np.random.default_rng(0), 0
     for _ in range(15):
         drive = lsvib.RigidDrive(
             mass=float(rng.uniform(0.5, 9.95)),

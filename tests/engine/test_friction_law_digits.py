@@ -118,4 +118,4 @@ def test_release_without_a_jump_of_force():
 @pytest.mark.slow
 @pytest.mark.parametrize("block", range(3))
 def test_many_random_motions(block):
-    assert compare_random(range(14 + 40 * block, 54 + 40 * block))["events"] > 20
+    assert compare_random(range(14 + 30 * block, 44 + 30 * block))["events"] > 20

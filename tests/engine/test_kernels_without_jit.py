@@ -1,8 +1,7 @@
-"""The engine's kernels as plain Python, and compiled with bounds checks: the same motion to rounding.
+"""The engine's kernels as plain Python: the same motion to rounding.
 
-Each runs in a process of its own, the checked ones with cache folders of their own. Without compilation an index out of
-range raises, and coverage of the kernels is real; with ``NUMBA_BOUNDSCHECK`` the compiled ones raise as well. LLVM may
-contract and reorder, so the results agree to rounding: 1e-12 of the motion, as in the comparison with mpmath.
+Each way runs in a process of its own. Without compilation an index out of range raises. LLVM may contract and reorder,
+so the results agree to rounding: 1e-12 of the motion, as in the comparison with mpmath.
 """
 
 import json
@@ -42,13 +41,11 @@ def results(**environment):
 
 
 @pytest.mark.slow
-def test_same_motion_without_compilation_and_with_bounds_checks(tmp_path):
-    compiled = results()
-    for variant in ("NUMBA_DISABLE_JIT", "NUMBA_BOUNDSCHECK"):
-        other = results(NUMBA_CACHE_DIR=str(tmp_path / variant), **{variant: "1"})
-        for (times, kinds, states, modes), expected in zip(other, compiled, strict=True):
-            assert kinds == expected[1]
-            assert modes == expected[3]
-            # The multiplier is a difference quotient of step 1e-5: rounding over the step.
-            np.testing.assert_allclose(times, expected[0], rtol=1e-10, atol=1e-12)
-            np.testing.assert_allclose(states, expected[2], rtol=1e-12, atol=1e-12)
+def test_same_motion_without_compilation(tmp_path):
+    compiled, plain = results(), results(NUMBA_CACHE_DIR=str(tmp_path), NUMBA_DISABLE_JIT="1")
+    for (times, kinds, states, modes), expected in zip(plain, compiled, strict=True):
+        assert kinds == expected[1]
+        assert modes == expected[3]
+        # The multiplier is a difference quotient of step 1e-5: rounding over the step.
+        np.testing.assert_allclose(times, expected[0], rtol=1e-10, atol=1e-12)
+        np.testing.assert_allclose(states, expected[2], rtol=1e-12, atol=1e-12)
