@@ -141,7 +141,7 @@ def test_a_plastic_nut_is_refused_above_its_limit():
     found = assess(given, samples=64)
     assert any("PV reaches 0.153 MPa m/s, the limit is 0.15 MPa m/s" in line for line in brief(found))
     cell = next(cells[2] for cells in rows(found) if str(cells[0]).startswith("PV"))
-    assert cell == ('<b class="over">0.153 MPa m/s</b>', "limit passed")
+    assert cell == ('<b class="over">0.153 MPa m/s</b>', "limit exceeded")
 
 
 @pytest.mark.parametrize(

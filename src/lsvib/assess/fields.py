@@ -190,7 +190,7 @@ def spread(value: Any, *units: str, check: Callable[[float, str], None]) -> Spre
         try:
             figure, unit = quantity(value[key], *(("",) if key == "factor" else units))
         except NotQuantity as error:
-            raise NotQuantity(f"has {key} {error}") from None
+            raise NotQuantity(f"({key}) {error}") from None
         figures.append(figure)
         kinds += [unit] if key != "factor" else []
     unit = kinds[0]

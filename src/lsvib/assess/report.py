@@ -104,9 +104,9 @@ def _summary(assessment: Assessment) -> str:
     fast = _fast_enough(assessment)
     if occurring:
         one, *others = occurring
-        too = f" So does {' and '.join(SHORT[other.name] for other in others)}." if others else ""
+        too = f" Also {' and '.join(SHORT[other.name] for other in others)} would do it." if others else ""
         best = [row for row in assessment.margins if row.factor is not None][:3]
-        changes = "; or ".join(f"the {IN_WORDS[row.quantity]} {change(row.factor)}" for row in best)
+        changes = "; or ".join(f"the {summary.changed(assessment, row)}" for row in best)
         advice = (
             f" The smallest single changes that make it run steadily at the middle values: {changes}."
             if best

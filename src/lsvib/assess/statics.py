@@ -156,6 +156,15 @@ def statics(sheet: Sheet) -> Statics:
     return Statics(rows, "at the middle values" if surely else "within the uncertainties")
 
 
+def lets_go(sheet: Sheet, values: Mapping[str, Any], changed: Mapping[str, Any]) -> bool:
+    """Whether a thread that holds at rest no longer does with ``changed`` quantities in the place of ``values``."""
+    holds = []
+    for own in (values, {**values, **changed}):
+        angle = np.arctan(own["lead"] / (math.pi * own["pitch_diameter"]))
+        holds.append(bool(_at_rest(sheet, own) >= flank_coefficient(np.tan(angle), angle, own["half_angle"])))
+    return holds == [True, False]
+
+
 def _pushed(values: Mapping[str, Any]) -> bool:
     """Whether anything pushes the load at rest."""
     return any(np.any(values[f"force_{end}"] + _weight(values) != 0) for end in ("low", "high"))

@@ -7,10 +7,10 @@ from markupsafe import Markup
 
 from lsvib.assess.assessment import Assessment
 from lsvib.assess.drive import IN_WORDS
-from lsvib.assess.margins import Margin
+from lsvib.assess.margins import Margin, changeable
 from lsvib.assess.materials import NUT_MATERIALS
 from lsvib.assess.sheet import Nut
-from lsvib.assess.statics import ABOUT, Row
+from lsvib.assess.statics import ABOUT, Row, lets_go
 from lsvib.assess.words import VERDICTS, change, percent, shown
 
 _NUT_LIMITS = {"nut_pressure": "pressure_limit", "sliding_speed": "speed_limit", "pv": "pv_limit"}
@@ -33,7 +33,7 @@ def holding(assessment: Assessment) -> str:
     if found is None:
         return "Nothing pushes the load while it is at rest."
     worst = "" if row.worst == row.middle else " at worst"
-    why = f"friction at rest is {shown(row.worst, '')}{worst}, and the thread holds from {shown(row.limit, '')} on"
+    why = f"friction at rest is {shown(row.worst, '')}{worst}; at least {shown(row.limit, '')} is needed to hold"
     if found is False:
         runs_on = "" if assessment.self_locking else " Once it moves, it does not stop by itself."
         return f"The screw holds its load when the current is off: {why}.{runs_on}"
@@ -63,7 +63,7 @@ def effort(assessment: Assessment) -> str:
 
 
 def limits(assessment: Assessment) -> str:
-    """Say which limits of nut and screw are passed, if the sheet gives any."""
+    """Say which limits of nut and screw are exceeded, if the sheet gives any."""
     found = [row for row in assessment.statics.limited if row.key != "holding_friction"]
     passed = [row for row in found if row.passed]
     if not found:
@@ -74,7 +74,7 @@ def limits(assessment: Assessment) -> str:
     for row in passed:
         value, limit = (shown(figure, ABOUT[row.key][1]) for figure in (row.worst, row.limit))
         each.append(f"{_short(row)} reaches {value}, the limit is {limit}")
-    return f"{len(passed)} of {len(found)} limits of nut and screw passed: {'; '.join(each)}."
+    return f"{len(passed)} of {len(found)} limits of nut and screw exceeded: {'; '.join(each)}."
 
 
 def _short(row: Row) -> str:
@@ -89,16 +89,27 @@ def _changes(assessment: Assessment) -> str:
     best = [row for row in assessment.margins if is_near(row)][:3]
     if not best:
         return ""
-    each = "; ".join(f"{IN_WORDS[row.quantity]} {change(row.factor)}" for row in best)
+    each = "; ".join(changed(assessment, row) for row in best)
     effect = "ends the vibration" if occurs else "would start vibration"
-    return f"Each of these changes alone {effect} at the middle values: {each}."
+    which = "Each of these changes alone" if len(best) > 1 else "This change alone"
+    return f"{which} {effect} at the middle values: {each}."
+
+
+def changed(assessment: Assessment, row: Margin) -> str:
+    """Say how a quantity changes, and whether the load drops then."""
+    values = assessment.values
+    keys = changeable(values).get(row.quantity, ())
+    drops = lets_go(assessment.sheet, values, {key: values[key] * row.factor for key in keys})
+    remark = " (but then the load drops when the current is off)" if drops else ""
+    return f"{IN_WORDS[row.quantity]} {change(row.factor)}{remark}"
 
 
 def rows(assessment: Assessment) -> list[tuple[Any, ...]]:
     """Return the rows of the table: name, middle, worst, limit, formula with source; vibration first."""
-    often, bad = f"in {percent(assessment.uncertainty.any.value)} of drives", "vibrate" in assessment.verdict
+    often = f"in {percent(assessment.uncertainty.any.value)} of drives"
+    worst = Markup('<b class="over">{}</b>').format(often) if "vibrate" in assessment.verdict else often
     found: list[tuple[Any, ...]] = [
-        ("Vibration", assessment.verdict, _marked(often, bad), "none", ("see below", "what can make it vibrate"))
+        ("Vibration", assessment.verdict, worst, "none is wanted", ("see below", "what can make it vibrate"))
     ]
     for row in assessment.statics.rows.values():
         name, unit, formula, source = ABOUT[row.key]
@@ -124,7 +135,7 @@ def _limit_source(nut: Nut, key: str) -> str:
 
 
 def _marked(text: str, passed: bool) -> Any:
-    return (Markup('<b class="over">{}</b>').format(text), "limit passed") if passed else text
+    return (Markup('<b class="over">{}</b>').format(text), "limit exceeded") if passed else text
 
 
 def _limit(row: Row, unit: str) -> Any:

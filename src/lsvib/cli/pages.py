@@ -29,7 +29,7 @@ def assess(
 ) -> None:
     """Assess a drive from its data sheet: will it vibrate, what does it bear, and what should be changed.
 
-    Prints verdict, torque, efficiency, whether it holds its load, limits that are passed, and three changes.
+    Prints verdict, torque, efficiency, whether it holds its load, limits that are exceeded, and three changes.
 
     Examples of use:
 

@@ -17,6 +17,11 @@ from lsvib.fit.law import PARAMETERS, Solution, falls_up_to, halves, load_of_dir
 from lsvib.fit.sheet import FittedSheet, fit_sheet
 
 _FILES = {"fit.nc": "netCDF", "fit.json": "JSON", "fit.png": "PNG", "fit.pdf": "PDF", "friction.yaml": ""}
+_ENDS = {
+    "fit": "Fit",
+    "threads": "All friction in the threads",
+    "bearing": "As much friction as can be in the bearing",
+}
 _WORDS = {
     "friction_coefficient": "The constant part of friction of the threads and the Coulomb drag of the bearing",
     "friction_slope": "The slope of friction of the threads and the viscous drag of the bearing",
@@ -57,6 +62,7 @@ def as_json(found: FittedSheet) -> dict[str, Any]:
         "name": found.name,
         **_end(found, main),
         "points": len(found.points),
+        "sliding_speeds": measured.sliding(measured.speeds[[0, -1]]).tolist(),
         "not_separable": [list(pair) for pair in fit.not_separable],
         "ends": {name: _end(found, end) for name, end in fit.ends.items()},
         "falls_up_to": {str(sense): falls_up_to(measured, main, load, sense) for sense in (1, -1)},
@@ -110,8 +116,8 @@ def sentences(found: FittedSheet) -> list[str]:
     if loads and "offset" in fit.unknown and np.ptp(measured.load) == 0:
         text = " to ".join(f"{value:.3g}" for value in sorted({float(f"{value:.3g}") for value in loads}))
         said.append(
-            f"If the zero of the torque is right, both directions differ by a load of {text} N; given are "
-            f"{float(np.median(measured.load)):.4g} N."
+            f"The sheet gives a load of {float(np.median(measured.load)):.4g} N; if the torque had no zero error, the "
+            f"difference between both directions would be that of {text} N."
         )
     residual = fit.main.residual[np.lexsort((measured.speed, measured.load))]
     alike = float(np.sum(residual[1:] * residual[:-1]) / np.sum(residual**2)) if residual.any() else 0.0
@@ -143,8 +149,14 @@ def blocks(result: dict[str, Any]) -> str:
     options = " ".join(f"--set {key}={value:g}" for key, value in law.items())
     sheet = yaml.safe_dump({"friction": result["sheet"]}, sort_keys=False)
     scene = yaml.safe_dump({"drive": law}, sort_keys=False)
-    end = f", {next(iter(result['ends']))} end" if result["not_separable"] else ""
-    return f"# Data sheet of lsvib assess (of the flanks{end}):\n{sheet}# Scene:\n{scene}# Shell:\n# {options}\n"
+    end = f"; {_ENDS[next(iter(result['ends']))].lower()}, the upper bound" if result["not_separable"] else ""
+    low, high = result["sliding_speeds"]
+    return (
+        f"# Measured at sliding speeds from {low:.3g} to {high:.3g} m/s{end}.\n"
+        f"# For a data sheet of lsvib assess, coefficients of the flanks:\n{sheet}"
+        f"# For a scene, of the square thread (those of the flanks over the cosine of their angle):\n{scene}"
+        f"# For the shell:\n# {options}\n"
+    )
 
 
 def text_of(result: dict[str, Any]) -> str:
@@ -169,8 +181,7 @@ def text_of(result: dict[str, Any]) -> str:
     for name, end in result["ends"].items():
         values = {**end["friction"], **end["bearing"], "offset": end["offset"]}
         lines.append(
-            f"{'Fit' if name == 'fit' else f'End {name}'}: rms {end['rms'] * 1e3:.3g} mN m, largest residual "
-            f"{end['largest_residual'] * 1e3:.3g} mN m"
+            f"{_ENDS[name]}: rms {end['rms'] * 1e3:.3g} mN m, largest residual {end['largest_residual'] * 1e3:.3g} mN m"
         )
         for key, value in values.items():
             error = end["standard_errors"].get(key)
