@@ -12,9 +12,10 @@ pytest.importorskip("scipy")
 import yaml
 
 from lsvib.assess.assessment import assess
+from lsvib.assess.drive import nominal_draw, quantities
 from lsvib.assess.materials import SCREW_MATERIALS
 from lsvib.assess.sheet import Coupling, Friction, Nut, Screw, Sheet, Thread
-from lsvib.assess.statics import ENDS, column_load, critical_speed, nut_pressure, statics, torque
+from lsvib.assess.statics import ENDS, column_load, critical_speed, lets_go, nut_pressure, statics, torque
 from lsvib.assess.summary import brief, rows
 from lsvib.assess.threads import thread_size
 from lsvib.cli.app import run
@@ -225,3 +226,12 @@ def test_the_template_is_a_sheet_that_can_be_assessed(tmp_path, capsys, monkeypa
     every = yaml.safe_load(re.sub("(?m)^  # ", "  ", file.read_text(encoding="utf-8")))
     parts = {"thread": Thread, "screw": Screw, "nut": Nut, "coupling": Coupling, "friction": Friction}
     assert all(set(every[name]) <= set(part.model_fields) for name, part in parts.items())
+
+
+def test_a_change_that_lets_the_load_drop_is_known():
+    """Tr 10x2 holds with 0.1 at tan λ = 0.0707; with half the pitch diameter tan λ is 0.141."""
+    given = sheet(friction={"coefficient": 0.1}, thread={"size": "Tr 10x2"})
+    values = quantities(given, nominal_draw(given))
+    assert lets_go(given, values, {"pitch_diameter": 0.5 * values["pitch_diameter"]})
+    assert not lets_go(given, values, {"pitch_diameter": 0.9 * values["pitch_diameter"]})
+    assert not lets_go(given, values, {"friction": 2.0 * values["friction"]})

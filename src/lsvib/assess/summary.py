@@ -99,7 +99,7 @@ def changed(assessment: Assessment, row: Margin) -> str:
     """Say how a quantity changes, and whether the load drops then."""
     values = assessment.values
     keys = changeable(values).get(row.quantity, ())
-    drops = lets_go(assessment.sheet, values, {key: values[key] * row.factor for key in keys})
+    drops = lets_go(assessment.sheet, values, {key: values[key] * (row.factor or 1.0) for key in keys})
     remark = " (but then the load drops when the current is off)" if drops else ""
     return f"{IN_WORDS[row.quantity]} {change(row.factor)}{remark}"
 
