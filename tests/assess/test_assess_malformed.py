@@ -59,7 +59,7 @@ CASES = [
     ("nut", {"material": "iglidur_b"}, "nut.length is missing"),
     ("nut", {"length": "9 mm", "material": "cheese"}, "nut.material = 'cheese' is not one of iglidur_j"),
     ("nut", {"length": "9 mm", "pv_limit": "5 MPa"}, "is not a pressure times a speed, such as 0.15 MPa*m/s"),
-    ("friction", {"pairing": "cheese_dry"}, "friction = 'cheese_dry' is not known"),
+    ("friction", {"pairing": "cheese_dry"}, "friction.pairing = 'cheese_dry' is not known"),
     ("friction.pairing", "iglidur_b", "friction.pairing and friction.coefficient are both given"),
     ("coupling.stiffness", "20 N/m", "is not a torsional stiffness"),
     ("operation.speed", "10 mm", "is not a rotational speed or a speed"),

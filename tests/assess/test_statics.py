@@ -20,8 +20,10 @@ from lsvib.assess.summary import brief, rows
 from lsvib.assess.threads import thread_size
 from lsvib.cli.app import run
 from lsvib.cli.pages import app
+from lsvib.errors import InputError
 
 INCH, POUND = 0.0254, 4.4482216152605
+LOAD, WEIGHT = {"mass": "25 kg", "orientation": "vertical"}, 25 * 9.80665
 BASE = {
     "name": "a lift",
     "thread": {"size": "Tr 16x4"},
@@ -235,3 +237,55 @@ def test_a_change_that_lets_the_load_drop_is_known():
     assert lets_go(given, values, {"pitch_diameter": 0.5 * values["pitch_diameter"]})
     assert not lets_go(given, values, {"pitch_diameter": 0.9 * values["pitch_diameter"]})
     assert not lets_go(given, values, {"friction": 2.0 * values["friction"]})
+
+
+def test_friction_between_the_ends_of_the_window_counts():
+    """A curve with 0.4 at 0.1 m/s within the window: r F tan(ρ + λ) by hand, efficiency tan λ / tan(λ + ρ)."""
+    curve = [["0 m/s", 0.1], ["0.1 m/s", 0.4], ["0.3 m/s", 0.1]]
+    given = sheet(load=LOAD, operation={"speed": ["2 mm/s", "20 mm/s"]}, friction={"curve": curve})
+    found, lead = statics(given).rows, math.atan(4 / (14 * math.pi))
+    rho = math.atan(0.4 / math.cos(math.atan(math.cos(lead) * math.tan(math.radians(15)))))
+    assert found["lifting_torque"].worst == pytest.approx(7e-3 * WEIGHT * math.tan(rho + lead), rel=1e-3)
+    assert found["lifting_efficiency"].worst == pytest.approx(math.tan(lead) / math.tan(lead + rho), rel=1e-3)
+
+
+def test_static_friction_counts_where_a_load_is_started():
+    given = sheet(load=LOAD, friction={"coefficient": 0.1, "static": 0.3})
+    found, lead = statics(given).rows, math.atan(4 / (14 * math.pi))
+    rho = math.atan(0.3 / math.cos(math.atan(math.cos(lead) * math.tan(math.radians(15)))))
+    assert found["starting_torque"].worst == pytest.approx(7e-3 * WEIGHT * math.tan(rho + lead), rel=1e-12)
+    assert "Once it moves, it may not stop" not in " ".join(brief(assess(given, 64)))
+
+
+def test_a_brake_is_named_where_friction_may_be_too_low():
+    """With 0.06 the load turns the screw, with 0.2 it has to be driven: two rows, none hides the other."""
+    given = sheet(load=LOAD, friction={"coefficient": [0.06, 0.2]})
+    found, lead = statics(given).rows, math.atan(4 / (14 * math.pi))
+    low, high = (math.atan(mu / math.cos(math.atan(math.cos(lead) * math.tan(math.radians(15))))) for mu in (0.06, 0.2))
+    assert found["braking_torque"].worst == pytest.approx(7e-3 * WEIGHT * math.tan(lead - low), rel=1e-7)
+    assert found["lowering_torque"].worst == pytest.approx(7e-3 * WEIGHT * math.tan(high - lead), rel=1e-7)
+    assert "can drop" in " ".join(brief(assess(given, 64)))
+
+
+@pytest.mark.parametrize(
+    ("load", "words"),
+    [
+        ({"mass": "25 kg", "orientation": "vertical", "force": "-1000 N"}, "The force on the load turns the screw"),
+        ({"mass": "25 kg", "orientation": ["-5 deg", "5 deg"]}, "The load can drop"),
+    ],
+)
+def test_what_turns_the_screw_back_has_its_name(load, words):
+    assert words in " ".join(brief(assess(sheet(load=load, friction={"coefficient": 0.05}), 64)))
+
+
+@pytest.mark.parametrize(
+    ("screw", "words"),
+    [
+        ({"root_diameter": "50 mm"}, "screw.root_diameter = 50 mm is not below the diameter of the thread"),
+        ({"unsupported_length": "5 m"}, "screw.unsupported_length = 5 m is above screw.length"),
+        ({"root_diameter": "1e-320 m"}, "outside the allowed range"),
+    ],
+)
+def test_screws_that_cannot_be_are_refused(screw, words):
+    with pytest.raises(InputError, match=words):
+        sheet(screw={"length": "500 mm", "ends": "fixed-supported", **screw})

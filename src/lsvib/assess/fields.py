@@ -262,13 +262,13 @@ def _least(key: str, kind: type[Drive] = Drive) -> float:
 
 LARGEST_HALF_ANGLE = math.radians(60)
 # The ranges are those of the drives of the package, or narrower where no screw of metal reaches.
-Length = _positive({"m": 100.0})
+Length = _field("m", 1e-6, 100.0)
 LeadAngle = _field("rad", _least("lead_angle"), math.radians(80))
 HalfAngle = _field("rad", 0.0, LARGEST_HALF_ANGLE)
 Mass = _field("kg", _least("mass"), 1e9)
 Density = _positive({"kg/m^3": 3e4})
-Pressure = _positive({"Pa": 1e12})
-PressureSpeed = _positive({"Pa m/s": 1e15})
+Pressure = _field("Pa", 1.0, 1e12)
+PressureSpeed = _field("Pa m/s", 1.0, 1e15)
 Inertia = _field("kg m^2", _least("screw_inertia"), 1e6)
 MoreInertia = _field("kg m^2", 0.0, 1e6)
 Torsion = _field("N m/rad", _least("coupling_stiffness"), 1e12)

@@ -181,11 +181,11 @@ def corners(sheet: Sheet, values: Mapping[str, Any]) -> list[tuple[int, Any, Any
     return [
         (direction, speed, force)
         for direction in directions(sheet)
-        for speed, force in zip(*_points(sheet, values, direction), strict=True)
+        for speed, force in zip(*window_points(sheet, values, direction), strict=True)
     ]
 
 
-def _points(sheet: Sheet, values: Mapping[str, Any], direction: int) -> tuple[NDArray, NDArray]:
+def window_points(sheet: Sheet, values: Mapping[str, Any], direction: int) -> tuple[NDArray, NDArray]:
     """Speeds [rad/s] and forces [N] of all corners of one direction: (k) for one drive, (k, n) for arrays of drives."""
     curve, shares = sheet.friction.curve, np.linspace(_BESIDE, 1.0, 1 if sheet.support is None else 9)
     sloped = sheet.friction.sloped
@@ -234,7 +234,9 @@ def worst(sheet: Sheet, values: Mapping[str, Any]) -> dict[str, Worst]:
     """
     rows, sizes = [], []
     for direction in directions(sheet):
-        speeds, forces = (table[:, None] if table.ndim == 1 else table for table in _points(sheet, values, direction))
+        speeds, forces = (
+            table[:, None] if table.ndim == 1 else table for table in window_points(sheet, values, direction)
+        )
         rows.append(reserves(sheet, values, direction, speeds, forces))
         sizes.append(len(speeds))
     found = {}

@@ -98,10 +98,9 @@ def as_json(assessment: Assessment) -> dict[str, Any]:
 def _statics_json(found: Statics) -> dict[str, Any]:
     rows: dict[str, Any] = {}
     for key, row in found.rows.items():
-        worst = row.worst if np.isfinite(row.worst) else None  # a torque, where the threads jam
         rows[key] = {
             "middle": row.middle,
-            "worst": worst,
+            "worst": row.worst if np.isfinite(row.worst) else None,  # a torque, where the threads jam
             "limit": row.limit,
             "passed": row.passed,
             "unit": ABOUT[key][1],

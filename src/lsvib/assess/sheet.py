@@ -1,5 +1,6 @@
 """The data sheet of a drive: one YAML file in the words and units of an engineer, checked as a whole."""
 
+import math
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
@@ -92,6 +93,8 @@ class Screw(_Part):
         if self.material is not None and self.material not in SCREW_MATERIALS:
             names = ", ".join(SCREW_MATERIALS)
             return f"screw.material = {shown(self.material)} is not one of {names}; or give screw.density."
+        if self.length and self.unsupported_length and self.unsupported_length.high > self.length.high:
+            return f"screw.unsupported_length = {self.unsupported_length.text} is above screw.length."
         if self.ends is not None and self.density is not None:
             return "screw.ends needs screw.material instead of screw.density, as the modulus follows from it."
         if self.ends is not None and self.length is None and self.unsupported_length is None:
@@ -169,7 +172,10 @@ class Friction(_Part):
         """Put what a pairing states beside its name."""
         if not isinstance(values, Mapping) or values.get("pairing") is None:
             return values
-        law, name = stated(values["pairing"]), values["pairing"]
+        name = values["pairing"]
+        if name not in PAIRINGS:
+            raise InputError(f"friction.pairing = {shown(name)} is not known; lsvib pairings lists all.")
+        law = stated(name)
         low, high = PAIRINGS[name].low, PAIRINGS[name].high
         units = {"stribeck_speed": "m/s", "friction_slope": "s/m"}
         found = {key.removeprefix("friction_"): f"{value!r} {units.get(key, '')}" for key, value in law.items()}
@@ -249,8 +255,12 @@ class Sheet(_Part):
         for part in (sheet.thread, sheet.screw, sheet.friction, sheet.nut):
             if part is not None and (problem := part.problem()) is not None:
                 raise InputError(problem)
-        if sheet.screw.ends is not None and sheet.screw.root_diameter is None and sheet.thread.size is None:
+        root, size = sheet.screw.root_diameter, sheet.thread.size
+        if sheet.screw.ends is not None and root is None and size is None:
             raise InputError("screw.ends needs screw.root_diameter, or thread.size from which it follows.")
+        outer = sheet.thread.pitch_diameter or sheet.thread.nominal_diameter
+        if root is not None and root.high >= (size.pitch_diameter if size else outer.low if outer else math.inf):
+            raise InputError(f"screw.root_diameter = {root.text} is not below the diameter of the thread.")
         if sheet.support is not None and sheet.screw.mass is None and sheet.screw.length is None:
             raise InputError("support needs screw.mass, or screw.length from which it follows.")
         for table in ("sources", "assumptions"):

@@ -5,7 +5,7 @@ entries and of the window, and the worst one: at the ends of the operating windo
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,9 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsvib.assess import drive as sheets
-from lsvib.assess.drive import flank_coefficient, lifting_efficiency, lowering_efficiency, sliding_speed
+from lsvib.assess.drive import (
+    flank_coefficient,
+    lifting_efficiency,
+    lowering_efficiency,
+    sliding_speed,
+    square_coefficient,
+)
 from lsvib.assess.materials import NUT_MATERIALS, SCREW_MATERIALS
-from lsvib.assess.mechanisms import directions
+from lsvib.assess.mechanisms import directions, window_points
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.uncertainty import draw_of, ends
 from lsvib.models.mechanics import friction_factor
@@ -31,10 +37,13 @@ _SHIGLEY = "Shigley, Mechanical Engineering Design"
 _THREAD = f"{_SHIGLEY}, power screws"
 _RECOMMENDED = "limit: 80 % of it, Thomson"
 ABOUT = {  # name, unit, formula and source of each row
-    "lifting_torque": ("Torque to lift", "N m", "r F tan(λ + ρ) + c Ω", _THREAD),
-    "lifting_power": ("Power to lift", "W", "torque × Ω", _THREAD),
-    "lowering_torque": ("Torque to lower; below zero it brakes", "N m", "r F tan(ρ − λ) + c Ω", _THREAD),
-    "lowering_power": ("Power to lower; below zero the load gives it", "W", "torque × Ω", _THREAD),
+    "starting_torque": ("Torque to start against the load", "N m", "r F tan(λ + ρ), ρ of friction at rest", _THREAD),
+    "lifting_torque": ("Torque against the load", "N m", "r F tan(λ + ρ) + c Ω", _THREAD),
+    "lifting_power": ("Power against the load", "W", "torque × Ω", _THREAD),
+    "lowering_torque": ("Torque with the load", "N m", "r F tan(ρ − λ) + c Ω", _THREAD),
+    "lowering_power": ("Power with the load", "W", "torque × Ω", _THREAD),
+    "braking_torque": ("Torque to brake; the load turns the screw", "N m", "r F tan(λ − ρ) − c Ω", _THREAD),
+    "braking_power": ("Power that the brake takes", "W", "torque × Ω", _THREAD),
     "lifting_efficiency": ("Efficiency against the load", "1", "tan λ / tan(λ + ρ)", _THREAD),
     "lowering_efficiency": (
         "Efficiency with the load; below zero the thread locks", "1", "tan(λ − ρ) / tan λ", _THREAD,
@@ -79,11 +88,13 @@ class Row:
 class Statics:
     """All rows; ``back_drives``: whether the load can turn the screw when the current is off.
 
-    False, ``at the middle values`` or ``within the uncertainties``; None if nothing pushes the load.
+    False, ``at the middle values`` or ``within the uncertainties``; None if nothing pushes the load. ``falls``: whether
+    what pushes it may have the direction of its weight.
     """
 
     rows: dict[str, Row]
     back_drives: str | bool | None
+    falls: bool
 
     @property
     def limited(self) -> list[Row]:
@@ -141,19 +152,21 @@ def statics(sheet: Sheet) -> Statics:
     """Return all rows for which a sheet has the entries, at the middle values and at the worst ones."""
     draw = sheets.nominal_draw(sheet)
     values = sheets.quantities(sheet, draw)
-    middle = _judged(sheet, draw, values, *_middle(*_window(sheet, values)))
+    middle = _judged(sheet, draw, values, *_middle(_window(sheet, values)))
+    surely_pushed = _pushed(values).any()
     draw = draw_of(sheet, ends(sheet))
     values = sheets.quantities(sheet, draw)
-    speed, load = (side.reshape(-1, side.shape[-1]) for side in _window(sheet, values))
-    worst = _judged(sheet, draw, values, speed, load)
+    window = [np.concatenate(parts) for parts in zip(*_window(sheet, values), strict=True)]
+    worst = _judged(sheet, draw, values, *window)
     rows = {key: _row(key, worst[key], middle.get(key)) for key in ABOUT if key in worst}
-    holding = rows["holding_friction"]
-    if not _pushed(values):
-        return Statics({**rows, holding.key: replace(holding, passed=False)}, None)
+    holding, pushed = rows["holding_friction"], _pushed(values)
+    falls = bool((pushed * _weight(values) > 0).any())
+    if not pushed.any():
+        return Statics({**rows, holding.key: replace(holding, passed=False)}, None, falls)
     if not holding.passed:
-        return Statics(rows, False)
-    surely = _row(holding.key, middle[holding.key], None).passed
-    return Statics(rows, "at the middle values" if surely else "within the uncertainties")
+        return Statics(rows, False, falls)
+    surely = surely_pushed and _row(holding.key, middle[holding.key], None).passed
+    return Statics(rows, "at the middle values" if surely else "within the uncertainties", falls)
 
 
 def lets_go(sheet: Sheet, values: Mapping[str, Any], changed: Mapping[str, Any]) -> bool:
@@ -165,9 +178,9 @@ def lets_go(sheet: Sheet, values: Mapping[str, Any], changed: Mapping[str, Any])
     return holds == [True, False]
 
 
-def _pushed(values: Mapping[str, Any]) -> bool:
-    """Whether anything pushes the load at rest."""
-    return any(np.any(values[f"force_{end}"] + _weight(values) != 0) for end in ("low", "high"))
+def _pushed(values: Mapping[str, Any]) -> Floats:
+    """What pushes the load at rest, against outward travel [N], at both ends of the window (2, n)."""
+    return np.stack(np.broadcast_arrays(*(values[f"force_{end}"] + _weight(values) for end in ("low", "high"))))
 
 
 def _weight(values: Mapping[str, Any]) -> Any:
@@ -175,56 +188,71 @@ def _weight(values: Mapping[str, Any]) -> Any:
     return values["mass"] * sheets.GRAVITY * np.sin(values["tilt"])
 
 
-def _window(sheet: Sheet, values: Mapping[str, Any]) -> tuple[Floats, Floats]:
-    """Speed [rad/s] and load against the travel [N] at the ends of the window, (directions, 4, n) each."""
-    zero = np.zeros(np.broadcast_shapes((1,), *map(np.shape, values.values())))
-    sides = [
-        (values[f"speed_{fast}"] + zero, values[f"force_{strong}"] + _weight(values) + zero)
-        for fast in ("low", "high")
-        for strong in ("low", "high")
-    ]
-    speed, force = map(np.stack, zip(*sides, strict=True))
-    drag = values["translational_damping"] * values["lead"] / (2 * math.pi) * speed
-    load = np.stack([direction * force + drag for direction in directions(sheet)])
-    return np.broadcast_to(speed, load.shape), load
+def _window(sheet: Sheet, values: Mapping[str, Any]) -> list[tuple[Floats, Floats, Floats]]:
+    """Speeds [rad/s], loads against the travel without and with drag [N], at points of the window, (k, n) a direction.
 
-
-def _middle(speed: Floats, load: Floats) -> tuple[Floats, Floats]:
-    """Speeds and loads (k, 1) in the middle of a window: of what is lifted in it, and of what is lowered."""
+    They are those at which stability is asked, between its ends too where friction depends on the speed.
+    """
     found = []
+    drag = values["translational_damping"] * values["lead"] / (2 * math.pi)
+    for direction in directions(sheet):
+        speed, force = (
+            table[:, None] if table.ndim == 1 else table for table in window_points(sheet, values, direction)
+        )
+        held = direction * (force + _weight(values))
+        found.append((speed, held, held + drag * speed))
+    return found
+
+
+def _middle(window: Sequence[tuple[Floats, Floats, Floats]]) -> tuple[Floats, Floats, Floats]:
+    """Speeds and loads (k, 1) in the middle of a window: against which travel goes in it, and with which it goes."""
+    speed = np.concatenate([one.ravel() for one, _, _ in window])
+    found: list[list[float]] = []
     for sign in (1, -1):
-        sizes = np.clip(sign * load, 0, None)
-        sizes = sizes[sizes.max(axis=(1, 2)) > 0]  # of the directions in which there is such a load
-        if sizes.size:
-            found.append(sign * 0.5 * (sizes.min() + sizes.max()))
-    loads = np.array(found or [0.0])[:, None]
-    return np.full(loads.shape, 0.5 * (speed.min() + speed.max())), loads
+        pairs: list[float] = []
+        for loads in zip(*(side[1:] for side in window), strict=True):
+            sizes = [np.clip(sign * load, 0, None) for load in loads if (sign * load > 0).any()]
+            ends = [size(one) for size in (np.min, np.max) for one in sizes]
+            pairs.append(sign * 0.5 * float(min(ends) + max(ends)) if ends else 0.0)
+        if pairs[1]:
+            found.append(pairs)
+    held, load = np.array(found or [[0.0, 0.0]]).T[:, :, None]
+    return np.full(load.shape, 0.5 * (speed.min() + speed.max())), held, load
 
 
 def _judged(
-    sheet: Sheet, draw: Mapping[str, Any], values: Mapping[str, Any], speed: Floats, load: Floats
+    sheet: Sheet, draw: Mapping[str, Any], values: Mapping[str, Any], speed: Floats, held: Floats, load: Floats
 ) -> dict[str, Judged]:
-    """All quantities with their limits, for speeds and loads (k, n).
+    """All quantities with their limits, for speeds and loads (k, n), ``held`` at rest; NaN where one does not occur.
 
-    NaN where a load is not lifted or not lowered. Where the threads jam, μ ≥ cot λ, the torque to lift is infinite.
+    Where the threads jam, μ ≥ cot λ, the torque against the load is infinite.
     """
     p, _ = sheets.point(sheet, values, 1, speed, 0.0)
     threads = p["pitch_radius"], p["lead_angle"], p["friction_coefficient"]
     found: dict[str, Judged] = {}
-    _, angle, coefficient = threads
-    turns = coefficient * np.tan(angle) < 1
-    lifted = (load > 0) | (not load.any())
-    for name, acting in (("lifting", lifted), ("lowering", load < 0)):
+    radius, angle, coefficient = threads
+    at_rest = _at_rest(sheet, values)
+    if (held > 0).any() and (sheet.friction.law or sheet.friction.curve is not None):
+        rough = square_coefficient(at_rest, angle, values["half_angle"])
+        found["starting_torque"] = np.where(held > 0, torque(held, radius, angle, rough, True), np.nan), None
+    drag = values["rotational_damping"] * speed
+    against, along = (torque(np.abs(load), *threads, lifting) + drag for lifting in (True, False))
+    turns = coefficient * np.tan(angle) < 1  # else the threads jam
+    against = np.where(turns, against, np.inf)
+    for name, acting, needed in (
+        ("lifting", (load > 0) | (not load.any()), against),
+        ("lowering", (load < 0) & (along >= 0), along),
+        ("braking", (load < 0) & (along < 0), -along),
+    ):
         if acting.any():
-            needed = torque(np.abs(load), *threads, name == "lifting") + values["rotational_damping"] * speed
-            turning = np.where(turns, needed, np.inf) if name == "lifting" else needed
-            found[f"{name}_torque"] = np.where(acting, turning, np.nan), None
-            found[f"{name}_power"] = np.where(acting, turning * speed, np.nan), None
+            found[f"{name}_torque"] = np.where(acting, needed, np.nan), None
+            found[f"{name}_power"] = np.where(acting, needed * speed, np.nan), None
     found["lifting_efficiency"] = np.where(turns, lifting_efficiency(coefficient, angle), 0.0), None
     found["lowering_efficiency"] = lowering_efficiency(coefficient, angle), None
-    found["holding_friction"] = _at_rest(sheet, values), flank_coefficient(np.tan(angle), angle, values["half_angle"])
-    sliding = sliding_speed(speed, *threads[:2])
-    return found | _nut(sheet, draw, values, load, sliding) | _shaft(sheet, draw, speed, load)
+    found["holding_friction"] = at_rest, flank_coefficient(np.tan(angle), angle, values["half_angle"])
+    return (
+        found | _nut(sheet, draw, values, load, sliding_speed(speed, radius, angle)) | _shaft(sheet, draw, speed, load)
+    )
 
 
 def _at_rest(sheet: Sheet, values: Mapping[str, Any]) -> Any:
@@ -267,8 +295,7 @@ def _row(key: str, judged: Judged, middle: Judged | None) -> Row:
     """The row of a quantity at its worst point: nearest to the limit or beyond it, or the largest where it has none."""
     value, limit = judged
     low = key in ("lifting_efficiency", "holding_friction")  # of these the lowest is the worst
-    size = np.abs(value) if key.endswith(("torque", "power")) else value
-    score = (-1 if low else 1) * (size if limit is None else size / limit)
+    score = (-1 if low else 1) * (value if limit is None else value / limit)
     value, limits, score = np.broadcast_arrays(value, np.nan if limit is None else limit, score)
     k = np.unravel_index(np.nanargmax(score), score.shape) if score.ndim else ()
     found, most = float(value[k]), None if limit is None else float(limits[k])

@@ -35,31 +35,44 @@ def holding(assessment: Assessment) -> str:
     worst = "" if row.worst == row.middle else " at worst"
     why = f"friction at rest is {shown(row.worst, '')}{worst}; at least {shown(row.limit, '')} is needed to hold"
     if found is False:
-        runs_on = "" if assessment.self_locking else " Once it moves, it does not stop by itself."
+        back = assessment.statics.rows["lowering_efficiency"]
+        never = " Once it moves, it does not stop by itself." if (back.middle or 0.0) > 0 else ""
+        runs_on = never or (" Once it moves, it may not stop by itself." if back.worst > 0 else "")
         return f"The screw holds its load when the current is off: {why}.{runs_on}"
     drops = found == "at the middle values"
-    if assessment.values["tilt"] != 0:
+    if assessment.statics.falls:
         text = f"The load {'drops' if drops else 'can drop'} when the current is off"
     else:
         text = f"The force on the load {'turns' if drops else 'can turn'} the screw back when the current is off"
     return f"{text}, unless a brake or the motor holds it: {why}."
 
 
+_EFFORTS = {
+    "lifting": "against the load",
+    "lowering": "with the load",
+    "braking": "to brake, where the load turns it",
+}
+
+
 def effort(assessment: Assessment) -> str:
     """Say which torque, power and efficiency the drive has."""
     rows = assessment.statics.rows
     found = []
-    for name in ("lifting", "lowering"):
+    for name, way in _EFFORTS.items():
         if f"{name}_torque" in rows:
             pair = [(rows[f"{name}_torque"], "N m"), (rows[f"{name}_power"], "W")]
-            middle = " and ".join(shown(row.middle, unit) for row, unit in pair)
             worst = " and ".join(_size(row.worst, unit) for row, unit in pair)
-            verb = "lift" if name == "lifting" else "lower, below zero by braking" if "−" in worst else "lower"
-            end = f"({worst} at worst) " if worst != middle else ""
-            found.append(f"{middle} {end}to {verb}")
+            middle = " and ".join(shown(row.middle, unit) for row, unit in pair)
+            if pair[0][0].middle is None:
+                middle, end = f"{worst} at worst", ""
+            else:
+                end = f" ({worst} at worst)" if worst != middle else ""
+            found.append(f"{middle}{end} {way}")
+    if "starting_torque" in rows:
+        found.append(f"{shown(rows['starting_torque'].worst, 'N m')} to start at worst")
     row = rows["lifting_efficiency"]
     low = "" if row.worst == row.middle else f", {percent(row.worst)} at worst"
-    return f"The screw takes {', and '.join(found)}. Efficiency against the load: {percent(row.middle)}{low}."
+    return f"The screw takes {'; '.join(found)}. Efficiency against the load: {percent(row.middle)}{low}."
 
 
 def limits(assessment: Assessment) -> str:

@@ -9,6 +9,7 @@ from typing import Annotated
 from pydantic import BeforeValidator
 
 from lsvib.assess.fields import NotQuantity
+from lsvib.numbers import shown
 
 _TRAPEZOIDAL = {  # nominal diameter: pitches [mm] of ISO 2902, and those of drive screws that printers use
     8: (1.5, 2), 9: (1.5, 2), 10: (1.5, 2, 3), 11: (2, 3), 12: (2, 3), 14: (2, 3, 4), 16: (2, 3, 4), 18: (2, 4),
@@ -24,9 +25,9 @@ _COARSE = {  # nominal diameter: pitch [mm] of the coarse series of ISO 261
     4: 0.7, 5: 0.8, 6: 1, 8: 1.25, 10: 1.5, 12: 1.75, 14: 2, 16: 2, 18: 2.5, 20: 2.5, 22: 2.5, 24: 3, 27: 3, 30: 3.5,
     33: 3.5, 36: 4, 39: 4, 42: 4.5, 45: 4.5, 48: 5, 52: 5, 56: 5.5, 60: 5.5, 64: 6,
 }  # fmt: skip
-_METRIC = re.compile(r"M\s*(\d+)\s*x\s*(\d+(?:\.\d+)?)")
-_POWER_METRIC = re.compile(r"Tr\s*(\d+)\s*x\s*(\d+(?:\.\d+)?)(?:\s*\(?P(\d+(?:\.\d+)?)\)?)?", re.IGNORECASE)
-_INCHES = re.compile(r"Acme\s*((?:\d+-)?\d+/\d+|\d+)\s*-\s*(\d+)", re.IGNORECASE)
+_METRIC = re.compile(r"M\s*(\d{1,3})\s*x\s*(\d+(?:\.\d+)?)")
+_POWER_METRIC = re.compile(r"Tr\s*(\d{1,3})\s*x\s*(\d+(?:\.\d+)?)(?:\s*\(?P(\d+(?:\.\d+)?)\)?)?", re.IGNORECASE)
+_INCHES = re.compile(r"Acme\s*((?:\d-)?\d{1,2}/\d{1,2}|\d)\s*-\s*(\d{1,2})", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -74,7 +75,9 @@ def thread_size(name: object) -> ThreadSize:
         inches = float(Fraction(rest) + (int(whole) if whole else 0))
         root = (inches - 1 / threads - (0.02 if threads <= 10 else 0.01)) * 0.0254
         return ThreadSize(0.0254 / threads, (inches - 0.5 / threads) * 0.0254, math.radians(14.5), root)
-    raise NotQuantity(f"= {name!r} is not the name of a thread, such as Tr 10x2, Tr 8x8 P2, Acme 1/2-10 or M20x2.5")
+    raise NotQuantity(
+        f"= {shown(name)} is not the name of a thread, such as Tr 10x2, Tr 8x8 P2, Acme 1/2-10 or M20x2.5"
+    )
 
 
 def _metric(diameter: int, pitch: float, name: str) -> ThreadSize:

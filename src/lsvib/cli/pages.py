@@ -37,6 +37,8 @@ def assess(
 
         lsvib assess examples/powered_seat.yaml --out report
     """
+    if template and (sheet is not None or out is not None):
+        raise InputError("lsvib assess --template goes without a data sheet and --out; it prints a sheet to fill in.")
     if template:
         print(files("lsvib.assess").joinpath("template.yaml").read_text(encoding="utf-8"), end="")
         return
