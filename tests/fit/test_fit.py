@@ -17,6 +17,7 @@ import lsvib
 from lsvib.assess.drive import square_coefficient
 from lsvib.assess.sheet import Friction
 from lsvib.datasets.io import read_dataset
+from lsvib.errors import InputError
 from lsvib.fit.law import Measured, fitted, halves, steady_torque
 from lsvib.fit.output import as_json, blocks, fit_file, sentences
 from lsvib.fit.sheet import fit_sheet
@@ -165,6 +166,33 @@ def test_transients_spikes_and_breakaway_are_left_out_of_the_mean(tmp_path):
     assert point.samples == 199 - point.transient
     assert point.torque == pytest.approx(1.5, abs=2e-3)
     assert point.breakaway == pytest.approx(1.9, abs=0.02)
+
+
+MOTIONS = {  # speed over the wanted one, of 400 samples
+    "ramp": np.linspace(0.01, 1.0, 400),
+    "slow down": np.linspace(1.0, 0.8, 400),
+    "last quarter at rest": np.repeat([1.0, 0.0], [300, 100]),
+    "end at rest": np.repeat([1.0, 0.0], [385, 15]),
+    "mostly at rest": np.repeat([0.0, 1.0], [228, 172]),
+    "forth and back": np.repeat([1.0, -1.0], [250, 150]),
+}
+
+
+@pytest.mark.parametrize("speed", MOTIONS.values(), ids=MOTIONS)
+def test_a_file_that_does_not_run_steadily_is_refused(speed):
+    noisy = -200.0 * speed * (1 + 0.002 * np.random.default_rng(0).standard_normal(400))
+    with pytest.raises(InputError, match=r"05\.csv does not run at one speed"):
+        steady_point(Recording("05.csv", noisy, np.ones(noisy.size)))
+
+
+def test_a_screw_that_jerks_steadily_is_kept():
+    """Twelve jerks of 30 % of the time in thousands of samples; and 1000 files of 40 samples of much noise."""
+    time = np.arange(5000.0)
+    jerks = np.where((time * 12 / time.size) % 1 < 0.3, 1.0, 0.02)
+    assert steady_point(Recording("2", jerks, np.ones(time.size))).samples == time.size
+    random = np.random.default_rng(0)
+    for _ in range(1000):
+        steady_point(Recording("few", 1 + 0.27 * random.standard_normal(40), np.ones(40)))
 
 
 def test_what_was_left_out_is_said(tmp_path):

@@ -6,6 +6,7 @@ speeds each row is a point.
 """
 
 import csv
+import math
 import os
 from collections import Counter
 from collections.abc import Sequence
@@ -22,6 +23,10 @@ LARGEST_FILE = 64 * 2**20  # bytes; a million rows of three columns
 MOST_COLUMNS = 200  # of a table; more are no table of two quantities, but one that was read with a wrong separator
 TRANSIENT = 5.0  # standard deviations of the second half: further off, the first samples are not yet steady
 SPIKE = 10.0  # robust standard deviations of the torque: so far off is no friction
+DRIFT = 0.1  # of the mean speed: largest difference of the means of four parts of a file
+ERRORS = 7.0  # standard errors of those means, up to which noise explains their difference
+JERKS = 0.5  # of the scatter within the parts, up to which jerks do, of which samples are not independent
+FASTEST, STRONGEST = 1e6, 1e9  # rad/s, N m: beyond it is no screw
 REST = 0.05  # of the mean speed: below it a screw that is about to start still rests
 
 
@@ -126,10 +131,10 @@ def steady_point(recording: Recording) -> Point:
     usual = 1.4826 * np.median(deviation)  # the standard deviation where samples are normally distributed
     kept = begin + np.flatnonzero((deviation <= SPIKE * usual) | (usual == 0))
     mean, scatter = float(speed[kept].mean()), _scatter(speed[kept])
-    if scatter > 2 * abs(mean):
+    if scatter > 2 * abs(mean) or _drifts(speed[kept]):
         raise InputError(
-            f"{recording.name} does not run at one speed, but from {speed.min():.4g} to {speed.max():.4g} rad/s; if "
-            "each of its rows is steady motion of its own, give measurements.point: row."
+            f"{recording.name} does not run at one speed, but from {speed.min():.4g} to {speed.max():.4g} rad/s; cut "
+            "it to its steady motion, or, if each of its rows is steady motion of its own, give measurements.point: row."
         )
     resting = np.abs(speed[:begin]) < REST * abs(mean)
     held = torque[: begin if resting.all() else int(np.argmin(resting))]
@@ -144,6 +149,14 @@ def steady_point(recording: Recording) -> Point:
         spikes=speed.size - begin - kept.size,
         breakaway=float(held[np.argmax(np.abs(held))]) if held.size else None,
     )
+
+
+def _drifts(speed: NDArray[np.float64]) -> bool:
+    """Whether the means of four parts differ by more than noise and jerks explain, as they do in a ramp or a stop."""
+    parts = np.array_split(speed, min(4, speed.size))
+    within = math.sqrt(sum(part.var() * part.size for part in parts) / max(speed.size - len(parts), 1))
+    explained = max(JERKS, ERRORS * math.sqrt(len(parts) / speed.size)) * within
+    return bool(np.ptp([part.mean() for part in parts]) > max(DRIFT * abs(speed.mean()), explained))
 
 
 def row_points(recording: Recording) -> list[Point]:
