@@ -131,10 +131,10 @@ def steady_point(recording: Recording) -> Point:
     usual = 1.4826 * np.median(deviation)  # the standard deviation where samples are normally distributed
     kept = begin + np.flatnonzero((deviation <= SPIKE * usual) | (usual == 0))
     mean, scatter = float(speed[kept].mean()), _scatter(speed[kept])
-    if scatter > 2 * abs(mean) or _drifts(speed[kept]):
+    if scatter > 2 * abs(mean) or _drifts(speed[begin:]):
         raise InputError(
-            f"{recording.name} does not run at one speed, but from {speed.min():.4g} to {speed.max():.4g} rad/s; cut "
-            "it to its steady motion, or, if each of its rows is steady motion of its own, give measurements.point: row."
+            f"{recording.name} does not run at one speed, but from {speed.min():.4g} to {speed.max():.4g} rad/s; "
+            "cut it to its steady motion, or, if each row is steady motion of its own, give measurements.point: row."
         )
     resting = np.abs(speed[:begin]) < REST * abs(mean)
     held = torque[: begin if resting.all() else int(np.argmin(resting))]
