@@ -213,6 +213,8 @@ def _enough(measured: Measured, known: Mapping[str, float]) -> None:
     if not (measured.speed * measured.load).all():
         raise InputError("the measurements have a point without speed or axial load, where friction tells nothing.")
     unknown = [name for name in PARAMETERS if name not in known]
+    if not unknown:
+        raise InputError("nothing is left to fit; leave out some of friction, bearing and offset.")
     over_speed = {next((a for a, b in PAIRS if name == b), name) for name in unknown} - {"offset"}
     speeds = measured.speeds.size
     if speeds < len(over_speed):
@@ -261,8 +263,8 @@ def _solved(measured: Measured, fixed: Mapping[str, float]) -> Solution:
     for _ in range(ROUNDS):
         spread = max(1.4826 * float(np.median(np.abs(found.fun))), 1e-12)
         found = run(found.x, loss="soft_l1", f_scale=LOSS * spread)
-    jacobian = found.jac  # weighed, so that its square is the curvature of the loss
-    covariance = np.linalg.pinv(jacobian.T @ jacobian) * np.outer(scale, scale)
+    inverse = np.linalg.pinv(found.jac)  # weighed, so that the Jacobian's square is the curvature of the loss
+    covariance = (inverse @ inverse.T) * np.outer(scale, scale)
     settled = np.where(np.abs(found.x) < AT_ZERO, 0.0, found.x) * scale
     values = {**fixed, **dict(zip(free, settled.tolist(), strict=True))}
     alone = Solution(values, free, covariance, found.fun * size)

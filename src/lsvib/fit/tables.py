@@ -9,7 +9,6 @@ import csv
 import math
 import os
 from collections import Counter
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -81,7 +80,13 @@ def read_table(
             f"{max(columns)}."
         )
     own = [row for row in rows if len(row) == width]
-    found = np.array([_pair(row, columns, decimal) for row in own])
+    cells = [[row[column - 1] for column in columns] for row in own]
+    found = np.array([[_number(cell.replace(decimal, ".")) for cell in pair] for pair in cells])
+    marked = [pair for pair in cells if decimal == "," and "." in "".join(pair)]
+    for pair in marked:
+        if np.isfinite([_number(cell.replace(".", "").replace(decimal, ".")) for cell in pair]).all():
+            cell = next(cell for cell in pair if "." in cell)
+            raise InputError(f"{path} has a point in {shown(cell)}, where the decimal sign is a comma.")
     for column, holds in zip(columns, np.isfinite(found).any(axis=0), strict=True):
         if not holds:
             raise InputError(
@@ -91,7 +96,11 @@ def read_table(
     if not kept.any():
         raise InputError(f"{path} has no row with numbers in columns {columns[0]} and {columns[1]}.")
     first = int(np.argmax(kept))  # what stands above is the header
-    speed, torque = (found[kept] * factors).T
+    with np.errstate(over="ignore"):
+        speed, torque = (found[kept] * factors).T
+    for values, most, unit in ((speed, FASTEST, "rad/s"), (torque, STRONGEST, "N m")):
+        if (size := float(np.abs(values).max())) > most:
+            raise InputError(f"{path} holds {size:.4g} {unit}; the allowed range is up to {most:.4g} {unit}.")
     return Recording(path.name, speed, torque, int(np.count_nonzero(~kept[first:])))
 
 
@@ -104,11 +113,6 @@ def _text(path: Path) -> str:
         return path.read_text(encoding="utf-8-sig", errors="replace").replace("\0", "?")
     except OSError as error:
         raise InputError(f"Cannot read {path}: {error.strerror or error}.") from None
-
-
-def _pair(row: Sequence[str], columns: tuple[int, int], decimal: str) -> tuple[float, float]:
-    first, second = (_number(row[column - 1].replace(decimal, ".")) for column in columns)
-    return first, second
 
 
 def _number(text: str) -> float:
