@@ -21,6 +21,7 @@ SHEETS = [
     ("load", GONE, "load is missing"),
     ("load.force", "0 N", "load makes no axial force"),
     ("load.force", "300", "has no unit"),
+    ("measurements.load", {"force": "0 N"}, "measurements.load makes no axial force"),
     ("load", {"mass": "30 kg", "orientation": "horizontal"}, "load makes no axial force"),
     ("load.force", "-300 N", "turns harder in the direction in which the given load would help"),
     ("measurements", GONE, "measurements is missing"),
@@ -28,7 +29,13 @@ SHEETS = [
     ("measurements", 5, "measurements"),
     ("measurements.files", "none/*.csv", "names no files"),
     ("measurements.files", "/etc/*.csv", "not a pattern of files"),
-    ("measurements.separator", "word", "measurements.separator"),
+    ("measurements.files", ".", "measurements.files = '.' is not a pattern of files beside the sheet"),
+    ("measurements.files", "a" * 400, "is not a pattern of files beside the sheet"),
+    ("measurements.separator", "word", "measurements.separator = 'word' is not one sign that parts cells"),
+    ("measurements.decimal", ",", "measurements.separator and measurements.decimal are both ','"),
+    ("measurements.speed.factor", 1e300, "rad/s; the allowed range is up to 1e+06 rad/s"),
+    ("measurements.speed.unit", "", "measurements.speed.unit = '' is not the name of a unit"),
+    ("measurements.speed.unit", "N", "measurements.speed.unit = 'N' is not a rotational speed"),
     ("measurements.separator", ";", "and no column 2"),
     ("measurements.speed", GONE, "measurements.speed is missing"),
     ("measurements.speed.unit", GONE, "measurements.speed.unit is missing"),
@@ -84,6 +91,7 @@ TABLES = {  # content of one of the files, and words of the sentence
     "rpm\n10\n10\n": "has 1 column ",
     THOUSAND: "has 1000 columns",
     "\n".join(f"{speed},20" for speed in range(-50, 50)): "does not run at one speed",
+    "10,20\n10,1e308\n": "holds 1e+305 N m; the allowed range is up to 1e+09 N m",
     "10,1e999\n10,1e999\n": "has no number in column 2",
     f"10,20\n10,{'9' * 200_000}\n": "is not a table",
 }
@@ -93,6 +101,29 @@ TABLES = {  # content of one of the files, and words of the sentence
 def test_a_table_is_refused(sheet, run, text):
     (sheet.parent / "load300" / "07.csv").write_text(text)
     assert TABLES[text] in refused(run, "fit", str(sheet))
+
+
+def test_a_point_is_no_decimal_sign_where_that_is_a_comma(sheet, run):
+    """1.234 may be 1234, so it is refused; points in a header are not."""
+    values = yaml.safe_load(sheet.read_text())
+    values["measurements"] |= {"separator": ";", "decimal": ","}
+    sheet.write_text(yaml.safe_dump(values))
+    for path in (sheet.parent / "load300").iterdir():
+        rows = path.read_text().replace("rpm,mN m", "rpm,version 1.2").replace(",", ";").replace(".", ",")
+        path.write_text(rows.replace("1,2", "1.2", 1))
+    assert run("fit", str(sheet))[0] == 0
+    with path.open("a") as file:
+        file.write("1.234;5,0\n")
+    assert "has a point in '1.234', where the decimal sign is a comma" in refused(run, "fit", str(sheet))
+
+
+def test_nothing_to_fit_is_refused(tmp_path, run):
+    known = {
+        "friction": {"coefficient": 0.15, "stribeck_rise": 0, "slope": "0 s/m"},
+        "bearing": {"coulomb": "24 mN*m", "viscous": "0 N*m*s/rad"},
+        "offset": "0 N*m",
+    }
+    assert "nothing is left to fit" in refused(run, "fit", str(write_tables(tmp_path / "all", **known)))
 
 
 def test_one_speed_is_refused_with_what_would_help(tmp_path, run):

@@ -16,7 +16,7 @@ ends are fitted, all of a sum in the threads, and as much as can be in the beari
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -40,7 +40,9 @@ PARAMETERS = {  # unit and words, those of the law as parameters of a drive have
 OF_RISE = ("stribeck_rise", "stribeck_speed")
 PAIRS = (("friction_coefficient", "coulomb"), ("friction_slope", "viscous"))  # of the threads, and of the bearing
 DETERMINED = 0.1  # of the typical torque: largest standard error of what counts as determined
+LARGEST_STATIC = 3.0  # coefficient, as in a data sheet
 LOSS = 3.0  # standard deviations from which on a residual counts as an outlier
+ROUNDS = 3  # of the robust fit, each with the scatter that the last one left
 AT_ZERO = 1e-9  # in natural sizes: a number that the search left so close to its bound is zero
 SAME_SPEED = 0.05  # relative: files of one commanded speed are not further apart
 
@@ -94,7 +96,8 @@ class Solution:
     """Numbers that fit the points, by names of :data:`PARAMETERS` and ``stribeck_exponent``.
 
     ``free``: the names that were fitted, in the order of ``covariance`` (f, f); ``residual`` (n) [N m], measured less
-    fitted. ``static``: static coefficient [1] and its standard error, or None.
+    fitted. ``static``: static coefficient [1] and its standard error, or None; ``absurd``: number of breakaway torques
+    that no static coefficient explains.
     """
 
     values: dict[str, float]
@@ -102,6 +105,7 @@ class Solution:
     covariance: Array
     residual: Array
     static: tuple[float, float] | None = None
+    absurd: int = 0
 
     @property
     def errors(self) -> dict[str, float]:
@@ -119,6 +123,13 @@ class Solution:
     def rms(self) -> float:
         """Root of the mean square of the residuals [N m]."""
         return float(np.sqrt(np.mean(self.residual**2)))
+
+    @property
+    def scatter(self) -> float:
+        """Standard deviation of the points about the law [N m], with residuals of outliers cut down to :data:`LOSS`."""
+        size = np.abs(self.residual)
+        capped = np.minimum(size, LOSS * 1.4826 * np.median(size))
+        return float(np.sqrt(np.sum(capped**2) / max(size.size - len(self.free), 1)))
 
     def drive(self) -> dict[str, float]:
         """Return the friction law as parameters of a drive; those of a rise or slope that it has not are left out."""
@@ -183,9 +194,11 @@ def fitted(measured: Measured, given: Mapping[str, float] | None = None) -> Fit:
         laws.append({**known, **flat, "stribeck_exponent": exponents[0]})
     fixed, whole = min(((law, _solved(measured, law)) for law in laws), key=lambda pair: _schwarz(pair[1]))
     singular, lost = _undetermined(measured, whole)
+    # Without a constant in the threads, a rise that hardly fades would be one.
+    fading = {**fixed, "stribeck_speed": whole.values["stribeck_speed"]}
     ends = {"fit": whole} if not lost else {
         "threads": _solved(measured, {**fixed, **{bearing: 0.0 for _, bearing in lost}}),
-        "bearing": _solved(measured, {**fixed, **{threads: 0.0 for threads, _ in lost}}),
+        "bearing": _solved(measured, {**fading, **{threads: 0.0 for threads, _ in lost}}),
     }  # fmt: skip
     found = {name: _with_static(measured, solution) for name, solution in ends.items()}
     _same_sign(measured, found)
@@ -200,6 +213,8 @@ def _enough(measured: Measured, known: Mapping[str, float]) -> None:
     if not (measured.speed * measured.load).all():
         raise InputError("the measurements have a point without speed or axial load, where friction tells nothing.")
     unknown = [name for name in PARAMETERS if name not in known]
+    if not unknown:
+        raise InputError("nothing is left to fit; leave out some of friction, bearing and offset.")
     over_speed = {next((a for a, b in PAIRS if name == b), name) for name in unknown} - {"offset"}
     speeds = measured.speeds.size
     if speeds < len(over_speed):
@@ -244,25 +259,23 @@ def _solved(measured: Measured, fixed: Mapping[str, float]) -> Solution:
     for at in np.geomspace(speeds[0], speeds[-1], 7)[1:-1:2] if "stribeck_speed" in free else (0.0,):
         guess = {**half, "stribeck_speed": at / sizes["stribeck_speed"]}
         starts.append(np.clip([guess.get(name, 0.0) for name in free], low / scale, high / scale))
-    plain = min((run(start) for start in starts), key=lambda found: found.cost)
-    spread = max(1.4826 * float(np.median(np.abs(plain.fun))), 1e-12)
-    found = run(plain.x, loss="soft_l1", f_scale=LOSS * spread)
-    jacobian = found.jac  # weighed, so that its square is the curvature of the loss
-    # The gradient of the loss over that of squares weighs each residual.
-    weight = 1 / np.sqrt(1 + (found.fun / (LOSS * spread)) ** 2)
-    variance = float(np.sum(weight * found.fun**2)) / max(found.fun.size - len(free), 1)
-    covariance = np.linalg.pinv(jacobian.T @ jacobian) * variance * np.outer(scale, scale)
+    found = min((run(start) for start in starts), key=lambda found: found.cost)
+    for _ in range(ROUNDS):
+        spread = max(1.4826 * float(np.median(np.abs(found.fun))), 1e-12)
+        found = run(found.x, loss="soft_l1", f_scale=LOSS * spread)
+    inverse = np.linalg.pinv(found.jac)  # weighed, so that the Jacobian's square is the curvature of the loss
+    covariance = (inverse @ inverse.T) * np.outer(scale, scale)
     settled = np.where(np.abs(found.x) < AT_ZERO, 0.0, found.x) * scale
     values = {**fixed, **dict(zip(free, settled.tolist(), strict=True))}
-    return Solution(values, free, covariance, found.fun * size)
+    alone = Solution(values, free, covariance, found.fun * size)
+    return replace(alone, covariance=covariance * (alone.scatter / size) ** 2)
 
 
 def _schwarz(solution: Solution) -> float:
     """Schwarz's criterion: what a model must fit better for each more of its numbers."""
-    n = solution.residual.size
-    level = float(np.median(np.abs(solution.residual)))
-    capped = np.minimum(np.abs(solution.residual), LOSS * 1.4826 * level)  # outliers do not choose the model
-    return float(n * np.log(np.mean(capped**2) + np.finfo(float).tiny) + len(solution.free) * np.log(n))
+    n, numbers = solution.residual.size, len(solution.free)
+    mean_square = solution.scatter**2 * max(n - numbers, 1) / n
+    return float(n * np.log(mean_square + np.finfo(float).tiny) + numbers * np.log(n))
 
 
 def _undetermined(measured: Measured, at: Solution) -> tuple[Array, tuple[tuple[str, str], ...]]:
@@ -274,8 +287,7 @@ def _undetermined(measured: Measured, at: Solution) -> tuple[Array, tuple[tuple[
         ends = [{**at.values, name: at.values[name] + s * step} for s in (1, -1)]
         up, down = (steady_torque(end, measured, measured.speed, measured.load) for end in ends)
         columns.append((up - down) / 2e-4)
-    degrees = max(at.residual.size - len(at.free), 1)
-    noise = max(float(np.sqrt(np.sum(at.residual**2) / degrees)), 1e-9 * sizes["coulomb"])
+    noise = max(at.scatter, 1e-9 * sizes["coulomb"])
     _, singular, rows = np.linalg.svd(np.array(columns).T / noise, full_matrices=False)
     lost = []
     for pair in PAIRS:
@@ -289,7 +301,7 @@ def _undetermined(measured: Measured, at: Solution) -> tuple[Array, tuple[tuple[
 
 
 def _with_static(measured: Measured, solution: Solution) -> Solution:
-    """Add the static coefficient, the mean of those of the breakaway torques, where it is above slow sliding's."""
+    """Add the static coefficient, the median of those of the breakaway torques, where it is above slow sliding's."""
     if not len(measured.breakaway):
         return solution
     sense, torque, load = measured.breakaway.T
@@ -297,11 +309,17 @@ def _with_static(measured: Measured, solution: Solution) -> Solution:
     # ξ_s = tan(s φ − λ) up to which friction holds, solved for μ = tan φ.
     law = -np.sign(load) * sense
     angle = np.arctan(-held / (measured.pitch_radius * load)) + measured.lead_angle
-    found = np.tan(law * angle)
-    error = float(found.std(ddof=1) / math.sqrt(found.size)) if found.size > 1 else math.nan
+    every = np.tan(law * angle)
+    found = every[(every >= 0) & (every <= min(LARGEST_STATIC, 0.99 / math.tan(measured.lead_angle)))]
+    middle = float(np.median(found)) if found.size else 0.0
+    # Of normally distributed values: of the median, by the median deviation from it.
+    error = (
+        1.2533 * 1.4826 * float(np.median(np.abs(found - middle))) / math.sqrt(found.size)
+        if found.size > 1
+        else math.nan
+    )
     slow = solution.values["friction_coefficient"] + solution.values["stribeck_rise"]
-    static = (float(found.mean()), error) if found.mean() > slow else None
-    return Solution(solution.values, solution.free, solution.covariance, solution.residual, static)
+    return replace(solution, static=(middle, error) if middle > slow else None, absurd=every.size - found.size)
 
 
 def load_of_directions(measured: Measured, solution: Solution) -> float | None:
@@ -349,8 +367,11 @@ def halves(measured: Measured) -> Array:
 
 
 def falls_up_to(measured: Measured, solution: Solution, load: float, sense: int) -> float:
-    """Return the speed [rad/s] up to which the fitted torque falls in one direction; zero if it does not fall."""
+    """Return the speed [rad/s] up to which friction falls in one direction under a load; zero where it does not fall.
+
+    Friction is the fitted torque in the direction of turning, of threads and bearing; the load adds a constant.
+    """
     speeds = np.geomspace(measured.speeds[0] / 3, measured.speeds[-1], 2000)
-    torque = np.abs(steady_torque(solution.values, measured, sense * speeds, load))
-    least = int(np.argmin(torque))
-    return float(speeds[least]) if least else 0.0
+    torque = sense * steady_torque(solution.values, measured, sense * speeds, load)
+    falls = np.diff(torque) < -1e-12 * np.abs(torque).max()  # more than rounding
+    return 0.0 if not falls[0] else float(speeds[-1] if falls.all() else speeds[np.argmin(falls)])

@@ -13,15 +13,17 @@ from lsvib.figures import style
 from lsvib.figures.measured_drive import residual_panel, torque_panel
 from lsvib.files import Outputs, write_json, write_text
 from lsvib.fit.dataset import fit_variables
-from lsvib.fit.law import PARAMETERS, Solution, falls_up_to, halves, load_of_directions
+from lsvib.fit.law import LARGEST_STATIC, PARAMETERS, Solution, falls_up_to, halves, load_of_directions
 from lsvib.fit.sheet import FittedSheet, fit_sheet
 
 _FILES = {"fit.nc": "netCDF", "fit.json": "JSON", "fit.png": "PNG", "fit.pdf": "PDF", "friction.yaml": ""}
+_SENSES = {"lifting": 1, "lowering": -1}  # of the speed, times that of the load
 _ENDS = {
     "fit": "Fit",
     "threads": "All friction in the threads",
     "bearing": "As much friction as can be in the bearing",
 }
+POOR = 0.1  # of the typical torque: residuals beyond are no good fit
 _WORDS = {
     "friction_coefficient": "The constant part of friction of the threads and the Coulomb drag of the bearing",
     "friction_slope": "The slope of friction of the threads and the viscous drag of the bearing",
@@ -57,7 +59,7 @@ def fit_file(path: Path, out: Path | None = None) -> dict[str, Any]:
 def as_json(found: FittedSheet) -> dict[str, Any]:
     """Return what was found as plain values for JSON: SI units, None for what does not exist."""
     fit, main = found.fit, found.fit.main
-    measured, load = fit.measured, float(np.median(fit.measured.load))
+    measured, loads = fit.measured, np.unique(fit.measured.load).tolist()
     return {
         "name": found.name,
         **_end(found, main),
@@ -65,7 +67,11 @@ def as_json(found: FittedSheet) -> dict[str, Any]:
         "sliding_speeds": measured.sliding(measured.speeds[[0, -1]]).tolist(),
         "not_separable": [list(pair) for pair in fit.not_separable],
         "ends": {name: _end(found, end) for name, end in fit.ends.items()},
-        "falls_up_to": {str(sense): falls_up_to(measured, main, load, sense) for sense in (1, -1)},
+        "loads": loads,
+        "falls_up_to": {
+            words: [falls_up_to(measured, main, load, int(sense * np.sign(load))) for load in loads]
+            for words, sense in _SENSES.items()
+        },
         "halves": [
             {"speed": speed, "half_sum": friction, "half_difference": of_load}
             for speed, friction, of_load in halves(measured).tolist()
@@ -87,7 +93,7 @@ def _end(found: FittedSheet, end: Solution) -> dict[str, Any]:
         "correlation": {"of": list(end.free), "matrix": end.correlation.tolist()},
         "rms": end.rms,
         "largest_residual": float(np.abs(end.residual).max()),
-        "load_of_directions": _load(found, end),
+        "loads_of_directions": _loads(found, end),
     }
 
 
@@ -95,9 +101,9 @@ def _finite(value: float) -> float | None:
     return value if np.isfinite(value) else None
 
 
-def _load(found: FittedSheet, end: Solution) -> float | None:
+def _loads(found: FittedSheet, end: Solution) -> list[float] | None:
     more = load_of_directions(found.fit.measured, end)
-    return None if more is None else float(np.median(found.fit.measured.load)) + more
+    return None if more is None else [load + more for load in np.unique(found.fit.measured.load).tolist()]
 
 
 def sentences(found: FittedSheet) -> list[str]:
@@ -112,11 +118,11 @@ def sentences(found: FittedSheet) -> list[str]:
     ]
     if measured.directions == 1:
         said.append("One direction was measured only: whether load and zero of the torque are right cannot be seen.")
-    loads = [value for end in fit.ends.values() if (value := _load(found, end)) is not None]
+    loads = [value for end in fit.ends.values() for value in _loads(found, end) or ()]
     if loads and "offset" in fit.unknown and np.ptp(measured.load) == 0:
         text = " to ".join(f"{value:.3g}" for value in sorted({float(f"{value:.3g}") for value in loads}))
         said.append(
-            f"The sheet gives a load of {float(np.median(measured.load)):.4g} N; if the torque had no zero error, the "
+            f"The sheet gives a load of {measured.load[0]:.4g} N; if the torque had no zero error, the "
             f"difference between both directions would be that of {text} N."
         )
     residual = fit.main.residual[np.lexsort((measured.speed, measured.load))]
@@ -126,6 +132,7 @@ def sentences(found: FittedSheet) -> list[str]:
             f"Residuals at neighbouring speeds are alike (correlation {alike:.2f}): the law leaves more than noise, "
             "and the standard errors, which take residuals to be independent, are too small."
         )
+    said += _of_misfit(found)
     fading, speed = np.array(measured.fading), fit.main.values["stribeck_speed"]
     if "stribeck_speed" in fit.main.free and (abs(speed / fading - 1) < 1e-3).any():
         said.append(
@@ -133,14 +140,49 @@ def sentences(found: FittedSheet) -> list[str]:
         )
     if not fit.rise_seen:
         said.append("No rise of friction towards slow sliding is seen.")
-    falls = falls_up_to(measured, fit.main, float(np.median(measured.load)), int(np.sign(measured.speed[0])))
-    if falls:
-        said.append(f"The torque falls with the speed up to {falls:.3g} rad/s ({falls * 30 / np.pi:.3g} rpm).")
+    said += _of_falling(found)
     if not len(measured.breakaway):
         said.append("No table begins at rest, so there is no breakaway and no static coefficient.")
     elif not fit.main.static:
         said.append("The breakaway torque is not above that of slow sliding, so there is no static coefficient.")
+    else:
+        said.append(
+            "The static coefficient is of the largest torque at rest, which noise of the samples makes larger: take it "
+            "as an upper bound."
+        )
+    if fit.main.absurd:
+        said.append(
+            f"Left out of the static coefficient: breakaway torques that would make it negative, above "
+            f"{LARGEST_STATIC:g} or so large that the screw jams ({fit.main.absurd})."
+        )
     return said
+
+
+def _of_misfit(found: FittedSheet) -> list[str]:
+    """Say that the law does not fit, where it leaves much of the typical torque over."""
+    measured, residual = found.fit.measured, np.abs(found.fit.main.residual)
+    typical, k = float(np.median(np.abs(measured.torque))), int(np.argmax(residual))
+    if residual[k] <= POOR * typical:
+        return []
+    return [
+        f"The law fits poorly: it leaves {found.fit.main.rms / typical:.0%} of the typical torque rms, and most, "
+        f"{residual[k] / typical:.0%}, at {measured.speed[k]:.4g} rad/s under {measured.load[k]:.4g} N "
+        f"({found.points[k].name})."
+    ]
+
+
+def _of_falling(found: FittedSheet) -> list[str]:
+    """Say up to which speed friction falls, in the directions that were measured under the largest load."""
+    measured = found.fit.measured
+    load = float(measured.load[np.argmax(np.abs(measured.load))])
+    turned = np.unique(np.sign(measured.speed[measured.load == load] * load))
+    falls = {
+        words: falls_up_to(measured, found.fit.main, load, int(sense * np.sign(load)))
+        for words, sense in _SENSES.items()
+        if sense in turned
+    }
+    texts = [f"{speed:.3g} rad/s ({speed * 30 / np.pi:.3g} rpm) {words}" for words, speed in falls.items() if speed]
+    return [f"Under {load:.4g} N friction falls with the speed up to {' and '.join(texts)}."] if texts else []
 
 
 def blocks(result: dict[str, Any]) -> str:

@@ -1,6 +1,7 @@
 """The sheet of a measurement: thread, load and tables with units; from it points, and the friction that fits them."""
 
 import math
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -48,6 +49,12 @@ def _column(value: Any) -> int:
     return found
 
 
+def _separator(value: Any) -> str:
+    if not isinstance(value, str) or not re.fullmatch(r"[^\w\".+\-\r\n]", value):
+        raise NotQuantity(f"= {shown(value)} is not one sign that parts cells, such as a comma, a semicolon or a tab")
+    return value
+
+
 _Unit = tuple[float, str]  # the size of a unit in one of the package, and that
 
 
@@ -55,9 +62,12 @@ def _unit(*units: str) -> Callable[[Any], _Unit]:
     """What reads the name of a unit that fits one of ``units``."""
 
     def read(value: Any) -> _Unit:
-        if not isinstance(value, str):
+        if not isinstance(value, str) or not value.strip():
             raise NotQuantity(f"= {shown(value)} is not the name of a unit")
-        return fields.quantity(f"1 {value}", *units)
+        try:
+            return fields.quantity(f"1 {value}", *units)
+        except NotQuantity as error:
+            raise NotQuantity(str(error).replace("'1 ", "'", 1)) from None
 
     return read
 
@@ -102,7 +112,7 @@ class Measurements(_Entries):
     """Tables of one load: ``files`` beside the sheet, a pattern; by default several files are a point each."""
 
     files: str = Field(min_length=1, max_length=500)
-    separator: str = Field(default=",", pattern=r"^[^\w\".+\-\r\n]$")
+    separator: Annotated[str, BeforeValidator(_separator)] = ","
     decimal: Literal[".", ","] = "."
     speed: SpeedColumn
     torque: TorqueColumn
@@ -232,12 +242,16 @@ def _known(sheet: MeasuredSheet, draw: Mapping[str, float], angle: float, half_a
 def _points(sheet: MeasuredSheet, folder: Path, lead: float) -> tuple[list[Point], list[float], list[str]]:
     """Points of all tables with their loads [N], and sentences about what was left out."""
     points, loads, said = [], [], []
-    for block in sheet.measurements:
+    for k, block in enumerate(sheet.measurements):
+        place = f"measurements.{k}" if len(sheet.measurements) > 1 else "measurements"
         if (load := block.load or sheet.load) is None:
-            raise InputError("load is missing.")
+            raise InputError(f"load is missing, and so is {place}.load.")
         if not load.axial():
-            raise InputError("load makes no axial force: give load.force, or load.mass with an orientation.")
-        files = _files(block.files, folder)
+            name = f"{place}.load" if block.load else "load"
+            raise InputError(f"{name} makes no axial force: give its force, or a mass with an orientation.")
+        if block.separator == block.decimal:
+            raise InputError(f"{place}.separator and {place}.decimal are both {shown(block.decimal)}.")
+        files = _files(f"{place}.files", block.files, folder)
         scale, unit = block.speed.unit
         per_turn = 2 * math.pi / lead if unit == "m/s" else 1.0  # from the speed of the load to that of the screw
         factors = (block.speed.factor * scale * per_turn, block.torque.factor * block.torque.unit[0])
@@ -258,14 +272,14 @@ def _points(sheet: MeasuredSheet, folder: Path, lead: float) -> tuple[list[Point
     return points, loads, said
 
 
-def _files(pattern: str, folder: Path) -> list[Path]:
+def _files(name: str, pattern: str, folder: Path) -> list[Path]:
     try:
         found = sorted(path for path in folder.glob(pattern) if path.is_file())
-    except (ValueError, NotImplementedError) as error:
-        raise InputError(f"measurements.files = {shown(pattern)} is not a pattern of files: {error}.") from None
+    except (ValueError, NotImplementedError, IndexError, OSError):
+        raise InputError(f"{name} = {shown(pattern)} is not a pattern of files beside the sheet.") from None
     if not 1 <= len(found) <= MOST_FILES:
         raise InputError(
-            f"measurements.files = {shown(pattern)} names {len(found) or 'no'} files in {folder}; the allowed range is "
+            f"{name} = {shown(pattern)} names {len(found) or 'no'} files in {folder}; the allowed range is "
             f"1 <= files <= {MOST_FILES}."
         )
     return found

@@ -6,9 +6,9 @@ speeds each row is a point.
 """
 
 import csv
+import math
 import os
 from collections import Counter
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,6 +22,10 @@ LARGEST_FILE = 64 * 2**20  # bytes; a million rows of three columns
 MOST_COLUMNS = 200  # of a table; more are no table of two quantities, but one that was read with a wrong separator
 TRANSIENT = 5.0  # standard deviations of the second half: further off, the first samples are not yet steady
 SPIKE = 10.0  # robust standard deviations of the torque: so far off is no friction
+DRIFT = 0.1  # of the mean speed: largest difference of the means of four parts of a file
+ERRORS = 7.0  # standard errors of those means, up to which noise explains their difference
+JERKS = 0.5  # of the scatter within the parts, up to which jerks do, of which samples are not independent
+FASTEST, STRONGEST = 1e6, 1e9  # rad/s, N m: beyond it is no screw
 REST = 0.05  # of the mean speed: below it a screw that is about to start still rests
 
 
@@ -76,7 +80,13 @@ def read_table(
             f"{max(columns)}."
         )
     own = [row for row in rows if len(row) == width]
-    found = np.array([_pair(row, columns, decimal) for row in own])
+    cells = [[row[column - 1] for column in columns] for row in own]
+    found = np.array([[_number(cell.replace(decimal, ".")) for cell in pair] for pair in cells])
+    marked = [pair for pair in cells if decimal == "," and "." in "".join(pair)]
+    for pair in marked:
+        if np.isfinite([_number(cell.replace(".", "").replace(decimal, ".")) for cell in pair]).all():
+            cell = next(cell for cell in pair if "." in cell)
+            raise InputError(f"{path} has a point in {shown(cell)}, where the decimal sign is a comma.")
     for column, holds in zip(columns, np.isfinite(found).any(axis=0), strict=True):
         if not holds:
             raise InputError(
@@ -86,7 +96,11 @@ def read_table(
     if not kept.any():
         raise InputError(f"{path} has no row with numbers in columns {columns[0]} and {columns[1]}.")
     first = int(np.argmax(kept))  # what stands above is the header
-    speed, torque = (found[kept] * factors).T
+    with np.errstate(over="ignore"):
+        speed, torque = (found[kept] * factors).T
+    for values, most, unit in ((speed, FASTEST, "rad/s"), (torque, STRONGEST, "N m")):
+        if (size := float(np.abs(values).max())) > most:
+            raise InputError(f"{path} holds {size:.4g} {unit}; the allowed range is up to {most:.4g} {unit}.")
     return Recording(path.name, speed, torque, int(np.count_nonzero(~kept[first:])))
 
 
@@ -99,11 +113,6 @@ def _text(path: Path) -> str:
         return path.read_text(encoding="utf-8-sig", errors="replace").replace("\0", "?")
     except OSError as error:
         raise InputError(f"Cannot read {path}: {error.strerror or error}.") from None
-
-
-def _pair(row: Sequence[str], columns: tuple[int, int], decimal: str) -> tuple[float, float]:
-    first, second = (_number(row[column - 1].replace(decimal, ".")) for column in columns)
-    return first, second
 
 
 def _number(text: str) -> float:
@@ -126,10 +135,10 @@ def steady_point(recording: Recording) -> Point:
     usual = 1.4826 * np.median(deviation)  # the standard deviation where samples are normally distributed
     kept = begin + np.flatnonzero((deviation <= SPIKE * usual) | (usual == 0))
     mean, scatter = float(speed[kept].mean()), _scatter(speed[kept])
-    if scatter > 2 * abs(mean):
+    if scatter > 2 * abs(mean) or _drifts(speed[begin:]):
         raise InputError(
-            f"{recording.name} does not run at one speed, but from {speed.min():.4g} to {speed.max():.4g} rad/s; if "
-            "each of its rows is steady motion of its own, give measurements.point: row."
+            f"{recording.name} does not run at one speed, but from {speed.min():.4g} to {speed.max():.4g} rad/s; "
+            "cut it to its steady motion, or, if each row is steady motion of its own, give measurements.point: row."
         )
     resting = np.abs(speed[:begin]) < REST * abs(mean)
     held = torque[: begin if resting.all() else int(np.argmin(resting))]
@@ -144,6 +153,14 @@ def steady_point(recording: Recording) -> Point:
         spikes=speed.size - begin - kept.size,
         breakaway=float(held[np.argmax(np.abs(held))]) if held.size else None,
     )
+
+
+def _drifts(speed: NDArray[np.float64]) -> bool:
+    """Whether the means of four parts differ by more than noise and jerks explain, as they do in a ramp or a stop."""
+    parts = np.array_split(speed, min(4, speed.size))
+    within = math.sqrt(sum(part.var() * part.size for part in parts) / max(speed.size - len(parts), 1))
+    explained = max(JERKS, ERRORS * math.sqrt(len(parts) / speed.size)) * within
+    return bool(np.ptp([part.mean() for part in parts]) > max(DRIFT * abs(speed.mean()), explained))
 
 
 def row_points(recording: Recording) -> list[Point]:
