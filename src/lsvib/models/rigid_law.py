@@ -86,6 +86,7 @@ class SpeedBuild(RigidBuild):
             steady += "_fast"
         if steady in modes:
             sliding.divided(steady, EventKind.PASSAGE, modes, transitions, self.surfaces)
+        flows = {mode.flow.field.tobytes(): mode.flow for mode in modes.values()}  # without friction most are one
         return assemble(
             states=STATES,
             surfaces=self.surfaces,
@@ -93,7 +94,7 @@ class SpeedBuild(RigidBuild):
             transitions=transitions,
             observables=self.observables(modes),
             parts=self.parts(modes),
-            shortest_stay=SHORT_STAY * min(scale for mode in modes.values() for scale in mode.flow.time_scales),
+            shortest_stay=SHORT_STAY * min(scale for flow in flows.values() for scale in flow.time_scales),
             stack=taylor_flow,
             rest_codes=(MotionMode.REST,),
             release_kinds=(EventKind.RELEASE,),
