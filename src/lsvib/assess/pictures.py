@@ -139,14 +139,14 @@ def sensitivity_chart(assessment: Assessment, name: str) -> Figure:
 
 def reserve_chart(assessment: Assessment, names: list[str]) -> Figure:
     """How the reserve of each mechanism is spread over the samples."""
-    figure = style.new_figure(WIDTH, 2.5)
+    figure = style.new_figure(WIDTH, 2.8)
     axis = figure.subplots()
     for name in names:
         counts = assessment.uncertainty.probability[name].counts
         axis.stairs(counts / counts.sum(), BINS, color=_COLOURS[name], label=MECHANISMS[name][0], linewidth=1.5)
     axis.axvspan(-1, 0, color="#F7E3DA", zorder=0)
     axis.set(xlim=(-1, 1), xlabel="Reserve: below zero it vibrates", ylabel="Share of all drives")
-    axis.legend(fontsize=7)
+    figure.legend(loc="outside lower center", ncols=2, fontsize=7)
     return figure
 
 
@@ -166,10 +166,11 @@ def sobol_chart(assessment: Assessment, name: str) -> Figure:
 def _bars(names: list[str]) -> tuple[Figure, Any]:
     """A figure whose axes have room for horizontal bars of height 0.4 at 0, 1, 2 …, each below its name, all wide."""
     rows = max(len(names), 1)
-    figure = style.new_figure(WIDTH, 0.75 + 0.3 * rows)
+    figure = style.new_figure(WIDTH, 0.75 + 0.34 * rows)
     axis = figure.subplots()
     axis.set(ylim=(rows - 0.6, -0.8), yticks=[])
+    white = {"color": "white", "pad": 0.3}  # the line at zero does not run through a name
     for place, name in enumerate(names):
-        axis.text(0.01, place - 0.26, name, fontsize=7, transform=axis.get_yaxis_transform())
+        axis.text(0.01, place - 0.3, name, fontsize=7, transform=axis.get_yaxis_transform(), bbox=white)
     axis.axvline(0, color=style.BLACK, linewidth=0.8)
     return figure, axis

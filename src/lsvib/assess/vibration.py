@@ -24,6 +24,7 @@ from lsvib.models.model import Model, find_model
 from lsvib.models.rigid import rigid_automaton
 
 UNDECIDED = ("neutral family", "unresolved", "unknown")  # ends of motions that neither settle nor certainly vibrate
+_WITHOUT_CYCLE = (Attractor.NEUTRAL_FAMILY, Attractor.UNRESOLVED)
 _NUDGE = 1e-3  # of the speed: how far from steady sliding a motion starts that shows whether it is stable
 STRONG = 5.0  # times the speed: a perturbation that counts as strong, and the largest that has to be tried
 _SAMPLES = 1200  # even ones of the motion shown: 200 a period
@@ -108,7 +109,7 @@ def vibration(
         "speed": states[:, 1] + drive.input_speed,
         "angle": states[:, 0],
     }
-    if end.orbit is None or end.label in (Attractor.NEUTRAL_FAMILY, Attractor.UNRESOLVED):
+    if end.orbit is None or end.label in _WITHOUT_CYCLE:
         return Vibration(model, words, **samples)
     return Vibration(model, words, **_of_cycle(drive, end.orbit, row), **samples)
 
@@ -123,21 +124,27 @@ def _shown(
 ) -> tuple[dict[str, float], float, NDArray[np.float64], NDArray[np.float64]]:
     """Start, duration [s], times and states of a motion to be looked at.
 
-    A motion that ends in a cycle is shown for six periods, from a part of the speed of the cycle, as large a one as it
-    takes to come near it in half of them; any other starts as given and goes on for some swings.
+    A motion that ends in a cycle is shown for six periods, from a part of its speed, so that its growth takes little
+    time, or from as late as it takes to come near the cycle; any other starts as given and goes on for some swings.
     """
     swing = 2 * math.pi * math.sqrt(drive.screw_inertia / drive.coupling_stiffness)
-    periods, row = 6, np.eye(1, len(automaton.states) + 1, 1)[0]  # w
-    span = 2 * periods * swing if end.orbit is None else periods * end.period
-    size = 0.0 if end.orbit is None else max(map(abs, orbit_extremes(end.orbit, row)))
-    given = start["w"]
-    for part in (0.3, 0.6, 0.8, 1.0):
-        start = {**start, "w": math.copysign(max(abs(given), part * size), given)}
+    orbit = None if end.label in _WITHOUT_CYCLE else end.orbit
+    span, ends = 12 * swing, np.zeros((2, 2))
+    if orbit is not None:
+        span = 6 * end.period
+        ends = np.array([orbit_extremes(orbit, row) for row in np.eye(2, len(automaton.states) + 1)])  # of u, w
+        start = {**start, "w": math.copysign(max(abs(start["w"]), 0.3 * np.abs(ends[1]).max()), start["w"])}
+    names, later = (*definition.required, *definition.optional), start
+    for _ in range(64):  # slower growth is shown in part
+        start = later
         motion = follow(automaton, definition.initial_state(drive, start), span)
         times = _times(motion, span)
         states, _ = motion.at(times)
-        if np.abs(states[times > 0.5 * span, 1]).max() >= 0.95 * size:
+        late = states[times > 0.5 * span, :2]
+        off = np.abs([late.min(axis=0), late.max(axis=0)] - ends.T)
+        if orbit is None or (off <= 0.05 * np.ptp(ends, axis=1)).all():
             break
+        later = dict(zip(names, states[-1].tolist(), strict=True))
     return start, span, times, states
 
 
