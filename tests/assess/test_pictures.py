@@ -11,7 +11,6 @@ pytest.importorskip("pint")
 pytest.importorskip("scipy")
 pytest.importorskip("matplotlib")
 
-from matplotlib.text import Text
 from references.chapter_sheet import sheet
 
 from lsvib.assess import pictures
@@ -77,9 +76,8 @@ def test_words_lie_inside_the_picture_and_not_on_others(spiky):
         figure.canvas.draw()
         drawn, (axis,) = figure.get_tightbbox(), figure.axes
         assert (np.array([drawn.min, figure.get_size_inches() - drawn.max]) >= 0).all(), (draw, drawn)
-        boxes = {
-            text: text.get_window_extent() for text in figure.findobj(Text) if text.get_text() and text.get_visible()
-        }
+        factors = [text for text in axis.get_xticklabels() if "×" in text.get_text()]
+        boxes = {text: text.get_window_extent() for text in (*axis.texts, *factors) if text.get_text()}
         assert all(axis.bbox.x0 < boxes[text].x0 < boxes[text].x1 < axis.bbox.x1 for text in axis.texts), draw
         for one, other in combinations(boxes, 2):
             assert not boxes[one].overlaps(boxes[other]), (draw, one, other)
