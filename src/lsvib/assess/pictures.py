@@ -105,7 +105,7 @@ def screw_chart(motion: AssessedMotion) -> Figure:
     axis.plot(0, steady, "P", color=style.VERMILION, markersize=6, label="steady running")
     if np.ptp(speed) > 0.5 * np.abs(speed).max():
         axis.axhline(0, color=style.GREY, linewidth=0.6)
-    axis.set(xlabel="Twist of the coupling from steady running [°]", ylabel="Screw speed [rpm]")
+    axis.set(xlabel="Twist off steady running [°]", ylabel="Screw speed [rpm]")
     axis.set_title("How the screw turns")
     figure.legend(loc="outside lower center", ncols=2, fontsize=7)
     return figure
