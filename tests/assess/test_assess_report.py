@@ -83,7 +83,7 @@ def test_the_worst_case_is_a_motion_that_can_be_run(seat):
     worst = result["worst_case"]
     motion = lsvib.simulate(worst["scene"])
     with xr.open_dataset(out / "assessment.nc") as data:
-        stored = data["worst_angle"].to_numpy()
+        stored = data["worst_angle"].sel(worst_time=motion["time"].to_numpy()).to_numpy()  # among others
     assert worst["vibrates"]
     assert np.allclose(motion["angle_deviation"].to_numpy(), stored, rtol=0, atol=1e-12)
     assert np.ptp(stored[-200:]) > 0.5 * np.ptp(stored)

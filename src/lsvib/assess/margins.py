@@ -192,7 +192,8 @@ def _kinds(
     p = without_friction(values, direction, turning[None, :], force[:, None])
     drag = p["pitch_radius"] * np.tan(p["lead_angle"]) * p["translation_damping"]
     ratio = np.abs(p["axial_force"] - drag * p["input_speed"]) / turning  # |R̃ / Ω|
-    kind, maybe = np.zeros(shape, dtype=np.int8), np.broadcast_to(found["after_perturbation"] < 0, shape)
+    kind = np.zeros(shape, dtype=np.int8)
+    maybe = np.broadcast_to((found["after_perturbation"] < 0) | sheet.friction.law, shape)  # of a law it knows nothing
     if maybe.any():
         last = _fatal_ratio(sheet, values, direction, ratio[maybe].max(), drag)
         upset = KINDS.index("steady_when_left_alone" if last is None else "steady_until_perturbed")

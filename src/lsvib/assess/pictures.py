@@ -23,8 +23,8 @@ from lsvib.figures import style
 WIDTH = 3.7  # inch: on a phone one to one
 _COLOURS = {
     "steady": "#E8F3EC",
-    "steady_until_perturbed": "#F5EFC8",
-    "steady_when_left_alone": "#EDE4F2",
+    "steady_until_perturbed": "#F0D96B",
+    "steady_when_left_alone": "#CDB9DF",
     "negative_damping": style.ORANGE,
     "kinematic_constraint": style.VERMILION,
     "mode_coupling": style.PURPLE,
@@ -45,34 +45,32 @@ def embedded(draw: Callable[..., Figure], *arguments: Any) -> str:
     return "data:image/svg+xml;base64," + base64.b64encode(stream.getvalue()).decode("ascii")
 
 
-def operating_chart(charts: list[Chart], assessment: Assessment) -> Figure:
-    """Regions over speed and force, boundary curves, and the operating window as a frame."""
-    figure = style.new_figure(WIDTH, 0.6 + 2.7 * len(charts))
-    axes = np.atleast_1d(figure.subplots(len(charts), 1))
+def operating_chart(charts: list[Chart], chart: Chart, assessment: Assessment) -> Figure:
+    """Regions of one of the charts over speed and force, boundary curves, and the operating window as a frame.
+
+    The legend names what any of the charts shows, so that those side by side are alike.
+    """
+    figure = style.new_figure(WIDTH, 3.6)
+    axis = figure.subplots()
     colours = ListedColormap([_COLOURS[kind] for kind in KINDS])
     norm = BoundaryNorm(np.arange(len(KINDS) + 1) - 0.5, len(KINDS))
-    values, seen = assessment.values, set()
-    lead = values["lead"] / (2 * math.pi)
-    for axis, chart in zip(axes, charts, strict=True):
-        speed = 1e3 * chart.speed
-        axis.pcolormesh(speed, chart.force, chart.kind, cmap=colours, norm=norm, shading="nearest", rasterized=True)
-        seen |= set(np.unique(chart.kind).tolist())
-        for (label, force), dashes in zip(chart.boundaries.items(), ("-", "--", "-.", ":"), strict=False):
-            axis.plot(speed, force, dashes, color=style.BLACK, linewidth=0.9, label=label)
-        low, high = (1e3 * lead * values[f"speed_{end}"] for end in ("low", "high"))
-        bottom, height = values["force_low"], values["force_high"] - values["force_low"]
-        if high > low and height > 0:
-            axis.add_patch(
-                Rectangle((low, bottom), high - low, height, fill=False, edgecolor=style.BLUE, linewidth=1.6)
-            )
-        else:
-            axis.plot([low, high], [bottom, bottom + height], "o-", color=style.BLUE, linewidth=1.6)
-        axis.set(xlim=(0, speed[-1]), ylim=(chart.force[0], chart.force[-1]))
-        axis.set(xlabel="Speed of the load [mm/s]", ylabel="Force against outward travel [N]")
-        axis.set_title(f"{'Outward' if chart.direction > 0 else 'Back'}")
-        if chart.boundaries:
-            axis.legend(loc="best", fontsize=6, frameon=True, framealpha=0.85)
-    handles = [Patch(color=_COLOURS[KINDS[k]], label=_NAMES[KINDS[k]]) for k in sorted(seen)]
+    values, speed = assessment.values, 1e3 * chart.speed
+    axis.pcolormesh(speed, chart.force, chart.kind, cmap=colours, norm=norm, shading="nearest", rasterized=True)
+    for (label, force), dashes in zip(chart.boundaries.items(), ("-", "--", "-.", ":"), strict=False):
+        axis.plot(speed, force, dashes, color=style.BLACK, linewidth=0.9, label=label)
+    low, high = (1e3 * values["lead"] / (2 * math.pi) * values[f"speed_{end}"] for end in ("low", "high"))
+    bottom, height = values["force_low"], values["force_high"] - values["force_low"]
+    if high > low and height > 0:
+        axis.add_patch(Rectangle((low, bottom), high - low, height, fill=False, edgecolor=style.BLUE, linewidth=1.6))
+    else:
+        axis.plot([low, high], [bottom, bottom + height], "o-", color=style.BLUE, linewidth=1.6)
+    axis.set(xlim=(0, speed[-1]), ylim=(chart.force[0], chart.force[-1]))
+    axis.set(xlabel="Speed of the load [mm/s]", ylabel="Force against outward travel [N]")
+    axis.set_title("Outward" if chart.direction > 0 else "Back")
+    if chart.boundaries:
+        axis.legend(loc="best", fontsize=6, frameon=True, framealpha=0.85)
+    seen = np.unique([one.kind for one in charts])
+    handles = [Patch(color=_COLOURS[KINDS[k]], label=_NAMES[KINDS[k]]) for k in seen]
     handles.append(Patch(fill=False, edgecolor=style.BLUE, linewidth=1.6, label="operating window"))
     figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize=7)
     return figure
@@ -82,9 +80,9 @@ def margin_chart(assessment: Assessment, name: str) -> Figure:
     """Factors on each quantity at which the verdict on one mechanism changes."""
     one = assessment.mechanisms[name]
     rows = {IN_WORDS[row.quantity]: row.factor for row in one.margins if row.factor and 0.1 <= row.factor <= 10}
-    figure, axis = _bars(list(rows), 0.75 + 0.2 * max(len(rows), 1))
+    figure, axis = _bars(list(rows))
     places, colour = np.log10(list(rows.values())), style.GREEN if one.occurs else style.VERMILION
-    bars = axis.barh(range(len(rows)), places, color=colour, height=0.65)
+    bars = axis.barh(range(len(rows)), places, color=colour, height=0.4)
     axis.bar_label(bars, [f"×{factor:.3g}" for factor in rows.values()], padding=3, fontsize=6.5)
     span = 1.8 * np.abs(places).max(initial=0.3 * (not rows)) + 0.05
     axis.set_xlim(-span, span)
@@ -96,21 +94,32 @@ def margin_chart(assessment: Assessment, name: str) -> Figure:
     return figure
 
 
-def motion_chart(motion: AssessedMotion) -> Figure:
-    """Phase plane of the screw and time history of the load, of one motion."""
-    figure = style.new_figure(WIDTH, 4.6)
-    plane, history = figure.subplots(2, 1)
-    moved = motion.vibration
-    plane.plot(np.degrees(moved.angle), moved.speed * 60 / (2 * math.pi), color=style.BLUE, linewidth=0.9)
-    if np.ptp(moved.speed) > 0.5 * np.abs(moved.speed).max():
-        plane.axhline(0, color=style.GREY, linewidth=0.6)
-    plane.set(xlabel="Twist of the coupling from steady running [°]", ylabel="Screw speed [rpm]")
-    plane.set_title("How the screw turns")
-    history.plot(moved.time, moved.deviation, color=style.VERMILION, linewidth=0.9)
-    history.set(xlabel="Time", ylabel="Load off its steady path")
-    history.xaxis.set_major_formatter(EngFormatter("s"))
-    history.yaxis.set_major_formatter(EngFormatter("m"))
-    history.set_title("How the load moves")
+def screw_chart(motion: AssessedMotion) -> Figure:
+    """Phase plane of the screw in one motion, with its start and the point of steady running."""
+    figure, moved = style.new_figure(WIDTH, 2.7), motion.vibration
+    axis = figure.subplots()
+    twist, speed = np.degrees(moved.angle), moved.speed * 60 / (2 * math.pi)
+    axis.plot(twist, speed, color=style.BLUE, linewidth=0.9)
+    axis.plot(twist[0], speed[0], "o", color=style.ORANGE, label="start")
+    steady = motion.corner[0] * motion.corner[1] * 60 / (2 * math.pi)
+    axis.plot(0, steady, "P", color=style.VERMILION, markersize=6, label="steady running")
+    if np.ptp(speed) > 0.5 * np.abs(speed).max():
+        axis.axhline(0, color=style.GREY, linewidth=0.6)
+    axis.set(xlabel="Twist off steady running [°]", ylabel="Screw speed [rpm]")
+    axis.set_title("How the screw turns")
+    figure.legend(loc="outside lower center", ncols=2, fontsize=7)
+    return figure
+
+
+def load_chart(motion: AssessedMotion) -> Figure:
+    """Time history of the load in one motion."""
+    figure = style.new_figure(WIDTH, 2.7)
+    axis = figure.subplots()
+    axis.plot(motion.vibration.time, motion.vibration.deviation, color=style.VERMILION, linewidth=0.9)
+    axis.set(xlabel="Time", ylabel="Load off its steady path")
+    axis.xaxis.set_major_formatter(EngFormatter("s"))
+    axis.yaxis.set_major_formatter(EngFormatter("m"))
+    axis.set_title("How the load moves")
     return figure
 
 
@@ -118,25 +127,26 @@ def sensitivity_chart(assessment: Assessment, name: str) -> Figure:
     """Change of the reserve of one mechanism per one per cent of each quantity."""
     table = assessment.mechanisms[name].sensitivities
     names = sorted(filter(table.get, table), key=lambda key: -abs(table[key]))
-    figure, axis = _bars([IN_WORDS[key] for key in names], 0.8 + 0.2 * max(len(names), 1))
+    figure, axis = _bars([IN_WORDS[key] for key in names])
     changes = [0.01 * table[key] for key in names]
     colours = [style.GREEN if change > 0 else style.VERMILION for change in changes]
-    axis.barh(range(len(names)), changes, height=0.65, color=colours)
+    axis.barh(range(len(names)), changes, height=0.4, color=colours)
     axis.set_xlabel("Change of the reserve for 1 % more")
     axis.ticklabel_format(axis="x", style="plain")
+    axis.locator_params(axis="x", nbins=5)
     return figure
 
 
 def reserve_chart(assessment: Assessment, names: list[str]) -> Figure:
     """How the reserve of each mechanism is spread over the samples."""
-    figure = style.new_figure(WIDTH, 2.5)
+    figure = style.new_figure(WIDTH, 2.8)
     axis = figure.subplots()
     for name in names:
         counts = assessment.uncertainty.probability[name].counts
         axis.stairs(counts / counts.sum(), BINS, color=_COLOURS[name], label=MECHANISMS[name][0], linewidth=1.5)
     axis.axvspan(-1, 0, color="#F7E3DA", zorder=0)
     axis.set(xlim=(-1, 1), xlabel="Reserve: below zero it vibrates", ylabel="Share of all drives")
-    axis.legend(fontsize=7)
+    figure.legend(loc="outside lower center", ncols=2, fontsize=7)
     return figure
 
 
@@ -144,20 +154,23 @@ def sobol_chart(assessment: Assessment, name: str) -> Figure:
     """Shares of the spread of a reserve that the uncertain entries cause, alone and with all others."""
     first, total = (table[name] for table in (assessment.uncertainty.first_order, assessment.uncertainty.total))
     names = sorted(total, key=lambda key: -total[key])
-    figure, axis = _bars([entry_name(name) for name in names], 1.0 + 0.32 * len(names))
+    figure, axis = _bars([entry_name(name) for name in names])
     places = np.arange(len(names))
-    axis.barh(places - 0.18, [first[key] for key in names], height=0.34, color=style.BLUE, label="alone")
-    axis.barh(places + 0.18, [total[key] for key in names], height=0.34, color=style.SKY, label="with the others")
+    axis.barh(places - 0.1, [first[key] for key in names], height=0.2, color=style.BLUE, label="alone")
+    axis.barh(places + 0.1, [total[key] for key in names], height=0.2, color=style.SKY, label="with the others")
     axis.set(xlim=(0, 1.05), xlabel="Share of the spread that it causes")
-    axis.legend(fontsize=7)
+    figure.legend(loc="outside lower center", ncols=2, fontsize=7)
     return figure
 
 
-def _bars(names: list[str], height: float) -> tuple[Figure, Any]:
-    """A figure of a height [inch] whose axes have names of horizontal bars, the first one on top."""
-    figure = style.new_figure(WIDTH, height)
+def _bars(names: list[str]) -> tuple[Figure, Any]:
+    """A figure whose axes have room for horizontal bars of height 0.4 at 0, 1, 2 …, each below its name, all wide."""
+    rows = max(len(names), 1)
+    figure = style.new_figure(WIDTH, 0.75 + 0.34 * rows)
     axis = figure.subplots()
-    axis.set_yticks(range(len(names)), names, fontsize=7)
-    axis.invert_yaxis()
+    axis.set(ylim=(rows - 0.6, -0.8), yticks=[])
+    white = {"color": "white", "pad": 0.3}  # the line at zero does not run through a name
+    for place, name in enumerate(names):
+        axis.text(0.01, place - 0.3, name, fontsize=7, transform=axis.get_yaxis_transform(), bbox=white)
     axis.axvline(0, color=style.BLACK, linewidth=0.8)
     return figure, axis

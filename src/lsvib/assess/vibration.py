@@ -24,9 +24,10 @@ from lsvib.models.model import Model, find_model
 from lsvib.models.rigid import rigid_automaton
 
 UNDECIDED = ("neutral family", "unresolved", "unknown")  # ends of motions that neither settle nor certainly vibrate
+_WITHOUT_CYCLE = (Attractor.NEUTRAL_FAMILY, Attractor.UNRESOLVED)
 _NUDGE = 1e-3  # of the speed: how far from steady sliding a motion starts that shows whether it is stable
 STRONG = 5.0  # times the speed: a perturbation that counts as strong, and the largest that has to be tried
-_SAMPLES = 1200  # of the motion shown: 200 a period, more than the page has dots for
+_SAMPLES = 1200  # even ones of the motion shown: 200 a period
 # Work after which a motion counts as unresolved, some seconds: events with two states, units of one with more. Of 180
 # random sheets with a compliant support or threads 20 were unresolved with a tenth of it; 3 are now, 16 never repeat.
 _MOST_WORK = {"rigid": 4_000, "law": 400_000, "support": 2_000_000, "contact": 2_000_000}
@@ -40,7 +41,8 @@ class Vibration:
     load [m] (half of peak to peak, about steady travel), ``load_speed`` lowest and highest [m/s], ``screw_speed``
     likewise [rad/s], ``peak_contact_force`` between impacts [N], ``peak_impulse`` of an impact [N s] (0 without).
     ``scene``: names and values of a scene that shows it; ``time`` [s], ``deviation`` of the load [m], ``speed`` of the
-    screw [rad/s] and ``angle`` deviation [rad]: samples (n) of the motion. ``reason``: why nothing is known, if so.
+    screw [rad/s] and ``angle`` deviation [rad]: samples (n) of the motion, even ones and more between its events, so
+    that short slips are resolved. ``reason``: why nothing is known, if so.
     """
 
     model: str
@@ -107,7 +109,7 @@ def vibration(
         "speed": states[:, 1] + drive.input_speed,
         "angle": states[:, 0],
     }
-    if end.orbit is None or end.label in (Attractor.NEUTRAL_FAMILY, Attractor.UNRESOLVED):
+    if end.orbit is None or end.label in _WITHOUT_CYCLE:
         return Vibration(model, words, **samples)
     return Vibration(model, words, **_of_cycle(drive, end.orbit, row), **samples)
 
@@ -122,25 +124,35 @@ def _shown(
 ) -> tuple[dict[str, float], float, NDArray[np.float64], NDArray[np.float64]]:
     """Start, duration [s], times and states of a motion to be looked at.
 
-    A motion that ends in a cycle starts from a part of its speed, so that its growth takes little time, and goes on for
-    some periods after it has nearly the size of the cycle; any other starts as given and goes on for some swings.
+    A motion that ends in a cycle is shown for six periods, from a part of its speed, so that its growth takes little
+    time, or from as late as it takes to come near the cycle; any other starts as given and goes on for some swings.
     """
     swing = 2 * math.pi * math.sqrt(drive.screw_inertia / drive.coupling_stiffness)
-    periods = 6  # shown of a cycle
-    span, size = 2 * periods * swing, 0.0
-    if end.orbit is not None:
-        span = periods * end.period
-        row = np.eye(1, len(automaton.states) + 1, 1)[0]  # w
-        size = max(map(abs, orbit_extremes(end.orbit, row)))
-        start = {**start, "w": math.copysign(max(abs(start["w"]), 0.3 * size), start["w"])}
-    for _ in range(6):  # slower growth is shown in part
+    orbit = None if end.label in _WITHOUT_CYCLE else end.orbit
+    span, ends = 12 * swing, np.zeros((2, 2))
+    if orbit is not None:
+        span = 6 * end.period
+        ends = np.array([orbit_extremes(orbit, row) for row in np.eye(2, len(automaton.states) + 1)])  # of u, w
+        start = {**start, "w": math.copysign(max(abs(start["w"]), 0.3 * np.abs(ends[1]).max()), start["w"])}
+    names, later = (*definition.required, *definition.optional), start
+    for _ in range(64):  # slower growth is shown in part
+        start = later
         motion = follow(automaton, definition.initial_state(drive, start), span)
-        times = np.linspace(0.0, span, _SAMPLES + 1)
+        times = _times(motion, span)
         states, _ = motion.at(times)
-        if np.abs(states[times > 0.5 * span, 1]).max() >= 0.95 * size:
+        late = states[times > 0.5 * span, :2]
+        off = np.abs([late.min(axis=0), late.max(axis=0)] - ends.T)
+        if orbit is None or (off <= 0.05 * np.ptp(ends, axis=1)).all():
             break
-        span *= 2
+        later = dict(zip(names, states[-1].tolist(), strict=True))
     return start, span, times, states
+
+
+def _times(motion: Motion, span: float) -> NDArray[np.float64]:
+    """Even times [s], and between two events, however close, twenty and the last before the next: none is missed."""
+    ends = np.unique([0.0, *motion.time, span])
+    within = np.interp(np.arange(20 * ends.size - 19) / 20, np.arange(ends.size), ends)
+    return np.unique([*np.linspace(0.0, span, _SAMPLES + 1), *within, *np.nextafter(ends[1:], 0.0)])
 
 
 def _load_row(drive: Drive, states: tuple[str, ...]) -> NDArray[np.float64]:
