@@ -289,3 +289,9 @@ def test_what_turns_the_screw_back_has_its_name(load, words):
 def test_screws_that_cannot_be_are_refused(screw, words):
     with pytest.raises(InputError, match=words):
         sheet(screw={"length": "500 mm", "ends": "fixed-supported", **screw})
+
+
+def test_the_motor_has_the_torque_over_the_gear_ratio():
+    found = statics(sheet(load=LOAD, coupling={"stiffness": "60 N*m/rad", "gear_ratio": 5})).rows
+    assert found["motor_torque"].worst == pytest.approx(found["lifting_torque"].worst / 5, rel=1e-12)
+    assert "motor_torque" not in statics(sheet(load=LOAD)).rows

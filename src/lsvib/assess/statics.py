@@ -40,6 +40,10 @@ ABOUT = {  # name, unit, formula and source of each row
     "starting_torque": ("Torque to start against the load", "N m", "r F tan(λ + ρ), ρ of friction at rest", _THREAD),
     "lifting_torque": ("Torque against the load", "N m", "r F tan(λ + ρ) + c Ω", _THREAD),
     "lifting_power": ("Power against the load", "W", "torque × Ω", _THREAD),
+    "motor_torque": (
+        "Torque of the motor against the load; before the gear, whose losses come on top", "N m", "torque / gear ratio",
+        "geometry of the gear",
+    ),
     "lowering_torque": ("Torque with the load", "N m", "r F tan(ρ − λ) + c Ω", _THREAD),
     "lowering_power": ("Power with the load", "W", "torque × Ω", _THREAD),
     "braking_torque": ("Torque to brake; the load turns the screw", "N m", "r F tan(λ − ρ) − c Ω", _THREAD),
@@ -247,6 +251,8 @@ def _judged(
         if acting.any():
             found[f"{name}_torque"] = np.where(acting, needed, np.nan), None
             found[f"{name}_power"] = np.where(acting, needed * speed, np.nan), None
+    if "lifting_torque" in found and "coupling.gear_ratio" in draw:
+        found["motor_torque"] = found["lifting_torque"][0] / draw["coupling.gear_ratio"], None
     found["lifting_efficiency"] = np.where(turns, lifting_efficiency(coefficient, angle), 0.0), None
     found["lowering_efficiency"] = lowering_efficiency(coefficient, angle), None
     found["holding_friction"] = at_rest, flank_coefficient(np.tan(angle), angle, values["half_angle"])
