@@ -257,6 +257,6 @@ def draw(found: xr.Dataset) -> style.Figure:
     torque, residual = figure.subplots(1, 2)
     torque_panel(torque, found)
     residual_panel(residual, found)
-    torque.set_title("(a) torque of the motor")
-    residual.set_title("(b) measured less fitted")
+    torque.set_title("(a) torque of the motor, bars: scatter")
+    residual.set_title("(b) measured less fitted, bars: error of means")
     return figure
