@@ -105,12 +105,12 @@ def _summary(assessment: Assessment) -> str:
     if occurring:
         one, *others = occurring
         too = f" Also {' and '.join(SHORT[other.name] for other in others)} would do it." if others else ""
-        best = [row for row in assessment.margins if row.factor is not None][:3]
+        best = [row for row in assessment.margins if summary.is_near(row)][:3]
         changes = "; or ".join(f"the {summary.changed(assessment, row)}" for row in best)
         advice = (
             f" The smallest single changes that make it run steadily at the middle values: {changes}."
             if best
-            else " No single change of one quantity alone makes it run steadily."
+            else " No change of one quantity alone, up to a factor of ten, makes it run steadily."
         )
         return f"The cause is {SHORT[one.name]}, worst {_where(one, assessment)}.{too}{advice}{fast}{absent}"
     near = [(abs(math.log(row.factor)), one, row) for one in found for row in one.margins if row.factor is not None]
