@@ -200,10 +200,11 @@ def _tolerated(motion: AssessedMotion) -> str:
         return ""
     if math.isinf(size):
         return sentence
-    load = shown(motion.values["lead"] / (2 * math.pi) * size, "m/s")
+    load, speed = shown(motion.values["lead"] / (2 * math.pi) * size, "m/s"), motion.corner[1]
+    start = f" A start without a ramp is a larger one, of {shown(speed, 'rad/s')}." if size < speed else ""
     return (
         f"Steady running tolerates a sudden change of the screw's speed of up to {shown(size, 'rad/s')}, which is "
-        f"{load} at the load. {sentence}"
+        f"{load} at the load.{start} {sentence}"
     )
 
 
