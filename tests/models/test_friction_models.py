@@ -7,7 +7,8 @@ import pytest
 from references.friction_laws import LAWS, unbounded
 from scipy.integrate import solve_ivp
 
-from lsvib.dynamics.attractor import Attractor
+from lsvib.dynamics.attractor import Attractor, steady_state
+from lsvib.dynamics.energy import work
 from lsvib.dynamics.sweep import all_endings, ending_of
 from lsvib.engine.motion import follow
 from lsvib.errors import EngineError, InputError
@@ -155,6 +156,29 @@ def integrated(laws, start, duration, direction, sign, size):
                 time, state = stop, found.y[:, -1]
         reached.append(state)
     return reached
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_energy_of_cycles_under_a_law(kind):
+    """What motor and load put in, friction, dampers and impacts take out, of cycles of random drives.
+
+    To rounding; of those that jam, where the force grows without bound, to the distance at which the engine stops.
+    """
+    cycles = 0
+    for seed in range(20):
+        rng = np.random.default_rng([seed, 2])
+        values, start = mild(kind, rng)
+        drive = kind(**values | random_law(rng))
+        try:
+            model, automaton = made(drive)
+            orbit = steady_state(automaton, model.initial_state(drive, start), max_events=20_000).orbit
+        except InputError:
+            continue
+        if orbit is not None and orbit.time.size:
+            seizes = np.isin(orbit.kind, automaton.sprag_kinds).any()
+            assert abs(work(drive, orbit).balance) <= (3e-9 if seizes else 1e-13)
+            cycles += 1
+    assert cycles >= 6
 
 
 @pytest.mark.parametrize(("kind", "name"), [(SupportDrive, "slide_friction"), (NutDrive, "bearing_friction")])
