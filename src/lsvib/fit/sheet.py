@@ -62,6 +62,7 @@ def _unit(*units: str) -> Callable[[Any], _Unit]:
     """What reads the name of a unit that fits one of ``units``."""
 
     def read(value: Any) -> _Unit:
+        """Raise ``NotQuantity`` for what is no such name."""
         if not isinstance(value, str) or not value.strip():
             raise NotQuantity(f"= {shown(value)} is not the name of a unit")
         try:

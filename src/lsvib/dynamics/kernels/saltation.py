@@ -81,9 +81,8 @@ def _modal_field(flow, mode, state, rate, size):
             size[i] += abs(flow.field[mode, i, j] * state[j])
 
 
-field = by_kind(
-    _planar_field, _modal_field, saltation_taylor.field
-)  # x′ at a state, and the sizes of its terms, both (n)
+# x′ at a state, and the sizes of its terms, both (n).
+field = by_kind(_planar_field, _modal_field, saltation_taylor.field)
 
 
 @kernel
