@@ -15,9 +15,8 @@ if TYPE_CHECKING:
     from lsvib.contact.stiff_limit import LimitBranch
     from lsvib.dynamics.attractor import SteadyState
     from lsvib.engine.motion import Motion
-    from lsvib.models.drive import Drive
 else:  # names for annotations, which load no engine
-    Basin = Drive = LimitBranch = Motion = SteadyState = Window = Any
+    Basin = LimitBranch = Motion = SteadyState = Window = Any
 
 EIGENVALUE = variable("eigenvalue", np.array([1, 2]), "1", "index of the eigenvalue", "$i$")
 # The critical mass with contact as a variable: unit, words, symbol.
@@ -25,13 +24,6 @@ CRITICAL_MASS_WITH_CONTACT = (
     "kg", "mass at which steady sliding with the contact loses its stability", r"$m_\mathrm{cr}$",
 )  # fmt: skip
 BALANCE = ("1", "sum of all works over one period of the cycle, over the largest")  # unit and words
-
-
-def energy_balance(drive: Drive, end: SteadyState) -> float:
-    """Return the balance of the works over the cycle that a motion ends on [1]; NaN if that is no cycle."""
-    from lsvib.dynamics.energy import work
-
-    return work(drive, end.orbit).balance if end.orbit is not None else np.nan
 
 
 def balance_check(cycle: str, dataset: xr.Dataset) -> Check:

@@ -11,7 +11,7 @@ from lsvib.datasets.attributes import ASSUMED, axis, drive_parameters, flagged, 
 from lsvib.datasets.checks import Check
 from lsvib.figures import settings as of
 from lsvib.figures import style
-from lsvib.figures.common import BALANCE, about, balance_check, energy_balance, named
+from lsvib.figures.common import BALANCE, about, balance_check, named
 from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Values
 from lsvib.models import friction
 from lsvib.models.drive import RigidDrive
@@ -100,9 +100,10 @@ def _thresholds(drive: RigidDrive) -> tuple[float, float]:
 def _balance(drive: RigidDrive) -> float:
     """Return the balance of energy of the cycle that a motion from far away ends on."""
     from lsvib.dynamics.attractor import steady_state
+    from lsvib.dynamics.energy import balance
     from lsvib.models.rigid import rigid_automaton
 
-    return energy_balance(drive, steady_state(rigid_automaton(drive), [0.1, -drive.input_speed]))
+    return balance(drive, steady_state(rigid_automaton(drive), [0.1, -drive.input_speed]).orbit)
 
 
 def _motions(drive: RigidDrive, **swept: np.ndarray):

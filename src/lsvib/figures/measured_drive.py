@@ -16,7 +16,7 @@ from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
 from lsvib.figures import settings as of
 from lsvib.figures import style
-from lsvib.figures.common import BALANCE, about, balance_check, energy_balance
+from lsvib.figures.common import BALANCE, about, balance_check
 from lsvib.figures.settings import FigureSettings, PositiveSpan, Values
 from lsvib.models.drive import RigidDrive
 
@@ -62,6 +62,7 @@ class Settings(FigureSettings):
 
 def build(settings: Values) -> xr.Dataset:
     """Fit the friction law, and follow motions of the drive that it makes."""
+    from lsvib.dynamics.energy import balance
     from lsvib.fit.dataset import fit_variables
     from lsvib.fit.law import Measured, fitted
     from lsvib.fit.tables import steady_point
@@ -91,7 +92,7 @@ def build(settings: Values) -> xr.Dataset:
         "onset_damping": variable(
             ("seen_speed", "direction"), onset, "N m s rad-1", "damping below which steady sliding is unstable"
         ),
-        "energy_balance": variable((), energy_balance(jerking, _ends_on(jerking, JERKS)), *BALANCE),
+        "energy_balance": variable((), balance(jerking, _ends_on(jerking, JERKS).orbit), *BALANCE),
     }
     for name, value in drive.model_dump().items():
         if name not in dims:

@@ -12,7 +12,7 @@ from lsvib.datasets.attributes import ASSUMED, drive_parameters, flagged, named_
 from lsvib.datasets.checks import Check
 from lsvib.figures import settings as of
 from lsvib.figures import style
-from lsvib.figures.common import BALANCE, about, balance_check, energy_balance, named
+from lsvib.figures.common import BALANCE, about, balance_check, named
 from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Span, Values
 from lsvib.models import chapter
 from lsvib.models.drive import RigidDrive
@@ -135,10 +135,11 @@ def _forces(drive: RigidDrive, onset: float) -> tuple[float, float]:
 def _cycle(drive: RigidDrive) -> tuple[int, float, float, float]:
     """What the motion of a drive from far away ends in, amplitude [rad], period [s], and balance of energy [1]."""
     from lsvib.dynamics.attractor import steady_state
+    from lsvib.dynamics.energy import balance
     from lsvib.models.rigid import rigid_automaton
 
     found = steady_state(rigid_automaton(drive), [0.06, -drive.input_speed])
-    return int(found.label), found.amplitude, found.period, energy_balance(drive, found)
+    return int(found.label), found.amplitude, found.period, balance(drive, found.orbit)
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
