@@ -154,12 +154,12 @@ def test_chart_is_a_dataset(tmp_path):
 
 def test_the_chart_of_the_workflow_is_the_chart(tmp_path):
     settings = {
-        "drive": {"translation_damping": 1000.0},
-        "x": {"parameter": "mass", "start": 1.0, "stop": 5.0, "count": 7},
+        "drive": {"input_speed": 30.0},
+        "x": {"parameter": "mass", "start": 1.0, "stop": 15.0, "count": 7},
         "y": {"parameter": "axial_force", "start": 0.0, "stop": 60.0, "count": 5},
     }
     write_chart(settings, tmp_path / "chart.nc")
-    whole = lsvib.RigidDrive(translation_damping=1000).chart("mass=1:5:7", "axial_force=0:60:5")
+    whole = lsvib.RigidDrive(input_speed=30).chart("mass=1:15:7", "axial_force=0:60:5")
     with xr.open_dataset(tmp_path / "chart.nc") as written:
         assert set(whole.variables) == set(written.variables)
         for name in whole.variables:

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import grimp
+import pytest
 from references.figure_checks import dataset_of, draft
 
 from lsvib.datasets.io import write_dataset
@@ -98,6 +99,7 @@ def test_a_dataset_is_built_without_matplotlib():
         assert ours <= closure | packages, figure
 
 
+@pytest.mark.slow
 def test_a_picture_is_drawn_from_its_file_without_the_engine(tmp_path):
     for figure in FIGURES:
         write_dataset(dataset_of(figure), tmp_path / f"{figure}.nc")

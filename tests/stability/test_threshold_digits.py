@@ -119,7 +119,7 @@ def compared(drive, solved, solution, truth, rng, slopes):
         ("global_stability", "axial_force"),
         ("fold", "axial_force"),
         ("cycle_birth", "axial_force"),
-        ("rest_loss", "support_damping"),
+        pytest.param("rest_loss", "support_damping", marks=pytest.mark.slow),  # which few drives have
     ],
 )
 def test_twelve_digits_and_derivatives(name, unknown):

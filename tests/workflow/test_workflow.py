@@ -138,6 +138,7 @@ def test_a_changed_parameter_reruns_its_figure_only(built):
     assert built.plan() == ANEW
 
 
+@pytest.mark.slow
 def test_a_draft_of_all_figures_is_a_few_processes(fresh):
     """Each with several figures; the target ``accuracy`` of a draft has its own jobs."""
     names = ", ".join(default_figures())
@@ -170,6 +171,7 @@ def test_engine_is_compiled_first_for_the_figures_that_need_it(fresh):
     assert waiting["modal"].isdisjoint(of_eigenvalues | of_two_states)
 
 
+@pytest.mark.slow
 def test_a_figure_that_is_built_alone_fails_with_its_checks(built):
     change = "--config", "table_8_1={friction_coefficient: 0.23}"
     for _ in range(2):  # and again when it is asked for again
@@ -211,6 +213,7 @@ def test_the_rules_are_those_that_the_picture_shows():
     }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_both_snakefiles_are_one_workflow(built):
     assert built.plan() == built.plan("-s", "workflow/Snakefile") == set()
 
@@ -240,6 +243,7 @@ def test_what_was_deleted_comes_back(built):
     assert all(path.is_file() for path in paths)
 
 
+@pytest.mark.slow
 def test_what_is_damaged_is_named_with_its_remedy(built):
     """Truncated to the half of it; deleting it, as the sentence says, repairs the run."""
     path = built.folder / "results" / "checks.json"
@@ -296,6 +300,7 @@ def test_a_wrong_configuration_is_refused(fresh, old, new, words):
     assert not (fresh.folder / "results").exists()
 
 
+@pytest.mark.slow
 def test_a_wrong_drive_is_one_sentence_and_leaves_no_file(fresh):
     fresh.edit("config/config.yaml", "fig8_08:\n  drive: {", "fig8_08:\n  drive: {friction_coefficient: 11.0")
     run = fresh("results/figures/fig8_08.png")
@@ -305,6 +310,7 @@ def test_a_wrong_drive_is_one_sentence_and_leaves_no_file(fresh):
     assert not list((fresh.folder / "results").rglob("*.*"))
 
 
+@pytest.mark.slow
 def test_accuracy_is_a_target_of_its_own(fresh):
     """It needs packages that the others do not need; a draft leaves out what `all` has."""
     jobs = fresh.plan("accuracy")
@@ -317,6 +323,7 @@ def test_accuracy_is_a_target_of_its_own(fresh):
     assert not any("accuracy" in job for job in fresh.plan())
 
 
+@pytest.mark.slow
 def test_all_has_the_figures_of_accuracy_at_its_own_size(fresh):
     """With nothing but what requirements.txt installs, and other settings than the target ``accuracy``."""
     fresh.edit("config/config.yaml", TINY, "")

@@ -105,14 +105,15 @@ def known_key(kind: type[Drive], name: Any, where: str = "") -> None:
 def axes_of(over: Any, kind: type[Drive], most: int) -> dict[str, list[float]]:
     """Return the values of each parameter of a product of ``most`` points at most; raises ``InputError``."""
     axes: dict[str, list[float]] = {}
-    total = 1
-    for name, given in names_and_values("over", over).items():
+    lists = names_and_values("over", over)
+    for name, given in lists.items():
         known_key(kind, name)
         if isinstance(given, str | bytes | Mapping) or not hasattr(given, "__len__") or not hasattr(given, "__iter__"):
             raise InputError(f"over: {name} = {numbers.shown(given)} is not a list of numbers.")
-        total *= len(given)
-        if not 1 <= total <= most:
-            raise InputError(f"over has {total} points; the allowed range is 1 <= points <= {most}.")
+    total = math.prod(map(len, lists.values()))
+    if not 1 <= total <= most:
+        raise InputError(f"over has {total} points; the allowed range is 1 <= points <= {most}.")
+    for name, given in lists.items():
         try:
             axes[name] = [numbers.number(value) for value in given]
         except numbers.NotNumber as error:
