@@ -134,7 +134,7 @@ def test_points_of_curves_are_roots():
 
 
 def test_chart_is_a_dataset(tmp_path):
-    drive = lsvib.RigidDrive(translation_damping=1000)
+    drive = lsvib.RigidDrive(input_speed=30)
     found = drive.chart(("mass", 1, 12, 8), "axial_force=0:60:6")
     assert found.label.dims == ("axial_force", "mass")
     assert found.label.dtype == np.int8
@@ -146,7 +146,7 @@ def test_chart_is_a_dataset(tmp_path):
     write_dataset(found, tmp_path / "chart.nc")
     with xr.open_dataset(tmp_path / "chart.nc") as written:
         np.testing.assert_array_equal(written.label, found.label)
-        assert written.translation_damping == 1000
+        assert written.input_speed == 30
         assert "git_commit" in written.attrs
     plane = Plane.of(drive, ("mass", 1, 12, 8), ("axial_force", 0, 60, 6))
     np.testing.assert_array_equal(plane.labels(workers=3), found.label)
