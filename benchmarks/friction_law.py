@@ -23,11 +23,8 @@ Periods = Callable[[int], float]  # the time [s] that so many periods take, from
 
 def coefficient(speed, exp):
     """The law at a sliding speed [m/s]."""
-    return (
-        DRIVE.friction_coefficient
-        + DRIVE.stribeck_rise * exp(-speed / DRIVE.stribeck_speed)
-        + (DRIVE.friction_slope * speed)
-    )
+    rise = DRIVE.stribeck_rise * exp(-speed / DRIVE.stribeck_speed)
+    return DRIVE.friction_coefficient + rise + DRIVE.friction_slope * speed
 
 
 def twist(speed: float) -> float:

@@ -1,0 +1,127 @@
+"""The price of certainty: the certain search against a plain one that looks for changes of sign at the same nodes.
+
+The plain search is the same kernel compiled with another ``decide``: it takes the certain search's nodes as given and
+compares signs only. It is the cheapest search possible, since it need not even find out where to look.
+"""
+
+import types
+from time import perf_counter
+
+import numba
+import numpy as np
+import pytest
+
+from lsvib.engine.kernels import guard_sums, search_modal
+from lsvib.engine.kernels.flow_planar import level
+from lsvib.engine.kernels.layout import Decision
+from lsvib.engine.motion import follow
+from lsvib.models.drive import ThreadsDrive
+from lsvib.models.threads import threads_automaton
+
+_LIMIT = 1.0
+_OPTIONS = {"error_model": "numpy", "_nrt": False}  # those of the kernels
+
+
+def arcs():
+    """Every arc of the motion of Fig. 8.10: tables, modes, states at the start, guards, which of them are zero."""
+    drive = ThreadsDrive.of(mass=11.0, axial_force=100.0, contact_stiffness=1e8, contact_damping=1e8)
+    automaton = threads_automaton(drive)
+    motion = follow(automaton, [0.005, 0.0, 0.0, 0.0], 0.05)
+    tables = automaton.tables
+    modes, starts, _, _ = motion.arcs()
+    guards, zero = np.empty((modes.size, 2, 5)), np.zeros((modes.size, 2), dtype=bool)
+    for i, (mode, state) in enumerate(zip(modes, starts, strict=True)):
+        first = tables.guard_start[mode]
+        assert tables.guard_start[mode + 1] - first == 2
+        for k in (0, 1):
+            guards[i, k] = tables.guard_sign[first + k] * tables.surfaces[tables.guard_surface[first + k]]
+            value, size = level(guards[i, k], state, np.abs(state))
+            zero[i, k] = value <= size
+    return tables.flow, modes, starts, guards, zero
+
+
+def nodes_of(flow, modes, starts, guards, zero):
+    """Lengths of the steps that the certain search accepts on each arc, and its roots."""
+    steps, roots = [], []
+    for mode, state, rows, on in zip(modes, starts, guards, zero, strict=True):
+        taken = []
+
+        def decide(*arguments, taken=taken):
+            outcome = search_modal.decide(*arguments)
+            taken.append((arguments[3], arguments[6], outcome[0]))
+            return outcome
+
+        names = {**vars(search_modal), "decide": decide}
+        search = types.FunctionType(search_modal.search.py_func.__code__, names)
+        found, guard, when = search(flow, mode, state, rows, on.copy(), _LIMIT, guard_sums.room_for(flow, 2))
+        roots.append((int(found), guard, when))
+        undecided = {step for _, step, outcome in taken if outcome == Decision.UNDECIDED}
+        steps.append([step for guard, step, _ in taken if guard == 1 and step not in undecided])
+    return steps, roots
+
+
+@numba.njit(**_OPTIONS, forceinline=True)
+def no_bounds(row, value, rate, out):
+    """What a plain search needs of :func:`lsvib.engine.kernels.guard_sums.pair_bounds`."""
+
+
+@pytest.mark.slow
+def test_certainty_costs_less_than_twice_a_plain_search():
+    """What the design promises of certainty; measured 1.2 to 1.5 on the arcs of Fig. 8.10, k_c = c_c = 1e8."""
+    flow, modes, starts, guards, zero = arcs()
+    steps, roots = nodes_of(flow, modes, starts, guards, zero)
+    most = max(map(len, steps))
+    nodes = np.full((modes.size, most), np.nan)
+    for row, taken in zip(nodes, steps, strict=True):
+        row[: len(taken)] = taken
+
+    # The parts of the guards without their bounds.
+    names = {**vars(guard_sums), "pair_bounds": no_bounds, "ORDERS": 3}
+    parts = numba.njit(**_OPTIONS, forceinline=True)(types.FunctionType(guard_sums.prepare.py_func.__code__, names))
+
+    @numba.njit(**_OPTIONS)
+    def plain(flow, mode, state, guards, steps, off_surface, work):
+        count = guards.shape[0]
+        parts(flow, mode, state, guards, work)
+        a = 0.0
+        for step in steps:
+            b = a + step
+            guard_sums.go_to(flow, mode, work, b, 1)
+            change = False
+            for guard in range(count):
+                guard_sums.evaluate(flow, mode, work, guard, 1)
+                change = change or work.values[1, guard, 0] <= 0.0
+            if change:
+                return search_modal._earliest(
+                    flow, mode, work, count, 1, a, b, off_surface, search_modal.fastest(flow, mode)
+                )[1]
+            a = b
+        return a
+
+    @numba.njit(error_model="numpy")
+    def all_certain(flow, modes, starts, guards, zero, out):
+        work = guard_sums.room_for(flow, 2)
+        for i in range(modes.size):
+            on = zero[i].copy()
+            out[i] = search_modal.search(flow, modes[i], starts[i], guards[i], on, _LIMIT, work)[2]
+
+    @numba.njit(error_model="numpy")
+    def all_plain(flow, modes, starts, guards, nodes, out):
+        work, off_surface = guard_sums.room_for(flow, 2), np.zeros(2, dtype=np.bool_)
+        for i in range(modes.size):
+            out[i] = plain(flow, modes[i], starts[i], guards[i], nodes[i], off_surface, work)
+
+    certain, simple = np.empty(modes.size), np.empty(modes.size)
+    best = [np.inf, np.inf]
+    for _ in range(2000):
+        begun = perf_counter()
+        all_certain(flow, modes, starts, guards, zero, certain)
+        middle = perf_counter()
+        all_plain(flow, modes, starts, guards, nodes, simple)
+        best = [min(best[0], middle - begun), min(best[1], perf_counter() - middle)]
+    assert np.array_equal(certain, [when for _, _, when in roots])
+    # The first arc starts on N = 0, where the plain search finds its own start.
+    assert np.array_equal(certain[1:], simple[1:])
+    ratio = best[0] / best[1]
+    print(f"certain {best[0] * 1e6:.1f} us, plain {best[1] * 1e6:.1f} us for {modes.size} arcs: {ratio:.2f}")
+    assert ratio < 2
