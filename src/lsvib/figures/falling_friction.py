@@ -155,7 +155,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     law.plot(dataset.sliding_speed * 1e3, dataset.coefficient, color=style.BLUE, label="the law")
     constant = float(dataset.friction_coefficient)
     law.axhline(constant, **style.PRINTED, label=f"constant of Table 8.1: {constant:g}")
-    law.set(xscale="log", xlabel="sliding speed $v$ [mm/s]", ylabel=style.label(dataset.coefficient, "coefficient"),
+    law.set(xscale="log", xlabel="Sliding speed $v$ [mm s⁻¹]", ylabel=style.label(dataset.coefficient, "coefficient"),
             title="(a) friction")  # fmt: skip
     law.legend(loc="lower left")
     onset.plot(dataset.input_speed, dataset.onset_force, color=style.BLUE)

@@ -253,7 +253,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     for axes, name, title in ((limit, "vibrates_up_to", "(c) vibration goes on up to"),
                               (largest, "largest_speed", "(d) largest speed at 2 rpm")):  # fmt: skip
         _over_stiffness(axes, dataset[name])
-        axes.set(title=title, xscale="log", yscale="log", ylabel="speed of the screw [rpm]",
+        axes.set(title=title, xscale="log", yscale="log", ylabel="Speed of the screw [rpm]",
                  xlabel=style.label(dataset.coupling_stiffness, "stiffness of the drive"))  # fmt: skip
     limit.axhspan(JERKS / RPM, EVEN / RPM, color=style.GREY, alpha=0.25, linewidth=0)
     for rpm, words in ((EVEN / RPM, "turned evenly"), (JERKS / RPM, "jerked")):
@@ -299,7 +299,7 @@ def torque_panel(axes: style.Axes, dataset: xr.Dataset) -> None:
                 label = ""
     low, high = axes.get_ylim()
     axes.set(
-        xlabel="speed of the screw [rpm]", ylabel="torque of the motor [mN m]", ylim=(low, high + 0.25 * (high - low))
+        xlabel="Speed of the screw [rpm]", ylabel="Torque of the motor [mN m]", ylim=(low, high + 0.25 * (high - low))
     )
     axes.legend(fontsize=7, ncols=2, loc="upper left")
 
@@ -314,7 +314,7 @@ def residual_panel(axes: style.Axes, dataset: xr.Dataset) -> None:
         for end in others:
             axes.plot(speed, end, "x", color=colour, markersize=3, label=f"{words}, bearing end")
     axes.axhline(0, color=style.GREY, linewidth=0.6)
-    axes.set(xlabel="speed of the screw [rpm]", ylabel="torque [mN m]")
+    axes.set(xlabel="Speed of the screw [rpm]", ylabel="Torque [mN m]")
     axes.legend(fontsize=7)
 
 

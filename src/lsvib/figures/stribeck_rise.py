@@ -194,21 +194,21 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         critical.plot(percent, dataset[name], color=colour, linestyle=dashes, label=words)
     other = critical.twinx()
     other.plot(percent, dataset.slow_critical_friction, color=style.VERMILION, linestyle=":", label="critical friction")
-    critical.set(title="(a) Painlevé region", ylabel="critical mass [kg]")
-    other.set(ylabel=f"critical friction at {float(dataset.case_mass):g} kg [1]")
+    critical.set(title="(a) Painlevé region", ylabel="Critical mass [kg]")
+    other.set(ylabel=f"Critical friction at {float(dataset.case_mass):g} kg")
     for name, colour, dashes in zip(
         _FORCES, (style.BLACK, style.BLUE, style.VERMILION), ("-", (0, (4, 2)), ":"), strict=True
     ):
         force.plot(percent, dataset[name], color=colour, linestyle=dashes, label=name.replace("_", " "))
-    force.set(title="(b) forces of Fig. 8.6", ylabel="axial force $R$ [N]")
+    force.set(title="(b) forces of Fig. 8.6", ylabel="Axial force $R$ [N]")
     for axes in (critical, force):
-        axes.set(xlabel="rise of friction [%]", xlim=(0, percent[-1]))
+        axes.set(xlabel="Rise of friction [%]", xlim=(0, percent[-1]))
     for axes, name, title in ((amplitude, "amplitude", "(c) amplitude"), (period, "period", "(d) period")):
         for row, colour, dashes, words in zip(
             dataset[name], (style.BLUE, style.VERMILION), ("-", (0, (4, 2))),
             ("stick–slip, constant kinetic friction", "sprag–slip of Fig. 8.9"), strict=True,
         ):  # fmt: skip
             axes.plot(dataset.static_share, row, color=colour, linestyle=dashes, marker=".", markersize=3, label=words)
-        axes.set(title=title, xlabel="static over kinetic friction [1]", ylabel=style.label(dataset[name], name),
+        axes.set(title=title, xlabel="Static over kinetic friction", ylabel=style.label(dataset[name], name),
                  ylim=(0, None))  # fmt: skip
     return style.legend(figure, [critical, other, force, amplitude], 4)
