@@ -136,10 +136,10 @@ def test_a_plastic_nut_is_refused_above_its_limit():
     """Iglidur B bears 0.15 MPa m/s: of 10 kg on Tr 16x4, two per cent less speed are right, two more are wrong."""
     pressure = nut_pressure(10 * 9.80665, 14e-3, 30e-3)
     limit = 0.15e6 / pressure / math.hypot(1, math.pi * 14 / 4)  # speed of the load [m/s]
-    for share, passed in ((0.98, False), (1.02, True)):
+    for share, exceeded in ((0.98, False), (1.02, True)):
         given = sheet(operation={"speed": f"{share * limit!r} m/s"})
         row = statics(given).rows["pv"]
-        assert row.passed == passed
+        assert row.exceeded == exceeded
         assert row.worst == pytest.approx(share * 0.15e6, rel=1e-9)
     found = assess(given, samples=64)
     assert any("PV reaches 0.153 MPa m/s, the limit is 0.15 MPa m/s" in line for line in brief(found))

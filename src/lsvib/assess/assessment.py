@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from lsvib.assess import mechanisms
 from lsvib.assess.drive import lifting_efficiency, lowering_efficiency, nominal_draw, quantities, square_thread
 from lsvib.assess.margins import ANY, Margin, margins, sensitivities
-from lsvib.assess.mechanisms import Worst, corners, worst
+from lsvib.assess.mechanisms import corners, worst
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.statics import Statics, statics
 from lsvib.assess.uncertainty import Uncertainty, WorstCase, draw_of, study, worst_cases
@@ -130,12 +130,6 @@ def _values(sheet: Sheet, entries: dict[str, float]) -> dict[str, float]:
     return {key: float(value) for key, value in quantities(sheet, entries).items()}
 
 
-def _corner(places: list, lowest: Worst) -> tuple[int, float, float]:
-    """The corner of the window with the lowest reserve of a single drive."""
-    direction, speed, force = places[int(lowest.corner[0])]
-    return int(direction), float(speed), float(force)
-
-
 def _require_a_drive(sheet: Sheet, values: dict[str, float]) -> None:
     """Refuse what the package has no drive for, in the words of the sheet."""
     for corner in corners(sheet, values):
@@ -157,7 +151,7 @@ def _mechanisms(
     places, lowest, slopes = corners(sheet, values), worst(sheet, values), sensitivities(sheet, values)
     found = {}
     for name, one in lowest.items():
-        corner = _corner(places, one)
+        corner = one.place(places)
         share, interval = spread.probability[name].value, spread.probability[name].interval
         reserve = float(one.reserve[0])
         occurs: bool | None = reserve < 0
@@ -209,7 +203,7 @@ def _critical(found: dict[str, Mechanism]) -> str:
 def _motion(sheet: Sheet, name: str, entries: dict[str, float]) -> AssessedMotion:
     values = _values(sheet, entries)
     places, lowest = corners(sheet, values), worst(sheet, values)
-    corner = _corner(places, lowest[name])
+    corner = lowest[name].place(places)
     if name == "after_perturbation" and sheet.support is None:
         corner = most_perturbed(sheet, values)[2] or corner
     part = _part(sheet)

@@ -41,7 +41,7 @@ _KINDS = {  # of quantities, by the unit in which the package counts them, each 
     "s/m": ("a slope of the friction coefficient over the sliding speed", "-0.02 s/m"),
     "": ("a plain number or a percentage", "0.15"),
 }
-_TEXT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s(+\-][^+]*)?\s*")
+_TEXT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s(+\-][^+]*)?\s*", re.ASCII)
 _UNIT = re.compile(r"[A-Za-z_µμ°²³%*/^·() 0-9.\-]{1,40}")  # the longest sensible one has a dozen characters
 
 _POWER = re.compile(

@@ -6,6 +6,7 @@ at the onset and negative where the mechanism occurs. Without any damping a rese
 grow nor decay.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -26,6 +27,9 @@ NAMES = ("negative_damping", "kinematic_constraint", "mode_coupling", "falling_f
 DRIVES = {"rigid": RigidDrive, "support": SupportDrive, "contact": ThreadsDrive}
 """The drive that a motion or verdict is of, by the part of the sheet that is compliant in it."""
 
+AT_ONCE = 2**17  # reserves, few enough for the processor's caches, many enough for NumPy
+_FADING = (0.05, 0.1, 0.2, 0.35, 0.6, 1.0, 1.6, 2.5, 4.0, 7.0)  # of the speed over which a rise of friction fades
+_GOLDEN = 0.5 * (math.sqrt(5) - 1)
 _BESIDE = 1e-9  # how near to a point of a curve, or to R̃ = 0, relative: far above rounding
 _UNDAMPED = ("support_damping", "translation_damping", "axial_support_damping", "contact_damping")
 
@@ -118,9 +122,13 @@ def _with_support(
 
 def _balance(*terms: Any) -> Any:
     """Sum of terms over the sum of their sizes; zero if all are zero."""
-    size = sum(np.where(np.real(term) < 0, -term, term) for term in terms)
+    size = sum(map(_size, terms))
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.where(np.real(size) == 0, 0.0, sum(terms) / size)
+
+
+def _size(term: Any) -> Any:
+    return np.where(np.real(term) < 0, -term, term) if np.iscomplexobj(term) else np.abs(term)
 
 
 def _larger(a: Any, b: Any) -> Any:
@@ -162,10 +170,20 @@ def drive_of(
 
 @dataclass(frozen=True)
 class Worst:
-    """The lowest reserve of a mechanism in the window, arrays (n): ``reserve`` and the ``corner`` that has it."""
+    """The lowest reserve of a mechanism in the window, arrays (n): ``reserve``, and where it is.
+
+    ``corner``: the number of the point of :func:`corners` that has it, or the point next to it, as ``speed`` [rad/s]
+    may lie between two of them, at the direction and force of that point.
+    """
 
     reserve: NDArray[np.float64]
     corner: NDArray[np.int64]
+    speed: NDArray[np.float64]
+
+    def place(self, places: list[tuple[int, Any, Any]]) -> tuple[int, float, float]:
+        """Return direction, speed [rad/s] and force [N] of the lowest reserve of a single drive, from its corners."""
+        direction, _, force = places[int(self.corner[0])]
+        return int(direction), float(self.speed[0]), float(force)
 
 
 def directions(sheet: Sheet) -> tuple[int, ...]:
@@ -187,13 +205,11 @@ def corners(sheet: Sheet, values: Mapping[str, Any]) -> list[tuple[int, Any, Any
 
 def window_points(sheet: Sheet, values: Mapping[str, Any], direction: int) -> tuple[NDArray, NDArray]:
     """Speeds [rad/s] and forces [N] of all corners of one direction: (k) for one drive, (k, n) for arrays of drives."""
-    curve, shares = sheet.friction.curve, np.linspace(_BESIDE, 1.0, 1 if sheet.support is None else 9)
-    sloped = sheet.friction.sloped
+    shares = np.linspace(_BESIDE, 1.0, 1 if sheet.support is None else 3)
     shape = np.broadcast_shapes(*map(np.shape, values.values()))
     values = {key: np.broadcast_to(value, shape) for key, value in values.items()}
     p = without_friction(values, direction, 1.0, 0.0)
-    radius, angle = p["pitch_radius"], p["lead_angle"]
-    drag = radius * np.tan(angle) * p["translation_damping"] * direction  # R̃ = R − drag Ω, R = axial_force − force
+    drag = p["pitch_radius"] * np.tan(p["lead_angle"]) * p["translation_damping"] * direction  # R̃ = R − drag Ω
 
     def within(key: str, points: Any) -> NDArray:
         low, high = values[f"{key}_low"], values[f"{key}_high"]
@@ -208,22 +224,30 @@ def window_points(sheet: Sheet, values: Mapping[str, Any], direction: int) -> tu
     speeds = values["speed_low"][None]
     pushed = ("low", "high") if is_window(sheet, "load.force") else ("low",)
     if is_window(sheet, "operation.speed"):
-        steps = np.linspace(
-            0.0, 1.0, 17 if curve is not None or sheet.friction.law else 2
-        )  # between points only the level of friction changes
-        rows = [speeds[0] + np.multiply.outer(steps, values["speed_high"] - speeds[0])]
-        if curve is not None:
-            sliding = np.multiply.outer(curve.speeds, (1 - _BESIDE, 1 + _BESIDE)).ravel()
-            rows.append(within("speed", np.divide.outer(sliding, sliding_speed(1.0, radius, angle))))
-        for end in pushed if sloped else ():
+        rows = [within("speed", own) for own in _own_speeds(sheet, values, p)]
+        for end in pushed if sheet.friction.sloped else ():
             with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # where nothing drags
                 rows += beside("speed", np.divide(p["axial_force"] - values[f"force_{end}"], drag))
-        speeds = np.concatenate(rows)
+        speeds = np.sort(np.concatenate(rows), axis=0)
     sides = [values[f"force_{end}"][None] for end in pushed]
-    if sloped and len(pushed) > 1:
+    if sheet.friction.sloped and len(pushed) > 1:
         sides += [force for rows in beside("force", p["axial_force"] - drag * speeds) for force in rows]
     forces = np.stack([np.broadcast_to(side, speeds.shape) for side in sides], axis=1)  # of each speed one by one
     return np.repeat(speeds, forces.shape[1], axis=0), forces.reshape(-1, *forces.shape[2:])
+
+
+def _own_speeds(sheet: Sheet, values: Mapping[str, Any], p: Mapping[str, Any]) -> list[NDArray]:
+    """Speeds [rad/s] over which friction is looked at (k, ...): the ends of the window, and what friction has."""
+    sliding = sliding_speed(1.0, p["pitch_radius"], p["lead_angle"])
+    low, high = values["speed_low"], values["speed_high"]
+    curve = sheet.friction.curve
+    steps = np.linspace(0.0, 1.0, 2 if curve is None else 17)  # between points of a curve only its level changes
+    rows = [low + np.multiply.outer(steps, high - low)]
+    if curve is not None:
+        rows.append(np.divide.outer(np.multiply.outer(curve.speeds, (1 - _BESIDE, 1 + _BESIDE)).ravel(), sliding))
+    if sheet.friction.stribeck_rise is not None:
+        rows.append(np.multiply.outer(_FADING, values["stribeck_speed"] / sliding))
+    return rows
 
 
 def worst(sheet: Sheet, values: Mapping[str, Any]) -> dict[str, Worst]:
@@ -232,18 +256,76 @@ def worst(sheet: Sheet, values: Mapping[str, Any]) -> dict[str, Worst]:
     ``after_perturbation`` is among them, see :func:`lsvib.assess.mechanisms.reserves`. NaN where the friction is so
     strong that the drive cannot move at all.
     """
-    rows, sizes = [], []
+    count = max(np.size(value) for value in values.values())
+    step = max(AT_ONCE // reserves_of(sheet, values), 1)
+    parts = [
+        _worst(sheet, {key: value[k : k + step] if np.size(value) > 1 else value for key, value in values.items()})
+        for k in range(0, count, step)
+    ]
+    keys = ("reserve", "corner", "speed")
+    return {
+        name: Worst(*(np.concatenate([getattr(part[name], key) for part in parts]) for key in keys))
+        for name in parts[0]
+    }
+
+
+def reserves_of(sheet: Sheet, values: Mapping[str, Any]) -> int:
+    """Return how many points of the window a drive is looked at."""
+    one = {key: np.ravel(value)[0] for key, value in values.items()}
+    return sum(len(window_points(sheet, one, direction)[0]) for direction in directions(sheet))
+
+
+def _worst(sheet: Sheet, values: Mapping[str, Any]) -> dict[str, Worst]:
+    """The same of all drives at once."""
+    shape = np.broadcast_shapes(*map(np.shape, values.values())) or (1,)
+    rows, places = [], []
     for direction in directions(sheet):
         speeds, forces = (
-            table[:, None] if table.ndim == 1 else table for table in window_points(sheet, values, direction)
+            np.broadcast_to(table[:, None] if table.ndim == 1 else table, (len(table), *shape))
+            for table in window_points(sheet, values, direction)
         )
         rows.append(reserves(sheet, values, direction, speeds, forces))
-        sizes.append(len(speeds))
+        places.append((np.full(speeds.shape, direction), speeds, forces))
+    side, speed, force = (np.concatenate(tables) for tables in zip(*places, strict=True))
     found = {}
     for name in (*applicable(sheet), "after_perturbation"):
-        parts = [np.atleast_1d(row[name]) for row in rows]
-        width = max(part.shape[-1] for part in parts)
-        table = np.concatenate([np.broadcast_to(part, (size, width)) for part, size in zip(parts, sizes, strict=True)])
+        pairs = zip(rows, places, strict=True)
+        table = np.concatenate([np.broadcast_to(row[name], place[1].shape) for row, place in pairs])
         lowest = np.argmin(np.where(np.isnan(np.real(table)), -np.inf, np.real(table)), axis=0)
-        found[name] = Worst(np.take_along_axis(table, lowest[None], 0)[0], lowest)
+        reserve, at = (np.take_along_axis(one, lowest[None], 0)[0] for one in (table, speed))
+        if name == "falling_friction" and sheet.friction.law and is_window(sheet, "operation.speed"):
+            own = [np.take_along_axis(one, lowest[None], 0)[0] for one in (side, force)]
+            reserve, at = _lowest_between(sheet, values, own, (reserve, at), speed)
+        found[name] = Worst(reserve, lowest, at)
     return found
+
+
+def _lowest_between(
+    sheet: Sheet, values: Mapping[str, Any], own: list[NDArray], best: tuple[NDArray, NDArray], speeds: NDArray
+) -> tuple[NDArray, NDArray]:
+    """The lowest reserve of falling friction (n) between the speeds next to the ``best`` one, by golden sections.
+
+    ``own``: direction and force of it; ``speeds`` (k, n): all that were looked at. Returns reserve and speed.
+    """
+    reserve, at = best
+    low = np.max(np.where(speeds < at, speeds, -np.inf), axis=0)
+    high = np.min(np.where(speeds > at, speeds, np.inf), axis=0)
+    low, high = np.where(np.isinf(low), at, low), np.where(np.isinf(high), at, high)
+
+    def looked(place: NDArray) -> NDArray:
+        """Return the reserve at some speeds, and keep the lowest."""
+        nonlocal reserve, at
+        here = reserves(sheet, values, own[0], place, own[1])["falling_friction"]
+        reserve, at = np.where(here < reserve, here, reserve), np.where(here < reserve, place, at)
+        return here
+
+    inner = [high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)]
+    there = [looked(place) for place in inner]
+    for _ in range(10):  # until the ends are a part 5e-3 of their distance apart, in which the reserve is flat
+        left = there[0] < there[1]
+        low, high = np.where(left, low, inner[0]), np.where(left, inner[1], high)
+        new = np.where(left, high - _GOLDEN * (high - low), low + _GOLDEN * (high - low))
+        inner = [np.where(left, new, inner[1]), np.where(left, inner[0], new)]
+        value = looked(new)
+        there = [np.where(left, value, there[1]), np.where(left, there[0], value)]
+    return reserve, at

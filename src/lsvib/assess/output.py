@@ -102,7 +102,7 @@ def _statics_json(found: Statics) -> dict[str, Any]:
             "middle": row.middle,
             "worst": row.worst if np.isfinite(row.worst) else None,  # a torque, where the threads jam
             "limit": row.limit,
-            "passed": row.passed,
+            "exceeded": row.exceeded,
             "unit": ABOUT[key][1],
         }
     return {"back_drives": found.back_drives, **rows}

@@ -72,7 +72,7 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
         random=random_entries(sheet),
         locking=locking_sentence(assessment),
         static=summary,
-        endangered=bool(assessment.statics.back_drives) or any(row.passed for row in assessment.statics.limited),
+        endangered=bool(assessment.statics.back_drives) or any(row.exceeded for row in assessment.statics.limited),
         entries=[
             (entry_name(path), _entry(entry), _origin(assessment, path))
             for path, entry in sheet.entries()

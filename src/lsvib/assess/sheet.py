@@ -307,7 +307,7 @@ def sentence(error: ValidationError, whole: type[BaseModel]) -> str:
         return f"{path} {cause}."
     if kind == "extra_forbidden":
         part: Any = whole
-        for key in first["loc"][:-1]:
+        for key in filter(lambda key: isinstance(key, str), first["loc"][:-1]):  # not the places in a list
             annotation = part.model_fields[str(key)].annotation
             kinds = (annotation, *getattr(annotation, "__args__", ()))
             part = next(kind for kind in kinds if isinstance(kind, type) and issubclass(kind, BaseModel))

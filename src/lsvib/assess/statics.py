@@ -77,7 +77,7 @@ Judged = tuple[Any, Any]  # values at many points and their limits, or None
 class Row:
     """One quantity of :data:`ABOUT`: its ``middle`` and ``worst`` value, the ``limit`` at the latter if it has one.
 
-    ``passed``: whether the worst value is beyond the limit. ``middle`` is None where a load is lifted or lowered in
+    ``exceeded``: whether the worst value is beyond the limit. ``middle`` is None where a load is lifted or lowered in
     the middle of the window at no time, but at its ends.
     """
 
@@ -85,7 +85,7 @@ class Row:
     middle: float | None
     worst: float
     limit: float | None
-    passed: bool
+    exceeded: bool
 
 
 @dataclass(frozen=True)
@@ -166,10 +166,10 @@ def statics(sheet: Sheet) -> Statics:
     holding, pushed = rows["holding_friction"], _pushed(values)
     falls = bool((pushed * _weight(values) > 0).any())
     if not pushed.any():
-        return Statics({**rows, holding.key: replace(holding, passed=False)}, None, falls)
-    if not holding.passed:
+        return Statics({**rows, holding.key: replace(holding, exceeded=False)}, None, falls)
+    if not holding.exceeded:
         return Statics(rows, False, falls)
-    surely = surely_pushed and _row(holding.key, middle[holding.key], None).passed
+    surely = surely_pushed and _row(holding.key, middle[holding.key], None).exceeded
     return Statics(rows, "at the middle values" if surely else "within the uncertainties", falls)
 
 
@@ -305,5 +305,5 @@ def _row(key: str, judged: Judged, middle: Judged | None) -> Row:
     value, limits, score = np.broadcast_arrays(value, np.nan if limit is None else limit, score)
     k = np.unravel_index(np.nanargmax(score), score.shape) if score.ndim else ()
     found, most = float(value[k]), None if limit is None else float(limits[k])
-    passed = most is not None and (found < most if low else found > most)
-    return Row(key, None if middle is None else _row(key, middle, None).worst, found, most, passed)
+    exceeded = most is not None and (found < most if low else found > most)
+    return Row(key, None if middle is None else _row(key, middle, None).worst, found, most, exceeded)

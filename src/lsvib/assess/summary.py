@@ -47,21 +47,22 @@ def holding(assessment: Assessment) -> str:
     return f"{text}, unless a brake or the motor holds it: {why}."
 
 
-_EFFORTS = {
+EFFORTS = {
     "lifting": "against the load",
     "lowering": "with the load",
     "braking": "to brake, where the load turns it",
 }
+"""What torques are for, the most demanding first."""
 
 
 def effort(assessment: Assessment) -> str:
     """Say which torque, power and efficiency the drive has."""
     rows = assessment.statics.rows
     found = []
-    for name, way in _EFFORTS.items():
+    for name, way in EFFORTS.items():
         if f"{name}_torque" in rows:
             pair = [(rows[f"{name}_torque"], "N m"), (rows[f"{name}_power"], "W")]
-            worst = " and ".join(_size(row.worst, unit) for row, unit in pair)
+            worst = " and ".join(size(row.worst, unit) for row, unit in pair)
             middle = " and ".join(shown(row.middle, unit) for row, unit in pair)
             if pair[0][0].middle is None:
                 middle, end = f"{worst} at worst", ""
@@ -78,16 +79,16 @@ def effort(assessment: Assessment) -> str:
 def limits(assessment: Assessment) -> str:
     """Say which limits of nut and screw are exceeded, if the sheet gives any."""
     found = [row for row in assessment.statics.limited if row.key != "holding_friction"]
-    passed = [row for row in found if row.passed]
+    exceeded = [row for row in found if row.exceeded]
     if not found:
         return ""
-    if not passed:
+    if not exceeded:
         return f"All limits of nut and screw are kept ({len(found)} checked)."
     each = []
-    for row in passed:
+    for row in exceeded:
         value, limit = (shown(figure, ABOUT[row.key][1]) for figure in (row.worst, row.limit))
         each.append(f"{_short(row)} reaches {value}, the limit is {limit}")
-    return f"{len(passed)} of {len(found)} limits of nut and screw exceeded: {'; '.join(each)}."
+    return f"{len(exceeded)} of {len(found)} limits of nut and screw exceeded: {'; '.join(each)}."
 
 
 def _short(row: Row) -> str:
@@ -129,15 +130,16 @@ def rows(assessment: Assessment) -> list[tuple[Any, ...]]:
         nut = assessment.sheet.nut
         if nut is not None and row.key in _NUT_LIMITS and row.limit is not None:
             source += f"; limit: {_limit_source(nut, row.key)}"
-        write = percent if row.key.endswith("efficiency") else lambda value, unit=unit: _size(value, unit)
+        write = percent if row.key.endswith("efficiency") else lambda value, unit=unit: size(value, unit)
         title = tuple(part.strip() for part in name.split(";")) if ";" in name else name
         found.append(
-            (title, write(row.middle), _marked(write(row.worst), row.passed), _limit(row, unit), (formula, source))
+            (title, write(row.middle), _marked(write(row.worst), row.exceeded), _limit(row, unit), (formula, source))
         )
     return found
 
 
-def _size(value: float | None, unit: str) -> str:
+def size(value: float | None, unit: str) -> str:
+    """Return a quantity in words; a torque against threads that jam is infinite."""
     return "any (it jams)" if value is not None and math.isinf(value) else shown(value, unit)
 
 
@@ -147,8 +149,8 @@ def _limit_source(nut: Nut, key: str) -> str:
     return NUT_MATERIALS[nut.material or ""].source
 
 
-def _marked(text: str, passed: bool) -> Any:
-    return (Markup('<b class="over">{}</b>').format(text), "limit exceeded") if passed else text
+def _marked(text: str, exceeded: bool) -> Any:
+    return (Markup('<b class="over">{}</b>').format(text), "limit exceeded") if exceeded else text
 
 
 def _limit(row: Row, unit: str) -> Any:

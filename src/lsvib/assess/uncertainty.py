@@ -19,14 +19,16 @@ from lsvib.assess.drive import (
     random_entries,
     square_thread,
 )
-from lsvib.assess.mechanisms import worst
+from lsvib.assess.mechanisms import reserves_of, worst
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.vibration import most_perturbed
 from lsvib.errors import InputError
 
 BLOCK = 2**12  # samples at once: few enough for the processor's caches, many enough for NumPy
+MOST_RESERVES = 2**20  # of Sobol indices, about a second
 BINS = np.linspace(-1.0, 1.0, 41)  # edges of the classes of reserve [1] that samples are counted in
-ASKED = 128  # drives whose basins are asked, some 5 ms a corner of the window
+ASKED = 128  # drives whose basins are asked, some 5 ms a corner of the window,
+ASKED_CORNERS = 512  # of all of them
 # Lowest reserve [1] of a mechanism within the uncertainties, and the place (d) of the unit cube that has it.
 WorstCase = tuple[float, NDArray[np.float64]]
 
@@ -99,7 +101,7 @@ def study(sheet: Sheet, samples: int, seed: int) -> Uncertainty:
     blocks = [evaluated(sheet, part) for part in np.split(points, range(BLOCK, points.shape[1], BLOCK), axis=1)]
     found = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
     varied = [name for name, reserve in found.items() if name != "after_perturbation" and np.ptp(reserve) > 0]
-    first, whole = _indices(sheet, entries, varied, min(samples, BLOCK), seed) if varied else ({}, {})
+    first, whole = _indices(sheet, entries, varied, _draws(sheet, entries, samples), seed) if varied else ({}, {})
     angle, coefficient = square_thread(sheet, quantities(sheet, draw_of(sheet, points)))
     lifting = np.broadcast_to(lifting_efficiency(coefficient, angle), points.shape[1:])
     lowering = np.broadcast_to(lowering_efficiency(coefficient, angle), points.shape[1:])
@@ -149,7 +151,8 @@ def _perturbed(
     if not candidates.size:
         return may, None
     answers = []
-    for k in candidates[:ASKED]:
+    corners = reserves_of(sheet, quantities(sheet, nominal_draw(sheet)))
+    for k in candidates[: min(ASKED, max(ASKED_CORNERS // corners, 16))]:
         found = quantities(sheet, draw_of(sheet, points[:, k, None]))
         answers.append((k, *most_perturbed(sheet, {key: float(np.ravel(value)[0]) for key, value in found.items()})))
     hits, asked = sum(answer is True for _, answer, *_ in answers), len(answers)
@@ -160,6 +163,15 @@ def _perturbed(
         return replace(may, value=value, interval=None if value is None else (value, value)), first
     among, share = (_ends(hits, asked)[0], _ends(hits + unknown, asked)[1]), _ends(candidates.size, reserve.size)
     return replace(may, value=value, interval=(among[0] * share[0], among[1] * share[1])), first
+
+
+def _draws(sheet: Sheet, entries: list[str], samples: int) -> int:
+    """How many drives each index of Sobol is taken from: fewer where the window has many points."""
+    points = reserves_of(sheet, quantities(sheet, nominal_draw(sheet))) * (len(entries) + 2)
+    count = min(samples, BLOCK)
+    while count * points > MOST_RESERVES and count > 64:
+        count //= 2
+    return count
 
 
 def _indices(sheet: Sheet, entries: list[str], names: list[str], count: int, seed: int) -> tuple[dict, dict]:

@@ -44,6 +44,7 @@ LARGEST_STATIC = 3.0  # coefficient, as in a data sheet
 LOSS = 3.0  # standard deviations from which on a residual counts as an outlier
 ROUNDS = 3  # of the robust fit, each with the scatter that the last one left
 AT_ZERO = 1e-9  # in natural sizes: a number that the search left so close to its bound is zero
+SLOWEST, WEAKEST = 1e-9, 1e-12  # rad/s, N m: below it no screw is measured
 SAME_SPEED = 0.05  # relative: files of one commanded speed are not further apart
 
 
@@ -210,8 +211,17 @@ def _enough(measured: Measured, known: Mapping[str, float]) -> None:
     """Refuse fewer speeds than the law has unknown numbers, and fewer points than there are in all."""
     if not np.isfinite([measured.speed, measured.torque, measured.load]).all():
         raise InputError("the measurements hold a number that is not finite.")
+    if not measured.speed.size:
+        raise InputError("the measurements have no point at which the screw turns.")
     if not (measured.speed * measured.load).all():
         raise InputError("the measurements have a point without speed or axial load, where friction tells nothing.")
+    if (slowest := float(np.abs(measured.speed).min())) < SLOWEST:
+        raise InputError(f"the measurements have a speed of {slowest:.3g} rad/s; the least one is {SLOWEST:g} rad/s.")
+    if (typical := float(np.median(np.abs(measured.torque)))) < WEAKEST:
+        raise InputError(
+            f"half of the measured torques are not above {typical:.3g} N m, and at least {WEAKEST:g} N m is needed; "
+            "check column, unit and factor of measurements.torque."
+        )
     unknown = [name for name in PARAMETERS if name not in known]
     if not unknown:
         raise InputError("nothing is left to fit; leave out some of friction, bearing and offset.")
@@ -294,7 +304,7 @@ def _undetermined(measured: Measured, at: Solution) -> tuple[Array, tuple[tuple[
         if set(pair) <= set(free):
             split = np.zeros(len(free))
             split[[free.index(name) for name in pair]] = 1, -1
-            error = np.linalg.norm((rows @ split / 2) / np.maximum(singular, np.finfo(float).tiny))
+            error = np.linalg.norm((rows @ split / 2) / np.maximum(singular, 1e-150))  # whose square is a double
             if error > DETERMINED:
                 lost.append(pair)
     return singular, tuple(lost)

@@ -21,6 +21,8 @@ from lsvib.models.scene import read_yaml
 from lsvib.numbers import NotNumber, number, shown, whole
 
 MOST_FILES = 1000  # of one sheet, and of points some million
+MOST_STARS = 4  # of a pattern of files: more take for ever to look for
+LEAST_LOAD = 1e-6  # N
 OF_FLANKS = {  # entries of `friction`, coefficients of a flank, and the parameters that they are of the square thread
     "coefficient": "friction_coefficient",
     "stribeck_rise": "stribeck_rise",
@@ -247,9 +249,11 @@ def _points(sheet: MeasuredSheet, folder: Path, lead: float) -> tuple[list[Point
         place = f"measurements.{k}" if len(sheet.measurements) > 1 else "measurements"
         if (load := block.load or sheet.load) is None:
             raise InputError(f"load is missing, and so is {place}.load.")
-        if not load.axial():
+        if abs(load.axial()) < LEAST_LOAD:
             name = f"{place}.load" if block.load else "load"
-            raise InputError(f"{name} makes no axial force: give its force, or a mass with an orientation.")
+            raise InputError(
+                f"{name} makes no axial force of at least {LEAST_LOAD:g} N: give its force, or a mass with an orientation."
+            )
         if block.separator == block.decimal:
             raise InputError(f"{place}.separator and {place}.decimal are both {shown(block.decimal)}.")
         files = _files(f"{place}.files", block.files, folder)
@@ -274,6 +278,12 @@ def _points(sheet: MeasuredSheet, folder: Path, lead: float) -> tuple[list[Point
 
 
 def _files(name: str, pattern: str, folder: Path) -> list[Path]:
+    stars = sum(map(pattern.count, "*?["))
+    if stars > MOST_STARS or "**" in pattern or ".." in Path(pattern).parts:
+        raise InputError(
+            f"{name} = {shown(pattern)} is not a pattern of files beside the sheet or in named folders below, with at "
+            f"most {MOST_STARS} of * ? [ and neither ** nor a step up."
+        )
     try:
         found = sorted(path for path in folder.glob(pattern) if path.is_file())
     except (ValueError, NotImplementedError, IndexError, OSError):

@@ -108,9 +108,11 @@ def _text(path: Path) -> str:
     try:
         if not path.is_file():
             raise InputError(f"Cannot read {path}: it is not a regular file.")
-        if os.path.getsize(path) > LARGEST_FILE:
+        size = os.path.getsize(path)  # of what is made while it is read, as under /proc, it is zero
+        if size > LARGEST_FILE:
             raise InputError(f"{path} is larger than {LARGEST_FILE // 2**20} MB, the largest table that is read.")
-        return path.read_text(encoding="utf-8-sig", errors="replace").replace("\0", "?")
+        with path.open("rb") as file:
+            return file.read(size).decode("utf-8-sig", errors="replace").replace("\0", "?")
     except OSError as error:
         raise InputError(f"Cannot read {path}: {error.strerror or error}.") from None
 

@@ -1,6 +1,7 @@
 """A scene: which model and which physics, from which state, for how long, and what is wanted of it."""
 
 import math
+import os
 import re
 from collections.abc import Mapping
 from functools import partial
@@ -97,8 +98,8 @@ def read_yaml(path: str | Path) -> dict[str, Any]:
         if not Path(path).is_file():  # a pipe or device may never end
             Path(path).stat()
             raise OSError(0, "it is not a regular file")
-        with Path(path).open("rb") as file:
-            content = file.read(largest + 1)
+        with Path(path).open("rb") as file:  # what is made while it is read, as under /proc, has the size zero
+            content = file.read(min(os.fstat(file.fileno()).st_size, largest + 1))
         values = yaml.load(content.decode("utf-8"), Loader=_Loader) if len(content) <= largest else None
     except OSError as error:
         raise InputError(f"Cannot read {path}: {error.strerror}.") from None

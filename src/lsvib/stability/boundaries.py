@@ -46,7 +46,7 @@ _SLOPED = "C_0 + r_m² |R̃| μ′ / [cos³ λ (1 + s_0 μ tan λ)²] = 0 with �
 _NET_FORCE = "R̃ = R − r_m tan λ c_x Ω = 0 (eqs 8.15, 8.19)"
 _NET_FORCE_OF_SLIDE = "R − r_m tan λ c_x Ω − F_0 sgn Ω = 0 (eq. 8.15)"
 _FLUTTER = "Hurwitz determinant (p_3 p_2 − p_4 p_1) p_1 − p_3² p_0 of det(M s² + C s + K) = 0: two eigenvalues ± i ω"
-_FRICTIONLESS = "μ = 0 at the speed of steady sliding, beyond which friction is cut off"
+FRICTIONLESS = "μ = 0 at the speed of steady sliding, beyond which friction is cut off"
 _COUPLING = "p_2² − 4 p_4 p_0 of det(M s² + K) = 0: two frequencies meet (8.29)"
 
 
@@ -239,13 +239,14 @@ class Line:
         if not self.searched:
             roots = self.roots_of(condition)
             return None if roots is None else [x for x in roots if self.rubs(x)]
-        ends = [self.lowest, *self.cuts(), self.limit]
-        found = [self._isolated(condition, a, b) for a, b in pairwise(ends) if self.rubs(self.between(a, b))]
+        ends, off = [self.lowest, *self.cuts(), self.limit], 2 * SAME  # at a cut itself the law may count as cut off
+        pairs = [(a, b) for a, b in pairwise(ends) if self.rubs(self.between(a, b))]
+        found = [self._isolated(condition, a * (1 + off), b * (1 - off)) for a, b in pairs]
         return None if None in found else [x for roots in found for x in roots or []]
 
     def cuts(self) -> list[fmpq]:
         """Return where friction begins to be cut off, or ends to be."""
-        return self.roots_of(RootCondition(_FRICTIONLESS, _friction)) or [] if self.sloped else []
+        return self.roots_of(RootCondition(FRICTIONLESS, _friction)) or [] if self.sloped else []
 
     def between(self, a: fmpq, b: fmpq) -> fmpq:
         """Return a place between two ends, within the range that is searched."""
@@ -288,7 +289,7 @@ class Line:
         laws = {self.law(self.between(a, b)) for a, b in pairwise(ends)} - {0}
         candidates = [(x, self.force) for x in found or []]
         depends = found is not None
-        candidates += [(x, RootCondition(_FRICTIONLESS, _friction)) for x in self.cuts()]
+        candidates += [(x, RootCondition(FRICTIONLESS, _friction)) for x in self.cuts()]
         for law in sorted(laws, reverse=True):
             for condition, roots in self._margin_roots(law):
                 depends |= roots is not None

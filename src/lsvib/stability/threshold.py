@@ -23,7 +23,7 @@ from lsvib.models.model import find_model
 from lsvib.numbers import shown
 from lsvib.results import Derivative, PrintedValue, Threshold, ThresholdSolution
 from lsvib.stability import boundaries, motion_equations
-from lsvib.stability.boundaries import Place, StableSet, places, searched, stable_set
+from lsvib.stability.boundaries import FRICTIONLESS, Place, StableSet, places, searched, stable_set
 from lsvib.stability.force_thresholds import STARTS, rest_left
 from lsvib.stability.motion_equations import Start
 from lsvib.stability.solve import DECADES, Root, Singular, outwards, samples, sign_changes, solved
@@ -149,6 +149,8 @@ def _by_roots(drive: Drive, name: str, unknown: str) -> Threshold:
         )
     what = "equations" if searched(drive, unknown) else "polynomials"
     how = f"All of them: the roots of {what} are isolated with certainty."
+    if any(place.condition.words == FRICTIONLESS for place in found):
+        how += " Where the equation is μ = 0, the falling law of friction reaches zero and is cut off."
     return _result(drive, name, unknown, solutions, how, reason, stable)
 
 

@@ -117,5 +117,5 @@ def multiplied(left: Sequence[Any], right: Sequence[Any]) -> list[Any]:
     result: list[Any] = [0] * (len(left) + len(right) - 1)
     for i, x in enumerate(left):
         for j, y in enumerate(right):
-            result[i + j] += x * y
+            result[i + j] = result[i + j] + x * y  # arrays of different shapes broadcast
     return result
