@@ -5,8 +5,13 @@ from typing import Any
 
 import numpy as np
 
+from lsvib.assess.drive import nominal_draw, quantities
 from lsvib.assess.materials import NUT_MATERIALS, SCREW_MATERIALS
+from lsvib.assess.mechanisms import corners, drive_of
+from lsvib.assess.sheet import Sheet
 from lsvib.assess.threads import _ACME, _COARSE, _TRAPEZOIDAL
+from lsvib.errors import InputError
+from lsvib.models.drive import Drive
 from lsvib.models.pairings import PAIRINGS
 
 _ENDS = ("fixed-free", "supported-supported", "fixed-supported", "fixed-fixed")
@@ -37,8 +42,10 @@ def random_sheet(seed: int, index: int) -> dict[str, Any]:
         sheet |= draw.maybe(
             often,
             **{
-                part: lambda: {"stiffness": draw.form(draw.power(1e6, 1e9), "N/m")}
-                | draw.maybe(0.7, damping=lambda: draw.form(draw.power(1, 1e5), "N*s/m"))
+                part: lambda: (
+                    {"stiffness": draw.form(draw.power(1e6, 1e9), "N/m")}
+                    | draw.maybe(0.7, damping=lambda: draw.form(draw.power(1, 1e5), "N*s/m"))
+                )
             },
         )
     return sheet
@@ -193,3 +200,15 @@ def _nut(draw: _Draw, diameter: float) -> dict[str, Any]:
     found |= draw.maybe(0.3, pressure_limit=lambda: draw.form(draw.power(1, 40), "MPa"))
     found |= draw.maybe(0.3, pv_limit=lambda: draw.form(draw.power(0.05, 5), "MPa*m/s"))
     return found | draw.maybe(0.3, speed_limit=lambda: draw.form(draw.power(0.05, 2), "m/s"))
+
+
+def random_drive(seed: int, index: int) -> Drive | None:
+    """Return the drive of a random sheet at a point of its window, with its most compliant part; None if refused."""
+    try:
+        sheet = Sheet.of(random_sheet(seed, index))
+        values = {key: float(value) for key, value in quantities(sheet, nominal_draw(sheet)).items()}
+        places = corners(sheet, values)
+        part = "support" if sheet.support else "contact" if sheet.contact else "rigid"
+        return drive_of(sheet, values, *places[index % len(places)], part)
+    except InputError:
+        return None

@@ -10,7 +10,25 @@ from references.measured import torque
 
 GONE = object()
 # What may stand in a cell instead of a number.
-CELLS = ("", "nan", "inf", "-inf", "1e308", "1e999", "1e-320", "1_0", "0x1F", "1,5", "1.5.5", "−3", "٣", "high", '"', "0", "-0")
+CELLS = (
+    "",
+    "nan",
+    "inf",
+    "-inf",
+    "1e308",
+    "1e999",
+    "1e-320",
+    "1_0",
+    "0x1F",
+    "1,5",
+    "1.5.5",
+    "−3",
+    "٣",
+    "high",
+    '"',
+    "0",
+    "-0",
+)
 # Places in the sheet, and what may stand there instead.
 ENTRIES: dict[str, tuple[Any, ...]] = {
     "thread": (GONE, None, 5, [], {}, {"size": "Tr 18x4"}, {"lead_angle": "4 deg", "pitch_diameter": "18 mm"}),

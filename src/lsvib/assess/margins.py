@@ -69,9 +69,7 @@ def _scaled(sheet: Sheet, values: Mapping[str, Any], keys: tuple[str, ...], fact
 
 def _occurs(sheet: Sheet, values: Mapping[str, Any]) -> dict[str, NDArray]:
     """Whether each mechanism occurs (1, 0, or −1 where the drive cannot move), for drives given by arrays (n)."""
-    occurs = {
-        name: np.where(np.isnan(one.reserve), -1, one.reserve < 0) for name, one in worst(sheet, values).items()
-    }
+    occurs = {name: np.where(np.isnan(one.reserve), -1, one.reserve < 0) for name, one in worst(sheet, values).items()}
     own = np.stack([flags for name, flags in occurs.items() if name in NAMES])
     return {**occurs, ANY: np.where(own[0] < 0, -1, own.max(axis=0))}
 
@@ -154,7 +152,11 @@ def sensitivities(sheet: Sheet, values: Mapping[str, float]) -> dict[str, dict[s
     At the corner of the window where the reserve is lowest, by a complex step: ρ(q (1 + ih)) = ρ + i h dρ/d ln q +
     O(h²), with nothing to cancel.
     """
-    places, lowest, step = corners(sheet, values), worst(sheet, values), 1e-30  # the square of the step, relative, lies far below rounding
+    places, lowest, step = (
+        corners(sheet, values),
+        worst(sheet, values),
+        1e-30,
+    )  # the square of the step, relative, lies far below rounding
     result: dict[str, dict[str, float]] = {name: {} for name in lowest}
     for quantity, keys in changeable(values).items():
         changed = {key: complex(value) for key, value in _scaled(sheet, values, keys, 1 + 1j * step).items()}

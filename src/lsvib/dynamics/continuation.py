@@ -2,7 +2,8 @@ r"""Cycles over a parameter, by pseudo-arclength continuation of the fixed point
 
 The unknowns are the free coordinates y of a section (the others follow from its surfaces, which move with the parameter
 p) and p itself. On  F(y, p) = P(y, p) − y = 0  the next point is sought where it meets the plane across the tangent at
-the last one. F_y = P′ − I is exact; F_p is a central difference, which steers Newton's method and the tangent, but is
+the last one. p is counted by q, p = p_0 sinh q with its size p_0 at the start, so that steps are in relation far from
+zero, and the branch does not depend on the range that is asked for. F_y = P′ − I is exact; F_p is a central difference, which steers Newton's method and the tangent, but is
 no part of the residual F. At a *fold* the tangent has no part in p; as p is stationary there its value is exact to
 rounding.
 
@@ -24,11 +25,11 @@ from lsvib.dynamics.poincare_map import Section, derivative, multipliers
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import flow_planar
 from lsvib.engine.kernels.layout import GRAZE_KIND
-from lsvib.engine.motion import Motion
+from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError, InputError
 from lsvib.models.drive import Drive
 
-_SMALLEST = 1e-7  # step, in widths of the range and sizes of the motion
+_SMALLEST = 1e-7  # step, in sizes of the parameter and of the motion
 _CONVERGED = 1e-8  # a step of Newton's method after which one more is rounding only
 
 Build = Callable[[float], tuple[Drive, Automaton]]
@@ -71,13 +72,17 @@ class CycleBranch:
 
 
 class MovingSection:
-    """A section of return whose surfaces move with the parameter; y: its free coordinates, in sizes of the motion."""
+    """A section of return whose surfaces move with the parameter; y: its free coordinates, in sizes of the motion.
+
+    Modes that are parts of one have one code; ``part`` says which of them.
+    """
 
     def __init__(self, cycle: Cycle) -> None:
         own, size = cycle.section, cycle.section.size
         section = Section(own.automaton, own.key, cycle.state, size, own.returns, cycle.period, size)
         self.size, self.free, self._rows, self._tied = size, section.free, section.rows, section.tied
         self.kind, self.code = own.key[0], own.automaton.codes[own.key[1]]
+        self.part = int(np.sum(own.automaton.codes[: own.key[1]] == self.code))
         self.returns, self.longest = own.returns, cycle.period
 
     def place(self, state: np.ndarray) -> np.ndarray:
@@ -99,10 +104,10 @@ class MovingSection:
     def back(self, automaton: Automaton, place: np.ndarray) -> tuple[Section, Motion] | None:
         """Return a section of return at y and the motion until it is back; None if it does not come back."""
         modes = np.flatnonzero(automaton.codes == self.code)
-        if not modes.size:
+        if self.part >= modes.size:
             return None
         state, _ = self.state(automaton, place)
-        key = self.kind, int(modes[0])
+        key = self.kind, int(modes[self.part])
         section = Section(automaton, key, state, self.size, self.returns, self.longest)
         motion = section.come_back(state)
         if motion is None or motion.time.size == 0 or motion.time[0] == 0.0:
@@ -112,7 +117,7 @@ class MovingSection:
 
 @dataclass(frozen=True)
 class Solved:
-    """A point of the branch: unknowns z = (y, p in widths), its cycle, and the tangent."""
+    """A point of the branch: unknowns z = (y, q), its cycle, and the tangent."""
 
     z: np.ndarray
     cycle: Cycle
@@ -120,17 +125,25 @@ class Solved:
 
 
 class BranchEquations:
-    """The equations F(y, p) = 0 on one section, p counted in ``width`` from ``low``."""
+    """The equations F(y, p) = 0 on one section; ``size`` p_0 of the parameter p = p_0 sinh q."""
 
-    def __init__(self, build: Build, section: MovingSection, low: float, width: float) -> None:
-        self.build, self.section, self.low, self.width = build, section, low, width
+    def __init__(self, build: Build, section: MovingSection, size: float) -> None:
+        self.build, self.section, self.size = build, section, size
 
     def value(self, z: np.ndarray) -> float:
-        """The value of the parameter at a point (y, p)."""
-        return self.low + self.width * float(z[-1])
+        """The value of the parameter at a point (y, q)."""
+        return self.size * math.sinh(z[-1])
+
+    def counted(self, value: float) -> float:
+        """The q of a value of the parameter."""
+        return math.asinh(value / self.size)
+
+    def on(self, section: MovingSection) -> "BranchEquations":
+        """The same on another section."""
+        return BranchEquations(self.build, section, self.size)
 
     def at(self, z: np.ndarray) -> tuple[Drive, Section, Motion] | None:
-        """The drive, the section and one return from a point (y, p); None where none comes back or no drive is."""
+        """The drive, the section and one return from a point (y, q); None where none comes back or no drive is."""
         try:
             drive, automaton = self.build(self.value(z))
             found = self.section.back(automaton, z[:-1])
@@ -149,7 +162,7 @@ class BranchEquations:
         if last is not None:
             found = np.column_stack([inner, last])
             return found if np.isfinite(found).all() else None
-        size = 1e-5  # step of the difference, in widths of the range
+        size = 1e-5  # step of the difference, in sizes of the parameter
         step, here = np.eye(d + 1)[-1] * size, self.section.place(motion.end_state)
         beside = {0.0: here}
         for sign in (1.0, -1.0):
@@ -244,22 +257,18 @@ def _followed(
 ) -> tuple[list[BranchPoint], list[Change]]:
     """Points and changes of the branch that begins with the parameter growing or falling."""
     low, high = span
-    width = high - low
     start = float(getattr(cycle.drive, parameter))
-    curve = BranchEquations(build, MovingSection(cycle), low, width)
+    curve = BranchEquations(build, MovingSection(cycle), abs(start) or max(-low, high))
     here = _first(curve, cycle, start, direction)
     if here is None:
-        raise InputError(f"the cycle at {parameter} = {start:g} cannot be followed: its return map has no derivative.")
+        raise InputError(f"the cycle at {parameter} = {start:g} cannot be followed: {_why_not(curve, cycle, start)}.")
     points: list[BranchPoint] = [BranchPoint(start, here.cycle, 0.0)]
     changes: list[Change] = []
     along, step = 0.0, 1e-2
     while len(points) < most:
-        there, curve, here, taken = _next(curve, here, step, low, width)
+        there, curve, here, taken = _next(curve, here, step)
         if there is None:
-            # amplitude, relative to that at the start, of a cycle that is about to vanish
-            small = here.cycle.amplitude < 1e-4 * cycle.amplitude
-            what = "it shrinks to nothing" if small else "no cycle continues this one"
-            changes.append(Change("end", curve.value(here.z), what, along))
+            changes.append(replace(_end(curve, here, cycle, start), along=along))
             break
         value = curve.value(there.z)
         if not low <= value <= high:
@@ -281,7 +290,7 @@ def _followed(
 
 
 def _first(curve: BranchEquations, cycle: Cycle, start: float, direction: float) -> Solved | None:
-    z = np.append(curve.section.place(cycle.state), (start - curve.low) / curve.width)
+    z = np.append(curve.section.place(cycle.state), curve.counted(start))
     found = curve.at(z)
     slopes = None if found is None else curve.slopes(z, found[2])
     if slopes is None:
@@ -290,21 +299,18 @@ def _first(curve: BranchEquations, cycle: Cycle, start: float, direction: float)
     return Solved(z, cycle, tangent * direction if tangent[-1] >= 0 else -tangent * direction)
 
 
-def _next(
-    curve: BranchEquations, here: Solved, step: float, low: float, width: float
-) -> tuple[Solved | None, BranchEquations, Solved, float]:
+def _why_not(curve: BranchEquations, cycle: Cycle, start: float) -> str:
+    """Why a branch does not even begin, as the end of a sentence."""
+    found = curve.at(np.append(curve.section.place(cycle.state), curve.counted(start)))
+    return "its motion does not come back" if found is None else "its return map has no derivative"
+
+
+def _next(curve: BranchEquations, here: Solved, step: float) -> tuple[Solved | None, BranchEquations, Solved, float]:
     """The next point, on this section or another of the cycle; also the curve, the last point on it, the step taken."""
     there, taken = _stepped(curve, here, step)
     if there is not None:
         return there, curve, here, taken
-    places = [(curve, here)]
-    for cycle in other_sections(here.cycle):
-        other = BranchEquations(curve.build, MovingSection(cycle), low, width)
-        again = _first(other, cycle, curve.value(here.z), 1.0)
-        if again is not None:
-            turned = again.tangent[-1] * here.tangent[-1] < 0
-            places.append((other, replace(again, tangent=-again.tangent) if turned else again))
-    for other, again in places:
+    for other, again in _places(curve, here):
         # Beyond a kink the branch may turn by more than a right angle, though the parameter goes on: step along it.
         along = np.eye(again.z.size)[-1] * math.copysign(1.0, again.tangent[-1])
         for start in (again, replace(again, tangent=along)):
@@ -312,6 +318,63 @@ def _next(
             if there is not None:
                 return there, other, start, taken
     return None, curve, here, 0.0
+
+
+def _places(curve: BranchEquations, here: Solved) -> Iterator[tuple[BranchEquations, Solved]]:
+    """Yield the same point on this section and on the others of the cycle."""
+    yield curve, here
+    for cycle in other_sections(here.cycle):
+        other = curve.on(MovingSection(cycle))
+        again = _first(other, cycle, curve.value(here.z), 1.0)
+        if again is not None:
+            turned = again.tangent[-1] * here.tangent[-1] < 0
+            yield other, replace(again, tangent=-again.tangent) if turned else again
+
+
+def _end(curve: BranchEquations, here: Solved, first: Cycle, start: float) -> Change:
+    """The end of a branch after its last point ``here``, where it is and, if that is known, why.
+
+    Where it goes on from one state alone, as a slip that begins at rest does, it is the last place at which that slip
+    comes back; else a place that is rounded to what is known of it.
+    """
+    value = curve.value(here.z)
+    # amplitude, relative to that at the start, of a cycle that is about to vanish; it does so in proportion
+    if here.cycle.amplitude < 1e-4 * first.amplitude:
+        return Change("end", _rounded(value, 1e-4 * abs(value - start)), "it shrinks to nothing", 0.0)
+    what = "no further cycle is found"
+    for other, again in _places(curve, here):
+        if _rests(again.cycle.orbit) and _slips_on(other, again):
+            what = "its slip no longer comes to rest"
+        if again.z.size == 1:
+            low, high = 0.0, 2 * _SMALLEST
+            while low < (middle := 0.5 * (low + high)) < high:
+                comes_back = other.corrected(again.z + middle * again.tangent, again.tangent) is not None
+                low, high = (middle, high) if comes_back else (low, middle)
+            return Change("end", other.value(again.z + low * again.tangent), what, 0.0)
+    reach = 2 * _SMALLEST * math.hypot(curve.size, value)
+    return Change("end", _rounded(value, reach), what, 0.0)
+
+
+def _rounded(value: float, error: float) -> float:
+    return round(value, -math.floor(math.log10(error))) if error > 0 else value
+
+
+def _rests(motion: Motion) -> bool:
+    return bool(np.isin(motion.automaton.codes[motion.mode], motion.automaton.rest_codes).any())
+
+
+def _slips_on(curve: BranchEquations, here: Solved) -> bool:
+    """Whether a motion just beyond the end of a branch of cycles with rest comes to rest no more."""
+    z = here.z + 10 * _SMALLEST * here.tangent
+    try:
+        _, automaton = curve.build(curve.value(z))
+        mode = int(np.flatnonzero(automaton.codes == curve.section.code)[curve.section.part])
+        state, _ = curve.section.state(automaton, z[:-1])
+        motion = follow(automaton, state, 10 * here.cycle.period, mode=mode)
+    except (EngineError, InputError, IndexError):
+        return False
+    starts_at_rest = curve.section.code in automaton.rest_codes
+    return not _rests(motion) and (motion.time.size > 0 or not starts_at_rest)
 
 
 def _stepped(curve: BranchEquations, here: Solved, step: float) -> tuple[Solved | None, float]:
@@ -345,7 +408,7 @@ def other_sections(cycle: Cycle) -> Iterator[Cycle]:
 
 def _at_value(curve: BranchEquations, here: Solved, there: Solved, value: float) -> Solved | None:
     """The point at a value of the parameter between two points."""
-    target = (value - curve.low) / curve.width
+    target = curve.counted(value)
     part = (target - here.z[-1]) / (there.z[-1] - here.z[-1])
     guess = here.z + part * (there.z - here.z)
     guess[-1] = target
