@@ -75,11 +75,13 @@ def stands_in(text, known):
 
 def answered(path, out=None):
     """Assess a sheet; a refusal is one sentence, an answer has no number that is not in the JSON."""
-    begin = time.process_time()
+    begin, refusal = time.process_time(), ""
     try:
         found = assess_file(path, out)
-    except InputError as refusal:
-        assert re.fullmatch(r"[^\n]+\.", str(refusal))
+    except InputError as error:
+        refusal = str(error)
+    if refusal:
+        assert re.fullmatch(r"[^\n]+\.", refusal)
         return None
     spent = time.process_time() - begin
     json.dumps(found, allow_nan=False)

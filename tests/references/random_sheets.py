@@ -85,7 +85,11 @@ class _Draw:
             return text(value)
         ends = sorted((value * (1 - width), value * (1 + width)))
         if kind < 0.75 or even:
-            return [text(end) for end in ends] if self.chance(0.7) else dict(zip(("low", "high"), map(text, ends)))
+            return (
+                [text(end) for end in ends]
+                if self.chance(0.7)
+                else dict(zip(("low", "high"), map(text, ends), strict=True))
+            )
         if kind < 0.83:
             return {"low": text(ends[0]), "mode": text(value), "high": text(ends[1])}
         if kind < 0.91:

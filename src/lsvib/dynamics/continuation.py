@@ -3,9 +3,9 @@ r"""Cycles over a parameter, by pseudo-arclength continuation of the fixed point
 The unknowns are the free coordinates y of a section (the others follow from its surfaces, which move with the parameter
 p) and p itself. On  F(y, p) = P(y, p) − y = 0  the next point is sought where it meets the plane across the tangent at
 the last one. p is counted by q, p = p_0 sinh q with its size p_0 at the start, so that steps are in relation far from
-zero, and the branch does not depend on the range that is asked for. F_y = P′ − I is exact; F_p is a central difference, which steers Newton's method and the tangent, but is
-no part of the residual F. At a *fold* the tangent has no part in p; as p is stationary there its value is exact to
-rounding.
+zero, and a branch does not depend on the range that is asked for. F_y = P′ − I is exact; F_p is a central difference,
+which steers Newton's method and the tangent, but is no part of the residual F. At a *fold* the tangent has no part in
+p; as p is stationary there its value is exact to rounding.
 
 The motion decides on its own events, so that the itinerary may change from point to point; such changes, and folds, are
 located by halving. Where a section is no longer met, another event of the last cycle takes its place; if none does, the

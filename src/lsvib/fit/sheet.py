@@ -252,7 +252,8 @@ def _points(sheet: MeasuredSheet, folder: Path, lead: float) -> tuple[list[Point
         if abs(load.axial()) < LEAST_LOAD:
             name = f"{place}.load" if block.load else "load"
             raise InputError(
-                f"{name} makes no axial force of at least {LEAST_LOAD:g} N: give its force, or a mass with an orientation."
+                f"{name} makes no axial force of at least {LEAST_LOAD:g} N: give its force, or a mass with an "
+                "orientation."
             )
         if block.separator == block.decimal:
             raise InputError(f"{place}.separator and {place}.decimal are both {shown(block.decimal)}.")
