@@ -127,6 +127,7 @@ def _thread(draw: _Draw) -> tuple[dict[str, Any], float]:
         found["pitch_diameter"] = draw.form(diameter, "mm")
     else:
         found["nominal_diameter"] = draw.form(diameter, "mm")
+        found.setdefault("starts", 1)
     found |= draw.maybe(0.3, half_angle=lambda: draw.form(draw.one((14.5, 15.0, 30.0)), "deg"))
     return found, diameter * 1e-3
 

@@ -9,6 +9,7 @@ grow nor decay.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from lsvib.assess import drive as sheets
 from lsvib.assess.drive import damping_by_slope, is_window, sliding_speed, without_friction
 from lsvib.assess.sheet import Sheet
-from lsvib.models import mechanics
+from lsvib.models import friction, mechanics
 from lsvib.models.drive import RigidDrive, SupportDrive, ThreadsDrive, zero_if_close
 from lsvib.stability.spectrum import polynomial
 
@@ -29,6 +30,7 @@ DRIVES = {"rigid": RigidDrive, "support": SupportDrive, "contact": ThreadsDrive}
 
 AT_ONCE = 2**17  # reserves, few enough for the processor's caches, many enough for NumPy
 _FADING = (0.05, 0.1, 0.2, 0.35, 0.6, 1.0, 1.6, 2.5, 4.0, 7.0)  # of the speed over which a rise of friction fades
+_SHARES = np.linspace(0, 1, 8)[1:-1]  # of the window, in logarithm
 _GOLDEN = 0.5 * (math.sqrt(5) - 1)
 _BESIDE = 1e-9  # how near to a point of a curve, or to R̃ = 0, relative: far above rounding
 _UNDAMPED = ("support_damping", "translation_damping", "axial_support_damping", "contact_damping")
@@ -83,6 +85,7 @@ def reserves(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any
         if sheet.support is None:
             for name in ("negative_damping", "kinematic_constraint"):
                 found[name] = _larger(found[name], full)
+    found["negative_damping"] = _unless_undamped(values, by_slope, found["negative_damping"])
     plus = mechanics.friction_factor(p["friction_coefficient"], tangent, 1)
     geometry = (p["pitch_radius"], tangent, plus)
     of_plus = mechanics.effective_inertia(p["screw_inertia"], mass, *geometry) - p["screw_inertia"]
@@ -118,6 +121,13 @@ def _with_support(
     }
     found = {name: np.where(kinematic, rigid[name], one) for name, one in found.items()}
     return found | {"mode_coupling": np.where(coupled, full, _larger(full, 0 * full))}
+
+
+def _unless_undamped(values: Mapping[str, Any], by_slope: Any, reserve: Any) -> Any:
+    """A reserve of damping, at most zero where nothing damps the drive, whatever its two bodies do undamped."""
+    dampings = [values[key] for key in values if key.endswith("_damping")]
+    nothing = sum(_size(one) for one in (*dampings, by_slope)) == 0
+    return np.where(nothing & (np.real(reserve) > 0), 0.0, reserve)
 
 
 def _balance(*terms: Any) -> Any:
@@ -245,9 +255,25 @@ def _own_speeds(sheet: Sheet, values: Mapping[str, Any], p: Mapping[str, Any]) -
     rows = [low + np.multiply.outer(steps, high - low)]
     if curve is not None:
         rows.append(np.divide.outer(np.multiply.outer(curve.speeds, (1 - _BESIDE, 1 + _BESIDE)).ravel(), sliding))
-    if sheet.friction.stribeck_rise is not None:
-        rows.append(np.multiply.outer(_FADING, values["stribeck_speed"] / sliding))
+    if sheet.friction.law:
+        rows.append(low * (high / low) ** np.reshape(_SHARES, (-1, *np.ndim(low) * (1,))))
+        if sheet.friction.stribeck_rise is not None:
+            rows.append(np.multiply.outer(_FADING, values["stribeck_speed"] / sliding))
+        if sheet.friction.slope is not None:
+            rows.append((_frictionless(sheet, values, p) / sliding * (1 - _BESIDE))[None])
     return rows
+
+
+def _frictionless(sheet: Sheet, values: Mapping[str, Any], p: Mapping[str, Any]) -> NDArray:
+    """The sliding speed [m/s] at which a falling law reaches zero, before which it weighs most; zero if it rises."""
+    law = SimpleNamespace(**sheets.friction_law(sheet, values, p["lead_angle"]))
+    slope = np.where(np.real(law.friction_slope) < 0, law.friction_slope, -np.inf)
+    low, high = -law.friction_coefficient / slope, -(law.friction_coefficient + law.stribeck_rise) / slope
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        rubs = np.real(friction.unbounded_coefficient(law, middle)) > 0
+        low, high = np.where(rubs, middle, low), np.where(rubs, high, middle)
+    return low
 
 
 def worst(sheet: Sheet, values: Mapping[str, Any]) -> dict[str, Worst]:

@@ -46,7 +46,10 @@ ABOUT = {  # name, unit, formula and source of each row
     ),
     "lowering_torque": ("Torque with the load", "N m", "r F tan(ρ − λ) + c Ω", _THREAD),
     "lowering_power": ("Power with the load", "W", "torque × Ω", _THREAD),
-    "braking_torque": ("Torque to brake; the load turns the screw", "N m", "r F tan(λ − ρ) − c Ω", _THREAD),
+    "holding_torque": ("Torque to hold at rest", "N m", "r F tan(λ − ρ), ρ of friction at rest", _THREAD),
+    "braking_torque": (
+        "Torque to brake; the load turns the screw, and no damping is counted on", "N m", "r F tan(λ − ρ)", _THREAD,
+    ),
     "braking_power": ("Power that the brake takes", "W", "torque × Ω", _THREAD),
     "lifting_efficiency": ("Efficiency against the load", "1", "tan λ / tan(λ + ρ)", _THREAD),
     "lowering_efficiency": (
@@ -236,17 +239,21 @@ def _judged(
     found: dict[str, Judged] = {}
     radius, angle, coefficient = threads
     at_rest = _at_rest(sheet, values)
+    rough = square_coefficient(at_rest, angle, values["half_angle"])
+    holding = -torque(np.abs(held), radius, angle, rough, False)
+    if (holding > 0).any():
+        found["holding_torque"] = np.where(holding > 0, holding, np.nan), None
     if (held > 0).any() and (sheet.friction.law or sheet.friction.curve is not None):
-        rough = square_coefficient(at_rest, angle, values["half_angle"])
         found["starting_torque"] = np.where(held > 0, torque(held, radius, angle, rough, True), np.nan), None
     drag = values["rotational_damping"] * speed
     against, along = (torque(np.abs(load), *threads, lifting) + drag for lifting in (True, False))
     turns = coefficient * np.tan(angle) < 1  # else the threads jam
     against = np.where(turns, against, np.inf)
+    braking = -torque(np.abs(held), *threads, False)  # the dampings are guesses, on which no brake should count
     for name, acting, needed in (
         ("lifting", (load > 0) | (not load.any()), against),
         ("lowering", (load < 0) & (along >= 0), along),
-        ("braking", (load < 0) & (along < 0), -along),
+        ("braking", (held < 0) & (braking > 0), braking),
     ):
         if acting.any():
             found[f"{name}_torque"] = np.where(acting, needed, np.nan), None

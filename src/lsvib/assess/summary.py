@@ -6,7 +6,7 @@ from typing import Any
 from markupsafe import Markup
 
 from lsvib.assess.assessment import Assessment
-from lsvib.assess.drive import IN_WORDS
+from lsvib.assess.drive import IN_WORDS, UNITS
 from lsvib.assess.margins import Margin, changeable
 from lsvib.assess.materials import NUT_MATERIALS
 from lsvib.assess.sheet import Nut
@@ -69,8 +69,9 @@ def effort(assessment: Assessment) -> str:
             else:
                 end = f" ({worst} at worst)" if worst != middle else ""
             found.append(f"{middle}{end} {way}")
-    if "starting_torque" in rows:
-        found.append(f"{shown(rows['starting_torque'].worst, 'N m')} to start at worst")
+    for name, way in (("starting_torque", "to start"), ("holding_torque", "to hold at rest")):
+        if name in rows:
+            found.append(f"{shown(rows[name].worst, 'N m')} {way} at worst")
     row = rows["lifting_efficiency"]
     low = "" if row.worst == row.middle else f", {percent(row.worst)} at worst"
     return f"The screw takes {'; '.join(found)}. Efficiency against the load: {percent(row.middle)}{low}."
@@ -101,12 +102,16 @@ def _changes(assessment: Assessment) -> str:
     """The three smallest single changes that alter the verdict at the middle values."""
     occurs = any(one.occurs for name, one in assessment.mechanisms.items() if name != "after_perturbation")
     best = [row for row in assessment.margins if is_near(row)][:3]
-    if not best:
+    absent = [row for row in assessment.margins if occurs and row.factor is None and row.value is not None]
+    each = [changed(assessment, row) for row in best] + [
+        f"{IN_WORDS[row.quantity]} of at least {shown(row.value, UNITS[row.quantity])}, of which the sheet gives none"
+        for row in absent
+    ]
+    if not each:
         return ""
-    each = "; ".join(changed(assessment, row) for row in best)
     effect = "ends the vibration" if occurs else "would start vibration"
-    which = "Each of these changes alone" if len(best) > 1 else "This change alone"
-    return f"{which} {effect} at the middle values: {each}."
+    which = "Each of these changes alone" if len(each) > 1 else "This change alone"
+    return f"{which} {effect} at the middle values: {'; '.join(each)}."
 
 
 def changed(assessment: Assessment, row: Margin) -> str:
@@ -120,7 +125,8 @@ def changed(assessment: Assessment, row: Margin) -> str:
 
 def rows(assessment: Assessment) -> list[tuple[Any, ...]]:
     """Return the rows of the table: name, middle, worst, limit, formula with source; vibration first."""
-    often = f"in {percent(assessment.uncertainty.any.value)} of drives"
+    share = assessment.uncertainty.any.value
+    often = f"vibrates in {percent(share)} of drives" if share > 0 else "steady in all drives that were drawn"
     worst = Markup('<b class="over">{}</b>').format(often) if "vibrate" in assessment.verdict else often
     found: list[tuple[Any, ...]] = [
         ("Vibration", assessment.verdict, worst, "none is wanted", ("see below", "what can make it vibrate"))

@@ -116,20 +116,28 @@ def _ended(
     part: str,
     perturbation: float,
     most_work: int,
+    twist: float = 0.0,
 ) -> tuple[Drive, Model, Automaton, dict[str, float], SteadyState]:
     """The drive, its model and automaton, the start of a motion and where it ends."""
     drive = drive_of(sheet, values, *corner, part)
     definition = find_model(drive.model)
-    start = {"u": 0.0, "w": perturbation * drive.input_speed}
+    start = {"u": twist, "w": perturbation * drive.input_speed}
     automaton = definition.build(drive, definition.physics_of(drive), "contact_sign")
     state = definition.initial_state(drive, start)
     return drive, definition, automaton, start, steady_state(automaton, state, max_events=most_work)
 
 
-def end_of_strong(sheet: Sheet, values: Mapping[str, float], corner: tuple[int, Any, Any], part: str = "rigid") -> str:
-    """Return where the motion from w = −5 Ω ends, by the key of :data:`lsvib.assess.words.ATTRACTORS`."""
+def end_of_strong(
+    sheet: Sheet, values: Mapping[str, float], corner: tuple[int, Any, Any], part: str = "rigid", rest: bool = False
+) -> str:
+    """Return where the motion from w = −5 Ω ends, by the key of :data:`lsvib.assess.words.ATTRACTORS`.
+
+    With ``rest`` that from standstill with the coupling relaxed, as a drive is switched on.
+    """
     try:
-        return _word(_ended(sheet, values, corner, part, -STRONG, min(_WORK_OF_MANY, _MOST_WORK[part]))[-1].label)
+        twist = -float(coefficients(drive_of(sheet, values, *corner)).deflection) if rest else 0.0
+        work = min(_WORK_OF_MANY, _MOST_WORK[part])
+        return _word(_ended(sheet, values, corner, part, -1.0 if rest else -STRONG, work, twist)[-1].label)
     except (InputError, EngineError):
         return "unknown"
 
@@ -266,23 +274,26 @@ def most_perturbed(
 def highest_vibrating_speed(
     sheet: Sheet, values: Mapping[str, float], corner: tuple[int, Any, Any], part: str
 ) -> float | None:
-    """Return the speed [rad/s] up to which motions from w = −5 Ω vibrate, at the direction and force of a corner.
+    """Return the speed [rad/s] up to which motions vibrate from w = −5 Ω or from standstill, at a corner's force.
 
     Tried are 9 speeds from the lowest of the window to ten times the highest; the last that vibrates is refined to
     1 %. None if none does, if the last does, or if one above it is not known.
     """
     direction, _, force = corner
 
-    def end(speed: float) -> str:
-        return end_of_strong(sheet, values, (direction, speed, force), part)
+    def vibrates(speed: float) -> bool | None:
+        """Whether one of both motions vibrates; None where that is not known."""
+        ends = [end_of_strong(sheet, values, (direction, speed, force), part, rest) for rest in (False, True)]
+        if any(end.endswith("cycle") for end in ends):
+            return True
+        return None if any(end in UNDECIDED for end in ends) else False
 
-    speeds = np.geomspace(values["speed_low"], 10 * values["speed_high"], 9).tolist()
     quiet = None
-    for speed in reversed(speeds):
-        ends = end(speed)
-        if ends in UNDECIDED:
+    for speed in np.geomspace(values["speed_low"], 10 * values["speed_high"], 9).tolist()[::-1]:
+        found = vibrates(speed)
+        if found is None:
             return None
-        if ends.endswith("cycle"):
+        if found:
             break
         quiet = speed
     else:
@@ -291,7 +302,7 @@ def highest_vibrating_speed(
         return None
     while quiet > 1.01 * speed:
         middle = math.sqrt(quiet * speed)
-        speed, quiet = (middle, quiet) if end(middle).endswith("cycle") else (speed, middle)
+        speed, quiet = (middle, quiet) if vibrates(middle) else (speed, middle)
     return float(speed)
 
 
