@@ -132,7 +132,7 @@ def sensitivity_chart(assessment: Assessment, name: str) -> Figure:
     colours = [style.GREEN if change > 0 else style.VERMILION for change in changes]
     axis.barh(range(len(names)), changes, height=0.4, color=colours)
     axis.set_xlabel("Change of the reserve for 1 % more")
-    axis.ticklabel_format(axis="x", style="plain")
+    axis.ticklabel_format(axis="x", style="sci", scilimits=(-4, 5), useOffset=False)
     axis.locator_params(axis="x", nbins=5)
     return figure
 
@@ -166,7 +166,7 @@ def sobol_chart(assessment: Assessment, name: str) -> Figure:
 def _bars(names: list[str]) -> tuple[Figure, Any]:
     """A figure whose axes have room for horizontal bars of height 0.4 at 0, 1, 2 …, each below its name, all wide."""
     rows = max(len(names), 1)
-    figure = style.new_figure(WIDTH, 0.75 + 0.34 * rows)
+    figure = style.new_figure(WIDTH, max(0.75 + 0.34 * rows, 1.4))
     axis = figure.subplots()
     axis.set(ylim=(rows - 0.6, -0.8), yticks=[])
     white = {"color": "white", "pad": 0.3}  # the line at zero does not run through a name

@@ -58,12 +58,12 @@ class Thread(_Part):
     )
 
     def _misfit(self) -> str | None:
-        if self.nominal_diameter is not None and self.pitch is None:
-            if self.lead is None or "starts" not in self.model_fields_set:
-                return (
-                    "thread.nominal_diameter needs thread.pitch, or thread.starts beside thread.lead, from which the "
-                    "pitch diameter follows."
-                )
+        pitched = self.pitch is not None or (self.lead is not None and "starts" in self.model_fields_set)
+        if self.nominal_diameter is not None and not pitched:
+            return (
+                "thread.nominal_diameter needs thread.pitch, or thread.starts beside thread.lead, from which the pitch "
+                "diameter follows."
+            )
         twice = None not in (self.lead, self.pitch) and "starts" in self.model_fields_set
         # One per cent is more than sizes in inches lose when they are written in millimetres.
         if twice and abs(self.lead.nominal / (self.starts * self.pitch.nominal) - 1) > 0.01:
