@@ -160,7 +160,7 @@ def _print_cycles(found: Mapping[str, Any]) -> None:
     for sentence in filter(None, (found["proved"], found["searched"])):
         print(sentence)
     if not found["cycles"]:
-        print("no cycle found")
+        print("no cycle found" + (" from the starts that are resolved" if found["unresolved_starts"] else ""))
     for cycle in found["cycles"]:
         print(f"{name(cycle['label'])}, {cycle['stability']} (found by: {cycle['found_by']})")
         multipliers = ", ".join(map(_multiplier, cycle["multipliers"]))

@@ -18,7 +18,7 @@ from lsvib.dynamics.continuation import CycleBranch, follow_cycle
 from lsvib.dynamics.cycles import Cycle, Seed, search, starts
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import layout
-from lsvib.errors import InputError
+from lsvib.errors import EngineError, InputError
 from lsvib.models.drive import Drive, described, zero_if_close
 from lsvib.models.model import find_model
 
@@ -28,13 +28,14 @@ class Cycles:
     """The ``cycles`` of a drive, attracting ones first, and ``families`` of neutral oscillations, one of each.
 
     ``proved`` is a sentence on what is certain beyond the cycles themselves, empty if nothing is; ``searched`` one on
-    where cycles were looked for, empty where none can be.
+    where cycles were looked for, empty where none can be; ``unresolved`` the number of starts whose ends are not known.
     """
 
     cycles: tuple[Cycle, ...]
     families: tuple[SteadyState, ...]
     proved: str
     searched: str = ""
+    unresolved: int = 0
 
     def to_json(self) -> dict[str, Any]:
         """Return the cycles, the families, what is proved and what was searched, as plain numbers and names.
@@ -49,6 +50,7 @@ class Cycles:
             ],
             "proved": self.proved,
             "searched": self.searched,
+            "unresolved_starts": self.unresolved,
         }
 
 
@@ -72,7 +74,18 @@ def find_cycles(drive: Drive, automaton: Automaton) -> Cycles:
     model = find_model(drive.model)
     states = [model.initial_state(drive, {"u": u, "w": w}) for u, w in starts(drive)]
     found = search(drive, automaton, states, seeds)
-    return Cycles(found.cycles, found.families, proved, f"Searched: {found.searched}.")
+    if not found.cycles and len(found.unresolved) == len(states):
+        raise EngineError(
+            f"the motions from all {len(states)} starts are unresolved ({'; '.join(sorted(set(found.unresolved)))}), so "
+            f"nothing is known of the cycles of this drive; follow one with lsvib simulate{_softer(drive)}."
+        )
+    searched = f"Searched: {found.searched}; there may be other cycles."
+    return Cycles(found.cycles, found.families, proved, searched, len(found.unresolved))
+
+
+def _softer(drive: Drive) -> str:
+    """What helps where a contact is so stiff that motions take too much work."""
+    return ", or make contact_stiffness and contact_damping smaller" if hasattr(drive, "contact_stiffness") else ""
 
 
 def followed(

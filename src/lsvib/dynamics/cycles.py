@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from lsvib.dynamics.attractor import Attractor, SteadyState, cycle_label, orbit_extremes, steady_state
+from lsvib.dynamics.attractor import Attractor, Doubt, SteadyState, cycle_label, orbit_extremes, steady_state
 from lsvib.dynamics.edge_tracking import edge_cycles
 from lsvib.dynamics.energy import Work, means, work
 from lsvib.dynamics.impulses import Impulses, event_impulses
@@ -35,6 +35,7 @@ from lsvib.models.model import find_model
 
 _HALVINGS = 60  # of a bracket in which Newton's method fails: to the last bit
 _SAME = 1e-7  # Two cycles of one stability that differ by less, relatively, are the same cycle.
+_ROUNDED = 1e-12  # of P(y) − y under a law, in sizes of a swing of the screw
 
 
 @dataclass(frozen=True)
@@ -246,11 +247,15 @@ def starts(drive: Drive) -> list[tuple[float, float]]:
 
 @dataclass(frozen=True)
 class Search:
-    """The ``cycles`` that a search found, attracting ones first; one of each neutral family; what was ``searched``."""
+    """The ``cycles`` that a search found, attracting ones first; one of each neutral family; what was ``searched``.
+
+    ``unresolved``: why the ends of some starts are not known.
+    """
 
     cycles: tuple[Cycle, ...]
     families: tuple[SteadyState, ...]
     searched: str
+    unresolved: tuple[Doubt, ...]
 
 
 def search(
@@ -276,9 +281,11 @@ def search(
         if steady.label == Attractor.NEUTRAL_FAMILY:
             families = families or [steady]
         _add(found, cycle_of(drive, steady))
-    unresolved = sum(steady.label == Attractor.UNRESOLVED for _, steady in endings)
+    doubts = tuple(steady.doubt for _, steady in endings if steady.doubt is not None)
     searched = f"motions from {len(endings)} starts"
-    searched += f", of which {unresolved} are unresolved" if unresolved else ""
+    if doubts:
+        verb = "is" if len(doubts) == 1 else "are"
+        searched += f", of which {len(doubts)} {verb} unresolved ({'; '.join(sorted(set(doubts)))})"
     if len(automaton.states) > 2:
         edges = list(edge_cycles(automaton, endings, lambda section: _on_edge(drive, section)))
         for cycle in edges:
@@ -292,7 +299,7 @@ def search(
                 _add(found, cycle)
         searched += f"; return maps of {len(found_lines)} lines over seven decades on both sides"
     return Search(
-        tuple(sorted(found, key=lambda cycle: (not cycle.attracting, cycle.period))), tuple(families), searched
+        tuple(sorted(found, key=lambda cycle: (not cycle.attracting, cycle.period))), tuple(families), searched, doubts
     )
 
 
@@ -356,8 +363,19 @@ def _on_line(drive: Drive, automaton: Automaton, key: tuple[int, int], row: np.n
                 brackets += [(places[k - 1], nearest), (nearest, places[k + 1])]
     for low, high in brackets:
         cycle = _within(drive, section, low, high)
-        if cycle is not None:
+        if cycle is not None and not _of_rounding(cycle):
             yield cycle
+
+
+def _of_rounding(cycle: Cycle) -> bool:
+    """Whether rounding alone may make P(y) − y change its sign at a cycle of a drive with a friction law.
+
+    There motions are rounded as steady sliding is: what a turn gains or loses has to be more than that.
+    """
+    if not isinstance(cycle.orbit.automaton.tables.flow, TaylorFlow) or cycle.multipliers.size == 0:
+        return False
+    away = abs(abs(cycle.multipliers[0]) - 1) * float(np.abs(cycle.state / cycle.section.size).max())
+    return not (cycle.attracting or cycle.repelling) or away < _ROUNDED
 
 
 def _to_edges(section: Section, places: np.ndarray, gaps: list[float]) -> np.ndarray:
