@@ -166,13 +166,13 @@ def _shown(
     for _ in range(64):  # slower growth is shown in part
         start = later
         motion = follow(automaton, definition.initial_state(drive, start), span)
-        times = _times(motion, span)
-        states, _ = motion.at(times)
-        late = states[times > 0.5 * span, :2]
-        off = np.abs([late.min(axis=0), late.max(axis=0)] - ends.T)
+        late, _ = motion.at(np.linspace(0.5 * span, span, _SAMPLES // 4 + 1))
+        off = np.abs([late[:, :2].min(axis=0), late[:, :2].max(axis=0)] - ends.T)
         if orbit is None or (off <= 0.05 * np.ptp(ends, axis=1)).all():
             break
-        later = dict(zip(names, states[-1].tolist(), strict=True))
+        later = dict(zip(names, late[-1].tolist(), strict=True))
+    times = _times(motion, span)
+    states, _ = motion.at(times)
     return start, span, times, states
 
 

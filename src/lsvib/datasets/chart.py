@@ -7,6 +7,7 @@ import json
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import product
 from typing import Any, Self
 
 import numpy as np
@@ -55,8 +56,6 @@ class ChartAxis(Axis):
                 raise InputError(f"{where} = {numbers.shown(given)} is not a parameter with start, stop and count.")
         known_key(type(drive), name := parts[0], f"{where}: ")
         axis = cls.over(*parts)
-        for end in axis.ends:
-            drive.replace(**{name: end})
         if name in LOGARITHMIC and axis.start <= 0:
             raise InputError(f"axis {name} has start = {axis.start:g}; its cells have equal ratios, so start > 0.")
         return axis
@@ -101,6 +100,8 @@ class Plane:
             raise InputError(f"x and y are both {plane.x.name}; a chart needs two parameters.")
         if plane.x.count * plane.y.count > MOST_CELLS:
             raise InputError(f"the chart has more than {MOST_CELLS} cells; take fewer.")
+        for first, second in product(plane.x.ends, plane.y.ends):
+            drive.replace(**{plane.x.name: first, plane.y.name: second})
         return plane
 
     @property

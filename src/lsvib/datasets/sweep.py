@@ -26,9 +26,6 @@ from lsvib.models.model import find_model, rule
 from lsvib.numbers import Progress
 
 START = {"u": 1e-3, "w": 0.0}  # next to steady sliding: rad, and rad/s
-# The range of each depends on the other. Frictions are tried with the largest angle, which leaves them the least room,
-# and angles with the smallest friction, so that of a pair which does not go together the friction is refused.
-_COUPLED = {"friction_coefficient": ("lead_angle", max), "lead_angle": ("friction_coefficient", min)}
 _MOST = 10_000_000  # points, of which each has some hundred bytes
 
 
@@ -126,15 +123,15 @@ def axes_of(over: Any, kind: type[Drive], most: int) -> dict[str, list[float]]:
 def product_of(drive: Drive, axes: Mapping[str, Sequence[float]]) -> ManyDrives:
     """Return the drives over the product of values of some parameters, the last one fastest.
 
-    Raises ``InputError`` if one of them is not acceptable. Only the friction coefficient and the lead angle have ranges
-    that depend on each other: μ < cot λ holds for all pairs if it holds for the largest μ and the largest λ.
+    Raises ``InputError`` if one of them is not acceptable: all that couples ranges, such as μ < cot λ, is monotonic in
+    each parameter, so that the corners of the product decide.
     """
-    for name, values in axes.items():
-        other, extreme = _COUPLED.get(name, ("", max))
-        beside = {other: extreme(axes[other])} if other in axes else {}
-        signs = ([x for x in values if np.sign(x) == sign] for sign in (-1, 0, 1))
-        for value in (end(part) for part in signs if part for end in (min, max)):  # ranges may leave out what is near 0
-            drive.replace(**{name: value, **beside})
+    ends = []
+    for values in axes.values():  # ranges may leave out what is near zero
+        parts = ([x for x in values if np.sign(x) == sign] for sign in (-1, 0, 1))
+        ends.append(sorted({end(part) for part in parts if part for end in (min, max)} | {x for x in values if x != x}))
+    for corner in product(*ends):
+        drive.replace(**dict(zip(axes, corner, strict=True)))
     grids = np.meshgrid(*axes.values(), indexing="ij")
     whole = dict(drive) | {name: grid.ravel() for name, grid in zip(axes, grids, strict=True)}
     return ManyDrives(whole, find_model(drive.model).drive)

@@ -111,6 +111,9 @@ class StableSet:
         adverb, name = "neutrally" if self.neutral else "asymptotically", self.key.replace("_", " ")
         if not self.intervals:
             return f"steady sliding is {adverb} stable for no {name}, all other parameters held."
+        if self.key == "input_speed" and len(self.intervals) == 1:  # zero itself is no steady sliding
+            way = "below" if self.intervals[0][0] < 0 else "above"
+            return f"steady sliding is {adverb} stable for every input speed {way} zero and for none on the other side."
         if self.from_zero or self.intervals[0][0] < 0 or not may_vanish(type(self.drive), self.key):
             return f"steady sliding is {adverb} stable for every {name} in its range, all other parameters held."
         return f"steady sliding is not {adverb} stable without {name}, but with any above zero, however small."
@@ -334,7 +337,8 @@ def stable_set(drive: Drive, key: str) -> StableSet | None:
     """
     lines = Line.all_of(drive, key)
     found = [line.stability() for line in lines]
-    if not any(depends for *_, depends in found):
+    turns = key == "input_speed" and len({stable for parts, *_ in found for *_, stable in parts}) > 1
+    if not turns and not any(depends for *_, depends in found):
         return None
     parts, changes = [], []
     for line, (of_line, places, _) in zip(lines, found, strict=True):
