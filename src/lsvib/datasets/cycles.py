@@ -75,9 +75,10 @@ def find_cycles(drive: Drive, automaton: Automaton) -> Cycles:
     states = [model.initial_state(drive, {"u": u, "w": w}) for u, w in starts(drive)]
     found = search(drive, automaton, states, seeds)
     if not found.cycles and len(found.unresolved) == len(states):
+        why = "; ".join(sorted(set(found.unresolved)))
         raise EngineError(
-            f"the motions from all {len(states)} starts are unresolved ({'; '.join(sorted(set(found.unresolved)))}), so "
-            f"nothing is known of the cycles of this drive; follow one with lsvib simulate{_softer(drive)}."
+            f"the motions from all {len(states)} starts are unresolved ({why}), so nothing is known of the cycles of "
+            f"this drive; follow one with lsvib simulate{_softer(drive)}."
         )
     searched = f"Searched: {found.searched}; there may be other cycles."
     return Cycles(found.cycles, found.families, proved, searched, len(found.unresolved))

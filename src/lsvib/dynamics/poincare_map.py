@@ -253,7 +253,7 @@ def multipliers(section: Section, orbit: Motion, residual: float) -> tuple[np.nd
         return np.zeros(count, dtype=complex), 0.0
     values, condition = eigenvalues(found.matrix)
     lost = found.rounding * orbit.automaton.condition
-    if not np.linalg.norm(lost) <= 1e-10:  # size of the rounding of P′ below which its bound is good enough
+    if not _norm(lost) <= 1e-10:  # size of the rounding of P′ below which its bound is good enough
         lost = np.fmin(lost, _scatter(section, orbit, found.matrix))
     least = float(np.linalg.svd(np.eye(section.dimension) - found.matrix, compute_uv=False).min())
     uncertain = (residual + AT_REST) / max(least, flow_planar.EPS)
@@ -263,10 +263,15 @@ def multipliers(section: Section, orbit: Motion, residual: float) -> tuple[np.nd
         if beside is not None:
             change = np.abs(section.derivative(beside).matrix - found.matrix) / _SENSITIVITY
             lost = lost + np.where(np.isfinite(change), change, 0.0) * min(uncertain, _SENSITIVITY)
-    size = float(np.linalg.norm(lost))
+    size = _norm(lost)
     error = min(condition * size, max(size, size ** (1 / len(found.matrix))) * len(found.matrix) + size)
     padded = np.concatenate([values, np.zeros(count - len(values))])
     return padded[np.argsort(-np.abs(padded), kind="stable")], error
+
+
+def _norm(lost: np.ndarray) -> float:
+    with np.errstate(over="ignore"):  # of a rounding beyond all bounds
+        return float(np.linalg.norm(lost))
 
 
 def _scatter(section: Section, orbit: Motion, slopes: np.ndarray) -> np.ndarray:
