@@ -1,8 +1,12 @@
 """Files that appear whole or not at all."""
 
+import glob
 import json
 import os
+import shutil
+import signal
 import stat
+import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -29,6 +33,8 @@ def target_of(path: str | os.PathLike[str], make_folder: bool = False) -> Path:
     path = Path(path)
     if path.name in ("", ".."):
         raise LsvibError(f"Cannot write {path}: it is not the name of a file.")
+    if any("\ud800" <= letter <= "\udfff" for letter in str(path)):  # what Python makes of bytes that are no UTF-8
+        raise LsvibError(f"Cannot write {path}: its name is not valid UTF-8.")
     try:
         target = Path(os.path.realpath(path))
         folder = target.parent
@@ -87,9 +93,11 @@ class Outputs:
             for target in self.targets:
                 made += [folder for folder in target.parents if not folder.exists()]
                 target.parent.mkdir(parents=True, exist_ok=True)
+                _remove_stale(target)
             yield parts
             for part, target in zip(parts, self.targets, strict=True):
-                new = not target.exists()
+                if not (new := not target.exists()):
+                    shutil.copymode(target, part)
                 os.replace(part, target)
                 placed += [target] if new else []
         except BaseException as error:
@@ -128,6 +136,30 @@ def _replaceable(target: Path, kind: str) -> bool:
 def _part(target: Path) -> Path:
     """The temporary file; a process left over from a killed run, which has another id, cannot write into ours."""
     return target.with_name(f".{target.name}.{os.getpid()}.part")
+
+
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Let a block of the main thread end before Ctrl+C interrupts it."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    asked: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, frame: asked.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+    if asked:
+        raise KeyboardInterrupt
+
+
+def _remove_stale(target: Path) -> None:
+    """Remove temporary files of processes that were killed while they wrote ``target``."""
+    for part in target.parent.glob(f".{glob.escape(target.name)}.*.part"):
+        number = part.name.split(".")[-2]
+        if number.isdecimal() and not os.path.exists(f"/proc/{number}"):
+            part.unlink(missing_ok=True)
 
 
 @contextmanager

@@ -1,6 +1,7 @@
 """Outputs are put in place all or none, links are followed; drives are accepted in every form."""
 
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -11,7 +12,7 @@ from references.command_line import MOTION
 import lsvib
 from lsvib.errors import LsvibError
 from lsvib.figures.configuration import DEFAULT, check
-from lsvib.files import Outputs, target_of
+from lsvib.files import Outputs, target_of, uninterrupted
 from lsvib.models.scene import read_yaml
 
 ROOT = Path(__file__).parents[2]
@@ -28,6 +29,46 @@ def test_links_are_followed_and_old_results_replaced(run, tmp_path):
     for name in ("real.nc", "empty.nc"):
         assert (tmp_path / "deep" / name).read_bytes().startswith(b"\x89HDF")
     assert not list(tmp_path.rglob("*.part"))
+
+
+def test_a_file_keeps_its_mode_and_what_a_killed_run_left_goes(run, tmp_path):
+    assert run("simulate", *MOTION, "--out", "x.nc")[0] == 0
+    (tmp_path / "x.nc").chmod(0o640)
+    (tmp_path / ".x.nc.999999999.part").touch()  # no process has this number
+    (tmp_path / f".x.nc.{os.getppid()}.part").touch()
+    assert run("simulate", *MOTION, "--out", "x.nc")[0] == 0
+    assert (tmp_path / "x.nc").stat().st_mode & 0o777 == 0o640
+    assert [path.name for path in tmp_path.glob("*.part")] == [f".x.nc.{os.getppid()}.part"]
+
+
+def test_an_interrupt_waits_for_the_end_of_a_write():
+    ended = []
+
+    def write():
+        with uninterrupted():
+            os.kill(os.getpid(), signal.SIGINT)
+            ended.append(True)
+
+    with pytest.raises(KeyboardInterrupt):
+        write()
+    assert ended
+
+
+def test_a_name_that_is_no_utf_8_is_refused(run):
+    code, _, error = run("simulate", *MOTION, "--out", "x\udcff.nc")
+    assert (code, "its name is not valid UTF-8" in error) == (2, True)
+
+
+@pytest.mark.parametrize("environment", [{"COLUMNS": "0"}, {"COLUMNS": "2"}, {"PYTHONIOENCODING": "ascii"}])
+def test_help_is_written_whatever_the_terminal_says(environment):
+    done = subprocess.run(
+        [sys.executable, "-m", "lsvib", "--help"],
+        env={**os.environ, **environment},
+        capture_output=True,
+        timeout=60,
+        check=False,
+    )
+    assert (done.returncode, b"thresholds" in done.stdout) == (0, True)
 
 
 def test_none_is_left_when_one_fails(tmp_path):

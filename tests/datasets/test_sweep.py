@@ -11,6 +11,7 @@ import lsvib
 from lsvib.dynamics.attractor import orbit_extremes
 from lsvib.dynamics.impulses import event_impulses
 from lsvib.engine.motion import follow
+from lsvib.errors import InputError
 
 BASE = lsvib.RigidDrive(translation_damping=1000)
 START = {"u": 1e-3, "w": 0.0}
@@ -128,3 +129,13 @@ def test_pairs_of_lead_angle_and_friction_are_checked():
     for leads, frictions in (([0.1, 1.2], [0.1, 0.5]), ([1.2, 0.1], [0.5, 0.1])):
         with pytest.raises(lsvib.InputError, match=r"friction_coefficient = 0\.5 is outside"):
             drive.sweep(lead_angle=leads, friction_coefficient=frictions)
+
+
+def test_points_are_judged_not_axes_beside_the_other_values_of_the_drive():
+    """A rise needs a speed over which it fades; a steep thread needs less friction than the drive's own."""
+    found = lsvib.RigidDrive().sweep(stribeck_rise=[0.01, 0.1], stribeck_speed=[0.01, 0.1])
+    assert dict(found.sizes) == {"stribeck_rise": 2, "stribeck_speed": 2}
+    found = lsvib.RigidDrive().sweep(lead_angle=[0.1, 1.4], friction_coefficient=[0.01, 0.1])
+    assert dict(found.sizes) == {"lead_angle": 2, "friction_coefficient": 2}
+    with pytest.raises(InputError, match=r"friction_coefficient = 0.3"):
+        lsvib.RigidDrive().sweep(lead_angle=[0.1, 1.4], friction_coefficient=[0.01, 0.3])

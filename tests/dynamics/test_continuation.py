@@ -48,6 +48,52 @@ def test_amplitude_over_force_has_the_thresholds_of_figure_8_6():
     assert not branch.folds
 
 
+PULLED = {  # by a spring, as a drive with hardly any lead
+    "pitch_radius": 1, "lead_angle": 1e-6, "mass": 1e-18, "axial_force": 1, "screw_inertia": 1, "coupling_stiffness": 2,
+    "support_damping": 0.4, "friction_coefficient": 1.000002000002, "static_friction_coefficient": 1.500003250004875,
+    "input_speed": 0.1,
+}  # fmt: skip
+STRIBECK = {  # a block whose friction is 2 + 4 exp(−10 v) + 0.2 v N, published
+    "pitch_radius": 1, "lead_angle": 1e-6, "mass": 1e-18, "axial_force": 1000, "screw_inertia": 0.538,
+    "friction_coefficient": 0.002, "stribeck_rise": 0.004, "stribeck_speed": 0.1, "friction_slope": 0.0002,
+    "input_speed": 0.22, "coupling_stiffness": 6957, "support_damping": 5.746,
+}  # fmt: skip
+SEAT = {"friction": "powered_seat", "axial_force": 95}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("values", "parameter", "spans", "end", "tolerance"),
+    [
+        (PULLED, "input_speed", [(0.02, 0.4), (0.09, 0.19)], 0.181127006942085, 1e-12),
+        (STRIBECK, "input_speed", [(0.1, 0.4)], 0.27178904290785, 1e-8),  # the lead changes it by 3e-9
+        (SEAT, "axial_force", [(60, 200)], 72.575, 1e-5),  # of three digits
+    ],
+)
+def test_stick_slip_ends_where_its_slip_just_comes_to_rest(values, parameter, spans, end, tolerance):
+    """w = −Ω with w′ = 0 after release, in 16 digits by another program; the same for every range that is asked for."""
+    drive = lsvib.RigidDrive.of(values)
+    (cycle,) = (cycle for cycle in drive.cycles().cycles if cycle.label.name == "STICK_SLIP_CYCLE")
+    ends = []
+    for span in spans:
+        change = next(c for c in drive.follow(cycle, parameter, span).changes if c.what.startswith("its slip"))
+        assert (change.kind, change.what) == ("end", "its slip no longer comes to rest")
+        ends.append(change.value)
+    assert ends == [pytest.approx(end, rel=tolerance)] * len(ends)
+    assert max(ends) - min(ends) <= 1e-14 * abs(end)
+
+
+@pytest.mark.slow
+def test_a_branch_does_not_depend_on_the_range():
+    drive = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
+    cycle = drive.cycles().cycles[0]
+    for parameter, spans in (("mass", [(10, 12), (10, 1e5), (10, 1e9)]), ("axial_force", [(-1e5, -1), (-1e3, -1)])):
+        branches = [drive.follow(cycle, parameter, span) for span in spans]
+        lowest = [branch.points[0].value for branch in branches]
+        assert lowest == [pytest.approx(lowest[0], rel=1e-12)] * len(spans)
+        assert all(branch.changes[0].what == branches[0].changes[0].what for branch in branches)
+
+
 def test_branch_is_written():
     branch = NEAR_FOLD.follow(NEAR_FOLD.cycles().cycles[0], "axial_force", (-18.38, -18.36), points=30)
     data = branch_dataset(NEAR_FOLD, branch)

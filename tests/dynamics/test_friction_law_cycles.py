@@ -15,7 +15,7 @@ from references.friction_law_series import PRECISION
 
 import lsvib
 from lsvib.dynamics.attractor import Attractor, steady_state
-from lsvib.errors import InputError
+from lsvib.errors import EngineError, InputError
 from lsvib.models.rigid import EventKind, rigid_automaton
 
 STEP = 1e-7  # of the differences, over the size of the motion
@@ -120,3 +120,15 @@ def test_cycles_of_many_random_drives():
     compared, moving = agreeing(range(10, 60))
     assert compared >= 14
     assert moving >= 4
+
+
+def test_what_rounding_makes_is_no_cycle():
+    """Undamped, slip next to steady sliding gains 1e-7 a turn: its return map changes sign by rounding alone."""
+    found = lsvib.RigidDrive(support_damping=0, stribeck_rise=0.05, stribeck_speed=0.0115).cycles()
+    assert [cycle.label.name for cycle in found.cycles] == ["STICK_SLIP_CYCLE"]
+
+
+def test_none_found_is_not_said_of_a_drive_that_cannot_be_followed():
+    drive = lsvib.ThreadsDrive(stribeck_rise=0.05, stribeck_speed=0.02, input_speed=5, axial_force=50)
+    with pytest.raises(EngineError, match=r"motions from all 8 starts are unresolved .* contact_damping smaller"):
+        drive.cycles()

@@ -330,3 +330,20 @@ def test_next_to_nothing_of_a_rise_parts_no_double_roots():
         one, other = (d.thresholds(key)["onset"] for d in (drive, level))
         assert one.stable_intervals[:-1] == other.stable_intervals[:-1]
         assert [x.value for x in one.solutions] == [x.value for x in other.solutions]
+
+
+def test_roots_beside_the_cut_of_a_falling_law_are_found():
+    """In 30 digits by another program; unstable between the last two."""
+    drive = RigidDrive(friction_slope=-0.1, translation_damping=1000, axial_force=-50)
+    found = drive.threshold("onset", "input_speed")
+    values = [solution.value for solution in found.solutions]
+    assert values == pytest.approx([-90.55144207398037, 323.657252968244251, 418.86232048206784], rel=1e-14)
+    assert ["μ = 0" in solution.equation for solution in found.solutions] == [False, False, True]
+    assert "reaches zero and is cut off" in found.how
+    for speed, stable in ((300.0, True), (350.0, False), (410.0, False), (430.0, True)):
+        assert drive.replace(input_speed=speed).stability().stable == stable
+
+
+def test_stability_that_turns_with_the_sign_of_the_speed_is_said():
+    with pytest.raises(NoThreshold, match=r"stable for every input speed below zero and for none on the other side"):
+        RigidDrive(mass=11).threshold("onset", "input_speed")

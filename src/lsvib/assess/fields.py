@@ -9,6 +9,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
+from fractions import Fraction
 from functools import cache
 from itertools import pairwise
 from typing import Annotated, Any
@@ -42,6 +43,7 @@ _KINDS = {  # of quantities, by the unit in which the package counts them, each 
     "": ("a plain number or a percentage", "0.15"),
 }
 _TEXT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s(+\-][^+]*)?\s*", re.ASCII)
+_FRACTION = re.compile(r"\s*(\d{1,3})/(\d{1,3})\s+(?=[A-Za-z])", re.ASCII)  # 1/2 inch
 _UNIT = re.compile(r"[A-Za-z_µμ°²³%*/^·() 0-9.\-]{1,40}")  # the longest sensible one has a dozen characters
 
 _POWER = re.compile(
@@ -65,7 +67,15 @@ def quantity(value: Any, *units: str) -> tuple[float, str]:
     dimension of its own where pint would drop it: an angle needs an angular unit, a number must not have one. Raises
     ``NotQuantity`` with the end of a sentence, such as ``is not a length, such as 5 mm``.
     """
-    match = _TEXT.fullmatch(str(value))
+    text = str(value).replace("−", "-")
+    if fraction := _FRACTION.match(text):
+        text = f"{float(Fraction(int(fraction[1]), int(fraction[2])))!r} {text[fraction.end() :]}"
+    text = re.sub(r"\s*([*/·^])\s*", r"\1", text)
+    text = re.sub(r"(?<=[A-Za-zµ])([23])(?![\w.])", r"^\1", text)  # N/mm2
+    if re.fullmatch(r"\s*[+-]?\d+,\d+\s*(?:[^\d,].*)?", text):
+        written = text.strip().replace(",", ".", 1)
+        raise NotQuantity(f"= {shown(value)} is not {_wanted(units)}; it has a comma where {written} has a point")
+    match = _TEXT.fullmatch(text)
     if not match:
         raise NotQuantity(f"= {shown(value)} is not {_wanted(units)}")
     figure, unit = float(match[1]), (match[2] or "").strip()
@@ -289,8 +299,8 @@ CurveFactor = _positive({"": 10.0})
 
 def _tilt(value: Any) -> Spread:
     named = {"horizontal": 0.0, "vertical": math.pi / 2}
-    if isinstance(value, str) and value in named:
-        return Spread("value", (named[value],), "rad", named[value], named[value], value)
+    if isinstance(value, str) and (angle := named.get(value.strip().lower())) is not None:
+        return Spread("value", (angle,), "rad", angle, angle, value)
     try:
         return spread(value, "rad", check=_within({"rad": (-math.pi / 2, math.pi / 2)}))
     except NotQuantity as error:

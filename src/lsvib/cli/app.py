@@ -35,6 +35,7 @@ def main() -> None:
 
 def run(call: Callable[[], object]) -> None:
     """Run a command; what it refuses, and the log and warnings of the package, are single sentences."""
+    _suit_the_terminal()
     log = logging.getLogger("lsvib")
     log.addHandler(_SENTENCES)  # the same one however often, so nothing is said twice
     log.setLevel(logging.INFO)
@@ -55,6 +56,16 @@ def run(call: Callable[[], object]) -> None:
         # Files that we open ourselves raise errors of the package; so this is one of the standard streams.
         _discard(sys.stdout)
         _fail(f"Cannot write to the standard output: {error.strerror or error}.")
+
+
+def _suit_the_terminal() -> None:
+    """Write what a stream has no letter for as ?, and lines of a readable width, whatever the environment says."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")
+    columns = os.environ.get("COLUMNS", "")
+    if columns and not (columns.isdecimal() and 40 <= int(columns) <= 10_000):
+        del os.environ["COLUMNS"]
 
 
 class ProgressLine:

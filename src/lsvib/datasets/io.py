@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 
 from lsvib.errors import InputError, LsvibError
-from lsvib.files import replacing
+from lsvib.files import replacing, uninterrupted
 
 _REQUIRED = ("title", "source", "references")
 _UNITS = re.compile(r"1|[A-Za-z]+-?\d*( [A-Za-z]+-?\d*)*")
@@ -48,7 +48,8 @@ def write_dataset(dataset: xr.Dataset, path: str | os.PathLike[str], maker: str 
     encoding = {name: _encoding(variable, name in dataset.coords) for name, variable in dataset.variables.items()}
     with replacing(path) as part:
         try:
-            complete.to_netcdf(part, engine="netcdf4", format="NETCDF4", encoding=encoding)
+            with uninterrupted():  # of a write that is cut short the library keeps its lock for ever
+                complete.to_netcdf(part, engine="netcdf4", format="NETCDF4", encoding=encoding)
             with xr.open_dataset(part, engine="netcdf4") as written:
                 sizes = dict(written.sizes)
         except RuntimeError as error:
