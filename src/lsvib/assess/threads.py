@@ -57,7 +57,7 @@ def thread_size(name: object) -> ThreadSize:
     """
     text = name.strip() if isinstance(name, str) else ""
     if match := _METRIC.fullmatch(text):
-        return _metric(int(match[1]), match[2] and float(match[2]), text)
+        return _metric(int(match[1]), float(match[2]) if match[2] else None, text)
     if match := _POWER_METRIC.fullmatch(text):
         diameter, lead = int(match[1]), float(match[2])
         pitch = float(match[3] or lead)

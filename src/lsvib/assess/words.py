@@ -64,8 +64,8 @@ VERDICTS = {
     "oscillations that something else starts do not decay.",
     "steady but for rare values": "This drive runs steadily in the operating window for every one of the drives that "
     "were drawn from the given uncertainties, but the worst combination of their values can vibrate.",
-    "steady": "This drive runs steadily: nothing was found in the operating window that makes it vibrate, neither at the "
-    "middle values nor in the drives drawn from the given uncertainties and at the ends of these.",
+    "steady": "This drive runs steadily: nothing was found in the operating window that makes it vibrate, neither at "
+    "the middle values nor in the drives drawn from the given uncertainties and at the ends of these.",
 }
 """The verdict in one sentence, by its name."""
 
