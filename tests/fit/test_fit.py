@@ -320,3 +320,32 @@ def test_tables_without_any_noise_make_json(tmp_path, run):
 
 def test_a_function_does_the_same():
     assert fit_file(SCREW)["points"] == 32
+
+
+def test_an_exponent_that_the_points_do_not_tell_is_said(tmp_path):
+    """Noise of a tenth of the torque hides which exponent it is; without noise it is known."""
+    noisy = fit_sheet(write_tables(tmp_path / "noisy", noise=0.1, samples=2, friction=None))
+    assert noisy.fit.rival is not None or not noisy.fit.rise_seen
+    quiet = fit_sheet(write_tables(tmp_path / "quiet", noise=1e-4, friction=None))
+    assert quiet.fit.rival is None
+    assert quiet.fit.main.values["stribeck_exponent"] == 1
+    said = [any("exponent of the rise is not known" in text for text in sentences(one)) for one in (noisy, quiet)]
+    assert said == [noisy.fit.rival is not None, False]
+
+
+def test_a_record_over_time_is_refused(tmp_path):
+    """A servo that starts, runs and stops, in one file."""
+    speed = np.concatenate([np.linspace(0, 20, 40), np.full(60, 20.0), np.linspace(20, 0, 40)])
+    rows = "\n".join(f"{w:.6g},{0.1 + 0.001 * w:.6g}" for w in speed)
+    (tmp_path / "run.csv").write_text(f"rad/s,N m\n{rows}\n")
+    sheet = yaml.safe_load(write_tables(tmp_path / "other", [300.0]).read_text())
+    sheet["measurements"][0] |= {"files": "run.csv", "speed": {"column": 1, "unit": "rad/s"}}
+    (tmp_path / "sheet.yaml").write_text(yaml.safe_dump(sheet))
+    with pytest.raises(InputError, match=r"run.csv looks like a record over time"):
+        fit_sheet(tmp_path / "sheet.yaml")
+
+
+def test_nothing_is_copied_from_a_law_that_does_not_fit(screw):
+    result = as_json(screw)
+    assert "stribeck_rise" in blocks(result)
+    assert blocks(result | {"rms": result["typical_torque"]}).count("\n") == 1

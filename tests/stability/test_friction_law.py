@@ -347,3 +347,13 @@ def test_roots_beside_the_cut_of_a_falling_law_are_found():
 def test_stability_that_turns_with_the_sign_of_the_speed_is_said():
     with pytest.raises(NoThreshold, match=r"stable for every input speed below zero and for none on the other side"):
         RigidDrive(mass=11).threshold("onset", "input_speed")
+
+
+def test_friction_that_fades_to_nothing_is_solved():
+    """v + 0.5 exp(−v / 0.1) with M = k = 1 (a course): the slope vanishes at v = ln 5 / 10."""
+    drive = RigidDrive(
+        pitch_radius=1, lead_angle=1e-6, mass=1e-18, axial_force=1000, screw_inertia=1, coupling_stiffness=1,
+        support_damping=1, friction_coefficient=0, stribeck_rise=5e-4, stribeck_speed=0.1, input_speed=0.2,
+    )  # fmt: skip
+    values = [solution.value for solution in drive.threshold("onset", "input_speed").solutions]
+    assert values == pytest.approx([-math.log(5) / 10, math.log(5) / 10], rel=1e-8)  # the lead changes it by 1e-9

@@ -43,6 +43,7 @@ DETERMINED = 0.1  # of the typical torque: largest standard error of what counts
 LARGEST_STATIC = 3.0  # coefficient, as in a data sheet
 LOSS = 3.0  # standard deviations from which on a residual counts as an outlier
 ROUNDS = 3  # of the robust fit, each with the scatter that the last one left
+SURE = 10.0  # of Schwarz's criterion: a law that is worse by more is ruled out by the points (odds of 150 to 1)
 AT_ZERO = 1e-9  # in natural sizes: a number that the search left so close to its bound is zero
 SLOWEST, WEAKEST = 1e-9, 1e-12  # rad/s, N m: below it no screw is measured
 SAME_SPEED = 0.05  # relative: files of one commanded speed are not further apart
@@ -147,7 +148,8 @@ class Fit:
     """What measured torques say: ``ends`` by name, ``threads`` and ``bearing``, or one, ``fit``, if all is determined.
 
     ``not_separable``: pairs of numbers of which only the sum of their torques is known. ``singular_values`` of the
-    scaled Jacobian by the ``unknown`` numbers. ``rise_seen``: whether friction rises towards slow sliding.
+    scaled Jacobian by the ``unknown`` numbers. ``rise_seen``: whether friction rises towards slow sliding. ``rival``:
+    the law with the other exponent, where the points do not tell which of both it is.
     """
 
     measured: Measured
@@ -156,6 +158,7 @@ class Fit:
     unknown: tuple[str, ...]
     singular_values: Array
     rise_seen: bool
+    rival: Solution | None = None
 
     @property
     def main(self) -> Solution:
@@ -193,7 +196,10 @@ def fitted(measured: Measured, given: Mapping[str, float] | None = None) -> Fit:
     laws = [{**known, "stribeck_exponent": exponent} for exponent in exponents]
     if not known.keys() & set(OF_RISE):
         laws.append({**known, **flat, "stribeck_exponent": exponents[0]})
-    fixed, whole = min(((law, _solved(measured, law)) for law in laws), key=lambda pair: _schwarz(pair[1]))
+    solved = [(law, _solved(measured, law)) for law in laws]
+    fixed, whole = min(solved, key=lambda pair: _schwarz(pair[1]))
+    rising = [one for law, one in solved if one is not whole and law.get("stribeck_rise") != 0]
+    near = [one for one in rising if _schwarz(one) - _schwarz(whole) < SURE and fixed.get("stribeck_rise") != 0]
     singular, lost = _undetermined(measured, whole)
     # Without a constant in the threads, a rise that hardly fades would be one.
     fading = {**fixed, "stribeck_speed": whole.values["stribeck_speed"]}
@@ -204,7 +210,7 @@ def fitted(measured: Measured, given: Mapping[str, float] | None = None) -> Fit:
     found = {name: _with_static(measured, solution) for name, solution in ends.items()}
     _same_sign(measured, found)
     unknown = tuple(name for name in PARAMETERS if name not in fixed)
-    return Fit(measured, found, lost, unknown, singular, bool(fixed.get("stribeck_rise", 1.0)))
+    return Fit(measured, found, lost, unknown, singular, bool(fixed.get("stribeck_rise", 1.0)), next(iter(near), None))
 
 
 def _enough(measured: Measured, known: Mapping[str, float]) -> None:

@@ -24,6 +24,7 @@ _ENDS = {
     "bearing": "As much friction as can be in the bearing",
 }
 POOR = 0.1  # of the typical torque: residuals beyond are no good fit
+NONE = 0.3  # of the typical torque: a law that leaves more rms is none to copy
 _WORDS = {
     "friction_coefficient": "The constant part of friction of the threads and the Coulomb drag of the bearing",
     "friction_slope": "The slope of friction of the threads and the viscous drag of the bearing",
@@ -64,6 +65,7 @@ def as_json(found: FittedSheet) -> dict[str, Any]:
         "name": found.name,
         **_end(found, main),
         "points": len(found.points),
+        "typical_torque": float(np.median(np.abs(measured.torque))),
         "sliding_speeds": measured.sliding(measured.speeds[[0, -1]]).tolist(),
         "not_separable": [list(pair) for pair in fit.not_separable],
         "ends": {name: _end(found, end) for name, end in fit.ends.items()},
@@ -132,7 +134,7 @@ def sentences(found: FittedSheet) -> list[str]:
             f"Residuals at neighbouring speeds are alike (correlation {alike:.2f}): the law leaves more than noise, "
             "and the standard errors, which take residuals to be independent, are too small."
         )
-    said += _of_misfit(found)
+    said += _of_misfit(found) + _of_exponents(found)
     fading, speed = np.array(measured.fading), fit.main.values["stribeck_speed"]
     if "stribeck_speed" in fit.main.free and (abs(speed / fading - 1) < 1e-3).any():
         said.append(
@@ -171,6 +173,19 @@ def _of_misfit(found: FittedSheet) -> list[str]:
     ]
 
 
+def _of_exponents(found: FittedSheet) -> list[str]:
+    """Say what the law would be with the other exponent, where the points do not tell it from the chosen one."""
+    if (other := found.fit.rival) is None:
+        return []
+    names = ("friction_coefficient", "stribeck_rise", "stribeck_speed")
+    values = ", ".join(f"{name} {other.values[name]:.3g}" for name in names)
+    return [
+        f"The exponent of the rise is not known: {other.values['stribeck_exponent']:.0f} fits about as well as "
+        f"{found.fit.main.values['stribeck_exponent']:.0f}, with {values}. The standard errors take the chosen one "
+        "for certain; what both laws differ by comes on top."
+    ]
+
+
 def _of_falling(found: FittedSheet) -> list[str]:
     """Say up to which speed friction falls, in the directions that were measured under the largest load."""
     measured = found.fit.measured
@@ -186,7 +201,13 @@ def _of_falling(found: FittedSheet) -> list[str]:
 
 
 def blocks(result: dict[str, Any]) -> str:
-    """Return the friction law as a data sheet, a scene and ``--set`` take it, each introduced by a comment."""
+    """Return the friction law as a data sheet, a scene and ``--set`` take it, each introduced by a comment.
+
+    Nothing but a comment where the law leaves so much of the torque that it is none.
+    """
+    if result["rms"] > NONE * result["typical_torque"]:
+        share = result["rms"] / result["typical_torque"]
+        return f"# The fitted law leaves {share:.0%} of the typical torque: it is no law of this screw.\n"
     law = {key: float(f"{value:.6g}") for key, value in result["friction"].items()}
     options = " ".join(f"--set {key}={value:g}" for key, value in law.items())
     sheet = yaml.safe_dump({"friction": result["sheet"]}, sort_keys=False)

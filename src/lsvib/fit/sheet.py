@@ -16,7 +16,7 @@ from lsvib.assess.fields import NotQuantity, Spread
 from lsvib.assess.sheet import Thread, sentence
 from lsvib.errors import InputError
 from lsvib.fit.law import Fit, Measured, Solution, fitted
-from lsvib.fit.tables import MOST_COLUMNS, Point, read_table, row_points, steady_point
+from lsvib.fit.tables import MOST_COLUMNS, Point, read_table, refuse_record, row_points, steady_point
 from lsvib.models.scene import read_yaml
 from lsvib.numbers import NotNumber, number, shown, whole
 
@@ -265,6 +265,8 @@ def _points(sheet: MeasuredSheet, folder: Path, lead: float) -> tuple[list[Point
             columns = (block.speed.column, block.torque.column)
             table = read_table(file, columns, factors, block.separator, block.decimal)
             each_row = block.point == "row" or (block.point is None and len(files) == 1)
+            if each_row and block.point is None:
+                refuse_record(table)
             new = row_points(table) if each_row else [steady_point(table)]
             points += new
             loads += len(new) * [load.axial()]

@@ -26,6 +26,7 @@ DRIFT = 0.1  # of the mean speed: largest difference of the means of four parts 
 ERRORS = 7.0  # standard errors of those means, up to which noise explains their difference
 JERKS = 0.5  # of the scatter within the parts, up to which jerks do, of which samples are not independent
 FASTEST, STRONGEST = 1e6, 1e9  # rad/s, N m: beyond it is no screw
+RECORD = 50  # rows from which on a table from rest to rest counts as a record over time
 REST = 0.05  # of the mean speed: below it a screw that is about to start still rests
 
 
@@ -163,6 +164,17 @@ def _drifts(speed: NDArray[np.float64]) -> bool:
     within = math.sqrt(sum(part.var() * part.size for part in parts) / max(speed.size - len(parts), 1))
     explained = max(JERKS, ERRORS * math.sqrt(len(parts) / speed.size)) * within
     return bool(np.ptp([part.mean() for part in parts]) > max(DRIFT * abs(speed.mean()), explained))
+
+
+def refuse_record(recording: Recording) -> None:
+    """Raise ``InputError`` for a record over time: many rows, whose speed changes slowly from rest to rest."""
+    speed, slowly = np.abs(recording.speed), np.abs(np.diff(recording.speed))
+    least = REST * float(speed.max())
+    if speed.size >= RECORD and max(speed[0], speed[-1], np.median(slowly)) < least:
+        raise InputError(
+            f"{recording.name} looks like a record over time, which begins and ends at rest; cut it to its steady "
+            "motion and give measurements.point: file, or, if each row is steady motion of its own, row."
+        )
 
 
 def row_points(recording: Recording) -> list[Point]:

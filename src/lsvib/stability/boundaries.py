@@ -249,6 +249,8 @@ class Line:
 
     def cuts(self) -> list[fmpq]:
         """Return where friction begins to be cut off, or ends to be."""
+        if self.unknown != "friction_slope" and self.drive.friction_slope >= 0:
+            return []  # however little is left of a rise, it is above zero
         return self.roots_of(RootCondition(FRICTIONLESS, _friction)) or [] if self.sloped else []
 
     def between(self, a: fmpq, b: fmpq) -> fmpq:
