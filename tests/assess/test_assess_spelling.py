@@ -21,6 +21,8 @@ from lsvib.assess.threads import thread_size
         ("7850 kg/m3", "kg/m^3", 7850.0),
         ("1/2 inch", "m", 0.0127),
         ("−5 N", "N", -5.0),
+        ("1e3 N*s/m", "N s/m", 1e3),
+        ("2e2 mm^2/mm", "m", 0.2),
     ],
 )
 def test_a_quantity_is_read(text, unit, value):

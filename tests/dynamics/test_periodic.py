@@ -14,6 +14,7 @@ from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.dynamics.continuation import other_sections
 from lsvib.dynamics.cycles import cycle_of, cycle_on, search, starts
 from lsvib.engine.kernels import layout
+from lsvib.errors import EngineError
 from lsvib.models.threads import seated_state
 
 NEAR_FOLD = lsvib.RigidDrive(mass=11, support_damping=2e-3, axial_force=-18.37)
@@ -46,7 +47,8 @@ def test_a_rounding_beyond_all_numbers_tells_nothing():
         coupling_stiffness=0.005240167794227031, mass=7065.260294182241, nut_inertia=1.9182556659413114e-06,
         friction_coefficient=0.27323027649478554, input_speed=-40, axial_force=1e-18,
     )  # fmt: skip
-    assert not drive.cycles().cycles
+    with pytest.raises(EngineError, match=r"all 8 starts are unresolved"):
+        drive.cycles()
 
 
 def by_differences(drive, x):

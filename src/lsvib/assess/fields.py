@@ -71,7 +71,7 @@ def quantity(value: Any, *units: str) -> tuple[float, str]:
     if fraction := _FRACTION.match(text):
         text = f"{float(Fraction(int(fraction[1]), int(fraction[2])))!r} {text[fraction.end() :]}"
     text = re.sub(r"\s*([*/·^])\s*", r"\1", text)
-    text = re.sub(r"(?<=[A-Za-zµ])([23])(?![\w.])", r"^\1", text)  # N/mm2
+    text = re.sub(r"(?<![\d.][eE])(?<=[A-Za-zµ])([23])(?![\w.])", r"^\1", text)  # N/mm2
     if re.fullmatch(r"\s*[+-]?\d+,\d+\s*(?:[^\d,].*)?", text):
         written = text.strip().replace(",", ".", 1)
         raise NotQuantity(f"= {shown(value)} is not {_wanted(units)}; it has a comma where {written} has a point")

@@ -412,8 +412,10 @@ def _at_value(curve: BranchEquations, here: Solved, there: Solved, value: float)
     part = (target - here.z[-1]) / (there.z[-1] - here.z[-1])
     guess = here.z + part * (there.z - here.z)
     guess[-1] = target
-    across = np.eye(guess.size)[-1] * math.copysign(1.0, here.tangent[-1])
-    return curve.corrected(guess, across)
+    edge = curve.corrected(guess, np.eye(guess.size)[-1])
+    if edge is not None and edge.tangent @ there.tangent < 0:
+        return replace(edge, tangent=-edge.tangent)
+    return edge
 
 
 def changes_between(curve: BranchEquations, here: Solved, there: Solved, step: float, along: float) -> list[Change]:
