@@ -7,6 +7,7 @@ import shutil
 import signal
 import stat
 import threading
+import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -155,11 +156,16 @@ def uninterrupted() -> Iterator[None]:
 
 
 def _remove_stale(target: Path) -> None:
-    """Remove temporary files of processes that were killed while they wrote ``target``."""
+    """Remove temporary files of processes that were killed while they wrote ``target``.
+
+    A process of another machine, which this one does not know, writes its file from minute to minute.
+    """
     for part in target.parent.glob(f".{glob.escape(target.name)}.*.part"):
         number = part.name.split(".")[-2]
         if number.isdecimal() and not os.path.exists(f"/proc/{number}"):
-            part.unlink(missing_ok=True)
+            with suppress(OSError):  # another run has removed it
+                if time.time() - part.stat().st_mtime > 3600:
+                    part.unlink()
 
 
 @contextmanager

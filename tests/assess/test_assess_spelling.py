@@ -37,6 +37,7 @@ def test_a_quantity_is_read(text, unit, value):
         ("1_0 N", "N", "not known"),
         ("٣ N", "N", "is not a force"),
         ("1 m2", "m", "is not a length"),
+        ("1/0 inch", "m", "not known"),
     ],
 )
 def test_what_is_no_quantity_is_refused(text, unit, words):

@@ -143,6 +143,8 @@ def test_a_plastic_nut_is_refused_above_its_limit():
         assert row.worst == pytest.approx(share * 0.15e6, rel=1e-9)
     found = assess(given, samples=64)
     assert any("PV reaches 0.153 MPa m/s, the limit is 0.15 MPa m/s" in line for line in brief(found))
+    near = assess(sheet(operation={"speed": f"{1.0002 * limit!r} m/s"}), samples=64)
+    assert any("PV reaches 0.15 MPa m/s, 0.02 % above the limit" in line for line in brief(near))
     cell = next(cells[2] for cells in rows(found) if str(cells[0]).startswith("PV"))
     assert cell == ('<b class="over">0.153 MPa m/s</b>', "limit exceeded")
 

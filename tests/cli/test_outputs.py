@@ -34,11 +34,14 @@ def test_links_are_followed_and_old_results_replaced(run, tmp_path):
 def test_a_file_keeps_its_mode_and_what_a_killed_run_left_goes(run, tmp_path):
     assert run("simulate", *MOTION, "--out", "x.nc")[0] == 0
     (tmp_path / "x.nc").chmod(0o640)
-    (tmp_path / ".x.nc.999999999.part").touch()  # no process has this number
+    stale = tmp_path / ".x.nc.999999999.part"  # no process has this number
+    stale.touch()
+    os.utime(stale, (0, 0))
+    (tmp_path / ".x.nc.999999998.part").touch()  # of another machine
     (tmp_path / f".x.nc.{os.getppid()}.part").touch()
     assert run("simulate", *MOTION, "--out", "x.nc")[0] == 0
     assert (tmp_path / "x.nc").stat().st_mode & 0o777 == 0o640
-    assert [path.name for path in tmp_path.glob("*.part")] == [f".x.nc.{os.getppid()}.part"]
+    assert {path.name for path in tmp_path.glob("*.part")} == {".x.nc.999999998.part", f".x.nc.{os.getppid()}.part"}
 
 
 def test_an_interrupt_waits_for_the_end_of_a_write():

@@ -42,5 +42,5 @@ def test_random_tables_are_answered_or_refused(tmp_path):
 @pytest.mark.search
 @pytest.mark.parametrize("first", range(0, 500, 100))
 def test_five_hundred_random_tables_are_answered_or_refused(first, tmp_path):
-    for index in range(first, first + 100):
-        answered(tmp_path, 2, index)
+    answers = [answered(tmp_path, 2, index) for index in range(first, first + 100)]
+    assert 10 <= sum(answers) <= 90

@@ -43,7 +43,7 @@ _KINDS = {  # of quantities, by the unit in which the package counts them, each 
     "": ("a plain number or a percentage", "0.15"),
 }
 _TEXT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s(+\-][^+]*)?\s*", re.ASCII)
-_FRACTION = re.compile(r"\s*(\d{1,3})/(\d{1,3})\s+(?=[A-Za-z])", re.ASCII)  # 1/2 inch
+_FRACTION = re.compile(r"\s*(\d{1,3})/([1-9]\d{0,2})\s+(?=[A-Za-z])", re.ASCII)  # 1/2 inch
 _UNIT = re.compile(r"[A-Za-z_µμ°²³%*/^·() 0-9.\-]{1,40}")  # the longest sensible one has a dozen characters
 
 _POWER = re.compile(

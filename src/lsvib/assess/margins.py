@@ -152,11 +152,8 @@ def sensitivities(sheet: Sheet, values: Mapping[str, float]) -> dict[str, dict[s
     At the corner of the window where the reserve is lowest, by a complex step: ρ(q (1 + ih)) = ρ + i h dρ/d ln q +
     O(h²), with nothing to cancel.
     """
-    places, lowest, step = (
-        corners(sheet, values),
-        worst(sheet, values),
-        1e-30,
-    )  # the square of the step, relative, lies far below rounding
+    places, lowest = corners(sheet, values), worst(sheet, values)
+    step = 1e-30  # its square, relative, lies far below rounding
     result: dict[str, dict[str, float]] = {name: {} for name in lowest}
     for quantity, keys in changeable(values).items():
         changed = {key: complex(value) for key, value in _scaled(sheet, values, keys, 1 + 1j * step).items()}

@@ -125,13 +125,13 @@ def _summary(assessment: Assessment) -> str:
 
 
 def _fast_enough(assessment: Assessment) -> str:
-    """A sentence on the speed above which friction that depends on speed keeps no vibration going, if it is known."""
+    """A sentence on the highest speed at which friction that depends on speed was found to keep vibration going."""
     if (speed := assessment.vibrates_up_to) is None:
         return ""
     load = shown(assessment.values["lead"] / (2 * math.pi) * speed, "m/s")
     return (
         f" Once started {_where(assessment.nominal, assessment)}, vibration goes on at speeds of up to {load} "
-        f"({shown(speed, 'rad/s')}); run faster, and it dies out."
+        f"({shown(speed, 'rad/s')}), and at none of the faster ones that were tried."
     )
 
 

@@ -88,8 +88,10 @@ def limits(assessment: Assessment) -> str:
     each = []
     for row in exceeded:
         value, limit = (shown(figure, ABOUT[row.key][1]) for figure in (row.worst, row.limit))
-        above = f", {percent(row.worst / row.limit - 1)} above" if value == limit and row.limit else ""
-        each.append(f"{_short(row)} reaches {value}{above}, the limit is {limit}")
+        end = f"the limit is {limit}"
+        if value == limit and row.limit:  # in three digits
+            end = f"{percent(row.worst / row.limit - 1)} above the limit"
+        each.append(f"{_short(row)} reaches {value}, {end}")
     return f"{len(exceeded)} of {len(found)} limits of nut and screw exceeded: {'; '.join(each)}."
 
 

@@ -64,11 +64,9 @@ def thread_size(name: object) -> ThreadSize:
         if diameter not in _TRAPEZOIDAL or pitch not in _TRAPEZOIDAL[diameter]:
             pitches = ", ".join(f"{p:g}" for p in _TRAPEZOIDAL.get(diameter, ()))
             hint = f"Tr {diameter} has the pitches {pitches} mm" if pitches else "diameters go from Tr 8 to Tr 300"
-            starts = next((p for p in reversed(_TRAPEZOIDAL.get(diameter, ())) if lead / p in (2, 3, 4, 6, 8)), None)
-            if match[3] is None and starts is not None:
-                hint += (
-                    f"; with several starts it is written with its pitch, such as Tr {diameter}x{lead:g} P{starts:g}"
-                )
+            own = next((p for p in reversed(_TRAPEZOIDAL.get(diameter, ())) if lead / p in (2, 3, 4, 6, 8)), None)
+            if match[3] is None and own is not None:
+                hint += f"; with several starts it is written with its pitch, such as Tr {diameter}x{lead:g} P{own:g}"
             raise NotQuantity(f"= {name!r} is not in the catalogue: {hint}")
         starts = lead / pitch
         if starts != round(starts) or not 1 <= starts <= 8:

@@ -24,7 +24,7 @@ from lsvib.assess.sheet import Sheet
 from lsvib.assess.vibration import most_perturbed
 from lsvib.errors import InputError
 
-BLOCK = 2**12  # samples at once: few enough for the processor's caches, many enough for NumPy
+BLOCK = 2**12  # samples whose quantities are in memory at once
 MOST_RESERVES = 2**20  # of Sobol indices, about a second
 BINS = np.linspace(-1.0, 1.0, 41)  # edges of the classes of reserve [1] that samples are counted in
 ASKED = 128  # drives whose basins are asked, some 5 ms a corner of the window,

@@ -277,7 +277,7 @@ def highest_vibrating_speed(
     """Return the speed [rad/s] up to which motions vibrate from w = −5 Ω or from standstill, at a corner's force.
 
     Tried are 9 speeds from the lowest of the window to ten times the highest; the last that vibrates is refined to
-    1 %. None if none does, if the last does, or if one above it is not known.
+    1 %. None if none does, if the last does, or if the end of a motion is not known.
     """
     direction, _, force = corner
 
@@ -302,7 +302,9 @@ def highest_vibrating_speed(
         return None
     while quiet > 1.01 * speed:
         middle = math.sqrt(quiet * speed)
-        speed, quiet = (middle, quiet) if vibrates(middle) else (speed, middle)
+        if (found := vibrates(middle)) is None:
+            return None
+        speed, quiet = (middle, quiet) if found else (speed, middle)
     return float(speed)
 
 

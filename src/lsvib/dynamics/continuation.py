@@ -268,7 +268,8 @@ def _followed(
     while len(points) < most:
         there, curve, here, taken = _next(curve, here, step)
         if there is None:
-            changes.append(replace(_end(curve, here, cycle, start), along=along))
+            value, what = _end(curve, here, cycle, start)
+            changes.append(Change("end", value, what, along))
             break
         value = curve.value(there.z)
         if not low <= value <= high:
@@ -331,8 +332,8 @@ def _places(curve: BranchEquations, here: Solved) -> Iterator[tuple[BranchEquati
             yield other, replace(again, tangent=-again.tangent) if turned else again
 
 
-def _end(curve: BranchEquations, here: Solved, first: Cycle, start: float) -> Change:
-    """The end of a branch after its last point ``here``, where it is and, if that is known, why.
+def _end(curve: BranchEquations, here: Solved, first: Cycle, start: float) -> tuple[float, str]:
+    """Where a branch ends after its last point ``here``, a value of the parameter, and what is known of why.
 
     Where it goes on from one state alone, as a slip that begins at rest does, it is the last place at which that slip
     comes back; else a place that is rounded to what is known of it.
@@ -340,7 +341,7 @@ def _end(curve: BranchEquations, here: Solved, first: Cycle, start: float) -> Ch
     value = curve.value(here.z)
     # amplitude, relative to that at the start, of a cycle that is about to vanish; it does so in proportion
     if here.cycle.amplitude < 1e-4 * first.amplitude:
-        return Change("end", _rounded(value, 1e-4 * abs(value - start)), "it shrinks to nothing", 0.0)
+        return _rounded(value, 1e-4 * abs(value - start)), "it shrinks to nothing"
     what = "no further cycle is found"
     for other, again in _places(curve, here):
         if _rests(again.cycle.orbit) and _slips_on(other, again):
@@ -350,9 +351,8 @@ def _end(curve: BranchEquations, here: Solved, first: Cycle, start: float) -> Ch
             while low < (middle := 0.5 * (low + high)) < high:
                 comes_back = other.corrected(again.z + middle * again.tangent, again.tangent) is not None
                 low, high = (middle, high) if comes_back else (low, middle)
-            return Change("end", other.value(again.z + low * again.tangent), what, 0.0)
-    reach = 2 * _SMALLEST * math.hypot(curve.size, value)
-    return Change("end", _rounded(value, reach), what, 0.0)
+            return other.value(again.z + low * again.tangent), what
+    return _rounded(value, 2 * _SMALLEST * math.hypot(curve.size, value)), what
 
 
 def _rounded(value: float, error: float) -> float:
