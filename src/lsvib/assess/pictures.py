@@ -132,7 +132,7 @@ def sensitivity_chart(assessment: Assessment, name: str) -> Figure:
     colours = [style.GREEN if change > 0 else style.VERMILION for change in changes]
     axis.barh(range(len(names)), changes, height=0.4, color=colours)
     axis.set_xlabel("Change of the reserve for 1 % more")
-    axis.ticklabel_format(axis="x", style="sci", scilimits=(-4, 5), useOffset=False)
+    axis.ticklabel_format(axis="x", style="plain")
     axis.locator_params(axis="x", nbins=5)
     return figure
 

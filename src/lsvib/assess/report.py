@@ -45,8 +45,8 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
     """Return the report on an assessment as the text of one HTML page, which needs no other file."""
     sheet, names, found = assessment.sheet, shown_mechanisms(assessment), assessment.mechanisms
     near = [name for name in names if any(map(summary.is_near, found[name].margins))]
-    # A reserve at its lower end, -1, has no slope: then no small change helps against that cause.
-    steep = next((name for name in near if any(found[name].sensitivities.values())), None)
+    # A reserve at its lower end, -1, has no slope, or as good as none: then no small change helps against that cause.
+    steep = next((name for name in near if max(map(abs, found[name].sensitivities.values()), default=0) > 1e-3), None)
     same = assessment.worst is assessment.nominal
     motions = {"At the given values" if same else "At the middle values": assessment.nominal}
     if not same:
