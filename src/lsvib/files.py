@@ -15,6 +15,8 @@ from typing import Any
 
 from lsvib.errors import LsvibError
 
+WRITING = threading.Lock()  # held while a file is written that an interrupt must not leave half done
+
 # How a file of each kind begins. What begins otherwise was not written by us and is not replaced by a command.
 _BEGINNINGS = {
     "netCDF": (b"\x89HDF", b"CDF"),
@@ -148,7 +150,8 @@ def uninterrupted() -> Iterator[None]:
     asked: list[int] = []
     before = signal.signal(signal.SIGINT, lambda number, frame: asked.append(number))
     try:
-        yield
+        with WRITING:
+            yield
     finally:
         signal.signal(signal.SIGINT, before)
     if asked:

@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -55,6 +56,20 @@ def test_an_interrupt_waits_for_the_end_of_a_write():
     with pytest.raises(KeyboardInterrupt):
         write()
     assert ended
+
+
+def test_an_interrupt_ends_a_command_that_is_deep_in_a_kernel(tmp_path):
+    """Drag turns so much faster than the screw that one search takes 10¹³ steps."""
+    stiff = ("--set", "translation_damping=1e15", "--set", "friction_slope=-1e-5", "--start", "u=0.1", "w=0")
+    command = [sys.executable, "-m", "lsvib", "simulate", *stiff, "--duration", "1", "--out", tmp_path / "x.nc"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        time.sleep(8.0)
+        process.send_signal(signal.SIGINT)
+        sent = time.monotonic()
+        error = process.communicate(timeout=60)[1]
+    assert (process.returncode, "interrupted." in error) == (130, True)
+    assert time.monotonic() - sent < 5
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_name_that_is_no_utf_8_is_refused(run):

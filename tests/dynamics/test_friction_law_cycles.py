@@ -132,3 +132,10 @@ def test_none_found_is_not_said_of_a_drive_that_cannot_be_followed():
     drive = lsvib.ThreadsDrive(stribeck_rise=0.05, stribeck_speed=0.02, input_speed=5, axial_force=50)
     with pytest.raises(EngineError, match=r"motions from all 8 starts are unresolved .* contact_damping smaller"):
         drive.cycles()
+
+
+@pytest.mark.slow
+def test_a_drive_whose_rates_lie_too_far_apart_is_refused_in_seconds():
+    """One search of it would take 10¹³ steps."""
+    with pytest.raises(EngineError, match=r"all 8 starts are unresolved .*work budget exhausted"):
+        lsvib.RigidDrive(translation_damping=1e15, friction_slope=-1e-5).cycles()

@@ -61,3 +61,24 @@ def test_rates_that_cannot_be_told_apart_are_refused_by_name(values):
     drive = ThreadsDrive.of(**values)
     with pytest.raises(EngineError, match=r"cannot be distinguished .*change contact_damping\."):
         threads_automaton(drive)
+
+
+FASTEST = RigidDrive(translation_damping=1e15, friction_slope=-1e-5)  # turns at 10¹⁴ 1/s
+
+
+def test_a_motion_of_too_many_steps_is_refused_in_one_sentence(monkeypatch):
+    monkeypatch.setattr("lsvib.engine.motion._MANY_STEPS", 10_000)
+    with pytest.raises(EngineError, match=r"takes more than 10,000 steps by its event after t = 0 s, as its rates"):
+        follow(rigid_automaton(FASTEST), (0.1, 0.0), 1.0)
+
+
+def test_samples_of_a_friction_law_do_not_depend_on_those_before():
+    """All samples of a stay are taken in one pass; each is that of a pass of its own, to rounding."""
+    drive = RigidDrive(stribeck_rise=0.05, stribeck_speed=0.02)
+    motion = follow(rigid_automaton(drive), (0.1, 0.0), 0.2)
+    times = np.sort(np.append(np.linspace(0.0, 0.2, 301), motion.time))
+    states, modes = motion.at(times)
+    for time, state, mode in zip(times, states, modes, strict=True):
+        alone, there = motion.at([time])
+        assert there[0] == mode
+        assert (np.abs(alone[0] - state) <= 1e-13 * np.abs(states).max(axis=0)).all()

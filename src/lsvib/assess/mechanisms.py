@@ -110,10 +110,11 @@ def _with_support(
     level = sloped = _full_reserve("support", p, law)
     if sheet.friction.sloped:
         sloped = _full_reserve("support", {**p, "support_damping": p["support_damping"] + by_slope}, law)
-    bare = _full_reserve("support", {**p, **dict.fromkeys(_UNDAMPED, 0.0)}, law)
-    falls, kinematic = np.real(by_slope) < 0, np.real(inertia) <= 0
+    falls, kinematic, coupled = np.real(by_slope) < 0, np.real(inertia) <= 0, np.real(helped) >= 0
+    if not coupled.all():  # there it is mode coupling only if the two bodies do it undamped, too
+        coupled |= np.real(_full_reserve("support", {**p, **dict.fromkeys(_UNDAMPED, 0.0)}, law)) < 0
+    coupled &= ~kinematic
     full = np.where(falls, level, sloped)
-    coupled = ~kinematic & ((np.real(helped) >= 0) | (np.real(bare) < 0))
     fallen = np.where(np.real(level) < 0, _larger(rigid["falling_friction"], sloped), sloped)
     found = {
         "negative_damping": _larger(rigid["negative_damping"], full),
@@ -269,7 +270,7 @@ def _frictionless(sheet: Sheet, values: Mapping[str, Any], p: Mapping[str, Any])
     law = SimpleNamespace(**sheets.friction_law(sheet, values, p["lead_angle"]))
     slope = np.where(np.real(law.friction_slope) < 0, law.friction_slope, -np.inf)
     low, high = -law.friction_coefficient / slope, -(law.friction_coefficient + law.stribeck_rise) / slope
-    for _ in range(50):
+    for _ in range(30):  # to its distance from the place, see below
         middle = 0.5 * (low + high)
         rubs = np.real(friction.unbounded_coefficient(law, middle)) > 0
         low, high = np.where(rubs, middle, low), np.where(rubs, high, middle)
@@ -337,6 +338,7 @@ def _lowest_between(
     low = np.max(np.where(speeds < at, speeds, -np.inf), axis=0)
     high = np.min(np.where(speeds > at, speeds, np.inf), axis=0)
     low, high = np.where(np.isinf(low), at, low), np.where(np.isinf(high), at, high)
+    sheet = sheet.model_copy(update={"contact": None})  # which takes no part in it
 
     def looked(place: NDArray) -> NDArray:
         """Return the reserve at some speeds, and keep the lowest."""

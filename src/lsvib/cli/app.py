@@ -2,10 +2,13 @@
 
 import logging
 import os
+import signal
 import sys
+import threading
+import time
 import warnings
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from importlib import import_module
 from pkgutil import iter_modules
 from typing import Any, NoReturn
@@ -14,6 +17,7 @@ from cyclopts import App, CycloptsError
 
 from lsvib import __version__, cli
 from lsvib.errors import LsvibError
+from lsvib.files import WRITING
 
 app = App(
     name="lsvib",
@@ -30,7 +34,8 @@ def main() -> None:
     """
     for module in iter_modules(cli.__path__, f"{cli.__name__}."):
         import_module(module.name)
-    run(lambda: app(sys.argv[1:], exit_on_error=False, print_error=False))
+    with _heeding_interrupts():
+        run(lambda: app(sys.argv[1:], exit_on_error=False, print_error=False))
 
 
 def run(call: Callable[[], object]) -> None:
@@ -66,6 +71,41 @@ def _suit_the_terminal() -> None:
     columns = os.environ.get("COLUMNS", "")
     if columns and not (columns.isdecimal() and 40 <= int(columns) <= 10_000):
         del os.environ["COLUMNS"]
+
+
+@contextmanager
+def _heeding_interrupts() -> Iterator[None]:
+    """End the process a second after Ctrl+C where it is deep in a kernel, which does not come back to Python.
+
+    A file that is being written comes first.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+    before = signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
+
+    def watch() -> None:
+        while (got := os.read(reader, 1)) != bytes([signal.SIGINT]):
+            if not got:  # the command has ended
+                os.close(reader)
+                return
+        with WRITING:
+            pass
+        time.sleep(1.0)  # in which Python ends the command itself, if it can
+        if running:
+            _say("interrupted.")
+            os._exit(130)
+
+    running = [True]
+    threading.Thread(target=watch, daemon=True).start()
+    try:
+        yield
+    finally:
+        running.clear()
+        signal.set_wakeup_fd(before)
+        os.close(writer)
 
 
 class ProgressLine:

@@ -27,7 +27,7 @@ from lsvib.dynamics.poincare_map import Section, lines, multipliers, nearest_to_
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND, TaylorFlow
-from lsvib.engine.motion import Motion, follow
+from lsvib.engine.motion import Budget, Motion, follow
 from lsvib.errors import EngineError
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
@@ -35,6 +35,7 @@ from lsvib.models.model import find_model
 
 _HALVINGS = 60  # of a bracket in which Newton's method fails: to the last bit
 _SAME = 1e-7  # Two cycles of one stability that differ by less, relatively, are the same cycle.
+_WORK_OF_LINES = 4_000_000  # in events, on all lines: a minute under a friction law
 _ROUNDED = 1e-12  # of P(y) − y under a law, in sizes of a swing of the screw
 
 
@@ -292,12 +293,13 @@ def search(
             _add(found, cycle)
         hits = sum(cycle is not None for cycle in edges)
         searched += "; " + (_edges(len(edges), hits) if edges else "no two ended differently, so no edge was tracked")
-    elif not automaton.contracts:
-        found_lines = lines(automaton)
+    elif not automaton.contracts and Doubt.WORK_BUDGET not in doubts:
+        found_lines, budget = lines(automaton), Budget(_WORK_OF_LINES)
         for key, line in found_lines.items():
-            for cycle in _on_line(drive, automaton, key, line):
+            for cycle in _on_line(drive, automaton, key, line, budget):
                 _add(found, cycle)
-        searched += f"; return maps of {len(found_lines)} lines over seven decades on both sides"
+        cut = ", in part, as they take more work than is allowed" if budget.left < 0 else ""
+        searched += f"; return maps of {len(found_lines)} lines over seven decades on both sides{cut}"
     return Search(
         tuple(sorted(found, key=lambda cycle: (not cycle.attracting, cycle.period))), tuple(families), searched, doubts
     )
@@ -338,7 +340,9 @@ def slowest(automaton: Automaton) -> float:
     return float(flow[:, layout.TIME_SCALE].max())
 
 
-def _on_line(drive: Drive, automaton: Automaton, key: tuple[int, int], row: np.ndarray) -> Iterator[Cycle]:
+def _on_line(
+    drive: Drive, automaton: Automaton, key: tuple[int, int], row: np.ndarray, budget: Budget
+) -> Iterator[Cycle]:
     """Yield the cycles that the return map of a line shows."""
     sizes = np.array(swing(drive))
     middle = nearest_to_origin(np.append(row[:2] * sizes, row[2]))  # in these sizes
@@ -346,7 +350,7 @@ def _on_line(drive: Drive, automaton: Automaton, key: tuple[int, int], row: np.n
         return
     # A return may take 200 turns of the slowest oscillator, under a friction law, where a turn costs more, 20.
     longest = (20.0 if isinstance(automaton.tables.flow, TaylorFlow) else 200.0) * slowest(automaton)
-    section = Section(automaton, key, middle * sizes, sizes, 1, longest, sizes, row)
+    section = Section(automaton, key, middle * sizes, sizes, 1, longest, sizes, row, budget)
     # Lines are searched from 10^-4 to 10^3 of the size of a swing of the screw.
     steps = np.logspace(*(-4.0, 3.0), 160)  # on each side of a line: each lies a tenth farther out than the one before
     coarse = np.concatenate([-steps[::-1], [0.0], steps])
@@ -431,7 +435,10 @@ def _within(drive: Drive, section: Section, low: float, high: float) -> Cycle | 
         middle = 0.5 * (low + high)
         try:
             state, line = section.state(np.array([middle])), section.line
-            there = Section(section.automaton, section.key, state, section.size, 1, section.longest, section.size, line)
+            there = Section(
+                section.automaton, section.key, state, section.size, 1, section.longest, section.size, line,
+                section.budget,
+            )  # fmt: skip
             cycle = cycle_on(drive, there, "return map")
         except EngineError:
             cycle = None

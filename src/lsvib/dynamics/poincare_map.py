@@ -22,12 +22,13 @@ from lsvib.dynamics.kernels import saltation
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import flow_planar
 from lsvib.engine.kernels.layout import Status
-from lsvib.engine.motion import Motion, follow
+from lsvib.engine.motion import Budget, Motion, follow
 from lsvib.errors import EngineError
 
 PATIENCE = 10  # time that a return may take, in times of the longest return seen
 AT_REST = 4 * flow_planar.EPS  # of a step of Newton's method: rounding
 CLOSE = 1e-8  # residual of a motion that is periodic, well above rounding times the growth of neighbours
+_MOST_WORK = 100_000  # of a return, in events: a second under a friction law
 _SENSITIVITY = 1e-6  # step in y by which the change of P′ along the section is measured
 
 
@@ -101,9 +102,10 @@ class Section:
         longest: float,
         unit: np.ndarray | None = None,
         line: np.ndarray | None = None,
+        budget: Budget | None = None,
     ) -> None:
         self.automaton, self.key, self.origin, self.size = automaton, key, origin, size
-        self.returns, self.longest, self.line = returns, longest, line
+        self.returns, self.longest, self.line, self.budget = returns, longest, line, budget
         # least unit of a coordinate of the origin, relative to its size in the whole motion
         least = np.maximum(1e-6 * size, np.finfo(float).tiny)
         self.unit = np.maximum(np.abs(origin), least) if unit is None else unit
@@ -133,6 +135,7 @@ class Section:
                 motion = follow(
                     self.automaton, here, PATIENCE * self.longest,
                     mode=self.key[1], stop=self.key, max_events=kernels.LONGEST,
+                    budget=self.budget or Budget(_MOST_WORK),
                 )  # fmt: skip
             except EngineError:
                 return None

@@ -22,6 +22,7 @@ from lsvib.errors import (
 
 _FIRST_CAPACITY = 256  # events that the first list holds; each further list holds twice as many as came before
 _MANY_EVENTS = 10_000_000  # limit where the caller gives none; they take about a gigabyte
+_MANY_STEPS = 50_000_000  # of the searches for events, likewise; a minute or two
 _FINE = (Status.TIME_REACHED, Status.STOP_EVENT, Status.SETTLED, Status.EVENTS_FULL, Status.WORK_SPENT)
 
 # Cost of a run in units of one ordinary event of a modal flow, one to three microseconds, as measured.
@@ -123,11 +124,11 @@ def follow(
 
     Arguments: t_end ≥ 0, infinite if the motion is known to settle or ``stop`` or ``max_events`` ends it; mode: start
     there instead of where the state says; stop: (event kind, mode after or −1) to end after; max_events: end after so
-    many; budget: what the run may cost, counted down; without one it may cost anything. Returns a :class:`Motion` with
-    status TIME_REACHED, STOP_EVENT, SETTLED or, with ``max_events``, EVENTS_FULL, or WORK_SPENT where the search for
-    the event after the last one takes all that the budget has. Raises ``EngineError`` if the model
-    has no answer or there are more than ten million events, ``DivergenceError`` if the motion grows without bound,
-    ``WorkSpentError`` if the budget does not suffice.
+    many; budget: what the run may cost, counted down. Returns a :class:`Motion` with status TIME_REACHED, STOP_EVENT,
+    SETTLED or, with ``max_events``, EVENTS_FULL, or WORK_SPENT where the search for the event after the last one takes
+    all that the budget has. Raises ``EngineError`` if the model has no answer, there are more than ten million events
+    or, without a budget, searches for them take more than a minute or two; ``DivergenceError`` if the motion grows
+    without bound, ``WorkSpentError`` if the budget does not suffice.
     """
     if not t_end >= 0:
         raise InputError(f"t_end = {t_end} is outside the allowed range t_end >= 0.")
@@ -136,10 +137,10 @@ def follow(
     else:
         state = np.array(state, dtype=float)
     start_mode, start_state = mode, state.copy()
-    budget = budget or Budget(math.inf)
-    budget.spend(CALL)
+    if budget is not None:
+        budget.spend(CALL)
     engine = automaton.engines.pop() if automaton.engines else engine_for(automaton.tables)
-    scale, clock = np.abs(state), np.array([0.0, 0.0, 0.0, budget.left / _STEP])
+    scale, clock = np.abs(state), np.array([0.0, 0.0, 0.0, _MANY_STEPS if budget is None else budget.left / _STEP])
     most = _MANY_EVENTS if max_events is None else max_events
     pieces, total, capacity = [], 0, min(_FIRST_CAPACITY, most)
     while True:
@@ -148,9 +149,9 @@ def follow(
         status, mode, count = event_loop.run_in(
             engine.room, automaton.tables, mode, state, scale, clock, t_end, stop[0], stop[1], events
         )
-        if status == Status.WORK_SPENT:
+        if budget is not None and status == Status.WORK_SPENT:
             budget.left = 0.0
-        elif budget.left < math.inf:
+        elif budget is not None:
             budget.spend(count + _STEP * (steps - clock[3]))
         pieces.append([column[:count] for column in events])
         total += count
@@ -159,6 +160,11 @@ def follow(
         capacity = min(max(2 * total, _FIRST_CAPACITY), most - total)
     automaton.engines.append(engine)
     end_time = float(clock[0] + clock[1])
+    if status == Status.WORK_SPENT and budget is None:
+        raise WorkSpentError(
+            f"the motion takes more than {_MANY_STEPS:,} steps by its event after t = {end_time:.6g} s, as its rates "
+            "lie far apart; shorten the duration, or take larger masses, or smaller stiffness and damping."
+        )
     _complain(Status(status), end_time, state, most if max_events is None else None)
     columns = [np.concatenate(column) for column in zip(*pieces, strict=True)] if len(pieces) > 1 else pieces[0]
     return Motion(

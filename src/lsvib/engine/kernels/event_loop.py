@@ -214,11 +214,10 @@ def run_in(room, tables, mode, state, scale, clock, t_end, stop_kind, stop_mode,
     n = state.size
     count = 0
     while True:
-        clock[3] = work.steps[0]
         remaining = (t_end - clock[0]) - clock[1]
         found, guard, stay = next_event(tables, mode, state, scale, remaining, room.guards, room.on_surface, work)
+        clock[3] = work.steps[0]
         if found == _LOST:
-            clock[3] = work.steps[0]
             return Status.WORK_SPENT if clock[3] < 0.0 else Status.UNDECIDED, mode, count
         if found == _NONE:
             if remaining == math.inf:
@@ -276,6 +275,16 @@ def add_time(clock, stay):
 
 
 @entry
+def _sample(flow, mode, state, start, times, out):
+    """Write the states at ``times`` [s] (k) of a stay that has begun at ``start`` in ``state``, in closed form."""
+    for k in range(times.size):
+        advance(flow, mode, state, times[k] - start, out[k])
+
+
+sample = by_kind(_sample, _sample, flow_taylor.sample)
+
+
+@entry
 def states_at(
     tables, start_time, start_mode, start_state, event_times, event_modes, event_states, times, states, modes
 ):
@@ -283,16 +292,17 @@ def states_at(
 
     At the very time of an event they are those after it.
     """
-    event = -1
-    for k in range(times.size):
-        while event + 1 < event_times.size and event_times[event + 1] <= times[k]:
+    event, first = -1, 0
+    while first < times.size:
+        while event + 1 < event_times.size and event_times[event + 1] <= times[first]:
             event += 1
-        if event < 0:
-            modes[k] = start_mode
-            advance(tables.flow, start_mode, start_state, times[k] - start_time, states[k])
-        else:
-            modes[k] = event_modes[event]
-            advance(tables.flow, event_modes[event], event_states[event], times[k] - event_times[event], states[k])
+        last = first
+        while last < times.size and (event + 1 == event_times.size or times[last] < event_times[event + 1]):
+            modes[last] = start_mode if event < 0 else event_modes[event]
+            last += 1
+        since, state = (start_time, start_state) if event < 0 else (event_times[event], event_states[event])
+        sample(tables.flow, modes[first], state, since, times[first:last], states[first:last])
+        first = last
 
 
 @allocating_entry

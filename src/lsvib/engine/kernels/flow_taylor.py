@@ -286,21 +286,32 @@ def cut_at_piece(flow, mode, piece, series, step):
 
 
 @allocating_entry
-def advance(flow, mode, state, t, out):
-    """Write the state after a time t [s] in ``mode`` to ``out`` (may be ``state`` itself)."""
+def sample(flow, mode, state, start, times, out):
+    """Write the states at ``times`` [s] (k), ascending, of a stay that began at ``start`` in ``state`` to ``out``."""
     series = series_for(state.size)
     begin(state, series)
-    piece, passed = piece_at(flow, mode, state), 0.0
-    while passed < t:
+    piece, passed, k = piece_at(flow, mode, state), 0.0, 0
+    while k < times.size:
         expand(flow, mode, piece, series, ORDER)
-        step, piece = cut_at_piece(flow, mode, piece, series, min(step_of(series), t - passed))
+        left = times[times.size - 1] - start - passed
+        step, piece = cut_at_piece(flow, mode, piece, series, min(step_of(series), left))
+        ends = not passed + step > passed
+        while k < times.size and (ends or times[k] - start <= passed + step):
+            for i in range(state.size):
+                out[k, i] = value_at(series.state[i], min(times[k] - start - passed, step) / series.unit[0])
+            k += 1
         note_sizes(series, step)
         go_on(series, step)
-        if not passed + step > passed:
-            break
         passed += step
+
+
+@allocating_entry
+def advance(flow, mode, state, t, out):
+    """Write the state after a time t [s] in ``mode`` to ``out`` (may be ``state`` itself)."""
+    times, row = np.full(1, t), np.empty((1, state.size))
+    sample(flow, mode, state, 0.0, times, row)
     for i in range(state.size):
-        out[i] = series.here[i]
+        out[i] = row[0, i]
 
 
 @inlined_kernel
