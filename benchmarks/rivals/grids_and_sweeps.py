@@ -52,10 +52,10 @@ def grids(resolutions: Sequence[int], repeats: int) -> tuple[np.ndarray, np.ndar
 def _map(count: int, repeats: int) -> tuple[float, int, list[float]]:
     """A map of count × count starts."""
     exact, sides = basin(_MAPPED), (("u", *_WINDOW[:2]), ("w", *_WINDOW[2:]))
-    grid = Grid(*(Axis.checked(*side, count) for side in sides))
+    grid = Grid(*(Axis(*side, count) for side in sides))
     labels, times = _timed(lambda: mapper(_MAPPED).cells(grid, quantities=("label",))["label"], repeats)
     steady = labels == Attractor.STEADY_SLIDING
-    u, w = (Axis.checked(*side, count).centres() for side in sides)
+    u, w = (Axis(*side, count).centres() for side in sides)
     inside = np.array([[exact.contains((x, y)) for x in u] for y in w])
     return abs(float(steady.mean()) - exact.fraction(_WINDOW)), int((steady != inside).sum()), times
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from lsvib.basins.boundary import Basin
-    from lsvib.basins.curves import Window
+    from lsvib.basins.curves import Part
     from lsvib.basins.grid import Grid
     from lsvib.basins.resilience import Resilience
     from lsvib.datasets.cycles import Cycles
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
 
     _Base = Drive
     Values = Sequence[float] | np.ndarray  # of a parameter, in SI units
-    Part = Window | Mapping[str, tuple[float, float]] | None  # of the phase plane: ends of u [rad] and w [rad/s]
 else:
     _Base = object  # the methods go to the class Drive itself, below
 
@@ -405,9 +404,8 @@ class DriveMethods(_Base):
         See also: :meth:`resilience_sweep`, over parameters.
         """
         from lsvib.basins.resilience import resilience
-        from lsvib.datasets.sweep import window_of
 
-        return resilience(_rigid(self), window_of(window))
+        return resilience(_rigid(self), window)
 
     def resilience_sweep(
         self, window: "Part" = None, *, progress: Progress | None = None, **over: "Values"
@@ -426,9 +424,9 @@ class DriveMethods(_Base):
 
         See also: :meth:`resilience`, for one drive.
         """
-        from lsvib.datasets.sweep import resilience_sweep, window_of
+        from lsvib.datasets.sweep import resilience_sweep
 
-        return resilience_sweep(_rigid(self), over, window_of(window), progress)
+        return resilience_sweep(_rigid(self), over, window, progress)
 
     def _scene(self, start: Start, duration: float, **more: Any) -> Scene:
         return Scene(model=self.model, drive=self, start=start, duration=duration, **more)

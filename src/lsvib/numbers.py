@@ -51,7 +51,7 @@ def number(value: Any) -> float:
         return float(value)
     kind = getattr(getattr(value, "dtype", None), "kind", "f")  # numpy has truth values and complex numbers as well
     single = hasattr(type(value), "__float__") and getattr(value, "ndim", 0) == 0
-    if not single or kind not in "iuf" or isinstance(value, bool):
+    if not single or kind not in "iuf" or isinstance(value, bool) or getattr(value, "mask", False):
         raise NotNumber("is not a number")
     try:
         result = float(value)

@@ -33,7 +33,7 @@ def mappers():
 def test_labels_and_times_against_the_engine(mappers, rule, damping):
     """The return map decides the label without the table; the time is where the engine enters the ellipse or cycle."""
     mapped = mappers(PARADOX.replace(support_damping=damping), resume=rule)
-    grid = Grid(Axis.checked("u", -0.1, 0.1, 23), Axis.checked("w", -80, 60, 19))
+    grid = Grid(Axis("u", -0.1, 0.1, 23), Axis("w", -80, 60, 19))
     found = mapped.cells(grid)
     cycle = next(a for a in mapped.attractors if a.label == Attractor.SPRAG_SLIP_CYCLE)
     for (i, j), label in np.ndenumerate(found["label"]):
@@ -51,7 +51,7 @@ def test_labels_and_times_against_the_engine(mappers, rule, damping):
 def test_labels_under_negative_damping(mappers, force):
     """Slip without rest, and stick-slip."""
     mapped = mappers(RigidDrive.of(mass=1.0, translation_damping=1e3, axial_force=force))
-    grid = Grid(Axis.checked("u", -0.1, 0.1, 11), Axis.checked("w", -60, 60, 9))
+    grid = Grid(Axis("u", -0.1, 0.1, 11), Axis("w", -60, 60, 9))
     found = mapped.cells(grid, quantities=("label",))["label"]
     for (i, j), label in np.ndenumerate(found):
         assert steady_state(mapped.automaton, (grid.x.centres()[j], grid.y.centres()[i])).label == label
@@ -60,7 +60,7 @@ def test_labels_under_negative_damping(mappers, force):
 def test_time_to_steady_sliding(mappers):
     """In the mode of steady sliding |w + α u|² + β² u² falls as e^{−2αt}; the ellipse touches Q = 0."""
     mapped = mappers(PARADOX)
-    found = mapped.cells(Grid(Axis.checked("u", -0.03, 0.02, 9), Axis.checked("w", -5, 5, 7)))
+    found = mapped.cells(Grid(Axis("u", -0.03, 0.02, 9), Axis("w", -5, 5, 7)))
     row = mapped.automaton.tables.flow[1]
     alpha, beta = row[3], row[4]
     q_u, q_w, q_0 = mapped.automaton.tables.surfaces[0]
@@ -68,7 +68,7 @@ def test_time_to_steady_sliding(mappers):
     checked = 0
     for (i, j), label in np.ndenumerate(found["label"]):
         if label == Attractor.STEADY_SLIDING and found["time"][i, j] > 0:
-            grid = Grid(Axis.checked("u", -0.03, 0.02, 9), Axis.checked("w", -5, 5, 7))
+            grid = Grid(Axis("u", -0.03, 0.02, 9), Axis("w", -5, 5, 7))
             motion = follow(mapped.automaton, (grid.x.centres()[j], grid.y.centres()[i]), found["time"][i, j])
             u, w = motion.end_state
             assert np.hypot(w + alpha * u, beta * u) == pytest.approx(radius, rel=1e-10)
@@ -91,7 +91,7 @@ def test_symmetry(mappers):
     """(u, w, Ω, R) → −(u, w, Ω, R) maps motions to motions."""
     drive = PARADOX.replace(support_damping=3e-3)
     turned = drive.replace(axial_force=-drive.axial_force, input_speed=-drive.input_speed)
-    grid = Grid(Axis.checked("u", -0.1, 0.1, 40), Axis.checked("w", -80, 80, 30))
+    grid = Grid(Axis("u", -0.1, 0.1, 40), Axis("w", -80, 80, 30))
     one, other = mappers(drive).cells(grid), mappers(turned).cells(grid)
     for name in ("label", "seizures", "first_event"):
         assert np.array_equal(one[name], other[name][::-1, ::-1])

@@ -9,7 +9,7 @@ from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.models.drive import NutDrive, SupportDrive, ThreadsDrive
 
 DRIVE = {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0}
-GRID = Grid(Axis.checked("u", -0.05, 0.05, 6), Axis.checked("w", -15, 15, 5))
+GRID = Grid(Axis("u", -0.05, 0.05, 6), Axis("w", -15, 15, 5))
 
 
 @pytest.mark.parametrize(("kind", "model"), [(ThreadsDrive, "threads"), (SupportDrive, "support"), (NutDrive, "nut")])

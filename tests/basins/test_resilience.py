@@ -107,7 +107,7 @@ def test_a_sweep_is_its_points():
     ("arguments", "sentence"),
     [
         ({"window": {"u": (1, 0), "w": (0, 1)}}, "window u = 1 to 0 is outside the allowed range"),
-        ({"window": {"u": (0, 1)}}, "window has the keys u; it needs u and w."),
+        ({"window": {"u": (0, 1)}}, "window = {'u': (0, 1)} does not give the ends of u and of w."),
         ({"window": {"u": ("a", 1), "w": (0, 1)}}, "window u = "),
     ],
 )

@@ -83,7 +83,7 @@ def test_endings_are_those_of_one_motion(resume):
 )
 def test_the_fast_map_and_the_rule_agree(values):
     """10⁴ starts of a drive, by the table of sections and by the rule, each on its own."""
-    drive, grid = RigidDrive(**values), Grid(Axis.checked("u", -0.12, 0.12, 100), Axis.checked("w", -90, 70, 100))
+    drive, grid = RigidDrive(**values), Grid(Axis("u", -0.12, 0.12, 100), Axis("w", -90, 70, 100))
     found = mapper(drive).cells(grid, quantities=("label",))["label"].ravel()
     w, u = (part.ravel() for part in np.meshgrid(grid.y.centres(), grid.x.centres(), indexing="ij"))
     many = ManyDrives({name: np.full(u.size, value) for name, value in drive if name != "model"})

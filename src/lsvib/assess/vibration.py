@@ -31,7 +31,7 @@ _SAMPLES = 1200  # even ones of the motion shown: 200 a period
 # Work after which a motion counts as unresolved, a second or two: events with two states, units of one with more. Of
 # many motions that are only asked where they end each gets less.
 _MOST_WORK = {"rigid": 4_000, "support": 1_000_000, "contact": 1_000_000}
-_WORK_OF_LAW = 50_000
+_WORK_OF_LAW = 40_000
 _WORK_OF_MANY = 20_000
 
 

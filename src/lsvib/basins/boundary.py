@@ -14,7 +14,7 @@ import numpy as np
 from flint import arb
 from numpy.typing import ArrayLike, NDArray
 
-from lsvib.basins.curves import Arc, Curve, Segment, Window, area, clip, contains, inside, sampled
+from lsvib.basins.curves import Arc, Curve, Part, Segment, Window, area, clip, contains, inside, sampled
 from lsvib.basins.reversed_time import BEGINNING, backward_automaton
 from lsvib.dynamics.attractor import steady_state
 from lsvib.engine.automaton import Automaton
@@ -68,28 +68,33 @@ class Basin:
         """Whether the motion from ``state`` (u [rad], w [rad/s]) settles; on the boundary itself either answer."""
         return not self.curves or contains(self.flow, self.curves, np.asarray(state, dtype=float))
 
-    def clipped(self, window: Window) -> list[Curve]:
+    def clipped(self, window: Part) -> list[Curve]:
         """Return the closed curves around the part of the basin that lies in a window."""
+        window = Window.of(window)
         everything: Curve = [Segment(np.array([-1e300, -math.inf]), np.array([-1e300, math.inf]))]  # to its right
         return [clip(self.flow, curve, window) for curve in self.curves or [everything]]
 
-    def line(self, window: Window, count: int = 100) -> np.ndarray:
+    def line(self, window: Part, count: int = 100) -> np.ndarray:
         """Return points (n, 2) of the boundary in a window for drawing, NaN where it is interrupted."""
-        closed, paths = inside(self.flow, self.curves, window)
+        closed, paths = inside(self.flow, self.curves, Window.of(window))
         return sampled(self.flow, [*closed, *paths], count)
 
-    def area(self, window: Window | None = None) -> float:
-        """Return the area [rad²/s] of the basin, or of its part in a window; infinite if it is not bounded."""
+    def area(self, window: Part = None) -> float:
+        """Return the area [rad²/s] of the basin, or of its part in a window; infinite if it is not bounded.
+
+        Raises ``InputError`` for a window whose ends are no ends.
+        """
         if window is not None:
             return area(self.flow, self.clipped(window))
         bounded = self.curves and all(math.isfinite(curve[0].start[1]) for curve in self.curves)
         return area(self.flow, self.curves) if bounded else math.inf
 
-    def fraction(self, window: Window) -> float:
+    def fraction(self, window: Part) -> float:
         """Return the share [1] of a window that belongs to the basin.
 
         Raises ``InputError`` for a window that is too narrow for doubles.
         """
+        window = Window.of(window)
         if not self.curves:
             return 1.0
         # The last digits of a window and of the boundary are relative to their largest |u| [rad] and |w| [rad/s].

@@ -9,17 +9,19 @@ entered, it holds u = −∞.
 
 import itertools
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from flint import arb
 
+from lsvib import numbers
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.kernels import flow_planar, layout, search_planar
 from lsvib.engine.kernels.flow_planar import level
 from lsvib.engine.kernels.layout import Found
+from lsvib.errors import InputError
 from lsvib.stability.slip import Slip
 
 
@@ -53,6 +55,24 @@ class Window(NamedTuple):
     bottom: float
     top: float
 
+    @classmethod
+    def of(cls, given: Any) -> Self:
+        """Make a window from another, or from edges ``{"u": (low, high), "w": (low, high)}``; raises ``InputError``."""
+        if isinstance(given, Window):
+            given = {"u": (given.left, given.right), "w": (given.bottom, given.top)}
+        if not isinstance(given, Mapping) or set(given) != {"u", "w"}:
+            raise InputError(f"window = {numbers.shown(given)} does not give the ends of u and of w.")
+        ends: list[float] = []
+        for name in ("u", "w"):
+            pair = given[name]
+            if not isinstance(pair, tuple | list) or len(pair) != 2:
+                raise InputError(f"window {name} = {numbers.shown(pair)} is not a low and a high end.")
+            low, high = (numbers.start(f"window {name}", value) for value in pair)
+            if not low < high:
+                raise InputError(f"window {name} = {low:g} to {high:g} is outside the allowed range low < high.")
+            ends += [low, high]
+        return cls(*ends)
+
     @property
     def area(self) -> float:
         """Area [rad²/s]."""
@@ -61,6 +81,10 @@ class Window(NamedTuple):
     def holds(self, state: np.ndarray) -> bool:
         """Whether a state (2) lies inside."""
         return bool(self.left < state[0] < self.right and self.bottom < state[1] < self.top)
+
+
+Part = Window | Mapping[str, tuple[float, float]] | None
+"""A part of the phase plane, as users give it: ends of u [rad] and w [rad/s]."""
 
 
 def state_on(flow: np.ndarray, arc: Arc, time: float) -> np.ndarray:

@@ -3,8 +3,9 @@
 import math
 import sys
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cache
-from typing import Any, NamedTuple, Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -26,13 +27,35 @@ def coordinates() -> dict[str, str]:
     }
 
 
-class Axis(NamedTuple):
-    """Cells of equal width along a coordinate: u [rad], w [rad/s], with compliant threads e [m] and v [m/s]."""
+@dataclass(frozen=True)
+class Axis:
+    """Cells of equal width along a coordinate: u [rad], w [rad/s], with compliant threads e [m] and v [m/s].
+
+    Made from numbers or text; raises ``InputError`` if one is none, or if cells coincide.
+    """
 
     coordinate: str
     start: float
     stop: float
-    count: int  # type: ignore[assignment]  # it hides tuple.count, which nobody calls
+    count: int
+
+    def __post_init__(self) -> None:
+        """Check the numbers, and take them from text."""
+        for name in ("start", "stop"):
+            object.__setattr__(self, name, numbers.start(f"axis {self.coordinate}: {name}", getattr(self, name)))
+        if not self.start < self.stop:
+            raise InputError(
+                f"axis {self.coordinate} has start = {self.start:g} and stop = {self.stop:g}; it needs start < stop."
+            )
+        object.__setattr__(self, "count", _cells(self.coordinate, self.count))
+        # A middle is rounded three times, each time by at most one unit in the last place of the larger end; and the
+        # width itself needs all its digits, which doubles below the smallest normal one have not.
+        if not self.width >= max(4 * math.ulp(max(abs(self.start), abs(self.stop))), sys.float_info.min):
+            raise InputError(
+                f"axis {self.coordinate} has {self.count} cells between start = {self.start:.17g} and stop = "
+                f"{self.stop:.17g}, too narrow to be distinguished in double precision; take fewer cells or a longer "
+                "axis."
+            )
 
     def centres(self, first: int = 0, last: int | None = None) -> np.ndarray:
         """Return the middles of cells ``first`` to ``last`` (excluded); each from its own index, whatever the range."""
@@ -47,45 +70,44 @@ class Axis(NamedTuple):
         """Width of a cell."""
         return (self.stop - self.start) / self.count
 
-    @classmethod
-    def checked(cls, coordinate: str, start: Any, stop: Any, count: Any) -> Self:
-        """Make an axis from numbers or text; ``InputError`` if it is none or has cells that coincide."""
-        if coordinate not in coordinates():
-            raise InputError(f"axis {coordinate!r} is not a coordinate of a state: {', '.join(coordinates())}.")
-        return cls.over(coordinate, start, stop, count)
 
-    @classmethod
-    def over(cls, coordinate: str, start: Any, stop: Any, count: Any) -> Self:
-        """Make an axis as :meth:`checked`, over whatever bears the name."""
-        start, stop = (numbers.start(f"axis {coordinate}: {name}", x) for name, x in (("start", start), ("stop", stop)))
-        if not start < stop:
-            raise InputError(f"axis {coordinate} has start = {start:g} and stop = {stop:g}; it needs start < stop.")
-        most = 10_000_000
-        try:
-            cells = numbers.whole(count)
-        except numbers.NotNumber as error:
-            raise InputError(
-                f"axis {coordinate} has count = {count if isinstance(count, str) else numbers.shown(count)}, which "
-                f"{error}; the allowed range is 1 <= count <= {most}."
-            ) from None
-        if not 1 <= cells <= most:
-            raise InputError(f"axis {coordinate} has count = {cells}; the allowed range is 1 <= count <= {most}.")
-        # A middle is rounded three times, each time by at most one unit in the last place of the larger end; and the
-        # width itself needs all its digits, which doubles below the smallest normal one have not.
-        if not (stop - start) / cells >= max(4 * math.ulp(max(abs(start), abs(stop))), sys.float_info.min):
-            raise InputError(
-                f"axis {coordinate} has {cells} cells between start = {start:.17g} and stop = {stop:.17g}, too narrow "
-                "to be distinguished in double precision; take fewer cells or a longer axis."
-            )
-        return cls(coordinate, start, stop, cells)
+def _cells(coordinate: Any, count: Any) -> int:
+    most = 10_000_000
+    try:
+        cells = numbers.whole(count)
+    except numbers.NotNumber as error:
+        raise InputError(
+            f"axis {coordinate} has count = {count if isinstance(count, str) else numbers.shown(count)}, which "
+            f"{error}; the allowed range is 1 <= count <= {most}."
+        ) from None
+    if not 1 <= cells <= most:
+        raise InputError(f"axis {coordinate} has count = {cells}; the allowed range is 1 <= count <= {most}.")
+    return cells
 
 
-class Grid(NamedTuple):
-    """Starts in two coordinates, ``x`` along columns and ``y`` along rows; ``fixed`` are the values of the others."""
+@dataclass(frozen=True)
+class Grid:
+    """Starts in two coordinates, ``x`` along columns and ``y`` along rows; ``fixed`` are the values of the others.
+
+    Raises ``InputError`` if an axis is none, or is not along a coordinate of a state.
+    """
 
     x: Axis
     y: Axis
-    fixed: Mapping[str, float] = {}
+    fixed: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Check the coordinates and their values."""
+        if not (isinstance(self.x, Axis) and isinstance(self.y, Axis)):
+            raise InputError("a grid needs two axes, lsvib.Axis(coordinate, start, stop, count) each.")
+        names = [self.x.coordinate, self.y.coordinate, *names_and_values("grid", self.fixed)]
+        for name in names:
+            if not isinstance(name, str) or name not in coordinates():
+                raise InputError(f"grid has the coordinate {name!r}, which is not one of {', '.join(coordinates())}.")
+        if len(set(names)) < len(names):
+            raise InputError(f"the grid gives a coordinate twice: {', '.join(names)}.")
+        values = {name: numbers.start(f"grid: {name}", value) for name, value in self.fixed.items()}
+        object.__setattr__(self, "fixed", values)
 
     @classmethod
     def of(cls, values: Mapping[str, Any]) -> Self:
@@ -94,10 +116,9 @@ class Grid(NamedTuple):
         Of the two axes, the one that comes first in a state is horizontal, whichever is written first. Raises
         ``InputError``.
         """
-        for name in names_and_values("grid", values):
-            if name not in coordinates():
-                raise InputError(f"grid has the coordinate {name!r}, which is not one of {', '.join(coordinates())}.")
-        spans = [name for name in coordinates() if isinstance(values.get(name), Mapping)]
+        names_and_values("grid", values)
+        known = [*coordinates(), *values]  # what is no coordinate comes last
+        spans = [name for name in dict.fromkeys(known) if isinstance(values.get(name), Mapping)]
         if len(spans) != 2:
             raise InputError(f"grid spans {len(spans)} coordinates; give start, stop and count of two.")
         for name in spans:
@@ -105,5 +126,5 @@ class Grid(NamedTuple):
                 raise InputError(
                     f"axis {name} has the keys {', '.join(map(str, values[name]))}; it needs start, stop and count."
                 )
-        x, y = (Axis.checked(name, **values[name]) for name in spans)
-        return cls(x, y, {name: numbers.start(f"grid: {name}", values[name]) for name in values if name not in spans})
+        x, y = (Axis(name, **values[name]) for name in spans)
+        return cls(x, y, {name: values[name] for name in values if name not in spans})

@@ -94,7 +94,7 @@ def mapper(
 
     >>> import lsvib
     >>> from lsvib.basins.grid import Axis
-    >>> grid = Grid(Axis.checked("u", -0.03, 0.03, 4), Axis.checked("w", -5, 5, 2))
+    >>> grid = Grid(Axis("u", -0.03, 0.03, 4), Axis("w", -5, 5, 2))
     >>> mapped = mapper(lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10))
     >>> mapped.cells(grid, quantities=("label",))["label"].tolist()
     [[0, 0, 0, 0], [0, 0, 0, 2]]

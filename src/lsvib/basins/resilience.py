@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsvib.basins.boundary import AttractsNothing, Basin, basin
-from lsvib.basins.curves import Arc, Piece, Window, sign_changes, state_on
+from lsvib.basins.curves import Arc, Part, Piece, Window, sign_changes, state_on
 from lsvib.engine.kernels import layout
 from lsvib.models.drive import RigidDrive
 from lsvib.models.rigid import rigid_automaton
@@ -45,12 +45,13 @@ class Resilience:
         return found | {"state": [x if math.isfinite(x) else None for x in self.state]}
 
 
-def resilience(drive: RigidDrive, window: Window | None = None) -> Resilience:
+def resilience(drive: RigidDrive, window: Part = None) -> Resilience:
     """Return the perturbations that the steady sliding of a rigid drive tolerates.
 
     Arguments: drive; a ``window`` of the phase plane. Raises ``InputError`` and ``EngineError`` where the basin is not
     covered (:func:`lsvib.basins.boundary.basin`).
     """
+    window = None if window is None else Window.of(window)
     share, nowhere = (math.nan if window is None else 1.0), (math.nan, math.nan)
     everything = (math.inf, math.inf, math.inf, nowhere, share, window)
     if rigid_automaton(drive).contracts and drive.support_damping > 0:

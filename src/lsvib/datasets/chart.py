@@ -55,12 +55,15 @@ class ChartAxis(Axis):
             if not isinstance(parts, tuple | list) or len(parts) != 4:
                 raise InputError(f"{where} = {numbers.shown(given)} is not a parameter with start, stop and count.")
         known_key(type(drive), name := parts[0], f"{where}: ")
-        axis = cls.over(*parts)
+        axis = cls(*parts)
         if name in LOGARITHMIC and axis.start <= 0:
             raise InputError(f"axis {name} has start = {axis.start:g}; its cells have equal ratios, so start > 0.")
         return axis
 
-    name = Axis.coordinate  # of the parameter
+    @property
+    def name(self) -> str:
+        """Name of the parameter."""
+        return self.coordinate
 
     @property
     def ends(self) -> tuple[float, float]:

@@ -97,6 +97,8 @@ def followed(
     Raises ``InputError`` for a cycle of another drive, a parameter that is not known, or a span without the drive.
     """
     kind = type(drive)
+    if not isinstance(cycle, Cycle):
+        raise InputError("what is followed is one cycle, such as drive.cycles().cycles[0].")
     if cycle.drive != drive:
         raise InputError("the cycle belongs to another drive; take one of this drive's cycles().")
     known_key(kind, parameter)

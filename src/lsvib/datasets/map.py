@@ -123,7 +123,7 @@ def frame(mapper: Mapper, grid: Grid) -> xr.Dataset:
         name: (name, axis.centres(), {**quantity(name), "cell_width": axis.width})
         for name, axis in zip(_dimensions(grid), (grid.y, grid.x), strict=True)
     }
-    spans = {axis.coordinate: list(axis[1:]) for axis in (grid.x, grid.y)}
+    spans = {axis.coordinate: [axis.start, axis.stop, axis.count] for axis in (grid.x, grid.y)}
     return xr.Dataset(
         coords=axes,
         attrs={

@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 
 from lsvib import numbers
-from lsvib.basins.curves import Window
+from lsvib.basins.curves import Part, Window
 from lsvib.basins.resilience import Resilience, resilience
 from lsvib.datasets.attributes import Variables, attributes, flags, variable
 from lsvib.dynamics.attractor import Attractor
@@ -105,7 +105,7 @@ def axes_of(over: Any, kind: type[Drive], most: int) -> dict[str, list[float]]:
     lists = names_and_values("over", over)
     for name, given in lists.items():
         known_key(kind, name)
-        if isinstance(given, str | bytes | Mapping) or not hasattr(given, "__len__") or not hasattr(given, "__iter__"):
+        if isinstance(given, str | bytes | Mapping) or getattr(given, "ndim", 1) != 1 or not hasattr(given, "__len__"):
             raise InputError(f"over: {name} = {numbers.shown(given)} is not a list of numbers.")
     total = math.prod(map(len, lists.values()))
     if not 1 <= total <= most:
@@ -149,7 +149,7 @@ def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
 
 
 def resilience_sweep(
-    drive: RigidDrive, over: Mapping[str, Any], window: Window | None = None, progress: Progress | None = None
+    drive: RigidDrive, over: Mapping[str, Any], window: Part = None, progress: Progress | None = None
 ) -> xr.Dataset:
     """Return the perturbations that steady sliding of the rigid drive tolerates over all combinations of some values.
 
@@ -158,6 +158,7 @@ def resilience_sweep(
     are infinite where every perturbation is tolerated, zero where none is, nan where the basin is not covered, for the
     reasons in the attribute ``refused``. Raises ``InputError`` for values that are not acceptable.
     """
+    window = None if window is None else Window.of(window)
     axes = axes_of(over, RigidDrive, _MOST // 10)  # at some 10 ms each three hours
     drives = [drive.replace(**dict(zip(axes, values, strict=True))) for values in product(*axes.values())]
     found: list[Resilience | None] = []
@@ -186,24 +187,3 @@ def resilience_sweep(
         window=json.dumps(None if window is None else window._asdict()),
         refused=json.dumps(sorted(set(refused))),
     )
-
-
-def window_of(given: Any) -> Window | None:
-    """Return a window from one, None, or edges ``{"u": (low, high), "w": (low, high)}``, else raise ``InputError``."""
-    if given is None:
-        return None
-    if isinstance(given, Window):
-        given = {"u": (given.left, given.right), "w": (given.bottom, given.top)}
-    edges = names_and_values("window", given)
-    if set(edges) != {"u", "w"}:
-        raise InputError(f"window has the keys {', '.join(edges) or 'none'}; it needs u and w.")
-    ends: list[float] = []
-    for name in ("u", "w"):
-        pair = edges[name]
-        if not isinstance(pair, tuple | list) or len(pair) != 2:
-            raise InputError(f"window {name} = {numbers.shown(pair)} is not a low and a high end.")
-        low, high = (numbers.start(f"window {name}", value) for value in pair)
-        if not low < high:
-            raise InputError(f"window {name} = {low:g} to {high:g} is outside the allowed range low < high.")
-        ends += [low, high]
-    return Window(*ends)

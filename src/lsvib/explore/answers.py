@@ -124,7 +124,7 @@ def friction_visited(drive: Drive, shown: Followed) -> tuple[np.ndarray, np.ndar
 
 def labels(drive: Drive, window: Window, cells: tuple[int, int]) -> np.ndarray:
     """Return the labels (rows, columns) of the attractors from every cell of a window; raises ``LsvibError``."""
-    u, w = Axis.checked("u", *window[:2], cells[0]), Axis.checked("w", *window[2:], cells[1])
+    u, w = Axis("u", *window[:2], cells[0]), Axis("w", *window[2:], cells[1])
     return _mapper(drive).cells(Grid(u, w), quantities=("label",))["label"]
 
 

@@ -80,8 +80,8 @@ def maps(settings: of.Values) -> xr.Dataset:
     for n in settings["resolutions"]:
         labels = []
         for one, window in zip(drives, (case["window"] for case in settings["cases"]), strict=True):
-            u = Axis.checked("u", window["left"], window["right"], n)
-            w = Axis.checked("w", window["bottom"], window["top"], n)
+            u = Axis("u", window["left"], window["right"], n)
+            w = Axis("w", window["bottom"], window["top"], n)
             labels.append(mapper(one).cells(Grid(u, w), quantities=("label",))["label"])
         dims = "case", f"velocity_{n}", f"angle_{n}"
         found[f"attractor_{n}"] = phase_plane.attractors(

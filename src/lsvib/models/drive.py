@@ -192,6 +192,12 @@ class Drive(BaseModel):
             except ValidationError as error:
                 raise InputError(sentence_about(type(self), error)) from None
 
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise InputError(f"a drive does not change; drive.replace({name}=...) makes another one.")
+
+    def __delattr__(self, name: str) -> None:
+        raise InputError("a drive does not change, and has all of its parameters.")
+
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Drive):
             return NotImplemented
