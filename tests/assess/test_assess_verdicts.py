@@ -70,7 +70,7 @@ def test_a_fall_of_friction_between_two_speeds_is_seen():
     assert found.verdict == "vibrates"
     one = found.mechanisms["falling_friction"]
     values = quantities(given, nominal_draw(given))
-    assert one.reserve == pytest.approx(lowest_of_dense(given, values, "falling_friction"), abs=1e-6)
+    assert one.reserve == pytest.approx(lowest_of_dense(given, values, "falling_friction"), abs=1e-5)
     assert 3.8 < one.corner[1] * 30 / np.pi < 26
 
 

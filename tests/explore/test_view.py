@@ -6,6 +6,8 @@ import random
 import re
 import subprocess
 import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
 from urllib.parse import parse_qsl
 
 import numpy as np
@@ -79,7 +81,7 @@ def test_the_map_is_that_of_the_drive():
 
 def test_the_amplitude_curve_is_the_sweep():
     view = View(lsvib.RigidDrive(translation_damping=1000), low=10.0, high=60.0)
-    points = [point for point in answers.amplitudes(view, 6) if point.near]
+    points = [answers.amplitude(view, value, near=True) for value in answers.values_of(view, 6)]
     swept = view.drive.sweep(axial_force=[point.value for point in points])
     assert [point.amplitude for point in points] == pytest.approx(swept.amplitude.values.tolist(), rel=1e-12)
     assert [int(point.label) for point in points] == swept.attractor.values.tolist()
@@ -133,22 +135,69 @@ def refusal(*arguments: str, before: str = "") -> str:
     return done.stderr
 
 
-def test_a_browser_may_call_this_machine_by_name_or_number():
-    """The page comes to life over a socket, which its server opens to pages of its own address alone."""
+@pytest.fixture(scope="module")
+def port():
+    """Port of a running explorer."""
     pytest.importorskip("bokeh")
+    command = [sys.executable, "-m", "lsvib", "explore", "--no-show", "--port", "0"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as process:
+        yield int(re.search(r"localhost:(\d+)/", process.stdout.readline()).group(1))
+        process.terminate()
+
+
+def answered(port: int, path: str, host: str = "localhost:{}", **headers: str) -> tuple[int, str]:
+    """Status and text of an answer of the server."""
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
+    connection.request("GET", path, headers={"Host": host.format(port), **headers})
+    answer = connection.getresponse()
+    text = "" if answer.status == 101 else answer.read().decode()
+    connection.close()
+    return answer.status, text
+
+
+@pytest.mark.parametrize(
+    "path", ["/", "/?mass=11", "/export/scene.yaml", "/static/js/bokeh.min.js", "/ws", "/metadata"]
+)
+def test_only_this_machine_is_served(port, path):
+    """A page of another site whose name is rebound to this machine is one of another host, whatever it asks for."""
+    for host in ("elsewhere.org:{}", "elsewhere.org", "localhost", "localhost:1"):
+        assert answered(port, path, host) == (403, "The explorer answers to localhost and 127.0.0.1 only.")
+    assert answered(port, path)[0] == (400 if path == "/ws" else 200)
+
+
+def test_a_light_request_beside_heavy_ones_is_answered_in_a_second(port):
+    heavy = [
+        "/?duration=100000&mass=11&support_damping=0.001&axial_force=-10&u=0.1",
+        "/export/motion.nc?duration=100000&mass=11&support_damping=0.001&axial_force=-10&u=0.1",
+        "/export/motion.nc?duration=1&u=0.1&translation_damping=1e15&friction_slope=-1e-5",
+    ]
+    answered(port, heavy[2])  # which compiles what a friction law needs
+    with ThreadPoolExecutor(3) as threads:
+        asked = [threads.submit(answered, port, path) for path in heavy]
+        began = time.monotonic()
+        assert answered(port, "/metadata")[0] == 200
+        assert time.monotonic() - began < 1.5
+    given = [one.result() for one in asked]
+    assert [status for status, _ in given] == [200, 400, 400]
+    assert all("takes more work than a page may do; shorten it" in text for _, text in given[1:])
+
+
+def test_pages_are_limited(port):
+    """A page of another site may make a browser load this one as often as it likes."""
+    with ThreadPoolExecutor(20) as threads:
+        given = list(threads.map(lambda _: answered(port, "/"), range(20)))
+    assert any("<title>Too many pages of the explorer are open" in text for _, text in given)
+    assert answered(port, "/export/scene.yaml")[0] == 200
+
+
+def test_a_browser_may_call_this_machine_by_name_or_number(port):
+    """The page comes to life over a socket, which its server opens to pages of its own address alone."""
     from bokeh.util.token import generate_jwt_token
 
-    command = [sys.executable, "-m", "lsvib", "explore", "--no-show", "--port", "0"]
     socket = {"Connection": "Upgrade", "Upgrade": "websocket", "Sec-WebSocket-Version": "13", "Sec-WebSocket-Key": "x"}
     socket["Sec-WebSocket-Protocol"] = f"bokeh, {generate_jwt_token('any')}"
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
-        port = int(re.search(r"localhost:(\d+)/", process.stdout.readline()).group(1))
-        for host, answer in (("localhost", 101), ("127.0.0.1", 101), ("elsewhere.org", 403)):
-            connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
-            connection.request("GET", "/ws", headers={**socket, "Origin": f"http://{host}:{port}"})
-            assert connection.getresponse().status == answer
-            connection.close()
-        process.terminate()
+    for host, answer in (("localhost", 101), ("127.0.0.1", 101), ("elsewhere.org", 403)):
+        assert answered(port, "/ws", **socket, Origin=f"http://{host}:{port}")[0] == answer
 
 
 LAW = {"stribeck_rise": 0.0203, "stribeck_speed": 0.013704, "friction_slope": -0.0859}
@@ -195,9 +244,10 @@ def test_a_page_with_a_friction_law_opens():
     from lsvib.explore.page import Page
 
     page = Page(Document(), View(lsvib.RigidDrive(axial_force=100, input_speed=10, **LAW), w=-9.0, duration=0.2), {})
+    page._begin("")
     page._settle()
     assert "0 to 0.126 m/s, with a coefficient of 0.207 to 0.238." in page._words.text  # 0.218 - 0.0859 * 0.126
-    next(page._work())  # the fine map
+    assert next(page._work()).func is answers.labels  # the fine map
     assert page.shown.steady.label == Attractor.STICK_SLIP_CYCLE
     assert max(page.plots.sources["law"].data["y"]) == pytest.approx(0.2383, rel=1e-12)
 
@@ -211,6 +261,7 @@ def test_a_drive_with_compliant_parts_and_a_law_is_followed_without_its_map(mode
     from lsvib.explore.page import Page
 
     page = Page(Document(), View(drive_class(model)(axial_force=100, input_speed=10, **LAW), w=-9.0, duration=0.05), {})
+    page._begin("")
     page._settle()
     assert list(page._work()) == []
     assert "Map and amplitude curve are left out here" in page._words.text

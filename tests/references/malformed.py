@@ -98,7 +98,10 @@ SCENES = [
 REPEATED = "".join(f"{b}: &{b} [{', '.join([f'*{a}'] * 9)}]\n" for a, b in zip("abcdefg", "bcdefgh", strict=True))
 SCENES += [
     (f"a: &a [1]\n{REPEATED}start: *h\nduration: 1\n", "more than 1000000 values, with aliases written out"),
-    ("start: &a [*a]\nduration: 1\n", "more than 1000000 values"),
+    ("start: &a [*a]\nduration: 1\n", "an alias stands inside of what it names"),
+    ("#" * 10_000_001, "it has more than 10 MB"),
+    ("drive: {mass: " + "9" * 5000 + "}\n", "mass = inf is outside the allowed range"),
+    ("duration: " + "9" * 5000 + "\n", "duration = inf is outside the allowed range"),
 ]
 # Changes of the settings of a figure: place, value, words.
 SECTIONS = [

@@ -126,12 +126,12 @@ def margins(sheet: Sheet, values: Mapping[str, float]) -> dict[str, list[Margin]
 
 
 def _refined(sheet: Sheet, edges: list[_Edge]) -> list[float]:
-    """The first factor at which the verdict of each edge changes, to a part in 10¹²; all are looked at together."""
+    """The first factor at which the verdict of each edge changes, to a part in 10⁹; all are looked at together."""
     if not edges:
         return []
     occurs = np.array([edge.occurs for edge in edges])
     before, after = np.array([edge.factors for edge in edges]).T
-    for _ in range(44):  # a step of 8 %, or of the smallest damping from 1e-12 on, is halved, to a part in 10¹²
+    for _ in range(34):  # a step of 8 %, or of the smallest damping from 1e-12 on, is halved, to a part in 10⁹
         middle = before * np.sqrt(after / before)
         drives = [_scaled(sheet, edge.base, edge.keys, factor) for edge, factor in zip(edges, middle, strict=True)]
         flags = _occurs(sheet, {key: np.array([one[key] for one in drives]) for key in edges[0].base})

@@ -214,9 +214,14 @@ def corners(sheet: Sheet, values: Mapping[str, Any]) -> list[tuple[int, Any, Any
     ]
 
 
-def window_points(sheet: Sheet, values: Mapping[str, Any], direction: int) -> tuple[NDArray, NDArray]:
-    """Speeds [rad/s] and forces [N] of all corners of one direction: (k) for one drive, (k, n) for arrays of drives."""
-    shares = np.linspace(_BESIDE, 1.0, 1 if sheet.support is None else 3)
+def window_points(
+    sheet: Sheet, values: Mapping[str, Any], direction: int, between: bool = True
+) -> tuple[NDArray, NDArray]:
+    """Speeds [rad/s] and forces [N] of all corners of one direction: (k) for one drive, (k, n) for arrays of drives.
+
+    ``between``: with a support also between the ends of |R̃|, where its reserves need not be monotonic.
+    """
+    shares = np.linspace(_BESIDE, 1.0, 3 if between and sheet.support is not None else 1)
     shape = np.broadcast_shapes(*map(np.shape, values.values()))
     values = {key: np.broadcast_to(value, shape) for key, value in values.items()}
     p = without_friction(values, direction, 1.0, 0.0)
@@ -277,8 +282,10 @@ def _frictionless(sheet: Sheet, values: Mapping[str, Any], p: Mapping[str, Any])
     return low
 
 
-def worst(sheet: Sheet, values: Mapping[str, Any]) -> dict[str, Worst]:
+def worst(sheet: Sheet, values: Mapping[str, Any], between: bool = True) -> dict[str, Worst]:
     """Return the lowest reserve of each mechanism over the window for drives given by arrays (n) or floats.
+
+    ``between``: as of :func:`window_points`.
 
     ``after_perturbation`` is among them, see :func:`lsvib.assess.mechanisms.reserves`. NaN where the friction is so
     strong that the drive cannot move at all.
@@ -286,7 +293,7 @@ def worst(sheet: Sheet, values: Mapping[str, Any]) -> dict[str, Worst]:
     count = max(np.size(value) for value in values.values())
     step = max(AT_ONCE // reserves_of(sheet, values), 1)
     parts = [
-        _worst(sheet, {key: value[k : k + step] if np.size(value) > 1 else value for key, value in values.items()})
+        _worst(sheet, {key: one[k : k + step] if np.size(one) > 1 else one for key, one in values.items()}, between)
         for k in range(0, count, step)
     ]
     keys = ("reserve", "corner", "speed")
@@ -302,14 +309,14 @@ def reserves_of(sheet: Sheet, values: Mapping[str, Any]) -> int:
     return sum(len(window_points(sheet, one, direction)[0]) for direction in directions(sheet))
 
 
-def _worst(sheet: Sheet, values: Mapping[str, Any]) -> dict[str, Worst]:
+def _worst(sheet: Sheet, values: Mapping[str, Any], between: bool) -> dict[str, Worst]:
     """The same of all drives at once."""
     shape = np.broadcast_shapes(*map(np.shape, values.values())) or (1,)
     rows, places = [], []
     for direction in directions(sheet):
         speeds, forces = (
             np.broadcast_to(table[:, None] if table.ndim == 1 else table, (len(table), *shape))
-            for table in window_points(sheet, values, direction)
+            for table in window_points(sheet, values, direction, between)
         )
         rows.append(reserves(sheet, values, direction, speeds, forces))
         places.append((np.full(speeds.shape, direction), speeds, forces))
@@ -349,7 +356,7 @@ def _lowest_between(
 
     inner = [high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)]
     there = [looked(place) for place in inner]
-    for _ in range(10):  # until the ends are a part 5e-3 of their distance apart, in which the reserve is flat
+    for _ in range(7):  # until the ends are a part 2e-2 of their distance apart, in which the reserve is flat
         left = there[0] < there[1]
         low, high = np.where(left, low, inner[0]), np.where(left, inner[1], high)
         new = np.where(left, high - _GOLDEN * (high - low), low + _GOLDEN * (high - low))

@@ -32,7 +32,7 @@ _SAMPLES = 1200  # even ones of the motion shown: 200 a period
 # many motions that are only asked where they end each gets less.
 _MOST_WORK = {"rigid": 4_000, "support": 1_000_000, "contact": 1_000_000}
 _WORK_OF_LAW = 40_000
-_WORK_OF_MANY = 20_000
+_WORK_OF_MANY = 12_000
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from lsvib.datasets.attributes import (
 )
 from lsvib.dynamics.attractor import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.dynamics.impulses import event_impulses
-from lsvib.engine.motion import Motion, follow
+from lsvib.engine.motion import Budget, Motion, follow
 from lsvib.models.drive import Drive, changed, names_and_values, parameters_of
 from lsvib.models.scene import Scene, read_yaml
 
@@ -67,11 +67,11 @@ def as_scene(
     return Scene.of(values)
 
 
-def run(scene: Scene) -> Motion:
-    """Follow the motion of a scene to its end."""
+def run(scene: Scene, budget: Budget | None = None) -> Motion:
+    """Follow the motion of a scene to its end, as far as a ``budget`` suffices (:func:`lsvib.engine.motion.follow`)."""
     definition = scene.definition
     automaton = definition.build(scene.drive, scene.terms, scene.resume)
-    return follow(automaton, definition.initial_state(scene.drive, scene.start), scene.duration)
+    return follow(automaton, definition.initial_state(scene.drive, scene.start), scene.duration, budget=budget)
 
 
 def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:

@@ -1,11 +1,12 @@
 """What the page asks of the engine, without a page: maps, motions and curves as plain arrays; and its exports."""
 
-from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -20,18 +21,19 @@ from lsvib.datasets.phase_plane import lines, sample
 from lsvib.datasets.spans import stepped
 from lsvib.datasets.sweep import START
 from lsvib.dynamics.attractor import Attractor, SteadyState, steady_state
-from lsvib.engine.motion import Motion
-from lsvib.errors import EngineError, LsvibError
+from lsvib.engine.kernels.layout import Status
+from lsvib.engine.motion import Budget, Motion
+from lsvib.errors import EngineError, LsvibError, WorkSpentError
 from lsvib.explore.view import View
 from lsvib.figures.attraction import COLOURS
 from lsvib.models import friction
 from lsvib.models.drive import Drive
 from lsvib.models.model import find_model
 
+# Work of a motion, and until what it ends on is unresolved, in events: a third of a second, also under a friction law.
+_MOST_WORK, _WORK_OF_LAW = 100_000, 20_000
 # Cells of the map of a drive with two states while it is dragged, a seventieth of a second, and when the hand rests, a
 # fortieth; and of any other drive, of which every motion is followed, a third of a second.
-# Work after which what a motion ends on is unresolved: a second with compliant parts and a friction law.
-_MOST_WORK, _LEAST_WORK = 300_000, 20_000
 DRAGGED, SETTLED, COARSE = (120, 90), (320, 240), (36, 27)
 
 
@@ -55,14 +57,30 @@ class Followed:
     turning: np.ndarray
 
 
+def _work(drive: Drive) -> int:
+    return _WORK_OF_LAW if friction.depends_on_speed(drive) else _MOST_WORK
+
+
+def moved(view: View) -> Motion:
+    """Follow the motion of a view; raises ``EngineError``, also where that takes more work than a page may do."""
+    budget = Budget(_WORK_OF_LAW)
+    with suppress(WorkSpentError):
+        motion = run(view.scene(), budget)
+        if motion.status != Status.WORK_SPENT:
+            return motion
+    raise EngineError(
+        f"the motion of {view.duration:g} s takes more work than a page may do; shorten it, or follow it with "
+        "lsvib simulate."
+    )
+
+
 def followed(view: View) -> Followed:
     """Follow the motion of a view and find its attractor; raises ``EngineError``."""
-    motion = run(view.scene())
+    motion = moved(view)
     time, states, modes = _sampled(motion)
     mode, force = motion.automaton.codes[modes], motion.automaton.observe("normal_force", states, modes)
     try:
-        work = _LEAST_WORK if laborious(view.drive) else _MOST_WORK
-        steady = steady_state(motion.automaton, motion.start_state, max_events=work)
+        steady = steady_state(motion.automaton, motion.start_state, max_events=_work(view.drive))
     except EngineError:
         steady = None
     cycle = np.empty((0, 2))
@@ -125,7 +143,14 @@ def friction_visited(drive: Drive, shown: Followed) -> tuple[np.ndarray, np.ndar
 def labels(drive: Drive, window: Window, cells: tuple[int, int]) -> np.ndarray:
     """Return the labels (rows, columns) of the attractors from every cell of a window; raises ``LsvibError``."""
     u, w = Axis("u", *window[:2], cells[0]), Axis("w", *window[2:], cells[1])
-    return _mapper(drive).cells(Grid(u, w), quantities=("label",))["label"]
+    with _MAPPING:
+        return _mapper(drive).cells(Grid(u, w), quantities=("label",))["label"]
+
+
+def strips(window: Window, count: int) -> list[Window]:
+    """Return a window cut into strips, the lowest first."""
+    edges = np.linspace(window.bottom, window.top, count + 1).tolist()
+    return [Window(window.left, window.right, *pair) for pair in pairwise(edges)]
 
 
 def name_of(kind: Any) -> str:
@@ -158,19 +183,22 @@ class AmplitudePoint:
     near: bool
 
 
-def amplitudes(view: View, count: int) -> Iterator[AmplitudePoint]:
-    """Yield the points of the amplitude curve of a view, two for each of ``count`` values of its parameter.
+def values_of(view: View, count: int) -> list[float]:
+    """Return ``count`` values of the parameter of the amplitude curve."""
+    return (np.geomspace if logarithmic(view) else stepped)(view.low, view.high, count).tolist()
 
-    A drive that the engine has no answer for is unresolved.
-    """
-    spaced = np.geomspace if logarithmic(view) else stepped
-    for value in spaced(view.low, view.high, count).tolist():
-        for near, start in ((True, START), (False, {"u": view.u, "w": view.w})):
-            try:
-                found = view.drive.replace(**{view.over: value}).steady_state(start)  # type: ignore[attr-defined]
-                yield AmplitudePoint(value, 0.0 if found.orbit is None else found.amplitude, found.label, near)
-            except LsvibError:
-                yield AmplitudePoint(value, float("nan"), Attractor.UNRESOLVED, near)
+
+def amplitude(view: View, value: float, near: bool) -> AmplitudePoint:
+    """Return a point of the amplitude curve of a view; a drive that the engine has no answer for is unresolved."""
+    try:
+        drive = view.drive.replace(**{view.over: value})
+        model = find_model(drive.model)
+        state = model.initial_state(drive, START if near else {"u": view.u, "w": view.w})
+        automaton = model.build(drive, model.physics_of(drive), "contact_sign")
+        found = steady_state(automaton, state, max_events=_work(drive))
+        return AmplitudePoint(value, 0.0 if found.orbit is None else found.amplitude, found.label, near)
+    except LsvibError:
+        return AmplitudePoint(value, float("nan"), Attractor.UNRESOLVED, near)
 
 
 def logarithmic(view: View) -> bool:
@@ -194,6 +222,9 @@ def thresholds_over(view: View) -> dict[str, float]:
 def _sampled(motion: Motion) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """As many samples as a screen has columns, and at least four of each arc."""
     return sample(motion, max(2000, 4 * (motion.time.size + 1)))
+
+
+_MAPPING = Lock()  # a mapper serves one thread at a time
 
 
 @lru_cache(maxsize=4)  # the drives of a few pages; a mapper holds the cycles of its drive
@@ -220,9 +251,8 @@ def export(name: str, view: View) -> bytes:
     """Return the scene of a view, or its motion as ``lsvib simulate`` writes it; raises ``LsvibError``."""
     if name == "scene.yaml":
         return view.yaml().encode()
-    scene = view.scene()
-    motion = run(scene)
+    motion = moved(view)
     with TemporaryDirectory() as folder:
         path = Path(folder) / name
-        write_dataset(motion_file(scene, motion, attractor_of(motion)), path, "lsvib.explore")
+        write_dataset(motion_file(view.scene(), motion, attractor_of(motion)), path, "lsvib.explore")
         return path.read_bytes()

@@ -1,13 +1,16 @@
 """One page in one browser: what is asked by hand, answered at once where it can be, and in small steps elsewhere."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from asyncio import get_running_loop
+from collections.abc import Callable, Generator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
 from html import escape
 from time import perf_counter
 from typing import Any
 
 import numpy as np
-from bokeh.document import Document
+from bokeh.document import Document, without_document_lock
 from bokeh.events import DocumentReady, RangesUpdate, Tap
 from bokeh.layouts import column, row
 from bokeh.models import CustomJS, Div, Row
@@ -42,6 +45,17 @@ _TEMPLATE = """{% block preamble %}<meta name="viewport" content="width=device-w
 _NARROW = {"sizing_mode": "scale_width", "max_width": 640, "min_width": 320}  # as narrow as a telephone
 
 
+THREAD = ThreadPoolExecutor(1)
+"""Where slow work is done, piece by piece, so that pages answer meanwhile."""
+
+Slow = Generator[Callable[[], Any], Any, None]
+"""Slow work: yields what is to be computed, is sent what that returned, and draws it."""
+
+
+def _nothing() -> Slow:
+    yield from ()
+
+
 class Page:
     """The page of one session; ``presets`` by name. ``view`` is what it shows."""
 
@@ -53,13 +67,10 @@ class Page:
         self._waiting = False
         self._answered = 0.0  # time of the last answer [s]
         self._settling: Any = None
-        self._slow: Iterator[None] = iter(())
-        self._stepping = False
+        self._slow, self._until = _nothing(), 0.0
         self._shares: dict[Attractor, float] = {}
         self._frames: Any = None
-        self._alert = Div(
-            text=escape(complaint), name="alert", html_attributes={"role": "alert"}, styles={"color": "#B00020"}
-        )
+        self._alert = Div(name="alert", html_attributes={"role": "alert"}, styles={"color": "#B00020"})
         self._words = Div(
             name="words", sizing_mode="stretch_width", html_attributes={"role": "status", "aria-live": "polite"}
         )
@@ -72,8 +83,17 @@ class Page:
         self.controls.moment.on_change("value", lambda attribute, old, new: self._draw_moment())
         self.controls.play.on_change("active", lambda attribute, old, new: self._play(bool(new)))
         self._lay_out()
-        self.show(view)
         document.js_on_event(DocumentReady, self.plots.clip)
+        # Nothing is computed for a request, which any page can make a browser send, but for a page that is open.
+        document.on_event(DocumentReady, lambda event: self._begin(complaint))
+
+    def _begin(self, complaint: str) -> None:
+        try:
+            self.show(self.view)
+        except LsvibError as error:
+            complaint = f"The link cannot be shown: {error}"
+            self.show(View())
+        self._say(self._alert, escape(complaint))
 
     def ask(self, key: str, text: str) -> None:
         """Take a request of a control; requests that come within a moment of each other are answered together."""
@@ -105,7 +125,7 @@ class Page:
         asked, self._asked = self._asked, {}
         try:
             if "preset" in asked:
-                if asked["preset"]:
+                if asked["preset"] in self.presets:
                     self.show(self.presets[asked["preset"]])
             elif "model" in asked:
                 self.show(self._of_model(asked["model"]))
@@ -127,16 +147,16 @@ class Page:
             if name in self.controls.fields:
                 parameters[name] = text
             elif key == "over":
-                value = getattr(self.view.drive, text)
+                value = getattr(self.view.drive, text, 0.0)  # a name that is not known is refused with the view
                 changes |= {"over": text, **around(value, text)}
             elif key == "window":
-                changes["window"] = Window(*map(float, text.split()))
+                changes["window"] = Window(*(numbers.start("window", edge) for edge in text.split()))
             elif key == "fit":
                 changes["window"] = None
             else:
                 changes[key] = numbers.start(key, text)
             if key.startswith("slider:"):
-                self.controls.say_value(name, float(text))
+                self.controls.say_value(name, numbers.start(name, text))
         return replace(self.view, drive=self.view.drive.replace(**parameters), **changes)
 
     def _of_model(self, model: str) -> View:
@@ -166,7 +186,7 @@ class Page:
         self.plots.draw_motion(view.drive, shown, window)
         self.plots.draw_friction(*answers.friction_visited(view.drive, shown))
         self._draw_moment()
-        self._slow = iter(())
+        self._slow = _nothing()
         if self._settling is not None:
             self.document.remove_timeout_callback(self._settling)
         self._settling = self.document.add_timeout_callback(self._settle, 500)  # ms: the hand rests
@@ -177,46 +197,62 @@ class Page:
         self._say_links()
         self._shares = {}
         self._say_words()
-        self._slow = self._work()
-        if not self._stepping:
-            self._stepping = True
-            self.document.add_next_tick_callback(self._step)
+        self._slow, self._until = self._work(), perf_counter() + 30.0
+        self._go_on(self._slow)
 
-    def _step(self) -> None:
-        """Do a slice of the slow work, and come back while there is more."""
-        end = perf_counter() + 0.04  # s, after which the page answers
-        for _ in self._slow:
-            if perf_counter() > end:
-                self.document.add_timeout_callback(self._step, 5)
-                return
-        self._stepping = False
+    def _go_on(self, work: Slow, result: Any = None) -> None:
+        """Draw what is known of the slow work, and let a thread find out what is missing next."""
+        if work is not self._slow:  # it belongs to a view that is not shown any more
+            return
+        try:
+            job = work.throw(result) if isinstance(result, LsvibError) else work.send(result)
+        except StopIteration:
+            return
+        except LsvibError as error:
+            self._say(self._alert, escape(str(error)))
+            return
+        if perf_counter() > self._until:
+            self._say(self._alert, "What takes more than half a minute is left out; lsvib attraction and sweep do it.")
+            return
 
-    def _work(self) -> Iterator[None]:
-        """The fine map, the thresholds and the amplitude curve, in steps."""
+        @without_document_lock
+        async def find_out() -> None:
+            try:
+                found = await get_running_loop().run_in_executor(THREAD, job)
+            except LsvibError as error:
+                found = error
+            self.document.add_next_tick_callback(lambda: self._go_on(work, found))
+
+        self.document.add_next_tick_callback(find_out)
+
+    def _work(self) -> Slow:
+        """The fine map, the thresholds and the amplitude curve: yields what is to be computed, and draws it."""
         view, window = self.view, self.view.window
         assert window is not None
         if answers.laborious(view.drive):  # each point of a map would take a second
             self.plots.start_curve(view, {})
             return
-        try:
-            cells = answers.SETTLED if answers.at_once(view.drive) else answers.COARSE
-            found = answers.labels(view.drive, window, cells)
-            self.plots.draw_map(found, window)
-            self._shares = answers.shares(found)
-            self._say_words()
-            yield
-            self.plots.start_curve(view, answers.thresholds_over(view))
-            points: list[AmplitudePoint] = []
-            # Of models with more states a point may take half a second.
-            for point in answers.amplitudes(view, 61 if answers.at_once(view.drive) else 21):
-                points.append(point)
-                if len(points) % 10 == 0:
-                    self.plots.draw_curve(points)
-                yield
-            self.plots.draw_curve(points)
-            self._say_words(points)
-        except LsvibError as error:
-            self._say(self._alert, escape(str(error)))
+        if answers.at_once(view.drive):
+            found = yield partial(answers.labels, view.drive, window, answers.SETTLED)
+        else:
+            columns, rows = answers.COARSE
+            strips = answers.strips(window, rows)
+            found = np.full((rows, columns), -2)
+            for k, strip in enumerate(strips):
+                found[k] = (yield partial(answers.labels, view.drive, strip, (columns, 1)))[0]
+        self.plots.draw_map(found, window)
+        self._shares = answers.shares(found)
+        self._say_words()
+        self.plots.start_curve(view, (yield partial(answers.thresholds_over, view)))
+        points: list[AmplitudePoint] = []
+        # Of models with more states a point may take half a second.
+        for value in answers.values_of(view, 61 if answers.at_once(view.drive) else 21):
+            for near in (True, False):
+                points.append((yield partial(answers.amplitude, view, value, near)))
+            if len(points) % 10 == 0:
+                self.plots.draw_curve(points)
+        self.plots.draw_curve(points)
+        self._say_words(points)
 
     def _say_words(self, points: Sequence[AmplitudePoint] = ()) -> None:
         """Say in words what the drawings show."""

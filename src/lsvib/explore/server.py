@@ -4,14 +4,18 @@ import asyncio
 import errno
 import logging
 import webbrowser
+from asyncio import get_running_loop
 from collections.abc import Mapping
+from typing import Any
 
 from bokeh.application import Application
 from bokeh.application.handlers.function import FunctionHandler
 from bokeh.document import Document
+from bokeh.models import Div
 from bokeh.server.server import Server
 from bokeh.server.urls import per_app_patterns
 from bokeh.server.views.ws import WSHandler
+from tornado.httputil import HTTPServerRequest
 from tornado.web import RequestHandler
 
 from lsvib.api import RigidDrive
@@ -19,9 +23,10 @@ from lsvib.engine.motion import compile_engine
 from lsvib.errors import InputError, LsvibError
 from lsvib.explore import answers
 from lsvib.explore.answers import EXPORTS, export
-from lsvib.explore.page import Page
+from lsvib.explore.page import THREAD, Page
 from lsvib.explore.view import View, presets
 
+MOST_PAGES = 12  # open at once, those included that were closed a moment ago
 # What is shown first: the drive on the front page of the documentation, which slides or vibrates by the start.
 FRONT = View(
     RigidDrive(mass=11, support_damping=1e-3, axial_force=-10), u=0.1, over="axial_force", low=-40.0, high=-0.5
@@ -31,11 +36,12 @@ FRONT = View(
 class Export(RequestHandler):
     """Answers ``export/<name>?<link of a view>`` with a file, or with one sentence and status 400."""
 
-    def get(self, name: str) -> None:
+    async def get(self, name: str) -> None:
         """Send the export."""
         query = {key: self.get_query_argument(key) for key in self.request.query_arguments}
         try:
-            content = export(name, View.of(query))
+            view = View.of(query)
+            content = await get_running_loop().run_in_executor(THREAD, export, name, view)
         except LsvibError as error:
             self.set_status(400)
             self.set_header("Content-Type", "text/plain; charset=utf-8")
@@ -44,6 +50,18 @@ class Export(RequestHandler):
         self.set_header("Content-Type", EXPORTS[name])
         self.set_header("Content-Disposition", f'attachment; filename="{name}"')
         self.write(content)
+
+
+class Refused(RequestHandler):
+    """Answers a request that was sent to another name than that of this machine.
+
+    A page of another site, whose name has been rebound to this machine, would otherwise be served as one of ours.
+    """
+
+    def prepare(self) -> None:
+        """Refuse it."""
+        self.set_status(403)
+        self.finish("The explorer answers to localhost and 127.0.0.1 only.")
 
 
 class PromptSocket(WSHandler):
@@ -69,14 +87,18 @@ def make_server(port: int) -> Server:
 
     def page(document: Document) -> None:
         """Fill the page of one visitor with the view that its address asks for."""
+        if len(server.get_sessions("/")) >= MOST_PAGES:
+            document.title = "Too many pages of the explorer are open"
+            document.add_root(Div(text=f"{document.title}; close some, and load this one again."))
+            return
         context = document.session_context
         arguments: Mapping[str, list[bytes]] = context.request.arguments if context else {}
         query = {key: values[-1].decode() for key, values in arguments.items() if not key.startswith("bokeh-")}
         try:
-            Page(document, View.of(query) if query else FRONT, known)
+            view, complaint = (View.of(query) if query else FRONT), ""
         except LsvibError as error:
-            document.clear()
-            Page(document, View(), known, f"The link cannot be shown: {error}")
+            view, complaint = View(), f"The link cannot be shown: {error}"
+        Page(document, view, known, complaint)
 
     names = "|".join(name.replace(".", r"\.") for name in EXPORTS)
     try:
@@ -84,12 +106,21 @@ def make_server(port: int) -> Server:
             {"/": Application(FunctionHandler(page))},
             address="localhost",
             port=port,
+            check_unused_sessions_milliseconds=2_000,
+            unused_session_lifetime_milliseconds=10_000,
             extra_patterns=[(rf"/export/({names})", Export)],
         )
     except OSError as error:
         reason = "another program uses it" if error.errno == errno.EADDRINUSE else error.strerror
         raise InputError(f"port = {port} cannot be used: {reason}; take another one with --port.") from None
-    server._tornado.websocket_origins.add(f"127.0.0.1:{server.port}")  # besides localhost; the port is known only now
+    application, hosts = server._tornado, {f"localhost:{server.port}", f"127.0.0.1:{server.port}"}
+    application.websocket_origins.update(hosts)  # the port is known only now
+    find = application.find_handler
+
+    def find_handler(request: HTTPServerRequest, **more: Any) -> Any:
+        return find(request, **more) if request.host in hosts else application.get_handler_delegate(request, Refused)
+
+    application.find_handler = find_handler  # the one place that every path goes through
     return server
 
 

@@ -94,7 +94,7 @@ class View:
         values: dict[str, Any] = {}
         for key in ("u", "w", "duration", *_RANGE[1:]):
             if key in given:
-                values[key] = numbers.start(key, given.pop(key))
+                values[key] = _number(key, given.pop(key))
         if "over" in given:
             values["over"] = given.pop("over")
         edges = [given.pop(name) for name in _WINDOW if name in given]
@@ -103,6 +103,16 @@ class View:
                 raise InputError("the window of the phase plane needs all of left, right, bottom and top.")
             values["window"] = Window(*(numbers.start(n, e) for n, e in zip(_WINDOW, edges, strict=True)))
         return cls(drive=kind.of(given), **values)
+
+
+def _number(key: str, text: str) -> float:
+    """A number of a link; the drive knows the range of an end of the curve, the scene that of the duration."""
+    if key in ("u", "w"):
+        return numbers.start(key, text)
+    try:
+        return numbers.number(text)
+    except numbers.NotNumber as error:
+        raise InputError(f"{key} = {numbers.shown(text)} {error}.") from None
 
 
 _LISTS = {  # key of a section: the parameter that it lists values of

@@ -100,7 +100,9 @@ def read_yaml(path: str | Path) -> dict[str, Any]:
             raise OSError(0, "it is not a regular file")
         with Path(path).open("rb") as file:  # what is made while it is read, as under /proc, has the size zero
             content = file.read(min(os.fstat(file.fileno()).st_size, largest + 1))
-        values = yaml.load(content.decode("utf-8"), Loader=_Loader) if len(content) <= largest else None
+        if len(content) > largest:
+            raise OSError(0, f"it has more than {largest // 1_000_000} MB")
+        values = yaml.load(content.decode("utf-8"), Loader=_Loader)
     except OSError as error:
         raise InputError(f"Cannot read {path}: {error.strerror}.") from None
     except RecursionError:
@@ -130,17 +132,18 @@ class _Loader(yaml.SafeLoader):
     def get_single_node(self) -> yaml.Node | None:
         """Return the whole document; refuse one that aliases make too large, or part of itself."""
         node = super().get_single_node()
-        if node is not None and _values_in(node, {}) > 1e6:
-            raise yaml.constructor.ConstructorError(
-                None, None, "it holds more than 1000000 values, with aliases written out", node.start_mark
-            )
+        if node is not None and (count := _values_in(node, {})) > 1e6:
+            fault = "it holds more than 1000000 values, with aliases written out"
+            if count == math.inf:
+                fault = "an alias stands inside of what it names"
+            raise yaml.constructor.ConstructorError(None, None, fault, node.start_mark)
         return node
 
     def construct_decimal(self, node: yaml.ScalarNode) -> int | float | str:
         """Return a decimal number; what is none, such as an octal or sexagesimal one, stays text."""
         text = self.construct_scalar(node)
         try:
-            return int(text) if _DECIMAL.fullmatch(text) else number(text)
+            return int(text) if _DECIMAL.fullmatch(text) and len(text) < 400 else number(text)  # beyond: infinite
         except NotNumber:
             return _NOT_FINITE.get(text.lower().lstrip("+"), text)
 
