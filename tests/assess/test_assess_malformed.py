@@ -27,7 +27,9 @@ GONE = object()
 # Place, what stands there instead, and words that the sentence must hold.
 CASES = [
     ("load", GONE, "load is missing"),
-    ("load.mass", GONE, "load.mass is missing"),
+    ("load", {"orientation": "vertical", "force": "5 N"}, "load.orientation needs load.mass"),
+    ("load", {}, "load has neither force nor mass"),
+    ("load.mass", GONE, "a report needs what vibration needs; the sheet does not give load.mass"),
     ("thread.colour", "red", "thread.colour is not a known key"),
     ("load", 5, "does not hold names and values"),
     ("load.mass", 5, "has no unit"),

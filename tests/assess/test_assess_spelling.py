@@ -20,6 +20,8 @@ from lsvib.assess.threads import thread_size
         ("5 N/mm2", "Pa", 5e6),
         ("7850 kg/m3", "kg/m^3", 7850.0),
         ("1/2 inch", "m", 0.0127),
+        ("2 tpi", "m", 0.0127),
+        ("14TPI", "m", 0.0254 / 14),
         ("−5 N", "N", -5.0),
         ("1e3 N*s/m", "N s/m", 1e3),
         ("2e2 mm^2/mm", "m", 0.2),
@@ -38,6 +40,8 @@ def test_a_quantity_is_read(text, unit, value):
         ("٣ N", "N", "is not a force"),
         ("1 m2", "m", "is not a length"),
         ("1/0 inch", "m", "not known"),
+        ("0 tpi", "m", "not known"),
+        ("2 tpi", "N", "is not a force"),
     ],
 )
 def test_what_is_no_quantity_is_refused(text, unit, words):

@@ -14,6 +14,7 @@ import yaml
 from lsvib.assess.assessment import assess
 from lsvib.assess.drive import nominal_draw, quantities
 from lsvib.assess.materials import SCREW_MATERIALS
+from lsvib.assess.output import assess_file
 from lsvib.assess.sheet import Coupling, Friction, Nut, Screw, Sheet, Thread
 from lsvib.assess.statics import ENDS, column_load, critical_speed, lets_go, nut_pressure, statics, torque
 from lsvib.assess.summary import brief, rows
@@ -297,3 +298,33 @@ def test_the_motor_has_the_torque_over_the_gear_ratio():
     found = statics(sheet(load=LOAD, coupling={"stiffness": "60 N*m/rad", "gear_ratio": 5})).rows
     assert found["motor_torque"].worst == pytest.approx(found["lifting_torque"].worst / 5, rel=1e-12)
     assert "motor_torque" not in statics(sheet(load=LOAD)).rows
+
+
+def test_a_sizing_question_needs_no_dynamics():
+    """A jack: thread, load, speed, friction and nut. Its statics are those of the same sheet with a drive."""
+    given = {
+        "name": "a jack",
+        "thread": {"lead": "1/2 inch", "pitch": "2 tpi", "pitch_diameter": "1.75 inch"},
+        "load": {"force": ["3 kN", "5 kN"]},
+        "operation": {"speed": "10 mm/s"},
+        "friction": {"coefficient": [0.1, 0.12]},
+        "nut": {"length": "60 mm", "material": "iglidur_j"},
+    }
+    alone = Sheet.of(given)
+    assert alone.missing == ["the inertia or length of the screw", "coupling.stiffness", "load.mass"]
+    load = {**given["load"], "mass": "1 kg"}
+    whole = Sheet.of({**given, "load": load, "screw": {"length": "1 m"}, "coupling": {"stiffness": "100 N*m/rad"}})
+    assert not whole.missing
+    assert statics(alone) == statics(whole)
+
+
+def test_the_answer_to_a_sizing_question_says_what_is_not_asked(tmp_path):
+    given = {"thread": {"lead": "5 mm", "pitch_diameter": "20 mm"}, "load": {"force": "5 kN"}, "name": "a jack"}
+    given |= {"operation": {"speed": "10 mm/s"}, "friction": {"coefficient": 0.12}}
+    (tmp_path / "a.yaml").write_text(yaml.safe_dump(given), encoding="utf-8")
+    found = assess_file(tmp_path / "a.yaml", None)
+    assert found["verdict"] is None
+    missing = "the inertia or length of the screw, coupling.stiffness and load.mass"
+    first = f"Whether it vibrates is not asked: the sheet does not give {missing}. No weight is counted."
+    assert found["brief"][0] == found["sentence"] == first
+    assert found["brief"][1].startswith("The screw holds its load")

@@ -94,10 +94,10 @@ def quantities(sheet: Sheet, draw: DrawnValues) -> dict[str, Any]:
         "friction": _coefficient(sheet, draw, angle, half_angle),
         "friction_slope": draw.get("friction.slope", 0.0),
         "inertia": inertia + draw.get("coupling.inertia", 0.0),
-        "coupling_stiffness": draw["coupling.stiffness"] * ratio**2,
+        "coupling_stiffness": draw.get("coupling.stiffness", 0.0) * ratio**2,
         "rotational_damping": draw.get("damping.rotational", 0.0),
         "translational_damping": draw.get("damping.translational", 0.0),
-        "mass": draw["load.mass"],
+        "mass": draw.get("load.mass", 0.0),
         "tilt": draw.get("load.orientation", 0.0),
     }
     for key, path in _OF_LAW.items():
@@ -141,6 +141,8 @@ def _screw(sheet: Sheet, draw: DrawnValues, pitch_diameter: Any) -> tuple[Any, A
     screw = sheet.screw
     if screw.inertia is not None:
         return draw["screw.inertia"], draw.get("screw.mass")
+    if screw.length is None:
+        return 0.0, draw.get("screw.mass")
     density = draw.get("screw.density", SCREW_MATERIALS[screw.material or "steel"].density)
     diameter = draw.get("screw.diameter", pitch_diameter)
     mass = density * math.pi / 4 * diameter**2 * draw["screw.length"]

@@ -44,6 +44,7 @@ _KINDS = {  # of quantities, by the unit in which the package counts them, each 
 }
 _TEXT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s(+\-][^+]*)?\s*", re.ASCII)
 _FRACTION = re.compile(r"\s*(\d{1,3})/([1-9]\d{0,2})\s+(?=[A-Za-z])", re.ASCII)  # 1/2 inch
+_PER_INCH = re.compile(r"\s*([1-9]\d{0,2}(?:\.\d+)?)\s*(?:tpi|TPI)\s*", re.ASCII)  # threads per inch: a pitch
 _UNIT = re.compile(r"[A-Za-z_µμ°²³%*/^·() 0-9.\-]{1,40}")  # the longest sensible one has a dozen characters
 
 _POWER = re.compile(
@@ -70,6 +71,8 @@ def quantity(value: Any, *units: str) -> tuple[float, str]:
     text = str(value).replace("−", "-")
     if fraction := _FRACTION.match(text):
         text = f"{float(Fraction(int(fraction[1]), int(fraction[2])))!r} {text[fraction.end() :]}"
+    if threads := _PER_INCH.fullmatch(text):
+        text = f"{25.4 / float(threads[1])!r} mm"
     text = re.sub(r"\s*([*/·^])\s*", r"\1", text)
     text = re.sub(r"(?<![\d.][eE])(?<=[A-Za-zµ])([23])(?![\w.])", r"^\1", text)  # N/mm2
     if re.fullmatch(r"\s*[+-]?\d+,\d+\s*(?:[^\d,].*)?", text):

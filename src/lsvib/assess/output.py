@@ -13,8 +13,8 @@ from lsvib.assess.drive import UNITS
 from lsvib.assess.margins import KINDS, Chart, Margin, charts
 from lsvib.assess.report import report
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.statics import ABOUT, Statics
-from lsvib.assess.summary import brief
+from lsvib.assess.statics import ABOUT, Statics, statics
+from lsvib.assess.summary import brief, of_statics
 from lsvib.assess.uncertainty import BINS
 from lsvib.assess.words import VERDICTS
 from lsvib.datasets.attributes import named_flags, named_index, variable
@@ -37,6 +37,10 @@ def assess_file(path: Path, out: Path | None, samples: Any = 4096, seed: Any = 1
         raise InputError(f"samples = {count} is not a power of two, as the sequence of samples needs.")
     start = numbers.whole_between("seed", seed, 0, 2**32 - 1)
     sheet = Sheet.read(path)
+    if sheet.missing:
+        if out is not None:
+            raise InputError(f"a report needs what vibration needs; the sheet does not give {_listed(sheet.missing)}.")
+        return _of_statics(sheet)
     if out is None:
         return as_json(assess(sheet, count, start))
     files = [(out / "index.html", "HTML"), (out / "assessment.nc", "netCDF"), (out / "assessment.json", "JSON")]
@@ -49,6 +53,27 @@ def assess_file(path: Path, out: Path | None, samples: Any = 4096, seed: Any = 1
         write_dataset(dataset(found, operating), data)
         write_json(result, verdict)
     return result
+
+
+def _listed(names: list[str]) -> str:
+    return " and ".join([", ".join(names[:-1]), names[-1]] if names[1:] else names)
+
+
+def _of_statics(sheet: Sheet) -> dict[str, Any]:
+    """The answer for a sheet that gives no drive which could vibrate: verdict and all else but statics are None."""
+    found = statics(sheet)
+    sentence = f"Whether it vibrates is not asked: the sheet does not give {_listed(sheet.missing)}."
+    if "load.mass" in sheet.missing:
+        sentence += " No weight is counted."
+    return {
+        "name": sheet.name,
+        "verdict": None,
+        "sentence": sentence,
+        "brief": [sentence, *of_statics(found)],
+        "statics": _statics_json(found),
+        "assumptions": dict(sheet.assumptions),
+        "sources": dict(sheet.sources),
+    }
 
 
 def as_json(assessment: Assessment) -> dict[str, Any]:

@@ -76,7 +76,7 @@ class Thread(_Part):
 
 
 class Screw(_Part):
-    """What turns: an inertia, or a cylinder; its mass is needed with a support only.
+    """What turns: an inertia, or a cylinder, which vibration needs; its mass is needed with a support only.
 
     With ``ends`` its column and its critical speed are judged, over ``unsupported_length``, or else ``length``.
     """
@@ -90,7 +90,6 @@ class Screw(_Part):
     ends: Literal["fixed-free", "supported-supported", "fixed-supported", "fixed-fixed"] | None = None
     unsupported_length: fields.Length | None = None
     root_diameter: fields.Length | None = None
-    _needed = (("inertia", "length"),)
     _either = (("inertia", "length"), ("material", "density"))
 
     def _misfit(self) -> str | None:
@@ -125,7 +124,7 @@ class Nut(_Part):
 class Coupling(_Part):
     """What joins motor and screw; with a gear the stiffness is that on the side of the motor."""
 
-    stiffness: fields.Torsion
+    stiffness: fields.Torsion | None = None
     gear_ratio: fields.Ratio | None = None
     inertia: fields.MoreInertia | None = None
 
@@ -133,9 +132,16 @@ class Coupling(_Part):
 class Load(_Part):
     """What is moved, and what it is pushed with: a positive force opposes outward travel."""
 
-    mass: fields.Mass
+    mass: fields.Mass | None = None
     force: fields.Force | None = None
     orientation: fields.Tilt | None = None
+
+    def _misfit(self) -> str | None:
+        if self.mass is None and self.orientation is not None and (self.orientation.low or self.orientation.high):
+            return "load.orientation needs load.mass, whose weight acts along the screw."
+        if self.mass is None and self.force is None:
+            return "load has neither force nor mass; give one of them."
+        return None
 
 
 class Operation(_Part):
@@ -231,12 +237,15 @@ class Spring(_Part):
 
 
 class Sheet(_Part):
-    """A whole data sheet. ``sources`` and ``assumptions`` say of an entry, such as load.mass, where it comes from."""
+    """A whole data sheet. ``sources`` and ``assumptions`` say of an entry, such as load.mass, where it comes from.
+
+    Without the mass that is moved, the screw's inertia and the coupling's stiffness it is one of statics.
+    """
 
     name: str = Field(min_length=1, max_length=200)
     thread: Thread
-    screw: Screw
-    coupling: Coupling
+    screw: Screw = Screw()
+    coupling: Coupling = Coupling()
     load: Load
     operation: Operation
     friction: Friction
@@ -256,7 +265,7 @@ class Sheet(_Part):
             sheet = cls.model_validate(dict(values))
         except ValidationError as error:
             raise InputError(sentence(error, cls)) from None
-        for part in (sheet.thread, sheet.screw, sheet.friction, sheet.nut):
+        for part in (sheet.thread, sheet.screw, sheet.load, sheet.friction, sheet.nut):
             if part is not None and (problem := part.problem()) is not None:
                 raise InputError(problem)
         root, size = sheet.screw.root_diameter, sheet.thread.size
@@ -288,6 +297,16 @@ class Sheet(_Part):
         """Return the names of the entries that are given, and of the parts."""
         found = {path for path, _ in self.entries()}
         return found | {path.partition(".")[0] for path in found}
+
+    @property
+    def missing(self) -> list[str]:
+        """What vibration needs and the sheet does not give."""
+        given = {
+            "the inertia or length of the screw": self.screw.inertia or self.screw.length,
+            "coupling.stiffness": self.coupling.stiffness,
+            "load.mass": self.load.mass,
+        }
+        return [name for name, value in given.items() if value is None]
 
     @property
     def stiff(self) -> bool:

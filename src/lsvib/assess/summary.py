@@ -10,7 +10,7 @@ from lsvib.assess.drive import IN_WORDS, UNITS
 from lsvib.assess.margins import Margin, changeable
 from lsvib.assess.materials import NUT_MATERIALS
 from lsvib.assess.sheet import Nut
-from lsvib.assess.statics import ABOUT, Row, lets_go
+from lsvib.assess.statics import ABOUT, Row, Statics, lets_go
 from lsvib.assess.words import VERDICTS, change, percent, shown
 
 _NUT_LIMITS = {"nut_pressure": "pressure_limit", "sliding_speed": "speed_limit", "pv": "pv_limit"}
@@ -18,8 +18,12 @@ _NUT_LIMITS = {"nut_pressure": "pressure_limit", "sliding_speed": "speed_limit",
 
 def brief(assessment: Assessment) -> list[str]:
     """Return the short answer for the shell, a sentence or two to a line: verdict, statics, limits, three changes."""
-    lines = [VERDICTS[assessment.verdict], holding(assessment), effort(assessment), limits(assessment)]
-    return [line for line in (*lines, _changes(assessment)) if line]
+    return [VERDICTS[assessment.verdict], *of_statics(assessment.statics), *_changes(assessment)]
+
+
+def of_statics(found: Statics) -> list[str]:
+    """Return what statics say: whether the load is held, torques and efficiency, limits that are exceeded."""
+    return [line for line in (holding(found), _effort(found), limits(found)) if line]
 
 
 def is_near(row: Margin) -> bool:
@@ -27,20 +31,20 @@ def is_near(row: Margin) -> bool:
     return row.factor is not None and 0.1 <= row.factor <= 10
 
 
-def holding(assessment: Assessment) -> str:
+def holding(statics: Statics) -> str:
     """Say whether the load stays where it is when the current is off; static friction counts."""
-    found, row = assessment.statics.back_drives, assessment.statics.rows["holding_friction"]
+    found, row = statics.back_drives, statics.rows["holding_friction"]
     if found is None:
         return "Nothing pushes the load while it is at rest."
     worst = "" if row.worst == row.middle else " at worst"
     why = f"friction at rest is {shown(row.worst, '')}{worst}; at least {shown(row.limit, '')} is needed to hold"
     if found is False:
-        back = assessment.statics.rows["lowering_efficiency"]
+        back = statics.rows["lowering_efficiency"]
         never = " Once it moves, it does not stop by itself." if (back.middle or 0.0) > 0 else ""
         runs_on = never or (" Once it moves, it may not stop by itself." if back.worst > 0 else "")
         return f"The screw holds its load when the current is off: {why}.{runs_on}"
     drops = found == "at the middle values"
-    if assessment.statics.falls:
+    if statics.falls:
         text = f"The load {'drops' if drops else 'can drop'} when the current is off"
     else:
         text = f"The force on the load {'turns' if drops else 'can turn'} the screw back when the current is off"
@@ -55,10 +59,9 @@ EFFORTS = {
 """What torques are for, the most demanding first."""
 
 
-def effort(assessment: Assessment) -> str:
+def _effort(statics: Statics) -> str:
     """Say which torque, power and efficiency the drive has."""
-    rows = assessment.statics.rows
-    found = []
+    rows, found = statics.rows, []
     for name, way in EFFORTS.items():
         if f"{name}_torque" in rows:
             pair = [(rows[f"{name}_torque"], "N m"), (rows[f"{name}_power"], "W")]
@@ -77,9 +80,9 @@ def effort(assessment: Assessment) -> str:
     return f"The screw takes {'; '.join(found)}. Efficiency against the load: {percent(row.middle)}{low}."
 
 
-def limits(assessment: Assessment) -> str:
+def limits(statics: Statics) -> str:
     """Say which limits of nut and screw are exceeded, if the sheet gives any."""
-    found = [row for row in assessment.statics.limited if row.key != "holding_friction"]
+    found = [row for row in statics.limited if row.key != "holding_friction"]
     exceeded = [row for row in found if row.exceeded]
     if not found:
         return ""
@@ -101,7 +104,7 @@ def _short(row: Row) -> str:
     return name if name == "PV" else name[0].lower() + name[1:]
 
 
-def _changes(assessment: Assessment) -> str:
+def _changes(assessment: Assessment) -> list[str]:
     """The three smallest single changes that alter the verdict at the middle values."""
     occurs = any(one.occurs for name, one in assessment.mechanisms.items() if name != "after_perturbation")
     best = [row for row in assessment.margins if is_near(row)][:3]
@@ -111,10 +114,10 @@ def _changes(assessment: Assessment) -> str:
         for row in absent
     ]
     if not each:
-        return ""
+        return []
     effect = "ends the vibration" if occurs else "would start vibration"
     which = "Each of these changes alone" if len(each) > 1 else "This change alone"
-    return f"{which} {effect} at the middle values: {'; '.join(each)}."
+    return [f"{which} {effect} at the middle values: {'; '.join(each)}."]
 
 
 def changed(assessment: Assessment, row: Margin) -> str:
