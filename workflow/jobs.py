@@ -12,7 +12,7 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from multiprocessing import connection, forkserver
 from pathlib import Path
@@ -89,8 +89,6 @@ def _run(job: Callable[..., None], log: str, subject: str, arguments: tuple[Any,
 
 def compile_engine(part: str, sources: Texts, marker: str) -> None:
     """Compile one part of the engine, with the rule of what a motion ends in, and note the digest of its inputs."""
-    import hashlib
-
     from lsvib import RigidDrive, ThreadsDrive
     from lsvib.files import write_text
 
@@ -110,8 +108,7 @@ def compile_engine(part: str, sources: Texts, marker: str) -> None:
         drive.replace(**law).steady_state({"u": 0.1, "w": 0.0})
         if part == "planar":
             drive.sweep(axial_force=[50.0])
-    digest = hashlib.sha256(b"".join(Path(file).read_bytes() for file in sources))
-    write_text(f"{digest.hexdigest()}\n", marker)
+    write_text(f"{digest(sources)}\n", marker)
 
 
 def part(figure: str, name: str, settings: dict[str, Any], file: str) -> None:
@@ -121,11 +118,20 @@ def part(figure: str, name: str, settings: dict[str, Any], file: str) -> None:
     compute_part(figure, name, settings, file)
 
 
-def dataset(figure: str, settings: dict[str, Any], parts: dict[str, str], file: str, checks: str) -> None:
-    """Compute the dataset of a figure and its checks."""
+def digest(files: Iterable[str]) -> str:
+    """Return the digest of the contents of some files."""
+    import hashlib
+
+    return hashlib.sha256(b"".join(Path(file).read_bytes() for file in files)).hexdigest()
+
+
+def dataset(
+    figure: str, settings: dict[str, Any], parts: dict[str, str], sources: Texts, file: str, checks: str
+) -> None:
+    """Compute the dataset of a figure and its checks; it carries the digest of its sources."""
     from lsvib.figures.build import compute_figure
 
-    compute_figure(figure, settings, file, checks, parts)
+    compute_figure(figure, settings, file, checks, parts, digest(sources))
 
 
 def picture(figure: str, dataset: str, png: str, pdf: str, caption: str) -> None:
@@ -167,11 +173,32 @@ def all_checks(files: Texts, outputs: Texts, listed: str | None) -> None:
     write_text(printed_table(checks, statements), printed)
 
 
-def verdict(file: str, marker: str) -> None:
-    """Fail with one sentence for each check that failed."""
+def foreign(origins: dict[str, tuple[str, Texts]]) -> Texts:
+    """Return a sentence for each dataset that other settings or other sources have made, or that is damaged."""
+    from lsvib.datasets.io import read_dataset
+    from lsvib.errors import LsvibError
+
+    found = []
+    for file, (settings, sources) in origins.items():
+        try:
+            made = read_dataset(file).attrs
+        except LsvibError as error:
+            found.append(str(error))
+            continue
+        if made.get("settings") != settings:
+            found.append(f"{file} was made with another configuration; delete it, and run again what makes it.")
+        elif sources and made.get("sources_sha256") != digest(sources):
+            found.append(f"{file} was made by other sources; delete it, and run again what makes it.")
+    return found
+
+
+def verdict(file: str, origins: dict[str, tuple[str, Texts]], marker: str) -> None:
+    """Fail with one sentence for each check that failed, and each dataset that was not made here."""
     from lsvib.datasets import checks
     from lsvib.files import write_text
 
+    if others := foreign(origins):
+        sys.exit("\n".join(others))
     judged = checks.read_checks(file)
     failed = checks.failures(judged)
     if failed:

@@ -4,6 +4,7 @@ import io
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -386,3 +387,27 @@ def test_captions_are_restructured_text_without_a_complaint(figure):
     settings = {"warning_stream": complaints, "report_level": 1}
     docutils.core.publish_doctree(load(figure).CAPTION, settings_overrides=settings)
     assert complaints.getvalue() == ""
+
+
+def test_results_that_were_not_made_here_do_not_pass(built):
+    """Without a record, results of another configuration or a damaged one that are new enough are good to Snakemake."""
+    shutil.rmtree(built.folder / ".snakemake")
+    assert built().returncode == 0
+    config, results = built.folder / "config" / "config.yaml", built.folder / "results" / "datasets"
+    text, stamp = config.read_text(encoding="utf-8"), config.stat().st_mtime
+    shutil.rmtree(built.folder / ".snakemake")
+    built.edit("config/config.yaml", "  dampings: [1.0e-5, 2.0e-4, 1.0e-3, 1.0e-2]\n", "  dampings: [1.0e-5]\n")
+    os.utime(config, (stamp, stamp))
+    other = built()
+    assert other.returncode != 0
+    assert "results/datasets/fig8_08.nc was made with another configuration" in other.stdout
+    config.write_text(text, encoding="utf-8")
+    os.utime(config, (stamp, stamp))
+    assert built().returncode == 0
+    damaged, kept = results / "fig8_03.nc", (results / "fig8_03.nc").stat()
+    small = next(one for one in read_dataset(damaged).variables.values() if one.ndim and one.size < 1024)
+    content = bytearray(damaged.read_bytes())
+    content[content.index(small.values.tobytes())] ^= 1
+    damaged.write_bytes(content)
+    os.utime(damaged, ns=(kept.st_atime_ns, kept.st_mtime_ns))
+    assert built().returncode != 0

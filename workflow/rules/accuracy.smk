@@ -66,3 +66,6 @@ use rule verdict as accuracy_verdict with:
         "results/accuracy/verdict.txt",
     log:
         "logs/accuracy_verdict.log",
+    params:
+        code=code(jobs.verdict) + code(jobs.foreign),
+        origins=origins(ACCURACY_FIGURES, accuracy=True),

@@ -37,8 +37,9 @@ rule verdict:
     log:
         "logs/verdict.log",
     params:
-        code=code(jobs.verdict),
+        code=code(jobs.verdict) + code(jobs.foreign),
+        origins=origins(FIGURES),
     message:
         "Judging the checks"
     run:
-        jobs.run(jobs.verdict, log[0], "verdict", input.checks, output[0])
+        jobs.run(jobs.verdict, log[0], "verdict", input.checks, params.origins, output[0])

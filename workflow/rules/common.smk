@@ -21,6 +21,7 @@ from lsvib.figures.configuration import (
     PARTS,
     accuracy_figures,
     check,
+    complete_settings,
     default_figures,
     figures_with,
     given,
@@ -272,6 +273,28 @@ def judge_alone(started):
     if wrong:
         count = f"{len(wrong)} check{'s' * (len(wrong) > 1)} failed"
         raise WorkflowError("\n".join([f"{count}; the pictures lie in results/failed.", *wrong]))
+
+
+def origins(figures, accuracy=False):
+    """Return of each dataset that figures have the settings and the sources that make it, by its file.
+
+    A draft says of no sources. Snakemake compares times alone where it has no record of how a file came about, as of
+    one that was copied; so the verdict compares these.
+    """
+    folder = "results/accuracy/datasets" if accuracy else "results/datasets"
+    return {
+        f"{folder}/{figure}.nc": (
+            json.dumps(complete_settings(figure, given(config, figure, accuracy=accuracy))),
+            [] if config.get("draft") else figure_sources("datasets", figure),
+        )
+        for figure in figures
+    }
+
+
+def forget_verdict(marker, made):
+    """Remove a verdict that does not hold any more, so that all is judged again."""
+    if Path(marker).exists() and jobs.foreign(made):
+        Path(marker).unlink()
 
 
 def failed_jobs(log):

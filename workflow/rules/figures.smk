@@ -82,7 +82,8 @@ rule dataset:
     run:
         figure = wildcards.figure
         own = {name: input[name] for name in parts(wildcards)}
-        jobs.run(jobs.dataset, log[0], figure, figure, params.settings, own, output.dataset, output.checks)
+        made = list(input.sources)
+        jobs.run(jobs.dataset, log[0], figure, figure, params.settings, own, made, output.dataset, output.checks)
 
 
 rule figure:

@@ -109,6 +109,8 @@ def _encoding(variable: xr.Variable, is_coordinate: bool) -> dict[str, Any]:
     encoding: dict[str, Any] = {"_FillValue": variable.dtype.type(np.nan) if missing else None}
     if variable.size >= 1024:  # below that, compression costs more bytes than it saves
         encoding |= {"zlib": True, "complevel": 4, "shuffle": True}
+    if variable.ndim and variable.size:  # a scalar has no chunk that could have a checksum
+        encoding["fletcher32"] = True
     return encoding
 
 

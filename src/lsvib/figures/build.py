@@ -55,6 +55,7 @@ def compute_figure(
     dataset_file: File,
     checks_file: File,
     parts: Mapping[str, File] | None = None,
+    sources: str | None = None,
 ) -> list[Check]:
     """Compute the dataset of a figure and judge it, by the functions ``build`` and ``checks`` of its module.
 
@@ -62,7 +63,8 @@ def compute_figure(
     for values that it cannot use it raises ``InputError``. Both results are written.
     ``given``: settings as in its section of ``config/config.yaml``; those that it does not name have their defaults.
     ``parts``: files of parts that are computed already, by name; the others are computed here.
-    The dataset carries the settings as JSON in its attribute ``settings``. Raises ``InputError`` about the settings and
+    The dataset carries the settings as JSON in its attribute ``settings``, and a digest of the ``sources`` that made it
+    in ``sources_sha256``, if there is one. Raises ``InputError`` about the settings and
     ``LsvibError`` about files, in one sentence.
     """
     settings, module, files = complete_settings(figure, given), load(figure), parts or {}
@@ -71,7 +73,8 @@ def compute_figure(
         for name in PARTS
         if hasattr(module, name)
     }
-    dataset = module.build(settings, **own).assign_attrs(settings=json.dumps(settings))
+    made = {"settings": json.dumps(settings)} | ({} if sources is None else {"sources_sha256": sources})
+    dataset = module.build(settings, **own).assign_attrs(made)
     write_dataset(dataset, dataset_file, f"{module.__name__}.build")
     checks: list[Check] = module.checks(dataset)
     write_json([check.to_json() for check in checks], checks_file)
