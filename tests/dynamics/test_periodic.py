@@ -268,3 +268,38 @@ def test_with_seizures_the_order_is_one_but_for_a_logarithm(drive):
     first, second = np.diff(gaps_to_the_rigid_multiplier(drive, stiffnesses) * stiffnesses)
     assert first > 0
     assert second == pytest.approx(first, rel=0.02)
+
+
+NUTS = [  # with a cycle that one start of 15 and one of 8 in the space of four states ends on
+    (
+        {
+            "pitch_radius": 0.007737215245163306, "lead_angle": 0.3272345488403721,
+            "screw_inertia": 1.9599794823248508e-05, "mass": 0.19556346583858517,
+            "coupling_stiffness": 0.42984390099144026, "support_damping": 0.0007661400116750237,
+            "input_speed": 1.133059692608375, "axial_force": -3.5035262664354074,
+            "friction_coefficient": 0.1381850038983667, "stribeck_rise": 0.05236105817212059,
+            "stribeck_speed": 0.006036969422407522, "stribeck_exponent": 2, "nut_inertia": 5.183572330036054e-06,
+            "nut_stiffness": 0.47936095014947955, "nut_damping": 2.9219718297251915e-05,
+        },
+        [0.0259924387, 0.0896129244],
+    ),
+    (
+        {
+            "pitch_radius": 0.006747205802918387, "lead_angle": 0.10526665151225063,
+            "screw_inertia": 1.272574095593043e-06, "mass": 0.401911660343097,
+            "coupling_stiffness": 20.454812035605805, "support_damping": 4.761072252633696e-05,
+            "translation_damping": 2.8888551657280708, "input_speed": 33.89369471296766,
+            "axial_force": 78.8645784382507, "friction_coefficient": 0.27626115543153223,
+            "stribeck_rise": 0.04403910989978304, "stribeck_speed": 0.005049222882779288,
+            "nut_inertia": 2.361164204457845e-06, "nut_stiffness": 0.34526117401370865,
+            "nut_damping": 5.1608625013432446e-05,
+        },
+        [0.00132176825],
+    ),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("values", "periods"), NUTS)
+def test_attracting_cycles_of_a_nut_that_turns_are_found(values, periods):
+    found = lsvib.NutDrive(**values).cycles()
+    assert sorted(cycle.period for cycle in found.cycles if cycle.attracting) == pytest.approx(periods, rel=1e-8)

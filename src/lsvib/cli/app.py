@@ -24,6 +24,7 @@ app = App(
     help="Friction-induced vibration of lead-screw drives, computed exactly from event to event.",
     version=__version__,
     result_action="return_value",
+    suppress_keyboard_interrupt=False,  # an interrupt is said below
 )
 
 

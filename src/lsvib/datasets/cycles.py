@@ -15,7 +15,7 @@ from lsvib.datasets.attributes import flagged, variable, yes_no
 from lsvib.datasets.sweep import known_key
 from lsvib.dynamics.attractor import Attractor, SteadyState
 from lsvib.dynamics.continuation import CycleBranch, follow_cycle
-from lsvib.dynamics.cycles import Cycle, Seed, search, starts
+from lsvib.dynamics.cycles import Cycle, Seed, random_starts, search, starts
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import layout
 from lsvib.errors import EngineError, InputError
@@ -72,7 +72,8 @@ def find_cycles(drive: Drive, automaton: Automaton) -> Cycles:
             mode = automaton.codes.tolist().index(basin.codes[arcs[0].mode])
             seeds = [Seed(np.array(arcs[0].start, dtype=float), mode, len(arcs), "boundary of the basin")]
     model = find_model(drive.model)
-    states = [model.initial_state(drive, {"u": u, "w": w}) for u, w in starts(drive)]
+    given = [{"u": u, "w": w} for u, w in starts(drive)] + random_starts(drive)
+    states = [model.initial_state(drive, start) for start in given]
     found = search(drive, automaton, states, seeds)
     if not found.cycles and len(found.unresolved) == len(states):
         why = "; ".join(sorted(set(found.unresolved)))

@@ -246,6 +246,18 @@ def starts(drive: Drive) -> list[tuple[float, float]]:
     return [(1e-3 * u, 0.0), (u, 0.0), (-u, 0.0), *standing, (10 * u, w), (-10 * u, -w)]
 
 
+def random_starts(drive: Drive) -> list[dict[str, float]]:
+    """Return starts of a drive whose nut may turn, whose cycles may attract little of the space of four states.
+
+    They are even in one and a half swings of the screw and half as much of the nut, the same in every run.
+    """
+    if "nut_rate" not in find_model(drive.model).optional:
+        return []
+    sizes, names = np.tile(swing(drive), 2) * (1.5, 1.5, 0.75, 0.75), ("u", "w", "nut_angle", "nut_rate")
+    points = np.random.default_rng(0).uniform(-1.0, 1.0, (64, 4)) * sizes
+    return [dict(zip(names, point.tolist(), strict=True)) for point in points]
+
+
 @dataclass(frozen=True)
 class Search:
     """The ``cycles`` that a search found, attracting ones first; one of each neutral family; what was ``searched``.
