@@ -249,12 +249,12 @@ def starts(drive: Drive) -> list[tuple[float, float]]:
 def random_starts(drive: Drive) -> list[dict[str, float]]:
     """Return starts of a drive whose nut may turn, whose cycles may attract little of the space of four states.
 
-    They are even in one and a half swings of the screw and half as much of the nut, the same in every run.
+    They lie in all directions, half a swing of the screw to three of them away, and are the same in every run.
     """
     if "nut_rate" not in find_model(drive.model).optional:
         return []
-    sizes, names = np.tile(swing(drive), 2) * (1.5, 1.5, 0.75, 0.75), ("u", "w", "nut_angle", "nut_rate")
-    points = np.random.default_rng(0).uniform(-1.0, 1.0, (64, 4)) * sizes
+    draw, names = np.random.default_rng(0), ("u", "w", "nut_angle", "nut_rate")
+    points = draw.uniform(-1.0, 1.0, (96, 4)) * 2.0 ** draw.uniform(-1.0, 1.5, (96, 1)) * np.tile(swing(drive), 2)
     return [dict(zip(names, point.tolist(), strict=True)) for point in points]
 
 
