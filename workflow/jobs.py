@@ -125,13 +125,14 @@ def digest(files: Iterable[str]) -> str:
     return hashlib.sha256(b"".join(Path(file).read_bytes() for file in files)).hexdigest()
 
 
-def dataset(
-    figure: str, settings: dict[str, Any], parts: dict[str, str], sources: Texts, file: str, checks: str
-) -> None:
-    """Compute the dataset of a figure and its checks; it carries the digest of its sources."""
+def dataset(figure: str, settings: dict[str, Any], inputs: Any, outputs: Texts) -> None:
+    """Compute the dataset of a figure and its checks; it carries the digest of its sources, some of the inputs."""
     from lsvib.figures.build import compute_figure
+    from lsvib.figures.configuration import PARTS
 
-    compute_figure(figure, settings, file, checks, parts, digest(sources))
+    file, checks = outputs
+    parts = {name: str(inputs[name]) for name in PARTS if inputs.get(name)}
+    compute_figure(figure, settings, file, checks, parts, digest(inputs["sources"]))
 
 
 def picture(figure: str, dataset: str, png: str, pdf: str, caption: str) -> None:

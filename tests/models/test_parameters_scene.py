@@ -128,7 +128,7 @@ def test_lead_angle_in_degrees():
 
 def test_drives_and_scenes_are_immutable():
     drive, scene = RigidDrive(), Scene.of(SCENE)
-    with pytest.raises(ValidationError):
+    with pytest.raises(InputError, match="a drive does not change"):
         drive.mass = 2.0
     with pytest.raises(ValidationError):
         scene.duration = 2.0

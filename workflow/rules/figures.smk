@@ -81,9 +81,7 @@ rule dataset:
         "Computing {wildcards.figure}"
     run:
         figure = wildcards.figure
-        own = {name: input[name] for name in parts(wildcards)}
-        made = list(input.sources)
-        jobs.run(jobs.dataset, log[0], figure, figure, params.settings, own, made, output.dataset, output.checks)
+        jobs.run(jobs.dataset, log[0], figure, figure, params.settings, input, list(output))
 
 
 rule figure:
