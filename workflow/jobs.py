@@ -174,8 +174,11 @@ def all_checks(files: Texts, outputs: Texts, listed: str | None) -> None:
     write_text(printed_table(checks, statements), printed)
 
 
-def foreign(origins: dict[str, tuple[str, Texts]]) -> Texts:
-    """Return a sentence for each dataset that other settings or other sources have made, or that is damaged."""
+def foreign(origins: dict[str, tuple[str, str | None]]) -> Texts:
+    """Return a sentence for each dataset that other settings or other sources have made, or that is damaged.
+
+    ``origins``: by file the settings and the digest of the sources, None if these are not compared.
+    """
     from lsvib.datasets.io import read_dataset
     from lsvib.errors import LsvibError
 
@@ -188,12 +191,12 @@ def foreign(origins: dict[str, tuple[str, Texts]]) -> Texts:
             continue
         if made.get("settings") != settings:
             found.append(f"{file} was made with another configuration; delete it, and run again what makes it.")
-        elif sources and made.get("sources_sha256") != digest(sources):
+        elif sources and made.get("sources_sha256") != sources:
             found.append(f"{file} was made by other sources; delete it, and run again what makes it.")
     return found
 
 
-def verdict(file: str, origins: dict[str, tuple[str, Texts]], marker: str) -> None:
+def verdict(file: str, origins: dict[str, tuple[str, str | None]], marker: str) -> None:
     """Fail with one sentence for each check that failed, and each dataset that was not made here."""
     from lsvib.datasets import checks
     from lsvib.files import write_text

@@ -384,7 +384,7 @@ class DriveMethods(_Base):
 
         return basin(_rigid(self))
 
-    def resilience(self, window: "Part" = None) -> "Resilience":
+    def resilience(self, window: "Part | None" = None) -> "Resilience":
         """Return the largest perturbations that steady sliding tolerates, and the share of a window that settles.
 
         They are distances from (0, 0) to the boundary of the :meth:`basin`, along u, along w, and in the energy
@@ -408,7 +408,7 @@ class DriveMethods(_Base):
         return resilience(_rigid(self), window)
 
     def resilience_sweep(
-        self, window: "Part" = None, *, progress: Progress | None = None, **over: "Values"
+        self, window: "Part | None" = None, *, progress: Progress | None = None, **over: "Values"
     ) -> "xr.Dataset":
         """Return the perturbations that steady sliding tolerates over values of some parameters.
 

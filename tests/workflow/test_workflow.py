@@ -398,6 +398,7 @@ def test_results_that_were_not_made_here_do_not_pass(built):
     shutil.rmtree(built.folder / ".snakemake")
     built.edit("config/config.yaml", "  dampings: [1.0e-5, 2.0e-4, 1.0e-3, 1.0e-2]\n", "  dampings: [1.0e-5]\n")
     os.utime(config, (stamp, stamp))
+    assert built.plan() == {"Judging the checks"}
     other = built()
     assert other.returncode != 0
     assert "results/datasets/fig8_08.nc was made with another configuration" in other.stdout

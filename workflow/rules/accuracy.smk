@@ -68,4 +68,4 @@ use rule verdict as accuracy_verdict with:
         "logs/accuracy_verdict.log",
     params:
         code=code(jobs.verdict) + code(jobs.foreign),
-        origins=origins(ACCURACY_FIGURES, accuracy=True),
+        origins=lambda wildcards: origins(ACCURACY_FIGURES, accuracy=True),

@@ -38,7 +38,7 @@ rule verdict:
         "logs/verdict.log",
     params:
         code=code(jobs.verdict) + code(jobs.foreign),
-        origins=origins(FIGURES),
+        origins=lambda wildcards: origins(FIGURES),
     message:
         "Judging the checks"
     run:

@@ -276,24 +276,27 @@ def judge_alone(started):
 
 
 def origins(figures, accuracy=False):
-    """Return of each dataset that figures have the settings and the sources that make it, by its file.
+    """Return of each dataset that figures have the settings and the digest of the sources that make it, by its file.
 
-    A draft says of no sources. Snakemake compares times alone where it has no record of how a file came about, as of
-    one that was copied; so the verdict compares these.
+    A draft notes no sources. Snakemake compares times alone where it has no record of how a file came about, as of one
+    that was copied; so the verdict compares these.
     """
     folder = "results/accuracy/datasets" if accuracy else "results/datasets"
     return {
         f"{folder}/{figure}.nc": (
             json.dumps(complete_settings(figure, given(config, figure, accuracy=accuracy))),
-            [] if config.get("draft") else figure_sources("datasets", figure),
+            None if config.get("draft") else jobs.digest(figure_sources("datasets", figure)),
         )
         for figure in figures
     }
 
 
-def forget_verdict(marker, made):
-    """Remove a verdict that does not hold any more, so that all is judged again."""
-    if Path(marker).exists() and jobs.foreign(made):
+def forget_verdict(marker):
+    """Remove a verdict that does not hold any more, so that all is judged again.
+
+    A dry run removes it, too, since nothing says at this point that it is one.
+    """
+    if Path(marker).exists() and jobs.foreign(origins(FIGURES)):
         Path(marker).unlink()
 
 

@@ -239,7 +239,7 @@ class Spring(_Part):
 class Sheet(_Part):
     """A whole data sheet. ``sources`` and ``assumptions`` say of an entry, such as load.mass, where it comes from.
 
-    Without the mass that is moved, the screw's inertia and the coupling's stiffness it is one of statics.
+    Without one of the mass that is moved, the screw's inertia and the coupling's stiffness it is one of statics.
     """
 
     name: str = Field(min_length=1, max_length=200)

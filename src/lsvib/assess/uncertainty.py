@@ -80,7 +80,8 @@ def evaluated(sheet: Sheet, shares: NDArray[np.float64]) -> dict[str, NDArray[np
 
     Raises ``InputError`` if the friction of one of them is so strong that the drive cannot move at all.
     """
-    found = worst(sheet, quantities(sheet, draw_of(sheet, shares)), between=False)
+    alone = not random_entries(sheet)  # then it is the drive at the middle values, with its own points of the window
+    found = worst(sheet, quantities(sheet, draw_of(sheet, shares)), between=alone)
     reserves = {name: np.broadcast_to(one.reserve, shares.shape[1:]) for name, one in found.items()}
     if any(np.isnan(reserve).any() for reserve in reserves.values()):
         raise InputError(

@@ -79,7 +79,7 @@ class Basin:
         closed, paths = inside(self.flow, self.curves, Window.of(window))
         return sampled(self.flow, [*closed, *paths], count)
 
-    def area(self, window: Part = None) -> float:
+    def area(self, window: Part | None = None) -> float:
         """Return the area [rad²/s] of the basin, or of its part in a window; infinite if it is not bounded.
 
         Raises ``InputError`` for a window whose ends are no ends.

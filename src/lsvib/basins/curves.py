@@ -83,7 +83,7 @@ class Window(NamedTuple):
         return bool(self.left < state[0] < self.right and self.bottom < state[1] < self.top)
 
 
-Part = Window | Mapping[str, tuple[float, float]] | None
+Part = Window | Mapping[str, tuple[float, float]]
 """A part of the phase plane, as users give it: ends of u [rad] and w [rad/s]."""
 
 

@@ -45,7 +45,7 @@ class Resilience:
         return found | {"state": [x if math.isfinite(x) else None for x in self.state]}
 
 
-def resilience(drive: RigidDrive, window: Part = None) -> Resilience:
+def resilience(drive: RigidDrive, window: Part | None = None) -> Resilience:
     """Return the perturbations that the steady sliding of a rigid drive tolerates.
 
     Arguments: drive; a ``window`` of the phase plane. Raises ``InputError`` and ``EngineError`` where the basin is not

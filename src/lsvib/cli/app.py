@@ -88,6 +88,7 @@ def _heeding_interrupts() -> Iterator[None]:
     before = signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
 
     def watch() -> None:
+        """Wait for an interrupt, or for the end of the command."""
         while (got := os.read(reader, 1)) != bytes([signal.SIGINT]):
             if not got:  # the command has ended
                 os.close(reader)

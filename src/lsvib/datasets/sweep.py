@@ -149,7 +149,7 @@ def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
 
 
 def resilience_sweep(
-    drive: RigidDrive, over: Mapping[str, Any], window: Part = None, progress: Progress | None = None
+    drive: RigidDrive, over: Mapping[str, Any], window: Part | None = None, progress: Progress | None = None
 ) -> xr.Dataset:
     """Return the perturbations that steady sliding of the rigid drive tolerates over all combinations of some values.
 

@@ -249,7 +249,7 @@ def starts(drive: Drive) -> list[tuple[float, float]]:
 def random_starts(drive: Drive) -> list[dict[str, float]]:
     """Return starts of a drive whose nut may turn, whose cycles may attract little of the space of four states.
 
-    They lie in all directions, half a swing of the screw to three of them away, and are the same in every run.
+    They are drawn from boxes of half a swing of the screw to 2.8 of them either way, the same in every run.
     """
     if "nut_rate" not in find_model(drive.model).optional:
         return []

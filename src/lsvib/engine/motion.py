@@ -127,7 +127,7 @@ def follow(
     many; budget: what the run may cost, counted down. Returns a :class:`Motion` with status TIME_REACHED, STOP_EVENT,
     SETTLED or, with ``max_events``, EVENTS_FULL, or WORK_SPENT where the search for the event after the last one takes
     all that the budget has. Raises ``EngineError`` if the model has no answer, there are more than ten million events
-    or, without a budget, searches for them take more than a minute or two; ``DivergenceError`` if the motion grows
+    or, without a budget, searches for them take more than 50 million steps; ``DivergenceError`` if the motion grows
     without bound, ``WorkSpentError`` if the budget does not suffice.
     """
     if not t_end >= 0:
@@ -162,8 +162,8 @@ def follow(
     end_time = float(clock[0] + clock[1])
     if status == Status.WORK_SPENT and budget is None:
         raise WorkSpentError(
-            f"the motion takes more than {_MANY_STEPS:,} steps by its event after t = {end_time:.6g} s, as its rates "
-            "lie far apart; shorten the duration, or take larger masses, or smaller stiffness and damping."
+            f"the motion takes more than {_MANY_STEPS:,} steps by its event after t = {end_time:.6g} s; shorten the "
+            "duration or, if rates of the drive lie far apart, take larger masses, or smaller stiffness and damping."
         )
     _complain(Status(status), end_time, state, most if max_events is None else None)
     columns = [np.concatenate(column) for column in zip(*pieces, strict=True)] if len(pieces) > 1 else pieces[0]

@@ -30,7 +30,8 @@ from lsvib.models import friction
 from lsvib.models.drive import Drive
 from lsvib.models.model import find_model
 
-# Work of a motion, and until what it ends on is unresolved, in events: a third of a second, also under a friction law.
+# Work after which what a motion ends on is unresolved, in events, without and with a friction law; the latter is that
+# of each motion which is drawn, too. A third of a second.
 _MOST_WORK, _WORK_OF_LAW = 100_000, 20_000
 # Cells of the map of a drive with two states while it is dragged, a seventieth of a second, and when the hand rests, a
 # fortieth; and of any other drive, of which every motion is followed, a third of a second.
@@ -143,8 +144,9 @@ def friction_visited(drive: Drive, shown: Followed) -> tuple[np.ndarray, np.ndar
 def labels(drive: Drive, window: Window, cells: tuple[int, int]) -> np.ndarray:
     """Return the labels (rows, columns) of the attractors from every cell of a window; raises ``LsvibError``."""
     u, w = Axis("u", *window[:2], cells[0]), Axis("w", *window[2:], cells[1])
-    with _MAPPING:
-        return _mapper(drive).cells(Grid(u, w), quantities=("label",))["label"]
+    made, turn = _mapper(drive)
+    with turn:
+        return made.cells(Grid(u, w), quantities=("label",))["label"]
 
 
 def strips(window: Window, count: int) -> list[Window]:
@@ -192,10 +194,9 @@ def amplitude(view: View, value: float, near: bool) -> AmplitudePoint:
     """Return a point of the amplitude curve of a view; a drive that the engine has no answer for is unresolved."""
     try:
         drive = view.drive.replace(**{view.over: value})
-        model = find_model(drive.model)
-        state = model.initial_state(drive, START if near else {"u": view.u, "w": view.w})
-        automaton = model.build(drive, model.physics_of(drive), "contact_sign")
-        found = steady_state(automaton, state, max_events=_work(drive))
+        start = START if near else {"u": view.u, "w": view.w}
+        state = find_model(drive.model).initial_state(drive, start)
+        found = steady_state(drive.automaton(), state, max_events=_work(drive))  # type: ignore[attr-defined]
         return AmplitudePoint(value, 0.0 if found.orbit is None else found.amplitude, found.label, near)
     except LsvibError:
         return AmplitudePoint(value, float("nan"), Attractor.UNRESOLVED, near)
@@ -224,12 +225,10 @@ def _sampled(motion: Motion) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return sample(motion, max(2000, 4 * (motion.time.size + 1)))
 
 
-_MAPPING = Lock()  # a mapper serves one thread at a time
-
-
 @lru_cache(maxsize=4)  # the drives of a few pages; a mapper holds the cycles of its drive
-def _mapper(drive: Drive) -> Mapper:
-    return mapper(drive, drive.model)
+def _mapper(drive: Drive) -> tuple[Mapper, Lock]:
+    """A mapper, and whose turn it is: it serves one thread at a time."""
+    return mapper(drive, drive.model), Lock()
 
 
 def _palette() -> np.ndarray:

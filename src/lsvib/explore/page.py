@@ -217,6 +217,7 @@ class Page:
 
         @without_document_lock
         async def find_out() -> None:
+            """Let the thread do it, while the page answers, and go on."""
             try:
                 found = await get_running_loop().run_in_executor(THREAD, job)
             except LsvibError as error:

@@ -64,8 +64,8 @@ def compute_figure(
     ``given``: settings as in its section of ``config/config.yaml``; those that it does not name have their defaults.
     ``parts``: files of parts that are computed already, by name; the others are computed here.
     The dataset carries the settings as JSON in its attribute ``settings``, and a digest of the ``sources`` that made it
-    in ``sources_sha256``, if there is one. Raises ``InputError`` about the settings and
-    ``LsvibError`` about files, in one sentence.
+    in ``sources_sha256``, if there is one. Raises ``InputError`` about the settings and ``LsvibError`` about files, in
+    one sentence.
     """
     settings, module, files = complete_settings(figure, given), load(figure), parts or {}
     own = {
