@@ -11,10 +11,10 @@ from collections.abc import Callable
 from references.friction_law_digits import simulate
 
 from lsvib.engine.motion import follow
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 from lsvib.models.rigid import rigid_automaton
 
-DRIVE = RigidDrive(friction="powered_seat", axial_force=100.0)
+DRIVE = Drive(friction="powered_seat", axial_force=100.0)
 RADIUS, TANGENT = DRIVE.pitch_radius, math.tan(DRIVE.lead_angle)
 LEVER, REACH = RADIUS / math.cos(DRIVE.lead_angle), RADIUS * TANGENT
 TOLERANCES = (1e-8, 1e-12, 2.2e-16)

@@ -89,21 +89,23 @@ def _run(job: Callable[..., None], log: str, subject: str, arguments: tuple[Any,
 
 def compile_engine(part: str, sources: Texts, marker: str) -> None:
     """Compile one part of the engine, with the rule of what a motion ends in, and note the digest of its inputs."""
-    from lsvib import RigidDrive, ThreadsDrive
+    from lsvib import Drive
     from lsvib.files import write_text
 
     if part == "mapper":
         from lsvib.basins.grid import Grid
-        from lsvib.basins.mapper import QUANTITIES, mapper
+        from lsvib.basins.mapper import QUANTITIES
+        from lsvib.basins.mapping import mapper
 
         one = {"start": -1.0, "stop": 1.0, "count": 1}
-        mapper(RigidDrive()).cells(Grid.of({"u": one, "w": one}), quantities=QUANTITIES)
+        mapper(Drive()).cells(Grid.of({"u": one, "w": one}), quantities=QUANTITIES)
     else:
         from lsvib.engine import motion
 
         if part != "taylor":
             motion.compile_engine((part,))
-        drive = ThreadsDrive(mass=11) if part == "modal" else RigidDrive(mass=11)
+        threads = {"contact_stiffness": 1e8, "contact_damping": 1e8} if part == "modal" else {}
+        drive = Drive(mass=11, **threads)
         law = {"stribeck_rise": 0.02, "stribeck_speed": 0.01} if part == "taylor" else {}
         drive.replace(**law).steady_state({"u": 0.1, "w": 0.0})
         if part == "planar":

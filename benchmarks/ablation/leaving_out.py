@@ -10,14 +10,15 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+from references.parts import support_drive
 
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.exact.modal_form import linear_mode, modal_flow
 from lsvib.engine.kernels import layout
 from lsvib.engine.motion import Motion, follow
-from lsvib.models.drive import RigidDrive, SupportDrive, forget
+from lsvib.models.drive import Drive, forget
+from lsvib.models.model import automaton_of
 from lsvib.models.rigid import rigid_automaton
-from lsvib.models.support import MODEL as SUPPORT
 
 _CONTACT_SIZES = (1e-6, 1e-3)  # of mismatch [m] and its rate [m/s]; they only scale coordinates that stay zero
 _NOTHING = 1e-18  # N
@@ -47,16 +48,14 @@ class Measured(NamedTuple):
 
 def scenes(duration: float) -> dict[str, Ablated]:
     """Return the scenes by name, each to be followed for ``duration`` [s]."""
-    slip = RigidDrive.of(translation_damping=1e3, axial_force=25.0)
+    slip = Drive.of(translation_damping=1e3, axial_force=25.0)
     stick = slip.replace(axial_force=40.0)
-    sprag = RigidDrive.of(mass=15.0, axial_force=100.0)
-    support = SupportDrive.of(
-        screw_mass=1.0, support_stiffness=1e6, mass=1.0, axial_force=40.0, translation_damping=1e3
-    )
+    sprag = Drive.of(mass=15.0, axial_force=100.0)
+    support = support_drive(screw_mass=1.0, support_stiffness=1e6, mass=1.0, axial_force=40.0, translation_damping=1e3)
     loaded = support.replace(slide_friction=_NOTHING)
     here = np.array([1e-3, 0.0])
 
-    def rigid(words: str, drive: RigidDrive, rest: bool) -> Ablated:
+    def rigid(words: str, drive: Drive, rest: bool) -> Ablated:
         """Return the scene of a rigid drive, with or without rest among its modes."""
         return Ablated(
             words,
@@ -73,8 +72,8 @@ def scenes(duration: float) -> dict[str, Ablated]:
         "sprag_slip": rigid("law + slip, contact state", sprag, True),
         "axial_support": Ablated(
             "friction of the slide",
-            lambda: SUPPORT.build(support, (), "contact_sign"),
-            lambda: SUPPORT.build(loaded, ("slide_friction",), "contact_sign"),
+            lambda: automaton_of(support),
+            lambda: automaton_of(loaded),
             (four, four),
             duration,
         ),

@@ -15,7 +15,7 @@ from lsvib.datasets.io import machine
 from lsvib.figures import style
 from lsvib.figures.settings import CaseSeed, DriveChanges, FigureSettings, PlaneWindow, PositiveSpan, SettingsSection
 from lsvib.figures.style import Axes, Figure
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 
 if TYPE_CHECKING:
     from benchmarks.maps.map_race import MapOutcome, RaceBox
@@ -83,7 +83,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 
     cells = {name: count for name, count in settings["cells"].items() if count}
     distances = spans.logarithmic(settings["distances"])
-    boxes = [RaceBox(RigidDrive.of(b["drive"]), Window(**b["window"])) for b in settings["boxes"].values()]
+    boxes = [RaceBox(Drive.of(b["drive"]), Window(**b["window"])) for b in settings["boxes"].values()]
     found = [contest(box, cells, settings["repeats"], distances, settings["starts"], settings["seed"]) for box in boxes]
     rows = [[outcomes[name] for outcomes, _ in found] for name in cells]
     lengths, labels = [length for _, length in found], "; ".join(METHODS[name].label for name in cells)

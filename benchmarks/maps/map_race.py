@@ -15,11 +15,11 @@ from benchmarks.maps.map_methods import METHODS, Label
 from lsvib.basins.boundary import Basin, basin
 from lsvib.basins.curves import Arc, Piece, Window, inside, state_on
 from lsvib.basins.kernels.labels import UNRESOLVED
-from lsvib.basins.mapper import mapper
+from lsvib.basins.mapping import mapper
 from lsvib.dynamics.attractor import Attractor
 from lsvib.engine.kernels import layout
 from lsvib.errors import InputError
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 
 _SAMPLES = 400  # points of a piece of the boundary from which its length is summed
 _LONG = 1.0  # [s] A method that takes longer on a box is not repeated.
@@ -30,7 +30,7 @@ _ENOUGH = 10  # With so many wrong cells on a grid their number tells their shar
 class RaceBox:
     """A drive and the part of the phase plane that is mapped."""
 
-    drive: RigidDrive
+    drive: Drive
     window: Window
 
     def grid(self, count: int) -> tuple[np.ndarray, np.ndarray]:

@@ -19,19 +19,19 @@ from benchmarks.rivals.truth import reference
 from lsvib.basins.boundary import basin
 from lsvib.basins.curves import Window
 from lsvib.basins.grid import Axis, Grid
-from lsvib.basins.mapper import mapper
+from lsvib.basins.mapping import mapper
 from lsvib.datasets.chart import Plane
 from lsvib.datasets.sweep import product_of
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.dynamics.behaviour import Behaviour
 from lsvib.dynamics.sweep import all_endings
-from lsvib.models.drive import RigidDrive, forget
+from lsvib.models.drive import Drive, forget
 from lsvib.stability.force_thresholds import stick_force
 
 GRIDS = ("map", "chart")
-_MAPPED = RigidDrive.of(mass=11.0, support_damping=1e-3, axial_force=-10.0)  # Fig. 8.14b beyond the critical mass
+_MAPPED = Drive.of(mass=11.0, support_damping=1e-3, axial_force=-10.0)  # Fig. 8.14b beyond the critical mass
 _WINDOW = Window(-0.3, 0.3, -150.0, 150.0)
-_CHARTED = RigidDrive.of(translation_damping=1e3)  # of Sect. 8.5.1
+_CHARTED = Drive.of(translation_damping=1e3)  # of Sect. 8.5.1
 _MASSES, _FORCES = (1.0, 8.0), (20.0, 70.0)
 _STICKS = (Behaviour.STICK_SLIP, Behaviour.STICK_SLIP_WITH_CONTACT_REVERSAL)
 _DEGREE = 30  # of the polynomial through exact forces, which holds them to rounding

@@ -4,12 +4,13 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
+from references.parts import threads_drive
 
 from lsvib.engine.automaton import Automaton
-from lsvib.models.drive import Drive, RigidDrive, ThreadsDrive
+from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.model import Model, find_model
-from lsvib.models.threads import seated_state
+from lsvib.models.mechanism import seated_state
+from lsvib.models.model import Model, model_of
 from lsvib.stability.conditions import critical_mass
 from lsvib.stability.force_thresholds import global_stability_force, stick_force
 
@@ -37,7 +38,7 @@ class RaceScene:
     @property
     def definition(self) -> Model:
         """The model of the drive."""
-        return find_model(self.drive.model)
+        return model_of(self.drive)
 
     @property
     def steady_from(self) -> float:
@@ -48,7 +49,7 @@ class RaceScene:
     def scales(self) -> np.ndarray:
         """Typical sizes of the coordinates (n), for absolute tolerances: 0.1 rad, Ω, and what N_0 does to a contact."""
         sizes = [0.1, abs(self.drive.input_speed)]
-        if isinstance(self.drive, ThreadsDrive):
+        if "threads" in self.drive.parts:
             normal = abs(float(coefficients(self.drive).net_force))
             sizes += [normal / self.drive.contact_stiffness, normal / self.drive.contact_damping]
         return np.array(sizes)
@@ -61,13 +62,13 @@ class RaceScene:
 @cache
 def _scenes() -> dict[str, RaceScene]:
     """All scenes by their names."""
-    slips = RigidDrive.of(mass=1, translation_damping=1e3)
+    slips = Drive.of(mass=1, translation_damping=1e3)
     vibrates, grazes = slips.replace(axial_force=40), stick_force(slips)
-    sprags = RigidDrive.of(mass=11, support_damping=1e-3)
+    sprags = Drive.of(mass=11, support_damping=1e-3)
     just = sprags.replace(axial_force=global_stability_force(sprags) * (1 - _NEAR))
-    stiff = ThreadsDrive.of(mass=11, axial_force=100)
+    stiff = threads_drive(mass=11, axial_force=100)
     seated = tuple(float(x) for x in seated_state(stiff, 0.005, 0.0))
-    light = RigidDrive.of(translation_damping=1e3, axial_force=40)
+    light = Drive.of(translation_damping=1e3, axial_force=40)
     critical = light.replace(mass=critical_mass(light) * (1 - _GAMMA))
 
     def rigid(name: str, title: str, drive: Drive, start: tuple[float, float], duration: float = 0.5) -> RaceScene:

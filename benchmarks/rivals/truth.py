@@ -15,7 +15,7 @@ _MOST = 1_000_000  # events
 def reference(scene: RaceScene) -> Record:
     """Return the true motion of a scene, of a rigid drive or one with compliant threads."""
     with mp.workdps(_DIGITS + four_states_digits.SPARE_DIGITS):
-        return _rigid(scene) if scene.drive.model == "rigid" else _threads(scene)
+        return _rigid(scene) if scene.drive.rigid else _threads(scene)
 
 
 def _rigid(scene: RaceScene) -> Record:

@@ -9,17 +9,17 @@ from references.wide_drives import power, rigid_values, sign
 
 from benchmarks.sweeps import cases_four_states
 from benchmarks.sweeps.families import Case, CaseFamily
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.stability import force_thresholds
 from lsvib.stability.conditions import critical_mass
 
 _MOST_TURNS = 50  # of the fastest oscillation
-THRESHOLDS: tuple[tuple[Callable[[RigidDrive], float], RigidDrive], ...] = (
-    (force_thresholds.onset_force, RigidDrive.of(translation_damping=1e3)),
-    (force_thresholds.stick_force, RigidDrive.of(translation_damping=1e3)),
-    (force_thresholds.detach_force, RigidDrive.of(translation_damping=1e3)),
-    (force_thresholds.global_stability_force, RigidDrive.of(mass=11.0, support_damping=1e-3)),
+THRESHOLDS: tuple[tuple[Callable[[Drive], float], Drive], ...] = (
+    (force_thresholds.onset_force, Drive.of(translation_damping=1e3)),
+    (force_thresholds.stick_force, Drive.of(translation_damping=1e3)),
+    (force_thresholds.detach_force, Drive.of(translation_damping=1e3)),
+    (force_thresholds.global_stability_force, Drive.of(mass=11.0, support_damping=1e-3)),
 )
 
 
@@ -32,7 +32,7 @@ def cases(family: CaseFamily, count: int, rng: np.random.Generator) -> Iterator[
             yield _case(rng, family, *_RIGID[family](rng))
 
 
-def _some_drive(rng, **fixed) -> RigidDrive:
+def _some_drive(rng, **fixed) -> Drive:
     """A drive like the chapter's: both signs of Γ₊, of R and of Ω, damped in at least one place."""
     support, translation = ((1, 0), (0, 1), (1, 1))[rng.integers(3)]
     values = {
@@ -43,16 +43,16 @@ def _some_drive(rng, **fixed) -> RigidDrive:
         "support_damping": support * power(rng, -4.5, -2.0),
         "translation_damping": translation * rng.uniform(50.0, 2000.0),
     }
-    return RigidDrive.of(values | fixed)
+    return Drive.of(values | fixed)
 
 
-def _scales(drive: RigidDrive) -> tuple[float, float]:
+def _scales(drive: Drive) -> tuple[float, float]:
     """A natural time 1/ω [s] and a size of u [rad] of a drive."""
     time = math.sqrt(float(coefficients(drive).gamma[-1]) / drive.coupling_stiffness)
     return time, abs(drive.input_speed) * time
 
 
-def _case(rng, family: CaseFamily, level: float, drive: RigidDrive, start=None) -> Case:
+def _case(rng, family: CaseFamily, level: float, drive: Drive, start=None) -> Case:
     """Start anywhere on either side of θ′ = 0 and N = 0, and run for some turns of the slow oscillation."""
     time, size = _scales(drive)
     if start is None:
@@ -63,7 +63,7 @@ def _case(rng, family: CaseFamily, level: float, drive: RigidDrive, start=None) 
     return Case(family, level, drive, tuple(map(float, start)), duration)
 
 
-def _fastest(drive: RigidDrive) -> float:
+def _fastest(drive: Drive) -> float:
     """Frequency [turns/s] of the fastest oscillation under either law; judges follow it turn by turn."""
     c = coefficients(drive)
     squares = [float(drive.coupling_stiffness / x) - (float(c.damping[s]) / (2 * x)) ** 2 for s, x in
@@ -161,7 +161,7 @@ def _double_rate(rng):
 
 
 def _random(rng):
-    drive = RigidDrive.of(rigid_values(rng))
+    drive = Drive.of(rigid_values(rng))
     return math.log10(drive.mass), drive
 
 

@@ -5,10 +5,11 @@ import math
 import numpy as np
 from mpmath import mp
 from references.four_states_digits import FourStatesDrive
+from references.parts import nut_drive, support_drive, threads_drive
 from references.wide_drives import heaviest, power, sign
 
 from benchmarks.sweeps.families import Case, CaseFamily
-from lsvib.models.drive import NutDrive, RigidDrive, SupportDrive, ThreadsDrive
+from lsvib.models.drive import Drive
 from lsvib.stability.linear import nut_model, support_model
 
 _MOST_TURNS = 6.0  # of the fastest oscillation: bounds the work of the reference
@@ -22,7 +23,7 @@ def contact(rng) -> Case:
     stiffness = power(rng, 3, 14)
     damping = power(rng, 3, min(14, math.log10(stiffness) + 4))
     mass, force = rng.choice([5.0, 10.2, 11.0, 15.0]), rng.choice([100.0, 10.0, -50.0])
-    drive = ThreadsDrive.of(mass=mass, axial_force=force, contact_stiffness=stiffness, contact_damping=damping)
+    drive = threads_drive(mass=mass, axial_force=force, contact_stiffness=stiffness, contact_damping=damping)
     # So many radians of the contact where it vibrates, else of the drive.
     rate = math.sqrt(0.4 * stiffness)
     vibrates = damping < 4.0 * stiffness / rate
@@ -43,7 +44,7 @@ def support(rng) -> Case:
     share = power(rng, -3, -0.01)
     if "slide_friction" in physics:  # only up to this mass is the motion determined
         values["screw_mass"] = min(values["screw_mass"], share * heaviest(values, values["screw_inertia"]))
-    drive = SupportDrive.of(values)
+    drive = support_drive(values)
     shift = drive.axial_force / drive.support_stiffness
     own = (shift * rng.uniform(-3, 3), 1e-3 * rng.uniform(-50, 50))
     return _case(rng, CaseFamily.SUPPORT, physics, level, drive, own)
@@ -62,13 +63,13 @@ def nut(rng) -> Case:
     if "bearing_friction" in physics:
         inertia = 1 / (1 / values["screw_inertia"] + 1 / values["nut_inertia"])
         values["mass"] = min(values["mass"], share * heaviest(values, inertia))
-    drive = NutDrive.of(values)
+    drive = nut_drive(values)
     own = (rng.uniform(-0.3, 0.3), drive.input_speed * rng.uniform(-3, 3))
     return _case(rng, CaseFamily.NUT, physics, level, drive, own)
 
 
 def _common(rng) -> dict[str, float]:
-    defaults = dict(RigidDrive())
+    defaults = dict(Drive())
     return {
         **defaults,
         "mass": power(rng, -1, 1.7),

@@ -37,7 +37,7 @@ from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import event_loop
 from lsvib.engine.kernels.flow_planar import ROUNDING
 from lsvib.engine.motion import Motion
-from lsvib.models.drive import Drive, NutDrive, SupportDrive, ThreadsDrive
+from lsvib.models.drive import Drive
 from lsvib.models.mechanics import friction_factor
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)  # the error falls with the 24th power of a panel's width
@@ -178,7 +178,7 @@ def terms(automaton: Automaton, drive: Drive, physics: tuple[str, ...] = ()) -> 
     stored, lost, rubbed = [], [], []
     holding = np.zeros((len(automaton.codes), n + 1))
     sliding = rubbing * speed
-    if isinstance(d, ThreadsDrive):
+    if d.parts == ("threads",):
         nut = reach * speed + unit[3]
         stored.append((0.5 * d.contact_stiffness, cos * unit[2]))
         lost.append((d.contact_damping, cos * unit[3]))
@@ -186,13 +186,13 @@ def terms(automaton: Automaton, drive: Drive, physics: tuple[str, ...] = ()) -> 
         rest = np.isin(automaton.codes, automaton.rest_codes)
         friction = (-d.coupling_stiffness / d.pitch_radius * spring + sin * normal) / cos
         holding[rest] = friction[rest]
-    elif isinstance(d, SupportDrive):
+    elif d.parts == ("support",):
         nut, moved = reach * speed + unit[3], d.mass * d.screw_mass / (d.mass + d.screw_mass)
         force, _ = _steady(d, physics, reach)
         stored += [(0.5 * d.screw_mass, unit[3])]
         stored += [(0.5 * d.support_stiffness, unit[2] + force / d.support_stiffness * one)]
         lost.append((d.axial_support_damping, unit[3]))
-    elif isinstance(d, NutDrive):
+    elif d.parts == ("nut",):
         slip = speed - unit[3]
         nut, sliding, inertia = reach * slip, rubbing * slip, inertia * d.nut_inertia / (inertia + d.nut_inertia)
         force, law = _steady(d, physics, reach)

@@ -16,7 +16,7 @@ from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND
 from lsvib.engine.motion import Motion
 from lsvib.models.drive import Drive
-from lsvib.models.model import find_model
+from lsvib.models.model import model_of
 
 MOST_EVENTS = 60  # events of a motion; one with 40 digits is then compared in a fraction of a second
 # Parts of an arc at which its size is looked at: what dies away at once, or has not begun to, belongs to it as well.
@@ -45,7 +45,7 @@ def same_but_corners(left: Sequence[str], right: Sequence[str]) -> bool:
 
 def automaton(case: Case) -> Automaton:
     """Build the engine's model of a case; errors of the library where it refuses."""
-    model = find_model(case.drive.model)
+    model = model_of(case.drive)
     return model.build(case.drive, (*model.options, *case.physics), "contact_sign")
 
 
@@ -62,9 +62,9 @@ def fields(automaton: Automaton) -> np.ndarray:
 
 def engine_path(motion: Motion, case: Case) -> Record:
     """Record of the engine's motion: its events by their kinds, of four states by the modes that follow."""
-    model, counted = find_model(case.drive.model), ~np.isin(motion.kind, (GRAZE_KIND, ACCUMULATION_KIND))
+    model, counted = model_of(case.drive), ~np.isin(motion.kind, (GRAZE_KIND, ACCUMULATION_KIND))
     size = np.abs(np.vstack([motion.before, motion.after, [motion.start_state, motion.end_state]])).max(axis=0)
-    if case.drive.model == "rigid":
+    if case.drive.rigid:
         kinds = [model.events(event).name.lower() for event in motion.kind[counted]]
     else:
         names = [model.modes(int(motion.automaton.codes[mode])).name.lower() for mode in motion.mode[counted]]
@@ -83,7 +83,7 @@ def exact_path(case: Case, drive: Drive, start: tuple[float, ...]) -> Record | N
 
 
 def _exact_path(case: Case, drive: Drive, start: tuple[float, ...], digits: int) -> Record:
-    if drive.model == "rigid":
+    if drive.rigid:
         result = rigid_digits.simulate(dict(drive), *start, case.duration, dps=digits, max_events=MOST_EVENTS)
         kinds = [event.kind for event in result.events]
         visited = [(event.u_before, event.w_before) for event in result.events]
@@ -91,9 +91,9 @@ def _exact_path(case: Case, drive: Drive, start: tuple[float, ...], digits: int)
         end = result.u, result.w
     else:
         result = four_states_digits.simulate(
-            dict(drive), drive.model, case.physics, start, case.duration, dps=digits, max_events=MOST_EVENTS
+            dict(drive), drive.parts[0], case.physics, start, case.duration, dps=digits, max_events=MOST_EVENTS
         )
-        names = [four_states_digits.mode_name(event.mode_after, drive.model) for event in result.events]
+        names = [four_states_digits.mode_name(event.mode_after, drive.parts[0]) for event in result.events]
         kinds = [_token(name, event.seizure) for name, event in zip(names, result.events, strict=True)]
         visited = [event.state for event in result.events] + result.sampled(_SAMPLES)
         end = result.state
@@ -109,9 +109,9 @@ def _token(mode: str, seized: bool) -> str:
 @lru_cache(maxsize=2)  # one drive is asked after the other
 def _least(drive: Drive, physics: tuple[str, ...]) -> np.ndarray:
     """Smallest size by which each coordinate of a drive with a second body is measured."""
-    steady = four_states_digits.FourStatesDrive(drive.model, dict(drive), physics)
+    steady = four_states_digits.FourStatesDrive(drive.parts[0], dict(drive), physics)
     speed = abs(drive.input_speed)
-    rate = speed * math.tan(drive.lead_angle) * drive.pitch_radius if drive.model == "support" else speed
+    rate = speed * math.tan(drive.lead_angle) * drive.pitch_radius if drive.parts == ("support",) else speed
     return _LEAST * np.array([abs(float(steady.z0)), speed, abs(float(steady.q0)), rate])
 
 
@@ -120,7 +120,7 @@ def _shortened(case: Case, kinds: Sequence[str], times: np.ndarray, end, size, c
 
     A motion with a second body that is small counts as large as a part of steady sliding.
     """
-    if case.drive.model in ("support", "nut"):
+    if case.drive.parts in (("support",), ("nut",)):
         size = np.maximum(size, _least(case.drive, case.physics))
     kept: list[int] = []
     instant = INSTANT * case.duration

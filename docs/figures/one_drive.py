@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 import lsvib
 from lsvib.figures import attraction, drawing, style
 
-DRIVE = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
+DRIVE = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10)
 START = {"u": 0.1, "w": 0.0}
 GRID = {"u": (-0.14, 0.2, 680), "w": (-50.0, 35.0, 400)}
 FORCES = np.linspace(-40.0, -0.5, 159)

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import lsvib
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 
 sys.path.insert(0, str(Path(lsvib.__file__).parents[2] / "docs" / "site"))  # the scraper of the gallery
 
@@ -69,7 +69,7 @@ def short_signature(
     app: Any, what: str, name: str, thing: Any, options: Any, signature: str | None, returned: str | None
 ) -> tuple[str | None, str | None]:
     """Write the parameters of a drive as a person does: they are numbers; their ranges stand in a table."""
-    if what == "class" and issubclass(thing, RigidDrive):
+    if what == "class" and issubclass(thing, Drive):
         fields = [f"{key}: float = {field.default:.6g}" for key, field in thing.model_fields.items()]
         return f"(*, {', '.join(fields)})", None
     return signature, returned

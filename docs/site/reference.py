@@ -10,7 +10,7 @@ from lsvib.models.drive import Drive, allowed_range, described
 from lsvib.models.model import all_models
 
 _GROUPS = {
-    "Drives": ["RigidDrive", "ThreadsDrive", "SupportDrive", "NutDrive"],
+    "Drives": ["Drive", "threads_drive", "support_drive", "nut_drive"],
     "Simulation": ["simulate", "Scene"],
     "Stability and thresholds": [
         "StabilityReport",

@@ -1,9 +1,6 @@
 """The public names of the package and where they live; ``__init__.py`` loads each on first use."""
 
-from lsvib.api import NutDrive as NutDrive
-from lsvib.api import RigidDrive as RigidDrive
-from lsvib.api import SupportDrive as SupportDrive
-from lsvib.api import ThreadsDrive as ThreadsDrive
+from lsvib.api import Drive as Drive
 from lsvib.api import simulate as simulate
 from lsvib.basins.boundary import Basin as Basin
 from lsvib.basins.curves import Window as Window

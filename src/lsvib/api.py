@@ -6,13 +6,11 @@ asked: making a drive, or asking for its stability, loads no engine. The example
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 from lsvib.errors import InputError
 from lsvib.models import drive as _drives
-from lsvib.models.drive import Drive
 from lsvib.models.mechanics import Coefficients, coefficients
-from lsvib.models.model import find_model
 from lsvib.models.scene import Scene
 from lsvib.numbers import Progress
 from lsvib.results import StabilityReport, Threshold
@@ -30,8 +28,9 @@ if TYPE_CHECKING:
     from lsvib.dynamics.continuation import CycleBranch
     from lsvib.dynamics.cycles import Cycle
     from lsvib.engine.automaton import Automaton
+    from lsvib.models.description import Description
 
-    _Base = Drive
+    _Base = _drives.Drive
     Values = Sequence[float] | np.ndarray  # of a parameter, in SI units
 else:
     _Base = object  # the methods go to the class Drive itself, below
@@ -39,7 +38,7 @@ else:
 Start = Mapping[str, float]  # coordinates of a start by name, in SI units
 Terms = Sequence[str] | None  # of the equations of motion, by name
 
-__all__ = ["DriveMethods", "NutDrive", "RigidDrive", "SupportDrive", "ThreadsDrive", "drive_class", "simulate"]
+__all__ = ["Drive", "DriveMethods", "simulate"]
 
 
 class DriveMethods(_Base):
@@ -53,12 +52,26 @@ class DriveMethods(_Base):
         digits of :meth:`exact`, the effective inertia Γ_s [kg m²], the effective damping C_s [N m s/rad] and the
         friction factor ξ_s [1], each by s, and the load R̃ [N].
 
-        >>> lsvib.RigidDrive(mass=11).coefficients.paradox  # Γ₊ < 0
+        >>> lsvib.Drive(mass=11).coefficients.paradox  # Γ₊ < 0
         True
 
         See also: :meth:`stability`, which judges by them.
         """
         return coefficients(self)
+
+    def describe(self) -> "Description":
+        """Return what the drive is made of: parts, coordinates, equations of motion with numbers, modes.
+
+        >>> print(*lsvib.Drive(mass=11, screw_mass=3, support_stiffness=1e6).describe().equations[:3], sep="\\n")
+        3.12e-06 θ″ = − 1 z − 0.0002 θ′ − τ
+        3 x_1″ = n − 1e+06 x_1
+        11 x″ = 50 − n
+
+        See also: :mod:`lsvib.models.mechanism`, with the symbols.
+        """
+        from lsvib.models.description import described
+
+        return described(self)
 
     def stability(self) -> StabilityReport:
         """Return the linear stability of steady sliding, u = u̇ = 0.
@@ -71,7 +84,7 @@ class DriveMethods(_Base):
         margins, and quantities with units. Raises ``InputError`` if the contact carries no force (R̃ = 0), which leaves
         the friction law open.
 
-        >>> report = lsvib.RigidDrive(mass=11).stability()
+        >>> report = lsvib.Drive(mass=11).stability()
         >>> report.stable, report.kind, report.conditions["kinematic_constraint"].hold
         (False, 'saddle', True)
 
@@ -89,7 +102,7 @@ class DriveMethods(_Base):
         is there without a value, and its ``reason`` says why. Raises ``InputError`` for another parameter, or if the
         contact carries no force.
 
-        >>> found = lsvib.RigidDrive().thresholds()
+        >>> found = lsvib.Drive().thresholds()
         >>> mass = found["kinematic_constraint"]  # the critical mass (8.20)
         >>> f"{mass.value:.6f} {mass.unit}", mass.printed.value, mass.printed.passed
         ('10.106965 kg', 10.1, True)
@@ -110,7 +123,7 @@ class DriveMethods(_Base):
         come with doubles that enclose them for certain. Raises ``InputError`` for another name, ``NoThreshold`` where
         there is no solution in the allowed range.
 
-        >>> drive = lsvib.RigidDrive(mass=11, support_damping=2e-3)
+        >>> drive = lsvib.Drive(mass=11, support_damping=2e-3)
         >>> critical = drive.threshold("kinematic_constraint", unknown="mass")
         >>> critical.value, critical.enclosure
         (10.106965213139869, (10.106965213139869, 10.10696521313987))
@@ -136,7 +149,7 @@ class DriveMethods(_Base):
 
         The tables are made once and shared by equal drives: do not change them. Raises ``InputError``.
 
-        >>> lsvib.RigidDrive().automaton().states
+        >>> lsvib.Drive().automaton().states
         ('angle_deviation', 'velocity_deviation')
         """
         return self._automaton_and_state({"u": 0.0, "w": 0.0}, resume, physics)[0]
@@ -169,7 +182,7 @@ class DriveMethods(_Base):
         ``InputError`` for what is not acceptable, ``EngineError`` where events accumulate or the motion grows without
         bound.
 
-        >>> drive = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
+        >>> drive = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10)
         >>> motion = drive.simulate({"u": 0.1, "w": 0.0}, 0.1)
         >>> motion.sizes["time"], motion.sizes["event"], motion.normal_force.units
         (1001, 12, 'N')
@@ -193,7 +206,7 @@ class DriveMethods(_Base):
         [rad], half the peak-to-peak of u. A motion whose event budget is exhausted is unresolved. Raises
         ``InputError``, ``EngineError``.
 
-        >>> drive = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
+        >>> drive = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10)
         >>> found = drive.steady_state({"u": 0.1, "w": 0.0})
         >>> found.label.name, f"{found.amplitude:.6f} rad, {found.period:.6f} s"
         ('SPRAG_SLIP_CYCLE', '0.055997 rad, 0.010944 s')
@@ -219,7 +232,7 @@ class DriveMethods(_Base):
         and multipliers with a bound of their error; ``proved`` says what else is certain, ``searched`` where cycles
         were looked for. Raises ``InputError``, ``EngineError``.
 
-        >>> found = lsvib.RigidDrive(mass=11, support_damping=2e-3, axial_force=-18.37).cycles()
+        >>> found = lsvib.Drive(mass=11, support_damping=2e-3, axial_force=-18.37).cycles()
         >>> [(cycle.attracting, f"{cycle.multipliers[0].real:.6f}") for cycle in found.cycles]
         [(True, '0.745892'), (False, '1.557142')]
 
@@ -251,7 +264,7 @@ class DriveMethods(_Base):
         Returns the branch: its points, folds and changes of the itinerary. Raises ``InputError`` for a parameter or
         span that is not acceptable.
 
-        >>> drive = lsvib.RigidDrive(mass=11, support_damping=2e-3, axial_force=-18.37)
+        >>> drive = lsvib.Drive(mass=11, support_damping=2e-3, axial_force=-18.37)
         >>> branch = drive.follow(drive.cycles().cycles[0], "axial_force", (-18.5, -18.35))
         >>> [f"{force:.10f} N" for force in branch.folds]
         ['-18.3754629689 N']
@@ -285,7 +298,7 @@ class DriveMethods(_Base):
         Returns a dataset over the parameters with attractor, amplitude [rad], period [s], multiplier [1],
         peak_normal_force [N] and peak_normal_impulse [N s]. Raises ``InputError``, ``EngineError``.
 
-        >>> found = lsvib.RigidDrive(translation_damping=1000).sweep(axial_force=[10, 30, 60])
+        >>> found = lsvib.Drive(translation_damping=1000).sweep(axial_force=[10, 30, 60])
         >>> [lsvib.Attractor(int(kind)).name for kind in found.attractor]
         ['STEADY_SLIDING', 'OTHER_CYCLE', 'STICK_SLIP_CYCLE']
 
@@ -317,7 +330,7 @@ class DriveMethods(_Base):
         Returns a dataset with a ``label`` for each cell (y, x) and the curves Γ₊ = 0, C₊ = 0 … as points. Raises
         ``InputError``, ``EngineError``.
 
-        >>> found = lsvib.RigidDrive(translation_damping=1000).chart(("mass", 1, 9, 4), ("axial_force", 0, 60, 4))
+        >>> found = lsvib.Drive(translation_damping=1000).chart(("mass", 1, 9, 4), ("axial_force", 0, 60, 4))
         >>> names = found.label.flag_meanings.split()
         >>> [names[label + 1] for label in found.label.sel(mass=2).values]
         ['no_vibration', 'pure_slip', 'pure_slip', 'stick_slip_with_contact_reversal']
@@ -351,7 +364,7 @@ class DriveMethods(_Base):
         Returns a dataset over both coordinates with the label and the other quantities of each cell; of a rigid drive
         also the exact boundary and area of the region of attraction [rad²/s]. Raises ``InputError``, ``EngineError``.
 
-        >>> drive = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
+        >>> drive = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10)
         >>> found = drive.attraction({"u": (-0.1, 0.1, 40), "w": (-80, 80, 30)})
         >>> found.label.shape, f"{found.basin_area.item():.4f} {found.basin_area.units}"
         ((30, 40), '0.9553 rad2 s-1')
@@ -374,7 +387,7 @@ class DriveMethods(_Base):
         the rigid one, where steady sliding attracts nothing, and for the few drives that docs/basin.md lists;
         ``EngineError`` where the engine cannot follow the boundary.
 
-        >>> basin = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10).basin()
+        >>> basin = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10).basin()
         >>> basin.boundary.name, basin.contains((0.0, 0.0)), basin.contains((0.1, 0.0))
         ('TOUCHING_MOTION', True, False)
 
@@ -396,7 +409,7 @@ class DriveMethods(_Base):
         zero where steady sliding is unstable; with a window the ``fraction`` [1] of it. Raises ``InputError``,
         ``EngineError`` as :meth:`basin` does.
 
-        >>> drive = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
+        >>> drive = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10)
         >>> found = drive.resilience({"u": (-0.3, 0.3), "w": (-150, 150)})
         >>> f"{found.angle:.6g} rad, {found.speed:.6g} rad/s, {found.energy:.6g} J, {found.fraction:.6g}"
         '0.0223138 rad, 7.46627 rad/s, 0.000154064 J, 0.00530736'
@@ -417,7 +430,7 @@ class DriveMethods(_Base):
         Returns a dataset over the parameters with fatal_angle [rad], fatal_speed [rad/s], fatal_energy [J], and with a
         window basin_fraction [1]; nan where docs/basin.md lists the drive as not covered. Raises ``InputError``.
 
-        >>> drive = lsvib.RigidDrive(mass=11, support_damping=1e-3)
+        >>> drive = lsvib.Drive(mass=11, support_damping=1e-3)
         >>> found = drive.resilience_sweep(axial_force=[-40, -20, -10])
         >>> [f"{energy:.3g}" for energy in found.fatal_energy.values]
         ['inf', '0.000616', '0.000154']
@@ -429,7 +442,7 @@ class DriveMethods(_Base):
         return resilience_sweep(_rigid(self), over, window, progress)
 
     def _scene(self, start: Start, duration: float, **more: Any) -> Scene:
-        return Scene(model=self.model, drive=self, start=start, duration=duration, **more)
+        return Scene(drive=self, start=start, duration=duration, **more)
 
     def _automaton_and_state(self, start: Start, resume: str, physics: Terms) -> tuple["Automaton", Any]:
         scene = self._scene(start, 1.0, resume=resume, physics=physics)
@@ -443,14 +456,14 @@ def simulate(scene: Scene | Mapping[str, Any] | str | Path) -> "xr.Dataset":
     Arguments: a :class:`lsvib.Scene`, its names and values, or the path of a YAML file that holds them, as
     ``lsvib simulate --scene`` reads it.
 
-    Returns the dataset of :meth:`RigidDrive.simulate`. Raises ``InputError``, ``EngineError`` in one sentence.
+    Returns the dataset of :meth:`Drive.simulate`. Raises ``InputError``, ``EngineError`` in one sentence.
 
     >>> drive = {"mass": 11, "support_damping": 1e-3, "axial_force": -10}
-    >>> motion = lsvib.simulate({"model": "rigid", "drive": drive, "start": {"u": 0.1, "w": 0}, "duration": 0.1})
+    >>> motion = lsvib.simulate({"drive": drive, "start": {"u": 0.1, "w": 0}, "duration": 0.1})
     >>> motion.sizes["event"]
     12
 
-    See also: :meth:`RigidDrive.simulate`, of a drive that is there.
+    See also: :meth:`Drive.simulate`, of a drive that is there.
     """
     from lsvib.datasets.motion import as_scene, run, trajectory
 
@@ -458,33 +471,19 @@ def simulate(scene: Scene | Mapping[str, Any] | str | Path) -> "xr.Dataset":
     return trajectory(checked, run(checked))
 
 
-def drive_class(model: str) -> type[DriveMethods]:
-    """Return the class of the drives of a model; raises ``InputError`` if there is none of that name."""
-    return cast(type[DriveMethods], find_model(model).drive)
-
-
-def _rigid(drive: Drive) -> _drives.RigidDrive:
+def _rigid(drive: _drives.Drive) -> _drives.Drive:
     """Return a drive that is rigid; raises ``InputError`` for other ones."""
-    if not isinstance(drive, _drives.RigidDrive):
-        raise InputError(
-            f"the basin has a closed form for the rigid drive only; attraction maps that of model {drive.model}."
-        )
+    if not drive.rigid:
+        raise InputError("the basin has a closed form for rigid drives only; attraction maps that of any other.")
     return drive
 
 
-if TYPE_CHECKING:  # the classes with their methods, as users see them
+if TYPE_CHECKING:  # the class with its methods, as users see it
 
-    class RigidDrive(_drives.RigidDrive, DriveMethods): ...
-
-    class ThreadsDrive(_drives.ThreadsDrive, DriveMethods): ...
-
-    class SupportDrive(_drives.SupportDrive, DriveMethods): ...
-
-    class NutDrive(_drives.NutDrive, DriveMethods): ...
+    class Drive(DriveMethods): ...
 
 else:
-    from lsvib.models.drive import NutDrive, RigidDrive, SupportDrive, ThreadsDrive
-
+    Drive = _drives.Drive
     for _name, _method in vars(DriveMethods).items():
         if not _name.startswith("__"):
             setattr(Drive, _name, _method)

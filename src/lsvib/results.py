@@ -41,7 +41,8 @@ class UndampedStability:
 class StabilityReport:
     """Linear stability of steady sliding (eqs 8.18–8.21 of the rigid drive).
 
-    ``model``; ``stable``, whether it is asymptotically stable; ``kind``, its class in words, such as saddle or flutter;
+    ``parts`` of the drive; ``stable``, whether it is asymptotically stable; ``kind``, its class in words, such as
+    saddle or flutter;
     ``eigenvalues`` [1/s] in ascending real part; ``steady_law`` s_0, +1 or −1; ``conditions`` of instability by name:
     steady sliding is unstable exactly if one holds; ``quantities`` by name, each with its unit: of the rigid drive the
     effective inertia [kg m²] and damping [N m s/rad] of both laws and the steady deflection [rad];
@@ -49,7 +50,7 @@ class StabilityReport:
     only, else None); ``without_damping`` (support only, else None).
     """
 
-    model: str
+    parts: tuple[str, ...]
     stable: bool
     kind: str
     eigenvalues: tuple[complex, ...]
@@ -114,8 +115,7 @@ class PrintedValue:
 
 @dataclass(frozen=True)
 class Threshold:
-    """Where a drive changes what it does: a condition by ``name``, solved for the parameter ``unknown`` of a drive of
-    a ``model``.
+    """Where a drive with some ``parts`` changes what it does: a condition by ``name``, solved for ``unknown``.
 
     ``solutions``, all that were found, in ascending order, in ``unit`` (UDUNITS spelling); ``how`` says whether these
     are all. ``value``, ``enclosure``, ``derivatives`` and ``equation`` are those of the smallest one; ``several`` says
@@ -126,7 +126,7 @@ class Threshold:
     """
 
     name: str
-    model: str
+    parts: tuple[str, ...]
     unknown: str
     unit: str
     solutions: tuple[ThresholdSolution, ...] = ()

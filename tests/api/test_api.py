@@ -16,12 +16,12 @@ import numpy as np
 import pytest
 import xarray as xr
 from references.command_line import DRIVE, GRID, MOTION
+from references.parts import DRIVES, nut_drive, support_drive, threads_drive
 
 import lsvib
 from lsvib import api
 from lsvib.dynamics.attractor import steady_state
-from lsvib.models.drive import RigidDrive
-from lsvib.models.model import model_names
+from lsvib.models.drive import Drive
 
 ROOT = Path(__file__).parents[2]
 PARADOX = {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0}
@@ -32,9 +32,8 @@ WINDOW = {"u": (-0.1, 0.1, 40), "w": (-80.0, 80.0, 30)}
 def random_drives(count: int, seed: int = 1):
     """Drives of every model with some parameters changed, the values over many decades; half of them have a law."""
     rng, laws = np.random.default_rng(seed), np.random.default_rng([seed, 1])
-    names = model_names()
     for k in range(count):
-        kind = api.drive_class(names[k % len(names)])
+        kind = list(DRIVES.values())[k % len(DRIVES)]
         changes = {}
         for key in dict(kind()):
             if rng.random() < 0.5:
@@ -91,18 +90,18 @@ def test_drives_are_values():
 
 
 def test_a_drive_is_its_model_and_its_values():
-    assert lsvib.RigidDrive(mass=9) == RigidDrive(mass=9)
-    assert hash(lsvib.RigidDrive(mass=9)) == hash(RigidDrive(mass=9.0))
-    assert lsvib.RigidDrive() != lsvib.ThreadsDrive()
-    assert lsvib.SupportDrive() != lsvib.NutDrive()
-    assert lsvib.RigidDrive() != {}
-    assert repr(lsvib.RigidDrive()) == "RigidDrive()"
-    assert repr(lsvib.RigidDrive(axial_force=-0.0)) == "RigidDrive(axial_force=0.0)"
-    assert lsvib.RigidDrive(lead_angle_deg=4) == lsvib.RigidDrive().replace(lead_angle_deg=4)
+    assert lsvib.Drive(mass=9) == Drive(mass=9)
+    assert hash(lsvib.Drive(mass=9)) == hash(Drive(mass=9.0))
+    assert lsvib.Drive() != threads_drive()
+    assert support_drive() != nut_drive()
+    assert lsvib.Drive() != {}
+    assert repr(lsvib.Drive()) == "Drive()"
+    assert repr(lsvib.Drive(axial_force=-0.0)) == "Drive(axial_force=0.0)"
+    assert lsvib.Drive(lead_angle_deg=4) == lsvib.Drive().replace(lead_angle_deg=4)
     with pytest.raises(lsvib.InputError, match="both given"):
-        lsvib.RigidDrive(lead_angle_deg=4, lead_angle=0.1)
+        lsvib.Drive(lead_angle_deg=4, lead_angle=0.1)
     with pytest.raises(ValueError, match="does not change"):
-        lsvib.RigidDrive().mass = 2.0
+        lsvib.Drive().mass = 2.0
 
 
 def test_reports_and_thresholds_of_random_drives_are_plain_numbers():
@@ -112,18 +111,18 @@ def test_reports_and_thresholds_of_random_drives_are_plain_numbers():
             report = drive.stability()
         except lsvib.InputError:  # the contact carries no force
             continue
-        seen.add((report.model, report.stable))
+        seen.add((report.parts, report.stable))
         json.dumps(report.to_json(), allow_nan=False)
         assert report == drive.stability()
-    assert {model for model, _ in seen} == set(model_names())
+    assert {parts for parts, _ in seen} == {(), ("threads",), ("support",), ("nut",)}
     assert {stable for _, stable in seen} == {True, False}
 
 
-@pytest.mark.parametrize("kind", model_names())
+@pytest.mark.parametrize("kind", DRIVES)
 def test_thresholds_are_those_by_name(kind):
-    drive = api.drive_class(kind)(mass=9.0, translation_damping=10.0)
+    drive = DRIVES[kind](mass=9.0, translation_damping=10.0)
     for name, found in drive.thresholds().items():
-        assert (found.name, found.model) == (name, kind)
+        assert (found.name, found.parts) == (name, drive.parts)
         json.dumps(found.to_json(), allow_nan=False)
         if found.value is None:
             with pytest.raises(lsvib.NoThreshold, match=re.escape(found.reason)):
@@ -132,11 +131,11 @@ def test_thresholds_are_those_by_name(kind):
             assert found == drive.threshold(name)
 
 
-@pytest.mark.parametrize("kind", model_names())
+@pytest.mark.parametrize("kind", DRIVES)
 def test_simulate_is_that_of_the_function(kind):
-    drive = api.drive_class(kind)(mass=9.0, contact_damping=1e4) if kind == "threads" else api.drive_class(kind)()
+    drive = DRIVES[kind](mass=9.0, contact_damping=1e4) if kind == "threads" else DRIVES[kind]()
     motion = drive.simulate(START, 0.02, samples=11, outputs=["screw_speed"])
-    scene = {"model": kind, "start": START, "duration": 0.02, "samples": 11, "outputs": ["screw_speed"]}
+    scene = {"start": START, "duration": 0.02, "samples": 11, "outputs": ["screw_speed"]}
     for given in (drive, drive.model_dump()):
         xr.testing.assert_identical(motion, lsvib.simulate({**scene, "drive": given}))
     xr.testing.assert_identical(motion, lsvib.simulate(lsvib.Scene(**scene, drive=drive)))
@@ -150,13 +149,13 @@ def test_simulate_is_that_of_the_function(kind):
 def test_simulate_is_that_of_the_command(run, tmp_path):
     assert run("simulate", *MOTION, "--out", "m.nc", "--json")[0] == 0
     with xr.open_dataset(tmp_path / "m.nc") as written:
-        motion = lsvib.RigidDrive(**PARADOX).simulate(START, 0.1)
+        motion = lsvib.Drive(**PARADOX).simulate(START, 0.1)
         assert all((written[name].values == motion[name].values).all() for name in motion.variables)
 
 
 def test_attraction_is_that_of_the_command(run, tmp_path):
     summary = json.loads(run("attraction", *DRIVE, *GRID, "--quantities", "time", "--out", "a.nc", "--json")[1])
-    drive, rows = lsvib.RigidDrive(**PARADOX), []
+    drive, rows = lsvib.Drive(**PARADOX), []
     found = drive.attraction(WINDOW, quantities=["time"], progress=lambda done, total: rows.append((done, total)))
     with xr.open_dataset(tmp_path / "a.nc") as written:
         assert set(found.data_vars) == set(written.data_vars)
@@ -170,7 +169,7 @@ def test_attraction_is_that_of_the_command(run, tmp_path):
 
 
 def test_basin_is_handed_the_drive_itself():
-    drive = lsvib.RigidDrive(**PARADOX)
+    drive = lsvib.Drive(**PARADOX)
     basin = drive.basin()
     assert basin.drive is drive
     assert basin.area() == pytest.approx(basin.area(lsvib.Window(-1.0, 1.0, -300.0, 300.0)), rel=1e-12)
@@ -203,21 +202,21 @@ def test_a_type_checker_sees_the_types(tmp_path):
     pytest.importorskip("mypy")
     (tmp_path / "right.py").write_text(
         "import lsvib\n"
-        "drive = lsvib.RigidDrive(mass=11, axial_force=-10.0)\n"
+        "drive = lsvib.Drive(mass=11, axial_force=-10.0)\n"
         "reveal_type(drive.replace(mass=3))\n"
         "reveal_type(drive.stability().eigenvalues)\n"
         "reveal_type(drive.basin().area())\n"
-        "reveal_type(lsvib.ThreadsDrive().thresholds()['onset'].value)\n"
+        "reveal_type(threads_drive().thresholds()['onset'].value)\n"
     )
     (tmp_path / "wrong.py").write_text(
-        "import lsvib\nlsvib.RigidDrive(mas=1)\nlsvib.RigidDrive(mass='1 kg')\nlsvib.RigidDrive().simulate(3)\n"
+        "import lsvib\nlsvib.Drive(mas=1)\nlsvib.Drive(mass='1 kg')\nlsvib.Drive().simulate(3)\n"
     )
     command = [sys.executable, "-m", "mypy", "--config-file=", "--strict", "--follow-imports=silent"]
     command += ["--cache-dir", str(tmp_path / "cache")]
     done = subprocess.run([*command, "right.py", "wrong.py"], cwd=tmp_path, capture_output=True, text=True)
     revealed = re.findall(r'right\.py:\d+: note: Revealed type is "(.*)"', done.stdout)
     assert [x.replace("builtins.", "") for x in revealed] == [
-        "lsvib.api.RigidDrive", "tuple[complex, ...]", "float", "float | None",
+        "lsvib.api.Drive", "tuple[complex, ...]", "float", "float | None",
     ]  # fmt: skip
     assert not re.findall(r"right\.py:\d+: error", done.stdout)
     assert set(re.findall(r"wrong\.py:(\d+): error", done.stdout)) == {"2", "3", "4"}

@@ -6,7 +6,7 @@ import pytest
 import lsvib
 from lsvib.errors import InputError
 
-DRIVE = lsvib.RigidDrive(mass=11, support_damping=2e-3, axial_force=-18.37)
+DRIVE = lsvib.Drive(mass=11, support_damping=2e-3, axial_force=-18.37)
 U, W = lsvib.Axis("u", -0.1, 0.1, 4), lsvib.Axis("w", -5, 5, 4)
 MASKED = np.ma.masked_array([1.0, 2.0], [False, True])
 
@@ -19,7 +19,7 @@ MASKED = np.ma.masked_array([1.0, 2.0], [False, True])
         (lambda: DRIVE.sweep(mass=np.array(1.0)), r"mass = array\(1.\) is not a list of numbers"),
         (lambda: DRIVE.sweep(mass=np.ones((2, 2))), "is not a list of numbers"),
         (lambda: DRIVE.sweep(mass=MASKED), "mass holds a value that is not a number"),
-        (lambda: lsvib.RigidDrive(mass=np.ma.masked), "mass = masked is not a number"),
+        (lambda: lsvib.Drive(mass=np.ma.masked), "mass = masked is not a number"),
         (lambda: DRIVE.simulate({"u": MASKED[1], "w": 0}, 0.1), "start.u = masked is not a number"),
         (lambda: setattr(DRIVE, "mass", 5), r"drive.replace\(mass=...\) makes another one"),
         (lambda: delattr(DRIVE, "mass"), "a drive does not change"),

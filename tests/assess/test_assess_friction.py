@@ -136,7 +136,7 @@ def test_a_strong_perturbation_keeps_vibration_going_up_to_the_stated_speed():
     """On either side of it by one per cent; small ones decay there, as steady sliding is stable."""
     given = sheet(friction=LAW, operation=SLOW, load={"mass": "1 kg", "force": "-60 N"})
     values = values_of(given)
-    edge = highest_vibrating_speed(given, values, (1, 10.0, -60.0), "rigid")
+    edge = highest_vibrating_speed(given, values, (1, 10.0, -60.0), ())
     strong = [vibration(given, values, (1, part * edge, -60.0), perturbation=-5.0) for part in (0.99, 1.01)]
     assert [moved.vibrates for moved in strong] == [True, False]
     assert vibration(given, values, (1, 0.99 * edge, -60.0)).attractor == "steady sliding"

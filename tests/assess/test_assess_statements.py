@@ -18,7 +18,7 @@ from lsvib.assess.output import as_json
 from lsvib.assess.vibration import tolerated_by_trial, tolerated_perturbation
 from lsvib.assess.words import ATTRACTORS
 from lsvib.dynamics.attractor import Attractor, steady_state
-from lsvib.models.model import find_model
+from lsvib.models.model import model_of
 from lsvib.models.rigid import rigid_automaton
 from lsvib.stability.conditions import conditions
 
@@ -122,7 +122,7 @@ def test_a_soft_contact_can_keep_a_drive_steady_that_stiff_threads_would_not():
     assert assess(stiff, samples=64).mechanisms["kinematic_constraint"].occurs
     found = assess(given, samples=64)
     assert not any(one.occurs for name, one in found.mechanisms.items() if name != "after_perturbation")
-    assert found.nominal.vibration.model == "threads"
+    assert found.nominal.vibration.parts == ("threads",)
     assert found.nominal.vibration.attractor == "steady sliding"
 
 
@@ -142,8 +142,8 @@ def test_what_compliant_threads_tolerate_is_decided_by_their_own_motions(stiffne
     size, sentence = tolerated_by_trial(given, values, corner, stiff)
     assert size == pytest.approx(share * stiff, rel=0.01 if share == 1 else 0.05)
     assert "perfectly stiff" in sentence
-    drive = drive_of(given, values, *corner, "contact")
-    model = find_model("threads")
+    drive = drive_of(given, values, *corner, ("threads",))
+    model = model_of(drive)
     automaton = model.build(drive, ("support_damping", "axial_force", "contact_damping"), "contact_sign")
 
     def ends(part: float) -> set:

@@ -6,13 +6,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lsvib.basins.grid import Axis, Grid
-from lsvib.basins.mapper import mapper
+from lsvib.basins.mapping import mapper
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.engine.motion import follow
-from lsvib.models.drive import RigidDrive
-from lsvib.models.rigid import EventKind
+from lsvib.models.drive import Drive
+from lsvib.models.mechanism import Event
 
-PARADOX = RigidDrive.of(mass=11.0, support_damping=1e-3, axial_force=-10.0)
+PARADOX = Drive.of(mass=11.0, support_damping=1e-3, axial_force=-10.0)
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +41,7 @@ def test_labels_and_times_against_the_engine(mappers, rule, damping):
         assert steady_state(mapped.automaton, start).label == label
         motion = follow(mapped.automaton, start, found["time"][i, j] * (1 + 1e-12))
         assert found["first_event"][i, j] == (motion.kind[0] if motion.time.size else -1)
-        assert found["seizures"][i, j] == np.sum(motion.kind == EventKind.SEIZURE)
+        assert found["seizures"][i, j] == np.sum(motion.kind == Event.SEIZURE)
         if label == Attractor.SPRAG_SLIP_CYCLE:
             gap = np.abs(cycle.orbit.after - motion.after[-1]) / np.abs(cycle.orbit.after).max(axis=0)
             assert gap.max(axis=1).min() <= 1.001e-9
@@ -50,7 +50,7 @@ def test_labels_and_times_against_the_engine(mappers, rule, damping):
 @pytest.mark.parametrize("force", [25.0, 40.0])
 def test_labels_under_negative_damping(mappers, force):
     """Slip without rest, and stick-slip."""
-    mapped = mappers(RigidDrive.of(mass=1.0, translation_damping=1e3, axial_force=force))
+    mapped = mappers(Drive.of(mass=1.0, translation_damping=1e3, axial_force=force))
     grid = Grid(Axis("u", -0.1, 0.1, 11), Axis("w", -60, 60, 9))
     found = mapped.cells(grid, quantities=("label",))["label"]
     for (i, j), label in np.ndenumerate(found):

@@ -2,17 +2,19 @@
 
 import numpy as np
 import pytest
+from references.parts import nut_drive, support_drive, threads_drive
 
 from lsvib.basins.grid import Axis, Grid
-from lsvib.basins.mapper import mapper
+from lsvib.basins.mapping import mapper
 from lsvib.dynamics.attractor import Attractor, steady_state
-from lsvib.models.drive import NutDrive, SupportDrive, ThreadsDrive
 
 DRIVE = {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0}
 GRID = Grid(Axis("u", -0.05, 0.05, 6), Axis("w", -15, 15, 5))
 
 
-@pytest.mark.parametrize(("kind", "model"), [(ThreadsDrive, "threads"), (SupportDrive, "support"), (NutDrive, "nut")])
+@pytest.mark.parametrize(
+    ("kind", "model"), [(threads_drive, "threads"), (support_drive, "support"), (nut_drive, "nut")]
+)
 def test_labels_against_the_return_map(kind, model):
     mapped = mapper(kind.of(DRIVE), model)
     found = mapped.cells(GRID, quantities=("label", "time", "seizures", "first_event"))

@@ -19,7 +19,7 @@ from lsvib.basins.boundary import Boundary, basin
 from lsvib.basins.curves import Arc, Window, state_on
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.errors import InputError
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 from lsvib.models.rigid import rigid_automaton
 
 DIGITS = 40
@@ -70,8 +70,8 @@ MORE = {
 }
 
 
-def drive_of(scene: str) -> RigidDrive:
-    return RigidDrive.of({**SCENES, **MORE}[scene][1])
+def drive_of(scene: str) -> Drive:
+    return Drive.of({**SCENES, **MORE}[scene][1])
 
 
 def starts(found, number: int, seed: int) -> list[np.ndarray]:
@@ -280,4 +280,4 @@ def test_size_grows_with_the_force_until_nothing_bounds_it():
 )
 def test_drives_without_a_basin_are_refused_in_one_sentence(changes, words):
     with pytest.raises(InputError, match=words):
-        basin(RigidDrive.of(changes))
+        basin(Drive.of(changes))

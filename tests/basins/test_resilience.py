@@ -9,10 +9,10 @@ import pytest
 import lsvib
 
 DRIVES = {
-    "touching_motion": lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10),
-    "touching_slip": lsvib.RigidDrive(mass=11, support_damping=2e-3, axial_force=-18.3),
-    "cycle": lsvib.RigidDrive(mass=11, support_damping=2e-3, axial_force=-18.35),
-    "mirrored": lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=10, input_speed=-40),
+    "touching_motion": lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10),
+    "touching_slip": lsvib.Drive(mass=11, support_damping=2e-3, axial_force=-18.3),
+    "cycle": lsvib.Drive(mass=11, support_damping=2e-3, axial_force=-18.35),
+    "mirrored": lsvib.Drive(mass=11, support_damping=1e-3, axial_force=10, input_speed=-40),
 }
 WINDOW = {"u": (-0.3, 0.3), "w": (-150, 150)}
 CLOSE = 1e-7  # relative distance from the boundary: far above rounding
@@ -68,19 +68,19 @@ def test_perturbations_are_in_proportion_to_the_force():
 
 
 def test_nothing_and_everything_is_tolerated():
-    unstable = lsvib.RigidDrive(mass=11, axial_force=10).resilience(WINDOW)
+    unstable = lsvib.Drive(mass=11, axial_force=10).resilience(WINDOW)
     assert (unstable.angle, unstable.speed, unstable.energy, unstable.fraction) == (0, 0, 0, 0)
-    for drive in (lsvib.RigidDrive(), lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-50)):
+    for drive in (lsvib.Drive(), lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-50)):
         stable = drive.resilience(WINDOW)
         assert (stable.angle, stable.speed, stable.energy, stable.fraction) == (math.inf,) * 3 + (1.0,)
         assert json.loads(json.dumps(stable.to_json(), allow_nan=False))["energy"] is None
 
 
 def test_nothing_is_tolerated_where_steady_sliding_is_neutral():
-    found = lsvib.RigidDrive(support_damping=0, axial_force=-10).resilience(WINDOW)
+    found = lsvib.Drive(support_damping=0, axial_force=-10).resilience(WINDOW)
     assert (found.boundary, found.energy, found.fraction) == ("neutral", 0, 0)
-    assert lsvib.RigidDrive(mass=11, axial_force=10).resilience().boundary == "unstable"
-    assert lsvib.RigidDrive(mass=11, support_damping=0, axial_force=10).resilience().boundary == "unstable"
+    assert lsvib.Drive(mass=11, axial_force=10).resilience().boundary == "unstable"
+    assert lsvib.Drive(mass=11, support_damping=0, axial_force=10).resilience().boundary == "unstable"
 
 
 def test_a_sweep_is_its_points():
@@ -98,7 +98,7 @@ def test_a_sweep_is_its_points():
         ):
             assert at[name].item() == value
     assert "basin_fraction" not in drive.resilience_sweep(axial_force=[-10])
-    refused = lsvib.RigidDrive(mass=1, axial_force=10).resilience_sweep(translation_damping=[1e5])
+    refused = lsvib.Drive(mass=1, axial_force=10).resilience_sweep(translation_damping=[1e5])
     assert np.isnan(refused.fatal_energy).all()
     assert len(json.loads(refused.attrs["refused"])) == 1
 

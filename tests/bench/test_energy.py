@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from references.parts import nut_drive, support_drive, threads_drive
 
 from benchmarks.sweeps.energy_balance import balance, residual, terms
 from lsvib.engine.motion import follow
-from lsvib.models.drive import NutDrive, RigidDrive, SupportDrive, ThreadsDrive
-from lsvib.models.model import find_model
+from lsvib.models.drive import Drive
+from lsvib.models.model import model_of
 from lsvib.models.rigid import rigid_automaton
 
 LOADED = {"mass": 1.0, "translation_damping": 1000.0, "axial_force": 40.0}
@@ -16,20 +17,20 @@ PARADOX = {"mass": 15.0, "axial_force": 100.0}
 RUBBING = {"slide_friction": 8.0, "bearing_friction": 0.02}
 START = (0.1, 0.0, 0.0, 0.0)
 SCENES = {
-    "stick-slip": (RigidDrive, LOADED),
-    "sprag-slip": (RigidDrive, PARADOX),
-    "compliant threads": (ThreadsDrive, {**PARADOX, "contact_stiffness": 1e7, "contact_damping": 1e4}),
-    "support, rubbing": (SupportDrive, {**LOADED, **RUBBING, "screw_mass": 3.0, "axial_support_damping": 30.0}),
-    "support, seizing": (SupportDrive, {**PARADOX, "screw_mass": 50.0}),
-    "nut, rubbing": (NutDrive, {**LOADED, **RUBBING}),
-    "nut, seizing": (NutDrive, {**PARADOX, "mass": 11.0}),
+    "stick-slip": (Drive, LOADED),
+    "sprag-slip": (Drive, PARADOX),
+    "compliant threads": (threads_drive, {**PARADOX, "contact_stiffness": 1e7, "contact_damping": 1e4}),
+    "support, rubbing": (support_drive, {**LOADED, **RUBBING, "screw_mass": 3.0, "axial_support_damping": 30.0}),
+    "support, seizing": (support_drive, {**PARADOX, "screw_mass": 50.0}),
+    "nut, rubbing": (nut_drive, {**LOADED, **RUBBING}),
+    "nut, seizing": (nut_drive, {**PARADOX, "mass": 11.0}),
 }
 
 
 def motion_of(name):
     kind, parameters = SCENES[name]
     drive, physics = kind.of(parameters), tuple(RUBBING) if "rubbing" in name else ()
-    model = find_model(drive.model)
+    model = model_of(drive)
     automaton = model.build(drive, (*model.options, *physics), "contact_sign")
     return follow(automaton, START[: len(automaton.states)], 0.05), drive, physics
 
@@ -57,7 +58,7 @@ def test_the_loss_in_seizures_is_counted(name):
 
 def test_a_missed_reversal_is_seen():
     """A motion that stays under the old law after N = 0 has friction that drives it."""
-    drive = RigidDrive.of(LOADED)
+    drive = Drive.of(LOADED)
     automaton = rigid_automaton(drive)
     signs = automaton.tables.guard_sign.copy()
     signs[automaton.tables.guard_start[0]] = 0.0  # of N = 0 in the first mode

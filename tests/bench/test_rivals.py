@@ -15,7 +15,7 @@ from benchmarks.rivals.race import RaceBudget, contest, fastest, quiet, time_at_
 from benchmarks.rivals.race_scenes import scene
 from benchmarks.sweeps.cases import Case, CaseFamily
 from lsvib.errors import InputError
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 from lsvib.stability.force_thresholds import global_stability_force
 
 ONCE = RaceBudget(repeats=1, seconds=0.0, limit=20.0)
@@ -136,7 +136,7 @@ def test_time_at_error_interpolates_in_logarithms():
 
 def test_a_dip_below_a_guard_is_missed_by_a_general_solver_and_not_by_taylor_series():
     """One part in 10⁸ inside the threshold of global stability N reverses for an instant, and the screw seizes."""
-    drive = RigidDrive.of(mass=11.0, support_damping=1e-3)
+    drive = Drive.of(mass=11.0, support_damping=1e-3)
     drive = drive.replace(axial_force=global_stability_force(drive) * (1 - 1e-8))
     start = (0.06, -drive.input_speed)
     case = Case(CaseFamily.AXIAL_FORCE, -8.0, drive, start, 0.1)

@@ -2,19 +2,20 @@
 
 import numpy as np
 import pytest
+from references.parts import threads_drive
 
 from benchmarks.record import Record, Verdict
 from benchmarks.sweeps import case_judge
 from benchmarks.sweeps.case_judge import judge
 from benchmarks.sweeps.cases import cases
 from benchmarks.sweeps.families import Case, CaseFamily
-from lsvib.models.drive import RigidDrive, ThreadsDrive
+from lsvib.models.drive import Drive
 
 EXACT = 1e-12  # of the size of the motion, as the project demands of a rigid drive
 
 
 def case(start, duration, **drive) -> Case:
-    return Case(CaseFamily.RANDOM, 0.0, RigidDrive.of(drive), start, duration)
+    return Case(CaseFamily.RANDOM, 0.0, Drive.of(drive), start, duration)
 
 
 FAULTS = {  # what the sweeps found in the engine, now mended
@@ -48,7 +49,7 @@ def test_faults_that_the_sweeps_found(name):
 
 def test_nothing_is_zero_by_a_coordinate_that_hardly_moves_it():
     """N = 0 was met by moving v, which moves N 1e5 times less than e does: 2e-9 of v after ten reversals, now 3e-11."""
-    drive = ThreadsDrive.of(
+    drive = threads_drive(
         mass=10.2, axial_force=10.0, contact_stiffness=33292493092958.695, contact_damping=1225.490850333786
     )
     start = (0.028173126284128852, -113.38366059359736, 0.0, 0.0)

@@ -15,7 +15,7 @@ from lsvib.datasets.io import read_dataset
 from lsvib.engine.motion import follow
 from lsvib.figures.build import compute_figure
 from lsvib.figures.configuration import standard_settings
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 from lsvib.models.pairings import PAIRINGS
 from lsvib.models.rigid import rigid_automaton
 
@@ -40,7 +40,7 @@ UNITS = {
 
 def test_config_json(run):
     table = json.loads(run("config", "--set", "lead_angle_deg=4", "--json")[1])
-    assert list(table) == list(RigidDrive.model_fields)
+    assert list(table) == list(Drive.model_fields)
     assert table["lead_angle"]["value"] == np.radians(4)
     assert table["mass"] == {"value": 1.0, "unit": "kg", "symbol": "m", "allowed": "1e-18 <= mass <= 1e+09"}
 
@@ -60,11 +60,11 @@ def test_friction_by_name(run):
 
 
 def test_simulate(run, tmp_path):
-    code, out, error = run("simulate", "--model", "rigid", *MOTION, "--samples", "21", "--out", "m.nc", "--json")
+    code, out, error = run("simulate", *MOTION, "--samples", "21", "--out", "m.nc", "--json")
     assert (code, error) == (0, "")
     summary = json.loads(out)
     assert {"final_state", "events", "attractor", "peak_normal_force", "status"} <= set(summary)
-    motion = follow(rigid_automaton(RigidDrive.of(mass=11, support_damping=1e-3, axial_force=-10)), (0.1, 0.0), 0.1)
+    motion = follow(rigid_automaton(Drive.of(mass=11, support_damping=1e-3, axial_force=-10)), (0.1, 0.0), 0.1)
     assert [summary["final_state"][key] for key in ("u", "w")] == motion.end_state.tolist()
     assert summary["attractor"] == "sprag_slip_cycle"
     assert summary["status"] == "time_reached"

@@ -18,8 +18,7 @@ UNKNOWNS = ("mass", "input_speed", "support_damping", "axial_force", "friction_c
 def commands(drive, index):
     """Return the arguments of all commands for a drive."""
     rng, speed = np.random.default_rng(index), drive.input_speed
-    own = ["--model", drive.model]
-    without = {key: [*own, *(x for k, v in drive if k not in key for x in ("--set", f"{k}={v!r}"))] for key in
+    without = {key: [*(x for k, v in drive if k not in key for x in ("--set", f"{k}={v!r}"))] for key in
                ((), ("axial_force",), ("axial_force", "mass"))}  # fmt: skip
     force = sorted((0.5 * (drive.axial_force or 1.0), 2 * (drive.axial_force or 1.0)))
     forces, masses = f"axial_force={force[0]!r}:{force[1]!r}", f"mass={0.5 * drive.mass!r}:{2 * drive.mass!r}"
@@ -44,7 +43,7 @@ def commands(drive, index):
         *whole,
     ]
     yield ["sweep", "--over", f"{forces}:7", "--out", "s.nc", *without["axial_force",]]
-    if drive.model == "rigid":
+    if drive.rigid:
         grid = ["--grid", "u=-0.1:0.1:4", f"w={-abs(speed)!r}:{abs(speed)!r}:4"]
         yield ["attraction", *grid, "--out", "a.nc", *whole]
     yield ["chart", "--x", f"{forces}:4", "--y", f"{masses}:4", "--out", "c.nc", *without["axial_force", "mass"]]

@@ -154,7 +154,7 @@ def test_the_settings_of_the_package_are_those_of_the_repository():
 
 def test_drives_and_dictionaries_are_accepted_alike():
     values, start = {"mass": 11.0, "axial_force": -10.0}, {"start": {"u": 0.1, "w": 0.0}, "duration": 0.1}
-    drive = lsvib.RigidDrive(**values)
+    drive = lsvib.Drive(**values)
     expected = lsvib.simulate({"drive": values, **start})
     for motion in (drive.simulate(**start), lsvib.simulate({"drive": drive, **start})):
         assert motion.identical(expected)

@@ -89,7 +89,7 @@ def test_the_first_result_is_what_the_readme_says(folder):
     first, last = re.findall(r"`([^`]*)`", " ".join(below.split()))[:2]
     assert (answer[0], answer[-1].strip()) == (first, last)
     (named, unstable) = re.findall(r"([\d.]+) kg", below)
-    critical = lsvib.RigidDrive().threshold("kinematic_constraint").value
+    critical = lsvib.Drive().threshold("kinematic_constraint").value
     assert f"{critical:.1f}" == named
     assert critical < float(unstable) == float(line.rpartition("mass=")[2])
 

@@ -11,7 +11,7 @@ DRIVE = ("--set", "mass=11", "--set", "support_damping=1e-3")
 
 def test_resilience(run):
     """The command says what the method says, in numbers and in text, and writes a sweep to a file."""
-    drive = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
+    drive = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10)
     window = ("--window", "u=-0.3:0.3", "w=-150:150")
     one = (*DRIVE, "--set", "axial_force=-10", *window)
     code, out, error = run("resilience", *one, "--json")

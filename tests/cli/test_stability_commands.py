@@ -4,16 +4,16 @@ import json
 
 import pytest
 from references.command_line import DRIVE
+from references.parts import DRIVES, GIVEN, threads_drive
 
 import lsvib
-from lsvib import api
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import PARTS, Drive
 
 
 def test_thresholds_json(run):
     code, out, error = run("thresholds", "--set", "translation_damping=1000", "--json")
     assert (code, error) == (0, "")
-    drive = lsvib.RigidDrive(translation_damping=1000)
+    drive = lsvib.Drive(translation_damping=1000)
     table = json.loads(out)
     assert table == json.loads(json.dumps({name: found.to_json() for name, found in drive.thresholds().items()}))
     printed = {name: entry["printed"] for name, entry in table.items() if entry["printed"]}
@@ -35,12 +35,12 @@ def test_thresholds_away_from_the_chapter(run):
     assert table["stick"]["reason"].endswith(".")
 
 
-@pytest.mark.parametrize("key", ["mass", "friction_coefficient", "own_damping"])
-@pytest.mark.parametrize("model", ["threads", "support", "nut"])
-def test_thresholds_of_another_model(run, model, key):
-    drive = api.drive_class(model)(mass=4)
-    key = drive.own_damping if key == "own_damping" else key
-    arguments = ("thresholds", "--model", model, "--set", "mass=4", "--for", key)
+@pytest.mark.parametrize("key", ["mass", "friction_coefficient", "damper"])
+@pytest.mark.parametrize("part", ["threads", "support", "nut"])
+def test_thresholds_of_a_drive_with_a_part(run, part, key):
+    drive = DRIVES[part](mass=4)
+    key = PARTS[part][-1] if key == "damper" else key
+    arguments = ("thresholds", *GIVEN[part], "--set", "mass=4", "--for", key)
     table = json.loads(run(*arguments, "--json")[1])
     assert table == json.loads(json.dumps({name: found.to_json() for name, found in drive.thresholds(key).items()}))
     assert list(table) == ["onset", "kinematic_constraint", "flutter"]
@@ -57,7 +57,7 @@ def test_a_threshold_solved_for_a_parameter(run):
     arguments = ("thresholds", "--solve", "kinematic_constraint", "--for", "lead_angle", "--set", "mass=11")
     code, out, error = run(*arguments, "--json")
     assert (code, error) == (0, "")
-    found = lsvib.RigidDrive(mass=11).threshold("kinematic_constraint", "lead_angle")
+    found = lsvib.Drive(mass=11).threshold("kinematic_constraint", "lead_angle")
     assert json.loads(out) == json.loads(json.dumps(found.to_json()))
     text = run(*arguments)[1]
     assert text.startswith("kinematic_constraint: 2 solutions for lead_angle. All of them: ")
@@ -67,20 +67,22 @@ def test_a_threshold_solved_for_a_parameter(run):
             in text
         )
         assert f"  d/d mass = {solution.derivatives['mass'].value:.12g} rad kg-1\n" in text
-    onset = ("thresholds", "--model", "threads", "--set", "mass=9", "--solve", "onset", "--for", "contact_damping")
-    own = lsvib.ThreadsDrive(mass=9).stability().quantities["least_contact_damping"].value
+    onset = ("thresholds", *GIVEN["threads"], "--set", "mass=9", "--solve", "onset", "--for", "contact_damping")
+    own = threads_drive(mass=9).stability().quantities["least_contact_damping"].value
     assert json.loads(run(*onset, "--json")[1])["solutions"][0]["value"] == own
 
 
 def test_stability_does_not_contradict_itself(run):
     """Above the least damping of an infinitely stiff contact, below that of this one."""
-    code, text, _ = run("stability", "--model", "threads", "--set", "mass=9", "--set", "contact_damping=5e4")
+    code, text, _ = run(
+        "stability", "--set", "contact_stiffness=1e8", "--set", "mass=9", "--set", "contact_damping=5e4"
+    )
     assert code == 0
     assert text.startswith("steady sliding is unstable (flutter)")
     assert "contact_flutter: holds" in text
     assert "least_contact_damping: 371157.682934 N s m-1" in text
     assert run("stability", "--set", "support_damping=0")[1].startswith("steady sliding is neutral (centre)")
-    text = run("stability", "--model", "support", "--set", "support_damping=0")[1]
+    text = run("stability", *GIVEN["support"], "--set", "support_damping=0")[1]
     assert text.startswith("steady sliding is neutral\n")
     assert "without any damping: neutral" in text
 
@@ -90,10 +92,10 @@ def test_text_output(run):
     assert code == 0
     heading, *lines = out.splitlines()
     assert heading.split() == ["threshold", "solved", "for", "remarks"]
-    assert [line.split()[0] for line in lines if not line.startswith(" ")] == list(lsvib.RigidDrive().thresholds())
+    assert [line.split()[0] for line in lines if not line.startswith(" ")] == list(lsvib.Drive().thresholds())
     assert out.count("pass") == 4
     assert "unstable" in run("stability", "--set", "mass=11")[1]
-    assert len(run("config")[1].splitlines()) == 1 + len(RigidDrive.model_fields)
+    assert len(run("config")[1].splitlines()) == 1 + len(Drive.model_fields)
 
 
 def test_stability_json(run):

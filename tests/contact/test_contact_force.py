@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from references.parts import threads_drive
 
 from lsvib.contact import contact_force
 from lsvib.contact.contact_force import ForceOutcome, Paradox
-from lsvib.models.drive import ThreadsDrive
 
 FLOWS = {
     (damping, paradox): contact_force.contact_flows(
-        ThreadsDrive.of(mass=30.0, contact_stiffness=1e8, contact_damping=damping), paradox
+        threads_drive(mass=30.0, contact_stiffness=1e8, contact_damping=damping), paradox
     )
     for damping in (0.0, 5e3, 5e4)  # elastic, underdamped, overdamped
     for paradox in Paradox
@@ -112,7 +112,7 @@ def test_both_outcomes_of_the_indeterminate_case(x, rate):
 
 def test_contact_flow_is_that_of_newtons_laws():
     """x″ from N″ = cos λ/(m I) [k_c (W − b Γ N) − c_c b Γ N′] with N and N′ in newtons, W of either sign."""
-    drive = ThreadsDrive.of(mass=30.0, contact_stiffness=1e8, contact_damping=5e3)
+    drive = threads_drive(mass=30.0, contact_stiffness=1e8, contact_damping=5e3)
     sine, cosine = math.sin(drive.lead_angle), math.cos(drive.lead_angle)
     tangent = sine / cosine
     omega = contact_force.contact_frequency(drive)

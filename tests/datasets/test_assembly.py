@@ -56,7 +56,7 @@ def test_a_map_in_tiles_is_the_map(tmp_path):
     for tile in tiles:
         map_tile(settings, tile.stem, tile)
     gather_map(settings, tiles, tmp_path / "map.nc")
-    one = lsvib.RigidDrive(**drive).attraction(settings["grid"], quantities=["time"])
+    one = lsvib.Drive(**drive).attraction(settings["grid"], quantities=["time"])
     write_dataset(one, tmp_path / "one.nc")
     assert read_dataset(tmp_path / "map.nc").identical(read_dataset(tmp_path / "one.nc"))
     tiles[1].unlink()

@@ -7,6 +7,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 import xarray as xr
+from references.parts import threads_drive
 
 import lsvib
 from lsvib.datasets.chart import ChartAxis, Plane, write_chart
@@ -80,7 +81,7 @@ def test_labels_agree_with_the_exact_curves(name):
     """In every cell that no curve cuts: one of whose four corners and middle the thresholds say the same."""
     x, y, changes = PAIRS[name]
     count = 12 if name == "mass and friction" else 16
-    plane = Plane.of(lsvib.RigidDrive(**changes), (*x, count), (*y, count))
+    plane = Plane.of(lsvib.Drive(**changes), (*x, count), (*y, count))
     labels, names = plane.labels(workers=2), (plane.x.name, plane.y.name)
     nodes, middles = (
         cell_by_cell(plane.drive, names, *(places.tolist() for places in axes))
@@ -104,7 +105,7 @@ def test_contact_chart_agrees_with_flutter():
     The first motion begins next to steady sliding, so that it comes back to it where that is stable, and nowhere else.
     """
     names = "contact_stiffness", "contact_damping"
-    plane = Plane.of(lsvib.ThreadsDrive(mass=9), (names[0], 1e5, 1e9, 6), (names[1], 3e3, 1e9, 6))
+    plane = Plane.of(threads_drive(mass=9), (names[0], 1e5, 1e9, 6), (names[1], 3e3, 1e9, 6))
     labels, flutter = plane.labels(), _function(plane.drive, ChartBoundary.FLUTTER, names)  # zero on the curve
     nodes, stable = (
         np.array([[flutter(k, c) > 0 for k in columns.tolist()] for c in rows.tolist()])
@@ -120,7 +121,7 @@ def test_contact_chart_agrees_with_flutter():
 
 def test_points_of_curves_are_roots():
     """Both sides of a point of a curve have different labels."""
-    drive = lsvib.RigidDrive(translation_damping=1000.0)
+    drive = lsvib.Drive(translation_damping=1000.0)
     found = boundary_curves(drive, ("mass", (0.5, 14.0)), ("axial_force", (-60.0, 80.0)))
     assert {kind.name for kind in found} == {
         "KINEMATIC_CONSTRAINT", "ONSET", "STICK", "DETACH", "GLOBAL_STABILITY", "STICK_SLIP_BIRTH"
@@ -134,7 +135,7 @@ def test_points_of_curves_are_roots():
 
 
 def test_chart_is_a_dataset(tmp_path):
-    drive = lsvib.RigidDrive(input_speed=30)
+    drive = lsvib.Drive(input_speed=30)
     found = drive.chart(("mass", 1, 12, 8), "axial_force=0:60:6")
     assert found.label.dims == ("axial_force", "mass")
     assert found.label.dtype == np.int8
@@ -159,7 +160,7 @@ def test_the_chart_of_the_workflow_is_the_chart(tmp_path):
         "y": {"parameter": "axial_force", "start": 0.0, "stop": 60.0, "count": 5},
     }
     write_chart(settings, tmp_path / "chart.nc")
-    whole = lsvib.RigidDrive(input_speed=30).chart("mass=1:15:7", "axial_force=0:60:5")
+    whole = lsvib.Drive(input_speed=30).chart("mass=1:15:7", "axial_force=0:60:5")
     with xr.open_dataset(tmp_path / "chart.nc") as written:
         assert set(whole.variables) == set(written.variables)
         for name in whole.variables:
@@ -178,4 +179,4 @@ def test_the_chart_of_the_workflow_is_the_chart(tmp_path):
 )
 def test_refuses(x, y, words):
     with pytest.raises(lsvib.InputError, match=words):
-        lsvib.RigidDrive().chart(x, y)
+        lsvib.Drive().chart(x, y)

@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import xarray as xr
+from references.parts import nut_drive, support_drive, threads_drive
 
 import lsvib
 from lsvib.dynamics.attractor import orbit_extremes
@@ -13,7 +14,7 @@ from lsvib.dynamics.impulses import event_impulses
 from lsvib.engine.motion import follow
 from lsvib.errors import InputError
 
-BASE = lsvib.RigidDrive(translation_damping=1000)
+BASE = lsvib.Drive(translation_damping=1000)
 START = {"u": 1e-3, "w": 0.0}
 
 
@@ -21,7 +22,7 @@ def test_points_are_those_of_single_drives():
     """Random drives of all regimes, by long motions: amplitude, peak force and impulse once the motion has settled."""
     rng = np.random.default_rng(5)
     masses, forces = rng.uniform(0.5, 20, 5), rng.uniform(-60, 60, 6)
-    drive = lsvib.RigidDrive(support_damping=1e-3, translation_damping=300)
+    drive = lsvib.Drive(support_damping=1e-3, translation_damping=300)
     found = drive.sweep(mass=masses, axial_force=forces, start={"u": 0.1, "w": 0.0})
     assert found.attractor.dims == ("mass", "axial_force")
     seen = set()
@@ -69,13 +70,13 @@ def test_same_bits_for_any_number_of_processes():
 
 
 def test_any_parameter_can_be_swept():
-    for name, value in lsvib.RigidDrive():
+    for name, value in lsvib.Drive():
         values = [value * 0.9, value * 1.1] if value else [1.0, 2.0]
-        found = lsvib.RigidDrive().sweep(**{name: values})
+        found = lsvib.Drive().sweep(**{name: values})
         assert found[name].attrs["units"]
         assert name not in json.loads(found.attrs["parameters"])
         for k, changed in enumerate(values):
-            assert found.attractor[k] == lsvib.RigidDrive(**{name: changed}).steady_state(START).label
+            assert found.attractor[k] == lsvib.Drive(**{name: changed}).steady_state(START).label
 
 
 def test_command(run):
@@ -95,10 +96,10 @@ def test_command(run):
 @pytest.mark.parametrize(
     ("drive", "start"),
     [
-        (lsvib.ThreadsDrive(mass=1, translation_damping=1000), {}),
-        (lsvib.ThreadsDrive(mass=11, contact_damping=3e7), {"e": 1e-7, "v": 0.01}),
-        (lsvib.SupportDrive(mass=15, friction_coefficient=0.3, support_damping=1e-3), {"screw_shift": 1e-6}),
-        (lsvib.NutDrive(mass=6), {}),
+        (threads_drive(mass=1, translation_damping=1000), {}),
+        (threads_drive(mass=11, contact_damping=3e7), {"e": 1e-7, "v": 0.01}),
+        (support_drive(mass=15, friction_coefficient=0.3, support_damping=1e-3), {"screw_shift": 1e-6}),
+        (nut_drive(mass=6), {}),
     ],
 )
 def test_points_with_four_states_are_those_of_single_drives(drive, start):
@@ -123,7 +124,7 @@ def test_points_with_four_states_are_those_of_single_drives(drive, start):
 
 def test_pairs_of_lead_angle_and_friction_are_checked():
     """μ < cot λ couples the two axes: every pair must be acceptable, though each value alone may be."""
-    drive = lsvib.RigidDrive(friction_coefficient=0.5)
+    drive = lsvib.Drive(friction_coefficient=0.5)
     found = drive.sweep(lead_angle=[0.1, 1.2], friction_coefficient=[0.1, 0.38])
     assert found.attractor.shape == (2, 2)
     for leads, frictions in (([0.1, 1.2], [0.1, 0.5]), ([1.2, 0.1], [0.5, 0.1])):
@@ -133,9 +134,9 @@ def test_pairs_of_lead_angle_and_friction_are_checked():
 
 def test_points_are_judged_not_axes_beside_the_other_values_of_the_drive():
     """A rise needs a speed over which it fades; a steep thread needs less friction than the drive's own."""
-    found = lsvib.RigidDrive().sweep(stribeck_rise=[0.01, 0.1], stribeck_speed=[0.01, 0.1])
+    found = lsvib.Drive().sweep(stribeck_rise=[0.01, 0.1], stribeck_speed=[0.01, 0.1])
     assert dict(found.sizes) == {"stribeck_rise": 2, "stribeck_speed": 2}
-    found = lsvib.RigidDrive().sweep(lead_angle=[0.1, 1.4], friction_coefficient=[0.01, 0.1])
+    found = lsvib.Drive().sweep(lead_angle=[0.1, 1.4], friction_coefficient=[0.01, 0.1])
     assert dict(found.sizes) == {"lead_angle": 2, "friction_coefficient": 2}
     with pytest.raises(InputError, match=r"friction_coefficient = 0.3"):
-        lsvib.RigidDrive().sweep(lead_angle=[0.1, 1.4], friction_coefficient=[0.01, 0.3])
+        lsvib.Drive().sweep(lead_angle=[0.1, 1.4], friction_coefficient=[0.01, 0.3])

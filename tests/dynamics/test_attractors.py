@@ -14,12 +14,13 @@ from lsvib.dynamics.attractor import Attractor, orbit_extremes, steady_state
 from lsvib.dynamics.energy import observable_integrals
 from lsvib.engine.kernels import flow_planar, layout
 from lsvib.engine.motion import follow
-from lsvib.models.drive import RigidDrive
-from lsvib.models.rigid import EventKind, rigid_automaton
+from lsvib.models.drive import Drive
+from lsvib.models.mechanism import Event
+from lsvib.models.rigid import rigid_automaton
 from lsvib.stability.force_thresholds import onset_force
 
-NEGATIVE_DAMPING = RigidDrive.of(mass=1.0, translation_damping=1e3)
-PARADOX = RigidDrive.of(mass=11.0, support_damping=1e-3, axial_force=-10.0)
+NEGATIVE_DAMPING = Drive.of(mass=1.0, translation_damping=1e3)
+PARADOX = Drive.of(mass=11.0, support_damping=1e-3, axial_force=-10.0)
 
 
 def attractor(drive, start=(0.05, 5.0), **options):
@@ -38,7 +39,7 @@ def test_pure_slip_cycle(force, side):
     drive = NEGATIVE_DAMPING.replace(axial_force=side * force, input_speed=side * 40.0)
     cycle = attractor(drive, (side * 0.002, 0.0))
     assert cycle.label == Attractor.OTHER_CYCLE
-    assert not np.isin(cycle.orbit.kind, (EventKind.STICK, EventKind.SEIZURE)).any()
+    assert not np.isin(cycle.orbit.kind, (Event.STICK, Event.SEIZURE)).any()
     assert cycle.multiplier == pytest.approx(liouville(cycle), abs=1e-12)
     assert 0 < cycle.multiplier < 1
     assert cycle.residual <= 16 * flow_planar.EPS
@@ -71,7 +72,7 @@ def test_sprag_slip_of_both_kinds():
     resting = attractor(PARADOX.replace(axial_force=-32.7), (0.1, 0.0))
     assert resting.label == Attractor.SPRAG_SLIP_CYCLE
     assert resting.multiplier == 0.0
-    assert EventKind.RELEASE in resting.orbit.kind
+    assert Event.RELEASE in resting.orbit.kind
 
 
 def test_the_multiplier_is_the_rate_of_convergence():
@@ -86,7 +87,7 @@ def test_the_multiplier_is_the_rate_of_convergence():
 
 
 @pytest.mark.parametrize(
-    "drive", [RigidDrive(), NEGATIVE_DAMPING.replace(axial_force=18.0), PARADOX.replace(axial_force=-50.0)]
+    "drive", [Drive(), NEGATIVE_DAMPING.replace(axial_force=18.0), PARADOX.replace(axial_force=-50.0)]
 )
 def test_steady_sliding_attracts(drive):
     found = attractor(drive)
@@ -105,7 +106,7 @@ def test_steady_sliding_itself_stays(force):
 
 def test_undamped_slip_is_one_of_a_neutral_family():
     """c = c_x = 0 within N > 0 and θ′ > 0: an ellipse, period 2π √(Γ₊/k), multiplier 1."""
-    drive = RigidDrive.of(support_damping=0.0)
+    drive = Drive.of(support_damping=0.0)
     found = attractor(drive, (0.01, 5.0))
     assert found.label == Attractor.NEUTRAL_FAMILY
     assert found.multiplier == 1.0
@@ -117,21 +118,21 @@ def test_undamped_slip_is_one_of_a_neutral_family():
 @pytest.mark.parametrize(("mass", "translation_damping"), [(8.0, 3000.0), (10.0, 1000.0)])
 def test_unbounded(mass, translation_damping):
     """Without rest, slip grows for ever where law + feeds in more than law − takes out (Γ₊ small, C₊ negative)."""
-    drive = RigidDrive.of(mass=mass, translation_damping=translation_damping, axial_force=1000.0)
+    drive = Drive.of(mass=mass, translation_damping=translation_damping, axial_force=1000.0)
     assert attractor(drive, rest=False).label == Attractor.UNBOUNDED
 
 
 @pytest.mark.parametrize(("mass", "translation_damping"), [(5.0, 10_000.0), (10.0, 3000.0)])
 def test_unbounded_without_an_event(mass, translation_damping):
     """C₊ < −2 √(k Γ₊): an unstable node, which is left for ever without meeting Q = 0 again."""
-    drive = RigidDrive.of(mass=mass, translation_damping=translation_damping, axial_force=5000.0)
+    drive = Drive.of(mass=mass, translation_damping=translation_damping, axial_force=5000.0)
     assert attractor(drive, rest=False).label == Attractor.UNBOUNDED
 
 
 @pytest.mark.parametrize("start", [(0.05, 5.0), (0.0, -40.0), (-0.2, 100.0)])
 def test_without_net_force(start):
     """R̃ = 0 (R = c_x = 0): the contact carries no steady force, and the damped drive comes to its equilibrium u = 0."""
-    found = attractor(RigidDrive.of(axial_force=0.0), start)
+    found = attractor(Drive.of(axial_force=0.0), start)
     assert found.label == Attractor.STEADY_SLIDING
     assert abs(found.state[0]) <= 1e-15
 

@@ -9,8 +9,8 @@ from lsvib.datasets.cycles import branch_dataset, branch_json
 from lsvib.errors import InputError
 from lsvib.stability.force_thresholds import global_stability_force
 
-NEAR_FOLD = lsvib.RigidDrive(mass=11, support_damping=2e-3, axial_force=-18.37)
-SLIP = lsvib.RigidDrive(mass=1, translation_damping=1e3, axial_force=25)
+NEAR_FOLD = lsvib.Drive(mass=11, support_damping=2e-3, axial_force=-18.37)
+SLIP = lsvib.Drive(mass=1, translation_damping=1e3, axial_force=25)
 
 
 @pytest.mark.parametrize("damping", [2e-3, 5e-3])
@@ -72,7 +72,7 @@ SEAT = {"friction": "powered_seat", "axial_force": 95}
 )
 def test_stick_slip_ends_where_its_slip_just_comes_to_rest(values, parameter, spans, end, tolerance):
     """w = −Ω with w′ = 0 after release, in 16 digits by another program; the same for every range that is asked for."""
-    drive = lsvib.RigidDrive.of(values)
+    drive = lsvib.Drive.of(values)
     (cycle,) = (cycle for cycle in drive.cycles().cycles if cycle.label.name == "STICK_SLIP_CYCLE")
     ends = []
     for span in spans:
@@ -85,7 +85,7 @@ def test_stick_slip_ends_where_its_slip_just_comes_to_rest(values, parameter, sp
 
 @pytest.mark.slow
 def test_a_branch_does_not_depend_on_the_range():
-    drive = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
+    drive = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10)
     cycle = drive.cycles().cycles[0]
     for parameter, spans in (("mass", [(10, 12), (10, 1e5), (10, 1e9)]), ("axial_force", [(-1e5, -1), (-1e3, -1)])):
         branches = [drive.follow(cycle, parameter, span) for span in spans]

@@ -11,10 +11,9 @@ from itertools import permutations
 import numpy as np
 import pytest
 from references.cycle_digits import CycleDigits
+from references.parts import nut_drive, support_drive, threads_drive
 
-import lsvib
-
-KINDS = {"threads": lsvib.ThreadsDrive, "support": lsvib.SupportDrive, "nut": lsvib.NutDrive}
+KINDS = {"threads": threads_drive, "support": support_drive, "nut": nut_drive}
 
 
 def power(rng, low, high):

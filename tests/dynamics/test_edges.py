@@ -2,18 +2,16 @@
 
 import numpy as np
 import pytest
+from references.parts import nut_drive, support_drive, threads_drive
 
-import lsvib
 from lsvib.dynamics.attractor import Attractor, steady_state
 
 SLIP = {"mass": 9.9, "translation_damping": 1e3, "axial_force": 10.0}
-THREADS = lsvib.ThreadsDrive(**SLIP, contact_stiffness=1e8, contact_damping=1e5)
-SUPPORT = lsvib.SupportDrive(**SLIP, support_stiffness=1e8, axial_support_damping=1e4)
-NUT = lsvib.NutDrive(**SLIP, nut_inertia=1e-2, nut_stiffness=1e4, nut_damping=1.0)
-NEAR_FOLD = lsvib.ThreadsDrive(
-    mass=11, support_damping=2e-3, axial_force=-18.37, contact_stiffness=1e8, contact_damping=1e8
-)
-SUPPORT_NEAR_FOLD = lsvib.SupportDrive(
+THREADS = threads_drive(**SLIP, contact_stiffness=1e8, contact_damping=1e5)
+SUPPORT = support_drive(**SLIP, support_stiffness=1e8, axial_support_damping=1e4)
+NUT = nut_drive(**SLIP, nut_inertia=1e-2, nut_stiffness=1e4, nut_damping=1.0)
+NEAR_FOLD = threads_drive(mass=11, support_damping=2e-3, axial_force=-18.37, contact_stiffness=1e8, contact_damping=1e8)
+SUPPORT_NEAR_FOLD = support_drive(
     mass=11,
     support_damping=2e-3,
     axial_force=-18.0,
@@ -21,7 +19,7 @@ SUPPORT_NEAR_FOLD = lsvib.SupportDrive(
     support_stiffness=1e9,
     axial_support_damping=1e6,
 )
-NUT_NEAR_FOLD = lsvib.NutDrive(
+NUT_NEAR_FOLD = nut_drive(
     mass=11, support_damping=2e-3, axial_force=-18.0, nut_inertia=1e-4, nut_stiffness=100.0, nut_damping=0.01
 )
 

@@ -12,11 +12,13 @@ from engine.test_friction_law_digits import random_drive
 from flint import arb, ctx
 from references.friction_law_digits import LawDrive, simulate
 from references.friction_law_series import PRECISION
+from references.parts import threads_drive
 
 import lsvib
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.errors import EngineError, InputError
-from lsvib.models.rigid import EventKind, rigid_automaton
+from lsvib.models.mechanism import Event
+from lsvib.models.rigid import rigid_automaton
 
 STEP = 1e-7  # of the differences, over the size of the motion
 
@@ -59,7 +61,7 @@ def differences(drive, cycle):
 def jams(drive, orbit):
     """Whether a cycle seizes where Γ₊ comes to zero."""
     edges = [float(edge) for edge in LawDrive(drive.model_dump()).jams]
-    speeds = np.abs(orbit.before[orbit.kind == EventKind.SEIZURE, 1] + drive.input_speed)
+    speeds = np.abs(orbit.before[orbit.kind == Event.SEIZURE, 1] + drive.input_speed)
     return any(abs(speed - edge) <= 1e-7 * edge for speed in speeds for edge in edges)
 
 
@@ -80,8 +82,8 @@ def agrees(drive, cycle):
 @pytest.mark.parametrize("speed", [8.0, -8.0])
 def test_cycles_of_pure_slip(speed, slope, rise):
     """Steady sliding where friction falls most steeply; at both ends of the vibration friction grows with the speed."""
-    sliding = lsvib.RigidDrive().pitch_radius * abs(speed) / math.cos(lsvib.RigidDrive().lead_angle)
-    drive = lsvib.RigidDrive.of(
+    sliding = lsvib.Drive().pitch_radius * abs(speed) / math.cos(lsvib.Drive().lead_angle)
+    drive = lsvib.Drive.of(
         friction_coefficient=0.1, stribeck_exponent=2, friction_slope=slope, stribeck_rise=rise,
         stribeck_speed=math.sqrt(2) * sliding, input_speed=speed, axial_force=math.copysign(60.0, speed),
         support_damping=2e-5, translation_damping=20.0,
@@ -89,7 +91,7 @@ def test_cycles_of_pure_slip(speed, slope, rise):
     cycle = steady_state(rigid_automaton(drive), [1e-3, 0.1 * speed])
     assert cycle.label == Attractor.OTHER_CYCLE
     assert 0.01 < cycle.multiplier < 1
-    assert set(cycle.orbit.kind) == {EventKind.PASSAGE}
+    assert set(cycle.orbit.kind) == {Event.PASSAGE}
     assert agrees(drive, cycle)
 
 
@@ -124,12 +126,12 @@ def test_cycles_of_many_random_drives():
 
 def test_what_rounding_makes_is_no_cycle():
     """Undamped, slip next to steady sliding gains 1e-7 a turn: its return map changes sign by rounding alone."""
-    found = lsvib.RigidDrive(support_damping=0, stribeck_rise=0.05, stribeck_speed=0.0115).cycles()
+    found = lsvib.Drive(support_damping=0, stribeck_rise=0.05, stribeck_speed=0.0115).cycles()
     assert [cycle.label.name for cycle in found.cycles] == ["STICK_SLIP_CYCLE"]
 
 
 def test_none_found_is_not_said_of_a_drive_that_cannot_be_followed():
-    drive = lsvib.ThreadsDrive(stribeck_rise=0.05, stribeck_speed=0.02, input_speed=5, axial_force=50)
+    drive = threads_drive(stribeck_rise=0.05, stribeck_speed=0.02, input_speed=5, axial_force=50)
     with pytest.raises(EngineError, match=r"motions from all 8 starts are unresolved .* contact_damping smaller"):
         drive.cycles()
 
@@ -138,4 +140,4 @@ def test_none_found_is_not_said_of_a_drive_that_cannot_be_followed():
 def test_a_drive_whose_rates_lie_too_far_apart_is_refused_in_seconds():
     """One search of it would take 10¹³ steps."""
     with pytest.raises(EngineError, match=r"all 8 starts are unresolved .*work budget exhausted"):
-        lsvib.RigidDrive(translation_damping=1e15, friction_slope=-1e-5).cycles()
+        lsvib.Drive(translation_damping=1e15, friction_slope=-1e-5).cycles()

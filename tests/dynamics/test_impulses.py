@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from references.parts import DRIVES
 
 import lsvib
 from lsvib.datasets.motion import as_scene, run, summary
@@ -21,7 +22,7 @@ def scene_of(model: str, force: float):
     drive = {key: value for key, value in SPRAG.items() if key != "duration"} | {"axial_force": force}
     if model == "support":  # the reduced mass, 22 kg, is beyond the critical mass
         drive["screw_mass"] = 50.0
-    return as_scene({"model": model, "drive": drive, "start": STARTS[model], "duration": SPRAG["duration"]}, {}, {})
+    return as_scene({"drive": DRIVES[model](drive), "start": STARTS[model], "duration": SPRAG["duration"]}, {}, {})
 
 
 @pytest.mark.parametrize("force", [50.0, -10.0])
@@ -69,9 +70,7 @@ def test_impulses_are_in_the_dataset_and_their_peak_in_the_summary(model):
 
 
 def test_compliant_threads_have_forces_and_no_impulses():
-    scene = as_scene(
-        {"model": "threads", "drive": {"mass": 11.0}, "start": {"u": 0.01, "w": 0.0}, "duration": 0.01}, {}, {}
-    )
+    scene = as_scene({"drive": DRIVES["threads"](mass=11.0), "start": {"u": 0.01, "w": 0.0}, "duration": 0.01}, {}, {})
     motion = run(scene)
     assert not event_impulses(scene.drive, motion).normal.any()
     assert "event_normal_impulse" not in lsvib.simulate(scene)

@@ -9,10 +9,10 @@ import pytest
 from references.wide_drives import wide_drive
 
 from lsvib.basins.grid import Axis, Grid
-from lsvib.basins.mapper import mapper
+from lsvib.basins.mapping import mapper
 from lsvib.dynamics.attractor import Attractor
 from lsvib.dynamics.sweep import Ending, all_endings, ending_of, endings_at_once
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import PART_OF, Drive
 from lsvib.models.many import ManyDrives, automata, groups
 from lsvib.models.rigid import rigid_automaton
 
@@ -20,7 +20,9 @@ RULES = ("contact_sign", "at_once")
 
 
 def many_of(drives) -> ManyDrives:
-    return ManyDrives({name: [getattr(drive, name) for drive in drives] for name in RigidDrive.model_fields})
+    return ManyDrives(
+        {name: [getattr(drive, name) for drive in drives] for name in Drive.model_fields if name not in PART_OF}
+    )
 
 
 @pytest.mark.parametrize("resume", RULES)
@@ -52,7 +54,7 @@ def test_endings_are_those_of_one_motion(resume):
     rng = np.random.default_rng(2)
     for _ in range(60):
         drives.append(
-            RigidDrive(
+            Drive(
                 mass=rng.uniform(1, 20),
                 axial_force=rng.uniform(-60, 60),
                 support_damping=rng.uniform(0, 2e-3),
@@ -83,7 +85,7 @@ def test_endings_are_those_of_one_motion(resume):
 )
 def test_the_fast_map_and_the_rule_agree(values):
     """10⁴ starts of a drive, by the table of sections and by the rule, each on its own."""
-    drive, grid = RigidDrive(**values), Grid(Axis("u", -0.12, 0.12, 100), Axis("w", -90, 70, 100))
+    drive, grid = Drive(**values), Grid(Axis("u", -0.12, 0.12, 100), Axis("w", -90, 70, 100))
     found = mapper(drive).cells(grid, quantities=("label",))["label"].ravel()
     w, u = (part.ravel() for part in np.meshgrid(grid.y.centres(), grid.x.centres(), indexing="ij"))
     many = ManyDrives({name: np.full(u.size, value) for name, value in drive if name != "model"})
@@ -95,7 +97,7 @@ def test_the_fast_map_and_the_rule_agree(values):
 
 def test_threads_change_nothing():
     rng = np.random.default_rng(4)
-    drives = [RigidDrive(mass=rng.uniform(1, 20), axial_force=rng.uniform(-60, 60)) for _ in range(200)]
+    drives = [Drive(mass=rng.uniform(1, 20), axial_force=rng.uniform(-60, 60)) for _ in range(200)]
     starts = np.tile([0.1, 0.0], (200, 1))
     alone = all_endings(many_of(drives), starts, "contact_sign")
     for workers in (2, 3):

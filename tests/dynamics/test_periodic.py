@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 from references import rigid_digits
+from references.parts import nut_drive, support_drive, threads_drive
 
 import lsvib
 from lsvib.dynamics.attractor import Attractor, steady_state
@@ -15,12 +16,12 @@ from lsvib.dynamics.continuation import other_sections
 from lsvib.dynamics.cycles import cycle_of, cycle_on, search, starts
 from lsvib.engine.kernels import layout
 from lsvib.errors import EngineError
-from lsvib.models.threads import seated_state
+from lsvib.models.mechanism import seated_state
 
-NEAR_FOLD = lsvib.RigidDrive(mass=11, support_damping=2e-3, axial_force=-18.37)
-SLIP = lsvib.RigidDrive(mass=1, translation_damping=1e3, axial_force=25)
-SUPPORTED = lsvib.SupportDrive(mass=15, support_damping=5e-4, support_stiffness=1e5, axial_support_damping=1e4)
-REPELLING_SLIP = lsvib.RigidDrive(mass=9.9, translation_damping=1e3, axial_force=10)
+NEAR_FOLD = lsvib.Drive(mass=11, support_damping=2e-3, axial_force=-18.37)
+SLIP = lsvib.Drive(mass=1, translation_damping=1e3, axial_force=25)
+SUPPORTED = support_drive(mass=15, support_damping=5e-4, support_stiffness=1e5, axial_support_damping=1e4)
+REPELLING_SLIP = lsvib.Drive(mass=9.9, translation_damping=1e3, axial_force=10)
 
 
 @pytest.mark.parametrize(
@@ -37,13 +38,13 @@ REPELLING_SLIP = lsvib.RigidDrive(mass=9.9, translation_damping=1e3, axial_force
 )
 def test_values_near_the_ends_of_the_range_of_doubles(values, count):
     """Each ended in a warning of numpy, of a square that underflowed, a long rest or a small size."""
-    found = lsvib.RigidDrive(**values).cycles()
+    found = lsvib.Drive(**values).cycles()
     assert count is None or len(found.cycles) == count
 
 
 def test_a_rounding_beyond_all_numbers_tells_nothing():
     """The square of what a derivative lost on its way overflowed, and so ended in a warning."""
-    drive = lsvib.NutDrive(
+    drive = nut_drive(
         coupling_stiffness=0.005240167794227031, mass=7065.260294182241, nut_inertia=1.9182556659413114e-06,
         friction_coefficient=0.27323027649478554, input_speed=-40, axial_force=1e-18,
     )  # fmt: skip
@@ -97,21 +98,21 @@ FOUND = [
     (NEAR_FOLD, {"u": -0.1, "w": -40.0}),
     (SLIP, {"u": 0.01, "w": 0.0}),
     (SLIP.replace(axial_force=40), {"u": 0.01, "w": 0.0}),
-    (lsvib.ThreadsDrive(mass=11, axial_force=50), {"u": 0.01, "w": 0.0}),
+    (threads_drive(mass=11, axial_force=50), {"u": 0.01, "w": 0.0}),
     (
-        lsvib.ThreadsDrive(translation_damping=1e3, axial_force=25, contact_stiffness=1e6, contact_damping=1e3),
+        threads_drive(translation_damping=1e3, axial_force=25, contact_stiffness=1e6, contact_damping=1e3),
         {"u": 0.01, "w": 0.0},
     ),
-    (lsvib.NutDrive(mass=9, support_damping=1e-3), {"u": 0.01, "w": 0.0}),
+    (nut_drive(mass=9, support_damping=1e-3), {"u": 0.01, "w": 0.0}),
     (SUPPORTED, {"u": 0.02, "w": 0.0}),
     (SUPPORTED.replace(screw_mass=40.0), {"u": 0.02, "w": 0.0}),
 ]
 
 
 def cycle_after(drive, initial):
-    from lsvib.models.model import find_model
+    from lsvib.models.model import model_of
 
-    steady = steady_state(drive.automaton(), find_model(drive.model).initial_state(drive, initial))
+    steady = steady_state(drive.automaton(), model_of(drive).initial_state(drive, initial))
     return cycle_of(drive, steady), steady
 
 
@@ -172,12 +173,12 @@ def test_return_maps_show_the_pair_near_the_fold_without_a_start():
 
 def test_no_cycle_is_proved_where_steady_sliding_is_globally_stable():
     assert "globally stable" in NEAR_FOLD.replace(axial_force=-18.376).cycles().proved
-    assert "smaller" in lsvib.RigidDrive(mass=8).cycles().proved
-    assert not lsvib.RigidDrive(mass=8).cycles().cycles
+    assert "smaller" in lsvib.Drive(mass=8).cycles().proved
+    assert not lsvib.Drive(mass=8).cycles().cycles
 
 
 def test_undamped_oscillations_are_a_family():
-    found = lsvib.RigidDrive(mass=1, support_damping=0).cycles()
+    found = lsvib.Drive(mass=1, support_damping=0).cycles()
     assert not found.cycles
     assert len(found.families) == 1
 
@@ -186,7 +187,7 @@ def test_undamped_oscillations_are_a_family():
 @pytest.mark.parametrize("seed", range(3))
 def test_every_attractor_of_random_starts_is_listed(seed):
     rng = np.random.default_rng(seed)
-    drive = lsvib.RigidDrive(
+    drive = lsvib.Drive(
         mass=float(10 ** rng.uniform(0, 1.3)),
         translation_damping=float(rng.choice([0, 10 ** rng.uniform(1, 4)])),
         support_damping=float(10 ** rng.uniform(-5, -2)),
@@ -203,7 +204,7 @@ def test_every_attractor_of_random_starts_is_listed(seed):
 
 def test_a_touch_is_no_cycle():
     """The return map of this drive has a fixed point where two contact reversals lie 2e-96 s apart."""
-    drive = lsvib.RigidDrive(
+    drive = lsvib.Drive(
         mass=8.78277598116115,
         translation_damping=122.41990896457544,
         support_damping=1.0194153802344125e-05,
@@ -218,7 +219,7 @@ def test_at_most_one_cycle_of_pure_slip():
     """The bound of one limit cycle of plane systems of two linear zones, and hyperbolic, over random drives."""
     rng, seen = np.random.default_rng(0), 0
     for _ in range(15):
-        drive = lsvib.RigidDrive(
+        drive = lsvib.Drive(
             mass=float(rng.uniform(0.5, 9.95)),
             translation_damping=float(10 ** rng.uniform(2, 3.5)),
             support_damping=float(10 ** rng.uniform(-6, -3)),
@@ -237,7 +238,7 @@ def gaps_to_the_rigid_multiplier(rigid, stiffnesses):
     (limit,) = [cycle for cycle in rigid.cycles().cycles if cycle.attracting]
     found = []
     for stiffness in stiffnesses:
-        drive = lsvib.ThreadsDrive.of(rigid, contact_stiffness=stiffness, contact_damping=stiffness)
+        drive = threads_drive(rigid, contact_stiffness=stiffness, contact_damping=stiffness)
         cycle = cycle_of(drive, steady_state(drive.automaton(), seated_state(drive, *map(float, limit.state))))
         contact, slip, trivial = cycle.multipliers
         # The contact relaxes at the rate k_c / c_c = 1/s, which has no rigid counterpart.
@@ -258,8 +259,8 @@ def test_compliant_multipliers_of_slip_tend_to_the_rigid_one_with_order_one(driv
 @pytest.mark.parametrize(
     "drive",
     [
-        lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10),
-        lsvib.RigidDrive(mass=14, support_damping=5e-4, axial_force=-5),
+        lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10),
+        lsvib.Drive(mass=14, support_damping=5e-4, axial_force=-5),
     ],
 )
 def test_with_seizures_the_order_is_one_but_for_a_logarithm(drive):
@@ -301,5 +302,5 @@ NUTS = [  # with a cycle that one start of 15 and one of 8 in the space of four 
 
 @pytest.mark.parametrize(("values", "periods"), NUTS)
 def test_attracting_cycles_of_a_nut_that_turns_are_found(values, periods):
-    found = lsvib.NutDrive(**values).cycles()
+    found = nut_drive(**values).cycles()
     assert sorted(cycle.period for cycle in found.cycles if cycle.attracting) == pytest.approx(periods, rel=1e-8)

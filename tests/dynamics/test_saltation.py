@@ -9,12 +9,14 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 from references import four_states_digits, rigid_digits
+from references.parts import threads_drive
 
 from lsvib.dynamics.poincare_map import derivative
 from lsvib.engine.motion import follow
-from lsvib.models.drive import RigidDrive, ThreadsDrive
+from lsvib.models.drive import Drive
+from lsvib.models.mechanism import seated_state
+from lsvib.models.model import automaton_of
 from lsvib.models.rigid import rigid_automaton
-from lsvib.models.threads import seated_state, threads_automaton
 
 STEP = mpf(10) ** -10
 EVENTS = 7
@@ -22,7 +24,7 @@ EVENTS = 7
 
 def random_rigid(seed):
     rng = np.random.default_rng(seed)
-    return RigidDrive.of(
+    return Drive.of(
         mass=float(rng.uniform(2, 16)),
         support_damping=float(10 ** rng.uniform(-4, -2.5)),
         translation_damping=float(rng.choice([0.0, 10.0, 1000.0])),
@@ -102,10 +104,10 @@ def test_compliant_threads():
         rigid, (u, w) = random_rigid(attempt)
         stiffness = float(10 ** rng.uniform(5, 8))
         contact = {"contact_stiffness": stiffness, "contact_damping": stiffness * 10 ** rng.uniform(-3, 0)}
-        drive = ThreadsDrive.of(**numbers(rigid), **contact)
+        drive = threads_drive(**numbers(rigid), **contact)
         start = seated_state(drive, 0.1 * u, 0.1 * w)
         start[3] = 1e-6
-        motion = follow(threads_automaton(drive), start, np.inf, max_events=4)
+        motion = follow(automaton_of(drive), start, np.inf, max_events=4)
         if qualified(motion):
             break
     end = float(motion.time[-1]) * 1.01 + 1e-6

@@ -9,10 +9,11 @@ import math
 
 import numpy as np
 import pytest
+from references.parts import DRIVES
 
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.engine.motion import follow
-from lsvib.models.model import find_model
+from lsvib.models.model import model_of
 
 SUPPORT = {
     "mass": 1.6, "friction_coefficient": 0.304, "axial_force": -156.0, "input_speed": -56.5,
@@ -34,8 +35,8 @@ ELASTIC = {
 
 def build(model: str, parameters: dict, u: float, w: float):
     """Automaton and start of a scene."""
-    kind = find_model(model)
-    drive = kind.drive.of(parameters)
+    drive = DRIVES[model](parameters)
+    kind = model_of(drive)
     terms = tuple(term for term in kind.terms if getattr(drive, term) != 0) + kind.options
     return kind.build(drive, terms, "contact_sign"), kind.initial_state(drive, {"u": u, "w": w})
 

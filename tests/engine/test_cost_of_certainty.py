@@ -10,13 +10,13 @@ from time import perf_counter
 import numba
 import numpy as np
 import pytest
+from references.parts import threads_drive
 
 from lsvib.engine.kernels import guard_sums, search_modal
 from lsvib.engine.kernels.flow_planar import level
 from lsvib.engine.kernels.layout import Decision
 from lsvib.engine.motion import follow
-from lsvib.models.drive import ThreadsDrive
-from lsvib.models.threads import threads_automaton
+from lsvib.models.model import automaton_of
 
 _LIMIT = 1.0
 _OPTIONS = {"error_model": "numpy", "_nrt": False}  # those of the kernels
@@ -24,8 +24,8 @@ _OPTIONS = {"error_model": "numpy", "_nrt": False}  # those of the kernels
 
 def arcs():
     """Every arc of the motion of Fig. 8.10: tables, modes, states at the start, guards, which of them are zero."""
-    drive = ThreadsDrive.of(mass=11.0, axial_force=100.0, contact_stiffness=1e8, contact_damping=1e8)
-    automaton = threads_automaton(drive)
+    drive = threads_drive(mass=11.0, axial_force=100.0, contact_stiffness=1e8, contact_damping=1e8)
+    automaton = automaton_of(drive)
     motion = follow(automaton, [0.005, 0.0, 0.0, 0.0], 0.05)
     tables = automaton.tables
     modes, starts, _, _ = motion.arcs()

@@ -18,11 +18,12 @@ from references.drives import RULES, compare, random_drive, random_start
 from references.rigid_digits import GUARD_DIGITS, NAMES, REST, RigidTrueFlow, simulate
 
 from lsvib.engine.motion import follow
-from lsvib.models.drive import RigidDrive
-from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
+from lsvib.models.drive import Drive
+from lsvib.models.mechanism import Event
+from lsvib.models.rigid import MotionMode, rigid_automaton
 
 TOLERANCE = 1e-12
-LONG = RigidDrive.of(mass=1.0, translation_damping=1e3, axial_force=40.0)
+LONG = Drive.of(mass=1.0, translation_damping=1e3, axial_force=40.0)
 
 
 def state_at(result, t):
@@ -59,7 +60,7 @@ def compare_random_motions(examples: int) -> tuple[list[str], dict[bool, set[str
         motion = result.motion
         seen = visited[result.reference.drive.painleve]
         seen |= {MotionMode(int(motion.automaton.codes[i])).name for i in (motion.start_mode, *motion.mode)}
-        seen |= {EventKind(kind).name for kind in motion.kind}
+        seen |= {Event(kind).name for kind in motion.kind}
         complete = result.reference.complete and len(motion.time) < 150
         same = True
         if rule == "contact_sign":
@@ -87,7 +88,7 @@ def test_random_motions():
 @pytest.mark.parametrize("rule", RULES)
 def test_near_the_critical_mass(mass, rule):
     """Rates of 10⁵ 1/s and more beside 300 1/s: stiff, but as exact as any."""
-    drive = RigidDrive.of(mass=mass, axial_force=-10.0, support_damping=1e-3)
+    drive = Drive.of(mass=mass, axial_force=-10.0, support_damping=1e-3)
     for start in ((0.1, 0.0), (-0.1, -120.0), (0.0, 60.0)):
         result = compare(drive, start, 0.03, rule)
         assert without_repeated_seizures(result.kinds) == without_repeated_seizures(result.reference_kinds)
@@ -96,7 +97,7 @@ def test_near_the_critical_mass(mass, rule):
 
 def test_error_at_a_steep_end_is_that_of_the_time():
     """The worst of 36 000 motions: the error is the lateness of the last event times the rate of the state."""
-    drive = RigidDrive.of(
+    drive = Drive.of(
         mass=11.6, friction_coefficient=0.2170224845100462, axial_force=199.0, input_speed=10.1,
         support_damping=0.006365836536317553,
     )  # fmt: skip
@@ -110,10 +111,10 @@ def test_error_at_a_steep_end_is_that_of_the_time():
 
 
 def test_start_in_an_inconsistent_sector_seizes_at_once():
-    drive = RigidDrive.of(mass=11.0)
+    drive = Drive.of(mass=11.0)
     motion = follow(rigid_automaton(drive), (0.1, 0.0), 0.01)
     assert motion.time[0] == 0.0
-    assert motion.kind[0] == EventKind.SEIZURE
+    assert motion.kind[0] == Event.SEIZURE
     assert motion.sign[0] == 1
     assert motion.after[0].tolist() == [0.1, -40.0]
 
@@ -125,7 +126,7 @@ def test_long_stick_slip():
     # Values printed by the reference with 40 digits.
     assert half.end_state[0] == pytest.approx(0.06522945748395932103202, rel=TOLERANCE)
     assert half.end_state[1] == pytest.approx(17.48137236919325071985, rel=TOLERANCE)
-    kinds = [EventKind.CONTACT_REVERSAL, EventKind.STICK, EventKind.RELEASE]
+    kinds = [Event.CONTACT_REVERSAL, Event.STICK, Event.RELEASE]
     assert [np.sum(half.kind == kind) for kind in kinds] == [78, 37, 37]
     assert len(half.kind) == 152
 

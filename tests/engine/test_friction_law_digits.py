@@ -18,21 +18,22 @@ from references.friction_law_digits import simulate
 from lsvib.engine.kernels.layout import FIRST_MODEL_KIND
 from lsvib.engine.motion import follow
 from lsvib.errors import InputError
-from lsvib.models.drive import RigidDrive
-from lsvib.models.rigid import EventKind, rigid_automaton
+from lsvib.models.drive import Drive
+from lsvib.models.mechanism import Event
+from lsvib.models.rigid import rigid_automaton
 
 TOLERANCE = 1e-12  # of the size of the motion
 EVENTS = 20
 
 
-def random_drive(rng: np.random.Generator) -> RigidDrive:
+def random_drive(rng: np.random.Generator) -> Drive:
     """A drive with a friction law whose speeds and coefficients matter."""
     speed = rng.choice([-1, 1]) * rng.uniform(2.0, 60.0)
-    sliding = RigidDrive().pitch_radius * abs(speed) / math.cos(RigidDrive().lead_angle)
+    sliding = Drive().pitch_radius * abs(speed) / math.cos(Drive().lead_angle)
     friction = rng.uniform(0.05, 0.3)
     rise = rng.uniform(0.01, 0.25) if rng.random() < 0.8 else 0.0
     sign = rng.choice([-1, 0, 1]) if rise else rng.choice([-1, 1])
-    return RigidDrive.of(
+    return Drive.of(
         friction_coefficient=friction,
         stribeck_rise=rise,
         stribeck_speed=sliding * 10 ** rng.uniform(-1.5, 0.7) if rise else 0.0,
@@ -56,7 +57,7 @@ def compare(drive, start, found: Counter) -> str:
     end = float(truth.time) if truth.end == "time" else float(truth.events[-1].time) if truth.events else 0.0
     motion = follow(rigid_automaton(drive), start, end if truth.end == "time" else end + 1e-12)
     own = motion.kind >= FIRST_MODEL_KIND
-    kinds = [EventKind(kind).name.lower() for kind in motion.kind[own]]
+    kinds = [Event(kind).name.lower() for kind in motion.kind[own]]
     expected = [event.kind for event in truth.events]
     settled = len(kinds) < len(expected) and set(expected[len(kinds) :]) == {"passage"}
     if kinds != (expected[: len(kinds)] if settled else expected):
@@ -104,7 +105,7 @@ def test_release_without_a_jump_of_force():
     """
     rng, found = np.random.default_rng(1), Counter()
     for _ in range(40):
-        drive = RigidDrive.of(
+        drive = Drive.of(
             pitch_radius=5.5e-3, lead_angle=0.0578, screw_inertia=2.2e-6, mass=0.276, support_damping=0.0,
             axial_force=-0.94, friction_coefficient=rng.uniform(0.1, 0.5), stribeck_rise=rng.uniform(0.01, 0.2),
             stribeck_speed=0.025, friction_slope=rng.choice([0.0, 1.0]),

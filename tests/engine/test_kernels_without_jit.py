@@ -16,18 +16,18 @@ PROGRAM = """
 import json
 from lsvib.dynamics.attractor import steady_state
 from lsvib.engine.motion import follow
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 from lsvib.models.rigid import rigid_automaton
 
 results = []
 for mass, force, c_x, rule in (
     (1.0, 40.0, 1e3, "contact_sign"), (11.0, 50.0, 0.0, "contact_sign"), (15.0, -20.0, 0.0, "at_once")
 ):
-    automaton = rigid_automaton(RigidDrive.of(mass=mass, axial_force=force, translation_damping=c_x), resume=rule)
+    automaton = rigid_automaton(Drive.of(mass=mass, axial_force=force, translation_damping=c_x), resume=rule)
     motion = follow(automaton, (0.05, 10.0), 0.05)
     states, modes = motion.at([0.0, 0.01, 0.02, 0.05])
     results.append([motion.time.tolist(), motion.kind.tolist(), states.tolist(), modes.tolist()])
-cycle = steady_state(rigid_automaton(RigidDrive.of(axial_force=25.0, translation_damping=1e3)), (0.05, 5.0))
+cycle = steady_state(rigid_automaton(Drive.of(axial_force=25.0, translation_damping=1e3)), (0.05, 5.0))
 results.append([[cycle.period, cycle.amplitude, float(cycle.multiplier)], [int(cycle.label)], [], []])
 print(json.dumps(results))
 """

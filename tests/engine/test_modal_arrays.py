@@ -8,19 +8,17 @@ from lsvib.dynamics.sweep import ending_of
 from lsvib.engine.exact.modal_form import linear_mode, modal_flow
 from lsvib.engine.kernels import event_loop
 from lsvib.engine.kernels.layout import A0, A1, BETA
-from lsvib.models.drive import ThreadsDrive
 from lsvib.models.many import ManyDrives, automata
-from lsvib.models.model import find_model
+from lsvib.models.model import automaton_of
 
 DRIVES = 40
-MODEL = find_model("threads")
 
 
 def drawn():
     """Drives such as a catalogue offers, with a start of each, and the automata that are made for all at once."""
     found = [catalogue_drive("threads", 9, i, 1) for i in range(DRIVES)]
     values = {name: np.array([getattr(drive, name) for drive, _ in found]) for name in dict(found[0][0])}
-    together = automata(ManyDrives(values, ThreadsDrive), "contact_sign")
+    together = automata(ManyDrives(values), "contact_sign")
     return [(drive, starts[0], one) for (drive, starts), (_, _, one) in zip(found, together, strict=True)]
 
 
@@ -31,7 +29,7 @@ def test_tables_are_those_of_each_drive(monkeypatch):
     assert not built  # none of these drives needs balls
     monkeypatch.undo()
     for drive, start, many in cases:
-        exact = MODEL.build(drive, (), "contact_sign")
+        exact = automaton_of(drive)
         for name in ("surfaces", "condition_row"):
             np.testing.assert_allclose(getattr(many.tables, name), getattr(exact.tables, name), rtol=1e-15)
         flow, true = many.tables.flow, exact.tables.flow
@@ -54,7 +52,7 @@ def test_tables_are_those_of_each_drive(monkeypatch):
 def test_what_motions_end_on_is_what_they_end_on_by_the_tables_of_each_drive():
     for drive, start, many in drawn()[:15]:
         quick = ending_of(drive, many, start)
-        right = ending_of(drive, MODEL.build(drive, (), "contact_sign"), start)
+        right = ending_of(drive, automaton_of(drive), start)
         assert quick.attractor == right.attractor
         for name in ("amplitude", "period", "peak_normal_force"):
             assert getattr(quick, name) == pytest.approx(getattr(right, name), rel=1e-9, nan_ok=True)

@@ -2,17 +2,18 @@
 
 import numpy as np
 import pytest
+from references.parts import threads_drive
 
 from lsvib.engine import motion
 from lsvib.errors import EngineError
-from lsvib.models.drive import RigidDrive, ThreadsDrive
+from lsvib.models.drive import Drive
+from lsvib.models.model import automaton_of
 from lsvib.models.rigid import rigid_automaton
-from lsvib.models.threads import threads_automaton
 
-SPRAG_SLIP = rigid_automaton(RigidDrive.of(mass=11.0, support_damping=1e-3, axial_force=-10.0))
-STICK_SLIP = rigid_automaton(RigidDrive.of(mass=1.0, translation_damping=1000.0, axial_force=40.0))
-NO_DAMPING = rigid_automaton(RigidDrive.of(mass=11.0, axial_force=-10.0), resume="at_once")  # seizures accumulate
-THREADS = threads_automaton(ThreadsDrive.of(mass=11.0, axial_force=50.0, contact_stiffness=1e8, contact_damping=1e8))
+SPRAG_SLIP = rigid_automaton(Drive.of(mass=11.0, support_damping=1e-3, axial_force=-10.0))
+STICK_SLIP = rigid_automaton(Drive.of(mass=1.0, translation_damping=1000.0, axial_force=40.0))
+NO_DAMPING = rigid_automaton(Drive.of(mass=11.0, axial_force=-10.0), resume="at_once")  # seizures accumulate
+THREADS = automaton_of(threads_drive(mass=11.0, axial_force=50.0, contact_stiffness=1e8, contact_damping=1e8))
 
 
 @pytest.mark.parametrize("room", [1, 2, 3])

@@ -4,19 +4,20 @@ import math
 
 import numpy as np
 import pytest
+from references.parts import threads_drive
 
 from lsvib.engine.exact.modal_form import linear_mode, modal_flow
 from lsvib.engine.kernels import event_loop
 from lsvib.engine.motion import follow
 from lsvib.errors import EngineError
-from lsvib.models.drive import RigidDrive, ThreadsDrive
+from lsvib.models.drive import Drive
+from lsvib.models.model import automaton_of
 from lsvib.models.rigid import rigid_automaton
-from lsvib.models.threads import threads_automaton
 
 
 def test_growth_beyond_all_numbers_does_not_move_what_is_in_equilibrium():
     """Steady sliding that repels at 1.2e5 1/s: a motion from it stays there, for 0.2 s and whenever it is looked at."""
-    drive = RigidDrive.of(
+    drive = Drive.of(
         pitch_radius=0.03806244679962706,
         lead_angle=0.12264428665884365,
         screw_inertia=1.2429230549627857e-06,
@@ -58,12 +59,12 @@ CREEPING = [{"contact_stiffness": 1e4, "contact_damping": damping} for damping i
 @pytest.mark.parametrize("values", [*CREEPING, JUST_BELOW_COT_LEAD])
 def test_rates_that_cannot_be_told_apart_are_refused_by_name(values):
     """A contact that creeps at 1e-8 1/s beside the coupling's 500 1/s; and a field that is singular in doubles."""
-    drive = ThreadsDrive.of(**values)
+    drive = threads_drive(**values)
     with pytest.raises(EngineError, match=r"cannot be distinguished .*change contact_damping\."):
-        threads_automaton(drive)
+        automaton_of(drive)
 
 
-FASTEST = RigidDrive(translation_damping=1e15, friction_slope=-1e-5)  # turns at 10¹⁴ 1/s
+FASTEST = Drive(translation_damping=1e15, friction_slope=-1e-5)  # turns at 10¹⁴ 1/s
 
 
 def test_a_motion_of_too_many_steps_is_refused_in_one_sentence(monkeypatch):
@@ -76,7 +77,7 @@ def test_a_motion_of_too_many_steps_is_refused_in_one_sentence(monkeypatch):
 
 def test_samples_of_a_friction_law_do_not_depend_on_those_before():
     """All samples of a stay are taken in one pass; each is that of a pass of its own, to rounding."""
-    drive = RigidDrive(stribeck_rise=0.05, stribeck_speed=0.02)
+    drive = Drive(stribeck_rise=0.05, stribeck_speed=0.02)
     motion = follow(rigid_automaton(drive), (0.1, 0.0), 0.2)
     times = np.sort(np.append(np.linspace(0.0, 0.2, 301), motion.time))
     states, modes = motion.at(times)

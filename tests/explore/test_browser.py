@@ -100,7 +100,7 @@ def test_presets_show_the_drives_of_figures(page):
     words(page, "It ends on steady sliding")
     query(page, "translation_damping", "1000.0")
     page.get_by_label("Figure of the chapter").select_option("Figure 8.13")
-    query(page, "model", "threads")
+    query(page, "contact_stiffness", "100000000.0")
     words(page, "38 events")
     assert page.get_by_label("stiffness of the thread contact k_c [N m⁻¹]").and_(page.locator("input")).is_visible()
 
@@ -145,7 +145,7 @@ def test_the_first_page_fits_a_telephone_and_shows_a_drive_that_vibrates(browser
         assert chromium.wider_than_the_screen(opened) <= 0
 
 
-@pytest.mark.parametrize(("name", "start"), [("scene.yaml", b"model: rigid"), ("motion.nc", b"\x89HDF")])
+@pytest.mark.parametrize(("name", "start"), [("scene.yaml", b"drive:"), ("motion.nc", b"\x89HDF")])
 def test_exports_are_files(name, start, server):
     with urlopen(f"{server}export/{name}?{VIEW}") as answer:
         assert answer.headers["Content-Disposition"] == f'attachment; filename="{name}"'

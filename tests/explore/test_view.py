@@ -13,27 +13,26 @@ from urllib.parse import parse_qsl
 import numpy as np
 import pytest
 import yaml
+from references.parts import DRIVES
 
 import lsvib
-from lsvib.api import drive_class
 from lsvib.basins.curves import Window
 from lsvib.datasets.io import read_dataset
 from lsvib.dynamics.attractor import Attractor
 from lsvib.errors import InputError
 from lsvib.explore import answers
 from lsvib.explore.view import OF_LAW, View, around, presets
-from lsvib.models.model import model_names
 from lsvib.models.scene import Scene
 
 PRESETS = presets()
-DRIVE = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
+DRIVE = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10)
 WINDOW = Window(-0.15, 0.13, -50.0, 35.0)
 
 
 def random_view(seed: int) -> View:
-    """A view of any model with numbers of many digits."""
+    """A view of any drive with numbers of many digits."""
     draw = random.Random(seed)
-    kind = drive_class(draw.choice(model_names()))
+    kind = draw.choice(list(DRIVES.values()))
     drive = kind(
         mass=draw.uniform(1, 20), axial_force=draw.uniform(-50, 50), support_damping=10 ** draw.uniform(-5, -2)
     )
@@ -67,7 +66,7 @@ def test_a_bad_link_is_refused_in_one_sentence(query, said):
 def test_every_figure_of_the_chapter_has_a_preset():
     assert PRESETS.keys() == {f"Figure 8.{number}" for number in range(1, 16)}
     assert PRESETS["Figure 8.14"].drive == DRIVE
-    assert {view.drive.model for view in PRESETS.values()} == {"rigid", "threads", "support"}
+    assert {view.drive.parts for view in PRESETS.values()} == {(), ("threads",), ("support",)}
 
 
 def test_the_map_is_that_of_the_drive():
@@ -80,7 +79,7 @@ def test_the_map_is_that_of_the_drive():
 
 
 def test_the_amplitude_curve_is_the_sweep():
-    view = View(lsvib.RigidDrive(translation_damping=1000), low=10.0, high=60.0)
+    view = View(lsvib.Drive(translation_damping=1000), low=10.0, high=60.0)
     points = [answers.amplitude(view, value, near=True) for value in answers.values_of(view, 6)]
     swept = view.drive.sweep(axial_force=[point.value for point in points])
     assert [point.amplitude for point in points] == pytest.approx(swept.amplitude.values.tolist(), rel=1e-12)
@@ -90,7 +89,7 @@ def test_the_amplitude_curve_is_the_sweep():
 
 def test_the_critical_friction_on_the_page_is_that_of_its_drive():
     """Γ₊ of the rigid drive that is shown vanishes there; the chapter's is that of a drive with axial support."""
-    view = View(lsvib.RigidDrive(mass=15), over="friction_coefficient", low=0.1, high=0.4)
+    view = View(lsvib.Drive(mass=15), over="friction_coefficient", low=0.1, high=0.4)
     marked = answers.thresholds_over(view)
     assert marked == {
         "kinematic_constraint": view.drive.threshold("kinematic_constraint", "friction_coefficient").value
@@ -205,10 +204,10 @@ LAW = {"stribeck_rise": 0.0203, "stribeck_speed": 0.013704, "friction_slope": -0
 
 def test_a_view_with_a_friction_law_follows_it():
     """Its map and the coefficient that is drawn are those of the drive; its closed forms are not used."""
-    drive = lsvib.RigidDrive(axial_force=100, input_speed=10, **LAW)
+    drive = lsvib.Drive(axial_force=100, input_speed=10, **LAW)
     view = View(drive, u=0.0, w=-9.0, duration=0.2)
     assert View.of(dict(parse_qsl(view.query()))) == view
-    assert answers.at_once(lsvib.RigidDrive())
+    assert answers.at_once(lsvib.Drive())
     assert not answers.at_once(drive)
     shown = answers.followed(view)
     assert shown.steady.label == Attractor.STICK_SLIP_CYCLE
@@ -227,7 +226,7 @@ def test_every_parameter_of_a_law_can_be_moved_and_varied():
     pytest.importorskip("bokeh")
     from lsvib.explore.controls import Controls
 
-    view = View(lsvib.RigidDrive(static_friction_coefficient=0.45, **LAW))
+    view = View(lsvib.Drive(static_friction_coefficient=0.45, **LAW))
     controls = Controls(view, {}, lambda key, text: None)
     for key, (low, high) in OF_LAW.items():
         assert float(controls.fields[key].value) == controls.sliders[key].value == getattr(view.drive, key)
@@ -243,7 +242,7 @@ def test_a_page_with_a_friction_law_opens():
 
     from lsvib.explore.page import Page
 
-    page = Page(Document(), View(lsvib.RigidDrive(axial_force=100, input_speed=10, **LAW), w=-9.0, duration=0.2), {})
+    page = Page(Document(), View(lsvib.Drive(axial_force=100, input_speed=10, **LAW), w=-9.0, duration=0.2), {})
     page._begin("")
     page._settle()
     assert "0 to 0.126 m/s, with a coefficient of 0.207 to 0.238." in page._words.text  # 0.218 - 0.0859 * 0.126
@@ -252,21 +251,21 @@ def test_a_page_with_a_friction_law_opens():
     assert max(page.plots.sources["law"].data["y"]) == pytest.approx(0.2383, rel=1e-12)
 
 
-@pytest.mark.parametrize("model", ["nut", "support"])
-def test_a_drive_with_compliant_parts_and_a_law_is_followed_without_its_map(model):
+@pytest.mark.parametrize("part", ["nut", "support"])
+def test_a_drive_with_compliant_parts_and_a_law_is_followed_without_its_map(part):
     """The page says so; the sliding speed of a rotating nut is that at which the screw turns in it."""
     pytest.importorskip("bokeh")
     from bokeh.document import Document
 
     from lsvib.explore.page import Page
 
-    page = Page(Document(), View(drive_class(model)(axial_force=100, input_speed=10, **LAW), w=-9.0, duration=0.05), {})
+    page = Page(Document(), View(DRIVES[part](axial_force=100, input_speed=10, **LAW), w=-9.0, duration=0.05), {})
     page._begin("")
     page._settle()
     assert list(page._work()) == []
     assert "Map and amplitude curve are left out here" in page._words.text
     assert set(np.unique(page.plots.drawn["map"].data["image"][0])) == {answers.rgba(np.array([-2]))[0]}
     motion = page.view.drive.simulate({"u": 0.0, "w": -9.0}, 0.05, samples=2001)
-    if model == "nut":
+    if part == "nut":
         turning = 10 + motion.velocity_deviation.values - motion.nut_rate.values
         assert np.abs(page.shown.turning).max() == pytest.approx(np.abs(turning).max(), rel=1e-3)

@@ -12,7 +12,7 @@ from references.listed_claims import LIST, entries
 from lsvib.datasets.checks import checks_page, checks_text, printed_table
 from lsvib.datasets.statements import counted, read_statements
 from lsvib.figures.configuration import default_figures
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 
 ROOT = Path(__file__).parents[2]
 CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
@@ -52,7 +52,7 @@ def test_nothing_that_is_numbered_is_left_out(word, last):
 def test_printed_inputs_are_those_that_are_used(entry):
     head, *path = entry["input"].split(".")
     if head == "drive":
-        value = getattr(RigidDrive(), path[0])
+        value = getattr(Drive(), path[0])
         value = math.degrees(value) if entry["unit"] == "degree" else value
         assert value == pytest.approx(entry["value"], rel=1e-15)
     else:

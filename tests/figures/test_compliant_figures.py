@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from references.parts import threads_drive
 
 from lsvib.contact import stiff_limit
 from lsvib.contact.stiff_limit import BranchFamily, Region
@@ -11,17 +12,18 @@ from lsvib.dynamics.attractor import Attractor, orbit_extremes, steady_state
 from lsvib.dynamics.impulses import seizure_impulses
 from lsvib.engine.motion import follow
 from lsvib.errors import InputError
-from lsvib.models.drive import RigidDrive, ThreadsDrive
-from lsvib.models.threads import ThreadsEvent, seated_state, threads_automaton
+from lsvib.models.drive import Drive
+from lsvib.models.mechanism import Event, seated_state
+from lsvib.models.model import automaton_of
 
-VISCOUS = ThreadsDrive.of(mass=11.0, axial_force=50.0)
+VISCOUS = threads_drive(mass=11.0, axial_force=50.0)
 
 
 @pytest.mark.parametrize("stiffness", [1e5, 1e8, 1e10])
 def test_steady_state_is_where_the_motion_ends(stiffness):
     """A hundred time constants k_c / c_c = 1 1/s of creep later the motion itself is on the orbit."""
     drive = VISCOUS.replace(contact_stiffness=stiffness, contact_damping=stiffness)
-    automaton = threads_automaton(drive)
+    automaton = automaton_of(drive)
     cycle = steady_state(automaton, seated_state(drive, 0.003, 0.0))
     assert cycle.label == Attractor.SPRAG_SLIP_CYCLE
     motion = follow(automaton, seated_state(drive, 0.003, 0.0), 40.0)
@@ -33,27 +35,27 @@ def test_steady_state_is_where_the_motion_ends(stiffness):
 
 
 def test_the_peak_of_the_contact_force_is_where_the_screw_stops():
-    automaton = threads_automaton(VISCOUS)
+    automaton = automaton_of(VISCOUS)
     cycle = steady_state(automaton, seated_state(VISCOUS, 0.003, 0.0)).orbit
     row = automaton.observables["normal_force"]
-    (stop,) = cycle.after[cycle.kind == ThreadsEvent.STICK]
+    (stop,) = cycle.after[cycle.kind == Event.STICK]
     assert orbit_extremes(cycle, row)[1] == pytest.approx(float(row[0, :-1] @ stop), rel=1e-12)
 
 
 @pytest.mark.parametrize("changes", [{"mass": 9.0}, {"translation_damping": 1.0}, {"axial_force": -500.0}])
 def test_limit_process_refuses_drives_that_it_does_not_fit(changes):
-    drive = RigidDrive.of({"mass": 15.0, "axial_force": 60.0, "support_damping": 2e-3} | changes)
+    drive = Drive.of({"mass": 15.0, "axial_force": 60.0, "support_damping": 2e-3} | changes)
     with pytest.raises(InputError, match=r"needs a drive with|reaches no cycle"):
         list(stiff_limit.branches(drive, 80.0, 1e-3, [0.1, -20.0]))
 
 
 def test_impulse_is_the_integral_of_the_contact_force():
-    base = RigidDrive.of(mass=15.0, axial_force=60.0, support_damping=2e-3)
+    base = Drive.of(mass=15.0, axial_force=60.0, support_damping=2e-3)
     drive = stiff_limit.stiffened(base, BranchFamily.VISCOUS, 1e8, 2.0)
     impact = next(stiff_limit.impacts(base, 80.0))
-    automaton = threads_automaton(drive)
+    automaton = automaton_of(drive)
     motion = follow(automaton, seated_state(drive, impact.u, impact.w), 1e-3)
-    release = motion.time[np.flatnonzero(motion.kind == ThreadsEvent.RELEASE)[0]]
+    release = motion.time[np.flatnonzero(motion.kind == Event.RELEASE)[0]]
     times = np.linspace(0.0, release, 2_000_001)
     force = automaton.observe("normal_force", *motion.at(times))
     integral = float(np.sum(0.5 * (force[1:] + force[:-1])) * times[1])
@@ -71,14 +73,14 @@ def test_rebound_force_of_an_overdamped_contact(stiffness, axial_force):
     does, by cos λ (cos λ + μ sin λ) = 1.012, and that the slow part loses 3 ln(4ζ²) / (4ζ²) = 1.4 % until the fast one,
     4ζ² times as fast, is gone.
     """
-    base = RigidDrive.of(mass=15.0, axial_force=axial_force, support_damping=2e-3)
+    base = Drive.of(mass=15.0, axial_force=axial_force, support_damping=2e-3)
     drive, speed = stiff_limit.stiffened(base, BranchFamily.DAMPING_RATIO, stiffness, 20.0), 80.0
     (impact,) = (
         x for x in stiff_limit.impacts(base, speed) if x.sign > 0 and x.region == Region.IN_BAND_FORCE_POSITIVE
     )
-    automaton = threads_automaton(drive)
+    automaton = automaton_of(drive)
     motion = follow(automaton, seated_state(drive, impact.u, impact.w), 7e-4)
-    (stop,) = np.flatnonzero(motion.kind == ThreadsEvent.STICK)
+    (stop,) = np.flatnonzero(motion.kind == Event.STICK)
     assert stop == motion.kind.size - 1  # it stands until the end
     times = motion.time[stop] + np.geomspace(1e-12, motion.end_time - motion.time[stop], 20_001)[:-1]
     states, modes = motion.at(times)

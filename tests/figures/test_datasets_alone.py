@@ -13,7 +13,7 @@ from lsvib.datasets.attributes import (
 from lsvib.datasets.io import write_dataset
 from lsvib.figures import style
 from lsvib.figures.configuration import default_figures
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 
 
 def test_origin_says_which_values_are_printed():
@@ -47,7 +47,7 @@ def test_a_motion_is_repeated_from_its_file_alone(figure, case, tmp_path):
     """The stated drive, integrated from the stated start by somebody else's solver, gives the motions of the file."""
     write_dataset(dataset_of(figure), tmp_path / "figure.nc")
     file = xr.open_dataset(tmp_path / "figure.nc").isel(case=case)
-    drive = {name: float(file[name]) for name in dict(RigidDrive())}
+    drive = {name: float(file[name]) for name in dict(Drive())}
     for start in range(file.sizes["start"]):
         motion = file.isel(start=start)
         time, deflection = motion.time.values, motion.coupling_deflection.values

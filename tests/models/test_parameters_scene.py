@@ -7,12 +7,11 @@ from pydantic import ValidationError
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import InputError
-from lsvib.models import friction
+from lsvib.models import chapter, friction
 from lsvib.models.drive import (
-    NutDrive,
-    RigidDrive,
-    SupportDrive,
-    ThreadsDrive,
+    DRY,
+    PART_OF,
+    Drive,
     allowed_range,
     may_vanish,
     zero_if_close,
@@ -45,7 +44,7 @@ def complaint(function, *arguments, **options) -> str:
 
 
 def test_defaults_are_table_8_1():
-    assert dict(RigidDrive()) == {
+    assert dict(Drive()) == {
         "pitch_radius": 5.18e-3,
         "lead_angle": math.radians(5.57),
         "screw_inertia": 3.12e-6,
@@ -57,89 +56,90 @@ def test_defaults_are_table_8_1():
         "translation_damping": 0.0,
         "axial_force": 50.0,
     }
-    assert set(BOUNDS) == set(RigidDrive.model_fields) - set(friction.NAMES)
+    assert set(BOUNDS) == set(Drive.model_fields) - {*friction.NAMES, *DRY, *PART_OF}
+    assert all(getattr(Drive(), name) is None for name in PART_OF)
     law = {"static_friction_coefficient": 0, "stribeck_rise": 0, "stribeck_speed": 0, "friction_slope": 0}
-    assert {name: getattr(RigidDrive(), name) for name in friction.NAMES} == law | {"stribeck_exponent": 1}
+    assert {name: getattr(Drive(), name) for name in friction.NAMES} == law | {"stribeck_exponent": 1}
 
 
 @pytest.mark.parametrize("side", [0, 1])
 @pytest.mark.parametrize("key", BOUNDS)
 def test_value_out_of_range(key, side):
     value = BOUNDS[key][side]
-    sentence = complaint(RigidDrive.of, {key: value})
+    sentence = complaint(Drive.of, {key: value})
     assert sentence.startswith((f"{key} = {value!r} is outside", f"{key} = {value:g} is outside"))
     assert BOUNDS[key][2] in sentence
-    complaint(RigidDrive().replace, **{key: value})
+    complaint(Drive().replace, **{key: value})
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, "5mm", "", None, [1.0], {"a": 1}, True, "nan", 1j])
 @pytest.mark.parametrize("key", BOUNDS)
 def test_value_that_is_no_number(key, value):
-    sentence = complaint(RigidDrive.of, {key: value})
+    sentence = complaint(Drive.of, {key: value})
     assert sentence.startswith(f"{key} = {value!r} ")
     assert BOUNDS[key][2] in sentence
 
 
-@pytest.mark.parametrize("kind", [RigidDrive, ThreadsDrive, SupportDrive, NutDrive])
-def test_nothing_is_next_to_zero(kind):
+def test_nothing_is_next_to_zero():
     """The least value of a parameter is accepted, a smaller one is not; what is computed there becomes zero."""
-    for key in kind.model_fields.keys() - friction.NAMES:  # those bound each other: test_friction
-        text = allowed_range(kind, key)
+    whole = Drive(**{name: value for part in chapter.PARTS.values() for name, value in part.items()})
+    for key in Drive.model_fields.keys() - friction.NAMES:  # those bound each other: test_friction
+        text = allowed_range(Drive, key)
         least = float(text.removeprefix("0 or ").split(" <= ")[0])
         for sign in (-1, 1) if "|" in text else (1,):
-            assert getattr(kind.of({key: sign * least}), key) == sign * least
-            assert text in complaint(kind.of, {key: sign * math.nextafter(least, 0)})
-            assert text in complaint(kind.of, {key: sign * 5e-324})
-        if may_vanish(kind, key):
+            assert getattr(whole.replace(**{key: sign * least}), key) == sign * least
+            assert text in complaint(whole.replace, **{key: sign * math.nextafter(least, 0)})
+            assert text in complaint(whole.replace, **{key: sign * 5e-324})
+        if may_vanish(Drive, key):
             assert text.startswith("0 or ")
-            assert getattr(kind.of({key: 0}), key) == 0
-            assert zero_if_close(kind, key, math.nextafter(least, 0)) == 0
-            assert zero_if_close(kind, key, least) == least
+            assert getattr(whole.replace(**{key: 0}), key) == 0
+            assert zero_if_close(Drive, key, math.nextafter(least, 0)) == 0
+            assert zero_if_close(Drive, key, least) == least
         else:
-            assert text in complaint(kind.of, {key: 0})
-            assert zero_if_close(kind, key, 5e-324) == 5e-324
+            assert text in complaint(whole.replace, **{key: 0})
+            assert zero_if_close(Drive, key, 5e-324) == 5e-324
 
 
 def test_text_that_is_a_number_is_read():
-    assert RigidDrive.of(mass="11", axial_force="-1e1") == RigidDrive.of(mass=11.0, axial_force=-10.0)
+    assert Drive.of(mass="11", axial_force="-1e1") == Drive.of(mass=11.0, axial_force=-10.0)
 
 
 def test_friction_is_limited_by_the_lead_angle():
-    assert "cot(lead_angle) = 10.2541" in complaint(RigidDrive.of, friction_coefficient=10.26)
-    assert RigidDrive.of(friction_coefficient=10.25).friction_coefficient == 10.25
-    assert "friction_coefficient = 2" in complaint(RigidDrive.of, friction_coefficient=2.0, lead_angle=0.5)
+    assert "cot(lead_angle) = 10.2541" in complaint(Drive.of, friction_coefficient=10.26)
+    assert Drive.of(friction_coefficient=10.25).friction_coefficient == 10.25
+    assert "friction_coefficient = 2" in complaint(Drive.of, friction_coefficient=2.0, lead_angle=0.5)
 
 
 def test_lead_angle_in_degrees():
-    assert RigidDrive.of(lead_angle_deg=5.57) == RigidDrive()
-    assert RigidDrive.of(lead_angle_deg="4").lead_angle == math.radians(4)
-    assert RigidDrive().replace(lead_angle_deg=4).lead_angle == math.radians(4)
-    assert "both given" in complaint(RigidDrive.of, lead_angle=0.1, lead_angle_deg=5.0)
+    assert Drive.of(lead_angle_deg=5.57) == Drive()
+    assert Drive.of(lead_angle_deg="4").lead_angle == math.radians(4)
+    assert Drive().replace(lead_angle_deg=4).lead_angle == math.radians(4)
+    assert "both given" in complaint(Drive.of, lead_angle=0.1, lead_angle_deg=5.0)
     for value in ("steep", None, True, "nan"):
         assert f"lead_angle_deg = {value!r} is not a number; the allowed range is 5.72958e-05 <= " in complaint(
-            RigidDrive.of, lead_angle_deg=value
+            Drive.of, lead_angle_deg=value
         )
     for value in (0, 90):
         assert f"lead_angle_deg = {value} is outside the allowed range 5.72958e-05 <= " in complaint(
-            RigidDrive.of, lead_angle_deg=value
+            Drive.of, lead_angle_deg=value
         )
-    assert "outside the allowed range" in complaint(RigidDrive.of, lead_angle_deg=90.0)
+    assert "outside the allowed range" in complaint(Drive.of, lead_angle_deg=90.0)
 
 
 def test_drives_and_scenes_are_immutable():
-    drive, scene = RigidDrive(), Scene.of(SCENE)
+    drive, scene = Drive(), Scene.of(SCENE)
     with pytest.raises(InputError, match="a drive does not change"):
         drive.mass = 2.0
     with pytest.raises(ValidationError):
         scene.duration = 2.0
     assert drive.replace(mass=2.0).mass == 2.0
     assert drive.mass == 1.0
-    assert hash(drive) == hash(RigidDrive())
+    assert hash(drive) == hash(Drive())
 
 
 def test_exact_values_are_the_doubles():
-    exact = RigidDrive().exact()
-    assert float(exact.tan_lead) == math.tan(RigidDrive().lead_angle)
+    exact = Drive().exact()
+    assert float(exact.tan_lead) == math.tan(Drive().lead_angle)
     with many_digits():
         rest = exact.sin_lead**2 + exact.cos_lead**2 - 1
         assert rest.contains(0)
@@ -166,7 +166,7 @@ def test_scene_from_yaml(tmp_path):
         encoding="utf-8",
     )
     scene = Scene.of(read_yaml(path))
-    assert scene.drive == RigidDrive.of(mass=11.0, support_damping=1e-3)
+    assert scene.drive == Drive.of(mass=11.0, support_damping=1e-3)
     assert (scene.duration, scene.samples, scene.resume) == (0.5, 11, "contact_sign")
     path.write_text("drive: {mass: 1e-3}\nstart: {u: 0.1, w: 0}\nduration: 1\n")  # YAML 1.1 reads 1e-3 as text
     assert Scene.of(read_yaml(path)).drive.mass == 1e-3

@@ -24,8 +24,9 @@ from references.drives import RULES, drives, starts
 from lsvib.dynamics.impulses import seizure_impulses
 from lsvib.engine.kernels import flow_planar, layout
 from lsvib.engine.motion import follow
-from lsvib.models.drive import RigidDrive
-from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
+from lsvib.models.drive import Drive
+from lsvib.models.mechanism import Event
+from lsvib.models.rigid import MotionMode, rigid_automaton
 
 TOLERANCE = 1e-11
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(20)
@@ -41,7 +42,7 @@ LAWS = {
 class Mechanics:
     """The drive as a mechanical system, from its parameters alone (double precision, Newton's laws as in Sect. 2)."""
 
-    def __init__(self, drive: RigidDrive) -> None:
+    def __init__(self, drive: Drive) -> None:
         self.drive, self.tan = drive, math.tan(drive.lead_angle)
         self.p = drive.pitch_radius * self.tan
         net = drive.axial_force - self.p * drive.translation_damping * drive.input_speed
@@ -140,7 +141,7 @@ def test_energy_balance_on_every_arc(drive, start, rule, t_end):
     lost = np.array(
         [mechanics.energy(*b) - mechanics.energy(*a) for b, a in zip(motion.before, motion.after, strict=True)]
     )
-    seized = motion.kind == EventKind.SEIZURE
+    seized = motion.kind == Event.SEIZURE
     assert (np.abs(lost[~seized]) <= 1e-14 * mechanics.energy(*motion.before[~seized].T)).all()
     assert (lost[seized] >= 0).all()
 
@@ -155,7 +156,7 @@ def test_seizure_loses_what_the_impact_consumes(drive, start, t_end):
     mechanics = Mechanics(drive)
     motion = follow(rigid_automaton(drive), start, t_end, max_events=100)
     sine, cosine = math.sin(drive.lead_angle), math.cos(drive.lead_angle)
-    for k in np.flatnonzero(motion.kind == EventKind.SEIZURE):
+    for k in np.flatnonzero(motion.kind == Event.SEIZURE):
         v = drive.input_speed + motion.before[k, 1]
         matrix = np.array([[cosine, sine], [-drive.pitch_radius * sine, drive.pitch_radius * cosine]])
         normal, tangential = np.linalg.solve(matrix, [drive.mass * mechanics.p * v, drive.screw_inertia * v])
@@ -175,7 +176,7 @@ def test_axial_momentum_balance(drive, start, rule, t_end):
     motion = follow(rigid_automaton(drive, resume=rule), start, t_end, max_events=100)
     automaton = motion.automaton
     carried = integrals(motion, mechanics.axial_contact_force).sum()
-    speeds = drive.input_speed + motion.before[motion.kind == EventKind.SEIZURE, 1]
+    speeds = drive.input_speed + motion.before[motion.kind == Event.SEIZURE, 1]
     impulses = float(np.sum(seizure_impulses(drive, speeds).axial))
     _, starts_, ends, durations = motion.arcs()
     turned = float(np.sum(ends[:, 0] - starts_[:, 0])) + drive.input_speed * float(durations.sum())

@@ -11,18 +11,18 @@ from pathlib import Path
 import grimp
 import pytest
 from references.figure_checks import dataset_of, draft
+from references.parts import GIVEN
 
 from lsvib.datasets.io import write_dataset
 from lsvib.figures.configuration import default_figures
-from lsvib.models.model import model_names
 
 FIGURES = default_figures()
 CHEAP = ("fig8_01", "fig8_02", "fig8_03", "fig8_04", "fig8_05", "fig8_07", "fig8_08", "fig8_09", "fig8_11", "fig8_15")
 WITHOUT_ENGINE = [
     "--help",
     "config",
-    *(f"stability --model {name}" for name in model_names()),
-    "thresholds --model threads",
+    *(" ".join(("stability", *given)) for given in GIVEN.values()),
+    " ".join(("thresholds", *GIVEN["threads"])),
     "figure 8.8",
     "thresholds --set mass=-1",
 ]
@@ -91,9 +91,6 @@ def test_a_dataset_is_built_without_matplotlib():
     for figure, (matplotlib, ours) in loaded("numba", "matplotlib", code).items():
         name = f"lsvib.figures.{figure}"
         closure = graph.find_upstream_modules(name) | {name}
-        if "lsvib.models.model" in closure:  # through which models are asked for by name
-            for model in (f"lsvib.models.{model}" for model in model_names()):
-                closure |= graph.find_upstream_modules(model) | {model}
         packages = {parent.rsplit(".", n)[0] for parent in closure for n in range(1, parent.count(".") + 1)}
         assert not matplotlib, figure
         assert ours <= closure | packages, figure

@@ -2,13 +2,13 @@
 
 import pytest
 
-from lsvib import RigidDrive
+from lsvib import Drive
 from lsvib.basins.boundary import basin
 from lsvib.dynamics.attractor import steady_state
 from lsvib.engine.motion import follow
 from lsvib.models.rigid import rigid_automaton
 
-DRIVE = RigidDrive(mass=11.0, support_damping=1e-3, axial_force=-10.0)
+DRIVE = Drive(mass=11.0, support_damping=1e-3, axial_force=-10.0)
 FAR = [0.5, -40.0]
 ANSWERS = {
     "Automaton": lambda: rigid_automaton(DRIVE),

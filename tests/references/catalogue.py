@@ -8,7 +8,8 @@ import math
 
 import numpy as np
 
-from lsvib.models.drive import Drive, NutDrive, SupportDrive, ThreadsDrive
+from lsvib.models.drive import Drive
+from references.parts import nut_drive, support_drive, threads_drive
 
 MODELS = ("threads", "support", "nut")
 _STEEL = 7850.0  # density [kg/m3]
@@ -53,14 +54,14 @@ def _threads(power, values, volume):
     stiffness = power(2e7, 1e9)
     damping = 2 * power(5e-3, 0.5) * math.sqrt(stiffness * values["mass"])
     more = {"contact_stiffness": stiffness, "contact_damping": damping}
-    return ThreadsDrive, more, abs(values["axial_force"]) / stiffness, _speed(values)
+    return threads_drive, more, abs(values["axial_force"]) / stiffness, _speed(values)
 
 
 def _support(power, values, volume):
     stiffness, mass = power(1e7, 3e8), _STEEL * volume
     damping = 2 * power(1e-3, 0.1) * math.sqrt(stiffness * mass)
     more = {"screw_mass": mass, "support_stiffness": stiffness, "axial_support_damping": damping}
-    return SupportDrive, more, abs(values["axial_force"]) / stiffness, _speed(values)
+    return support_drive, more, abs(values["axial_force"]) / stiffness, _speed(values)
 
 
 def _nut(power, values, volume):
@@ -69,7 +70,7 @@ def _nut(power, values, volume):
     damping = 2 * power(1e-3, 0.1) * math.sqrt(inertia * stiffness)
     more = {"nut_inertia": inertia, "nut_stiffness": stiffness, "nut_damping": damping}
     size = abs(values["axial_force"]) * values["pitch_radius"] / stiffness
-    return NutDrive, more, size, abs(values["input_speed"])
+    return nut_drive, more, size, abs(values["input_speed"])
 
 
 def _speed(values) -> float:

@@ -13,9 +13,10 @@ import numpy as np
 from mpmath import mp, mpf
 
 from lsvib.engine.kernels.layout import GRAZE_KIND
-from lsvib.models.model import find_model
+from lsvib.models.model import model_of
 from references.exponential_sums import Function
 from references.four_states_digits import FourStatesDrive, mode_name
+from references.parts import name_of
 
 DIGITS = 110  # a fourfold multiplier 0 scatters by the fourth root of what the differences are wrong by, 1e-45
 STEP = mpf(10) ** -45
@@ -27,14 +28,14 @@ class CycleDigits:
     """A cycle of the library, solved again; ``physics``: the frictions of a second body that its drive has."""
 
     def __init__(self, cycle, physics=()):
-        orbit, model = cycle.orbit, find_model(cycle.drive.model)
+        orbit, model = cycle.orbit, model_of(cycle.drive)
         own = orbit.kind != GRAZE_KIND
         codes = orbit.automaton.codes
         modes = [codes[orbit.start_mode], *codes[orbit.mode[own]]]
         times = np.concatenate([[0.0], orbit.time[own]])
         with mp.workdps(DIGITS):
-            self.drive = FourStatesDrive(cycle.drive.model, dict(cycle.drive), physics)
-            named = {mode_name(mode, cycle.drive.model): mode for mode in self.drive.modes()}
+            self.drive = FourStatesDrive(name_of(cycle.drive), dict(cycle.drive), physics)
+            named = {mode_name(mode, name_of(cycle.drive)): mode for mode in self.drive.modes()}
             self.modes = [self.drive.mode(named[model.modes(int(code)).name.lower()]) for code in modes]
             assert self.modes[0] == self.modes[-1]
             self.stays = [mpf(float(stay)) for stay in np.diff(times)]

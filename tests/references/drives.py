@@ -8,8 +8,9 @@ from hypothesis import strategies as st
 
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND
 from lsvib.engine.motion import Motion, follow
-from lsvib.models.drive import RigidDrive
-from lsvib.models.rigid import EventKind, rigid_automaton
+from lsvib.models.drive import Drive
+from lsvib.models.mechanism import Event
+from lsvib.models.rigid import rigid_automaton
 from references.rigid_digits import RigidTruth, simulate
 
 RULES = ("contact_sign", "at_once")
@@ -21,7 +22,7 @@ def signed(low: float, high: float):
 
 
 @st.composite
-def drives(draw) -> RigidDrive:
+def drives(draw) -> Drive:
     """Drives on both sides of Γ₊ = 0, damped in at least one place, loaded, turning either way.
 
     Left out, because there rounding alone decides what happens: c = c_x = 0 (the orbit that is released from rest
@@ -29,7 +30,7 @@ def drives(draw) -> RigidDrive:
     its one state is the corner θ′ = 0, Q = 0).
     """
     damping = draw(st.sampled_from(["support", "translation", "both"]))
-    return RigidDrive.of(
+    return Drive.of(
         mass=draw(st.floats(0.5, 9.5) | st.floats(10.3, 30.0)),
         friction_coefficient=draw(st.floats(0.05, 0.5)),
         axial_force=draw(signed(1.0, 200.0)),
@@ -57,7 +58,7 @@ class Comparison:
     reference_kinds: list[str]
 
 
-def compare(drive: RigidDrive, start, t_end: float, rule: str = "contact_sign", max_events: int = 10_000) -> Comparison:
+def compare(drive: Drive, start, t_end: float, rule: str = "contact_sign", max_events: int = 10_000) -> Comparison:
     """Follow a motion both ways; its size is the largest |u| and |w| at its start, its events and its end."""
     expected = simulate(dict(drive), *start, t_end, resume_rule=rule, max_events=max_events)
     motion = follow(rigid_automaton(drive, resume=rule), start, t_end, max_events=max_events)
@@ -65,7 +66,7 @@ def compare(drive: RigidDrive, start, t_end: float, rule: str = "contact_sign", 
     size = np.abs(np.array([*visited, [expected.u, expected.w]], dtype=float)).max(axis=0)
     gap = [abs(float(motion.end_state[0] - expected.u)), abs(float(motion.end_state[1] - expected.w))]
     ours = ~np.isin(motion.kind, (GRAZE_KIND, ACCUMULATION_KIND))
-    kinds = [EventKind(kind).name.lower() for kind in motion.kind[ours]]
+    kinds = [Event(kind).name.lower() for kind in motion.kind[ours]]
     theirs = [event.kind for event in expected.events]
     error = float(np.max(np.array(gap) / np.where(size > 0, size, 1.0)))  # a size of 0: the equilibrium itself
     pairs = zip(motion.time[ours], expected.events, strict=False)
@@ -73,10 +74,10 @@ def compare(drive: RigidDrive, start, t_end: float, rule: str = "contact_sign", 
     return Comparison(motion, expected, error, late if kinds == theirs else math.nan, kinds, theirs)
 
 
-def random_drive(rng: np.random.Generator) -> RigidDrive:
+def random_drive(rng: np.random.Generator) -> Drive:
     """As :func:`drives`, but uniformly random, and with masses next to the critical one as well."""
     support, translation = ((1, 0), (0, 1), (1, 1))[rng.integers(3)]
-    return RigidDrive.of(
+    return Drive.of(
         mass=rng.uniform(0.5, 30.0) if rng.random() < 0.9 else rng.uniform(10.0, 10.2),
         friction_coefficient=rng.uniform(0.05, 0.5),
         axial_force=rng.choice([-1, 1]) * 10 ** rng.uniform(0.0, 2.3),

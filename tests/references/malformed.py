@@ -4,6 +4,7 @@ import lsvib
 from lsvib.datasets.io import read_dataset
 from lsvib.figures.configuration import DEFAULT, check
 from lsvib.models.scene import read_yaml
+from references.parts import threads_drive
 
 SETTINGS = read_yaml(DEFAULT)
 RANGE = "is outside the allowed range"
@@ -29,12 +30,18 @@ COMMANDS = [
     ("config --set input_speed=0", "1e-12 <= |input_speed| <= 1e+09"),
     ("stability --set friction_coefficient=10.3", f"friction_coefficient = 10.3 {RANGE}"),
     ("stability --set axial_force=0", "axial_force"),
-    ("stability --model elastic", "model = 'elastic' is not one of rigid, threads, support, nut"),
-    ("stability --model nut --set screw_mass=1", f"screw_mass {UNKNOWN}"),
+    (
+        "stability --set contact_damping=1",
+        "contact_damping is a parameter of compliant threads, which need contact_stiff",
+    ),
+    (
+        "stability --set screw_mass=1",
+        "screw_mass is a parameter of a compliant axial support, which needs support_stiff",
+    ),
     # Thresholds.
-    ("thresholds --solve stuck", "threshold = 'stuck' is not one of those of model rigid: onset, kine"),
-    ("thresholds --solve stick --for weight", "unknown = 'weight' is not a parameter of model rigid"),
-    ("thresholds --for weight", "unknown = 'weight' is not a parameter of model rigid"),
+    ("thresholds --solve stuck", "threshold = 'stuck' is not one of those of this drive: onset, kine"),
+    ("thresholds --solve stick --for weight", "unknown = 'weight' is not a parameter of this drive"),
+    ("thresholds --for weight", "unknown = 'weight' is not a parameter of this drive"),
     # Motions.
     ("simulate --start u=0.1 --duration 1 --out x.nc", "it needs u and w"),
     ("simulate --start u=0 w=0 --out x.nc", "duration is missing"),
@@ -44,7 +51,7 @@ COMMANDS = [
     (f"{MOTION} --samples 10.5", "Invalid value for --samples: '10.5' is not a whole number."),
     (f"{MOTION} --samples many", "Invalid value for --samples: 'many' is not a number."),
     (f"{MOTION} --resume never", 'Invalid value "never" for --resume. Choose from: "contact_sign", "at_once"'),
-    (f"{MOTION} --model threads --resume at_once", "resume = 'at_once'"),
+    (f"{MOTION} --set contact_stiffness=1e8 --resume at_once", "resume = 'at_once'"),
     ("simulate --scene none.yaml --out x.nc", "none.yaml"),
     ("simulate --scene /dev/zero --out x.nc", "Cannot read /dev/zero: it is not a regular file"),
     ("figure 8.8 --config pipe", "Cannot read pipe: it is not a regular file"),
@@ -115,14 +122,14 @@ GRID = {"u": (0, 1, 4), "w": (0, 1, 4)}
 PYTHON = [
     (lambda: lsvib.simulate("none.yaml"), "none.yaml"),
     (lambda: lsvib.simulate({"start": {"u": 0}, "duration": 1}), "start"),
-    (lambda: lsvib.RigidDrive(mass=None), "is not a number"),
-    (lambda: lsvib.RigidDrive(mas=1), UNKNOWN),
-    (lambda: lsvib.ThreadsDrive(screw_mass=1), UNKNOWN),
-    (lambda: lsvib.RigidDrive().simulate({"u": 0, "w": 0}, 1, outputs=["nut_speed"]), "outputs"),
-    (lambda: lsvib.ThreadsDrive().basin(), "rigid drive only"),
-    (lambda: lsvib.RigidDrive().attraction({"u": (0, 1), "w": (0, 1, 4)}), "axis u has 2 numbers"),
-    (lambda: lsvib.RigidDrive().attraction(GRID, workers="many"), "workers = 'many'"),
-    (lambda: lsvib.RigidDrive().sweep(mass=3), "is not a list"),
+    (lambda: lsvib.Drive(mass=None), "is not a number"),
+    (lambda: lsvib.Drive(mas=1), UNKNOWN),
+    (lambda: threads_drive(screw_mass=1), "needs support_stiffness as well"),
+    (lambda: lsvib.Drive().simulate({"u": 0, "w": 0}, 1, outputs=["nut_speed"]), "outputs"),
+    (lambda: threads_drive().basin(), "rigid drives only"),
+    (lambda: lsvib.Drive().attraction({"u": (0, 1), "w": (0, 1, 4)}), "axis u has 2 numbers"),
+    (lambda: lsvib.Drive().attraction(GRID, workers="many"), "workers = 'many'"),
+    (lambda: lsvib.Drive().sweep(mass=3), "is not a list"),
     (lambda: read_dataset("text"), "not a readable netCDF file"),
     (lambda: check({**SETTINGS, "colour": 1}), UNKNOWN),
 ]

@@ -213,7 +213,7 @@ def random_drive(seed: int, index: int) -> Drive | None:
         sheet = Sheet.of(random_sheet(seed, index))
         values = {key: float(value) for key, value in quantities(sheet, nominal_draw(sheet)).items()}
         places = corners(sheet, values)
-        part = "support" if sheet.support else "contact" if sheet.contact else "rigid"
-        return drive_of(sheet, values, *places[index % len(places)], part)
+        parts = ("support",) if sheet.support else ("threads",) if sheet.contact else ()
+        return drive_of(sheet, values, *places[index % len(places)], parts)
     except InputError:
         return None

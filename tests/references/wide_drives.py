@@ -5,8 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.models.drive import NutDrive, RigidDrive, SupportDrive, ThreadsDrive
+from lsvib.models.drive import Drive
 from lsvib.models.mechanics import friction_factor
+from references.parts import nut_drive, support_drive, threads_drive
 from references.rigid_digits import RigidTrueDrive
 
 MODELS = ("rigid", "threads", "support", "nut")
@@ -21,7 +22,7 @@ class WideDrive(NamedTuple):
     model: str
     seed: int
     index: int
-    drive: RigidDrive
+    drive: Drive
     physics: tuple[str, ...]
     starts: np.ndarray
 
@@ -31,7 +32,7 @@ def wide_drive(model: str, seed: int, index: int, starts: int) -> WideDrive:
     rng = np.random.default_rng([seed, MODELS.index(model), index])
     values = rigid_values(rng)
     if model == "rigid":
-        drive = RigidDrive.of(values)
+        drive = Drive.of(values)
         return WideDrive(model, seed, index, drive, (), _starts(rng, drive, starts))
     drive, physics = _OTHERS[model](rng, values)
     return WideDrive(model, seed, index, drive, physics, _states(rng, model, drive, starts))
@@ -78,12 +79,12 @@ def rigid_values(rng: np.random.Generator) -> dict[str, float]:
     }
 
 
-def _threads(rng, values: dict[str, float]) -> tuple[RigidDrive, tuple[str, ...]]:
+def _threads(rng, values: dict[str, float]) -> tuple[Drive, tuple[str, ...]]:
     values |= {"contact_stiffness": power(rng, 3, 12), "contact_damping": _zero_or(rng, _ZERO_DAMPING, -2, 9)}
-    return ThreadsDrive.of(values), ()
+    return threads_drive(values), ()
 
 
-def _support(rng, values: dict[str, float]) -> tuple[RigidDrive, tuple[str, ...]]:
+def _support(rng, values: dict[str, float]) -> tuple[Drive, tuple[str, ...]]:
     values |= {
         "screw_mass": power(rng, -2, 4),
         "support_stiffness": power(rng, 2, 10),
@@ -93,10 +94,10 @@ def _support(rng, values: dict[str, float]) -> tuple[RigidDrive, tuple[str, ...]
     if "slide_friction" in physics:  # only up to this mass is the motion determined
         share = power(rng, -3, -0.01)
         values["screw_mass"] = min(values["screw_mass"], share * heaviest(values, values["screw_inertia"]))
-    return SupportDrive.of(values), physics
+    return support_drive(values), physics
 
 
-def _nut(rng, values: dict[str, float]) -> tuple[RigidDrive, tuple[str, ...]]:
+def _nut(rng, values: dict[str, float]) -> tuple[Drive, tuple[str, ...]]:
     values |= {
         "nut_inertia": power(rng, -9, 1),
         "nut_stiffness": power(rng, -3, 6),
@@ -106,7 +107,7 @@ def _nut(rng, values: dict[str, float]) -> tuple[RigidDrive, tuple[str, ...]]:
     if "bearing_friction" in physics:
         inertia = 1 / (1 / values["screw_inertia"] + 1 / values["nut_inertia"])
         values["mass"] = min(values["mass"], power(rng, -3, -0.01) * heaviest(values, inertia))
-    return NutDrive.of(values), physics
+    return nut_drive(values), physics
 
 
 def _frictions(rng, values: dict[str, float]) -> tuple[str, ...]:
@@ -120,7 +121,7 @@ def _frictions(rng, values: dict[str, float]) -> tuple[str, ...]:
     return tuple(physics)
 
 
-def _states(rng, model: str, drive: RigidDrive, count: int) -> np.ndarray:
+def _states(rng, model: str, drive: Drive, count: int) -> np.ndarray:
     """Starts (count, 4) over four decades, some on θ′ = 0 or with the second body at rest."""
     speed, size = drive.input_speed, abs(drive.input_speed) * (drive.screw_inertia / drive.coupling_stiffness) ** 0.5
     reach = drive.pitch_radius * math.tan(drive.lead_angle)
@@ -144,7 +145,7 @@ def _states(rng, model: str, drive: RigidDrive, count: int) -> np.ndarray:
     return found
 
 
-def _starts(rng, drive: RigidDrive, count: int) -> np.ndarray:
+def _starts(rng, drive: Drive, count: int) -> np.ndarray:
     """Starts (count, 2): anywhere over four decades, on θ′ = 0, on Q = 0, on both, near the equilibrium and on it."""
     reference = RigidTrueDrive(dict(drive), 30)
     q_u, q_w, q_0 = (float(x) for x in reference.Q_terms(1, 1))

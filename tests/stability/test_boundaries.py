@@ -6,8 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from references.classes import damped_class
+from references.parts import nut_drive, support_drive
 
-from lsvib.models.drive import NutDrive, RigidDrive, SupportDrive
+from lsvib.models.drive import Drive
 from lsvib.stability import conditions, linear
 from lsvib.stability.linear import UndampedClass
 
@@ -16,7 +17,7 @@ from lsvib.stability.linear import UndampedClass
 @given(st.floats(0.0, 1.0), st.floats(1.0, 100.0), st.floats(0.5, 50.0))
 def test_boundaries_solve_the_printed_equation_in_40_digits(part, mass, screw_mass):
     """Lower and upper branch of (8.29) by the quadratic formula, for μ between tan λ and μ_kc."""
-    drive = SupportDrive.of(mass=mass, screw_mass=screw_mass)
+    drive = support_drive(mass=mass, screw_mass=screw_mass)
     low = float(np.tan(drive.lead_angle))
     high = conditions.critical_friction(drive, screw_mass) or 5.0
     drive = drive.replace(friction_coefficient=low + (0.001 + 0.998 * part) * (high - low))
@@ -43,7 +44,7 @@ def test_boundaries_solve_the_printed_equation_in_40_digits(part, mass, screw_ma
 
 
 def test_boundaries_end_where_they_should():
-    drive = SupportDrive.of(mass=15.0)
+    drive = support_drive(mass=15.0)
     below, beyond = np.tan(drive.lead_angle) * 0.999, conditions.critical_friction(drive, 11.6) * 1.001
     for friction in (below, beyond):
         assert np.isnan(conditions.flutter_boundaries(drive.replace(friction_coefficient=friction), 1)).all()
@@ -57,7 +58,7 @@ def test_boundaries_end_where_they_should():
 @pytest.mark.parametrize("screw_mass", [11.6, 400.0])
 def test_critical_friction_to_12_digits(screw_mass):
     """μ_kc (eqs 8.27, 8.28): closed form, eigenvalues and a root in 40 digits agree."""
-    drive = SupportDrive.of(mass=15.0, screw_mass=screw_mass)
+    drive = support_drive(mass=15.0, screw_mass=screw_mass)
     closed = conditions.critical_friction(drive, screw_mass)
     assert conditions.critical_friction_by_eigenvalues(drive) == pytest.approx(closed, rel=1e-12)
     with mpmath.workdps(40):
@@ -111,10 +112,10 @@ def test_rotating_nut_is_unstable_exactly_by_8_33(law):
 
 def test_rotation_of_the_nut_lowers_the_critical_mass():
     """Remark 8.6; and a very heavy nut is the rigid drive."""
-    rigid = conditions.critical_mass(RigidDrive())
-    masses = [conditions.kinematic_mass(NutDrive.of(nut_inertia=x)) for x in (1e-7, 3.12e-6, 1e-4, 1e3)]
+    rigid = conditions.critical_mass(Drive())
+    masses = [conditions.kinematic_mass(nut_drive(nut_inertia=x)) for x in (1e-7, 3.12e-6, 1e-4, 1e3)]
     assert masses == sorted(masses)
     assert masses[1] == pytest.approx(rigid / 2, rel=1e-14)
     assert masses[-1] == pytest.approx(rigid, rel=1e-8)
     assert masses[-1] < rigid
-    assert conditions.kinematic_mass(NutDrive.of(friction_coefficient=0.05)) is None
+    assert conditions.kinematic_mass(nut_drive(friction_coefficient=0.05)) is None

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 from references import sliding_friction
+from references.parts import DRIVES, threads_drive
 
-from lsvib import NutDrive, RigidDrive, SupportDrive, ThreadsDrive
+from lsvib import Drive
 from lsvib.contact.contact_force import contact_forces
 from lsvib.contact.stiff_limit import impacts
 from lsvib.errors import InputError, NoThreshold
@@ -18,7 +19,7 @@ from lsvib.stability.boundaries import stable_set
 from lsvib.stability.conditions import stability
 from lsvib.stability.curves import ChartBoundary, boundary_curves
 
-KINDS = {"rigid": RigidDrive, "threads": ThreadsDrive, "support": SupportDrive, "nut": NutDrive}
+KINDS = DRIVES
 MODELS = tuple(KINDS)
 LEAD, RADIUS = math.radians(5.57), 5.18e-3
 SEAT = {  # a measured law of a seat adjuster
@@ -120,7 +121,7 @@ def test_matrices_in_balls_in_floats_and_of_grids(model):
 def test_forces_and_masses_of_the_seat():
     expected = {40: (88.934, 11.848), 10: (64.305, 10.451), 5: (24.914, 10.041), 2: (9.8556, 9.441)}
     for speed, (force, mass) in expected.items():
-        drive = RigidDrive(**SEAT, input_speed=speed, mass=1)
+        drive = Drive(**SEAT, input_speed=speed, mass=1)
         found = drive.threshold("onset", unknown="axial_force").solutions
         assert float(f"{found[-1].value:.5g}") == force
         assert found[0].value < 0  # the law falls for the load in the other direction, too
@@ -135,7 +136,7 @@ def test_onset_by_every_parameter(model):
     rng, seen = np.random.default_rng(3), set()
     for _ in range(4):
         drive = drawn(model, rng)
-        for key in set(KINDS[model].model_fields) - {"stribeck_exponent"}:
+        for key in set(KINDS[model].parameters) - {"stribeck_exponent"}:
             if key == "stribeck_rise" and not drive.stribeck_speed:
                 continue
             stable = stable_set(drive, key)
@@ -202,7 +203,7 @@ def test_derivatives_of_the_onset(model):
 
 
 def test_where_friction_is_cut_off_it_has_no_slope():
-    drive = RigidDrive(friction_slope=-3.0, input_speed=40.0, axial_force=50.0)
+    drive = Drive(friction_slope=-3.0, input_speed=40.0, axial_force=50.0)
     assert drive.exact().steady_friction == 0
     report = stability(drive)
     assert report.stable
@@ -214,7 +215,7 @@ def test_where_friction_is_cut_off_it_has_no_slope():
 
 def test_speeds_at_which_nothing_is_left_of_a_rise():
     """An exponential below all numbers still has its sign."""
-    drive = RigidDrive(stribeck_rise=0.1, stribeck_speed=1e-12, stribeck_exponent=2, support_damping=0, input_speed=1e9)
+    drive = Drive(stribeck_rise=0.1, stribeck_speed=1e-12, stribeck_exponent=2, support_damping=0, input_speed=1e9)
     assert stability(drive).kind.startswith("unstable")
     assert stability(drive.replace(support_damping=1e-30)).kind.startswith("stable")
 
@@ -223,24 +224,24 @@ REFUSED = "the closed form of the threshold {} holds for friction that does not 
 
 
 def test_what_holds_for_constant_friction_is_refused():
-    drive = RigidDrive(**SEAT, translation_damping=1000, axial_force=35)
+    drive = Drive(**SEAT, translation_damping=1000, axial_force=35)
     for name in ("stick", "detach", "global_stability", "fold", "cycle_birth", "rest_loss"):
         for unknown in (None, "mass"):
             with pytest.raises(NoThreshold) as error:
                 drive.threshold(name, unknown=unknown)
             assert str(error.value) == REFUSED.format(name)
     with pytest.raises(NoThreshold, match=r"^the closed form .* holds for friction that is one number\.$"):
-        RigidDrive(translation_damping=1000).threshold("stick", unknown="friction_slope")
+        Drive(translation_damping=1000).threshold("stick", unknown="friction_slope")
     with pytest.raises(NoThreshold, match=r"^stribeck_exponent is either 1 or 2"):
         drive.threshold("onset", unknown="stribeck_exponent")
     with pytest.raises(NoThreshold, match=r"^no threshold is solved for stribeck_rise without stribeck_speed > 0\.$"):
-        RigidDrive().threshold("onset", unknown="stribeck_rise")
+        Drive().threshold("onset", unknown="stribeck_rise")
     with pytest.raises(InputError, match=r"^the closed form of the basin holds for friction that does not depend on"):
         drive.replace(axial_force=-35).basin()
 
 
 def test_static_friction_above_sliding_keeps_what_is_not_about_rest():
-    drive = RigidDrive(translation_damping=1000, axial_force=35)
+    drive = Drive(translation_damping=1000, axial_force=35)
     rough = drive.replace(static_friction_coefficient=0.3)
     assert rough.threshold("stick", unknown="axial_force").value == drive.threshold("stick").value
     assert rough.threshold("onset").value == drive.threshold("onset").value
@@ -251,16 +252,16 @@ def test_static_friction_above_sliding_keeps_what_is_not_about_rest():
     with pytest.raises(NoThreshold, match=r"^the threshold stick does not depend on static_friction_coefficient\.$"):
         rough.threshold("stick", unknown="static_friction_coefficient")
     with pytest.raises(InputError, match=r"^the closed form of the basin holds for static friction that is not above"):
-        RigidDrive(static_friction_coefficient=0.3).basin()
-    assert RigidDrive(static_friction_coefficient=0.3).cycles().proved == ""
-    limits = RigidDrive(static_friction_coefficient=0.3, mass=12).threshold("onset", unknown="friction_coefficient")
-    assert [x.value for x in limits.solutions] == [RigidDrive(mass=12).threshold("onset", "friction_coefficient").value]
+        Drive(static_friction_coefficient=0.3).basin()
+    assert Drive(static_friction_coefficient=0.3).cycles().proved == ""
+    limits = Drive(static_friction_coefficient=0.3, mass=12).threshold("onset", unknown="friction_coefficient")
+    assert [x.value for x in limits.solutions] == [Drive(mass=12).threshold("onset", "friction_coefficient").value]
     assert limits.stable_intervals[-1][0] == 0.0
 
 
 def test_curves_of_a_law():
     """The onset is where the report changes; curves that hold for constant friction alone are not drawn."""
-    drive = RigidDrive(**SEAT, input_speed=10)
+    drive = Drive(**SEAT, input_speed=10)
     found = boundary_curves(drive, ("mass", (1.0, 14.0)), ("axial_force", (-80.0, 80.0)))
     assert set(found) == {ChartBoundary.ONSET, ChartBoundary.KINEMATIC_CONSTRAINT}
     for kind in found:
@@ -276,7 +277,7 @@ def test_curves_of_a_law():
 
 
 def test_contact_forces_at_the_speed_of_a_state():
-    drive = RigidDrive(**SEAT, mass=12, input_speed=10)
+    drive = Drive(**SEAT, mass=12, input_speed=10)
     u, w = np.array([0.01, -0.05]), np.array([-3.0, 4.0])
     for k in range(2):
         with ctx.workdps(40):
@@ -299,12 +300,12 @@ def test_impacts_of_another_friction_are_refused():
         ({"static_friction_coefficient": 0.3}, "static"),
     ):
         with pytest.raises(InputError, match=f"^the closed form of what follows an impact holds for {wanted}"):
-            next(impacts(RigidDrive(**law, mass=12), 40.0))
+            next(impacts(Drive(**law, mass=12), 40.0))
 
 
 def test_undamped_drives_whose_friction_is_cut_off():
     """Beyond the cut a condition vanishes throughout, which is no root."""
-    drive = RigidDrive(friction_slope=-2.0, support_damping=0.0, input_speed=30.0)
+    drive = Drive(friction_slope=-2.0, support_damping=0.0, input_speed=30.0)
     for key in ("pitch_radius", "input_speed", "lead_angle"):
         with pytest.raises(NoThreshold, match=r"^steady sliding is asymptotically stable for no "):
             drive.threshold("onset", unknown=key)
@@ -312,7 +313,7 @@ def test_undamped_drives_whose_friction_is_cut_off():
 
 def test_stability_is_asked_within_the_range():
     """Below the least pitch radius, 1e-6 m, this drive would be stable again."""
-    drive = ThreadsDrive(
+    drive = threads_drive(
         pitch_radius=0.0425, lead_angle=0.4165, screw_inertia=2.77e-8, coupling_stiffness=14.7, support_damping=1.63e-8,
         friction_coefficient=0.685, input_speed=251.2, mass=3230.6, translation_damping=1650.0, axial_force=141790.0,
         stribeck_rise=0.008, stribeck_speed=0.0555, friction_slope=-0.0535, contact_stiffness=3.56e9,
@@ -324,7 +325,9 @@ def test_stability_is_asked_within_the_range():
 
 
 def test_next_to_nothing_of_a_rise_parts_no_double_roots():
-    drive = ThreadsDrive(stribeck_rise=0.01, stribeck_speed=1e-6, contact_damping=0.0, axial_force=5.0, input_speed=2.0)
+    drive = threads_drive(
+        stribeck_rise=0.01, stribeck_speed=1e-6, contact_damping=0.0, axial_force=5.0, input_speed=2.0
+    )
     level = drive.replace(stribeck_rise=0.0, stribeck_speed=0.0)
     for key in ("friction_coefficient", "mass"):
         one, other = (d.thresholds(key)["onset"] for d in (drive, level))
@@ -334,7 +337,7 @@ def test_next_to_nothing_of_a_rise_parts_no_double_roots():
 
 def test_roots_beside_the_cut_of_a_falling_law_are_found():
     """In 30 digits by another program; unstable between the last two."""
-    drive = RigidDrive(friction_slope=-0.1, translation_damping=1000, axial_force=-50)
+    drive = Drive(friction_slope=-0.1, translation_damping=1000, axial_force=-50)
     found = drive.threshold("onset", "input_speed")
     values = [solution.value for solution in found.solutions]
     assert values == pytest.approx([-90.55144207398037, 323.657252968244251, 418.86232048206784], rel=1e-14)
@@ -346,12 +349,12 @@ def test_roots_beside_the_cut_of_a_falling_law_are_found():
 
 def test_stability_that_turns_with_the_sign_of_the_speed_is_said():
     with pytest.raises(NoThreshold, match=r"stable for every input speed below zero and for none on the other side"):
-        RigidDrive(mass=11).threshold("onset", "input_speed")
+        Drive(mass=11).threshold("onset", "input_speed")
 
 
 def test_friction_that_fades_to_nothing_is_solved():
     """v + 0.5 exp(−v / 0.1) with M = k = 1 (a course): the slope vanishes at v = ln 5 / 10."""
-    drive = RigidDrive(
+    drive = Drive(
         pitch_radius=1, lead_angle=1e-6, mass=1e-18, axial_force=1000, screw_inertia=1, coupling_stiffness=1,
         support_damping=1, friction_coefficient=0, stribeck_rise=5e-4, stribeck_speed=0.1, input_speed=0.2,
     )  # fmt: skip

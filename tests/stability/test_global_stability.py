@@ -16,20 +16,20 @@ from lsvib.basins.boundary import Boundary, basin
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import follow
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 from lsvib.models.rigid import rigid_automaton
 from lsvib.stability.force_thresholds import NoThreshold, global_stability_force, widest_return
 from lsvib.stability.slip import SlipDrive
 
 DIGITS = 40
-PARADOX = RigidDrive.of(mass=11.0, support_damping=1e-3)
+PARADOX = Drive.of(mass=11.0, support_damping=1e-3)
 # Rest before slip forward and backward, slip on the way to Q = 0, far away on either side.
 STARTS = [(0.1, 0.0), (0.0, -40.0), (-0.3, 30.0), (0.3, -90.0), (0.04, -40.0), (0.0, 500.0)]
 # Damping: up to 1.30094e-3 the cycle with rest decides, above it the one without; 1e-2 is overdamped.
 DAMPINGS = (1e-4, 1.3e-3, 1.4e-3, 2e-3, 1e-2)
 
 
-def returning_force(drive: RigidDrive):
+def returning_force(drive: Drive):
     """Largest −R of a cycle that leaves θ′ = 0 at u = x and seizes at u = x, with 40 digits; slip at R̃ < 0."""
     d = RigidTrueDrive({**dict(drive), "axial_force": -1.0}, DIGITS)
 
@@ -108,7 +108,7 @@ def test_light_drives_are_globally_stable_without_translation_damping():
     """Γ₊ > 0, c_x = 0: steady sliding attracts everything under either sign of R, as docs/basin.md proves."""
     generator = np.random.default_rng(6)
     for _ in range(40):
-        drive = RigidDrive.of(
+        drive = Drive.of(
             mass=generator.uniform(0.1, 10.1),
             support_damping=10 ** generator.uniform(-5, -2),
             axial_force=generator.choice([-1, 1]) * 10 ** generator.uniform(-2, 3),

@@ -6,9 +6,10 @@ import pytest
 from flint import arb
 from references.classes import growth_rate
 from references.newton import eigenvalues
+from references.parts import threads_drive
 
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.models.drive import ThreadsDrive
+from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.stability import conditions, linear
 
@@ -16,13 +17,13 @@ STIFFNESSES = [1e11, 1e14]
 DAMPINGS = [0.0, 1e3, 1e8]
 
 
-def exact_growth(drive: ThreadsDrive, law: int) -> float:
+def exact_growth(drive: Drive, law: int) -> float:
     """Largest real part of the eigenvalues by Newton's laws, in 100 digits."""
     with mpmath.workdps(100):
         return float(max(mpmath.re(z) for z in eigenvalues("threads", drive, law)))
 
 
-def factored(drive: ThreadsDrive, law: int) -> list[arb]:
+def factored(drive: Drive, law: int) -> list[arb]:
     """The polynomial of docs/lemmas.md, coefficient by coefficient."""
     d, c = drive.exact(), coefficients(drive)
     gamma, damping = c.gamma[law], c.damping[law]
@@ -43,7 +44,7 @@ def factored(drive: ThreadsDrive, law: int) -> list[arb]:
 @pytest.mark.parametrize("law", [1, -1])
 @pytest.mark.parametrize("slide", [0.0, 300.0])
 def test_polynomial_of_the_threads_factors_into_the_rigid_drive(law, slide):
-    drive = ThreadsDrive.of(mass=11.0, contact_stiffness=1e9, contact_damping=1e4, translation_damping=slide)
+    drive = threads_drive(mass=11.0, contact_stiffness=1e9, contact_damping=1e4, translation_damping=slide)
     polynomial = linear.threads_model(drive.exact(), law).polynomial()
     with many_digits():
         for ours, expected in zip(polynomial, factored(drive, law), strict=True):
@@ -55,7 +56,7 @@ def test_polynomial_of_the_threads_factors_into_the_rigid_drive(law, slide):
 @pytest.mark.parametrize("mass", [10.2, 30.0])
 def test_lemma_8_1(mass, stiffness, damping):
     """Γ_0 < 0: the largest real part of the 4 × 4 Jacobian is positive and keeps its digits up to k_c = 1e14."""
-    drive = ThreadsDrive.of(mass=mass, contact_stiffness=stiffness, contact_damping=damping)
+    drive = threads_drive(mass=mass, contact_stiffness=stiffness, contact_damping=damping)
     assert coefficients(drive).gamma[1] < 0
     growth = float(growth_rate(linear.threads_model(drive, 1)))
     assert growth > 0
@@ -67,7 +68,7 @@ def test_lemma_8_1(mass, stiffness, damping):
 @pytest.mark.parametrize("stiffness", STIFFNESSES)
 @pytest.mark.parametrize("mass", [1.0, 10.0])
 def test_positive_inertia_is_stable_with_contact_damping_only(mass, stiffness):
-    drive = ThreadsDrive.of(mass=mass, contact_stiffness=stiffness)
+    drive = threads_drive(mass=mass, contact_stiffness=stiffness)
     assert coefficients(drive).gamma[1] > 0
     least = conditions.least_damping_of_stiff_contact(drive)
     for damping, stable in ((0.0, False), (2 * least, True)):
@@ -81,7 +82,7 @@ def test_positive_inertia_is_stable_with_contact_damping_only(mass, stiffness):
 
 @pytest.mark.parametrize("slide", [0.0, 0.5])
 def test_least_contact_damping_is_the_limit(slide):
-    drive = ThreadsDrive.of(mass=9.0, contact_stiffness=1e15, translation_damping=slide)
+    drive = threads_drive(mass=9.0, contact_stiffness=1e15, translation_damping=slide)
     least = conditions.least_damping_of_stiff_contact(drive)
     verdicts = [
         linear.routh_hurwitz(linear.threads_model(drive.replace(contact_damping=least * f).exact(), 1).polynomial())
@@ -91,7 +92,7 @@ def test_least_contact_damping_is_the_limit(slide):
 
 
 def test_elastic_contact_flutters_at_a_rate_that_does_not_depend_on_its_stiffness():
-    drive = ThreadsDrive.of(mass=9.0, contact_stiffness=1e14, contact_damping=0.0)
+    drive = threads_drive(mass=9.0, contact_stiffness=1e14, contact_damping=0.0)
     gamma = float(coefficients(drive).gamma[1])
     expected = drive.support_damping / 2 * (1 / gamma - 1 / drive.screw_inertia)
     assert float(growth_rate(linear.threads_model(drive, 1))) == pytest.approx(expected, rel=1e-3)

@@ -8,19 +8,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from references.classes import damped_class, growth_rate
 from references.newton import accelerations, eigenvalues
+from references.parts import nut_drive, support_drive, threads_drive
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import InputError
-from lsvib.models.drive import NutDrive, SupportDrive, ThreadsDrive
 from lsvib.models.mechanics import coefficients
 from lsvib.stability import conditions, linear
 from lsvib.stability.conditions import stability
 from lsvib.stability.linear import UndampedClass
 
 KINDS = {
-    "threads": (ThreadsDrive, linear.threads_model),
-    "support": (SupportDrive, linear.support_model),
-    "nut": (NutDrive, linear.nut_model),
+    "threads": (threads_drive, linear.threads_model),
+    "support": (support_drive, linear.support_model),
+    "nut": (nut_drive, linear.nut_model),
 }
 MODELS = sorted(KINDS)
 DAMPED = {"support_damping": 3e-4, "translation_damping": 70.0}
@@ -83,7 +83,7 @@ def test_grids_give_what_single_drives_give(model):
 @settings(max_examples=200)
 @given(_FRICTIONS, st.floats(0.1, 50.0), st.floats(0.1, 50.0), st.floats(3.0, 11.0), st.sampled_from([1, -1]))
 def test_generalised_eigenvalues_keep_their_digits(friction, mass, screw_mass, power, law):
-    drive = SupportDrive.of(
+    drive = support_drive(
         friction_coefficient=friction, mass=mass, screw_mass=screw_mass, support_stiffness=10.0**power
     )
     squares = linear.reciprocal_squares(linear.support_model(drive, law))
@@ -114,7 +114,7 @@ def test_generalised_eigenvalues_keep_their_digits(friction, mass, screw_mass, p
 
 
 def test_every_class_occurs_and_is_what_the_eigenvalues_say():
-    drive = SupportDrive.of(mass=15.0)
+    drive = support_drive(mass=15.0)
     found = {}
     for friction, stiffness in ((0.05, 1e7), (0.2, 1e7), (0.25, 1e9), (0.35, 1e7)):
         model = linear.support_model(
@@ -136,7 +136,7 @@ def test_every_class_occurs_and_is_what_the_eigenvalues_say():
 
 @pytest.mark.parametrize("law", [1, -1])
 def test_printed_polynomial_is_that_of_the_matrices(law):
-    drive = SupportDrive.of(mass=15.0, support_damping=0.0)
+    drive = support_drive(mass=15.0, support_damping=0.0)
     p_4, _, p_2, _, p_0 = linear.support_model(drive.exact(), law).polynomial()
     printed = conditions.characteristic_polynomial(drive.exact(), law)
     with many_digits():
@@ -144,7 +144,7 @@ def test_printed_polynomial_is_that_of_the_matrices(law):
 
 
 def test_steady_law_counts_the_friction_of_the_slide():
-    drive = SupportDrive.of(axial_force=10.0)
+    drive = support_drive(axial_force=10.0)
     assert linear.steady_law(drive) == 1
     assert linear.steady_law(drive.replace(slide_friction=11.0)) == -1
     assert linear.steady_law(drive.replace(slide_friction=11.0, input_speed=-40.0)) == -1
@@ -155,7 +155,7 @@ def test_steady_law_counts_the_friction_of_the_slide():
 
 def test_slow_eigenvalues_tend_to_those_of_the_rigid_drive():
     for mass in (5.0, 11.0):
-        drive = ThreadsDrive.of(mass=mass, contact_stiffness=1e14, contact_damping=1e8)
+        drive = threads_drive(mass=mass, contact_stiffness=1e14, contact_damping=1e8)
         gamma = float(coefficients(drive).gamma[1])
         rigid = linear.eigenvalue_pair(gamma, drive.support_damping, drive.coupling_stiffness)
         values = linear.eigenvalues(linear.threads_model(drive, 1))
@@ -194,7 +194,7 @@ def test_summary(model, changes, kind):
 
 
 def test_summary_states_the_conditions():
-    report = stability(SupportDrive.of(mass=15.0, support_stiffness=1e7))
+    report = stability(support_drive(mass=15.0, support_stiffness=1e7))
     assert [name for name, c in report.conditions.items() if c.hold] == ["flutter"]
     assert report.quantities["critical_friction"].value == pytest.approx(0.2848594241193505, rel=1e-14)
     undamped = report.without_damping
@@ -202,5 +202,5 @@ def test_summary_states_the_conditions():
     assert [name for name, c in undamped.conditions.items() if c.hold] == ["mode_coupling"]
     lower, upper = (undamped.quantities[f"{name}_flutter_stiffness"].value for name in ("lower", "upper"))
     assert lower < 1e7 < upper
-    assert stability(NutDrive.of(mass=6)).conditions["kinematic_constraint"].hold
-    assert stability(ThreadsDrive.of(mass=11)).quantities["least_contact_damping"].value is None
+    assert stability(nut_drive(mass=6)).conditions["kinematic_constraint"].hold
+    assert stability(threads_drive(mass=11)).quantities["least_contact_damping"].value is None

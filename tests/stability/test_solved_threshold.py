@@ -5,6 +5,7 @@ import math
 import re
 
 import pytest
+from references.parts import nut_drive, support_drive, threads_drive
 
 import lsvib
 from lsvib.basins.boundary import Boundary, basin
@@ -12,8 +13,8 @@ from lsvib.models.rigid import MotionMode
 from lsvib.stability import boundaries, force_thresholds
 from lsvib.stability.conditions import critical_friction, critical_mass
 
-NEGATIVE = lsvib.RigidDrive(mass=1, translation_damping=1e3)
-PARADOX = lsvib.RigidDrive(mass=11, support_damping=2e-3, axial_force=-18)
+NEGATIVE = lsvib.Drive(mass=1, translation_damping=1e3)
+PARADOX = lsvib.Drive(mass=11, support_damping=2e-3, axial_force=-18)
 
 
 @pytest.mark.parametrize("sense", [1, -1])
@@ -33,23 +34,23 @@ def test_forces_are_those_of_the_functions(sense):
 
 
 def test_critical_values_are_those_of_the_closed_forms():
-    drive = lsvib.RigidDrive(mass=15)
+    drive = lsvib.Drive(mass=15)
     assert drive.threshold("kinematic_constraint").value == critical_mass(drive)
     assert drive.threshold("kinematic_constraint", "friction_coefficient").value == critical_friction(drive)
     assert drive.thresholds("friction_coefficient")["kinematic_constraint"].value == critical_friction(drive)
-    support = lsvib.SupportDrive(mass=15)
+    support = support_drive(mass=15)
     assert support.threshold("kinematic_constraint", "friction_coefficient").value == critical_friction(support, 11.6)
 
 
 @pytest.mark.parametrize(
     ("drive", "unknown"),
     [
-        (lsvib.ThreadsDrive(contact_damping=5e4), "mass"),
-        (lsvib.ThreadsDrive(mass=9), "contact_damping"),
-        (lsvib.SupportDrive(mass=15, axial_support_damping=10), "friction_coefficient"),
-        (lsvib.SupportDrive(mass=15, axial_support_damping=10), "mass"),
-        (lsvib.NutDrive(translation_damping=100), "mass"),
-        (lsvib.NutDrive(translation_damping=100), "nut_damping"),
+        (threads_drive(contact_damping=5e4), "mass"),
+        (threads_drive(mass=9), "contact_damping"),
+        (support_drive(mass=15, axial_support_damping=10), "friction_coefficient"),
+        (support_drive(mass=15, axial_support_damping=10), "mass"),
+        (nut_drive(translation_damping=100), "mass"),
+        (nut_drive(translation_damping=100), "nut_damping"),
     ],
 )
 def test_onsets_are_the_ends_of_the_stable_intervals(drive, unknown):
@@ -93,7 +94,7 @@ def test_both_sides_of_the_birth_and_the_fold_of_the_repelling_cycle():
 
 def test_both_sides_of_the_loss_of_rest():
     """R = 100 N, m = 15 kg: with a little less damping the sprag–slip cycle rests, with a little more it does not."""
-    drive = lsvib.RigidDrive(mass=15, axial_force=100)
+    drive = lsvib.Drive(mass=15, axial_force=100)
     damping = drive.threshold("rest_loss").value
     assert damping == pytest.approx(2.5264368463e-4, rel=1e-9)
     rests = []
@@ -107,13 +108,13 @@ def test_both_sides_of_the_loss_of_rest():
 @pytest.mark.parametrize(
     ("drive", "arguments", "sentence"),
     [
-        (NEGATIVE, ("sticking",), "threshold = 'sticking' is not one of those of model rigid: onset, "),
-        (NEGATIVE, ("stick", "masss"), "unknown = 'masss' is not a parameter of model rigid: "),
+        (NEGATIVE, ("sticking",), "threshold = 'sticking' is not one of those of this drive: onset, "),
+        (NEGATIVE, ("stick", "masss"), "unknown = 'masss' is not a parameter of this drive: "),
         (NEGATIVE, ("stick", 3), "unknown = 3 is not a parameter"),
         (
             NEGATIVE,
             ("kinematic_constraint", "axial_force"),
-            "the threshold kinematic_constraint of model rigid does not depend on",
+            "the threshold kinematic_constraint of this drive does not depend on",
         ),
         (
             NEGATIVE,
@@ -121,7 +122,7 @@ def test_both_sides_of_the_loss_of_rest():
             "no lead_angle in the allowed range 1e-06 <= lead_angle < 1.5708 is the",
         ),
         (NEGATIVE, ("fold",), "the drive is not in the Painlevé region"),
-        (NEGATIVE, ("flutter",), "threshold = 'flutter' is not one of those of model rigid"),
+        (NEGATIVE, ("flutter",), "threshold = 'flutter' is not one of those of this drive"),
         (PARADOX.replace(support_damping=1e-3), ("fold",), "no axial_force is the threshold fold: next to -26.04"),
         (PARADOX.replace(support_damping=1e-3), ("cycle_birth",), "the cycle without rest would begin where"),
         (PARADOX, ("detach", "mass"), "no mass within 6 decades on both sides of the drive's own value is the"),
@@ -134,7 +135,7 @@ def test_refused_in_one_sentence(drive, arguments, sentence):
     assert "\n" not in str(refused.value)
 
 
-TOUCHING = lsvib.NutDrive(
+TOUCHING = nut_drive(
     support_damping=0,
     nut_damping=0,
     translation_damping=100,
@@ -147,11 +148,11 @@ TOUCHING = lsvib.NutDrive(
 
 
 @pytest.mark.parametrize("force", [50, -50])
-@pytest.mark.parametrize("drive", [TOUCHING, lsvib.SupportDrive(support_damping=0, translation_damping=100)])
+@pytest.mark.parametrize("drive", [TOUCHING, support_drive(support_damping=0, translation_damping=100)])
 def test_what_only_touches_the_axis_is_no_threshold(drive, force):
     """At k / I = k_2 / I_2 (k_1 / m_1) an undamped pair stands on the axis, and it decays on both sides."""
     drive = drive.replace(axial_force=force, friction_coefficient=0.05)
-    second = ("nut_stiffness", "nut_inertia") if drive.model == "nut" else ("support_stiffness", "screw_mass")
+    second = ("nut_stiffness", "nut_inertia") if drive.parts == ("nut",) else ("support_stiffness", "screw_mass")
     place = drive.coupling_stiffness * getattr(drive, second[1]) / getattr(drive, second[0])
     for inertia in (0.99 * place, 1.01 * place):
         assert drive.replace(screw_inertia=inertia).stability().kind == "stable"
@@ -168,7 +169,7 @@ def test_two_pairs_that_cross_at_once_are_no_flutter():
 
 
 def test_a_result_is_plain_numbers():
-    found = lsvib.RigidDrive(mass=11).threshold("kinematic_constraint", "lead_angle")
+    found = lsvib.Drive(mass=11).threshold("kinematic_constraint", "lead_angle")
     assert found.several
     values = json.loads(json.dumps(found.to_json(), allow_nan=False))["solutions"]
     assert values[0]["value"] < values[1]["value"]

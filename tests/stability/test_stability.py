@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.stability.conditions import critical_mass
 from lsvib.stability.linear import Stability, eigenvalue_pair, stability_class
@@ -61,7 +61,7 @@ def test_limits():
 
 def test_spectrum_loses_stability_at_the_critical_mass():
     """Between the two doubles around m_cr (eq. 8.20)."""
-    drive = RigidDrive()
+    drive = Drive()
     critical = critical_mass(drive)
     for mass, kind in ((math.nextafter(critical, 0), True), (math.nextafter(critical, 99), False)):
         gamma = float(coefficients(drive.replace(mass=mass)).gamma[1])

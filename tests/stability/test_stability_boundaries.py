@@ -11,15 +11,16 @@ from flint import fmpq, fmpq_poly
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from references.newton import eigenvalues, is_stable, steady_law
+from references.parts import nut_drive, support_drive, threads_drive
 
-from lsvib.models.drive import NutDrive, RigidDrive, SupportDrive, ThreadsDrive
+from lsvib.models.drive import Drive
 from lsvib.stability import spectrum
 from lsvib.stability.conditions import stability
 from lsvib.stability.threshold import all_thresholds
 
 LEMMAS = (Path(__file__).parents[2] / "docs" / "lemmas.md").read_text(encoding="utf-8")
 ROWS = re.findall(r"^\| (1e\d+) \| ([\d.]+) \|$", LEMMAS, re.MULTILINE)
-KINDS = {"rigid": RigidDrive, "threads": ThreadsDrive, "support": SupportDrive, "nut": NutDrive}
+KINDS = {"rigid": Drive, "threads": threads_drive, "support": support_drive, "nut": nut_drive}
 
 
 def report_of(changes, model="rigid"):
@@ -31,7 +32,7 @@ def onset(model: str, changes, key: str):
     return all_thresholds(KINDS[model].of(changes), key)["onset"]
 
 
-def boundary(model: str, drive: RigidDrive, key: str, low: float, high: float) -> mpmath.mpf:
+def boundary(model: str, drive: Drive, key: str, low: float, high: float) -> mpmath.mpf:
     """Place between low and high at which the stability by Newton's laws changes, by bisection to 25 digits."""
 
     class At:
@@ -59,7 +60,7 @@ def test_table_of_the_least_contact_damping(stiffness, printed):
     found = onset("threads", changes, "contact_damping")
     assert f"{found.value:.6g}" == printed
     assert found.stable_intervals == ((found.value, None),)
-    exact = boundary("threads", ThreadsDrive.of(changes), "contact_damping", float(printed) / 2, float(printed) * 2)
+    exact = boundary("threads", threads_drive(changes), "contact_damping", float(printed) / 2, float(printed) * 2)
     assert abs(found.value / exact - 1) < 2e-16
 
 
@@ -69,7 +70,7 @@ def test_class_conditions_and_quantities_of_the_soft_contact_agree():
     report = report_of(changes, "threads")
     assert (report.stable, report.kind) == (False, "flutter")
     with mpmath.workdps(60):
-        growth = mpmath.re(eigenvalues("threads", ThreadsDrive.of(changes), 1)[-1])
+        growth = mpmath.re(eigenvalues("threads", threads_drive(changes), 1)[-1])
     assert report.eigenvalues[-1].real == pytest.approx(float(growth), rel=1e-15)
     assert round(report.eigenvalues[-1].real) == 553
     assert report.conditions["contact_flutter"].hold is True

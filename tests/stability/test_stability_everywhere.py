@@ -10,7 +10,7 @@ from references.newton import DIGITS, eigenvalues, is_stable, steady_law
 from references.wide_drives import wide_drive
 
 from lsvib.errors import InputError
-from lsvib.models.drive import RigidDrive, zero_if_close
+from lsvib.models.drive import PARTS, Drive, zero_if_close
 from lsvib.stability.boundaries import stable_set
 from lsvib.stability.conditions import stability
 from lsvib.stability.threshold import all_thresholds
@@ -20,7 +20,7 @@ NEUTRAL = ("neutral", "centre")
 VANISHES = mpmath.mpf(10) ** -60  # a real part below this share of its eigenvalue is zero: doubles come within 1e-40
 
 
-def judge_stability(model: str, drive: RigidDrive, law: int, tally: dict) -> None:
+def judge_stability(model: str, drive: Drive, law: int, tally: dict) -> None:
     """Hold the whole report of the stability of a drive against eigenvalues in 250 digits."""
     report = stability(drive)
     exact = eigenvalues(model, drive, law)
@@ -51,9 +51,9 @@ def _sorted(exact: list, zero: list[bool]) -> list[complex]:
     return sorted(found, key=lambda z: (z.real, z.imag))
 
 
-def judge_thresholds(model: str, drive: RigidDrive, law: int, random: np.random.Generator, tally: dict) -> None:
+def judge_thresholds(model: str, drive: Drive, law: int, random: np.random.Generator, tally: dict) -> None:
     """Hold every boundary against Routh's array on both sides, and the set between them at random places."""
-    for key in ("mass", "friction_coefficient", drive.own_damping):
+    for key in ("mass", "friction_coefficient", PARTS[drive.parts[0]][-1]):
         found, stable = all_thresholds(drive, key)["onset"], stable_set(drive, key)
         ends = [end for interval in stable.intervals for end in interval if 0 < end < stable.limit]
         assert found.solutions or found.reason.endswith(".")
@@ -85,7 +85,7 @@ def judge_thresholds(model: str, drive: RigidDrive, law: int, random: np.random.
         tally[f"{key} {len(ends)}"] = tally.get(f"{key} {len(ends)}", 0) + 1
 
 
-def no_growth(model: str, drive: RigidDrive, law: int) -> bool:
+def no_growth(model: str, drive: Drive, law: int) -> bool:
     return all(abs(mpmath.re(z)) < VANISHES * abs(z) for z in eigenvalues(model, drive, law))
 
 

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 from references import threshold_digits
+from references.parts import nut_drive, support_drive, threads_drive
 
 from lsvib.errors import InputError
-from lsvib.models.drive import NutDrive, RigidDrive, SupportDrive, ThreadsDrive
+from lsvib.models.drive import Drive
 from lsvib.stability.slip import SlipDrive, half_return, leaving
 from lsvib.stability.threshold import _start, solve_threshold
 
@@ -24,7 +25,7 @@ def _forty_digits():
         yield
 
 
-def drawn(rng: np.random.Generator, name: str) -> RigidDrive:
+def drawn(rng: np.random.Generator, name: str) -> Drive:
     """A rigid drive like the chapter's, every parameter up to a factor of two away, where a threshold may be."""
 
     def about(value):
@@ -46,7 +47,7 @@ def drawn(rng: np.random.Generator, name: str) -> RigidDrive:
     values["axial_force"] *= np.sign(values["input_speed"]) * (1 if negative or name == "rest_loss" else -1)
     if name == "rest_loss":
         values["support_damping"] = about(3e-4)
-    return RigidDrive.of(values)
+    return Drive.of(values)
 
 
 def accepted(name: str, unknown: str, count: int, draw=drawn):
@@ -63,7 +64,7 @@ def accepted(name: str, unknown: str, count: int, draw=drawn):
         yield rng, drive, solution, 2 if found <= SLOPES else 0
 
 
-def hint(name: str, drive: RigidDrive):
+def hint(name: str, drive: Drive):
     """Where the references look for the root of a motion: nearly, and nothing that counts in the result."""
     if name in ("onset", "kinematic_constraint", "negative_damping"):
         return ()
@@ -161,7 +162,7 @@ def two_bodies(model: str):
     return draw
 
 
-KINDS = {"threads": ThreadsDrive, "support": SupportDrive, "nut": NutDrive}
+KINDS = {"threads": threads_drive, "support": support_drive, "nut": nut_drive}
 
 
 @pytest.mark.parametrize(

@@ -17,22 +17,23 @@ import pytest
 from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import follow
 from lsvib.errors import DivergenceError, EngineError, InputError, NoThreshold
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.rigid import EventKind, rigid_automaton
+from lsvib.models.mechanism import Event
+from lsvib.models.rigid import rigid_automaton
 from lsvib.stability import force_thresholds
 from lsvib.stability.force_thresholds import widest_return
 from lsvib.stability.slip import SlipDrive
 
 DISTANCES = [10.0**-n for n in range(1, 10)]  # relative, of the forces beside a threshold
-STANDS = (EventKind.STICK, EventKind.REVERSAL)
+STANDS = (Event.STICK, Event.REVERSAL)
 
 
 def power(rng, low, high):
     return 10.0 ** rng.uniform(low, high)
 
 
-def random_drive(rng, kind: str) -> RigidDrive:
+def random_drive(rng, kind: str) -> Drive:
     """Draw a drive: ``any``; or with Γ₊ > 0 > C₊ (``damped``) or Γ₊ < 0 (``paradox``), at any distance from zero."""
     while True:
         lead = math.radians(rng.uniform(0.5, 45))
@@ -60,12 +61,12 @@ def random_drive(rng, kind: str) -> RigidDrive:
             damping = abs(values["support_damping"] - law * arm * damping)
             values["coupling_stiffness"] = (damping / power(rng, -3, 1)) ** 2 / inertia if inertia > 0 else 0.0
         try:
-            return RigidDrive.of(values)
+            return Drive.of(values)
         except InputError:
             continue
 
 
-def forward(drive: RigidDrive) -> tuple[SlipDrive, float]:
+def forward(drive: Drive) -> tuple[SlipDrive, float]:
     return SlipDrive.of(drive), math.copysign(1.0, drive.input_speed)
 
 
@@ -80,13 +81,13 @@ def beside(rng, threshold: float, onset: float):
         yield 1, onset + (threshold - onset) * factor
 
 
-def events(drive: RigidDrive, force: float, start, count: int) -> list[EventKind]:
+def events(drive: Drive, force: float, start, count: int) -> list[Event]:
     """The first events of a motion at a force, without the releases from rest that it begins with."""
     try:
-        kinds = [EventKind(int(k)) for k in follow(changed(drive, force), start, math.inf, max_events=count).kind]
+        kinds = [Event(int(k)) for k in follow(changed(drive, force), start, math.inf, max_events=count).kind]
     except DivergenceError:
         return []
-    while kinds and kinds[0] == EventKind.RELEASE:
+    while kinds and kinds[0] == Event.RELEASE:
         kinds = kinds[1:]
     return kinds
 
@@ -102,13 +103,13 @@ def judge_onset(rng, drive):
         assert (c.damping[c.steady_law] > 0) == (side < 0)
 
 
-def end_of_rest(drive: RigidDrive) -> tuple[float, float]:
+def end_of_rest(drive: Drive) -> tuple[float, float]:
     """State in which rest ends and slip under law + begins: θ′ = 0, without acceleration."""
     made, sign = forward(drive)
     return sign * float(made.damping[1] * made.speed / made.stiffness), -drive.input_speed
 
 
-def slips_beside(rng, drive: RigidDrive, threshold: float, count: int):
+def slips_beside(rng, drive: Drive, threshold: float, count: int):
     """Yield (side, |R|, first events of slip from the end of rest) for forces beside a threshold beyond the onset."""
     onset, sign = force_thresholds.onset_force(drive), forward(drive)[1]
     assert sign * threshold > sign * onset
@@ -120,7 +121,7 @@ def slips_beside(rng, drive: RigidDrive, threshold: float, count: int):
 def judge_stick(rng, drive):
     """The cycle is unique and what is inside of it winds outwards to it, what is outside inwards."""
     for side, force, kinds in slips_beside(rng, drive, force_thresholds.stick_force(drive), 30):
-        if EventKind.GRAZE in kinds:  # a turn grows by less than rounding
+        if Event.GRAZE in kinds:  # a turn grows by less than rounding
             continue
         if side > 0:
             assert any(kind in STANDS for kind in kinds[:3]), force
@@ -131,9 +132,9 @@ def judge_stick(rng, drive):
 def judge_detach(rng, drive):
     for side, force, kinds in slips_beside(rng, drive, force_thresholds.detach_force(drive), 6):
         if side > 0:
-            assert kinds[:2] == [EventKind.STICK, EventKind.RELEASE], force
+            assert kinds[:2] == [Event.STICK, Event.RELEASE], force
         else:
-            assert kinds[0] == EventKind.CONTACT_REVERSAL, force
+            assert kinds[0] == Event.CONTACT_REVERSAL, force
 
 
 def starts(rng, made: SlipDrive, force: float, count: int):
@@ -165,7 +166,7 @@ def settles(drive, force, start, made, sign, count=20_000) -> bool | None:
         return None
     if motion.status == Status.SETTLED:
         return True
-    if set(motion.kind[-500:].tolist()) != {EventKind.SEIZURE}:
+    if set(motion.kind[-500:].tolist()) != {Event.SEIZURE}:
         return False
     steps = np.diff(sign * motion.after[-500:, 0])
     backward = sign * motion.end_state[0] > float(made.damping[-1] * made.speed / made.stiffness)

@@ -14,21 +14,23 @@ import numpy as np
 import pytest
 from mpmath import findroot, mp, mpf
 from references.drives import compare
+from references.parts import support_drive, threads_drive
 from references.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
 
 from lsvib.dynamics.attractor import Attractor, orbit_extremes, steady_state
 from lsvib.models import chapter
-from lsvib.models.drive import RigidDrive, SupportDrive, ThreadsDrive
+from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.rigid import EventKind, rigid_automaton
-from lsvib.models.threads import seated_state, threads_automaton
+from lsvib.models.mechanism import Event, seated_state
+from lsvib.models.model import automaton_of
+from lsvib.models.rigid import rigid_automaton
 from lsvib.stability import force_thresholds
 from lsvib.stability.conditions import critical_friction, critical_mass
 from lsvib.stability.threshold import solve_threshold
 
 DIGITS = 40
-PARADOX = RigidDrive.of(mass=11.0, support_damping=1e-3)
-NEGATIVE_DAMPING = RigidDrive.of(mass=1.0, translation_damping=1e3)
+PARADOX = Drive.of(mass=11.0, support_damping=1e-3)
+NEGATIVE_DAMPING = Drive.of(mass=1.0, translation_damping=1e3)
 # Rest before slip forward and backward, slip on the way to Q = 0, far away on either side.
 STARTS = [(0.1, 0.0), (0.0, -40.0), (-0.3, 30.0), (0.3, -90.0), (0.04, -40.0), (0.0, 500.0)]
 
@@ -39,7 +41,7 @@ def _forty_digits():
         yield
 
 
-def exact(drive: RigidDrive, **changes) -> RigidTrueDrive:
+def exact(drive: Drive, **changes) -> RigidTrueDrive:
     return RigidTrueDrive({**dict(drive), **changes}, DIGITS)
 
 
@@ -51,13 +53,13 @@ def q_minimum(d: RigidTrueDrive, flow: RigidTrueFlow, end, largest: bool = False
 
 
 def mass_reference():
-    d = exact(RigidDrive())
+    d = exact(Drive())
     return d.I / (d.xi(1) * d.tan * d.r**2)
 
 
 def friction_reference():
     """Γ̃_0 = I − ξ₊ tan λ m̃ r_m² = 0, solved for μ numerically."""
-    d = exact(RigidDrive.of(mass=15.0))
+    d = exact(Drive.of(mass=15.0))
     mass = d.m * mpf(11.6) / (d.m + mpf(11.6))
     return findroot(lambda mu: d.I - (mu - d.tan) / (1 + mu * d.tan) * d.tan * mass * d.r**2, mpf("0.3"))
 
@@ -108,8 +110,8 @@ PRINTED = {
     "detach_force": (46.5, detach_reference),
 }
 ASKED = {
-    "critical_mass": (RigidDrive(), "kinematic_constraint", "mass"),
-    "critical_friction": (SupportDrive.of(mass=15.0), "kinematic_constraint", "friction_coefficient"),
+    "critical_mass": (Drive(), "kinematic_constraint", "mass"),
+    "critical_friction": (support_drive(mass=15.0), "kinematic_constraint", "friction_coefficient"),
 }
 # Sect. 8.5.1: law, value, unit of its last digit.
 DAMPINGS = [(-1, 1.0e-3, 1e-4), (1, -1.1e-4, 1e-5)]  # N m s/rad
@@ -162,22 +164,18 @@ def test_effective_inertia(law, printed, digit):
 @pytest.mark.parametrize("force", [10.0, 50.0, 200.0])
 def test_peak_of_the_contact_force(force):
     """Fig. 8.10b, m = 11 kg, k_c = c_c = 1e8: 320 kN, read from an axis; R, which is not stated, hardly matters."""
-    drive = ThreadsDrive.of(mass=11.0, axial_force=force)
-    automaton = threads_automaton(drive)
+    drive = threads_drive(mass=11.0, axial_force=force)
+    automaton = automaton_of(drive)
     cycle = steady_state(automaton, seated_state(drive, 0.003, 0.0))
     assert cycle.label == Attractor.SPRAG_SLIP_CYCLE
     assert orbit_extremes(cycle.orbit, automaton.observables["normal_force"])[1] == pytest.approx(PEAK_FORCE, rel=0.02)
 
 
 def test_effective_inertia_changes_sign_at_the_critical_mass():
-    mass = critical_mass(RigidDrive())
-    assert (
-        exact(RigidDrive.of(mass=mass * (1 - 1e-15))).Gamma(1)
-        > 0
-        > exact(RigidDrive.of(mass=mass * (1 + 1e-15))).Gamma(1)
-    )
-    assert critical_mass(RigidDrive.of(friction_coefficient=0.05)) is None  # not self-locking
-    assert critical_friction(RigidDrive.of(mass=1e-6), 11.6) is None
+    mass = critical_mass(Drive())
+    assert exact(Drive.of(mass=mass * (1 - 1e-15))).Gamma(1) > 0 > exact(Drive.of(mass=mass * (1 + 1e-15))).Gamma(1)
+    assert critical_mass(Drive.of(friction_coefficient=0.05)) is None  # not self-locking
+    assert critical_friction(Drive.of(mass=1e-6), 11.6) is None
 
 
 @pytest.mark.parametrize("speed", [40.0, -40.0])
@@ -198,8 +196,8 @@ def test_the_thresholds_separate_what_they_say(speed):
     assert attractor(stick * (1 - 1e-9)).label == Attractor.OTHER_CYCLE
     assert attractor(stick * (1 + 1e-9)).label == Attractor.STICK_SLIP_CYCLE
     # 1e-9 beyond the touch of Q = 0 the contact reverses for 1e-4.5 of a radian: below it is gone.
-    assert EventKind.CONTACT_REVERSAL in attractor(detach * (1 - 1e-9)).orbit.kind
-    assert EventKind.CONTACT_REVERSAL not in attractor(detach * (1 + 1e-9)).orbit.kind
+    assert Event.CONTACT_REVERSAL in attractor(detach * (1 - 1e-9)).orbit.kind
+    assert Event.CONTACT_REVERSAL not in attractor(detach * (1 + 1e-9)).orbit.kind
 
 
 def test_global_stability_force_is_exact():

@@ -20,7 +20,7 @@ from benchmarks.rivals.method_list import METHODS
 from lsvib.datasets.io import read_dataset
 from lsvib.figures.configuration import accuracy_figures, default_figures, given, load, settings_of
 from lsvib.models import chapter
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 
 pytestmark = pytest.mark.workflow
 
@@ -40,7 +40,7 @@ from pydantic import Field
 from lsvib.datasets.checks import Check
 from lsvib.figures import style
 from lsvib.figures.settings import DriveChanges, FigureSettings
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 
 CAPTION = "The self-locking of the drive.\\n"
 
@@ -54,7 +54,7 @@ class Settings(FigureSettings):
 
 def build(settings):
     """Compute the tangent of some lead angles."""
-    angle = np.linspace(0, RigidDrive.of(settings["drive"]).lead_angle, settings["points"])
+    angle = np.linspace(0, Drive.of(settings["drive"]).lead_angle, settings["points"])
     words = {"units": "1", "long_name": "tangent of the lead angle"}
     return xr.Dataset(
         {"tangent": ("angle", np.tan(angle), words)},
@@ -202,7 +202,7 @@ def test_the_command_line_changes_a_figure_and_the_drive_of_all(built, change, j
 
 
 def test_the_table_of_the_configuration_is_the_default_drive():
-    assert RigidDrive.of(CONFIG["table_8_1"]) == RigidDrive()
+    assert Drive.of(CONFIG["table_8_1"]) == Drive()
     assert set(CONFIG["table_8_1"]) == {*chapter.STATED["Table 8.1"]} - {"lead_angle"} | {"lead_angle_deg"}
 
 

@@ -2,13 +2,8 @@
 
 SHEETS = {Path(sheet).stem: sheet for sheet in config["assessments"]}
 
-# What an assessment depends on; the models, imported by their names, are unknown to the graph.
-ASSESSMENT = (
-    imports("lsvib.assess.output")
-    | imports("lsvib.models.rigid")
-    | imports("lsvib.models.support")
-    | imports("lsvib.models.threads")
-)
+# What an assessment depends on.
+ASSESSMENT = imports("lsvib.assess.output")
 
 if len(SHEETS) < len(config["assessments"]):
     raise WorkflowError("Configuration: two data sheets of assessments have the same name but for their folder.")
@@ -32,7 +27,7 @@ rule assess_drive:
     input:
         sheet=lambda wildcards: SHEETS[wildcards.sheet],
         sources=source_files(ASSESSMENT),
-        engine=engine(ASSESSMENT),
+        engine=engine(ASSESSMENT, ["modal"]),
     output:
         page="results/assessments/{sheet}/index.html",
         dataset="results/assessments/{sheet}/assessment.nc",

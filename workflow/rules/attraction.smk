@@ -17,8 +17,8 @@ rule attraction:
 rule compile_mapper:
     """Map one cell, so that the kernels are compiled once, and what is wrong with the map is said once."""
     input:
-        sources=map_sources(),
-        engine=engine(map_modules()),
+        sources=source_files(imports("lsvib.datasets.map")),
+        engine=engine(imports("lsvib.datasets.map"), flows_of(MAP["drive"])),
     output:
         "results/attraction/mapper.txt",
     log:
@@ -35,7 +35,7 @@ rule compile_mapper:
 rule map_tile:
     """Label the cells of one tile. The file goes when the map that it is part of is complete."""
     input:
-        sources=map_sources(),
+        sources=source_files(imports("lsvib.datasets.map")),
         mapper="results/attraction/mapper.txt",
     output:
         temp("results/attraction/tiles/{scatteritem}.nc"),
@@ -55,7 +55,7 @@ rule map_tile:
 rule gather_map:
     """Put the tiles together in one compressed file."""
     input:
-        sources=map_sources(),
+        sources=source_files(imports("lsvib.datasets.map")),
         tiles=gather.attraction("results/attraction/tiles/{scatteritem}.nc"),
     output:
         "results/attraction/map.nc",

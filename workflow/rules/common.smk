@@ -14,8 +14,8 @@ import grimp
 import yaml
 from lsvib.datasets.checks import counts, failures, printed_thresholds, read_checks, verdict
 from lsvib.errors import LsvibError
-from lsvib.models.model import model_module
-from lsvib.models.model import all_models
+from lsvib.models.drive import DRY, PART_OF
+from lsvib.models.friction import OF_SPEED
 from lsvib.models.scene import read_yaml
 from lsvib.figures.configuration import (
     PARTS,
@@ -136,8 +136,6 @@ def figure_sources(kind, figure):
     if kind == "figures":
         return source_files(drawn_from(own) | imports(BUILD))
     found = frozenset().union(*map(imports, (own, *settings_of(figure).needs, BUILD))) - DRAWING
-    if "lsvib.models.model" in found:  # what asks for models by name depends on all of them
-        found = found.union(*(imports(model_module(name)) - imports("lsvib.engine.motion") for name in all_models()))
     return source_files(found)
 
 
@@ -153,41 +151,22 @@ def parts(wildcards):
 
 def part_sources(module):
     """Return, as an input function, the source files of such a part, which is made by ``module`` for each figure."""
-    return lambda wildcards: source_files(modules_with_model(module, {}) | {module_of(wildcards.figure), BUILD})
-
-
-def modules_with_model(module, settings):
-    """Return the modules that a module depends on, those of a model included, which are imported by its name."""
-    return frozenset().union(*map(imports, (module, model_module(settings.get("model", "rigid")))))
-
-
-def map_modules():
-    """Return the modules that the map depends on."""
-    return modules_with_model("lsvib.datasets.map", MAP)
-
-
-def map_sources():
-    """Return the source files of :func:`map_modules`."""
-    return source_files(map_modules())
-
-
-def chart_modules():
-    """Return the modules that the chart depends on."""
-    return modules_with_model("lsvib.datasets.chart", CHART)
-
-
-def chart_sources():
-    """Return the source files of :func:`chart_modules`."""
-    return source_files(chart_modules())
+    return lambda wildcards: source_files(imports(module) | {module_of(wildcards.figure), BUILD})
 
 
 # The parts of the engine, and the modules of which a figure that runs the engine imports one if it needs the part.
 ENGINE = {
     "planar": ("lsvib.engine.kernels.jit",),  # all compiled code imports it
-    "modal": tuple(model_module(name) for name, model in all_models().items() if len(model.states) > 2),
+    "modal": (),
     "mapper": ("lsvib.basins.labels",),
-    "taylor": (),  # of figures that say so, `by_speed` of their settings
+    "taylor": (),  # both of figures that say so, `flows` of their settings
 }
+
+
+def flows_of(drive):
+    """Return the flows that the motions of a drive have besides that of rigid drives; ``drive``: names and values."""
+    flows = {"modal": (*PART_OF, *DRY), "taylor": OF_SPEED}
+    return [flow for flow, names in flows.items() if not drive.keys().isdisjoint(names)]
 
 
 def marker(part):
@@ -195,15 +174,15 @@ def marker(part):
     return f"results/engine/{part}.txt"
 
 
-def engine(modules, by_speed=False):
+def engine(modules, flows=()):
     """Return the markers of the parts of the engine that modules run; none if they reach no compiled code.
 
-    ``by_speed``: whether there is friction that depends on speed.
+    ``flows``: those that the motions have besides that of rigid drives.
     """
     if "lsvib.engine.kernels.jit" not in modules:
         return []
     parts = [part for part, roots in ENGINE.items() if not modules.isdisjoint(roots)]
-    return [marker(part) for part in [*parts, *(["taylor"] if by_speed else [])]]
+    return [marker(part) for part in [*parts, *flows]]
 
 
 def cores(wildcards):

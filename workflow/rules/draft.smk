@@ -16,7 +16,7 @@ for number, figures in enumerate([FIGURES[k::BATCHES] for k in range(BATCHES)]):
             sources=sorted(
                 {file for f in figures for kind in ("datasets", "figures") for file in figure_sources(kind, f)}
             ),
-            engine=sorted({part for f in figures for part in engine(imports(module_of(f)))}),
+            engine=sorted({part for f in figures for part in engine(imports(module_of(f)), settings_of(f).flows)}),
         output:
             datasets=expand("results/datasets/{figure}.nc", figure=figures),
             checks=expand("results/checks/{figure}.json", figure=figures),

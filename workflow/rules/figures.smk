@@ -67,7 +67,7 @@ rule dataset:
     input:
         unpack(parts),
         sources=sources("datasets"),
-        engine=lambda wildcards: engine(imports(module_of(wildcards.figure)), settings_of(wildcards.figure).by_speed),
+        engine=lambda wildcards: engine(imports(module_of(wildcards.figure)), settings_of(wildcards.figure).flows),
         tables=lambda wildcards: list(map(str, settings_of(wildcards.figure).tables)),
     output:
         dataset="results/datasets/{figure}.nc",

@@ -10,15 +10,16 @@ import math
 from collections.abc import Callable
 
 import numpy as np
+from references.parts import threads_drive
 from sksundae.cvode import CVODE
 
 from benchmarks.jit import kernel
 from benchmarks.record import Record
 from benchmarks.rivals.hybrid import Clock, Hybrid
 from benchmarks.rivals.race_scenes import RaceScene
-from lsvib.models.drive import RigidDrive, ThreadsDrive
+from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.threads import seated_state
+from lsvib.models.mechanism import seated_state
 
 _TOLERANCE = 1e-8  # relative; below the error of any width ε
 _STEPS = 2_000_000  # at most, in a run; the limit on its time comes first
@@ -43,9 +44,9 @@ def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Ca
     """Return a function that runs the scene with the width ε = ``setting`` [rad/s]."""
     scene = hybrid.scene
     drive, state = scene.drive, np.array(scene.state)
-    compliant = scene.drive.model == "threads"
+    compliant = "threads" in scene.drive.parts
     if not compliant and coefficients(drive).paradox:
-        drive, compliant = ThreadsDrive.of(drive.model_dump()), True
+        drive, compliant = threads_drive(drive.model_dump()), True
         state = seated_state(drive, *state)
     c, lead = coefficients(drive), drive.lead_angle
     if compliant:
@@ -78,7 +79,7 @@ def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Ca
     return run
 
 
-def _numbers(drive: RigidDrive, *more) -> tuple[float, ...]:
+def _numbers(drive: Drive, *more) -> tuple[float, ...]:
     """The parameters that both models have, and more."""
     values = (
         drive.pitch_radius, math.tan(drive.lead_angle), drive.screw_inertia, drive.coupling_stiffness,

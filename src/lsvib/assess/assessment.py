@@ -120,7 +120,7 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
         nominal=nominal,
         worst=worst_motion,
         statics=statics(sheet),
-        vibrates_up_to=highest_vibrating_speed(sheet, values, nominal.corner, _part(sheet))
+        vibrates_up_to=highest_vibrating_speed(sheet, values, nominal.corner, _parts(sheet))
         if sheet.friction.law
         else None,
     )
@@ -133,9 +133,9 @@ def _values(sheet: Sheet, entries: dict[str, float]) -> dict[str, float]:
 def _require_a_drive(sheet: Sheet, values: dict[str, float]) -> None:
     """Refuse what the package has no drive for, in the words of the sheet."""
     for corner in corners(sheet, values):
-        for part in ("rigid", *(part for part in ("contact", "support") if getattr(sheet, part) is not None)):
+        for parts in dict.fromkeys(((), _parts(sheet))):
             try:
-                mechanisms.drive_of(sheet, values, *corner, part)
+                mechanisms.drive_of(sheet, values, *corner, parts)
             except InputError as error:
                 if "friction_coefficient" in str(error):
                     raise InputError(
@@ -206,30 +206,30 @@ def _motion(sheet: Sheet, name: str, entries: dict[str, float]) -> AssessedMotio
     corner = lowest[name].place(places)
     if name == "after_perturbation" and sheet.support is None:
         corner = most_perturbed(sheet, values)[2] or corner
-    part = _part(sheet)
+    parts = _parts(sheet)
     if name == "thread_contact":  # of which a drive with a support knows nothing
-        part = "contact"
+        parts = ("threads",)
     if name == "falling_friction" and lowest[name].reserve[0] < 0 and not sheet.friction.law:
         beyond = Vibration(
-            "rigid",
+            (),
             "unknown",
             reason="friction that falls with speed makes steady running unstable there; the motion beyond that onset "
             "is not computed, only the onset.",
         )
         return AssessedMotion(name, dict(entries), values, corner, beyond, (0.0, "Steady running is unstable."))
     strong = {"perturbation": -STRONG} if name == "after_perturbation" else {}
-    moved = vibration(sheet, values, corner, part, **strong)
-    if moved.attractor in ("unknown", "unresolved") and part != "rigid":  # the simpler drive says more than nothing
-        moved = vibration(sheet, values, corner, "rigid", **strong)
+    moved = vibration(sheet, values, corner, parts, **strong)
+    if moved.attractor in ("unknown", "unresolved") and parts:  # the simpler drive says more than nothing
+        moved = vibration(sheet, values, corner, (), **strong)
     tolerated = (None, "") if sheet.support is not None else tolerated_perturbation(sheet, values, corner)
-    if sheet.support is None and (part == "contact" or sheet.friction.law):
-        tolerated = tolerated_by_trial(sheet, values, corner, tolerated[0], part)
+    if sheet.support is None and ("threads" in parts or sheet.friction.law):
+        tolerated = tolerated_by_trial(sheet, values, corner, tolerated[0], parts)
     return AssessedMotion(name, dict(entries), values, corner, moved, tolerated)
 
 
-def _part(sheet: Sheet) -> str:
-    """The part that is compliant in the motions of a sheet."""
-    return "support" if sheet.support is not None else "contact" if sheet.contact is not None else "rigid"
+def _parts(sheet: Sheet) -> tuple[str, ...]:
+    """The parts that comply in the motions of a sheet."""
+    return ("support",) if sheet.support is not None else ("threads",) if sheet.contact is not None else ()
 
 
 def _worst_motion(

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from lsvib.assess.materials import SCREW_MATERIALS
 from lsvib.assess.sheet import Sheet
 from lsvib.models import friction, mechanics
+from lsvib.models.drive import PARTS
 from lsvib.models.mechanics import friction_factor
 
 GRAVITY = 9.80665  # m/s², standard
@@ -46,13 +47,6 @@ QUANTITIES = {
 WINDOW = {"force": ("force on the load", "N"), "speed": ("speed", "rad s-1")}
 UNITS = {key: unit for key, (_, unit) in (QUANTITIES | WINDOW).items()}
 IN_WORDS = {key: words for key, (words, _) in (QUANTITIES | WINDOW).items()}
-
-_OWN = {  # parameters of a drive that a part adds
-    "rigid": (),
-    "contact": ("contact_stiffness", "contact_damping"),
-    "support": ("screw_mass", "support_stiffness", "axial_support_damping"),
-}
-
 
 _OF_LAW = {  # entries that only a law of friction has
     "stribeck_rise": "friction.stribeck_rise",
@@ -227,9 +221,9 @@ def _along(sheet: Sheet, sliding: Any) -> tuple[NDArray, NDArray]:
     return coefficients[start] + slopes[piece] * (sliding - speeds[start]), slopes[piece]
 
 
-def own_parameters(values: DrawnValues, part: str) -> dict[str, Any]:
-    """Return the parameters that a part, ``contact`` or ``support``, adds to those of the ``rigid`` drive."""
-    return {key: values[key.removeprefix("axial_")] for key in _OWN[part]}
+def own_parameters(values: DrawnValues, parts: tuple[str, ...]) -> dict[str, Any]:
+    """Return the parameters that parts of a drive add to those of the rigid one."""
+    return {key: values[key.removeprefix("axial_")] for part in parts for key in PARTS[part]}
 
 
 def square_coefficient(coefficient: Any, lead_angle: Any, half_angle: Any) -> Any:

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import BeforeValidator
 from scipy.special import ndtr, ndtri  # type: ignore[import-untyped]
 
-from lsvib.models.drive import Drive, ThreadsDrive
+from lsvib.models.drive import Drive
 from lsvib.numbers import shown
 
 _KINDS = {  # of quantities, by the unit in which the package counts them, each with an example
@@ -287,7 +287,7 @@ MoreInertia = _field("kg m^2", 0.0, 1e6)
 Torsion = _field("N m/rad", _least("coupling_stiffness"), 1e12)
 TurningDamping = _field("N m s/rad", 0.0, 1e12)
 LinearDamping = _field("N s/m", 0.0, 1e15)
-Stiffness = _field("N/m", _least("contact_stiffness", ThreadsDrive), 1e15)
+Stiffness = _field("N/m", _least("contact_stiffness", Drive), 1e15)
 Force = _field("N", -1e10, 1e10)
 Torque = _field("N m", -1e9, 1e9)
 Drag = _field("N m", 0.0, 1e9)

@@ -19,14 +19,12 @@ from lsvib.assess import drive as sheets
 from lsvib.assess.drive import damping_by_slope, is_window, sliding_speed, without_friction
 from lsvib.assess.sheet import Sheet
 from lsvib.models import friction, mechanics
-from lsvib.models.drive import RigidDrive, SupportDrive, ThreadsDrive, zero_if_close
+from lsvib.models.drive import Drive, zero_if_close
 from lsvib.stability.spectrum import polynomial
 
 NAMES = ("negative_damping", "kinematic_constraint", "mode_coupling", "falling_friction", "thread_contact")
 """All mechanisms; mode coupling needs a support, thread contact a compliant contact."""
 
-DRIVES = {"rigid": RigidDrive, "support": SupportDrive, "contact": ThreadsDrive}
-"""The drive that a motion or verdict is of, by the part of the sheet that is compliant in it."""
 
 AT_ONCE = 2**17  # reserves, few enough for the processor's caches, many enough for NumPy
 _FADING = (0.05, 0.1, 0.2, 0.35, 0.6, 1.0, 1.6, 2.5, 4.0, 7.0)  # of the speed over which a rise of friction fades
@@ -77,8 +75,8 @@ def reserves(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any
     if sheet.support is not None:
         found |= _with_support(sheet, values, p, law, found, (inertia, helped, by_slope))
     if sheet.contact is not None:
-        own = sheets.own_parameters(values, "contact")
-        full = _full_reserve("contact", {**p, **own}, law)
+        own = sheets.own_parameters(values, ("threads",))
+        full = _full_reserve({**p, **own}, law)
         whole = mechanics.effective_inertia(p["screw_inertia"], p["mass"], *geometry)  # the support is rigid here
         own_fault = (np.real(helped) >= 0) & (np.real(whole) > 0)
         found["thread_contact"] = np.where(own_fault, full, _larger(full, 0 * full))
@@ -106,13 +104,13 @@ def _with_support(
     ``terms``: Γ̃_0, C_0 with the rise of friction over the speed, and S.
     """
     inertia, helped, by_slope = terms
-    p = {**p, **sheets.own_parameters(values, "support")}
-    level = sloped = _full_reserve("support", p, law)
+    p = {**p, **sheets.own_parameters(values, ("support",))}
+    level = sloped = _full_reserve(p, law)
     if sheet.friction.sloped:
-        sloped = _full_reserve("support", {**p, "support_damping": p["support_damping"] + by_slope}, law)
+        sloped = _full_reserve({**p, "support_damping": p["support_damping"] + by_slope}, law)
     falls, kinematic, coupled = np.real(by_slope) < 0, np.real(inertia) <= 0, np.real(helped) >= 0
     if not coupled.all():  # there it is mode coupling only if the two bodies do it undamped, too
-        coupled |= np.real(_full_reserve("support", {**p, **dict.fromkeys(_UNDAMPED, 0.0)}, law)) < 0
+        coupled |= np.real(_full_reserve({**p, **dict.fromkeys(_UNDAMPED, 0.0)}, law)) < 0
     coupled &= ~kinematic
     full = np.where(falls, level, sloped)
     fallen = np.where(np.real(level) < 0, _larger(rigid["falling_friction"], sloped), sloped)
@@ -146,9 +144,9 @@ def _larger(a: Any, b: Any) -> Any:
     return np.where(np.real(a) >= np.real(b), a, b)
 
 
-def _full_reserve(part: str, parameters: dict[str, Any], law: Any) -> Any:
+def _full_reserve(parameters: dict[str, Any], law: Any) -> Any:
     """Reserve of a drive with two coordinates, from its characteristic polynomial, for a law (scalar or array)."""
-    return _hurwitz_reserve(*polynomial(DRIVES[part], parameters, law, np.tan(parameters["lead_angle"])))
+    return _hurwitz_reserve(*polynomial(parameters, law, np.tan(parameters["lead_angle"])))
 
 
 def _hurwitz_reserve(p_4: Any, p_3: Any, p_2: Any, p_1: Any, p_0: Any) -> Any:
@@ -166,17 +164,16 @@ def _hurwitz_reserve(p_4: Any, p_3: Any, p_2: Any, p_1: Any, p_0: Any) -> Any:
 
 
 def drive_of(
-    sheet: Sheet, values: Mapping[str, float], direction: int, speed: float, force: float, part: str = "rigid"
+    sheet: Sheet, values: Mapping[str, float], direction: int, speed: float, force: float, parts: tuple[str, ...] = ()
 ):
-    """Return the drive of the package at one point of operation: rigid, or with the ``contact`` or ``support``.
+    """Return the drive at one point of operation: rigid, or with some ``parts`` of the sheet.
 
     It has the law of friction of the sheet, if there is one, else the coefficient at that point.
     """
-    given = sheets.point(sheet, values, direction, speed, force)[0] | sheets.own_parameters(values, part)
+    given = sheets.point(sheet, values, direction, speed, force)[0] | sheets.own_parameters(values, parts)
     if sheet.friction.law:
         given |= sheets.friction_law(sheet, values, given["lead_angle"])
-    kind = DRIVES[part]
-    return kind(**{key: zero_if_close(kind, key, float(value)) for key, value in given.items()})
+    return Drive(**{key: zero_if_close(Drive, key, float(value)) for key, value in given.items()})
 
 
 @dataclass(frozen=True)

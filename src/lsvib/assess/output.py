@@ -22,7 +22,7 @@ from lsvib.datasets.io import write_dataset
 from lsvib.errors import InputError
 from lsvib.files import Outputs, write_json, write_text
 
-_OF_MOTIONS = ("model", "attractor", "vibrates", "frequency", "audible", "amplitude", "load_speed", "screw_speed",
+_OF_MOTIONS = ("parts", "attractor", "vibrates", "frequency", "audible", "amplitude", "load_speed", "screw_speed",
                "peak_contact_force", "peak_impulse", "reason", "scene")  # fmt: skip
 
 

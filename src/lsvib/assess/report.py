@@ -210,9 +210,9 @@ def _tolerated(motion: AssessedMotion) -> str:
 
 def _simplified(motion: AssessedMotion, assessment: Assessment) -> str:
     """What the motion leaves out of the data sheet, in sentences."""
-    sheet, model = assessment.sheet, motion.vibration.model
+    sheet, complies = assessment.sheet, motion.vibration.parts
     parts = {"threads": sheet.contact is not None, "support": sheet.support is not None}
-    stiff = " and ".join(name for name, given in parts.items() if given and name != model)
+    stiff = " and ".join(name for name, given in parts.items() if given and name not in complies)
     text = f" Its motion is computed with stiff {stiff}." if stiff else ""
     slope = float(point(sheet, motion.values, *motion.corner)[1])
     if slope != 0 and not sheet.friction.law:

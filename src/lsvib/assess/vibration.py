@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.assess.mechanisms import DRIVES, corners, drive_of, reserves
+from lsvib.assess.mechanisms import corners, drive_of, reserves
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.words import shown
 from lsvib.basins.boundary import AttractsNothing, basin
@@ -20,7 +20,7 @@ from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError, InputError
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.model import Model, find_model
+from lsvib.models.model import Model, model_of
 from lsvib.models.rigid import rigid_automaton
 
 UNDECIDED = ("neutral family", "unresolved", "unknown")  # ends of motions that neither settle nor certainly vibrate
@@ -30,7 +30,7 @@ STRONG = 5.0  # times the speed: a perturbation that counts as strong, and the l
 _SAMPLES = 1200  # even ones of the motion shown: 200 a period
 # Work after which a motion counts as unresolved, a second or two: events with two states, units of one with more. Of
 # many motions that are only asked where they end each gets less.
-_MOST_WORK = {"rigid": 4_000, "support": 1_000_000, "contact": 1_000_000}
+_WORK_OF_RIGID, _WORK_OF_PARTS = 4_000, 1_000_000
 _WORK_OF_LAW = 40_000
 _WORK_OF_MANY = 12_000
 
@@ -39,7 +39,7 @@ _WORK_OF_MANY = 12_000
 class Vibration:
     """Where a motion ends that starts next to steady sliding.
 
-    ``model``: of the package; ``attractor``: its name in words; for a cycle ``frequency`` [Hz], ``amplitude`` of the
+    ``parts``: what complies; ``attractor``: its name in words; for a cycle ``frequency`` [Hz], ``amplitude`` of the
     load [m] (half of peak to peak, about steady travel), ``load_speed`` lowest and highest [m/s], ``screw_speed``
     likewise [rad/s], ``peak_contact_force`` between impacts [N], ``peak_impulse`` of an impact [N s] (0 without).
     ``scene``: names and values of a scene that shows it; ``time`` [s], ``deviation`` of the load [m], ``speed`` of the
@@ -47,7 +47,7 @@ class Vibration:
     that short slips are resolved. ``reason``: why nothing is known, if so.
     """
 
-    model: str
+    parts: tuple[str, ...]
     attractor: str
     frequency: float | None = None
     amplitude: float | None = None
@@ -77,25 +77,26 @@ def vibration(
     sheet: Sheet,
     values: Mapping[str, float],
     corner: tuple[int, Any, Any],
-    part: str = "rigid",
+    parts: tuple[str, ...] = (),
     perturbation: float = _NUDGE,
 ) -> Vibration:
     """Follow the motion of a drive from near steady sliding, u = 0, w = ``perturbation`` Ω, to where it ends.
 
-    ``part``: rigid, or with the ``contact`` or ``support`` of the sheet. Friction is that at the running speed, to
+    ``parts``: those of the sheet that comply. Friction is that at the running speed, to
     which a slope or curve adds nothing, unless the sheet has a law of friction.
     """
-    model, work = DRIVES[part].model, _WORK_OF_LAW if sheet.friction.law else _MOST_WORK[part]
+    most = _WORK_OF_PARTS if parts else _WORK_OF_RIGID
+    work = _WORK_OF_LAW if sheet.friction.law else most
     try:
-        drive, definition, automaton, start, end = _ended(sheet, values, corner, part, perturbation, work)
+        drive, definition, automaton, start, end = _ended(sheet, values, corner, parts, perturbation, work)
     except (InputError, EngineError) as error:
-        return Vibration(model, "unknown", reason=str(error))
+        return Vibration(parts, "unknown", reason=str(error))
     words = _word(end.label)
     try:
         start, span, times, states = _shown(drive, definition, automaton, start, end)
     except EngineError as error:
-        return Vibration(model, words, reason=str(error))
-    scene = {"model": model, "drive": drive.model_dump(), "start": start, "duration": span, "samples": _SAMPLES + 1}
+        return Vibration(parts, words, reason=str(error))
+    scene = {"drive": dict(drive), "start": start, "duration": span, "samples": _SAMPLES + 1}
     row = _load_row(drive, automaton.states)
     samples = {
         "scene": scene,
@@ -105,22 +106,22 @@ def vibration(
         "angle": states[:, 0],
     }
     if end.orbit is None or end.label in _WITHOUT_CYCLE:
-        return Vibration(model, words, **samples)
-    return Vibration(model, words, **_of_cycle(drive, end.orbit, row), **samples)
+        return Vibration(parts, words, **samples)
+    return Vibration(parts, words, **_of_cycle(drive, end.orbit, row), **samples)
 
 
 def _ended(
     sheet: Sheet,
     values: Mapping[str, float],
     corner: tuple[int, Any, Any],
-    part: str,
+    parts: tuple[str, ...],
     perturbation: float,
     most_work: int,
     twist: float = 0.0,
 ) -> tuple[Drive, Model, Automaton, dict[str, float], SteadyState]:
     """The drive, its model and automaton, the start of a motion and where it ends."""
-    drive = drive_of(sheet, values, *corner, part)
-    definition = find_model(drive.model)
+    drive = drive_of(sheet, values, *corner, parts)
+    definition = model_of(drive)
     start = {"u": twist, "w": perturbation * drive.input_speed}
     automaton = definition.build(drive, definition.physics_of(drive), "contact_sign")
     state = definition.initial_state(drive, start)
@@ -128,7 +129,11 @@ def _ended(
 
 
 def end_of_strong(
-    sheet: Sheet, values: Mapping[str, float], corner: tuple[int, Any, Any], part: str = "rigid", rest: bool = False
+    sheet: Sheet,
+    values: Mapping[str, float],
+    corner: tuple[int, Any, Any],
+    parts: tuple[str, ...] = (),
+    rest: bool = False,
 ) -> str:
     """Return where the motion from w = −5 Ω ends, by the key of :data:`lsvib.assess.words.ATTRACTORS`.
 
@@ -136,8 +141,8 @@ def end_of_strong(
     """
     try:
         twist = -float(coefficients(drive_of(sheet, values, *corner)).deflection) if rest else 0.0
-        work = min(_WORK_OF_MANY, _MOST_WORK[part])
-        return _word(_ended(sheet, values, corner, part, -1.0 if rest else -STRONG, work, twist)[-1].label)
+        work = min(_WORK_OF_MANY, _WORK_OF_PARTS if parts else _WORK_OF_RIGID)
+        return _word(_ended(sheet, values, corner, parts, -1.0 if rest else -STRONG, work, twist)[-1].label)
     except (InputError, EngineError):
         return "unknown"
 
@@ -272,7 +277,7 @@ def most_perturbed(
 
 
 def highest_vibrating_speed(
-    sheet: Sheet, values: Mapping[str, float], corner: tuple[int, Any, Any], part: str
+    sheet: Sheet, values: Mapping[str, float], corner: tuple[int, Any, Any], parts: tuple[str, ...]
 ) -> float | None:
     """Return the speed [rad/s] up to which motions vibrate from w = −5 Ω or from standstill, at a corner's force.
 
@@ -283,7 +288,7 @@ def highest_vibrating_speed(
 
     def vibrates(speed: float) -> bool | None:
         """Whether one of both motions vibrates; None where that is not known."""
-        ends = [end_of_strong(sheet, values, (direction, speed, force), part, rest) for rest in (False, True)]
+        ends = [end_of_strong(sheet, values, (direction, speed, force), parts, rest) for rest in (False, True)]
         if any(end.endswith("cycle") for end in ends):
             return True
         return None if any(end in UNDECIDED for end in ends) else False
@@ -313,16 +318,16 @@ def tolerated_by_trial(
     values: Mapping[str, float],
     corner: tuple[int, Any, Any],
     stiff: float | None,
-    part: str = "contact",
+    parts: tuple[str, ...] = ("threads",),
 ) -> tuple[float | None, str]:
     """Return the same of compliant threads, by motions after perturbations of either sign, without proof.
 
-    ``stiff``: what the drive with stiff threads tolerates [rad/s], around which others are tried; ``part``: ``rigid``
-    for a drive with rigid parts and a law of friction.
+    ``stiff``: what the drive with stiff threads tolerates [rad/s], around which others are tried; ``parts``: none
+    for a rigid drive with a law of friction.
     """
-    drive = drive_of(sheet, values, *corner, part)
-    threads = " with compliant threads" if part == "contact" else ""
-    definition = find_model(drive.model)
+    drive = drive_of(sheet, values, *corner, parts)
+    threads = " with compliant threads" if "threads" in parts else ""
+    definition = model_of(drive)
 
     def ends(speed: float) -> str:
         state = definition.initial_state(drive, {"u": 0.0, "w": speed})

@@ -24,7 +24,7 @@ from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError, InputError, LsvibError
 from lsvib.models import friction
-from lsvib.models.drive import Drive, RigidDrive
+from lsvib.models.drive import Drive
 from lsvib.models.mechanics import Coefficients, coefficients
 from lsvib.models.rigid import MotionMode, rigid_automaton
 
@@ -54,7 +54,7 @@ class Basin:
     infinity to infinity; ``flow`` is the flow table of the drive's automaton, to which the arcs refer.
     """
 
-    drive: RigidDrive
+    drive: Drive
     boundary: Boundary
     curves: tuple[Curve, ...] = field(repr=False)
     flow: np.ndarray = field(repr=False)
@@ -110,7 +110,7 @@ class Basin:
         return min(max(self.area(window) / window.area, 0.0), 1.0)
 
 
-def basin(drive: RigidDrive) -> Basin:
+def basin(drive: Drive) -> Basin:
     """Compute the basin of steady sliding of the rigid drive.
 
     It is the same under both rules of resuming after a seizure. Raises ``InputError`` where steady sliding attracts
@@ -134,7 +134,7 @@ def known_basin(drive: Drive) -> Basin | None:
     Those are drives of all models but the rigid one, and the few rigid drives for which :func:`basin` raises.
     """
     try:
-        return basin(drive) if isinstance(drive, RigidDrive) else None
+        return basin(drive) if drive.rigid else None
     except LsvibError:
         return None
 
@@ -151,7 +151,7 @@ def _require_attraction(c: Coefficients) -> None:
         )
 
 
-def _continuous(drive: RigidDrive, c: Coefficients) -> tuple[Boundary, list[Curve]]:
+def _continuous(drive: Drive, c: Coefficients) -> tuple[Boundary, list[Curve]]:
     """Return the basin for Γ₊ > 0: the inside of the cycle on to which a motion winds that is followed backwards."""
     with many_digits():
         turns = c.damping[1] >= 0 or c.damping[1] ** 2 < 4 * drive.exact().coupling_stiffness * c.gamma[1]
@@ -175,7 +175,7 @@ def _continuous(drive: RigidDrive, c: Coefficients) -> tuple[Boundary, list[Curv
     return Boundary.CYCLE, [[*_forward_arcs(orbit, drive)]]
 
 
-def _in_paradox(drive: RigidDrive, c: Coefficients) -> tuple[Boundary, list[Curve]]:
+def _in_paradox(drive: Drive, c: Coefficients) -> tuple[Boundary, list[Curve]]:
     """Return the basin in the Painlevé region, from the motion that touches Q = 0."""
     touch = _touch(drive, c)
     if touch is None:
@@ -210,7 +210,7 @@ def _in_paradox(drive: RigidDrive, c: Coefficients) -> tuple[Boundary, list[Curv
     return (Boundary.TOUCHING_SLIP if ended else Boundary.CYCLE), [_with_seizures(arcs[-1], c)]
 
 
-def _touch(drive: RigidDrive, c: Coefficients) -> tuple[arb, arb] | None:
+def _touch(drive: Drive, c: Coefficients) -> tuple[arb, arb] | None:
     """Return the state in which slip touches Q = 0 from within; None if slip never crosses Q = 0 outwards."""
     d = drive.exact()  # on the line u″ = R̃ / (m r_m tan λ) − c_x w / m under either law, so Q′ = κ w + ρ along it
     q_u, q_w, q_0 = c.q_row
@@ -229,7 +229,7 @@ def _touch(drive: RigidDrive, c: Coefficients) -> tuple[arb, arb] | None:
         return -(q_w * w + q_0) / q_u, w
 
 
-def _require_rest_in_basin(drive: RigidDrive, c: Coefficients, edge: float) -> None:
+def _require_rest_in_basin(drive: Drive, c: Coefficients, edge: float) -> None:
     """Refuse drives with R > 0 > R̃ in which slip from θ′ = 0 may settle although release from rest does not."""
     d = drive.exact()
     with many_digits():
@@ -257,7 +257,7 @@ def _with_seizures(slip: Arc, c: Coefficients) -> Curve:
     ]
 
 
-def _wind_up(drive: RigidDrive, back: Automaton, start: NDArray[np.float64], mode: int) -> Motion | None:
+def _wind_up(drive: Drive, back: Automaton, start: NDArray[np.float64], mode: int) -> Motion | None:
     """Return one turn of the cycle on to which a motion backwards winds; None if it grows or does not come back."""
     state, used, chunk = start, 0, 32
     # The turns only grow (docs/basin.md). By 1e9 the constants of the drive no longer count, and they grow for ever.
@@ -288,7 +288,7 @@ def _traced(back: Automaton, state: NDArray[np.float64], mode: int, events: int)
         return None
 
 
-def _forward_arcs(trace: Motion, drive: RigidDrive) -> list[Arc]:
+def _forward_arcs(trace: Motion, drive: Drive) -> list[Arc]:
     """Return the arcs of a motion backwards as arcs forward in time, the earliest first; none has zero duration."""
     codes, turned = trace.automaton.codes, np.array([1.0, -1.0])
     return [
@@ -303,7 +303,7 @@ def _row_of(automaton: Automaton, mode: int) -> int:
     return int(np.flatnonzero(automaton.codes == mode)[0])
 
 
-def _mirrored(found: Basin, drive: RigidDrive) -> Basin:
+def _mirrored(found: Basin, drive: Drive) -> Basin:
     """Return the basin of a drive from that of the drive with Ω and R reversed: the plane turned by half a turn."""
     automaton = rigid_automaton(drive)
 

@@ -4,7 +4,6 @@ import math
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cache
 from typing import Any, Self
 
 import numpy as np
@@ -12,19 +11,9 @@ import numpy as np
 from lsvib import numbers
 from lsvib.errors import InputError
 from lsvib.models.drive import names_and_values
-from lsvib.models.model import all_models
+from lsvib.models.model import coordinates
 
 MOST_CELLS = 100_000_000  # of a map or chart at once; each takes some hundred bytes while it is computed
-
-
-@cache
-def coordinates() -> dict[str, str]:
-    """Return the names that the coordinates of states have in automata and datasets, of all models, by their keys."""
-    return {
-        key: state
-        for model in all_models().values()
-        for key, state in zip((*model.required, *model.optional), model.states, strict=True)
-    }
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,8 @@ from lsvib.basins.grid import Grid
 from lsvib.dynamics.attractor import SteadyState
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
-from lsvib.models.friction import depends_on_speed
-from lsvib.models.model import find_model
+from lsvib.models.mechanism import Resume
+from lsvib.models.model import model_of
 from lsvib.numbers import Progress
 
 QUANTITIES = {"label": np.int8, "time": np.float64, "seizures": np.int32, "first_event": np.int8, "doubt": np.int8}
@@ -21,7 +21,7 @@ NO_DOUBT = -1  # of a cell whose label is known
 class Mapper(ABC):
     """Maps the starts of a drive to what becomes of them, whatever the number of states of its model.
 
-    ``drive``, ``model``, ``physics`` and ``resume`` are those of the scene; ``definition`` is what the model is, and
+    ``drive``, ``physics`` and ``resume`` are those of the scene; ``definition`` is what its parts make of it, and
     ``events`` are the codes of its events by name; ``attractors`` are the cycles that motions are known to reach. A
     mapper fills blocks of about ``block`` cells at a time.
     """
@@ -29,9 +29,9 @@ class Mapper(ABC):
     attractors: Sequence[SteadyState]
     block: int
 
-    def __init__(self, drive: Drive, model: str, physics: tuple[str, ...], resume: str) -> None:
-        self.drive, self.model, self.physics, self.resume = drive, model, physics, resume
-        self.definition = find_model(model)
+    def __init__(self, drive: Drive, physics: tuple[str, ...], resume: Resume) -> None:
+        self.drive, self.physics, self.resume = drive, physics, resume
+        self.definition = model_of(drive)
         self.events = self.definition.events
         self.automaton = self.definition.build(drive, physics, resume)
 
@@ -83,27 +83,3 @@ class Mapper(ABC):
         self, found: Mapping[str, np.ndarray], grid: Grid, x: np.ndarray, y: np.ndarray, quantities: Sequence[str]
     ) -> None:
         """Fill arrays (rows, columns) of at least the ``quantities`` of cells at ``x`` (columns) and ``y`` (rows)."""
-
-
-def mapper(
-    drive: Drive, model: str = "rigid", physics: Sequence[str] | None = None, resume: str = "contact_sign"
-) -> Mapper:
-    """Return the mapper of a drive: a ``PlanarMapper`` for two states and linear modes, else a ``StateMapper``.
-
-    Arguments: drive; name of the model; ``physics`` and ``resume`` as in a scene. Raises ``InputError``.
-
-    >>> import lsvib
-    >>> from lsvib.basins.grid import Axis
-    >>> grid = Grid(Axis("u", -0.03, 0.03, 4), Axis("w", -5, 5, 2))
-    >>> mapped = mapper(lsvib.RigidDrive(mass=11, support_damping=1e-3, axial_force=-10))
-    >>> mapped.cells(grid, quantities=("label",))["label"].tolist()
-    [[0, 0, 0, 0], [0, 0, 0, 2]]
-    """
-    from lsvib.basins.labels import PlanarMapper
-    from lsvib.basins.slice_mapper import StateMapper
-
-    definition = find_model(model)
-    physics = (*definition.terms, *definition.options) if physics is None else tuple(physics)
-    linear = len(definition.states) == 2 and not depends_on_speed(drive)
-    kind = PlanarMapper if linear else StateMapper
-    return kind(drive, model, physics, resume)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from lsvib.basins.boundary import AttractsNothing, Basin, basin
 from lsvib.basins.curves import Arc, Part, Piece, Window, sign_changes, state_on
 from lsvib.engine.kernels import layout
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 from lsvib.models.rigid import rigid_automaton
 
 
@@ -45,7 +45,7 @@ class Resilience:
         return found | {"state": [x if math.isfinite(x) else None for x in self.state]}
 
 
-def resilience(drive: RigidDrive, window: Part | None = None) -> Resilience:
+def resilience(drive: Drive, window: Part | None = None) -> Resilience:
     """Return the perturbations that the steady sliding of a rigid drive tolerates.
 
     Arguments: drive; a ``window`` of the phase plane. Raises ``InputError`` and ``EngineError`` where the basin is not

@@ -28,15 +28,16 @@ from lsvib.engine.automaton import (
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.kernels.layout import Test
 from lsvib.errors import InputError
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.rigid import SLIPS, EventKind, MotionMode, rigid_automaton
+from lsvib.models.mechanism import Event
+from lsvib.models.rigid import SLIPS, MotionMode, rigid_automaton
 
 BEGINNING = int(MotionMode.REST)  # code of the mode in which a trace ends
 _SIGNS = {MotionMode[name.upper()]: signs for name, signs in SLIPS.items()}
 
 
-def backward_automaton(drive: RigidDrive, touch: arb | None = None) -> Automaton:
+def backward_automaton(drive: Drive, touch: arb | None = None) -> Automaton:
     """Return the automaton of a drive in reversed time, Ω > 0.
 
     ``touch`` [rad], for Γ₊ ≤ 0: the deviation u at which a motion touches Q = 0; slip forward ends on one side of it
@@ -68,9 +69,9 @@ def backward_automaton(drive: RigidDrive, touch: arb | None = None) -> Automaton
         transitions, named = {}, {signs: mode.name for mode, signs in _SIGNS.items()}
         for mode in map(MotionMode.__getitem__, modes):
             direction, q_sign = _SIGNS[mode]
-            reversal = Branch(named[direction, -q_sign], EventKind.CONTACT_REVERSAL)
+            reversal = Branch(named[direction, -q_sign], Event.CONTACT_REVERSAL)
             transitions[f"contact_{mode.name}"] = Transition((reversal,))
-            transitions[f"stand_{mode.name}"] = Transition((Branch(named[-direction, q_sign], EventKind.REVERSAL),))
+            transitions[f"stand_{mode.name}"] = Transition((Branch(named[-direction, q_sign], Event.REVERSAL),))
     else:
         transitions = _seizures(c.q_row, touch)
         # Any motion that grows would do: nothing comes back from there.
@@ -89,15 +90,15 @@ def _seizures(q_row, touch: arb) -> dict[str, Transition]:
     """Transitions for Γ₊ ≤ 0: from θ′ = 0 to the state of Q = 0 in which the seizure began."""
     q_u, q_w, q_0 = q_row
     forward, backward = MotionMode.SLIP_FORWARD_NEGATIVE.name, MotionMode.SLIP_BACKWARD_POSITIVE.name
-    nothing = Branch("beginning", EventKind.SEIZURE)
+    nothing = Branch("beginning", Event.SEIZURE)
     if q_w == 0:  # every seizure ends in the corner, in rest
         ends = Transition((nothing,))
         return {"nothing": ends, f"stand_{forward}": ends, f"stand_{backward}": ends}
     with many_digits():
         reset = ((1, 0, 0), (q_u / q_w, 0, q_0 / q_w))
         # Q = 0 is arrived at from inside beyond the point of touching only.
-        ended_forward = Branch(forward, EventKind.SEIZURE, (((-q_w, 0, q_w * touch), Test.POSITIVE),))
-    ended_backward = Branch(backward, EventKind.SEIZURE)
+        ended_forward = Branch(forward, Event.SEIZURE, (((-q_w, 0, q_w * touch), Test.POSITIVE),))
+    ended_backward = Branch(backward, Event.SEIZURE)
     into_forward_slip = (ended_forward, nothing) if q_w > 0 else (ended_backward,)
     return {
         "nothing": Transition((nothing,)),

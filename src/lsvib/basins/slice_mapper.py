@@ -9,11 +9,13 @@ from contextlib import suppress
 
 import numpy as np
 
-from lsvib.basins.grid import Grid, coordinates
+from lsvib.basins.grid import Grid
 from lsvib.basins.mapper import NO_DOUBT, Mapper
 from lsvib.dynamics.attractor import Attractor, Doubt, KnownCycles, SteadyState, end_of_motion
 from lsvib.errors import EngineError, InputError
 from lsvib.models.drive import Drive
+from lsvib.models.mechanism import Resume
+from lsvib.models.model import coordinates
 
 
 class StateMapper(Mapper):
@@ -25,8 +27,8 @@ class StateMapper(Mapper):
 
     block = 1  # a row at a time
 
-    def __init__(self, drive: Drive, model: str, physics: tuple[str, ...], resume: str) -> None:
-        super().__init__(drive, model, physics, resume)
+    def __init__(self, drive: Drive, physics: tuple[str, ...], resume: Resume) -> None:
+        super().__init__(drive, physics, resume)
         self.keys = tuple(key for key in coordinates() if coordinates()[key] in self.automaton.states)
         self.attractors: list[SteadyState] = []
         speed = abs(drive.input_speed)
@@ -46,10 +48,10 @@ class StateMapper(Mapper):
         given = (grid.x.coordinate, grid.y.coordinate, *grid.fixed)
         for key in given:
             if key not in self.keys:
-                raise InputError(f"the model {self.model} has the coordinates {', '.join(self.keys)}, not {key}.")
+                raise InputError(f"this drive has the coordinates {', '.join(self.keys)}, not {key}.")
         for key in self.definition.required:
             if key not in given:
-                raise InputError(f"the grid of the model {self.model} needs the coordinate {key}, as an axis or fixed.")
+                raise InputError(f"the grid needs the coordinate {key}, as an axis or fixed.")
 
     def fill(
         self, found: Mapping[str, np.ndarray], grid: Grid, x: np.ndarray, y: np.ndarray, quantities: Sequence[str]

@@ -19,32 +19,58 @@ def config(*, drive: DriveOptions = CHAPTER, scene: SceneFile = None, as_json: A
 
         lsvib config --set lead_angle_deg=4 --json
 
-        lsvib config --model threads
+        lsvib config --set contact_stiffness=1e8 --set contact_damping=1e8
     """
-    from lsvib.api import drive_class
-    from lsvib.models.drive import allowed_range, described, names_and_values
+    from lsvib.models.drive import Drive, allowed_range, described, names_and_values
     from lsvib.models.scene import Scene, read_yaml
 
     start = read_yaml(scene) if scene else {}
     for key in start:
         if key not in Scene.model_fields:
             raise InputError(f"{key} is not a known key; the known keys are {', '.join(Scene.model_fields)}.")
-    kind = drive_class(drive.model or start.get("model", "rigid"))
     fields = {}
-    made = kind.of(names_and_values("drive", start.get("drive"))).replace(**drive.values())
+    made = Drive.of(names_and_values("drive", start.get("drive"))).replace(**drive.values())
     for key, value in made.model_dump().items():
-        about = described(kind, key)
-        allowed = allowed_range(kind, key)
+        about = described(Drive, key)
+        allowed = allowed_range(Drive, key)
         fields[key] = {"value": value, "unit": about["unit"], "symbol": about["symbol"], "allowed": allowed}
 
     def text(fields: Mapping[str, Any]) -> None:
         """Print the parameters as a table."""
-        rows = [
-            (key, one["symbol"], f"{one['value']:.15g}", one["unit"], one["allowed"]) for key, one in fields.items()
-        ]
+        rows = [(key, one["symbol"], _number(one["value"]), one["unit"], one["allowed"]) for key, one in fields.items()]
         table(rows, "parameter", "symbol", "value", "unit", "allowed range")
 
     show(fields, as_json, text)
+
+
+def _number(value: float | None) -> str:
+    """A value, or that its part is not there."""
+    return "not there" if value is None else f"{value:.15g}"
+
+
+@app.command
+def describe(*, drive: DriveOptions = CHAPTER, as_json: AsJson = False) -> None:
+    """Show what a drive is made of: parts that comply, coordinates, equations of motion with numbers, modes.
+
+    Example of use:
+
+        lsvib describe --set contact_stiffness=1e8 --set screw_mass=3 --set support_stiffness=1e6
+    """
+    from lsvib.models.description import described as description_of
+
+    def text(found: Mapping[str, Any]) -> None:
+        """Print it line by line."""
+        print(f"What complies: {', '.join(found['parts']) or 'nothing but the coupling'}.")
+        print("\nEquations (SI units; n axial contact force, τ torque of the threads)")
+        print(*(f"  {line}" for line in found["equations"]), sep="\n")
+        print()
+        rows = [(key, one["unit"], one["long_name"]) for key, one in found["coordinates"].items()]
+        table(rows, "coordinate", "unit", "meaning")
+        print()
+        table([(key, f"{value:.6g}") for key, value in found["steady"].items()], "in steady sliding", "value")
+        print(f"\nModes: {', '.join(found['modes'])}.")
+
+    show(description_of(drive.drive()).to_json(), as_json, text)
 
 
 @app.command
@@ -100,7 +126,7 @@ def thresholds(
 
         lsvib thresholds --solve stick --for translation_damping --set translation_damping=1000 --set axial_force=35
 
-        lsvib thresholds --solve flutter --for mass --model threads --set contact_damping=5e4 --json
+        lsvib thresholds --solve flutter --for mass --set contact_stiffness=1e8 --set contact_damping=5e4 --json
     """
     asked = drive.drive()
     if solve is not None:
@@ -117,9 +143,9 @@ def stability(*, drive: DriveOptions = CHAPTER, as_json: AsJson = False) -> None
 
         lsvib stability --set mass=11
 
-        lsvib stability --model threads --set mass=9 --set contact_damping=5e4 --json
+        lsvib stability --set mass=9 --set contact_stiffness=1e8 --set contact_damping=5e4 --json
 
-        lsvib stability --model support --set mass=15 --set friction_coefficient=0.3
+        lsvib stability --set screw_mass=11.6 --set support_stiffness=1e6 --set mass=15 --set friction_coefficient=0.3
     """
     show(drive.drive().stability().to_json(), as_json, _print_stability)
 

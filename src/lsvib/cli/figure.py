@@ -82,7 +82,7 @@ def _name(number: str) -> str:
 def _changed_drive(number: str, name: str, section: Mapping[str, Any], changes: Mapping[str, str]) -> dict[str, Any]:
     """Return the drive of a figure with changes; a change that would change nothing in the figure is refused."""
     from lsvib.figures.configuration import settings_of
-    from lsvib.models.drive import RigidDrive, changed
+    from lsvib.models.drive import Drive, changed
     from lsvib.models.pairings import in_parameters
     from lsvib.numbers import number as number_of
 
@@ -95,7 +95,7 @@ def _changed_drive(number: str, name: str, section: Mapping[str, Any], changes: 
                 f"figure {number} does not depend on {key} of its drive, so --set {key} would change nothing."
             )
     given = section.get("drive", {})
-    RigidDrive.of(changed(given, changes))  # refuses a key or a value with the words of the other commands
+    Drive.of(changed(given, changes))  # refuses a key or a value with the words of the other commands
     return changed(given, {key: number_of(text) for key, text in changes.items()})
 
 

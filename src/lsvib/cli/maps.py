@@ -36,7 +36,8 @@ def attraction(
         lsvib attraction --set mass=11 --set support_damping=1e-3 --set axial_force=-10 --grid u=-0.3:0.3:2000
         w=-150:150:2000 --out map.nc --workers 2
 
-        lsvib attraction --model threads --set mass=11 --grid u=-0.05:0.05:100 w=-15:15:100 --out slice.nc
+        lsvib attraction --set contact_stiffness=1e8 --set contact_damping=1e8 --set mass=11 --grid u=-0.05:0.05:100
+        w=-15:15:100 --out slice.nc
     """
     from lsvib.datasets.map import map_attraction, summary
 
@@ -70,7 +71,7 @@ def chart(
         lsvib chart --x mass=1:20:400 --y axial_force=-60:60:400 --set translation_damping=300 --workers 2 --out
         chart.nc --figure chart.png
 
-        lsvib chart --model threads --x contact_stiffness=1e4:1e9:30 --y contact_damping=1:1e9:30 --set mass=9 --out
+        lsvib chart --x contact_stiffness=1e4:1e9:30 --y contact_damping=1:1e9:30 --set mass=9 --out
         contacts.nc
     """
     from time import perf_counter

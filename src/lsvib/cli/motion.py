@@ -27,7 +27,7 @@ def simulate(
 
     Examples of use:
 
-        lsvib simulate --model rigid --set mass=11 --set support_damping=1e-3 --set axial_force=-10 --start u=0.1 w=0
+        lsvib simulate --set mass=11 --set support_damping=1e-3 --set axial_force=-10 --start u=0.1 w=0
         --duration 0.5 --out motion.nc
 
         lsvib simulate --scene scene.yaml --samples 5000 --out motion.nc --json
@@ -35,7 +35,7 @@ def simulate(
     from lsvib.datasets.motion import as_scene, attractor_of, motion_file, run, summary
 
     files = options.Files(out, reads=scene)
-    given: dict[str, Any] = {"model": drive.model, "duration": duration, "samples": samples, "resume": resume}
+    given: dict[str, Any] = {"duration": duration, "samples": samples, "resume": resume}
     if start:
         given["start"] = dict(start)
     checked = as_scene(scene, {key: value for key, value in given.items() if value is not None}, drive.values())
@@ -62,7 +62,7 @@ def sweep(
 
         lsvib sweep --set translation_damping=1000 --over axial_force=1:60:200 --json
 
-        lsvib sweep --model threads --set mass=11 --over contact_damping=1e7:1e8:100 --workers 2
+        lsvib sweep --set contact_stiffness=1e8 --set mass=11 --over contact_damping=1e7:1e8:100 --workers 2
     """
     from time import perf_counter
 
@@ -93,7 +93,7 @@ def cycles(
 
         lsvib cycles --set mass=11 --set support_damping=2e-3 --set axial_force=-18.37
 
-        lsvib cycles --model threads --set mass=11 --json
+        lsvib cycles --set contact_stiffness=1e8 --set contact_damping=1e8 --set mass=11 --json
     """
     show(drive.drive().cycles(resume=resume).to_json(), as_json, _print_cycles)
 

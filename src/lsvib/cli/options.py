@@ -10,14 +10,13 @@ from cyclopts import Parameter
 
 from lsvib import numbers
 from lsvib.errors import InputError
-from lsvib.models.model import model_names
 from lsvib.models.pairings import stated
 
 if TYPE_CHECKING:
     import numpy as np
     import xarray as xr
 
-    from lsvib.api import DriveMethods
+    from lsvib.api import Drive
 
 
 class Pair(NamedTuple):
@@ -146,20 +145,17 @@ AsJson = Annotated[bool, Parameter(name="--json", negative="", help="Print one J
 class DriveOptions:
     """The drive that a command is about."""
 
-    model: Annotated[
-        str | None, Parameter(help=f"{', '.join(model_names())}; by default that of the scene, or {model_names()[0]}.")
-    ] = None
     changes: Changes = None
 
     def values(self) -> dict[str, str]:
         """Return the changed parameters, as text by name."""
         return dict(self.changes or [])
 
-    def drive(self) -> "DriveMethods":
+    def drive(self) -> "Drive":
         """Return the drive; raises ``InputError``."""
-        from lsvib.api import drive_class
+        from lsvib.api import Drive
 
-        return drive_class(self.model or model_names()[0]).of(self.values())
+        return Drive.of(self.values())
 
     def refuse(self, *axes: NamedTuple) -> None:
         """Refuse parameters that are varied as well as changed; raises ``InputError``."""

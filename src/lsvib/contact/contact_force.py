@@ -31,7 +31,7 @@ from numpy.typing import ArrayLike
 
 from lsvib.errors import InputError
 from lsvib.models import friction
-from lsvib.models.drive import RigidDrive, ThreadsDrive
+from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients, effective_inertia, friction_factor
 from lsvib.numbers import bisected
 
@@ -129,7 +129,7 @@ class ForceArc:
     duration: float
 
 
-def contact_flows(drive: ThreadsDrive, paradox: Paradox) -> dict[int, ForceFlow]:
+def contact_flows(drive: Drive, paradox: Paradox) -> dict[int, ForceFlow]:
     """Return the flow of each law, θ′ > 0 (module text). Raises ``InputError`` unless Γ_+ < 0, or if ζ = 2 exactly."""
     c = coefficients(drive)
     plus, minus = float(c.gamma[1]), float(c.gamma[-1])
@@ -146,19 +146,19 @@ def contact_flows(drive: ThreadsDrive, paradox: Paradox) -> dict[int, ForceFlow]
     }
 
 
-def contact_frequency(drive: ThreadsDrive) -> float:
+def contact_frequency(drive: Drive) -> float:
     """Frequency of the contact under law −, ω̄_- = √(k_c cos λ b_- Γ_- / (m I)) [1/s] (eq. 8.9)."""
     inertia = drive.mass * drive.screw_inertia
     stiffness = drive.contact_stiffness * math.cos(drive.lead_angle) * _lever(drive, -1)
     return math.sqrt(stiffness * float(coefficients(drive).gamma[-1]) / inertia)
 
 
-def force_scale(drive: ThreadsDrive) -> float:
+def force_scale(drive: Drive) -> float:
     """Return b_+ / b_-, the factor from x to the chapter's χ on the side of law + [1]."""
     return _lever(drive, 1) / _lever(drive, -1)
 
 
-def _lever(drive: ThreadsDrive, law: int) -> float:
+def _lever(drive: Drive, law: int) -> float:
     return math.cos(drive.lead_angle) + law * float(drive.exact().steady_friction) * math.sin(drive.lead_angle)
 
 
@@ -199,7 +199,7 @@ class Existence(IntEnum):
     BOUNDARY = 3  # Q = 0 or θ′ = 0: the sign functions of (8.3) are not defined
 
 
-def contact_forces(drive: RigidDrive, u: ArrayLike, w: ArrayLike) -> np.ndarray:
+def contact_forces(drive: Drive, u: ArrayLike, w: ArrayLike) -> np.ndarray:
     """Contact force that each friction law would give, N_s = Q / [Γ_s (cos λ + s μ sin λ)] (eqs 8.5, 8.17).
 
     Arguments: u [rad], w = u′ [rad/s], arrays of one shape. Returns N₊ and N₋ [N], shape (2, ...). The law is
@@ -217,7 +217,7 @@ def contact_forces(drive: RigidDrive, u: ArrayLike, w: ArrayLike) -> np.ndarray:
         return np.stack([q / (gamma[s] * (cosine + s * mu * sine)) for s in (1, -1)])
 
 
-def _at_speed(drive: RigidDrive, w: np.ndarray) -> tuple[Any, dict[int, Any]]:
+def _at_speed(drive: Drive, w: np.ndarray) -> tuple[Any, dict[int, Any]]:
     """μ and Γ_s at the rate w [rad/s] of states."""
     tangent = np.tan(drive.lead_angle)
     mu, _ = friction.steady({**dict(drive), "input_speed": np.atleast_1d(drive.input_speed + w)}, tangent)
@@ -227,7 +227,7 @@ def _at_speed(drive: RigidDrive, w: np.ndarray) -> tuple[Any, dict[int, Any]]:
     return mu, {s: effective_inertia(*geometry, factor) for s, factor in factors.items()}
 
 
-def existence(drive: RigidDrive, u: ArrayLike, w: ArrayLike) -> np.ndarray:
+def existence(drive: Drive, u: ArrayLike, w: ArrayLike) -> np.ndarray:
     """Classify states by their number of admissible contact forces; equal shapes in, ``Existence`` (int8) out."""
     forces = contact_forces(drive, u, w)
     direction = np.sign(drive.input_speed + np.asarray(w))

@@ -19,11 +19,11 @@ from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import InputError
 from lsvib.models import friction
-from lsvib.models.drive import RigidDrive, ThreadsDrive
+from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.model import RULES
-from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
-from lsvib.models.threads import ThreadsEvent, seated_state, threads_automaton
+from lsvib.models.mechanism import RULES, Event, seated_state
+from lsvib.models.model import automaton_of
+from lsvib.models.rigid import MotionMode, rigid_automaton
 
 _CORNERS = (800, 3000)  # that represent a motion after one impact, and a cycle, which is longer and bends more
 
@@ -126,7 +126,7 @@ class Impact:
     w: float
 
 
-def impacts(drive: RigidDrive, speed: float) -> Iterator[Impact]:
+def impacts(drive: Drive, speed: float) -> Iterator[Impact]:
     """Yield an impact from θ′ = ±``speed`` [rad/s] for each region that it can reach, in the middle of what it reaches.
 
     The outer regions are taken as wide as the band. Raises ``InputError`` for friction that is not one number.
@@ -155,17 +155,17 @@ def impacts(drive: RigidDrive, speed: float) -> Iterator[Impact]:
                 yield Impact(sign, region, 0.5 * (left + right), w)
 
 
-def stiffened(drive: RigidDrive, family: BranchFamily, stiffness: float, damping_ratio: float) -> ThreadsDrive:
+def stiffened(drive: Drive, family: BranchFamily, stiffness: float, damping_ratio: float) -> Drive:
     """Return the drive with a compliant contact of ``stiffness`` k_c [N/m]; ``damping_ratio`` ζ [1] for its family."""
     damping = {
         BranchFamily.VISCOUS: stiffness,
         BranchFamily.DAMPING_RATIO: 2 * damping_ratio * math.sqrt(stiffness * drive.mass),
         BranchFamily.ELASTIC: 0.0,
     }[family]
-    return ThreadsDrive.of(drive.model_dump(), contact_stiffness=stiffness, contact_damping=damping)
+    return Drive.of(drive.model_dump(), contact_stiffness=stiffness, contact_damping=damping)
 
 
-def rebound_force(drive: ThreadsDrive, speed: float) -> float:
+def rebound_force(drive: Drive, speed: float) -> float:
     """Return the force [N] with which the nut is thrown back after an impact from θ′ = ``speed`` [rad/s]."""
     if drive.contact_damping == 0:
         return math.inf
@@ -180,7 +180,7 @@ class LimitBranch:
     ``rigid`` and ``orbits``: one for each rule of resuming; ``differ``: whether the rules lead to different motions.
     """
 
-    drive: RigidDrive
+    drive: Drive
     impact: Impact | None
     start: Sequence[float]
     rigid: list[Motion]
@@ -188,7 +188,7 @@ class LimitBranch:
     differ: bool
 
     @classmethod
-    def of(cls, drive: RigidDrive, impact: Impact | None, start: Sequence[float], rigid: list[Motion]) -> Self:
+    def of(cls, drive: Drive, impact: Impact | None, start: Sequence[float], rigid: list[Motion]) -> Self:
         """Prepare the comparison; scales are half the peak-to-peak of u [rad] of the first motion, and |Ω| [rad/s]."""
         one, other = rigid
         differ = one.time.size != other.time.size or not (
@@ -200,7 +200,7 @@ class LimitBranch:
         return cls(drive, impact, start, rigid, orbits, differ)
 
 
-def branches(drive: RigidDrive, speed: float, duration: float, start: Sequence[float]) -> Iterator[LimitBranch]:
+def branches(drive: Drive, speed: float, duration: float, start: Sequence[float]) -> Iterator[LimitBranch]:
     """Yield the impacts from θ′ = ±``speed`` [rad/s], followed for ``duration`` [s], and the cycle from ``start``.
 
     Raises ``InputError`` if the drive is outside the Painlevé region, has c_x ≠ 0, or has no cycle.
@@ -220,13 +220,13 @@ def branches(drive: RigidDrive, speed: float, duration: float, start: Sequence[f
     yield LimitBranch.of(drive, None, start, cycles)
 
 
-def deviations(branch: LimitBranch, drive: ThreadsDrive) -> dict[str, Any]:
+def deviations(branch: LimitBranch, drive: Drive) -> dict[str, Any]:
     """Return how far the compliant motion deviates from the rigid ones; empty if it should have a cycle and has none.
 
     ``motion_distance`` [1], ``rest_error`` [s] and, of a cycle, ``period_error`` [1], one for each rule;
     ``impulse_error`` [1] and ``stop_time`` [s] of an impact, until the screw first stands; ``rests``, their number.
     """
-    automaton, seated = threads_automaton(drive), seated_state(drive, *branch.start)
+    automaton, seated = automaton_of(drive), seated_state(drive, *branch.start)
     if branch.impact is None:
         motion = steady_state(automaton, seated, max_events=100_000).orbit
     else:
@@ -243,7 +243,7 @@ def deviations(branch: LimitBranch, drive: ThreadsDrive) -> dict[str, Any]:
     if branch.impact is None:
         return values | {"period_error": [motion.end_time / rigid.end_time - 1 for rigid in branch.rigid]}
     expected = float(seizure_impulses(drive, drive.input_speed + branch.impact.w).normal)
-    stops = motion.time[np.isin(motion.kind, (ThreadsEvent.STICK, ThreadsEvent.REVERSAL))]
+    stops = motion.time[np.isin(motion.kind, (Event.STICK, Event.REVERSAL))]
     return values | {
         "impulse_error": impact_impulse(drive, motion) / expected - 1,
         "stop_time": stops[0] if stops.size else math.nan,
@@ -252,7 +252,7 @@ def deviations(branch: LimitBranch, drive: ThreadsDrive) -> dict[str, Any]:
 
 def outcome(motion: Motion) -> ImpactOutcome:
     """Return what follows the first seizure of a rigid motion."""
-    first = motion.mode[motion.kind == EventKind.SEIZURE][0]
+    first = motion.mode[motion.kind == Event.SEIZURE][0]
     return {
         MotionMode.REST: ImpactOutcome.REST,
         MotionMode.SLIP_FORWARD_NEGATIVE: ImpactOutcome.FORWARD_SLIP,
@@ -260,7 +260,7 @@ def outcome(motion: Motion) -> ImpactOutcome:
     }[MotionMode(int(motion.automaton.codes[first]))]
 
 
-def impact_impulse(drive: ThreadsDrive, motion: Motion) -> float:
+def impact_impulse(drive: Drive, motion: Motion) -> float:
     """Return the normal impulse [N s] of the first impact of a compliant motion (c_x = 0); nan if it never stands.
 
     The impact lasts from the last reversal of the contact force before the first rest to the end of that rest; the
@@ -276,7 +276,7 @@ def impact_impulse(drive: ThreadsDrive, motion: Motion) -> float:
     if rests.size == 0:
         return math.nan
     stand = rests[0]
-    reversals = np.flatnonzero(motion.kind[:stand] == ThreadsEvent.CONTACT_REVERSAL) + 1
+    reversals = np.flatnonzero(motion.kind[:stand] == Event.CONTACT_REVERSAL) + 1
     begin = reversals[-1] if reversals.size else 0
     reach = drive.pitch_radius * math.tan(drive.lead_angle)
     change = (ends[:, 3] - starts[:, 3]) + reach * (ends[:, 1] - starts[:, 1])  # of x′

@@ -32,7 +32,7 @@ def analyse(
     where it does not exist, with the reason as its comment. Raises ``InputError`` as :meth:`Drive.stability` does.
 
     >>> import lsvib
-    >>> found = analyse([lsvib.RigidDrive(mass=11)], [("kinematic_constraint", "mass")])
+    >>> found = analyse([lsvib.Drive(mass=11)], [("kinematic_constraint", "mass")])
     >>> f"{found.kinematic_constraint_mass.item():.6f}", found.paradox_region.item()
     ('10.106965', 1)
     """

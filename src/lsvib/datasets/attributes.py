@@ -13,7 +13,7 @@ import numpy as np
 
 from lsvib.models import chapter
 from lsvib.models.drive import Drive
-from lsvib.models.model import find_model, model_names
+from lsvib.models.model import QUANTITIES
 
 _LONG_NAMES = {
     "angle_deviation": ("deviation of the coupling deflection from steady sliding", "rad", "$u$"),
@@ -32,6 +32,11 @@ Variable = tuple[Dims, Any, dict[str, Any]]  # as xarray.Dataset takes one
 Variables = dict[str, Variable]
 
 
+def parts_in_words(drive: Drive) -> str:
+    """Return the names of the parts that a drive has, as files say them."""
+    return " ".join(drive.parts) or "none"
+
+
 def flags(kinds: Iterable[IntEnum]) -> dict[str, Any]:
     """Return the CF attributes ``flag_values`` and ``flag_meanings`` for an ``IntEnum``."""
     return {
@@ -48,11 +53,7 @@ def flags_or_none(kinds: Iterable[IntEnum]) -> dict[str, Any]:
 
 def quantity(name: str, when: str = "") -> dict[str, str]:
     """Return ``long_name``, ``units`` and ``symbol`` of a quantity of a drive, before or after an event if so said."""
-    own = _LONG_NAMES.get(name)
-    for model in () if own else model_names():  # imported one by one, up to the one that has it
-        own = own or find_model(model).quantities.get(name)
-    assert own is not None, name
-    long_name, units, symbol = own
+    long_name, units, symbol = (_LONG_NAMES | QUANTITIES)[name]
     return {"long_name": f"{long_name}, {when} the event" if when else long_name, "units": units, "symbol": symbol}
 
 
@@ -175,7 +176,7 @@ def drive_parameters(
         words = ["_".join(f"{name}_{getattr(drive, name)!r}" for name in along) or "drive" for drive in row]
         result[dim] = named_index(dim, f"index of the {dim}", words)
     own = {name for drive in row for name, _ in drive}
-    for name in type(row[0]).model_fields:
+    for name in Drive.model_fields:
         if name in axes or name not in own:
             continue
         values = np.array([getattr(drive, name) for drive in row])

@@ -24,6 +24,7 @@ from lsvib.datasets.attributes import (
     fractions,
     given,
     parameter,
+    parts_in_words,
     variable,
 )
 from lsvib.datasets.io import write_dataset
@@ -32,7 +33,8 @@ from lsvib.datasets.sweep import known_key, product_of
 from lsvib.dynamics.behaviour import Behaviour, behaviours
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
-from lsvib.models.model import Resume, all_models, find_model, rule
+from lsvib.models.mechanism import Resume, rule
+from lsvib.models.model import model_of
 from lsvib.numbers import Progress
 from lsvib.stability.curves import LOGARITHMIC, ChartBoundary, boundary_curves
 
@@ -95,9 +97,10 @@ class Plane:
     @classmethod
     def of(cls, drive: Drive, x: Any, y: Any) -> Self:
         """Make the plane from axes as :meth:`ChartAxis.of` takes them; raises ``InputError``."""
-        if not find_model(drive.model).curves:
-            charted = " and ".join(name for name, model in all_models().items() if model.curves)
-            raise InputError(f"charts are for the models {charted}, not for {drive.model}.")
+        if not model_of(drive).curves:
+            raise InputError(
+                "charts are for rigid drives, and for drives with compliant threads and nothing else that complies."
+            )
         plane = cls(drive, ChartAxis.of(drive, "x", x), ChartAxis.of(drive, "y", y))
         if plane.x.name == plane.y.name:
             raise InputError(f"x and y are both {plane.x.name}; a chart needs two parameters.")
@@ -130,7 +133,7 @@ class Plane:
                 "title": f"What a lead-screw drive does over {self.x.name} and {self.y.name}",
                 "source": "lsvib, exact event-driven motions from two starts of the drive in the middle of every cell",
                 "references": "doi:10.1007/978-1-4419-1752-2_8, Sects 8.5-8.7",
-                "model": self.drive.model,
+                "parts": parts_in_words(self.drive),
                 "parameters": json.dumps(dict(fixed)),
                 "resume": resume,
             },
@@ -191,10 +194,10 @@ def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
 
 
 def write_chart(settings: Mapping[str, Any], path: str | os.PathLike[str], workers: int = 1) -> None:
-    """Write the chart of settings ``model``, ``drive`` (changes of Table 8.1), ``x``, ``y`` and ``resume``.
+    """Write the chart of settings ``drive`` (changes of Table 8.1), ``x``, ``y`` and ``resume``.
 
     Each axis has ``parameter``, ``start``, ``stop`` and ``count``. Raises ``InputError``.
     """
-    drive = find_model(settings.get("model", "rigid")).drive.of(settings["drive"])
+    drive = Drive.of(settings["drive"])
     x, y = ([settings[name][key] for key in ("parameter", "start", "stop", "count")] for name in ("x", "y"))
     write_dataset(chart(drive, x, y, settings.get("resume", "contact_sign"), workers), path)

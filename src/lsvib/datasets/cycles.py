@@ -11,7 +11,7 @@ import xarray as xr
 from lsvib import numbers
 from lsvib.basins.boundary import Boundary, known_basin
 from lsvib.basins.curves import Arc
-from lsvib.datasets.attributes import flagged, variable, yes_no
+from lsvib.datasets.attributes import flagged, parts_in_words, variable, yes_no
 from lsvib.datasets.sweep import known_key
 from lsvib.dynamics.attractor import Attractor, SteadyState
 from lsvib.dynamics.continuation import CycleBranch, follow_cycle
@@ -20,7 +20,7 @@ from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import layout
 from lsvib.errors import EngineError, InputError
 from lsvib.models.drive import Drive, described, zero_if_close
-from lsvib.models.model import find_model
+from lsvib.models.model import model_of
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ def find_cycles(drive: Drive, automaton: Automaton) -> Cycles:
             arcs = [piece for piece in basin.curves[0] if isinstance(piece, Arc)]
             mode = automaton.codes.tolist().index(basin.codes[arcs[0].mode])
             seeds = [Seed(np.array(arcs[0].start, dtype=float), mode, len(arcs), "boundary of the basin")]
-    model = find_model(drive.model)
+    model = model_of(drive)
     given = [{"u": u, "w": w} for u, w in starts(drive)] + random_starts(drive)
     states = [model.initial_state(drive, start) for start in given]
     found = search(drive, automaton, states, seeds)
@@ -153,7 +153,7 @@ def branch_dataset(drive: Drive, branch: CycleBranch) -> xr.Dataset:
             "title": f"A cycle of the lead-screw drive over {branch.parameter}",
             "source": "lsvib, Newton's method on the exact return map, pseudo-arclength continuation",
             "references": "doi:10.1007/978-1-4419-1752-2_8",
-            "model": drive.model,
+            "parts": parts_in_words(drive),
             "changes": json.dumps(branch_json(branch)["changes"]),
             "parameters": json.dumps({key: value for key, value in drive if key != branch.parameter}),
         },

@@ -14,8 +14,9 @@ import xarray as xr
 from lsvib import numbers
 from lsvib.basins.boundary import known_basin
 from lsvib.basins.curves import Window
-from lsvib.basins.grid import MOST_CELLS, Grid, coordinates
-from lsvib.basins.mapper import NO_DOUBT, Mapper, mapper
+from lsvib.basins.grid import MOST_CELLS, Grid
+from lsvib.basins.mapper import NO_DOUBT, Mapper
+from lsvib.basins.mapping import mapper
 from lsvib.datasets import phase_plane
 from lsvib.datasets.attributes import (
     Variable,
@@ -25,14 +26,16 @@ from lsvib.datasets.attributes import (
     flags_or_none,
     fractions,
     given,
+    parts_in_words,
     quantity,
     variable,
 )
 from lsvib.datasets.io import joined, rows_of, write_dataset
 from lsvib.dynamics.attractor import Attractor, Doubt
 from lsvib.errors import InputError
-from lsvib.models.drive import Drive, RigidDrive, names_and_values
-from lsvib.models.model import find_model, rule
+from lsvib.models.drive import Drive, names_and_values
+from lsvib.models.mechanism import rule
+from lsvib.models.model import coordinates
 from lsvib.numbers import Progress
 
 
@@ -64,7 +67,7 @@ def map_attraction(
         raise InputError(
             f"grid has {total} cells; the allowed range is up to {MOST_CELLS}, or the tiles of the workflow."
         )
-    mapped = mapper(drive, drive.model, resume=rule(resume))
+    mapped = mapper(drive, resume=rule(resume))
     if isinstance(quantities, str) or not isinstance(quantities, Sequence):
         raise InputError(f"quantities = {numbers.shown(quantities)} is not a list of names.")
     wanted = list(dict.fromkeys(["label", *quantities]))
@@ -79,7 +82,7 @@ def map_attraction(
     return AttractionMap(whole, count(found["label"]), seconds, dict(sorted(doubts.items())))
 
 
-def grids_of(drives: Sequence[RigidDrive], angle: Mapping[str, Any], velocity: Mapping[str, Any]) -> xr.Dataset:
+def grids_of(drives: Sequence[Drive], angle: Mapping[str, Any], velocity: Mapping[str, Any]) -> xr.Dataset:
     """Return the attractors of the motions of some drives from the middles of cells, (case, u, w), by the mapper.
 
     ``angle`` u [rad] and ``velocity`` w [rad/s]: ``start``, ``stop`` and ``count`` of the cells of equal width.
@@ -130,7 +133,7 @@ def frame(mapper: Mapper, grid: Grid) -> xr.Dataset:
             "title": "Regions of attraction of a lead-screw drive",
             "source": "lsvib, exact event-driven motion from the middle of every cell",
             "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.7",
-            "model": mapper.model,
+            "parts": parts_in_words(mapper.drive),
             "parameters": json.dumps(dict(mapper.drive)),
             "physics": " ".join(mapper.physics),
             "resume": mapper.resume,
@@ -183,7 +186,7 @@ def surroundings(mapper: Mapper, grid: Grid) -> dict[str, Variable]:
     points = np.array([phase_plane.sample(orbit, count)[1][:, :2] for orbit in orbits])
     if orbits:
         data |= phase_plane.curve("cycle", ("cycle", "sample"), points, "on the limit cycle")
-    if isinstance(mapper.drive, RigidDrive):
+    if mapper.drive.rigid:
         lines = phase_plane.lines([mapper.drive])
         names = ("contact_line_angle", "contact_line_slope", "stop_velocity")
         data |= {name: ((), lines[name][1][0], lines[name][2]) for name in names}
@@ -224,10 +227,8 @@ def _grid(given: Grid | Mapping[str, Any]) -> Grid:
 
 
 def mapper_of(settings: Mapping[str, Any]) -> Mapper:
-    """Return the mapper of settings ``model``, ``drive`` (changes of Table 8.1), ``resume``; raises ``InputError``."""
-    model = settings.get("model", "rigid")
-    drive = find_model(model).drive.of(settings["drive"])
-    return mapper(drive, model, resume=settings.get("resume", "contact_sign"))
+    """Return the mapper of settings ``drive`` (changes of Table 8.1), ``resume``; raises ``InputError``."""
+    return mapper(Drive.of(settings["drive"]), resume=settings.get("resume", "contact_sign"))
 
 
 def map_tile(settings: Mapping[str, Any], item: str, path: str | os.PathLike[str], workers: int = 1) -> None:

@@ -15,6 +15,7 @@ from lsvib.datasets.attributes import (
     flagged,
     flags,
     given,
+    parts_in_words,
     quantity,
     variable,
 )
@@ -56,7 +57,7 @@ def as_scene(
     if isinstance(scene, Scene):
         values = scene.model_dump()
     elif isinstance(scene, Drive):
-        values = {"model": scene.model, "drive": scene}
+        values = {"drive": scene}
     elif isinstance(scene, (str, Path)):
         values = read_yaml(scene)
     else:
@@ -99,10 +100,10 @@ def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:
             "event": ("event", np.arange(motion.time.size), attributes("1", "index of the event")),
         },
         attrs={
-            "title": f"Motion of the {scene.model} lead-screw drive",
+            "title": "Motion of a lead-screw drive",
             "source": "lsvib, exact event-driven simulation",
             "references": f"doi:10.1007/978-1-4419-1752-2_8, {scene.definition.equations}",
-            "model": scene.model,
+            "parts": parts_in_words(scene.drive),
             "parameters": json.dumps(scene.parameters()),
             "physics": " ".join(scene.terms),
             "resume": scene.resume,
@@ -148,7 +149,7 @@ def summary(scene: Scene, motion: Motion, steady: SteadyState | None = None) -> 
     keys = (*definition.required, *definition.optional)
     steady = steady or attractor_of(motion)
     result = {
-        "model": scene.model,
+        "parts": list(scene.drive.parts),
         "duration": scene.duration,
         "final_state": {
             **dict(zip(keys, (motion.end_state + 0.0).tolist(), strict=True)),

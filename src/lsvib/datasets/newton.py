@@ -16,7 +16,7 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets.checks import Check
-from lsvib.models.drive import ThreadsDrive
+from lsvib.models.drive import Drive
 
 TOLERANCE = 1e-10  # of the largest magnitude on the motion; rounding leaves 3e-14 with rigid threads, 3e-12 with others
 _THREADS = ("thread_mismatch", "mismatch_rate")
@@ -62,7 +62,7 @@ def residual(motion: xr.Dataset) -> float:
 
 def laws_check(motions: xr.Dataset, source: str, what: str = "motion") -> Check:
     """Check Newton's laws along every motion of a dataset, along its dimension ``sample``; ``what``: its name."""
-    needed = motions[[name for name in (*_MOTION, *ThreadsDrive.model_fields) if name in motions]]
+    needed = motions[[name for name in (*_MOTION, *Drive.model_fields) if name in motions]]
     many = {dim: size for dim, size in needed.sizes.items() if dim != "sample"}
     places = [dict(zip(many, index, strict=True)) for index in np.ndindex(*many.values())]
     worst = np.max([residual(needed.isel(place)) for place in places])
@@ -83,7 +83,7 @@ def touching_check(drive: xr.Dataset, law: int, force: Any, words: str) -> Check
 
 def parameters(dataset: xr.Dataset) -> dict[str, float]:
     """Return the parameters of the one drive of a dataset, of the models without and with compliant threads."""
-    return {name: float(dataset[name]) for name in ThreadsDrive.model_fields if name in dataset}
+    return {name: float(dataset[name]) for name in Drive.model_fields if name in dataset}
 
 
 def effective(p: Mapping[str, float], law: int) -> tuple[float, float]:

@@ -30,10 +30,10 @@ from lsvib.datasets.attributes import (
 )
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import InputError
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.model import RULES, Resume
-from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
+from lsvib.models.mechanism import RULES, Event, Resume
+from lsvib.models.rigid import MotionMode, rigid_automaton
 
 if TYPE_CHECKING:
     from lsvib.dynamics.attractor import SteadyState
@@ -81,7 +81,7 @@ def rule_coordinate() -> Variables:
     return {"rule": named_index("rule", "rule of resuming after a seizure", RULES)}
 
 
-def reached(drive: RigidDrive, start: Mapping[str, float], resume: Resume = RULES[0]) -> SteadyState:
+def reached(drive: Drive, start: Mapping[str, float], resume: Resume = RULES[0]) -> SteadyState:
     """Return what the motion of the rigid drive from u [rad] and w [rad/s] ends in, by a rule of resuming."""
     from lsvib.dynamics.attractor import steady_state
 
@@ -97,7 +97,7 @@ def attractors(dims: Dims, labels: Any, words: str = ATTRACTOR, **more: Any) -> 
 
 def portraits(
     settings: Mapping[str, Any],
-    drives: Sequence[RigidDrive],
+    drives: Sequence[Drive],
     varied: tuple[str, ...] = (),
     printed: tuple[str, ...] = (),
 ) -> xr.Dataset:
@@ -125,7 +125,7 @@ def portraits(
     ).set_coords("time")
 
 
-def lines(drives: Sequence[RigidDrive]) -> Variables:
+def lines(drives: Sequence[Drive]) -> Variables:
     """Return, along ``case``, the line N = 0 as u = angle + slope · u′ (Q = 0, eq. 8.17), θ′ = 0 as u′ = −Ω, and Γ₊."""
     exact = [coefficients(drive) for drive in drives]
     with many_digits():
@@ -182,13 +182,13 @@ def events(
 def _events(followed: Sequence[Sequence[Motion]], impulses: Sequence[Sequence[Impulses]]) -> Variables:
     """The events of motions; rows with fewer events than the longest end in NaN, kind −1 and sign 0."""
     pairs = (zip(*rows, strict=True) for rows in zip(followed, impulses, strict=True))
-    found = [[events(motion, EventKind, own) for motion, own in row] for row in pairs]
+    found = [[events(motion, Event, own) for motion, own in row] for row in pairs]
     longest, table = max(1, *(motion.time.size for row in followed for motion in row)), Variables()
     for name, (first, about) in found[0][0].items():
         empty = {"event_kind": -1, "event_sign": 0}.get(name, np.nan)
         rows = [[np.append(one[name][0], [empty] * (longest - one[name][0].size)) for one in row] for row in found]
         table[name] = ("case", "start", "event"), np.array(rows, dtype=first.dtype), about
-    table["event_kind"][2].update(flags_or_none(EventKind))
+    table["event_kind"][2].update(flags_or_none(Event))
     return table
 
 

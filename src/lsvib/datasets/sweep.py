@@ -16,13 +16,14 @@ import xarray as xr
 from lsvib import numbers
 from lsvib.basins.curves import Part, Window
 from lsvib.basins.resilience import Resilience, resilience
-from lsvib.datasets.attributes import Variables, attributes, flags, variable
+from lsvib.datasets.attributes import Variables, attributes, flags, parts_in_words, variable
 from lsvib.dynamics.attractor import Attractor
 from lsvib.dynamics.sweep import all_endings
 from lsvib.errors import EngineError, InputError
-from lsvib.models.drive import Drive, RigidDrive, described, names_and_values
+from lsvib.models.drive import Drive, described, names_and_values
 from lsvib.models.many import ManyDrives
-from lsvib.models.model import find_model, rule
+from lsvib.models.mechanism import rule
+from lsvib.models.model import model_of
 from lsvib.numbers import Progress
 
 START = {"u": 1e-3, "w": 0.0}  # next to steady sliding: rad, and rad/s
@@ -61,8 +62,8 @@ def sweep(
     dataset has a dimension for each parameter, in the order given, and as variables the numbers of
     :class:`lsvib.dynamics.sweep.Ending`. Raises ``InputError`` for what is not acceptable.
     """
-    definition, resumption, at_once = find_model(drive.model), rule(resume), numbers.workers(workers)
-    axes = axes_of(over, definition.drive, _MOST)
+    definition, resumption, at_once = model_of(drive), rule(resume), numbers.workers(workers)
+    axes = axes_of(over, Drive, _MOST)
     given = START if start is None else names_and_values("start", start)
     begin = {key: numbers.start(f"start {key}", value) for key, value in given.items()}
     definition.initial_state(drive, begin)  # refuses other keys
@@ -88,7 +89,7 @@ def _over(axes: Mapping[str, Sequence[float]], drive: Drive, found: Variables, *
     return xr.Dataset(
         found,
         {name: variable(name, np.array(x), about[name]["unit"], about[name]["long_name"]) for name, x in axes.items()},
-        {"model": drive.model, "parameters": json.dumps({k: v for k, v in drive if k not in axes}), **more},
+        {"parts": parts_in_words(drive), "parameters": json.dumps({k: v for k, v in drive if k not in axes}), **more},
     )
 
 
@@ -133,8 +134,8 @@ def product_of(drive: Drive, axes: Mapping[str, Sequence[float]]) -> ManyDrives:
     for corner in product(*ends):
         drive.replace(**dict(zip(axes, corner, strict=True)))
     grids = np.meshgrid(*axes.values(), indexing="ij")
-    whole = dict(drive) | {name: grid.ravel() for name, grid in zip(axes, grids, strict=True)}
-    return ManyDrives(whole, find_model(drive.model).drive)
+    first = drive.replace(**{name: values[0] for name, values in axes.items()})
+    return ManyDrives(dict(first) | {name: grid.ravel() for name, grid in zip(axes, grids, strict=True)})
 
 
 def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
@@ -149,7 +150,7 @@ def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
 
 
 def resilience_sweep(
-    drive: RigidDrive, over: Mapping[str, Any], window: Part | None = None, progress: Progress | None = None
+    drive: Drive, over: Mapping[str, Any], window: Part | None = None, progress: Progress | None = None
 ) -> xr.Dataset:
     """Return the perturbations that steady sliding of the rigid drive tolerates over all combinations of some values.
 
@@ -159,7 +160,7 @@ def resilience_sweep(
     reasons in the attribute ``refused``. Raises ``InputError`` for values that are not acceptable.
     """
     window = None if window is None else Window.of(window)
-    axes = axes_of(over, RigidDrive, _MOST // 10)  # at some 10 ms each three hours
+    axes = axes_of(over, Drive, _MOST // 10)  # at some 10 ms each three hours
     drives = [drive.replace(**dict(zip(axes, values, strict=True))) for values in product(*axes.values())]
     found: list[Resilience | None] = []
     refused: list[str] = []

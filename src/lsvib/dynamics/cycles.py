@@ -31,7 +31,7 @@ from lsvib.engine.motion import Budget, Motion, follow
 from lsvib.errors import EngineError
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.model import find_model
+from lsvib.models.model import model_of
 
 _HALVINGS = 60  # of a bracket in which Newton's method fails: to the last bit
 _SAME = 1e-7  # Two cycles of one stability that differ by less, relatively, are the same cycle.
@@ -94,7 +94,7 @@ class Cycle:
     @property
     def itinerary(self) -> tuple[tuple[str, str], ...]:
         """Events of a period, (kind, mode that is entered), without touches; the last one ends the period."""
-        model = find_model(self.drive.model)
+        model = model_of(self.drive)
         return tuple(
             (model.events(int(kind)).name.lower(), model.modes(int(self.orbit.automaton.codes[mode])).name.lower())
             for kind, mode in zip(self.orbit.kind, self.orbit.mode, strict=True)
@@ -251,7 +251,7 @@ def random_starts(drive: Drive) -> list[dict[str, float]]:
 
     They are drawn from boxes of half a swing of the screw to 2.8 of them either way, the same in every run.
     """
-    if "nut_rate" not in find_model(drive.model).optional:
+    if "nut_rate" not in model_of(drive).optional:
         return []
     draw, names = np.random.default_rng(0), ("u", "w", "nut_angle", "nut_rate")
     points = draw.uniform(-1.0, 1.0, (96, 4)) * 2.0 ** draw.uniform(-1.0, 1.5, (96, 1)) * np.tile(swing(drive), 2)
@@ -349,7 +349,8 @@ def slowest(automaton: Automaton) -> float:
     if isinstance(flow, TaylorFlow):  # without friction
         stiff = np.abs(flow.field[:, 1, 0])
         return float(1 / math.sqrt(stiff[stiff > 0].min()))
-    return float(flow[:, layout.TIME_SCALE].max())
+    rows = flow if isinstance(flow, np.ndarray) else flow.oscillators
+    return float(rows[..., layout.TIME_SCALE].max())
 
 
 def _on_line(

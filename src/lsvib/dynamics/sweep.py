@@ -33,7 +33,8 @@ from lsvib.engine.motion import engine_for, enter
 from lsvib.errors import EngineError
 from lsvib.models.drive import Drive
 from lsvib.models.many import Group, ManyDrives, automata, groups
-from lsvib.models.model import Resume, find_model
+from lsvib.models.mechanism import Event, Resume
+from lsvib.models.model import model_of
 
 WORK = 300_000.0  # events that a motion may take
 _WITHOUT_NUMBERS = (Attractor.UNRESOLVED, Attractor.UNBOUNDED)
@@ -93,7 +94,7 @@ def ending_of(drive: Drive, automaton: Automaton | None, state: np.ndarray) -> E
     happens = (
         SPRAGS * (found.label == Attractor.SPRAG_SLIP_CYCLE)
         + RESTS * bool(np.isin(automaton.codes[orbit.arcs()[0]], automaton.rest_codes).any())
-        + REVERSES * bool((orbit.kind == find_model(drive.model).events["CONTACT_REVERSAL"]).any())
+        + REVERSES * bool((orbit.kind == Event.CONTACT_REVERSAL).any())
     )
     sprags = np.isin(orbit.kind, automaton.sprag_kinds).any()
     impulse = float(np.abs(event_impulses(drive, orbit).normal).max()) if sprags else 0.0
@@ -116,7 +117,7 @@ def all_endings(
     resuming that the model does not know.
     """
     found, alone = Ending.unknown(drives.size), np.arange(drives.size)
-    if len(find_model(drives.drive_class.model).states) == 2:
+    if drives.rigid.all():
         found, is_open = endings_at_once(drives, starts, resume, workers)
         alone = np.flatnonzero(is_open)
         # motions left alone that make it worth while to start processes, which takes some seconds
@@ -141,10 +142,10 @@ def all_endings(
 def _share(case: tuple[ManyDrives, np.ndarray], others: Mapping[str, float], resume: str) -> Ending:
     """Return what motions of some drives of one model end on, from their starts (k, 2)."""
     drives, starts = case
-    found, model = Ending.unknown(drives.size), find_model(drives.drive_class.model)
+    found = Ending.unknown(drives.size)
     for place, drive, automaton in automata(drives, resume):
         u, w = starts[place].tolist()
-        found.put(place, ending_of(drive, automaton, model.initial_state(drive, {"u": u, "w": w, **others})))
+        found.put(place, ending_of(drive, automaton, model_of(drive).initial_state(drive, {"u": u, "w": w, **others})))
     return found
 
 
@@ -185,7 +186,7 @@ def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray, work: f
     outcomes, numbers = np.full(size, Outcome.OPEN, dtype=np.int8), np.full(size, np.nan, dtype=kernels.NUMBERS)
     none = KnownCycles.of((), automaton, 0)
     known, facts = none.table, none.facts._replace(conserves=False)
-    reversal = np.int64(find_model(drives.drive_class.model).events["CONTACT_REVERSAL"])
+    reversal = np.int64(Event.CONTACT_REVERSAL)
     force = automaton.observables["normal_force"]
     starts, speed = np.ascontiguousarray(starts, dtype=float), drives.values["input_speed"][group.members]
     many, room = automaton.tables, rooms(2)

@@ -269,8 +269,8 @@ def one_of_many(automaton: Automaton, place: int) -> Automaton:
 
 
 def scaled(row: Row, factor) -> tuple:
-    """Return a row times a number."""
-    return tuple(factor * x for x in row)
+    """Return a row times a number; what is not there stays so."""
+    return tuple(factor * x if x.__class__ is not int or x else 0 for x in row)
 
 
 def _rows(rows: Sequence[Row], n: int, shape: tuple[int, ...] | None = None) -> np.ndarray:

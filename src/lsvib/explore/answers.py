@@ -14,7 +14,8 @@ from matplotlib.colors import to_rgba
 
 from lsvib.basins.curves import Window
 from lsvib.basins.grid import Axis, Grid
-from lsvib.basins.mapper import Mapper, mapper
+from lsvib.basins.mapper import Mapper
+from lsvib.basins.mapping import mapper
 from lsvib.datasets.io import write_dataset
 from lsvib.datasets.motion import attractor_of, motion_file, run
 from lsvib.datasets.phase_plane import lines, sample
@@ -28,7 +29,7 @@ from lsvib.explore.view import View
 from lsvib.figures.attraction import COLOURS
 from lsvib.models import friction
 from lsvib.models.drive import Drive
-from lsvib.models.model import find_model
+from lsvib.models.model import model_of
 
 # Work after which what a motion ends on is unresolved, in events, without and with a friction law; the latter is that
 # of each motion which is drawn, too. A third of a second.
@@ -88,7 +89,7 @@ def followed(view: View) -> Followed:
     if steady is not None and steady.orbit is not None and steady.orbit.time.size:
         cycle = _sampled(steady.orbit)[1][:, :2]
     turning = states[:, 1] + view.drive.input_speed
-    names = find_model(view.drive.model).states
+    names = model_of(view.drive).states
     if "nut_rate" in names:
         turning = turning - states[:, names.index("nut_rate")]
     return Followed(time, states[:, 0], states[:, 1], mode, force, cycle, steady, motion.time.size, turning)
@@ -117,12 +118,12 @@ def at_once(drive: Drive) -> bool:
 
     Its model has two states, and its friction does not depend on speed.
     """
-    return len(find_model(drive.model).states) == 2 and not friction.depends_on_speed(drive)
+    return drive.rigid and not friction.depends_on_speed(drive)
 
 
 def laborious(drive: Drive) -> bool:
     """Return whether the page follows one motion of a drive only: friction depends on speed and parts comply."""
-    return len(find_model(drive.model).states) > 2 and friction.depends_on_speed(drive)
+    return bool(drive.parts) and friction.depends_on_speed(drive)
 
 
 def friction_visited(drive: Drive, shown: Followed) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -195,7 +196,7 @@ def amplitude(view: View, value: float, near: bool) -> AmplitudePoint:
     try:
         drive = view.drive.replace(**{view.over: value})
         start = START if near else {"u": view.u, "w": view.w}
-        state = find_model(drive.model).initial_state(drive, start)
+        state = model_of(drive).initial_state(drive, start)
         found = steady_state(drive.automaton(), state, max_events=_work(drive))  # type: ignore[attr-defined]
         return AmplitudePoint(value, 0.0 if found.orbit is None else found.amplitude, found.label, near)
     except LsvibError:
@@ -210,7 +211,7 @@ def logarithmic(view: View) -> bool:
 def thresholds_over(view: View) -> dict[str, float]:
     """Return, by name, the thresholds of the drive that are values of the parameter of the amplitude curve."""
     known: tuple[str, ...] = ("onset",)
-    if view.drive.model == "rigid":
+    if view.drive.rigid:
         forces = ("onset", "stick", "detach", "global_stability")
         known = forces if view.over == "axial_force" else ("kinematic_constraint",)
     found = {}
@@ -228,7 +229,7 @@ def _sampled(motion: Motion) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 @lru_cache(maxsize=4)  # the drives of a few pages; a mapper holds the cycles of its drive
 def _mapper(drive: Drive) -> tuple[Mapper, Lock]:
     """A mapper, and whose turn it is: it serves one thread at a time."""
-    return mapper(drive, drive.model), Lock()
+    return mapper(drive), Lock()
 
 
 def _palette() -> np.ndarray:

@@ -3,12 +3,11 @@
 from collections.abc import Callable, Mapping
 
 from bokeh.layouts import column, row
-from bokeh.models import Button, Column, Select, Slider, TextInput, Toggle
+from bokeh.models import Button, CheckboxGroup, Column, Select, Slider, TextInput, Toggle
 
 from lsvib.explore.view import OF_LAW, View
 from lsvib.figures import style
-from lsvib.models.drive import Drive, allowed_range, described, may_vanish
-from lsvib.models.model import model_names
+from lsvib.models.drive import IN_WORDS, PARTS, Drive, allowed_range, described, may_vanish
 
 _FROM_ZERO = {  # end of a slider whose parameter is zero: enough to change what the chapter's drive does
     "translation_damping": 2000.0,
@@ -26,6 +25,11 @@ _SIGNED = ("axial_force", "input_speed")
 Asked = Callable[[str, str], None]
 
 
+def parameters(drive: Drive) -> list[str]:
+    """Return the names of all parameters but those of parts that a drive does not have."""
+    return [name for name in Drive.model_fields if getattr(drive, name) is not None]
+
+
 class Controls:
     """The controls of one page; ``asked(key, text)`` is called when one of them is moved by hand."""
 
@@ -33,7 +37,7 @@ class Controls:
         self._asked, self._silent = asked, False
         choices = [("", "– choose one –"), *((name, name) for name in presets)]
         self.preset = Select(title="Figure of the chapter", options=choices, value="", width=300)
-        self.model = Select(title="Model of the drive", options=list(model_names()), value=view.drive.model, width=300)
+        self.parts = CheckboxGroup(labels=[words for words in IN_WORDS.values()], width=300, name="parts")
         self.over = Select(title="Parameter of the amplitude curve", width=190)
         self.texts = {
             key: TextInput(title=title, width=90)
@@ -51,8 +55,9 @@ class Controls:
         self.sliders: dict[str, Slider] = {}
         self.fields: dict[str, TextInput] = {}
         self.parameters: Column = column(width=320, name="parameters")
-        for key, control in (("preset", self.preset), ("model", self.model), ("over", self.over), *self.texts.items()):
+        for key, control in (("preset", self.preset), ("over", self.over), *self.texts.items()):
             control.on_change("value", self._ask(key))
+        self.parts.on_change("active", self._ask_parts)
         self.fit.on_click(lambda: asked("fit", ""))
         self.show(view)
 
@@ -60,10 +65,10 @@ class Controls:
         """Set the controls to a view, without asking anything by that."""
         self._silent = True
         try:
-            if set(self.fields) != set(type(view.drive).model_fields):
+            if set(self.fields) != set(parameters(view.drive)):
                 self._make_fields(view.drive)
-            self.model.value = view.drive.model
-            self.over.options = list(type(view.drive).model_fields)
+            self.parts.active = [k for k, part in enumerate(PARTS) if part in view.drive.parts]
+            self.over.options = parameters(view.drive)
             self.over.value = view.over
             for key, control in self.texts.items():
                 control.value = f"{getattr(view, key):.10g}"
@@ -74,6 +79,10 @@ class Controls:
         finally:
             self._silent = False
 
+    def _ask_parts(self, attribute: str, old: list[int], new: list[int]) -> None:
+        if not self._silent:
+            self._asked("parts", " ".join(part for k, part in enumerate(PARTS) if k in new))
+
     def say_value(self, key: str, value: float) -> None:
         """Write a value that a slider gave into the field beside it."""
         self._silent = True
@@ -83,7 +92,7 @@ class Controls:
     def _make_fields(self, drive: Drive) -> None:
         kind, rows = type(drive), []
         self.fields, self.sliders = {}, {}
-        for key in kind.model_fields:
+        for key in parameters(drive):
             about = described(kind, key)
             name = f"{about['long_name']} {about['symbol']} {style.unit(about['unit'])}".rstrip()
             self.fields[key] = TextInput(title=name, width=150, description=allowed_range(kind, key), name=key)

@@ -16,7 +16,6 @@ from bokeh.layouts import column, row
 from bokeh.models import CustomJS, Div, Row
 
 from lsvib import numbers
-from lsvib.api import drive_class
 from lsvib.basins.curves import Window
 from lsvib.dynamics.attractor import Attractor
 from lsvib.errors import InputError, LsvibError
@@ -26,8 +25,9 @@ from lsvib.explore.controls import Controls
 from lsvib.explore.plots import Plots
 from lsvib.explore.view import View, around
 from lsvib.figures.attraction import COLOURS
-from lsvib.models import friction
-from lsvib.models.model import find_model
+from lsvib.models import chapter, friction
+from lsvib.models.drive import PARTS
+from lsvib.models.model import model_of
 
 _TO_ADDRESS = """
 const link = new DOMParser().parseFromString(cb_obj.text, "text/html").querySelector("a");
@@ -127,8 +127,8 @@ class Page:
             if "preset" in asked:
                 if asked["preset"] in self.presets:
                     self.show(self.presets[asked["preset"]])
-            elif "model" in asked:
-                self.show(self._of_model(asked["model"]))
+            elif "parts" in asked:
+                self.show(self._with_parts(asked["parts"].split()))
             else:
                 self._redraw(self._changed(asked))
                 if any(not key.startswith("slider:") and key != "window" for key in asked):
@@ -159,13 +159,17 @@ class Page:
                 self.controls.say_value(name, numbers.start(name, text))
         return replace(self.view, drive=self.view.drive.replace(**parameters), **changes)
 
-    def _of_model(self, model: str) -> View:
-        """The same drive in another model, as far as the parameters of both are the same."""
-        kind = drive_class(model)
-        shared = {key: value for key, value in self.view.drive if key in kind.model_fields}
-        over = self.view.over if self.view.over in kind.model_fields else "axial_force"
-        ends = {} if over == self.view.over else around(self.view.drive.axial_force)
-        return replace(self.view, drive=kind.of(shared), over=over, **ends)
+    def _with_parts(self, parts: list[str]) -> View:
+        """The same drive with other parts, those that are new as in the chapter."""
+        drive = self.view.drive
+        changes: dict[str, float | None] = {}
+        for part, names in PARTS.items():
+            if (part in parts) != (part in drive.parts):
+                changes |= chapter.PARTS[part] if part in parts else dict.fromkeys(names)
+        changed = drive.replace(**changes)
+        over = self.view.over if getattr(changed, self.view.over) is not None else "axial_force"
+        ends = {} if over == self.view.over else around(drive.axial_force)
+        return replace(self.view, drive=changed, over=over, **ends)
 
     def _redraw(self, view: View) -> None:
         """Draw what can be drawn at once; a view without an answer leaves the page as it is."""
@@ -314,7 +318,7 @@ class Page:
         shown = self.shown
         time = 0.01 * float(self.controls.moment.value) * float(shown.time[-1])
         k = min(int(np.searchsorted(shown.time, time)), shown.time.size - 1)
-        mode = name_of(find_model(self.view.drive.model).modes(int(shown.mode[k])))
+        mode = name_of(model_of(self.view.drive).modes(int(shown.mode[k])))
         words = f"t = {shown.time[k]:.4g} s: {mode}, N = {shown.force[k]:.4g} N"
         self.plots.draw_moment(self.view.drive, shown, k, words)
 
@@ -339,7 +343,7 @@ class Page:
 
     def _lay_out(self) -> None:
         c = self.controls
-        left = column(c.preset, c.model, c.parameters)
+        left = column(c.preset, c.parts, c.parameters)
         start = _line(c.texts["u"], c.texts["w"], c.texts["duration"], c.fit)
         middle = column(self.plots.plane, self._alert, self._words, self._legend, start, self._links, **_NARROW)
         curve = _line(c.over, c.texts["low"], c.texts["high"])

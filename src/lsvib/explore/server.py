@@ -18,7 +18,7 @@ from bokeh.server.views.ws import WSHandler
 from tornado.httputil import HTTPServerRequest
 from tornado.web import RequestHandler
 
-from lsvib.api import RigidDrive
+from lsvib.api import Drive
 from lsvib.engine.motion import compile_engine
 from lsvib.errors import InputError, LsvibError
 from lsvib.explore import answers
@@ -28,9 +28,7 @@ from lsvib.explore.view import View, presets
 
 MOST_PAGES = 12  # open at once, those included that were closed a moment ago
 # What is shown first: the drive on the front page of the documentation, which slides or vibrates by the start.
-FRONT = View(
-    RigidDrive(mass=11, support_damping=1e-3, axial_force=-10), u=0.1, over="axial_force", low=-40.0, high=-0.5
-)
+FRONT = View(Drive(mass=11, support_damping=1e-3, axial_force=-10), u=0.1, over="axial_force", low=-40.0, high=-0.5)
 
 
 class Export(RequestHandler):

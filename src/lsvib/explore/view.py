@@ -8,12 +8,12 @@ from urllib.parse import urlencode
 import yaml
 
 from lsvib import numbers
-from lsvib.api import RigidDrive, drive_class
+from lsvib.api import Drive
 from lsvib.basins.curves import Window
 from lsvib.errors import InputError
 from lsvib.figures.configuration import DEFAULT
-from lsvib.models.drive import Drive
-from lsvib.models.model import all_models
+from lsvib.models import chapter
+from lsvib.models.drive import PART_OF
 from lsvib.models.scene import Scene, read_yaml
 
 _WINDOW = ("left", "right", "bottom", "top")
@@ -36,7 +36,7 @@ class View:
     curve, from ``low`` to ``high`` in its SI unit. Raises ``InputError`` for what is not acceptable.
     """
 
-    drive: Drive = field(default_factory=RigidDrive)
+    drive: Drive = field(default_factory=Drive)
     u: float = 0.003
     w: float = 0.0
     duration: float = 0.1
@@ -52,8 +52,8 @@ class View:
             left, right, bottom, top = self.window
             if not (left < right and bottom < top):
                 raise InputError("the window of the phase plane needs left < right and bottom < top.")
-        if self.over not in type(self.drive).model_fields:
-            raise InputError(f"over = {numbers.shown(self.over)} is not a parameter of the model {self.drive.model}.")
+        if getattr(self.drive, self.over if self.over in Drive.model_fields else "", None) is None:
+            raise InputError(f"over = {numbers.shown(self.over)} is not a parameter of this drive.")
         if not self.low < self.high:
             raise InputError(f"the amplitude curve goes from {self.low:g} to {self.high:g}; it needs low < high.")
         for end in (self.low, self.high):
@@ -61,7 +61,7 @@ class View:
 
     def _scene(self, drive: Any) -> dict[str, Any]:
         start = {"u": self.u, "w": self.w}
-        scene = {"model": self.drive.model, "drive": drive, "start": start}
+        scene = {"drive": drive, "start": start}
         return {**scene, "duration": self.duration, "samples": 2001}  # no corner of the line is seen
 
     def _changed(self) -> dict[str, float]:
@@ -78,8 +78,7 @@ class View:
 
     def query(self) -> str:
         """Return the part of a link that says all of this; every number comes back with the same bits."""
-        values: dict[str, Any] = {"model": self.drive.model}
-        values |= {key: repr(value) for key, value in self._changed().items()}
+        values: dict[str, Any] = {key: repr(value) for key, value in self._changed().items()}
         values |= {key: repr(getattr(self, key)) for key in ("u", "w", "duration", "low", "high")}
         values["over"] = self.over
         if self.window is not None:
@@ -90,7 +89,6 @@ class View:
     def of(cls, query: Mapping[str, str]) -> Self:
         """Read a link; raises ``InputError`` in one sentence for a key or value that is not acceptable."""
         given = dict(query)
-        kind = drive_class(given.pop("model", "rigid"))
         values: dict[str, Any] = {}
         for key in ("u", "w", "duration", *_RANGE[1:]):
             if key in given:
@@ -102,7 +100,7 @@ class View:
             if len(edges) != len(_WINDOW):
                 raise InputError("the window of the phase plane needs all of left, right, bottom and top.")
             values["window"] = Window(*(numbers.start(n, e) for n, e in zip(_WINDOW, edges, strict=True)))
-        return cls(drive=kind.of(given), **values)
+        return cls(drive=Drive.of(given), **values)
 
 
 def _number(key: str, text: str) -> float:
@@ -139,10 +137,10 @@ def _of_figure(section: Mapping[str, Any]) -> View:
     given |= {parameter: section[key][-1] for key, parameter in _LISTS.items() if key in section}
     for key in ("cases", "contacts"):
         given |= section[key][-1] if key in section else {}
-    kinds = [model.drive for model in all_models().values()]
-    named = {key for kind in kinds for key in kind.model_fields if key in given or key in section}
-    kind = next(kind for kind in kinds if named <= kind.model_fields.keys())  # rigid has no parameter of its own
-    drive = kind.of({key: value for key, value in given.items() if key in named})
+    values = {key: value for key, value in given.items() if key in Drive.model_fields}
+    for part in {PART_OF[key] for key in PART_OF if key in given or key in section}:
+        values = chapter.PARTS[part] | values
+    drive = Drive.of(values)
     starts = section.get("starts") or [section.get("start") or {}]
     more: dict[str, Any] = starts[0] if "u" in starts[0] else {}
     if "duration" in section:

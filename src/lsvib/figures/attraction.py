@@ -14,7 +14,7 @@ from lsvib.basins.grid import coordinates
 from lsvib.figures import drawing, style
 from lsvib.figures.common import flag_names
 from lsvib.figures.settings import Cells, FigureSettings, Unique
-from lsvib.models.model import Resume, all_models, model_names
+from lsvib.models.mechanism import Resume
 
 CAPTION = """\
 Regions of attraction: the attractor of the motion from every start, and the time until it is reached as shade, with the
@@ -48,21 +48,17 @@ Quantities = Annotated[
     AfterValidator(_with_label),
     Field(description="What is computed of each cell; all but the label need the motion up to its attractor."),
 ]
-# The coordinates that the models have beyond u and w, in words.
-_MORE = ", ".join(
-    f"{name} {' and '.join(model.optional)}" for name, model in all_models().items() if model.optional
-).replace(" ", " also ", 1)
 
 
 class Settings(FigureSettings):
-    model: Literal[*model_names()] = Field(default="rigid", description="Model of the drive.")
     resume: Resume = Field(default="contact_sign", description="Motion after a seizure.")
-    drive: dict[str, float] = Field(description="Changes of the model's drive; lsvib checks keys and ranges.")
+    drive: dict[str, float] = Field(description="Changes of the drive of Table 8.1; lsvib checks keys and ranges.")
     grid: dict[Literal[*coordinates()], Coordinate] = Field(
         min_length=2,
         description="The two coordinates that the map spans, as cells of equal width (of these two the one that is "
-        "listed first below is horizontal); other coordinates of the state as numbers. All models have u and w, "
-        f"{_MORE}.",
+        "listed first below is horizontal); other coordinates of the state as numbers. All drives have u and w, those "
+        "with compliant threads also e and v, with an axial support screw_shift and shift_rate, with a nut that may "
+        "turn nut_angle and nut_rate.",
     )
     quantities: Quantities
     tiles: int = Field(ge=1, le=100_000, description="Number of tiles; at least one cell in each.")

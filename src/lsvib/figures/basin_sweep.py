@@ -15,7 +15,7 @@ from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures import settings as of
 from lsvib.figures.common import Basin, about, flag_names, named, spread
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 from lsvib.stability.force_thresholds import global_stability_force
 
 CAPTION = """\
@@ -68,14 +68,14 @@ def analysis(settings: of.Values) -> xr.Dataset:
     """Analyse the drive: up to which force, mass and friction its basin is the whole plane."""
     unknowns = ("mass", "friction_coefficient")
     limits = ("global_stability", "axial_force"), *(("kinematic_constraint", unknown) for unknown in unknowns)
-    return analyse([RigidDrive.of(settings["drive"])], limits, printed=_PRINTED)
+    return analyse([Drive.of(settings["drive"])], limits, printed=_PRINTED)
 
 
 def maps(settings: of.Values) -> xr.Dataset:
     """Map a grid of starts of the window of each case to their attractors, at each resolution."""
-    from lsvib.basins.mapper import mapper
+    from lsvib.basins.mapping import mapper
 
-    drive, found = RigidDrive.of(settings["drive"]), Variables()
+    drive, found = Drive.of(settings["drive"]), Variables()
     drives = [drive.replace(**case["drive"]) for case in settings["cases"]]
     for n in settings["resolutions"]:
         labels = []
@@ -97,7 +97,7 @@ def build(settings: of.Values, analysis: xr.Dataset, maps: xr.Dataset) -> xr.Dat
     from lsvib.basins.boundary import Boundary, basin
     from lsvib.basins.curves import Window
 
-    drive, window = RigidDrive.of(settings["drive"]), Window(**settings["window"])
+    drive, window = Drive.of(settings["drive"]), Window(**settings["window"])
     variables, coordinates = {}, {}
     for name in _SWEPT:
         values, basins = _swept(drive, name, spans.even(settings[name]))
@@ -124,7 +124,7 @@ def build(settings: of.Values, analysis: xr.Dataset, maps: xr.Dataset) -> xr.Dat
     )
 
 
-def _swept(drive: RigidDrive, name: str, values: np.ndarray) -> tuple[np.ndarray, list[Basin]]:
+def _swept(drive: Drive, name: str, values: np.ndarray) -> tuple[np.ndarray, list[Basin]]:
     """The basins along one parameter; where the kind of boundary changes, two more values close to the change."""
     from lsvib.basins.boundary import basin
 
@@ -147,7 +147,7 @@ def _swept(drive: RigidDrive, name: str, values: np.ndarray) -> tuple[np.ndarray
     return np.array(sorted(found)), [found[value] for value in sorted(found)]
 
 
-def _critical_values(drive: RigidDrive, analysis: xr.Dataset, dampings: np.ndarray) -> Variables:
+def _critical_values(drive: Drive, analysis: xr.Dataset, dampings: np.ndarray) -> Variables:
     """Values of force, mass and friction up to which the basin is the whole plane; of the force for each damping."""
     stable = ("N", phase_plane.GLOBAL_STABILITY, "$R$")
     forces = [global_stability_force(drive.replace(support_damping=c)) for c in dampings]
@@ -160,7 +160,7 @@ def _critical_values(drive: RigidDrive, analysis: xr.Dataset, dampings: np.ndarr
     }
 
 
-def _cases(drive: RigidDrive, cases: Sequence[of.Values], maps: xr.Dataset) -> Variables:
+def _cases(drive: Drive, cases: Sequence[of.Values], maps: xr.Dataset) -> Variables:
     """Basins to be drawn: boundary and region as sampled curves, exact fraction of their window, fractions on grids."""
     from lsvib.basins.boundary import Boundary, basin
     from lsvib.basins.curves import Window, sampled

@@ -3,7 +3,7 @@
 The rule `chart` of the workflow makes its dataset (:mod:`lsvib.datasets.chart`).
 """
 
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -12,13 +12,12 @@ from pydantic import Field
 from lsvib.figures import drawing, style
 from lsvib.figures.common import flag_names
 from lsvib.figures.settings import Cells, FigureSettings
-from lsvib.models.model import Resume, all_models
+from lsvib.models.mechanism import Resume
 
 CAPTION = """\
 What the drive does over two of its parameters, by two motions in each cell, with the exact curves that divide it. Sects
 8.5 to 8.7 give single values of these curves.
 """
-_CHARTED = tuple(name for name, model in all_models().items() if model.curves)
 # Light where nothing vibrates, so that the eye goes to what does; distinct for the colour-blind and in grey.
 _LOOKS = {  # colour, and words of the legend
     "no vibration": ("#F4F4F4", "no vibration"),
@@ -45,9 +44,8 @@ class ParameterCells(Cells):
 
 
 class Settings(FigureSettings):
-    model: Literal[*_CHARTED] = Field(default="rigid", description="Model of the drive.")
     resume: Resume = Field(default="contact_sign", description="Motion after a seizure.")
-    drive: dict[str, float] = Field(description="Changes of the model's drive; lsvib checks keys and ranges.")
+    drive: dict[str, float] = Field(description="Changes of the drive of Table 8.1; lsvib checks keys and ranges.")
     x: ParameterCells = Field(description="Along the columns.")
     y: ParameterCells = Field(description="Along the rows.")
 

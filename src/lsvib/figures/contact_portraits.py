@@ -20,7 +20,7 @@ from lsvib.errors import InputError
 from lsvib.figures import drawing, style
 from lsvib.figures.common import EIGENVALUE, named
 from lsvib.figures.settings import ContactPortrait, Values
-from lsvib.models.drive import ThreadsDrive
+from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 
 SOURCE = "closed-form flow of the contact force (8.12) with exact changes of the law"
@@ -47,7 +47,7 @@ _WORDS = {"facecolor": "#FFFFFFC0", "linewidth": 0, "pad": 1.0}
 
 def portrait(settings: Values, paradox: Paradox) -> xr.Dataset:
     """Compute motions of the contact force, their outcomes on a grid, and the saddle's manifolds; Γ₊ < 0, θ′ > 0."""
-    base = ThreadsDrive.of({"contact_stiffness": settings["contact_stiffness"], **settings["drive"]})
+    base = Drive.of({"contact_stiffness": settings["contact_stiffness"], **settings["drive"]})
     drives = [base.replace(contact_damping=damping) for damping in settings["contact_dampings"]]
     cases = [contact_force.contact_flows(drive, paradox) for drive in drives]
     force, rate = spans.even(settings["force"]), spans.even(settings["rate"])
@@ -94,7 +94,7 @@ def _followed(
     }
 
 
-def _laws(drive: ThreadsDrive, cases: Sequence[Flows], scale: float) -> Variables:
+def _laws(drive: Drive, cases: Sequence[Flows], scale: float) -> Variables:
     """The equilibrium of each law, which contact damping does not move, its eigenvalues and its effective inertia."""
     values = np.array([[flows[law].rates() for law in _LAWS] for flows in cases])
     equilibria = np.array([cases[0][1].equilibrium * scale, cases[0][-1].equilibrium])
@@ -170,7 +170,7 @@ def _unscaled(force: float, scale: float, side: int) -> float:
     return float(force) / (scale if force * side > 0 else 1.0)
 
 
-def _by_newton(drives: Sequence[ThreadsDrive]) -> Variables:
+def _by_newton(drives: Sequence[Drive]) -> Variables:
     """Zero and Jacobian of N″ from the two equations of motion alone (module text of ``contact_force``), θ′ > 0.
 
     I θ″ = T − r_m N (s μ cos λ − sin λ) and m x″ = P − N (cos λ + s μ sin λ) give e″ = x″ − r_m tan λ θ″, affine in N;

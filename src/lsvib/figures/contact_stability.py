@@ -13,7 +13,8 @@ from lsvib.errors import InputError
 from lsvib.figures import settings as of
 from lsvib.figures import style
 from lsvib.figures.common import CRITICAL_MASS_WITH_CONTACT, about
-from lsvib.models.drive import RigidDrive, ThreadsDrive
+from lsvib.models import chapter
+from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.stability import conditions
 from lsvib.stability.boundaries import stable_set
@@ -30,7 +31,7 @@ dampings at which it is stable, which for soft contacts are two intervals. See d
 
 _CONTACT = ("contact_stiffness", "contact_damping")
 _BESIDE = 1e-6  # relative distance from a critical mass at which LAPACK must see the change
-_PARAMETERS = [name for name in dict(RigidDrive()) if name not in ("mass", "axial_force")]
+_PARAMETERS = [name for name in dict(Drive()) if name not in ("mass", "axial_force")]
 _COLOURS = (style.VERMILION, style.ORANGE, style.BLUE, style.BLACK, style.GREEN, style.PURPLE)
 # Where two lines coincide both are seen, and in grey they differ.
 _DASHES = ("-", (0, (5, 1.5)), (0, (3, 1, 1, 1)), (0, (8, 2)), "-", (0, (5, 1.5)))
@@ -41,14 +42,14 @@ class Settings(of.FigureSettings):
 
     drive: of.DriveChanges
     stiffnesses: of.several(
-        of.parameter("contact_stiffness", of=ThreadsDrive), 1, 6, "Contact stiffnesses k_c of the curves [N/m]."
+        of.parameter("contact_stiffness", of=Drive), 1, 6, "Contact stiffnesses k_c of the curves [N/m]."
     )
     contact_damping: of.PositiveSpan = Field(description="c_c [N s/m] along the curves, spaced logarithmically.")
     contacts: of.several(of.Contact, 2, 5, "Contacts that figures draw, the stiffest first.")
     masses: of.MassPair = Field(description="Masses above and below the critical mass of the rigid drive [kg].")
     stiffness: of.PositiveSpan = Field(description="k_c [N/m] of the growth rates, spaced logarithmically.")
     dampings: of.several(
-        of.parameter("contact_damping", of=ThreadsDrive),
+        of.parameter("contact_damping", of=Drive),
         2,
         5,
         "Contact dampings of the growth rates, the first zero [N s/m].",
@@ -57,7 +58,7 @@ class Settings(of.FigureSettings):
 
 def build(settings: of.Values) -> xr.Dataset:
     """Compute critical masses over the contact, and growth rates over its stiffness; c_x = 0, R Ω > 0."""
-    drive = ThreadsDrive.of(settings["drive"])
+    drive = Drive.of(chapter.PARTS["threads"] | settings["drive"])
     rigid, (heavy, light) = critical_mass(drive), settings["masses"]
     if rigid is None or not light < rigid < heavy:
         raise InputError(f"masses = {[heavy, light]} do not lie above and below the critical mass of the rigid drive.")
@@ -95,7 +96,7 @@ def build(settings: of.Values) -> xr.Dataset:
     )
 
 
-def _curves(drive: ThreadsDrive, curves: np.ndarray, along: np.ndarray) -> Variables:
+def _curves(drive: Drive, curves: np.ndarray, along: np.ndarray) -> Variables:
     """Masses between which steady sliding is stable, over contact stiffness k_c [N/m] and damping c_c [N s/m]."""
     contacts = [[drive.replace(contact_stiffness=float(k), contact_damping=float(c)) for c in along] for k in curves]
     found = [[conditions.stable_masses(contact) for contact in row] for row in contacts]
@@ -110,9 +111,7 @@ def _curves(drive: ThreadsDrive, curves: np.ndarray, along: np.ndarray) -> Varia
     }
 
 
-def _growth_rates(
-    drive: ThreadsDrive, heavy: float, light: float, dampings: np.ndarray, stiffness: np.ndarray
-) -> Variables:
+def _growth_rates(drive: Drive, heavy: float, light: float, dampings: np.ndarray, stiffness: np.ndarray) -> Variables:
     """Growth rates of two masses [kg] over the contact stiffness, and where Lemma 8.1 and damping decide."""
     drives = [[drive.replace(mass=m, contact_damping=c) for c in dampings] for m in (heavy, light)]
     models = [[threads_model({**dict(d), "contact_stiffness": stiffness}, law=1) for d in row] for row in drives]
@@ -133,7 +132,7 @@ def _growth_rates(
     }
 
 
-def _limits(drive: ThreadsDrive, heavy: float, light: float) -> Variables:
+def _limits(drive: Drive, heavy: float, light: float) -> Variables:
     """What the growth rates of two masses [kg] tend to for a stiff contact, and the scale of Lemma 8.1."""
     gamma = {mass: float(coefficients(drive.replace(mass=mass)).gamma[1]) for mass in (heavy, light)}
     beta = float(np.cos(drive.lead_angle) ** 2 * (1 + drive.friction_coefficient * np.tan(drive.lead_angle)))
@@ -293,7 +292,7 @@ def _against_signs(dataset: xr.Dataset, drive: of.Values) -> int:
     wrong = 0
     for one in dataset.growth_rate.stack(contact=dataset.growth_rate.dims).transpose("contact"):
         m, c, k = one.contact.item()
-        contact = ThreadsDrive.of(drive, mass=m, contact_damping=c, contact_stiffness=k)
+        contact = Drive.of(drive, mass=m, contact_damping=c, contact_stiffness=k)
         wrong += routh_hurwitz(threads_model(contact.exact(), law=1).polynomial()) != bool(one < 0)
     return wrong
 

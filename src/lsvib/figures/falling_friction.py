@@ -14,7 +14,7 @@ from lsvib.figures import style
 from lsvib.figures.common import BALANCE, about, balance_check, named
 from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Values
 from lsvib.models import friction
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 
 CAPTION = """\
 The seat drive of which Table 8.1 keeps the constant part of friction, with the whole law that was identified for it
@@ -30,7 +30,7 @@ KNOWN = {40.0: 88.934, 10.0: 64.305, 5.0: 24.914, 2.0: 9.8556}
 
 
 class Settings(FigureSettings):
-    by_speed: ClassVar = True
+    flows: ClassVar = ("taylor",)
 
     drive: DriveChanges
     input_speed: PositiveSpan = Field(description="Input speeds of the onset, evenly spaced in logarithm [rad/s].")
@@ -47,7 +47,7 @@ def build(settings: Values) -> xr.Dataset:
     """Compute the coefficient and the onset over the speed, and what motions end in on both sides of it."""
     from lsvib.dynamics.attractor import Attractor
 
-    drive, speeds = RigidDrive.of(settings["drive"]), _speeds(settings)
+    drive, speeds = Drive.of(settings["drive"]), _speeds(settings)
     force, speed = spans.even(settings["swept_axial_force"]), spans.logarithmic(settings["swept_input_speed"])
     thresholds = [_thresholds(drive.replace(input_speed=at)) for at in speeds.tolist()]
     over_force = _motions(drive, axial_force=force)
@@ -89,7 +89,7 @@ def build(settings: Values) -> xr.Dataset:
     )  # fmt: skip
 
 
-def _thresholds(drive: RigidDrive) -> tuple[float, float]:
+def _thresholds(drive: Drive) -> tuple[float, float]:
     """Onset force [N] of a drive under law +, and its critical mass [kg]."""
     from lsvib.stability.threshold import solve_threshold
 
@@ -97,7 +97,7 @@ def _thresholds(drive: RigidDrive) -> tuple[float, float]:
     return min(x.value for x in onset.solutions if x.value > 0), solve_threshold(drive, "kinematic_constraint").value
 
 
-def _balance(drive: RigidDrive) -> float:
+def _balance(drive: Drive) -> float:
     """Return the balance of energy of the cycle that a motion from far away ends on."""
     from lsvib.dynamics.attractor import steady_state
     from lsvib.dynamics.energy import balance
@@ -106,7 +106,7 @@ def _balance(drive: RigidDrive) -> float:
     return balance(drive, steady_state(rigid_automaton(drive), [0.1, -drive.input_speed]).orbit)
 
 
-def _motions(drive: RigidDrive, **swept: np.ndarray):
+def _motions(drive: Drive, **swept: np.ndarray):
     """Return what motions end in, from both starts, along one parameter; arrays (start, k)."""
     from lsvib.dynamics.behaviour import near_and_far
     from lsvib.dynamics.sweep import Ending, all_endings

@@ -15,7 +15,7 @@ from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, printed_laws, style
 from lsvib.figures.common import about, flag_names, named
 from lsvib.figures.settings import DriveChanges, FigureSettings, Span, Values, several
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.stability.linear import Stability, eigenvalue_pair, stability_class
 
@@ -46,7 +46,7 @@ class Settings(FigureSettings):
 
 def build(settings: Values) -> xr.Dataset:
     """Compute the class map, the node–focus boundary and the place of the chapter's drives."""
-    drive = RigidDrive.of(settings["drive"])
+    drive = Drive.of(settings["drive"])
     stiffness = drive.coupling_stiffness
     inertia, damping = spans.even(settings["inertia"]), spans.even(settings["damping"])
     kinds, plane = stability_class(inertia[:, None], damping, stiffness), ("effective_inertia", "effective_damping")
@@ -74,7 +74,7 @@ def build(settings: Values) -> xr.Dataset:
     )
 
 
-def _many_drives(drive: RigidDrive) -> Variables:
+def _many_drives(drive: Drive) -> Variables:
     """Drives on both sides of every condition of (8.19) and (8.21): coefficients, growth, states without a solution."""
     tangent = float(np.tan(drive.lead_angle))
     mass = drive.screw_inertia / abs(tangent * drive.pitch_radius**2 * printed_laws.factor(drive, 1))  # m_cr

@@ -9,7 +9,7 @@ from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, printed_laws
 from lsvib.figures.common import EIGENVALUE, about, named, spread
 from lsvib.figures.settings import PhasePlane, Values
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.stability.conditions import conditions
 from lsvib.stability.linear import eigenvalue_pair
@@ -34,7 +34,7 @@ draw = drawing.single
 
 def build(settings: Values) -> xr.Dataset:
     """Compute the phase plane (the first start lies within the cycle), the margins of (8.19), and eigenvalues."""
-    drive = RigidDrive(**settings["drive"])
+    drive = Drive(**settings["drive"])
     c = coefficients(drive)
     inertia, damping = float(c.gamma[c.steady_law]), float(c.damping[c.steady_law])
     margins = conditions(drive)["negative_damping"].margins

@@ -19,7 +19,7 @@ from lsvib.figures import drawing, style
 from lsvib.figures.common import SteadyState, about, flag_names, named, spread
 from lsvib.figures.settings import MassPair, PhasePlane, Span, State, Values, parameter, several
 from lsvib.models import chapter
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import MotionMode, rigid_automaton
 
@@ -67,9 +67,9 @@ class Settings(PhasePlane):
         return self
 
 
-def _readings(settings: Values) -> list[RigidDrive]:
+def _readings(settings: Values) -> list[Drive]:
     """The drive with each of the masses to which numbers of the text belong."""
-    return [RigidDrive.of(settings["drive"]).replace(mass=float(mass)) for mass in settings["mass_readings"]]
+    return [Drive.of(settings["drive"]).replace(mass=float(mass)) for mass in settings["mass_readings"]]
 
 
 def analysis(settings: Values) -> xr.Dataset:
@@ -80,7 +80,7 @@ def analysis(settings: Values) -> xr.Dataset:
 
 def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     """Compute the amplitude curve between the thresholds of the analysis, and the inset portraits."""
-    drive = RigidDrive.of(settings["drive"])
+    drive = Drive.of(settings["drive"])
     own = settings["mass_readings"].index(drive.mass)
     values = {name: value(analysis[_OF[name]], own) for name in _THRESHOLDS}
     # Also at a relative distance of 1e-9 on either side of a threshold.
@@ -114,7 +114,7 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     )
 
 
-def _holds_without_torque(drive: RigidDrive) -> bool:
+def _holds_without_torque(drive: Drive) -> bool:
     """Whether the motion from θ′ = 0 and z = 0 begins with rest."""
     from lsvib.engine.motion import follow
 
@@ -123,7 +123,7 @@ def _holds_without_torque(drive: RigidDrive) -> bool:
     return bool(motion.automaton.codes[motion.arcs()[0][0]] == MotionMode.REST)
 
 
-def _curve(drives: list[RigidDrive], steady: list[SteadyState]) -> Variables:
+def _curve(drives: list[Drive], steady: list[SteadyState]) -> Variables:
     from lsvib.datasets.sweep import product_of
     from lsvib.dynamics.behaviour import Behaviour, behaviours
 

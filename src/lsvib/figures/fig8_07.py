@@ -13,10 +13,10 @@ from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, printed_laws, style
 from lsvib.figures.common import about, named
 from lsvib.figures.settings import PhasePlane, Span, Values
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.model import RULES
-from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
+from lsvib.models.mechanism import RULES, Event
+from lsvib.models.rigid import MotionMode, rigid_automaton
 
 CAPTION = """\
 The four sectors of the phase plane in the region of Painlevé's paradoxes: no solution in the hatched sectors, two
@@ -38,7 +38,7 @@ class Settings(PhasePlane):
 
 def build(settings: Values) -> xr.Dataset:
     """Compute the existence map, motions from each sector and their rests after a seizure; R > 0, Ω > 0, Γ₊ < 0."""
-    drive = RigidDrive.of(settings["drive"])
+    drive = Drive.of(settings["drive"])
     angle, velocity = spans.even(settings["angle"]), spans.even(settings["velocity"])
     kinds = existence(drive, *np.meshgrid(angle, velocity, indexing="ij"))
     plane, xi = ("grid_angle_deviation", "grid_velocity_deviation"), coefficients(drive).xi
@@ -145,7 +145,7 @@ def _beyond_line(dataset: xr.Dataset, u, w):
     return u - (float(dataset.contact_line_angle[0]) + float(dataset.contact_line_slope[0]) * w)
 
 
-def _rests(drive: RigidDrive, start: Values, duration: float) -> list[float]:
+def _rests(drive: Drive, start: Values, duration: float) -> list[float]:
     """Time [s] at rest after the first seizure, under each rule of resuming; of a start that does not seize, zero."""
     from lsvib.engine.motion import follow
 
@@ -153,7 +153,7 @@ def _rests(drive: RigidDrive, start: Values, duration: float) -> list[float]:
     for rule in RULES:
         motion = follow(rigid_automaton(drive, resume=rule), [start["u"], start["w"]], duration)
         modes, *_, durations = motion.arcs()
-        seizures = np.flatnonzero(motion.kind == EventKind.SEIZURE)[:1] + 1
+        seizures = np.flatnonzero(motion.kind == Event.SEIZURE)[:1] + 1
         rests.append(sum(durations[k] for k in seizures if motion.automaton.codes[modes[k]] == MotionMode.REST))
     return rests
 

@@ -15,7 +15,7 @@ from lsvib.figures import style
 from lsvib.figures.common import EIGENVALUE, about
 from lsvib.figures.settings import Damping, DriveChanges, FigureSettings, PositiveSpan, Values, several
 from lsvib.models import chapter
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.numbers import bisected
 from lsvib.stability.linear import eigenvalue_pair
@@ -42,12 +42,12 @@ class Settings(FigureSettings):
 
 def analysis(settings: Values) -> xr.Dataset:
     """Analyse the drive: its critical mass."""
-    return analyse([RigidDrive.of(settings["drive"])], [("kinematic_constraint", "mass")])
+    return analyse([Drive.of(settings["drive"])], [("kinematic_constraint", "mass")])
 
 
 def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     """Compute both eigenvalues over the mass, the critical mass, and where the spectrum loses stability; c_x = 0."""
-    drive = RigidDrive.of(settings["drive"])
+    drive = Drive.of(settings["drive"])
     critical = value(analysis.kinematic_constraint_mass)
     # Im² ε = k/Γ − C²/4Γ² of (8.18) vanishes at Γ = C²/4k, where both meet, and is largest, k²/C², at Γ = C²/2k.
     square = drive.support_damping**2 / drive.coupling_stiffness
@@ -136,7 +136,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-def _inertia(drive: RigidDrive, mass: float) -> float:
+def _inertia(drive: Drive, mass: float) -> float:
     """Effective inertia Γ₊ [kg m²] at a mass [kg]; it vanishes at m_cr, so 50 digits are used and rounded once."""
     return float(coefficients(drive.replace(mass=float(mass))).gamma[1])
 

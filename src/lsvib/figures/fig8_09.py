@@ -13,7 +13,7 @@ from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, printed_laws, style
 from lsvib.figures.common import about, named, spread
 from lsvib.figures.settings import DriveChanges, PhasePlane, PositiveSpan, Values, several
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 
 CAPTION = """\
 Trajectories of the rigid drive (a) below and (b) above the critical mass; triangles on the lines point forward in time.
@@ -35,8 +35,8 @@ class Settings(PhasePlane):
     axial_force: PositiveSpan = Field(description="R [N] over which the dependence on it is shown.")
 
 
-def _drives(settings: Values) -> list[RigidDrive]:
-    drive = RigidDrive.of(settings["drive"])
+def _drives(settings: Values) -> list[Drive]:
+    drive = Drive.of(settings["drive"])
     return [drive.replace(**changes) for changes in settings["cases"]]
 
 
@@ -56,7 +56,7 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     )
 
 
-def _sensitivity(drive: RigidDrive, forces: np.ndarray, start: Values) -> Variables:
+def _sensitivity(drive: Drive, forces: np.ndarray, start: Values) -> Variables:
     from lsvib.dynamics.impulses import seizure_speeds
 
     rows = []

@@ -1,6 +1,7 @@
 """Figure 8.10: the sprag–slip cycle with compliant threads, its phase plane and the peaks of its contact force."""
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -13,8 +14,9 @@ from lsvib.figures import drawing, style
 from lsvib.figures import settings as of
 from lsvib.figures.common import Motion, SteadyState, about, named
 from lsvib.models import chapter
-from lsvib.models.drive import RigidDrive, ThreadsDrive
-from lsvib.models.threads import STATES, ThreadsEvent, ThreadsMode, seated_state, threads_automaton
+from lsvib.models.drive import Drive
+from lsvib.models.mechanism import COORDINATES, Event, seated_state
+from lsvib.models.model import automaton_of, model_of
 
 CAPTION = """\
 Compliant threads, k_c = c_c = 10⁸ (SI): (a) phase plane beside the rigid drive's cycle; (b) contact force on a broken
@@ -31,9 +33,10 @@ _DISTANCE = (
 
 
 class Settings(of.FigureSettings):
+    flows: ClassVar = ("modal",)
     drive: of.DriveChanges
-    contact_stiffness: of.parameter("contact_stiffness", of=ThreadsDrive)
-    contact_damping: of.parameter("contact_damping", of=ThreadsDrive)
+    contact_stiffness: of.parameter("contact_stiffness", of=Drive)
+    contact_damping: of.parameter("contact_damping", of=Drive)
     start: of.State
     duration: of.Duration
     samples: of.Samples
@@ -45,12 +48,12 @@ def build(settings: of.Values) -> xr.Dataset:
     from lsvib.engine.motion import follow
 
     contact = {key: settings[key] for key in ("contact_stiffness", "contact_damping")}
-    drive, start, samples = ThreadsDrive.of(settings["drive"], **contact), settings["start"], settings["samples"]
+    drive, start, samples = Drive.of(settings["drive"], **contact), settings["start"], settings["samples"]
     cycle, rigid = compliant_cycle(drive, start), phase_plane.reached(drive, start)
-    motion = follow(threads_automaton(drive), seated_state(drive, start["u"], start["w"]), settings["duration"])
+    motion = follow(automaton_of(drive), seated_state(drive, start["u"], start["w"]), settings["duration"])
     forces = spans.even(settings["axial_force"])
     return xr.Dataset(
-        _motion(motion, samples)
+        _motion(drive, motion, samples)
         | cycle_curves((), [cycle], samples)
         | cycle_curves((), [rigid], samples, "rigid_cycle")
         | _peak(cycle)
@@ -66,11 +69,11 @@ def build(settings: of.Values) -> xr.Dataset:
     ).set_coords("time")
 
 
-def compliant_cycle(drive: ThreadsDrive, start: of.Values) -> SteadyState:
+def compliant_cycle(drive: Drive, start: of.Values) -> SteadyState:
     """Return the attractor of the motion from a seated contact at u [rad], w [rad/s]."""
     from lsvib.dynamics.attractor import steady_state
 
-    return steady_state(threads_automaton(drive), seated_state(drive, start["u"], start["w"]))
+    return steady_state(automaton_of(drive), seated_state(drive, start["u"], start["w"]))
 
 
 def cycle_curves(dims: Sequence[str], cycles: Sequence[SteadyState], count: int, prefix: str = "cycle") -> Variables:
@@ -79,7 +82,8 @@ def cycle_curves(dims: Sequence[str], cycles: Sequence[SteadyState], count: int,
     Time [s] from a point of the cycle, angle and velocity, what else the state has, and the contact force; both states
     of each event are among the samples.
     """
-    names = (*STATES[2 : cycles[0].state.size], "normal_force")
+    orbit = next((steady.orbit for steady in cycles if steady.orbit is not None), None)
+    names = (*(orbit.automaton.states[2:] if orbit else ()), "normal_force")
     table = np.full((len(cycles), 3 + len(names), count), np.nan)
     for rows, steady in zip(table, cycles, strict=True):
         if steady.orbit is not None:
@@ -96,13 +100,14 @@ def cycle_curves(dims: Sequence[str], cycles: Sequence[SteadyState], count: int,
 def cycle_motion(dataset: xr.Dataset, prefix: str = "cycle") -> xr.Dataset:
     """Return cycles of :func:`cycle_curves` under the names of motions, with the parameters of their drives."""
     names = {"sample": "sample", "time": "time", "angle": "angle_deviation", "velocity": "velocity_deviation"}
-    names |= {name: name for name in (*STATES[2:], "normal_force")}
+    names |= {name: name for name in (*COORDINATES["threads"], "normal_force")}
     kept = {f"{prefix}_{own}": name for own, name in names.items() if f"{prefix}_{own}" in dataset.variables}
-    drive = ThreadsDrive if f"{prefix}_mismatch_rate" in kept else RigidDrive
-    return dataset[[*kept, *dict(drive())]].rename(kept | {f"{prefix}_sample": "sample"})
+    return dataset[[*kept, *(name for name in Drive.model_fields if name in dataset)]].rename(
+        kept | {f"{prefix}_sample": "sample"}
+    )
 
 
-def _motion(motion: Motion, samples: int) -> Variables:
+def _motion(drive: Drive, motion: Motion, samples: int) -> Variables:
     """The compliant motion with its contact force; both states of each event are samples, so every peak is."""
     times, states, modes = phase_plane.sample(motion, samples)
     # The same rows in every mode.
@@ -112,7 +117,7 @@ def _motion(motion: Motion, samples: int) -> Variables:
         "time": variable("sample", times, "s", "time", "$t$"),
         **{name: ("sample", states[:, k], quantity(name)) for k, name in enumerate(columns)},
         **{name: ("sample", states @ row[:-1] + row[-1], quantity(name)) for name, row in rows.items()},
-        "mode": flagged("sample", motion.automaton.codes[modes], "mode of motion", ThreadsMode),
+        "mode": flagged("sample", motion.automaton.codes[modes], "mode of motion", model_of(drive).modes),
     }
 
 
@@ -124,7 +129,7 @@ def _peak(cycle: SteadyState) -> Variables:
     if cycle.label.name == "SPRAG_SLIP_CYCLE":  # else there is nothing to draw; the checks say so
         period, automaton = cycle.orbit.end_time, cycle.orbit.automaton
         twice = follow(automaton, cycle.state, 2 * period, mode=cycle.orbit.start_mode)
-        stick = int(np.flatnonzero((twice.kind == ThreadsEvent.STICK) & (twice.time > 0.5 * period))[0])
+        stick = int(np.flatnonzero((twice.kind == Event.STICK) & (twice.time > 0.5 * period))[0])
         begin, sprag = twice.time[stick - 1], float(twice.time[stick] - twice.time[stick - 1])
         times = begin + sprag * np.linspace(-0.3, 1.6, 400)
         times = np.sort(np.append(times, twice.time[stick - 1 : stick + 3]))
@@ -136,7 +141,7 @@ def _peak(cycle: SteadyState) -> Variables:
     }
 
 
-def _comparison(drive: RigidDrive, cycle: SteadyState, rigid: SteadyState) -> Variables:
+def _comparison(drive: Drive, cycle: SteadyState, rigid: SteadyState) -> Variables:
     """The cycle in numbers, beside the rigid one."""
     found: Variables = {}
     for name, steady, words in (("", cycle, ""), ("rigid_", rigid, ", of the rigid drive")):
@@ -154,7 +159,7 @@ def _comparison(drive: RigidDrive, cycle: SteadyState, rigid: SteadyState) -> Va
     }
 
 
-def _cycle_values(drive: RigidDrive, cycle: SteadyState, rigid: SteadyState) -> tuple[float, float]:
+def _cycle_values(drive: Drive, cycle: SteadyState, rigid: SteadyState) -> tuple[float, float]:
     """Largest |N| [N] on the compliant cycle, and its distance [1] from the rigid one; nan where there is none."""
     from lsvib.contact.stiff_limit import Orbit
     from lsvib.dynamics.attractor import orbit_extremes
@@ -166,7 +171,7 @@ def _cycle_values(drive: RigidDrive, cycle: SteadyState, rigid: SteadyState) -> 
     return max(-low, high), Orbit.of(cycle.orbit, scales).distance(Orbit.of(rigid.orbit, scales))
 
 
-def _sensitivity(drive: ThreadsDrive, forces: np.ndarray, start: of.Values) -> Variables:
+def _sensitivity(drive: Drive, forces: np.ndarray, start: of.Values) -> Variables:
     rows, dim = [], "swept_axial_force"
     for force in forces:
         pushed = drive.replace(axial_force=float(force))

@@ -10,7 +10,7 @@ from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, named
 from lsvib.figures.settings import Damping, PhasePlane, Values, several
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 
 CAPTION = """\
 Sprag–slip cycles of the rigid drive for three levels of support damping c (assumed), each with its line of zero contact
@@ -27,7 +27,7 @@ class Settings(PhasePlane):
 
 def build(settings: Values) -> xr.Dataset:
     """Compute the phase plane for each damping; ``settings``: see ``Settings``."""
-    drive = RigidDrive.of(settings["drive"])
+    drive = Drive.of(settings["drive"])
     drives = [drive.replace(support_damping=c) for c in settings["support_dampings"]]
     return phase_plane.portraits(settings, drives, ("support_damping",), ("Sect. 8.6", "Sect. 8.6.1")).assign_attrs(
         about(__doc__, "exact event-driven motion and its return map", "Sect. 8.6.1, Fig. 8.11")

@@ -13,8 +13,8 @@ from lsvib.errors import InputError
 from lsvib.figures import style
 from lsvib.figures.common import SteadyState, about, flag_names, named
 from lsvib.figures.settings import DriveChanges, FigureSettings, Span, State, Values
-from lsvib.models.drive import RigidDrive
-from lsvib.models.model import RULES
+from lsvib.models.drive import Drive
+from lsvib.models.mechanism import RULES
 from lsvib.models.rigid import MotionMode
 from lsvib.numbers import bisected
 
@@ -54,7 +54,7 @@ class Settings(FigureSettings):
 
 def build(settings: Values) -> xr.Dataset:
     """Compute the cycle's amplitude and means over the damping, under both rules; closer where the rules differ."""
-    drive, start = RigidDrive.of(settings["drive"]), settings["start"]
+    drive, start = Drive.of(settings["drive"]), settings["start"]
     wanted = spans.even(settings["support_damping"])
     limit = _resting_damping(drive, start, float(wanted.max()))
     damping = np.unique(np.concatenate([wanted, limit * np.linspace(0, 2, 2 * (wanted.size // 8) + 1)]))
@@ -78,7 +78,7 @@ def build(settings: Values) -> xr.Dataset:
     )
 
 
-def _values(drive: RigidDrive, steady: SteadyState) -> list[float]:
+def _values(drive: Drive, steady: SteadyState) -> list[float]:
     """Values of the quantities in their order; NaN where there is no cycle."""
     from lsvib.dynamics.impulses import mean_load
 
@@ -89,7 +89,7 @@ def _values(drive: RigidDrive, steady: SteadyState) -> list[float]:
     return [steady.amplitude, load.deflection, load.normal, load.impulsive, load.axial, load.torque, left]
 
 
-def _resting_damping(drive: RigidDrive, start: Values, largest: float) -> float:
+def _resting_damping(drive: Drive, start: Values, largest: float) -> float:
     """Smallest damping [N m s/rad] up to ``largest`` whose cycle has no rest, by bisection to the last bit."""
 
     def rests(damping: float) -> bool:

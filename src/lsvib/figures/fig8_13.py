@@ -1,7 +1,7 @@
 """Figure 8.13: with softer contacts the motion is smoother, and the coupling deflection turns positive in sprag."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import xarray as xr
@@ -15,7 +15,8 @@ from lsvib.figures import drawing, style
 from lsvib.figures.common import CRITICAL_MASS_WITH_CONTACT, SteadyState, about, named
 from lsvib.figures.fig8_10 import compliant_cycle, cycle_curves, cycle_motion
 from lsvib.figures.settings import Contact, DriveChanges, FigureSettings, PositiveSpan, Samples, State, Values, several
-from lsvib.models.drive import ThreadsDrive
+from lsvib.models import chapter
+from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.numbers import bisected
 from lsvib.stability.conditions import critical_mass_of_contact
@@ -43,6 +44,7 @@ _COLOURS = (style.BLUE, style.ORANGE, style.VERMILION, style.GREEN)
 
 
 class Settings(FigureSettings):
+    flows: ClassVar = ("modal",)
     drive: DriveChanges
     contacts: several(Contact, 2, 4, "Contacts whose cycles are drawn, the stiffest first.")
     start: State
@@ -53,7 +55,7 @@ class Settings(FigureSettings):
 
 def build(settings: Values) -> xr.Dataset:
     """Compute the cycles of a few contacts, and over a grid of contacts where the deflection turns positive."""
-    drive, start = ThreadsDrive.of(settings["drive"]), settings["start"]
+    drive, start = Drive.of(chapter.PARTS["threads"] | settings["drive"]), settings["start"]
     stiffness, damping = (spans.logarithmic(settings[key]) for key in _CONTACT)
     contacts = [drive.replace(**contact) for contact in settings["contacts"]]
     cycles = [compliant_cycle(contact, start) for contact in contacts]
@@ -75,7 +77,7 @@ def build(settings: Values) -> xr.Dataset:
     )
 
 
-def _grid(drive: ThreadsDrive, start: Values, stiffness: np.ndarray, damping: np.ndarray) -> Variables:
+def _grid(drive: Drive, start: Values, stiffness: np.ndarray, damping: np.ndarray) -> Variables:
     """Numbers of the cycles over a grid of contacts, and the damping at which the largest deflection turns positive."""
 
     def numbers(k: float, c: float) -> dict[str, float]:

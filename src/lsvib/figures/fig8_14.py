@@ -22,10 +22,10 @@ from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures.common import Motion, about, flag_names, named
 from lsvib.figures.settings import Cells, MassPair, OpposingForces, PhasePlane, Values
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.model import RULES
-from lsvib.models.rigid import EventKind, MotionMode, rigid_automaton
+from lsvib.models.mechanism import RULES, Event
+from lsvib.models.rigid import MotionMode, rigid_automaton
 
 CAPTION = """\
 Trajectories under a negative axial force, c = 1e-3 N m s/rad, (a) for R = −50 N and (b) for R = −10 N, as in the
@@ -60,8 +60,8 @@ class Settings(PhasePlane):
     velocity: Cells = Field(description="Rates of those starts w [rad/s].")
 
 
-def _drives(settings: Values) -> list[RigidDrive]:
-    drive = RigidDrive.of(settings["drive"])
+def _drives(settings: Values) -> list[Drive]:
+    drive = Drive.of(settings["drive"])
     return [drive.replace(mass=m, axial_force=r) for m in settings["masses"] for r in settings["axial_forces"]]
 
 
@@ -109,12 +109,12 @@ def build(settings: Values, analysis: xr.Dataset, maps: xr.Dataset) -> xr.Datase
     ).assign_attrs(about(__doc__, "exact event-driven motion and its return map", "Sect. 8.7, Fig. 8.14"))
 
 
-def _labels(drive: RigidDrive, rule: str, states: Sequence[tuple[float, float]]) -> list[int]:
+def _labels(drive: Drive, rule: str, states: Sequence[tuple[float, float]]) -> list[int]:
     """Attractors of the motions from some states u [rad], u′ [rad/s]."""
     return [phase_plane.reached(drive, {"u": u, "w": w}, rule).label for u, w in states]
 
 
-def _first_events(drives: Sequence[RigidDrive], maps: xr.Dataset, duration: float) -> Variables:
+def _first_events(drives: Sequence[Drive], maps: xr.Dataset, duration: float) -> Variables:
     """Of motions from some cells of the map: what happens at once, if anything, the rate after it, and later events.
 
     A rest counts as a later event even if it begins at once.
@@ -133,7 +133,7 @@ def _first_events(drives: Sequence[RigidDrive], maps: xr.Dataset, duration: floa
             first[case, probe], rate[case, probe] = motion.kind[0], motion.after[0, 1]
         rests = motion.automaton.codes[motion.mode[at_once]] == MotionMode.REST
         later[case, probe] = (~at_once).sum() + rests.sum()
-    dims, when, about_first = ("case", "probe"), "of the motion from the cell", flags_or_none(EventKind)
+    dims, when, about_first = ("case", "probe"), "of the motion from the cell", flags_or_none(Event)
     return {
         **phase_plane.curve("probe", "probe", np.transpose([u, w]), "of a cell of the map"),
         "probe_attractor": phase_plane.attractors(dims, few.grid_attractor.transpose(*dims).values),
@@ -143,7 +143,7 @@ def _first_events(drives: Sequence[RigidDrive], maps: xr.Dataset, duration: floa
     }
 
 
-def _corners(drives: Sequence[RigidDrive]) -> Variables:
+def _corners(drives: Sequence[Drive]) -> Variables:
     """The corner of the lines N = 0 and θ′ = 0, and where the motions from standstill below it end."""
     corners = [_corner(d) for d in drives]
     states = [[(corner - x, -d.input_speed) for x in _DISTANCES] for d, corner in zip(drives, corners, strict=True)]
@@ -156,17 +156,17 @@ def _corners(drives: Sequence[RigidDrive]) -> Variables:
     }
 
 
-def _corner(drive: RigidDrive) -> float:
+def _corner(drive: Drive) -> float:
     """Return u_0 = c Ω / k − Γ₋ R / (k m r_m tan λ) [rad], R < 0 and Ω > 0 (Sect. 8.7)."""
     c, p = coefficients(drive), drive.exact()
     lever = p.coupling_stiffness * p.mass * p.pitch_radius * p.tan_lead
     return float(p.support_damping * p.input_speed / p.coupling_stiffness - c.gamma[-1] * p.axial_force / lever)
 
 
-def _reverse_slips(drives: Sequence[RigidDrive], start: Values, duration: float, samples: int) -> Variables:
+def _reverse_slips(drives: Sequence[Drive], start: Values, duration: float, samples: int) -> Variables:
     """The seizures before the first release, the motion until then, and the limits of their ratio (text above)."""
     motions = [[_until_release(drive, rule, start, duration) for rule in RULES] for drive in drives]
-    seizures = [[motion.kind == EventKind.SEIZURE for motion in row] for row in motions]
+    seizures = [[motion.kind == Event.SEIZURE for motion in row] for row in motions]
     table = np.full((2, len(drives), len(RULES), max(1, *(here.sum() for row in seizures for here in row))), np.nan)
     for i, (drive, row) in enumerate(zip(drives, motions, strict=True)):
         for j, motion in enumerate(row):
@@ -186,17 +186,17 @@ def _reverse_slips(drives: Sequence[RigidDrive], start: Values, duration: float,
     }
 
 
-def _until_release(drive: RigidDrive, rule: str, start: Values, duration: float) -> Motion:
+def _until_release(drive: Drive, rule: str, start: Values, duration: float) -> Motion:
     """The motion up to its first release, or all of it."""
     from lsvib.engine.motion import follow
 
     automaton, state = rigid_automaton(drive, resume=rule), [start["u"], start["w"]]
     whole = follow(automaton, state, duration)
-    released = np.flatnonzero(whole.kind == EventKind.RELEASE)
+    released = np.flatnonzero(whole.kind == Event.RELEASE)
     return follow(automaton, state, float(whole.time[released[0]])) if released.size else whole
 
 
-def _limits(drive: RigidDrive) -> tuple[float, float]:
+def _limits(drive: Drive) -> tuple[float, float]:
     """Limit of the ratio [1], and the length [rad] over which the acceleration changes by all of it; NaN if Γ₊ > 0."""
     c = coefficients(drive)
     if c.gamma[1] > 0:

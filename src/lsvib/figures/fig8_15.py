@@ -14,7 +14,7 @@ from lsvib.figures import drawing, style
 from lsvib.figures.common import about, named, over_map
 from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Span, Values, parameter
 from lsvib.models import chapter
-from lsvib.models.drive import RigidDrive, SupportDrive
+from lsvib.models.drive import PART_OF, Drive
 from lsvib.stability import conditions
 from lsvib.stability.conditions import critical_mass
 from lsvib.stability.linear import UndampedClass, eigenvalues, support_model, undamped_class, values_of
@@ -44,13 +44,13 @@ class Settings(FigureSettings):
     unused: ClassVar = ("support_damping", "friction_coefficient", "input_speed", "translation_damping", "axial_force")
 
     drive: DriveChanges
-    screw_mass: parameter("screw_mass", of=SupportDrive)
+    screw_mass: parameter("screw_mass", of=Drive)
     friction_coefficient: Span = Field(description="mu, from zero or more.")
     support_stiffness: PositiveSpan = Field(description="k_1 [N/m], spaced logarithmically.")
 
 
-def _drive(settings: Values) -> SupportDrive:
-    return SupportDrive.of({"screw_mass": settings["screw_mass"], **settings["drive"]})
+def _drive(settings: Values) -> Drive:
+    return Drive.of(chapter.PARTS["support"] | {"screw_mass": settings["screw_mass"]} | settings["drive"])
 
 
 def analysis(settings: Values) -> xr.Dataset:
@@ -258,8 +258,8 @@ def _condition_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
     inertias = (conditions.effective_inertia(own, law=-1), conditions.reduced_inertia(own, law=-1))
     against = np.min(np.concatenate(np.broadcast_arrays(*inertias)))
     reduced_mass = drive["mass"] * drive["screw_mass"] / (drive["mass"] + drive["screw_mass"])
-    rigid = {name: value for name, value in drive.items() if name != "screw_mass"}
-    locked = RigidDrive.of(rigid, friction_coefficient=float(dataset.critical_friction))
+    rigid = {name: value for name, value in drive.items() if name not in PART_OF}
+    locked = Drive.of(rigid, friction_coefficient=float(dataset.critical_friction))
     return [
         Check.holds(
             "The two necessary conditions of the kinematic constraint are μ > tan λ and R Ω > 0: it is active at no "

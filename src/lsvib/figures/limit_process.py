@@ -26,9 +26,9 @@ from lsvib.datasets.checks import Check
 from lsvib.figures import printed_laws, style
 from lsvib.figures import settings as of
 from lsvib.figures.common import LimitBranch, about, flag_names, named
-from lsvib.models.drive import RigidDrive, ThreadsDrive
+from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.model import RULES
+from lsvib.models.mechanism import RULES
 
 CAPTION = """\
 The limit process. Each column of (a) to (c) is a branch: drive on top; below, the sign of N in the impact and the
@@ -62,6 +62,7 @@ _FAMILIES = {_VISCOUS: (style.BLUE, "o"), "damping ratio": (style.SKY, "s"), "el
 
 
 class Settings(of.FigureSettings):
+    flows: ClassVar = ("modal",)
     unused: ClassVar = ("support_damping", "translation_damping", "axial_force")
 
     drive: of.DriveChanges
@@ -71,7 +72,7 @@ class Settings(of.FigureSettings):
     duration: of.Duration
     start: of.State
     stiffness: of.several(
-        of.parameter("contact_stiffness", of=ThreadsDrive), 3, 50, "Contact stiffnesses k_c [N/m], ascending."
+        of.parameter("contact_stiffness", of=Drive), 3, 50, "Contact stiffnesses k_c [N/m], ascending."
     )
     fit_from: float = Field(gt=0, description="Least stiffness that orders are fitted to [N/m].")
     damping_ratio: float = Field(gt=0, le=1000, description="Damping ratio of the nut in its family [1].")
@@ -94,7 +95,7 @@ def build(settings: of.Values) -> xr.Dataset:
     from lsvib.contact import stiff_limit
     from lsvib.contact.stiff_limit import BranchFamily
 
-    stiffness, base = np.array(settings["stiffness"], dtype=float), RigidDrive.of(settings["drive"])
+    stiffness, base = np.array(settings["stiffness"], dtype=float), Drive.of(settings["drive"])
     pairs = [(r, c) for r in settings["axial_forces"] for c in settings["support_dampings"]]
     drives = [base.replace(axial_force=r, support_damping=c) for r, c in pairs]
     start, speed, ratio = settings["start"], settings["speed"], settings["damping_ratio"]
@@ -152,7 +153,7 @@ def _deviations(branches: Sequence[LimitBranch], stiffness: np.ndarray, ratio: f
     return variables
 
 
-def _indeterminate(drive: RigidDrive, stiffness: np.ndarray, speed: float, duration: float) -> Variables:
+def _indeterminate(drive: Drive, stiffness: np.ndarray, speed: float, duration: float) -> Variables:
     """The first event of motions between two solutions, from contact forces of _SADDLE_MULTIPLES times the saddle's.
 
     Without contact damping N′ = 0 at the start. Of the larger force also the velocity that the chapter's formula says
@@ -160,7 +161,8 @@ def _indeterminate(drive: RigidDrive, stiffness: np.ndarray, speed: float, durat
     """
     from lsvib.contact.stiff_limit import BranchFamily, stiffened
     from lsvib.engine.motion import follow
-    from lsvib.models.threads import ThreadsEvent, threads_automaton
+    from lsvib.models.mechanism import Event
+    from lsvib.models.model import automaton_of
 
     c, w = coefficients(drive), speed - drive.input_speed
     q_u, q_w, q_0 = (float(x) for x in c.q_row)
@@ -173,7 +175,7 @@ def _indeterminate(drive: RigidDrive, stiffness: np.ndarray, speed: float, durat
         contact, force = stiffened(drive, family, k, 0.0), multiple * drift / (lever * gamma)
         rate = force / (contact.contact_damping * cosine) if contact.contact_damping else 0.0
         state = [u, w, 0.0 if rate else force / (k * cosine), rate]
-        motion = follow(threads_automaton(contact), state, duration)
+        motion = follow(automaton_of(contact), state, duration)
         kinds.append(motion.kind[0] if motion.kind.size else -1)
         times.append(motion.time[0] if motion.kind.size else np.nan)
         pulse = np.sqrt(k * cosine * lever * abs(gamma) / (drive.mass * drive.screw_inertia))  # ω̄ of (8.9)
@@ -187,7 +189,7 @@ def _indeterminate(drive: RigidDrive, stiffness: np.ndarray, speed: float, durat
     own = np.reshape(lost, (*size, 2))[1, 0]  # without contact damping, from the larger force
     event, words = "first event from a multiple of the contact force of the saddle", "velocity lost by the formula"
     return {
-        "indeterminate_event": (dims, kinds, attributes("1", event, **flags_or_none(ThreadsEvent))),
+        "indeterminate_event": (dims, kinds, attributes("1", event, **flags_or_none(Event))),
         "indeterminate_time": variable(dims, times, "s", f"time of the {event}"),
         "formula_velocity": variable("contact_stiffness", own[:, 0], "1", f"{words} of Sect. 8.2 over that lost"),
         "formula_velocity_limit": variable("contact_stiffness", own[:, 1], "1", f"{words} in its limit over that lost"),

@@ -18,7 +18,7 @@ from lsvib.figures import settings as of
 from lsvib.figures import style
 from lsvib.figures.common import BALANCE, about, balance_check
 from lsvib.figures.settings import FigureSettings, PositiveSpan, Values
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 
 CAPTION = """\
 Drive 1 of Mablekos-Alexiou, da Cruz and Bergeles (IEEE Trans. Robotics 37:1252, 2021): a screw of 12 mm with a lead of
@@ -53,7 +53,7 @@ FASTEST = 100 * RPM  # rad/s; at twice the speed up to which the torque falls no
 
 
 class Settings(FigureSettings):
-    by_speed: ClassVar = True
+    flows: ClassVar = ("taylor",)
     tables: ClassVar = TABLES
 
     stiffness: PositiveSpan = Field(description="Stiffnesses of the drive, evenly spaced in logarithm [N m/rad].")
@@ -72,7 +72,7 @@ def build(settings: Values) -> xr.Dataset:
     speed, torque = (np.array([getattr(point, name) for point in points]) for name in ("speed", "torque"))
     fit = fitted(Measured(speed, torque, np.full(speed.size, LOAD), RADIUS, PUBLISHED["lead_angle"]))
     variables, coordinates, more = fit_variables(fit, points)
-    drive = RigidDrive(**PUBLISHED, **fit.main.drive(), support_damping=0.0)
+    drive = Drive(**PUBLISHED, **fit.main.drive(), support_damping=0.0)
     stiffness, dampings = spans.logarithmic(settings["stiffness"]), np.array(settings["dampings"])
     dims = ("support_damping", "direction", "coupling_stiffness")
     grid = [(c, sense, k) for c in dampings.tolist() for sense in (-1, 1) for k in stiffness.tolist()]
@@ -94,7 +94,7 @@ def build(settings: Values) -> xr.Dataset:
         ),
         "energy_balance": variable((), balance(jerking, _ends_on(jerking, JERKS).orbit), *BALANCE),
     }
-    for name, value in drive.model_dump().items():
+    for name, value in drive:
         if name not in dims:
             variables[name] = ((), value, parameter(name, f"given: published or measured, {SOURCE}"))
     speeds = np.array([JERKS, EVEN])
@@ -126,7 +126,7 @@ def _seen_frequency(tables: list[Any]) -> float:
     return float(np.count_nonzero(high[1:] & ~high[:-1]) / (speed.size * SAMPLED))
 
 
-def _ends_on(drive: RigidDrive, speed: float) -> Any:
+def _ends_on(drive: Drive, speed: float) -> Any:
     """What a motion ends on that starts far from steady sliding at a speed [rad/s]."""
     from lsvib.dynamics.attractor import steady_state
     from lsvib.models.rigid import rigid_automaton
@@ -135,7 +135,7 @@ def _ends_on(drive: RigidDrive, speed: float) -> Any:
     return steady_state(rigid_automaton(moved), [0.0, -PERTURBED * speed], max_events=20_000)
 
 
-def _vibrates_up_to(drive: RigidDrive, damping: float, sense: int, stiffness: float) -> tuple[float, int]:
+def _vibrates_up_to(drive: Drive, damping: float, sense: int, stiffness: float) -> tuple[float, int]:
     """The speed [rad/s] up to which motions end on a cycle, to 2 %, and how many of those tried do not settle.
 
     NaN if none does at half the speed at which the screw was seen to jerk.
@@ -154,7 +154,7 @@ def _vibrates_up_to(drive: RigidDrive, damping: float, sense: int, stiffness: fl
     return low, unresolved
 
 
-def _jerks(drive: RigidDrive, damping: float, sense: int, stiffness: float) -> tuple[float, float]:
+def _jerks(drive: Drive, damping: float, sense: int, stiffness: float) -> tuple[float, float]:
     """Largest speed [rad/s] and frequency [1/s] of the cycle at the speed of jerks; NaN if there is none."""
     from lsvib.dynamics.attractor import orbit_extremes
 
@@ -165,7 +165,7 @@ def _jerks(drive: RigidDrive, damping: float, sense: int, stiffness: float) -> t
     return JERKS + max(sense * x for x in orbit_extremes(end.orbit, np.array([0.0, 1.0, 0.0]))), 1 / end.period
 
 
-def _damping_at(drive: RigidDrive, speed: float) -> float:
+def _damping_at(drive: Drive, speed: float) -> float:
     """The damping below which steady sliding at a speed [rad/s] is unstable [N m s/rad]."""
     from lsvib.stability.threshold import solve_threshold
 

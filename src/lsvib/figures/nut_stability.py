@@ -13,7 +13,8 @@ from lsvib.errors import InputError
 from lsvib.figures import drawing, printed_laws, style
 from lsvib.figures.common import about, named, over_map
 from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Span, Values
-from lsvib.models.drive import NutDrive
+from lsvib.models import chapter
+from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.numbers import bisected
 from lsvib.stability.conditions import critical_mass, effective_screw_inertia, kinematic_inertia, kinematic_mass
@@ -50,7 +51,7 @@ class Settings(FigureSettings):
 
 def build(settings: Values) -> xr.Dataset:
     """Compute the critical mass over the nut's inertia, in closed form and by eigenvalues, and the classes; c_x = 0."""
-    drive = NutDrive.of(settings["drive"])
+    drive = Drive.of(chapter.PARTS["nut"] | settings["drive"])
     rigid, inertia = critical_mass(drive), spans.logarithmic(settings["nut_inertia"])
     if rigid is None:
         raise InputError("The drive is not self-locking (mu <= tan lambda), so it has no critical mass.")
@@ -101,12 +102,12 @@ def build(settings: Values) -> xr.Dataset:
     )
 
 
-def _signs(drive: NutDrive, mass: float) -> float:
+def _signs(drive: Drive, mass: float) -> float:
     """Sign of the product of both 1/ω² at a mass [kg]."""
     return np.prod(np.sign(reciprocal_squares(nut_model({**dict(drive), "mass": mass}, law=1)).real))
 
 
-def _boundary_friction(drive: NutDrive, inertia: np.ndarray) -> np.ndarray:
+def _boundary_friction(drive: Drive, inertia: np.ndarray) -> np.ndarray:
     """μ = (ξ + tan λ) / (1 − ξ tan λ) with ξ = I_eff / (tan λ m r_m²), where I_eff = q; NaN if not below cot λ."""
     tangent = np.tan(drive.lead_angle)
     xi = effective_screw_inertia({**dict(drive), "nut_inertia": inertia}) / (

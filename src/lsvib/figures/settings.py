@@ -13,7 +13,7 @@ from annotated_types import Ge, Gt, Le, Lt
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model, model_validator
 from pydantic_core import PydanticCustomError
 
-from lsvib.models.drive import Drive, Least, ThreadsDrive, described
+from lsvib.models.drive import Drive, Least, described
 
 _BOUNDS = (Ge, Gt, Le, Lt)
 Values = Mapping[str, Any]  # names and values, such as the settings of a figure once they are checked
@@ -39,14 +39,15 @@ class FigureSettings(SettingsSection):
 
     ``unused``: parameters of its drive on which the figure does not depend, because it varies them itself or because
     they drop out of what it shows. ``needs``: modules that its dataset runs in processes of their own or finds by name.
-    ``timed``: whether its dataset measures run times, so that nothing may run beside it. ``by_speed``: whether its
-    dataset follows motions with friction that depends on speed. ``tables``: files of measurements that it reads.
+    ``timed``: whether its dataset measures run times, so that nothing may run beside it. ``flows``: what the
+    engine has to follow it besides that of rigid drives: ``modal`` with parts that comply, ``taylor`` with friction
+    that depends on speed.
     """
 
     unused: ClassVar[tuple[str, ...]] = ()
     needs: ClassVar[tuple[str, ...]] = ()
     timed: ClassVar[bool] = False
-    by_speed: ClassVar[bool] = False
+    flows: ClassVar[tuple[str, ...]] = ()
     tables: ClassVar[tuple[Path, ...]] = ()
 
 
@@ -157,8 +158,8 @@ DriveChanges = _changes(
 class Contact(SettingsSection):
     """A contact of compliant threads."""
 
-    contact_stiffness: parameter("contact_stiffness", of=ThreadsDrive)
-    contact_damping: parameter("contact_damping", of=ThreadsDrive)
+    contact_stiffness: parameter("contact_stiffness", of=Drive)
+    contact_damping: parameter("contact_damping", of=Drive)
 
 
 class ContactStart(SettingsSection):
@@ -170,7 +171,7 @@ class ContactStart(SettingsSection):
 
 NotZero = (AfterValidator(_not_zero),)  # add to the type of a number
 ContactDampings = Annotated[
-    tuple[Annotated[float, AfterValidator(_zero)], parameter("contact_damping", Gt(0), of=ThreadsDrive)],
+    tuple[Annotated[float, AfterValidator(_zero)], parameter("contact_damping", Gt(0), of=Drive)],
     Field(strict=False, description="Contact damping of both panels, none first [N s/m]."),
 ]
 Starts = Annotated[list[State], Field(min_length=1, max_length=4, description="States from which motions are drawn.")]
@@ -207,7 +208,7 @@ class ContactPortrait(FigureSettings):
     unused: ClassVar = ("coupling_stiffness", "support_damping", "input_speed", "translation_damping", "axial_force")
 
     drive: DriveChanges
-    contact_stiffness: parameter("contact_stiffness", of=ThreadsDrive)
+    contact_stiffness: parameter("contact_stiffness", of=Drive)
     contact_dampings: ContactDampings
     force: Span = Field(description="Contact force in the scale of the chapter [1/(kg m2)].")
     rate: Span = Field(description="Its rate, in the same scale [1/(kg m2)].")

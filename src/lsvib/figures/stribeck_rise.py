@@ -15,7 +15,7 @@ from lsvib.figures import style
 from lsvib.figures.common import BALANCE, about, balance_check, named
 from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Span, Values
 from lsvib.models import chapter
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 from lsvib.numbers import bisected
 
 CAPTION = """\
@@ -32,7 +32,7 @@ CYCLES = ("stick_slip", "sprag_slip")
 
 class Settings(FigureSettings):
     unused: ClassVar = ("axial_force",)
-    by_speed: ClassVar = True
+    flows: ClassVar = ("taylor",)
 
     drive: DriveChanges
     rise: Span = Field(description="Rise of friction over its kinetic value [1].")
@@ -42,20 +42,20 @@ class Settings(FigureSettings):
     sprag_slip: DriveChanges
 
 
-def _risen(drive: RigidDrive, share: float) -> RigidDrive:
+def _risen(drive: Drive, share: float) -> Drive:
     return drive.replace(stribeck_rise=share * drive.friction_coefficient)
 
 
-def _slow(drive: RigidDrive, share: float) -> RigidDrive:
+def _slow(drive: Drive, share: float) -> Drive:
     """The drive with the constant coefficient that it has in slow sliding."""
-    return RigidDrive.of({**dict(drive), "stribeck_speed": 0}).replace(
+    return Drive.of({**dict(drive), "stribeck_speed": 0}).replace(
         friction_coefficient=(1 + share) * drive.friction_coefficient
     )
 
 
 def analysis(settings: Values) -> xr.Dataset:
     """Analyse the drive with each rise: its critical mass with the friction of steady sliding."""
-    drive = RigidDrive.of(settings["drive"])
+    drive = Drive.of(settings["drive"])
     drives = [_risen(drive, share) for share in spans.even(settings["rise"]).tolist()]
     return analyse(drives, [("kinematic_constraint", "mass")], along=("stribeck_rise",))
 
@@ -64,7 +64,7 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     """Compute thresholds over the rise, and both cycles over the static friction."""
     from lsvib.dynamics.attractor import Attractor
 
-    drive, rise = RigidDrive.of(settings["drive"]), spans.even(settings["rise"])
+    drive, rise = Drive.of(settings["drive"]), spans.even(settings["rise"])
     heavy = drive.replace(mass=settings["heavy_mass"])
     slow = [_threshold(_slow(drive, share), "mass") for share in rise.tolist()]
     least = _threshold(_slow(heavy, 0.0), "friction_coefficient")
@@ -72,7 +72,7 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     forces = [_forces(_risen(drive, share), float(first)) for share, first in zip(rise.tolist(), onset, strict=True)]
     static, rows = spans.even(settings["static"]), []
     for name in CYCLES:
-        own = RigidDrive.of(settings[name])
+        own = Drive.of(settings[name])
         held = [own.replace(static_friction_coefficient=share * own.friction_coefficient) for share in static.tolist()]
         rows.append([_cycle(each) for each in held])
     label, amplitude, period, balance = np.moveaxis(np.array(rows), -1, 0)
@@ -106,19 +106,19 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     )
 
 
-def _threshold(drive: RigidDrive, unknown: str) -> float:
+def _threshold(drive: Drive, unknown: str) -> float:
     from lsvib.stability.threshold import solve_threshold
 
     return solve_threshold(drive, "kinematic_constraint", unknown).value
 
 
-def _onset(drive: RigidDrive) -> float:
+def _onset(drive: Drive) -> float:
     from lsvib.stability.threshold import solve_threshold
 
     return min(x.value for x in solve_threshold(drive, "onset", "axial_force").solutions if x.value > 0)
 
 
-def _forces(drive: RigidDrive, onset: float) -> tuple[float, float]:
+def _forces(drive: Drive, onset: float) -> tuple[float, float]:
     """Stick and detach force [N] of a drive whose vibration sets in at a force: by bisection, from its motions."""
     from lsvib.dynamics.sweep import RESTS, REVERSES, ending_of
     from lsvib.models.rigid import rigid_automaton
@@ -132,7 +132,7 @@ def _forces(drive: RigidDrive, onset: float) -> tuple[float, float]:
     return stick, bisected(lambda force: not happens(force) & REVERSES, stick, 4 * onset, 1e-4)
 
 
-def _cycle(drive: RigidDrive) -> tuple[int, float, float, float]:
+def _cycle(drive: Drive) -> tuple[int, float, float, float]:
     """What the motion of a drive from far away ends in, amplitude [rad], period [s], and balance of energy [1]."""
     from lsvib.dynamics.attractor import steady_state
     from lsvib.dynamics.energy import balance

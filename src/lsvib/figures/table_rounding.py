@@ -14,7 +14,7 @@ from lsvib.figures import style
 from lsvib.figures.common import about, flag_names
 from lsvib.figures.settings import DriveChanges, FigureSettings, Values
 from lsvib.models import chapter
-from lsvib.models.drive import RigidDrive, SupportDrive
+from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.numbers import bisected
 from lsvib.stability import force_thresholds
@@ -71,10 +71,14 @@ class Settings(FigureSettings):
 
 def build(settings: Values) -> xr.Dataset:
     """Compute the thresholds, their distance from print, and what half a unit of each parameter changes, relative."""
-    base, own = RigidDrive.of(settings["drive"]), {name: dict(chapter.THRESHOLDS[name].drive) for name in _PRINTED}
+    base, own = Drive.of(settings["drive"]), {name: dict(chapter.THRESHOLDS[name].drive) for name in _PRINTED}
     screw_mass = own["critical_friction"].pop("screw_mass")
     drives = {name: base.replace(**changes) for name, changes in own.items()}
-    asked = drives | {"critical_friction": SupportDrive.of(drives["critical_friction"], screw_mass=screw_mass)}
+    asked = drives | {
+        "critical_friction": drives["critical_friction"].replace(
+            **chapter.PARTS["support"] | {"screw_mass": screw_mass}
+        )
+    }
     solved = [solve_threshold(drive, *_PRINTED[name][1:]) for name, drive in asked.items()]
     computed = np.array([found.solutions[0].value for found in solved])
     steps = {name: half for name, half in HALF_UNITS.items() if name != "lead_angle_deg"}
@@ -120,7 +124,7 @@ def _table(computed: np.ndarray, changes: np.ndarray) -> Variables:
     }
 
 
-def _matching(drive: RigidDrive) -> Variables:
+def _matching(drive: Drive) -> Variables:
     """The damping with which the printed stick force is the computed one, and what else it would change."""
     half, printed_force = HALF_UNITS["support_damping"], chapter.THRESHOLDS["stick_force"].value
 

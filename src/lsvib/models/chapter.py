@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from lsvib.models.drive import RigidDrive
+from lsvib.models.drive import Drive
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ _NEGATIVE_DAMPING = {"mass": 1.0, "translation_damping": 1e3}
 # Values of parameters by the place that states them. Table 8.1 is the default of a drive.
 STATED: dict[str, dict[str, tuple[float, ...]]] = {
     "Table 8.1": {
-        name: (RigidDrive.model_fields[name].default,)
+        name: (Drive.model_fields[name].default,)
         for name in (
             *("pitch_radius", "lead_angle", "screw_inertia", "coupling_stiffness", "support_damping"),
             *("friction_coefficient", "input_speed"),
@@ -80,3 +80,15 @@ PRINTED = (*THRESHOLDS.values(), PEAK_FORCE, *EFFECTIVE_DAMPING.values(), *EFFEC
 
 # Sect. 8.7 describes the threshold of global stability without a number; the drive is that of Fig. 8.14 beyond m_cr.
 GLOBAL_STABILITY = {"mass": 11.0, "support_damping": 1e-3}
+
+# Examples of parts: of Fig. 8.10, of Fig. 8.15 (k_1 is assumed), and of Sect. 5.8 the screw's own values, assumed.
+PARTS = {
+    "support": {"screw_mass": 11.6, "support_stiffness": 1e6, "axial_support_damping": 0.0},
+    "nut": {"nut_inertia": 3.12e-6, "nut_stiffness": 1.0, "nut_damping": 2e-4},
+    "threads": {"contact_stiffness": 1e8, "contact_damping": 1e8},
+}
+
+
+def drive_of(claim: Claim) -> Drive:
+    """Return the drive that a claim is about."""
+    return Drive.of(PARTS["support"] | claim.drive if "screw_mass" in claim.drive else claim.drive)

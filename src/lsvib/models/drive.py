@@ -1,14 +1,13 @@
 """The parameters of a lead-screw drive: names, units, allowed ranges, defaults (Table 8.1).
 
-Those of the chapter's four models stand here and not in the files of the models, so that a drive can be made, printed
-or refused without loading the automata that the models make.
+A drive can be made, printed or refused without loading what makes its equations of motion.
 """
 
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, ParamSpec, Self, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, ParamSpec, Self, TypeVar
 
 from flint import arb
 from pydantic import (
@@ -101,13 +100,24 @@ def range_in_words(name: str, rule: Mapping[str, Any], form: str = "g") -> str:
     return f"{zero}{''.join(low)}{size}{''.join(high)}" if low or high else ""
 
 
+# The parameters of each part that a drive may have; the last one, its damper, is zero where only the others are given.
+PARTS = {
+    "support": ("screw_mass", "support_stiffness", "axial_support_damping"),
+    "nut": ("nut_inertia", "nut_stiffness", "nut_damping"),
+    "threads": ("contact_stiffness", "contact_damping"),
+}
+PART_OF = {name: part for part, names in PARTS.items() for name in names}
+IN_WORDS = {"support": "a compliant axial support", "nut": "a nut that may turn", "threads": "compliant threads"}
+DRY = ("slide_friction", "bearing_friction")  # against the ground, not in the threads
+_UNLESS_ZERO = (*friction.NAMES, *DRY)
+
 Number = Annotated[float, BeforeValidator(number)]
 Value = Annotated[float, BeforeValidator(_quantity_of)]
 Whole = Annotated[int, BeforeValidator(whole)]
 
 
 def quantity(
-    default: float, symbol: str, unit: str, long_name: str, least: float = 0.0, zero: bool = True, **bounds: Any
+    default: float | None, symbol: str, unit: str, long_name: str, least: float = 0.0, zero: bool = True, **bounds: Any
 ) -> Any:
     """Return the field of a parameter: its default, how it is written, its SI unit, its name, and its range.
 
@@ -133,19 +143,34 @@ _LEAST_LEAD = 1e-6  # rad
 
 
 class Drive(BaseModel):
-    """What drives of all models have, in SI units; immutable, every value checked (Table 8.1 gives the defaults).
+    """A drive, in SI units; immutable, every value checked (Table 8.1 gives the defaults).
 
-    Drives of one ``model`` with the same values are equal, whatever class they are of; ``repr`` shows the values that
-    differ from the defaults. Wherever values are given ``lead_angle_deg`` [degree] may stand for ``lead_angle`` [rad],
-    and ``friction``, the name of a pairing, for the coefficient and the law (:mod:`lsvib.models.pairings`).
-    ``mass``, ``translation_damping`` and ``axial_force`` differ from figure to figure in the chapter; their defaults
-    are m = 1 kg (Sect. 8.5.1), c_x = 0 and R = 50 N (assumed: the text does not state R for Figs 8.9–8.13). Raises
-    ``InputError`` through :meth:`of` and :meth:`replace`, in one sentence naming key, value and range.
+    It has a screw (I, c) on a coupling (k) behind a motor that turns at Ω, threads (r_m, λ, μ), and a load (m, c_x, R)
+    that a slide may brake (F_0) as a bearing may the screw (T_0). These *parts* are there if their parameters are given
+    (:mod:`lsvib.models.mechanism`); a part that is not there is rigid:
+
+    * compliant threads (Sect. 5.5): ``contact_stiffness``, ``contact_damping``; Fig. 8.10 has 1e8 and 1e8;
+    * a compliant axial support of the screw (Sect. 5.6): ``screw_mass``, ``support_stiffness``,
+      ``axial_support_damping``; Fig. 8.15 has a screw of 11.6 kg;
+    * a nut that may turn (Sect. 5.8): ``nut_inertia``, ``nut_stiffness``, ``nut_damping``.
+
+    A damper that is left out is zero. Drives with the same values are equal; ``repr`` shows the values that differ from
+    the defaults. Wherever values are given ``lead_angle_deg`` [degree] may stand for ``lead_angle`` [rad], and
+    ``friction``, the name of a pairing, for the coefficient and the law (:mod:`lsvib.models.pairings`). ``mass``,
+    ``translation_damping`` and ``axial_force`` differ from figure to figure in the chapter; their defaults are m = 1 kg
+    (Sect. 8.5.1), c_x = 0 and R = 50 N (assumed: the text does not state R for Figs 8.9–8.13). Raises ``InputError``,
+    in one sentence naming key, value and range.
+
+    >>> import lsvib
+    >>> lsvib.Drive(mass=11, axial_force=-10).replace(mass=12)
+    Drive(mass=12.0, axial_force=-10.0)
+    >>> lsvib.Drive(mass=9, contact_stiffness=1e8, contact_damping=5e4).stability().kind
+    'flutter'
+    >>> lsvib.Drive(mass=15, friction_coefficient=0.3, screw_mass=11.6, support_stiffness=1e6).stability().kind
+    'kinematic_constraint'
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-    model: ClassVar[str]  # one of lsvib.models.model.model_names()
-    own_damping: ClassVar[str] = ""  # the damping that the model adds to the rigid drive
 
     pitch_radius: Value = quantity(5.18e-3, "r_m", "m", "pitch radius of the screw", ge=1e-6, le=1.0)
     lead_angle: Value = quantity(
@@ -180,6 +205,24 @@ class Drive(BaseModel):
     friction_slope: Value = quantity(
         0.0, "mu_v", "s m-1", "slope of friction over the sliding speed", least=1e-18, ge=-1e6, le=1e6
     )
+    slide_friction: Value = quantity(0.0, "F_0", "N", "Coulomb friction of the slide", least=1e-18, ge=0, le=1e12)
+    bearing_friction: Value = quantity(
+        0.0, "T_0", "N m", "Coulomb friction of the screw support", least=1e-24, ge=0, le=1e12
+    )
+    contact_stiffness: Value = quantity(None, "k_c", "N m-1", "stiffness of the thread contact", ge=1e-9, le=1e15)
+    contact_damping: Value = quantity(
+        None, "c_c", "N s m-1", "damping of the thread contact", least=1e-18, ge=0, le=1e15
+    )
+    screw_mass: Value = quantity(None, "m_1", "kg", "mass of the screw", ge=1e-18, le=1e9)
+    support_stiffness: Value = quantity(None, "k_1", "N m-1", "axial stiffness of the support", ge=1e-9, le=1e15)
+    axial_support_damping: Value = quantity(
+        None, "c_1", "N s m-1", "axial damping of the support", least=1e-18, ge=0, le=1e15
+    )
+    nut_inertia: Value = quantity(None, "I_2", "kg m2", "moment of inertia of the nut", ge=1e-30, le=1e6)
+    nut_stiffness: Value = quantity(None, "k_2", "N m rad-1", "rotational stiffness of the nut", ge=1e-21, le=1e15)
+    nut_damping: Value = quantity(
+        None, "c_2", "N m s rad-1", "rotational damping of the nut", least=1e-30, ge=0, le=1e15
+    )
 
     if not TYPE_CHECKING:  # a type checker reads the parameters from the fields
 
@@ -187,6 +230,10 @@ class Drive(BaseModel):
             """Make a drive from its parameters; raises ``InputError`` in one sentence."""
             if "lead_angle_deg" in values or "friction" in values:
                 values = _resolved(values)
+            values = {key: value for key, value in values.items() if value is not None or key not in PART_OF}
+            for *needed, damping in PARTS.values():
+                if damping not in values and all(name in values for name in needed):
+                    values[damping] = 0.0
             try:
                 super().__init__(**values)
             except ValidationError as error:
@@ -201,10 +248,10 @@ class Drive(BaseModel):
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Drive):
             return NotImplemented
-        return self.model == other.model and self.__dict__ == other.__dict__
+        return self.__dict__ == other.__dict__
 
     def __hash__(self) -> int:
-        return hash((self.model, *self.__dict__.values()))
+        return hash(tuple(self.__dict__.values()))
 
     def __repr_args__(self) -> Iterator[tuple[str, Any]]:
         for key, field in type(self).model_fields.items():
@@ -215,13 +262,31 @@ class Drive(BaseModel):
         return repr(self)
 
     def __iter__(self) -> Iterator[tuple[str, Any]]:  # type: ignore[override]  # as pydantic's, of what it has
-        """Yield names and values of the parameters that the drive has: of its friction law those that it uses."""
+        """Yield names and values of the parameters that the drive has: of its parts, and of friction what it uses."""
         for key, value in self.__dict__.items():
-            if key not in friction.NAMES or value != type(self).model_fields[key].default:
+            if value is not None and (key not in _UNLESS_ZERO or value != type(self).model_fields[key].default):
                 yield key, value
 
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """The names of the parts that are there, of support, nut and threads."""
+        return tuple(part for part, names in PARTS.items() if getattr(self, names[0]) is not None)
+
+    @property
+    def rigid(self) -> bool:
+        """Whether this is the rigid drive of the chapter (Sect. 5.3): no part complies, and only the threads rub."""
+        return not self.parts and not any(getattr(self, name) for name in DRY)
+
     def model_post_init(self, context: Any) -> None:
-        """Check what couples two parameters: μ < cot λ, and the parts of the friction law."""
+        """Check what couples parameters: those of a part, μ < cot λ, and the friction law."""
+        for part, names in PARTS.items():
+            given = [name for name in names if getattr(self, name) is not None]
+            missing = [name for name in names[:-1] if name not in given]
+            if given and missing:
+                raise InputError(
+                    f"{given[0]} is a parameter of {IN_WORDS[part]}, which {'needs' if part != 'threads' else 'need'} "
+                    f"{' and '.join(missing)} as well."
+                )
         limit = 1 / math.tan(self.lead_angle)
         if not self.friction_coefficient < limit:
             raise InputError(
@@ -250,76 +315,6 @@ class Drive(BaseModel):
         return _exact(self)
 
 
-class RigidDrive(Drive):
-    """A drive whose nut and screw are rigid: one degree of freedom (Sect. 5.3).
-
-    >>> import lsvib
-    >>> lsvib.RigidDrive(mass=11, axial_force=-10).replace(mass=12)
-    RigidDrive(mass=12.0, axial_force=-10.0)
-    """
-
-    model = "rigid"
-
-
-class ThreadsDrive(Drive):
-    """A drive with compliant threads (Sect. 5.5); k_c and c_c of Fig. 8.10 by default.
-
-    >>> import lsvib
-    >>> lsvib.ThreadsDrive(mass=9, contact_damping=5e4).stability().kind
-    'flutter'
-    """
-
-    model, own_damping = "threads", "contact_damping"
-
-    contact_stiffness: Value = quantity(1e8, "k_c", "N m-1", "stiffness of the thread contact", ge=1e-9, le=1e15)
-    contact_damping: Value = quantity(
-        1e8, "c_c", "N s m-1", "damping of the thread contact", least=1e-18, ge=0, le=1e15
-    )
-
-
-# Of both models with two bodies.
-_SLIDE = quantity(0.0, "F_0", "N", "Coulomb friction of the slide", least=1e-18, ge=0, le=1e12)
-_BEARING = quantity(0.0, "T_0", "N m", "Coulomb friction of the screw support", least=1e-24, ge=0, le=1e12)
-
-
-class SupportDrive(Drive):
-    """A drive with a compliant axial support of the screw (Sect. 5.6); m_1 of Fig. 8.15 by default, k_1 assumed.
-
-    >>> import lsvib
-    >>> lsvib.SupportDrive(mass=15, friction_coefficient=0.3).stability().kind
-    'kinematic_constraint'
-    """
-
-    model, own_damping = "support", "axial_support_damping"
-
-    screw_mass: Value = quantity(11.6, "m_1", "kg", "mass of the screw", ge=1e-18, le=1e9)
-    support_stiffness: Value = quantity(1e6, "k_1", "N m-1", "axial stiffness of the support", ge=1e-9, le=1e15)
-    axial_support_damping: Value = quantity(
-        0.0, "c_1", "N s m-1", "axial damping of the support", least=1e-18, ge=0, le=1e15
-    )
-    slide_friction: Value = _SLIDE
-    bearing_friction: Value = _BEARING
-
-
-class NutDrive(Drive):
-    """A drive whose nut can rotate on a spring (Sect. 5.8); no values are printed, the screw's own are assumed.
-
-    >>> import lsvib
-    >>> lsvib.NutDrive(mass=6).stability().conditions["kinematic_constraint"].hold
-    True
-    """
-
-    model, own_damping = "nut", "nut_damping"
-
-    nut_inertia: Value = quantity(3.12e-6, "I_2", "kg m2", "moment of inertia of the nut", ge=1e-30, le=1e6)
-    nut_stiffness: Value = quantity(1.0, "k_2", "N m rad-1", "rotational stiffness of the nut", ge=1e-21, le=1e15)
-    nut_damping: Value = quantity(
-        2e-4, "c_2", "N m s rad-1", "rotational damping of the nut", least=1e-30, ge=0, le=1e15
-    )
-    slide_friction: Value = _SLIDE
-    bearing_friction: Value = _BEARING
-
-
 class ExactParameters:
     """A drive in balls of 150 digits (``flint.arb``): attributes as in :class:`Drive`, plus functions of them.
 
@@ -330,7 +325,7 @@ class ExactParameters:
     """
 
     def __init__(self, drive: Drive) -> None:
-        values = {key: arb(value) for key, value in drive.__dict__.items()}
+        values = {key: arb(value) for key, value in drive.__dict__.items() if value is not None}
         with many_digits():
             angle = values["lead_angle"]
             self.__dict__.update(values, sin_lead=angle.sin(), cos_lead=angle.cos(), tan_lead=angle.tan())

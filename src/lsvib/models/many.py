@@ -5,7 +5,7 @@ formulas cancels by more than three decades, so that its tables hold to 1e-12; t
 and so are drives whose friction depends on speed.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from types import SimpleNamespace
@@ -19,21 +19,21 @@ from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import Tables
 from lsvib.errors import EngineError
 from lsvib.models import friction
-from lsvib.models.drive import Drive, RigidDrive
+from lsvib.models.drive import DRY, PART_OF, Drive
 from lsvib.models.mechanics import Coefficients, coefficients_of, steady_force
-from lsvib.models.model import Resume, find_model
+from lsvib.models.mechanism import Mechanism, Resume
+from lsvib.models.model import automaton_of, model_of
+from lsvib.models.modes import Modes
 from lsvib.models.rigid import RigidBuild
 
 
 class ManyDrives:
-    """Drives of one model that are given by arrays of their parameters.
+    """Drives with the same parts that are given by arrays of their parameters.
 
-    ``values``: one value [SI unit] or an array (k) of each parameter of the model, within its range;
-    ``drive_class`` is the class of the model's drives.
+    ``values``: one value [SI unit] or an array (k) of each parameter that they have, within its range.
     """
 
-    def __init__(self, values: Mapping[str, np.ndarray | float], drive_class: type[Drive] = RigidDrive) -> None:
-        self.drive_class = drive_class
+    def __init__(self, values: Mapping[str, np.ndarray | float]) -> None:
         self.size = max(np.size(value) for value in values.values())
         self.values = {  # -0.0 and 0.0 are one drive
             name: np.broadcast_to(np.asarray(x, dtype=float) + 0.0, (self.size,)) for name, x in values.items()
@@ -41,7 +41,13 @@ class ManyDrives:
 
     def some(self, entries: np.ndarray) -> "ManyDrives":
         """Return some of the drives, by their indices (j)."""
-        return ManyDrives({name: column[entries] for name, column in self.values.items()}, self.drive_class)
+        return ManyDrives({name: column[entries] for name, column in self.values.items()})
+
+    @property
+    def rigid(self) -> np.ndarray:
+        """Whether they are rigid drives (k), without parts and without friction against the ground."""
+        dry = [self.values[name] != 0 for name in DRY if name in self.values]
+        return ~np.any([*dry, np.full(self.size, not PART_OF.keys().isdisjoint(self.values))], axis=0)
 
     def constant_friction(self, entries: np.ndarray) -> np.ndarray:
         """Return those of some drives, by their indices (j), whose friction does not depend on speed.
@@ -53,11 +59,11 @@ class ManyDrives:
 
     def one(self, entry: int) -> Drive:
         """Return one of the drives."""
-        return self.drive_class(**{name: float(column[entry]) for name, column in self.values.items()})
+        return Drive(**{name: float(column[entry]) for name, column in self.values.items()})
 
     def doubles(self, entries: np.ndarray, kind: type = float) -> SimpleNamespace:
         """Return some of the drives (j) with attributes as those of ``Drive.exact()``, arrays (j) of a ``kind``."""
-        d = SimpleNamespace(**{name: self.drive_class.model_fields[name].default for name in friction.NAMES})
+        d = SimpleNamespace(**{name: Drive.model_fields[name].default for name in (*friction.NAMES, *DRY)})
         vars(d).update({name: column[entries].astype(kind) for name, column in self.values.items()})
         d.sin_lead, d.cos_lead, d.tan_lead = (f(d.lead_angle) for f in (np.sin, np.cos, np.tan))
         vars(d).update(friction.levels(d))
@@ -140,23 +146,23 @@ def _layered(automaton: Automaton, size: int) -> Automaton:
 
 
 def automata(drives: ManyDrives, resume: str) -> Iterator[tuple[int, Drive, Automaton | None]]:
-    """Yield drives of one model by their indices, with their automata, whose tables hold to 1e-12.
+    """Yield drives with the same parts by their indices, with their automata, whose tables hold to 1e-12.
 
-    Those of a model that can make ``many`` at once come in groups; what does not hold so many digits is made exactly.
+    Those with parts come in groups; what does not hold so many digits is made exactly.
     The automaton is None if the engine has none. Raises ``InputError`` as the model does.
     """
-    model = find_model(drives.drive_class.model)
-    many: Callable[[Any, str], Automaton] | None = getattr(model.build, "many", None)  # not of a build that replaces it
+    parts = drives.one(0).parts
+    model_of(drives.one(0)).check(resume)
     together = drives.constant_friction(np.arange(drives.size))
-    waiting = [together] if together.size else []
+    waiting = [together] if together.size and parts else []
     made: dict[int, Automaton] = {}
-    while many and waiting:
+    while waiting:
         members = waiting.pop()
         try:
             with np.errstate(all="ignore"):
-                group = many(drives.doubles(members, np.longdouble), resume)
-        except Divided as parts:
-            waiting += [members[parts.signs == value] for value in np.unique(parts.signs)]
+                group = _group(drives.doubles(members, np.longdouble), parts)
+        except Divided as divided:
+            waiting += [members[divided.signs == value] for value in np.unique(divided.signs)]
             continue
         for place in np.flatnonzero(_finite(group, members.size)).tolist():
             made[int(members[place])] = one_of_many(group, place)
@@ -164,8 +170,12 @@ def automata(drives: ManyDrives, resume: str) -> Iterator[tuple[int, Drive, Auto
         drive, automaton = drives.one(k), made.get(k)
         if automaton is None:
             with suppress(EngineError):  # rates that lie too far apart: nothing can be determined
-                automaton = model.build(drive, model.physics_of(drive), resume)
+                automaton = automaton_of(drive, resume)
         yield k, drive, automaton
+
+
+def _group(d: Any, parts: tuple[str, ...]) -> Automaton:
+    return Modes(Mechanism(d, parts, d.steady_friction)).automaton()
 
 
 def _finite(automaton: Automaton, size: int) -> np.ndarray:

@@ -6,19 +6,18 @@ drive (``Drive.exact()``), arrays of doubles, which are many drives, and power s
 ``tan_lead`` is tan λ, ``factor`` is ξ_s.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Self
+from functools import reduce
+from typing import Any, Self
 
 import numpy as np
 from flint import arb
 
-from lsvib.engine.exact.arithmetic import added, ball, many_digits, multiplied, root, sign
+from lsvib.engine.automaton import Row, scaled
+from lsvib.engine.exact.arithmetic import added, many_digits, multiplied, nothing, root, sign
 from lsvib.models import friction
 from lsvib.models.drive import Drive, once
-
-if TYPE_CHECKING:
-    from lsvib.engine.automaton import Row
 
 Polynomial = tuple[Any, ...]  # highest power first
 
@@ -131,23 +130,30 @@ def damping_by_slope(
 
 @dataclass(frozen=True)
 class LinearParts:
-    """The parts of the characteristic polynomials of all models, in any kind of number (SI units).
+    """What the characteristic polynomial of steady sliding is made of, in any kind of number (SI units).
 
-    With t = tan λ, g = 1 + s_0 μ t, h = r_m² t (s_0 μ − t), the ``screw`` A = I s² + c s + k and the translating mass,
-    ``slide``, B = m s² + c_x s, the polynomial of the rigid drive (8.13) is D = g A − h B = g (Γ_0 s² + C_0 s + k). A
-    model with a second coordinate has factor · A B + own · D; its file states factor and ``own``.
+    With t = tan λ, g = 1 + s_0 μ t, h = r_m² t (s_0 μ − t), the ``screw`` A = I s² + c s + k and the translating mass
+    B = m s² + c_x s, the polynomial of the rigid drive (8.13) is D = g A − h B = g (Γ_0 s² + C_0 s + k). A unit of the
+    contact force moves each body by the inverse of its polynomial. So with Y = m_1 s² + c_1 s + k_1 of an axial
+    support, N = I_2 s² + c_2 s + k_2 of a nut that may turn and E = c_c s + k_c of compliant threads, it is
+
+        g (1/B + 1/Y) − h (1/A + 1/N) + (1 + t²) / E
+
+    times all that stands below a line; what belongs to a part that is not there is left out. ``along`` are B and Y,
+    ``turning`` A and N, ``contact`` E or nothing.
 
     Where friction depends on the sliding speed, μ is that of steady sliding, and its change with the speed damps (see
-    docs/physics.md): D has the term σ s more, with σ = (1 + t²) r_m² |N_0| μ′, and the other models σ s (B + own) or
-    σ s (A + own). As |N_0| is |R̃| / (g cos λ), all is then multiplied by g, called ``times``, so that it is a
-    polynomial in every parameter but those of the sliding speed; ``sloped`` is g σ, None without such a law.
+    docs/physics.md): the sum has the term σ s (1/A + 1/N) (1/B + 1/Y + 1/E) more, with σ = (1 + t²) r_m² |N_0| μ′. As
+    |N_0| is |R̃| / (g cos λ), all is then multiplied by g, called ``times``, so that it is a polynomial in every
+    parameter but those of the sliding speed; ``sloped`` is g σ, None without such a law.
     """
 
     t: Any
     g: Any
     h: Any
-    screw: Polynomial
-    slide: Polynomial
+    along: tuple[Polynomial, ...]
+    turning: tuple[Polynomial, ...]
+    contact: Polynomial | None = None
     times: Any = 1
     sloped: Any = None
 
@@ -157,12 +163,17 @@ class LinearParts:
         moves = friction.moves(p)
         level, rate = friction.steady(p, t) if moves else (p["friction_coefficient"], None)
         level = law * level
+        support, nut = ("screw_mass", "axial_support_damping", "support_stiffness"), ("nut_inertia", "nut_damping")
         level_only = cls(
             t=t,
             g=1 + level * t,
             h=p["pitch_radius"] ** 2 * t * (level - t),
-            screw=(p["screw_inertia"], p["support_damping"], p["coupling_stiffness"]),
-            slide=(p["mass"], p["translation_damping"], 0),
+            along=((p["mass"], p["translation_damping"], 0), *_present(p, support)),
+            turning=(
+                (p["screw_inertia"], p["support_damping"], p["coupling_stiffness"]),
+                *_present(p, (*nut, "nut_stiffness")),
+            ),
+            contact=next(_present(p, ("contact_damping", "contact_stiffness")), None),
         )
         if not moves:
             return level_only
@@ -174,58 +185,82 @@ class LinearParts:
         """Return the same parts without the slope of friction, as if it stayed what it is in steady sliding."""
         return replace(self, times=1, sloped=None)
 
-    def rigid(self) -> Polynomial:
-        """Return D, the polynomial of the rigid drive, times ``times``."""
-        tied = tuple(self.g * a - self.h * b for a, b in zip(self.screw, self.slide, strict=True))
-        return tied if self.sloped is None else self._sloped(tied, (1,))
+    def stiff(self) -> Self:
+        """Return the same parts with rigid threads."""
+        return replace(self, contact=None)
 
-    def coupled(self, factor: Any, own: Polynomial, slips: Polynomial | None = None) -> Polynomial:
-        """Return factor · A B + own · D, the polynomial of a model with a second coordinate, times ``times``.
+    @property
+    def excess(self) -> Any:
+        """The positive factor by which the polynomial exceeds det(M s² + C s + K)."""
+        return self.times * (self.g if self.contact is None else 1 + self.t**2)
 
-        ``slips`` + ``own`` is what the slope of friction is multiplied by, with B for ``slips`` if it is not given.
-        """
-        free, tied = multiplied(self.screw, self.slide), multiplied(own, self.level().rigid())
-        whole = tuple(factor * a + b for a, b in zip(free, tied, strict=True))
-        if self.sloped is None:
-            return whole
-        return self._sloped(whole, [a + b for a, b in zip(slips or self.slide, own, strict=True)])
+    def polynomial(self) -> Polynomial:
+        """Return the characteristic polynomial, times ``times``."""
+        along, turning = (reduce(multiplied, these, [1]) for these in (self.along, self.turning))
+        shift, turn = _sum_of_inverses(self.along), _sum_of_inverses(self.turning)
+        below = [(self.g, multiplied(shift, turning)), (-self.h, multiplied(turn, along))]
+        both = shift
+        if self.contact is not None:
+            below = [(factor, multiplied(one, self.contact)) for factor, one in below]
+            below.append((1 + self.t**2, multiplied(along, turning)))
+            both = _total([(1, multiplied(shift, self.contact)), (1, along)])
+        if self.sloped is not None:
+            below = [(self.times * factor, one) for factor, one in below]
+            below.append((self.sloped, [*multiplied(turn, both), 0]))
+        return tuple(_total(below))
 
-    def _sloped(self, level: Polynomial, by: Sequence[Any]) -> Polynomial:
-        """A polynomial times ``times`` and, with the slope of friction, σ s times another one."""
-        more = [0] * (len(level) - 1 - len(by)) + [self.sloped * x for x in by] + [0]
-        return tuple(self.times * a + b for a, b in zip(level, more, strict=True))
+
+def _present(p: Mapping[str, Any], names: Sequence[str]) -> Iterator[Polynomial]:
+    """Yield the polynomial of a part by the names of its coefficients, if the part is there."""
+    if names[-1] in p:
+        yield tuple(p[name] for name in names)
 
 
-def plus(*rows: "Row") -> tuple[Any, ...]:
+def _sum_of_inverses(polynomials: Sequence[Polynomial]) -> Sequence[Any]:
+    """Return what stands above the line in the sum of the inverses of one or two polynomials."""
+    return [1] if len(polynomials) == 1 else _total([(1, one) for one in polynomials])
+
+
+def _total(terms: Sequence[tuple[Any, Sequence[Any]]]) -> list[Any]:
+    """Return the sum of polynomials, each times a factor."""
+    found: list[Any] = [0] * max(len(one) for _, one in terms)
+    for factor, one in terms:
+        for k, x in enumerate(one, len(found) - len(one)):
+            found[k] = found[k] + factor * x
+    return found
+
+
+def plus(*rows: Row) -> tuple[Any, ...]:
     """Return the sum of rows; terms that cancel leave exactly zero."""
     return tuple(added(*column) for column in zip(*rows, strict=True))
 
 
-def rate_of(row: "Row", field: Sequence["Row"]) -> tuple[Any, ...]:
+def rate_of(row: Row, field: Sequence[Row]) -> tuple[Any, ...]:
     """Return the rate of an affine function of the state along a field."""
-    return plus(*(tuple(weight * x for x in rates) for weight, rates in zip(row[:-1], field, strict=True)))
+    moving = [(weight, rates) for weight, rates in zip(row[:-1], field, strict=True) if not nothing(weight)]
+    return plus(*(scaled(rates, weight) for weight, rates in moving)) if moving else (0,) * len(row)
 
 
-def constant(value: Any) -> tuple[Any, ...]:
-    """Return the row of a constant."""
-    return (0, 0, 0, 0, value)
+def solved(equations: Sequence[tuple[Mapping[str, Any], Row]]) -> dict[str, tuple[Any, ...]]:
+    """Solve linear equations, the coefficients of the unknowns by name and a row on the right, by elimination.
 
-
-def solved(matrix: Sequence[Sequence[Any]], sides: Sequence["Row"]) -> list[tuple[Any, ...]]:
-    """Solve linear equations whose right-hand sides are rows, by elimination.
-
-    What cancels is exactly zero, so that steady sliding is an equilibrium to the last bit.
+    The sparsest equation is solved first, so that arrays lose no digits; what cancels is exactly zero, so that steady
+    sliding is an equilibrium to the last bit.
     """
-    n = len(matrix)
-    table = [[ball(x) for x in (*left, *right)] for left, right in zip(matrix, sides, strict=True)]
-    for k in range(n):
-        pivot = max(range(k, n), key=lambda i: abs(table[i][k]).mid())
-        table[k], table[pivot] = table[pivot], table[k]
-        first = table[k][k]
-        table[k] = [x / first for x in table[k]]
-        for i in range(n):
-            if i != k:
-                factor = table[i][k]
-                pairs = [(x, -factor * y) for x, y in zip(table[i], table[k], strict=True)]
-                table[i] = [added(x, y) for x, y in pairs]
-    return [tuple(row[n:]) for row in table]
+    waiting, found = [(dict(left), tuple(right)) for left, right in equations], dict[str, tuple[Any, ...]]()
+    order: list[tuple[str, dict[str, Any], tuple[Any, ...]]] = []
+    while waiting:
+        left, right = waiting.pop(min(range(len(waiting)), key=lambda k: len(waiting[k][0])))
+        name = min(left, key=lambda name: sum(name in other for other, _ in waiting))
+        first = left.pop(name)
+        left, right = {key: x / first for key, x in left.items()}, tuple(0 if nothing(x) else x / first for x in right)
+        order.append((name, left, right))
+        for k, (others, side) in enumerate(waiting):
+            if name in others:
+                factor = others.pop(name)
+                sums = {key: added(others.get(key, 0), -factor * x) for key, x in left.items()}
+                kept = {key: x for key, x in (others | sums).items() if not nothing(x)}
+                waiting[k] = kept, plus(side, scaled(right, -factor))
+    for name, left, right in reversed(order):
+        found[name] = plus(right, *(scaled(found[key], -x) for key, x in left.items()))
+    return found

@@ -55,30 +55,18 @@ from lsvib.engine.automaton import (
 )
 from lsvib.engine.exact.arithmetic import double, many_digits, root, sign
 from lsvib.engine.kernels import layout
-from lsvib.engine.kernels.layout import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND, Test
+from lsvib.engine.kernels.layout import Test
 from lsvib.errors import InputError
 from lsvib.models import friction, mechanics
-from lsvib.models.drive import RigidDrive, once
+from lsvib.models.drive import Drive, once
 from lsvib.models.mechanics import (
     Coefficients,
     coefficients,
 )
-from lsvib.models.model import Model, Powers, Resume
+from lsvib.models.mechanism import Event, Resume
+from lsvib.models.modes import automaton_of_parts
 
 STATES = ("angle_deviation", "velocity_deviation")
-
-
-class EventKind(IntEnum):
-    """What happens at an event."""
-
-    GRAZE = GRAZE_KIND  # a guard is touched, not crossed
-    ACCUMULATION = ACCUMULATION_KIND  # infinitely many events end here
-    CONTACT_REVERSAL = FIRST_MODEL_KIND  # N changes sign
-    STICK = FIRST_MODEL_KIND + 1  # θ′ = 0, and static friction holds
-    REVERSAL = FIRST_MODEL_KIND + 2  # θ′ = 0, and the screw turns back
-    RELEASE = FIRST_MODEL_KIND + 3  # static friction gives way
-    SEIZURE = FIRST_MODEL_KIND + 4  # θ′ jumps to zero by a tangential impact
-    PASSAGE = FIRST_MODEL_KIND + 5  # θ′ passes a speed at which a friction law divides a mode, Ω as a rule
 
 
 class MotionMode(IntEnum):
@@ -102,7 +90,7 @@ BY_LAW_MINUS = {1: "slip_forward_negative", -1: "slip_backward_positive"}  # by 
 
 
 @once
-def rigid_automaton(drive: RigidDrive, *, rest: bool = True, resume: Resume = "contact_sign") -> Automaton:
+def rigid_automaton(drive: Drive, *, rest: bool = True, resume: Resume = "contact_sign") -> Automaton:
     """Return the rigid drive's automaton.
 
     Arguments: the drive; ``rest=False`` leaves out θ′ = 0 with everything that belongs to it (reversal, rest, seizure),
@@ -111,9 +99,9 @@ def rigid_automaton(drive: RigidDrive, *, rest: bool = True, resume: Resume = "c
     ``InputError`` for ``rest=False`` in the Painlevé region.
     """
     if friction.depends_on_speed(drive):
-        from lsvib.models.rigid_law import SpeedBuild  # which is made of what stands below
-
-        return SpeedBuild(drive).automaton(rest, resume)
+        if not rest:
+            raise InputError("physics leaves out rest, which a drive with a friction law always has; list rest.")
+        return automaton_of_parts(drive, resume)
     return RigidBuild(coefficients(drive), drive.exact()).automaton(rest, resume)
 
 
@@ -184,8 +172,8 @@ class RigidBuild:
             observables=self.observables(modes),
             shortest_stay=SHORT_STAY * np.min(scales, axis=0),
             rest_codes=(MotionMode.REST,),
-            release_kinds=(EventKind.RELEASE,),
-            sprag_kinds=(EventKind.SEIZURE,),
+            release_kinds=(Event.RELEASE,),
+            sprag_kinds=(Event.SEIZURE,),
             passive=rest,
             contracts=self.contracts(),
         )
@@ -252,11 +240,11 @@ class RigidBuild:
         transitions = {"entry": Transition(tuple(self._entry(modes, rest)))}
         for name in modes:
             direction, q_sign = SLIPS[name]
-            other = Branch(SLIP_NAMES[direction, -q_sign], EventKind.CONTACT_REVERSAL, sign=-q_sign)
+            other = Branch(SLIP_NAMES[direction, -q_sign], Event.CONTACT_REVERSAL, sign=-q_sign)
             transitions[f"contact_reversal_{name}"] = Transition((other,))
         if rest:
             transitions["stop"] = Transition(self._stop())
-            released = Branch(SLIP_NAMES[self.turning, self.release_sign], EventKind.RELEASE)
+            released = Branch(SLIP_NAMES[self.turning, self.release_sign], Event.RELEASE)
             transitions["release"] = Transition((released,), reset=self.to_corner)
             modes["rest"] = self._rest()
         return modes, transitions
@@ -268,8 +256,8 @@ class RigidBuild:
             direction, q_sign = SLIPS[name]
             moving = ((scaled(self.speed, direction), Test.POSITIVE),) if rest else ()
             enters = (q, Test.ZERO), (scaled(q_rate, q_sign), Test.NOT_NEGATIVE)
-            yield Branch(name, EventKind.RELEASE, (*moving, (scaled(q, q_sign), Test.POSITIVE)))
-            yield Branch(name, EventKind.RELEASE, (*moving, *enters))
+            yield Branch(name, Event.RELEASE, (*moving, (scaled(q, q_sign), Test.POSITIVE)))
+            yield Branch(name, Event.RELEASE, (*moving, *enters))
         if rest:
             yield from self._stop()
 
@@ -285,18 +273,18 @@ class RigidBuild:
         positive, negative = (self.c.q_row, Test.POSITIVE), (scaled(self.c.q_row, -1), Test.POSITIVE)
         above, below = (self.above, Test.POSITIVE), (self.below, Test.POSITIVE)
         return (
-            Branch("slip_forward_positive", EventKind.REVERSAL, (above, positive)),
-            Branch("slip_forward_negative", EventKind.REVERSAL, (above,)),
-            Branch("slip_backward_negative", EventKind.REVERSAL, (below, negative)),
-            Branch("slip_backward_positive", EventKind.REVERSAL, (below,)),
-            Branch("rest", EventKind.STICK),
+            Branch("slip_forward_positive", Event.REVERSAL, (above, positive)),
+            Branch("slip_forward_negative", Event.REVERSAL, (above,)),
+            Branch("slip_backward_negative", Event.REVERSAL, (below, negative)),
+            Branch("slip_backward_positive", Event.REVERSAL, (below,)),
+            Branch("rest", Event.STICK),
         )
 
     def painleve(self, resume: Resume) -> tuple[dict[str, Mode], dict[str, Transition]]:
         """Modes and transitions for Γ₊ ≤ 0: slip under law −1 only, seizure at Q = 0."""
-        standing = self._beyond_band(EventKind.STICK, EventKind.REVERSAL)
+        standing = self._beyond_band(Event.STICK, Event.REVERSAL)
         starts = tuple(
-            Branch(name, EventKind.RELEASE, ((scaled(self.speed, direction), Test.POSITIVE),))
+            Branch(name, Event.RELEASE, ((scaled(self.speed, direction), Test.POSITIVE),))
             for direction, name in BY_LAW_MINUS.items()
         )
         modes, transitions = {}, {"entry": Transition((*starts, *standing)), "stop": Transition(standing)}
@@ -309,15 +297,15 @@ class RigidBuild:
             at_once = tuple(
                 Branch(
                     BY_LAW_MINUS[way],
-                    EventKind.SEIZURE,
+                    Event.SEIZURE,
                     ((scaled(self.c.q_row, -way), Test.POSITIVE), (scaled(push, way), Test.POSITIVE)),
                     sign=direction,
                 )
                 for way in ((1, -1) if resume == "at_once" else (-direction,))
             )
-            later = self._beyond_band(EventKind.SEIZURE, EventKind.SEIZURE, direction)
+            later = self._beyond_band(Event.SEIZURE, Event.SEIZURE, direction)
             transitions[f"seizure_{name}"] = Transition((*at_once, *later), reset=to_rest)
-        released = Branch(BY_LAW_MINUS[self.turning], EventKind.RELEASE)
+        released = Branch(BY_LAW_MINUS[self.turning], Event.RELEASE)
         transitions["release"] = Transition((released,), reset=self.to_corner)
         modes["rest"] = self._rest()
         return modes, transitions
@@ -345,23 +333,3 @@ class RigidBuild:
             "coupling_deflection": dict.fromkeys(modes, (1, 0, z0)),
             "screw_speed": dict.fromkeys(modes, self.speed),
         }
-
-
-_FORCES = ("stick", "detach", "global_stability")  # thresholds of the axial force in closed form, also curves
-MODEL = Model(
-    drive=RigidDrive,
-    build=lambda drive, physics, resume: rigid_automaton(drive, rest="rest" in physics, resume=resume),
-    start=lambda drive, values: np.array([values["u"], values["w"]], dtype=float),
-    modes=MotionMode,
-    events=EventKind,
-    states=STATES,
-    terms=("support_damping", "translation_damping", "axial_force"),
-    options=("rest",),
-    equations="eqs 8.13-8.17",
-    characteristic=lambda p, parts: parts.rigid(),
-    constraint="Γ₊ = I − ξ₊ tan λ m r_m² = 0 (eq. 8.20)",
-    thresholds=("onset", "kinematic_constraint", "negative_damping", *_FORCES, "fold", "cycle_birth", "rest_loss"),
-    curves=("onset", *_FORCES, "kinematic_constraint", "negative_damping", "stick_slip_birth"),
-    powers=Powers,
-    section="5.3",
-)

@@ -1,4 +1,4 @@
-"""A scene: which model and which physics, from which state, for how long, and what is wanted of it."""
+"""A scene: which drive and which physics, from which state, for how long, and what is wanted of it."""
 
 import math
 import os
@@ -13,14 +13,15 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SerializeAsA
 
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive, Number, Whole, names_and_values, sentence_about
-from lsvib.models.model import Model, Resume, find_model
+from lsvib.models.mechanism import Resume
+from lsvib.models.model import Model, model_of
 from lsvib.numbers import NotNumber, number
 
 
 class Scene(BaseModel):
     """One simulation, immutable and checked.
 
-    ``model``: its name (:mod:`lsvib.models.model`); ``drive``: its parameters. ``physics``: the terms that the
+    ``drive``: its parameters. ``physics``: the terms that the
     scene has – a damping or force that is listed nowhere must be zero in the drive, and without ``rest`` the motion of
     a rigid drive is taken never to reach θ′ = 0, so reversal, rest and seizure are left out; by default the non-zero
     terms and rest. ``resume``: how motion goes on after a seizure, see :mod:`lsvib.models.rigid`. ``start``: u [rad],
@@ -30,7 +31,6 @@ class Scene(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    model: str = "rigid"
     drive: SerializeAsAny[Drive]
     physics: tuple[str, ...] | None = None
     resume: Resume = "contact_sign"
@@ -48,10 +48,9 @@ class Scene(BaseModel):
 
     @model_validator(mode="before")
     @classmethod
-    def _drive_of_the_model(cls, values: Any) -> Any:
-        drive, kind = values.get("drive"), find_model(values.get("model", "rigid")).drive
-        known = isinstance(drive, Drive) and drive.model == kind.model  # of another model: converted
-        return {**values, "drive": drive if known else kind.of(drive)}
+    def _made(cls, values: Any) -> Any:
+        drive = values.get("drive")
+        return {**values, "drive": drive if isinstance(drive, Drive) else Drive.of(drive)}
 
     def model_post_init(self, context: Any) -> None:
         """Check what couples two keys: start, words of physics and outputs, no term that physics omits."""
@@ -60,7 +59,7 @@ class Scene(BaseModel):
         for key, words in (("physics", (*definition.terms, *definition.options)), ("outputs", definition.outputs)):
             for word in getattr(self, key) or ():
                 if word not in words:
-                    raise InputError(f"{key} has the word {word!r}; the model {self.model} knows {', '.join(words)}.")
+                    raise InputError(f"{key} has the word {word!r}; this drive knows {', '.join(words)}.")
         for term in definition.terms:
             value = getattr(self.drive, term)
             if self.physics is not None and term not in self.physics and value != 0:
@@ -68,8 +67,8 @@ class Scene(BaseModel):
 
     @property
     def definition(self) -> Model:
-        """The model by its name."""
-        return find_model(self.model)
+        """What the parts of the drive make of it."""
+        return model_of(self.drive)
 
     @property
     def terms(self) -> tuple[str, ...]:

@@ -19,7 +19,7 @@ from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.models import friction, mechanics
 from lsvib.models.drive import Drive, may_vanish
 from lsvib.models.mechanics import LinearParts
-from lsvib.models.model import find_model
+from lsvib.models.model import model_of
 from lsvib.stability.isolation import isolated_roots
 from lsvib.stability.solve import Equations, allowed
 from lsvib.stability.spectrum import (
@@ -52,14 +52,14 @@ _COUPLING = "p_2² − 4 p_4 p_0 of det(M s² + K) = 0: two frequencies meet (8.
 
 @dataclass(frozen=True)
 class RootCondition:
-    """``of(kind, values, tan λ, sgn Ω)`` vanishes at the threshold; ``words`` say the equation."""
+    """``of(values, tan λ, sgn Ω)`` vanishes at the threshold; ``words`` say the equation."""
 
     words: str
-    of: Callable[[type[Drive], ParameterValues, Any, int], Any]
+    of: Callable[[ParameterValues, Any, int], Any]
 
-    def equations(self, kind: type[Drive], sense: int) -> Equations:
+    def equations(self, sense: int) -> Equations:
         """Return the same equation for balls and power series."""
-        return lambda values, inner: [self.of(kind, values, values["lead_angle"].tan(), sense)]
+        return lambda values, inner: [self.of(values, values["lead_angle"].tan(), sense)]
 
 
 @dataclass(frozen=True)
@@ -119,35 +119,38 @@ class StableSet:
         return f"steady sliding is not {adverb} stable without {name}, but with any above zero, however small."
 
 
-def net_force(kind: type[Drive], values: ParameterValues, t: Any, sense: int) -> Any:
+def net_force(values: ParameterValues, t: Any, sense: int) -> Any:
     """Return R̃ less the friction of the slide, R − r_m tan λ c_x Ω − F_0 sgn Ω [N] (eq. 8.15)."""
     return mechanics.net_force(values, t, sense)
 
 
-def _leading(kind: type[Drive], values: ParameterValues, t: Any, sense: int) -> Any:
-    model = find_model(kind.model)
-    return (model.constrained or model.characteristic)(values, LinearParts.of(values, 1, t).level())[0]
+def _leading(values: ParameterValues, t: Any, sense: int) -> Any:
+    return LinearParts.of(values, 1, t).level().stiff().polynomial()[0]
 
 
-def _friction(kind: type[Drive], values: ParameterValues, t: Any, sense: int) -> Any:
+def _friction(values: ParameterValues, t: Any, sense: int) -> Any:
     return friction.steady_sum(values, t)[0]
 
 
 def _margins(drive: Drive, law: int, neutral: bool, sloped: bool) -> list[RootCondition]:
     """The numbers whose signs decide on stability under a law, each as a condition; ``sloped``: with a slope of μ."""
-    model = find_model(drive.model)
+    model = model_of(drive)
     if len(model.states) == 2:
         words = [model.constraint, _SLOPED if sloped else _DAMPING][: 1 if neutral else 2]
     else:
-        powers = (4, 2) if neutral else (4, 3, 2, 1)
-        words = [*(f"p_{n} of det(M s² + C s + K) = 0" for n in powers), _COUPLING if neutral else _FLUTTER]
-        if model.constrained is None:
+        order = len(model.states)
+        powers = (4, 2) if neutral and order == 4 else range(order, 0, -1)
+        words = [f"p_{n} of det(M s² + C s + K) = 0" for n in powers]
+        words += [f"Hurwitz determinant of order {k} of det(M s² + C s + K) = 0" for k in range(3, order - 1, 2)]
+        flutter = (
+            _FLUTTER if order == 4 else _FLUTTER.replace("(p_3 p_2 − p_4 p_1) p_1 − p_3² p_0", f"of order {order - 1}")
+        )
+        words.append(_COUPLING if neutral and order == 4 else flutter)
+        if not model.compliant:
             words[0] = model.constraint
 
     def condition(which: int, text: str) -> RootCondition:
-        return RootCondition(
-            text, lambda kind, values, t, sense: margins(polynomial(kind, values, law, t), neutral)[which]
-        )
+        return RootCondition(text, lambda values, t, sense: margins(polynomial(values, law, t), neutral)[which])
 
     return [condition(k, text) for k, text in enumerate(words)]
 
@@ -161,7 +164,7 @@ class Line:
     """The values that one parameter of a drive may take, on one side of zero, all others held."""
 
     def __init__(self, drive: Drive, unknown: str, side: int) -> None:
-        self.drive, self.unknown, self.side, self.kind = drive, unknown, side, type(drive)
+        self.drive, self.unknown, self.side = drive, unknown, side
         self.fixed: dict[str, Any]
         self.tangent: Any
         self.fixed, self.tangent = enclosed(drive)[0]
@@ -193,9 +196,9 @@ class Line:
             most = max(slowest, static)
             return min(1 / most, steepest) if most else steepest
         if self.unknown not in ("friction_coefficient", "static_friction_coefficient", *_OF_LAW):
-            return fmpq(*float(_range(self.kind, self.unknown)["maximum"]).as_integer_ratio())
+            return fmpq(*float(_range(self.unknown)["maximum"]).as_integer_ratio())
         place = self.at(fmpq_poly([0, 1]))
-        slowest = place[1]["friction_coefficient"] + place[1].get("stribeck_rise", 0)
+        slowest = place[0]["friction_coefficient"] + place[0].get("stribeck_rise", 0)
         limits = [fmpq(10**6)]  # of the slope; more than cot λ of the least lead angle
         for level, bound in ((one * slowest, static or cot), (one * _friction(*place), cot)):
             limits += [(bound - level[0]) / level[1]] if level[1] > 0 else []
@@ -203,13 +206,13 @@ class Line:
 
     def _speed_limits(self) -> None:
         """Narrow a parameter of the sliding speed to where μ tan λ < 1 in steady sliding."""
-        rule = _range(self.kind, self.unknown)
+        rule = _range(self.unknown)
         least = rule["anyOf"][-1]["minimum"] if "anyOf" in rule else rule["minimum"]
         self.lowest = fmpq(*float(least).as_integer_ratio())
-        locked = RootCondition("", lambda kind, values, t, sense: 1 - t * _friction(kind, values, t, sense))
+        locked = RootCondition("", lambda values, t, sense: 1 - t * _friction(values, t, sense))
         self.limit = min([*(self.roots_of(locked) or []), self.limit])
 
-    def at(self, x: Any) -> tuple[type[Drive], ParameterValues, Any, int]:
+    def at(self, x: Any) -> tuple[ParameterValues, Any, int]:
         """Return the arguments of a condition at a distance x ≥ 0 from zero, a number or the unknown of a polynomial.
 
         Of λ it is tan λ.
@@ -217,8 +220,8 @@ class Line:
         if self.searched and isinstance(x, fmpq):
             x = arb(x)
         if self.unknown == "lead_angle":
-            return self.kind, self.fixed, x, self.sense
-        return self.kind, {**self.fixed, self.unknown: self.side * x}, self.tangent, self.sense
+            return self.fixed, x, self.sense
+        return {**self.fixed, self.unknown: self.side * x}, self.tangent, self.sense
 
     def roots(self, values: Any) -> list[fmpq] | None:
         """Return the x ≥ 0 at which a polynomial in x vanishes; None if it does not depend on x."""
@@ -273,8 +276,8 @@ class Line:
 
     def margins(self, x: Any, law: int) -> tuple[Any, ...]:
         """Return the numbers that are all positive where steady sliding is stable under a law."""
-        kind, values, t, _ = self.at(x)
-        return margins(polynomial(kind, values, law, t), self.neutral)
+        values, t, _ = self.at(x)
+        return margins(polynomial(values, law, t), self.neutral)
 
     def stable(self, x: fmpq) -> bool:
         """Whether steady sliding is stable (asymptotically; neutrally where nothing damps)."""
@@ -320,14 +323,14 @@ class Line:
     @classmethod
     def all_of(cls, drive: Drive, unknown: str) -> "list[Line]":
         """Return both sides of zero where the parameter may be negative, else the positive one."""
-        lowest = _range(type(drive), unknown).get("minimum", 0)
+        lowest = _range(unknown).get("minimum", 0)
         return [cls(drive, unknown, side) for side in ((-1, 1) if lowest < 0 else (1,))]
 
 
 @cache  # pydantic takes milliseconds for it
-def _range(kind: type[Drive], key: str) -> dict[str, Any]:
+def _range(key: str) -> dict[str, Any]:
     """The schema of a parameter, with ``minimum`` and ``maximum``."""
-    found: dict[str, Any] = kind.model_json_schema()["properties"][key]
+    found: dict[str, Any] = Drive.model_json_schema()["properties"][key]
     return found
 
 
@@ -379,9 +382,9 @@ def places(drive: Drive, name: str, unknown: str) -> list[Place] | None:
     if name == "flutter":
         wanted = {law: _margins(drive, law, neutral, False)[-1] for law in (1, -1)}
     elif name == "kinematic_constraint":
-        wanted = {0: RootCondition(find_model(drive.model).constraint, _leading)}
+        wanted = {0: RootCondition(model_of(drive).constraint, _leading)}
     else:
-        wanted = {0: RootCondition(_DAMPING, lambda kind, values, t, sense: polynomial(kind, values, 1, t, True)[1])}
+        wanted = {0: RootCondition(_DAMPING, lambda values, t, sense: polynomial(values, 1, t, True)[1])}
     roots = [(line, law, c, line.roots_with_friction(c)) for line in lines for law, c in wanted.items()]
     if all(found is None for *_, found in roots):
         return None

@@ -18,8 +18,8 @@ from flint import fmpq
 from numpy.typing import NDArray
 
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.models import friction, mechanics
-from lsvib.models.drive import Drive, RigidDrive, SupportDrive, ThreadsDrive
+from lsvib.models import chapter, friction, mechanics
+from lsvib.models.drive import PART_OF, Drive
 from lsvib.numbers import bisected
 from lsvib.results import Condition, Quantity, StabilityReport, UndampedStability
 from lsvib.stability.boundaries import places, stable_set
@@ -52,7 +52,7 @@ def effective_damping(drive: DriveValues, law: int) -> Any:
         )
 
 
-def conditions(drive: RigidDrive) -> dict[str, Condition]:
+def conditions(drive: Drive) -> dict[str, Condition]:
     """Return the instability conditions of a rigid drive; margins in SI units.
 
     ``negative_damping`` (8.19): μ − tan λ, N_0 Ω (by its sign as R̃ Ω), −C₊; ``kinematic_constraint`` (8.21): μ − tan λ,
@@ -87,7 +87,7 @@ def critical_mass(drive: Drive) -> float | None:
 
     That of a rigid drive with the parameters of ``drive``. None if it is not self-locking.
     """
-    return kinematic_mass(RigidDrive.of({name: getattr(drive, name) for name in RigidDrive.model_fields}))
+    return kinematic_mass(drive.replace(**dict.fromkeys(PART_OF)))
 
 
 def kinematic_mass(drive: Drive) -> float | None:
@@ -105,7 +105,7 @@ def critical_friction(drive: Drive, screw_mass: float = math.inf) -> float | Non
     With a finite ``screw_mass`` m_1 [kg], that of the same drive with axial support. None if no μ below cot λ is one.
     """
     if math.isfinite(screw_mass):
-        drive = SupportDrive.of({**dict(drive), "screw_mass": screw_mass})
+        drive = drive.replace(**chapter.PARTS["support"] | {"screw_mass": screw_mass})
     found = places(drive, "kinematic_constraint", "friction_coefficient")
     return float(found[0].value) if found else None
 
@@ -200,7 +200,7 @@ def flutter_boundaries(drive: DriveValues, law: int) -> NDArray[Any]:
         return np.stack([p.coupling_stiffness * branch**2 for branch in branches], axis=-1)
 
 
-def critical_friction_by_eigenvalues(drive: SupportDrive) -> float | None:
+def critical_friction_by_eigenvalues(drive: Drive) -> float | None:
     """Friction coefficient μ_kc at which an eigenvalue of K⁻¹ M passes through zero, by bisection to the last bit.
 
     That 1/ω² belongs to the undamped model (8.23) under law +; it has a simple root where ω² has a pole, and it
@@ -216,7 +216,7 @@ def critical_friction_by_eigenvalues(drive: SupportDrive) -> float | None:
     return bisected(turned, 0.0, largest) if turned(largest) else None
 
 
-def _contact_terms(drive: ThreadsDrive) -> tuple[Any, Any, Any, Any]:
+def _contact_terms(drive: Drive) -> tuple[Any, Any, Any, Any]:
     """Parameters of a drive in balls, Γ_0 [kg m²], C_0 [N m s/rad] and β [1] of its steady law.
 
     The slope of friction damps the screw alone by r_m² ν, with which ``support_damping`` is given here, and the rigid
@@ -230,7 +230,7 @@ def _contact_terms(drive: ThreadsDrive) -> tuple[Any, Any, Any, Any]:
     return d, effective_inertia(drive.exact(), law), damping, beta
 
 
-def unstable_contact_stiffness(drive: ThreadsDrive) -> float | None:
+def unstable_contact_stiffness(drive: Drive) -> float | None:
     """Contact stiffness k_c [N/m] beyond which p_2 < 0, so that steady sliding is unstable (Lemma 8.1).
 
     k_c = max[0, (c c_x + m k + β c_c C_0) / (β |Γ_0|)]: sufficient, whatever the contact damping. None unless Γ_0 < 0.
@@ -243,7 +243,7 @@ def unstable_contact_stiffness(drive: ThreadsDrive) -> float | None:
         return max(0.0, float((rest + beta * d.contact_damping * damping) / (beta * -gamma)))
 
 
-def least_damping_of_stiff_contact(drive: ThreadsDrive) -> float | None:
+def least_damping_of_stiff_contact(drive: Drive) -> float | None:
     """Contact damping c_c [N s/m] above which steady sliding stays stable as k_c → ∞; None unless Γ_0 > 0 and C_0 > 0.
 
     c_c = max[0, (I m C_0 − (I c_x + m c) Γ_0) / (β Γ_0²)], from the Routh–Hurwitz condition p_3 Γ_0 > I m C_0 that is
@@ -263,7 +263,7 @@ def least_damping_of_stiff_contact(drive: ThreadsDrive) -> float | None:
         return max(0.0, float(excess / (beta * gamma**2)))
 
 
-def stable_masses(drive: ThreadsDrive) -> list[tuple[float, float]]:
+def stable_masses(drive: Drive) -> list[tuple[float, float]]:
     """Intervals of masses [kg] at which steady sliding with the contact of a drive is stable, ascending, up to 1e9 kg.
 
     As a rule there is one, from zero to the critical mass. A soft contact with little damping keeps steady sliding
@@ -273,7 +273,7 @@ def stable_masses(drive: ThreadsDrive) -> list[tuple[float, float]]:
     return [(float(a), float(b)) for a, b in found.intervals] if found else []
 
 
-def critical_mass_of_contact(drive: ThreadsDrive) -> float:
+def critical_mass_of_contact(drive: Drive) -> float:
     """Mass [kg] at which steady sliding with the contact of a drive loses its stability, all masses below it stable.
 
     Exact and rounded once; NaN if no mass is stable, or every one.
@@ -297,8 +297,8 @@ def stability(drive: Drive) -> StabilityReport:
     factor = scale(drive, law)
     polynomial = tuple(p / factor for p in exact)
     details: dict[str, Any] = {"conditions": {}, "quantities": {}}
-    if drive.model in _SAID:
-        details = _SAID[drive.model](drive, law, polynomial, values)
+    if (drive.rigid or drive.parts) and drive.parts in _SAID:
+        details = _SAID[drive.parts](drive, law, polynomial, values)
     if len(values) > 2:
         rates = {
             "divergence": max((x.real for x in values if x.imag == 0 < x.real), default=None),
@@ -306,7 +306,7 @@ def stability(drive: Drive) -> StabilityReport:
         }
         details["conditions"] |= {name: _condition(growth_rate=rate) for name, rate in rates.items()}
     return StabilityReport(
-        model=drive.model,
+        parts=drive.parts,
         stable=kind.startswith("stable"),
         kind=kind,
         eigenvalues=tuple(values),
@@ -333,7 +333,7 @@ def _quantity(value: Any, unit: str) -> Quantity:
     return Quantity(number if number is None or math.isfinite(number) else None, unit)
 
 
-def _of_rigid(drive: RigidDrive, law: int, polynomial: Polynomial, values: list[complex]) -> dict[str, Any]:
+def _of_rigid(drive: Drive, law: int, polynomial: Polynomial, values: list[complex]) -> dict[str, Any]:
     """Of the rigid drive (Sects 5.3, 8.5, 8.6): what eqs (8.18) to (8.21) say of it."""
     c, found = mechanics.coefficients(drive), {}
     for name, by_law, unit in (("inertia", c.gamma, "kg m2"), ("damping", c.damping, "N m s rad-1")):
@@ -346,7 +346,7 @@ def _of_rigid(drive: RigidDrive, law: int, polynomial: Polynomial, values: list[
     return {"conditions": conditions(drive), "quantities": found, "paradox_region": c.paradox}
 
 
-def _of_threads(drive: ThreadsDrive, law: int, polynomial: Polynomial, values: list[complex]) -> dict[str, Any]:
+def _of_threads(drive: Drive, law: int, polynomial: Polynomial, values: list[complex]) -> dict[str, Any]:
     """Of compliant threads (Sect. 5.5): Lemma 8.1 at the stiffness of this very contact, p_2 < 0; its least damping."""
     with many_digits():
         _, inertia, damping, _ = _contact_terms(drive)
@@ -370,7 +370,7 @@ def _of_threads(drive: ThreadsDrive, law: int, polynomial: Polynomial, values: l
     }
 
 
-def _of_support(drive: SupportDrive, law: int, polynomial: Polynomial, values: list[complex]) -> dict[str, Any]:
+def _of_support(drive: Drive, law: int, polynomial: Polynomial, values: list[complex]) -> dict[str, Any]:
     """Of axial support (Sect. 5.6): the kinematic constraint, and mode coupling of the undamped drive (8.29)."""
     d = drive.exact()
     inertia = reduced_inertia(d, law)
@@ -414,10 +414,10 @@ def _of_nut(drive: Drive, law: int, polynomial: Polynomial, values: list[complex
     }
 
 
-_SAID: dict[str, Callable[..., dict[str, Any]]] = {
-    "rigid": _of_rigid,
-    "threads": _of_threads,
-    "support": _of_support,
-    "nut": _of_nut,
+_SAID: dict[tuple[str, ...], Callable[..., dict[str, Any]]] = {
+    (): _of_rigid,
+    ("threads",): _of_threads,
+    ("support",): _of_support,
+    ("nut",): _of_nut,
 }
-"""What the chapter says of a model beyond its eigenvalues: conditions, quantities and other fields of the report."""
+"""What the chapter says of drives with certain parts beyond their eigenvalues: fields of the report."""

@@ -27,7 +27,7 @@ from lsvib.engine.motion import follow
 from lsvib.errors import NoThreshold
 from lsvib.models import friction
 from lsvib.models.drive import Drive, zero_if_close
-from lsvib.models.model import find_model
+from lsvib.models.model import model_of
 from lsvib.stability.boundaries import net_force
 from lsvib.stability.conditions import damping_by_slope, effective_damping, effective_inertia
 from lsvib.stability.force_thresholds import threshold_force
@@ -64,7 +64,7 @@ PlaneFunction = Callable[[float, float], float]
 
 def curves_of(drive: Drive) -> tuple[ChartBoundary, ...]:
     """Return the names of the curves that a drive can have; none if its model has no charts."""
-    return tuple(ChartBoundary[name.upper()] for name in find_model(drive.model).curves)
+    return tuple(ChartBoundary[name.upper()] for name in model_of(drive).curves)
 
 
 def boundary_curves(drive: Drive, x: AxisSpan, y: AxisSpan) -> dict[ChartBoundary, list[np.ndarray]]:
@@ -149,7 +149,7 @@ def _function(drive: Drive, kind: ChartBoundary, names: tuple[str, str]) -> Plan
             return stops_again(changed)
         if kind is ChartBoundary.FLUTTER:
             values, tangent = enclosed(changed)[0]
-            exact = polynomial(type(changed), values, sliding_law(changed) or 1, tangent)
+            exact = polynomial(values, sliding_law(changed) or 1, tangent)
             return float(min((*exact[:4], hurwitz(exact))))
         return _closed_form(changed, kind)
 
@@ -166,7 +166,7 @@ def _closed_form(drive: Drive, kind: ChartBoundary) -> float:
     if kind is ChartBoundary.KINEMATIC_CONSTRAINT:
         return inertia
     with many_digits():
-        drag = float(net_force(type(drive), vars(d), d.tan_lead, 1) * d.input_speed)
+        drag = float(net_force(vars(d), d.tan_lead, 1) * d.input_speed)
     if kind is ChartBoundary.NEGATIVE_DAMPING:
         return damping if inertia > 0 and drag > 0 else math.nan
     if friction.depends_on_speed(drive) and not (inertia <= 0 < drag):
@@ -182,7 +182,7 @@ def stops_again(drive: Drive) -> float:
     nan but for Γ₊ > 0 > C₊ and R̃ Ω < 0, and where nothing damps slip under law −. Slip starts on θ′ = 0 where the screw
     would stay, and orbits do not cross: what has not come back after a turn never does.
     """
-    d, model = drive.exact(), find_model(drive.model)
+    d, model = drive.exact(), model_of(drive)
     attracts = sliding_law(drive) == -1
     if not (attracts and effective_inertia(d, 1) > 0 > effective_damping(d, 1) and effective_damping(d, -1) > 0):
         return math.nan

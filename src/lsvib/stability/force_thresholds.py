@@ -20,7 +20,7 @@ from flint import arb
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import NoThreshold
 from lsvib.models import friction
-from lsvib.models.drive import RigidDrive, allowed_range
+from lsvib.models.drive import Drive, allowed_range
 from lsvib.stability.motion_equations import Return, Start
 from lsvib.stability.slip import CLOSE, SlipDrive, decay_of_large_motions, slowest_point
 from lsvib.stability.solve import bracketed_root
@@ -28,7 +28,7 @@ from lsvib.stability.solve import bracketed_root
 _NONE = Start("", arb.pos_inf())
 
 
-def threshold_force(drive: RigidDrive, name: str) -> float:
+def threshold_force(drive: Drive, name: str) -> float:
     """Return an axial force [N] by the name of its threshold, as :data:`STARTS` has it: its value alone.
 
     For charts of many drives; ``drive.threshold(name)`` encloses it. Raises ``NoThreshold``.
@@ -44,7 +44,7 @@ global_stability_force = partial(threshold_force, name="global_stability")
 """Axial forces [N] of the thresholds ``onset``, ``stick``, ``detach`` and ``global_stability`` of a drive."""
 
 
-def _negatively_damped(drive: RigidDrive) -> SlipDrive:
+def _negatively_damped(drive: Drive) -> SlipDrive:
     """Constants of a drive with Γ₊ > 0 > C₊."""
     d = SlipDrive.of(drive)
     if not d.inertia[1] > 0:
@@ -58,13 +58,13 @@ def _negatively_damped(drive: RigidDrive) -> SlipDrive:
     return d
 
 
-def _require_one_friction(drive: RigidDrive) -> None:
+def _require_one_friction(drive: Drive) -> None:
     """Refuse static friction above that of sliding, under which rest ends elsewhere."""
     if wanted := friction.refusal(drive):
         raise NoThreshold(f"the closed form of this threshold {wanted}.")
 
 
-def _seizing(drive: RigidDrive, undamped: str = "without damping no cycle of this drive is isolated.") -> SlipDrive:
+def _seizing(drive: Drive, undamped: str = "without damping no cycle of this drive is isolated.") -> SlipDrive:
     """Constants of a drive in the Painlevé region; refused outside and, in words of its own, if undamped."""
     _require_one_friction(drive)
     d = SlipDrive.of(drive)
@@ -77,7 +77,7 @@ def _seizing(drive: RigidDrive, undamped: str = "without damping no cycle of thi
     return d
 
 
-def _without_rest(drive: RigidDrive) -> SlipDrive:
+def _without_rest(drive: Drive) -> SlipDrive:
     d = _seizing(drive)
     if not (d.contact[1] > 0 and d.outward > 0):
         raise NoThreshold(
@@ -95,12 +95,12 @@ def _apart(start: Start, d: SlipDrive) -> Start:
         )
     if abs(start.force) > 1e12:
         raise NoThreshold(
-            f"the force at which it would lie is outside the allowed range {allowed_range(RigidDrive, 'axial_force')}."
+            f"the force at which it would lie is outside the allowed range {allowed_range(Drive, 'axial_force')}."
         )
     return start
 
 
-def stick_start(drive: RigidDrive) -> Start:
+def stick_start(drive: Drive) -> Start:
     """Axial force at which the slip cycle first touches θ′ = 0.
 
     From the onset to this force a cycle of slip without θ′ = 0 attracts motions from near steady sliding; beyond it, up
@@ -126,7 +126,7 @@ def stick_start(drive: RigidDrive) -> Start:
     return _apart(Start("stick+" if law > 0 else "stick-", d.onset - d.speed / rate, times), d)
 
 
-def detach_start(drive: RigidDrive) -> Start:
+def detach_start(drive: Drive) -> Start:
     """Axial force beyond which the stick–slip cycle no longer reaches N = 0.
 
     From the onset to this force slip from the end of rest reaches N = 0 before it ends, and so does every cycle with
@@ -160,7 +160,7 @@ def detach_start(drive: RigidDrive) -> Start:
     return _apart(Start("detach" if at < end else "detach at rest", force, (at,)), d)
 
 
-def global_stability_start(drive: RigidDrive) -> Start:
+def global_stability_start(drive: Drive) -> Start:
     """Axial force below which steady sliding is globally stable and above which it is not (end of Sect. 8.7).
 
     Under any force below it every motion ends in steady sliding, under any from it to R_on = r_m tan λ c_x Ω some do
@@ -296,7 +296,7 @@ def _first_root(d: SlipDrive, function: Callable[[Return], Any]) -> arb | None:
     return None
 
 
-def fold_start(drive: RigidDrive) -> Start:
+def fold_start(drive: Drive) -> Start:
     """Axial force at which two cycles of seizures without rest meet and vanish."""
     d = _without_rest(drive)
     found, x = _fold(d)
@@ -305,7 +305,7 @@ def fold_start(drive: RigidDrive) -> Start:
     return _before_rest(found, x, d)
 
 
-def cycle_birth_start(drive: RigidDrive) -> Start:
+def cycle_birth_start(drive: Drive) -> Start:
     """Axial force at which the repelling cycle without rest touches Q = 0 where it seizes."""
     d = _without_rest(drive)
     time = _first_root(d, lambda back: back.q_rate)
@@ -324,7 +324,7 @@ def _before_rest(start: Start, x: arb, d: SlipDrive) -> Start:
     return start
 
 
-def rest_left(drive: RigidDrive) -> tuple[arb, Start]:
+def rest_left(drive: Drive) -> tuple[arb, Start]:
     """Return Q as slip from the end of rest is back at that deflection, and the equations of its zero.
 
     Where Q < 0 it seizes later, and rests again; where Q > 0 it has seized before, and goes on without rest. Raises

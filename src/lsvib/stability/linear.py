@@ -318,10 +318,29 @@ def eigenvalues(model: LinearModel) -> NDArray[np.complex128]:
     return np.take_along_axis(values, np.argsort(values.real, axis=-1), axis=-1)
 
 
-def hurwitz(p: tuple[Any, ...]) -> Any:
-    """Hurwitz determinant (p_3 p_2 − p_4 p_1) p_1 − p_3² p_0 of a quartic; zero where s and −s are both roots."""
-    p_4, p_3, p_2, p_1, p_0 = p
-    return (p_3 * p_2 - p_4 * p_1) * p_1 - p_3**2 * p_0
+def hurwitz(p: tuple[Any, ...], order: int = 3) -> Any:
+    """Hurwitz determinant of a polynomial, highest power first: its entry i, j is the coefficient 2 j − i, from 1 on.
+
+    Of a quartic that of order 3 is (p_3 p_2 − p_4 p_1) p_1 − p_3² p_0, and zero where s and −s are both roots, as that
+    of order n − 1 is of any degree n.
+    """
+
+    def entry(i: int, j: int) -> Any:
+        place = 2 * j - i
+        return p[place] if 0 <= place < len(p) else 0
+
+    def minor(column: int, rows: tuple[int, ...]) -> Any:
+        """The determinant of some rows, from a column on."""
+        if not rows:
+            return 1
+        total: Any = 0
+        for k, row in enumerate(rows):
+            if 0 <= 2 * column - row < len(p):
+                rest = minor(column + 1, rows[:k] + rows[k + 1 :])
+                total = total + (-1) ** k * entry(row, column) * rest
+        return total
+
+    return minor(1, tuple(range(1, order + 1)))
 
 
 def routh_hurwitz(p: tuple[Any, ...]) -> bool:

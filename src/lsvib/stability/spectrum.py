@@ -20,9 +20,8 @@ from flint import acb, arb, ctx, fmpq, fmpq_poly
 
 from lsvib.errors import InputError
 from lsvib.models import friction
-from lsvib.models.drive import Drive
+from lsvib.models.drive import PARTS, Drive
 from lsvib.models.mechanics import LinearParts
-from lsvib.models.model import find_model
 from lsvib.stability.linear import Stability, hurwitz
 
 LEAST = fmpq(1, 2**400)  # beyond all quotients of parameters
@@ -32,16 +31,14 @@ Polynomial = tuple[Any, ...]
 """Coefficients, highest power first; rational numbers, or polynomials in an unknown parameter."""
 
 
-def polynomial(
-    kind: type[Drive], values: Mapping[str, Any], law: int, tan_lead: Any, level: bool = False
-) -> Polynomial:
+def polynomial(values: Mapping[str, Any], law: int, tan_lead: Any, level: bool = False) -> Polynomial:
     """Return the coefficients of the characteristic polynomial, times :func:`scale`, highest power first (SI units).
 
-    Arguments: class of the drive; its parameters, law s = ±1 and tan λ, in any one arithmetic: floats, rationals
+    Arguments: the parameters of the drive, law s = ±1 and tan λ, in any one arithmetic: floats, rationals
     (:func:`enclosed`), polynomials in an unknown, balls or power series; ``level`` leaves out the slope of friction.
     """
     parts = LinearParts.of(values, law, tan_lead)
-    return find_model(kind.model).characteristic(values, parts.level() if level else parts)
+    return (parts.level() if level else parts).polynomial()
 
 
 def rationals(drive: Drive) -> dict[str, fmpq]:
@@ -84,7 +81,7 @@ def scale(drive: Drive, law: int, level: bool = False) -> fmpq:
     """Return the positive factor by which :func:`polynomial` exceeds det(M s² + C s + K)."""
     values, tangent = enclosed(drive)[0]
     parts = LinearParts.of(values, law, tangent)
-    return find_model(drive.model).excess(parts.level() if level else parts)
+    return fmpq((parts.level() if level else parts).excess)
 
 
 def spectrum(drive: Drive, law: int, level: bool = False) -> tuple[str, list[complex], Polynomial]:
@@ -103,7 +100,7 @@ def spectrum(drive: Drive, law: int, level: bool = False) -> tuple[str, list[com
     # The class depends on signs of polynomials in tan λ alone, so enough digits give the same one at both ends; where
     # one vanishes to some 80 digits, four times as many.
     while True:
-        exact, other = (polynomial(type(drive), values, law, t, level) for values, t in enclosed(drive, digits))
+        exact, other = (polynomial(values, law, t, level) for values, t in enclosed(drive, digits))
         if (kind := _class(exact)) == _class(other):
             break
         digits *= 4
@@ -117,12 +114,20 @@ def spectrum(drive: Drive, law: int, level: bool = False) -> tuple[str, list[com
 def margins(p: Polynomial, neutral: bool) -> Polynomial:
     """Return numbers that are all positive exactly where steady sliding is stable; p_0 always is.
 
-    Without damping (``neutral``) those for which no motion grows and all frequencies are real and distinct: p_4, p_2
-    and p_2² − 4 p_4 p_0.
+    Those are the coefficients and the Hurwitz determinants of odd order (Liénard and Chipart). Without damping
+    (``neutral``) they are those for which no motion grows and all frequencies are real and distinct: with two of them
+    p_4, p_2 and p_2² − 4 p_4 p_0; with more those of q(s²) + s q′(s²), whose even and odd parts interlace just then
+    (Hermite and Biehler), of the polynomial q(s²).
     """
-    if len(p) == 3:
+    order = len(p) - 1
+    if neutral and order == 4:
+        return p[0], p[2], p[2] ** 2 - 4 * p[0] * p[4]
+    if neutral and order > 4:
+        half = order // 2
+        p = tuple(x for k, even in enumerate(p[::2]) for x in (even, (half - k) * even))[:-1]
+    if order == 2:
         return p[:1] if neutral else p[:2]
-    return (p[0], p[2], p[2] ** 2 - 4 * p[0] * p[4]) if neutral else (*p[:4], hurwitz(p))
+    return (*p[:-1], *(hurwitz(p, k) for k in range(3, order, 2)))
 
 
 def undamped(drive: Drive, key: str = "") -> bool:
@@ -132,12 +137,12 @@ def undamped(drive: Drive, key: str = "") -> bool:
     """
     if friction.depends_on_speed(drive) or key in ("stribeck_rise", "friction_slope"):
         return False
-    dampings = ["support_damping", "translation_damping", drive.own_damping]
-    return key not in dampings and not any(getattr(drive, name) for name in dampings if name)
+    dampings = ["support_damping", "translation_damping", *(PARTS[part][-1] for part in drive.parts)]
+    return key not in dampings and not any(getattr(drive, name) for name in dampings)
 
 
 def _class(p: Polynomial) -> str:
-    """The class by exact signs; ``unstable`` stands for divergence and flutter. p_0 > 0 and p_4 ≠ 0 in every model."""
+    """The class by exact signs; ``unstable`` stands for divergence and flutter. p_0 > 0 and p_n ≠ 0 in every drive."""
     if len(p) == 3:
         inertia, damping, stiffness = p
         if inertia < 0:
@@ -146,15 +151,15 @@ def _class(p: Polynomial) -> str:
             return Stability.CENTRE.name.lower()
         shape = "focus" if damping**2 < 4 * inertia * stiffness else "node"
         return f"{'stable' if damping > 0 else 'unstable'}_{shape}"
-    p_4, p_3, _, p_1, _ = p
-    if p_4 < 0:
+    if p[0] < 0:
         return "kinematic_constraint"
-    if min(margins(p, False)) > 0:
+    *coefficients, last = margins(p, False)
+    if min(coefficients) > 0 < last:
         return "stable"
-    if p_3 == 0 == p_1:
+    if not any(p[1::2]):
         return "neutral" if min(margins(p, True)) > 0 else "unstable"
-    # With ω² = p_1/p_3 the polynomial is (s² + ω²)(p_4 s² + p_3 s + p_0/ω²) if the Hurwitz determinant vanishes.
-    return "neutral" if hurwitz(p) == 0 and p_3 > 0 and p_1 > 0 else "unstable"
+    # The last determinant vanishes with a pair of imaginary roots, beside which nothing grows where the others do not.
+    return "neutral" if min(coefficients) > 0 == last else "unstable"
 
 
 def positive_roots(p: fmpq_poly, limit: fmpq) -> list[fmpq]:

@@ -19,7 +19,7 @@ from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import EngineError, InputError, NoThreshold
 from lsvib.models import chapter, friction
 from lsvib.models.drive import Drive, allowed_range, described
-from lsvib.models.model import find_model
+from lsvib.models.model import model_of
 from lsvib.numbers import shown
 from lsvib.results import Derivative, PrintedValue, Threshold, ThresholdSolution
 from lsvib.stability import boundaries, motion_equations
@@ -53,19 +53,18 @@ _STATEMENTS = {  # forces for input_speed > 0; for input_speed < 0 all forces ch
 }
 
 
-def names(model: str) -> tuple[str, ...]:
-    """Return the names of the thresholds of a model."""
-    return find_model(model).thresholds
+def names(drive: Drive) -> tuple[str, ...]:
+    """Return the names of the thresholds of a drive."""
+    return model_of(drive).thresholds
 
 
-def usual_unknown(model: str, name: str) -> str:
+def usual_unknown(drive: Drive, name: str) -> str:
     """Return the parameter that a threshold is solved for by default.
 
     It is the axial force but for ``kinematic_constraint`` and ``flutter`` (mass), ``negative_damping`` and
     ``rest_loss`` (support damping), and for ``onset`` of a drive with two bodies (mass).
     """
-    two_bodies = len(find_model(model).states) > 2
-    return _USUAL.get(name, "mass" if two_bodies else "axial_force")
+    return _USUAL.get(name, "mass" if drive.parts else "axial_force")
 
 
 def all_thresholds(drive: Drive, unknown: str | None = None) -> dict[str, Threshold]:
@@ -75,7 +74,7 @@ def all_thresholds(drive: Drive, unknown: str | None = None) -> dict[str, Thresh
     ``reason``. Raises ``InputError`` for another parameter.
     """
     found = {}
-    for name in names(drive.model):
+    for name in names(drive):
         key = _parameter(drive, name, unknown)
         try:
             found[name] = _solve(drive, name, key)
@@ -91,9 +90,9 @@ def solve_threshold(drive: Drive, name: str, unknown: str | None = None) -> Thre
     (:func:`usual_unknown`). The drive's own value of that parameter counts only as the middle of a search. Raises
     ``InputError`` for other names, ``NoThreshold`` where there is no solution in the allowed range.
     """
-    known = names(drive.model)
+    known = names(drive)
     if not isinstance(name, str) or name not in known:
-        raise InputError(f"threshold = {shown(name)} is not one of those of model {drive.model}: {', '.join(known)}.")
+        raise InputError(f"threshold = {shown(name)} is not one of those of this drive: {', '.join(known)}.")
     found = _solve(drive, name, _parameter(drive, name, unknown))
     if not found.solutions:
         raise NoThreshold(found.reason)
@@ -101,11 +100,10 @@ def solve_threshold(drive: Drive, name: str, unknown: str | None = None) -> Thre
 
 
 def _parameter(drive: Drive, name: str, unknown: Any) -> str:
-    key = usual_unknown(drive.model, name) if unknown is None else unknown
-    if not isinstance(key, str) or key not in type(drive).model_fields:
-        raise InputError(
-            f"unknown = {shown(key)} is not a parameter of model {drive.model}: {', '.join(type(drive).model_fields)}."
-        )
+    key = usual_unknown(drive, name) if unknown is None else unknown
+    there = [name for name in Drive.model_fields if getattr(drive, name) is not None]
+    if key not in there:
+        raise InputError(f"unknown = {shown(key)} is not a parameter of this drive: {', '.join(there)}.")
     return key
 
 
@@ -138,7 +136,7 @@ def _by_roots(drive: Drive, name: str, unknown: str) -> Threshold:
     stable = stable_set(drive, unknown) if name == "onset" else None
     found = stable.places() if stable else None if name == "onset" else places(drive, name, unknown)
     if found is None:
-        raise NoThreshold(f"the threshold {name} of model {drive.model} does not depend on {unknown}.")
+        raise NoThreshold(f"the threshold {name} of this drive does not depend on {unknown}.")
     solutions, reason = [_at_place(drive, name, unknown, place) for place in found], ""
     if stable:
         reason = stable.why_no_change()
@@ -156,7 +154,7 @@ def _by_roots(drive: Drive, name: str, unknown: str) -> Threshold:
 
 def _at_place(drive: Drive, name: str, unknown: str, place: Place) -> ThresholdSolution:
     try:
-        root = solved(drive, unknown, place.condition.equations(type(drive), place.sense), place.value)
+        root = solved(drive, unknown, place.condition.equations(place.sense), place.value)
     except Singular:
         raise NoThreshold(
             f"{unknown} = {float(place.value):.17g} is a double root of the threshold {name}, at which it has no "
@@ -259,7 +257,7 @@ def _result(
     solutions = tuple(sorted(found, key=lambda solution: solution.value))
     return Threshold(
         name=name,
-        model=drive.model,
+        parts=drive.parts,
         unknown=unknown,
         unit=described(type(drive), unknown)["unit"],
         solutions=solutions,
@@ -277,9 +275,9 @@ def _printed(drive: Drive, name: str, unknown: str, solutions: tuple[ThresholdSo
     of = {"kinematic_constraint": {"mass": "critical_mass", "friction_coefficient": "critical_friction"}}
     key = of.get(name, {}).get(unknown, f"{name}_force" if unknown == "axial_force" else "")
     claim = chapter.THRESHOLDS.get(key)
-    if claim is None or drive.model != ("support" if "screw_mass" in claim.drive else "rigid"):
+    if claim is None or drive.parts != (("support",) if "screw_mass" in claim.drive else ()):
         return None
-    original = type(drive).of(claim.drive)
+    original = chapter.drive_of(claim)
     counts = solutions[0].derivatives if solutions else {}
     if any(
         value != getattr(original, other) and other != unknown and not (counts and counts[other].value == 0)

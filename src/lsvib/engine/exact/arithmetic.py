@@ -100,16 +100,26 @@ def added(*terms: Number) -> Number:
     A sum of arrays that has lost more digits than 1e-13 of it allows is not a number. Raises ``EngineError`` if too few
     digits are left of a ball that holds zero.
     """
-    if any(isinstance(term, np.ndarray) for term in terms):
-        total, size = sum(terms), np.maximum.reduce(np.broadcast_arrays(*map(np.abs, terms)))
+    there = [term for term in terms if term.__class__ is not int or term]
+    if len(there) < 2:
+        return there[0] if there else 0
+    total = sum(there[1:], there[0])
+    if total.__class__ is arb:
+        if total > 0 or total < 0 or total == 0:
+            return total
+        if total.rad() > 1e-40 * max(abs(ball(x)).mid() for x in there):
+            sign(total)  # too few digits are left to show that it is zero
+        return arb(0)
+    if isinstance(total, np.ndarray):
+        size = np.maximum.reduce(np.broadcast_arrays(*map(np.abs, there)))
         left, eps = np.abs(total), np.finfo(total.dtype).eps
         return np.where(left <= 8 * eps * size, 0, np.where(left < 1e13 * eps * size, np.nan, total))
-    total = sum(terms, arb(0))
-    if not total.contains(0) or total.is_zero():
-        return total
-    if total.rad() > 1e-40 * max(abs(ball(x)).mid() for x in terms):
-        sign(total)  # too few digits are left to show that it is zero
-    return arb(0)
+    return total
+
+
+def nothing(number: Number) -> bool:
+    """Whether a number is exactly zero, or all of an array are."""
+    return not number.any() if isinstance(number, np.ndarray) else bool(number == 0)
 
 
 def multiplied(left: Sequence[Any], right: Sequence[Any]) -> list[Any]:

@@ -86,9 +86,10 @@ class Subspace(NamedTuple):
 def rates_of(matrix: arb_mat) -> list[acb]:
     """Return the rates of a matrix, those that coincide as often as they do, without their radii.
 
-    They are those of the midpoint of its characteristic polynomial, whose roots FLINT isolates exactly.
+    They are those of the midpoint of its characteristic polynomial, whose roots FLINT isolates exactly; a coefficient
+    that holds zero is zero, so that several rates of zero stay together.
     """
-    exact = fmpq_poly([x.mid().fmpq() for x in matrix.charpoly().coeffs()])
+    exact = fmpq_poly([0 if x.contains(0) else x.mid().fmpq() for x in matrix.charpoly().coeffs()])
     return [acb(root.real.mid(), root.imag.mid()) for root, count in exact.complex_roots() for _ in range(int(count))]
 
 

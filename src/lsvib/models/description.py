@@ -1,0 +1,111 @@
+"""A drive in words and numbers: its parts, coordinates, equations of motion and modes, so that one sees what it is."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from flint import arb
+
+from lsvib.engine.exact.arithmetic import many_digits
+from lsvib.models import friction
+from lsvib.models.drive import IN_WORDS, Drive
+from lsvib.models.mechanism import Mechanism, seated
+from lsvib.models.model import QUANTITIES, Model, model_of
+
+
+@dataclass(frozen=True)
+class Description:
+    """What a drive is made of.
+
+    ``parts`` that comply, in words; ``coordinates``, long name and unit of each coordinate of the state by its name;
+    ``steady``, the values of z [rad], n [N], τ [N m] and of the coordinates of parts in steady sliding; ``equations``
+    of motion with numbers in SI units (:mod:`lsvib.models.mechanism`); ``modes`` by name.
+    """
+
+    parts: tuple[str, ...]
+    coordinates: dict[str, tuple[str, str]]
+    steady: dict[str, float]
+    equations: tuple[str, ...]
+    modes: tuple[str, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """Return it as plain lists and dictionaries."""
+        coordinates = {key: {"long_name": words, "unit": unit} for key, (words, unit) in self.coordinates.items()}
+        return {
+            "parts": list(self.parts),
+            "coordinates": coordinates,
+            "steady": self.steady,
+            "equations": list(self.equations),
+            "modes": list(self.modes),
+        }
+
+
+def described(drive: Drive) -> Description:
+    """Return what a drive is made of."""
+    model, d = model_of(drive), drive.exact()
+    with many_digits():
+        mechanism = Mechanism(d, drive.parts, friction.coefficient(d, arb(0)))
+        steady = {"coupling_deflection": float(mechanism.deflection[-1])}
+        steady |= {"axial_contact_force": float(mechanism.force), "thread_torque": float(mechanism.twist)}
+        if "support" in drive.parts:
+            steady["screw_shift"] = float(mechanism.force / d.support_stiffness)
+        if "nut" in drive.parts:
+            steady["nut_angle"] = float(mechanism.twist / d.nut_stiffness)
+        if mechanism.compliant:
+            steady["thread_mismatch"] = float(seated(mechanism)[mechanism.place["threads"]])
+        equations = (*_bodies(drive, float(mechanism.reach)), *_threads(drive, mechanism))
+    return Description(
+        parts=tuple(IN_WORDS[part] for part in drive.parts),
+        coordinates=_coordinates(model),
+        steady=steady,
+        equations=equations,
+        modes=tuple(mode.name.lower() for mode in model.modes),
+    )
+
+
+def _coordinates(model: Model) -> dict[str, tuple[str, str]]:
+    own = {
+        "angle_deviation": ("deviation u of the coupling deflection z = θ − Ω t from steady sliding", "rad"),
+        "velocity_deviation": ("rate w of that deviation; the screw turns at θ′ = Ω + w", "rad s-1"),
+    }
+    return {name: own.get(name) or QUANTITIES[name][:2] for name in model.states}
+
+
+def _bodies(drive: Drive, reach: float) -> list[str]:
+    d, turns, shifts = drive, "nut" in drive.parts, "support" in drive.parts
+    screw = [("−", d.coupling_stiffness, "z"), ("−", d.support_damping, "θ′"), ("−", d.bearing_friction, "sgn θ′")]
+    load = [("−", d.translation_damping, "x′"), ("−", d.slide_friction, "sgn x′")]
+    lines = [f"{d.screw_inertia:.6g} θ″ = {_sum(screw)} − τ"]
+    if shifts:
+        spring = [("−", d.support_stiffness, "x_1"), ("−", d.axial_support_damping, "x_1′")]
+        lines.append(f"{d.screw_mass:.6g} x_1″ = n {_sum(spring)}")
+    if turns:
+        spring = [("−", d.nut_stiffness, "θ_2"), ("−", d.nut_damping, "θ_2′")]
+        lines.append(f"{d.nut_inertia:.6g} θ_2″ = τ {_sum(spring)}")
+    lines.append(f"{d.mass:.6g} x″ = {d.axial_force:.6g} {_sum(load)} − n".replace("  ", " "))
+    angle = "(θ − θ_2)" if turns else "θ"
+    lines.append(f"x = {reach:.6g} {angle}{' + x_1' if shifts else ''}{' + e' if 'threads' in d.parts else ''}")
+    return [*lines, f"z = θ − {d.input_speed:.6g} t"]
+
+
+def _sum(terms: list[tuple[str, float, str]]) -> str:
+    return " ".join(f"{sign} {value:.6g} {name}" for sign, value, name in terms if value)
+
+
+def _threads(drive: Drive, mechanism: Mechanism) -> list[str]:
+    slip = "θ′ − θ_2′" if "nut" in drive.parts else "θ′"
+    levers = [float(mechanism.lever(law)) for law in (1, -1)]
+    lines = [
+        f"slip: τ = {levers[0]:.6g} n where n ({slip}) > 0, τ = {levers[1]:.6g} n where it is < 0",
+        f"rest: {slip} = 0 while static friction, μ = {float(mechanism.d.static_friction):.6g}, holds",
+    ]
+    if friction.depends_on_speed(drive):
+        lines[0] += ", at slow sliding"
+    if mechanism.compliant:
+        d = mechanism.d
+        stiffness, damping = float(d.cos_lead * d.contact_stiffness), float(d.cos_lead * d.contact_damping)
+        lines.append(f"N = {stiffness:.6g} e + {damping:.6g} e′, and n is N with its friction along the axis")
+    else:
+        inertia, mass = mechanism.effective()
+        gamma = float(inertia - mechanism.turned * mass)
+        lines.append(f"Γ₊ = {gamma:.6g} kg m²{'' if gamma > 0 else ': the threads can seize'}")
+    return lines

@@ -1,0 +1,399 @@
+r"""Newton's laws of a drive that is made of parts, solved in each of its modes.
+
+          Ω t                θ, x_1                        x = r_m tan λ (θ − θ_2) + x_1 + e,  θ_2
+    motor ──/\/\/\── k ──▶ (I, m_1) screw ═══threads═══▶ [m, I_2] nut ──▶ R
+                            turning: c, T_0 to ground      along: c_x, F_0 to ground
+                            along: k_1 ∥ c_1 to ground     turning: k_2 ∥ c_2 to ground
+
+A part that a drive does not have is rigid, and its coordinate is not there: the shift x_1 of the screw belongs to the
+axial ``support`` (Sect. 5.6), the angle θ_2 to a ``nut`` that may turn (Sect. 5.8), the mismatch e of nut and screw
+to compliant ``threads`` (Sect. 5.5). With the axial contact force n, the torque τ of the threads, T = −k z − c θ′ −
+T_0 sgn θ′, S = k_1 x_1 + c_1 x_1′, S_2 = k_2 θ_2 + c_2 θ_2′ and P = R − c_x x′ − F_0 sgn x′,
+
+    I θ″ = T − τ,      m_1 x_1″ = n − S,      I_2 θ_2″ = τ − S_2,      m x″ = P − n.
+
+The threads slip at ω = θ′ − θ_2′. In slip under the law s = sgn ω sgn n the torque is τ = r_m ξ_s n; at rest ω = 0
+stays so. Rigid threads have e = 0, and then n = Q / (positive factor × Γ_s), where Q does not depend on the law and
+
+    Γ_s = I_eff − ξ_s tan λ m_eff r_m²,    1 / I_eff = 1 / I + 1 / I_2,    1 / m_eff = 1 / m + 1 / m_1
+                                                                                         (8.17, 8.27, 8.28, 8.33)
+
+with the terms of the parts that are there. Compliant threads carry N = cos λ (k_c e + c_c e′), and (5.16, 5.17, 8.6)
+
+    n = N (cos λ + s μ sin λ) in slip,      n = N / cos λ + tan λ τ / r_m at rest.
+
+The state is (u, w) as in the rigid drive, then the coordinate of each part that is there with its rate: those of
+support and nut less their values in steady sliding, where n = R − r_m tan λ c_x Ω − F_0 sgn Ω, and e itself.
+
+All that a mode does follows from one linear system, whose unknowns are the accelerations, n, τ and the friction that
+holds a body. Its solution is made of affine functions of the state, *rows* of numbers (the constant last): balls of one
+drive, or arrays of many.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from functools import cached_property
+from itertools import chain, product
+from typing import Any, Literal, get_args
+
+import numpy as np
+
+from lsvib.engine.automaton import Row, scaled
+from lsvib.engine.exact.arithmetic import double, many_digits, nothing, root, sign
+from lsvib.engine.kernels.layout import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND
+from lsvib.errors import InputError
+from lsvib.models.drive import PARTS, Drive
+from lsvib.models.mechanics import friction_factor, plus, solved
+from lsvib.numbers import shown
+
+COORDINATES = {  # of each part: the names of its displacement and of the rate of that
+    "screw": ("angle_deviation", "velocity_deviation"),
+    "support": ("screw_shift", "shift_rate"),
+    "nut": ("nut_angle", "nut_rate"),
+    "threads": ("thread_mismatch", "mismatch_rate"),
+}
+DIRECTIONS = {1: "forward", -1: "backward"}  # of slip, in the names of modes
+SIGNS = {1: "positive", -1: "negative"}  # of the contact force
+HOW = {**DIRECTIONS, 0: "held"}
+BODIES = {"slide": "nut", "bearing": "screw"}  # that a dry friction holds, in the names of modes
+Resume = Literal["contact_sign", "at_once"]  # how motion goes on after a seizure: see lsvib.models.rigid
+RULES: tuple[Resume, ...] = get_args(Resume)  # the limit of a compliant contact, and the chapter's reading
+Ways = tuple[int, ...]  # of the bodies that slide on their own, see Mechanism.own: 1, −1, or 0 for one that is held
+Key = tuple[int, int, Ways]  # of a mode: direction of slip (0: rest), sign of n (0 where it does not matter), ways
+
+
+class Event(IntEnum):
+    """What happens at an event of any drive."""
+
+    GRAZE = GRAZE_KIND  # a guard is touched, not crossed
+    ACCUMULATION = ACCUMULATION_KIND  # infinitely many events end here
+    CONTACT_REVERSAL = FIRST_MODEL_KIND  # the contact force changes sign
+    STICK = FIRST_MODEL_KIND + 1  # the threads stop, and static friction holds
+    REVERSAL = FIRST_MODEL_KIND + 2  # they stop and slip the other way
+    RELEASE = FIRST_MODEL_KIND + 3  # static friction gives way
+    SEIZURE = FIRST_MODEL_KIND + 4  # the speed of the slip jumps to zero by an impact
+    PASSAGE = FIRST_MODEL_KIND + 5  # a speed passes one at which a friction law divides a mode, Ω as a rule
+    SLIDE_STICK = FIRST_MODEL_KIND + 6  # the nut stops on its slide
+    SLIDE_REVERSAL = FIRST_MODEL_KIND + 7
+    SLIDE_RELEASE = FIRST_MODEL_KIND + 8
+    BEARING_STICK = FIRST_MODEL_KIND + 9  # the screw stops in its bearing
+    BEARING_REVERSAL = FIRST_MODEL_KIND + 10
+    BEARING_RELEASE = FIRST_MODEL_KIND + 11
+
+
+def sides_of_rest(parts: Iterable[str]) -> tuple[int, ...]:
+    """Return the signs that n may have at rest, 0 alone where it is constant there: the load stands."""
+    return (1, -1) if {"support", "threads"} & set(parts) else (0,)
+
+
+def own_frictions(parts: Iterable[str], dry: Iterable[str]) -> tuple[str, ...]:
+    """Return the dry frictions whose body may slide or be held by itself while the threads slip."""
+    free = {"bearing": {"nut"}, "slide": {"support", "threads"}}
+    return tuple(name for name, needs in free.items() if f"{name}_friction" in dry and needs & set(parts))
+
+
+def mode_names(own: tuple[str, ...], sides: tuple[int, ...]) -> Iterator[str]:
+    """Yield the names of modes in the order of their codes; arguments: see :class:`Mechanism`."""
+    plain = [(d, q) for d in DIRECTIONS for q in SIGNS] + [(0, side) for side in sides]
+    yield from (mode_name((*mode, ()), ()) for mode in plain)
+    for ways in product(HOW, repeat=len(own)) if own else ():
+        yield from (mode_name((*mode, ways), own) for mode in plain)
+
+
+def mode_name(key: Key, own: tuple[str, ...]) -> str:
+    """Return the name of a mode."""
+    d, q, ways = key
+    name = f"slip_{DIRECTIONS[d]}_{SIGNS[q]}" if d else f"rest{'_' + SIGNS[q] if q else ''}"
+    return "_".join([name, *(f"{BODIES[body]}_{HOW[way]}" for body, way in zip(own, ways, strict=True))])
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Newton's laws solved in one mode: rows over the state.
+
+    ``law``: s, 0 at rest; ``field``: rate of the state; ``frozen``: coordinates that keep a value; ``contact``: n [N];
+    ``normal``: N [N]; ``torque``: τ [N m]; ``held``: friction [N m, N] that holds a body, by its name.
+    """
+
+    law: int
+    field: tuple[Row, ...]
+    frozen: Mapping[int, Any]
+    contact: Row
+    normal: Row
+    torque: Row
+    held: Mapping[str, Row]
+
+
+class Mechanism:
+    """A drive in steady sliding and around it, and the solution of its equations in any mode.
+
+    Arguments: ``d``, its parameters as balls or as arrays of doubles; ``parts``, the names of those that are not rigid;
+    ``slowest``: μ of slow sliding.
+
+    ``states`` names the coordinates, ``place`` says where the displacement of a part stands among them; ``own`` are the
+    frictions whose body may slide or be held while the threads slip: elsewhere its speed is that of the slip.
+    ``speed`` is the row of θ′, ``slip`` that of ω, ``nut_speed`` that of x′, ``deflection`` that of z; ``force`` [N]
+    and ``steady_law``, s_0, are those of steady sliding; ``sides``: the signs of n at rest, or 0 alone where it is
+    constant; ``compliant``: whether the threads are.
+    """
+
+    def __init__(self, d: Any, parts: Iterable[str], slowest: Any) -> None:
+        self.d, self.slowest = d, slowest
+        self.parts = tuple(part for part in COORDINATES if part == "screw" or part in parts)
+        self.states = tuple(chain.from_iterable(COORDINATES[part] for part in self.parts))
+        self.place = {part: 2 * k for k, part in enumerate(self.parts)}
+        self.compliant = "threads" in parts
+        dry = {"bearing": d.bearing_friction, "slide": d.slide_friction}
+        self.limits = {name: limit for name, limit in dry.items() if sign(limit)}
+        self.own = own_frictions(self.parts, [f"{name}_friction" for name in self.limits])
+        self.tied = tuple(name for name in self.limits if name not in self.own)
+        self.sides = sides_of_rest(self.parts)
+        self.reach = d.pitch_radius * d.tan_lead
+        self.same = sign(d.static_friction_coefficient) == 0  # rest then holds as much as slow sliding carries
+        self.turning = sign(d.input_speed)
+        xi = {s: friction_factor(d.steady_friction, d.tan_lead, s) for s in (1, -1)}
+        self.xi_rest = {s: friction_factor(d.static_friction, d.tan_lead, s) for s in xi}
+        self.turned = xi[1] * self.reach * d.pitch_radius  # ξ₊ tan λ r_m² [m²]
+        self.force = d.axial_force - self.reach * d.translation_damping * d.input_speed
+        self.force = self.force - self.limits.get("slide", 0) * self.turning
+        self.steady_law = -1 if sign(self.force * self.turning, "axial_force") < 0 else 1
+        self.twist = d.pitch_radius * xi[self.steady_law] * self.force  # torque of the threads
+        torque = d.support_damping * d.input_speed + self.limits.get("bearing", 0) * self.turning + self.twist
+        self.deflection = self.unit(0, -torque / d.coupling_stiffness)
+        self.speed = self.unit(1, d.input_speed)
+        rates = self.rates(True, ())
+        self.slip, self.nut_speed = self._slip(rates), self._travel(rates)
+
+    @property
+    def dampers(self) -> list[str]:
+        """The dampings of the parts, and of the screw where there are none."""
+        return [PARTS[part][-1] for part in self.parts[1:]] or ["support_damping"]
+
+    def constant(self, value: Any) -> Row:
+        """Return the row of a constant."""
+        return (*(0 for _ in self.states), value)
+
+    def unit(self, place: int, value: Any = 0) -> Row:
+        """Return the row of a coordinate, and a constant."""
+        return (*(int(k == place) for k in range(len(self.states))), value)
+
+    @cached_property
+    def sizes(self) -> tuple[Any, ...]:
+        """Typical sizes of the coordinates: 0.1 rad, as in the cycles of Table 8.1, and Ω."""
+        d, speed = self.d, abs(double(self.d.input_speed))
+        force = abs(double(d.axial_force)) + 1.0
+        found: list[Any] = [0.1, speed]
+        if "support" in self.parts:
+            rate = double(self.reach) * speed
+            stiffness = double(d.support_stiffness)
+            found += [np.maximum(force / stiffness, rate * np.sqrt(double(d.screw_mass) / stiffness)), rate]
+        if "nut" in self.parts:
+            found += [0.1 * np.minimum(double(d.coupling_stiffness) / double(d.nut_stiffness), 1.0), speed]
+        if self.compliant:
+            # The contact gives way by N/k_c, or by as much as damping and inertia let it in a swing of the coupling.
+            stiffness, damping = double(d.contact_stiffness), double(d.contact_damping)
+            mass, swing = double(d.mass), double(root(d.screw_inertia / d.coupling_stiffness))
+            found.append(force / (stiffness + damping / swing + mass / swing**2))
+            found.append(force / (damping + double(root(d.contact_stiffness * d.mass)) + mass / swing))
+        return tuple(found)
+
+    def effective(self, held: Sequence[str] = ()) -> tuple[Any, Any]:
+        """Return I_eff [kg m²] and m_eff [kg] while bodies are held."""
+        d = self.d
+        inertias = ([] if "bearing" in held else [d.screw_inertia]) + ([d.nut_inertia] if "nut" in self.parts else [])
+        masses = ([] if "slide" in held else [d.mass]) + ([d.screw_mass] if "support" in self.parts else [])
+        return _together(inertias), _together(masses)
+
+    def rates(self, slips: bool, held: Iterable[str]) -> dict[str, Row]:
+        """Return the rows of θ′, x_1′, θ_2′ and e′ by part, which rest and bodies that are held tie to each other."""
+        found = {part: self.unit(self.place[part] + 1) for part in self.parts}
+        stands = "bearing" in held or not (slips or "nut" in self.parts)
+        found["screw"] = self.constant(0) if stands else self.speed
+        if "nut" in self.parts and not slips:
+            found["nut"] = found["screw"]
+        if "slide" in held:
+            last = self.sliders[0]
+            found[last] = self.constant(0)
+            found[last] = scaled(self._travel(found), -1)
+        return found
+
+    @property
+    def sliders(self) -> list[str]:
+        """The parts that let the nut stand along its axis while the threads slip."""
+        return [part for part in ("support", "threads") if part in self.parts]
+
+    def _slip(self, rates: Mapping[str, Row]) -> Row:
+        return plus(rates["screw"], scaled(rates["nut"], -1)) if "nut" in rates else rates["screw"]
+
+    def _travel(self, rates: Mapping[str, Row]) -> Row:
+        return plus(scaled(self._slip(rates), self.reach), *(rates[part] for part in self.sliders))
+
+    def lever(self, law: int, mu: Any = None) -> Any:
+        """r_m ξ_s [m], which the torque of the threads is times n; ``mu`` is that of slow sliding by default."""
+        return self.d.pitch_radius * friction_factor(self.slowest if mu is None else mu, self.d.tan_lead, law)
+
+    def pressed(self, rates: Mapping[str, Row]) -> Row:
+        """Return the row of N = cos λ (k_c e + c_c e′) of compliant threads."""
+        spring = self.unit(self.place["threads"])
+        row = plus(scaled(spring, self.d.contact_stiffness), scaled(rates["threads"], self.d.contact_damping))
+        return scaled(row, self.d.cos_lead)
+
+    def solve(self, direction: int, law: int, ways: Ways = (), mu: Any = None) -> Solution:
+        """Solve Newton's laws in slip in a direction (0: rest) under a law; ``mu``: see :meth:`lever`."""
+        d, law, going = self.d, direction and law, dict(zip(self.own, ways, strict=True))
+        held = [name for name, way in going.items() if way == 0]
+        going |= dict.fromkeys(self.tied, direction)  # at rest the shares of threads and ground are not determined
+        rates = self.rates(bool(direction), held)
+        travel = self.constant(0) if "slide" in held else self._travel(rates)
+        moved = self._moved()
+        dry = {name: self.constant(-self.limits[name] * way) for name, way in going.items() if way}
+        own = {name: {name: 1} for name in held}
+        torque = plus(scaled(self.deflection, -d.coupling_stiffness), scaled(rates["screw"], -d.support_damping))
+        push = plus(self.constant(d.axial_force), scaled(travel, -d.translation_damping))
+        equations: list[tuple[dict[str, Any], Row]] = [
+            (
+                {"screw": d.screw_inertia, "torque": 1} | own.get("bearing", {}),
+                plus(torque, dry.get("bearing", self.constant(0))),
+            ),
+            (
+                {part: d.mass * x for part, x in moved.items()} | {"contact": 1} | own.get("slide", {}),
+                plus(push, dry.get("slide", self.constant(0))),
+            ),
+        ]
+        if "support" in self.parts:
+            spring = self._spring("support", self.force, d.support_stiffness, d.axial_support_damping, rates)
+            equations.append(({"support": d.screw_mass, "contact": -1}, spring))
+        if "nut" in self.parts:
+            spring = self._spring("nut", self.twist, d.nut_stiffness, d.nut_damping, rates)
+            equations.append(({"nut": d.nut_inertia, "torque": -1}, spring))
+        equations += self._threads(law, mu, rates)
+        equations += [({"screw": 1} if name == "bearing" else moved, self.constant(0)) for name in held]
+        found = solved(equations)
+        return self._solution(law, mu, rates, found, held)
+
+    def _moved(self) -> dict[str, Any]:
+        """What x″ is made of: the accelerations of the parts by their shares."""
+        turns = {"nut": -self.reach} if "nut" in self.parts else {}
+        return {"screw": self.reach, **turns, **dict.fromkeys(self.sliders, 1)}
+
+    def _spring(self, part: str, load: Any, stiffness: Any, damping: Any, rates: Mapping[str, Row]) -> Row:
+        """Return the force of the spring and the damper of a part, which carries a load in steady sliding."""
+        place = self.unit(self.place[part], load / stiffness)
+        return plus(scaled(place, -stiffness), scaled(rates[part], -damping))
+
+    def _threads(self, law: int, mu: Any, rates: Mapping[str, Row]) -> list[tuple[dict[str, Any], Row]]:
+        """Return the equations of the contact, in slip under a law or at rest."""
+        d, zero = self.d, self.constant(0)
+        turns: dict[str, Any] = {"torque": 1, "contact": -self.lever(law, mu)} if law else {"screw": 1}
+        if not law and "nut" in self.parts:
+            turns["nut"] = -1
+        if not self.compliant:
+            return [(turns, zero)]
+        normal = self.pressed(rates)
+        if law:
+            share = d.cos_lead + law * (self.slowest if mu is None else mu) * d.sin_lead
+            return [(turns, zero), ({"contact": 1}, scaled(normal, share))]
+        return [(turns, zero), ({"contact": 1, "torque": -d.tan_lead / d.pitch_radius}, scaled(normal, 1 / d.cos_lead))]
+
+    def _solution(
+        self, law: int, mu: Any, rates: Mapping[str, Row], found: Mapping[str, Row], held: Sequence[str]
+    ) -> Solution:
+        d, field, frozen, zero = self.d, list[Row](), dict[int, Any](), self.constant(0)
+        for part, place in self.place.items():
+            still = all(map(nothing, rates[part]))
+            if still:
+                frozen[place + 1] = -d.input_speed if part == "screw" else 0
+            field += [self.unit(1) if part == "screw" else rates[part], zero if still else found[part]]
+        contact, torque = found["contact"], found["torque"]
+        if self.compliant:
+            normal = self.pressed(rates)
+        elif law:
+            normal = scaled(contact, 1 / (d.cos_lead + law * (self.slowest if mu is None else mu) * d.sin_lead))
+        else:
+            normal = plus(scaled(contact, d.cos_lead), scaled(torque, -d.sin_lead / d.pitch_radius))
+        return Solution(law, tuple(field), frozen, contact, normal, torque, {name: found[name] for name in held})
+
+    def left(self, ways: Ways, direction: int, side: int) -> Row:
+        """Return the static friction [N m] that keeps the threads from slipping in a direction, on a side of n.
+
+        That is ±(r_m ξ_s n − τ) with s = ± sgn n, and what a bearing adds that turns with the slip. A slide that moves
+        with it opposes the same motion; one that pushed the other way could jam the threads at a larger τ, at which
+        slip is possible, too.
+        """
+        rest = self.solve(0, 1, ways)
+        contact, law = rest.contact, direction * side
+        if not side:
+            contact, law = self.constant(self.load(direction)), self.released(direction, 0) * direction
+        threads = plus(scaled(contact, self.d.pitch_radius * self.xi_rest[law]), scaled(rest.torque, -1))
+        bearing = self.limits["bearing"] if "bearing" in self.tied else 0
+        return plus(scaled(threads, direction), self.constant(bearing))
+
+    def load(self, direction: int) -> Any:
+        """R ∓ F_0 [N], which the threads carry as slip begins where n is constant at rest."""
+        return self.d.axial_force - (self.limits["slide"] * direction if "slide" in self.tied else 0)
+
+    def released(self, direction: int, side: int) -> int:
+        """Return the sign of n with which slip begins: the side of rest; without a force the threads resist."""
+        return side or sign(self.load(direction), "axial_force") or -direction
+
+    def reset(self, rests: bool, held: Iterable[str]) -> tuple[Row, ...]:
+        """Return the rows of the reset that puts speeds on exactly zero: that of the slip, and those of bodies."""
+        return self._reset(self.rates(not rests, held))
+
+    def _reset(self, rates: Mapping[str, Row]) -> tuple[Row, ...]:
+        rows = []
+        for part, place in self.place.items():
+            rate = plus(rates[part], self.constant(-self.d.input_speed)) if part == "screw" else rates[part]
+            rows += [self.unit(place), rate]
+        return tuple(rows)
+
+    @cached_property
+    def impact(self) -> tuple[Row, ...]:
+        """Rows of the reset of a seizure: impulses of n and τ that stop the slip; springs and dampers give none.
+
+        The friction factor that they take, I_eff / (m_eff r_m² tan λ), is not larger than ξ₊ where Γ₊ ≤ 0.
+        """
+        d, zero = self.d, self.constant(0)
+        equations: list[tuple[dict[str, Any], Row]] = [
+            ({"screw": d.screw_inertia, "torque": 1}, zero),
+            ({part: d.mass * x for part, x in self._moved().items()} | {"contact": 1}, zero),
+            ({"screw": 1} | ({"nut": -1} if "nut" in self.parts else {}), scaled(self.slip, -1)),
+        ]
+        if "support" in self.parts:
+            equations.append(({"support": d.screw_mass, "contact": -1}, zero))
+        if "nut" in self.parts:
+            equations.append(({"nut": d.nut_inertia, "torque": -1}, zero))
+        jumps, rates = solved(equations), self.rates(True, ())
+        return self._reset({part: plus(rates[part], jumps[part]) for part in self.parts})
+
+
+def _together(values: Sequence[Any]) -> Any:
+    """Return 1 / (1 / a + 1 / b) of two inertias, or one alone."""
+    return values[0] if len(values) == 1 else values[0] * values[1] / (values[0] + values[1])
+
+
+def seated(mechanism: Mechanism) -> np.ndarray:
+    """Return the state of steady sliding: compliant threads are compressed by N_0, all else is measured from it."""
+    state, d = np.zeros(len(mechanism.states)), mechanism.d
+    if mechanism.compliant:
+        share = d.cos_lead + mechanism.steady_law * d.steady_friction * d.sin_lead
+        state[mechanism.place["threads"]] = double(mechanism.force / (share * d.cos_lead * d.contact_stiffness))
+    return state
+
+
+def seated_state(drive: Drive, u: float, w: float) -> np.ndarray:
+    """Return the state with a deviation u [rad] and w [rad/s], all else as in steady sliding of compliant threads."""
+    with many_digits():
+        d = drive.exact()
+        state = seated(Mechanism(d, drive.parts, d.steady_friction))
+    state[:2] = u, w
+    return state
+
+
+def rule(given: Any) -> Resume:
+    """Return a rule of resuming after a seizure; raises ``InputError`` for anything else."""
+    for known in RULES:
+        if isinstance(given, str) and given == known:
+            return known
+    raise InputError(f"resume = {shown(given)} is not one of {', '.join(RULES)}.")

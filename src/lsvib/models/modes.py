@@ -1,0 +1,525 @@
+r"""The modes of a drive made of parts, and what leads from one to another: its automaton.
+
+The threads slip with a speed ω in the direction d = sgn ω under the law s = d sgn n, or they rest. A body that slides
+against the ground on its own (``Mechanism.own``) has its direction, or it is held. What a mode does, the mechanism
+solves; all else follows from the signs of speeds and forces.
+
+* Rigid threads, Γ₊ > 0: the sign of n is that of Q. If Γ₊ > 0 also while bodies are held, exactly one mode is
+  consistent in each state: with the accelerations as unknowns, all pieces of the contact problem have determinants of
+  one sign. At ω = 0, or where a body stops, that mode is found by trying all of them.
+* Rigid threads, Γ₊ ≤ 0 (the Painlevé region, in which a body that slides on its own is refused): law s = −1 is followed
+  where it is admissible, dQ < 0. Elsewhere, and on arriving at Q = 0, the threads *seize*: ω jumps to zero by an impact
+  with an impulse of the sign of ω. After it, slip under law −1 against ω starts at once if it is admissible and
+  accelerates away from rest; otherwise the threads rest, or, beyond the ends of static friction, slip under law −1
+  (``resume="contact_sign"`` of the rigid drive).
+* Compliant threads: nothing is imposed. N is a function of the state, so a seizure is the fast growth of N under law
+  s = +1, which stops the screw, and the motion after it follows from the same equations. N changes at rest, too, where
+  the load moves on.
+
+Static friction that is above that of slow sliding holds at ω = 0 wherever it can, as it must once the threads stand.
+
+Under a friction law the sign of Γ₊ depends on the sliding speed. Below an interval in which Γ₊ > 0 lies the Painlevé
+*band*: where law + comes to the end of it, the threads seize. What follows a seizure at a speed above the interval,
+where friction has grown beyond all use, is not determined, and a motion that comes there has no branch. The friction of
+a body that slides on its own is refused: while it holds, the force that is left is no affine function of the state.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import product
+from typing import Any
+
+import numpy as np
+from flint import arb
+
+from lsvib.engine.automaton import (
+    SHORT_STAY,
+    Automaton,
+    Branch,
+    Guard,
+    Mode,
+    Row,
+    Surface,
+    Transition,
+    assemble,
+    scaled,
+)
+from lsvib.engine.exact.arithmetic import Divided, double, many_digits, sign
+from lsvib.engine.exact.modal_form import guard_forms, linear_mode, modal_flow
+from lsvib.engine.exact.taylor_form import Split, still_mode, taylor_flow
+from lsvib.engine.kernels.layout import Test
+from lsvib.errors import InputError
+from lsvib.models import friction, sliding
+from lsvib.models.drive import Drive, once
+from lsvib.models.mechanics import plus, rate_of
+from lsvib.models.mechanism import (
+    BODIES,
+    DIRECTIONS,
+    HOW,
+    SIGNS,
+    Event,
+    Key,
+    Mechanism,
+    Resume,
+    Solution,
+    Ways,
+    mode_name,
+    mode_names,
+    seated,
+)
+
+Side = tuple[Row, Test]  # a row and the test that it has to pass
+
+OUTPUTS = (  # forces [N], torque [N m], angle [rad], speeds [rad/s] and [m/s]
+    "normal_force", "axial_contact_force", "coupling_torque", "coupling_deflection", "screw_speed", "nut_speed",
+)  # fmt: skip
+
+
+class Modes:
+    """All modes of a drive with rigid or compliant threads, and its automaton.
+
+    Arguments: the mechanism; the drive itself where its friction depends on speed; how motion resumes after a seizure.
+    """
+
+    def __init__(self, mechanism: Mechanism, drive: Drive | None = None, resume: Resume = "contact_sign") -> None:
+        m = self.m = mechanism
+        self.drive, self.resume = drive, resume
+        self.codes = {name: code for code, name in enumerate(mode_names(m.own, m.sides))}
+        self.law = drive is not None
+        self.low, self.high = self._speeds_without_paradox()  # [m/s]
+        self.paradox = self.low > 0
+        self._refuse()
+        directions = [(d, q) for d in DIRECTIONS for q in SIGNS if m.compliant or not self.paradox or d * q < 0]
+        self.ways = tuple(product(HOW, repeat=len(m.own)))
+        self.slips = [(d, q, ways) for d, q in directions for ways in self.ways]
+        self.rests = [(0, side, ways) for side in m.sides for ways in self.ways]
+        self.surfaces: dict[str, Surface] = {}
+        self.transitions: dict[str, Transition] = {}
+        self._solved: dict[tuple[int, int, Ways], Solution] = {}
+        self._lefts: dict[tuple[Ways, int, int], Row] = {}
+        self._carried: dict[Key, list[tuple[Side, ...]]] = {}
+
+    def _speeds_without_paradox(self) -> tuple[float, float]:
+        """The interval of sliding speed [m/s] in which Γ₊ > 0; it begins at infinity where there is none."""
+        inertia, mass = self.m.effective()
+        if self.drive is None:
+            return (math.inf if sign(inertia - self.m.turned * mass, "mass") <= 0 else 0.0), math.inf
+        found = sliding.speeds_below(self.drive, sliding.critical_coefficient(inertia, self.m.d, mass))
+        if self.m.compliant:  # the growing force brings motions to slow sliding
+            return (0.0 if found and found[0][0] == 0 else math.inf), math.inf
+        if len(found) > 1:
+            raise InputError(
+                "friction reaches the Painlevé region in two ranges of speed; such drives are not followed."
+            )
+        return found[0] if found else (math.inf, math.inf)
+
+    def _refuse(self) -> None:
+        """Refuse dry frictions that leave the motion undetermined, or that a friction law leaves without a form."""
+        m = self.m
+        for name in m.own:
+            given = f"{name}_friction = {_size(m.limits[name]):g}"
+            if self.law:
+                raise InputError(
+                    f"{given} is not followed where friction of the threads depends on speed; leave {name}_friction "
+                    "out, or stribeck_rise and friction_slope at zero."
+                )
+            if m.compliant:
+                continue
+            if self.paradox:
+                raise InputError(
+                    f"{given} needs a drive outside the Painlevé region: inside, the threads can seize, and what "
+                    f"follows is not determined while the {name} holds."
+                )
+        if "slide" in m.own and not m.compliant:
+            inertia, mass = m.effective(["slide"])
+            if sign(inertia - m.turned * mass, "screw_mass") <= 0:
+                raise InputError(
+                    f"slide_friction = {_size(m.limits['slide']):g} needs screw_mass < "
+                    f"{_size(inertia / m.turned):.6g} kg: above, the threads jam while the slide is held, and the "
+                    "motion is not determined."
+                )
+
+    def name(self, key: Key) -> str:
+        """Return the name of a mode."""
+        return mode_name(key, self.m.own)
+
+    def solution(self, key: Key) -> Solution:
+        """Return what Newton's laws say in a mode."""
+        d, q, ways = key
+        known = (d, d * q, ways)
+        if known not in self._solved:
+            self._solved[known] = self.m.solve(d, d * q, ways)
+        return self._solved[known]
+
+    def gauge(self, d: int, ways: Ways) -> Row:
+        """Return a row that has the sign of n in slip in a direction, whatever the law: N, or n under law −1."""
+        found = self.solution((d, -d, ways))
+        return found.normal if self.m.compliant else found.contact
+
+    def automaton(self) -> Automaton:
+        """Assemble the tables of all modes."""
+        m = self.m
+        self.transitions["entry"] = Transition(tuple(self._entry()))
+        keys = [*self.slips, *self.rests]
+        guards = {key: self._slip_guards(key) for key in self.slips} | {
+            key: self._rest_guards(key) for key in self.rests
+        }
+        modes = {self.name(key): self._mode(key, guards[key]) for key in keys}
+        seen = {self.name(key): self._observed(self.solution(key)) for key in keys}
+        parts: dict[str, dict[str, Row]] = {}
+        if self.law:
+            parts = self._under_law(modes, seen)
+        scales = [scale for mode in modes.values() for scale in mode.flow.time_scales] if not m.compliant else [0.0]
+        facts: dict[str, Any] = {"passive": not m.compliant, "sprag_kinds": () if m.compliant else (Event.SEIZURE,)}
+        if m.compliant and self.paradox:  # motions sprag under law s = +1
+            facts["sprag_codes"] = tuple(self.codes[self.name(key)] for key in self.slips if key[0] * key[1] > 0)
+        return assemble(
+            states=m.states,
+            surfaces=self.surfaces,
+            modes=modes,
+            transitions=self.transitions,
+            observables={name: {mode: rows[name] for mode, rows in seen.items()} for name in OUTPUTS},
+            parts=parts,
+            shortest_stay=SHORT_STAY * np.min(scales, axis=0),
+            stack=taylor_flow if self.law else modal_flow,
+            forms=None if self.law else guard_forms,
+            rest_codes=tuple(self.codes[self.name(key)] for key in self.rests),
+            release_kinds=(Event.RELEASE,),
+            **facts,
+        )
+
+    def _mode(self, key: Key, guards: tuple[Guard, ...]) -> Mode:
+        found = self.solution(key)
+        if self.law:
+            rows = [self.m.constant(0) if i in found.frozen else row for i, row in enumerate(found.field)]
+            flow: Any = still_mode(rows)
+        else:
+            flow = linear_mode(found.field, self.m.sizes, found.frozen, self.m.dampers[-1])
+        return Mode(self.codes[self.name(key)], flow, guards)
+
+    def _observed(self, found: Solution) -> dict[str, Row]:
+        m = self.m
+        torque = scaled(m.deflection, -m.d.coupling_stiffness)
+        rows = (found.normal, found.contact, torque, m.deflection, m.speed, m.nut_speed)
+        return dict(zip(OUTPUTS, rows, strict=True))
+
+    # What bounds a mode
+
+    def _guard(self, surface: str, row: Row, side: int, transition: str, snap: int | None = None) -> Guard:
+        """Return a guard, note its surface; ``snap``: coordinate that is set on it, by default the most effective.
+
+        The rounding of another one would be amplified by the ratio of their effects.
+        """
+        if snap is None:
+            weights = [abs(double(x)) * size for x, size in zip(row, self.m.sizes, strict=False)]
+            most = np.argmax(np.broadcast_arrays(*weights), axis=0)
+            if np.ndim(most) and (most != most.flat[0]).any():
+                raise Divided(most)
+            snap = int(np.ravel(most)[0])
+        self.surfaces[surface] = Surface(row, snap)
+        return Guard(surface, side, transition)
+
+    def _slip_guards(self, key: Key) -> tuple[Guard, ...]:
+        (d, q, ways), here, m = key, self.name(key), self.m
+        if self.paradox and not m.compliant:
+            self.transitions[f"contact_{here}"] = Transition(tuple(self._after_seizure(d)), reset=m.impact)
+        else:
+            turned = Branch(self.name((d, -q, ways)), Event.CONTACT_REVERSAL, sign=-q)
+            self.transitions[f"contact_{here}"] = Transition((turned,))
+        suffix = self._suffix(ways)
+        contact = self._guard(f"contact_{DIRECTIONS[d]}{suffix}", self.gauge(d, ways), q, f"contact_{here}")
+        if f"stop{suffix}" not in self.transitions:
+            self.transitions[f"stop{suffix}"] = self._stop("slip", 0, ways)
+        stop = self._guard("slip_speed", m.slip, d, f"stop{suffix}", m.place.get("nut", 0) + 1)
+        return (contact, stop, *self._body_guards(key))
+
+    def _suffix(self, ways: Ways) -> str:
+        return "".join(f"_{BODIES[body]}_{HOW[way]}" for body, way in zip(self.m.own, ways, strict=True))
+
+    def _rest_guards(self, key: Key) -> tuple[Guard, ...]:
+        (_, side, ways), here, m, guards = key, self.name(key), self.m, []
+        held = [body for body, way in zip(m.own, ways, strict=True) if way == 0]
+        for d in (m.turning, -m.turning):  # the guards of the mirrored drive come in the same order
+            q = -d if self.paradox and not m.compliant else m.released(d, side)
+            released = [Branch(self.name((d, q, ways)), Event.RELEASE)]
+            if not (
+                m.same or self.paradox or m.compliant
+            ):  # with static friction alone n might turn over as slip begins
+                turns = (scaled(self.gauge(d, ways), -q), Test.POSITIVE)
+                released.insert(0, Branch(self.name((d, -q, ways)), Event.RELEASE, (turns,)))
+            transition = f"release_{DIRECTIONS[d]}_{here}"
+            self.transitions[transition] = Transition(tuple(released), reset=m.reset(True, held))
+            left = self._left(ways, d, side)
+            guards.append(self._guard(f"hold_{DIRECTIONS[d]}_{here}", left, 1, transition, 0 if m.compliant else None))
+        if side and "bearing" in m.tied:  # the bearing holds on where n passes zero
+            turned = Branch(self.name((0, -side, ways)), Event.CONTACT_REVERSAL, sign=-side)
+            self.transitions[f"contact_{here}"] = Transition((turned,))
+            surface = f"contact_rest{self._suffix(ways)}"
+            guards.append(self._guard(surface, self._at_rest(ways), side, f"contact_{here}"))
+        return (*guards, *self._body_guards(key))
+
+    def _left(self, ways: Ways, d: int, side: int) -> Row:
+        key = (ways, d, side)
+        if key not in self._lefts:
+            self._lefts[key] = self.m.left(ways, d, side)
+        return self._lefts[key]
+
+    def _at_rest(self, ways: Ways) -> Row:
+        """Return the row whose sign is the side of rest."""
+        found = self.solution((0, 1, ways))
+        return found.normal if self.m.compliant else found.contact
+
+    def _body_guards(self, key: Key) -> Iterator[Guard]:
+        """Guards of the bodies: the speed of one that slides, both ends of the friction of one that is held."""
+        (d, q, ways), here, m = key, self.name(key), self.m
+        held = [body for body, way in zip(m.own, ways, strict=True) if way == 0]
+        for k, (body, way) in enumerate(zip(m.own, ways, strict=True)):
+            if way:
+                name = f"{body}_stop_{DIRECTIONS[d] if d else 'rest'}{self._suffix(ways)}"
+                if name not in self.transitions:
+                    self.transitions[name] = self._stop(body, d, ways)
+                yield self._guard(f"{body}_speed", self._body_speed(body), way, name, self._body_snap(body))
+                continue
+            for onward in (m.turning, -m.turning):
+                name, moves = f"{body}_release_{DIRECTIONS[onward]}_{here}", (*ways[:k], onward, *ways[k + 1 :])
+                branch = Branch(self.name((d, q, moves)), Event[f"{body}_release".upper()])
+                self.transitions[name] = Transition((branch,), reset=m.reset(d == 0, held))
+                yield self._guard(f"{body}_hold_{DIRECTIONS[onward]}_{here}", self._room(key, body, onward), 1, name)
+
+    def _body_speed(self, body: str) -> Row:
+        return self.m.nut_speed if body == "slide" else self.m.speed
+
+    def _body_snap(self, body: str) -> int:
+        return self.m.place[self.m.sliders[0]] + 1 if body == "slide" else 1
+
+    def _room(self, key: Key, body: str, way: int) -> Row:
+        """Friction that is left to keep a body from sliding one way."""
+        return plus(self.m.constant(self.m.limits[body]), scaled(self.solution(key).held[body], -way))
+
+    # Where a speed comes to zero
+
+    def _stop(self, what: str, d: int, ways: Ways) -> Transition:
+        """Transition in which the threads (``slip``) or a body come to a stop, by trying what may then move or hold."""
+        m = self.m
+        held = [body for body, way in zip(m.own, ways, strict=True) if way == 0]
+        free = held if what == "slip" else [*held, what]
+        rests = what == "slip" or d == 0
+        if self.paradox and not m.compliant:
+            return Transition(tuple(self._beyond_hold((Event.STICK, Event.REVERSAL))))
+        branches = tuple(self._consistent(d, ways, free, "" if what == "slip" else what))
+        return Transition(branches, reset=m.reset(rests, free))
+
+    def _consistent(self, d: int, ways: Ways, free: list[str], body: str = "") -> Iterator[Branch]:
+        """Branches to the one mode whose accelerations, forces and signs agree; the last one takes what is left.
+
+        The threads slip in a direction d, or are at rest (0) and may begin to slip; the bodies go their ``ways``, but
+        those that are ``free`` are at rest and may begin to slide. What came to a stop, a ``body`` or the threads,
+        gives the event its kind.
+        """
+        kinds = [(1, -1, 0) if name in free else (way,) for name, way in zip(self.m.own, ways, strict=True)]
+        tried = [*product(*kinds)]
+        for now in tried:
+            last = now == tried[-1]
+            rests = [] if d else list(self._held(now, free, body))
+            yield from rests if not self.m.same else ()
+            for key in [(x, q, now) for x in ([d] if d else DIRECTIONS) for q in SIGNS]:
+                final = last and d and key[1] == [*SIGNS][-1]
+                starts = [] if d else [(scaled(rate_of(self.m.slip, self.solution(key).field), key[0]), Test.POSITIVE)]
+                agree = () if last and d else self._agree(key, free)
+                for carries in [()] if final else self._carries(*key):
+                    yield Branch(self.name(key), self._kind(key, body), (*carries, *starts, *agree))
+            yield from rests if self.m.same and not last else ()
+        if not d:
+            yield from self._rest(tried[-1], self._kind((0, 0, tried[-1]), body))
+
+    def _kind(self, key: Key, body: str) -> int:
+        moves = key[2][self.m.own.index(body)] if body else key[0]
+        return Event[f"{body}_{'reversal' if moves else 'stick'}".strip("_").upper()]
+
+    def _carries(self, d: int, q: int, ways: Ways) -> list[tuple[Side, ...]]:
+        """Conditions under each of which n has the sign q, now or – if it is zero – at once, by its rates.
+
+        On n = 0 the first derivative that is not zero is the same under both laws, with any coefficient.
+        """
+        if (d, q, ways) in self._carried:
+            return self._carried[d, q, ways]
+        row, field = self.gauge(d, ways), self.solution((d, -d, ways)).field
+        rate = rate_of(row, field)
+        last = Test.POSITIVE if q > 0 else Test.NOT_NEGATIVE
+        now, next_one = (scaled(row, q), Test.POSITIVE), (scaled(rate, q), Test.POSITIVE)
+        further = (scaled(rate_of(rate, field), q), last)
+        found: list[tuple[Side, ...]] = [(now,), ((row, Test.ZERO), next_one)]
+        found.append(((row, Test.ZERO), (rate, Test.ZERO), further))
+        self._carried[d, q, ways] = found
+        return found
+
+    def _agree(self, key: Key, free: list[str]) -> tuple[Side, ...]:
+        """Conditions under which bodies that were at rest begin to slide as a mode says, or are held."""
+        found: list[Side] = []
+        for body, way in zip(self.m.own, key[2], strict=True):
+            if body in free and way:
+                found.append((scaled(rate_of(self._body_speed(body), self.solution(key).field), way), Test.POSITIVE))
+            elif body in free:
+                found += [(self._room(key, body, onward), Test.NOT_NEGATIVE) for onward in DIRECTIONS]
+        return tuple(found)
+
+    def _sides(self, ways: Ways) -> Iterator[tuple[int, tuple[Side, ...]]]:
+        """The sides of rest with their conditions, the last one without."""
+        for side in self.m.sides[:-1]:
+            yield side, ((scaled(self._at_rest(ways), side), Test.NOT_NEGATIVE),)
+        yield self.m.sides[-1], ()
+
+    def _held(self, ways: Ways, free: list[str], body: str) -> Iterator[Branch]:
+        """Branches to rest where static friction holds."""
+        for side, condition in self._sides(ways):
+            key = (0, side, ways)
+            stays = tuple((self._left(ways, d, side), Test.NOT_NEGATIVE) for d in DIRECTIONS)
+            yield Branch(self.name(key), self._kind(key, body), (*condition, *stays, *self._agree(key, free)))
+
+    def _rest(self, ways: Ways, kind: int, impulse: int = 0) -> Iterator[Branch]:
+        for side, condition in self._sides(ways):
+            yield Branch(self.name((0, side, ways)), kind, condition, impulse)
+
+    def _beyond_hold(self, kinds: tuple[int, int], impulse: int = 0) -> Iterator[Branch]:
+        """Branches at ω = 0 for Γ₊ ≤ 0: beyond static friction slip under law −1, else rest; kinds (rest, slip)."""
+        for side, condition in self._sides(()):
+            for d in DIRECTIONS:
+                excess = (scaled(self._left((), d, side), -1), Test.POSITIVE)
+                yield Branch(self.name((d, -d, ())), kinds[1], (*condition, excess), impulse)
+            yield Branch(self.name((0, side, ())), kinds[0], condition, impulse)
+
+    def _after_seizure(self, d: int) -> Iterator[Branch]:
+        """Branches after an impact of sign d, which leaves n of that sign, with which law −1 slips against it."""
+        for way in (1, -1) if self.resume == "at_once" else (-d,):
+            admissible = (scaled(self.gauge(way, ()), -way), Test.POSITIVE)
+            starts = (scaled(rate_of(self.m.slip, self.solution((way, -way, ())).field), way), Test.POSITIVE)
+            yield Branch(self.name((way, -way, ())), Event.SEIZURE, (admissible, starts), d)
+        yield from self._beyond_hold((Event.SEIZURE, Event.SEIZURE), d)
+
+    def _entry(self) -> Iterator[Branch]:
+        """Branches that start a motion: by the signs of the speeds; where some are zero, as on stopping there."""
+        m = self.m
+        for d in (1, -1, 0):
+            slips: tuple[Side, ...] = ((scaled(m.slip, d), Test.POSITIVE),) if d else ()
+            if self.paradox and not m.compliant:
+                if d:
+                    yield Branch(self.name((d, -d, ())), Event.RELEASE, slips)
+                else:
+                    yield from self._beyond_hold((Event.STICK, Event.REVERSAL))
+                continue
+            for ways in self.ways:
+                free = [body for body, way in zip(m.own, ways, strict=True) if way == 0]
+                moving = [
+                    (scaled(self._body_speed(b), w), Test.POSITIVE) for b, w in zip(m.own, ways, strict=True) if w
+                ]
+                for branch in self._consistent(d, ways, free):
+                    kind = Event.RELEASE if d else branch.kind
+                    yield replace(branch, kind=kind, conditions=(*slips, *moving, *branch.conditions))
+
+    # Under a friction law
+
+    def _under_law(self, modes: dict[str, Mode], seen: dict[str, dict[str, Row]]) -> dict[str, dict[str, Row]]:
+        """Put the friction law into the modes that slip, and into what is seen of them, in place.
+
+        Returns the rows of the observables that count η times, by name and mode.
+        """
+        assert self.drive is not None
+        parts: dict[str, dict[str, Row]] = {
+            name: dict.fromkeys(modes, self.m.constant(0)) for name in ("normal_force", "axial_contact_force")
+        }
+        pieces = sliding.pieces_of(self.drive)
+        laws = {self.name(key): key for key in self.slips}
+        if 0 < self.low < math.inf:
+            laws |= self._band(modes)
+        for name, (d, q, _) in laws.items():
+            split, without, more = self._split(d, d * q)
+            row = sliding.speed_row(d, self.m.slip, self.m.d)
+            flow = split.mode(row, pieces)
+            modes[name] = replace(modes[name], flow=flow)
+            seen[name] = without
+            for key, of_mode in parts.items():
+                of_mode[name] = more[key]
+            if math.isfinite(self.high) and d * q > 0:
+                self._bound(modes, name, f"beyond_{DIRECTIONS[d]}", d, self.high, -1, "beyond")
+                self.transitions["beyond"] = Transition(())
+        self._divide(modes, seen, parts)
+        return parts
+
+    def _split(self, d: int, law: int) -> tuple[Split, dict[str, Row], dict[str, Row]]:
+        """The field of slip as friction divides it, what is seen of it without friction, and what counts η times."""
+        probe = sliding.probe(self.m.d)
+        free, rubbed = (self.m.solve(d, law, (), mu) for mu in (arb(0), probe))
+        without, pressed = self._observed(free), self._observed(rubbed)
+        split = Split.of(free.field, free.normal, rubbed.field, rubbed.normal, probe)
+        return split, without, {name: split.part(without[name], pressed[name]) for name in OUTPUTS[:2]}
+
+    def _bound(
+        self, modes: dict[str, Mode], name: str, surface: str, d: int, speed: float, side: int, leads: str
+    ) -> None:
+        """Let a mode lie above (``side`` 1) or below a sliding speed [m/s]."""
+        row = sliding.speed_row(d, self.m.slip, self.m.d)
+        guard = self._guard(surface, (*row[:-1], row[-1] - speed), side, leads, self.m.place.get("nut", 0) + 1)
+        modes[name] = replace(modes[name], guards=(*modes[name].guards, guard))
+
+    def _band(self, modes: dict[str, Mode]) -> dict[str, Key]:
+        """Add to the modes of the Painlevé region those above the band, where Γ₊ > 0; returns what they are."""
+        starts, found, low = [], dict[str, Key](), self.low
+        for d in DIRECTIONS:
+            minus, plus_name = self.name((d, -d, ())), self.name((d, d, ()))
+            fast, where, surface = f"{minus}_fast", DIRECTIONS[d], modes[minus].guards[0].surface
+            reversals = f"contact_reversal_{plus_name}", f"contact_reversal_{fast}"
+            guards = (Guard(surface, d, reversals[0]),), (Guard(surface, -d, reversals[1]),)
+            modes[plus_name] = Mode(self.codes[plus_name], None, guards[0])
+            modes[fast] = Mode(self.codes[minus], None, guards[1])
+            found |= {plus_name: (d, d, ()), fast: (d, -d, ())}
+            self.transitions[reversals[0]] = Transition((Branch(fast, Event.CONTACT_REVERSAL, sign=-d),))
+            self.transitions[reversals[1]] = Transition((Branch(plus_name, Event.CONTACT_REVERSAL, sign=d),))
+            self.transitions[f"slower_{where}"] = Transition((Branch(minus, Event.PASSAGE),))
+            self.transitions[f"faster_{where}"] = Transition((Branch(fast, Event.PASSAGE),))
+            self._bound(modes, minus, f"band_{where}", d, low, -1, f"faster_{where}")
+            self._bound(modes, fast, f"band_{where}", d, low, 1, f"slower_{where}")
+            # Before Γ₊ = 0 the deceleration grows without bound, and what is left of the time as the square of the
+            # distance: here it is below rounding. Nearer to it, the rounding of Γ₊ itself makes steps short.
+            self._bound(modes, plus_name, f"jam_{where}", d, low * (1 + 3e-9), 1, f"contact_{minus}")
+            above = self.surfaces[f"jam_{where}"].row, Test.POSITIVE
+            carries = self._carries(d, d, ())
+            starts += [Branch(plus_name, Event.RELEASE, (above, *sides)) for sides in carries]
+            starts.append(Branch(fast, Event.RELEASE, (above,)))
+        self.transitions["entry"] = Transition((*starts, *self.transitions["entry"].branches))
+        return found
+
+    def _divide(
+        self, modes: dict[str, Mode], seen: dict[str, dict[str, Row]], parts: dict[str, dict[str, Row]]
+    ) -> None:
+        """Divide the mode of steady sliding where θ′ passes Ω."""
+        m = self.m
+        steady = self.name((m.turning, m.steady_law * m.turning, ()))
+        if f"{steady}_fast" in modes and double(friction.steady_speed(m.d)) > self.low:
+            steady += "_fast"
+        if steady not in modes:
+            return
+        sliding.divided(steady, Event.PASSAGE, modes, self.transitions, self.surfaces, seated(m))
+        half = f"{steady}_slow"
+        seen[half] = seen[steady]
+        for of_mode in parts.values():
+            of_mode[half] = of_mode[steady]
+
+
+def _size(value: Any) -> float:
+    """A number to be shown; of many drives the largest."""
+    return float(np.max(double(value)))
+
+
+@once
+def automaton_of_parts(drive: Drive, resume: Resume) -> Automaton:
+    """Return the automaton of a drive.
+
+    Raises ``InputError`` where a dry friction leaves the motion undetermined, ``EngineError`` if the rates of a mode
+    cannot be separated in double precision.
+    """
+    d, law = drive.exact(), friction.depends_on_speed(drive)
+    with many_digits():
+        slowest = friction.coefficient(d, arb(0)) if law else d.steady_friction
+        mechanism = Mechanism(d, drive.parts, slowest)
+        return Modes(mechanism, drive if law else None, resume).automaton()

@@ -1,0 +1,107 @@
+"""The powers of a drive as quadratic forms of (x, 1), mode by mode."""
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lsvib.models.drive import Drive
+from lsvib.models.friction import depends_on_speed
+
+if TYPE_CHECKING:
+    from lsvib.engine.automaton import Automaton
+
+
+class Powers:
+    """The powers of a drive as quadratic forms of (x, 1), mode by mode.
+
+    A row is an affine function of the state: coefficients over x, then the constant. The product of two rows is a
+    symmetric form over (x, 1), whose integral along a motion :mod:`lsvib.dynamics.energy` knows in closed form. Rows:
+    ``screw``, θ′ [rad/s]; ``nut``, x′ [m/s]; ``slip``, the speed of the threads [rad/s]; ``rates``, those of the parts
+    that are there, by the names of the coordinates. Under a friction law, ``by_speed``, what friction takes out is a
+    pair of forms, the second of which counts η times.
+    """
+
+    def __init__(self, drive: Drive, automaton: "Automaton") -> None:
+        self.drive, self.automaton = drive, automaton
+        unit = np.eye(len(automaton.states) + 1)
+        self.one = unit[-1]
+        self.rates = dict(zip(automaton.states, unit[:-1], strict=True))
+        self.screw = unit[1] + drive.input_speed * self.one
+        self.slip = self.screw - self.rates.get("nut_rate", 0)
+        self.parting = self.rates.get("mismatch_rate", 0 * self.one)
+        reach = drive.pitch_radius * math.tan(drive.lead_angle)
+        self.nut = reach * self.slip + self.rates.get("shift_rate", 0) + self.parting
+        self.by_speed = depends_on_speed(drive)
+        self.sine, self.cosine = math.sin(drive.lead_angle), math.cos(drive.lead_angle)
+
+    @property
+    def bodies(self) -> Iterator[tuple[str, str, np.ndarray]]:
+        """The bodies by the names of their inertia and of their damper, with the rows of their speeds."""
+        yield "screw_inertia", "support_damping", self.screw
+        yield "mass", "translation_damping", self.nut
+        if "shift_rate" in self.rates:
+            yield "screw_mass", "axial_support_damping", self.rates["shift_rate"]
+        if "nut_rate" in self.rates:
+            yield "nut_inertia", "nut_damping", self.rates["nut_rate"]
+
+    def row(self, name: str, mode: int) -> np.ndarray:
+        """Return the row of an observable in a mode."""
+        return np.asarray(self.automaton.observables[name][mode])
+
+    def motor(self, mode: int) -> np.ndarray:
+        """Return the power [W] that the motor puts in."""
+        return self.drive.input_speed * product(self.row("coupling_torque", mode), self.one)
+
+    def load(self) -> np.ndarray:
+        """Return the power [W] that the axial force puts in."""
+        return self.drive.axial_force * product(self.nut, self.one)
+
+    def damping(self) -> np.ndarray:
+        """Return the power [W] that all dampers take out; that of the contact is compressed at e′ cos λ."""
+        total = 0 * product(self.one, self.one)
+        for _, damper, speed in self.bodies:
+            total = total + getattr(self.drive, damper) * product(speed, speed)
+        if self.parting.any():
+            total = total + self.drive.contact_damping * self.cosine**2 * product(self.parting, self.parting)
+        return total
+
+    def signed_friction(self, mode: int) -> np.ndarray:
+        """Return the power [W] that friction takes out and whose sign changes within a mode.
+
+        That is the friction of compliant threads, which acts on the parting of nut and screw as well; at rest static
+        friction F = (n − N cos λ) / sin λ moves with the nut.
+        """
+        if not self.parting.any():
+            return 0 * product(self.one, self.one)
+        normal = self.row("normal_force", mode)
+        if self.automaton.codes[mode] in self.automaton.rest_codes:
+            return product(self.row("axial_contact_force", mode) - self.cosine * normal, self.parting)
+        sliding = self.drive.pitch_radius / self.cosine * self.slip + self.sine * self.parting
+        # Six modes for each way of the bodies: forward with N > 0 and backward with N < 0 are under law s = +1.
+        law = 1 if self.automaton.codes[mode] % 6 in (0, 3) else -1
+        return self.rubbed(law * product(normal, sliding))
+
+    def friction(self, mode: int) -> Iterator[np.ndarray]:
+        """Yield powers [W] of friction that keep their sign in a mode; their size is what friction takes out."""
+        if not self.parting.any() and self.automaton.codes[mode] not in self.automaton.rest_codes:
+            form = product(self.row("normal_force", mode), self.slip)
+            yield self.rubbed(self.drive.pitch_radius / self.cosine * form)
+        for name, speed in (("slide_friction", self.nut), ("bearing_friction", self.screw)):
+            if limit := getattr(self.drive, name, 0.0):
+                yield limit * product(speed, self.one)
+
+    def rubbed(self, form: np.ndarray) -> np.ndarray:
+        """Return the power of sliding friction from that of the contact force, under a law of that without friction."""
+        return np.stack([0 * form, form]) if self.by_speed else self.drive.friction_coefficient * form
+
+    def kinetic(self, state: np.ndarray) -> float:
+        """Return the kinetic energy [J] at a state."""
+        x = np.append(state, 1.0)
+        return float(0.5 * sum(getattr(self.drive, inertia) * (speed @ x) ** 2 for inertia, _, speed in self.bodies))
+
+
+def product(left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Return the product of two rows as a symmetric form."""
+    return 0.5 * (np.outer(left, right) + np.outer(right, left))

@@ -1,0 +1,155 @@
+"""Drives with any parts together: against Newton's laws body by body, the limit of stiff parts, their energy."""
+
+import numpy as np
+import pytest
+from references.bodies import Bodies
+
+from lsvib.dynamics.attractor import steady_state
+from lsvib.dynamics.energy import work
+from lsvib.engine.motion import follow
+from lsvib.errors import EngineError, InputError
+from lsvib.models.drive import PARTS, Drive
+from lsvib.models.model import automaton_of, model_of
+from lsvib.stability.conditions import stability
+
+
+def random_drive(seed: int) -> tuple[Drive, np.ndarray]:
+    """A drive of the chapter's size with random parts, frictions and a law or none, and a start."""
+    rng = np.random.default_rng([seed, 45])
+
+    def power(low: float, high: float) -> float:
+        return float(10 ** rng.uniform(low, high))
+
+    values = {
+        "mass": power(-0.5, 1.1),
+        "coupling_stiffness": power(-0.5, 0.5),
+        "support_damping": power(-4.5, -2.5),
+        "translation_damping": rng.integers(0, 2) * power(1, 3),
+        "axial_force": rng.choice([-1, 1]) * power(0.5, 2),
+        "input_speed": rng.choice([-1, 1]) * power(0.5, 1.6),
+        "friction_coefficient": rng.uniform(0.1, 0.3),
+    }
+    own = {
+        "support": {
+            "screw_mass": power(-0.5, 1),
+            "support_stiffness": power(4, 6),
+            "axial_support_damping": power(1, 2),
+        },
+        "nut": {"nut_inertia": power(-5.5, -4.5), "nut_stiffness": power(-1, 1), "nut_damping": power(-5, -3)},
+        "threads": {"contact_stiffness": power(4, 6), "contact_damping": power(1, 2)},
+    }
+    for part in PARTS:
+        values |= own[part] if rng.random() < 0.6 else {}
+    kind = rng.integers(4)
+    if kind == 1:
+        values |= {"stribeck_rise": rng.uniform(0.01, 0.08), "stribeck_speed": power(-2.3, -0.5)}
+    elif kind == 2:
+        values["static_friction_coefficient"] = 1.4 * values["friction_coefficient"]
+    if kind in (0, 2) and rng.random() < 0.6:
+        values |= {"slide_friction": power(-0.5, 1), "bearing_friction": power(-3, -1.5)}
+    drive = Drive(**values)
+    start = np.zeros(2 + 2 * len(drive.parts))
+    start[:2] = rng.uniform(-0.2, 0.2), rng.uniform(-2, 2) * drive.input_speed
+    return drive, start
+
+
+def check(seed: int) -> tuple[int, tuple[str, ...]] | None:
+    """Follow the first events of a random drive, and hold each arc against Newton's laws; None where it is refused."""
+    drive, start = random_drive(seed)
+    try:
+        automaton, model = automaton_of(drive), model_of(drive)
+        motion = follow(automaton, start, 0.05, max_events=10)
+    except (InputError, EngineError):
+        return None
+    laws, (modes, starts, ends, durations) = Bodies(drive), motion.arcs()
+    size = np.abs([*starts, *ends]).max(axis=0) + np.abs(laws.steady) + 1e-12
+    seized = np.append(motion.kind == model.events.SEIZURE, False)
+    for mode, first, last, duration, jams in zip(modes, starts, ends, durations, seized, strict=False):
+        if duration < 1e-9:
+            continue
+        what = laws.mode(model.modes(int(automaton.codes[mode])).name.lower())
+        states = laws.moved(first + laws.steady, what, float(duration), size)
+        # Where a law brings Γ₊ to zero, the deceleration grows without bound, and rounding of the time with it.
+        assert (np.abs(states[-1] - laws.steady - last) <= (1e-6 if jams else 1e-9) * size).all(), (seed, drive, what)
+        assert max(laws.excess(state, what, size) for state in states) <= 1e-7, (seed, drive, what)
+    return motion.time.size, drive.parts
+
+
+@pytest.mark.parametrize(
+    "seeds", [range(24), pytest.param(range(24, 264), marks=pytest.mark.slow)], ids=["few", "many"]
+)
+def test_motions_obey_newtons_laws(seeds):
+    """Ends of arcs to 1e-9, and all along each arc what its mode says of signs and of what friction can hold."""
+    found = [check(seed) for seed in seeds]
+    done = [one for one in found if one is not None]
+    assert len(done) >= 0.8 * len(found)
+    assert sum(events for events, _ in done) >= 4 * len(done)
+    assert len({parts for _, parts in done}) >= (7 if len(found) < 100 else 8)
+
+
+STIFF = {
+    "support": {"screw_mass": 3.0, "support_stiffness": 1e7, "axial_support_damping": 3e3},
+    "nut": {"nut_inertia": 1e-5, "nut_stiffness": 1e3, "nut_damping": 1e-2},
+    "threads": {"contact_stiffness": 1e7, "contact_damping": 3e3},
+}
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_a_stiff_part_tends_to_the_drive_without_it(part):
+    """Of first order in the compliance: a thousandth of it leaves a thousandth of the difference."""
+    times = np.linspace(0, 0.03, 50)
+
+    def moved(drive: Drive) -> np.ndarray:
+        start = model_of(drive).initial_state(drive, {"u": 0.05, "w": 0.0})
+        return follow(automaton_of(drive), start, 0.03).at(times)[0][:, 0]
+
+    other = {name: value for one in PARTS if one != part for name, value in STIFF[one].items()}
+    base, apart = Drive(mass=1.5, translation_damping=500.0, axial_force=30.0, **other), []
+    for factor in (1.0, 1e3):
+        own = {
+            name: value if name.endswith(("mass", "inertia")) else value * factor for name, value in STIFF[part].items()
+        }
+        apart.append(np.abs(moved(base.replace(**own)) - moved(base)).max())
+    assert apart[1] < 2e-3 * apart[0]
+
+
+def test_energy_of_cycles():
+    """What the motor and the load put in is what dampers, frictions and seizures take out, of cycles with any parts."""
+    cycles, parts = 0, set()
+    for seed in range(40):
+        drive, start = random_drive(seed)
+        try:
+            automaton = automaton_of(drive)
+            orbit = steady_state(automaton, start, max_events=20_000).orbit
+        except (InputError, EngineError):
+            continue
+        if orbit is not None and orbit.time.size:
+            assert abs(work(drive, orbit).balance) <= 1e-9, (seed, drive)
+            cycles += 1
+            parts.add(drive.parts)
+    assert cycles >= 8
+    assert len(parts) >= 4
+
+
+def test_stability_is_that_of_newtons_laws():
+    """Eigenvalues of the field, by differences of the uneliminated equations, to 1e-8; stable or not as is said."""
+    seen = set()
+    for seed in range(60):
+        drive, _ = random_drive(seed)
+        report, laws = stability(drive), Bodies(drive)
+        mode = {"slip": int(laws.sense), "contact": int(laws.sense) * report.steady_law}
+        mode |= {name: int(laws.sense) for name in ("bearing", "slide") if laws.p[f"{name}_friction"]}
+        steady = laws.steady.copy()
+        if "e" in laws.place:
+            steady = steady + model_of(drive).initial_state(drive, {"u": 0.0, "w": 0.0})
+        size = np.abs(steady).max() * 1e-6
+        columns = []
+        for k in range(steady.size):
+            step = np.zeros_like(steady)
+            step[k] = size
+            columns.append((laws.rate(steady + step, mode) - laws.rate(steady - step, mode)) / (2 * size))
+        found = np.sort_complex(np.linalg.eigvals(np.array(columns).T))
+        expected = np.sort_complex(np.array(report.eigenvalues))
+        assert np.abs(found - expected).max() <= 1e-6 * np.abs(expected).max(), (seed, drive)
+        seen.add((len(expected), report.stable))
+    assert {size for size, _ in seen} == {2, 4, 6, 8}

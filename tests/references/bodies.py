@@ -1,0 +1,168 @@
+"""Newton's laws of a drive with any parts, body by body, with the forces between them as unknowns, in doubles.
+
+Nothing is eliminated by hand: at every instant one linear system gives the accelerations, the contact force n, the
+torque τ of the threads and the friction that holds a body. Independent of :mod:`lsvib.models.mechanism`.
+"""
+
+import math
+import re
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+SIGN = {"forward": 1, "backward": -1, "held": 0, "positive": 1, "negative": -1}
+RATES = {"support": "y", "nut": "phi", "threads": "e"}  # coordinates of parts, in the order of the state
+
+
+class Bodies:
+    """A drive; its state is that of the package, (u, w) and two numbers for each part."""
+
+    def __init__(self, drive) -> None:
+        self.p = {name: getattr(drive, name) or 0.0 for name in type(drive).model_fields}
+        self.q = ["theta", *(RATES[part] for part in drive.parts)]
+        self.place = {name: 2 * k for k, name in enumerate(self.q)}
+        p = self.p
+        self.tangent = math.tan(p["lead_angle"])
+        self.lead, self.sense = p["pitch_radius"] * self.tangent, math.copysign(1, p["input_speed"])
+        force = p["axial_force"] - self.lead * p["translation_damping"] * p["input_speed"]
+        force -= p["slide_friction"] * self.sense
+        torque = self.lever(math.copysign(1, force * self.sense), self.mu(p["input_speed"])) * force
+        whole = p["support_damping"] * p["input_speed"] + p["bearing_friction"] * self.sense + torque
+        self.steady = np.zeros(2 * len(self.q))
+        self.steady[:2] = -whole / p["coupling_stiffness"], p["input_speed"]
+        for name, value, stiffness in (("y", force, "support_stiffness"), ("phi", torque, "nut_stiffness")):
+            if name in self.place:
+                self.steady[self.place[name]] = value / p[stiffness]
+
+    def mu(self, slip: float) -> float:
+        """Friction coefficient at a speed of the slip [rad/s]."""
+        p, speed = self.p, self.p["pitch_radius"] * abs(slip) / math.cos(self.p["lead_angle"])
+        fading = (speed / p["stribeck_speed"]) ** p["stribeck_exponent"] if p["stribeck_speed"] else 0.0
+        value = p["friction_coefficient"] + p["stribeck_rise"] * math.exp(-fading) + p["friction_slope"] * speed
+        return max(value, 0.0)
+
+    def static(self) -> float:
+        """Coefficient of static friction."""
+        p = self.p
+        return p["static_friction_coefficient"] or p["friction_coefficient"] + p["stribeck_rise"]
+
+    def lever(self, law: float, mu: float) -> float:
+        """Torque of the threads over the axial contact force."""
+        return self.p["pitch_radius"] * (law * mu - self.tangent) / (1 + law * mu * self.tangent)
+
+    def mode(self, name: str) -> dict:
+        """Slip, sign of the contact and way of each body in a mode, from its name in lower case."""
+        kind, *words = re.split(r"_(?=screw_|nut_)", name)
+        slip, *contact = (
+            kind.removeprefix("slip_").split("_") if kind.startswith("slip") else ("held", *kind.split("_")[1:])
+        )
+        ways = dict(word.split("_") for word in words)
+        turns, shifts = "phi" in self.place, "y" in self.place or "e" in self.place
+        tied = {"bearing": not turns, "slide": not shifts}
+        found = {"slip": SIGN[slip], "contact": SIGN[contact[0]] if contact else 0}
+        for body, word in (("bearing", "screw"), ("slide", "nut")):
+            if self.p[f"{body}_friction"]:
+                found[body] = SIGN[slip] if tied[body] else SIGN[ways[word]]
+        return found
+
+    def forces(self, state: np.ndarray, mode: dict) -> dict:
+        """Accelerations, n, N, τ and held friction at an absolute state."""
+        p, q, place = self.p, self.q, self.place
+        names = [*q, "x", "n", "tau", *(body for body in ("bearing", "slide") if self.held(body, mode))]
+        matrix, sides, rows = np.zeros((len(names), len(names))), np.zeros(len(names)), iter(range(len(names)))
+
+        def at(name, rate=0):
+            return state[place[name] + rate] if name in place else 0.0
+
+        def equation(side, **terms):
+            row = next(rows)
+            sides[row] = side
+            for name, value in terms.items():
+                if name in names:
+                    matrix[row, names.index(name)] += value
+
+        slip = at("theta", 1) - at("phi", 1)
+        travel = self.lead * slip + at("y", 1) + at("e", 1)
+        bearing = p["bearing_friction"] * mode.get("bearing", 0)
+        slide = p["slide_friction"] * mode.get("slide", 0)
+        torque = -p["coupling_stiffness"] * at("theta") - p["support_damping"] * at("theta", 1)
+        equation(torque - bearing, theta=p["screw_inertia"], tau=1, bearing=1)
+        equation(p["axial_force"] - p["translation_damping"] * travel - slide, x=p["mass"], n=1, slide=1)
+        equation(0, x=1, theta=-self.lead, phi=self.lead, y=-1, e=-1)
+        if "y" in place:
+            spring = p["support_stiffness"] * at("y") + p["axial_support_damping"] * at("y", 1)
+            equation(-spring, y=p["screw_mass"], n=-1)
+        if "phi" in place:
+            spring = p["nut_stiffness"] * at("phi") + p["nut_damping"] * at("phi", 1)
+            equation(-spring, phi=p["nut_inertia"], tau=-1)
+        normal = math.cos(p["lead_angle"]) * (p["contact_stiffness"] * at("e") + p["contact_damping"] * at("e", 1))
+        law, mu = mode["slip"] * mode["contact"], self.mu(slip)
+        sine, cosine = math.sin(p["lead_angle"]), math.cos(p["lead_angle"])
+        if mode["slip"]:
+            equation(0, tau=1, n=-self.lever(law, mu))
+        else:
+            equation(0, theta=1, phi=-1)
+        if "e" in place and mode["slip"]:
+            equation(normal * (cosine + law * mu * sine), n=1)
+        elif "e" in place:
+            equation(normal / cosine, n=1, tau=-self.tangent / p["pitch_radius"])
+        for body in names[len(q) + 3 :]:
+            equation(0, **({"theta": 1} if body == "bearing" else {"x": 1}))
+        scale = np.abs(matrix).max(axis=0)  # of masses and inertias
+        found = dict(zip(names, np.linalg.solve(matrix / scale, sides) / scale, strict=True))
+        if "e" not in place:
+            normal = found["n"] * cosine - found["tau"] * sine / p["pitch_radius"]
+            normal = found["n"] / (cosine + law * mu * sine) if mode["slip"] else normal
+        return found | {"N": normal, "slip": slip, "travel": travel, "screw": at("theta", 1)}
+
+    def held(self, body: str, mode: dict) -> bool:
+        """Whether a body that may slide on its own is held."""
+        free = "phi" in self.place if body == "bearing" else "y" in self.place or "e" in self.place
+        return free and mode.get(body) == 0
+
+    def rate(self, state: np.ndarray, mode: dict) -> np.ndarray:
+        """Rate of the absolute state; the angle is that of the coupling."""
+        found, rate = self.forces(state, mode), np.empty_like(state)
+        for name, k in self.place.items():
+            rate[k], rate[k + 1] = state[k + 1], found[name]
+        rate[0] -= self.p["input_speed"]
+        return rate
+
+    def moved(self, state: np.ndarray, mode: dict, duration: float, size: np.ndarray):
+        """Absolute states along an arc (samples, n), the last one at its end."""
+        times = np.linspace(0.0, duration, 9)
+        done = solve_ivp(
+            lambda _, x: self.rate(x, mode), (0.0, duration), state, method="DOP853", t_eval=times, rtol=3e-14,
+            atol=1e-15 * size,
+        )  # fmt: skip
+        return done.y.T
+
+    def excess(self, state: np.ndarray, mode: dict, size: np.ndarray) -> float:
+        """By how much a state violates what its mode takes for granted, over the sizes of forces and speeds."""
+        p, found = self.p, self.forces(state, mode)
+        force, speed = abs(p["axial_force"]) + abs(found["n"]) + p["slide_friction"] + 1e-6, size[1]
+        torque = p["pitch_radius"] * force + p["bearing_friction"] + p["coupling_stiffness"] * size[0]
+        broken = []
+        if mode["slip"]:
+            broken += [-mode["slip"] * found["slip"] / speed, -mode["contact"] * found["n"] / force]
+        else:
+            broken.append(abs(found["slip"]) / speed)
+            tied = {
+                body: p[f"{body}_friction"] for body in ("bearing", "slide") if body in mode and not self.free(body)
+            }
+            for way in (1, -1):
+                load = p["axial_force"] - way * p["slide_friction"] if "slide" in tied else found["n"]
+                most = self.lever(math.copysign(1, way * load), self.static()) * load * way + tied.get("bearing", 0)
+                broken.append((way * found["tau"] - most) / torque)
+        for body, name, limit in (("bearing", "screw", torque), ("slide", "travel", force)):
+            if body in mode and self.free(body):
+                own = speed if body == "bearing" else self.lead * speed
+                if mode[body]:
+                    broken.append(-mode[body] * found[name] / own)
+                else:
+                    broken += [abs(found[name]) / own, (abs(found[body]) - p[f"{body}_friction"]) / limit]
+        return max(broken)
+
+    def free(self, body: str) -> bool:
+        """Whether a body slides on its own while the threads slip or rest."""
+        return "phi" in self.place if body == "bearing" else "y" in self.place or "e" in self.place
