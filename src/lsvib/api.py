@@ -42,7 +42,7 @@ __all__ = ["Drive", "DriveMethods", "simulate"]
 
 
 class DriveMethods(_Base):
-    """What can be asked of a drive of any model."""
+    """What can be asked of a drive."""
 
     @property
     def coefficients(self) -> Coefficients:
@@ -76,8 +76,8 @@ class DriveMethods(_Base):
     def stability(self) -> StabilityReport:
         """Return the linear stability of steady sliding, u = u̇ = 0.
 
-        Steady sliding of the rigid drive is unstable where Γ_0 < 0 or C_0 < 0 (eqs 8.18–8.21), that of a model with a
-        second body where its characteristic polynomial, of degree four, has a root with a positive real part. Signs
+        Steady sliding of the rigid drive is unstable where Γ_0 < 0 or C_0 < 0 (eqs 8.18–8.21), that of a drive with
+        parts where its characteristic polynomial has a root with a positive real part. Signs
         are decided exactly.
 
         Returns whether it is stable and of which kind, the eigenvalues [1/s], the conditions of instability with their
@@ -116,7 +116,7 @@ class DriveMethods(_Base):
     def threshold(self, name: str, unknown: str | None = None) -> Threshold:
         """Return a threshold of this drive, solved for one of its parameters, with the derivatives by all others.
 
-        ``name``: onset, kinematic_constraint (Γ₊ = 0), of the rigid model negative_damping (C₊ = 0), stick, detach,
+        ``name``: onset, kinematic_constraint (Γ₊ = 0), of rigid drives negative_damping (C₊ = 0), stick, detach,
         global_stability, fold, cycle_birth, rest_loss, of the others flutter; docs/thresholds.md has their equations.
         ``unknown``: any parameter, by default axial_force, or mass or support_damping where the threshold is usually
         one of these; the drive's own value of it counts only as the middle of a search. The value and its derivatives
@@ -166,13 +166,13 @@ class DriveMethods(_Base):
     ) -> "xr.Dataset":
         """Return the exact motion from a start, with its events.
 
-        Between events the motion obeys Γ_s ü + C_s u̇ + k u = r_m (ξ_0 − ξ_s) R̃ (eq. 8.16; other models have two such
-        equations) and is sampled from its closed form. An event – reversal, loss of contact, seizure, sticking, release
+        Between events the motion obeys Γ_s ü + C_s u̇ + k u = r_m (ξ_0 − ξ_s) R̃ (eq. 8.16; drives with parts have
+        more such equations) and is sampled from its closed form. An event – reversal, loss of contact, seizure, sticking, release
         – is a root of a guard along it. There is no step size.
 
         Arguments:
 
-        * ``start``: deviation from steady sliding u [rad], its rate w [rad/s], and what else the model has, by name.
+        * ``start``: deviation from steady sliding u [rad], its rate w [rad/s], and what else the drive has, by name.
         * ``duration`` [s], and the number of ``samples``, equidistant in time, both ends included.
         * ``outputs``: observables to store besides the state, the mode and the events.
         * ``resume`` and ``physics``: as of :meth:`automaton`.
@@ -383,7 +383,7 @@ class DriveMethods(_Base):
         (docs/basin.md).
 
         Returns the :class:`lsvib.Basin`, which says whether it contains a state (u [rad], w [rad/s]) and has its
-        boundary as curves and its area, of all or within a window [rad²/s]. Raises ``InputError`` for other models than
+        boundary as curves and its area, of all or within a window [rad²/s]. Raises ``InputError`` for others than
         the rigid one, where steady sliding attracts nothing, and for the few drives that docs/basin.md lists;
         ``EngineError`` where the engine cannot follow the boundary.
 

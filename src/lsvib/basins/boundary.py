@@ -131,7 +131,7 @@ def basin(drive: Drive) -> Basin:
 def known_basin(drive: Drive) -> Basin | None:
     """Return the basin of a drive of any model; None where its boundary is not known in closed form.
 
-    Those are drives of all models but the rigid one, and the few rigid drives for which :func:`basin` raises.
+    Those are drives that are not rigid, and the few rigid drives for which :func:`basin` raises.
     """
     try:
         return basin(drive) if drive.rigid else None

@@ -1,4 +1,4 @@
-"""The region of attraction of models with more than two states: planar slices, one motion followed for every cell.
+"""The region of attraction of drives with more than two states: planar slices, one motion followed for every cell.
 
 Every start is asked of the one rule (:mod:`lsvib.dynamics.attractor`), with the cycles that a few fixed starts reach as
 known ones, which a motion that joins them ends on at once. So the result does not depend on the grid, tiles or threads.
@@ -58,7 +58,7 @@ class StateMapper(Mapper):
     ) -> None:
         """Fill all arrays, one start after the other.
 
-        Coordinates that are neither axes nor fixed have the values that the model gives them, such as a seated contact.
+        Coordinates that are neither axes nor fixed have the values of steady sliding, such as a seated contact.
         """
         for i in range(y.size):
             for j in range(x.size):

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class Pair(NamedTuple):
-    """KEY=VALUE; the value stays text, which the models read and check."""
+    """KEY=VALUE; the value stays text, which the drive reads and checks."""
 
     key: str
     value: str

@@ -26,7 +26,7 @@ def analyse(
     """Analyse the steady sliding of some drives of one class, a ``case`` each.
 
     Arguments: drives; ``thresholds``, pairs of a name and of the parameter it is solved for; ``along`` and ``printed``
-    as of :func:`drive_parameters`. Returns the eigenvalues of (8.18), or of the model with two coordinates, in
+    as of :func:`drive_parameters`. Returns the eigenvalues of (8.18), or of the drive with two coordinates, in
     ascending real part; of the rigid drive the effective inertias and dampings of both laws (8.13) and whether the
     drive is in the region of Painlevé's paradoxes, Γ₊ ≤ 0 (8.4); each threshold with doubles that enclose it, missing
     where it does not exist, with the reason as its comment. Raises ``InputError`` as :meth:`Drive.stability` does.

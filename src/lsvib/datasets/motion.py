@@ -33,7 +33,7 @@ def simulate(scene: Scene | Drive | Mapping[str, Any] | str | Path | None = None
     keys of the scene (``start``, ``duration``, ``samples``, ...) or of the drive (``mass``, ``axial_force``, ...)
     that replace the scene's. Returns a dataset over ``time`` [s] with angle_deviation [rad], velocity_deviation
     [rad/s], the scene's outputs and the ``mode``, and over ``event`` the events: time, kind, impulse sign, mode
-    after, state before and after, and for models that seize the impulses: normal and axial [N s], torque [N m s],
+    after, state before and after, and for drives that seize the impulses: normal and axial [N s], torque [N m s],
     zero in other events. At the time of an event the samples are those after it. Raises ``InputError`` or
     ``EngineError`` in one sentence.
 
@@ -140,7 +140,7 @@ def summary(scene: Scene, motion: Motion, steady: SteadyState | None = None) -> 
 
     ``final_state`` (the keys of the start, and the mode), ``events`` (count by kind), ``attractor`` (where the
     motion goes on to, decided by the return map; ``unresolved_because`` says why that is not known),
-    ``peak_normal_force`` (largest |N| [N] along the motion, without the impulses of seizures), ``status``; for models
+    ``peak_normal_force`` (largest |N| [N] along the motion, without the impulses of seizures), ``status``; for drives
     that seize also ``peak_normal_impulse`` (largest |J_N| of a seizure [N s], zero without one; the impulse of each is
     in the motion's dataset).
     """

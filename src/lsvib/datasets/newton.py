@@ -82,7 +82,7 @@ def touching_check(drive: xr.Dataset, law: int, force: Any, words: str) -> Check
 
 
 def parameters(dataset: xr.Dataset) -> dict[str, float]:
-    """Return the parameters of the one drive of a dataset, of the models without and with compliant threads."""
+    """Return the parameters of the one drive of a dataset, with rigid or compliant threads."""
     return {name: float(dataset[name]) for name in Drive.model_fields if name in dataset}
 
 

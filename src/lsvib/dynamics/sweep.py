@@ -1,4 +1,4 @@
-"""What the motions of many drives of one model end on: attractor, size, forces.
+"""What the motions of many drives with the same parts end on: attractor, size, forces.
 
 Every motion is asked of the one rule (:mod:`lsvib.dynamics.attractor`). Drives with two states are followed by one call
 of it compiled, with tables made at once in plain doubles; what these do not hold to 1e-12, and all other drives, are
@@ -109,12 +109,12 @@ def all_endings(
     progress: Callable[[int, int], None] | None = None,
     others: Mapping[str, float] | None = None,
 ) -> Ending:
-    """Return what motions of drives of one model (k) end on, each from its own start, u [rad] and w [rad/s] (k, 2).
+    """Return what motions of drives with the same parts (k) end on, each from its own start, u [rad], w [rad/s] (k, 2).
 
     A motion depends on nothing but its own drive and start: no number depends on ``workers``, the number of processes
     and, with two states, of threads. ``progress`` is called with the numbers of motions done and in all. ``others``:
-    values of the other states by name, by default those that the model begins with. Raises ``InputError`` for a rule of
-    resuming that the model does not know.
+    values of the other states by name, by default as in steady sliding. Raises ``InputError`` for a rule of
+    resuming that is not known of the drives.
     """
     found, alone = Ending.unknown(drives.size), np.arange(drives.size)
     if drives.rigid.all():
@@ -140,7 +140,7 @@ def all_endings(
 
 
 def _share(case: tuple[ManyDrives, np.ndarray], others: Mapping[str, float], resume: str) -> Ending:
-    """Return what motions of some drives of one model end on, from their starts (k, 2)."""
+    """Return what motions of some drives end on, from their starts (k, 2)."""
     drives, starts = case
     found = Ending.unknown(drives.size)
     for place, drive, automaton in automata(drives, resume):

@@ -250,7 +250,7 @@ class Page:
         self._say_words()
         self.plots.start_curve(view, (yield partial(answers.thresholds_over, view)))
         points: list[AmplitudePoint] = []
-        # Of models with more states a point may take half a second.
+        # Of drives with more states a point may take half a second.
         for value in answers.values_of(view, 61 if answers.at_once(view.drive) else 21):
             for near in (True, False):
                 points.append((yield partial(answers.amplitude, view, value, near)))

@@ -1,4 +1,4 @@
-"""The tables of many rigid drives at once, in plain arrays of doubles, from the formulas that make those of one.
+"""The tables of many drives at once, in plain arrays, from the formulas that make those of one.
 
 Drives whose tables differ in structure – in a sign, say – are divided into groups. A drive is *safe* if no sum in its
 formulas cancels by more than three decades, so that its tables hold to 1e-12; the others are made exactly, one by one,

@@ -101,7 +101,7 @@ class Model:
             from lsvib.models.rigid import rigid_automaton
 
             return rigid_automaton(drive, rest="rest" in physics, resume=resume)
-        from lsvib.models.modes import automaton_of_parts
+        from lsvib.models.law_modes import automaton_of_parts
 
         self.check(resume)
         return automaton_of_parts(drive, resume)

@@ -59,12 +59,12 @@ from lsvib.engine.kernels.layout import Test
 from lsvib.errors import InputError
 from lsvib.models import friction, mechanics
 from lsvib.models.drive import Drive, once
+from lsvib.models.law_modes import automaton_of_parts
 from lsvib.models.mechanics import (
     Coefficients,
     coefficients,
 )
 from lsvib.models.mechanism import Event, Resume
-from lsvib.models.modes import automaton_of_parts
 
 STATES = ("angle_deviation", "velocity_deviation")
 

@@ -17,12 +17,9 @@ from lsvib.engine.automaton import Branch, Guard, Mode, Surface, Transition, sca
 from lsvib.engine.exact.arithmetic import double, many_digits, sign
 from lsvib.engine.exact.taylor_form import settled_region
 from lsvib.engine.kernels.layout import CONSTANT, EXPONENT, FADE, LINEAR, PIECE, RISE, TO, Test
-from lsvib.errors import InputError
 from lsvib.models.drive import Drive
 from lsvib.models.friction import unbounded_coefficient
 from lsvib.numbers import bisected
-
-FAR = 10  # times the speed of steady sliding, which most motions stay below; a guard sees those that do not
 
 
 def pieces_of(drive: Drive) -> np.ndarray:
@@ -77,23 +74,6 @@ def critical_coefficient(inertia: Any, d: Any, mass: Any) -> float:
 def probe(d: Any) -> Any:
     """Return a coefficient with which Γ_s is positive under both laws, whatever the masses."""
     return d.tan_lead / 2 if d.tan_lead < 1 else 1 / (2 * d.tan_lead)
-
-
-def paradox_below(drive: Drive, most: float) -> tuple[bool, float]:
-    """Return whether friction is at or above a level ``most`` [1], and the sliding speed [m/s] up to which it stays so.
-
-    Raises ``InputError`` where it comes to the level at a speed that motions are sure to reach.
-    """
-    found, steady = speeds_below(drive, most), drive.pitch_radius * abs(drive.input_speed) / math.cos(drive.lead_angle)
-    paradox = not found or found[0][0] > 0
-    end = found[0][0 if paradox else 1] if found else math.inf
-    if end < FAR * steady:
-        raise InputError(
-            f"friction reaches the Painlevé region in one range of sliding speed and not in another, with the limit at "
-            f"{end:.6g} m/s; model {drive.model} does not follow drives with a limit below {FAR} times the speed of "
-            f"steady sliding."
-        )
-    return paradox, end
 
 
 def _turning_speeds(drive: Drive) -> list[float]:

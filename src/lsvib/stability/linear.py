@@ -95,7 +95,7 @@ def steady_law(drive: Drive) -> int:
 def sliding_law(drive: Drive) -> int:
     """Law s_0 = sgn(N_0 Ω) of steady sliding, N_0 (cos λ + s_0 μ sin λ) = R − r_m tan λ c_x Ω − F_0 sgn Ω (eq. 8.15).
 
-    F_0 is the friction of the slide where the model has one. Zero if the contact carries no force.
+    F_0 is the friction of the slide where there is one. Zero if the contact carries no force.
     """
     sense = 1 if drive.input_speed > 0 else -1
     d = drive.exact()

@@ -1,0 +1,155 @@
+"""The modes of a drive whose friction depends on the sliding speed.
+
+Under a friction law the sign of Γ₊ depends on the sliding speed. Below an interval in which Γ₊ > 0 lies the Painlevé
+*band*: where law + comes to the end of it, the threads seize. What follows a seizure at a speed above the interval,
+where friction has grown beyond all use, is not determined, and a motion that comes there has no branch. The friction of
+a body that slides on its own is refused: while it holds, the force that is left is no affine function of the state.
+"""
+
+import math
+from dataclasses import replace
+from typing import Any, ClassVar
+
+from flint import arb
+
+from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Row, Transition
+from lsvib.engine.exact.arithmetic import double, many_digits
+from lsvib.engine.exact.taylor_form import Split, still_mode, taylor_flow
+from lsvib.engine.kernels.layout import Test
+from lsvib.errors import InputError
+from lsvib.models import friction, sliding
+from lsvib.models.drive import Drive, once
+from lsvib.models.mechanism import DIRECTIONS, Event, Key, Mechanism, Resume, seated
+from lsvib.models.modes import OUTPUTS, Modes
+
+
+class LawModes(Modes):
+    """The modes of a drive under a friction law; arguments: mechanism, drive, how motion resumes after a seizure."""
+
+    flow: ClassVar[dict[str, Any]] = {"stack": taylor_flow}
+
+    def __init__(self, mechanism: Mechanism, drive: Drive, resume: Resume = "contact_sign") -> None:
+        self.drive = drive
+        super().__init__(mechanism, resume)
+
+    def _speeds_without_paradox(self) -> tuple[float, float]:
+        inertia, mass = self.m.effective()
+        found = sliding.speeds_below(self.drive, sliding.critical_coefficient(inertia, self.m.d, mass))
+        if self.m.compliant:  # the growing force brings motions to slow sliding
+            return (0.0 if found and found[0][0] == 0 else math.inf), math.inf
+        if len(found) > 1:
+            raise InputError(
+                "friction reaches the Painlevé region in two ranges of speed; such drives are not followed."
+            )
+        return found[0] if found else (math.inf, math.inf)
+
+    def _refuse(self) -> None:
+        for name in self.m.own:
+            raise InputError(
+                f"{name}_friction = {float(self.m.limits[name]):g} is not followed where friction of the threads "
+                f"depends on speed; leave {name}_friction out, or stribeck_rise and friction_slope at zero."
+            )
+
+    def _mode(self, key: Key, guards: tuple[Guard, ...]) -> Mode:
+        found = self.solution(key)
+        rows = [self.m.constant(0) if i in found.frozen else row for i, row in enumerate(found.field)]
+        return Mode(self.codes[self.name(key)], still_mode(rows), guards)
+
+    def _parts(self, modes: dict[str, Mode], seen: dict[str, dict[str, Row]]) -> dict[str, dict[str, Row]]:
+        """Put the friction law into the modes that slip, and into what is seen of them, in place.
+
+        Returns the rows of the observables that count η times, by name and mode.
+        """
+        parts: dict[str, dict[str, Row]] = {
+            name: dict.fromkeys(modes, self.m.constant(0)) for name in ("normal_force", "axial_contact_force")
+        }
+        pieces = sliding.pieces_of(self.drive)
+        laws = {self.name(key): key for key in self.slips}
+        if 0 < self.low < math.inf:
+            laws |= self._band(modes)
+        for name, (d, q, _) in laws.items():
+            split, without, more = self._split(d, d * q)
+            row = sliding.speed_row(d, self.m.slip, self.m.d)
+            flow = split.mode(row, pieces)
+            modes[name] = replace(modes[name], flow=flow)
+            seen[name] = without
+            for key, of_mode in parts.items():
+                of_mode[name] = more[key]
+            if math.isfinite(self.high) and d * q > 0:
+                self._bound(modes, name, f"beyond_{DIRECTIONS[d]}", d, self.high, -1, "beyond")
+                self.transitions["beyond"] = Transition(())
+        self._divide(modes, seen, parts)
+        return parts
+
+    def _split(self, d: int, law: int) -> tuple[Split, dict[str, Row], dict[str, Row]]:
+        """The field of slip as friction divides it, what is seen of it without friction, and what counts η times."""
+        probe = sliding.probe(self.m.d)
+        free, rubbed = (self.m.solve(d, law, (), mu) for mu in (arb(0), probe))
+        without, pressed = self._observed(free), self._observed(rubbed)
+        split = Split.of(free.field, free.normal, rubbed.field, rubbed.normal, probe)
+        return split, without, {name: split.part(without[name], pressed[name]) for name in OUTPUTS[:2]}
+
+    def _bound(
+        self, modes: dict[str, Mode], name: str, surface: str, d: int, speed: float, side: int, leads: str
+    ) -> None:
+        """Let a mode lie above (``side`` 1) or below a sliding speed [m/s]."""
+        row = sliding.speed_row(d, self.m.slip, self.m.d)
+        guard = self._guard(surface, (*row[:-1], row[-1] - speed), side, leads, self.m.place.get("nut", 0) + 1)
+        modes[name] = replace(modes[name], guards=(*modes[name].guards, guard))
+
+    def _band(self, modes: dict[str, Mode]) -> dict[str, Key]:
+        """Add to the modes of the Painlevé region those above the band, where Γ₊ > 0; returns what they are."""
+        starts, found, low = [], dict[str, Key](), self.low
+        for d in DIRECTIONS:
+            minus, plus_name = self.name((d, -d, ())), self.name((d, d, ()))
+            fast, where, surface = f"{minus}_fast", DIRECTIONS[d], modes[minus].guards[0].surface
+            reversals = f"contact_reversal_{plus_name}", f"contact_reversal_{fast}"
+            guards = (Guard(surface, d, reversals[0]),), (Guard(surface, -d, reversals[1]),)
+            modes[plus_name] = Mode(self.codes[plus_name], None, guards[0])
+            modes[fast] = Mode(self.codes[minus], None, guards[1])
+            found |= {plus_name: (d, d, ()), fast: (d, -d, ())}
+            self.transitions[reversals[0]] = Transition((Branch(fast, Event.CONTACT_REVERSAL, sign=-d),))
+            self.transitions[reversals[1]] = Transition((Branch(plus_name, Event.CONTACT_REVERSAL, sign=d),))
+            self.transitions[f"slower_{where}"] = Transition((Branch(minus, Event.PASSAGE),))
+            self.transitions[f"faster_{where}"] = Transition((Branch(fast, Event.PASSAGE),))
+            self._bound(modes, minus, f"band_{where}", d, low, -1, f"faster_{where}")
+            self._bound(modes, fast, f"band_{where}", d, low, 1, f"slower_{where}")
+            # Before Γ₊ = 0 the deceleration grows without bound, and what is left of the time as the square of the
+            # distance: here it is below rounding. Nearer to it, the rounding of Γ₊ itself makes steps short.
+            self._bound(modes, plus_name, f"jam_{where}", d, low * (1 + 3e-9), 1, f"contact_{minus}")
+            above = self.surfaces[f"jam_{where}"].row, Test.POSITIVE
+            carries = self._carries(d, d, ())
+            starts += [Branch(plus_name, Event.RELEASE, (above, *sides)) for sides in carries]
+            starts.append(Branch(fast, Event.RELEASE, (above,)))
+        self.transitions["entry"] = Transition((*starts, *self.transitions["entry"].branches))
+        return found
+
+    def _divide(
+        self, modes: dict[str, Mode], seen: dict[str, dict[str, Row]], parts: dict[str, dict[str, Row]]
+    ) -> None:
+        """Divide the mode of steady sliding where θ′ passes Ω."""
+        m = self.m
+        steady = self.name((m.turning, m.steady_law * m.turning, ()))
+        if f"{steady}_fast" in modes and double(friction.steady_speed(m.d)) > self.low:
+            steady += "_fast"
+        if steady not in modes:
+            return
+        sliding.divided(steady, Event.PASSAGE, modes, self.transitions, self.surfaces, seated(m))
+        half = f"{steady}_slow"
+        seen[half] = seen[steady]
+        for of_mode in parts.values():
+            of_mode[half] = of_mode[steady]
+
+
+@once
+def automaton_of_parts(drive: Drive, resume: Resume) -> Automaton:
+    """Return the automaton of a drive.
+
+    Raises ``InputError`` where a dry friction leaves the motion undetermined, ``EngineError`` if the rates of a mode
+    cannot be separated in double precision.
+    """
+    d, law = drive.exact(), friction.depends_on_speed(drive)
+    with many_digits():
+        if not law:
+            return Modes(Mechanism(d, drive.parts, d.steady_friction), resume).automaton()
+        return LawModes(Mechanism(d, drive.parts, friction.coefficient(d, arb(0))), drive, resume).automaton()
