@@ -167,8 +167,8 @@ class DriveMethods(_Base):
         """Return the exact motion from a start, with its events.
 
         Between events the motion obeys Γ_s ü + C_s u̇ + k u = r_m (ξ_0 − ξ_s) R̃ (eq. 8.16; drives with parts have
-        more such equations) and is sampled from its closed form. An event – reversal, loss of contact, seizure, sticking, release
-        – is a root of a guard along it. There is no step size.
+        more such equations) and is sampled from its closed form. An event – reversal, loss of contact, seizure,
+        sticking, release – is a root of a guard along it. There is no step size.
 
         Arguments:
 

@@ -105,3 +105,20 @@ def test_stability_json(run):
     assert table["conditions"]["kinematic_constraint"]["hold"] is True
     assert [set(pair) for pair in table["eigenvalues"]] == [{"real", "imaginary"}] * 2
     assert table["quantities"]["effective_inertia_plus"]["value"] < 0
+
+
+def test_a_drive_is_described(run):
+    """Its equations have the numbers that were given, and a part that is not there no line."""
+    code, out, _ = run("describe", *GIVEN["support"], *GIVEN["threads"], "--set", "slide_friction=2", "--json")
+    found = json.loads(out)
+    assert code == 0
+    assert found["parts"] == ["a compliant axial support", "compliant threads"]
+    assert "11.6 x_1″ = n − 1e+06 x_1" in found["equations"]
+    assert "1 x″ = 50 − 2 sgn x′ − n" in found["equations"]
+    assert list(found["coordinates"])[2:] == ["screw_shift", "shift_rate", "thread_mismatch", "mismatch_rate"]
+    assert found["steady"]["screw_shift"] == pytest.approx(48 / 1e6, rel=1e-12)
+    assert len(found["modes"]) == 24
+    text = run("describe")[1]
+    assert "nothing but the coupling" in text
+    assert "Γ₊ = " in text
+    assert "x_1" not in text

@@ -22,6 +22,7 @@ from lsvib.dynamics.attractor import Attractor
 from lsvib.errors import InputError
 from lsvib.explore import answers
 from lsvib.explore.view import OF_LAW, View, around, presets
+from lsvib.models import chapter
 from lsvib.models.scene import Scene
 
 PRESETS = presets()
@@ -269,3 +270,26 @@ def test_a_drive_with_compliant_parts_and_a_law_is_followed_without_its_map(part
     if part == "nut":
         turning = 10 + motion.velocity_deviation.values - motion.nut_rate.values
         assert np.abs(page.shown.turning).max() == pytest.approx(np.abs(turning).max(), rel=1e-3)
+
+
+def test_parts_are_put_in_and_taken_out():
+    """Those that are new have the values of the chapter; the parameter of the curve goes with its part."""
+    pytest.importorskip("bokeh")
+    from bokeh.document import Document
+
+    from lsvib.explore.page import Page
+
+    page = Page(Document(), View(drive=DRIVE, u=0.02), {})
+    page._begin("")
+    page.ask("parts", "support threads")
+    page._answer()
+    assert page.view.drive.parts == ("support", "threads")
+    assert dict(page.view.drive).items() > (chapter.PARTS["threads"] | chapter.PARTS["support"]).items()
+    assert page.controls.parts.active == [0, 2]
+    page.ask("over", "support_stiffness")
+    page._answer()
+    page.ask("parts", "threads")
+    page._answer()
+    assert page.view.drive.parts == ("threads",)
+    assert page.view.over == "axial_force"
+    assert "support_stiffness" not in page.controls.fields

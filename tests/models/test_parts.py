@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from references.bodies import Bodies
 
+from lsvib.datasets.sweep import sweep
 from lsvib.dynamics.attractor import steady_state
 from lsvib.dynamics.energy import work
 from lsvib.engine.motion import follow
@@ -153,3 +154,35 @@ def test_stability_is_that_of_newtons_laws():
         assert np.abs(found - expected).max() <= 1e-6 * np.abs(expected).max(), (seed, drive)
         seen.add((len(expected), report.stable))
     assert {size for size, _ in seen} == {2, 4, 6, 8}
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ({"contact_damping": 1.0}, "contact_damping is a parameter of compliant threads, which need contact_stiffness"),
+        ({"screw_mass": 1.0}, "screw_mass is a parameter of a compliant axial support, which needs support_stiffness"),
+        ({"nut_stiffness": 1.0}, "nut_stiffness is a parameter of a nut that may turn, which needs nut_inertia"),
+    ],
+)
+def test_a_part_that_is_given_by_halves_is_refused(values, said):
+    with pytest.raises(InputError, match=said):
+        Drive(**values)
+    with pytest.raises(InputError, match=said):
+        Drive().replace(**values)
+
+
+def test_a_damper_that_is_left_out_is_zero_and_a_part_can_be_taken_out():
+    drive = Drive(contact_stiffness=1e8)
+    assert drive.contact_damping == 0.0
+    assert drive.parts == ("threads",)
+    assert drive.replace(contact_stiffness=None, contact_damping=None) == Drive()
+
+
+def test_a_sweep_from_without_friction_of_the_slide_to_with_it():
+    """Rigid drives have tables of their own; the smallest friction changes nothing but the tables."""
+    drive = Drive(translation_damping=1000.0, axial_force=30.0)
+    found = sweep(drive, {"slide_friction": [0.0, 1e-9, 5.0]})
+    assert found.period[1] == pytest.approx(float(found.period[0]), rel=1e-9)
+    assert abs(found.period[2] - found.period[0]) > 1e-5 * found.period[0]
+    alone = steady_state(automaton_of(drive.replace(slide_friction=5.0)), np.array([1e-3, 0.0]) * drive.input_speed)
+    assert found.period[2] == pytest.approx(alone.period, rel=1e-9)
