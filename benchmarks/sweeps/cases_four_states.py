@@ -9,7 +9,7 @@ from references.parts import nut_drive, support_drive, threads_drive
 from references.wide_drives import heaviest, power, sign
 
 from benchmarks.sweeps.families import Case, CaseFamily
-from lsvib.models.drive import Drive
+from lsvib.models.drive import DRY, Drive
 from lsvib.stability.linear import nut_model, support_model
 
 _MOST_TURNS = 6.0  # of the fastest oscillation: bounds the work of the reference
@@ -86,8 +86,7 @@ def _common(rng) -> dict[str, float]:
 def _case(rng, family: CaseFamily, physics: tuple[str, ...], level: float, drive, own: tuple[float, float]) -> Case:
     model = "support" if family == CaseFamily.SUPPORT else "nut"
     linear = support_model if model == "support" else nut_model
-    if not physics:
-        drive = drive.replace(slide_friction=0.0, bearing_friction=0.0)
+    drive = drive.replace(**{name: 0.0 for name in DRY if name not in physics})
     rates = np.concatenate([np.linalg.eigvals(linear(drive, law).jacobian()) for law in (1, -1)])
     swing = math.sqrt(drive.screw_inertia / drive.coupling_stiffness)
     duration = math.tau * swing * rng.uniform(0.3, 3.0)

@@ -106,7 +106,7 @@ def random_sheet(seed: int, support: bool = False, contact: bool = False) -> She
     )
 
 
-@pytest.mark.parametrize("parts", [(), ("support",), ("threads",)])
+@pytest.mark.parametrize("parts", [(), ("support",), ("threads",), ("support", "threads")])
 def test_a_mechanism_occurs_exactly_where_the_drive_is_unstable(parts):
     """Reserves in double precision against exact classes, for random drives; but where the reserve is rounding."""
     seen = {True: 0, False: 0}

@@ -207,8 +207,6 @@ def _motion(sheet: Sheet, name: str, entries: dict[str, float]) -> AssessedMotio
     if name == "after_perturbation" and sheet.support is None:
         corner = most_perturbed(sheet, values)[2] or corner
     parts = _parts(sheet)
-    if name == "thread_contact":  # of which a drive with a support knows nothing
-        parts = ("threads",)
     if name == "falling_friction" and lowest[name].reserve[0] < 0 and not sheet.friction.law:
         beyond = Vibration(
             (),
@@ -229,7 +227,8 @@ def _motion(sheet: Sheet, name: str, entries: dict[str, float]) -> AssessedMotio
 
 def _parts(sheet: Sheet) -> tuple[str, ...]:
     """The parts that comply in the motions of a sheet."""
-    return ("support",) if sheet.support is not None else ("threads",) if sheet.contact is not None else ()
+    there = {"support": sheet.support, "threads": sheet.contact}
+    return tuple(part for part, given in there.items() if given is not None)
 
 
 def _worst_motion(

@@ -9,6 +9,7 @@ grow nor decay.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import reduce
 from types import SimpleNamespace
 from typing import Any
 
@@ -20,7 +21,8 @@ from lsvib.assess.drive import damping_by_slope, is_window, sliding_speed, witho
 from lsvib.assess.sheet import Sheet
 from lsvib.models import friction, mechanics
 from lsvib.models.drive import Drive, zero_if_close
-from lsvib.stability.spectrum import polynomial
+from lsvib.stability.linear import hurwitz
+from lsvib.stability.spectrum import interlaced, polynomial
 
 NAMES = ("negative_damping", "kinematic_constraint", "mode_coupling", "falling_friction", "thread_contact")
 """All mechanisms; mode coupling needs a support, thread contact a compliant contact."""
@@ -83,6 +85,12 @@ def reserves(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any
         if sheet.support is None:
             for name in ("negative_damping", "kinematic_constraint"):
                 found[name] = _larger(found[name], full)
+        else:  # the whole drive decides; threads and support together are named after the contact
+            together = _full_reserve({**p, **sheets.own_parameters(values, ("support", "threads"))}, law)
+            names = ("negative_damping", "kinematic_constraint", "mode_coupling")
+            found |= {name: _larger(found[name], together) for name in names}
+            own_fault = reduce(np.logical_and, [np.real(found[name]) >= 0 for name in names])
+            found["thread_contact"] = np.where(own_fault, together, _larger(together, 0 * together))
     found["negative_damping"] = _unless_undamped(values, by_slope, found["negative_damping"])
     plus = mechanics.friction_factor(p["friction_coefficient"], tangent, 1)
     geometry = (p["pitch_radius"], tangent, plus)
@@ -145,22 +153,39 @@ def _larger(a: Any, b: Any) -> Any:
 
 
 def _full_reserve(parameters: dict[str, Any], law: Any) -> Any:
-    """Reserve of a drive with two coordinates, from its characteristic polynomial, for a law (scalar or array)."""
-    return _hurwitz_reserve(*polynomial(parameters, law, np.tan(parameters["lead_angle"])))
+    """Reserve of a drive with parts, from its characteristic polynomial, for a law (scalar or array)."""
+    return _hurwitz_reserve(polynomial(parameters, law, np.tan(parameters["lead_angle"])))
 
 
-def _hurwitz_reserve(p_4: Any, p_3: Any, p_2: Any, p_1: Any, p_0: Any) -> Any:
-    """Balance of the Hurwitz determinant (p_3 p_2 − p_4 p_1) p_1 − p_3² p_0; −1 where a coefficient is not positive.
+def _hurwitz_reserve(p: tuple[Any, ...]) -> Any:
+    """Lowest balance of the Hurwitz determinants of odd order, −1 where a coefficient is not positive.
 
-    A coefficient that falls to zero takes the balance to −1, so that it is continuous. Where p_3 and p_1 vanish, as
-    without damping, that of p_2² − 4 p_4 p_0 instead.
+    Of a quartic that is the balance of (p_3 p_2 − p_4 p_1) p_1 − p_3² p_0. A coefficient that falls to zero takes it to
+    −1, so that it is continuous. Where all odd coefficients vanish, as without damping, it is the balance of
+    p_2² − 4 p_4 p_0 instead, of higher degrees that of :func:`lsvib.stability.spectrum.interlaced`.
     """
-    terms = (p_3 * p_2 * p_1, -p_4 * p_1**2, -(p_3**2) * p_0)
-    damped = _balance(*terms)
-    negative = (np.real(p_3) <= 0) | (np.real(p_2) <= 0) | (np.real(p_1) <= 0)
-    damped = np.where(negative, -1.0, damped)
-    undamped = np.where(np.real(p_2) <= 0, -1.0, _balance(p_2**2, -4 * p_4 * p_0))
-    return np.where((p_3 == 0) & (p_1 == 0), undamped, damped)
+    undamped, damped = reduce(np.logical_and, [x == 0 for x in p[1::2]]), _of_determinants(p)
+    if not np.any(undamped):
+        return damped
+    pair = _balance(p[2] ** 2, -4 * p[0] * p[4]) if len(p) == 5 else _of_determinants(interlaced(p))
+    without = np.where(_any_negative(p[2::2]), -1.0, pair)
+    return np.where(undamped, without, damped)
+
+
+def _of_determinants(p: tuple[Any, ...]) -> Any:
+    found: Any = 1.0
+    sizes = tuple(map(_size, p))
+    for order in range(3, len(p) - 1, 2):
+        size = hurwitz(sizes, order, same=True)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            one = np.where(np.real(size) == 0, 0.0, hurwitz(p, order) / size)
+        found = np.where(np.real(one) < np.real(found), one, found)
+    return np.where(_any_negative(p[1:-1]), -1.0, found)
+
+
+def _any_negative(coefficients: tuple[Any, ...]) -> Any:
+    """Whether one of some coefficients is not positive."""
+    return reduce(np.logical_or, [np.real(x) <= 0 for x in coefficients])
 
 
 def drive_of(

@@ -86,7 +86,7 @@ def vibration(
     which a slope or curve adds nothing, unless the sheet has a law of friction.
     """
     most = _WORK_OF_PARTS if parts else _WORK_OF_RIGID
-    work = _WORK_OF_LAW if sheet.friction.law else most
+    work = (_WORK_OF_LAW if sheet.friction.law else most) // max(1, len(parts) ** 2)
     try:
         drive, definition, automaton, start, end = _ended(sheet, values, corner, parts, perturbation, work)
     except (InputError, EngineError) as error:
@@ -141,7 +141,7 @@ def end_of_strong(
     """
     try:
         twist = -float(coefficients(drive_of(sheet, values, *corner)).deflection) if rest else 0.0
-        work = min(_WORK_OF_MANY, _WORK_OF_PARTS if parts else _WORK_OF_RIGID)
+        work = min(_WORK_OF_MANY // max(1, len(parts) ** 2), _WORK_OF_PARTS if parts else _WORK_OF_RIGID)
         return _word(_ended(sheet, values, corner, parts, -1.0 if rest else -STRONG, work, twist)[-1].label)
     except (InputError, EngineError):
         return "unknown"

@@ -318,16 +318,18 @@ def eigenvalues(model: LinearModel) -> NDArray[np.complex128]:
     return np.take_along_axis(values, np.argsort(values.real, axis=-1), axis=-1)
 
 
-def hurwitz(p: tuple[Any, ...], order: int = 3) -> Any:
+def hurwitz(p: tuple[Any, ...], order: int = 3, same: bool = False) -> Any:
     """Hurwitz determinant of a polynomial, highest power first: its entry i, j is the coefficient 2 j − i, from 1 on.
 
     Of a quartic that of order 3 is (p_3 p_2 − p_4 p_1) p_1 − p_3² p_0, and zero where s and −s are both roots, as that
-    of order n − 1 is of any degree n.
+    of order n − 1 is of any degree n. With ``same`` all its terms count with one sign.
     """
 
-    def entry(i: int, j: int) -> Any:
-        place = 2 * j - i
-        return p[place] if 0 <= place < len(p) else 0
+    turned = 1 if same else -1
+    if order == 3:
+        first, second, third, fourth, fifth, sixth = (*p, 0)[:6]
+        inner = third * fourth + turned * second * fifth
+        return second * inner + turned * first * fourth**2 + sixth * first * second
 
     def minor(column: int, rows: tuple[int, ...]) -> Any:
         """The determinant of some rows, from a column on."""
@@ -335,9 +337,8 @@ def hurwitz(p: tuple[Any, ...], order: int = 3) -> Any:
             return 1
         total: Any = 0
         for k, row in enumerate(rows):
-            if 0 <= 2 * column - row < len(p):
-                rest = minor(column + 1, rows[:k] + rows[k + 1 :])
-                total = total + (-1) ** k * entry(row, column) * rest
+            if 0 <= (place := 2 * column - row) < len(p):
+                total = total + turned**k * p[place] * minor(column + 1, rows[:k] + rows[k + 1 :])
         return total
 
     return minor(1, tuple(range(1, order + 1)))

@@ -123,11 +123,16 @@ def margins(p: Polynomial, neutral: bool) -> Polynomial:
     if neutral and order == 4:
         return p[0], p[2], p[2] ** 2 - 4 * p[0] * p[4]
     if neutral and order > 4:
-        half = order // 2
-        p = tuple(x for k, even in enumerate(p[::2]) for x in (even, (half - k) * even))[:-1]
+        p = interlaced(p)
     if order == 2:
         return p[:1] if neutral else p[:2]
     return (*p[:-1], *(hurwitz(p, k) for k in range(3, order, 2)))
+
+
+def interlaced(p: Polynomial) -> Polynomial:
+    """Return q(s²) + s q′(s²) of the even part q(s²) of a polynomial, highest power first."""
+    half = (len(p) - 1) // 2
+    return tuple(x for k, even in enumerate(p[::2]) for x in (even, (half - k) * even))[:-1]
 
 
 def undamped(drive: Drive, key: str = "") -> bool:
