@@ -6,11 +6,10 @@ from pathlib import Path
 
 import lsvib
 from lsvib.api import DriveMethods
-from lsvib.models.drive import Drive, allowed_range, described
-from lsvib.models.model import all_models
+from lsvib.models.drive import IN_WORDS, PART_OF, PARTS, Drive, allowed_range, described
 
 _GROUPS = {
-    "Drives": ["Drive", "threads_drive", "support_drive", "nut_drive"],
+    "Drives": ["Drive"],
     "Simulation": ["simulate", "Scene"],
     "Stability and thresholds": [
         "StabilityReport",
@@ -29,7 +28,7 @@ _GROUPS = {
 _OTHER = "Others"
 # Modules that the other pages name, by subject; docs/design.md has the layers.
 MODULES = {
-    "Drives": ["lsvib.models.drive", "lsvib.models.scene", "lsvib.models.chapter", "lsvib.models.model"],
+    "Drives": ["lsvib.models.drive", "lsvib.models.scene", "lsvib.models.chapter", "lsvib.models.mechanism"],
     "Engine": ["lsvib.engine.automaton", "lsvib.engine.motion"],
     "Steady sliding": [
         "lsvib.stability.linear",
@@ -92,27 +91,27 @@ def _entry(name: str) -> str:
 
 
 def parameter_tables() -> str:
-    """Return the page of the parameters of all models, with symbol, unit, range, default and meaning."""
+    """Return the page of all parameters, with symbol, unit, range, default and meaning."""
     lines = [
         _heading("Parameters", "="),
         "The defaults are those of Table 8.1, as far as it states them; :doc:`physics` says where the others come "
         "from.\n``lsvib config`` prints the same.\n",
     ]
-    seen: set[str] = set()
-    for model, definition in all_models().items():
-        kind = definition.drive
-        own = [key for key in kind.model_fields if key not in seen]
-        seen |= set(own)
-        words = "All models have" if model == "rigid" else "It adds"
-        lines += [_heading(f"Model {model}, lsvib.{kind.__name__}", "-"), f"{words}\n"]
+    groups = {"Any drive": [key for key in Drive.model_fields if key not in PART_OF]}
+    groups |= {IN_WORDS[part].capitalize(): list(names) for part, names in PARTS.items()}
+    for title, own in groups.items():
+        words = "All drives have" if title == "Any drive" else "The part is there if it is given"
+        lines += [_heading(title, "-"), f"{words}\n"]
         lines += [".. list-table::", "   :header-rows: 1", ""]
         lines += _row(["key", "symbol", "unit", "allowed range", "default", "meaning"])
         for key in own:
-            about = described(kind, key)
-            default = kind.model_fields[key].default
-            shown = f"{math.degrees(default):.4g}°" if key == "lead_angle" else f"{default:g}"
+            about = described(Drive, key)
+            default = Drive.model_fields[key].default
+            shown = (
+                "–" if default is None else f"{math.degrees(default):.4g}°" if key == "lead_angle" else f"{default:g}"
+            )
             # The symbol is shorter than the key, and |…| in bars would be a substitution.
-            allowed = allowed_range(kind, key).replace(key, about["symbol"]).replace("|", r"\|")
+            allowed = allowed_range(Drive, key).replace(key, about["symbol"]).replace("|", r"\|")
             lines += _row([f"``{key}``", about["symbol"], about["unit"], allowed, shown, about["long_name"]])
         lines.append("")
     return "\n".join(lines)

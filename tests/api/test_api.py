@@ -206,7 +206,7 @@ def test_a_type_checker_sees_the_types(tmp_path):
         "reveal_type(drive.replace(mass=3))\n"
         "reveal_type(drive.stability().eigenvalues)\n"
         "reveal_type(drive.basin().area())\n"
-        "reveal_type(threads_drive().thresholds()['onset'].value)\n"
+        "reveal_type(drive.thresholds()['onset'].value)\n"
     )
     (tmp_path / "wrong.py").write_text(
         "import lsvib\nlsvib.Drive(mas=1)\nlsvib.Drive(mass='1 kg')\nlsvib.Drive().simulate(3)\n"

@@ -99,7 +99,8 @@ class Plane:
         """Make the plane from axes as :meth:`ChartAxis.of` takes them; raises ``InputError``."""
         if not model_of(drive).curves:
             raise InputError(
-                "charts are for rigid drives, and for drives with compliant threads and nothing else that complies."
+                "charts are for rigid drives without friction of slide and bearing, and for drives of which the "
+                "threads alone comply."
             )
         plane = cls(drive, ChartAxis.of(drive, "x", x), ChartAxis.of(drive, "y", y))
         if plane.x.name == plane.y.name:
