@@ -14,8 +14,12 @@ WRONG = 0.995
 QUANTITIES = {"Γ": "effective_inertia", "N": "normal_force", "C": "effective_damping", "ξ": "friction_factor"}
 _NO_FORCE = "the contact force is not in it"
 _UNDAMPED = "it has no damping but that of the support, as a parameter"
+_SOLVED = "under a friction law Newton's laws are solved body by body, without the formula of it"
 NOT_IN = {  # figures whose datasets a quantity does not change at all, and why
-    "Γ": {"nut_stability": "the critical values depend on where Γ vanishes, not on its size"},
+    "Γ": {
+        "nut_stability": "the critical values depend on where Γ vanishes, not on its size",
+        **dict.fromkeys(("falling_friction", "measured_drive"), _SOLVED),
+    },
     "N": {
         **dict.fromkeys(("fig8_01", "fig8_02"), "its contact force χ is an equation of its own (8.7)"),
         **dict.fromkeys(("fig8_03", "fig8_08", "fig8_15", "contact_stability", "nut_stability"), _NO_FORCE),
@@ -25,6 +29,7 @@ NOT_IN = {  # figures whose datasets a quantity does not change at all, and why
     "C": {
         **dict.fromkeys(("fig8_01", "fig8_02"), "while the contact moves the torque is constant"),
         **dict.fromkeys(("fig8_08", "fig8_15"), _UNDAMPED),
+        **dict.fromkeys(("falling_friction", "measured_drive"), _SOLVED),
     },
     "ξ": {},
 }

@@ -43,8 +43,9 @@ from lsvib.engine.automaton import Row, scaled
 from lsvib.engine.exact.arithmetic import double, many_digits, nothing, root, sign
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND
 from lsvib.errors import InputError
+from lsvib.models import mechanics
 from lsvib.models.drive import PARTS, Drive
-from lsvib.models.mechanics import friction_factor, plus, solved
+from lsvib.models.mechanics import plus, solved
 from lsvib.numbers import shown
 
 COORDINATES = {  # of each part: the names of its displacement and of the rate of that
@@ -152,8 +153,8 @@ class Mechanism:
         self.reach = d.pitch_radius * d.tan_lead
         self.same = sign(d.static_friction_coefficient) == 0  # rest then holds as much as slow sliding carries
         self.turning = sign(d.input_speed)
-        xi = {s: friction_factor(d.steady_friction, d.tan_lead, s) for s in (1, -1)}
-        self.xi_rest = {s: friction_factor(d.static_friction, d.tan_lead, s) for s in xi}
+        xi = {s: mechanics.friction_factor(d.steady_friction, d.tan_lead, s) for s in (1, -1)}
+        self.xi_rest = {s: mechanics.friction_factor(d.static_friction, d.tan_lead, s) for s in xi}
         self.turned = xi[1] * self.reach * d.pitch_radius  # ξ₊ tan λ r_m² [m²]
         self.force = d.axial_force - self.reach * d.translation_damping * d.input_speed
         self.force = self.force - self.limits.get("slide", 0) * self.turning
@@ -231,7 +232,7 @@ class Mechanism:
 
     def lever(self, law: int, mu: Any = None) -> Any:
         """r_m ξ_s [m], which the torque of the threads is times n; ``mu`` is that of slow sliding by default."""
-        return self.d.pitch_radius * friction_factor(self.slowest if mu is None else mu, self.d.tan_lead, law)
+        return self.d.pitch_radius * mechanics.friction_factor(self.slowest if mu is None else mu, self.d.tan_lead, law)
 
     def pressed(self, rates: Mapping[str, Row]) -> Row:
         """Return the row of N = cos λ (k_c e + c_c e′) of compliant threads."""
