@@ -70,7 +70,8 @@ def short_signature(
 ) -> tuple[str | None, str | None]:
     """Write the parameters of a drive as a person does: they are numbers; their ranges stand in a table."""
     if what == "class" and issubclass(thing, Drive):
-        fields = [f"{key}: float = {field.default:.6g}" for key, field in thing.model_fields.items()]
+        defaults = {key: field.default for key, field in thing.model_fields.items()}
+        fields = [f"{key}: float = {x if x is None else f'{x:.6g}'}" for key, x in defaults.items()]
         return f"(*, {', '.join(fields)})", None
     return signature, returned
 

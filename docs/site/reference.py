@@ -28,7 +28,7 @@ _GROUPS = {
 _OTHER = "Others"
 # Modules that the other pages name, by subject; docs/design.md has the layers.
 MODULES = {
-    "Drives": ["lsvib.models.drive", "lsvib.models.scene", "lsvib.models.chapter", "lsvib.models.mechanism"],
+    "Drives": ["lsvib.models.drive", "lsvib.models.scene", "lsvib.models.chapter", "lsvib.models.model"],
     "Engine": ["lsvib.engine.automaton", "lsvib.engine.motion"],
     "Steady sliding": [
         "lsvib.stability.linear",
@@ -107,9 +107,8 @@ def parameter_tables() -> str:
         for key in own:
             about = described(Drive, key)
             default = Drive.model_fields[key].default
-            shown = (
-                "–" if default is None else f"{math.degrees(default):.4g}°" if key == "lead_angle" else f"{default:g}"
-            )
+            shown = "none" if default is None else f"{default:g}"
+            shown = f"{math.degrees(default):.4g}°" if key == "lead_angle" else shown
             # The symbol is shorter than the key, and |…| in bars would be a substitution.
             allowed = allowed_range(Drive, key).replace(key, about["symbol"]).replace("|", r"\|")
             lines += _row([f"``{key}``", about["symbol"], about["unit"], allowed, shown, about["long_name"]])

@@ -77,7 +77,7 @@ def test_the_site_has_every_page_every_figure_and_every_public_name(site):
         if not public.startswith("__"):
             assert f'id="lsvib.{public}"' in reference
     for method in ("simulate", "attraction", "follow", "thresholds", "replace"):
-        assert f'id="threads_drive.{method}"' in reference
+        assert f'id="lsvib.Drive.{method}"' in reference
 
 
 @pytest.fixture(scope="module")
