@@ -105,7 +105,7 @@ def parameter_tables() -> str:
         lines += [".. list-table::", "   :header-rows: 1", ""]
         lines += _row(["key", "symbol", "unit", "allowed range", "default", "meaning"])
         for key in own:
-            about = described(Drive, key)
+            about = described(key)
             default = Drive.model_fields[key].default
             shown = "none" if default is None else f"{default:g}"
             shown = f"{math.degrees(default):.4g}°" if key == "lead_angle" else shown

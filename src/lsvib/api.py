@@ -69,9 +69,9 @@ class DriveMethods(_Base):
 
         See also: :mod:`lsvib.models.mechanism`, with the symbols.
         """
-        from lsvib.models.description import described
+        from lsvib.models.description import description_of
 
-        return described(self)
+        return description_of(self)
 
     def stability(self) -> StabilityReport:
         """Return the linear stability of steady sliding, u = u̇ = 0.

@@ -10,7 +10,7 @@ from lsvib.basins.mapping import mapper
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.engine.motion import follow
 from lsvib.models.drive import Drive
-from lsvib.models.mechanism import Event
+from lsvib.models.names import Event
 
 PARADOX = Drive.of(mass=11.0, support_damping=1e-3, axial_force=-10.0)
 

@@ -15,7 +15,7 @@ from lsvib.dynamics.energy import observable_integrals
 from lsvib.engine.kernels import flow_planar, layout
 from lsvib.engine.motion import follow
 from lsvib.models.drive import Drive
-from lsvib.models.mechanism import Event
+from lsvib.models.names import Event
 from lsvib.models.rigid import rigid_automaton
 from lsvib.stability.force_thresholds import onset_force
 

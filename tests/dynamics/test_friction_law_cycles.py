@@ -17,7 +17,7 @@ from references.parts import threads_drive
 import lsvib
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.errors import EngineError, InputError
-from lsvib.models.mechanism import Event
+from lsvib.models.names import Event
 from lsvib.models.rigid import rigid_automaton
 
 STEP = 1e-7  # of the differences, over the size of the motion

@@ -16,7 +16,7 @@ from mpmath import mp, mpf
 
 import lsvib
 from lsvib.dynamics.attractor import Attractor, steady_state
-from lsvib.models.mechanism import Event
+from lsvib.models.names import Event
 from lsvib.models.rigid import rigid_automaton
 
 DRIVES = 20

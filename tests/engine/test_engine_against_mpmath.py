@@ -19,7 +19,7 @@ from references.rigid_digits import GUARD_DIGITS, NAMES, REST, RigidTrueFlow, si
 
 from lsvib.engine.motion import follow
 from lsvib.models.drive import Drive
-from lsvib.models.mechanism import Event
+from lsvib.models.names import Event
 from lsvib.models.rigid import MotionMode, rigid_automaton
 
 TOLERANCE = 1e-12

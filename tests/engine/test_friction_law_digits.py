@@ -19,7 +19,7 @@ from lsvib.engine.kernels.layout import FIRST_MODEL_KIND
 from lsvib.engine.motion import follow
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
-from lsvib.models.mechanism import Event
+from lsvib.models.names import Event
 from lsvib.models.rigid import rigid_automaton
 
 TOLERANCE = 1e-12  # of the size of the motion

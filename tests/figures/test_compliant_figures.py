@@ -13,8 +13,9 @@ from lsvib.dynamics.impulses import seizure_impulses
 from lsvib.engine.motion import follow
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
-from lsvib.models.mechanism import Event, seated_state
+from lsvib.models.mechanism import seated_state
 from lsvib.models.model import automaton_of
+from lsvib.models.names import Event
 
 VISCOUS = threads_drive(mass=11.0, axial_force=50.0)
 

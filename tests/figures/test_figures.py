@@ -17,7 +17,7 @@ from lsvib.figures.configuration import default_figures
 from lsvib.figures.limit_process import BranchVerdict
 from lsvib.models.chapter import THRESHOLDS
 from lsvib.models.drive import Drive
-from lsvib.models.mechanism import Event
+from lsvib.models.names import Event
 from lsvib.stability.linear import Stability, UndampedClass
 
 SPOILED = {  # words of a check, and what it must refuse

@@ -90,14 +90,14 @@ def test_nothing_is_next_to_zero():
             assert getattr(whole.replace(**{key: sign * least}), key) == sign * least
             assert text in complaint(whole.replace, **{key: sign * math.nextafter(least, 0)})
             assert text in complaint(whole.replace, **{key: sign * 5e-324})
-        if may_vanish(Drive, key):
+        if may_vanish(key):
             assert text.startswith("0 or ")
             assert getattr(whole.replace(**{key: 0}), key) == 0
-            assert zero_if_close(Drive, key, math.nextafter(least, 0)) == 0
-            assert zero_if_close(Drive, key, least) == least
+            assert zero_if_close(key, math.nextafter(least, 0)) == 0
+            assert zero_if_close(key, least) == least
         else:
             assert text in complaint(whole.replace, **{key: 0})
-            assert zero_if_close(Drive, key, 5e-324) == 5e-324
+            assert zero_if_close(key, 5e-324) == 5e-324
 
 
 def test_text_that_is_a_number_is_read():

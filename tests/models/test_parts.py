@@ -7,7 +7,7 @@ from references.bodies import Bodies
 from lsvib.datasets.sweep import sweep
 from lsvib.dynamics.attractor import steady_state
 from lsvib.dynamics.energy import work
-from lsvib.engine.motion import follow
+from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError, InputError
 from lsvib.models.drive import PARTS, Drive
 from lsvib.models.model import automaton_of, model_of
@@ -54,25 +54,34 @@ def random_drive(seed: int) -> tuple[Drive, np.ndarray]:
     return drive, start
 
 
+def held_against_newton(drive: Drive, start: np.ndarray, duration: float, most: int) -> tuple[Motion, list[dict]]:
+    """Follow a motion and hold each arc against Newton's laws; returns it with the modes of its arcs."""
+    automaton, model, laws = automaton_of(drive), model_of(drive), Bodies(drive)
+    motion = follow(automaton, start, duration, max_events=most)
+    modes, starts, ends, durations = motion.arcs()
+    size = np.abs([*starts, *ends]).max(axis=0) + np.abs(laws.steady) + 1e-12
+    arcs = [laws.mode(model.modes(int(automaton.codes[mode])).name.lower()) for mode in modes]
+    seized = np.append(motion.kind == model.events.SEIZURE, False)
+    begins = np.cumsum([0.0, *durations[:-1]])
+    for what, first, begin, time, seizes in zip(arcs, starts, begins, durations, seized, strict=False):
+        if time < 1e-9:
+            continue
+        # Where a law brings Γ₊ to zero the deceleration grows without bound, and no integration comes to the end.
+        part = 0.99 if seizes and what["slip"] * what["contact"] > 0 else 1 - 1e-12
+        states = laws.moved(first + laws.steady, what, part * float(time), size)
+        (found,), _ = motion.at(np.array([begin + part * time]))
+        assert (np.abs(states[-1] - laws.steady - found) <= 1e-9 * size).all(), (drive, what)
+        assert max(laws.excess(state, what, size) for state in states) <= 1e-7, (drive, what)
+    return motion, arcs
+
+
 def check(seed: int) -> tuple[int, tuple[str, ...]] | None:
-    """Follow the first events of a random drive, and hold each arc against Newton's laws; None where it is refused."""
+    """Hold the first events of a random drive against Newton's laws; None where it is refused."""
     drive, start = random_drive(seed)
     try:
-        automaton, model = automaton_of(drive), model_of(drive)
-        motion = follow(automaton, start, 0.05, max_events=10)
+        motion, _ = held_against_newton(drive, start, 0.05, 10)
     except (InputError, EngineError):
         return None
-    laws, (modes, starts, ends, durations) = Bodies(drive), motion.arcs()
-    size = np.abs([*starts, *ends]).max(axis=0) + np.abs(laws.steady) + 1e-12
-    seized = np.append(motion.kind == model.events.SEIZURE, False)
-    for mode, first, last, duration, jams in zip(modes, starts, ends, durations, seized, strict=False):
-        if duration < 1e-9:
-            continue
-        what = laws.mode(model.modes(int(automaton.codes[mode])).name.lower())
-        states = laws.moved(first + laws.steady, what, float(duration), size)
-        # Where a law brings Γ₊ to zero, the deceleration grows without bound, and rounding of the time with it.
-        assert (np.abs(states[-1] - laws.steady - last) <= (1e-6 if jams else 1e-9) * size).all(), (seed, drive, what)
-        assert max(laws.excess(state, what, size) for state in states) <= 1e-7, (seed, drive, what)
     return motion.time.size, drive.parts
 
 
@@ -188,3 +197,24 @@ def test_a_sweep_from_without_friction_of_the_slide_to_with_it():
     assert found.amplitude[2] / found.amplitude[0] == pytest.approx((force - 5.0) / force, rel=1e-9)
     alone = steady_state(automaton_of(drive.replace(slide_friction=5.0)), np.array([1e-3, 0.0]) * drive.input_speed)
     assert found.period[2] == pytest.approx(alone.period, rel=1e-9)
+
+
+@pytest.mark.parametrize("part", ["support", "nut"])
+def test_threads_seize_where_friction_comes_to_the_painleve_band(part):
+    """Friction rises towards slow sliding, so that law + holds above a speed and ends there by a seizure."""
+    own = STIFF[part] | ({"screw_mass": 40.0} if part == "support" else {})
+    drive = Drive(mass=40.0, friction_coefficient=0.1, stribeck_rise=0.2, stribeck_speed=0.1, axial_force=60.0, **own)
+    motion, arcs = held_against_newton(drive, np.array([0.0, 60.0, 0.0, 0.0]), 0.2, 20)
+    jammed = [
+        state[1] + drive.input_speed - (state[3] if part == "nut" else 0.0)
+        for arc, kind, state in zip(arcs, motion.kind, motion.before, strict=False)
+        if kind == model_of(drive).events.SEIZURE and arc["slip"] * arc["contact"] > 0
+    ]
+    assert jammed
+    laws, inertia, mass = Bodies(drive), drive.screw_inertia, drive.mass
+    if part == "nut":
+        inertia = inertia * drive.nut_inertia / (inertia + drive.nut_inertia)
+    else:
+        mass = mass * drive.screw_mass / (mass + drive.screw_mass)
+    for slip in jammed:  # Γ₊ of the speed at which they seize
+        assert laws.lever(1, laws.mu(slip)) * laws.lead * mass == pytest.approx(inertia, rel=1e-6)

@@ -7,8 +7,8 @@ from references.parts import threads_drive
 from lsvib.engine.motion import follow
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.mechanism import Event
 from lsvib.models.model import automaton_of
+from lsvib.models.names import Event
 from lsvib.models.rigid import MotionMode, rigid_automaton
 from lsvib.stability.conditions import critical_mass
 

@@ -25,7 +25,7 @@ from lsvib.dynamics.impulses import seizure_impulses
 from lsvib.engine.kernels import flow_planar, layout
 from lsvib.engine.motion import follow
 from lsvib.models.drive import Drive
-from lsvib.models.mechanism import Event
+from lsvib.models.names import Event
 from lsvib.models.rigid import MotionMode, rigid_automaton
 
 TOLERANCE = 1e-11

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND
 from lsvib.engine.motion import Motion, follow
 from lsvib.models.drive import Drive
-from lsvib.models.mechanism import Event
+from lsvib.models.names import Event
 from lsvib.models.rigid import rigid_automaton
 from references.rigid_digits import RigidTruth, simulate
 

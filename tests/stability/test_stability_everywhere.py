@@ -57,7 +57,7 @@ def judge_thresholds(model: str, drive: Drive, law: int, random: np.random.Gener
         found, stable = all_thresholds(drive, key)["onset"], stable_set(drive, key)
         ends = [end for interval in stable.intervals for end in interval if 0 < end < stable.limit]
         assert found.solutions or found.reason.endswith(".")
-        values = [float(end) for end in ends if zero_if_close(type(drive), key, float(end)) == float(end)]
+        values = [float(end) for end in ends if zero_if_close(key, float(end)) == float(end)]
         assert {solution.value for solution in found.solutions} <= set(values)
         lowest, highest = (-6.0, 9.0) if key == "mass" else (-8.0, 12.0)
         places = list(10 ** random.uniform(lowest, highest, 3))
@@ -69,7 +69,7 @@ def judge_thresholds(model: str, drive: Drive, law: int, random: np.random.Gener
         for place in places:
             if not (0 if key != "mass" else 1e-18) <= place < float(stable.limit):
                 continue
-            if zero_if_close(type(drive), key, place) != place:
+            if zero_if_close(key, place) != place:
                 continue
             exact = fmpq(*place.as_integer_ratio())
             inside = stable.from_zero if place == 0 else any(low < exact < high for low, high in stable.intervals)
@@ -80,7 +80,7 @@ def judge_thresholds(model: str, drive: Drive, law: int, random: np.random.Gener
         if ends:  # the boundary itself, to rounding
             end = float(ends[random.integers(len(ends))])
             place = [end, math.nextafter(end, 0), math.nextafter(end, math.inf)][random.integers(3)]
-            if zero_if_close(type(drive), key, place) == place:
+            if zero_if_close(key, place) == place:
                 judge_stability(model, drive.replace(**{key: place}), law, tally)
         tally[f"{key} {len(ends)}"] = tally.get(f"{key} {len(ends)}", 0) + 1
 

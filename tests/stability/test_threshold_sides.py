@@ -19,7 +19,7 @@ from lsvib.engine.motion import follow
 from lsvib.errors import DivergenceError, EngineError, InputError, NoThreshold
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.mechanism import Event
+from lsvib.models.names import Event
 from lsvib.models.rigid import rigid_automaton
 from lsvib.stability import force_thresholds
 from lsvib.stability.force_thresholds import widest_return

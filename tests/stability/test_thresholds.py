@@ -21,8 +21,9 @@ from lsvib.dynamics.attractor import Attractor, orbit_extremes, steady_state
 from lsvib.models import chapter
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.mechanism import Event, seated_state
+from lsvib.models.mechanism import seated_state
 from lsvib.models.model import automaton_of
+from lsvib.models.names import Event
 from lsvib.models.rigid import rigid_automaton
 from lsvib.stability import force_thresholds
 from lsvib.stability.conditions import critical_friction, critical_mass

@@ -198,7 +198,7 @@ def drive_of(
     given = sheets.point(sheet, values, direction, speed, force)[0] | sheets.own_parameters(values, parts)
     if sheet.friction.law:
         given |= sheets.friction_law(sheet, values, given["lead_angle"])
-    return Drive(**{key: zero_if_close(Drive, key, float(value)) for key, value in given.items()})
+    return Drive(**{key: zero_if_close(key, float(value)) for key, value in given.items()})
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import event_loop, flow_planar, layout
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
-from lsvib.models.mechanism import Resume
+from lsvib.models.names import Resume
 
 _EVENTS = 100_000  # of a motion, after which its start is unresolved
 _SYMBOLS = 256  # events of the longest itinerary; what a motion ends in that goes on is searched

@@ -10,8 +10,8 @@ from lsvib.basins.grid import Grid
 from lsvib.dynamics.attractor import SteadyState
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
-from lsvib.models.mechanism import Resume
 from lsvib.models.model import model_of
+from lsvib.models.names import Resume
 from lsvib.numbers import Progress
 
 QUANTITIES = {"label": np.int8, "time": np.float64, "seizures": np.int32, "first_event": np.int8, "doubt": np.int8}

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from lsvib.basins.mapper import Mapper
 from lsvib.models.drive import Drive
 from lsvib.models.friction import depends_on_speed
-from lsvib.models.mechanism import Resume
 from lsvib.models.model import model_of
+from lsvib.models.names import Resume
 
 
 def mapper(drive: Drive, physics: Sequence[str] | None = None, resume: Resume = "contact_sign") -> Mapper:

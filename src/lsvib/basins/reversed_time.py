@@ -30,7 +30,7 @@ from lsvib.engine.kernels.layout import Test
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.mechanism import Event
+from lsvib.models.names import Event
 from lsvib.models.rigid import SLIPS, MotionMode, rigid_automaton
 
 BEGINNING = int(MotionMode.REST)  # code of the mode in which a trace ends

@@ -14,8 +14,8 @@ from lsvib.basins.mapper import NO_DOUBT, Mapper
 from lsvib.dynamics.attractor import Attractor, Doubt, KnownCycles, SteadyState, end_of_motion
 from lsvib.errors import EngineError, InputError
 from lsvib.models.drive import Drive
-from lsvib.models.mechanism import Resume
 from lsvib.models.model import coordinates
+from lsvib.models.names import Resume
 
 
 class StateMapper(Mapper):

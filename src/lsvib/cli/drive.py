@@ -31,7 +31,7 @@ def config(*, drive: DriveOptions = CHAPTER, scene: SceneFile = None, as_json: A
     fields = {}
     made = Drive.of(names_and_values("drive", start.get("drive"))).replace(**drive.values())
     for key, value in made.model_dump().items():
-        about = described(Drive, key)
+        about = described(key)
         allowed = allowed_range(Drive, key)
         fields[key] = {"value": value, "unit": about["unit"], "symbol": about["symbol"], "allowed": allowed}
 
@@ -56,7 +56,7 @@ def describe(*, drive: DriveOptions = CHAPTER, as_json: AsJson = False) -> None:
 
         lsvib describe --set contact_stiffness=1e8 --set screw_mass=3 --set support_stiffness=1e6
     """
-    from lsvib.models.description import described as description_of
+    from lsvib.models.description import description_of
 
     def text(found: Mapping[str, Any]) -> None:
         """Print it line by line."""

@@ -21,8 +21,9 @@ from lsvib.errors import InputError
 from lsvib.models import friction
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.mechanism import RULES, Event, seated_state
+from lsvib.models.mechanism import seated_state
 from lsvib.models.model import automaton_of
+from lsvib.models.names import RULES, Event
 from lsvib.models.rigid import MotionMode, rigid_automaton
 
 _CORNERS = (800, 3000)  # that represent a motion after one impact, and a cycle, which is longer and bends more

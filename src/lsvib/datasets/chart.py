@@ -33,8 +33,8 @@ from lsvib.datasets.sweep import known_key, product_of
 from lsvib.dynamics.behaviour import Behaviour, behaviours
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
-from lsvib.models.mechanism import Resume, rule
 from lsvib.models.model import model_of
+from lsvib.models.names import Resume, rule
 from lsvib.numbers import Progress
 from lsvib.stability.curves import LOGARITHMIC, ChartBoundary, boundary_curves
 
@@ -56,7 +56,7 @@ class ChartAxis(Axis):
             parts = given
             if not isinstance(parts, tuple | list) or len(parts) != 4:
                 raise InputError(f"{where} = {numbers.shown(given)} is not a parameter with start, stop and count.")
-        known_key(type(drive), name := parts[0], f"{where}: ")
+        known_key(name := parts[0], f"{where}: ")
         axis = cls(*parts)
         if name in LOGARITHMIC and axis.start <= 0:
             raise InputError(f"axis {name} has start = {axis.start:g}; its cells have equal ratios, so start > 0.")

@@ -97,12 +97,11 @@ def followed(
 
     Raises ``InputError`` for a cycle of another drive, a parameter that is not known, or a span without the drive.
     """
-    kind = type(drive)
     if not isinstance(cycle, Cycle):
         raise InputError("what is followed is one cycle, such as drive.cycles().cycles[0].")
     if cycle.drive != drive:
         raise InputError("the cycle belongs to another drive; take one of this drive's cycles().")
-    known_key(kind, parameter)
+    known_key(parameter)
     try:
         low, high = (numbers.number(value) for value in span)
     except (numbers.NotNumber, TypeError, ValueError):
@@ -117,7 +116,7 @@ def followed(
         drive.replace(**{parameter: end})
 
     def made(value: float) -> tuple[Drive, Automaton]:
-        there = drive.replace(**{parameter: zero_if_close(kind, parameter, value)})
+        there = drive.replace(**{parameter: zero_if_close(parameter, value)})
         return there, build(there)
 
     return follow_cycle(cycle, made, parameter, (low, high), most)
@@ -125,7 +124,7 @@ def followed(
 
 def branch_dataset(drive: Drive, branch: CycleBranch) -> xr.Dataset:
     """Return a branch of cycles as a dataset along ``point``; its changes are an attribute."""
-    about = described(type(drive), branch.parameter)
+    about = described(branch.parameter)
     cycles = [point.cycle for point in branch.points]
     count = max(cycle.multipliers.size for cycle in cycles)
     multipliers = np.array([cycle.multipliers for cycle in cycles]).reshape(-1, count)

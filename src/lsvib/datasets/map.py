@@ -34,8 +34,8 @@ from lsvib.datasets.io import joined, rows_of, write_dataset
 from lsvib.dynamics.attractor import Attractor, Doubt
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive, names_and_values
-from lsvib.models.mechanism import rule
 from lsvib.models.model import coordinates
+from lsvib.models.names import rule
 from lsvib.numbers import Progress
 
 

@@ -32,7 +32,7 @@ from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.mechanism import RULES, Event, Resume
+from lsvib.models.names import RULES, Event, Resume
 from lsvib.models.rigid import MotionMode, rigid_automaton
 
 if TYPE_CHECKING:

@@ -22,8 +22,8 @@ from lsvib.dynamics.sweep import all_endings
 from lsvib.errors import EngineError, InputError
 from lsvib.models.drive import Drive, described, names_and_values
 from lsvib.models.many import ManyDrives
-from lsvib.models.mechanism import rule
 from lsvib.models.model import model_of
+from lsvib.models.names import rule
 from lsvib.numbers import Progress
 
 START = {"u": 1e-3, "w": 0.0}  # next to steady sliding: rad, and rad/s
@@ -63,7 +63,7 @@ def sweep(
     :class:`lsvib.dynamics.sweep.Ending`. Raises ``InputError`` for what is not acceptable.
     """
     definition, resumption, at_once = model_of(drive), rule(resume), numbers.workers(workers)
-    axes = axes_of(over, Drive, _MOST)
+    axes = axes_of(over, _MOST)
     given = START if start is None else names_and_values("start", start)
     begin = {key: numbers.start(f"start {key}", value) for key, value in given.items()}
     definition.initial_state(drive, begin)  # refuses other keys
@@ -85,7 +85,7 @@ def sweep(
 
 def _over(axes: Mapping[str, Sequence[float]], drive: Drive, found: Variables, **more: str) -> xr.Dataset:
     """What was found over values of some parameters of a drive, with these as coordinates; ``more`` attributes."""
-    about = {name: described(type(drive), name) for name in axes}
+    about = {name: described(name) for name in axes}
     return xr.Dataset(
         found,
         {name: variable(name, np.array(x), about[name]["unit"], about[name]["long_name"]) for name, x in axes.items()},
@@ -93,19 +93,19 @@ def _over(axes: Mapping[str, Sequence[float]], drive: Drive, found: Variables, *
     )
 
 
-def known_key(kind: type[Drive], name: Any, where: str = "") -> None:
-    """Raise ``InputError`` unless a class of drives has a parameter of this name."""
-    if not isinstance(name, str) or name not in kind.model_fields:
-        known = ", ".join(kind.model_fields)
+def known_key(name: Any, where: str = "") -> None:
+    """Raise ``InputError`` unless drives have a parameter of this name."""
+    if not isinstance(name, str) or name not in Drive.model_fields:
+        known = ", ".join(Drive.model_fields)
         raise InputError(f"{where}{numbers.shown(name)} is not a known key; the known keys are {known}.")
 
 
-def axes_of(over: Any, kind: type[Drive], most: int) -> dict[str, list[float]]:
+def axes_of(over: Any, most: int) -> dict[str, list[float]]:
     """Return the values of each parameter of a product of ``most`` points at most; raises ``InputError``."""
     axes: dict[str, list[float]] = {}
     lists = names_and_values("over", over)
     for name, given in lists.items():
-        known_key(kind, name)
+        known_key(name)
         if isinstance(given, str | bytes | Mapping) or getattr(given, "ndim", 1) != 1 or not hasattr(given, "__len__"):
             raise InputError(f"over: {name} = {numbers.shown(given)} is not a list of numbers.")
     total = math.prod(map(len, lists.values()))
@@ -160,7 +160,7 @@ def resilience_sweep(
     reasons in the attribute ``refused``. Raises ``InputError`` for values that are not acceptable.
     """
     window = None if window is None else Window.of(window)
-    axes = axes_of(over, Drive, _MOST // 10)  # at some 10 ms each three hours
+    axes = axes_of(over, _MOST // 10)  # at some 10 ms each three hours
     drives = [drive.replace(**dict(zip(axes, values, strict=True))) for values in product(*axes.values())]
     found: list[Resilience | None] = []
     refused: list[str] = []

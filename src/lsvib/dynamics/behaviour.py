@@ -16,7 +16,7 @@ from lsvib.dynamics.kernels.sweep import REVERSES
 from lsvib.dynamics.sweep import all_endings
 from lsvib.models import mechanics
 from lsvib.models.many import ManyDrives
-from lsvib.models.mechanism import Resume
+from lsvib.models.names import Resume
 
 
 class Behaviour(IntEnum):

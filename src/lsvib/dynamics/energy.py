@@ -23,8 +23,7 @@ from lsvib.engine.kernels import flow_planar, flow_taylor, layout
 from lsvib.engine.kernels.layout import TaylorFlow
 from lsvib.engine.motion import Motion
 from lsvib.models.drive import Drive
-from lsvib.models.model import model_of
-from lsvib.models.powers import product
+from lsvib.models.powers import Powers, product
 
 
 @dataclass(frozen=True)
@@ -163,7 +162,7 @@ def observable_integrals(orbit: Motion, names: Sequence[str]) -> np.ndarray:
 def rubbing_integrals(drive: Drive, orbit: Motion) -> np.ndarray:
     """Return ∫ μ N dt [N s] (arcs) over each arc of a motion; at rest it has no meaning."""
     automaton, one = orbit.automaton, np.eye(orbit.start_state.size + 1)[-1]
-    powers, found = model_of(drive).powers(drive, automaton), list[float]()
+    powers, found = Powers(drive, automaton), list[float]()
     for mode, start, _, duration in zip(*orbit.arcs(), strict=True):
         form = powers.rubbed(product(automaton.observables["normal_force"][mode], one))
         found.extend(quadratic_integrals(automaton, mode, start, float(duration), form[None]))
@@ -180,7 +179,7 @@ def means(orbit: Motion) -> dict[str, float]:
 def work(drive: Drive, orbit: Motion) -> Work:
     """Return the work of each kind over one period of a cycle of a drive."""
     automaton = orbit.automaton
-    powers, totals = model_of(drive).powers(drive, automaton), np.zeros(4)
+    powers, totals = Powers(drive, automaton), np.zeros(4)
     for mode, start, _, duration in zip(*orbit.arcs(), strict=True):
         code = int(mode)
         forms = [powers.motor(code), powers.load(), powers.signed_friction(code), powers.damping()]

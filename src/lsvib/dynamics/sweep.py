@@ -33,8 +33,8 @@ from lsvib.engine.motion import engine_for, enter
 from lsvib.errors import EngineError
 from lsvib.models.drive import Drive
 from lsvib.models.many import Group, ManyDrives, automata, groups
-from lsvib.models.mechanism import Event, Resume
 from lsvib.models.model import model_of
+from lsvib.models.names import Event, Resume
 
 WORK = 300_000.0  # events that a motion may take
 _WITHOUT_NUMBERS = (Attractor.UNRESOLVED, Attractor.UNBOUNDED)

@@ -93,7 +93,7 @@ class Controls:
         kind, rows = type(drive), []
         self.fields, self.sliders = {}, {}
         for key in parameters(drive):
-            about = described(kind, key)
+            about = described(key)
             name = f"{about['long_name']} {about['symbol']} {style.unit(about['unit'])}".rstrip()
             self.fields[key] = TextInput(title=name, width=150, description=allowed_range(kind, key), name=key)
             self.sliders[key] = Slider(
@@ -114,7 +114,7 @@ class Controls:
             return
         end = 2 * abs(value) or _FROM_ZERO.get(key, 1.0)
         step = (2 if key in _SIGNED else 1) * end / 200  # finer than a hand
-        zero = 0.0 if may_vanish(kind, key) else step
+        zero = 0.0 if may_vanish(key) else step
         start = -end if key in _SIGNED else zero
         self.sliders[key].update(start=start, end=end, step=step, value=value)
 

@@ -230,7 +230,7 @@ class Plots:
 
     def start_curve(self, view: View, thresholds: Mapping[str, float]) -> None:
         """Clear the amplitude curve and set its axis, the drive's own value and its thresholds."""
-        about = described(type(view.drive), view.over)
+        about = described(view.over)
         decades = answers.logarithmic(view)
         self.curve.x_scale = LogScale() if decades else LinearScale()
         self.curve.xaxis.ticker = LogTicker() if decades else BasicTicker()

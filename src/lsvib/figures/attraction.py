@@ -14,7 +14,7 @@ from lsvib.basins.grid import coordinates
 from lsvib.figures import drawing, style
 from lsvib.figures.common import flag_names
 from lsvib.figures.settings import Cells, FigureSettings, Unique
-from lsvib.models.mechanism import Resume
+from lsvib.models.names import Resume
 
 CAPTION = """\
 Regions of attraction: the attractor of the motion from every start, and the time until it is reached as shade, with the

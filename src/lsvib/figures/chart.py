@@ -12,7 +12,7 @@ from pydantic import Field
 from lsvib.figures import drawing, style
 from lsvib.figures.common import flag_names
 from lsvib.figures.settings import Cells, FigureSettings
-from lsvib.models.mechanism import Resume
+from lsvib.models.names import Resume
 
 CAPTION = """\
 What the drive does over two of its parameters, by two motions in each cell, with the exact curves that divide it. Sects

@@ -41,15 +41,13 @@ class Settings(of.FigureSettings):
     unused: ClassVar = ("mass",)
 
     drive: of.DriveChanges
-    stiffnesses: of.several(
-        of.parameter("contact_stiffness", of=Drive), 1, 6, "Contact stiffnesses k_c of the curves [N/m]."
-    )
+    stiffnesses: of.several(of.parameter("contact_stiffness"), 1, 6, "Contact stiffnesses k_c of the curves [N/m].")
     contact_damping: of.PositiveSpan = Field(description="c_c [N s/m] along the curves, spaced logarithmically.")
     contacts: of.several(of.Contact, 2, 5, "Contacts that figures draw, the stiffest first.")
     masses: of.MassPair = Field(description="Masses above and below the critical mass of the rigid drive [kg].")
     stiffness: of.PositiveSpan = Field(description="k_c [N/m] of the growth rates, spaced logarithmically.")
     dampings: of.several(
-        of.parameter("contact_damping", of=Drive),
+        of.parameter("contact_damping"),
         2,
         5,
         "Contact dampings of the growth rates, the first zero [N s/m].",

@@ -15,7 +15,7 @@ from lsvib.figures.common import about, named
 from lsvib.figures.settings import PhasePlane, Span, Values
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.mechanism import RULES, Event
+from lsvib.models.names import RULES, Event
 from lsvib.models.rigid import MotionMode, rigid_automaton
 
 CAPTION = """\

@@ -15,8 +15,9 @@ from lsvib.figures import settings as of
 from lsvib.figures.common import Motion, SteadyState, about, named
 from lsvib.models import chapter
 from lsvib.models.drive import Drive
-from lsvib.models.mechanism import COORDINATES, Event, seated_state
+from lsvib.models.mechanism import seated_state
 from lsvib.models.model import automaton_of, model_of
+from lsvib.models.names import COORDINATES, Event
 
 CAPTION = """\
 Compliant threads, k_c = c_c = 10⁸ (SI): (a) phase plane beside the rigid drive's cycle; (b) contact force on a broken
@@ -35,8 +36,8 @@ _DISTANCE = (
 class Settings(of.FigureSettings):
     flows: ClassVar = ("modal",)
     drive: of.DriveChanges
-    contact_stiffness: of.parameter("contact_stiffness", of=Drive)
-    contact_damping: of.parameter("contact_damping", of=Drive)
+    contact_stiffness: of.parameter("contact_stiffness")
+    contact_damping: of.parameter("contact_damping")
     start: of.State
     duration: of.Duration
     samples: of.Samples

@@ -14,7 +14,7 @@ from lsvib.figures import style
 from lsvib.figures.common import SteadyState, about, flag_names, named
 from lsvib.figures.settings import DriveChanges, FigureSettings, Span, State, Values
 from lsvib.models.drive import Drive
-from lsvib.models.mechanism import RULES
+from lsvib.models.names import RULES
 from lsvib.models.rigid import MotionMode
 from lsvib.numbers import bisected
 

@@ -24,7 +24,7 @@ from lsvib.figures.common import Motion, about, flag_names, named
 from lsvib.figures.settings import Cells, MassPair, OpposingForces, PhasePlane, Values
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.mechanism import RULES, Event
+from lsvib.models.names import RULES, Event
 from lsvib.models.rigid import MotionMode, rigid_automaton
 
 CAPTION = """\

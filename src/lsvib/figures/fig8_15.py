@@ -44,7 +44,7 @@ class Settings(FigureSettings):
     unused: ClassVar = ("support_damping", "friction_coefficient", "input_speed", "translation_damping", "axial_force")
 
     drive: DriveChanges
-    screw_mass: parameter("screw_mass", of=Drive)
+    screw_mass: parameter("screw_mass")
     friction_coefficient: Span = Field(description="mu, from zero or more.")
     support_stiffness: PositiveSpan = Field(description="k_1 [N/m], spaced logarithmically.")
 

@@ -28,7 +28,7 @@ from lsvib.figures import settings as of
 from lsvib.figures.common import LimitBranch, about, flag_names, named
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.mechanism import RULES
+from lsvib.models.names import RULES
 
 CAPTION = """\
 The limit process. Each column of (a) to (c) is a branch: drive on top; below, the sign of N in the impact and the
@@ -71,9 +71,7 @@ class Settings(of.FigureSettings):
     speed: float = Field(gt=0, le=1e9, description="Screw speed before an impact [rad/s].")
     duration: of.Duration
     start: of.State
-    stiffness: of.several(
-        of.parameter("contact_stiffness", of=Drive), 3, 50, "Contact stiffnesses k_c [N/m], ascending."
-    )
+    stiffness: of.several(of.parameter("contact_stiffness"), 3, 50, "Contact stiffnesses k_c [N/m], ascending.")
     fit_from: float = Field(gt=0, description="Least stiffness that orders are fitted to [N/m].")
     damping_ratio: float = Field(gt=0, le=1000, description="Damping ratio of the nut in its family [1].")
 
@@ -161,8 +159,8 @@ def _indeterminate(drive: Drive, stiffness: np.ndarray, speed: float, duration: 
     """
     from lsvib.contact.stiff_limit import BranchFamily, stiffened
     from lsvib.engine.motion import follow
-    from lsvib.models.mechanism import Event
     from lsvib.models.model import automaton_of
+    from lsvib.models.names import Event
 
     c, w = coefficients(drive), speed - drive.input_speed
     q_u, q_w, q_0 = (float(x) for x in c.q_row)

@@ -132,34 +132,32 @@ def several(kind: Any, least: int, most: int | None, description: str) -> Any:
     return Annotated[list[kind], *Unique, Field(min_length=least, max_length=most, description=description)]
 
 
-def parameter(key: str, *more: Any, of: type[Drive] = Drive) -> Any:
+def parameter(key: str, *more: Any) -> Any:
     """Return the type of a parameter of a drive, with its range, and with ``more`` bounds."""
-    bounds = [bound for bound in of.model_fields[key].metadata if isinstance(bound, _BOUNDS)]
-    least = [bound for bound in of.model_fields[key].metadata if isinstance(bound, Least)]
-    words = described(of, key)
+    bounds = [bound for bound in Drive.model_fields[key].metadata if isinstance(bound, _BOUNDS)]
+    least = [bound for bound in Drive.model_fields[key].metadata if isinstance(bound, Least)]
+    words = described(key)
     description = f"{words['symbol']} [{words['unit']}]: {words['long_name']}."
     return Annotated[float, *bounds, *more, *least, Field(description=description)]
 
 
-def _changes(name: str, description: str, of: type[Drive]) -> type[SettingsSection]:
-    types = {key: parameter(key, of=of) for key in of.model_fields}
-    angle = [bound for bound in of.model_fields["lead_angle"].metadata if isinstance(bound, (Ge, Lt))]
+def _changes(name: str, description: str) -> type[SettingsSection]:
+    types = {key: parameter(key) for key in Drive.model_fields}
+    angle = [bound for bound in Drive.model_fields["lead_angle"].metadata if isinstance(bound, (Ge, Lt))]
     degrees = [Ge(math.degrees(b.ge)) if isinstance(b, Ge) else Lt(math.degrees(b.lt)) for b in angle]
     types["lead_angle_deg"] = Annotated[float, *degrees, Field(description="lambda [degree].")]
     fields: dict[str, Any] = {key: (kind, None) for key, kind in types.items()}  # not named: as in Table 8.1
     return create_model(name, __base__=SettingsSection, __doc__=description, **fields)
 
 
-DriveChanges = _changes(
-    "DriveChanges", "Changes of the drive of Table 8.1; lsvib checks what couples two of them.", Drive
-)
+DriveChanges = _changes("DriveChanges", "Changes of the drive of Table 8.1; lsvib checks what couples two of them.")
 
 
 class Contact(SettingsSection):
     """A contact of compliant threads."""
 
-    contact_stiffness: parameter("contact_stiffness", of=Drive)
-    contact_damping: parameter("contact_damping", of=Drive)
+    contact_stiffness: parameter("contact_stiffness")
+    contact_damping: parameter("contact_damping")
 
 
 class ContactStart(SettingsSection):
@@ -171,7 +169,7 @@ class ContactStart(SettingsSection):
 
 NotZero = (AfterValidator(_not_zero),)  # add to the type of a number
 ContactDampings = Annotated[
-    tuple[Annotated[float, AfterValidator(_zero)], parameter("contact_damping", Gt(0), of=Drive)],
+    tuple[Annotated[float, AfterValidator(_zero)], parameter("contact_damping", Gt(0))],
     Field(strict=False, description="Contact damping of both panels, none first [N s/m]."),
 ]
 Starts = Annotated[list[State], Field(min_length=1, max_length=4, description="States from which motions are drawn.")]
@@ -208,7 +206,7 @@ class ContactPortrait(FigureSettings):
     unused: ClassVar = ("coupling_stiffness", "support_damping", "input_speed", "translation_damping", "axial_force")
 
     drive: DriveChanges
-    contact_stiffness: parameter("contact_stiffness", of=Drive)
+    contact_stiffness: parameter("contact_stiffness")
     contact_dampings: ContactDampings
     force: Span = Field(description="Contact force in the scale of the chapter [1/(kg m2)].")
     rate: Span = Field(description="Its rate, in the same scale [1/(kg m2)].")

@@ -39,7 +39,7 @@ class Description:
         }
 
 
-def described(drive: Drive) -> Description:
+def description_of(drive: Drive) -> Description:
     """Return what a drive is made of."""
     model, d = model_of(drive), drive.exact()
     with many_digits():
@@ -81,14 +81,16 @@ def _bodies(drive: Drive, reach: float) -> list[str]:
     if turns:
         spring = [("−", d.nut_stiffness, "θ_2"), ("−", d.nut_damping, "θ_2′")]
         lines.append(f"{d.nut_inertia:.6g} θ_2″ = τ {_sum(spring)}")
-    lines.append(f"{d.mass:.6g} x″ = {d.axial_force:.6g} {_sum(load)} − n".replace("  ", " "))
+    right = _sum([("", d.axial_force, ""), *load])
+    lines.append(f"{d.mass:.6g} x″ = {right + ' ' if right else ''}− n")
     angle = "(θ − θ_2)" if turns else "θ"
     lines.append(f"x = {reach:.6g} {angle}{' + x_1' if shifts else ''}{' + e' if 'threads' in d.parts else ''}")
     return [*lines, f"z = θ − {d.input_speed:.6g} t"]
 
 
 def _sum(terms: list[tuple[str, float, str]]) -> str:
-    return " ".join(f"{sign} {value:.6g} {name}" for sign, value, name in terms if value)
+    """Terms, each a sign, a number and what it multiplies; those that are zero are left out."""
+    return " ".join(f"{sign} {value:.6g} {name}".strip() for sign, value, name in terms if value)
 
 
 def _threads(drive: Drive, mechanism: Mechanism) -> list[str]:
@@ -103,9 +105,11 @@ def _threads(drive: Drive, mechanism: Mechanism) -> list[str]:
     if mechanism.compliant:
         d = mechanism.d
         stiffness, damping = float(d.cos_lead * d.contact_stiffness), float(d.cos_lead * d.contact_damping)
-        lines.append(f"N = {stiffness:.6g} e + {damping:.6g} e′, and n is N with its friction along the axis")
+        contact = _sum([("", stiffness, "e"), ("+", damping, "e′")])
+        lines.append(f"N = {contact}, and n is the axial force of N and its friction")
     else:
         inertia, mass = mechanism.effective()
         gamma = float(inertia - mechanism.turned * mass)
-        lines.append(f"Γ₊ = {gamma:.6g} kg m²{'' if gamma > 0 else ': the threads can seize'}")
+        where = " in steady sliding" if friction.depends_on_speed(drive) else ""
+        lines.append(f"Γ₊ = {gamma:.6g} kg m²{where}{'' if gamma > 0 else ': the threads can seize'}")
     return lines

@@ -409,9 +409,9 @@ def sentence_about(model: type[BaseModel], error: ValidationError) -> str:
     return f"{key} = {value} is not acceptable: {first['msg']}."
 
 
-def described(model: type[BaseModel], key: str) -> dict[str, str]:
+def described(key: str) -> dict[str, str]:
     """Return the ``symbol``, ``unit`` and ``long_name`` of a parameter."""
-    extra = model.model_fields[key].json_schema_extra
+    extra = Drive.model_fields[key].json_schema_extra
     return {name: str(text) for name, text in extra.items()} if isinstance(extra, dict) else {}
 
 
@@ -421,15 +421,15 @@ def allowed_range(model: type[BaseModel], key: str) -> str:
     return f"{text} < cot(lead_angle)" if key == "friction_coefficient" else text
 
 
-def may_vanish(model: type[BaseModel], key: str) -> bool:
+def may_vanish(key: str) -> bool:
     """Whether a parameter may be zero."""
-    return any(isinstance(bound, Least) and bound.zero for bound in model.model_fields[key].metadata)
+    return any(isinstance(bound, Least) and bound.zero for bound in Drive.model_fields[key].metadata)
 
 
-def zero_if_close(model: type[BaseModel], key: str, value: float) -> float:
+def zero_if_close(key: str, value: float) -> float:
     """Return a value that was computed, or zero where it is closer to zero than a parameter that may vanish can be.
 
     Steps across zero and halvings of an interval towards it come there by rounding.
     """
-    least = [bound for bound in model.model_fields[key].metadata if isinstance(bound, Least) and bound.zero]
+    least = [bound for bound in Drive.model_fields[key].metadata if isinstance(bound, Least) and bound.zero]
     return 0.0 if least and abs(value) < least[0].magnitude else value

@@ -19,8 +19,9 @@ from lsvib.engine.kernels.layout import Test
 from lsvib.errors import InputError
 from lsvib.models import friction, sliding
 from lsvib.models.drive import Drive, once
-from lsvib.models.mechanism import DIRECTIONS, Event, Key, Mechanism, Resume, seated
+from lsvib.models.mechanism import Mechanism, seated
 from lsvib.models.modes import OUTPUTS, Modes
+from lsvib.models.names import DIRECTIONS, Event, Key, Resume
 
 
 class LawModes(Modes):

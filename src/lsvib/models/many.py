@@ -21,9 +21,10 @@ from lsvib.errors import EngineError
 from lsvib.models import friction
 from lsvib.models.drive import DRY, PART_OF, Drive
 from lsvib.models.mechanics import Coefficients, coefficients_of, steady_force
-from lsvib.models.mechanism import Mechanism, Resume
+from lsvib.models.mechanism import Mechanism
 from lsvib.models.model import automaton_of, model_of
 from lsvib.models.modes import Modes
+from lsvib.models.names import Resume
 from lsvib.models.rigid import RigidBuild
 
 

@@ -30,83 +30,20 @@ holds a body. Its solution is made of affine functions of the state, *rows* of n
 drive, or arrays of many.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from enum import IntEnum
 from functools import cached_property
-from itertools import chain, product
-from typing import Any, Literal, get_args
+from itertools import chain
+from typing import Any
 
 import numpy as np
 
 from lsvib.engine.automaton import Row, scaled
 from lsvib.engine.exact.arithmetic import double, many_digits, nothing, root, sign
-from lsvib.engine.kernels.layout import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND
-from lsvib.errors import InputError
 from lsvib.models import mechanics
 from lsvib.models.drive import PARTS, Drive
 from lsvib.models.mechanics import plus, solved
-from lsvib.numbers import shown
-
-COORDINATES = {  # of each part: the names of its displacement and of the rate of that
-    "screw": ("angle_deviation", "velocity_deviation"),
-    "support": ("screw_shift", "shift_rate"),
-    "nut": ("nut_angle", "nut_rate"),
-    "threads": ("thread_mismatch", "mismatch_rate"),
-}
-DIRECTIONS = {1: "forward", -1: "backward"}  # of slip, in the names of modes
-SIGNS = {1: "positive", -1: "negative"}  # of the contact force
-HOW = {**DIRECTIONS, 0: "held"}
-BODIES = {"slide": "nut", "bearing": "screw"}  # that a dry friction holds, in the names of modes
-Resume = Literal["contact_sign", "at_once"]  # how motion goes on after a seizure: see lsvib.models.rigid
-RULES: tuple[Resume, ...] = get_args(Resume)  # the limit of a compliant contact, and the chapter's reading
-Ways = tuple[int, ...]  # of the bodies that slide on their own, see Mechanism.own: 1, −1, or 0 for one that is held
-Key = tuple[int, int, Ways]  # of a mode: direction of slip (0: rest), sign of n (0 where it does not matter), ways
-
-
-class Event(IntEnum):
-    """What happens at an event of any drive."""
-
-    GRAZE = GRAZE_KIND  # a guard is touched, not crossed
-    ACCUMULATION = ACCUMULATION_KIND  # infinitely many events end here
-    CONTACT_REVERSAL = FIRST_MODEL_KIND  # the contact force changes sign
-    STICK = FIRST_MODEL_KIND + 1  # the threads stop, and static friction holds
-    REVERSAL = FIRST_MODEL_KIND + 2  # they stop and slip the other way
-    RELEASE = FIRST_MODEL_KIND + 3  # static friction gives way
-    SEIZURE = FIRST_MODEL_KIND + 4  # the speed of the slip jumps to zero by an impact
-    PASSAGE = FIRST_MODEL_KIND + 5  # a speed passes one at which a friction law divides a mode, Ω as a rule
-    SLIDE_STICK = FIRST_MODEL_KIND + 6  # the nut stops on its slide
-    SLIDE_REVERSAL = FIRST_MODEL_KIND + 7
-    SLIDE_RELEASE = FIRST_MODEL_KIND + 8
-    BEARING_STICK = FIRST_MODEL_KIND + 9  # the screw stops in its bearing
-    BEARING_REVERSAL = FIRST_MODEL_KIND + 10
-    BEARING_RELEASE = FIRST_MODEL_KIND + 11
-
-
-def sides_of_rest(parts: Iterable[str]) -> tuple[int, ...]:
-    """Return the signs that n may have at rest, 0 alone where it is constant there: the load stands."""
-    return (1, -1) if {"support", "threads"} & set(parts) else (0,)
-
-
-def own_frictions(parts: Iterable[str], dry: Iterable[str]) -> tuple[str, ...]:
-    """Return the dry frictions whose body may slide or be held by itself while the threads slip."""
-    free = {"bearing": {"nut"}, "slide": {"support", "threads"}}
-    return tuple(name for name, needs in free.items() if f"{name}_friction" in dry and needs & set(parts))
-
-
-def mode_names(own: tuple[str, ...], sides: tuple[int, ...]) -> Iterator[str]:
-    """Yield the names of modes in the order of their codes; arguments: see :class:`Mechanism`."""
-    plain = [(d, q) for d in DIRECTIONS for q in SIGNS] + [(0, side) for side in sides]
-    yield from (mode_name((*mode, ()), ()) for mode in plain)
-    for ways in product(HOW, repeat=len(own)) if own else ():
-        yield from (mode_name((*mode, ways), own) for mode in plain)
-
-
-def mode_name(key: Key, own: tuple[str, ...]) -> str:
-    """Return the name of a mode."""
-    d, q, ways = key
-    name = f"slip_{DIRECTIONS[d]}_{SIGNS[q]}" if d else f"rest{'_' + SIGNS[q] if q else ''}"
-    return "_".join([name, *(f"{BODIES[body]}_{HOW[way]}" for body, way in zip(own, ways, strict=True))])
+from lsvib.models.names import COORDINATES, Ways, own_frictions, sides_of_rest
 
 
 @dataclass(frozen=True)
@@ -390,11 +327,3 @@ def seated_state(drive: Drive, u: float, w: float) -> np.ndarray:
         state = seated(Mechanism(d, drive.parts, d.steady_friction))
     state[:2] = u, w
     return state
-
-
-def rule(given: Any) -> Resume:
-    """Return a rule of resuming after a seizure; raises ``InputError`` for anything else."""
-    for known in RULES:
-        if isinstance(given, str) and given == known:
-            return known
-    raise InputError(f"resume = {shown(given)} is not one of {', '.join(RULES)}.")

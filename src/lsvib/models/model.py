@@ -15,8 +15,8 @@ import numpy as np
 
 from lsvib.errors import InputError
 from lsvib.models.drive import DRY, PARTS, Drive
-from lsvib.models.mechanism import COORDINATES, Event, Resume, mode_names, own_frictions, seated_state, sides_of_rest
-from lsvib.models.powers import Powers
+from lsvib.models.mechanism import seated_state
+from lsvib.models.names import COORDINATES, Event, Resume, mode_names, own_frictions, sides_of_rest
 
 if TYPE_CHECKING:  # a scene can be read and refused without the engine
     from lsvib.engine.automaton import Automaton
@@ -116,10 +116,6 @@ class Model:
         state = seated_state(drive, values["u"], values["w"]) if self.compliant else np.zeros(len(self.states))
         given = [values.get(key) for key in (*self.required, *self.optional)]
         return np.array([x if value is None else value for value, x in zip(given, state, strict=True)], dtype=float)
-
-    def powers(self, drive: Drive, automaton: "Automaton") -> Powers:
-        """Return the powers of the cycles of a drive."""
-        return Powers(drive, automaton)
 
     def physics_of(self, drive: Drive) -> tuple[str, ...]:
         """Return the words of all that a drive has: its terms that are not zero, and the options."""

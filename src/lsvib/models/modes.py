@@ -44,20 +44,8 @@ from lsvib.engine.exact.modal_form import guard_forms, linear_mode, modal_flow
 from lsvib.engine.kernels.layout import Test
 from lsvib.errors import InputError
 from lsvib.models.mechanics import plus, rate_of
-from lsvib.models.mechanism import (
-    BODIES,
-    DIRECTIONS,
-    HOW,
-    SIGNS,
-    Event,
-    Key,
-    Mechanism,
-    Resume,
-    Solution,
-    Ways,
-    mode_name,
-    mode_names,
-)
+from lsvib.models.mechanism import Mechanism, Solution
+from lsvib.models.names import BODIES, DIRECTIONS, HOW, SIGNS, Event, Key, Resume, Ways, mode_name, mode_names
 
 Side = tuple[Row, Test]  # a row and the test that it has to pass
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from lsvib.models.drive import Drive
 from lsvib.models.friction import depends_on_speed
+from lsvib.models.names import is_under_law_plus
 
 if TYPE_CHECKING:
     from lsvib.engine.automaton import Automaton
@@ -36,9 +37,8 @@ class Powers:
         self.by_speed = depends_on_speed(drive)
         self.sine, self.cosine = math.sin(drive.lead_angle), math.cos(drive.lead_angle)
 
-    @property
     def bodies(self) -> Iterator[tuple[str, str, np.ndarray]]:
-        """The bodies by the names of their inertia and of their damper, with the rows of their speeds."""
+        """Yield the bodies by the names of their inertia and of their damper, with the rows of their speeds."""
         yield "screw_inertia", "support_damping", self.screw
         yield "mass", "translation_damping", self.nut
         if "shift_rate" in self.rates:
@@ -59,9 +59,9 @@ class Powers:
         return self.drive.axial_force * product(self.nut, self.one)
 
     def damping(self) -> np.ndarray:
-        """Return the power [W] that all dampers take out; that of the contact is compressed at e′ cos λ."""
+        """Return the power [W] that all dampers take out; e′ cos λ compresses that of the contact."""
         total = 0 * product(self.one, self.one)
-        for _, damper, speed in self.bodies:
+        for _, damper, speed in self.bodies():
             total = total + getattr(self.drive, damper) * product(speed, speed)
         if self.parting.any():
             total = total + self.drive.contact_damping * self.cosine**2 * product(self.parting, self.parting)
@@ -79,8 +79,7 @@ class Powers:
         if self.automaton.codes[mode] in self.automaton.rest_codes:
             return product(self.row("axial_contact_force", mode) - self.cosine * normal, self.parting)
         sliding = self.drive.pitch_radius / self.cosine * self.slip + self.sine * self.parting
-        # Six modes for each way of the bodies: forward with N > 0 and backward with N < 0 are under law s = +1.
-        law = 1 if self.automaton.codes[mode] % 6 in (0, 3) else -1
+        law = 1 if is_under_law_plus(int(self.automaton.codes[mode])) else -1
         return self.rubbed(law * product(normal, sliding))
 
     def friction(self, mode: int) -> Iterator[np.ndarray]:
@@ -99,7 +98,7 @@ class Powers:
     def kinetic(self, state: np.ndarray) -> float:
         """Return the kinetic energy [J] at a state."""
         x = np.append(state, 1.0)
-        return float(0.5 * sum(getattr(self.drive, inertia) * (speed @ x) ** 2 for inertia, _, speed in self.bodies))
+        return float(0.5 * sum(getattr(self.drive, inertia) * (speed @ x) ** 2 for inertia, _, speed in self.bodies()))
 
 
 def product(left: np.ndarray, right: np.ndarray) -> np.ndarray:

@@ -64,7 +64,7 @@ from lsvib.models.mechanics import (
     Coefficients,
     coefficients,
 )
-from lsvib.models.mechanism import Event, Resume
+from lsvib.models.names import Event, Resume
 
 STATES = ("angle_deviation", "velocity_deviation")
 

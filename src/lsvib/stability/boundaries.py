@@ -114,7 +114,7 @@ class StableSet:
         if self.key == "input_speed" and len(self.intervals) == 1:  # zero itself is no steady sliding
             way = "below" if self.intervals[0][0] < 0 else "above"
             return f"steady sliding is {adverb} stable for every input speed {way} zero and for none on the other side."
-        if self.from_zero or self.intervals[0][0] < 0 or not may_vanish(type(self.drive), self.key):
+        if self.from_zero or self.intervals[0][0] < 0 or not may_vanish(self.key):
             return f"steady sliding is {adverb} stable for every {name} in its range, all other parameters held."
         return f"steady sliding is not {adverb} stable without {name}, but with any above zero, however small."
 

@@ -142,7 +142,7 @@ def _function(drive: Drive, kind: ChartBoundary, names: tuple[str, str]) -> Plan
     def function(first: float, second: float) -> float:
         """Return the value at a place of the plane, of the sign that the exact condition has there."""
         place = zip(names, (first, second), strict=True)
-        changed = drive.replace(**{name: zero_if_close(type(drive), name, float(value)) for name, value in place})
+        changed = drive.replace(**{name: zero_if_close(name, float(value)) for name, value in place})
         if kind in _FORCES:
             return changed.axial_force - force(changed.replace(axial_force=0.0))
         if kind is ChartBoundary.STICK_SLIP_BIRTH:

@@ -174,7 +174,7 @@ def sign_changes(drive: Drive, unknown: str, gap: Gap, places: Sequence[float]) 
 
     def defined(value: float) -> float:
         """Return the gap at a value of the parameter."""
-        found = gap(drive.replace(**{unknown: zero_if_close(type(drive), unknown, value)}))
+        found = gap(drive.replace(**{unknown: zero_if_close(unknown, value)}))
         if not math.isfinite(found):
             raise NoThreshold
         return found
@@ -194,7 +194,7 @@ def sign_changes(drive: Drive, unknown: str, gap: Gap, places: Sequence[float]) 
     for before, after in pairwise(ordered):
         if before[1] is not None and after[1] is not None and (before[1] > 0) != (after[1] > 0):
             with suppress(InputError, EngineError):  # it is not defined somewhere on the way
-                yield zero_if_close(type(drive), unknown, bracketed_root(defined, before[0], after[0], 1e-11))
+                yield zero_if_close(unknown, bracketed_root(defined, before[0], after[0], 1e-11))
 
 
 def _edge(at: Callable[[float], float | None], before: Sample, after: Sample) -> Sample:

@@ -222,14 +222,14 @@ def _newton(drive: Drive, unknown: str, start: Start, guess: Any) -> ThresholdSo
 
 
 def _solution(drive: Drive, unknown: str, root: Root, words: str) -> ThresholdSolution:
-    unit = described(type(drive), unknown)["unit"]
+    unit = described(unknown)["unit"]
 
     def derivative(name: str, slope: arb) -> Derivative:
         """Return the derivative by a parameter from its ball."""
         # What is not distinguished from zero is zero: a threshold may not depend on what is in its equation.
         numbers = (0.0 if slope.contains(0) else float(slope), *outwards(slope))
         value, low, high = (x if math.isfinite(x) else None for x in numbers)
-        return Derivative(value, _quotient(unit, described(type(drive), name)["unit"]), low, high)
+        return Derivative(value, _quotient(unit, described(name)["unit"]), low, high)
 
     slopes = {name: derivative(name, slope) for name, slope in root.derivatives.items()}
     return ThresholdSolution(float(root.unknown), outwards(root.unknown), slopes, words)
@@ -259,7 +259,7 @@ def _result(
         name=name,
         parts=drive.parts,
         unknown=unknown,
-        unit=described(type(drive), unknown)["unit"],
+        unit=described(unknown)["unit"],
         solutions=solutions,
         statement=_STATEMENTS[name],
         how=how if solutions else "",
