@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lsvib.errors import InputError
 from lsvib.models import drive as _drives
 from lsvib.models.mechanics import Coefficients, coefficients
 from lsvib.models.scene import Scene
@@ -395,7 +394,7 @@ class DriveMethods(_Base):
         """
         from lsvib.basins.boundary import basin
 
-        return basin(_rigid(self))
+        return basin(self)
 
     def resilience(self, window: "Part | None" = None) -> "Resilience":
         """Return the largest perturbations that steady sliding tolerates, and the share of a window that settles.
@@ -418,7 +417,7 @@ class DriveMethods(_Base):
         """
         from lsvib.basins.resilience import resilience
 
-        return resilience(_rigid(self), window)
+        return resilience(self, window)
 
     def resilience_sweep(
         self, window: "Part | None" = None, *, progress: Progress | None = None, **over: "Values"
@@ -439,7 +438,7 @@ class DriveMethods(_Base):
         """
         from lsvib.datasets.sweep import resilience_sweep
 
-        return resilience_sweep(_rigid(self), over, window, progress)
+        return resilience_sweep(self, over, window, progress)
 
     def _scene(self, start: Start, duration: float, **more: Any) -> Scene:
         return Scene(drive=self, start=start, duration=duration, **more)
@@ -469,13 +468,6 @@ def simulate(scene: Scene | Mapping[str, Any] | str | Path) -> "xr.Dataset":
 
     checked = as_scene(scene, {}, {})
     return trajectory(checked, run(checked))
-
-
-def _rigid(drive: _drives.Drive) -> _drives.Drive:
-    """Return a drive that is rigid; raises ``InputError`` for other ones."""
-    if not drive.rigid:
-        raise InputError("the basin has a closed form for rigid drives only; attraction maps that of any other.")
-    return drive
 
 
 if TYPE_CHECKING:  # the class with its methods, as users see it

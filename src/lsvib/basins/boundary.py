@@ -117,6 +117,8 @@ def basin(drive: Drive) -> Basin:
     nothing, and for the few drives whose basin has another shape (see docs/basin.md); ``EngineError`` where the engine
     cannot follow the boundary.
     """
+    if not drive.rigid:
+        raise InputError("the basin has a closed form for rigid drives only; attraction maps that of any other.")
     if wanted := friction.refusal(drive):
         raise InputError(f"the closed form of the basin {wanted}.")
     if drive.input_speed < 0:

@@ -54,7 +54,7 @@ def resilience(drive: Drive, window: Part | None = None) -> Resilience:
     window = None if window is None else Window.of(window)
     share, nowhere = (math.nan if window is None else 1.0), (math.nan, math.nan)
     everything = (math.inf, math.inf, math.inf, nowhere, share, window)
-    if rigid_automaton(drive).contracts and drive.support_damping > 0:
+    if drive.rigid and rigid_automaton(drive).contracts and drive.support_damping > 0:
         return Resilience("none", *everything)  # every motion settles, however slowly: no boundary is looked for
     try:
         region = basin(drive)

@@ -6,7 +6,7 @@ A cell depends on nothing but its own drive, so a large chart can be cut into ti
 import json
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any, Self
 
@@ -97,19 +97,19 @@ class Plane:
     @classmethod
     def of(cls, drive: Drive, x: Any, y: Any) -> Self:
         """Make the plane from axes as :meth:`ChartAxis.of` takes them; raises ``InputError``."""
-        if not model_of(drive).curves:
-            raise InputError(
-                "charts are for rigid drives without friction of slide and bearing, and for drives of which the "
-                "threads alone comply."
-            )
         plane = cls(drive, ChartAxis.of(drive, "x", x), ChartAxis.of(drive, "y", y))
         if plane.x.name == plane.y.name:
             raise InputError(f"x and y are both {plane.x.name}; a chart needs two parameters.")
         if plane.x.count * plane.y.count > MOST_CELLS:
             raise InputError(f"the chart has more than {MOST_CELLS} cells; take fewer.")
-        for first, second in product(plane.x.ends, plane.y.ends):
-            drive.replace(**{plane.x.name: first, plane.y.name: second})
-        return plane
+        ends = product(plane.x.ends, plane.y.ends)
+        corners = [drive.replace(**{plane.x.name: first, plane.y.name: second}) for first, second in ends]
+        if not all(model_of(corner).curves for corner in corners):
+            raise InputError(
+                "charts are for rigid drives without friction of slide and bearing, and for drives of which the "
+                "threads alone comply."
+            )
+        return replace(plane, drive=corners[0])  # with the parts that are varied
 
     @property
     def dims(self) -> tuple[str, str]:

@@ -19,7 +19,7 @@ from lsvib.dynamics.cycles import Cycle, Seed, random_starts, search, starts
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import layout
 from lsvib.errors import EngineError, InputError
-from lsvib.models.drive import Drive, described, zero_if_close
+from lsvib.models.drive import IN_WORDS, PART_OF, Drive, described, zero_if_close
 from lsvib.models.model import model_of
 
 
@@ -87,7 +87,7 @@ def find_cycles(drive: Drive, automaton: Automaton) -> Cycles:
 
 def _softer(drive: Drive) -> str:
     """What helps where a contact is so stiff that motions take too much work."""
-    return ", or make contact_stiffness and contact_damping smaller" if hasattr(drive, "contact_stiffness") else ""
+    return ", or make contact_stiffness and contact_damping smaller" if "threads" in drive.parts else ""
 
 
 def followed(
@@ -102,6 +102,10 @@ def followed(
     if cycle.drive != drive:
         raise InputError("the cycle belongs to another drive; take one of this drive's cycles().")
     known_key(parameter)
+    if getattr(drive, parameter) is None:
+        raise InputError(
+            f"{parameter} is a parameter of {IN_WORDS[PART_OF[parameter]]}, which this drive does not have."
+        )
     try:
         low, high = (numbers.number(value) for value in span)
     except (numbers.NotNumber, TypeError, ValueError):

@@ -62,22 +62,22 @@ def sweep(
     dataset has a dimension for each parameter, in the order given, and as variables the numbers of
     :class:`lsvib.dynamics.sweep.Ending`. Raises ``InputError`` for what is not acceptable.
     """
-    definition, resumption, at_once = model_of(drive), rule(resume), numbers.workers(workers)
-    axes = axes_of(over, _MOST)
+    resumption, at_once, axes = rule(resume), numbers.workers(workers), axes_of(over, _MOST)
+    drives, sizes = product_of(drive, axes), tuple(map(len, axes.values()))
+    first = drives.one(0)  # with the parts that are varied
     given = START if start is None else names_and_values("start", start)
     begin = {key: numbers.start(f"start {key}", value) for key, value in given.items()}
-    definition.initial_state(drive, begin)  # refuses other keys
-    drives, sizes = product_of(drive, axes), tuple(map(len, axes.values()))
+    model_of(first).initial_state(first, begin)  # refuses other keys
     starts = np.broadcast_to(np.array([begin["u"], begin["w"]]), (drives.size, 2))
     others = {key: value for key, value in begin.items() if key not in ("u", "w")}
     found = all_endings(drives, starts, resumption, at_once, progress, others)
     return _over(
         axes,
-        drive,
+        first,
         {name: (tuple(axes), getattr(found, name).reshape(sizes), about) for name, about in _VARIABLES.items()},
         title=f"What a lead-screw drive ends on over {', '.join(axes)}",
         source="lsvib, exact event-driven motion and its return map",
-        references=f"doi:10.1007/978-1-4419-1752-2_8, {definition.equations}",
+        references=f"doi:10.1007/978-1-4419-1752-2_8, {model_of(first).equations}",
         resume=resume,
         initial_state=json.dumps(begin),
     )
@@ -180,7 +180,7 @@ def resilience_sweep(
     asked = {name: about for name, about in _PERTURBATIONS.items() if name != "basin_fraction" or window is not None}
     return _over(
         axes,
-        drive,
+        drives[0],
         {name: variable(tuple(axes), column(where), *words) for name, (where, *words) in asked.items()},
         title=f"Perturbations that the rigid lead-screw drive tolerates over {', '.join(axes)}",
         source="lsvib, exact boundary of the region of attraction",

@@ -75,7 +75,7 @@ class Model:
             *(_OWN_TERMS[part] for part in parts),
         )
         self.terms += dry
-        self.options = ("rest",) if self.rigid else ()
+        self.options = () if parts else ("rest",)
         self.outputs: tuple[str, ...] = ("normal_force", "coupling_torque", "coupling_deflection", "screw_speed")
         self.outputs += () if self.rigid else ("axial_contact_force", "nut_speed")
         self.equations = ", ".join(_EQUATIONS[part] for part in parts) or "eqs 8.13-8.17"
@@ -101,6 +101,8 @@ class Model:
             from lsvib.models.rigid import rigid_automaton
 
             return rigid_automaton(drive, rest="rest" in physics, resume=resume)
+        if self.options and "rest" not in physics:
+            raise InputError("physics leaves out rest, which a drive with friction of slide or bearing has; list rest.")
         from lsvib.models.law_modes import automaton_of_parts
 
         self.check(resume)

@@ -18,7 +18,7 @@ from flint import arb
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import EngineError, InputError, NoThreshold
 from lsvib.models import chapter, friction
-from lsvib.models.drive import Drive, allowed_range, described
+from lsvib.models.drive import DRY, Drive, allowed_range, described
 from lsvib.models.model import model_of
 from lsvib.numbers import shown
 from lsvib.results import Derivative, PrintedValue, Threshold, ThresholdSolution
@@ -115,6 +115,8 @@ def _solve(drive: Drive, name: str, unknown: str) -> Threshold:
         raise NoThreshold("no threshold is solved for stribeck_rise without stribeck_speed > 0.")
     if name in boundaries.NAMES:
         return _by_roots(drive, name, unknown)
+    if unknown in DRY:
+        raise NoThreshold(f"the threshold {name} has a closed form without friction of slide and bearing only.")
     _require_one_friction(drive, name, unknown)
     if name in STARTS and unknown == "axial_force":
         return _by_force(drive, name)
