@@ -10,7 +10,7 @@ from references.wide_drives import heaviest, power, sign
 
 from benchmarks.sweeps.families import Case, CaseFamily
 from lsvib.models.drive import DRY, Drive
-from lsvib.stability.linear import nut_model, support_model
+from lsvib.stability.linear import eigenvalues
 
 _MOST_TURNS = 6.0  # of the fastest oscillation: bounds the work of the reference
 
@@ -85,9 +85,8 @@ def _common(rng) -> dict[str, float]:
 
 def _case(rng, family: CaseFamily, physics: tuple[str, ...], level: float, drive, own: tuple[float, float]) -> Case:
     model = "support" if family == CaseFamily.SUPPORT else "nut"
-    linear = support_model if model == "support" else nut_model
     drive = drive.replace(**{name: 0.0 for name in DRY if name not in physics})
-    rates = np.concatenate([np.linalg.eigvals(linear(drive, law).jacobian()) for law in (1, -1)])
+    rates = np.concatenate([eigenvalues(dict(drive), law) for law in (1, -1)])
     swing = math.sqrt(drive.screw_inertia / drive.coupling_stiffness)
     duration = math.tau * swing * rng.uniform(0.3, 3.0)
     duration = min(duration, _MOST_TURNS * math.tau / (np.abs(rates.imag).max() or 1e-9))

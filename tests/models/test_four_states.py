@@ -110,13 +110,13 @@ def test_motion_against_40_digits(name):
 @pytest.mark.parametrize("force", [50.0, -50.0])
 @pytest.mark.parametrize("model", ["support", "nut"])
 def test_steady_sliding_is_the_linear_model(model, force):
-    """The field around steady sliding is the state matrix of steady_sliding/linear.py, without a constant."""
+    """The field around steady sliding is the state matrix of stability/linear.py, without a constant."""
     own = {"axial_support_damping": 30.0} if model == "support" else {"nut_inertia": 5e-6, "nut_stiffness": 3.0}
     drive, automaton, _ = build(model, own | {"mass": 1.5, "translation_damping": 70.0, "axial_force": force})
     mode, _ = enter(automaton, np.zeros(4))
     law = linear.steady_law(drive)
     assert key_of(drive, automaton, mode) == (1, law, None)
-    expected = getattr(linear, f"{model}_model")(drive, law).jacobian()
+    expected = linear.state_matrices(dict(drive), law)
     field = automaton.tables.flow.field[mode]
     np.testing.assert_allclose(field[:, :4], expected, rtol=1e-13, atol=0)
     assert np.abs(field[:, 4]).max() <= 1e-30

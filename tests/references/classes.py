@@ -2,20 +2,20 @@
 
 import numpy as np
 
-from lsvib.stability.linear import LinearModel, UndampedClass, eigenvalues
+from lsvib.stability.linear import UndampedClass, eigenvalues, polynomial
 
 
-def growth_rate(model: LinearModel) -> np.ndarray:
+def growth_rate(values, law: int) -> np.ndarray:
     """Largest real part [1/s] of the eigenvalues; positive where steady sliding is unstable."""
-    return eigenvalues(model)[..., -1].real
+    return eigenvalues(values, law)[..., -1].real
 
 
-def damped_class(model: LinearModel) -> np.ndarray:
+def damped_class(values, law: int) -> np.ndarray:
     """Class (:class:`UndampedClass`) of M q″ + C q′ + K q = 0 with C ≠ 0, by its eigenvalues.
 
     The fastest growing one decides between divergence and flutter; det M < 0 is kinematic whatever the rest.
     """
-    fastest = eigenvalues(model)[..., -1]
+    fastest = eigenvalues(values, law)[..., -1]
     kinds = [UndampedClass.KINEMATIC_CONSTRAINT, UndampedClass.STABLE, UndampedClass.DIVERGENCE]
-    negative = np.broadcast_to(np.asarray(model.polynomial()[0]) < 0, fastest.shape)
+    negative = np.broadcast_to(np.asarray(polynomial(values, law)[0]) < 0, fastest.shape)
     return np.select([negative, fastest.real < 0, fastest.imag == 0], kinds, UndampedClass.FLUTTER)

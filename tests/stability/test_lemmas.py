@@ -45,7 +45,7 @@ def factored(drive: Drive, law: int) -> list[arb]:
 @pytest.mark.parametrize("slide", [0.0, 300.0])
 def test_polynomial_of_the_threads_factors_into_the_rigid_drive(law, slide):
     drive = threads_drive(mass=11.0, contact_stiffness=1e9, contact_damping=1e4, translation_damping=slide)
-    polynomial = linear.threads_model(drive.exact(), law).polynomial()
+    polynomial = linear.polynomial(drive.exact(), law)
     with many_digits():
         for ours, expected in zip(polynomial, factored(drive, law), strict=True):
             assert abs(ours - expected) < 1e-100 * abs(expected)
@@ -58,11 +58,11 @@ def test_lemma_8_1(mass, stiffness, damping):
     """Γ_0 < 0: the largest real part of the 4 × 4 Jacobian is positive and keeps its digits up to k_c = 1e14."""
     drive = threads_drive(mass=mass, contact_stiffness=stiffness, contact_damping=damping)
     assert coefficients(drive).gamma[1] < 0
-    growth = float(growth_rate(linear.threads_model(drive, 1)))
+    growth = float(growth_rate(dict(drive), 1))
     assert growth > 0
     assert growth == pytest.approx(exact_growth(drive, 1), rel=1e-10)
     if stiffness > conditions.unstable_contact_stiffness(drive):
-        assert linear.threads_model(drive.exact(), 1).polynomial()[2] < 0
+        assert linear.polynomial(drive.exact(), 1)[2] < 0
 
 
 @pytest.mark.parametrize("stiffness", STIFFNESSES)
@@ -73,11 +73,11 @@ def test_positive_inertia_is_stable_with_contact_damping_only(mass, stiffness):
     least = conditions.least_damping_of_stiff_contact(drive)
     for damping, stable in ((0.0, False), (2 * least, True)):
         contact = drive.replace(contact_damping=damping)
-        growth = float(growth_rate(linear.threads_model(contact, 1)))
+        growth = float(growth_rate(dict(contact), 1))
         exact = exact_growth(contact, 1)
         assert (growth < 0, exact < 0) == (stable, stable)
         assert growth == pytest.approx(exact, rel=1e-8)
-        assert linear.routh_hurwitz(linear.threads_model(contact.exact(), 1).polynomial()) is stable
+        assert linear.routh_hurwitz(linear.polynomial(contact.exact(), 1)) is stable
 
 
 @pytest.mark.parametrize("slide", [0.0, 0.5])
@@ -85,7 +85,7 @@ def test_least_contact_damping_is_the_limit(slide):
     drive = threads_drive(mass=9.0, contact_stiffness=1e15, translation_damping=slide)
     least = conditions.least_damping_of_stiff_contact(drive)
     verdicts = [
-        linear.routh_hurwitz(linear.threads_model(drive.replace(contact_damping=least * f).exact(), 1).polynomial())
+        linear.routh_hurwitz(linear.polynomial(drive.replace(contact_damping=least * f).exact(), 1))
         for f in (1 - 1e-6, 1 + 1e-6)
     ]
     assert verdicts == [False, True]
@@ -95,7 +95,7 @@ def test_elastic_contact_flutters_at_a_rate_that_does_not_depend_on_its_stiffnes
     drive = threads_drive(mass=9.0, contact_stiffness=1e14, contact_damping=0.0)
     gamma = float(coefficients(drive).gamma[1])
     expected = drive.support_damping / 2 * (1 / gamma - 1 / drive.screw_inertia)
-    assert float(growth_rate(linear.threads_model(drive, 1))) == pytest.approx(expected, rel=1e-3)
+    assert float(growth_rate(dict(drive), 1)) == pytest.approx(expected, rel=1e-3)
     assert round(expected) == 261
 
 
@@ -127,7 +127,7 @@ def test_lemma_8_2_over_1e5_random_drives():
     between = (values["support_stiffness"] > lower) & (values["support_stiffness"] < upper)
     assert not ((flutter != between) & ~near).any()
     assert not ((flutter | between) & kinematic).any()
-    kinds = linear.undamped_class(linear.support_model(values, 1))
+    kinds = linear.undamped_class(values, 1)
     rounded = near | (np.abs(a_4) < 1e-9 * values["screw_inertia"] * (values["mass"] + values["screw_mass"]))
     assert (kinds == conditions.printed_class(values, 1))[~rounded].all()
     assert rounded.mean() < 1e-3

@@ -19,7 +19,7 @@ from lsvib.models.mechanics import coefficients
 from lsvib.stability import conditions
 from lsvib.stability.boundaries import stable_set
 from lsvib.stability.conditions import critical_mass
-from lsvib.stability.linear import eigenvalues, routh_hurwitz, threads_model
+from lsvib.stability.linear import eigenvalues, polynomial, routh_hurwitz
 
 CAPTION = """\
 Steady sliding with compliant threads (drive of Table 8.1, force with the motion; contacts assumed): (a) the mass at
@@ -112,8 +112,7 @@ def _curves(drive: Drive, curves: np.ndarray, along: np.ndarray) -> Variables:
 def _growth_rates(drive: Drive, heavy: float, light: float, dampings: np.ndarray, stiffness: np.ndarray) -> Variables:
     """Growth rates of two masses [kg] over the contact stiffness, and where Lemma 8.1 and damping decide."""
     drives = [[drive.replace(mass=m, contact_damping=c) for c in dampings] for m in (heavy, light)]
-    models = [[threads_model({**dict(d), "contact_stiffness": stiffness}, law=1) for d in row] for row in drives]
-    growth = [[eigenvalues(model)[:, -1].real for model in row] for row in models]
+    growth = [[_largest_real_part(dict(d), contact_stiffness=stiffness) for d in row] for row in drives]
     stable = [stable_set(drive.replace(mass=light, contact_stiffness=k), "contact_damping") for k in stiffness]
     dampings_of = [[(float(a), float(b)) for a, b in found.intervals] for found in stable]
     window = np.array([row[0] if len(row) > 1 else (np.nan, np.nan) for row in dampings_of])
@@ -208,7 +207,7 @@ def _lemma_checks(dataset: xr.Dataset, drive: of.Values) -> list[Check]:
     ratio = growth.values[:, -1] / (half + np.sqrt(half**2 + scale * last))
     contacts = {**drive, "mass": float(dataset.mass[0]), "contact_damping": dataset.growth_contact_damping.values}
     places = (0.0, dataset.unstable_contact_stiffness.values)
-    none, left = (threads_model({**contacts, "contact_stiffness": k}, law=1).polynomial()[2] for k in places)
+    none, left = (polynomial({**contacts, "contact_stiffness": k}, law=1)[2] for k in places)
     return [
         Check.holds(
             "At the contact stiffness of the proof the coefficient of s² in det(M s² + C s + K) vanishes, to 1e-9",
@@ -282,7 +281,7 @@ def _soft_contact_check(dataset: xr.Dataset, drive: of.Values) -> Check:
 
 def _largest_real_part(drive: of.Values, **values: Any) -> np.ndarray:
     """Largest real part [1/s] of LAPACK's eigenvalues, for arrays of parameters."""
-    return eigenvalues(threads_model({**drive, **values}, law=1))[:, -1].real
+    return eigenvalues({**drive, **values}, law=1)[:, -1].real
 
 
 def _against_signs(dataset: xr.Dataset, drive: of.Values) -> int:
@@ -291,7 +290,7 @@ def _against_signs(dataset: xr.Dataset, drive: of.Values) -> int:
     for one in dataset.growth_rate.stack(contact=dataset.growth_rate.dims).transpose("contact"):
         m, c, k = one.contact.item()
         contact = Drive.of(drive, mass=m, contact_damping=c, contact_stiffness=k)
-        wrong += routh_hurwitz(threads_model(contact.exact(), law=1).polynomial()) != bool(one < 0)
+        wrong += routh_hurwitz(polynomial(contact.exact(), law=1)) != bool(one < 0)
     return wrong
 
 

@@ -17,7 +17,7 @@ from lsvib.models import chapter
 from lsvib.models.drive import PART_OF, Drive
 from lsvib.stability import conditions
 from lsvib.stability.conditions import critical_mass
-from lsvib.stability.linear import UndampedClass, eigenvalues, support_model, undamped_class, values_of
+from lsvib.stability.linear import UndampedClass, eigenvalues, undamped_class, values_of
 
 CAPTION = """\
 Stability of the undamped drive with axial support, R Ω > 0, over friction coefficient and support stiffness, by the
@@ -70,7 +70,7 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     crowded = start + (critical - start) * (1 - np.cos(np.linspace(0, np.pi, 801))) / 2
     curve = np.unique(np.concatenate([crowded, friction[(friction > start) & (friction < critical)]]))
     grid = {**dict(drive), "friction_coefficient": friction[:, None], "support_stiffness": stiffness}
-    kinds, plane = undamped_class(support_model(grid, law=1)), ("friction_coefficient", "support_stiffness")
+    kinds, plane = undamped_class(grid, law=1), ("friction_coefficient", "support_stiffness")
     branches = conditions.flutter_boundaries({**dict(drive), "friction_coefficient": curve}, law=1)
     along, word = "boundary_friction_coefficient", "critical friction coefficient"
     passing = "friction coefficient where an eigenvalue 1/omega^2 passes through zero"
@@ -170,7 +170,7 @@ def _region_checks(
         dataset[name].reindex(boundary_friction_coefficient=friction).values[:, None]
         for name in ("lower_boundary", "upper_boundary")
     )
-    beyond = (stiffness > upper) & (conditions.effective_inertia(grid, law=1) < 0)
+    beyond = (stiffness > upper) & (conditions.effective_inertia(grid, law=1, rigid=True) < 0)
     judged = clear & ~kinematic
     off = int(np.sum(judged & ((flutter != ((stiffness > lower) & (stiffness < upper))) | (divergence != beyond))))
     return [
@@ -199,7 +199,7 @@ def _branch_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
     finite = (np.isfinite(branches[0]) & ~np.isnan(branches[1])).sum()
     own["friction_coefficient"] = friction = dataset.friction_coefficient.values
     b_1, b_2, b_3 = conditions.boundary_coefficients(own, law=1)
-    p, reduced = values_of(own, law=1), conditions.reduced_inertia(own, law=1)
+    p, reduced = values_of(own, law=1), conditions.effective_inertia(own, law=1)
     discriminant = b_2**2 - 4 * b_1 * b_3
     form = 16 * p.factor * p.pitch_radius**2 * p.tan_lead * p.mass**2 * (p.mass + p.screw_mass) * reduced
     rewritten = np.max(np.abs(discriminant - form) / b_2**2)
@@ -233,12 +233,12 @@ def _support_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
         push, friction = np.cos(drive["lead_angle"]), law * own["friction_coefficient"]
         turn = r**2 * tan * (friction - tan) * push / drive["screw_inertia"]
         solves[law] = push * (1 + friction * tan) * (1 / drive["mass"] + 1 / drive["screw_mass"]) - turn
-    paradox, inertia = solves[1] * solves[-1] < 0, conditions.effective_inertia(own, law=1)
+    paradox, inertia = solves[1] * solves[-1] < 0, conditions.effective_inertia(own, law=1, rigid=True)
     kinematic = named(dataset.stability, "kinematic constraint")
     stiffness = -drive["coupling_stiffness"] * (drive["mass"] + drive["screw_mass"]) / inertia
     there = (inertia < 0) & ~paradox  # k_1 > 0 with a_2 = 0
-    model = support_model({**own, "support_stiffness": np.where(there, stiffness, 1.0)}, law=1)
-    flutter = undamped_class(model)[there] == UndampedClass.FLUTTER
+    kinds = undamped_class({**own, "support_stiffness": np.where(there, stiffness, 1.0)}, law=1)
+    flutter = kinds[there] == UndampedClass.FLUTTER
     return [
         Check.everywhere(
             "The contact force has no solution or two exactly where (8.27) holds, by Newton's laws",
@@ -255,7 +255,7 @@ def _condition_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
     friction = dataset.friction_coefficient.values
     early = int(named(dataset.stability, "kinematic constraint")[friction <= np.tan(drive["lead_angle"])].sum())
     own = {**drive, "friction_coefficient": friction}
-    inertias = (conditions.effective_inertia(own, law=-1), conditions.reduced_inertia(own, law=-1))
+    inertias = [conditions.effective_inertia(own, law=-1, rigid=rigid) for rigid in (True, False)]
     against = np.min(np.concatenate(np.broadcast_arrays(*inertias)))
     reduced_mass = drive["mass"] * drive["screw_mass"] / (drive["mass"] + drive["screw_mass"])
     rigid = {name: value for name, value in drive.items() if name not in PART_OF}
@@ -282,7 +282,7 @@ def _against_lapack(dataset: xr.Dataset, drive: Values, clear: np.ndarray) -> tu
     """Number of points with another class by LAPACK's eigenvalues of the state matrix, and of points compared."""
     rows, columns = (spans.evenly_chosen(dataset.sizes[name], 100) for name in dataset.stability.dims)
     part = dataset.isel(friction_coefficient=rows, support_stiffness=columns)
-    values = eigenvalues(support_model(over_map(part, {**drive, **dict.fromkeys(_DAMPINGS, 0.0)}), law=1))
+    values = eigenvalues(over_map(part, {**drive, **dict.fromkeys(_DAMPINGS, 0.0)}), law=1)
     limit = 1e-7 * np.abs(values).max(axis=-1)  # LAPACK keeps 1.5e-8 where two coincide
     growing = (values.real > limit[..., None]).sum(axis=-1)
     oscillates = np.abs(values[..., -1].imag) > limit

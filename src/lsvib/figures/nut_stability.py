@@ -17,15 +17,8 @@ from lsvib.models import chapter
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.numbers import bisected
-from lsvib.stability.conditions import critical_mass, effective_screw_inertia, kinematic_inertia, kinematic_mass
-from lsvib.stability.linear import (
-    UndampedClass,
-    determinant,
-    eigenvalues,
-    nut_model,
-    reciprocal_squares,
-    undamped_class,
-)
+from lsvib.stability.conditions import critical_mass, effective_inertia, kinematic_mass, screw_inertia
+from lsvib.stability.linear import UndampedClass, eigenvalues, polynomial, reciprocal_squares, undamped_class
 
 CAPTION = """\
 Steady sliding with a rotating nut (drive of Table 8.1, force with the motion; mass and nut assumed): (a) the critical
@@ -63,7 +56,7 @@ def build(settings: Values) -> xr.Dataset:
     passing = [bisected(lambda m, nut=nut: not _signs(nut, m) > 0, 0.0, rigid) for nut in nuts]
     by = "critical mass, where an eigenvalue 1/omega^2 passes through zero"
     grid = {**dict(drive), "friction_coefficient": friction[:, None], "nut_inertia": inertia}
-    kinds, plane = undamped_class(nut_model(grid, law=1)), ("friction_coefficient", "nut_inertia")
+    kinds, plane = undamped_class(grid, law=1), ("friction_coefficient", "nut_inertia")
     from_which_on = "friction coefficient from which on (8.33) holds, missing if from none"
     own, drawn = drive.friction_coefficient, "drawn_friction_coefficient"
     origin = origin_of("friction_coefficient", own)
@@ -104,15 +97,13 @@ def build(settings: Values) -> xr.Dataset:
 
 def _signs(drive: Drive, mass: float) -> float:
     """Sign of the product of both 1/ω² at a mass [kg]."""
-    return np.prod(np.sign(reciprocal_squares(nut_model({**dict(drive), "mass": mass}, law=1)).real))
+    return np.prod(np.sign(reciprocal_squares({**dict(drive), "mass": mass}, law=1).real))
 
 
 def _boundary_friction(drive: Drive, inertia: np.ndarray) -> np.ndarray:
     """μ = (ξ + tan λ) / (1 − ξ tan λ) with ξ = I_eff / (tan λ m r_m²), where I_eff = q; NaN if not below cot λ."""
     tangent = np.tan(drive.lead_angle)
-    xi = effective_screw_inertia({**dict(drive), "nut_inertia": inertia}) / (
-        tangent * drive.mass * drive.pitch_radius**2
-    )
+    xi = screw_inertia({**dict(drive), "nut_inertia": inertia}) / (tangent * drive.mass * drive.pitch_radius**2)
     below = (xi * tangent < 1) & ((xi + tangent) * tangent < 1 - xi * tangent)
     with np.errstate(divide="ignore"):
         return np.where(below, (xi + tangent) / (1 - xi * tangent), np.nan)
@@ -123,7 +114,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     drive = {name: float(dataset[name]) for name in _PARAMETERS}
     grid = over_map(dataset, drive)
     # Closer to (8.33) rounding may decide.
-    clear = np.abs(kinematic_inertia(grid, law=1)) > 1e-9 * effective_screw_inertia(grid)
+    clear = np.abs(effective_inertia(grid, law=1)) > 1e-9 * screw_inertia(grid)
     return [
         *_class_checks(dataset, drive, grid, clear),
         *_boundary_checks(dataset, drive, clear),
@@ -135,12 +126,12 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 def _class_checks(dataset: xr.Dataset, drive: Values, grid: Values, clear: np.ndarray) -> list[Check]:
     """Check the classes by (8.33), the printed inertia matrix and LAPACK with damping, but for rounding (``clear``)."""
     kinematic, other = (named(dataset.stability, *x) for x in (["kinematic constraint"], ["flutter", "divergence"]))
-    wrong = int(np.sum(clear & (kinematic != (kinematic_inertia(grid, law=1) < 0))))
+    wrong = int(np.sum(clear & (kinematic != (effective_inertia(grid, law=1) < 0))))
     rows, columns = (spans.evenly_chosen(dataset.sizes[name], 40) for name in dataset.stability.dims)
     part, compared = dataset.isel(friction_coefficient=rows, nut_inertia=columns), clear[np.ix_(rows, columns)]
-    grows = eigenvalues(nut_model(over_map(part, drive), law=1))[..., -1].real > 0
+    grows = eigenvalues(over_map(part, drive), law=1)[..., -1].real > 0
     differ = compared & (grows != named(part.stability, "kinematic constraint"))
-    opposite = np.sum(clear & ((determinant(nut_model(grid, law=1).mass) < 0) != kinematic))
+    opposite = np.sum(clear & ((polynomial(grid, law=1)[0] < 0) != kinematic))
     return [
         Check.holds(
             "The class by eigenvalues is kinematic exactly where (8.33) holds",
@@ -168,7 +159,7 @@ def _boundary_checks(dataset: xr.Dataset, drive: Values, clear: np.ndarray) -> l
     edge, friction = dataset.critical_friction_with_nut.values, dataset.friction_coefficient.values[:, None]
     off = np.sum(clear & (named(dataset.stability, "kinematic constraint") != (friction > edge)))  # no edge: none
     on_edge = {**drive, "friction_coefficient": edge, "nut_inertia": dataset.nut_inertia.values}
-    left = float(np.nanmax(np.abs(kinematic_inertia(on_edge, law=1)) / effective_screw_inertia(on_edge)))
+    left = float(np.nanmax(np.abs(effective_inertia(on_edge, law=1)) / screw_inertia(on_edge)))
     return [
         Check.without_exception(
             "The boundary in closed form parts the classes at every inertia of the nut", "eq. 8.33", off, clear.sum()

@@ -1,16 +1,15 @@
 """The chapter's conditions in closed form, and the linear stability of one drive of any model (eqs 8.18–8.33).
 
 Functions of ``DriveValues`` (:mod:`lsvib.stability.linear`) and a law s = ±1 serve whole grids, and one drive in balls.
-With χ = ξ_s r_m² tan λ, S = m + m_1 and m̃ = m m_1 / S the printed quantities of the axial support are Γ_0 = I − m χ and
-Γ̃_0 = I − m̃ χ. Of compliant threads, with Γ_0 and C_0 of the steady law and β = cos λ (cos λ + s_0 μ sin λ), the
-characteristic polynomial of a constant friction coefficient has the coefficients
+With χ = ξ_s r_m² tan λ and S = m + m_1 the inertia of a drive with a rigid support is Γ_0 = I − m χ, and with a
+compliant one Γ̃_0 = I − m̃ χ. Of compliant threads, with Γ_0 and C_0 of the steady law and β = cos λ (cos λ + s_0 μ sin
+λ), the characteristic polynomial of a constant friction coefficient has the coefficients
 
     p_4 = I m,   p_3 = I c_x + m c + β c_c Γ_0,   p_2 = c c_x + m k + β (k_c Γ_0 + c_c C_0),
     p_1 = c_x k + β (k_c C_0 + c_c k),   p_0 = β k_c k.
 """
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -23,24 +22,40 @@ from lsvib.models.drive import PART_OF, Drive
 from lsvib.numbers import bisected
 from lsvib.results import Condition, Quantity, StabilityReport, UndampedStability
 from lsvib.stability.boundaries import places, stable_set
-from lsvib.stability.linear import (
-    DriveValues,
-    UndampedClass,
-    reciprocal_squares,
-    steady_law,
-    support_model,
-    values_of,
-)
+from lsvib.stability.linear import DriveValues, UndampedClass, reciprocal_squares, steady_law, values_of
 from lsvib.stability.spectrum import Polynomial, margins, scale, spectrum
 
 LARGEST_MASS = 1e9  # kg, the end of the range of the mass
 
 
-def effective_inertia(drive: DriveValues, law: int) -> Any:
-    """Return Γ_s = I − ξ_s tan λ m r_m² [kg m²] of the rigid drive (eqs 8.2, 8.20)."""
+def screw_inertia(drive: DriveValues) -> Any:
+    """Return I_eff [kg m²]: I, or I I_2 / (I + I_2) where the nut may turn, which is less (Remark 8.6)."""
+    p = values_of(drive, 1)
+    with many_digits():
+        return _together(p, "screw_inertia", "nut_inertia")
+
+
+def mass(drive: DriveValues) -> Any:
+    """Return m_eff [kg]: m, or m̃ = m m_1 / (m + m_1) with an axial support."""
+    p = values_of(drive, 1)
+    with many_digits():
+        return _together(p, "mass", "screw_mass")
+
+
+def _together(p: Any, first: str, second: str) -> Any:
+    own, other = getattr(p, first), getattr(p, second, None)
+    return own if other is None else own * other / (own + other)
+
+
+def effective_inertia(drive: DriveValues, law: int, rigid: bool = False) -> Any:
+    """Return I_eff − ξ_s tan λ m_eff r_m² [kg m²] (eqs 8.2, 8.20, 8.28, 8.33); ``rigid``: Γ_s, as if no part complied.
+
+    With rigid threads steady sliding is unstable where it is negative under the law that holds: det M < 0.
+    """
     p = values_of(drive, law)
     with many_digits():
-        return mechanics.effective_inertia(p.screw_inertia, p.mass, p.pitch_radius, p.tan_lead, p.factor)
+        inertia, moved = (p.screw_inertia, p.mass) if rigid else (screw_inertia(drive), mass(drive))
+        return mechanics.effective_inertia(inertia, moved, p.pitch_radius, p.tan_lead, p.factor)
 
 
 def effective_damping(drive: DriveValues, law: int) -> Any:
@@ -110,25 +125,6 @@ def critical_friction(drive: Drive, screw_mass: float = math.inf) -> float | Non
     return float(found[0].value) if found else None
 
 
-def effective_screw_inertia(drive: DriveValues) -> Any:
-    """Return I_eff = I I_2 / (I + I_2) [kg m²] (Remark 8.6); below I, so the rotation of the nut destabilises."""
-    p = values_of(drive, 1)
-    with many_digits():
-        return p.screw_inertia * p.nut_inertia / (p.screw_inertia + p.nut_inertia)
-
-
-def kinematic_inertia(drive: DriveValues, law: int) -> Any:
-    """Return I_eff − ξ_s tan λ m r_m² [kg m²]; steady sliding under law s = ±1 is unstable where it is negative (8.33).
-
-    It equals det M_0 / (I + I_2). M_0 and K are symmetric and K is positive, so without it steady sliding can be lost
-    neither by flutter nor – as det K > 0 – by divergence.
-    """
-    p = values_of(drive, law)
-    with many_digits():
-        inertia = effective_screw_inertia(drive)
-        return mechanics.effective_inertia(inertia, p.mass, p.pitch_radius, p.tan_lead, p.factor)
-
-
 def characteristic_polynomial(drive: DriveValues, law: int) -> tuple[Any, Any, Any]:
     """Return a_4, a_2, a_0 of det(K − ω² M) = a_4 ω⁴ + a_2 ω² + a_0 as printed below eq. 8.23, undamped (SI units)."""
     p = values_of(drive, law)
@@ -152,20 +148,6 @@ def printed_class(drive: DriveValues, law: int) -> NDArray[np.int8]:
     holds = [a_4 < 0, a_2**2 - 4 * a_0 * a_4 < 0, (a_4 > 0) & (a_2 > 0)]
     kinds = [UndampedClass.KINEMATIC_CONSTRAINT, UndampedClass.FLUTTER, UndampedClass.DIVERGENCE]
     return np.select(np.broadcast_arrays(*holds), kinds, UndampedClass.STABLE).astype(np.int8)
-
-
-def reduced_mass(drive: DriveValues) -> Any:
-    """Return m̃ = m m_1 / (m + m_1) [kg]."""
-    p = values_of(drive, 1)
-    with many_digits():
-        return p.mass * p.screw_mass / (p.mass + p.screw_mass)
-
-
-def reduced_inertia(drive: DriveValues, law: int) -> Any:
-    """Return Γ̃_0 = I − ξ_s tan λ m̃ r_m² [kg m²] (eqs 8.27, 8.28)."""
-    p = values_of(drive, law)
-    with many_digits():
-        return mechanics.effective_inertia(p.screw_inertia, reduced_mass(drive), p.pitch_radius, p.tan_lead, p.factor)
 
 
 def boundary_coefficients(drive: DriveValues, law: int) -> tuple[Any, Any, Any]:
@@ -195,8 +177,8 @@ def flutter_boundaries(drive: DriveValues, law: int) -> NDArray[Any]:
     p = values_of(drive, law)
     with many_digits(), np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         total, lever = p.mass + p.screw_mass, p.factor * p.pitch_radius**2 * p.tan_lead
-        both = np.sqrt(total * reduced_inertia(drive, law)) + p.mass * np.sqrt(lever)
-        branches = total / both, both / effective_inertia(drive, law)
+        both = np.sqrt(total * effective_inertia(drive, law)) + p.mass * np.sqrt(lever)
+        branches = total / both, both / effective_inertia(drive, law, rigid=True)
         return np.stack([p.coupling_stiffness * branch**2 for branch in branches], axis=-1)
 
 
@@ -210,8 +192,8 @@ def critical_friction_by_eigenvalues(drive: Drive) -> float | None:
     largest = math.nextafter(1 / math.tan(drive.lead_angle), 0)
 
     def turned(coefficient: float) -> bool:
-        model = support_model({**dict(drive), "friction_coefficient": coefficient}, 1)
-        return bool(np.prod(np.sign(reciprocal_squares(model).real)) < 0)
+        squares = reciprocal_squares({**dict(drive), "friction_coefficient": coefficient}, 1)
+        return bool(np.prod(np.sign(squares.real)) < 0)
 
     return bisected(turned, 0.0, largest) if turned(largest) else None
 
@@ -287,24 +269,16 @@ def stability(drive: Drive) -> StabilityReport:
 
     Of the rigid drive (eqs 8.18–8.21) the class is one of :class:`~lsvib.stability.linear.Stability`, in lower case,
     and the conditions are those of :func:`conditions`. With a negative effective inertia steady sliding is unstable by
-    Lemma 8.1, whatever its eigenvalues. Of the others (Sect. 5.5; 5.6, eqs 8.23–8.32; 5.8, eq. 8.33) the class is that
-    of :func:`~lsvib.stability.spectrum.spectrum`; ``divergence`` holds if a real eigenvalue is positive, ``flutter`` if
-    a complex pair grows, and the other conditions say why. What the chapter says of the undamped drive with axial
-    support stands apart, under ``without_damping``. Raises ``InputError`` for a contact that carries no force.
+    Lemma 8.1, whatever its eigenvalues. Of the others (Sects 5.5, 5.6, 5.8 and their combinations) the class is that of
+    :func:`~lsvib.stability.spectrum.spectrum`; ``divergence`` holds if a real eigenvalue is positive, ``flutter`` if a
+    complex pair grows, and the other conditions say why. What the chapter says of the undamped drive with axial support
+    (eqs 8.23–8.32) stands apart, under ``without_damping``. Raises ``InputError`` for a contact that carries no force.
     """
     law = steady_law(drive)
     kind, values, exact = spectrum(drive, law)
     factor = scale(drive, law)
     polynomial = tuple(p / factor for p in exact)
-    details: dict[str, Any] = {"conditions": {}, "quantities": {}}
-    if (drive.rigid or drive.parts) and drive.parts in _SAID:
-        details = _SAID[drive.parts](drive, law, polynomial, values)
-    if len(values) > 2:
-        rates = {
-            "divergence": max((x.real for x in values if x.imag == 0 < x.real), default=None),
-            "flutter": _growth(values),
-        }
-        details["conditions"] |= {name: _condition(growth_rate=rate) for name, rate in rates.items()}
+    details = _of_rigid(drive, law) if drive.rigid else _of_parts(drive, law, polynomial, values)
     return StabilityReport(
         parts=drive.parts,
         stable=kind.startswith("stable"),
@@ -333,7 +307,7 @@ def _quantity(value: Any, unit: str) -> Quantity:
     return Quantity(number if number is None or math.isfinite(number) else None, unit)
 
 
-def _of_rigid(drive: Drive, law: int, polynomial: Polynomial, values: list[complex]) -> dict[str, Any]:
+def _of_rigid(drive: Drive, law: int) -> dict[str, Any]:
     """Of the rigid drive (Sects 5.3, 8.5, 8.6): what eqs (8.18) to (8.21) say of it."""
     c, found = mechanics.coefficients(drive), {}
     for name, by_law, unit in (("inertia", c.gamma, "kg m2"), ("damping", c.damping, "N m s rad-1")):
@@ -346,78 +320,61 @@ def _of_rigid(drive: Drive, law: int, polynomial: Polynomial, values: list[compl
     return {"conditions": conditions(drive), "quantities": found, "paradox_region": c.paradox}
 
 
-def _of_threads(drive: Drive, law: int, polynomial: Polynomial, values: list[complex]) -> dict[str, Any]:
-    """Of compliant threads (Sect. 5.5): Lemma 8.1 at the stiffness of this very contact, p_2 < 0; its least damping."""
+def _of_parts(drive: Drive, law: int, polynomial: Polynomial, values: list[complex]) -> dict[str, Any]:
+    """Of any other drive: how it grows, and the kinematic constraint (eqs 8.20, 8.28, 8.33; Lemma 8.1)."""
+    d = drive.exact()
+    inertia = effective_inertia(d, law)
+    soft = {"negative_coefficient_of_s2": -polynomial[-3]} if "threads" in drive.parts else {}
+    conditions = {
+        "kinematic_constraint": _condition(negative_effective_inertia=-inertia, **soft),
+        "divergence": _condition(growth_rate=max((x.real for x in values if x.imag == 0 < x.real), default=None)),
+        "flutter": _condition(growth_rate=_growth(values)),
+    }
+    quantities = {
+        "effective_inertia": _quantity(inertia, "kg m2"),
+        "effective_screw_inertia": _quantity(screw_inertia(d), "kg m2"),
+        "effective_mass": _quantity(mass(d), "kg"),
+        "critical_mass": _quantity(kinematic_mass(drive) if law > 0 else None, "kg"),
+        "critical_friction": _quantity(critical_friction(drive) if law > 0 else None, "1"),
+    }
+    if drive.parts == ("threads",):
+        conditions["contact_flutter"], more = _of_threads(drive, values)
+        quantities |= more
+    undamped = _undamped(drive, law) if drive.parts == ("support",) else None
+    return {"conditions": conditions, "quantities": quantities, "without_damping": undamped}
+
+
+def _of_threads(drive: Drive, values: list[complex]) -> tuple[Condition, dict[str, Quantity]]:
+    """Of compliant threads (Sect. 5.5): whether this very contact lacks damping; what Lemma 8.1 says of it."""
     with many_digits():
-        _, inertia, damping, _ = _contact_terms(drive)
+        _, _, damping, _ = _contact_terms(drive)
     damped = stable_set(drive, "contact_damping")
     least = damped.intervals[0][0] if damped and damped.intervals else None
     missing = None if least is None else least - fmpq(*drive.contact_damping.as_integer_ratio())
-    return {
-        "conditions": {
-            "kinematic_constraint": _condition(
-                negative_effective_inertia=-inertia, negative_coefficient_of_s2=-polynomial[2]
-            ),
-            "contact_flutter": _condition(missing_contact_damping=missing, growth_rate=_growth(values)),
-        },
-        "quantities": {
-            "effective_inertia": _quantity(inertia, "kg m2"),
-            "effective_damping": _quantity(damping, "N m s rad-1"),
-            "unstable_contact_stiffness": _quantity(unstable_contact_stiffness(drive), "N m-1"),
-            "least_contact_damping": _quantity(least, "N s m-1"),
-            "least_damping_of_stiff_contact": _quantity(least_damping_of_stiff_contact(drive), "N s m-1"),
-        },
+    return _condition(missing_contact_damping=missing, growth_rate=_growth(values)), {
+        "effective_damping": _quantity(damping, "N m s rad-1"),
+        "unstable_contact_stiffness": _quantity(unstable_contact_stiffness(drive), "N m-1"),
+        "least_contact_damping": _quantity(least, "N s m-1"),
+        "least_damping_of_stiff_contact": _quantity(least_damping_of_stiff_contact(drive), "N s m-1"),
     }
 
 
-def _of_support(drive: Drive, law: int, polynomial: Polynomial, values: list[complex]) -> dict[str, Any]:
-    """Of axial support (Sect. 5.6): the kinematic constraint, and mode coupling of the undamped drive (8.29)."""
-    d = drive.exact()
-    inertia = reduced_inertia(d, law)
+def _undamped(drive: Drive, law: int) -> UndampedStability:
+    """Of a drive with axial support (Sect. 5.6) without any damping: mode coupling and divergence (8.24 to 8.29)."""
     undamped = drive.replace(support_damping=0.0, translation_damping=0.0, axial_support_damping=0.0)
-    undamped_class, _, exact = spectrum(undamped, law, level=True)
+    kind, _, exact = spectrum(undamped, law, level=True)
     factor = scale(drive, law, level=True)
     a_4, minus_a_2, discriminant = margins(tuple(p / factor for p in exact), neutral=True)
-    lower, upper = flutter_boundaries(d, law)  # in doubles Γ_0 and Γ̃_0 lose all digits next to where they vanish
-    return {
-        "conditions": {"kinematic_constraint": _condition(negative_reduced_inertia=-inertia)},
-        "quantities": {
-            "reduced_inertia": _quantity(inertia, "kg m2"),
-            "reduced_mass": _quantity(reduced_mass(d), "kg"),
-            "critical_friction": _quantity(critical_friction(drive) if law > 0 else None, "1"),
+    # in doubles Γ_0 and Γ̃_0 lose all digits next to where they vanish
+    lower, upper = flutter_boundaries(drive.exact(), law)
+    return UndampedStability(
+        kind=kind,
+        conditions={
+            "divergence": _condition(positive_a_4=a_4, positive_a_2=-minus_a_2),
+            "mode_coupling": _condition(negative_discriminant=-discriminant),
         },
-        "without_damping": UndampedStability(
-            kind=undamped_class,
-            conditions={
-                "divergence": _condition(positive_a_4=a_4, positive_a_2=-minus_a_2),
-                "mode_coupling": _condition(negative_discriminant=-discriminant),
-            },
-            quantities={
-                "lower_flutter_stiffness": _quantity(lower, "N m-1"),
-                "upper_flutter_stiffness": _quantity(upper, "N m-1"),
-            },
-        ),
-    }
-
-
-def _of_nut(drive: Drive, law: int, polynomial: Polynomial, values: list[complex]) -> dict[str, Any]:
-    """Of a rotating nut (Sect. 5.8): the kinematic constraint (8.33)."""
-    d = drive.exact()
-    inertia = kinematic_inertia(d, law)
-    return {
-        "conditions": {"kinematic_constraint": _condition(negative_effective_inertia=-inertia)},
-        "quantities": {
-            "kinematic_inertia": _quantity(inertia, "kg m2"),
-            "effective_screw_inertia": _quantity(effective_screw_inertia(d), "kg m2"),
-            "kinematic_mass": _quantity(kinematic_mass(drive) if law > 0 else None, "kg"),
+        quantities={
+            "lower_flutter_stiffness": _quantity(lower, "N m-1"),
+            "upper_flutter_stiffness": _quantity(upper, "N m-1"),
         },
-    }
-
-
-_SAID: dict[tuple[str, ...], Callable[..., dict[str, Any]]] = {
-    (): _of_rigid,
-    ("threads",): _of_threads,
-    ("support",): _of_support,
-    ("nut",): _of_nut,
-}
-"""What the chapter says of drives with certain parts beyond their eigenvalues: fields of the report."""
+    )

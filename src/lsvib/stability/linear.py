@@ -1,24 +1,12 @@
-"""Linearised equations of motion in steady sliding, their eigenvalues and classes, whole grids at once.
+"""Steady sliding linearised: its state matrix, eigenvalues and classes, whole grids at once.
 
-The rigid drive reads Γ_0 u″ + C_0 u′ + k u = 0. Compliant threads, axial support and rotating nut have two coordinates
-q and read M q″ + C q′ + K q = 0. With a screw that turns at θ′, a nut at x, and the contact force N of law s
-(μ_s = s μ, Sect. 5.3), Newton's laws are
-
-    I θ″ = T + a N            a = r_m (sin λ − μ_s cos λ) = −r_m ξ_s b
-    m x″ = P − b N            b = cos λ + μ_s sin λ
-
-with T = k (Ω t − θ) − c θ′ and P = R − c_x x′. The models differ in what ties x to θ. Coulomb friction F_0 and T_0 is
-constant in steady sliding, so it shifts the equilibrium – and may turn the sign of N – but is in no matrix. Where μ
-depends on the sliding speed v = r_m θ′ / cos λ, it is that of steady sliding here, and a change of v by v′ changes
-friction by ν v′ with ν = |N_0| dμ/dv, which has the lever r_m cos λ against the screw and the share sin λ against the
-nut.
-
-The entries are plain arithmetic: they serve floats, numpy arrays that broadcast and balls (Arb) alike. The class of one
-drive, decided with certainty, is the matter of :mod:`lsvib.stability.spectrum`.
+The state matrix is what Newton's laws of the drive say in slip (:mod:`lsvib.models.mechanism`); the polynomial is that
+of :class:`lsvib.models.mechanics.LinearParts`, det(M s² + C s + K) of the matrices that the chapter prints. Coulomb
+friction F_0 and T_0 is constant in steady sliding, so it shifts the equilibrium – and may turn the sign of N – but is
+in neither. The class of one drive, decided with certainty, is the matter of :mod:`lsvib.stability.spectrum`.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from enum import IntEnum
 from types import SimpleNamespace
 from typing import Any
@@ -30,9 +18,8 @@ from numpy.typing import ArrayLike, NDArray
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import InputError
 from lsvib.models import friction, mechanics
-from lsvib.models.drive import Drive, ExactParameters
+from lsvib.models.drive import PARTS, Drive, ExactParameters
 
-TwoByTwo = tuple[tuple[Any, Any], tuple[Any, Any]]
 DriveValues = Drive | ExactParameters | Mapping[str, ArrayLike]
 """A drive in doubles, the same in balls (``drive.exact()``), or its keys with arrays that broadcast."""
 
@@ -50,39 +37,12 @@ class Stability(IntEnum):
 
 
 class UndampedClass(IntEnum):
-    """Class of the steady sliding of a model with two coordinates; the values are the ``int8`` flags of datasets."""
+    """Class of the steady sliding of a drive with two coordinates; the values are the ``int8`` flags of datasets."""
 
     STABLE = 0  # no eigenvalue in the right half plane; without damping, all frequencies real
     DIVERGENCE = 1  # a growing motion without oscillation, although the mass matrix has a positive determinant
     FLUTTER = 2  # growing oscillation; without damping, mode coupling
     KINEMATIC_CONSTRAINT = 3  # det M ≤ 0: the constraint turns an inertia negative (Painlevé's paradoxes)
-
-
-@dataclass(frozen=True)
-class LinearModel:
-    """M q″ + C q′ + K q = 0 with two coordinates; each entry of a matrix is a float, an array or a ball."""
-
-    mass: TwoByTwo
-    damping: TwoByTwo
-    stiffness: TwoByTwo
-
-    def polynomial(self) -> tuple[Any, Any, Any, Any, Any]:
-        """Return the coefficients of det(M s² + C s + K), highest power first, in the arithmetic of the entries."""
-        m, c, k = self.mass, self.damping, self.stiffness
-        with many_digits():
-            return determinant(m), _mixed(m, c), determinant(c) + _mixed(m, k), _mixed(c, k), determinant(k)
-
-    def jacobian(self) -> NDArray[np.float64]:
-        """Return the state matrix of [q_1, q_1′, q_2, q_2′], shape (..., 4, 4) for entries that broadcast to (...)."""
-        rate, place = _solved(self.mass, self.damping), _solved(self.mass, self.stiffness)
-        shape = np.broadcast_shapes(*(np.shape(x) for matrix in (rate, place) for row in matrix for x in row))
-        jacobian = np.zeros((*shape, 4, 4))
-        for i in (0, 1):
-            jacobian[..., 2 * i, 2 * i + 1] = 1.0
-            for j in (0, 1):
-                jacobian[..., 2 * i + 1, 2 * j] = -place[i][j]
-                jacobian[..., 2 * i + 1, 2 * j + 1] = -rate[i][j]
-        return jacobian
 
 
 def steady_law(drive: Drive) -> int:
@@ -106,118 +66,54 @@ def sliding_law(drive: Drive) -> int:
     return sense * (int(force > 0) - int(force < 0))
 
 
-def threads_model(drive: DriveValues, law: int) -> LinearModel:
-    """Linearised drive with compliant threads (Sect. 5.5, eqs 8.6, 8.7), coordinates q = (z, e).
+def state_matrices(values: Mapping[str, ArrayLike], law: int) -> NDArray[np.float64]:
+    """Return the state matrices (..., n, n) in slip under law s = ±1 with constant friction, by Newton's laws.
 
-    x = r_m tan λ θ + e; the contact is compressed by δ = e cos λ and carries N = k_c δ + c_c δ′. Hence
-
-        I z″ + c z′ + k z − a cos λ (k_c e + c_c e′) = 0
-        m (r_m tan λ z″ + e″) + c_x (r_m tan λ z′ + e′) + b cos λ (k_c e + c_c e′) = 0
-
-    and det(M s² + C s + K) = (I s² + c s + k)(m s² + c_x s) + b cos λ (k_c + c_c s)(Γ_s s² + C_s s + k): the last
-    factor is the rigid drive (8.13). The slope of friction adds r_m² ν z′ to the first equation and r_m tan λ ν z′ to
-    the second. The state matrix is that of [z, θ′, e, e′].
-
-    Arguments: drive with ``contact_stiffness`` k_c [N/m] and ``contact_damping`` c_c [N s/m]; law s = ±1. Units of the
-    first equation [N m], of the second [N].
+    ``values``: the keys of drives with the same parts, with arrays that broadcast to (...); others than those of parts
+    are as in Table 8.1 if they are not given. The state is that of motions (:mod:`lsvib.models.mechanism`). An entry of
+    which doubles do not hold 1e-13 is not a number.
     """
+    from lsvib.models.many import ManyDrives
+    from lsvib.models.mechanism import Mechanism
+
+    shape = np.broadcast_shapes(*map(np.shape, values.values()))
+    given = {key: np.broadcast_to(value, shape).ravel() for key, value in values.items()}
+    drives = ManyDrives({**dict(Drive()), **given})
+    parts = tuple(part for part, (first, *_) in PARTS.items() if first in values)
+    d = drives.doubles(np.arange(drives.size), np.longdouble)
+    mechanism = Mechanism(d, parts, d.steady_friction)
+    rows = mechanism.solve(1, law, (1,) * len(mechanism.own)).field
+    columns = [np.broadcast_to(np.asarray(x, dtype=float), (drives.size,)) for row in rows for x in row[:-1]]
+    return np.stack(columns, axis=-1).reshape(*shape, len(rows), len(rows))
+
+
+def eigenvalues(values: Mapping[str, ArrayLike], law: int) -> NDArray[np.complex128]:
+    """Eigenvalues [1/s] in ascending real part, shape (..., n), by LAPACK; arguments of :func:`state_matrices`."""
+    found = np.linalg.eigvals(state_matrices(values, law)).astype(complex)
+    return np.take_along_axis(found, np.argsort(found.real, axis=-1), axis=-1)
+
+
+def polynomial(drive: DriveValues, law: int) -> tuple[Any, ...]:
+    """Return the coefficients of det(M s² + C s + K), highest power first, in the arithmetic of the parameters."""
     p = values_of(drive, law)
     with many_digits():
-        lead = p.pitch_radius * p.tan_lead
-        b = p.cos_lead * (1 + law * p.steady_friction * p.tan_lead)
-        a = -p.pitch_radius * p.factor * b
-        stiffness, damping = p.cos_lead * p.contact_stiffness, p.cos_lead * p.contact_damping
-        return LinearModel(
-            mass=((p.screw_inertia, 0), (p.mass * lead, p.mass)),
-            damping=(
-                (p.support_damping + p.slope, -a * damping),
-                (p.translation_damping * lead + p.slope_on_nut, p.translation_damping + b * damping),
-            ),
-            stiffness=((p.coupling_stiffness, -a * stiffness), (0, b * stiffness)),
-        )
-
-
-def support_model(drive: DriveValues, law: int) -> LinearModel:
-    """Linearised drive with a compliant axial support (Sect. 5.6; M and K of eq. 8.23), coordinates q = (θ, x_1).
-
-    The screw of mass m_1 can shift by x_1 against k_1 and c_1: x = r_m tan λ θ + x_1 and
-    m_1 x_1″ = b N − k_1 x_1 − c_1 x_1′. With b N = R − c_x x′ − m x″ from the nut and a/b = −r_m ξ_s,
-
-        (I − ξ_s m r_m² tan λ) θ″ − ξ_s r_m m x_1″ + (c − ξ_s c_x r_m² tan λ) θ′ − ξ_s r_m c_x x_1′ + k θ = 0
-        m r_m tan λ θ″ + (m + m_1) x_1″ + c_x r_m tan λ θ′ + (c_x + c_1) x_1′ + k_1 x_1 = 0
-
-    The slope of friction adds r_m² ν (1 − ξ_s tan λ) θ′ to the first equation.
-    Arguments as :func:`threads_model`, with ``screw_mass`` m_1 [kg], ``support_stiffness`` k_1 [N/m] and
-    ``axial_support_damping`` c_1 [N s/m] (not the c_1 of eq. 8.15, which is c_x).
-    """
-    p = values_of(drive, law)
-    with many_digits():
-        lead, lever = p.pitch_radius * p.tan_lead, p.factor * p.pitch_radius
-        return LinearModel(
-            mass=((p.screw_inertia - lever * lead * p.mass, -lever * p.mass), (lead * p.mass, p.mass + p.screw_mass)),
-            damping=(
-                (
-                    p.support_damping - lever * lead * p.translation_damping + p.sloped,
-                    -lever * p.translation_damping,
-                ),
-                (lead * p.translation_damping, p.translation_damping + p.axial_support_damping),
-            ),
-            stiffness=((p.coupling_stiffness, 0), (0, p.support_stiffness)),
-        )
-
-
-def nut_model(drive: DriveValues, law: int) -> LinearModel:
-    """Linearised drive whose nut can rotate (Sect. 5.8, matrices above eq. 8.33), coordinates q = (θ, θ_2).
-
-    x = r_m tan λ (θ − θ_2), I_2 θ_2″ = −k_2 θ_2 − c_2 θ_2′ − a N. With χ = ξ_s r_m² tan λ all three matrices are
-    symmetric: M = diag(I, I_2) − m χ D, C = diag(c, c_2) − c_x χ D, K = diag(k, k_2), D = [[1, −1], [−1, 1]]. (The
-    chapter prints them for c_x = 0.) The slope of friction adds r_m² ν (1 − ξ_s tan λ) D to C, as the threads slip at
-    θ′ − θ_2′.
-
-    Arguments as :func:`threads_model`, with ``nut_inertia`` I_2 [kg m²], ``nut_stiffness`` k_2 [N m/rad] and
-    ``nut_damping`` c_2 [N m s/rad].
-    """
-    p = values_of(drive, law)
-    with many_digits():
-        lever = p.factor * p.pitch_radius**2 * p.tan_lead
-        mass, damping = lever * p.mass, lever * p.translation_damping - p.sloped
-        return LinearModel(
-            mass=((p.screw_inertia - mass, mass), (mass, p.nut_inertia - mass)),
-            damping=((p.support_damping - damping, damping), (damping, p.nut_damping - damping)),
-            stiffness=((p.coupling_stiffness, 0), (0, p.nut_stiffness)),
-        )
-
-
-def determinant(a: TwoByTwo) -> Any:
-    """Determinant of a 2 × 2 matrix, in the arithmetic of its entries."""
-    return a[0][0] * a[1][1] - a[0][1] * a[1][0]
-
-
-def _mixed(a: TwoByTwo, b: TwoByTwo) -> Any:
-    """Term of det(A + B) that is linear in both A and B."""
-    return a[0][0] * b[1][1] + a[1][1] * b[0][0] - a[0][1] * b[1][0] - a[1][0] * b[0][1]
-
-
-def _solved(a: TwoByTwo, b: TwoByTwo) -> TwoByTwo:
-    """A⁻¹ B by Cramer's rule."""
-    det = determinant(a)
-    first = tuple((a[1][1] * b[0][j] - a[0][1] * b[1][j]) / det for j in (0, 1))
-    second = tuple((a[0][0] * b[1][j] - a[1][0] * b[0][j]) / det for j in (0, 1))
-    return first, second
+        parts = mechanics.LinearParts.of(vars(p), law, p.tan_lead)
+        return tuple(x / parts.excess for x in parts.polynomial())
 
 
 def values_of(drive: DriveValues, law: int) -> SimpleNamespace:
     """Return the parameters as attributes, with sin λ, cos λ, tan λ and, as ``factor``, ξ_s of the law s = ±1.
 
-    ``steady_friction`` is μ in steady sliding; its slope over the speed gives the dampings ``slope``, r_m² ν,
-    ``slope_on_nut``, r_m tan λ ν, and ``sloped``, r_m² ν (1 − ξ_s tan λ) = r_m² ν (1 + tan² λ) / (1 + s μ tan λ).
+    ``steady_friction`` is μ in steady sliding, and ν = |N_0| dμ/dv how it changes with the sliding speed v = r_m θ′ /
+    cos λ; that gives the dampings ``slope``, r_m² ν, of the screw alone, and ``sloped``, r_m² ν (1 + tan² λ) / (1 + s μ
+    tan λ), of the rigid drive.
     """
     if isinstance(drive, ExactParameters):
         p = SimpleNamespace(**vars(drive))
     else:
         p = SimpleNamespace(**{key: np.asarray(value, dtype=float) for key, value in dict(drive).items()})
         p.sin_lead, p.cos_lead, p.tan_lead = (f(p.lead_angle) for f in (np.sin, np.cos, np.tan))
-    p.steady_friction, p.slope, p.slope_on_nut, p.sloped = p.friction_coefficient, 0, 0, 0
+    p.steady_friction, p.slope, p.sloped = p.friction_coefficient, 0, 0
     with many_digits():
         moves = friction.moves(vars(p))
         if moves:
@@ -228,7 +124,6 @@ def values_of(drive: DriveValues, law: int) -> SimpleNamespace:
             geometry = p.pitch_radius, p.cos_lead, p.tan_lead
             p.sloped = mechanics.damping_by_slope(rate, force, p.steady_friction, *geometry, law)
             p.slope = p.sloped * (1 + law * p.steady_friction * p.tan_lead) / (1 + p.tan_lead**2)
-            p.slope_on_nut = p.slope * p.tan_lead / p.pitch_radius
     return p
 
 
@@ -289,33 +184,25 @@ def _rounded_product(a: Any, b: Any) -> tuple[Any, Any]:
     return p, ((a_high * b_high - p) + a_high * b_low + a_low * b_high) + a_low * b_low
 
 
-def reciprocal_squares(model: LinearModel) -> NDArray[np.complex128]:
-    """Return 1/ω² of det(K − ω² M) = 0 [s²], both roots along a new last axis; damping plays no part.
+def reciprocal_squares(values: Mapping[str, ArrayLike], law: int) -> NDArray[np.complex128]:
+    """Return 1/ω² of det(K − ω² M) = 0 [s²] of drives with two coordinates, both roots along a new last axis.
 
-    They are the eigenvalues of K⁻¹ M. As det K > 0 in every model here, 1/ω² stays finite where an inertia vanishes and
-    ω² passes through infinity (eq. 8.27): a real one then changes its sign in a simple root.
+    They are the eigenvalues of K⁻¹ M; damping plays no part. As det K > 0 in every drive, 1/ω² stays finite where an
+    inertia vanishes and ω² passes through infinity (eq. 8.27): a real one then changes its sign in a simple root.
     """
-    a_4, _, minus_a_2, _, a_0 = LinearModel(model.mass, ((0, 0), (0, 0)), model.stiffness).polynomial()
+    undamped = {key: 0.0 if key.endswith("_damping") else value for key, value in values.items()}
+    a_4, _, minus_a_2, _, a_0 = polynomial(undamped, law)
     return eigenvalue_pair(a_0, -minus_a_2, a_4)
 
 
-def undamped_class(model: LinearModel) -> NDArray[np.int8]:
+def undamped_class(values: Mapping[str, ArrayLike], law: int) -> NDArray[np.int8]:
     """Return the :class:`UndampedClass` of M q″ + K q = 0 by its eigenvalues 1/ω², point by point; det K > 0."""
-    squares = reciprocal_squares(model)
+    squares = reciprocal_squares(values, law)
     # det K > 0, so the product of both 1/ω² has the sign of det M: it is negative for exactly one negative 1/ω².
     complex_pair = squares[..., 0].imag != 0
     lower, upper = squares[..., 0].real, squares[..., 1].real
     kinds = [UndampedClass.FLUTTER, UndampedClass.STABLE, UndampedClass.DIVERGENCE]
     return np.select([complex_pair, lower > 0, upper < 0], kinds, UndampedClass.KINEMATIC_CONSTRAINT).astype(np.int8)
-
-
-def eigenvalues(model: LinearModel) -> NDArray[np.complex128]:
-    """Eigenvalues [1/s] of M q″ + C q′ + K q = 0, shape (..., 4), by LAPACK on the balanced state matrix.
-
-    In ascending real part; they are those of :meth:`LinearModel.jacobian`. det M must not vanish.
-    """
-    values = np.linalg.eigvals(model.jacobian()).astype(complex)
-    return np.take_along_axis(values, np.argsort(values.real, axis=-1), axis=-1)
 
 
 def hurwitz(p: tuple[Any, ...], order: int = 3, same: bool = False) -> Any:
