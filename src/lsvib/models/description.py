@@ -7,9 +7,10 @@ from flint import arb
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.models import friction
-from lsvib.models.drive import IN_WORDS, Drive
+from lsvib.models.drive import IN_WORDS, PARTS, Drive
 from lsvib.models.mechanism import Mechanism, seated
 from lsvib.models.model import QUANTITIES, Model, model_of
+from lsvib.models.names import BODIES
 
 
 @dataclass(frozen=True)
@@ -74,13 +75,18 @@ def _bodies(drive: Drive, reach: float) -> list[str]:
     d, turns, shifts = drive, "nut" in drive.parts, "support" in drive.parts
     screw = [("−", d.coupling_stiffness, "z"), ("−", d.support_damping, "θ′"), ("−", d.bearing_friction, "sgn θ′")]
     load = [("−", d.translation_damping, "x′"), ("−", d.slide_friction, "sgn x′")]
-    lines = [f"{d.screw_inertia:.6g} θ″ = {_sum(screw)} − τ"]
-    if shifts:
-        spring = [("−", d.support_stiffness, "x_1"), ("−", d.axial_support_damping, "x_1′")]
-        lines.append(f"{d.screw_mass:.6g} x_1″ = n {_sum(spring)}")
-    if turns:
-        spring = [("−", d.nut_stiffness, "θ_2"), ("−", d.nut_damping, "θ_2′")]
-        lines.append(f"{d.nut_inertia:.6g} θ_2″ = τ {_sum(spring)}")
+    lines = []
+    for part in drive.parts:
+        if body := BODIES.get(part):
+            inertia, stiffness, damping = (getattr(d, name) for name in PARTS[part])
+            of, rate = body.symbol, f"{body.symbol}′"
+            if body.on:
+                of, rate = f"({of} − θ)", f"({rate} − θ′)"
+                screw += [("+", stiffness, of), ("+", damping, rate)]
+            pushed = {"contact": "n ", "torque": "τ "}.get(body.pushed, "")
+            spring = _sum([("−", stiffness, of), ("−", damping, rate)])
+            lines.append(f"{inertia:.6g} {body.symbol}″ = {pushed}{spring}")
+    lines.insert(0, f"{d.screw_inertia:.6g} θ″ = {_sum(screw)} − τ")
     right = _sum([("", d.axial_force, ""), *load])
     lines.append(f"{d.mass:.6g} x″ = {right + ' ' if right else ''}− n")
     angle = "(θ − θ_2)" if turns else "θ"

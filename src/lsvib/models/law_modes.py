@@ -68,14 +68,18 @@ class LawModes(Modes):
         laws = {self.name(key): key for key in self.slips}
         if 0 < self.low < math.inf:
             laws |= self._band(modes)
-        for name, (d, q, _) in laws.items():
-            split, without, more = self._split(d, d * q)
+        splits: dict[Any, Any] = {}
+        for name, key in laws.items():
+            (d, q, _), known = key, self._known(key)
+            if known not in splits:
+                splits[known] = self._split(known[0], known[1])
+            split, without, more = splits[known]
             row = sliding.speed_row(d, self.m.slip, self.m.d)
             flow = split.mode(row, pieces)
             modes[name] = replace(modes[name], flow=flow)
             seen[name] = without
-            for key, of_mode in parts.items():
-                of_mode[name] = more[key]
+            for observable, of_mode in parts.items():
+                of_mode[name] = more[observable]
             if math.isfinite(self.high) and d * q > 0:
                 self._bound(modes, name, f"beyond_{DIRECTIONS[d]}", d, self.high, -1, "beyond")
                 self.transitions["beyond"] = Transition(())

@@ -6,7 +6,7 @@ drive (``Drive.exact()``), arrays of doubles, which are many drives, and power s
 ``tan_lead`` is tan λ, ``factor`` is ξ_s.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from typing import Any, Self
@@ -17,9 +17,11 @@ from flint import arb
 from lsvib.engine.automaton import Row, scaled
 from lsvib.engine.exact.arithmetic import added, many_digits, multiplied, nothing, root, sign
 from lsvib.models import friction
-from lsvib.models.drive import Drive, once
+from lsvib.models.drive import PARTS, Drive, once
+from lsvib.models.names import BODIES
 
 Polynomial = tuple[Any, ...]  # highest power first
+Fraction = tuple[Sequence[Any], Sequence[Any]]  # of two polynomials
 
 
 def friction_factor(friction_coefficient: Any, tan_lead: Any, law: Any) -> Any:
@@ -140,7 +142,8 @@ class LinearParts:
         g (1/B + 1/Y) − h (1/A + 1/N) + (1 + t²) / E
 
     times all that stands below a line; what belongs to a part that is not there is left out. ``along`` are B and Y,
-    ``turning`` A and N, ``contact`` E or nothing.
+    ``turning`` A and N, ``contact`` E or nothing. A body that is carried by another one adds I s² S / (I s² + S) to its
+    polynomial, S = c s + k, so that these are pairs, what stands above and below a line.
 
     Where friction depends on the sliding speed, μ is that of steady sliding, and its change with the speed damps (see
     docs/physics.md): the sum has the term σ s (1/A + 1/N) (1/B + 1/Y + 1/E) more, with σ = (1 + t²) r_m² |N_0| μ′. As
@@ -151,8 +154,8 @@ class LinearParts:
     t: Any
     g: Any
     h: Any
-    along: tuple[Polynomial, ...]
-    turning: tuple[Polynomial, ...]
+    along: tuple[Fraction, ...]
+    turning: tuple[Fraction, ...]
     contact: Polynomial | None = None
     times: Any = 1
     sloped: Any = None
@@ -163,17 +166,22 @@ class LinearParts:
         moves = friction.moves(p)
         level, rate = friction.steady(p, t) if moves else (p["friction_coefficient"], None)
         level = law * level
-        support, nut = ("screw_mass", "axial_support_damping", "support_stiffness"), ("nut_inertia", "nut_damping")
+        screw: Fraction = (p["screw_inertia"], p["support_damping"], p["coupling_stiffness"]), [1]
+        pushed: dict[str, list[Fraction]] = {"contact": [((p["mass"], p["translation_damping"], 0), [1])], "torque": []}
+        for part, body in BODIES.items():
+            inertia, stiffness, damping = PARTS[part]
+            if inertia in p and body.pushed:
+                pushed[body.pushed].append(((p[inertia], p[damping], p[stiffness]), [1]))
+            elif inertia in p:
+                screw = _carrying(screw, p[inertia], (p[damping], p[stiffness]))
+        contact = (p["contact_damping"], p["contact_stiffness"]) if "contact_stiffness" in p else None
         level_only = cls(
             t=t,
             g=1 + level * t,
             h=p["pitch_radius"] ** 2 * t * (level - t),
-            along=((p["mass"], p["translation_damping"], 0), *_present(p, support)),
-            turning=(
-                (p["screw_inertia"], p["support_damping"], p["coupling_stiffness"]),
-                *_present(p, (*nut, "nut_stiffness")),
-            ),
-            contact=next(_present(p, ("contact_damping", "contact_stiffness")), None),
+            along=tuple(pushed["contact"]),
+            turning=(screw, *pushed["torque"]),
+            contact=contact,
         )
         if not moves:
             return level_only
@@ -196,7 +204,9 @@ class LinearParts:
 
     def polynomial(self) -> Polynomial:
         """Return the characteristic polynomial, times ``times``."""
-        along, turning = (reduce(multiplied, these, [1]) for these in (self.along, self.turning))
+        along, turning = (
+            reduce(multiplied, (above for above, _ in these), [1]) for these in (self.along, self.turning)
+        )
         shift, turn = _sum_of_inverses(self.along), _sum_of_inverses(self.turning)
         below = [(self.g, multiplied(shift, turning)), (-self.h, multiplied(turn, along))]
         both = shift
@@ -210,15 +220,21 @@ class LinearParts:
         return tuple(_total(below))
 
 
-def _present(p: Mapping[str, Any], names: Sequence[str]) -> Iterator[Polynomial]:
-    """Yield the polynomial of a part by the names of its coefficients, if the part is there."""
-    if names[-1] in p:
-        yield tuple(p[name] for name in names)
+def _carrying(carrier: Fraction, inertia: Any, spring: Polynomial) -> Fraction:
+    """Return the polynomial of a body that carries another one on a spring, as a fraction."""
+    (above, below), moved = carrier, (inertia, 0, 0)
+    own = _total([(1, moved), (1, spring)])
+    return _total([(1, multiplied(above, own)), (1, multiplied(below, multiplied(moved, spring)))]), multiplied(
+        below, own
+    )
 
 
-def _sum_of_inverses(polynomials: Sequence[Polynomial]) -> Sequence[Any]:
-    """Return what stands above the line in the sum of the inverses of one or two polynomials."""
-    return [1] if len(polynomials) == 1 else _total([(1, one) for one in polynomials])
+def _sum_of_inverses(fractions: Sequence[Fraction]) -> Sequence[Any]:
+    """Return what stands above the line in the sum of the inverses of one or two fractions, over both numerators."""
+    if len(fractions) == 1:
+        return fractions[0][1]
+    (first, below_first), (second, below_second) = fractions
+    return _total([(1, multiplied(below_second, first)), (1, multiplied(below_first, second))])
 
 
 def _total(terms: Sequence[tuple[Any, Sequence[Any]]]) -> list[Any]:

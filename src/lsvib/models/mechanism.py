@@ -43,7 +43,7 @@ from lsvib.engine.exact.arithmetic import double, many_digits, nothing, root, si
 from lsvib.models import mechanics
 from lsvib.models.drive import PARTS, Drive
 from lsvib.models.mechanics import plus, solved
-from lsvib.models.names import COORDINATES, Ways, own_frictions, sides_of_rest
+from lsvib.models.names import BODIES, COORDINATES, Ways, own_frictions, sides_of_rest
 
 
 @dataclass(frozen=True)
@@ -82,6 +82,7 @@ class Mechanism:
         self.states = tuple(chain.from_iterable(COORDINATES[part] for part in self.parts))
         self.place = {part: 2 * k for k, part in enumerate(self.parts)}
         self.compliant = "threads" in parts
+        self.bodies = [part for part in self.parts if part in BODIES]
         dry = {"bearing": d.bearing_friction, "slide": d.slide_friction}
         self.limits = {name: limit for name, limit in dry.items() if sign(limit)}
         self.own = own_frictions(self.parts, [f"{name}_friction" for name in self.limits])
@@ -119,22 +120,23 @@ class Mechanism:
     @cached_property
     def sizes(self) -> tuple[Any, ...]:
         """Typical sizes of the coordinates: 0.1 rad, as in the cycles of Table 8.1, and Ω."""
+        return tuple(chain.from_iterable(map(self._size, self.parts)))
+
+    def _size(self, part: str) -> tuple[Any, Any]:
         d, speed = self.d, abs(double(self.d.input_speed))
-        force = abs(double(d.axial_force)) + 1.0
-        found: list[Any] = [0.1, speed]
-        if "support" in self.parts:
-            rate = double(self.reach) * speed
-            stiffness = double(d.support_stiffness)
-            found += [np.maximum(force / stiffness, rate * np.sqrt(double(d.screw_mass) / stiffness)), rate]
-        if "nut" in self.parts:
-            found += [0.1 * np.minimum(double(d.coupling_stiffness) / double(d.nut_stiffness), 1.0), speed]
-        if self.compliant:
+        force, swing = abs(double(d.axial_force)) + 1.0, double(root(d.screw_inertia / d.coupling_stiffness))
+        if part == "screw":
+            return 0.1, speed
+        if part == "support":
+            rate, stiffness = double(self.reach) * speed, double(d.support_stiffness)
+            return np.maximum(force / stiffness, rate * np.sqrt(double(d.screw_mass) / stiffness)), rate
+        if part == "threads":
             # The contact gives way by N/k_c, or by as much as damping and inertia let it in a swing of the coupling.
-            stiffness, damping = double(d.contact_stiffness), double(d.contact_damping)
-            mass, swing = double(d.mass), double(root(d.screw_inertia / d.coupling_stiffness))
-            found.append(force / (stiffness + damping / swing + mass / swing**2))
-            found.append(force / (damping + double(root(d.contact_stiffness * d.mass)) + mass / swing))
-        return tuple(found)
+            stiffness, damping, mass = double(d.contact_stiffness), double(d.contact_damping), double(d.mass)
+            place = force / (stiffness + damping / swing + mass / swing**2)
+            return place, force / (damping + double(root(d.contact_stiffness * d.mass)) + mass / swing)
+        stiffness = double(getattr(d, PARTS[part][1]))
+        return 0.1 * np.minimum(double(d.coupling_stiffness) / stiffness, 1.0), speed
 
     def effective(self, held: Sequence[str] = ()) -> tuple[Any, Any]:
         """Return I_eff [kg m²] and m_eff [kg] while bodies are held."""
@@ -189,22 +191,18 @@ class Mechanism:
         own = {name: {name: 1} for name in held}
         torque = plus(scaled(self.deflection, -d.coupling_stiffness), scaled(rates["screw"], -d.support_damping))
         push = plus(self.constant(d.axial_force), scaled(travel, -d.translation_damping))
-        equations: list[tuple[dict[str, Any], Row]] = [
-            (
-                {"screw": d.screw_inertia, "torque": 1} | own.get("bearing", {}),
-                plus(torque, dry.get("bearing", self.constant(0))),
-            ),
-            (
-                {part: d.mass * x for part, x in moved.items()} | {"contact": 1} | own.get("slide", {}),
-                plus(push, dry.get("slide", self.constant(0))),
-            ),
-        ]
-        if "support" in self.parts:
-            spring = self._spring("support", self.force, d.support_stiffness, d.axial_support_damping, rates)
-            equations.append(({"support": d.screw_mass, "contact": -1}, spring))
-        if "nut" in self.parts:
-            spring = self._spring("nut", self.twist, d.nut_stiffness, d.nut_damping, rates)
-            equations.append(({"nut": d.nut_inertia, "torque": -1}, spring))
+        forces = {
+            "screw": plus(torque, dry.get("bearing", self.constant(0))),
+            "load": plus(push, dry.get("slide", self.constant(0))),
+        }
+        for part in self.bodies:
+            forces[part] = self._spring(part, rates)
+            if on := BODIES[part].on:
+                forces[on] = plus(forces[on], scaled(forces[part], -1))
+        left = self._inertias(moved)
+        left["screw"] |= own.get("bearing", {})
+        left["load"] |= own.get("slide", {})
+        equations = [(left[body], forces[body]) for body in left]
         equations += self._threads(law, mu, rates)
         equations += [({"screw": 1} if name == "bearing" else moved, self.constant(0)) for name in held]
         found = solved(equations)
@@ -215,10 +213,26 @@ class Mechanism:
         turns = {"nut": -self.reach} if "nut" in self.parts else {}
         return {"screw": self.reach, **turns, **dict.fromkeys(self.sliders, 1)}
 
-    def _spring(self, part: str, load: Any, stiffness: Any, damping: Any, rates: Mapping[str, Row]) -> Row:
-        """Return the force of the spring and the damper of a part, which carries a load in steady sliding."""
-        place = self.unit(self.place[part], load / stiffness)
-        return plus(scaled(place, -stiffness), scaled(rates[part], -damping))
+    def _inertias(self, moved: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+        """What stands on the left of the equation of each body: its inertia by its acceleration, the threads' force."""
+        d = self.d
+        left = {"screw": {"screw": d.screw_inertia, "torque": 1}}
+        left["load"] = {part: d.mass * x for part, x in moved.items()} | {"contact": 1}
+        for part in self.bodies:
+            pushed = {BODIES[part].pushed: -1} if BODIES[part].pushed else {}
+            left[part] = {part: getattr(d, PARTS[part][0])} | pushed
+        return left
+
+    def _spring(self, part: str, rates: Mapping[str, Row]) -> Row:
+        """Return the force of the spring and the damper of a body, which carries a load in steady sliding."""
+        body, (_, *names) = BODIES[part], PARTS[part]
+        stiffness, damping = (getattr(self.d, name) for name in names)
+        load = {"contact": self.force, "torque": self.twist}.get(body.pushed, 0)
+        stretched, faster = self.unit(self.place[part], load / stiffness), rates[part]
+        if body.on:
+            stretched = plus(stretched, scaled(self.unit(self.place[body.on]), -1))
+            faster = plus(faster, self.constant(self.d.input_speed), scaled(rates[body.on], -1))
+        return plus(scaled(stretched, -stiffness), scaled(faster, -damping))
 
     def _threads(self, law: int, mu: Any, rates: Mapping[str, Row]) -> list[tuple[dict[str, Any], Row]]:
         """Return the equations of the contact, in slip under a law or at rest."""
@@ -292,16 +306,9 @@ class Mechanism:
 
         The friction factor that they take, I_eff / (m_eff r_m² tan λ), is not larger than ξ₊ where Γ₊ ≤ 0.
         """
-        d, zero = self.d, self.constant(0)
-        equations: list[tuple[dict[str, Any], Row]] = [
-            ({"screw": d.screw_inertia, "torque": 1}, zero),
-            ({part: d.mass * x for part, x in self._moved().items()} | {"contact": 1}, zero),
-            ({"screw": 1} | ({"nut": -1} if "nut" in self.parts else {}), scaled(self.slip, -1)),
-        ]
-        if "support" in self.parts:
-            equations.append(({"support": d.screw_mass, "contact": -1}, zero))
-        if "nut" in self.parts:
-            equations.append(({"nut": d.nut_inertia, "torque": -1}, zero))
+        zero = self.constant(0)
+        equations = [(left, zero) for left in self._inertias(self._moved()).values()]
+        equations.append(({"screw": 1} | ({"nut": -1} if "nut" in self.parts else {}), scaled(self.slip, -1)))
         jumps, rates = solved(equations), self.rates(True, ())
         return self._reset({part: plus(rates[part], jumps[part]) for part in self.parts})
 

@@ -22,7 +22,6 @@ if TYPE_CHECKING:  # a scene can be read and refused without the engine
     from lsvib.engine.automaton import Automaton
 
 _FORCES = ("stick", "detach", "global_stability")  # thresholds of the axial force in closed form, also curves
-_OWN_TERMS = {"threads": "contact_damping", "support": "axial_support_damping", "nut": "nut_damping"}
 QUANTITIES = {  # long name, unit and symbol of the coordinates of parts
     "thread_mismatch": ("mismatch of nut and screw along the axis", "m", "$e$"),
     "mismatch_rate": ("rate of the mismatch of nut and screw", "m s-1", r"$\dot e$"),
@@ -72,13 +71,13 @@ class Model:
             "support_damping",
             "translation_damping",
             "axial_force",
-            *(_OWN_TERMS[part] for part in parts),
+            *(PARTS[part][-1] for part in parts),
         )
         self.terms += dry
         self.options = () if parts else ("rest",)
         self.outputs: tuple[str, ...] = ("normal_force", "coupling_torque", "coupling_deflection", "screw_speed")
         self.outputs += () if self.rigid else ("axial_contact_force", "nut_speed")
-        self.equations = ", ".join(_EQUATIONS[part] for part in parts) or "eqs 8.13-8.17"
+        self.equations = ", ".join(_EQUATIONS[part] for part in parts if part in _EQUATIONS) or "eqs 8.13-8.17"
         general = "Γ₊ = I_eff − ξ₊ tan λ m_eff r_m² = 0 with the reduced inertia and mass (eqs 8.20, 8.28, 8.33)"
         self.constraint = _CONSTRAINT.get(parts, general)
         self.thresholds: tuple[str, ...] = ("onset", "kinematic_constraint", "flutter")

@@ -45,7 +45,7 @@ from lsvib.engine.kernels.layout import Test
 from lsvib.errors import InputError
 from lsvib.models.mechanics import plus, rate_of
 from lsvib.models.mechanism import Mechanism, Solution
-from lsvib.models.names import BODIES, DIRECTIONS, HOW, SIGNS, Event, Key, Resume, Ways, mode_name, mode_names
+from lsvib.models.names import DIRECTIONS, HOLDS, HOW, SIGNS, Event, Key, Resume, Ways, mode_name, mode_names
 
 Side = tuple[Row, Test]  # a row and the test that it has to pass
 
@@ -78,6 +78,7 @@ class Modes:
         self.surfaces: dict[str, Surface] = {}
         self.transitions: dict[str, Transition] = {}
         self._solved: dict[tuple[int, int, Ways], Solution] = {}
+        self._flows: dict[tuple[int, int, Ways], Any] = {}
         self._lefts: dict[tuple[Ways, int, int], Row] = {}
         self._carried: dict[Key, list[tuple[Side, ...]]] = {}
 
@@ -112,11 +113,15 @@ class Modes:
 
     def solution(self, key: Key) -> Solution:
         """Return what Newton's laws say in a mode."""
-        d, q, ways = key
-        known = (d, d * q, ways)
+        known = self._known(key)
         if known not in self._solved:
-            self._solved[known] = self.m.solve(d, d * q, ways)
+            self._solved[known] = self.m.solve(*known)
         return self._solved[known]
+
+    def _known(self, key: Key) -> tuple[int, int, Ways]:
+        """What Newton's laws depend on: direction of slip, which only friction against the ground feels, law, ways."""
+        d, q, ways = key
+        return (d if self.m.limits else abs(d)), d * q, ways
 
     def gauge(self, d: int, ways: Ways) -> Row:
         """Return a row that has the sign of n in slip in a direction, whatever the law: N, or n under law −1."""
@@ -153,9 +158,10 @@ class Modes:
         )
 
     def _mode(self, key: Key, guards: tuple[Guard, ...]) -> Mode:
-        found = self.solution(key)
-        flow = linear_mode(found.field, self.m.sizes, found.frozen, self.m.dampers[-1])
-        return Mode(self.codes[self.name(key)], flow, guards)
+        found, known = self.solution(key), self._known(key)
+        if known not in self._flows:
+            self._flows[known] = linear_mode(found.field, self.m.sizes, found.frozen, self.m.dampers[-1])
+        return Mode(self.codes[self.name(key)], self._flows[known], guards)
 
     def _parts(self, modes: dict[str, Mode], seen: dict[str, dict[str, Row]]) -> dict[str, dict[str, Row]]:
         """Return the rows of the observables that count η times, by name and mode: none with constant friction."""
@@ -198,7 +204,7 @@ class Modes:
         return (contact, stop, *self._body_guards(key))
 
     def _suffix(self, ways: Ways) -> str:
-        return "".join(f"_{BODIES[body]}_{HOW[way]}" for body, way in zip(self.m.own, ways, strict=True))
+        return "".join(f"_{HOLDS[body]}_{HOW[way]}" for body, way in zip(self.m.own, ways, strict=True))
 
     def _rest_guards(self, key: Key) -> tuple[Guard, ...]:
         (_, side, ways), here, m, guards = key, self.name(key), self.m, []

@@ -1,6 +1,7 @@
 """What the parts of a drive, its modes and its events are called, in automata, datasets and starts."""
 
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from enum import IntEnum
 from itertools import product
 from typing import Any, Literal, get_args
@@ -15,10 +16,26 @@ COORDINATES = {  # of each part: the names of its displacement and of the rate o
     "nut": ("nut_angle", "nut_rate"),
     "threads": ("thread_mismatch", "mismatch_rate"),
 }
+
+
+@dataclass(frozen=True)
+class Body:
+    """A body that a part adds to the drive, with an inertia, on a spring and a damper.
+
+    ``symbol`` of its coordinate; ``pushed``, the force of the threads that acts on it: n (``contact``), τ (``torque``)
+    or none; ``on``, what carries spring and damper: the ground, or the ``screw``, with which the body then turns.
+    """
+
+    symbol: str
+    pushed: str = ""
+    on: str = ""
+
+
+BODIES = {"support": Body("x_1", "contact"), "nut": Body("θ_2", "torque")}
 DIRECTIONS = {1: "forward", -1: "backward"}  # of slip, in the names of modes
 SIGNS = {1: "positive", -1: "negative"}  # of the contact force
 HOW = {**DIRECTIONS, 0: "held"}
-BODIES = {"slide": "nut", "bearing": "screw"}  # that a dry friction holds, in the names of modes
+HOLDS = {"slide": "nut", "bearing": "screw"}  # what a dry friction holds, in the names of modes
 Resume = Literal["contact_sign", "at_once"]  # how motion goes on after a seizure: see lsvib.models.rigid
 RULES: tuple[Resume, ...] = get_args(Resume)  # the limit of a compliant contact, and the chapter's reading
 Ways = tuple[int, ...]  # of the bodies that slide on their own, see Mechanism.own: 1, −1, or 0 for one that is held
@@ -67,7 +84,7 @@ def mode_name(key: Key, own: tuple[str, ...]) -> str:
     """Return the name of a mode."""
     d, q, ways = key
     name = f"slip_{DIRECTIONS[d]}_{SIGNS[q]}" if d else f"rest{'_' + SIGNS[q] if q else ''}"
-    return "_".join([name, *(f"{BODIES[body]}_{HOW[way]}" for body, way in zip(own, ways, strict=True))])
+    return "_".join([name, *(f"{HOLDS[body]}_{HOW[way]}" for body, way in zip(own, ways, strict=True))])
 
 
 def is_under_law_plus(code: int) -> bool:

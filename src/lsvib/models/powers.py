@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lsvib.models.drive import Drive
+from lsvib.models.drive import PARTS, Drive
 from lsvib.models.friction import depends_on_speed
-from lsvib.models.names import is_under_law_plus
+from lsvib.models.names import BODIES, COORDINATES, is_under_law_plus
 
 if TYPE_CHECKING:
     from lsvib.engine.automaton import Automaton
@@ -37,14 +37,15 @@ class Powers:
         self.by_speed = depends_on_speed(drive)
         self.sine, self.cosine = math.sin(drive.lead_angle), math.cos(drive.lead_angle)
 
-    def bodies(self) -> Iterator[tuple[str, str, np.ndarray]]:
-        """Yield the bodies by the names of their inertia and of their damper, with the rows of their speeds."""
-        yield "screw_inertia", "support_damping", self.screw
-        yield "mass", "translation_damping", self.nut
-        if "shift_rate" in self.rates:
-            yield "screw_mass", "axial_support_damping", self.rates["shift_rate"]
-        if "nut_rate" in self.rates:
-            yield "nut_inertia", "nut_damping", self.rates["nut_rate"]
+    def bodies(self) -> Iterator[tuple[str, np.ndarray, str, np.ndarray]]:
+        """Yield the inertias of bodies with the rows of their speeds, and their dampers with the speeds of these."""
+        yield "screw_inertia", self.screw, "support_damping", self.screw
+        yield "mass", self.nut, "translation_damping", self.nut
+        for part, body in BODIES.items():
+            if part in self.drive.parts:
+                (inertia, _, damper), speed = PARTS[part], self.rates[COORDINATES[part][1]]
+                faster = speed - self.rates["velocity_deviation"] if body.on else speed
+                yield inertia, speed + self.drive.input_speed * self.one if body.on else speed, damper, faster
 
     def row(self, name: str, mode: int) -> np.ndarray:
         """Return the row of an observable in a mode."""
@@ -61,7 +62,7 @@ class Powers:
     def damping(self) -> np.ndarray:
         """Return the power [W] that all dampers take out; e′ cos λ compresses that of the contact."""
         total = 0 * product(self.one, self.one)
-        for _, damper, speed in self.bodies():
+        for _, _, damper, speed in self.bodies():
             total = total + getattr(self.drive, damper) * product(speed, speed)
         if self.parting.any():
             total = total + self.drive.contact_damping * self.cosine**2 * product(self.parting, self.parting)
@@ -98,7 +99,7 @@ class Powers:
     def kinetic(self, state: np.ndarray) -> float:
         """Return the kinetic energy [J] at a state."""
         x = np.append(state, 1.0)
-        return float(0.5 * sum(getattr(self.drive, inertia) * (speed @ x) ** 2 for inertia, _, speed in self.bodies()))
+        return float(0.5 * sum(getattr(self.drive, inertia) * (speed @ x) ** 2 for inertia, speed, *_ in self.bodies()))
 
 
 def product(left: np.ndarray, right: np.ndarray) -> np.ndarray:
