@@ -7,7 +7,7 @@ import pytest
 from references.parts import threads_drive
 
 from lsvib.contact import stiff_limit
-from lsvib.contact.stiff_limit import BranchFamily, Region
+from lsvib.contact.stiff_limit import Region
 from lsvib.dynamics.attractor import Attractor, orbit_extremes, steady_state
 from lsvib.dynamics.impulses import seizure_impulses
 from lsvib.engine.motion import follow
@@ -52,7 +52,7 @@ def test_limit_process_refuses_drives_that_it_does_not_fit(changes):
 
 def test_impulse_is_the_integral_of_the_contact_force():
     base = Drive.of(mass=15.0, axial_force=60.0, support_damping=2e-3)
-    drive = stiff_limit.stiffened(base, BranchFamily.VISCOUS, 1e8, 2.0)
+    drive = base.replace(contact_stiffness=1e8, contact_damping=1e8)
     impact = next(stiff_limit.impacts(base, 80.0))
     automaton = automaton_of(drive)
     motion = follow(automaton, seated_state(drive, impact.u, impact.w), 1e-3)
@@ -75,7 +75,8 @@ def test_rebound_force_of_an_overdamped_contact(stiffness, axial_force):
     4ζ² times as fast, is gone.
     """
     base = Drive.of(mass=15.0, axial_force=axial_force, support_damping=2e-3)
-    drive, speed = stiff_limit.stiffened(base, BranchFamily.DAMPING_RATIO, stiffness, 20.0), 80.0
+    damping, speed = 40 * math.sqrt(stiffness * base.mass), 80.0
+    drive = base.replace(contact_stiffness=stiffness, contact_damping=damping)
     (impact,) = (
         x for x in stiff_limit.impacts(base, speed) if x.sign > 0 and x.region == Region.IN_BAND_FORCE_POSITIVE
     )
@@ -90,4 +91,5 @@ def test_rebound_force_of_an_overdamped_contact(stiffness, axial_force):
     static = axial_force * math.cos(drive.lead_angle) - torque * math.sin(drive.lead_angle) / drive.pitch_radius
     fall = (static - force) / math.cos(drive.lead_angle)
     assert abs(fall[-1]) < 0.02 * fall.max() < 0.02 * axial_force
-    assert fall.max() == pytest.approx(stiff_limit.rebound_force(drive, speed), rel=0.03)
+    nut = drive.pitch_radius * math.tan(drive.lead_angle) * speed
+    assert fall.max() == pytest.approx(drive.mass**2 * nut * stiffness**2 / damping**3, rel=0.03)

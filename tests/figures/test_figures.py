@@ -15,7 +15,6 @@ from lsvib.datasets.attributes import ASSUMED, FIELDS, NO_EFFECT, VARIED
 from lsvib.dynamics.attractor import Attractor
 from lsvib.figures.configuration import default_figures
 from lsvib.figures.limit_process import BranchVerdict
-from lsvib.models.chapter import THRESHOLDS
 from lsvib.models.drive import Drive
 from lsvib.models.names import Event
 from lsvib.stability.linear import Stability, UndampedClass
@@ -38,7 +37,6 @@ SPOILED = {  # words of a check, and what it must refuse
     "fig8_15": ("root of Γ̃_0", scale("critical_friction", 1.03)),
     "limit_process": ("rules of resuming part", set_to("rule_followed", BranchVerdict.BOTH)),
     "basin_sweep": ("Over the damping", set_to("boundary_kind_support_damping", Boundary.CYCLE, -1)),
-    "table_rounding": ("One support damping that rounds to the printed one", set_to("matching_detach_force", 46.6)),
     "contact_stability": ("With enough contact damping", scale("least_contact_damping", 0.1)),
     "falling_friction": ("Chatter that has begun", set_to("attractor", Attractor.STEADY_SLIDING, 1)),
     "measured_drive": ("leaves at most 0.045 mN m", scale("residual", 1.5)),
@@ -149,14 +147,3 @@ def test_every_parameter_is_stated_with_its_origin(figure):
         assert attributes["origin"].startswith(known), (name, attributes)
         assert attributes["symbol"], name
         assert attributes["origin"] != VARIED or dataset[name].ndim >= 1, name  # an axis, or along one
-
-
-def test_the_printed_thresholds_are_allowed_what_rounding_explains():
-    """But for those that it does not explain, which have 2 % and 1 %."""
-    rounding = dataset_of("table_rounding")
-    share = abs(rounding.relative_change).where(rounding.one_digit == 0).sum("parameter") + rounding.print_half_unit
-    for index, (name, claim) in enumerate(THRESHOLDS.items()):
-        allowed = float(share[index] * rounding[f"computed_{name}"]) / claim.value
-        unexplained = {"stick_force": 0.02, "detach_force": 0.01}.get(name)
-        assert claim.tolerance == (unexplained or pytest.approx(allowed, rel=0.01)), name
-        assert unexplained is None or f"{100 * allowed:.2f} %" in claim.reason

@@ -1,9 +1,10 @@
-"""Each coefficient of the equations of motion, wrong by 0.5 %, fails a named check of every figure that it is in."""
+"""Each coefficient of the equations of motion, wrong by 0.5 %, stops a figure that it is in or fails a check of it."""
 
 import pytest
 import xarray as xr
 from references.figure_checks import checks_of, dataset_of
 
+from lsvib.errors import LsvibError
 from lsvib.figures.configuration import default_figures
 from lsvib.models import mechanics, modes, rigid
 from lsvib.models.drive import forget
@@ -23,7 +24,7 @@ NOT_IN = {  # figures whose datasets a quantity does not change at all, and why
     "N": {
         **dict.fromkeys(("fig8_01", "fig8_02"), "its contact force χ is an equation of its own (8.7)"),
         **dict.fromkeys(("fig8_03", "fig8_08", "fig8_15", "contact_stability", "nut_stability"), _NO_FORCE),
-        **dict.fromkeys(("basin_sweep", "table_rounding"), "they depend on where N vanishes, not on its size"),
+        "basin_sweep": "it depends on where N vanishes, not on its size",
         "limit_process": "impulses follow from the momentum, not from N",
     },
     "C": {
@@ -67,8 +68,11 @@ def _observing_wrongly(assemble):
 
 @pytest.mark.parametrize("figure", default_figures())
 def test_a_wrong_coefficient_fails_a_check(figure, right, quantity):
-    dataset = dataset_of.__wrapped__(figure)  # not the one that is kept
-    failed = [check.claim for check in checks_of(figure, dataset) if not check.passed]
+    try:
+        dataset = dataset_of.__wrapped__(figure)  # not the one that is kept
+        failed = [check.claim for check in checks_of(figure, dataset) if not check.passed]
+    except LsvibError as error:  # friction that does not fit the contact force: compliant threads chatter without end
+        dataset, failed = None, [str(error)]
     if figure in NOT_IN[quantity]:
         xr.testing.assert_equal(dataset, right)
     else:

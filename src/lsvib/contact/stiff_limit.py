@@ -91,14 +91,6 @@ def rests_of(motion: Motion) -> np.ndarray:
     return np.asarray(durations[rests & (durations > 0)])
 
 
-class BranchFamily(IntEnum):
-    """How the contact's damping grows with its stiffness."""
-
-    VISCOUS = 0
-    DAMPING_RATIO = 1
-    ELASTIC = 2
-
-
 class Region(IntEnum):
     """Where the screw stands after an impact, in ascending order of u; CYCLE for a branch that is a whole cycle."""
 
@@ -156,24 +148,6 @@ def impacts(drive: Drive, speed: float) -> Iterator[Impact]:
                 yield Impact(sign, region, 0.5 * (left + right), w)
 
 
-def stiffened(drive: Drive, family: BranchFamily, stiffness: float, damping_ratio: float) -> Drive:
-    """Return the drive with a compliant contact of ``stiffness`` k_c [N/m]; ``damping_ratio`` ζ [1] for its family."""
-    damping = {
-        BranchFamily.VISCOUS: stiffness,
-        BranchFamily.DAMPING_RATIO: 2 * damping_ratio * math.sqrt(stiffness * drive.mass),
-        BranchFamily.ELASTIC: 0.0,
-    }[family]
-    return Drive.of(drive.model_dump(), contact_stiffness=stiffness, contact_damping=damping)
-
-
-def rebound_force(drive: Drive, speed: float) -> float:
-    """Return the force [N] with which the nut is thrown back after an impact from θ′ = ``speed`` [rad/s]."""
-    if drive.contact_damping == 0:
-        return math.inf
-    nut = drive.pitch_radius * math.tan(drive.lead_angle) * speed
-    return drive.mass**2 * nut * drive.contact_stiffness**2 / drive.contact_damping**3
-
-
 @dataclass(frozen=True)
 class LimitBranch:
     """A branch of the rule: drive, impact (none for the cycle), start (u, w), and the rigid motions to compare with.
@@ -225,7 +199,7 @@ def deviations(branch: LimitBranch, drive: Drive) -> dict[str, Any]:
     """Return how far the compliant motion deviates from the rigid ones; empty if it should have a cycle and has none.
 
     ``motion_distance`` [1], ``rest_error`` [s] and, of a cycle, ``period_error`` [1], one for each rule;
-    ``impulse_error`` [1] and ``stop_time`` [s] of an impact, until the screw first stands; ``rests``, their number.
+    ``impulse_error`` [1] and ``stop_time`` [s] of an impact, until the screw first stands.
     """
     automaton, seated = automaton_of(drive), seated_state(drive, *branch.start)
     if branch.impact is None:
@@ -239,7 +213,6 @@ def deviations(branch: LimitBranch, drive: Drive) -> dict[str, Any]:
     values = {
         "motion_distance": distance if branch.differ else 2 * distance,
         "rest_error": [float(rests.sum() - rests_of(rigid).sum()) for rigid in branch.rigid],
-        "rests": rests.size,
     }
     if branch.impact is None:
         return values | {"period_error": [motion.end_time / rigid.end_time - 1 for rigid in branch.rigid]}

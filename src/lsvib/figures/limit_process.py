@@ -25,19 +25,17 @@ from lsvib.datasets.attributes import (
 from lsvib.datasets.checks import Check
 from lsvib.figures import printed_laws, style
 from lsvib.figures import settings as of
-from lsvib.figures.common import LimitBranch, about, flag_names, named
+from lsvib.figures.common import LimitBranch, about, named
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.names import RULES
 
 CAPTION = """\
-The limit process. Each column of (a) to (c) is a branch: drive on top; below, the sign of N in the impact and the
-number of the region in which the screw then stands, or a whole cycle. (a) In the viscous limit, k_c = c_c · 1 s⁻¹,
-every motion converges to the rigid one under the rule contact_sign, not under at_once where the rules part (crosses;
-where a cross lies low, the times at rest differ). (b) Fitted orders with their standard errors. (c) No convergence in
-the elastic limit, slow or none with a fixed damping ratio. (d) All errors in the viscous limit, median and range of the
-branches; (e) number of rests, colours of (c); (f) the force of the rebound, which must stay below the size of R. See
-docs/limit_process.md.
+The limit process, k_c = c_c · 1 s⁻¹ → ∞. Each column of (a) and (b) is a branch: drive on top; below, the sign of N in
+the impact and the number of the region in which the screw then stands, or a whole cycle. (a) Every motion converges to
+the rigid one under the rule contact_sign, not under at_once where the rules part (crosses; where a cross lies low, the
+times at rest differ). (b) Fitted orders with their standard errors. (c) All errors, median and range of the branches.
+See docs/limit_process.md.
 """
 
 _ORDER = 0.8  # of convergence, at least: the first order shows as 0.86 to 0.94 at stiffnesses that are finite
@@ -47,7 +45,6 @@ _QUANTITIES = {
     "rest_error": ("s", "time at rest less that of the rigid motion"),
     "impulse_error": ("1", "relative error of the normal impulse of the impact"),
     "period_error": ("1", "relative error of the period"),
-    "rests": ("1", "number of rests"),
     "stop_time": ("s", "time that an impact takes, until the screw first stands"),
 }
 _BY_RULE = ("motion_distance", "rest_error", "period_error")
@@ -57,8 +54,6 @@ _ERRORS = {  # colour, words, mark
     "impulse_error": (style.ORANGE, "impulse", "^"),
     "period_error": (style.PURPLE, "period", "D"),
 }
-_VISCOUS = "viscous"
-_FAMILIES = {_VISCOUS: (style.BLUE, "o"), "damping ratio": (style.SKY, "s"), "elastic": (style.GREY, "D")}
 
 
 class Settings(of.FigureSettings):
@@ -73,7 +68,6 @@ class Settings(of.FigureSettings):
     start: of.State
     stiffness: of.several(of.parameter("contact_stiffness"), 3, 50, "Contact stiffnesses k_c [N/m], ascending.")
     fit_from: float = Field(gt=0, description="Least stiffness that orders are fitted to [N/m].")
-    damping_ratio: float = Field(gt=0, le=1000, description="Damping ratio of the nut in its family [1].")
 
 
 class BranchVerdict(IntEnum):
@@ -86,68 +80,61 @@ class BranchVerdict(IntEnum):
 
 
 def build(settings: of.Values) -> xr.Dataset:
-    """Compute the deviations from the rigid drive over the stiffness, for each family of contacts and each branch.
+    """Compute the deviations from the rigid drive over the stiffness k_c = c_c · 1 s⁻¹, for each branch.
 
     Γ₊ < 0, c_x = 0; the pairs of forces and dampings are the drives, ``start`` is that of the cycles.
     """
     from lsvib.contact import stiff_limit
-    from lsvib.contact.stiff_limit import BranchFamily
 
     stiffness, base = np.array(settings["stiffness"], dtype=float), Drive.of(settings["drive"])
     pairs = [(r, c) for r in settings["axial_forces"] for c in settings["support_dampings"]]
     drives = [base.replace(axial_force=r, support_damping=c) for r, c in pairs]
-    start, speed, ratio = settings["start"], settings["speed"], settings["damping_ratio"]
+    start, speed = settings["start"], settings["speed"]
     state = [start["u"], start["w"]]
     branches = [b for d in drives for b in stiff_limit.branches(d, speed, settings["duration"], state)]
-    stiffened = [[stiff_limit.stiffened(drives[0], family, k, ratio) for k in stiffness] for family in BranchFamily]
-    damping = [[drive.contact_damping for drive in row] for row in stiffened]
-    rebound = [[stiff_limit.rebound_force(drive, speed) for drive in row] for row in stiffened]
-    dims, thrown = ("family", "contact_stiffness"), "force with which the contact throws the nut back"
-    deviations = _deviations(branches, stiffness, ratio, settings["fit_from"])
-    varied = ("axial_force", "support_damping")
+    deviations = _deviations(branches, stiffness, settings["fit_from"])
     return xr.Dataset(
         deviations
-        | {"rebound_force": variable(dims, rebound, "N", thrown)}
         | _rules_followed(branches, deviations)
         | _indeterminate(drives[0], stiffness, speed, settings["duration"]),
         coords={
-            **drive_parameters([b.drive for b in branches], "branch", along=varied, printed=("Sect. 8.6",)),
-            "family": flagged("family", BranchFamily, "how the damping of the contact grows", BranchFamily),
+            **drive_parameters(
+                [b.drive for b in branches],
+                "branch",
+                along=("axial_force", "support_damping"),
+                printed=("Sect. 8.6",),
+            ),
             **axis("contact_stiffness", stiffness),
-            **axis("contact_damping", damping, dims),
+            **axis("contact_damping", stiffness, ("contact_stiffness",)),
             **phase_plane.rule_coordinate(),
             **_branch_coordinates(branches),
             **start_state(start, "of the cycles"),
             "impact_speed": variable((), speed, "rad s-1", "screw speed before a seizure", r"$\dot\theta$"),
-            "nut_damping_ratio": variable((), ratio, "1", "damping ratio of the nut", r"$\zeta$"),
             "fit_from": variable((), settings["fit_from"], "N m-1", "least stiffness that orders are fitted to"),
         },
         attrs=about(__doc__, "exact event-driven motion of both models", "Sects 8.2, 8.6; docs/limit_process.md"),
     )
 
 
-def _deviations(branches: Sequence[LimitBranch], stiffness: np.ndarray, ratio: float, fit_from: float) -> Variables:
-    """Deviations from the rigid drive, by family, branch and contact stiffness [N/m], and the orders of their fall."""
+def _deviations(branches: Sequence[LimitBranch], stiffness: np.ndarray, fit_from: float) -> Variables:
+    """Deviations from the rigid drive, by branch and contact stiffness [N/m], and the orders of their fall."""
     from lsvib.contact import stiff_limit
-    from lsvib.contact.stiff_limit import BranchFamily
 
-    size = (len(BranchFamily), len(branches), stiffness.size)
+    size = (len(branches), stiffness.size)
     found = {name: np.full((*size, len(RULES)) if name in _BY_RULE else size, np.nan) for name in _QUANTITIES}
-    for family, (i, branch), (j, k) in product(BranchFamily, enumerate(branches), enumerate(stiffness)):
-        compliant = stiff_limit.stiffened(branch.drive, family, k, ratio)
+    for (i, branch), (j, k) in product(enumerate(branches), enumerate(stiffness)):
+        compliant = branch.drive.replace(contact_stiffness=k, contact_damping=k)
         for name, value in stiff_limit.deviations(branch, compliant).items():
-            found[name][family, i, j] = value
+            found[name][i, j] = value
     variables, fitted = {}, stiffness >= fit_from
     for name, values in found.items():
-        dims, words = ("family", "branch", *(["rule"] if name in _BY_RULE else [])), name.replace("_", " ")
-        variables[name] = variable((*dims[:2], "contact_stiffness", *dims[2:]), values, *_QUANTITIES[name])
-        if name == "rests":
-            continue
-        fits = np.apply_along_axis(lambda error: stiff_limit.fitted_order(stiffness[fitted], error), 2,
-                                   values[:, :, fitted])  # fmt: skip
+        dims, words = ("branch", *(["rule"] if name in _BY_RULE else [])), name.replace("_", " ")
+        variables[name] = variable(("branch", "contact_stiffness", *dims[1:]), values, *_QUANTITIES[name])
+        fits = np.apply_along_axis(lambda error: stiff_limit.fitted_order(stiffness[fitted], error), 1,
+                                   values[:, fitted])  # fmt: skip
         order, error = f"order of the {words} in one over the stiffness", f"standard error of the order of the {words}"
-        variables[f"{name}_order"] = variable(dims, fits[:, :, 0], "1", order)
-        variables[f"{name}_order_error"] = variable(dims, fits[:, :, 1], "1", error)
+        variables[f"{name}_order"] = variable(dims, fits[:, 0], "1", order)
+        variables[f"{name}_order_error"] = variable(dims, fits[:, 1], "1", error)
     return variables
 
 
@@ -157,7 +144,6 @@ def _indeterminate(drive: Drive, stiffness: np.ndarray, speed: float, duration: 
     Without contact damping N′ = 0 at the start. Of the larger force also the velocity that the chapter's formula says
     the screw has lost when it first stands (Sect. 8.2), and the limit of that formula, over the velocity lost.
     """
-    from lsvib.contact.stiff_limit import BranchFamily, stiffened
     from lsvib.engine.motion import follow
     from lsvib.models.model import automaton_of
     from lsvib.models.names import Event
@@ -169,8 +155,9 @@ def _indeterminate(drive: Drive, stiffness: np.ndarray, speed: float, duration: 
     lever, cosine = float(printed_laws.lever(drive, 1)), float(np.cos(drive.lead_angle))
     torque = -drive.coupling_stiffness * (float(c.deflection) + u) - drive.support_damping * speed
     kinds, times, lost = [], [], []
-    for family, multiple, k in product((BranchFamily.VISCOUS, BranchFamily.ELASTIC), _SADDLE_MULTIPLES, stiffness):
-        contact, force = stiffened(drive, family, k, 0.0), multiple * drift / (lever * gamma)
+    for damped, multiple, k in product((1, 0), _SADDLE_MULTIPLES, stiffness):
+        contact = drive.replace(contact_stiffness=k, contact_damping=damped * k)
+        force = multiple * drift / (lever * gamma)
         rate = force / (contact.contact_damping * cosine) if contact.contact_damping else 0.0
         state = [u, w, 0.0 if rate else force / (k * cosine), rate]
         motion = follow(automaton_of(contact), state, duration)
@@ -197,16 +184,16 @@ def _indeterminate(drive: Drive, stiffness: np.ndarray, speed: float, duration: 
 def _rules_followed(branches: Sequence[LimitBranch], variables: Variables) -> Variables:
     """The rule that each branch follows, if with the order wanted and all small at the end; the rigid duration."""
     durations = np.array([branch.rigid[0].end_time for branch in branches])
-    distance, rest = (variables[name][1][:, :, -1] for name in ("motion_distance", "rest_error"))
+    distance, rest = (variables[name][1][:, -1] for name in ("motion_distance", "rest_error"))
     deviation = np.fmax(distance, np.abs(rest) / durations[:, None])
     follows = (variables["motion_distance_order"][1] >= _ORDER) & (deviation < 1e-3)  # nothing that a picture shows
     follows &= deviation < 10.0 * deviation[..., ::-1]
     agree = np.array([not branch.differ for branch in branches])
-    follows[:, agree, 1] = follows[:, agree, 0]
-    verdicts, dims = follows @ [BranchVerdict.CONTACT_SIGN, BranchVerdict.AT_ONCE], ("family", "branch")
+    follows[agree, 1] = follows[agree, 0]
+    verdicts = follows @ [BranchVerdict.CONTACT_SIGN, BranchVerdict.AT_ONCE]
     return {
         "rigid_duration": variable("branch", durations, "s", "duration of the rigid motion, a period for a cycle"),
-        "rule_followed": flagged(dims, verdicts, "rule that the motion follows", BranchVerdict),
+        "rule_followed": flagged("branch", verdicts, "rule that the motion follows", BranchVerdict),
     }
 
 
@@ -229,98 +216,54 @@ def _branch_coordinates(branches: Sequence[LimitBranch]) -> Variables:
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
-    """Check the orders in the viscous limit, the rule that each branch follows, and that the elastic limit differs."""
-    viscous, ratio, elastic = _families(dataset).values()
-    return [
-        *_viscous_checks(dataset, viscous),
-        *_other_checks(elastic, ratio, viscous),
-        *_outcome_checks(dataset, viscous),
-    ]
+    """Check the orders, the rule that each branch follows, and what the impacts do."""
+    return [*_convergence_checks(dataset), *_outcome_checks(dataset)]
 
 
-def _families(dataset: xr.Dataset) -> dict[str, xr.Dataset]:
-    return {name: dataset.sel(family=value) for value, name in flag_names(dataset.family).items()}
-
-
-def _viscous_checks(dataset: xr.Dataset, viscous: xr.Dataset) -> list[Check]:
-    """Check that contacts whose damping grows with their stiffness tend to the rigid drive, and by which rule."""
-    told, both = named(viscous.rule_followed, "contact sign"), named(viscous.rule_followed, "both")
-    order, error = viscous.motion_distance_order.values[:, 0], viscous.motion_distance_order_error.values[:, 0]
-    closest, differ = viscous.motion_distance.values[:, -1, 0].max(), viscous.rules_differ.values == 1
-    others = {name: _by_first_rule(viscous[f"{name}_order"]).values for name in list(_ERRORS)[1:]}
+def _convergence_checks(dataset: xr.Dataset) -> list[Check]:
+    """Check that the motions tend to the rigid ones as contact and damping stiffen, and by which rule."""
+    told, both = named(dataset.rule_followed, "contact sign"), named(dataset.rule_followed, "both")
+    order, error = dataset.motion_distance_order.values[:, 0], dataset.motion_distance_order_error.values[:, 0]
+    closest, differ = dataset.motion_distance.values[:, -1, 0].max(), dataset.rules_differ.values == 1
+    others = {name: _by_first_rule(dataset[f"{name}_order"]).values for name in list(_ERRORS)[1:]}
     impact, fitted = ~named(dataset.region, "cycle"), dataset.contact_stiffness.values >= float(dataset.fit_from)
-    stops, brief = dataset.stop_time.values[:, impact], viscous.stop_time_order.values[impact]
+    stops, brief = dataset.stop_time.values[impact], dataset.stop_time_order.values[impact]
     return [
         Check.holds(
-            "Viscous limit: on every branch the motion converges to the rigid one under the rule contact_sign, its "
+            "On every branch the motion converges to the rigid one under the rule contact_sign, its "
             f"distance with an order of at least {_ORDER:g}",
             "Sect. 8.2, rule of resuming",
             f"{(told | both).sum()} of {told.size} branches, distance at most "
-            f"{closest:.1e} at k_c = c_c = {float(viscous.contact_stiffness[-1]):.0e}, "
+            f"{closest:.1e} at k_c = c_c = {float(dataset.contact_stiffness[-1]):.0e}, "
             f"orders {order.min():.3f} to {order.max():.3f}, standard errors up to {error.max():.3f}",
             (told | both).all(),
         ),
         Check.holds(
-            f"Viscous limit: the errors of rest, impulse and period fall with an order of at least {_ORDER:g}, too",
+            f"The errors of rest, impulse and period fall with an order of at least {_ORDER:g}, too",
             "limit process",
             "; ".join(f"{name.split('_')[0]} {np.nanmin(x):.3f} to {np.nanmax(x):.3f}" for name, x in others.items()),
             all(np.nanmin(x) >= _ORDER for x in others.values()),
         ),
         Check.holds(
-            "Viscous limit: where the two rules of resuming part, contact_sign is followed and at_once is not",
+            "Where the two rules of resuming part, contact_sign is followed and at_once is not",
             "Sect. 8.6, rule of resuming",
             f"{(told & differ).sum()} of {differ.sum()} branches; distance or rest under at_once stays",
             told[differ].all() and differ.any(),
         ),
         Check.holds(
-            "The time that an impact takes tends to zero: it falls from each fitted stiffness to the next in every "
-            f"family, in the viscous limit with an order of at least {_ORDER:g}",
+            "The time that an impact takes tends to zero: it falls from each fitted stiffness to the next, with an "
+            f"order of at least {_ORDER:g}",
             "Sect. 8.2",
-            f"viscous orders {brief.min():.3f} to {brief.max():.3f}; at most "
-            f"{', '.join(f'{x:.1e}' for x in stops[..., -1].max(axis=1))} s by family at k_c = "
+            f"orders {brief.min():.3f} to {brief.max():.3f}; at most {stops[:, -1].max():.1e} s at k_c = "
             f"{float(dataset.contact_stiffness[-1]):.0e} N/m",
-            (np.diff(stops[..., fitted], axis=-1) < 0).all() and brief.min() >= _ORDER,
+            (np.diff(stops[:, fitted], axis=-1) < 0).all() and brief.min() >= _ORDER,
         ),
     ]
 
 
-def _other_checks(elastic: xr.Dataset, ratio: xr.Dataset, viscous: xr.Dataset) -> list[Check]:
-    """Check that contacts without damping, or with a fixed damping ratio of the nut, tend to no rigid motion."""
-    impact = ~named(viscous.region, "cycle")
-    lost, nearest = named(elastic.rule_followed, "neither"), float(np.nanmin(elastic.motion_distance.values[:, -1, 0]))
-    rests, rigid_rests = elastic.rests.values[impact, -1], viscous.rests.values[impact, -1]
-    excess, slow = ratio.impulse_error.values[impact, -1], ratio.motion_distance_order.values[:, 0]
-    far = ratio.motion_distance.values[:, -1, 0]
-    return [
-        Check.holds(
-            "Elastic limit: on no branch does the motion converge to the rigid one under either rule",
-            "limit process",
-            f"{lost.sum()} of {lost.size} branches follow neither; distance at least {nearest:.2g}",
-            lost.all(),
-        ),
-        Check.holds(
-            "Elastic limit: after an impact the rest is a chain of short rests",
-            "limit process",
-            f"at k_c = {float(elastic.contact_stiffness[-1]):.0e} N/m {int(rests.min())} to "
-            f"{int(rests.max())} rests, in the viscous limit at most {int(rigid_rests.max())}",
-            (rests > rigid_rests).all(),
-        ),
-        Check.holds(
-            "Fixed damping ratio: even an overdamped contact throws the nut back: the impulse stays too large, and the "
-            "distance falls slowly or not at all",
-            "limit process",
-            f"zeta = {float(ratio.nut_damping_ratio):g}: impulse too large by {excess.min():.1%} to "
-            f"{excess.max():.1%}, distance at least {far.min():.2g}, orders {slow.min():.2f} to "
-            f"{slow.max():.2f}; force of the rebound {float(ratio.rebound_force[-1]):.3g} N, in the viscous limit "
-            f"{float(viscous.rebound_force[-1]):.1e} N",
-            (excess > 0.01).all() and (far > 0.01).all() and slow.max() < _ORDER,
-        ),
-    ]
-
-
-def _outcome_checks(dataset: xr.Dataset, viscous: xr.Dataset) -> list[Check]:
+def _outcome_checks(dataset: xr.Dataset) -> list[Check]:
     """Check that impacts stop the screw in both paradoxes, and the chapter's formula of the velocity lost."""
-    stops = viscous.stop_time.values[~named(dataset.region, "cycle")]
+    stops = dataset.stop_time.values[~named(dataset.region, "cycle")]
     stiff = dataset.isel(contact_stiffness=dataset.contact_stiffness.values >= float(dataset.fit_from))
     stands, time = named(stiff.indeterminate_event, "stick"), stiff.indeterminate_time.values[:, 0]
     error = np.abs(np.stack([stiff.formula_velocity, stiff.formula_velocity_limit]) - 1)
@@ -359,59 +302,45 @@ def _by_first_rule(values: xr.DataArray) -> xr.DataArray:
 
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw (a) the viscous limit, (b) its orders and (c) the others branch by branch; (d) to (f) over the stiffness."""
-    figure = style.new_figure(style.DOUBLE, 8.6)
-    branches, curves = figure.subfigures(2, 1, height_ratios=(2.7, 1))
-    columns = branches.subplots(3, 1, sharex=True, height_ratios=(1.4, 1, 1))
-    panels, families = curves.subplots(1, 3), _families(dataset)
-    _distances(columns[0], families[_VISCOUS])
-    _orders(columns[1], families[_VISCOUS])
-    _others(columns[2], families)
+    """Draw (a) the distances and (b) the orders branch by branch; (c) the errors over the stiffness."""
+    figure = style.new_figure(style.DOUBLE, 5.6)
+    branches, curve = figure.subfigures(2, 1, height_ratios=(2.2, 1))
+    columns = branches.subplots(2, 1, sharex=True, height_ratios=(1.3, 1))
+    _distances(columns[0], dataset)
+    _orders(columns[1], dataset)
     for axes in columns:
-        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), handletextpad=0.3)
+        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), handletextpad=0.3, labelspacing=0.25, fontsize=6.5)
     _name_branches(columns, dataset)
-    _errors(panels[0], families[_VISCOUS])
-    _rests(panels[1], families)
-    _rebound(panels[2], families)
-    for axes in panels:
-        axes.set(xscale="log", yscale="log", xlabel="Contact stiffness $k_c$ [N m⁻¹]")
-        axes.set_xlim(float(dataset.contact_stiffness[0]), float(dataset.contact_stiffness[-1]))
+    axes = curve.subplots()
+    _errors(axes, dataset)
+    axes.set(xscale="log", yscale="log", xlabel="Contact stiffness $k_c$ [N m⁻¹]")
+    axes.set_xlim(float(dataset.contact_stiffness[0]), float(dataset.contact_stiffness[-1]))
     return figure
 
 
-def _distances(axes: style.Axes, viscous: xr.Dataset) -> None:
+def _distances(axes: style.Axes, dataset: xr.Dataset) -> None:
     """A column for each branch: the softest contact on top, the stiffest below; crosses where the rules differ."""
     from matplotlib import colormaps
 
-    shades = colormaps["Blues"](np.linspace(0.15, 1, viscous.sizes["contact_stiffness"]))
-    for stiffness, distance, colour in zip(viscous.contact_stiffness, viscous.motion_distance[..., 0].T, shades,
+    shades = colormaps["Blues"](np.linspace(0.15, 1, dataset.sizes["contact_stiffness"]))
+    for stiffness, distance, colour in zip(dataset.contact_stiffness, dataset.motion_distance[..., 0].T, shades,
                                            strict=True):  # fmt: skip
-        axes.plot(viscous.branch, distance, "o", color=colour, mec=style.BLUE, mew=0.4, markersize=3.2,
+        axes.plot(dataset.branch, distance, "o", color=colour, mec=style.BLUE, mew=0.4, markersize=3.2,
                   label=f"$k_c$ = {style.number(stiffness)} N m⁻¹")  # fmt: skip
-    differ = viscous.rules_differ == 1
-    axes.plot(viscous.branch[differ], viscous.motion_distance[:, -1, 1][differ], "x", color=style.VERMILION,
+    differ = dataset.rules_differ == 1
+    axes.plot(dataset.branch[differ], dataset.motion_distance[:, -1, 1][differ], "x", color=style.VERMILION,
               markersize=4.5, label="stiffest contact against\nthe other rule, at once")  # fmt: skip
     axes.set(yscale="log", ylabel="Distance to the\nrigid motion")
-    axes.set_title("(a) viscous limit, each column a branch", pad=25)
+    axes.set_title("(a) distance, each column a branch", pad=25)
 
 
-def _orders(axes: style.Axes, viscous: xr.Dataset) -> None:
+def _orders(axes: style.Axes, dataset: xr.Dataset) -> None:
     """Fitted orders with their standard errors, branch by branch."""
     for k, (name, (colour, words, mark)) in enumerate(_ERRORS.items()):
-        order, error = (_by_first_rule(viscous[f"{name}_{what}"]) for what in ("order", "order_error"))
-        axes.errorbar(viscous.branch + 0.18 * (k - 1.5), order, error, color=colour, fmt=mark, markersize=2.5,
+        order, error = (_by_first_rule(dataset[f"{name}_{what}"]) for what in ("order", "order_error"))
+        axes.errorbar(dataset.branch + 0.18 * (k - 1.5), order, error, color=colour, fmt=mark, markersize=2.5,
                       linewidth=0.6, label=words)  # fmt: skip
-    axes.set(title="(b) viscous limit, fitted orders", ylabel="Order in $1/k_c$")
-
-
-def _others(axes: style.Axes, families: dict[str, xr.Dataset]) -> None:
-    """Distances at the stiffest contact in the three families."""
-    for name, (colour, mark) in _FAMILIES.items():
-        words, family = name.replace("damping", "fixed damping"), families[name]
-        axes.plot(family.branch, family.motion_distance[:, -1, 0], mark, color=colour, markersize=3.2, label=words)
-    stiffest = style.number(families[_VISCOUS].contact_stiffness[-1])
-    axes.set(yscale="log", title=f"(c) three limits at $k_c$ = {stiffest} N m⁻¹")
-    axes.set_ylabel("Distance to the\nrigid motion")
+    axes.set(title="(b) fitted orders", ylabel="Order in $1/k_c$")
 
 
 def _name_branches(columns: Sequence[style.Axes], dataset: xr.Dataset) -> None:
@@ -437,42 +366,18 @@ def _name_branches(columns: Sequence[style.Axes], dataset: xr.Dataset) -> None:
                         fontsize=7.5, transform=columns[0].get_xaxis_transform())  # fmt: skip
 
 
-def _errors(axes: style.Axes, viscous: xr.Dataset) -> None:
+def _errors(axes: style.Axes, dataset: xr.Dataset) -> None:
     """Range over the branches of each error, and a triangle of order one."""
     for name, (colour, _, mark) in _ERRORS.items():
-        values = np.abs(_by_first_rule(viscous[name]))
-        values = values / viscous.rigid_duration if name == "rest_error" else values
+        values = np.abs(_by_first_rule(dataset[name]))
+        values = values / dataset.rigid_duration if name == "rest_error" else values
         values = values.where(values > 0)
         low, middle, high = values.min("branch"), values.median("branch"), values.max("branch")
-        axes.fill_between(viscous.contact_stiffness, low, high, color=colour, alpha=0.18, linewidth=0)
-        axes.plot(viscous.contact_stiffness, middle, mark + "-", color=colour, linewidth=1.0, markersize=2.5)
-    right = float(viscous.contact_stiffness[-1]) / 2
+        axes.fill_between(dataset.contact_stiffness, low, high, color=colour, alpha=0.18, linewidth=0)
+        axes.plot(dataset.contact_stiffness, middle, mark + "-", color=colour, linewidth=1.0, markersize=2.5)
+    right = float(dataset.contact_stiffness[-1]) / 2
     left = right / 100
     axes.plot([left, right], [1, 0.01], color=style.BLACK, linewidth=0.7, zorder=3)
     axes.text(left, 1, "order 1 ", ha="right", va="center", fontsize=6.5)
-    axes.set(title="(d) viscous limit: median, range", ylabel="Relative error")
+    axes.set(title="(c) all errors: median, range", ylabel="Relative error")
     axes.text(0.04, 0.04, "colours and marks of (b)", fontsize=6.5, transform=axes.transAxes)
-
-
-def _rests(axes: style.Axes, families: dict[str, xr.Dataset]) -> None:
-    """Range over the branches of the number of rests after an impact."""
-    for name, (colour, mark) in reversed(_FAMILIES.items()):
-        stiffness, rests = families[name].contact_stiffness, families[name].rests[families[name].impact_sign != 0]
-        ends = rests.where(rests > 0).min("branch"), rests.where(rests > 0).max("branch")
-        axes.fill_between(stiffness, *ends, color=colour, alpha=0.18, linewidth=0)
-        for end in ends:
-            axes.plot(stiffness, end, mark + "-", color=colour, linewidth=0.8, markersize=2.5)
-    axes.set(title="(e) rests after an impact: range", ylabel="Number of rests")
-
-
-def _rebound(axes: style.Axes, families: dict[str, xr.Dataset]) -> None:
-    for name in ("damping ratio", _VISCOUS):
-        family, (colour, mark) = families[name], _FAMILIES[name]
-        axes.plot(family.contact_stiffness, family.rebound_force, mark + "-", color=colour, markersize=2.5)
-    forces = np.unique(np.abs(families[_VISCOUS].axial_force.values))
-    for force in forces:
-        axes.axhline(force, color=style.BLACK, linewidth=0.7, linestyle=":")
-    words = " and ".join(f"{force:g}" for force in forces)
-    axes.annotate(f"$|R|$ = {words} N", (0.03, forces[-1]), (0, 3), xycoords=axes.get_yaxis_transform(),
-                  textcoords="offset points", fontsize=6.5)  # fmt: skip
-    axes.set(title="(f) force of the rebound", ylabel="Force [N]")

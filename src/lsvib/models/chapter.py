@@ -38,8 +38,8 @@ STATED: dict[str, dict[str, tuple[float, ...]]] = {
 }
 
 # What half a unit of the last digit of the number itself and of r_m, λ, I and μ in Table 8.1 allows, all in one
-# direction: the figure table_rounding computes it.
-_ROUNDING = "the rounding of the number and of the values of Table 8.1 with three digits (table_rounding)"
+# direction: tests/stability/test_rounding.py computes it.
+_ROUNDING = "the rounding of the number and of the values of Table 8.1 with three digits (docs/physics.md)"
 _READING = "not explained by rounding, which allows {}; called approximate and read from the axis of Fig. 8.6: {}"
 
 THRESHOLDS = {
