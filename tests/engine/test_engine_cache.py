@@ -73,11 +73,11 @@ def test_compiling_is_said_once_for_each_part(caplog):
         for kind in ("planar", "modal"):
             kernel(bouncing(kind).tables)
     told = [record.getMessage() for record in caplog.records]
-    assert [words for words in told if "two-state models, once, about 10 s" in words] == told[:1]
-    assert [words for words in told if "three or four states, once, about 30 s" in words] == told[1:]
+    assert [words for words in told if "rigid drives, once, about 10 s" in words] == told[:1]
+    assert [words for words in told if "drives with parts, once, about 30 s" in words] == told[1:]
     assert len(told) == 2
     say = jit.sentence
-    assert "mapper of two-state models" in say("lsvib.basins.kernels.labels", "Tables(array(float64, 2d, C))")
-    assert "what motions of two-state" in say("lsvib.dynamics.kernels.sweep", "Tables(array(float64, 2d, C))")
+    assert "mapper of rigid drives" in say("lsvib.basins.kernels.labels", "Tables(array(float64, 2d, C))")
+    assert "the rule of what motions end in" in say("lsvib.dynamics.kernels.sweep", "Tables(AnyFlow(array(float64, 2d, C)))")
     assert say("lsvib.engine.kernels.flow_planar", "array(float64, 1d, C)") is None
     assert say("somebody.else", "Tables") is None

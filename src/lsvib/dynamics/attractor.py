@@ -35,8 +35,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lsvib.dynamics.kernels import attractor as rule
-from lsvib.dynamics.kernels.attractor import Outcome
 from lsvib.dynamics.kernels.poincare_map import LONGEST, ON_CIRCLE
+from lsvib.dynamics.kernels.single_mode import Outcome
+from lsvib.dynamics.machine import machine_for, of_one_type
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import event_loop, layout
 from lsvib.engine.kernels.layout import TaylorFlow
@@ -205,8 +206,17 @@ def end_of_motion(
     known = known or KnownCycles.of((), automaton, 0)
     found = new_found(here.size, max_events)
     engine = automaton.engines.pop() if automaton.engines else engine_for(automaton.tables)
+    tables = of_one_type(automaton.tables)
     outcome = rule.end_of(
-        engine, automaton.tables, known.facts, known.table, mode, here, known.patience, *rooms(here.size), found
+        machine_for(tables, engine),
+        tables,
+        known.facts,
+        known.table,
+        mode,
+        here,
+        known.patience,
+        *rooms(here.size),
+        found,
     )
     automaton.engines.append(engine)
     notes = found.notes[0]

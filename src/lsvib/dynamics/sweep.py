@@ -25,8 +25,10 @@ from lsvib.dynamics.attractor import (
 )
 from lsvib.dynamics.impulses import event_impulses, normal_impulse
 from lsvib.dynamics.kernels import sweep as kernels
-from lsvib.dynamics.kernels.attractor import Outcome, end_of
+from lsvib.dynamics.kernels.attractor import end_of
+from lsvib.dynamics.kernels.single_mode import Outcome
 from lsvib.dynamics.kernels.sweep import RESTS, REVERSES, SPRAGS
+from lsvib.dynamics.machine import machine_for, of_one_type
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import jit, layout
 from lsvib.engine.motion import engine_for, enter
@@ -192,11 +194,11 @@ def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray, work: f
     many, room = automaton.tables, rooms(2)
     split = ("flow", "surfaces", "guard_parts", "resets", "condition_row", "shortest_stay")
     one = many._replace(**{name: getattr(many, name)[0] for name in split})
-    engine = engine_for(one)
+    engine, one = machine_for(of_one_type(one), engine_for(one)), of_one_type(one)
     rule = jit.address(end_of, engine, one, facts, known, 0, starts[0], 0, *room, new_found(2, work))
     kernels.ends_of_many(
-        rule, engine, automaton.tables, np.flatnonzero(done), facts, known, reversal, work, starts, force, speed,
-        room, outcomes, found.happens, numbers,
+        rule, engine, of_one_type(automaton.tables), np.flatnonzero(done), facts, known, reversal, work, starts, force,
+        speed, room, outcomes, found.happens, numbers,
     )  # fmt: skip
     _slide(group, outcomes == Outcome.SLIDES, found)
     cycles = outcomes == Outcome.CYCLE

@@ -1,35 +1,16 @@
 """The rule of what a motion ends in, which :mod:`lsvib.dynamics.attractor` states; for any number of states."""
 
 import math
-from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.dynamics.kernels import poincare_map, saltation
+from lsvib.dynamics.kernels import machine, poincare_map
 from lsvib.dynamics.kernels.poincare_map import NEAR, STEP, Verdict
-from lsvib.engine.kernels import event_loop, flow_taylor
-from lsvib.engine.kernels.flow_planar import ROUNDING
-from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, by_kind, kernel, merged_kernel
-from lsvib.engine.kernels.layout import ALPHA, BETA, EQUILIBRIUM, Status
-
-
-class Outcome(IntEnum):
-    """What a motion ends in, and why that is unresolved."""
-
-    SLIDES = 0  # what never leaves its mode slides steadily, rests, oscillates for ever or grows
-    RESTS = 1
-    OSCILLATES = 2
-    GROWS = 3
-    CYCLE = 4
-    KNOWN = 5  # it joins a known cycle
-    SPENT = 6  # the budget is spent,
-    SPENT_STEADILY = 7  # by a vibration that hardly changes,
-    SEARCH_SPENT = 8  # or by the search for one event
-    ACCUMULATES = 9  # events accumulate, and the model does not say what follows
-    LOST = 10  # the engine has no answer
-    OPEN = 11  # no mode fits the start
-
+from lsvib.dynamics.kernels.single_mode import Outcome
+from lsvib.engine.kernels import event_loop
+from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, kernel, merged_kernel
+from lsvib.engine.kernels.layout import Status
 
 CHUNK = 64  # events that are looked at first; every further look takes twice as many
 SIGHT = 4096  # most events between two looks
@@ -83,82 +64,12 @@ class Found(NamedTuple):
 
 
 @kernel
-def _stays_planar(flow, mode, state):
-    row = flow[mode]
-    if state[0] == row[EQUILIBRIUM] and state[1] == 0.0:
-        return Outcome.SLIDES, 0.0
-    if row[ALPHA] < 0.0:
-        return Outcome.GROWS, 0.0
-    lasts = row[ALPHA] == 0.0 and row[BETA] > 0.0
-    return (Outcome.OSCILLATES, row[BETA]) if lasts else (Outcome.SLIDES, 0.0)
-
-
-@kernel
-def _excited(flow, mode, k, state):
-    """Whether a modal coordinate of a state is not zero to rounding."""
-    n = state.size
-    value, size = flow.to_modal[mode, k, n], abs(flow.to_modal[mode, k, n])
-    for i in range(n):
-        value += flow.to_modal[mode, k, i] * state[i]
-        size += abs(flow.to_modal[mode, k, i] * state[i])
-    return abs(value) > ROUNDING * size
-
-
-@kernel
-def _stays_modal(flow, mode, state):
-    pairs, lasting, frequency = flow.pairs[mode], 0, 0.0
-    for single in range(flow.singles[mode]):
-        if flow.rates[mode, single] > 0.0 and _excited(flow, mode, 2 * pairs + single, state):
-            return Outcome.GROWS, 0.0
-    for pair in range(pairs):
-        damping, turning = flow.oscillators[mode, pair, ALPHA], flow.oscillators[mode, pair, BETA]
-        if not (_excited(flow, mode, 2 * pair, state) or _excited(flow, mode, 2 * pair + 1, state)):
-            continue
-        # damping over frequency that is zero in a modal form, which is made from 150 digits
-        if abs(damping) > 1e-30 * turning:
-            if damping < 0.0:
-                return Outcome.GROWS, 0.0
-        elif turning > 0.0:
-            lasting, frequency = lasting + 1, turning
-    return (Outcome.OSCILLATES, frequency if lasting == 1 else 0.0) if lasting > 0 else (Outcome.SLIDES, 0.0)
-
-
-@kernel
-def _stays_taylor(flow, mode, state):
-    return Outcome.SLIDES, 0.0  # by the region that no motion leaves; without end nothing else is known of it
-
-
-_stays = by_kind(_stays_planar, _stays_modal, _stays_taylor)
-
-
-@kernel
-def _never(flow, mode, state):
-    return False
-
-
-rests_at = by_kind(_never, _never, flow_taylor.is_settled)  # whether a motion from a state beside it slides steadily
-
-
-@kernel
-def _as_always(flow):
-    return 0
-
-
-@kernel
-def _soon(flow):
-    return 2
-
-
-first_look = by_kind(_as_always, _as_always, _soon)  # events looked at first where a cycle is known; 0: as otherwise
-
-
-@kernel
-def stays(tables, facts, mode, state, found):
+def stays(engine, tables, facts, mode, state, found):
     """Return what a motion that never leaves its mode ends in; the frequency [1/s] of what lasts, 0 if several do."""
     found.notes[0]["mode"] = mode
     if facts.rests[mode]:
         return Outcome.RESTS
-    outcome, found.notes[0]["frequency"] = _stays(tables.flow, mode, state)
+    outcome, found.notes[0]["frequency"] = machine.stays_at(engine.stays, tables.flow, mode, state)
     return outcome
 
 
@@ -257,7 +168,7 @@ def _period(engine, tables, facts, section, points, size, events, room, budget, 
         for f in range(d):
             form[f, f] = 1.0
         earlier = points[points.shape[0] // 2 :: step]
-        settles = rests_at(tables.flow, section.mode, state) and earlier.shape[0] > 3
+        settles = machine.settles_at(engine.settles, tables.flow, section.mode, state) and earlier.shape[0] > 3
         if settles and poincare_map.approaches(section, place, earlier, form):
             found.notes[0]["mode"] = -1
             return Outcome.SLIDES
@@ -283,7 +194,7 @@ def _period(engine, tables, facts, section, points, size, events, room, budget, 
         nearer = farther = pushed = 0.0
         none, rate, sizes = np.zeros(n), np.empty(n), np.empty(n)
         for k in range(count):
-            saltation.field(tables.flow, events[3][k], none, rate, sizes)
+            machine.field_at(engine.field, tables.flow, events[3][k], none, rate, sizes)
             for i in range(n):
                 pushed = max(pushed, sizes[i])
         for i in range(n):
@@ -293,7 +204,7 @@ def _period(engine, tables, facts, section, points, size, events, room, budget, 
         return Outcome.SLIDES if nearer < farther and pushed == 0.0 else Outcome.SPENT
     returns, fewer = _fewer_returns(section, events, count, state, size)
     if fewer < count:
-        poincare_map.slopes_of(tables, section, state, events, fewer, slopes)
+        poincare_map.slopes_of(engine, tables, section, state, events, fewer, slopes)
     found.notes[0]["kind"], found.notes[0]["mode"], found.notes[0]["returns"] = section.kind, section.mode, returns
     found.notes[0]["events"], found.notes[0]["dimension"] = fewer, d
     for i in range(n):
@@ -319,7 +230,7 @@ def _look(engine, tables, facts, mode, state, events, count, one, other, budget,
         size[i] = size[i] if size[i] > 0.0 else 1.0  # a coordinate that is zero at every event may have any scale
     key = poincare_map.rarest_event(tables, kinds[:count], modes[:count], after[:count], size)
     if key < 0:  # it only touches guards: rounding decides whether there is an event
-        outcome = stays(tables, facts, mode, state, found)
+        outcome = stays(engine, tables, facts, mode, state, found)
         return Outcome.OSCILLATES if outcome == Outcome.OSCILLATES else Outcome.SPENT
     seen, longest, last = 0, 0.0, -1
     all_points = np.empty((count, n))
@@ -388,7 +299,7 @@ def _complaint(status):
 def end_of(engine, tables, facts, known, mode, state, patience, events, one, other, found):
     """Return what the motion from ``state`` (n), replaced, in a mode ends in.
 
-    Arguments: the engine (:class:`event_loop.Engine`); known cycles; ``patience``, events after which others are looked
+    Arguments: the engine (:class:`machine.Machine`); known cycles; ``patience``, events after which others are looked
     for as well; room for the events of the motion and of two periods; ``found``, filled, in which ``notes["left"]`` is
     the work that may be spent, in events.
     """
@@ -396,8 +307,8 @@ def end_of(engine, tables, facts, known, mode, state, patience, events, one, oth
     scale, clock, budget = np.empty(n), np.zeros(4), np.empty(1)
     budget[0] = found.notes[0]["left"]
     times, kinds, signs, modes, before, after = events
-    few = first_look(tables.flow) if known.kind.size > 0 else 0
-    chunk = few if few > 0 else chunk
+    soon = engine.by_speed and known.kind.size > 0
+    chunk = 2 if soon else chunk  # events looked at first
     for i in range(n):
         scale[i] = abs(state[i])
     found.notes[0]["first_event"], found.notes[0]["sprags"], found.notes[0]["time"] = event_loop.NO_KIND, 0, 0.0
@@ -411,8 +322,8 @@ def end_of(engine, tables, facts, known, mode, state, patience, events, one, oth
         given = clock[3] = budget[0] / STEP
         found.notes[0]["mode"] = mode
         part = (times[:chunk], kinds[:chunk], signs[:chunk], modes[:chunk], before[:chunk], after[:chunk])
-        status, mode, count = event_loop.run_at(
-            engine.address, engine.room, tables, mode, state, scale, clock, math.inf, never, never, part
+        status, mode, count = machine.run_at(
+            engine.run, engine.inner, engine.room, tables, mode, state, scale, clock, math.inf, never, never, part
         )
         budget[0] -= count + (STEP * (given - clock[3]) if clock[3] < math.inf else 0.0)
         found.notes[0]["left"] = budget[0]
@@ -423,7 +334,7 @@ def end_of(engine, tables, facts, known, mode, state, patience, events, one, oth
         if status != _FULL and status != _SETTLED:
             return _complaint(status)
         if status == _FULL and known.kind.size > 0:
-            found.notes[0]["index"], shows = _joins(known, kinds[:count], modes[:count], after[:count], few > 0)
+            found.notes[0]["index"], shows = _joins(known, kinds[:count], modes[:count], after[:count], soon)
             if shows >= 0:
                 _count_sprags(facts, kinds[: shows + 1], modes[: shows + 1], found)
                 found.notes[0]["time"] = times[shows]
@@ -433,9 +344,9 @@ def end_of(engine, tables, facts, known, mode, state, patience, events, one, oth
         for i in range(n):
             found.state[i] = state[i]
         if status == _SETTLED:
-            return stays(tables, facts, mode, state, found)
+            return stays(engine, tables, facts, mode, state, found)
         used, last = used + count, count
-        if used < (min(patience, CHUNK) if few > 0 else patience):
+        if used < (min(patience, CHUNK) if soon else patience):
             continue
         outcome = _look(engine, tables, facts, mode, state, events, count, one, other, budget, found)
         if outcome != Outcome.SPENT:

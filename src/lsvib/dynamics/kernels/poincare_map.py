@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lsvib.dynamics.kernels.machine import run_at
 from lsvib.dynamics.kernels.saltation import derivative
-from lsvib.engine.kernels import event_loop
 from lsvib.engine.kernels.flow_planar import EPS, ROUNDING
 from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, entry, kernel, merged_kernel
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND, Status
@@ -173,8 +173,19 @@ def come_back(engine, tables, section, state, events, budget):
     for _ in range(section.returns):
         part = (times[count:], kinds[count:], signs[count:], modes[count:], before[count:], after[count:])
         until = clock[0] + clock[1] + section.limit
-        status, here, more = event_loop.run_at(
-            engine.address, engine.room, tables, here, state, scale, clock, until, section.kind, section.mode, part
+        status, here, more = run_at(
+            engine.run,
+            engine.inner,
+            engine.room,
+            tables,
+            here,
+            state,
+            scale,
+            clock,
+            until,
+            section.kind,
+            section.mode,
+            part,
         )
         count += more
         back = status == _STOPPED
@@ -222,7 +233,7 @@ def _solve(matrix, vector):
 
 
 @allocating_kernel
-def slopes_of(tables, section, state, events, count, slopes):
+def slopes_of(engine, tables, section, state, events, count, slopes):
     """Write P′ (d, d) along a period of so many events from ``state`` (n).
 
     Returns the size of its rounding, not finite without P′.
@@ -231,8 +242,8 @@ def slopes_of(tables, section, state, events, count, slopes):
     total, lost = np.empty((n, n)), np.empty((n, n))
     times, kinds, _, modes, before, after = events
     derivative(
-        tables, section.mode, 0.0, state, times[:count], kinds[:count], modes[:count], before[:count], after[:count],
-        total, lost,
+        engine, tables, section.mode, 0.0, state, times[:count], kinds[:count], modes[:count], before[:count],
+        after[:count], total, lost,
     )  # fmt: skip
     for f in range(section.dimension):
         i = section.free[f]
@@ -265,7 +276,7 @@ def newton(engine, tables, section, place, state, slopes, events, budget):
         if count == 0 or d == 0:
             return count, 0.0
         budget[0] -= count
-        lost = slopes_of(tables, section, state, events, count, slopes)
+        lost = slopes_of(engine, tables, section, state, events, count, slopes)
         for f in range(d):
             i = section.free[f]
             gap[f] = (end[i] - section.origin[i]) / section.unit[i] - place[f]

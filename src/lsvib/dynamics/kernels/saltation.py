@@ -17,72 +17,12 @@ import math
 
 import numpy as np
 
-from lsvib.dynamics.kernels import saltation_taylor
-from lsvib.engine.kernels import flow_planar
-from lsvib.engine.kernels.flow_planar import EPS, OVERFLOW
-from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, by_kind, kernel
-from lsvib.engine.kernels.layout import A0, A1, ACCUMULATION_KIND, GRAZE_KIND, B
+from lsvib.dynamics.kernels.machine import derivative_at, field_at
+from lsvib.engine.kernels.flow_planar import EPS
+from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, kernel
+from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND
 
 _TERMS = 8.0  # most roundings in a term of a product of two matrices with up to five rows
-
-
-@kernel
-def _planar_flow(flow, mode, start, time, out, size):
-    c, s, s_rate = flow_planar.responses(flow[mode], time)
-    out[0, 0], out[0, 1], out[1, 0], out[1, 1] = c, s, -flow[mode, A0] * s, s_rate
-    for i in range(2):
-        for j in range(2):
-            size[i, j] = abs(out[i, j])
-
-
-@allocating_kernel
-def _modal_flow(flow, mode, start, time, out, size):
-    n, pairs, singles = out.shape[0], flow.pairs[mode], flow.singles[mode]
-    into, back = flow.to_modal[mode], flow.from_modal[mode]
-    carried = np.zeros((2 * pairs + singles, 2))  # of one column: its values and their sizes
-    for j in range(n):
-        for pair in range(pairs):
-            k, row = 2 * pair, flow.oscillators[mode, pair]
-            c, s, s_rate = flow_planar.responses(row, time)
-            p, q, bent = into[k, j], into[k + 1, j], row[A0] * s
-            carried[k, 0], carried[k, 1] = c * p + s * q, abs(c * p) + abs(s * q)
-            carried[k + 1, 0], carried[k + 1, 1] = s_rate * q - bent * p, abs(s_rate * q) + abs(bent * p)
-        for single in range(singles):
-            k = 2 * pairs + single
-            carried[k, 0] = math.exp(min(flow.rates[mode, single] * time, OVERFLOW)) * into[k, j]
-            carried[k, 1] = abs(carried[k, 0])
-        for i in range(n):
-            out[i, j] = size[i, j] = 0.0
-            for k in range(carried.shape[0]):
-                out[i, j] += back[i, k] * carried[k, 0]
-                size[i, j] += abs(back[i, k]) * carried[k, 1]
-
-
-# The derivative of the state after a time by that at the start, e^{At} of a linear flow, and the sizes of the terms of
-# its entries, both (n, n).
-flow_matrix = by_kind(_planar_flow, _modal_flow, saltation_taylor.derivative)
-
-
-@kernel
-def _planar_field(flow, mode, state, rate, size):
-    row = flow[mode]
-    rate[0], size[0] = state[1], abs(state[1])
-    rate[1] = row[B] - row[A0] * state[0] - row[A1] * state[1]
-    size[1] = abs(row[B]) + abs(row[A0] * state[0]) + abs(row[A1] * state[1])
-
-
-@kernel
-def _modal_field(flow, mode, state, rate, size):
-    n = state.size
-    for i in range(n):
-        rate[i], size[i] = flow.field[mode, i, n], abs(flow.field[mode, i, n])
-        for j in range(n):
-            rate[i] += flow.field[mode, i, j] * state[j]
-            size[i] += abs(flow.field[mode, i, j] * state[j])
-
-
-# x′ at a state, and the sizes of its terms, both (n).
-field = by_kind(_planar_field, _modal_field, saltation_taylor.field)
 
 
 @kernel
@@ -110,14 +50,14 @@ def crossed_guard(tables, mode, kind, after, before):
 
 
 @allocating_kernel
-def _event(tables, mode, kind, after, before, out, lost):
+def _event(engine, tables, mode, kind, after, before, out, lost):
     """Write R (I − f gᵀ / gᵀf) of an event that ends ``mode`` in the state ``before``, and its rounding; nan if none.
 
     There is none where the field only touches the surface, or infinitely many events end.
     """
     n = before.size
     f, f_size = np.empty(n), np.empty(n)
-    field(tables.flow, mode, before, f, f_size)
+    field_at(engine.field, tables.flow, mode, before, f, f_size)
     guard = -1 if kind == ACCUMULATION_KIND else crossed_guard(tables, mode, kind, after, before)
     normal = tables.surfaces[tables.guard_surface[max(guard, 0)]]
     speed, speed_size = 0.0, 0.0
@@ -161,11 +101,12 @@ def _then(matrix, lost, total, total_lost, room):
 
 
 @allocating_entry
-def derivative(tables, mode, start, state, times, kinds, modes, before, after, total, lost):
+def derivative(engine, tables, mode, start, state, times, kinds, modes, before, after, total, lost):
     """Write the derivative (n, n) of the state after the last event by the start, and a bound (n, n) of its rounding.
 
-    Arguments: mode, time [s] and state (n) of the start; times, kinds, modes after, and states before and after the
-    events (k). Entries are nan if an event has no derivative. The start's own mode is kept: neighbours start in it.
+    Arguments: the engine (:class:`machine.Machine`); mode, time [s] and state (n) of the start; times, kinds, modes
+    after, and states before and after the events (k). Entries are nan if an event has no derivative. The start's own
+    mode is kept: neighbours start in it.
     """
     n = before.shape[1]
     matrix, rounding, room = np.empty((n, n)), np.empty((n, n)), np.empty((n, 2))
@@ -174,12 +115,12 @@ def derivative(tables, mode, start, state, times, kinds, modes, before, after, t
             total[i, j], lost[i, j] = 1.0 if i == j else 0.0, 0.0
     for k in range(times.size):
         begin = after[k - 1] if k > 0 else state
-        flow_matrix(tables.flow, mode, begin, times[k] - start, matrix, rounding)
+        derivative_at(engine.derivative, tables.flow, mode, begin, times[k] - start, matrix, rounding)
         for i in range(n):
             for j in range(n):
                 rounding[i, j] *= _TERMS * EPS
         _then(matrix, rounding, total, lost, room)
         if kinds[k] != GRAZE_KIND:
-            _event(tables, mode, kinds[k], modes[k], before[k], matrix, rounding)
+            _event(engine, tables, mode, kinds[k], modes[k], before[k], matrix, rounding)
             _then(matrix, rounding, total, lost, room)
         mode, start = modes[k], times[k]

@@ -4,7 +4,9 @@ import math
 
 import numpy as np
 
-from lsvib.dynamics.kernels.attractor import NOTES, Found, Outcome, end_of
+from lsvib.dynamics.kernels.attractor import NOTES, Found, end_of
+from lsvib.dynamics.kernels.machine import AnyFlow
+from lsvib.dynamics.kernels.single_mode import Outcome
 from lsvib.engine.kernels import event_loop, search_planar
 from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, by_address
 from lsvib.engine.kernels.layout import Tables
@@ -28,9 +30,9 @@ def _describe(tables, facts, reversal, found, events, force, speed, numbers):
     state[0], state[1] = found.state[0], found.state[1]
     bits = RESTS if facts.rests[mode] else 0
     for k in range(count):
-        a, b = search_planar.extremes(tables.flow, mode, state, row, times[k] - time)
+        a, b = search_planar.extremes(tables.flow.planar, mode, state, row, times[k] - time)
         low, high = min(low, a), max(high, b)
-        a, b = search_planar.extremes(tables.flow, mode, state, force[mode], times[k] - time)
+        a, b = search_planar.extremes(tables.flow.planar, mode, state, force[mode], times[k] - time)
         least, most = min(least, a), max(most, b)
         time, mode, state[0], state[1] = times[k], modes[k], after[k, 0], after[k, 1]
         bits |= (RESTS if facts.rests[mode] else 0) | (REVERSES if kinds[k] == reversal else 0)
@@ -61,7 +63,7 @@ def ends_of_many(
     state, scale = np.empty(2), np.empty(2)
     for k in members:
         tables = Tables(
-            many.flow[k],
+            AnyFlow(many.flow.planar[k], many.flow.modal, many.flow.taylor),
             many.surfaces[k],
             many.snap,
             many.guard_start,

@@ -34,18 +34,16 @@ from numba.core.imputils import impl_ret_borrowed, lower_builtin
 from numba.core.registry import CPUDispatcher
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 
-from lsvib.engine.kernels.layout import TaylorFlow
+from lsvib.engine.kernels.layout import Planar, Taylor, TaylorFlow
 
 # What is compiled, by the folder of the kernel and a word in the types of its arguments, the first that fits; with the
 # processor time that was measured. Kernels that fit nothing are small and are compiled for one of the others.
 _PARTS = (
-    ("lsvib.dynamics.", "TaylorFlow", "the rule of what motions with a friction law end in, once, about 20 s"),
+    ("lsvib.dynamics.", "Flow", "the rule of what motions end in, once, about 20 s"),
     ("lsvib.", "TaylorFlow", "the engine for friction that depends on speed, once, about 15 s"),
-    ("lsvib.dynamics.", "ModalFlow", "the rule of what motions of models with four states end in, once, about 20 s"),
-    ("lsvib.", "ModalFlow", "the engine for models with three or four states, once, about 30 s"),
-    ("lsvib.basins.", "", "the mapper of two-state models, once, 6 to 15 s"),
-    ("lsvib.dynamics.", "Tables", "the rule of what motions of two-state models end in, once, about 20 s"),
-    ("lsvib.engine.", "Tables", "the engine for two-state models, once, about 10 s"),
+    ("lsvib.", "ModalFlow", "the engine for drives with parts, once, about 30 s"),
+    ("lsvib.basins.", "", "the mapper of rigid drives, once, 6 to 15 s"),
+    ("lsvib.engine.", "Tables", "the engine for rigid drives, once, about 10 s"),
 )
 
 
@@ -188,14 +186,15 @@ def by_kind(planar_kernel: Any, modal_kernel: Any, taylor_kernel: Any) -> Any:
     """Return a function that chooses a kernel by the kind of flow, its first argument.
 
     A flow is a plain table of oscillators (two states, :mod:`lsvib.engine.kernels.flow_planar`), a ``ModalFlow``
-    (:mod:`lsvib.engine.kernels.flow_modal`) or a ``TaylorFlow`` (:mod:`lsvib.engine.kernels.flow_taylor`). Kernels
-    choose by type when they are compiled, so that a model compiles none of the kernels of another kind.
+    (:mod:`lsvib.engine.kernels.flow_modal`) or a ``TaylorFlow`` (:mod:`lsvib.engine.kernels.flow_taylor`); or it is
+    one of the values that stand for them. Kernels choose by type when they are compiled, so that a drive compiles none
+    of the kernels of another kind.
     """
 
     def choose(flow, *arguments):
-        if isinstance(flow, np.ndarray):
+        if isinstance(flow, (np.ndarray, Planar)):
             return planar_kernel(flow, *arguments)
-        return (taylor_kernel if isinstance(flow, TaylorFlow) else modal_kernel)(flow, *arguments)
+        return (taylor_kernel if isinstance(flow, (TaylorFlow, Taylor)) else modal_kernel)(flow, *arguments)
 
     class Choice(AbstractTemplate):
         """A call of the chosen kernel itself. An overload would call it in a function that is compiled with it."""
@@ -209,17 +208,20 @@ def by_kind(planar_kernel: Any, modal_kernel: Any, taylor_kernel: Any) -> Any:
             return self._kernel(signature.args).get_impl_key(signature)
 
         def _kernel(self, arguments):
-            if isinstance(arguments[0], types.Array):
+            own = getattr(arguments[0], "instance_class", Planar)  # an array has none
+            if own is Planar:
                 return types.Dispatcher(planar_kernel)
-            own = arguments[0].instance_class is TaylorFlow
-            return types.Dispatcher(taylor_kernel if own else modal_kernel)
+            return types.Dispatcher(taylor_kernel if own in (TaylorFlow, Taylor) else modal_kernel)
 
     infer_global(choose, types.Function(Choice))
     return choose
 
 
-def by_address(entry: Any) -> Any:
+def by_address(entry: Any, returns: Any = None) -> Any:
     """Return a function that calls an entry by its address [int], its first argument, of :func:`address`.
+
+    With the numba type that it ``returns`` it may be any entry whose arguments take the same place in memory; a value
+    that holds nothing takes none, and is left out of the call.
 
     numba puts all that a kernel calls into it and optimises it anew, which for the event loop takes many seconds in
     every kernel that follows motions. What is called by its address stays where it is. It may return no arrays.
@@ -234,6 +236,8 @@ def by_address(entry: Any) -> Any:
         key = call
 
         def generic(self, arguments, keywords):
+            if returns is not None:
+                return signature(returns, types.intp, *arguments[1:])
             own = types.Dispatcher(entry).get_call_type(self.context, arguments[1:], keywords)
             return signature(own.return_type, types.intp, *own.args)
 

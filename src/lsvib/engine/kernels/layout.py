@@ -66,6 +66,18 @@ ACCUMULATION_KIND = 1  # infinitely many events in finite time end here
 FIRST_MODEL_KIND = 2
 
 
+class Planar(NamedTuple):
+    """Stands for planar flows, where kernels choose by kind; it holds nothing."""
+
+
+class Modal(NamedTuple):
+    """Stands for flows of the kind :class:`ModalFlow`."""
+
+
+class Taylor(NamedTuple):
+    """Stands for flows of the kind :class:`TaylorFlow`."""
+
+
 class Tables(NamedTuple):
     """A piecewise-linear automaton with n states as plain arrays (m modes, g guards, t transitions, b branches).
 

@@ -1,0 +1,105 @@
+"""What the rule asks of a flow, whatever its kind, by address: so the rule is compiled once for all kinds.
+
+The types of a flow and of the scratch space of its search depend on their kind. For the rule both have one type, with a
+place for each kind, of which two are empty; an entry below takes its own out. The first argument of an entry stands for
+its kind and holds nothing, so that the entries of all kinds are called alike.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import types
+
+from lsvib.dynamics.kernels import single_mode
+from lsvib.engine.kernels import event_loop, flow_taylor, guard_sums, search_planar
+from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, by_address, by_kind
+from lsvib.engine.kernels.layout import ModalFlow, Tables, TaylorFlow
+
+
+class AnyFlow(NamedTuple):
+    """A flow of any kind, in its place."""
+
+    planar: np.ndarray
+    modal: ModalFlow
+    taylor: TaylorFlow
+
+
+class AnyWork(NamedTuple):
+    """The scratch space of a search in a flow of any kind, in its place."""
+
+    planar: search_planar.Work
+    modal: guard_sums.Sums
+    taylor: flow_taylor.Series
+
+
+class Machine(NamedTuple):
+    """What the rule needs to follow motions: the addresses of the entries below, and scratch space."""
+
+    run: int
+    inner: int  # event_loop.run_in for the kind of flow
+    derivative: int
+    field: int
+    stays: int
+    settles: int
+    by_speed: bool  # friction depends on speed, so that motions cost more
+    room: event_loop.Room
+
+
+@allocating_kernel
+def _planar(kind, place):
+    return place.planar
+
+
+@allocating_kernel
+def _modal(kind, place):
+    return place.modal
+
+
+@allocating_kernel
+def _taylor(kind, place):
+    return place.taylor
+
+
+_own = by_kind(_planar, _modal, _taylor)
+
+
+@allocating_entry
+def run(kind, inner, room, tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events):
+    """Follow a motion as ``event_loop.run_in`` does, whose address is ``inner``."""
+    own_room = event_loop.Room(room.state, room.guards, room.on_surface, _own(kind, room.work))
+    own_tables = Tables(_own(kind, tables.flow), *tables[1:])
+    return event_loop.run_at(
+        inner, own_room, own_tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events
+    )
+
+
+@allocating_entry
+def derivative(kind, flow, mode, start, time, out, size):
+    """Write the derivative (n, n) of the state after a time by that at the start, and the sizes (n, n) of its terms."""
+    single_mode.derivative(_own(kind, flow), mode, start, time, out, size)
+    return 0
+
+
+@allocating_entry
+def field(kind, flow, mode, state, rate, size):
+    """Write x′ at a state, and the sizes of its terms, both (n)."""
+    single_mode.field(_own(kind, flow), mode, state, rate, size)
+    return 0
+
+
+@allocating_entry
+def stays(kind, flow, mode, state):
+    """Return what a motion that never leaves its mode ends in, and the frequency [1/s] of what lasts."""
+    return single_mode.stays(_own(kind, flow), mode, state)
+
+
+@allocating_entry
+def settles(kind, flow, mode, state):
+    """Whether a motion from a state slides steadily, for certain."""
+    return single_mode.settles(_own(kind, flow), mode, state)
+
+
+_PAIR = types.Tuple((types.IntEnumMember(single_mode.Outcome, types.int64), types.float64))
+run_at = by_address(run, types.UniTuple(types.int64, 3))
+derivative_at, field_at = by_address(derivative, types.int64), by_address(field, types.int64)
+stays_at, settles_at = by_address(stays, _PAIR), by_address(settles, types.boolean)
