@@ -45,9 +45,6 @@ def machine_for(tables: Tables, engine: event_loop.Engine) -> Machine:
         run=jit.address(kernels.run, kind, *run),
         inner=engine.address,
         derivative=jit.address(kernels.derivative, kind, flow, 0, row, 0.0, square, square),
-        field=jit.address(kernels.field, kind, flow, 0, row, row, row),
-        stays=jit.address(kernels.stays, kind, flow, 0, row),
-        settles=jit.address(kernels.settles, kind, flow, 0, row),
         by_speed=place == "taylor",
         room=room,
     )

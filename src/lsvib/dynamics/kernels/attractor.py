@@ -5,10 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.dynamics.kernels import machine, poincare_map
+from lsvib.dynamics.kernels import machine, poincare_map, single_mode
 from lsvib.dynamics.kernels.poincare_map import NEAR, STEP, Verdict
 from lsvib.dynamics.kernels.single_mode import Outcome
-from lsvib.engine.kernels import event_loop
+from lsvib.engine.kernels import event_loop, flow_taylor
 from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, kernel, merged_kernel
 from lsvib.engine.kernels.layout import Status
 
@@ -64,12 +64,12 @@ class Found(NamedTuple):
 
 
 @kernel
-def stays(engine, tables, facts, mode, state, found):
+def stays(tables, facts, mode, state, found):
     """Return what a motion that never leaves its mode ends in; the frequency [1/s] of what lasts, 0 if several do."""
     found.notes[0]["mode"] = mode
     if facts.rests[mode]:
         return Outcome.RESTS
-    outcome, found.notes[0]["frequency"] = machine.stays_at(engine.stays, tables.flow, mode, state)
+    outcome, found.notes[0]["frequency"] = single_mode.stays(tables.flow, mode, state)
     return outcome
 
 
@@ -168,7 +168,8 @@ def _period(engine, tables, facts, section, points, size, events, room, budget, 
         for f in range(d):
             form[f, f] = 1.0
         earlier = points[points.shape[0] // 2 :: step]
-        settles = machine.settles_at(engine.settles, tables.flow, section.mode, state) and earlier.shape[0] > 3
+        settles = engine.by_speed and flow_taylor.is_settled(tables.flow.taylor, section.mode, state)
+        settles = settles and earlier.shape[0] > 3
         if settles and poincare_map.approaches(section, place, earlier, form):
             found.notes[0]["mode"] = -1
             return Outcome.SLIDES
@@ -194,7 +195,7 @@ def _period(engine, tables, facts, section, points, size, events, room, budget, 
         nearer = farther = pushed = 0.0
         none, rate, sizes = np.zeros(n), np.empty(n), np.empty(n)
         for k in range(count):
-            machine.field_at(engine.field, tables.flow, events[3][k], none, rate, sizes)
+            single_mode.field(tables.flow, events[3][k], none, rate, sizes)
             for i in range(n):
                 pushed = max(pushed, sizes[i])
         for i in range(n):
@@ -230,7 +231,7 @@ def _look(engine, tables, facts, mode, state, events, count, one, other, budget,
         size[i] = size[i] if size[i] > 0.0 else 1.0  # a coordinate that is zero at every event may have any scale
     key = poincare_map.rarest_event(tables, kinds[:count], modes[:count], after[:count], size)
     if key < 0:  # it only touches guards: rounding decides whether there is an event
-        outcome = stays(engine, tables, facts, mode, state, found)
+        outcome = stays(tables, facts, mode, state, found)
         return Outcome.OSCILLATES if outcome == Outcome.OSCILLATES else Outcome.SPENT
     seen, longest, last = 0, 0.0, -1
     all_points = np.empty((count, n))
@@ -344,7 +345,7 @@ def end_of(engine, tables, facts, known, mode, state, patience, events, one, oth
         for i in range(n):
             found.state[i] = state[i]
         if status == _SETTLED:
-            return stays(engine, tables, facts, mode, state, found)
+            return stays(tables, facts, mode, state, found)
         used, last = used + count, count
         if used < (min(patience, CHUNK) if soon else patience):
             continue

@@ -1,4 +1,4 @@
-"""What the rule asks of a flow, whatever its kind, by address: so the rule is compiled once for all kinds.
+"""How the rule follows motions, whatever the kind of their flow, by address: so it is compiled once for all kinds.
 
 The types of a flow and of the scratch space of its search depend on their kind. For the rule both have one type, with a
 place for each kind, of which two are empty; an entry below takes its own out. The first argument of an entry stands for
@@ -38,9 +38,6 @@ class Machine(NamedTuple):
     run: int
     inner: int  # event_loop.run_in for the kind of flow
     derivative: int
-    field: int
-    stays: int
-    settles: int
     by_speed: bool  # friction depends on speed, so that motions cost more
     room: event_loop.Room
 
@@ -80,26 +77,5 @@ def derivative(kind, flow, mode, start, time, out, size):
     return 0
 
 
-@allocating_entry
-def field(kind, flow, mode, state, rate, size):
-    """Write x′ at a state, and the sizes of its terms, both (n)."""
-    single_mode.field(_own(kind, flow), mode, state, rate, size)
-    return 0
-
-
-@allocating_entry
-def stays(kind, flow, mode, state):
-    """Return what a motion that never leaves its mode ends in, and the frequency [1/s] of what lasts."""
-    return single_mode.stays(_own(kind, flow), mode, state)
-
-
-@allocating_entry
-def settles(kind, flow, mode, state):
-    """Whether a motion from a state slides steadily, for certain."""
-    return single_mode.settles(_own(kind, flow), mode, state)
-
-
-_PAIR = types.Tuple((types.IntEnumMember(single_mode.Outcome, types.int64), types.float64))
 run_at = by_address(run, types.UniTuple(types.int64, 3))
-derivative_at, field_at = by_address(derivative, types.int64), by_address(field, types.int64)
-stays_at, settles_at = by_address(stays, _PAIR), by_address(settles, types.boolean)
+derivative_at = by_address(derivative, types.int64)

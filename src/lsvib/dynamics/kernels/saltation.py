@@ -17,7 +17,8 @@ import math
 
 import numpy as np
 
-from lsvib.dynamics.kernels.machine import derivative_at, field_at
+from lsvib.dynamics.kernels.machine import derivative_at
+from lsvib.dynamics.kernels.single_mode import field
 from lsvib.engine.kernels.flow_planar import EPS
 from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, kernel
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND
@@ -50,14 +51,14 @@ def crossed_guard(tables, mode, kind, after, before):
 
 
 @allocating_kernel
-def _event(engine, tables, mode, kind, after, before, out, lost):
+def _event(tables, mode, kind, after, before, out, lost):
     """Write R (I − f gᵀ / gᵀf) of an event that ends ``mode`` in the state ``before``, and its rounding; nan if none.
 
     There is none where the field only touches the surface, or infinitely many events end.
     """
     n = before.size
     f, f_size = np.empty(n), np.empty(n)
-    field_at(engine.field, tables.flow, mode, before, f, f_size)
+    field(tables.flow, mode, before, f, f_size)
     guard = -1 if kind == ACCUMULATION_KIND else crossed_guard(tables, mode, kind, after, before)
     normal = tables.surfaces[tables.guard_surface[max(guard, 0)]]
     speed, speed_size = 0.0, 0.0
@@ -121,6 +122,6 @@ def derivative(engine, tables, mode, start, state, times, kinds, modes, before, 
                 rounding[i, j] *= _TERMS * EPS
         _then(matrix, rounding, total, lost, room)
         if kinds[k] != GRAZE_KIND:
-            _event(engine, tables, mode, kinds[k], modes[k], before[k], matrix, rounding)
+            _event(tables, mode, kinds[k], modes[k], before[k], matrix, rounding)
             _then(matrix, rounding, total, lost, room)
         mode, start = modes[k], times[k]

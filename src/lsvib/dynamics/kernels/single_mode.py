@@ -1,4 +1,7 @@
-"""Motion in a single mode, for each kind of flow: its derivative, its rate, and what it ends in if it never leaves."""
+"""Motion in a single mode: its derivative by its start, its rate, and what it ends in if it never leaves.
+
+``flow`` is of one kind, or, for ``field`` and ``stays``, of any (:class:`lsvib.dynamics.kernels.machine.AnyFlow`).
+"""
 
 import math
 from enum import IntEnum
@@ -6,7 +9,7 @@ from enum import IntEnum
 import numpy as np
 
 from lsvib.dynamics.kernels import saltation_taylor
-from lsvib.engine.kernels import flow_planar, flow_taylor
+from lsvib.engine.kernels import flow_planar
 from lsvib.engine.kernels.flow_planar import OVERFLOW, ROUNDING
 from lsvib.engine.kernels.jit import allocating_kernel, by_kind, kernel
 from lsvib.engine.kernels.layout import A0, A1, ALPHA, BETA, EQUILIBRIUM, B
@@ -120,21 +123,27 @@ def _stays_modal(flow, mode, state):
     return (Outcome.OSCILLATES, frequency if lasting == 1 else 0.0) if lasting > 0 else (Outcome.SLIDES, 0.0)
 
 
-@kernel
-def _stays_taylor(flow, mode, state):
-    return Outcome.SLIDES, 0.0  # by the region that no motion leaves; without end nothing else is known of it
-
-
-@kernel
-def _never(flow, mode, state):
-    return False
-
-
 # The derivative of the state after a time by that at the start, e^{At} of a linear flow, and the sizes of the terms of
 # its entries, both (n, n).
 derivative = by_kind(_planar_flow, _modal_flow, saltation_taylor.derivative)
-# x′ at a state, and the sizes of its terms, both (n).
-field = by_kind(_planar_field, _modal_field, saltation_taylor.field)
-# What a motion that never leaves its mode ends in, and the frequency [1/s] of what lasts, 0 if several do.
-stays = by_kind(_stays_planar, _stays_modal, _stays_taylor)
-settles = by_kind(_never, _never, flow_taylor.is_settled)  # whether a motion from a state beside it slides steadily
+
+
+@kernel
+def field(flow, mode, state, rate, size):
+    """Write x′ at a state, and the sizes of its terms, both (n)."""
+    if flow.planar.size > 0:
+        _planar_field(flow.planar, mode, state, rate, size)
+    elif flow.modal.field.size > 0:
+        _modal_field(flow.modal, mode, state, rate, size)
+    else:
+        saltation_taylor.field(flow.taylor, mode, state, rate, size)
+
+
+@kernel
+def stays(flow, mode, state):
+    """Return what a motion that never leaves its mode ends in, and the frequency [1/s] of what lasts, 0 if several."""
+    if flow.planar.size > 0:
+        return _stays_planar(flow.planar, mode, state)
+    if flow.modal.field.size > 0:
+        return _stays_modal(flow.modal, mode, state)
+    return Outcome.SLIDES, 0.0  # by the region that no motion leaves; without end nothing else is known of it
