@@ -219,13 +219,13 @@ class DriveMethods(_Base):
         enter(automaton, state)  # refuses what is no state
         return steady_state(automaton, state)
 
-    def cycles(self, *, resume: str = "contact_sign", physics: Terms = None) -> "Cycles":
+    def cycles(self, *, physics: Terms = None) -> "Cycles":
         """Return the limit cycles of the drive that are found, attracting and repelling.
 
         A cycle is a fixed point of a Poincaré map; its Floquet multipliers are those of the product of the flows and
         the saltation matrices along it (docs/cycles.md).
 
-        Arguments: ``resume`` and ``physics`` as of :meth:`automaton`.
+        Arguments: ``physics`` as of :meth:`automaton`.
 
         Returns ``cycles``, attracting ones first, each with period [s], itinerary, extremes, means, work [J], impulses
         and multipliers with a bound of their error; ``proved`` says what else is certain, ``searched`` where cycles
@@ -239,7 +239,7 @@ class DriveMethods(_Base):
         """
         from lsvib.datasets.cycles import find_cycles
 
-        return find_cycles(self, self.automaton(resume=resume, physics=physics))
+        return find_cycles(self, self.automaton(physics=physics))
 
     def follow(
         self,
@@ -247,7 +247,6 @@ class DriveMethods(_Base):
         parameter: str,
         span: tuple[float, float],
         *,
-        resume: str = "contact_sign",
         physics: Terms = None,
         points: int = 1000,
     ) -> "CycleBranch":
@@ -258,7 +257,7 @@ class DriveMethods(_Base):
         * ``cycle``: one of :meth:`cycles`.
         * ``parameter``: its name; ``span``: its smallest and largest value [SI unit], with the drive's own between
           them.
-        * ``points``: most of them each way; ``resume`` and ``physics`` as of :meth:`automaton`.
+        * ``points``: most of them each way; ``physics`` as of :meth:`automaton`.
 
         Returns the branch: its points, folds and changes of the itinerary. Raises ``InputError`` for a parameter or
         span that is not acceptable.
@@ -272,15 +271,12 @@ class DriveMethods(_Base):
         """
         from lsvib.datasets.cycles import followed
 
-        return followed(
-            self, cycle, parameter, span, points, lambda drive: drive.automaton(resume=resume, physics=physics)
-        )
+        return followed(self, cycle, parameter, span, points, lambda drive: drive.automaton(physics=physics))
 
     def sweep(
         self,
         *,
         start: Start | None = None,
-        resume: str = "contact_sign",
         workers: int = 1,
         progress: Progress | None = None,
         **over: "Values",
@@ -290,7 +286,7 @@ class DriveMethods(_Base):
         Arguments:
 
         * ``over``: values [SI units] of each parameter by its name; all combinations of them are taken.
-        * ``start``: as of :meth:`simulate`, by default next to steady sliding; ``resume`` as of :meth:`automaton`.
+        * ``start``: as of :meth:`simulate`, by default next to steady sliding.
         * ``workers``: number of threads or processes, which changes no number.
         * ``progress``: called with the numbers of points done and in all.
 
@@ -305,14 +301,13 @@ class DriveMethods(_Base):
         """
         from lsvib.datasets.sweep import sweep
 
-        return sweep(self, over, start, resume, workers, progress)
+        return sweep(self, over, start, workers, progress)
 
     def chart(
         self,
         x: "str | tuple[str, float, float, int]",
         y: "str | tuple[str, float, float, int]",
         *,
-        resume: str = "contact_sign",
         workers: int = 1,
         progress: Progress | None = None,
     ) -> "xr.Dataset":
@@ -323,7 +318,7 @@ class DriveMethods(_Base):
         Arguments:
 
         * ``x`` and ``y``: each (parameter, start, stop, number of cells) in SI units, or such text as "mass=1:20:400".
-        * ``resume`` as of :meth:`automaton`; number of ``workers``, which changes no label; ``progress``, called with
+        * number of ``workers``, which changes no label; ``progress``, called with
           the numbers of motions done and in all.
 
         Returns a dataset with a ``label`` for each cell (y, x) and the curves Γ₊ = 0, C₊ = 0 … as points. Raises
@@ -338,14 +333,13 @@ class DriveMethods(_Base):
         """
         from lsvib.datasets.chart import chart
 
-        return chart(self, x, y, resume, workers, progress)
+        return chart(self, x, y, workers, progress)
 
     def attraction(
         self,
         grid: "Grid | Mapping[str, Any]",
         *,
         quantities: Sequence[str] = ("label",),
-        resume: str = "contact_sign",
         workers: int = 1,
         progress: Progress | None = None,
     ) -> "xr.Dataset":
@@ -357,7 +351,7 @@ class DriveMethods(_Base):
           ``{"u": (-0.1, 0.1, 40), "w": (-80, 80, 30)}``; or a :class:`lsvib.Grid`.
         * ``quantities``: any of label, time [s] (stored as settling_time), seizures, first_event and doubt (why a label
           is unresolved); the label is always there.
-        * ``resume`` as of :meth:`automaton`; number of ``workers``, which changes no number; ``progress``, called with
+        * number of ``workers``, which changes no number; ``progress``, called with
           the numbers of rows done and in all.
 
         Returns a dataset over both coordinates with the label and the other quantities of each cell; of a rigid drive
@@ -372,7 +366,7 @@ class DriveMethods(_Base):
         """
         from lsvib.datasets.map import map_attraction
 
-        return map_attraction(self, grid, quantities, resume, workers, progress).dataset
+        return map_attraction(self, grid, quantities, workers, progress).dataset
 
     def basin(self) -> "Basin":
         """Return the region of attraction of steady sliding of a rigid drive, bounded in closed form.

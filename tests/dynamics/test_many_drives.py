@@ -16,8 +16,6 @@ from lsvib.models.drive import PART_OF, Drive
 from lsvib.models.many import ManyDrives, automata, groups
 from lsvib.models.rigid import rigid_automaton
 
-RULES = ("contact_sign", "at_once")
-
 
 def many_of(drives) -> ManyDrives:
     return ManyDrives(
@@ -25,16 +23,15 @@ def many_of(drives) -> ManyDrives:
     )
 
 
-@pytest.mark.parametrize("resume", RULES)
-def test_tables_are_those_of_one_drive(resume):
+def test_tables_are_those_of_one_drive():
     """Random drives over decades: every double of every table to 1e-12 of the largest in it, and every integer."""
     drives = [wide_drive("rigid", 11, k, 0).drive for k in range(150)]
     done = np.zeros(len(drives), dtype=bool)
-    for group in groups(many_of(drives), resume, np.arange(len(drives))):
+    for group in groups(many_of(drives), np.arange(len(drives))):
         for place, member in enumerate(group.members):
             if not group.safe[place]:
                 continue
-            done[member], one = True, rigid_automaton(drives[member], resume=resume)
+            done[member], one = True, rigid_automaton(drives[member])
             for name, table in one.tables._asdict().items():
                 other = np.asarray(getattr(group.automaton.tables, name))
                 other = other[place] if other.ndim > np.ndim(table) else other
@@ -46,8 +43,7 @@ def test_tables_are_those_of_one_drive(resume):
     assert done.mean() > 0.9
 
 
-@pytest.mark.parametrize("resume", RULES)
-def test_endings_are_those_of_one_motion(resume):
+def test_endings_are_those_of_one_motion():
     """Wide drives and starts, and drives of the chapter's size around its thresholds: all numbers, bit by bit."""
     cases = [wide_drive("rigid", 12, k, 1) for k in range(60)]
     drives, starts = [case.drive for case in cases], [case.starts[0] for case in cases]
@@ -63,10 +59,10 @@ def test_endings_are_those_of_one_motion(resume):
         )
         starts.append([rng.uniform(-0.2, 0.2), rng.uniform(-80, 80)])
     many, starts = many_of(drives), np.array(starts)
-    found, is_open = endings_at_once(many, starts, resume)
+    found, is_open = endings_at_once(many, starts)
     assert is_open.mean() < 0.25
     assert len(set(found.attractor[~is_open].tolist())) >= 3
-    for place, drive, automaton in automata(many, resume):
+    for place, drive, automaton in automata(many):
         if not is_open[place]:
             alone = ending_of(drive, automaton, starts[place])
             together = Ending(*(column[place] for column in found))

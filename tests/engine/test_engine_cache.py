@@ -78,6 +78,8 @@ def test_compiling_is_said_once_for_each_part(caplog):
     assert len(told) == 2
     say = jit.sentence
     assert "mapper of rigid drives" in say("lsvib.basins.kernels.labels", "Tables(array(float64, 2d, C))")
-    assert "the rule of what motions end in" in say("lsvib.dynamics.kernels.sweep", "Tables(AnyFlow(array(float64, 2d, C)))")
+    assert "the rule of what motions end in" in say(
+        "lsvib.dynamics.kernels.sweep", "Tables(AnyFlow(array(float64, 2d, C)))"
+    )
     assert say("lsvib.engine.kernels.flow_planar", "array(float64, 1d, C)") is None
     assert say("somebody.else", "Tables") is None

@@ -50,8 +50,6 @@ COMMANDS = [
     (f"{MOTION} --samples 1", "samples = 1"),
     (f"{MOTION} --samples 10.5", "Invalid value for --samples: '10.5' is not a whole number."),
     (f"{MOTION} --samples many", "Invalid value for --samples: 'many' is not a number."),
-    (f"{MOTION} --resume never", 'Invalid value "never" for --resume. Choose from: "contact_sign", "at_once"'),
-    (f"{MOTION} --set contact_stiffness=1e8 --resume at_once", "resume = 'at_once'"),
     ("simulate --scene none.yaml --out x.nc", "none.yaml"),
     ("simulate --scene /dev/zero --out x.nc", "Cannot read /dev/zero: it is not a regular file"),
     ("figure 8.8 --config pipe", "Cannot read pipe: it is not a regular file"),

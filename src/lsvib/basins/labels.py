@@ -23,7 +23,6 @@ from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import event_loop, flow_planar, layout
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
-from lsvib.models.names import Resume
 
 _EVENTS = 100_000  # of a motion, after which its start is unresolved
 _SYMBOLS = 256  # events of the longest itinerary; what a motion ends in that goes on is searched
@@ -406,8 +405,8 @@ class PlanarMapper(Mapper):
 
     block = 16384  # a thread works on one block at a time
 
-    def __init__(self, drive: Drive, physics: tuple[str, ...], resume: Resume) -> None:
-        super().__init__(drive, physics, resume)
+    def __init__(self, drive: Drive, physics: tuple[str, ...]) -> None:
+        super().__init__(drive, physics)
         self.sections = Sections(self.automaton)
         self.attractors = self.sections.attractors
         self._events = _EVENTS if self.sections.complete else _SYMBOLS  # in gaps many motions go on and on

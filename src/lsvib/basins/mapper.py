@@ -11,7 +11,6 @@ from lsvib.dynamics.attractor import SteadyState
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
 from lsvib.models.model import model_of
-from lsvib.models.names import Resume
 from lsvib.numbers import Progress
 
 QUANTITIES = {"label": np.int8, "time": np.float64, "seizures": np.int32, "first_event": np.int8, "doubt": np.int8}
@@ -21,7 +20,7 @@ NO_DOUBT = -1  # of a cell whose label is known
 class Mapper(ABC):
     """Maps the starts of a drive to what becomes of them, whatever the number of states of its model.
 
-    ``drive``, ``physics`` and ``resume`` are those of the scene; ``definition`` is what its parts make of it, and
+    ``drive`` and ``physics`` are those of the scene; ``definition`` is what its parts make of it, and
     ``events`` are the codes of its events by name; ``attractors`` are the cycles that motions are known to reach. A
     mapper fills blocks of about ``block`` cells at a time.
     """
@@ -29,11 +28,11 @@ class Mapper(ABC):
     attractors: Sequence[SteadyState]
     block: int
 
-    def __init__(self, drive: Drive, physics: tuple[str, ...], resume: Resume) -> None:
-        self.drive, self.physics, self.resume = drive, physics, resume
+    def __init__(self, drive: Drive, physics: tuple[str, ...]) -> None:
+        self.drive, self.physics = drive, physics
         self.definition = model_of(drive)
         self.events = self.definition.events
-        self.automaton = self.definition.build(drive, physics, resume)
+        self.automaton = self.definition.build(drive, physics, "contact_sign")
 
     def cells(
         self,

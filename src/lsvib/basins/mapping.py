@@ -6,13 +6,12 @@ from lsvib.basins.mapper import Mapper
 from lsvib.models.drive import Drive
 from lsvib.models.friction import depends_on_speed
 from lsvib.models.model import model_of
-from lsvib.models.names import Resume
 
 
-def mapper(drive: Drive, physics: Sequence[str] | None = None, resume: Resume = "contact_sign") -> Mapper:
+def mapper(drive: Drive, physics: Sequence[str] | None = None) -> Mapper:
     """Return the mapper of a drive: a ``PlanarMapper`` for a rigid drive with linear modes, else a ``StateMapper``.
 
-    Arguments: drive; ``physics`` and ``resume`` as in a scene. Raises ``InputError``.
+    Arguments: drive; ``physics`` as in a scene. Raises ``InputError``.
 
     >>> import lsvib
     >>> from lsvib.basins.grid import Axis, Grid
@@ -26,7 +25,7 @@ def mapper(drive: Drive, physics: Sequence[str] | None = None, resume: Resume = 
     if drive.rigid and not depends_on_speed(drive):
         from lsvib.basins.labels import PlanarMapper  # each with kernels of its own
 
-        return PlanarMapper(drive, physics, resume)
+        return PlanarMapper(drive, physics)
     from lsvib.basins.slice_mapper import StateMapper
 
-    return StateMapper(drive, physics, resume)
+    return StateMapper(drive, physics)

@@ -15,7 +15,6 @@ from lsvib.dynamics.attractor import Attractor, Doubt, KnownCycles, SteadyState,
 from lsvib.errors import EngineError, InputError
 from lsvib.models.drive import Drive
 from lsvib.models.model import coordinates
-from lsvib.models.names import Resume
 
 
 class StateMapper(Mapper):
@@ -27,8 +26,8 @@ class StateMapper(Mapper):
 
     block = 1  # a row at a time
 
-    def __init__(self, drive: Drive, physics: tuple[str, ...], resume: Resume) -> None:
-        super().__init__(drive, physics, resume)
+    def __init__(self, drive: Drive, physics: tuple[str, ...]) -> None:
+        super().__init__(drive, physics)
         self.keys = tuple(key for key in coordinates() if coordinates()[key] in self.automaton.states)
         self.attractors: list[SteadyState] = []
         speed = abs(drive.input_speed)

@@ -23,7 +23,6 @@ def attraction(
     grid: options.GridOfStarts,
     out: options.OutFile,
     drive: options.DriveOptions = options.CHAPTER,
-    resume: options.Resume = "contact_sign",
     quantities: Quantities = ["label"],  # noqa: B006
     workers: options.Workers = 1,
     figure: options.Picture = None,
@@ -45,7 +44,7 @@ def attraction(
     starts = {axis.key: tuple(axis[1:]) if isinstance(axis, options.Steps) else axis.number for axis in grid}
     if figure and {axis.key for axis in grid if isinstance(axis, options.Steps)} != {"u", "w"}:
         raise InputError("figure is for maps of u and w; leave it out for a plane of other coordinates.")
-    found = map_attraction(drive.drive(), starts, quantities, resume, workers, ProgressLine())
+    found = map_attraction(drive.drive(), starts, quantities, workers, ProgressLine())
     dataset = found.dataset
     files.write(dataset, "lsvib.attraction", drawn_by="lsvib.figures.attraction")
     area = dataset["basin_area"].item() if "basin_area" in dataset else None
@@ -58,7 +57,6 @@ def chart(
     x: options.Along,
     y: options.Along,
     drive: options.DriveOptions = options.CHAPTER,
-    resume: options.Resume = "contact_sign",
     workers: options.Workers = 1,
     out: options.OutFile | None = None,
     figure: options.Picture = None,
@@ -80,7 +78,7 @@ def chart(
 
     drive.refuse(x, y)
     files, begin = options.Files(out, figure), perf_counter()
-    found = drive.drive().chart(x, y, resume=resume, workers=workers, progress=ProgressLine("motions"))
+    found = drive.drive().chart(x, y, workers=workers, progress=ProgressLine("motions"))
     result = summary(found, perf_counter() - begin)
     files.write(found, "lsvib.chart", drawn_by="lsvib.figures.chart")
     show(result, as_json, _print_chart)

@@ -20,7 +20,6 @@ def simulate(
     start: options.Start = None,
     duration: Annotated[float | None, Parameter(help="Time [s] that the motion is followed.")] = None,
     samples: Annotated[options.Whole | None, Parameter(help="Number of output times, both ends included.")] = None,
-    resume: options.Resume | None = None,
     as_json: options.AsJson = False,
 ) -> None:
     """Simulate a drive exactly and write its motion and events as netCDF.
@@ -35,7 +34,7 @@ def simulate(
     from lsvib.datasets.motion import as_scene, attractor_of, motion_file, run, summary
 
     files = options.Files(out, reads=scene)
-    given: dict[str, Any] = {"duration": duration, "samples": samples, "resume": resume}
+    given: dict[str, Any] = {"duration": duration, "samples": samples}
     if start:
         given["start"] = dict(start)
     checked = as_scene(scene, {key: value for key, value in given.items() if value is not None}, drive.values())
@@ -51,7 +50,6 @@ def sweep(
     over: options.Over,
     drive: options.DriveOptions = options.CHAPTER,
     start: options.Start = None,
-    resume: options.Resume = "contact_sign",
     workers: options.Workers = 1,
     out: options.OutFile | None = None,
     as_json: options.AsJson = False,
@@ -72,7 +70,7 @@ def sweep(
     drive.refuse(*over)
     begin, wanted = perf_counter(), dict(start) if start else None
     found = drive.drive().sweep(
-        start=wanted, resume=resume, workers=workers, progress=ProgressLine("points"),
+        start=wanted, workers=workers, progress=ProgressLine("points"),
         **{axis.key: axis.values() for axis in over},
     )  # fmt: skip
     seconds = perf_counter() - begin
@@ -84,7 +82,6 @@ def sweep(
 def cycles(
     *,
     drive: options.DriveOptions = options.CHAPTER,
-    resume: options.Resume = "contact_sign",
     as_json: options.AsJson = False,
 ) -> None:
     """Find the cycles of a drive, attracting and repelling: period, multipliers, amplitude, work.
@@ -95,7 +92,7 @@ def cycles(
 
         lsvib cycles --set contact_stiffness=1e8 --set contact_damping=1e8 --set mass=11 --json
     """
-    show(drive.drive().cycles(resume=resume).to_json(), as_json, _print_cycles)
+    show(drive.drive().cycles().to_json(), as_json, _print_cycles)
 
 
 @app.command
@@ -104,7 +101,6 @@ def follow(
     over: options.Ends,
     drive: options.DriveOptions = options.CHAPTER,
     cycle: Annotated[options.Whole, Parameter(help="Which of the cycles that lsvib cycles lists, from 1.")] = 1,
-    resume: options.Resume = "contact_sign",
     points: Annotated[options.Whole, Parameter(help="Most points each way.")] = 1000,
     out: options.OutFile | None = None,
     as_json: options.AsJson = False,
@@ -121,11 +117,11 @@ def follow(
     from lsvib.numbers import whole_between
 
     files, made = options.Files(out), drive.drive()
-    listed = made.cycles(resume=resume).cycles
+    listed = made.cycles().cycles
     if not listed:
         raise InputError("the drive has no cycle to follow; see lsvib cycles.")
     chosen = listed[whole_between("cycle", cycle, 1, len(listed)) - 1]
-    branch = made.follow(chosen, over.key, (over.low, over.high), resume=resume, points=points)
+    branch = made.follow(chosen, over.key, (over.low, over.high), points=points)
     files.write(branch_dataset(made, branch))
 
     def text(result: Mapping[str, Any]) -> None:

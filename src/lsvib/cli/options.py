@@ -4,7 +4,7 @@ import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 from cyclopts import Parameter
 
@@ -117,7 +117,6 @@ def _axis(text: str) -> Any:
 
 Whole = Annotated[int, one(_whole)]
 Workers = Annotated[int, one(_whole, "Number of threads or processes; it changes no result.")]
-Resume = Annotated[Literal["contact_sign", "at_once"], Parameter(help="Motion after a seizure.")]
 Start = Annotated[
     list[Coordinate] | None, several(_coordinate, "State at t = 0: u=RAD w=RAD_PER_S ...", consume_multiple=True)
 ]

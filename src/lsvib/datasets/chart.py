@@ -34,7 +34,6 @@ from lsvib.dynamics.behaviour import Behaviour, behaviours
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
 from lsvib.models.model import model_of
-from lsvib.models.names import Resume, rule
 from lsvib.numbers import Progress
 from lsvib.stability.curves import LOGARITHMIC, ChartBoundary, boundary_curves
 
@@ -116,13 +115,13 @@ class Plane:
         """Names of the rows' and the columns' parameter."""
         return self.y.name, self.x.name
 
-    def labels(self, resume: Resume = "contact_sign", workers: int = 1, progress: Progress | None = None) -> np.ndarray:
+    def labels(self, workers: int = 1, progress: Progress | None = None) -> np.ndarray:
         """Return what the drives of the cells do (rows, columns), a ``Behaviour`` each, int8."""
         axes = {one.name: one.centres().tolist() for one in (self.y, self.x)}
-        found = behaviours(product_of(self.drive, axes), resume, workers, progress)
+        found = behaviours(product_of(self.drive, axes), workers, progress)
         return found.reshape(self.y.count, self.x.count)
 
-    def whole(self, labels: np.ndarray, resume: Resume, curves: Curves) -> xr.Dataset:
+    def whole(self, labels: np.ndarray, curves: Curves) -> xr.Dataset:
         """Return the chart from its labels (rows, columns) and :meth:`curves`."""
         fixed = [(name, value) for name, value in self.drive if name not in self.dims]
         counts = {kind: int(np.count_nonzero(labels == kind)) for kind in Behaviour}
@@ -136,7 +135,6 @@ class Plane:
                 "references": "doi:10.1007/978-1-4419-1752-2_8, Sects 8.5-8.7",
                 "parts": parts_in_words(self.drive),
                 "parameters": json.dumps(dict(fixed)),
-                "resume": resume,
             },
         )
 
@@ -164,19 +162,16 @@ class Plane:
 LABEL = attributes("1", "what the drive does", **flags(Behaviour))
 
 
-def chart(
-    drive: Drive, x: Any, y: Any, resume: str = "contact_sign", workers: Any = 1, progress: Progress | None = None
-) -> xr.Dataset:
+def chart(drive: Drive, x: Any, y: Any, workers: Any = 1, progress: Progress | None = None) -> xr.Dataset:
     """Return what a drive does over two of its parameters, as a dataset.
 
     Arguments: a drive of the rigid model or with compliant threads; ``x`` and ``y``, each "KEY=START:STOP:COUNT" or
-    (parameter, start, stop, count) with values in SI units; rule of resuming; number of ``workers``, which changes no
+    (parameter, start, stop, count) with values in SI units; number of ``workers``, which changes no
     label; ``progress``, called with numbers done and in all. Variables: ``label`` (rows of y, columns of
     x), ``fraction`` of each ``behaviour``, and the points of the exact curves (``boundary_…``). Raises ``InputError``.
     """
-    plane, resumption, at_once = Plane.of(drive, x, y), rule(resume), numbers.workers(workers)
-    labels = plane.labels(resumption, at_once, progress)
-    return plane.whole(labels, resumption, plane.curves())
+    plane, at_once = Plane.of(drive, x, y), numbers.workers(workers)
+    return plane.whole(plane.labels(at_once, progress), plane.curves())
 
 
 def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
@@ -195,10 +190,10 @@ def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
 
 
 def write_chart(settings: Mapping[str, Any], path: str | os.PathLike[str], workers: int = 1) -> None:
-    """Write the chart of settings ``drive`` (changes of Table 8.1), ``x``, ``y`` and ``resume``.
+    """Write the chart of settings ``drive`` (changes of Table 8.1), ``x`` and ``y``.
 
     Each axis has ``parameter``, ``start``, ``stop`` and ``count``. Raises ``InputError``.
     """
     drive = Drive.of(settings["drive"])
     x, y = ([settings[name][key] for key in ("parameter", "start", "stop", "count")] for name in ("x", "y"))
-    write_dataset(chart(drive, x, y, settings.get("resume", "contact_sign"), workers), path)
+    write_dataset(chart(drive, x, y, workers), path)

@@ -35,7 +35,6 @@ from lsvib.dynamics.attractor import Attractor, Doubt
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive, names_and_values
 from lsvib.models.model import coordinates
-from lsvib.models.names import rule
 from lsvib.numbers import Progress
 
 
@@ -56,7 +55,6 @@ def map_attraction(
     drive: Drive,
     grid: Grid | Mapping[str, Any],
     quantities: Sequence[str] = ("label",),
-    resume: str = "contact_sign",
     workers: Any = 1,
     progress: Progress | None = None,
 ) -> AttractionMap:
@@ -67,7 +65,7 @@ def map_attraction(
         raise InputError(
             f"grid has {total} cells; the allowed range is up to {MOST_CELLS}, or the tiles of the workflow."
         )
-    mapped = mapper(drive, resume=rule(resume))
+    mapped = mapper(drive)
     if isinstance(quantities, str) or not isinstance(quantities, Sequence):
         raise InputError(f"quantities = {numbers.shown(quantities)} is not a list of names.")
     wanted = list(dict.fromkeys(["label", *quantities]))
@@ -136,7 +134,6 @@ def frame(mapper: Mapper, grid: Grid) -> xr.Dataset:
             "parts": parts_in_words(mapper.drive),
             "parameters": json.dumps(dict(mapper.drive)),
             "physics": " ".join(mapper.physics),
-            "resume": mapper.resume,
             "grid": json.dumps({"axes": spans, "fixed": dict(grid.fixed)}),
         },
     )
@@ -227,8 +224,8 @@ def _grid(given: Grid | Mapping[str, Any]) -> Grid:
 
 
 def mapper_of(settings: Mapping[str, Any]) -> Mapper:
-    """Return the mapper of settings ``drive`` (changes of Table 8.1), ``resume``; raises ``InputError``."""
-    return mapper(Drive.of(settings["drive"]), resume=settings.get("resume", "contact_sign"))
+    """Return the mapper of settings ``drive`` (changes of Table 8.1); raises ``InputError``."""
+    return mapper(Drive.of(settings["drive"]))
 
 
 def map_tile(settings: Mapping[str, Any], item: str, path: str | os.PathLike[str], workers: int = 1) -> None:

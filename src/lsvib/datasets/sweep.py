@@ -23,7 +23,6 @@ from lsvib.errors import EngineError, InputError
 from lsvib.models.drive import Drive, described, names_and_values
 from lsvib.models.many import ManyDrives
 from lsvib.models.model import model_of
-from lsvib.models.names import rule
 from lsvib.numbers import Progress
 
 START = {"u": 1e-3, "w": 0.0}  # next to steady sliding: rad, and rad/s
@@ -50,7 +49,6 @@ def sweep(
     drive: Drive,
     over: Mapping[str, Any],
     start: Mapping[str, Any] | None = None,
-    resume: str = "contact_sign",
     workers: Any = 1,
     progress: Progress | None = None,
 ) -> xr.Dataset:
@@ -62,7 +60,7 @@ def sweep(
     dataset has a dimension for each parameter, in the order given, and as variables the numbers of
     :class:`lsvib.dynamics.sweep.Ending`. Raises ``InputError`` for what is not acceptable.
     """
-    resumption, at_once, axes = rule(resume), numbers.workers(workers), axes_of(over, _MOST)
+    at_once, axes = numbers.workers(workers), axes_of(over, _MOST)
     drives, sizes = product_of(drive, axes), tuple(map(len, axes.values()))
     first = drives.one(0)  # with the parts that are varied
     given = START if start is None else names_and_values("start", start)
@@ -70,7 +68,7 @@ def sweep(
     model_of(first).initial_state(first, begin)  # refuses other keys
     starts = np.broadcast_to(np.array([begin["u"], begin["w"]]), (drives.size, 2))
     others = {key: value for key, value in begin.items() if key not in ("u", "w")}
-    found = all_endings(drives, starts, resumption, at_once, progress, others)
+    found = all_endings(drives, starts, at_once, progress, others)
     return _over(
         axes,
         first,
@@ -78,7 +76,6 @@ def sweep(
         title=f"What a lead-screw drive ends on over {', '.join(axes)}",
         source="lsvib, exact event-driven motion and its return map",
         references=f"doi:10.1007/978-1-4419-1752-2_8, {model_of(first).equations}",
-        resume=resume,
         initial_state=json.dumps(begin),
     )
 

@@ -16,7 +16,6 @@ from lsvib.dynamics.kernels.sweep import REVERSES
 from lsvib.dynamics.sweep import all_endings
 from lsvib.models import mechanics
 from lsvib.models.many import ManyDrives
-from lsvib.models.names import Resume
 
 
 class Behaviour(IntEnum):
@@ -34,7 +33,6 @@ class Behaviour(IntEnum):
 
 def behaviours(
     drives: ManyDrives,
-    resume: Resume = "contact_sign",
     workers: int = 1,
     progress: Callable[[int, int], None] | None = None,
 ) -> np.ndarray:
@@ -45,12 +43,12 @@ def behaviours(
     """
     near, far = near_and_far(drives)
     most = 2 * drives.size
-    first = all_endings(drives, near, resume, workers, progress and (lambda done, _: progress(done, most)))
+    first = all_endings(drives, near, workers, progress and (lambda done, _: progress(done, most)))
     found = behaviour_of(first.attractor, first.happens)
     steady = np.flatnonzero(first.attractor == Attractor.STEADY_SLIDING)
     if steady.size:
         again = all_endings(
-            drives.some(steady), far[steady], resume, workers,
+            drives.some(steady), far[steady], workers,
             progress and (lambda done, total: progress(most - total + done, most)),
         )  # fmt: skip
         cycles = behaviour_of(again.attractor, again.happens) > Behaviour.NO_VIBRATION

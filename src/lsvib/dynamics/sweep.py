@@ -36,7 +36,7 @@ from lsvib.errors import EngineError
 from lsvib.models.drive import Drive
 from lsvib.models.many import Group, ManyDrives, automata, groups
 from lsvib.models.model import model_of
-from lsvib.models.names import Event, Resume
+from lsvib.models.names import Event
 
 WORK = 300_000.0  # events that a motion may take
 _WITHOUT_NUMBERS = (Attractor.UNRESOLVED, Attractor.UNBOUNDED)
@@ -106,7 +106,6 @@ def ending_of(drive: Drive, automaton: Automaton | None, state: np.ndarray) -> E
 def all_endings(
     drives: ManyDrives,
     starts: np.ndarray,
-    resume: Resume,
     workers: int = 1,
     progress: Callable[[int, int], None] | None = None,
     others: Mapping[str, float] | None = None,
@@ -120,7 +119,7 @@ def all_endings(
     """
     found, alone = Ending.unknown(drives.size), np.arange(drives.size)
     if drives.rigid.all():
-        found, is_open = endings_at_once(drives, starts, resume, workers)
+        found, is_open = endings_at_once(drives, starts, workers)
         alone = np.flatnonzero(is_open)
         # motions left alone that make it worth while to start processes, which takes some seconds
         workers = workers if alone.size >= 1000 else 1
@@ -131,7 +130,7 @@ def all_endings(
     size = max(64, min(1024, -(-alone.size // (2 * workers))))
     shares = [alone[first : first + size] for first in range(0, alone.size, size)]
     cases = ((drives.some(share), starts[share]) for share in shares)
-    work, several = partial(_share, others=dict(others or {}), resume=resume), workers > 1 and len(shares) > 1
+    work, several = partial(_share, others=dict(others or {})), workers > 1 and len(shares) > 1
     with get_context("spawn").Pool(min(workers, len(shares))) if several else nullcontext() as processes:
         for share, part in zip(shares, processes.imap(work, cases) if processes else map(work, cases), strict=True):
             found.put(share, part)
@@ -141,18 +140,18 @@ def all_endings(
     return found
 
 
-def _share(case: tuple[ManyDrives, np.ndarray], others: Mapping[str, float], resume: str) -> Ending:
+def _share(case: tuple[ManyDrives, np.ndarray], others: Mapping[str, float]) -> Ending:
     """Return what motions of some drives end on, from their starts (k, 2)."""
     drives, starts = case
     found = Ending.unknown(drives.size)
-    for place, drive, automaton in automata(drives, resume):
+    for place, drive, automaton in automata(drives):
         u, w = starts[place].tolist()
         found.put(place, ending_of(drive, automaton, model_of(drive).initial_state(drive, {"u": u, "w": w, **others})))
     return found
 
 
 def endings_at_once(
-    drives: ManyDrives, starts: np.ndarray, resume: Resume, workers: int = 1, work: float = WORK
+    drives: ManyDrives, starts: np.ndarray, workers: int = 1, work: float = WORK
 ) -> tuple[Ending, np.ndarray]:
     """Return what motions of drives with two states (k) end on, and which must be followed alone (k).
 
@@ -166,7 +165,7 @@ def endings_at_once(
 
     def fill(block: np.ndarray) -> None:
         """Write what a block of drives end on."""
-        for group in groups(drives, resume, block):
+        for group in groups(drives, block):
             closed, endings = _group_endings(drives, group, starts[group.members], work)
             found.put(group.members[closed], Ending(*(column[closed] for column in endings)))
             is_open[group.members[closed]] = False

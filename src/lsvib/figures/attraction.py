@@ -14,7 +14,6 @@ from lsvib.basins.grid import coordinates
 from lsvib.figures import drawing, style
 from lsvib.figures.common import flag_names
 from lsvib.figures.settings import Cells, FigureSettings, Unique
-from lsvib.models.names import Resume
 
 CAPTION = """\
 Regions of attraction: the attractor of the motion from every start, and the time until it is reached as shade, with the
@@ -51,7 +50,6 @@ Quantities = Annotated[
 
 
 class Settings(FigureSettings):
-    resume: Resume = Field(default="contact_sign", description="Motion after a seizure.")
     drive: dict[str, float] = Field(description="Changes of the drive of Table 8.1; lsvib checks keys and ranges.")
     grid: dict[Literal[*coordinates()], Coordinate] = Field(
         min_length=2,

@@ -12,7 +12,6 @@ from pydantic import Field
 from lsvib.figures import drawing, style
 from lsvib.figures.common import flag_names
 from lsvib.figures.settings import Cells, FigureSettings
-from lsvib.models.names import Resume
 
 CAPTION = """\
 What the drive does over two of its parameters, by two motions in each cell, with the exact curves that divide it. Sects
@@ -44,7 +43,6 @@ class ParameterCells(Cells):
 
 
 class Settings(FigureSettings):
-    resume: Resume = Field(default="contact_sign", description="Motion after a seizure.")
     drive: dict[str, float] = Field(description="Changes of the drive of Table 8.1; lsvib checks keys and ranges.")
     x: ParameterCells = Field(description="Along the columns.")
     y: ParameterCells = Field(description="Along the rows.")

@@ -22,9 +22,8 @@ from lsvib.models import friction
 from lsvib.models.drive import DRY, PART_OF, Drive
 from lsvib.models.mechanics import Coefficients, coefficients_of, steady_force
 from lsvib.models.mechanism import Mechanism
-from lsvib.models.model import automaton_of, model_of
+from lsvib.models.model import automaton_of
 from lsvib.models.modes import Modes
-from lsvib.models.names import Resume
 from lsvib.models.rigid import RigidBuild
 
 
@@ -87,7 +86,7 @@ class Group:
     steady_force: np.ndarray
 
 
-def groups(drives: ManyDrives, resume: Resume, entries: np.ndarray) -> Iterator[Group]:
+def groups(drives: ManyDrives, entries: np.ndarray) -> Iterator[Group]:
     """Yield some rigid drives, ``entries`` (j, indices), in groups, under a rule of resuming.
 
     Drives that are in no group must be made exactly, too.
@@ -100,7 +99,7 @@ def groups(drives: ManyDrives, resume: Resume, entries: np.ndarray) -> Iterator[
             d = drives.doubles(members)
             with np.errstate(all="ignore"):  # what overflows or divides by zero is not safe
                 c = coefficients_of(d)
-                automaton = RigidBuild(c, d).automaton(True, resume)
+                automaton = RigidBuild(c, d).automaton(True, "contact_sign")
                 automaton = _layered(automaton, members.size)
                 yield Group(members, _safe(c, d, automaton.tables), automaton, c, steady_force(c, d))
         except Divided as parts:
@@ -146,14 +145,13 @@ def _layered(automaton: Automaton, size: int) -> Automaton:
     return replace(automaton, tables=automaton.tables._replace(**tables), observables=observables)
 
 
-def automata(drives: ManyDrives, resume: str) -> Iterator[tuple[int, Drive, Automaton | None]]:
+def automata(drives: ManyDrives) -> Iterator[tuple[int, Drive, Automaton | None]]:
     """Yield drives with the same parts by their indices, with their automata, whose tables hold to 1e-12.
 
     Those with parts come in groups; what does not hold so many digits is made exactly.
     The automaton is None if the engine has none. Raises ``InputError`` as the model does.
     """
     parts = drives.one(0).parts
-    model_of(drives.one(0)).check(resume)
     together = drives.constant_friction(np.arange(drives.size))
     waiting = [together] if together.size and parts else []
     made: dict[int, Automaton] = {}
@@ -171,7 +169,7 @@ def automata(drives: ManyDrives, resume: str) -> Iterator[tuple[int, Drive, Auto
         drive, automaton = drives.one(k), made.get(k)
         if automaton is None:
             with suppress(EngineError):  # rates that lie too far apart: nothing can be determined
-                automaton = automaton_of(drive, resume)
+                automaton = automaton_of(drive)
         yield k, drive, automaton
 
 
