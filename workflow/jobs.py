@@ -88,7 +88,7 @@ def _run(job: Callable[..., None], log: str, subject: str, arguments: tuple[Any,
 
 
 def compile_engine(part: str, sources: Texts, marker: str) -> None:
-    """Compile one part of the engine, with the rule of what a motion ends in, and note the digest of its inputs."""
+    """Compile one part of the engine, and note the digest of its inputs."""
     from lsvib import Drive
     from lsvib.files import write_text
 
@@ -99,6 +99,10 @@ def compile_engine(part: str, sources: Texts, marker: str) -> None:
 
         one = {"start": -1.0, "stop": 1.0, "count": 1}
         mapper(Drive()).cells(Grid.of({"u": one, "w": one}), quantities=QUANTITIES)
+    elif part == "rule":
+        from lsvib.dynamics.attractor import compile_rule
+
+        compile_rule()
     else:
         from lsvib.engine import motion
 

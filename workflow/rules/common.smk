@@ -156,11 +156,15 @@ def part_sources(module):
 
 # The parts of the engine, and the modules of which a figure that runs the engine imports one if it needs the part.
 ENGINE = {
+    "rule": ("lsvib.dynamics.attractor",),
     "planar": ("lsvib.engine.kernels.jit",),  # all compiled code imports it
     "modal": (),
     "mapper": ("lsvib.basins.labels",),
     "taylor": (),  # both of figures that say so, `flows` of their settings
 }
+
+CALLED = {"rule": (), "modal": (), "planar": ("rule",), "taylor": ("rule",), "mapper": ("planar",)}
+"""The parts whose kernels a part calls, so that they are compiled before it."""
 
 
 def flows_of(drive):

@@ -2,13 +2,15 @@
 
 
 rule core:
-    """Compile one part of the engine: the flow of two states, of more states, of a friction law, or the mapper.
+    """Compile one part of the engine: the rule of what motions end in, the flow of rigid drives, of drives with parts, of
+    a friction law, or the mapper.
 
-    Several parts may be compiled side by side; a figure waits only for those that it runs.
+    Several parts may be compiled side by side; a figure waits only for those that it runs. The flow of drives with
+    parts takes longest, and asks the rule last.
     """
     input:
         sources=source_files(module for module in import_graph().modules if ".kernels." in module),
-        before=lambda wildcards: marker("planar") if wildcards.part == "mapper" else [],  # whose kernels it calls
+        before=lambda wildcards: [marker(part) for part in CALLED[wildcards.part]],
     output:
         "results/engine/{part}.txt",
     log:

@@ -37,11 +37,11 @@ from numpy.typing import ArrayLike
 from lsvib.dynamics.kernels import attractor as rule
 from lsvib.dynamics.kernels.poincare_map import LONGEST, ON_CIRCLE
 from lsvib.dynamics.kernels.single_mode import Outcome
-from lsvib.dynamics.machine import machine_for, of_one_type
+from lsvib.dynamics.machine import blank, machine_for, of_one_type
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import event_loop, layout
+from lsvib.engine.kernels import event_loop, jit, layout
 from lsvib.engine.kernels.layout import TaylorFlow
-from lsvib.engine.motion import Motion, engine_for, enter, follow, new_events
+from lsvib.engine.motion import Motion, bouncing, engine_for, enter, follow, new_events
 from lsvib.errors import AccumulationError, DivergenceError, EngineError, UndecidedError, WorkSpentError
 
 
@@ -222,6 +222,14 @@ def end_of_motion(
     notes = found.notes[0]
     course = Course(float(notes["time"]), int(notes["sprags"]), int(notes["first_event"]))
     return _meant(automaton, outcome, found, known), course
+
+
+def compile_rule() -> None:
+    """Compile and cache the rule for all kinds of flow, so that parallel jobs find it."""
+    automaton, state = bouncing("planar"), np.zeros(2)
+    known = KnownCycles.of((), automaton, 0)
+    tables, found = of_one_type(automaton.tables), new_found(2, 1.0)
+    jit.address(rule.end_of, blank(2), tables, known.facts, known.table, 0, state, 0, *rooms(2), found)
 
 
 def rooms(states: int) -> tuple[tuple[np.ndarray, ...], ...]:

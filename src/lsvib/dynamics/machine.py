@@ -33,6 +33,12 @@ def of_one_type(tables: Tables) -> Tables:
     return tables._replace(flow=_NO_FLOW._replace(**{place: flow}))
 
 
+def blank(states: int) -> Machine:
+    """Return a machine that follows no motion, for its type."""
+    room = event_loop.Room(np.zeros(states), np.zeros((1, states)), np.zeros(1, dtype=bool), _NO_WORK)
+    return Machine(run=0, inner=0, derivative=0, by_speed=False, room=room)
+
+
 def machine_for(tables: Tables, engine: event_loop.Engine) -> Machine:
     """Return the machine for tables (:func:`of_one_type`), by an engine for them, whose scratch space it uses."""
     flow, room, n = tables.flow, engine.room, tables.surfaces.shape[1] - 1
