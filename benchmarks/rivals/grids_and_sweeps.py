@@ -98,7 +98,7 @@ def sweeps(
         return np.array([steady_state(this.automaton(), start).amplitude for this in scenes])
 
     ways: dict[str, tuple[Callable[[], np.ndarray], int]] = {
-        "sweep": (lambda: all_endings(drives, starts, "contact_sign").amplitude[places], count),
+        "sweep": (lambda: all_endings(drives, starts).amplitude[places], count),
         "single_drives": (alone, judged),
     }
     for name, settings in methods.items():

@@ -85,7 +85,7 @@ def test_the_fast_map_and_the_rule_agree(values):
     found = mapper(drive).cells(grid, quantities=("label",))["label"].ravel()
     w, u = (part.ravel() for part in np.meshgrid(grid.y.centres(), grid.x.centres(), indexing="ij"))
     many = ManyDrives({name: np.full(u.size, value) for name, value in drive if name != "model"})
-    ends = all_endings(many, np.stack([u, w], axis=1), "contact_sign").attractor
+    ends = all_endings(many, np.stack([u, w], axis=1)).attractor
     resolved = (found != Attractor.UNRESOLVED) & (ends != Attractor.UNRESOLVED)
     assert resolved.mean() > 0.999
     assert (found[resolved] == ends[resolved]).all()
@@ -95,7 +95,7 @@ def test_threads_change_nothing():
     rng = np.random.default_rng(4)
     drives = [Drive(mass=rng.uniform(1, 20), axial_force=rng.uniform(-60, 60)) for _ in range(200)]
     starts = np.tile([0.1, 0.0], (200, 1))
-    alone = all_endings(many_of(drives), starts, "contact_sign")
+    alone = all_endings(many_of(drives), starts)
     for workers in (2, 3):
-        for mine, other in zip(alone, all_endings(many_of(drives), starts, "contact_sign", workers), strict=True):
+        for mine, other in zip(alone, all_endings(many_of(drives), starts, workers), strict=True):
             np.testing.assert_array_equal(mine, other)

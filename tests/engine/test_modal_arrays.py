@@ -18,7 +18,7 @@ def drawn():
     """Drives such as a catalogue offers, with a start of each, and the automata that are made for all at once."""
     found = [catalogue_drive("threads", 9, i, 1) for i in range(DRIVES)]
     values = {name: np.array([getattr(drive, name) for drive, _ in found]) for name in dict(found[0][0])}
-    together = automata(ManyDrives(values), "contact_sign")
+    together = automata(ManyDrives(values))
     return [(drive, starts[0], one) for (drive, starts), (_, _, one) in zip(found, together, strict=True)]
 
 

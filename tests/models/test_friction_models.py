@@ -223,7 +223,7 @@ def test_a_sweep_makes_drives_with_a_law_one_by_one(kind):
         }
     )
     starts = np.tile([0.05, -20.0], (len(drives), 1))
-    found, model = all_endings(many, starts, "contact_sign"), model_of(drives[0])
+    found, model = all_endings(many, starts), model_of(drives[0])
     for place, drive in enumerate(drives):
         automaton = model.build(drive, model.physics_of(drive), "contact_sign")
         alone = ending_of(drive, automaton, model.initial_state(drive, {"u": 0.05, "w": -20.0}))

@@ -113,7 +113,7 @@ def _motions(drive: Drive, **swept: np.ndarray):
     from lsvib.models.many import ManyDrives
 
     drives = ManyDrives({**dict(drive), **swept})
-    found = [all_endings(drives, starts, "contact_sign") for starts in near_and_far(drives)]
+    found = [all_endings(drives, starts) for starts in near_and_far(drives)]
     return Ending(*(np.stack(pair) for pair in zip(*found, strict=True)))
 
 

@@ -104,13 +104,9 @@ class Model:
             raise InputError("physics leaves out rest, which a drive with friction of slide or bearing has; list rest.")
         from lsvib.models.law_modes import automaton_of_parts
 
-        self.check(resume)
-        return automaton_of_parts(drive, resume)
-
-    def check(self, resume: str) -> None:
-        """Refuse a rule of resuming that only the rigid drive has; raises ``InputError``."""
-        if resume != "contact_sign" and not self.rigid:
+        if resume != "contact_sign":
             raise InputError(f"resume = {resume!r} is known of the rigid drive only; others know contact_sign.")
+        return automaton_of_parts(drive, resume)
 
     def start(self, drive: Drive, values: Mapping[str, float]) -> np.ndarray:
         """Return the state of a start; what is not given is as in steady sliding."""

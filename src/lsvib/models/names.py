@@ -4,11 +4,9 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from enum import IntEnum
 from itertools import product
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRAZE_KIND
-from lsvib.errors import InputError
-from lsvib.numbers import shown
 
 COORDINATES = {  # of each part: the names of its displacement and of the rate of that
     "screw": ("angle_deviation", "velocity_deviation"),
@@ -93,11 +91,3 @@ def is_under_law_plus(code: int) -> bool:
     Each way of the bodies has six modes in one order, see :func:`mode_names`.
     """
     return code % 6 in (0, 3)
-
-
-def rule(given: Any) -> Resume:
-    """Return a rule of resuming after a seizure; raises ``InputError`` for anything else."""
-    for known in RULES:
-        if isinstance(given, str) and given == known:
-            return known
-    raise InputError(f"resume = {shown(given)} is not one of {', '.join(RULES)}.")
