@@ -30,7 +30,7 @@ PATIENCE = 10  # time that a return may take, in times of the longest return see
 AT_REST = 4 * flow_planar.EPS  # of a step of Newton's method: rounding
 CLOSE = 1e-8  # residual of a motion that is periodic, well above rounding times the growth of neighbours
 _MOST_WORK = 100_000  # of a return, in events: a second under a friction law
-_SENSITIVITY = 1e-6  # step in y by which the change of P′ along the section is measured
+_STEPS = (1e-6, 1e-9)  # in y, by which the change of P′ along the section is measured; the larger change counts
 
 
 @dataclass(frozen=True)
@@ -261,13 +261,15 @@ def multipliers(section: Section, orbit: Motion, residual: float) -> tuple[np.nd
     if not _norm(lost) <= 1e-10:  # size of the rounding of P′ below which its bound is good enough
         lost = np.fmin(lost, _scatter(section, orbit, found.matrix))
     least = float(np.linalg.svd(np.eye(section.dimension) - found.matrix, compute_uv=False).min())
-    uncertain = (residual + AT_REST) / max(least, flow_planar.EPS)
+    uncertain = AT_REST + (residual + AT_REST) / max(least, flow_planar.EPS)  # of y, which is a double itself
     place = section.place(orbit.start_state)
     for direction in np.eye(section.dimension):
-        beside = section.come_back(section.state(place + _SENSITIVITY * direction))
-        if beside is not None:
-            change = np.abs(section.derivative(beside).matrix - found.matrix) / _SENSITIVITY
-            lost = lost + np.where(np.isfinite(change), change, 0.0) * min(uncertain, _SENSITIVITY)
+        changes = np.zeros((len(_STEPS), *found.matrix.shape))
+        for change, step in zip(changes, _STEPS, strict=True):
+            beside = section.come_back(section.state(place + step * direction))
+            if beside is not None:
+                change[:] = np.abs(section.derivative(beside).matrix - found.matrix) / step
+        lost = lost + np.where(np.isfinite(changes), changes, 0.0).max(axis=0) * min(uncertain, _STEPS[0])
     size = _norm(lost)
     error = min(condition * size, max(size, size ** (1 / len(found.matrix))) * len(found.matrix) + size)
     padded = np.concatenate([values, np.zeros(count - len(values))])

@@ -21,6 +21,7 @@ import tempfile
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -228,7 +229,7 @@ def by_address(entry: Any, returns: Any = None) -> Any:
     """
 
     def call(address, *arguments):
-        return entry(*arguments)
+        return address(*arguments)
 
     class Called(AbstractTemplate):
         """A call with the types of the entry's own signature, which is compiled first."""
@@ -259,10 +260,10 @@ def by_address(entry: Any, returns: Any = None) -> Any:
 _addresses: dict[tuple[Any, bytes], int] = {}
 
 
-def address(entry: Any, *arguments: Any) -> int:
+def address(entry: Any, *arguments: Any) -> Any:
     """Return the address of an entry as compiled for arguments like these; it lasts as long as the process."""
-    if numba.config.DISABLE_JIT:
-        return 0
+    if numba.config.DISABLE_JIT:  # the function itself, with the value that holds nothing, if one comes first
+        return partial(entry, *(value for value in arguments[:1] if isinstance(value, tuple) and not value))
     key = entry, compute_fingerprint(arguments)  # of the types; numba's own names of them take a hundred times as long
     if key not in _addresses:
         own = tuple(map(numba.typeof, arguments))
