@@ -309,7 +309,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     _distances(columns[0], dataset)
     _orders(columns[1], dataset)
     for axes in columns:
-        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), handletextpad=0.3, labelspacing=0.25, fontsize=6.5)
+        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), handletextpad=0.3, labelspacing=0.25)
     _name_branches(columns, dataset)
     axes = curve.subplots()
     _errors(axes, dataset)
