@@ -12,6 +12,7 @@ import pytest
 
 from lsvib.dynamics.attractor import Attractor, orbit_extremes, steady_state
 from lsvib.dynamics.energy import observable_integrals
+from lsvib.dynamics.kernels import attractor as rule
 from lsvib.engine.kernels import flow_planar, layout
 from lsvib.engine.motion import follow
 from lsvib.models.drive import Drive
@@ -153,3 +154,16 @@ def test_extremes_and_means_against_samples():
     assert over_arcs[:, 0].sum() == pytest.approx(cycle.period * np.mean(torque[:-1]), rel=1e-6)
     mean_of_size = cycle.period * np.mean(np.abs(force[:-1]))
     assert np.abs(over_arcs[:, 1]).sum() == pytest.approx(mean_of_size, rel=1e-6)
+
+
+def test_the_rule_is_compiled_once_for_all_kinds_of_flow():
+    """One compiled version after labels of a rigid drive, of compliant threads, and under a friction law."""
+    for more in (
+        {},
+        {"contact_stiffness": 1e6, "contact_damping": 1e4},
+        {"stribeck_rise": 0.02, "stribeck_speed": 0.01},
+    ):
+        drive = Drive.of(mass=2.0, **more)
+        assert drive.steady_state({"u": 0.05, "w": 5.0}).label != Attractor.UNRESOLVED
+    drive.sweep(axial_force=[40.0, 50.0])
+    assert len(rule.end_of.overloads) == 1

@@ -164,3 +164,16 @@ def test_positive_roots_of_known_polynomials(halves, power):
         polynomial *= fmpq_poly([-fmpq(half, 2) * size, 1])
     found = spectrum.positive_roots(polynomial, 1000 * size)
     assert [float(x) for x in found] == [float(fmpq(half, 2) * size) for half in sorted({h for h in halves if h > 0})]
+
+
+@pytest.mark.parametrize(
+    ("support", "threads", "friction"),
+    [(3e5, {}, 0.285), (3e5, (1e8, 1e4), 0.235), (3e5, (1e7, 1e3), 0.154), (1e9, {}, 0.109), (1e9, (1e8, 1e4), 0.144)],
+)
+def test_what_compliant_threads_change_in_a_drive_with_axial_support(support, threads, friction):
+    """The numbers of docs/physics.md, with the damping of docs/figures/combination.py."""
+    drive = support_drive(mass=15, support_stiffness=support, axial_support_damping=200)
+    if threads:
+        drive = drive.replace(contact_stiffness=threads[0], contact_damping=threads[1])
+    (found,) = drive.threshold("onset", unknown="friction_coefficient").solutions
+    assert round(found.value, 3) == friction

@@ -206,10 +206,9 @@ def end_of_motion(
     known = known or KnownCycles.of((), automaton, 0)
     found = new_found(here.size, max_events)
     engine = automaton.engines.pop() if automaton.engines else engine_for(automaton.tables)
-    tables = of_one_type(automaton.tables)
     outcome = rule.end_of(
-        machine_for(tables, engine),
-        tables,
+        machine_for(automaton.tables, engine),
+        of_one_type(automaton.tables),
         known.facts,
         known.table,
         mode,

@@ -28,9 +28,16 @@ _NO_WORK = AnyWork(
 
 def of_one_type(tables: Tables) -> Tables:
     """Return tables whose flow has the type that all flows have for the rule."""
-    flow = tables.flow
-    place = "taylor" if isinstance(flow, TaylorFlow) else "modal" if isinstance(flow, ModalFlow) else "planar"
-    return tables._replace(flow=_NO_FLOW._replace(**{place: flow}))
+    return tables._replace(flow=_NO_FLOW._replace(**{_place(tables): tables.flow}))
+
+
+def _place(tables: Tables) -> str:
+    if isinstance(tables.flow, TaylorFlow):
+        return "taylor"
+    return "modal" if isinstance(tables.flow, ModalFlow) else "planar"
+
+
+_KINDS = {"planar": Planar(), "modal": Modal(), "taylor": Taylor()}
 
 
 def blank(states: int) -> Machine:
@@ -40,17 +47,22 @@ def blank(states: int) -> Machine:
 
 
 def machine_for(tables: Tables, engine: event_loop.Engine) -> Machine:
-    """Return the machine for tables (:func:`of_one_type`), by an engine for them, whose scratch space it uses."""
-    flow, room, n = tables.flow, engine.room, tables.surfaces.shape[1] - 1
-    kinds = {"planar": Planar(), "modal": Modal(), "taylor": Taylor()}
-    place = next(place for place in kinds if getattr(flow, place) is not getattr(_NO_FLOW, place))
-    kind, row, square = kinds[place], np.empty(n), np.empty((n, n))
-    room = room._replace(work=_NO_WORK._replace(**{place: room.work}))
-    run = (engine.address, room, tables, 0, row, row, row, 0.0, -1, -1, new_events(0, n))
+    """Return the machine for the tables of an automaton, by an engine for them, whose scratch space it uses."""
+    place, row = _place(tables), np.empty(tables.surfaces.shape[1] - 1)
+    room = engine.room._replace(work=_NO_WORK._replace(**{place: engine.room.work}))
+    motion = (engine.address, room, of_one_type(tables), 0, row, row, row, 0.0, -1, -1, new_events(0, row.size))
     return Machine(
-        run=jit.address(kernels.run, kind, *run),
+        run=jit.address(kernels.run, _KINDS[place], *motion),
         inner=engine.address,
-        derivative=jit.address(kernels.derivative, kind, flow, 0, row, 0.0, square, square),
+        derivative=derivative_of(tables),
         by_speed=place == "taylor",
         room=room,
     )
+
+
+def derivative_of(tables: Tables) -> int:
+    """Return the address of the derivative of a flow for the tables of an automaton."""
+    n, flow = tables.surfaces.shape[1] - 1, of_one_type(tables).flow
+    row, square = np.empty(n), np.empty((n, n))
+    found = jit.address(kernels.derivative, _KINDS[_place(tables)], flow, 0, row, 0.0, square, square)
+    return found  # type: ignore[no-any-return]  # a function where nothing is compiled

@@ -19,11 +19,11 @@ import numpy as np
 
 from lsvib.dynamics.kernels import poincare_map as kernels
 from lsvib.dynamics.kernels import saltation
-from lsvib.dynamics.machine import machine_for, of_one_type
+from lsvib.dynamics.machine import derivative_of, of_one_type
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import flow_planar
 from lsvib.engine.kernels.layout import Status
-from lsvib.engine.motion import Budget, Motion, engine_for, follow
+from lsvib.engine.motion import Budget, Motion, follow
 from lsvib.errors import EngineError
 
 PATIENCE = 10  # time that a return may take, in times of the longest return seen
@@ -49,10 +49,10 @@ def derivative(motion: Motion) -> Derivative:
     """
     n = motion.start_state.size
     matrix, rounding = np.empty((n, n)), np.empty((n, n))
-    tables, engine = of_one_type(motion.automaton.tables), engine_for(motion.automaton.tables)
+    tables = motion.automaton.tables
     saltation.derivative(
-        machine_for(tables, engine), tables, motion.start_mode, motion.start_time, motion.start_state, motion.time,
-        motion.kind, motion.mode, motion.before, motion.after, matrix, rounding,
+        derivative_of(tables), of_one_type(tables), motion.start_mode, motion.start_time, motion.start_state,
+        motion.time, motion.kind, motion.mode, motion.before, motion.after, matrix, rounding,
     )  # fmt: skip
     return Derivative(matrix, rounding)
 

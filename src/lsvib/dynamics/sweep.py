@@ -193,8 +193,8 @@ def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray, work: f
     many, room = automaton.tables, rooms(2)
     split = ("flow", "surfaces", "guard_parts", "resets", "condition_row", "shortest_stay")
     one = many._replace(**{name: getattr(many, name)[0] for name in split})
-    engine, one = machine_for(of_one_type(one), engine_for(one)), of_one_type(one)
-    rule = jit.address(end_of, engine, one, facts, known, 0, starts[0], 0, *room, new_found(2, work))
+    engine = machine_for(one, engine_for(one))
+    rule = jit.address(end_of, engine, of_one_type(one), facts, known, 0, starts[0], 0, *room, new_found(2, work))
     kernels.ends_of_many(
         rule, engine, of_one_type(automaton.tables), np.flatnonzero(done), facts, known, reversal, work, starts, force,
         speed, room, outcomes, found.happens, numbers,

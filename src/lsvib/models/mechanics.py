@@ -223,10 +223,8 @@ class LinearParts:
 def _carrying(carrier: Fraction, inertia: Any, spring: Polynomial) -> Fraction:
     """Return the polynomial of a body that carries another one on a spring, as a fraction."""
     (above, below), moved = carrier, (inertia, 0, 0)
-    own = _total([(1, moved), (1, spring)])
-    return _total([(1, multiplied(above, own)), (1, multiplied(below, multiplied(moved, spring)))]), multiplied(
-        below, own
-    )
+    own, carried_along = _total([(1, moved), (1, spring)]), multiplied(moved, spring)
+    return _total([(1, multiplied(above, own)), (1, multiplied(below, carried_along))]), multiplied(below, own)
 
 
 def _sum_of_inverses(fractions: Sequence[Fraction]) -> Sequence[Any]:

@@ -73,7 +73,7 @@ def state_matrices(values: Mapping[str, ArrayLike], law: int) -> NDArray[np.floa
     are as in Table 8.1 if they are not given. The state is that of motions (:mod:`lsvib.models.mechanism`). An entry of
     which doubles do not hold 1e-13 is not a number.
     """
-    from lsvib.models.many import ManyDrives
+    from lsvib.models.many import ManyDrives  # of grids alone
     from lsvib.models.mechanism import Mechanism
 
     shape = np.broadcast_shapes(*map(np.shape, values.values()))

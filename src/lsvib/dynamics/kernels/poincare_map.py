@@ -242,8 +242,8 @@ def slopes_of(engine, tables, section, state, events, count, slopes):
     total, lost = np.empty((n, n)), np.empty((n, n))
     times, kinds, _, modes, before, after = events
     derivative(
-        engine, tables, section.mode, 0.0, state, times[:count], kinds[:count], modes[:count], before[:count],
-        after[:count], total, lost,
+        engine.derivative, tables, section.mode, 0.0, state, times[:count], kinds[:count], modes[:count],
+        before[:count], after[:count], total, lost,
     )  # fmt: skip
     for f in range(section.dimension):
         i = section.free[f]

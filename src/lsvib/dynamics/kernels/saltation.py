@@ -102,10 +102,10 @@ def _then(matrix, lost, total, total_lost, room):
 
 
 @allocating_entry
-def derivative(engine, tables, mode, start, state, times, kinds, modes, before, after, total, lost):
+def derivative(flow_derivative, tables, mode, start, state, times, kinds, modes, before, after, total, lost):
     """Write the derivative (n, n) of the state after the last event by the start, and a bound (n, n) of its rounding.
 
-    Arguments: the engine (:class:`machine.Machine`); mode, time [s] and state (n) of the start; times, kinds, modes
+    Arguments: the address of ``machine.derivative``; mode, time [s] and state (n) of the start; times, kinds, modes
     after, and states before and after the events (k). Entries are nan if an event has no derivative. The start's own
     mode is kept: neighbours start in it.
     """
@@ -116,7 +116,7 @@ def derivative(engine, tables, mode, start, state, times, kinds, modes, before, 
             total[i, j], lost[i, j] = 1.0 if i == j else 0.0, 0.0
     for k in range(times.size):
         begin = after[k - 1] if k > 0 else state
-        derivative_at(engine.derivative, tables.flow, mode, begin, times[k] - start, matrix, rounding)
+        derivative_at(flow_derivative, tables.flow, mode, begin, times[k] - start, matrix, rounding)
         for i in range(n):
             for j in range(n):
                 rounding[i, j] *= _TERMS * EPS

@@ -40,7 +40,7 @@ from lsvib.engine.kernels.layout import Planar, Taylor, TaylorFlow
 # What is compiled, by the folder of the kernel and a word in the types of its arguments, the first that fits; with the
 # processor time that was measured. Kernels that fit nothing are small and are compiled for one of the others.
 _PARTS = (
-    ("lsvib.dynamics.", "Flow", "the rule of what motions end in, once, about 20 s"),
+    ("lsvib.dynamics.", "Flow", "the rule of what motions end in, once, about 25 s"),
     ("lsvib.", "TaylorFlow", "the engine for friction that depends on speed, once, about 15 s"),
     ("lsvib.", "ModalFlow", "the engine for drives with parts, once, about 30 s"),
     ("lsvib.basins.", "", "the mapper of rigid drives, once, 6 to 15 s"),
@@ -203,6 +203,7 @@ def by_kind(planar_kernel: Any, modal_kernel: Any, taylor_kernel: Any) -> Any:
         key = choose
 
         def generic(self, arguments, keywords):
+            """Return the signature of a call with these types, that of the chosen kernel."""
             return self._kernel(arguments).get_call_type(self.context, arguments, keywords)
 
         def get_impl_key(self, signature):
@@ -237,6 +238,7 @@ def by_address(entry: Any, returns: Any = None) -> Any:
         key = call
 
         def generic(self, arguments, keywords):
+            """Return the signature of a call with these types."""
             if returns is not None:
                 return signature(returns, types.intp, *arguments[1:])
             own = types.Dispatcher(entry).get_call_type(self.context, arguments[1:], keywords)
