@@ -6,7 +6,7 @@ asked: making a drive, or asking for its stability, loads no engine. The example
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from lsvib.models import drive as _drives
 from lsvib.models.mechanics import Coefficients, coefficients
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 else:
     _Base = object  # the methods go to the class Drive itself, below
 
-Start = Mapping[str, float]  # coordinates of a start by name, in SI units
+Start = Mapping[str, float] | Literal["rest"]  # coordinates of a start by name, in SI units
 Terms = Sequence[str] | None  # of the equations of motion, by name
 
 __all__ = ["Drive", "DriveMethods", "simulate"]
@@ -171,7 +171,8 @@ class DriveMethods(_Base):
 
         Arguments:
 
-        * ``start``: deviation from steady sliding u [rad], its rate w [rad/s], and what else the drive has, by name.
+        * ``start``: deviation from steady sliding u [rad], its rate w [rad/s], and what else the drive has, by name; or
+          "rest", where the screw stands with the coupling relaxed as the motor begins to turn.
         * ``duration`` [s], and the number of ``samples``, equidistant in time, both ends included.
         * ``outputs``: observables to store besides the state, the mode and the events.
         * ``resume`` and ``physics``: as of :meth:`automaton`.

@@ -16,7 +16,7 @@ from lsvib.dynamics.behaviour import Behaviour
 from lsvib.errors import NoThreshold
 from lsvib.models.mechanics import coefficients
 from lsvib.stability import force_thresholds
-from lsvib.stability.curves import ChartBoundary, _function, boundary_curves, stops_again
+from lsvib.stability.curves import ChartBoundary, _function, boundary_curves, starts_evenly
 
 PAIRS = {  # of parameters, with the ends of both axes and the drive
     "mass over force": (("mass", 0.5, 14.0), ("axial_force", -60.0, 80.0), {"translation_damping": 1000.0}),
@@ -48,11 +48,13 @@ def expected(drive) -> Behaviour | None:
         end = force("global_stability", plain)
         if isinstance(end, str):
             return Behaviour.NO_VIBRATION if "globally stable under every" in end else None
-        return Behaviour.NO_VIBRATION if R < way * end else Behaviour.COEXISTENCE
+        if R < way * end:
+            return Behaviour.NO_VIBRATION
+        return {-1.0: Behaviour.VIBRATION_FROM_REST, 1.0: Behaviour.COEXISTENCE}.get(starts_evenly(drive))
     if c.damping[1] >= 0:
         return Behaviour.NO_VIBRATION
     if not drags:
-        return {1.0: Behaviour.COEXISTENCE, -1.0: Behaviour.NO_VIBRATION}.get(stops_again(drive))
+        return {-1.0: Behaviour.VIBRATION_FROM_REST, 1.0: Behaviour.NO_VIBRATION}.get(starts_evenly(drive))
     stick, detach = force("stick", plain), force("detach", plain)
     if isinstance(stick, str) and "no limit cycle" not in stick:
         return None
@@ -113,7 +115,7 @@ def test_contact_chart_agrees_with_flutter():
     )
     resolved = labels != Behaviour.UNRESOLVED  # else one of the two motions is chaotic or too slow
     whole = uncut(nodes, stable) & resolved
-    comes_back = np.isin(labels, [Behaviour.NO_VIBRATION, Behaviour.COEXISTENCE])
+    comes_back = np.isin(labels, [Behaviour.NO_VIBRATION, Behaviour.COEXISTENCE, Behaviour.VIBRATION_FROM_REST])
     np.testing.assert_array_equal(comes_back[whole], stable[whole])
     assert set(stable[whole].tolist()) == {True, False}
     assert whole.sum() > 22
@@ -124,7 +126,7 @@ def test_points_of_curves_are_roots():
     drive = lsvib.Drive(translation_damping=1000.0)
     found = boundary_curves(drive, ("mass", (0.5, 14.0)), ("axial_force", (-60.0, 80.0)))
     assert {kind.name for kind in found} == {
-        "KINEMATIC_CONSTRAINT", "ONSET", "STICK", "DETACH", "GLOBAL_STABILITY", "STICK_SLIP_BIRTH"
+        "KINEMATIC_CONSTRAINT", "ONSET", "STICK", "DETACH", "GLOBAL_STABILITY", "EVEN_SPEED"
     }  # fmt: skip
     mass = drive.threshold("kinematic_constraint", "mass").value
     np.testing.assert_allclose(np.concatenate(found[ChartBoundary.KINEMATIC_CONSTRAINT])[:, 0], mass, rtol=1e-12)

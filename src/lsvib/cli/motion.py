@@ -29,14 +29,14 @@ def simulate(
         lsvib simulate --set mass=11 --set support_damping=1e-3 --set axial_force=-10 --start u=0.1 w=0
         --duration 0.5 --out motion.nc
 
+        lsvib simulate --set static_friction_coefficient=0.4 --start rest --duration 1 --out motion.nc
+
         lsvib simulate --scene scene.yaml --samples 5000 --out motion.nc --json
     """
     from lsvib.datasets.motion import as_scene, attractor_of, motion_file, run, summary
 
     files = options.Files(out, reads=scene)
-    given: dict[str, Any] = {"duration": duration, "samples": samples}
-    if start:
-        given["start"] = dict(start)
+    given = {"duration": duration, "samples": samples, "start": options.start_of(start)}
     checked = as_scene(scene, {key: value for key, value in given.items() if value is not None}, drive.values())
     motion = run(checked)
     steady = attractor_of(motion)
@@ -68,7 +68,7 @@ def sweep(
 
     files = options.Files(out)
     drive.refuse(*over)
-    begin, wanted = perf_counter(), dict(start) if start else None
+    begin, wanted = perf_counter(), options.start_of(start)
     found = drive.drive().sweep(
         start=wanted, workers=workers, progress=ProgressLine("points"),
         **{axis.key: axis.values() for axis in over},

@@ -4,7 +4,7 @@ import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 from cyclopts import Parameter
 
@@ -81,6 +81,16 @@ def _reader(form: type[NamedTuple]) -> Callable[[str], Any]:
 _pair, _coordinate, _span, _steps = (_reader(form) for form in (Pair, Coordinate, Span, Steps))
 
 
+def _started(text: str) -> Coordinate:
+    return Coordinate("rest", 0.0) if text == "rest" else _coordinate(text)
+
+
+def start_of(given: "list[Coordinate] | None") -> "dict[str, float] | Literal['rest'] | None":
+    """Return what was given as a start: coordinates by name, the word rest, or nothing."""
+    found = {one.key: one.number for one in given or ()}
+    return "rest" if list(found) == ["rest"] else found or None
+
+
 def _whole(text: str) -> int:
     try:
         return numbers.whole(text)
@@ -118,7 +128,8 @@ def _axis(text: str) -> Any:
 Whole = Annotated[int, one(_whole)]
 Workers = Annotated[int, one(_whole, "Number of threads or processes; it changes no result.")]
 Start = Annotated[
-    list[Coordinate] | None, several(_coordinate, "State at t = 0: u=RAD w=RAD_PER_S ...", consume_multiple=True)
+    list[Coordinate] | None,
+    several(_started, "State at t = 0: u=RAD w=RAD_PER_S ..., or rest, as it is switched on.", consume_multiple=True),
 ]
 Over = Annotated[list[Steps], several(_steps, "KEY=START:STOP:COUNT: a parameter to vary; repeatable.")]
 Along = Annotated[Steps, one(_steps, "KEY=START:STOP:COUNT: the parameter along this axis, and its cells.")]

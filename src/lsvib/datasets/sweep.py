@@ -23,6 +23,7 @@ from lsvib.errors import EngineError, InputError
 from lsvib.models.drive import Drive, described, names_and_values
 from lsvib.models.many import ManyDrives
 from lsvib.models.model import model_of
+from lsvib.models.scene import REST
 from lsvib.numbers import Progress
 
 START = {"u": 1e-3, "w": 0.0}  # next to steady sliding: rad, and rad/s
@@ -48,27 +49,31 @@ _PERTURBATIONS = {  # where a resilience has it, unit, words
 def sweep(
     drive: Drive,
     over: Mapping[str, Any],
-    start: Mapping[str, Any] | None = None,
+    start: Mapping[str, Any] | str | None = None,
     workers: Any = 1,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Return the attractor and its numbers over the product of values of some parameters of a drive of any model.
 
     Arguments: ``over``, values [SI units] by name of a parameter; ``start``, u [rad], w [rad/s] and what else the
-    model has, by default next to steady sliding; rule of resuming; number of ``workers`` – threads, with more than two
-    states processes –, which changes no number; ``progress``, called with the numbers of points done and in all. The
+    model has, by default next to steady sliding, or "rest"; number of ``workers`` – threads, with more than two states
+    processes –, which changes no number; ``progress``, called with the numbers of points done and in all. The
     dataset has a dimension for each parameter, in the order given, and as variables the numbers of
     :class:`lsvib.dynamics.sweep.Ending`. Raises ``InputError`` for what is not acceptable.
     """
     at_once, axes = numbers.workers(workers), axes_of(over, _MOST)
     drives, sizes = product_of(drive, axes), tuple(map(len, axes.values()))
     first = drives.one(0)  # with the parts that are varied
-    given = START if start is None else names_and_values("start", start)
-    begin = {key: numbers.start(f"start {key}", value) for key, value in given.items()}
-    model_of(first).initial_state(first, begin)  # refuses other keys
-    starts = np.broadcast_to(np.array([begin["u"], begin["w"]]), (drives.size, 2))
-    others = {key: value for key, value in begin.items() if key not in ("u", "w")}
-    found = all_endings(drives, starts, at_once, progress, others)
+    begin: dict[str, float] | str = REST
+    if start == REST:
+        found = all_endings(drives, None, at_once, progress)
+    else:
+        given = START if start is None else names_and_values("start", start)
+        begin = {key: numbers.start(f"start {key}", value) for key, value in given.items()}
+        model_of(first).initial_state(first, begin)  # refuses other keys
+        starts = np.broadcast_to(np.array([begin["u"], begin["w"]]), (drives.size, 2))
+        others = {key: value for key, value in begin.items() if key not in ("u", "w")}
+        found = all_endings(drives, starts, at_once, progress, others)
     return _over(
         axes,
         first,

@@ -1,8 +1,10 @@
 """What drives do, in one word for each, by their motions alone: steady, vibrating in one way or another, or both.
 
-Two motions are followed. One starts next to steady sliding, where only its stability counts; the other one far away on
+Up to three motions are followed. One starts next to steady sliding, where only its stability counts; one far away on
 θ′ = 0, from where the screw is pulled forward. If the first ends in steady sliding and the second on a cycle, both
-coexist. Nothing else is taken from the equations of the drive: no threshold, no sign of a coefficient.
+coexist. Then, and wherever static friction is above that of sliding, the drive is also started from rest: the screw
+stands with the coupling relaxed, and the motor begins to turn. Nothing else is taken from the equations of the drive:
+no threshold, no sign of a coefficient.
 """
 
 from collections.abc import Callable
@@ -29,6 +31,12 @@ class Behaviour(IntEnum):
     SPRAG_SLIP = 4
     COEXISTENCE = 5  # steady sliding attracts what is near, a cycle what is far
     NEUTRAL = 6  # undamped oscillations side by side
+    VIBRATION_FROM_REST = 7  # steady sliding attracts what is near, a cycle the motion that begins at rest
+
+
+_CYCLES = (
+    Attractor.STICK_SLIP_CYCLE, Attractor.SPRAG_SLIP_CYCLE, Attractor.OTHER_CYCLE, Attractor.NEUTRAL_FAMILY
+)  # fmt: skip
 
 
 def behaviours(
@@ -42,19 +50,26 @@ def behaviours(
     label; ``progress``, called with the numbers of motions followed and the most that there may be.
     """
     near, far = near_and_far(drives)
-    most = 2 * drives.size
+    most = 3 * drives.size
     first = all_endings(drives, near, workers, progress and (lambda done, _: progress(done, most)))
     found = behaviour_of(first.attractor, first.happens)
     steady = np.flatnonzero(first.attractor == Attractor.STEADY_SLIDING)
+
+    def vibrating(start: np.ndarray | None, done: int) -> np.ndarray:
+        """Note which of the steady drives do not return from a start; return whether they vibrate then."""
+        again = all_endings(drives.some(steady), start, workers, progress and (lambda n, _: progress(done + n, most)))
+        found[steady[~np.isin(again.attractor, (Attractor.STEADY_SLIDING, *_CYCLES))]] = Behaviour.UNRESOLVED
+        return np.isin(again.attractor, _CYCLES)
+
     if steady.size:
-        again = all_endings(
-            drives.some(steady), far[steady], workers,
-            progress and (lambda done, total: progress(most - total + done, most)),
-        )  # fmt: skip
-        cycles = behaviour_of(again.attractor, again.happens) > Behaviour.NO_VIBRATION
-        found[steady] = np.where(cycles, Behaviour.COEXISTENCE, Behaviour.UNRESOLVED)
-        found[steady[again.attractor == Attractor.STEADY_SLIDING]] = Behaviour.NO_VIBRATION
-    elif progress is not None:
+        found[steady] = Behaviour.NO_VIBRATION
+        cycles = vibrating(far[steady], drives.size)
+        found[steady[cycles]] = Behaviour.COEXISTENCE
+        static = drives.values.get("static_friction_coefficient", np.zeros(drives.size)) > 0
+        steady = steady[cycles | static[steady]]
+    if steady.size:
+        found[steady[vibrating(None, 2 * drives.size)]] = Behaviour.VIBRATION_FROM_REST
+    if progress is not None:
         progress(most, most)
     return found
 

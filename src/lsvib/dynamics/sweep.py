@@ -35,6 +35,7 @@ from lsvib.engine.motion import engine_for, enter
 from lsvib.errors import EngineError
 from lsvib.models.drive import Drive
 from lsvib.models.many import Group, ManyDrives, automata, groups
+from lsvib.models.mechanics import effective_damping, friction_factor
 from lsvib.models.model import model_of
 from lsvib.models.names import Event
 
@@ -105,12 +106,14 @@ def ending_of(drive: Drive, automaton: Automaton | None, state: np.ndarray) -> E
 
 def all_endings(
     drives: ManyDrives,
-    starts: np.ndarray,
+    starts: np.ndarray | None,
     workers: int = 1,
     progress: Callable[[int, int], None] | None = None,
     others: Mapping[str, float] | None = None,
 ) -> Ending:
     """Return what motions of drives with the same parts (k) end on, each from its own start, u [rad], w [rad/s] (k, 2).
+
+    Without ``starts`` that is rest: the screw stands with the coupling relaxed, and the motor begins to turn.
 
     A motion depends on nothing but its own drive and start: no number depends on ``workers``, the number of processes
     and, with two states, of threads. ``progress`` is called with the numbers of motions done and in all. ``others``:
@@ -119,7 +122,7 @@ def all_endings(
     """
     found, alone = Ending.unknown(drives.size), np.arange(drives.size)
     if drives.rigid.all():
-        found, is_open = endings_at_once(drives, starts, workers)
+        found, is_open = endings_at_once(drives, standing(drives) if starts is None else starts, workers)
         alone = np.flatnonzero(is_open)
         # motions left alone that make it worth while to start processes, which takes some seconds
         workers = workers if alone.size >= 1000 else 1
@@ -129,7 +132,7 @@ def all_endings(
     # most and fewest drives that a process takes at a time: some seconds of work
     size = max(64, min(1024, -(-alone.size // (2 * workers))))
     shares = [alone[first : first + size] for first in range(0, alone.size, size)]
-    cases = ((drives.some(share), starts[share]) for share in shares)
+    cases = ((drives.some(share), None if starts is None else starts[share]) for share in shares)
     work, several = partial(_share, others=dict(others or {})), workers > 1 and len(shares) > 1
     with get_context("spawn").Pool(min(workers, len(shares))) if several else nullcontext() as processes:
         for share, part in zip(shares, processes.imap(work, cases) if processes else map(work, cases), strict=True):
@@ -140,13 +143,27 @@ def all_endings(
     return found
 
 
-def _share(case: tuple[ManyDrives, np.ndarray], others: Mapping[str, float]) -> Ending:
-    """Return what motions of some drives end on, from their starts (k, 2)."""
+@np.errstate(all="ignore")  # a drive beyond all numbers is refused with its tables
+def standing(drives: ManyDrives) -> np.ndarray:
+    """Return the starts (k, 2) of rigid drives at rest with the coupling relaxed, u [rad] and w [rad/s]."""
+    rigid = drives.doubles(np.arange(drives.size))
+    t, law, speed = rigid.tan_lead, np.ones(drives.size), rigid.input_speed
+    law[(rigid.axial_force - rigid.pitch_radius * t * rigid.translation_damping * speed) * speed < 0] = -1
+    geometry = rigid.pitch_radius, t, friction_factor(rigid.steady_friction, t, law)
+    damping = effective_damping(rigid.support_damping, rigid.translation_damping, *geometry)
+    torque = damping * speed + rigid.pitch_radius * geometry[-1] * rigid.axial_force
+    return np.stack([torque / rigid.coupling_stiffness, -speed], axis=1)
+
+
+def _share(case: tuple[ManyDrives, np.ndarray | None], others: Mapping[str, float]) -> Ending:
+    """Return what motions of some drives end on, from their starts (k, 2) or from rest."""
     drives, starts = case
     found = Ending.unknown(drives.size)
     for place, drive, automaton in automata(drives):
-        u, w = starts[place].tolist()
-        found.put(place, ending_of(drive, automaton, model_of(drive).initial_state(drive, {"u": u, "w": w, **others})))
+        model = model_of(drive)
+        u_and_w: Any = None if starts is None else zip("uw", starts[place].tolist(), strict=True)
+        start = model.from_rest(drive) if u_and_w is None else {**dict(u_and_w), **others}
+        found.put(place, ending_of(drive, automaton, model.initial_state(drive, start)))
     return found
 
 

@@ -14,8 +14,8 @@ from lsvib.figures.common import flag_names
 from lsvib.figures.settings import Cells, FigureSettings
 
 CAPTION = """\
-What the drive does over two of its parameters, by two motions in each cell, with the exact curves that divide it. Sects
-8.5 to 8.7 give single values of these curves.
+What the drive does over two of its parameters, by up to three motions in each cell, with the exact curves that divide
+it. Sects 8.5 to 8.7 give single values of these curves.
 """
 # Light where nothing vibrates, so that the eye goes to what does; distinct for the colour-blind and in grey.
 _LOOKS = {  # colour, and words of the legend
@@ -25,6 +25,7 @@ _LOOKS = {  # colour, and words of the legend
     "stick slip with contact reversal": (style.SKY, "stick–slip, $N$ reverses"),
     "sprag slip": (style.ORANGE, "sprag–slip"),
     "coexistence": (style.WINE, "steady sliding beside a cycle"),
+    "vibration from rest": (style.PURPLE, "the same, and a cycle from rest"),
     "neutral": (style.BLUE, "neutral oscillations"),
     "unresolved": (style.BLACK, "unresolved"),
 }
@@ -32,7 +33,7 @@ _CURVES = {  # words on a curve, where they are not its name, and how it is draw
     "onset": (r"onset, $\tilde R = 0$", "-"),
     "kinematic constraint": (r"kinematic constraint, $\Gamma_+ = 0$", (0, (5, 1.5))),
     "negative damping": (r"negative damping, $C_+ = 0$", (0, (1.5, 1))),
-    "stick slip birth": ("birth of stick–slip", "-"),
+    "even speed": ("even from rest", "-"),
 }
 
 

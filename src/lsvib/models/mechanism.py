@@ -327,6 +327,32 @@ def seated(mechanism: Mechanism) -> np.ndarray:
     return state
 
 
+def standing(mechanism: Mechanism) -> np.ndarray:
+    """Return the state in which the screw stands with the coupling relaxed, as before the motor is switched on.
+
+    The threads carry no torque; what lets the load move along carries R, less what the slide may hold of it.
+    """
+    m, d, state = mechanism, mechanism.d, np.zeros(len(mechanism.states))
+    state[:2] = double(-m.deflection[-1]), double(-d.input_speed)
+    left = abs(d.axial_force) - m.limits.get("slide", 0)
+    contact = left * sign(d.axial_force) if sign(left) > 0 else 0
+    for part in m.bodies:
+        load, carried = {"contact": (m.force, contact), "torque": (m.twist, 0)}.get(BODIES[part].pushed, (0, 0))
+        place = m.place[part]
+        state[place] = double((carried - load) / getattr(d, PARTS[part][1]))
+        if BODIES[part].on:
+            state[place : place + 2] += state[:2]
+    if m.compliant:
+        state[m.place["threads"]] = double(contact / d.contact_stiffness)
+    return state
+
+
+def standing_state(drive: Drive) -> np.ndarray:
+    """Return the state of a drive before its motor is switched on, see :func:`standing`."""
+    with many_digits():
+        return standing(Mechanism(drive.exact(), drive.parts, drive.exact().steady_friction))
+
+
 def seated_state(drive: Drive, u: float, w: float) -> np.ndarray:
     """Return the state with a deviation u [rad] and w [rad/s], all else as in steady sliding of compliant threads."""
     with many_digits():

@@ -15,7 +15,7 @@ import numpy as np
 
 from lsvib.errors import InputError
 from lsvib.models.drive import DRY, PARTS, Drive
-from lsvib.models.mechanism import seated_state
+from lsvib.models.mechanism import seated_state, standing_state
 from lsvib.models.names import COORDINATES, Event, Resume, mode_names, own_frictions, sides_of_rest
 
 if TYPE_CHECKING:  # a scene can be read and refused without the engine
@@ -80,12 +80,12 @@ class Model:
         self.equations = ", ".join(_EQUATIONS[part] for part in parts if part in _EQUATIONS) or "eqs 8.13-8.17"
         general = "Γ₊ = I_eff − ξ₊ tan λ m_eff r_m² = 0 with the reduced inertia and mass (eqs 8.20, 8.28, 8.33)"
         self.constraint = _CONSTRAINT.get(parts, general)
-        self.thresholds: tuple[str, ...] = ("onset", "kinematic_constraint", "flutter")
+        self.thresholds: tuple[str, ...] = ("even_speed", "onset", "kinematic_constraint", "flutter")
         self.curves: tuple[str, ...] = ("flutter",) if parts == ("threads",) else ()
         if self.rigid:
             own = ("negative_damping", *_FORCES, "fold", "cycle_birth", "rest_loss")
-            self.thresholds = ("onset", "kinematic_constraint", *own)
-            self.curves = ("onset", *_FORCES, "kinematic_constraint", "negative_damping", "stick_slip_birth")
+            self.thresholds = ("even_speed", "onset", "kinematic_constraint", *own)
+            self.curves = ("onset", *_FORCES, "kinematic_constraint", "negative_damping", "even_speed")
 
     @cached_property
     def modes(self) -> type[IntEnum]:
@@ -113,6 +113,10 @@ class Model:
         state = seated_state(drive, values["u"], values["w"]) if self.compliant else np.zeros(len(self.states))
         given = [values.get(key) for key in (*self.required, *self.optional)]
         return np.array([x if value is None else value for value, x in zip(given, state, strict=True)], dtype=float)
+
+    def from_rest(self, drive: Drive) -> dict[str, float]:
+        """Return the start at which the screw stands with the coupling relaxed while the motor begins to turn at Ω."""
+        return dict(zip((*self.required, *self.optional), standing_state(drive).tolist(), strict=True))
 
     def physics_of(self, drive: Drive) -> tuple[str, ...]:
         """Return the words of all that a drive has: its terms that are not zero, and the options."""

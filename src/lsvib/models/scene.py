@@ -17,16 +17,19 @@ from lsvib.models.model import Model, model_of
 from lsvib.models.names import Resume
 from lsvib.numbers import NotNumber, number
 
+REST = "rest"  # a start, in place of coordinates
+
 
 class Scene(BaseModel):
     """One simulation, immutable and checked.
 
-    ``drive``: its parameters. ``physics``: the terms that the
-    scene has – a damping or force that is listed nowhere must be zero in the drive, and without ``rest`` the motion of
-    a rigid drive is taken never to reach θ′ = 0, so reversal, rest and seizure are left out; by default the non-zero
-    terms and rest. ``resume``: how motion goes on after a seizure, see :mod:`lsvib.models.rigid`. ``start``: u [rad],
-    w [rad/s], and what else the model has. ``duration`` [s]. ``samples``: number of equidistant output times, both ends
-    included. ``outputs``: observables to store besides the state, the mode and the events.
+    ``drive``: its parameters. ``physics``: the terms that the scene has – a damping or force that is listed nowhere
+    must be zero in the drive, and without ``rest`` the motion of a rigid drive is taken never to reach θ′ = 0, so
+    reversal, rest and seizure are left out; by default the non-zero terms and rest. ``resume``: how motion goes on
+    after a seizure, see :mod:`lsvib.models.rigid`. ``start``: u [rad], w [rad/s], and what else the model has; or
+    ``rest``: the screw stands with the coupling relaxed as the motor begins to turn. ``duration`` [s]. ``samples``:
+    number of equidistant output times, both ends included. ``outputs``: observables to store besides the state, the
+    mode and the events.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -50,7 +53,9 @@ class Scene(BaseModel):
     @classmethod
     def _made(cls, values: Any) -> Any:
         drive = values.get("drive")
-        return {**values, "drive": drive if isinstance(drive, Drive) else Drive.of(drive)}
+        drive = drive if isinstance(drive, Drive) else Drive.of(drive)
+        rest = {"start": model_of(drive).from_rest(drive)} if values.get("start") == REST else {}
+        return {**values, "drive": drive, **rest}
 
     def model_post_init(self, context: Any) -> None:
         """Check what couples two keys: start, words of physics and outputs, no term that physics omits."""

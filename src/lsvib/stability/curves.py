@@ -14,16 +14,11 @@ from collections.abc import Callable, Sequence
 from enum import IntEnum
 from functools import cache, lru_cache
 from itertools import product
-from typing import Any
 
 import numpy as np
 from contourpy import contour_generator
 
-from lsvib.engine.automaton import Automaton
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.engine.kernels import layout
-from lsvib.engine.kernels.layout import Status
-from lsvib.engine.motion import follow
 from lsvib.errors import NoThreshold
 from lsvib.models import friction
 from lsvib.models.drive import Drive, zero_if_close
@@ -34,6 +29,7 @@ from lsvib.stability.force_thresholds import threshold_force
 from lsvib.stability.linear import hurwitz, sliding_law
 from lsvib.stability.solve import bracketed_root
 from lsvib.stability.spectrum import enclosed, polynomial
+from lsvib.stability.starting import runs_evenly
 
 LOGARITHMIC = ("contact_stiffness", "contact_damping")
 """Parameters that span many decades, so that their axes have equal ratios in place of equal steps."""
@@ -49,13 +45,13 @@ class ChartBoundary(IntEnum):
     GLOBAL_STABILITY = 3
     KINEMATIC_CONSTRAINT = 4
     NEGATIVE_DAMPING = 5
-    STICK_SLIP_BIRTH = 6
+    EVEN_SPEED = 6
     FLUTTER = 7
 
 
-_OF_REST = (ChartBoundary.DETACH, ChartBoundary.GLOBAL_STABILITY, ChartBoundary.STICK_SLIP_BIRTH)
+_OF_REST = (ChartBoundary.DETACH, ChartBoundary.GLOBAL_STABILITY)
 """Curves that hold for static friction that is not above that of sliding."""
-_OF_CONSTANT_FRICTION = (*_OF_REST, ChartBoundary.STICK, ChartBoundary.NEGATIVE_DAMPING)
+_OF_CONSTANT_FRICTION = (*_OF_REST, ChartBoundary.STICK, ChartBoundary.NEGATIVE_DAMPING, ChartBoundary.EVEN_SPEED)
 """Curves that hold for friction that does not depend on the speed."""
 _FORCES = (ChartBoundary.STICK, ChartBoundary.DETACH, ChartBoundary.GLOBAL_STABILITY)
 AxisSpan = tuple[str, tuple[float, float]]
@@ -82,11 +78,11 @@ def boundary_curves(drive: Drive, x: AxisSpan, y: AxisSpan) -> dict[ChartBoundar
         # R̃ is linear in each parameter that it depends on.
         if kind is ChartBoundary.FLUTTER and not any(map(sliding_law, corners)):
             continue
-        slow = kind is ChartBoundary.FLUTTER or (kind in _FORCES and "axial_force" not in names)
+        bisected = kind is ChartBoundary.EVEN_SPEED  # each step gains one bit only
+        slow = bisected or kind is ChartBoundary.FLUTTER or (kind in _FORCES and "axial_force" not in names)
         nodes = [nodes_between(*ends, 32 if slow else 64, name) for name, ends in (x, y)]
         function = _function(drive, kind, names)
         values = np.array([[function(a, b) for a in nodes[0]] for b in nodes[1]])
-        bisected = kind is ChartBoundary.STICK_SLIP_BIRTH  # each step gains one bit only
         lines = contour(function, *nodes, values, 1e-9 if bisected else _ROUNDED)
         if lines:
             found[kind] = lines
@@ -145,8 +141,8 @@ def _function(drive: Drive, kind: ChartBoundary, names: tuple[str, str]) -> Plan
         changed = drive.replace(**{name: zero_if_close(name, float(value)) for name, value in place})
         if kind in _FORCES:
             return changed.axial_force - force(changed.replace(axial_force=0.0))
-        if kind is ChartBoundary.STICK_SLIP_BIRTH:
-            return stops_again(changed)
+        if kind is ChartBoundary.EVEN_SPEED:
+            return starts_evenly(changed)
         if kind is ChartBoundary.FLUTTER:
             values, tangent = enclosed(changed)[0]
             exact = polynomial(values, sliding_law(changed) or 1, tangent)
@@ -176,25 +172,13 @@ def _closed_form(drive: Drive, kind: ChartBoundary) -> float:
     return drag if inertia <= 0 or damping < 0 else math.nan
 
 
-def stops_again(drive: Drive) -> float:
-    """Return 1 if slip from the end of rest comes back to θ′ = 0, −1 if it ends in steady sliding; else 0.
+def starts_evenly(drive: Drive) -> float:
+    """Return 1 if the motion from rest of a drive ends in steady sliding, −1 if it does not.
 
-    nan but for Γ₊ > 0 > C₊ and R̃ Ω < 0, and where nothing damps slip under law −. Slip starts on θ′ = 0 where the screw
-    would stay, and orbits do not cross: what has not come back after a turn never does.
+    nan where that is not known, and where steady sliding does not attract: there it is no boundary of its own.
     """
-    d, model = drive.exact(), model_of(drive)
-    attracts = sliding_law(drive) == -1
-    if not (attracts and effective_inertia(d, 1) > 0 > effective_damping(d, 1) and effective_damping(d, -1) > 0):
+    law, d = sliding_law(drive), drive.exact()
+    if not law or not (effective_inertia(d, law) > 0 and effective_damping(d, law) > 0):
         return math.nan
-    automaton: Automaton = model.build(drive, model.physics_of(drive), "contact_sign")
-    (rest,) = np.flatnonzero(automaton.codes == model.modes["REST"])
-    tables = automaton.tables
-    row = tables.surfaces[tables.guard_surface[tables.guard_start[rest]]]  # of the end of rest
-    before = math.copysign(float(tables.flow[0, layout.TIME_SCALE]), drive.input_speed) * abs(drive.input_speed)
-    start = (-row[2] / row[0] + before, -drive.input_speed)
-    # What still neither stops nor settles after so many events is on a cycle, or comes nearer to one slowly.
-    motion = follow(automaton, start, math.inf, mode=int(rest), max_events=400)
-    stands: list[Any] = [model.events[name] for name in ("STICK", "REVERSAL", "ACCUMULATION")]  # θ′ = 0
-    if np.isin(motion.kind, stands).any():
-        return 1.0
-    return -1.0 if motion.status == Status.SETTLED else 0.0
+    even = runs_evenly(drive)
+    return math.nan if even is None else 1.0 if even else -1.0

@@ -6,7 +6,8 @@ All are written for Ω > 0 (:mod:`lsvib.stability.slip`, docs/thresholds.md). Th
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-from lsvib.stability.slip import SlipDrive, half_return, leaving
+from lsvib.models import mechanics
+from lsvib.stability.slip import Slip, SlipDrive, half_return, leaving
 from lsvib.stability.solve import Equations
 
 _OfDrive = Callable[[SlipDrive, Sequence[Any]], list[Any]]
@@ -86,6 +87,18 @@ def _comes_back(zero: Callable[[SlipDrive, Return], Any]) -> _OfDrive:
     return equations
 
 
+def _even(law: int) -> _OfDrive:
+    """Slip under a law from the release of static friction touches θ′ = 0; the time is that since then, backwards."""
+
+    def equations(d: SlipDrive, inner: Sequence[Any]) -> list[Any]:
+        """Return what vanishes at the threshold; ``inner`` is the unknown time."""
+        c, s, _ = Slip(d.inertia[law], -d.damping[law], d.stiffness).responses(inner[0])
+        more = mechanics.friction_factor(d.static, d.tangent, law) - d.xi[law]
+        return [c - 1, d.radius * d.force * more + d.stiffness * s * d.speed]
+
+    return equations
+
+
 _STICK = "v̂₊(τ₁) = v₋(τ₂), v̂₋(τ₂) = v₊(τ₁): the cycle of slip; on it under law {} w′(τ₃) = 0 and w(τ₃) = −Ω (Sect. 8.5)"
 _RETURN = "slip under law − from (x, −Ω) back at u = x after τ: {} and Q(τ) = h(τ) + Γ₋ R̃ = 0 (eq. 8.17, Sect. 8.7)"
 _DETACH = "slip under law + from the end of rest, u = C₊ Ω / k, has {}(τ) = 0 and Q(τ) = 0 (eq. 8.17, Sect. 8.5)"
@@ -93,11 +106,15 @@ _END = "from the end of rest, {} = C₋ Ω / k, for R > 0 less r_m (ξ₊ − ξ
 _SEIZES = f"slip under law − {_END.format('u')} has Q′(τ) = 0 and Q(τ) = 0 (eq. 8.17, Sect. 8.7)"
 _LOST = f"slip under law − {_END.format('x')} is back at u = x after τ with Q(τ) = 0 (eq. 8.17)"
 
+_EVEN = "slip under law {} touches θ′ = 0 a time τ after its release: C(−τ) = 1, r_m R [ξ(μ_s) − ξ(μ)] = k Ω S(−τ)"
+
 _SYSTEMS: dict[str, tuple[str, _OfDrive]] = {
     "stick+": (_STICK.format("+"), _stick(1)),
     "stick-": (_STICK.format("−"), _stick(-1)),
     "detach": (_DETACH.format("Q′"), _touches(1)),
     "detach at rest": (_DETACH.format("θ′"), _touches(1, stops=True)),
+    "even+": (_EVEN.format("+"), _even(1)),
+    "even-": (_EVEN.format("−"), _even(-1)),
     "rest seizes": (_SEIZES, _touches(-1)),
     # seizures that lead to each other; one that touches where it seizes
     "fold": (_RETURN.format("dh/dτ = 0"), _comes_back(lambda d, back: back.h_rate)),

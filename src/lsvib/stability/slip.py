@@ -130,7 +130,8 @@ class SlipDrive:
     """Constants of a rigid drive (eqs 8.13–8.17), balls or power series, mirrored if need be so that Ω > 0.
 
     Arguments: its parameters by name; ``sense``, sgn Ω. ``xi``, ``inertia`` Γ and ``damping`` C by law; ``lever``
-    r_m tan λ [m]; ``contact``, the row (q_u, q_w) of Q; ``onset``, R_on = r_m tan λ c_x Ω [N]; ``net``, R̃ [N].
+    r_m tan λ [m]; ``static``, μ_s, zero without; ``contact``, the row (q_u, q_w) of Q; ``onset``, R_on = r_m tan λ
+    c_x Ω [N]; ``net``, R̃ [N].
     """
 
     def __init__(self, p: Mapping[str, Any], sense: int) -> None:
@@ -139,6 +140,7 @@ class SlipDrive:
         self.speed, self.force = p["input_speed"] * sense, p["axial_force"] * sense
         self.onset = self.lever * self.slide * self.speed
         self.net = self.force - self.onset
+        self.tangent, self.static = t, p.get("static_friction_coefficient", arb(0))
         self.xi = {law: mechanics.friction_factor(p["friction_coefficient"], t, law) for law in (1, -1)}
         own, slide, radius = p["screw_inertia"], p["support_damping"], self.radius
         self.inertia = {s: mechanics.effective_inertia(own, self.mass, radius, t, xi) for s, xi in self.xi.items()}

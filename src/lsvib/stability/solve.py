@@ -207,14 +207,16 @@ def _edge(at: Callable[[float], float | None], before: Sample, after: Sample) ->
     return inside
 
 
-def samples(drive: Drive, unknown: str, ends: Sequence[float]) -> list[float]:
+def samples(
+    drive: Drive, unknown: str, ends: Sequence[float], decades: int = DECADES, per_decade: int = 12
+) -> list[float]:
     """Return the values of a parameter at which a gap is looked at, in ascending order, all of them allowed.
 
-    Over :data:`DECADES` on both sides of the drive's own value (or a natural size, if that is zero), and closer and
+    Over so many ``decades`` on both sides of the drive's own value (or a natural size, if that is zero), and closer and
     closer, to 1e-8, to the ``ends``, at which a threshold may begin or end.
     """
     middle = abs(getattr(drive, unknown)) or _natural(drive, unknown)
-    sizes = middle * np.logspace(-DECADES, DECADES, 24 * DECADES + 1)  # a fifth from one to the next
+    sizes = middle * np.logspace(-decades, decades, 2 * per_decade * decades + 1)  # of 12, a fifth from one to the next
     signs = (-1, 1) if unknown in ("axial_force", "input_speed") else (1,)
     values = {sign * size for sign in signs for size in sizes.tolist()}
     values |= {end * (1 + side * 0.3**k) for end in ends for side in (-1, 1) for k in range(1, 16)}
@@ -230,8 +232,14 @@ def _natural(drive: Drive, unknown: str) -> float:
         "translation_damping": drive.screw_inertia * rate / lever / lever,
         "axial_force": drive.mass * lever * rate * abs(drive.input_speed),
         "friction_coefficient": math.tan(drive.lead_angle),
+        "static_friction_coefficient": drive.friction_coefficient + drive.stribeck_rise,
+        "stribeck_rise": drive.friction_coefficient,
+        "stribeck_speed": drive.pitch_radius * abs(drive.input_speed),
+        "friction_slope": drive.friction_coefficient / (drive.pitch_radius * abs(drive.input_speed)),
+        "slide_friction": abs(drive.axial_force),
+        "bearing_friction": drive.pitch_radius * abs(drive.axial_force) * drive.friction_coefficient,
     }
-    return sizes[unknown]
+    return sizes.get(unknown, 1.0)
 
 
 def allowed(drive: Drive, unknown: str, value: float) -> bool:

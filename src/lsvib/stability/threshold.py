@@ -22,7 +22,7 @@ from lsvib.models.drive import DRY, Drive, allowed_range, described
 from lsvib.models.model import model_of
 from lsvib.numbers import shown
 from lsvib.results import Derivative, PrintedValue, Threshold, ThresholdSolution
-from lsvib.stability import boundaries, motion_equations
+from lsvib.stability import boundaries, motion_equations, starting
 from lsvib.stability.boundaries import FRICTIONLESS, Place, StableSet, places, searched, stable_set
 from lsvib.stability.force_thresholds import STARTS, rest_left
 from lsvib.stability.motion_equations import Start
@@ -33,6 +33,7 @@ _USUAL = {
     "negative_damping": "support_damping",
     "flutter": "mass",
     "rest_loss": "support_damping",
+    "even_speed": "input_speed",
 }
 """The parameter that a threshold is solved for by default, where it is not the axial force."""
 _STATEMENTS = {  # forces for input_speed > 0; for input_speed < 0 all forces change sign
@@ -49,6 +50,8 @@ _STATEMENTS = {  # forces for input_speed > 0; for input_speed < 0 all forces ch
     "R = r_m tan(lead_angle) c_x Omega, some do not.",
     "fold": "Two cycles of seizures without rest, one attracting and one repelling, meet and vanish.",
     "cycle_birth": "The repelling cycle of seizures without rest touches Q = 0 where it seizes.",
+    "even_speed": "On one side of it the motion from rest, as the motor is switched on, ends in steady sliding, on the "
+    "other it does not.",
     "rest_loss": "On one side of it the sprag-slip cycle rests, on the other it does not.",
 }
 
@@ -61,8 +64,8 @@ def names(drive: Drive) -> tuple[str, ...]:
 def usual_unknown(drive: Drive, name: str) -> str:
     """Return the parameter that a threshold is solved for by default.
 
-    It is the axial force but for ``kinematic_constraint`` and ``flutter`` (mass), ``negative_damping`` and
-    ``rest_loss`` (support damping), and for ``onset`` of a drive with two bodies (mass).
+    It is the axial force but for ``even_speed`` (input speed), ``kinematic_constraint`` and ``flutter`` (mass),
+    ``negative_damping`` and ``rest_loss`` (support damping), and for ``onset`` of a drive with two bodies (mass).
     """
     return _USUAL.get(name, "mass" if drive.parts else "axial_force")
 
@@ -115,6 +118,8 @@ def _solve(drive: Drive, name: str, unknown: str) -> Threshold:
         raise NoThreshold("no threshold is solved for stribeck_rise without stribeck_speed > 0.")
     if name in boundaries.NAMES:
         return _by_roots(drive, name, unknown)
+    if name == "even_speed":
+        return _by_starts(drive, unknown)
     if unknown in DRY:
         raise NoThreshold(f"the threshold {name} has a closed form without friction of slide and bearing only.")
     _require_one_friction(drive, name, unknown)
@@ -197,6 +202,25 @@ def _by_search(drive: Drive, name: str, unknown: str) -> Threshold:
         f"parameters held{'' if found else _why_not(name, drive)}."
     )
     return _result(drive, name, unknown, found, f"All that a search over {span} has found; that is no proof.", reason)
+
+
+def _by_starts(drive: Drive, unknown: str) -> Threshold:
+    """The even speed, or any other parameter: by motions from rest, and in closed form where that is what they meet."""
+    found, known = [], starting.tried(drive, unknown)
+    for low, high in starting.changes(drive, unknown, known):
+        middle = 0.5 * (low + high)
+        solution = ThresholdSolution(middle, (low, high), {}, "the motion from rest, by its own events")
+        near = drive.replace(**{unknown: middle})
+        with suppress(Singular, NoThreshold):
+            closed = _newton(near, unknown, starting.touching(near), middle)
+            solution = closed if abs(closed.value - middle) <= 1e-9 * abs(middle) else solution
+        found.append(solution)
+    span = f"{starting.DECADES} decades on both sides of the drive's own value"
+    ends = {True: "ends in steady sliding", False: "does not end in steady sliding"}
+    always = ends[known[0][1]] if known else "is not known"
+    reason = f"the motion from rest {always} at any {unknown} tried within {span}, all other parameters held."
+    how = f"All that motions from rest at {len(known)} values over {span} have found; that is no proof."
+    return _result(drive, "even_speed", unknown, found, how, reason)
 
 
 def _why_not(name: str, drive: Drive) -> str:

@@ -1,0 +1,81 @@
+"""Whether a drive runs evenly once it is switched on, and at which value of a parameter that changes.
+
+The screw stands with the coupling relaxed, and the motor begins to turn. What that motion ends in, the one rule of all
+labels says (:mod:`lsvib.dynamics.attractor`); where it changes along a parameter is closed in on by halves. With rigid
+threads and constant friction the release does not depend on how long rest was, so while the contact force keeps its
+sign and Γ > 0 the drive jerks for ever exactly if the first slip comes back to θ′ = 0. Slip that only touches it,
+followed backwards in time, is the response of the oscillator with the damping −C: from w′ = 0 it comes back to its w
+when C(τ) = 1. So at the smallest even speed
+
+    r_m |R| |ξ_s(μ_s) − ξ_s(μ)| = −k S(τ) |Ω|,    C(τ) = 1,    s = sgn(R Ω),
+
+which encloses what the search has found and gives its derivatives. Armstrong-Hélouvry (Stick-slip arising from Stribeck
+friction, ICRA 1990) asked the same by dimensional analysis.
+"""
+
+import math
+from collections.abc import Iterator
+from itertools import pairwise
+
+from lsvib.dynamics.attractor import Attractor, steady_state
+from lsvib.engine.exact.arithmetic import many_digits
+from lsvib.errors import EngineError, InputError, NoThreshold
+from lsvib.models.drive import Drive
+from lsvib.models.mechanism import standing_state
+from lsvib.models.model import automaton_of
+from lsvib.stability.motion_equations import Start
+from lsvib.stability.slip import Slip, SlipDrive
+from lsvib.stability.solve import samples
+
+DECADES, PER_DECADE = 3, 6  # of a search, on both sides of the drive's own value
+_CLOSE = 1e-12  # of a value, to which the search closes in
+
+
+def runs_evenly(drive: Drive) -> bool | None:
+    """Whether the motion from rest ends in steady sliding; None where that is not known.
+
+    >>> [runs_evenly(Drive(static_friction_coefficient=0.4, input_speed=speed)) for speed in (1.0, 40.0)]
+    [False, True]
+    """
+    try:
+        found = steady_state(automaton_of(drive), standing_state(drive))
+    except (InputError, EngineError):
+        return None
+    return None if found.label == Attractor.UNRESOLVED else found.label == Attractor.STEADY_SLIDING
+
+
+def tried(drive: Drive, unknown: str) -> list[tuple[float, bool]]:
+    """Return the values of a parameter that are tried, each with whether the drive runs evenly there, where known."""
+    values = samples(drive, unknown, (), DECADES, PER_DECADE)
+    if unknown == "input_speed":
+        values = [value for value in values if value * drive.input_speed > 0]
+    known = ((value, runs_evenly(drive.replace(**{unknown: value}))) for value in values)
+    return [(value, even) for value, even in known if even is not None]
+
+
+def changes(drive: Drive, unknown: str, known: list[tuple[float, bool]]) -> Iterator[tuple[float, float]]:
+    """Yield values of a parameter between which the answer changes, to 1e-12 or as far as it is known, in order."""
+    for (low, even), (high, other) in pairwise(known):
+        while even != other and abs(high - low) > _CLOSE * max(abs(low), abs(high)):
+            middle = math.copysign(math.sqrt(low * high), low) if low * high > 0 else 0.5 * (low + high)
+            there = runs_evenly(drive.replace(**{unknown: middle}))
+            if there is None or middle in (low, high):
+                break
+            low, high = (middle, high) if there == even else (low, middle)
+        if even != other:
+            yield low, high
+
+
+def touching(drive: Drive) -> Start:
+    """Return where Newton's method starts for the equations above; raises ``NoThreshold`` where they do not hold."""
+    if drive.parts or drive.slide_friction or drive.bearing_friction:
+        raise NoThreshold("the closed form of the even speed is that of the rigid drive.")
+    with many_digits():
+        d = SlipDrive.of(drive)
+        law = 1 if d.force > 0 else -1
+        if not (d.inertia[law] > 0 and d.damping[law] > 0 and d.net * law > 0 and d.static > 0):
+            raise NoThreshold("slip from the end of rest is no damped oscillation under one law.")
+        back = Slip(d.inertia[law], -d.damping[law], d.stiffness)
+        if not back.turns:
+            raise NoThreshold("slip from the end of rest does not come back.")
+        return Start("even+" if law > 0 else "even-", d.force, (back.recurrence(),))
