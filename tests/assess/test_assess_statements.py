@@ -182,10 +182,12 @@ def test_a_load_that_resists_by_its_drag_alone_does_not_hide_a_vibration(changes
     """C₊ < 0 < Γ₊ and R̃ Ω < 0: the basin ends at a cycle, so that a perturbation starts vibration."""
     found = assess(sheet(**changes), samples=64)
     assert not any(one.occurs for name, one in found.mechanisms.items() if name != "after_perturbation")
-    assert found.verdict == "steady until perturbed"
+    assert found.verdict == "jerks"  # a start from rest is such a perturbation
     assert as_json(found)["after_perturbation"] == {"possible": True, "probability": 1.0, "interval": [1.0, 1.0]}
     assert found.nominal.vibration.vibrates
-    assert found.nominal.tolerated[0] == (None if survived is None else pytest.approx(survived, abs=0.01))
+    corner = found.mechanisms["after_perturbation"].corner
+    size, _ = tolerated_perturbation(found.sheet, found.values, corner)
+    assert size == (None if survived is None else pytest.approx(survived, abs=0.01))
 
 
 def test_a_verdict_of_steady_is_never_given_where_a_perturbation_starts_vibration():
@@ -204,7 +206,7 @@ def test_a_verdict_of_steady_is_never_given_where_a_perturbation_starts_vibratio
         automaton = rigid_automaton(drive_of(given, found.values, *corners(given, found.values)[0]))
         for speed in (-200.0, -39.0, 20.0, 400.0):
             assert steady_state(automaton, [0.0, speed]).label == Attractor.STEADY_SLIDING
-    assert min(verdicts.count("steady"), verdicts.count("steady until perturbed")) > 3
+    assert min(verdicts.count("steady"), verdicts.count("jerks")) > 3
 
 
 def test_a_fall_between_two_points_of_a_curve_is_not_passed_over():

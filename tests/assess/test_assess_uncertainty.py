@@ -12,7 +12,7 @@ from references.chapter_sheet import sheet
 
 from lsvib.assess import drive as sheets
 from lsvib.assess.assessment import assess
-from lsvib.assess.margins import KINDS, charts
+from lsvib.assess.chart import KINDS, charts
 from lsvib.assess.mechanisms import corners, drive_of, reserves
 from lsvib.assess.output import as_json
 from lsvib.assess.report import report
@@ -145,4 +145,4 @@ def test_what_the_basin_does_not_cover_is_not_known():
     assert as_json(found)["after_perturbation"] == {"possible": None, "probability": None, "interval": None}
     page = report(found, charts(given, found.values))
     assert "Whether a perturbation can start vibration is not known." in page
-    assert {KINDS[k] for k in np.unique(charts(given, found.values)[0].kind)} >= {"steady_when_left_alone"}
+    assert {KINDS[k] for k in np.unique(charts(given, found.values)[0].kind)} >= {"steady_once_started"}

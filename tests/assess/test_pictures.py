@@ -15,7 +15,7 @@ from references.chapter_sheet import sheet
 
 from lsvib.assess import pictures
 from lsvib.assess.assessment import assess
-from lsvib.assess.margins import KINDS, charts
+from lsvib.assess.chart import KINDS, charts
 from lsvib.assess.report import shown_mechanisms
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.vibration import STRONG, vibration
@@ -63,7 +63,7 @@ def test_with_friction_at_rest_nothing_is_called_steady_for_good():
     assert found.nominal.vibration.vibrates
     assert found.mechanisms["after_perturbation"].reserve > 0
     kinds = {KINDS[flag] for chart in charts(given, found.values) for flag in np.unique(chart.kind)}
-    assert "steady_when_left_alone" in kinds
+    assert "steady_once_started" in kinds
     assert not kinds & {"steady", "steady_until_perturbed"}
 
 

@@ -225,8 +225,7 @@ def test_the_template_is_a_sheet_that_can_be_assessed(tmp_path, capsys, monkeypa
     file = tmp_path / "drive.yaml"
     file.write_text(lsvib("--template"), encoding="utf-8")
     said = lsvib(str(file), "--samples", "64").splitlines()
-    assert [line.partition(" ")[0] for line in said] == ["This", "The", "The", "All", "Each"]
-    assert said[-1].count(";") == 2
+    assert [line.partition(" ")[0] for line in said] == ["This", "The", "The", "All"]
     assert list(tmp_path.iterdir()) == [file]
     every = yaml.safe_load(re.sub("(?m)^  # ", "  ", file.read_text(encoding="utf-8")))
     parts = {"thread": Thread, "screw": Screw, "nut": Nut, "coupling": Coupling, "friction": Friction}

@@ -108,7 +108,7 @@ def test_both_sides_of_the_loss_of_rest():
 @pytest.mark.parametrize(
     ("drive", "arguments", "sentence"),
     [
-        (NEGATIVE, ("sticking",), "threshold = 'sticking' is not one of those of this drive: onset, "),
+        (NEGATIVE, ("sticking",), "threshold = 'sticking' is not one of those of this drive: even_speed, onset, "),
         (NEGATIVE, ("stick", "masss"), "unknown = 'masss' is not a parameter of this drive: "),
         (NEGATIVE, ("stick", 3), "unknown = 3 is not a parameter"),
         (

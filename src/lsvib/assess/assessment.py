@@ -12,14 +12,15 @@ from lsvib.assess.drive import lifting_efficiency, lowering_efficiency, nominal_
 from lsvib.assess.margins import ANY, Margin, margins, sensitivities
 from lsvib.assess.mechanisms import corners, worst
 from lsvib.assess.sheet import Sheet
+from lsvib.assess.starting import Starting, starting
 from lsvib.assess.statics import Statics, statics
-from lsvib.assess.uncertainty import Uncertainty, WorstCase, draw_of, study, worst_cases
+from lsvib.assess.uncertainty import Uncertainty, WorstCase, entries_of, study, worst_cases
 from lsvib.assess.vibration import (
     STRONG,
     UNDECIDED,
     Vibration,
-    highest_vibrating_speed,
     most_perturbed,
+    parts_of,
     tolerated_by_trial,
     tolerated_perturbation,
     vibration,
@@ -65,8 +66,7 @@ class Assessment:
     ``values``: :data:`lsvib.assess.drive.QUANTITIES` at the middle values; ``verdict``: a key of
     :data:`lsvib.assess.words.VERDICTS`; ``efficiency`` [1] ``lifting``, ``lowering`` (None if self-locking);
     ``margins``: those of all mechanisms together, nearest first; ``nominal``, ``worst``: the motion at the middle
-    values and in the worst case, each where the reserve is lowest; ``vibrates_up_to``: of the former the speed of the
-    screw [rad/s] above which it does not vibrate, if there is a law of friction and it is known.
+    values and in the worst case, each where the reserve is lowest; ``starting``: what it does when it is switched on.
     """
 
     sheet: Sheet
@@ -82,7 +82,7 @@ class Assessment:
     nominal: AssessedMotion
     worst: AssessedMotion
     statics: Statics
-    vibrates_up_to: float | None
+    starting: Starting
 
 
 def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
@@ -102,12 +102,26 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
         found["after_perturbation"] = replace(
             found["after_perturbation"], occurs=True, corner=nominal.corner, **sure
         )  # as the motion shows it, whatever its reserve says
+    draws = (_values(sheet, entries_of(sheet, spread.points[:, k, None])) for k in range(spread.points.shape[1]))
+    lowest = min(min(one.reserve for one in found.values()), min((case for case, _ in cases.values()), default=1.0))
+    unstable = any(one.occurs for name, one in found.items() if name != "after_perturbation")
+    if sheet.stiff and not sheet.friction.law and lowest > 0:  # then slip shrinks every area, whatever the start
+        started = Starting.even(nominal.corner)
+    elif unstable and not sheet.friction.law:  # a start from rest tells nothing new
+        started = replace(Starting.even(nominal.corner), jerks=None)
+    else:
+        started = starting(sheet, values, parts_of(sheet), draws if spread.samples > 1 else (), advise=not unstable)
     worst_motion = _worst_motion(sheet, found, cases, spread.upset) if cases else nominal
+    verdict = _verdict(found, spread, cases, worst_motion, started)
+    if verdict == "jerks" and started.motion is not None:
+        nominal = worst_motion = AssessedMotion(
+            "from_rest", dict(entries), values, started.corner, started.motion, (None, "")
+        )
     return Assessment(
         sheet=sheet,
         seed=seed,
         values=values,
-        verdict=_verdict(found, spread, cases, worst_motion),
+        verdict=verdict,
         efficiency={
             "lifting": float(lifting_efficiency(friction, angle)),
             "lowering": lowering if lowering > 0 else None,
@@ -120,9 +134,7 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
         nominal=nominal,
         worst=worst_motion,
         statics=statics(sheet),
-        vibrates_up_to=highest_vibrating_speed(sheet, values, nominal.corner, _parts(sheet))
-        if sheet.friction.law
-        else None,
+        starting=started,
     )
 
 
@@ -133,7 +145,7 @@ def _values(sheet: Sheet, entries: dict[str, float]) -> dict[str, float]:
 def _require_a_drive(sheet: Sheet, values: dict[str, float]) -> None:
     """Refuse what the package has no drive for, in the words of the sheet."""
     for corner in corners(sheet, values):
-        for parts in dict.fromkeys(((), _parts(sheet))):
+        for parts in dict.fromkeys(((), parts_of(sheet))):
             try:
                 mechanisms.drive_of(sheet, values, *corner, parts)
             except InputError as error:
@@ -176,14 +188,22 @@ def _upset(motion: AssessedMotion) -> bool:
 
 
 def _verdict(
-    found: dict[str, Mechanism], spread: Uncertainty, cases: dict[str, WorstCase], worst_motion: AssessedMotion
+    found: dict[str, Mechanism],
+    spread: Uncertainty,
+    cases: dict[str, WorstCase],
+    worst_motion: AssessedMotion,
+    started: Starting,
 ) -> str:
     """The verdict, a key of :data:`lsvib.assess.words.VERDICTS`."""
     steady = [one for name, one in found.items() if name != "after_perturbation"]
     if any(one.occurs for one in steady):
         return "vibrates"
+    if started.jerks:
+        return "jerks"
     if spread.any.value > 0:
         return "may vibrate"
+    if started.share > 0:
+        return "may jerk"
     if found["after_perturbation"].occurs or (found["after_perturbation"].probability or 0) > 0:
         return "steady until perturbed"
     if any(reserve < 0 for name, (reserve, _) in cases.items() if name in mechanisms.NAMES) or _upset(worst_motion):
@@ -206,7 +226,7 @@ def _motion(sheet: Sheet, name: str, entries: dict[str, float]) -> AssessedMotio
     corner = lowest[name].place(places)
     if name == "after_perturbation" and sheet.support is None:
         corner = most_perturbed(sheet, values)[2] or corner
-    parts = _parts(sheet)
+    parts = parts_of(sheet)
     if name == "falling_friction" and lowest[name].reserve[0] < 0 and not sheet.friction.law:
         beyond = Vibration(
             (),
@@ -225,12 +245,6 @@ def _motion(sheet: Sheet, name: str, entries: dict[str, float]) -> AssessedMotio
     return AssessedMotion(name, dict(entries), values, corner, moved, tolerated)
 
 
-def _parts(sheet: Sheet) -> tuple[str, ...]:
-    """The parts that comply in the motions of a sheet."""
-    there = {"support": sheet.support, "threads": sheet.contact}
-    return tuple(part for part, given in there.items() if given is not None)
-
-
 def _worst_motion(
     sheet: Sheet, found: dict[str, Mechanism], cases: dict[str, WorstCase], upset: NDArray[np.float64] | None
 ) -> AssessedMotion:
@@ -240,6 +254,4 @@ def _worst_motion(
     if own[name] > 0 > cases["after_perturbation"][0]:
         name = "after_perturbation"
     shares = cases[name][1] if name != "after_perturbation" or upset is None else upset
-    draw = draw_of(sheet, shares[:, None])
-    entries = {path: float(np.ravel(value)[0]) for path, value in draw.items()}
-    return _motion(sheet, name, entries)
+    return _motion(sheet, name, entries_of(sheet, shares[:, None]))

@@ -1,6 +1,5 @@
 """How far a drive is from vibration: margins of quantities, sensitivities of the reserve, and the operating chart."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -8,13 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.assess.drive import GRAVITY, without_friction
 from lsvib.assess.fields import LARGEST_HALF_ANGLE
-from lsvib.assess.mechanisms import NAMES, applicable, corners, directions, drive_of, reserves, worst
+from lsvib.assess.mechanisms import NAMES, corners, reserves, worst
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.vibration import tolerated_perturbation
-from lsvib.errors import EngineError, InputError
-from lsvib.stability.force_thresholds import threshold_force
 
 ANY = "any"
 """Stands in for a mechanism where all of them together are meant: whether steady sliding is unstable at all."""
@@ -59,7 +54,7 @@ def _absent_dampings(values: Mapping[str, Any]) -> dict[str, float]:
     return {key: size for key, size in sizes.items() if values[key] == 0}
 
 
-def _scaled(sheet: Sheet, values: Mapping[str, Any], keys: tuple[str, ...], factors: Any) -> dict[str, Any]:
+def scaled(sheet: Sheet, values: Mapping[str, Any], keys: tuple[str, ...], factors: Any) -> dict[str, Any]:
     """Multiply some quantities; where the sheet gives the speed of the load, a larger lead turns the screw slower."""
     changed = {**values, **{key: values[key] * factors for key in keys}}
     if "lead" in keys and sheet.operation.speed.unit == "m/s":
@@ -106,7 +101,7 @@ def margins(sheet: Sheet, values: Mapping[str, float]) -> dict[str, list[Margin]
     edges: list[_Edge] = []
     for name, keys, base, sides in scans:
         for factors in sides:
-            for mechanism, occurs in _occurs(sheet, _scaled(sheet, base, keys, factors)).items():
+            for mechanism, occurs in _occurs(sheet, scaled(sheet, base, keys, factors)).items():
                 result.setdefault(mechanism, {})[name] = Margin(name, None, None)
                 changed = np.flatnonzero(occurs != occurs[0])
                 if changed.size and occurs[changed[0]] >= 0:
@@ -133,7 +128,7 @@ def _refined(sheet: Sheet, edges: list[_Edge]) -> list[float]:
     before, after = np.array([edge.factors for edge in edges]).T
     for _ in range(34):  # a step of 8 %, or of the smallest damping from 1e-12 on, is halved, to a part in 10⁹
         middle = before * np.sqrt(after / before)
-        drives = [_scaled(sheet, edge.base, edge.keys, factor) for edge, factor in zip(edges, middle, strict=True)]
+        drives = [scaled(sheet, edge.base, edge.keys, factor) for edge, factor in zip(edges, middle, strict=True)]
         flags = _occurs(sheet, {key: np.array([one[key] for one in drives]) for key in edges[0].base})
         there = np.array([flags[edge.mechanism][k] for k, edge in enumerate(edges)]) != occurs
         before, after = np.where(there, before, middle), np.where(there, middle, after)
@@ -150,7 +145,7 @@ def sensitivities(sheet: Sheet, values: Mapping[str, float]) -> dict[str, dict[s
     step = 1e-30  # its square, relative, lies far below rounding
     result: dict[str, dict[str, float]] = {name: {} for name in lowest}
     for quantity, keys in changeable(values).items():
-        changed = {key: complex(value) for key, value in _scaled(sheet, values, keys, 1 + 1j * step).items()}
+        changed = {key: complex(value) for key, value in scaled(sheet, values, keys, 1 + 1j * step).items()}
         moved = corners(sheet, changed)
         for name, one in lowest.items():
             k = int(one.corner[0])
@@ -159,111 +154,3 @@ def sensitivities(sheet: Sheet, values: Mapping[str, float]) -> dict[str, dict[s
             row = reserves(sheet, changed, direction, one.speed[0] if between else speed, force)
             result[name][quantity] = float(np.imag(row[name]) / step)
     return result
-
-
-KINDS = ("steady", "steady_until_perturbed", "steady_when_left_alone", "negative_damping",
-         "kinematic_constraint", "mode_coupling", "falling_friction", "thread_contact")  # fmt: skip
-"""What the chart distinguishes, by flag value."""
-
-_BOUNDARIES = {
-    "onset": "the load begins to act with the motion",
-    "stick": "the oscillation reaches standstill (stick-slip)",
-    "detach": "the threads no longer lose contact",
-    "global_stability": "a perturbation can start vibration",
-}
-
-
-@dataclass(frozen=True)
-class Chart:
-    """One direction of travel: ``kind`` (force, speed) as flags of :data:`KINDS`, ``speed`` of the load [m/s] and
-    ``force`` against outward travel [N]; ``boundaries``: forces (speed) by what begins or ends there.
-    """
-
-    direction: int
-    speed: NDArray[np.float64]
-    force: NDArray[np.float64]
-    kind: NDArray[np.int8]
-    boundaries: dict[str, NDArray[np.float64]]
-
-
-def charts(sheet: Sheet, values: dict[str, float]) -> list[Chart]:
-    """Return the operating chart at given values, half as far again as the window, one for each direction of travel."""
-    lead = values["lead"] / (2 * math.pi)  # travel per radian
-    top, points = 1.5 * values["speed_high"], 161  # a step is finer than a line of the picture
-    turning = np.linspace(top / points, top, points)
-    weight = values["mass"] * GRAVITY * math.sin(values["tilt"])
-    ends = (values["force_low"], values["force_high"], 0.0, -weight)
-    room = 0.5 * max(max(ends) - min(ends), 0.1 * max(map(abs, ends)), 1.0)
-    force = np.linspace(min(ends) - room, max(ends) + room, points)
-    return [
-        Chart(
-            direction, lead * turning, force, _kinds(sheet, values, direction, turning, force),
-            _boundaries(sheet, values, direction, turning, weight),
-        )
-        for direction in directions(sheet)
-    ]  # fmt: skip
-
-
-def _kinds(
-    sheet: Sheet, values: dict[str, float], direction: int, turning: NDArray, force: NDArray
-) -> NDArray[np.int8]:
-    """Flag of the first mechanism in the order of :data:`KINDS` that occurs at each point (force, speed)."""
-    found = reserves(sheet, values, direction, turning[None, :], force[:, None])
-    shape = (force.size, turning.size)
-    p = without_friction(values, direction, turning[None, :], force[:, None])
-    drag = p["pitch_radius"] * np.tan(p["lead_angle"]) * p["translation_damping"]
-    ratio = np.abs(p["axial_force"] - drag * p["input_speed"]) / turning  # |R̃ / Ω|
-    kind = np.zeros(shape, dtype=np.int8)
-    maybe = np.broadcast_to((found["after_perturbation"] < 0) | sheet.friction.law, shape)  # of a law it knows nothing
-    if maybe.any():
-        last = _fatal_ratio(sheet, values, direction, ratio[maybe].max(), drag)
-        upset = KINDS.index("steady_when_left_alone" if last is None else "steady_until_perturbed")
-        kind[maybe & (ratio <= (math.inf if last is None else last))] = upset
-    for name in reversed([name for name in KINDS if name in applicable(sheet)]):
-        kind = np.where(np.broadcast_to(found[name], shape) < 0, KINDS.index(name), kind)
-    return kind.astype(np.int8)
-
-
-def _fatal_ratio(sheet: Sheet, values: dict[str, float], direction: int, most: float, drag: float) -> float | None:
-    """The |R̃ / Ω| up to ``most`` [N s/rad] below which a perturbation starts vibration, to 0.3 %; None if not known.
-
-    With Ω and R̃ multiplied alike every motion is; and beyond some force against the motion none ends in vibration.
-    """
-    if not sheet.stiff or sheet.friction.curve is not None or sheet.friction.law:
-        return None
-    speed, weight = values["speed_high"], values["mass"] * GRAVITY * math.sin(values["tilt"])
-    low, high = 1e-4 * most, most
-    for _ in range(12):
-        ratio = math.sqrt(low * high)
-        force = direction * speed * (ratio - drag) - weight
-        size, _ = tolerated_perturbation(sheet, values, (direction, speed, force))
-        if not size:  # not known, or zero as nothing damps the drive
-            return None
-        low, high = (low, ratio) if size == math.inf else (ratio, high)
-    return high
-
-
-def _boundaries(
-    sheet: Sheet, values: dict[str, float], direction: int, turning: NDArray, weight: float
-) -> dict[str, NDArray]:
-    """Forces at which the motion of the rigid drive changes its kind; none with friction that depends on speed.
-
-    With Ω and R multiplied alike, every motion of the drive is multiplied alike. So one threshold gives a line.
-    """
-    if values["friction_slope"] != 0 or sheet.friction.curve is not None or sheet.friction.law:
-        return {}
-    found = {}
-    speed = float(turning[-1])
-    drive = drive_of(sheet, values, direction, speed, 0.0)
-    if drive.translation_damping > 0 and drive.friction_coefficient > math.tan(drive.lead_angle):
-        lever = drive.pitch_radius * math.tan(drive.lead_angle)
-        found[_BOUNDARIES["onset"]] = -lever * drive.translation_damping * direction * turning - weight
-    if sheet.support is not None or sheet.contact is not None:  # the other thresholds are those of rigid parts
-        return found
-    for name in ("stick", "detach", "global_stability"):
-        try:
-            force = threshold_force(drive, name)
-        except (InputError, EngineError):
-            continue
-        found[_BOUNDARIES[name]] = -force * turning / speed - weight
-    return found

@@ -1,6 +1,7 @@
 """Assess one data sheet and write the report, the dataset and the JSON file: all of them or none."""
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -9,10 +10,12 @@ import xarray as xr
 
 from lsvib import numbers
 from lsvib.assess.assessment import AssessedMotion, Assessment, assess
+from lsvib.assess.chart import KINDS, Chart, charts
 from lsvib.assess.drive import UNITS
-from lsvib.assess.margins import KINDS, Chart, Margin, charts
+from lsvib.assess.margins import Margin
 from lsvib.assess.report import report
 from lsvib.assess.sheet import Sheet
+from lsvib.assess.starting import Starting
 from lsvib.assess.statics import ABOUT, Statics, statics
 from lsvib.assess.summary import brief, of_statics
 from lsvib.assess.uncertainty import BINS
@@ -112,7 +115,7 @@ def as_json(assessment: Assessment) -> dict[str, Any]:
             "margin": _margins_json(assessment.margins),
         },
         "sobol": {"first_order": assessment.uncertainty.first_order, "total": assessment.uncertainty.total},
-        "vibrates_up_to": assessment.vibrates_up_to,
+        "from_rest": _starting_json(assessment.starting, assessment.values["lead"] / (2 * math.pi)),
         "nominal": _motion_json(assessment.nominal),
         "worst_case": _motion_json(assessment.worst),
         "assumptions": dict(assessment.sheet.assumptions),
@@ -131,6 +134,23 @@ def _statics_json(found: Statics) -> dict[str, Any]:
             "unit": ABOUT[key][1],
         }
     return {"back_drives": found.back_drives, **rows}
+
+
+def _starting_json(found: Starting, travel: float) -> dict[str, Any]:
+    """What becomes of a start from rest; ``travel`` of the load per radian of the screw."""
+    moved, even = found.motion, found.even_speed
+    return {
+        "jerks": found.jerks,
+        "even_speed": even,
+        "even_load_speed": even and travel * even,
+        "at": {**_place(found.corner), "load_speed": travel * found.corner[1]},
+        "frequency": moved and moved.frequency,
+        "peak_to_peak": moved and moved.amplitude and 2 * moved.amplitude,
+        "static_friction_is_the_cause": found.of_static,
+        "changes_that_end_it": _margins_json(found.changes),
+        "share_of_drawn": found.share,
+        "drawn": found.drawn,
+    }
 
 
 def _place(corner: tuple[int, float, float]) -> dict[str, float]:

@@ -14,8 +14,8 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import EngFormatter
 
 from lsvib.assess.assessment import AssessedMotion, Assessment
+from lsvib.assess.chart import KINDS, Chart
 from lsvib.assess.drive import IN_WORDS
-from lsvib.assess.margins import KINDS, Chart
 from lsvib.assess.uncertainty import BINS
 from lsvib.assess.words import MECHANISMS, entry_name
 from lsvib.figures import style
@@ -24,7 +24,8 @@ WIDTH = 3.7  # inch: on a phone one to one
 _COLOURS = {
     "steady": "#E8F3EC",
     "steady_until_perturbed": "#F0D96B",
-    "steady_when_left_alone": "#CDB9DF",
+    "steady_once_started": "#CDB9DF",
+    "jerks_from_rest": "#9DB7D9",
     "negative_damping": style.ORANGE,
     "kinematic_constraint": style.VERMILION,
     "mode_coupling": style.PURPLE,

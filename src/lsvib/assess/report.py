@@ -16,9 +16,10 @@ from markupsafe import Markup
 
 from lsvib.assess import pictures, summary, words
 from lsvib.assess.assessment import AssessedMotion, Assessment, Mechanism
+from lsvib.assess.chart import Chart
 from lsvib.assess.drive import IN_WORDS, UNITS, flank_coefficient, point, random_entries
 from lsvib.assess.fields import FrictionBySpeed, Spread
-from lsvib.assess.margins import Chart
+from lsvib.assess.starting import Starting
 from lsvib.assess.threads import ThreadSize
 from lsvib.assess.words import ATTRACTORS, MECHANISMS, SHORT, change, entry_name, percent, shown, signed
 from lsvib.errors import InputError
@@ -60,10 +61,11 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
         spread=assessment.uncertainty,
         worst=assessment.worst.vibration,
         summary=_summary(assessment),
-        causes=[_cause(assessment, name) for name in (*names, "after_perturbation")],
+        causes=[_from_rest(assessment), *(_cause(assessment, name) for name in (*names, "after_perturbation"))],
         names=names,
-        vibrates=any(found[name].occurs for name in names),
-        changes=[row for row in assessment.margins if summary.is_near(row) and row.value],
+        changes=assessment.starting.changes
+        if assessment.verdict == "jerks"
+        else [row for row in assessment.margins if summary.is_near(row) and row.value],
         near=near,
         lever=max(found[steep].sensitivities.items(), key=lambda item: abs(item[1])) if steep else None,
         steep=steep,
@@ -87,7 +89,7 @@ def shown_mechanisms(assessment: Assessment) -> list[str]:
     return sorted(own, key=lambda name: assessment.mechanisms[name].reserve)
 
 
-def _where(one: Mechanism | AssessedMotion, assessment: Assessment) -> str:
+def _where(one: Mechanism | AssessedMotion | Starting, assessment: Assessment) -> str:
     """The point of operation of a mechanism or motion in words."""
     direction, speed, force = one.corner
     lead = assessment.values["lead"] / (2 * math.pi)
@@ -101,16 +103,18 @@ def _where(one: Mechanism | AssessedMotion, assessment: Assessment) -> str:
 def _summary(assessment: Assessment) -> str:
     found = [assessment.mechanisms[name] for name in shown_mechanisms(assessment)]
     occurring, absent = [one for one in found if one.occurs], _absent(assessment)
-    fast = _fast_enough(assessment)
+    fast = f" {started}" if (started := summary.from_rest(assessment)) else ""
+    if assessment.verdict == "jerks":
+        return _of_jerks(assessment)
     if occurring:
         one, *others = occurring
         too = f" Also {' and '.join(SHORT[other.name] for other in others)} would do it." if others else ""
-        best = [row for row in assessment.margins if summary.is_near(row)][:3]
+        best = summary.helping(assessment)
         changes = "; or ".join(f"the {summary.changed(assessment, row)}" for row in best)
         advice = (
             f" The smallest single changes that make it run steadily at the middle values: {changes}."
             if best
-            else " No change of one quantity alone, up to a factor of ten, makes it run steadily."
+            else " No change of one quantity alone, up to a factor of three, makes it run steadily."
         )
         return f"The cause is {SHORT[one.name]}, worst {_where(one, assessment)}.{too}{advice}{fast}{absent}"
     near = [(abs(math.log(row.factor)), one, row) for one in found for row in one.margins if row.factor is not None]
@@ -124,15 +128,19 @@ def _summary(assessment: Assessment) -> str:
     )
 
 
-def _fast_enough(assessment: Assessment) -> str:
-    """A sentence on the highest speed at which friction that depends on speed was found to keep vibration going."""
-    if (speed := assessment.vibrates_up_to) is None:
-        return ""
-    load = shown(assessment.values["lead"] / (2 * math.pi) * speed, "m/s")
-    return (
-        f" Once started {_where(assessment.nominal, assessment)}, vibration goes on at speeds of up to {load} "
-        f"({shown(speed, 'rad/s')}), and at none of the faster ones that were tried."
-    )
+def _of_jerks(assessment: Assessment) -> str:
+    """What a drive does that jerks from rest, why, and what ends it."""
+    found = assessment.starting
+    cause = "the vibration that a perturbation could start as well, which the start from rest reaches"
+    if found.of_static:
+        cause = "static friction above that of sliding: without the difference it would become steady"
+    elif assessment.sheet.friction.law:
+        cause = "friction that falls as sliding begins"
+    best = "; or ".join(f"the {summary.changed(assessment, row)}" for row in summary.helping(assessment))
+    advice = f"The smallest single changes that end the jerks in the whole window: {best}."
+    if not best:
+        advice = "No change of one quantity alone, up to a factor of three, ends them."
+    return f"{summary.from_rest(assessment)} The cause is {cause}. {advice}"
 
 
 def _absent(assessment: Assessment) -> str:
@@ -177,6 +185,19 @@ def _cause(assessment: Assessment, name: str) -> tuple[Any, ...]:
     share = "not known" if one.probability is None else percent(one.probability)
     share += f" (95 % sure: {spread})" if spread else ""
     return MECHANISMS[name], verdict, share, signed(one.reserve, 2), margin
+
+
+def _from_rest(assessment: Assessment) -> tuple[Any, ...]:
+    """The row of what happens when the drive is switched on."""
+    found = assessment.starting
+    verdict: Any = "not known" if found.jerks is None else "does not occur"
+    if found.jerks:
+        verdict = (Markup("<b>occurs</b>"), _where(found, assessment))
+    share = f"{percent(found.share)} of {found.drawn} drawn" if found.drawn else percent(found.share)
+    margin = "" if not found.jerks else "no single change by a factor of three ends it"
+    if found.changes:
+        margin = f"the {IN_WORDS[found.changes[0].quantity]} {change(found.changes[0].factor)} ends it"
+    return MECHANISMS["from_rest"], verdict, share, "–", margin
 
 
 def _end_in_words(motion: AssessedMotion, start: str) -> str:

@@ -18,7 +18,39 @@ _NUT_LIMITS = {"nut_pressure": "pressure_limit", "sliding_speed": "speed_limit",
 
 def brief(assessment: Assessment) -> list[str]:
     """Return the short answer for the shell, a sentence or two to a line: verdict, statics, limits, three changes."""
-    return [VERDICTS[assessment.verdict], *of_statics(assessment.statics), *_changes(assessment)]
+    told = assessment.verdict != "vibrates" or assessment.starting.even_speed
+    first = " ".join(filter(None, (VERDICTS[assessment.verdict], from_rest(assessment) if told else "")))
+    return [first, *of_statics(assessment.statics), *_changes(assessment)]
+
+
+def from_rest(assessment: Assessment) -> str:
+    """Say from which speed on a drive runs evenly once started from rest, and how it jerks below; or nothing."""
+    found = assessment.starting
+    if found.jerks is None:
+        return "Whether it becomes steady once started from rest is not known."
+    if not found.jerks and not found.even_speed:
+        return ""
+    if not found.jerks:
+        return f"Started from rest it runs evenly from {_speed(assessment, found.even_speed)} on."
+    moved, end = found.motion, "up to which speed it does so is not known"
+    if found.even_speed:
+        end = f"from {_speed(assessment, found.even_speed)} on it runs evenly"
+    how = "goes on vibrating"
+    if moved is not None and moved.frequency is not None and moved.amplitude is not None:
+        size = shown(2 * moved.amplitude, "m")
+        how = f"jerks {shown(moved.frequency, '')} times a second by {size}"
+        if moved.audible:
+            how = f"vibrates with {shown(moved.frequency, 'Hz')} over {size}"
+    way = ""
+    if assessment.sheet.operation.direction == "both":
+        way = " outward" if found.corner[0] > 0 else " back"
+    return f"Started from rest{way} at {_speed(assessment, found.corner[1])} it {how}; {end}."
+
+
+def _speed(assessment: Assessment, speed: float | None) -> str:
+    """A speed of the screw in words, with that of the load."""
+    load = assessment.values["lead"] / (2 * math.pi) * (speed or 0.0)
+    return f"{shown(speed, 'rad/s')} ({shown(load, 'm/s')} at the load)"
 
 
 def of_statics(found: Statics) -> list[str]:
@@ -26,9 +58,9 @@ def of_statics(found: Statics) -> list[str]:
     return [line for line in (holding(found), _effort(found), limits(found)) if line]
 
 
-def is_near(row: Margin) -> bool:
+def is_near(row: Margin, factor: float = 10.0) -> bool:
     """Whether a margin is worth a bar and a row: a change by no more than a factor of ten."""
-    return row.factor is not None and 0.1 <= row.factor <= 10
+    return row.factor is not None and 1 / factor <= row.factor <= factor
 
 
 def holding(statics: Statics) -> str:
@@ -105,19 +137,28 @@ def _short(row: Row) -> str:
 
 
 def _changes(assessment: Assessment) -> list[str]:
-    """The three smallest single changes that alter the verdict at the middle values."""
-    occurs = any(one.occurs for name, one in assessment.mechanisms.items() if name != "after_perturbation")
-    best = [row for row in assessment.margins if is_near(row)][:3]
-    absent = [row for row in assessment.margins if occurs and row.factor is None and row.value is not None]
-    each = [changed(assessment, row) for row in best] + [
-        f"{IN_WORDS[row.quantity]} of at least {shown(row.value, UNITS[row.quantity])}, of which the sheet gives none"
-        for row in absent
-    ]
-    if not each:
+    """What ends vibration or jerks at the middle values: the three smallest single changes, by a factor of three."""
+    if assessment.verdict not in ("vibrates", "jerks"):
         return []
-    effect = "ends the vibration" if occurs else "would start vibration"
+    each = [changed(assessment, row) for row in helping(assessment)]
+    if assessment.verdict == "vibrates":
+        each += [
+            f"{IN_WORDS[row.quantity]} of at least {shown(row.value, UNITS[row.quantity])}, of which the sheet gives "
+            "none"
+            for row in assessment.margins
+            if row.factor is None and row.value is not None
+        ]
+    what = "the vibration" if assessment.verdict == "vibrates" else "the jerks"
+    if not each:
+        return [f"No change of one quantity by a factor of three or less ends {what} at the middle values."]
     which = "Each of these changes alone" if len(each) > 1 else "This change alone"
-    return [f"{which} {effect} at the middle values: {'; '.join(each)}."]
+    return [f"{which} ends {what} at the middle values: {'; '.join(each)}."]
+
+
+def helping(assessment: Assessment) -> list[Margin]:
+    """Return up to three changes of one quantity by a factor of three or less that end vibration or jerks."""
+    rows = assessment.margins if assessment.verdict == "vibrates" else assessment.starting.changes
+    return [row for row in rows if is_near(row, 3.0)][:3]
 
 
 def changed(assessment: Assessment, row: Margin) -> str:
@@ -133,7 +174,10 @@ def rows(assessment: Assessment) -> list[tuple[Any, ...]]:
     """Return the rows of the table: name, middle, worst, limit, formula with source; vibration first."""
     share = assessment.uncertainty.any.value
     often = f"vibrates in {percent(share)} of drives" if share > 0 else "steady in all drives that were drawn"
-    worst = Markup('<b class="over">{}</b>').format(often) if "vibrate" in assessment.verdict else often
+    if assessment.starting.jerks:
+        often = "jerks or vibrates from rest"
+    bad = "vibrate" in assessment.verdict or assessment.starting.jerks
+    worst = Markup('<b class="over">{}</b>').format(often) if bad else often
     found: list[tuple[Any, ...]] = [
         ("Vibration", assessment.verdict, worst, "none is wanted", ("see below", "what can make it vibrate"))
     ]

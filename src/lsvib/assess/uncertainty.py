@@ -47,7 +47,7 @@ class Probability:
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """What the samples say: ``samples``, ``probability`` by mechanism, ``any`` of them, and the worst ``share``s.
+    """What the samples say: their number, ``points`` (d, n) of the unit cube, ``probability`` by mechanism, ``any``.
 
     ``first_order`` and ``total``: Sobol indices [1] by mechanism and entry, absent where a reserve does not vary.
     ``lowest``: the shares (d) of the sample with the lowest reserve of each mechanism, ``upset`` of the one that
@@ -56,6 +56,7 @@ class Uncertainty:
     """
 
     samples: int
+    points: NDArray[np.float64]
     probability: dict[str, Probability]
     any: Probability
     first_order: dict[str, dict[str, float]]
@@ -73,6 +74,11 @@ def draw_of(sheet: Sheet, shares: NDArray[np.float64]) -> dict[str, Any]:
     for path, share in zip(random_entries(sheet), np.atleast_2d(shares), strict=True):
         draw[path] = spreads[path].quantile(np.clip(share, 1e-9, 1 - 1e-9))  # off the ends, where some are infinite
     return draw
+
+
+def entries_of(sheet: Sheet, shares: NDArray[np.float64]) -> dict[str, float]:
+    """Return the entries of a sheet for one point (d, 1) of the unit cube."""
+    return {path: float(np.ravel(value)[0]) for path, value in draw_of(sheet, shares).items()}
 
 
 def evaluated(sheet: Sheet, shares: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
@@ -113,6 +119,7 @@ def study(sheet: Sheet, samples: int, seed: int) -> Uncertainty:
     )
     return Uncertainty(
         samples=points.shape[1],
+        points=points,
         probability=chances,
         any=_probability(unstable, bool(entries)),
         first_order=first,

@@ -73,14 +73,21 @@ class Vibration:
         return self.frequency is not None and 20.0 <= self.frequency <= 20e3
 
 
+def parts_of(sheet: Sheet) -> tuple[str, ...]:
+    """Return the parts that comply in the motions of a sheet."""
+    there = {"support": sheet.support, "threads": sheet.contact}
+    return tuple(part for part, given in there.items() if given is not None)
+
+
 def vibration(
     sheet: Sheet,
     values: Mapping[str, float],
     corner: tuple[int, Any, Any],
     parts: tuple[str, ...] = (),
     perturbation: float = _NUDGE,
+    rest: bool = False,
 ) -> Vibration:
-    """Follow the motion of a drive from near steady sliding, u = 0, w = ``perturbation`` Ω, to where it ends.
+    """Follow the motion of a drive from near steady sliding, u = 0, w = ``perturbation`` Ω, or from rest, to its end.
 
     ``parts``: those of the sheet that comply. Friction is that at the running speed, to
     which a slope or curve adds nothing, unless the sheet has a law of friction.
@@ -88,7 +95,9 @@ def vibration(
     most = _WORK_OF_PARTS if parts else _WORK_OF_RIGID
     work = (_WORK_OF_LAW if sheet.friction.law else most) // max(1, len(parts) ** 2)
     try:
-        drive, definition, automaton, start, end = _ended(sheet, values, corner, parts, perturbation, work)
+        drive, definition, automaton, start, end = _ended(
+            sheet, values, corner, parts, None if rest else perturbation, work
+        )
     except (InputError, EngineError) as error:
         return Vibration(parts, "unknown", reason=str(error))
     words = _word(end.label)
@@ -115,14 +124,15 @@ def _ended(
     values: Mapping[str, float],
     corner: tuple[int, Any, Any],
     parts: tuple[str, ...],
-    perturbation: float,
+    perturbation: float | None,
     most_work: int,
-    twist: float = 0.0,
 ) -> tuple[Drive, Model, Automaton, dict[str, float], SteadyState]:
-    """The drive, its model and automaton, the start of a motion and where it ends."""
+    """The drive, its model and automaton, the start of a motion, at rest without a perturbation, and its end."""
     drive = drive_of(sheet, values, *corner, parts)
     definition = model_of(drive)
-    start = {"u": twist, "w": perturbation * drive.input_speed}
+    start = definition.from_rest(drive)
+    if perturbation is not None:
+        start = {"u": 0.0, "w": perturbation * drive.input_speed}
     automaton = definition.build(drive, definition.physics_of(drive), "contact_sign")
     state = definition.initial_state(drive, start)
     return drive, definition, automaton, start, steady_state(automaton, state, max_events=most_work)
@@ -133,18 +143,17 @@ def end_of_strong(
     values: Mapping[str, float],
     corner: tuple[int, Any, Any],
     parts: tuple[str, ...] = (),
-    rest: bool = False,
 ) -> str:
-    """Return where the motion from w = −5 Ω ends, by the key of :data:`lsvib.assess.words.ATTRACTORS`.
-
-    With ``rest`` that from standstill with the coupling relaxed, as a drive is switched on.
-    """
+    """Return where the motion from w = −5 Ω ends, by the key of :data:`lsvib.assess.words.ATTRACTORS`."""
     try:
-        twist = -float(coefficients(drive_of(sheet, values, *corner)).deflection) if rest else 0.0
-        work = min(_WORK_OF_MANY // max(1, len(parts) ** 2), _WORK_OF_PARTS if parts else _WORK_OF_RIGID)
-        return _word(_ended(sheet, values, corner, parts, -1.0 if rest else -STRONG, work, twist)[-1].label)
+        return _word(_ended(sheet, values, corner, parts, -STRONG, work_of_many(parts))[-1].label)
     except (InputError, EngineError):
         return "unknown"
+
+
+def work_of_many(parts: tuple[str, ...]) -> int:
+    """Return the work that one of many motions may take, of which only the end is asked."""
+    return min(_WORK_OF_MANY // max(1, len(parts) ** 2), _WORK_OF_PARTS if parts else _WORK_OF_RIGID)
 
 
 def _word(label: Attractor) -> str:
@@ -274,43 +283,6 @@ def most_perturbed(
     known = {place: size for place, size in sizes.items() if size is not None}
     size, first = min(((size, place) for place, size in known.items()), default=(math.inf, None))
     return (True if size < math.inf else None if len(known) < len(sizes) else False), size, first
-
-
-def highest_vibrating_speed(
-    sheet: Sheet, values: Mapping[str, float], corner: tuple[int, Any, Any], parts: tuple[str, ...]
-) -> float | None:
-    """Return the speed [rad/s] up to which motions vibrate from w = −5 Ω or from standstill, at a corner's force.
-
-    Tried are 9 speeds from the lowest of the window to ten times the highest; the last that vibrates is refined to
-    1 %. None if none does, if the last does, or if the end of a motion is not known.
-    """
-    direction, _, force = corner
-
-    def vibrates(speed: float) -> bool | None:
-        """Whether one of both motions vibrates; None where that is not known."""
-        ends = [end_of_strong(sheet, values, (direction, speed, force), parts, rest) for rest in (False, True)]
-        if any(end.endswith("cycle") for end in ends):
-            return True
-        return None if any(end in UNDECIDED for end in ends) else False
-
-    quiet = None
-    for speed in np.geomspace(values["speed_low"], 10 * values["speed_high"], 9).tolist()[::-1]:
-        found = vibrates(speed)
-        if found is None:
-            return None
-        if found:
-            break
-        quiet = speed
-    else:
-        return None
-    if quiet is None:
-        return None
-    while quiet > 1.01 * speed:
-        middle = math.sqrt(quiet * speed)
-        if (found := vibrates(middle)) is None:
-            return None
-        speed, quiet = (middle, quiet) if found else (speed, middle)
-    return float(speed)
 
 
 def tolerated_by_trial(

@@ -29,6 +29,11 @@ MECHANISMS = {
         "Screw and nut oscillate against each other on the elasticity of the threads and draw energy through "
         "friction, although the drive would run quietly with perfectly stiff threads.",
     ),
+    "from_rest": (
+        "Jerks after a start from rest",
+        "The screw stands until the coupling has wound up enough to break it loose, runs ahead of the motor and stands "
+        "again, for ever: most often because friction at rest is above that of sliding.",
+    ),
     "after_perturbation": (
         "Vibration after a perturbation",
         "Steady running is stable, but it is not the only motion that sustains itself: after a perturbation that is "
@@ -56,10 +61,14 @@ ATTRACTORS = {
 VERDICTS = {
     "vibrates": "This drive will vibrate: at the values of the data sheet steady running is unstable somewhere in the "
     "operating window.",
+    "jerks": "This drive jerks or vibrates once it is switched on: started from rest it does not become steady "
+    "somewhere in the operating window, at the middle values of the data sheet.",
+    "may jerk": "This drive may jerk or vibrate once it is switched on: at the middle values of the data sheet it "
+    "becomes steady after a start from rest, but not for all values within the given uncertainties.",
     "may vibrate": "This drive may vibrate: at the middle values of the data sheet it runs steadily, but not for all "
     "values within the given uncertainties.",
-    "steady until perturbed": "This drive runs steadily when left alone, but a strong perturbation, such as a knock, "
-    "can start vibration that goes on.",
+    "steady until perturbed": "This drive becomes steady when it is started from rest, but a strong perturbation, "
+    "such as a knock, can start vibration that goes on.",
     "steady without reserve": "Nothing in the data sheet makes this drive vibrate, but nothing damps it either: "
     "oscillations that something else starts do not decay.",
     "steady but for rare values": "This drive runs steadily in the operating window for every one of the drives that "

@@ -31,14 +31,14 @@ DECADES, PER_DECADE = 3, 6  # of a search, on both sides of the drive's own valu
 _CLOSE = 1e-12  # of a value, to which the search closes in
 
 
-def runs_evenly(drive: Drive) -> bool | None:
-    """Whether the motion from rest ends in steady sliding; None where that is not known.
+def runs_evenly(drive: Drive, work: int = 300_000) -> bool | None:
+    """Whether the motion from rest ends in steady sliding; None where that is not known, with so much ``work``.
 
     >>> [runs_evenly(Drive(static_friction_coefficient=0.4, input_speed=speed)) for speed in (1.0, 40.0)]
     [False, True]
     """
     try:
-        found = steady_state(automaton_of(drive), standing_state(drive))
+        found = steady_state(automaton_of(drive), standing_state(drive), max_events=work)
     except (InputError, EngineError):
         return None
     return None if found.label == Attractor.UNRESOLVED else found.label == Attractor.STEADY_SLIDING

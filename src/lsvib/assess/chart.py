@@ -1,0 +1,124 @@
+"""The operating chart: what happens at each speed and force of a data sheet, at its middle values."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsvib.assess.drive import GRAVITY, without_friction
+from lsvib.assess.mechanisms import applicable, directions, drive_of, reserves
+from lsvib.assess.sheet import Sheet
+from lsvib.assess.starting import even_speeds
+from lsvib.assess.vibration import parts_of, tolerated_perturbation
+from lsvib.errors import EngineError, InputError
+from lsvib.stability.force_thresholds import threshold_force
+
+KINDS = ("steady", "steady_until_perturbed", "steady_once_started", "jerks_from_rest", "negative_damping",
+         "kinematic_constraint", "mode_coupling", "falling_friction", "thread_contact")  # fmt: skip
+"""What the chart distinguishes, by flag value."""
+
+_BOUNDARIES = {
+    "onset": "the load begins to act with the motion",
+    "stick": "the oscillation reaches standstill (stick-slip)",
+    "detach": "the threads no longer lose contact",
+    "global_stability": "a perturbation can start vibration",
+}
+
+
+@dataclass(frozen=True)
+class Chart:
+    """One direction of travel: ``kind`` (force, speed) as flags of :data:`KINDS`, ``speed`` of the load [m/s] and
+    ``force`` against outward travel [N]; ``boundaries``: forces (speed) by what begins or ends there.
+    """
+
+    direction: int
+    speed: NDArray[np.float64]
+    force: NDArray[np.float64]
+    kind: NDArray[np.int8]
+    boundaries: dict[str, NDArray[np.float64]]
+
+
+def charts(sheet: Sheet, values: dict[str, float]) -> list[Chart]:
+    """Return the operating chart at given values, half as far again as the window, one for each direction of travel."""
+    lead = values["lead"] / (2 * math.pi)  # travel per radian
+    top, points = 1.5 * values["speed_high"], 161  # a step is finer than a line of the picture
+    turning = np.linspace(top / points, top, points)
+    weight = values["mass"] * GRAVITY * math.sin(values["tilt"])
+    ends = (values["force_low"], values["force_high"], 0.0, -weight)
+    room = 0.5 * max(max(ends) - min(ends), 0.1 * max(map(abs, ends)), 1.0)
+    force = np.linspace(min(ends) - room, max(ends) + room, points)
+    return [
+        Chart(
+            direction, lead * turning, force, _kinds(sheet, values, direction, turning, force),
+            _boundaries(sheet, values, direction, turning, weight),
+        )
+        for direction in directions(sheet)
+    ]  # fmt: skip
+
+
+def _kinds(
+    sheet: Sheet, values: dict[str, float], direction: int, turning: NDArray, force: NDArray
+) -> NDArray[np.int8]:
+    """Flag of the first mechanism in the order of :data:`KINDS` that occurs at each point (force, speed)."""
+    found = reserves(sheet, values, direction, turning[None, :], force[:, None])
+    shape = (force.size, turning.size)
+    p = without_friction(values, direction, turning[None, :], force[:, None])
+    drag = p["pitch_radius"] * np.tan(p["lead_angle"]) * p["translation_damping"]
+    ratio = np.abs(p["axial_force"] - drag * p["input_speed"]) / turning  # |R̃ / Ω|
+    kind = np.zeros(shape, dtype=np.int8)
+    maybe = np.broadcast_to((found["after_perturbation"] < 0) | sheet.friction.law, shape)  # of a law it knows nothing
+    if maybe.any():
+        last = _fatal_ratio(sheet, values, direction, ratio[maybe].max(), drag)
+        upset = KINDS.index("steady_once_started" if last is None else "steady_until_perturbed")
+        kind[maybe & (ratio <= (math.inf if last is None else last))] = upset
+    even = even_speeds(sheet, values, direction, force, parts_of(sheet))
+    kind[turning[None, :] < even[:, None]] = KINDS.index("jerks_from_rest")
+    for name in reversed([name for name in KINDS if name in applicable(sheet)]):
+        kind = np.where(np.broadcast_to(found[name], shape) < 0, KINDS.index(name), kind)
+    return kind.astype(np.int8)
+
+
+def _fatal_ratio(sheet: Sheet, values: dict[str, float], direction: int, most: float, drag: float) -> float | None:
+    """The |R̃ / Ω| up to ``most`` [N s/rad] below which a perturbation starts vibration, to 0.3 %; None if not known.
+
+    With Ω and R̃ multiplied alike every motion is; and beyond some force against the motion none ends in vibration.
+    """
+    if not sheet.stiff or sheet.friction.curve is not None or sheet.friction.law:
+        return None
+    speed, weight = values["speed_high"], values["mass"] * GRAVITY * math.sin(values["tilt"])
+    low, high = 1e-4 * most, most
+    for _ in range(12):
+        ratio = math.sqrt(low * high)
+        force = direction * speed * (ratio - drag) - weight
+        size, _ = tolerated_perturbation(sheet, values, (direction, speed, force))
+        if not size:  # not known, or zero as nothing damps the drive
+            return None
+        low, high = (low, ratio) if size == math.inf else (ratio, high)
+    return high
+
+
+def _boundaries(
+    sheet: Sheet, values: dict[str, float], direction: int, turning: NDArray, weight: float
+) -> dict[str, NDArray]:
+    """Forces at which the motion of the rigid drive changes its kind; none with friction that depends on speed.
+
+    With Ω and R multiplied alike, every motion of the drive is multiplied alike. So one threshold gives a line.
+    """
+    if values["friction_slope"] != 0 or sheet.friction.curve is not None or sheet.friction.law:
+        return {}
+    found = {}
+    speed = float(turning[-1])
+    drive = drive_of(sheet, values, direction, speed, 0.0)
+    if drive.translation_damping > 0 and drive.friction_coefficient > math.tan(drive.lead_angle):
+        lever = drive.pitch_radius * math.tan(drive.lead_angle)
+        found[_BOUNDARIES["onset"]] = -lever * drive.translation_damping * direction * turning - weight
+    if sheet.support is not None or sheet.contact is not None:  # the other thresholds are those of rigid parts
+        return found
+    for name in ("stick", "detach", "global_stability"):
+        try:
+            force = threshold_force(drive, name)
+        except (InputError, EngineError):
+            continue
+        found[_BOUNDARIES[name]] = -force * turning / speed - weight
+    return found
