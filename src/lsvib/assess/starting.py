@@ -153,8 +153,8 @@ def _changes(
 
     for name, keys in changeable(values).items():
         sides = [list(_FACTORS), [1 / factor for factor in _FACTORS]]
-        if name == "static_friction":  # it cannot be below that of slow sliding
-            least = (values["friction"] + values.get("stribeck_rise", 0.0)) / values["static_friction"]
+        if name == "static_friction":  # it cannot be below that of slow sliding, nor that by rounding
+            least = (values["friction"] + values.get("stribeck_rise", 0.0)) / values["static_friction"] * (1 + 1e-12)
             sides = [[*(factor for factor in sides[1] if factor > least), least]]
         ends = []
         for factors in sides:
