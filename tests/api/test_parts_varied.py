@@ -21,7 +21,9 @@ def test_a_chart_over_the_contact_is_that_of_compliant_threads():
 
 
 def test_a_chart_that_only_some_of_its_drives_could_have_is_refused():
-    with pytest.raises(lsvib.InputError, match="charts are for rigid drives without friction of slide and bearing"):
+    with pytest.raises(
+        lsvib.InputError, match="charts are for rigid drives without friction of slide, bearing and collar"
+    ):
         lsvib.Drive(mass=2).chart(("slide_friction", 0, 20, 3), ("axial_force", 10, 60, 3))
 
 
@@ -57,7 +59,7 @@ def test_what_a_drive_does_not_have_is_no_reason():
     ):
         PARADOX.follow(cycle, "contact_stiffness", (1e6, 1e8))
     found = lsvib.Drive().thresholds("slide_friction")
-    assert "closed form without friction of slide and bearing only" in found["stick"].reason
+    assert "closed form without friction of slide, bearing and collar only" in found["stick"].reason
     assert "does not depend on" in found["negative_damping"].reason
     with pytest.raises(lsvib.InputError, match="list rest"):
         lsvib.Drive(slide_friction=2.0).simulate(

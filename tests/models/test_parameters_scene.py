@@ -56,7 +56,7 @@ def test_defaults_are_table_8_1():
         "translation_damping": 0.0,
         "axial_force": 50.0,
     }
-    assert set(BOUNDS) == set(Drive.model_fields) - {*friction.NAMES, *DRY, *PART_OF}
+    assert set(BOUNDS) == set(Drive.model_fields) - {*friction.NAMES, *DRY, "collar_radius", *PART_OF}
     assert all(getattr(Drive(), name) is None for name in PART_OF)
     law = {"static_friction_coefficient": 0, "stribeck_rise": 0, "stribeck_speed": 0, "friction_slope": 0}
     assert {name: getattr(Drive(), name) for name in friction.NAMES} == law | {"stribeck_exponent": 1}
@@ -82,8 +82,10 @@ def test_value_that_is_no_number(key, value):
 
 def test_nothing_is_next_to_zero():
     """The least value of a parameter is accepted, a smaller one is not; what is computed there becomes zero."""
-    whole = Drive(**{name: value for part in chapter.PARTS.values() for name, value in part.items()})
+    parts = Drive(**{name: value for part in chapter.PARTS.values() for name, value in part.items()})
+    collar = Drive(collar_friction=0.1, collar_radius=0.01)
     for key in Drive.model_fields.keys() - friction.NAMES:  # those bound each other: test_friction
+        whole = collar if "collar" in key else parts
         text = allowed_range(Drive, key)
         least = float(text.removeprefix("0 or ").split(" <= ")[0])
         for sign in (-1, 1) if "|" in text else (1,):
@@ -92,7 +94,7 @@ def test_nothing_is_next_to_zero():
             assert text in complaint(whole.replace, **{key: sign * 5e-324})
         if may_vanish(key):
             assert text.startswith("0 or ")
-            assert getattr(whole.replace(**{key: 0}), key) == 0
+            assert key == "collar_radius" or getattr(whole.replace(**{key: 0}), key) == 0
             assert zero_if_close(key, math.nextafter(least, 0)) == 0
             assert zero_if_close(key, least) == least
         else:
@@ -170,3 +172,9 @@ def test_scene_from_yaml(tmp_path):
     assert (scene.duration, scene.samples, scene.resume) == (0.5, 11, "contact_sign")
     path.write_text("drive: {mass: 1e-3}\nstart: {u: 0.1, w: 0}\nduration: 1\n")  # YAML 1.1 reads 1e-3 as text
     assert Scene.of(read_yaml(path)).drive.mass == 1e-3
+
+
+def test_a_collar_needs_its_radius_and_rigid_parts():
+    assert complaint(Drive, collar_friction=0.1) == "collar_friction = 0.1 needs collar_radius > 0."
+    said = complaint(Drive, collar_friction=0.1, collar_radius=0.01, contact_stiffness=1e8)
+    assert said.startswith("collar_friction = 0.1 is not followed with compliant threads: the force on the collar")

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from mpmath import mp, mpf
 from references.bodies import Bodies
 
 from lsvib.datasets.sweep import sweep
@@ -11,11 +12,12 @@ from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError, InputError
 from lsvib.models.drive import PARTS, Drive
 from lsvib.models.model import automaton_of, model_of
+from lsvib.stability.boundaries import places
 from lsvib.stability.conditions import stability
 
 
-def random_drive(seed: int) -> tuple[Drive, np.ndarray]:
-    """A drive of the chapter's size with random parts, frictions and a law or none, and a start."""
+def random_drive(seed: int, collar: bool = False) -> tuple[Drive, np.ndarray]:
+    """A drive of the chapter's size with random parts, or a collar, frictions and a law or none; and a start."""
     rng = np.random.default_rng([seed, 45])
 
     def power(low: float, high: float) -> float:
@@ -40,7 +42,9 @@ def random_drive(seed: int) -> tuple[Drive, np.ndarray]:
         "threads": {"contact_stiffness": power(4, 6), "contact_damping": power(1, 2)},
     }
     for part in PARTS:
-        values |= own[part] if rng.random() < 0.6 else {}
+        values |= own[part] if rng.random() < 0.6 and not collar else {}
+    if collar:
+        values |= {"collar_friction": rng.uniform(0.05, 0.3), "collar_radius": power(-2.6, -1.9)}
     kind = rng.integers(4)
     if kind == 1:
         values |= {"stribeck_rise": rng.uniform(0.01, 0.08), "stribeck_speed": power(-2.3, -0.5)}
@@ -75,9 +79,9 @@ def held_against_newton(drive: Drive, start: np.ndarray, duration: float, most: 
     return motion, arcs
 
 
-def check(seed: int) -> tuple[int, tuple[str, ...]] | None:
+def check(seed: int, collar: bool = False) -> tuple[int, tuple[str, ...]] | None:
     """Hold the first events of a random drive against Newton's laws; None where it is refused."""
-    drive, start = random_drive(seed)
+    drive, start = random_drive(seed, collar)
     try:
         motion, _ = held_against_newton(drive, start, 0.05, 10)
     except (InputError, EngineError):
@@ -143,26 +147,56 @@ def test_energy_of_cycles():
 
 def test_stability_is_that_of_newtons_laws():
     """Eigenvalues of the field, by differences of the uneliminated equations, to 1e-8; stable or not as is said."""
-    seen = set()
-    for seed in range(60):
-        drive, _ = random_drive(seed)
-        report, laws = stability(drive), Bodies(drive)
-        mode = {"slip": int(laws.sense), "contact": int(laws.sense) * report.steady_law}
-        mode |= {name: int(laws.sense) for name in ("bearing", "slide") if laws.p[f"{name}_friction"]}
-        steady = laws.steady.copy()
-        if "e" in laws.place:
-            steady = steady + model_of(drive).initial_state(drive, {"u": 0.0, "w": 0.0})
-        size = np.abs(steady).max() * 1e-6
-        columns = []
-        for k in range(steady.size):
-            step = np.zeros_like(steady)
-            step[k] = size
-            columns.append((laws.rate(steady + step, mode) - laws.rate(steady - step, mode)) / (2 * size))
-        found = np.sort_complex(np.linalg.eigvals(np.array(columns).T))
-        expected = np.sort_complex(np.array(report.eigenvalues))
-        assert np.abs(found - expected).max() <= 1e-6 * np.abs(expected).max(), (seed, drive)
-        seen.add((len(expected), report.stable))
-    assert {size for size, _ in seen} == {2, 4, 6, 8}
+    assert {judged_by_newton(random_drive(seed)[0])[0] for seed in range(60)} == {2, 4, 6, 8}
+
+
+def judged_by_newton(drive: Drive) -> tuple[int, bool]:
+    """Number of eigenvalues of a drive, which are held against Newton's laws, and whether it is stable."""
+    report, laws = stability(drive), Bodies(drive)
+    mode = {"slip": int(laws.sense), "contact": int(laws.sense) * report.steady_law}
+    mode |= {name: int(laws.sense) for name in ("bearing", "slide") if laws.p[f"{name}_friction"]}
+    steady = laws.steady.copy()
+    if "e" in laws.place:
+        steady = steady + model_of(drive).initial_state(drive, {"u": 0.0, "w": 0.0})
+    size = np.abs(steady).max() * 1e-6
+    columns = []
+    for k in range(steady.size):
+        step = np.zeros_like(steady)
+        step[k] = size
+        columns.append((laws.rate(steady + step, mode) - laws.rate(steady - step, mode)) / (2 * size))
+    found = np.sort_complex(np.linalg.eigvals(np.array(columns).T))
+    expected = np.sort_complex(np.array(report.eigenvalues))
+    assert np.abs(found - expected).max() <= 1e-6 * np.abs(expected).max(), drive
+    return len(expected), report.stable
+
+
+def test_a_collar_brakes_with_the_axial_force():
+    """Motions, energy and eigenvalues of drives with a collar, constant friction and laws, by Newton's laws."""
+    done = [check(seed, collar=True) for seed in range(24)]
+    assert sum(one is not None for one in done) >= 20
+    balances, stable = [], set()
+    for seed in range(24):
+        drive, start = random_drive(seed, collar=True)
+        stable.add(judged_by_newton(drive)[1])
+        orbit = steady_state(automaton_of(drive), start, max_events=20_000).orbit
+        if orbit is not None and orbit.time.size:
+            balances.append(abs(work(drive, orbit).balance))
+    assert stable == {True, False}
+    assert len(balances) >= 5
+    assert max(balances) <= 1e-9
+
+
+def test_the_critical_mass_with_a_collar():
+    """m_cr = I / [(ξ₊ + μ_b r_b / r_m) tan λ r_m²]: with thread's own friction and radius about a third (mpmath)."""
+    plain = Drive()
+    drive = plain.replace(collar_friction=0.218, collar_radius=5.18e-3)
+    with mp.workdps(30):
+        tangent, mu = mp.tan(mpf(drive.lead_angle)), mpf(0.218)
+        xi = (mu - tangent) / (1 + mu * tangent)
+        mass = mpf(drive.screw_inertia) / ((xi + mu) * tangent * mpf(drive.pitch_radius) ** 2)
+    found = places(drive, "kinematic_constraint", "mass")
+    assert float(found[0].value) == pytest.approx(float(mass), rel=1e-15)
+    assert float(mass) / 10.106965213139869 == pytest.approx(0.3511, abs=1e-4)
 
 
 @pytest.mark.parametrize(

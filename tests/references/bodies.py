@@ -26,7 +26,9 @@ class Bodies:
         self.lead, self.sense = p["pitch_radius"] * self.tangent, math.copysign(1, p["input_speed"])
         force = p["axial_force"] - self.lead * p["translation_damping"] * p["input_speed"]
         force -= p["slide_friction"] * self.sense
-        torque = self.lever(math.copysign(1, force * self.sense), self.mu(p["input_speed"])) * force
+        self.collar = p["collar_friction"] * p["collar_radius"]
+        law = math.copysign(1, force * self.sense)
+        torque = (self.lever(law, self.mu(p["input_speed"])) + law * self.collar) * force
         whole = p["support_damping"] * p["input_speed"] + p["bearing_friction"] * self.sense + torque
         self.steady = np.zeros(2 * len(self.q))
         self.steady[:2] = -whole / p["coupling_stiffness"], p["input_speed"]
@@ -86,7 +88,8 @@ class Bodies:
         bearing = p["bearing_friction"] * mode.get("bearing", 0)
         slide = p["slide_friction"] * mode.get("slide", 0)
         torque = -p["coupling_stiffness"] * at("theta") - p["support_damping"] * at("theta", 1)
-        equation(torque - bearing, theta=p["screw_inertia"], tau=1, bearing=1)
+        law, mu = mode["slip"] * mode["contact"], self.mu(slip)
+        equation(torque - bearing, theta=p["screw_inertia"], tau=1, bearing=1, n=law * self.collar)
         equation(p["axial_force"] - p["translation_damping"] * travel - slide, x=p["mass"], n=1, slide=1)
         equation(0, x=1, theta=-self.lead, phi=self.lead, y=-1, e=-1)
         if "y" in place:
@@ -96,7 +99,6 @@ class Bodies:
             spring = p["nut_stiffness"] * at("phi") + p["nut_damping"] * at("phi", 1)
             equation(-spring, phi=p["nut_inertia"], tau=-1)
         normal = math.cos(p["lead_angle"]) * (p["contact_stiffness"] * at("e") + p["contact_damping"] * at("e", 1))
-        law, mu = mode["slip"] * mode["contact"], self.mu(slip)
         sine, cosine = math.sin(p["lead_angle"]), math.cos(p["lead_angle"])
         if mode["slip"]:
             equation(0, tau=1, n=-self.lever(law, mu))
@@ -110,6 +112,7 @@ class Bodies:
             equation(0, **({"theta": 1} if body == "bearing" else {"x": 1}))
         scale = np.abs(matrix).max(axis=0)  # of masses and inertias
         found = dict(zip(names, np.linalg.solve(matrix / scale, sides) / scale, strict=True))
+        found["tau"] += law * self.collar * found["n"]  # at rest it is that of both already
         if "e" not in place:
             normal = found["n"] * cosine - found["tau"] * sine / p["pitch_radius"]
             normal = found["n"] / (cosine + law * mu * sine) if mode["slip"] else normal
@@ -152,7 +155,8 @@ class Bodies:
             }
             for way in (1, -1):
                 load = p["axial_force"] - way * p["slide_friction"] if "slide" in tied else found["n"]
-                most = self.lever(math.copysign(1, way * load), self.static()) * load * way + tied.get("bearing", 0)
+                law = math.copysign(1, way * load)
+                most = (self.lever(law, self.static()) + law * self.collar) * load * way + tied.get("bearing", 0)
                 broken.append((way * found["tau"] - most) / torque)
         for body, name, limit in (("bearing", "screw", torque), ("slide", "travel", force)):
             if body in mode and self.free(body):

@@ -105,8 +105,8 @@ class Plane:
         corners = [drive.replace(**{plane.x.name: first, plane.y.name: second}) for first, second in ends]
         if not all(model_of(corner).curves for corner in corners):
             raise InputError(
-                "charts are for rigid drives without friction of slide and bearing, and for drives of which the "
-                "threads alone comply."
+                "charts are for rigid drives without friction of slide, bearing and collar, and for drives of which "
+                "the threads alone comply."
             )
         return replace(plane, drive=corners[0])  # with the parts that are varied
 

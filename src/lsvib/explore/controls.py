@@ -19,6 +19,8 @@ _FROM_ZERO = {  # end of a slider whose parameter is zero: enough to change what
     "nut_damping": 1e-3,
     "slide_friction": 50.0,
     "bearing_friction": 0.05,
+    "collar_friction": 0.3,
+    "collar_radius": 0.02,
 }
 _SIGNED = ("axial_force", "input_speed")
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Annotated, Any, ParamSpec, Self, TypeVar
 
+import numpy as np
 from flint import arb
 from pydantic import (
     BaseModel,
@@ -108,8 +109,8 @@ PARTS = {
 }
 PART_OF = {name: part for part, names in PARTS.items() for name in names}
 IN_WORDS = {"support": "a compliant axial support", "nut": "a nut that may turn", "threads": "compliant threads"}
-DRY = ("slide_friction", "bearing_friction")  # against the ground, not in the threads
-_UNLESS_ZERO = (*friction.NAMES, *DRY)
+DRY = ("slide_friction", "bearing_friction", "collar_friction")  # against the ground, not in the threads
+_UNLESS_ZERO = (*friction.NAMES, *DRY, "collar_radius")
 
 Number = Annotated[float, BeforeValidator(number)]
 Value = Annotated[float, BeforeValidator(_quantity_of)]
@@ -146,7 +147,8 @@ class Drive(BaseModel):
     """A drive, in SI units; immutable, every value checked (Table 8.1 gives the defaults).
 
     It has a screw (I, c) on a coupling (k) behind a motor that turns at Ω, threads (r_m, λ, μ), and a load (m, c_x, R)
-    that a slide may brake (F_0) as a bearing may the screw (T_0). These *parts* are there if their parameters are given
+    that a slide may brake (F_0) as a bearing may the screw (T_0), and a thrust collar in proportion to the axial force
+    (μ_b, r_b). These *parts* are there if their parameters are given
     (:mod:`lsvib.models.mechanism`); a part that is not there is rigid:
 
     * compliant threads (Sect. 5.5): ``contact_stiffness``, ``contact_damping``; Fig. 8.10 has 1e8 and 1e8;
@@ -209,6 +211,10 @@ class Drive(BaseModel):
     bearing_friction: Value = quantity(
         0.0, "T_0", "N m", "Coulomb friction of the screw support", least=1e-24, ge=0, le=1e12
     )
+    collar_friction: Value = quantity(
+        0.0, "mu_b", "1", "friction coefficient of the thrust collar", least=1e-18, ge=0, le=1e3
+    )
+    collar_radius: Value = quantity(0.0, "r_b", "m", "mean radius of the thrust collar", least=1e-6, ge=0, le=10.0)
     contact_stiffness: Value = quantity(None, "k_c", "N m-1", "stiffness of the thread contact", ge=1e-9, le=1e15)
     contact_damping: Value = quantity(
         None, "c_c", "N s m-1", "damping of the thread contact", least=1e-18, ge=0, le=1e15
@@ -287,6 +293,8 @@ class Drive(BaseModel):
                     f"{given[0]} is a parameter of {IN_WORDS[part]}, which {'needs' if part != 'threads' else 'need'} "
                     f"{' and '.join(missing)} as well."
                 )
+        if self.collar_friction:
+            self._check_collar()
         limit = 1 / math.tan(self.lead_angle)
         if not self.friction_coefficient < limit:
             raise InputError(
@@ -295,6 +303,15 @@ class Drive(BaseModel):
             )
         if any(True for key, _ in self if key in friction.NAMES):
             friction.check(self, limit)
+
+    def _check_collar(self) -> None:
+        if not self.collar_radius:
+            raise InputError(f"collar_friction = {self.collar_friction:g} needs collar_radius > 0.")
+        if self.parts:
+            raise InputError(
+                f"collar_friction = {self.collar_friction:g} is not followed with {IN_WORDS[self.parts[0]]}: the force "
+                "on the collar is then not that of the threads, or it turns otherwise; take one of them out."
+            )
 
     @classmethod
     def of(cls, values: "Drive | Mapping[str, Any] | None" = None, /, **more: Any) -> Self:
@@ -319,7 +336,7 @@ class ExactParameters:
     """A drive in balls of 150 digits (``flint.arb``): attributes as in :class:`Drive`, plus functions of them.
 
     These are those of λ, ``sin_lead``, ``cos_lead`` and ``tan_lead``, and the coefficients ``steady_friction`` in
-    steady sliding and ``static_friction`` at rest (:mod:`lsvib.models.friction`).
+    steady sliding and ``static_friction`` at rest (:mod:`lsvib.models.friction`), and ``collar``, μ_b r_b / r_m.
 
     It is made once and shared, so it cannot be changed: an attempt raises ``AttributeError``.
     """
@@ -330,6 +347,7 @@ class ExactParameters:
             angle = values["lead_angle"]
             self.__dict__.update(values, sin_lead=angle.sin(), cos_lead=angle.cos(), tan_lead=angle.tan())
             self.__dict__.update(friction.levels(self))
+            self.__dict__["collar"] = collar_factor(self)
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"{name} cannot be set: exact parameters are shared.")
@@ -337,6 +355,12 @@ class ExactParameters:
     if TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> arb: ...
+
+
+def collar_factor(d: Any) -> Any:
+    """Return μ_b r_b / r_m, by which a collar raises |ξ_s|; exactly zero without one."""
+    there = np.any(d.collar_friction) if isinstance(d.collar_friction, np.ndarray) else d.collar_friction != 0
+    return d.collar_friction * d.collar_radius / d.pitch_radius if there else 0
 
 
 _exact = once(ExactParameters)

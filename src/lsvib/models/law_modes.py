@@ -35,6 +35,7 @@ class LawModes(Modes):
 
     def _speeds_without_paradox(self) -> tuple[float, float]:
         inertia, mass = self.m.effective()
+        inertia = inertia - self.m.reach * self.m.d.collar * self.m.d.pitch_radius * mass
         found = sliding.speeds_below(self.drive, sliding.critical_coefficient(inertia, self.m.d, mass))
         if self.m.compliant:  # the growing force brings motions to slow sliding
             return (0.0 if found and found[0][0] == 0 else math.inf), math.inf

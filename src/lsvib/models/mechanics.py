@@ -134,10 +134,11 @@ def damping_by_slope(
 class LinearParts:
     """What the characteristic polynomial of steady sliding is made of, in any kind of number (SI units).
 
-    With t = tan λ, g = 1 + s_0 μ t, h = r_m² t (s_0 μ − t), the ``screw`` A = I s² + c s + k and the translating mass
-    B = m s² + c_x s, the polynomial of the rigid drive (8.13) is D = g A − h B = g (Γ_0 s² + C_0 s + k). A unit of the
-    contact force moves each body by the inverse of its polynomial. So with Y = m_1 s² + c_1 s + k_1 of an axial
-    support, N = I_2 s² + c_2 s + k_2 of a nut that may turn and E = c_c s + k_c of compliant threads, it is
+    With t = tan λ, g = 1 + s_0 μ t, h = r_m² t (s_0 μ − t) + s_0 r_m t μ_b r_b g, the ``screw`` A = I s² + c s + k and
+    the translating mass B = m s² + c_x s, the polynomial of the rigid drive (8.13) is D = g A − h B, that is
+    g (Γ_0 s² + C_0 s + k). A unit of the contact force moves each body by the inverse of its polynomial. So with
+    Y = m_1 s² + c_1 s + k_1 of an axial support, N = I_2 s² + c_2 s + k_2 of a nut that may turn and E = c_c s + k_c of
+    compliant threads, it is
 
         g (1/B + 1/Y) − h (1/A + 1/N) + (1 + t²) / E
 
@@ -175,10 +176,13 @@ class LinearParts:
             elif inertia in p:
                 screw = _carrying(screw, p[inertia], (p[damping], p[stiffness]))
         contact = (p["contact_damping"], p["contact_stiffness"]) if "contact_stiffness" in p else None
+        factor = p["pitch_radius"] * t * (level - t)
+        if "collar_friction" in p:
+            factor = factor + law * t * p["collar_friction"] * p["collar_radius"] * (1 + level * t)
         level_only = cls(
             t=t,
             g=1 + level * t,
-            h=p["pitch_radius"] ** 2 * t * (level - t),
+            h=p["pitch_radius"] * factor,
             along=tuple(pushed["contact"]),
             turning=(screw, *pushed["torque"]),
             contact=contact,

@@ -18,7 +18,9 @@ stays so. Rigid threads have e = 0, and then n = Q / (positive factor × Γ_s), 
     Γ_s = I_eff − ξ_s tan λ m_eff r_m²,    1 / I_eff = 1 / I + 1 / I_2,    1 / m_eff = 1 / m + 1 / m_1
                                                                                          (8.17, 8.27, 8.28, 8.33)
 
-with the terms of the parts that are there. Compliant threads carry N = cos λ (k_c e + c_c e′), and (5.16, 5.17, 8.6)
+with the terms of the parts that are there. A thrust collar, which carries n, brakes the screw by μ_b r_b |n|; with all
+parts rigid it turns with the slip, so that r_m ξ_s + s μ_b r_b takes the place of r_m ξ_s, and τ is the torque of both.
+Compliant threads carry N = cos λ (k_c e + c_c e′), and (5.16, 5.17, 8.6)
 
     n = N (cos λ + s μ sin λ) in slip,      n = N / cos λ + tan λ τ / r_m at rest.
 
@@ -91,8 +93,8 @@ class Mechanism:
         self.reach = d.pitch_radius * d.tan_lead
         self.same = sign(d.static_friction_coefficient) == 0  # rest then holds as much as slow sliding carries
         self.turning = sign(d.input_speed)
-        xi = {s: mechanics.friction_factor(d.steady_friction, d.tan_lead, s) for s in (1, -1)}
-        self.xi_rest = {s: mechanics.friction_factor(d.static_friction, d.tan_lead, s) for s in xi}
+        xi = {s: self._factor(d.steady_friction, s) for s in (1, -1)}
+        self.xi_rest = {s: self._factor(d.static_friction, s) for s in xi}
         self.turned = xi[1] * self.reach * d.pitch_radius  # ξ₊ tan λ r_m² [m²]
         self.force = d.axial_force - self.reach * d.translation_damping * d.input_speed
         self.force = self.force - self.limits.get("slide", 0) * self.turning
@@ -171,7 +173,11 @@ class Mechanism:
 
     def lever(self, law: int, mu: Any = None) -> Any:
         """r_m ξ_s [m], which the torque of the threads is times n; ``mu`` is that of slow sliding by default."""
-        return self.d.pitch_radius * mechanics.friction_factor(self.slowest if mu is None else mu, self.d.tan_lead, law)
+        return self.d.pitch_radius * self._factor(self.slowest if mu is None else mu, law)
+
+    def _factor(self, mu: Any, law: int) -> Any:
+        """ξ_s, and s μ_b r_b / r_m of a collar: it turns with the slip, so that its sign is that of the threads."""
+        return mechanics.friction_factor(mu, self.d.tan_lead, law) + law * self.d.collar
 
     def pressed(self, rates: Mapping[str, Row]) -> Row:
         """Return the row of N = cos λ (k_c e + c_c e′) of compliant threads."""

@@ -88,6 +88,10 @@ class Powers:
         if not self.parting.any() and self.automaton.codes[mode] not in self.automaton.rest_codes:
             form = product(self.row("normal_force", mode), self.slip)
             yield self.rubbed(self.drive.pitch_radius / self.cosine * form)
+        if collar := self.drive.collar_friction * self.drive.collar_radius:
+            form = product(self.row("axial_contact_force", mode), self.screw)
+            more = self.automaton.parts["axial_contact_force"][mode] if self.by_speed else 0 * self.one
+            yield collar * (np.stack([form, product(more, self.screw)]) if self.by_speed else form)
         for name, speed in (("slide_friction", self.nut), ("bearing_friction", self.screw)):
             if limit := getattr(self.drive, name, 0.0):
                 yield limit * product(speed, self.one)

@@ -102,7 +102,9 @@ def polynomial(drive: DriveValues, law: int) -> tuple[Any, ...]:
 
 
 def values_of(drive: DriveValues, law: int) -> SimpleNamespace:
-    """Return the parameters as attributes, with sin λ, cos λ, tan λ and, as ``factor``, ξ_s of the law s = ±1.
+    """Return the parameters as attributes, with sin λ, cos λ, tan λ, and ξ_s of the law s = ±1 as ``factor``.
+
+    Of a drive with a collar s μ_b r_b / r_m is added to it.
 
     ``steady_friction`` is μ in steady sliding, and ν = |N_0| dμ/dv how it changes with the sliding speed v = r_m θ′ /
     cos λ; that gives the dampings ``slope``, r_m² ν, of the screw alone, and ``sloped``, r_m² ν (1 + tan² λ) / (1 + s μ
@@ -119,6 +121,8 @@ def values_of(drive: DriveValues, law: int) -> SimpleNamespace:
         if moves:
             p.steady_friction, rate = friction.steady(vars(p), p.tan_lead)
         p.factor = mechanics.friction_factor(p.steady_friction, p.tan_lead, law)
+        if hasattr(p, "collar_friction"):
+            p.factor = p.factor + law * p.collar_friction * p.collar_radius / p.pitch_radius
         if moves:
             force = mechanics.carried(vars(p), p.tan_lead, law)
             geometry = p.pitch_radius, p.cos_lead, p.tan_lead

@@ -68,7 +68,7 @@ def changes(drive: Drive, unknown: str, known: list[tuple[float, bool]]) -> Iter
 
 def touching(drive: Drive) -> Start:
     """Return where Newton's method starts for the equations above; raises ``NoThreshold`` where they do not hold."""
-    if drive.parts or drive.slide_friction or drive.bearing_friction:
+    if not drive.rigid:
         raise NoThreshold("the closed form of the even speed is that of the rigid drive.")
     with many_digits():
         d = SlipDrive.of(drive)

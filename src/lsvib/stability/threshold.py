@@ -121,7 +121,7 @@ def _solve(drive: Drive, name: str, unknown: str) -> Threshold:
     if name == "even_speed":
         return _by_starts(drive, unknown)
     if unknown in DRY:
-        raise NoThreshold(f"the threshold {name} has a closed form without friction of slide and bearing only.")
+        raise NoThreshold(f"the threshold {name} has a closed form without friction of slide, bearing and collar only.")
     _require_one_friction(drive, name, unknown)
     if name in STARTS and unknown == "axial_force":
         return _by_force(drive, name)
