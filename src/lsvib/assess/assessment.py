@@ -8,7 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsvib.assess import mechanisms
-from lsvib.assess.drive import lifting_efficiency, lowering_efficiency, nominal_draw, quantities, square_thread
+from lsvib.assess.drive import (
+    collar_of,
+    lifting_efficiency,
+    lowering_efficiency,
+    nominal_draw,
+    quantities,
+    square_thread,
+)
 from lsvib.assess.margins import ANY, Margin, margins, sensitivities
 from lsvib.assess.mechanisms import corners, worst
 from lsvib.assess.sheet import Sheet
@@ -95,7 +102,8 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
     found = _mechanisms(sheet, values, spread, edges)
     angle, friction = map(float, square_thread(sheet, values))
     cases = worst_cases(sheet, spread.lowest)
-    lowering = float(lowering_efficiency(friction, angle))
+    collar = collar_of(values)
+    lowering = float(lowering_efficiency(friction, angle, collar))
     nominal = _motion(sheet, _critical(found), entries)
     if not any(one.occurs for one in found.values()) and _upset(nominal):
         sure: dict[str, Any] = {"probability": 1.0, "interval": (1.0, 1.0)} if spread.samples == 1 else {}
@@ -123,7 +131,7 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
         values=values,
         verdict=verdict,
         efficiency={
-            "lifting": float(lifting_efficiency(friction, angle)),
+            "lifting": float(lifting_efficiency(friction, angle, collar)),
             "lowering": lowering if lowering > 0 else None,
         },
         self_locking=lowering <= 0,
@@ -240,7 +248,7 @@ def _motion(sheet: Sheet, name: str, entries: dict[str, float]) -> AssessedMotio
     if moved.attractor in ("unknown", "unresolved") and parts:  # the simpler drive says more than nothing
         moved = vibration(sheet, values, corner, (), **strong)
     tolerated = (None, "") if sheet.support is not None else tolerated_perturbation(sheet, values, corner)
-    if sheet.support is None and ("threads" in parts or sheet.friction.law):
+    if sheet.support is None and not sheet.closed:
         tolerated = tolerated_by_trial(sheet, values, corner, tolerated[0], parts)
     return AssessedMotion(name, dict(entries), values, corner, moved, tolerated)
 

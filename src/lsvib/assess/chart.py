@@ -67,7 +67,8 @@ def _kinds(
     drag = p["pitch_radius"] * np.tan(p["lead_angle"]) * p["translation_damping"]
     ratio = np.abs(p["axial_force"] - drag * p["input_speed"]) / turning  # |R̃ / Ω|
     kind = np.zeros(shape, dtype=np.int8)
-    maybe = np.broadcast_to((found["after_perturbation"] < 0) | sheet.friction.law, shape)  # of a law it knows nothing
+    blind = sheet.friction.law or sheet.dry  # of which the reserve after a perturbation knows nothing
+    maybe = np.broadcast_to((found["after_perturbation"] < 0) | blind, shape)
     if maybe.any():
         last = _fatal_ratio(sheet, values, direction, ratio[maybe].max(), drag)
         upset = KINDS.index("steady_once_started" if last is None else "steady_until_perturbed")
@@ -84,7 +85,7 @@ def _fatal_ratio(sheet: Sheet, values: dict[str, float], direction: int, most: f
 
     With Ω and R̃ multiplied alike every motion is; and beyond some force against the motion none ends in vibration.
     """
-    if not sheet.stiff or sheet.friction.curve is not None or sheet.friction.law:
+    if not sheet.closed or sheet.friction.curve is not None:
         return None
     speed, weight = values["speed_high"], values["mass"] * GRAVITY * math.sin(values["tilt"])
     low, high = 1e-4 * most, most
@@ -105,7 +106,7 @@ def _boundaries(
 
     With Ω and R multiplied alike, every motion of the drive is multiplied alike. So one threshold gives a line.
     """
-    if values["friction_slope"] != 0 or sheet.friction.curve is not None or sheet.friction.law:
+    if values["friction_slope"] != 0 or sheet.friction.curve is not None or sheet.friction.law or sheet.dry:
         return {}
     found = {}
     speed = float(turning[-1])

@@ -37,6 +37,10 @@ QUANTITIES = {
     "force_high": ("largest force against outward travel", "N"),
     "speed_low": ("smallest speed of the screw", "rad s-1"),
     "speed_high": ("largest speed of the screw", "rad s-1"),
+    "bearing_torque": ("friction torque of the bearing", "N m"),
+    "collar_friction": ("friction of the thrust collar", "1"),
+    "collar_diameter": ("mean diameter of the thrust collar", "m"),
+    "guide_friction": ("friction of the guide", "N"),
     "contact_stiffness": ("stiffness of the thread contact", "N m-1"),
     "contact_damping": ("damping of the thread contact", "N s m-1"),
     "support_stiffness": ("stiffness of the axial support", "N m-1"),
@@ -48,7 +52,11 @@ WINDOW = {"force": ("force on the load", "N"), "speed": ("speed", "rad s-1")}
 UNITS = {key: unit for key, (_, unit) in (QUANTITIES | WINDOW).items()}
 IN_WORDS = {key: words for key, (words, _) in (QUANTITIES | WINDOW).items()}
 
-_OF_LAW = {  # entries that only a law of friction has
+_ONLY_IF_GIVEN = {  # entries of a law of friction, of bearing, collar and guide
+    "bearing_torque": "bearing.torque",
+    "collar_friction": "bearing.collar.coefficient",
+    "collar_diameter": "bearing.collar.mean_diameter",
+    "guide_friction": "guide.friction",
     "stribeck_rise": "friction.stribeck_rise",
     "stribeck_speed": "friction.stribeck_speed",
     "static_friction": "friction.static",
@@ -89,12 +97,12 @@ def quantities(sheet: Sheet, draw: DrawnValues) -> dict[str, Any]:
         "friction_slope": draw.get("friction.slope", 0.0),
         "inertia": inertia + draw.get("coupling.inertia", 0.0),
         "coupling_stiffness": draw.get("coupling.stiffness", 0.0) * ratio**2,
-        "rotational_damping": draw.get("damping.rotational", 0.0),
+        "rotational_damping": draw.get("damping.rotational", 0.0) + draw.get("bearing.viscous", 0.0),
         "translational_damping": draw.get("damping.translational", 0.0),
         "mass": draw.get("load.mass", 0.0),
         "tilt": draw.get("load.orientation", 0.0),
     }
-    for key, path in _OF_LAW.items():
+    for key, path in _ONLY_IF_GIVEN.items():
         if path in draw:
             found[key] = draw[path]
     for part, keys in (("contact", sheet.contact), ("support", sheet.support)):
@@ -191,7 +199,11 @@ def friction_law(sheet: Sheet, values: DrawnValues, lead_angle: Any) -> dict[str
 def without_friction(values: DrawnValues, direction: int, speed: Any, force: Any) -> dict[str, Any]:
     """Return the parameters of a point of operation but for friction, arguments as :func:`point`."""
     radius = 0.5 * values["pitch_diameter"]
-    return {
+    dry = {"bearing_friction": "bearing_torque", "slide_friction": "guide_friction"}
+    rubs = {name: values[key] for name, key in dry.items() if key in values}
+    if "collar_friction" in values:
+        rubs |= {"collar_friction": values["collar_friction"], "collar_radius": 0.5 * values["collar_diameter"]}
+    return rubs | {
         "pitch_radius": radius,
         "lead_angle": np.arctan(values["lead"] / (2 * math.pi * radius)),
         "screw_inertia": values["inertia"],
@@ -236,16 +248,26 @@ def flank_coefficient(coefficient: Any, lead_angle: Any, half_angle: Any) -> Any
     return coefficient / np.sqrt(1 + (np.cos(lead_angle) * np.tan(half_angle)) ** 2)
 
 
-def lifting_efficiency(coefficient: Any, lead_angle: Any) -> Any:
-    """Return η = tan λ / tan(λ + arctan μ) = −tan λ / ξ₋ [1] of motion against the load, μ of the square thread."""
-    tangent = np.tan(lead_angle)
-    return -tangent / friction_factor(coefficient, tangent, -1)
+def collar_of(values: DrawnValues) -> Any:
+    """Return μ_b r_b / r_m [1], by which a thrust collar adds to |ξ_s|; zero without one."""
+    if "collar_friction" not in values:
+        return 0.0
+    return values["collar_friction"] * values["collar_diameter"] / values["pitch_diameter"]
 
 
-def lowering_efficiency(coefficient: Any, lead_angle: Any) -> Any:
-    """Return η = tan(λ − arctan μ) / tan λ = −ξ₊ / tan λ [1] of motion with the load; negative if self-locking."""
+def lifting_efficiency(coefficient: Any, lead_angle: Any, collar: Any = 0.0) -> Any:
+    """Return η = tan λ / (tan(λ + arctan μ) + μ_b r_b / r_m) [1] of motion against the load.
+
+    ``coefficient`` μ of the square thread, −ξ₋ = tan(λ + arctan μ); ``collar``: :func:`collar_of`.
+    """
     tangent = np.tan(lead_angle)
-    return -friction_factor(coefficient, tangent, 1) / tangent
+    return -tangent / (friction_factor(coefficient, tangent, -1) - collar)
+
+
+def lowering_efficiency(coefficient: Any, lead_angle: Any, collar: Any = 0.0) -> Any:
+    """Return η = (tan(λ − arctan μ) − μ_b r_b / r_m) / tan λ [1] of motion with the load; negative if self-locking."""
+    tangent = np.tan(lead_angle)
+    return -(friction_factor(coefficient, tangent, 1) + collar) / tangent
 
 
 def coefficient_from_efficiency(efficiency: Any, lead_angle: Any) -> Any:

@@ -54,12 +54,13 @@ def reserves(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any
     p, slope = sheets.point(sheet, values, direction, speed, force)
     tangent = np.tan(p["lead_angle"])
     lever = p["pitch_radius"] * tangent * p["translation_damping"]
-    carried = p["axial_force"] - lever * p["input_speed"]  # R̃
+    carried = p["axial_force"] - lever * p["input_speed"] - p.get("slide_friction", 0.0) * direction  # R̃
     # Without any force the slightest one decides, and law + is the one that destabilises.
     law = np.where(np.real(carried) * np.real(p["input_speed"]) >= 0, 1, -1)
     size = np.where(np.real(carried) < 0, -carried, carried)
     by_slope = damping_by_slope(slope, size, p["friction_coefficient"], p["pitch_radius"], p["lead_angle"], law)
-    factor = mechanics.friction_factor(p["friction_coefficient"], tangent, law)
+    collar = sheets.collar_of(values)
+    factor = mechanics.friction_factor(p["friction_coefficient"], tangent, law) + law * collar
     geometry = (p["pitch_radius"], tangent, factor)
     mass = p["mass"]
     if sheet.support is not None:
@@ -92,7 +93,7 @@ def reserves(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any
             own_fault = reduce(np.logical_and, [np.real(found[name]) >= 0 for name in names])
             found["thread_contact"] = np.where(own_fault, together, _larger(together, 0 * together))
     found["negative_damping"] = _unless_undamped(values, by_slope, found["negative_damping"])
-    plus = mechanics.friction_factor(p["friction_coefficient"], tangent, 1)
+    plus = mechanics.friction_factor(p["friction_coefficient"], tangent, 1) + collar
     geometry = (p["pitch_radius"], tangent, plus)
     of_plus = mechanics.effective_inertia(p["screw_inertia"], mass, *geometry) - p["screw_inertia"]
     fed = mechanics.effective_damping(0.0, p["translation_damping"], *geometry)
@@ -248,6 +249,7 @@ def window_points(
     values = {key: np.broadcast_to(value, shape) for key, value in values.items()}
     p = without_friction(values, direction, 1.0, 0.0)
     drag = p["pitch_radius"] * np.tan(p["lead_angle"]) * p["translation_damping"] * direction  # R̃ = R − drag Ω
+    own = p["axial_force"] - p.get("slide_friction", 0.0) * direction
 
     def within(key: str, points: Any) -> NDArray:
         low, high = values[f"{key}_low"], values[f"{key}_high"]
@@ -262,14 +264,14 @@ def window_points(
     speeds = values["speed_low"][None]
     pushed = ("low", "high") if is_window(sheet, "load.force") else ("low",)
     if is_window(sheet, "operation.speed"):
-        rows = [within("speed", own) for own in _own_speeds(sheet, values, p)]
+        rows = [within("speed", speed) for speed in _own_speeds(sheet, values, p)]
         for end in pushed if sheet.friction.sloped else ():
             with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # where nothing drags
-                rows += beside("speed", np.divide(p["axial_force"] - values[f"force_{end}"], drag))
+                rows += beside("speed", np.divide(own - values[f"force_{end}"], drag))
         speeds = np.sort(np.concatenate(rows), axis=0)
     sides = [values[f"force_{end}"][None] for end in pushed]
     if sheet.friction.sloped and len(pushed) > 1:
-        sides += [force for rows in beside("force", p["axial_force"] - drag * speeds) for force in rows]
+        sides += [force for rows in beside("force", own - drag * speeds) for force in rows]
     forces = np.stack([np.broadcast_to(side, speeds.shape) for side in sides], axis=1)  # of each speed one by one
     return np.repeat(speeds, forces.shape[1], axis=0), forces.reshape(-1, *forces.shape[2:])
 

@@ -229,6 +229,27 @@ class Dampings(_Part):
     translational: fields.LinearDamping | None = None
 
 
+class Collar(_Part):
+    """A thrust collar that slides under the axial force: its friction coefficient and its mean diameter."""
+
+    coefficient: fields.Coefficient
+    mean_diameter: fields.Length
+
+
+class Bearing(_Part):
+    """What brakes the screw: a torque whatever the load, viscous damping, and a thrust collar."""
+
+    torque: fields.Drag | None = None
+    viscous: fields.TurningDamping | None = None
+    collar: Collar | None = None
+
+
+class Guide(_Part):
+    """What brakes the load on its way: friction that does not depend on the force on the load."""
+
+    friction: fields.Rubbing
+
+
 class Spring(_Part):
     """A spring with a damper, of the thread contact or of the axial support."""
 
@@ -250,6 +271,8 @@ class Sheet(_Part):
     operation: Operation
     friction: Friction
     damping: Dampings = Dampings()
+    bearing: Bearing = Bearing()
+    guide: Guide | None = None
     nut: Nut | None = None
     contact: Spring | None = None
     support: Spring | None = None
@@ -276,6 +299,11 @@ class Sheet(_Part):
             raise InputError(f"screw.root_diameter = {root.text} is not below the diameter of the thread.")
         if sheet.support is not None and sheet.screw.mass is None and sheet.screw.length is None:
             raise InputError("support needs screw.mass, or screw.length from which it follows.")
+        if sheet.bearing.collar is not None and not sheet.stiff:
+            raise InputError(
+                "bearing.collar is not judged beside a support or contact that complies, with which the force on the "
+                "collar is another one; leave one of them out."
+            )
         for table in ("sources", "assumptions"):
             for path in getattr(sheet, table):
                 if path not in sheet.paths():
@@ -291,12 +319,12 @@ class Sheet(_Part):
         """Yield the entries that are given, such as (load.mass, spread)."""
         for part, value in self:
             if isinstance(value, _Part):
-                yield from ((f"{part}.{key}", entry) for key, entry in value if key in value.model_fields_set)
+                yield from _entries_of(part, value)
 
     def paths(self) -> set[str]:
         """Return the names of the entries that are given, and of the parts."""
         found = {path for path, _ in self.entries()}
-        return found | {path.partition(".")[0] for path in found}
+        return found | {".".join(path.split(".")[:k]) for path in found for k in (1, 2)}
 
     @property
     def missing(self) -> list[str]:
@@ -309,14 +337,33 @@ class Sheet(_Part):
         return [name for name, value in given.items() if value is None]
 
     @property
+    def dry(self) -> bool:
+        """Whether bearing, collar or guide rub."""
+        return self.guide is not None or self.bearing.torque is not None or self.bearing.collar is not None
+
+    @property
+    def closed(self) -> bool:
+        """Whether the basin is known: parts are rigid, and only the threads rub, with a coefficient at each point."""
+        return self.stiff and not self.friction.law and not self.dry
+
+    @property
     def stiff(self) -> bool:
-        """Whether all parts are rigid; the basin of such drives is known, but with a law of friction."""
+        """Whether all parts are rigid."""
         return self.contact is None and self.support is None
 
     @cached_property
     def spreads(self) -> dict[str, Spread]:
         """The quantities that are given, by name."""
         return {path: value for path, value in self.entries() if isinstance(value, Spread)}
+
+
+def _entries_of(name: str, part: _Part) -> Iterator[tuple[str, Any]]:
+    """The entries of a part that are given, those of a part in it with both names."""
+    for key, entry in part:
+        if isinstance(entry, _Part):
+            yield from _entries_of(f"{name}.{key}", entry)
+        elif key in part.model_fields_set:
+            yield f"{name}.{key}", entry
 
 
 def sentence(error: ValidationError, whole: type[BaseModel]) -> str:

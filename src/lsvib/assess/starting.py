@@ -183,7 +183,7 @@ def even_speeds(
     tried, high = _speeds(values), values["speed_high"]
     weight = values["mass"] * GRAVITY * math.sin(values["tilt"])
     knots = np.clip([forces.min(), -weight, forces.max()], forces.min(), forces.max())
-    if parts or sheet.friction.law:
+    if not sheet.closed:
         knots = np.unique(np.r_[knots, np.quantile(forces, (0.25, 0.5, 0.75))])
 
     def at(force: float) -> float:

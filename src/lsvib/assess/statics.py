@@ -37,23 +37,26 @@ _SHIGLEY = "Shigley, Mechanical Engineering Design"
 _THREAD = f"{_SHIGLEY}, power screws"
 _RECOMMENDED = "limit: 80 % of it, Thomson"
 ABOUT = {  # name, unit, formula and source of each row
-    "starting_torque": ("Torque to start against the load", "N m", "r F tan(λ + ρ), ρ of friction at rest", _THREAD),
-    "lifting_torque": ("Torque against the load", "N m", "r F tan(λ + ρ) + c Ω", _THREAD),
+    "starting_torque": (
+        "Torque to start against the load", "N m", "r F tan(λ + ρ) + μ_b r_b F + T_b, ρ of friction at rest", _THREAD,
+    ),
+    "lifting_torque": ("Torque against the load", "N m", "r F tan(λ + ρ) + μ_b r_b F + T_b + c Ω", _THREAD),
     "lifting_power": ("Power against the load", "W", "torque × Ω", _THREAD),
     "motor_torque": (
         "Torque of the motor against the load; before the gear, whose losses come on top", "N m", "torque / gear ratio",
         "geometry of the gear",
     ),
-    "lowering_torque": ("Torque with the load", "N m", "r F tan(ρ − λ) + c Ω", _THREAD),
+    "lowering_torque": ("Torque with the load", "N m", "r F tan(ρ − λ) + μ_b r_b F + T_b + c Ω", _THREAD),
     "lowering_power": ("Power with the load", "W", "torque × Ω", _THREAD),
-    "holding_torque": ("Torque to hold at rest", "N m", "r F tan(λ − ρ), ρ of friction at rest", _THREAD),
+    "holding_torque": ("Torque to hold at rest", "N m", "r F tan(λ − ρ) − μ_b r_b F − T_b, ρ at rest", _THREAD),
     "braking_torque": (
-        "Torque to brake; the load turns the screw, and no damping is counted on", "N m", "r F tan(λ − ρ)", _THREAD,
+        "Torque to brake; the load turns the screw, and no damping is counted on", "N m",
+        "r F tan(λ − ρ) − μ_b r_b F − T_b", _THREAD,
     ),
     "braking_power": ("Power that the brake takes", "W", "torque × Ω", _THREAD),
-    "lifting_efficiency": ("Efficiency against the load", "1", "tan λ / tan(λ + ρ)", _THREAD),
+    "lifting_efficiency": ("Efficiency against the load", "1", "F r tan λ / (torque without c Ω)", _THREAD),
     "lowering_efficiency": (
-        "Efficiency with the load; below zero the thread locks", "1", "tan(λ − ρ) / tan λ", _THREAD,
+        "Efficiency with the load; below zero the thread locks", "1", "(tan(λ − ρ) − μ_b r_b / r) / tan λ", _THREAD,
     ),
     "holding_friction": (
         "Friction at rest; the thread holds from the limit on", "1", "tan λ · cos αₙ", f"{_THREAD}, self-locking",
@@ -109,17 +112,17 @@ class Statics:
         return [row for row in self.rows.values() if row.limit is not None]
 
 
-def torque(force: Any, pitch_radius: Any, lead_angle: Any, coefficient: Any, lifting: bool) -> Any:
-    """Return the torque of the threads [N m] under an axial ``force`` [N], r F tan(ρ ± λ), ρ = arctan μ.
+def torque(force: Any, pitch_radius: Any, lead_angle: Any, coefficient: Any, lifting: bool, collar: Any = 0.0) -> Any:
+    """Return the torque of threads and collar [N m] under an axial ``force`` [N], r F (tan(ρ ± λ) + μ_b r_b / r).
 
-    ``coefficient`` μ of the square thread; ``lifting``: against the force. Lowering, it is negative where the thread
-    does not lock and has to be braked.
+    ``coefficient`` μ of the square thread, ρ = arctan μ; ``lifting``: against the force; ``collar``, μ_b r_b / r.
+    Lowering, it is negative where the thread does not lock and has to be braked.
 
     >>> round(torque(1000.0, 9.188e-3, 0.04328, 0.15, lifting=True), 3)
     1.788
     """
     law = -1 if lifting else 1
-    return law * pitch_radius * force * friction_factor(coefficient, np.tan(lead_angle), law)
+    return pitch_radius * force * (law * friction_factor(coefficient, np.tan(lead_angle), law) + collar)
 
 
 def nut_pressure(force: Any, pitch_diameter: Any, length: Any, engaged_depth: Any = 0.5) -> Any:
@@ -181,7 +184,8 @@ def lets_go(sheet: Sheet, values: Mapping[str, Any], changed: Mapping[str, Any])
     holds = []
     for own in (values, {**values, **changed}):
         angle = np.arctan(own["lead"] / (math.pi * own["pitch_diameter"]))
-        holds.append(bool(_at_rest(sheet, own) >= flank_coefficient(np.tan(angle), angle, own["half_angle"])))
+        needed = _holds_from(own, angle, sheets.collar_of(own), 0.0, 1.0)
+        holds.append(bool(_at_rest(sheet, own) >= needed))
     return holds == [True, False]
 
 
@@ -207,7 +211,7 @@ def _window(sheet: Sheet, values: Mapping[str, Any]) -> list[tuple[Floats, Float
             table[:, None] if table.ndim == 1 else table for table in window_points(sheet, values, direction)
         )
         held = direction * (force + _weight(values))
-        found.append((speed, held, held + drag * speed))
+        found.append((speed, held, held + drag * speed + values.get("guide_friction", 0.0)))
     return found
 
 
@@ -240,16 +244,27 @@ def _judged(
     radius, angle, coefficient = threads
     at_rest = _at_rest(sheet, values)
     rough = square_coefficient(at_rest, angle, values["half_angle"])
-    holding = -torque(np.abs(held), radius, angle, rough, False)
+    collar, bearing, guide = (
+        sheets.collar_of(values),
+        values.get("bearing_torque", 0.0),
+        values.get("guide_friction", 0.0),
+    )
+    left = np.clip(np.abs(held) - guide, 0.0, None)  # of the load, what the guide does not hold
+    holding = -torque(left, radius, angle, rough, False, collar) - bearing
     if (holding > 0).any():
         found["holding_torque"] = np.where(holding > 0, holding, np.nan), None
     if (held > 0).any() and (sheet.friction.law or sheet.friction.curve is not None):
-        found["starting_torque"] = np.where(held > 0, torque(held, radius, angle, rough, True), np.nan), None
-    drag = values["rotational_damping"] * speed
-    against, along = (torque(np.abs(load), *threads, lifting) + drag for lifting in (True, False))
+        found["starting_torque"] = (
+            np.where(held > 0, torque(held + guide, radius, angle, rough, True, collar) + bearing, np.nan),
+            None,
+        )
+    drag = values["rotational_damping"] * speed + bearing
+    against, along = (torque(np.abs(load), *threads, lifting, collar) + drag for lifting in (True, False))
     turns = coefficient * np.tan(angle) < 1  # else the threads jam
     against = np.where(turns, against, np.inf)
-    braking = -torque(np.abs(held), *threads, False)  # the dampings are guesses, on which no brake should count
+    braking = (
+        -torque(left, *threads, False, collar) - bearing
+    )  # the dampings are guesses, on which no brake should count
     for name, acting, needed in (
         ("lifting", (load > 0) | (not load.any()), against),
         ("lowering", (load < 0) & (along >= 0), along),
@@ -260,12 +275,25 @@ def _judged(
             found[f"{name}_power"] = np.where(acting, needed * speed, np.nan), None
     if "lifting_torque" in found and "coupling.gear_ratio" in draw:
         found["motor_torque"] = found["lifting_torque"][0] / draw["coupling.gear_ratio"], None
-    found["lifting_efficiency"] = np.where(turns, lifting_efficiency(coefficient, angle), 0.0), None
-    found["lowering_efficiency"] = lowering_efficiency(coefficient, angle), None
-    found["holding_friction"] = at_rest, flank_coefficient(np.tan(angle), angle, values["half_angle"])
+    found["lifting_efficiency"] = np.where(turns, lifting_efficiency(coefficient, angle, collar), 0.0), None
+    found["lowering_efficiency"] = lowering_efficiency(coefficient, angle, collar), None
+    if sheet.dry and (held > 0).any():
+        work = held * radius * np.tan(angle)  # per radian
+        spent = torque(held + guide, *threads, True, collar) + bearing
+        found["lifting_efficiency"] = np.where((held > 0) & turns, work / spent, np.where(held > 0, 0.0, np.nan)), None
+    found["holding_friction"] = at_rest, _holds_from(values, angle, collar, bearing, left)
     return (
         found | _nut(sheet, draw, values, load, sliding_speed(speed, radius, angle)) | _shaft(sheet, draw, speed, load)
     )
+
+
+def _holds_from(values: Mapping[str, Any], angle: Any, collar: Any, bearing: Any, left: Any) -> Any:
+    """The friction of the flanks from which on threads, collar and bearing hold what is ``left`` of the load [N]."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        helps = collar + np.where(bearing > 0, bearing / (0.5 * values["pitch_diameter"] * left), 0.0)
+    tangent = np.tan(angle)
+    needed = np.where(left > 0, (tangent - helps) / (1 + helps * tangent), 0.0 if np.any(left > 0) else tangent)
+    return flank_coefficient(np.clip(needed, 0.0, None), angle, values["half_angle"])
 
 
 def _at_rest(sheet: Sheet, values: Mapping[str, Any]) -> Any:
@@ -308,7 +336,8 @@ def _row(key: str, judged: Judged, middle: Judged | None) -> Row:
     """The row of a quantity at its worst point: nearest to the limit or beyond it, or the largest where it has none."""
     value, limit = judged
     low = key in ("lifting_efficiency", "holding_friction")  # of these the lowest is the worst
-    score = (-1 if low else 1) * (value if limit is None else value / limit)
+    with np.errstate(divide="ignore", invalid="ignore"):  # where no friction is needed to hold
+        score = (-1 if low else 1) * (value if limit is None else value / limit)
     value, limits, score = np.broadcast_arrays(value, np.nan if limit is None else limit, score)
     k = np.unravel_index(np.nanargmax(score), score.shape) if score.ndim else ()
     found, most = float(value[k]), None if limit is None else float(limits[k])

@@ -210,8 +210,8 @@ def _marked(text: str, exceeded: bool) -> Any:
 
 
 def _limit(row: Row, unit: str) -> Any:
-    if row.limit is None:
-        return "–"
+    if not row.limit:
+        return "–" if row.limit is None else "none is needed"
     share = percent(row.worst / row.limit)
     if row.key == "holding_friction":
         return f"at least {shown(row.limit, unit)}", f"it has {share} of that at worst"

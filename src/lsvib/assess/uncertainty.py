@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.stats import binomtest, qmc, sobol_indices, uniform
 
 from lsvib.assess.drive import (
+    collar_of,
     lifting_efficiency,
     lowering_efficiency,
     nominal_draw,
@@ -110,8 +111,9 @@ def study(sheet: Sheet, samples: int, seed: int) -> Uncertainty:
     varied = [name for name, reserve in found.items() if name != "after_perturbation" and np.ptp(reserve) > 0]
     first, whole = _indices(sheet, entries, varied, _draws(sheet, entries, samples), seed) if varied else ({}, {})
     angle, coefficient = square_thread(sheet, quantities(sheet, draw_of(sheet, points)))
-    lifting = np.broadcast_to(lifting_efficiency(coefficient, angle), points.shape[1:])
-    lowering = np.broadcast_to(lowering_efficiency(coefficient, angle), points.shape[1:])
+    collar = collar_of(quantities(sheet, draw_of(sheet, points)))
+    lifting = np.broadcast_to(lifting_efficiency(coefficient, angle, collar), points.shape[1:])
+    lowering = np.broadcast_to(lowering_efficiency(coefficient, angle, collar), points.shape[1:])
     unstable = np.any([reserve < 0 for name, reserve in found.items() if name != "after_perturbation"], axis=0)
     chances = {name: _probability(reserve < 0, bool(entries), reserve) for name, reserve in found.items()}
     chances["after_perturbation"], upset = _perturbed(
@@ -153,7 +155,7 @@ def _perturbed(
     By the basins of the first drives that ``may`` vibrate: those with a negative reserve. The interval is that of the
     share of these times that of the upset among them, each of 97.5 %; drives that are not known widen it.
     """
-    if not sheet.stiff or sheet.friction.law:
+    if not sheet.closed:
         return replace(may, value=None, interval=None), None
     candidates = np.flatnonzero(reserve < 0)
     if not candidates.size:

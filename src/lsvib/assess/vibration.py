@@ -239,6 +239,8 @@ def tolerated_perturbation(
     Infinite if motion comes back from any, zero if steady sliding is unstable, None if it is not known.
     """
     drive = drive_of(sheet, values, *corner)
+    if not drive.rigid:
+        return None, "The largest tolerated perturbation has no closed form with friction of bearing, collar or guide."
     try:
         if rigid_automaton(drive).contracts and drive.support_damping > 0:
             return math.inf, "Steady sliding is reached again after any perturbation."
