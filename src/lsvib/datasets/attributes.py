@@ -153,6 +153,11 @@ def axis(name: str, values: Any, dims: str | tuple[str, ...] = "", origin: str =
     return {name: (dims or name, np.asarray(values, dtype=float), parameter(name, origin))}
 
 
+def varied(**values: Any) -> Variables:
+    """Return parameters that a file varies, by name, each as an axis of its own."""
+    return {name: own for key, along in values.items() for name, own in axis(key, along).items()}
+
+
 def drive_parameters(
     drives: Drive | Sequence[Drive],
     dim: str = "case",

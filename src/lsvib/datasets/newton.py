@@ -82,8 +82,8 @@ def touching_check(drive: xr.Dataset, law: int, force: Any, words: str) -> Check
 
 
 def parameters(dataset: xr.Dataset) -> dict[str, float]:
-    """Return the parameters of the one drive of a dataset, with rigid or compliant threads."""
-    return {name: float(dataset[name]) for name in Drive.model_fields if name in dataset}
+    """Return the parameters of the drive of a dataset but those that it varies."""
+    return {name: float(dataset[name]) for name in Drive.model_fields if name in dataset and not dataset[name].ndim}
 
 
 def effective(p: Mapping[str, float], law: int) -> tuple[float, float]:

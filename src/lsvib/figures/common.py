@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from lsvib.datasets import spans
 from lsvib.datasets.attributes import variable
 from lsvib.datasets.checks import Check
 from lsvib.figures.settings import Values
@@ -50,6 +51,11 @@ def named(variable: xr.DataArray, *words: str) -> np.ndarray:
     """Return where a flag variable has one of the meanings ``words``, such as ``"stable node"``."""
     values = {name: value for value, name in flag_names(variable).items()}
     return np.isin(variable.values, [values[word] for word in words])
+
+
+def thinned(dataset: xr.Dataset, most: int) -> xr.Dataset:
+    """Return the map ``stability`` with what else lies over its axes, at ``most`` rows and columns at the most."""
+    return dataset.isel({name: spans.evenly_chosen(dataset.sizes[name], most) for name in dataset.stability.dims})
 
 
 def over_map(dataset: xr.Dataset, drive: Values) -> dict[str, Any]:

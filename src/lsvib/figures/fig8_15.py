@@ -6,17 +6,16 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from lsvib.datasets import printed, spans
+from lsvib.datasets import newton, printed, spans
 from lsvib.datasets.analysis import analyse, value
-from lsvib.datasets.attributes import axis, drive_parameters, flagged, variable
+from lsvib.datasets.attributes import drive_parameters, flagged, variable, varied
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
-from lsvib.figures.common import about, named, over_map
+from lsvib.figures.common import about, named, over_map, thinned
 from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Span, Values, parameter
 from lsvib.models import chapter
 from lsvib.models.drive import PART_OF, Drive
 from lsvib.stability import conditions
-from lsvib.stability.conditions import critical_mass
 from lsvib.stability.linear import UndampedClass, eigenvalues, undamped_class, values_of
 
 CAPTION = """\
@@ -29,7 +28,6 @@ the support stiffens it becomes the kinematic instability of the rigid drive. Th
 because Table 7.1 is not in the chapter; the boundaries of mode coupling are in proportion to it.
 """
 
-_PARAMETERS = ("mass", "screw_mass", "screw_inertia", "pitch_radius", "lead_angle", "coupling_stiffness")
 _DAMPINGS = ("support_damping", "translation_damping", "axial_support_damping")
 _REGIONS = {  # fill, hatch as in the chapter, words
     "stable": ("#FFFFFF", None, "stable"),
@@ -61,8 +59,7 @@ def analysis(settings: Values) -> xr.Dataset:
 def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     """Compute the undamped class map by eigenvalues, flutter boundaries in closed form, critical friction both ways."""
     drive = _drive(settings)
-    friction = spans.even(settings["friction_coefficient"])
-    stiffness = spans.logarithmic(settings["support_stiffness"])
+    friction, stiffness = spans.even(settings["friction_coefficient"]), spans.logarithmic(settings["support_stiffness"])
     drive.replace(friction_coefficient=float(friction.max()))  # refuses what is beyond cot λ
     critical = value(analysis.kinematic_constraint_friction_coefficient)
     # From tan λ on, crowded at both ends, and the friction coefficients of the map between.
@@ -84,13 +81,11 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
             "critical_friction_by_eigenvalues": variable((), by_eigenvalues, "1", passing, r"$\mu$"),
         },
         coords={
-            **axis("friction_coefficient", friction),
-            **axis("support_stiffness", stiffness),
+            **varied(friction_coefficient=friction, support_stiffness=stiffness, boundary_friction_coefficient=curve),
             "printed_critical_friction": printed.variable(chapter.THRESHOLDS["critical_friction"], word),
-            **axis(along, curve),
             **drive_parameters(
                 drive.replace(**dict.fromkeys(_DAMPINGS, 0.0)),
-                axes=("friction_coefficient", "support_stiffness"),
+                axes=plane,
                 printed=("Fig. 8.15", "Sect. 8.8.1"),
                 assumed=("coupling_stiffness",),
                 no_effect=("input_speed", "axial_force", "slide_friction", "bearing_friction"),
@@ -107,13 +102,14 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
 
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the critical friction, the classes by the printed conditions and by LAPACK, and the boundaries."""
-    drive, critical = {name: float(dataset[name]) for name in _PARAMETERS}, float(dataset.critical_friction)
+    drive, critical = newton.parameters(dataset), float(dataset.critical_friction)
     grid = over_map(dataset, drive)
     a_4, a_2, a_0 = conditions.characteristic_polynomial(grid, law=1)
     discriminant, size = a_2**2 - 4 * a_0 * a_4, a_2**2 + 4 * a_0 * np.abs(a_4)
     inertia = drive["screw_inertia"] * (drive["mass"] + drive["screw_mass"])
     # Closer to a boundary rounding may decide the class.
     clear = (np.abs(discriminant) > 1e-9 * size) & (np.abs(a_4) > 1e-9 * inertia)
+    dataset = dataset.assign(clear=(dataset.stability.dims, clear))
     return [
         printed.check(
             "Critical friction coefficient, root of Γ̃_0(μ) = 0", chapter.THRESHOLDS["critical_friction"], critical
@@ -124,20 +120,20 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             critical,
             float(dataset.critical_friction_by_eigenvalues),
         ),
-        *_class_checks(dataset, drive, grid, clear),
-        *_region_checks(dataset, grid, clear, a_4, discriminant),
+        *_class_checks(dataset, drive, grid),
+        *_region_checks(dataset, grid, a_4, discriminant),
         *_branch_checks(dataset, drive),
         *_condition_checks(dataset, drive),
         *_support_checks(dataset, drive),
     ]
 
 
-def _class_checks(dataset: xr.Dataset, drive: Values, grid: Values, clear: np.ndarray) -> list[Check]:
+def _class_checks(dataset: xr.Dataset, drive: Values, grid: Values) -> list[Check]:
     """Check the classes by the critical friction, the printed conditions and LAPACK, but for rounding (``clear``)."""
-    kinematic = named(dataset.stability, "kinematic constraint")
+    kinematic, clear = named(dataset.stability, "kinematic constraint"), dataset.clear.values
     off = kinematic != (dataset.friction_coefficient.values > float(dataset.critical_friction))[:, None]
     wrong = int(np.sum(clear & (conditions.printed_class(grid, law=1) != dataset.stability.values)))
-    differ, compared = _against_lapack(dataset, drive, clear)
+    differ, compared = _against_lapack(thinned(dataset, 100), drive)
     return [
         Check.holds(
             "The kinematic boundary is the vertical line at the critical friction, at every support stiffness",
@@ -157,9 +153,7 @@ def _class_checks(dataset: xr.Dataset, drive: Values, grid: Values, clear: np.nd
     ]
 
 
-def _region_checks(
-    dataset: xr.Dataset, grid: Values, clear: np.ndarray, a_4: np.ndarray, discriminant: np.ndarray
-) -> list[Check]:
+def _region_checks(dataset: xr.Dataset, grid: Values, a_4: np.ndarray, discriminant: np.ndarray) -> list[Check]:
     """Check by the signs of a_4 and the discriminant of (8.24) that no point is in two regions, and their bounds."""
     flutter, kinematic, divergence = (
         named(dataset.stability, x) for x in ("flutter", "kinematic constraint", "divergence")
@@ -171,7 +165,7 @@ def _region_checks(
         for name in ("lower_boundary", "upper_boundary")
     )
     beyond = (stiffness > upper) & (conditions.effective_inertia(grid, law=1, rigid=True) < 0)
-    judged = clear & ~kinematic
+    judged = dataset.clear.values & ~kinematic
     off = int(np.sum(judged & ((flutter != ((stiffness > lower) & (stiffness < upper))) | (divergence != beyond))))
     return [
         Check.holds(
@@ -226,7 +220,7 @@ def _branch_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
 
 def _support_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
     """Check (8.27) as a condition for the contact force by Newton's laws, and flutter where a_2 = 0."""
-    own = {**drive, **dict.fromkeys(_DAMPINGS, 0.0), "friction_coefficient": dataset.friction_coefficient.values}
+    own = {**drive, "friction_coefficient": dataset.friction_coefficient.values}
     tan, r = np.tan(drive["lead_angle"]), drive["pitch_radius"]
     solves = {}  # x″ − x_1″ = r_m tan λ θ″ gives N: its coefficient has a sign for each law
     for law in (1, -1):
@@ -272,24 +266,21 @@ def _condition_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
             "The rigid drive with the critical friction has the reduced mass as its critical mass",
             "Remark 8.3",
             reduced_mass,
-            critical_mass(locked) or np.nan,
+            conditions.critical_mass(locked) or np.nan,
             "kg",
         ),
     ]
 
 
-def _against_lapack(dataset: xr.Dataset, drive: Values, clear: np.ndarray) -> tuple[int, int]:
+def _against_lapack(part: xr.Dataset, drive: Values) -> tuple[int, int]:
     """Number of points with another class by LAPACK's eigenvalues of the state matrix, and of points compared."""
-    rows, columns = (spans.evenly_chosen(dataset.sizes[name], 100) for name in dataset.stability.dims)
-    part = dataset.isel(friction_coefficient=rows, support_stiffness=columns)
-    values = eigenvalues(over_map(part, {**drive, **dict.fromkeys(_DAMPINGS, 0.0)}), law=1)
+    values = eigenvalues(over_map(part, drive), law=1)
     limit = 1e-7 * np.abs(values).max(axis=-1)  # LAPACK keeps 1.5e-8 where two coincide
     growing = (values.real > limit[..., None]).sum(axis=-1)
     oscillates = np.abs(values[..., -1].imag) > limit
     kinds = [UndampedClass.STABLE, UndampedClass.FLUTTER, UndampedClass.KINEMATIC_CONSTRAINT]
     theirs = np.select([growing == 0, oscillates, growing == 1], kinds, UndampedClass.DIVERGENCE)
-    compared = clear[np.ix_(rows, columns)]
-    return int(np.sum(compared & (theirs != part.stability.values))), int(compared.sum())
+    return int(np.sum(part.clear.values & (theirs != part.stability.values))), int(part.clear.sum())
 
 
 @style.styled
@@ -303,7 +294,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     colours = {name: colour for name, (colour, *_) in _REGIONS.items()}
     drawing.regions(axes, friction, stiffness, dataset.stability.T, colours)
     # 250 rows and columns are enough for hatching.
-    coarse = dataset.isel({name: spans.evenly_chosen(dataset.sizes[name], 250) for name in dataset.stability.dims})
+    coarse = thinned(dataset, 250)
     for name, (colour, hatch, words) in _REGIONS.items():
         inside = named(coarse.stability, name).T.astype(float)
         if hatch and inside.any():

@@ -6,12 +6,12 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from lsvib.datasets import spans
-from lsvib.datasets.attributes import CRITICAL_MASS, axis, drive_parameters, flagged, origin_of, parameter, variable
+from lsvib.datasets import newton, spans
+from lsvib.datasets.attributes import CRITICAL_MASS, drive_parameters, flagged, origin_of, parameter, variable, varied
 from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
 from lsvib.figures import drawing, printed_laws, style
-from lsvib.figures.common import about, named, over_map
+from lsvib.figures.common import about, named, over_map, thinned
 from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Span, Values
 from lsvib.models import chapter
 from lsvib.models.drive import Drive
@@ -27,10 +27,6 @@ mass over the moment of inertia of the nut, by (8.33) and by eigenvalues, below 
 neither flutter nor divergence.
 """
 
-_PARAMETERS = (
-    *("mass", "screw_inertia", "pitch_radius", "lead_angle", "coupling_stiffness", "support_damping"),
-    *("translation_damping", "nut_stiffness", "nut_damping"),
-)
 _COLOURS = {"stable": "#FFFFFF", "kinematic constraint": "#F7D9C4", "flutter": style.SKY, "divergence": style.BLUE}
 
 
@@ -72,8 +68,7 @@ def build(settings: Values) -> xr.Dataset:
             "critical_friction_with_nut": variable(
                 "nut_inertia", _boundary_friction(drive, inertia), "1", from_which_on, r"$\mu$"
             ),
-            **axis("nut_inertia", inertia),
-            **axis("friction_coefficient", friction),
+            **varied(nut_inertia=inertia, friction_coefficient=friction),
             "critical_mass": ((), rigid, CRITICAL_MASS),
             drawn: ((), own, parameter(drawn, origin, comment="of the critical masses")),
             "steady_deflection": variable(
@@ -81,7 +76,7 @@ def build(settings: Values) -> xr.Dataset:
             ),
             **drive_parameters(
                 drive,
-                axes=("nut_inertia", "friction_coefficient"),
+                axes=plane,
                 printed=("Sect. 8.6",),
                 no_effect=("input_speed", "axial_force", "slide_friction", "bearing_friction"),
             ),
@@ -111,26 +106,26 @@ def _boundary_friction(drive: Drive, inertia: np.ndarray) -> np.ndarray:
 
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the map against (8.33) and det M_0, with damping too, and the critical mass against Remark 8.6."""
-    drive = {name: float(dataset[name]) for name in _PARAMETERS}
+    drive = newton.parameters(dataset)
     grid = over_map(dataset, drive)
     # Closer to (8.33) rounding may decide.
     clear = np.abs(effective_inertia(grid, law=1)) > 1e-9 * screw_inertia(grid)
+    dataset = dataset.assign(clear=(dataset.stability.dims, clear))
     return [
-        *_class_checks(dataset, drive, grid, clear),
-        *_boundary_checks(dataset, drive, clear),
+        *_class_checks(dataset, drive, grid),
+        *_boundary_checks(dataset, drive),
         *_critical_mass_checks(dataset, drive),
         *_deflection_checks(dataset),
     ]
 
 
-def _class_checks(dataset: xr.Dataset, drive: Values, grid: Values, clear: np.ndarray) -> list[Check]:
+def _class_checks(dataset: xr.Dataset, drive: Values, grid: Values) -> list[Check]:
     """Check the classes by (8.33), the printed inertia matrix and LAPACK with damping, but for rounding (``clear``)."""
     kinematic, other = (named(dataset.stability, *x) for x in (["kinematic constraint"], ["flutter", "divergence"]))
+    clear, part = dataset.clear.values, thinned(dataset, 40)
     wrong = int(np.sum(clear & (kinematic != (effective_inertia(grid, law=1) < 0))))
-    rows, columns = (spans.evenly_chosen(dataset.sizes[name], 40) for name in dataset.stability.dims)
-    part, compared = dataset.isel(friction_coefficient=rows, nut_inertia=columns), clear[np.ix_(rows, columns)]
     grows = eigenvalues(over_map(part, drive), law=1)[..., -1].real > 0
-    differ = compared & (grows != named(part.stability, "kinematic constraint"))
+    differ = part.clear.values & (grows != named(part.stability, "kinematic constraint"))
     opposite = np.sum(clear & ((polynomial(grid, law=1)[0] < 0) != kinematic))
     return [
         Check.holds(
@@ -149,13 +144,14 @@ def _class_checks(dataset: xr.Dataset, drive: Values, grid: Values, clear: np.nd
             "With damping of screw and nut the real parts of LAPACK's eigenvalues give the same classes",
             "Sect. 8.8.2, docs/lemmas.md",
             differ.sum(),
-            compared.sum(),
+            part.clear.sum(),
         ),
     ]
 
 
-def _boundary_checks(dataset: xr.Dataset, drive: Values, clear: np.ndarray) -> list[Check]:
+def _boundary_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
     """Check the closed form of the boundary (8.33) over the inertia of the nut."""
+    clear = dataset.clear.values
     edge, friction = dataset.critical_friction_with_nut.values, dataset.friction_coefficient.values[:, None]
     off = np.sum(clear & (named(dataset.stability, "kinematic constraint") != (friction > edge)))  # no edge: none
     on_edge = {**drive, "friction_coefficient": edge, "nut_inertia": dataset.nut_inertia.values}
