@@ -77,6 +77,11 @@ def value(threshold: xr.DataArray, case: int = 0) -> float:
     return found
 
 
+def onset_force(drive: Drive) -> float:
+    """Return the least axial force [N] with the motion, Ω > 0, at which vibration sets in."""
+    return min(x.value for x in solve_threshold(drive, "onset", "axial_force").solutions if x.value > 0)
+
+
 def _solved(drive: Drive, name: str, unknown: str) -> Threshold | str:
     """A threshold of a drive, or why there is none."""
     try:

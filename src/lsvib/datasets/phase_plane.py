@@ -88,6 +88,13 @@ def reached(drive: Drive, start: Mapping[str, float], resume: Resume = RULES[0])
     return steady_state(rigid_automaton(drive, resume=resume), [start["u"], start["w"]])
 
 
+def followed(drive: Drive, start: Any, duration: float, resume: Resume = RULES[0]) -> Motion:
+    """Return the motion of the rigid drive from u [rad] and u′ [rad/s] over a ``duration`` [s]."""
+    from lsvib.engine.motion import follow
+
+    return follow(rigid_automaton(drive, resume=resume), start, duration)
+
+
 def attractors(dims: Dims, labels: Any, words: str = ATTRACTOR, **more: Any) -> Variable:
     """Return labels of attractors as a variable, int8 with flags."""
     from lsvib.dynamics.attractor import Attractor
@@ -111,16 +118,15 @@ def portraits(
     """
     from lsvib.dynamics.attractor import steady_state
     from lsvib.dynamics.impulses import event_impulses
-    from lsvib.engine.motion import follow
 
     duration, samples = settings["duration"], settings["samples"]
     states = [np.array([start["u"], start["w"]]) for start in settings["starts"]]
     automata = [[rigid_automaton(drive, resume=rule) for rule in RULES] for drive in drives]
     steady = [[[steady_state(automaton, x) for x in states] for automaton in case] for case in automata]
-    followed = [[follow(case[0], x, duration) for x in states] for case in automata]
-    impulses = [[event_impulses(drive, motion) for motion in row] for drive, row in zip(drives, followed, strict=True)]
+    motions = [[followed(drive, x, duration) for x in states] for drive in drives]
+    impulses = [[event_impulses(drive, motion) for motion in row] for drive, row in zip(drives, motions, strict=True)]
     return xr.Dataset(
-        lines(drives) | _motions(followed, samples) | _events(followed, impulses) | _attractors(steady, samples),
+        lines(drives) | _motions(motions, samples) | _events(motions, impulses) | _attractors(steady, samples),
         coords={**drive_parameters(drives, along=varied, printed=printed), **rule_coordinate()},
     ).set_coords("time")
 
@@ -141,9 +147,9 @@ def lines(drives: Sequence[Drive]) -> Variables:
     }
 
 
-def _motions(followed: Sequence[Sequence[Motion]], samples: int) -> Variables:
+def _motions(motions: Sequence[Sequence[Motion]], samples: int) -> Variables:
     """Return sampled motions, dimensions (case, start, sample)."""
-    sampled, dims = [[(m, *sample(m, samples)) for m in row] for row in followed], ("case", "start", "sample")
+    sampled, dims = [[(m, *sample(m, samples)) for m in row] for row in motions], ("case", "start", "sample")
     time, states = (np.array([[each[k] for each in row] for row in sampled]) for k in (1, 2))
     modes = np.array([[motion.automaton.codes[places] for motion, *_, places in row] for row in sampled])
     variables = {
@@ -179,11 +185,11 @@ def events(
     return found
 
 
-def _events(followed: Sequence[Sequence[Motion]], impulses: Sequence[Sequence[Impulses]]) -> Variables:
+def _events(motions: Sequence[Sequence[Motion]], impulses: Sequence[Sequence[Impulses]]) -> Variables:
     """The events of motions; rows with fewer events than the longest end in NaN, kind −1 and sign 0."""
-    pairs = (zip(*rows, strict=True) for rows in zip(followed, impulses, strict=True))
+    pairs = (zip(*rows, strict=True) for rows in zip(motions, impulses, strict=True))
     found = [[events(motion, Event, own) for motion, own in row] for row in pairs]
-    longest, table = max(1, *(motion.time.size for row in followed for motion in row)), Variables()
+    longest, table = max(1, *(motion.time.size for row in motions for motion in row)), Variables()
     for name, (first, about) in found[0][0].items():
         empty = {"event_kind": -1, "event_sign": 0}.get(name, np.nan)
         rows = [[np.append(one[name][0], [empty] * (longest - one[name][0].size)) for one in row] for row in found]

@@ -7,7 +7,8 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import phase_plane, spans
-from lsvib.datasets.attributes import ASSUMED, axis, drive_parameters, flagged, named_index, parameter, variable
+from lsvib.datasets.analysis import onset_force
+from lsvib.datasets.attributes import ASSUMED, drive_parameters, flagged, named_index, parameter, variable, varied
 from lsvib.datasets.checks import Check
 from lsvib.figures import settings as of
 from lsvib.figures import style
@@ -15,6 +16,7 @@ from lsvib.figures.common import BALANCE, about, balance_check, named
 from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Values
 from lsvib.models import friction
 from lsvib.models.drive import Drive
+from lsvib.stability.threshold import solve_threshold
 
 CAPTION = """\
 The seat drive of which Table 8.1 keeps the constant part of friction, with the whole law that was identified for it
@@ -39,17 +41,15 @@ class Settings(FigureSettings):
     force: of.parameter("axial_force")
 
 
-def _speeds(settings: Values) -> np.ndarray:
-    return np.unique([*spans.logarithmic(settings["input_speed"]), *KNOWN])
-
-
 def build(settings: Values) -> xr.Dataset:
     """Compute the coefficient and the onset over the speed, and what motions end in on both sides of it."""
     from lsvib.dynamics.attractor import Attractor
 
-    drive, speeds = Drive.of(settings["drive"]), _speeds(settings)
+    drive = Drive.of(settings["drive"])
+    speeds = np.unique([*spans.logarithmic(settings["input_speed"]), *KNOWN])
     force, speed = spans.even(settings["swept_axial_force"]), spans.logarithmic(settings["swept_input_speed"])
-    thresholds = [_thresholds(drive.replace(input_speed=at)) for at in speeds.tolist()]
+    slid = [drive.replace(input_speed=at) for at in speeds.tolist()]
+    masses = [solve_threshold(one, "kinematic_constraint").value for one in slid]
     over_force = _motions(drive, axial_force=force)
     over_speed = _motions(drive.replace(axial_force=settings["force"]), input_speed=speed)
     sliding = np.geomspace(1e-4, 1.2 * drive.pitch_radius * speeds.max(), 200)
@@ -59,13 +59,9 @@ def build(settings: Values) -> xr.Dataset:
     return xr.Dataset(
         {
             "coefficient": variable("sliding_speed", mu, "1", "friction coefficient of the threads", r"$\mu$"),
-            "onset_force": variable(
-                "input_speed", [pair[0] for pair in thresholds], "N", "onset force", "$R$"
-            ),
+            "onset_force": variable("input_speed", [onset_force(one) for one in slid], "N", "onset force", "$R$"),
             "steady_critical_mass": variable(
-                "input_speed",
-                [pair[1] for pair in thresholds], "kg", "critical mass in steady sliding",
-                r"$m_\mathrm{cr}$",
+                "input_speed", masses, "kg", "critical mass in steady sliding", r"$m_\mathrm{cr}$"
             ),
             "energy_balance": variable((), _balance(drive.replace(axial_force=float(force[-1]))), *BALANCE),
             "attractor": flagged(dims, over_force.attractor, words, Attractor),
@@ -77,33 +73,21 @@ def build(settings: Values) -> xr.Dataset:
         },
         coords={
             **drive_parameters(drive, axes=("input_speed",), no_effect=("axial_force",), printed=("Sect. 8.5.1",)),
-            **axis("input_speed", speeds),
+            **varied(input_speed=speeds, swept_axial_force=force, swept_input_speed=speed),
             "sliding_speed": variable("sliding_speed", sliding, "m s-1", "sliding speed of the threads", "$v$"),
             "start": named_index("start", "where motions start", STARTS),
-            **axis("swept_axial_force", force),
-            **axis("swept_input_speed", speed),
             "drawn_input_speed": ((), drive.input_speed, parameter("drawn_input_speed", ASSUMED)),
             "drawn_axial_force": ((), settings["force"], parameter("drawn_axial_force", ASSUMED)),
         },
         attrs=about(__doc__, "closed form and motions by power series", "Table 8.1, Sect. 8.5"),
-    )  # fmt: skip
-
-
-def _thresholds(drive: Drive) -> tuple[float, float]:
-    """Onset force [N] of a drive under law +, and its critical mass [kg]."""
-    from lsvib.stability.threshold import solve_threshold
-
-    onset = solve_threshold(drive, "onset", "axial_force")
-    return min(x.value for x in onset.solutions if x.value > 0), solve_threshold(drive, "kinematic_constraint").value
+    )
 
 
 def _balance(drive: Drive) -> float:
     """Return the balance of energy of the cycle that a motion from far away ends on."""
-    from lsvib.dynamics.attractor import steady_state
     from lsvib.dynamics.energy import balance
-    from lsvib.models.rigid import rigid_automaton
 
-    return balance(drive, steady_state(rigid_automaton(drive), [0.1, -drive.input_speed]).orbit)
+    return balance(drive, phase_plane.reached(drive, {"u": 0.1, "w": -drive.input_speed}).orbit)
 
 
 def _motions(drive: Drive, **swept: np.ndarray):
@@ -123,18 +107,16 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     force, speed = dataset.swept_axial_force.values, dataset.swept_input_speed.values
     begins, stops = (float(force[~row].min(initial=np.inf)) for row in slides)
     here = float(onset.sel(input_speed=dataset.drawn_input_speed))
-    step, reason = float(np.diff(force).max()), "the step of the swept force"
-    found = [
-        Check.within(f"Onset force of the seat's law at {at:g} rad/s", "eqs 6.44-6.48 of the thesis, eq. 8.13",
-                     known, float(onset.sel(input_speed=at)), 1e-5, "N", "given with five or six digits")
-        for at, known in KNOWN.items()
-    ]  # fmt: skip
-    found.append(
-        Check.within("Force at which a motion next to steady sliding begins to vibrate", "eq. 8.13", here, begins,
-                     step / here, "N", reason)
-    )  # fmt: skip
+    step = float(np.diff(force).max())
     slow, fast = (float(speed[~row].max(initial=0.0)) for row in named(dataset.speed_attractor, "steady sliding"))
-    found += [
+    return [
+        *(
+            Check.within(f"Onset force of the seat's law at {at:g} rad/s", "eqs 6.44-6.48 of the thesis, eq. 8.13",
+                         known, float(onset.sel(input_speed=at)), 1e-5, "N", "given with five or six digits")
+            for at, known in KNOWN.items()
+        ),
+        Check.within("Force at which a motion next to steady sliding begins to vibrate", "eq. 8.13", here, begins,
+                     step / here, "N", "the step of the swept force"),
         Check.holds("Chatter that has begun goes on below the force at which it begins", "ours",
                     f"begins at {begins:.4g} N, stops at {stops:.4g} N", stops < begins),
         Check.holds("Over the input speed chatter stops at a higher speed than that below which it begins", "ours",
@@ -144,7 +126,6 @@ def checks(dataset: xr.Dataset) -> list[Check]:
                     f"C_0 = c = {float(dataset.support_damping):.3g} N m s/rad",
                     float(dataset.support_damping) > 0 and float(dataset.translation_damping) == 0),
     ]  # fmt: skip
-    return found
 
 
 @style.styled

@@ -13,7 +13,7 @@ from pydantic_core import PydanticCustomError
 
 from lsvib.datasets import newton, phase_plane, printed, spans
 from lsvib.datasets.analysis import analyse, value
-from lsvib.datasets.attributes import Variables, axis, flagged, start_state, variable, yes_no
+from lsvib.datasets.attributes import Variables, flagged, start_state, variable, varied, yes_no
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures.common import SteadyState, about, flag_names, named, spread
@@ -21,7 +21,7 @@ from lsvib.figures.settings import MassPair, PhasePlane, Span, State, Values, pa
 from lsvib.models import chapter
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.rigid import MotionMode, rigid_automaton
+from lsvib.models.rigid import MotionMode
 
 CAPTION = """\
 Amplitude of the steady vibration against the axial force R for m = 1 kg and c_x = 1000 N s/m, with phase portraits at
@@ -40,12 +40,9 @@ _REGIMES = {  # what the drive does: colour, words, dashes
     "stick slip with contact reversal": (style.ORANGE, "stick–slip, reaches $N = 0$", "-"),
     "stick slip": (style.VERMILION, "stick–slip, $N > 0$", (0, (2, 0.6))),
 }
-_OF = {
-    f"effective_{kind}_{sign}": f"effective_{kind}_{sign}"
-    for kind in ("inertia", "damping")
-    for sign in ("plus", "minus")
-}
-_OF |= {name: name.replace("_force", "_axial_force") for name in _THRESHOLDS}  # names in the analysis
+_LAWS = {-1: ("minus", "₋"), 1: ("plus", "₊")}  # word and symbol
+_READ = [f"effective_{kind}_{sign}" for kind in ("inertia", "damping") for sign, _ in _LAWS.values()]
+_OF = {name: name.replace("_force", "_axial_force") for name in (*_READ, *_THRESHOLDS)}  # names in the analysis
 
 
 class Settings(PhasePlane):
@@ -94,10 +91,9 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     words = {name: name.replace("_", " ") for name in _THRESHOLDS}
     planes = phase_plane.portraits(settings, insets, ("axial_force",), ("Sect. 8.5.1", "Fig. 8.6")).assign_coords(
         {
-            **axis("swept_axial_force", forces),
-            **axis("reading_mass", settings["mass_readings"]),
+            **varied(swept_axial_force=forces, swept_friction_coefficient=frictions),
+            **varied(reading_mass=settings["mass_readings"]),
             **start_state(settings["start"], "of the motions whose steady vibration swept_amplitude describes"),
-            **axis("swept_friction_coefficient", frictions),
             "lead_tangent": variable((), tangent, "1", "tangent of the lead angle", r"$\tan\lambda$"),
             **{name: variable((), value, "N", words[name], "$R$") for name, value in values.items()},
             **{f"printed_{n}": printed.variable(chapter.THRESHOLDS[n], words[n]) for n in _THRESHOLDS},
@@ -116,10 +112,7 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
 
 def _holds_without_torque(drive: Drive) -> bool:
     """Whether the motion from θ′ = 0 and z = 0 begins with rest."""
-    from lsvib.engine.motion import follow
-
-    untwisted = [-float(coefficients(drive).deflection), -drive.input_speed]
-    motion = follow(rigid_automaton(drive), untwisted, 1e-9)
+    motion = phase_plane.followed(drive, [-float(coefficients(drive).deflection), -drive.input_speed], 1e-9)
     return bool(motion.automaton.codes[motion.arcs()[0][0]] == MotionMode.REST)
 
 
@@ -237,28 +230,31 @@ def _inset_checks(dataset: xr.Dataset) -> list[Check]:
 def _reading_checks(dataset: xr.Dataset) -> list[Check]:
     """Check the printed values: C± do not depend on the mass; Γ± as printed do not belong to the stated one."""
     stated = float(dataset.mass)
-    printed_for = float(dataset.reading_mass.values[dataset.reading_mass.values != stated][0])
-    ours, theirs = dataset.sel(reading_mass=stated), dataset.sel(reading_mass=printed_for)
-    laws, result = ((-1, "minus", "₋"), (1, "plus", "₊")), []
-    for law, sign, symbol in laws:
-        words = f"Effective damping C{symbol}, of any mass"
-        result.append(printed.check(words, chapter.EFFECTIVE_DAMPING[law], ours[f"reading_effective_damping_{sign}"]))
-    for law, sign, symbol in laws:
-        words = (
-            f"Effective inertia Γ{symbol} as printed, read as that of m = {printed_for:g} kg "
-            f"(with the stated m = {stated:g} kg it is {float(ours[f'reading_effective_inertia_{sign}']):.3g} kg m2)"
-        )
-        result.append(printed.check(words, chapter.EFFECTIVE_INERTIA[law], theirs[f"reading_effective_inertia_{sign}"]))
-    inertias = {law: float(ours[f"reading_effective_inertia_{sign}"]) for law, sign, _ in laws}
+    other = float(dataset.reading_mass.values[dataset.reading_mass.values != stated][0])
+    ours, theirs = ({name: float(x) for name, x in dataset.sel(reading_mass=m).items() if name.startswith("reading_")}
+                    for m in (stated, other))  # fmt: skip
+    inertias = {law: ours[f"reading_effective_inertia_{sign}"] for law, (sign, _) in _LAWS.items()}
     wrong = [abs(x / chapter.EFFECTIVE_INERTIA[law].value - 1) > 0.1 for law, x in inertias.items()]
-    claim, found = "The printed Γ± are not those of the stated mass (more than 10 % off)", f"m = {stated:g} kg gives "
-    found += " and ".join(f"{x:.3g} kg m2" for x in inertias.values())
-    result.append(Check.holds(claim, "Sect. 8.5.1", found, all(wrong)))
-    own = {name: float(theirs[f"reading_{name}"]) for name in ("stick_force", "detach_force")}
-    claim = f"The thresholds of Fig. 8.6 are not those of m = {printed_for:g} kg (more than 2 % off)"
-    found = f"m = {printed_for:g} kg gives {' and '.join(f'{force:.2f} N' for force in own.values())}"
-    off = all(abs(force / chapter.THRESHOLDS[name].value - 1) > 0.02 for name, force in own.items())
-    return [*result, Check.holds(claim, "Sect. 8.5.1, Fig. 8.6", found, off)]
+    forces = {name: theirs[f"reading_{name}"] for name in ("stick_force", "detach_force")}
+    off = [abs(force / chapter.THRESHOLDS[name].value - 1) > 0.02 for name, force in forces.items()]
+    return [
+        *(
+            printed.check(f"Effective damping C{symbol}, of any mass", chapter.EFFECTIVE_DAMPING[law],
+                          ours[f"reading_effective_damping_{sign}"])
+            for law, (sign, symbol) in _LAWS.items()
+        ),
+        *(
+            printed.check(f"Effective inertia Γ{symbol} as printed, read as that of m = {other:g} kg (with the stated "
+                          f"m = {stated:g} kg it is {inertias[law]:.3g} kg m2)", chapter.EFFECTIVE_INERTIA[law],
+                          theirs[f"reading_effective_inertia_{sign}"])
+            for law, (sign, symbol) in _LAWS.items()
+        ),
+        Check.holds("The printed Γ± are not those of the stated mass (more than 10 % off)", "Sect. 8.5.1",
+                    f"m = {stated:g} kg gives {' and '.join(f'{x:.3g} kg m2' for x in inertias.values())}", all(wrong)),
+        Check.holds(f"The thresholds of Fig. 8.6 are not those of m = {other:g} kg (more than 2 % off)",
+                    "Sect. 8.5.1, Fig. 8.6",
+                    f"m = {other:g} kg gives {' and '.join(f'{x:.2f} N' for x in forces.values())}", all(off)),
+    ]  # fmt: skip
 
 
 @style.styled

@@ -16,7 +16,7 @@ from lsvib.figures.settings import PhasePlane, Span, Values
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.names import RULES, Event
-from lsvib.models.rigid import MotionMode, rigid_automaton
+from lsvib.models.rigid import MotionMode
 
 CAPTION = """\
 The four sectors of the phase plane in the region of Painlevé's paradoxes: no solution in the hatched sectors, two
@@ -147,11 +147,9 @@ def _beyond_line(dataset: xr.Dataset, u, w):
 
 def _rests(drive: Drive, start: Values, duration: float) -> list[float]:
     """Time [s] at rest after the first seizure, under each rule of resuming; of a start that does not seize, zero."""
-    from lsvib.engine.motion import follow
-
     rests = []
     for rule in RULES:
-        motion = follow(rigid_automaton(drive, resume=rule), [start["u"], start["w"]], duration)
+        motion = phase_plane.followed(drive, [start["u"], start["w"]], duration, rule)
         modes, *_, durations = motion.arcs()
         seizures = np.flatnonzero(motion.kind == Event.SEIZURE)[:1] + 1
         rests.append(sum(durations[k] for k in seizures if motion.automaton.codes[modes[k]] == MotionMode.REST))

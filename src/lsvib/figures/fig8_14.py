@@ -25,7 +25,7 @@ from lsvib.figures.settings import Cells, MassPair, OpposingForces, PhasePlane, 
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.names import RULES, Event
-from lsvib.models.rigid import MotionMode, rigid_automaton
+from lsvib.models.rigid import MotionMode
 
 CAPTION = """\
 Trajectories under a negative axial force, c = 1e-3 N m s/rad, (a) for R = −50 N and (b) for R = −10 N, as in the
@@ -119,15 +119,13 @@ def _first_events(drives: Sequence[Drive], maps: xr.Dataset, duration: float) ->
 
     A rest counts as a later event even if it begins at once.
     """
-    from lsvib.engine.motion import follow
-
     places = {f"grid_{name}_deviation": maps[f"grid_{name}_deviation"] for name in ("angle", "velocity")}
     few = maps.isel({name: spans.evenly_chosen(axis.size, 16) for name, axis in places.items()})
     few = few.stack(probe=list(places), create_index=False)
     u, w = (few[name].values for name in places)
     first, rate, later = (np.full((len(drives), u.size), value) for value in (-1, np.nan, 0))
     for case, probe in np.ndindex(first.shape):
-        motion = follow(rigid_automaton(drives[case]), [u[probe], w[probe]], duration)
+        motion = phase_plane.followed(drives[case], [u[probe], w[probe]], duration)
         at_once = motion.time == 0
         if at_once.any():
             first[case, probe], rate[case, probe] = motion.kind[0], motion.after[0, 1]
@@ -188,12 +186,9 @@ def _reverse_slips(drives: Sequence[Drive], start: Values, duration: float, samp
 
 def _until_release(drive: Drive, rule: str, start: Values, duration: float) -> Motion:
     """The motion up to its first release, or all of it."""
-    from lsvib.engine.motion import follow
-
-    automaton, state = rigid_automaton(drive, resume=rule), [start["u"], start["w"]]
-    whole = follow(automaton, state, duration)
-    released = np.flatnonzero(whole.kind == Event.RELEASE)
-    return follow(automaton, state, float(whole.time[released[0]])) if released.size else whole
+    whole = phase_plane.followed(drive, [start["u"], start["w"]], duration, rule)
+    released = whole.time[whole.kind == Event.RELEASE].tolist()
+    return phase_plane.followed(drive, [start["u"], start["w"]], released[0], rule) if released else whole
 
 
 def _limits(drive: Drive) -> tuple[float, float]:

@@ -7,7 +7,7 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import phase_plane, printed, spans
-from lsvib.datasets.analysis import analyse
+from lsvib.datasets.analysis import analyse, onset_force
 from lsvib.datasets.attributes import ASSUMED, drive_parameters, flagged, named_index, parameter, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import settings as of
@@ -17,6 +17,7 @@ from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, S
 from lsvib.models import chapter
 from lsvib.models.drive import Drive
 from lsvib.numbers import bisected
+from lsvib.stability.threshold import solve_threshold
 
 CAPTION = """\
 Friction that rises by a part of its kinetic value towards slow sliding, over the Stribeck speed: (a) critical mass and
@@ -66,9 +67,9 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
 
     drive, rise = Drive.of(settings["drive"]), spans.even(settings["rise"])
     heavy = drive.replace(mass=settings["heavy_mass"])
-    slow = [_threshold(_slow(drive, share), "mass") for share in rise.tolist()]
-    least = _threshold(_slow(heavy, 0.0), "friction_coefficient")
-    onset = [_onset(_risen(drive, share)) for share in rise.tolist()]
+    slow = [solve_threshold(_slow(drive, share), "kinematic_constraint", "mass").value for share in rise.tolist()]
+    least = solve_threshold(_slow(heavy, 0.0), "kinematic_constraint", "friction_coefficient").value
+    onset = [onset_force(_risen(drive, share)) for share in rise.tolist()]
     forces = [_forces(_risen(drive, share), float(first)) for share, first in zip(rise.tolist(), onset, strict=True)]
     static, rows = spans.even(settings["static"]), []
     for name in CYCLES:
@@ -106,18 +107,6 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     )
 
 
-def _threshold(drive: Drive, unknown: str) -> float:
-    from lsvib.stability.threshold import solve_threshold
-
-    return solve_threshold(drive, "kinematic_constraint", unknown).value
-
-
-def _onset(drive: Drive) -> float:
-    from lsvib.stability.threshold import solve_threshold
-
-    return min(x.value for x in solve_threshold(drive, "onset", "axial_force").solutions if x.value > 0)
-
-
 def _forces(drive: Drive, onset: float) -> tuple[float, float]:
     """Stick and detach force [N] of a drive whose vibration sets in at a force: by bisection, from its motions."""
     from lsvib.dynamics.sweep import RESTS, REVERSES, ending_of
@@ -134,11 +123,9 @@ def _forces(drive: Drive, onset: float) -> tuple[float, float]:
 
 def _cycle(drive: Drive) -> tuple[int, float, float, float]:
     """What the motion of a drive from far away ends in, amplitude [rad], period [s], and balance of energy [1]."""
-    from lsvib.dynamics.attractor import steady_state
     from lsvib.dynamics.energy import balance
-    from lsvib.models.rigid import rigid_automaton
 
-    found = steady_state(rigid_automaton(drive), [0.06, -drive.input_speed])
+    found = phase_plane.reached(drive, {"u": 0.06, "w": -drive.input_speed})
     return int(found.label), found.amplitude, found.period, balance(drive, found.orbit)
 
 
