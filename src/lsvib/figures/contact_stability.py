@@ -327,8 +327,8 @@ def _critical_mass(axes: style.Axes, dataset: xr.Dataset) -> None:
     axes.axhline(rigid, color=style.GREY, linewidth=0.9, linestyle="--")
     axes.annotate(f"rigid contact: {rigid:.3f} kg", (0.03, rigid), (0, -3), xycoords=axes.get_yaxis_transform(),
                   textcoords="offset points", fontsize=6.5, va="top", color=style.GREY)  # fmt: skip
-    axes.set(xscale="log", title="(a) critical mass; steady sliding is lost above", xlabel=style.label(damping))
-    axes.set(ylabel="Critical mass $m_\\mathrm{cr}$ [kg]", ylim=(0, 1.8 * rigid))
+    style.frame(axes, "(a) critical mass; steady sliding is lost above", damping, "Critical mass $m_\\mathrm{cr}$ [kg]",
+                xscale="log", ylim=(0, 1.8 * rigid))  # fmt: skip
     axes.legend(loc="upper left")
 
 
@@ -339,8 +339,8 @@ def _growth(axes: style.Axes, dataset: xr.Dataset, letter: str, rigid: float) ->
         axes.plot(stiffness, curve, color=colour, linestyle=dashes, label=name)
     axes.axhline(0, color=style.BLACK, linewidth=0.5)
     axes.set_yscale("symlog", linthresh=10.0)
-    axes.set_title(f"({letter}) growth rate, $m$ = {style.number(dataset.mass)} kg {sign} rigid $m_\\mathrm{{cr}}$")
-    axes.set(xscale="log", xlabel=style.label(stiffness), ylabel="Largest real part [s⁻¹], stable below 0")
+    title = f"({letter}) growth rate, $m$ = {style.number(dataset.mass)} kg {sign} rigid $m_\\mathrm{{cr}}$"
+    style.frame(axes, title, stiffness, "Largest real part [s⁻¹], stable below 0", xscale="log")
 
 
 def _least(axes: style.Axes, dataset: xr.Dataset) -> None:
@@ -357,6 +357,5 @@ def _least(axes: style.Axes, dataset: xr.Dataset) -> None:
                   xycoords=axes.get_yaxis_transform(), textcoords="offset points", fontsize=6.5)  # fmt: skip
     axes.text(0.6, 0.92, "stable", transform=axes.transAxes, va="center")
     axes.text(0.6, 0.45, "unstable", transform=axes.transAxes, va="center")
-    axes.set_title(f"(d) contact damping at which $m$ = {style.number(dataset.mass[1])} kg is stable")
-    axes.set(xscale="log", yscale="log", xlabel=style.label(stiffness), ylabel=style.label(dataset.contact_damping))
-    axes.set_ylim(None, top)
+    title = f"(d) contact damping at which $m$ = {style.number(dataset.mass[1])} kg is stable"
+    style.frame(axes, title, stiffness, dataset.contact_damping, xscale="log", yscale="log", ylim=(None, top))

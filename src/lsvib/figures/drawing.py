@@ -22,8 +22,7 @@ def single(dataset: xr.Dataset) -> style.Figure:
     phase_plane(axes, case)
     draw_lines(axes, case)
     guide(axes, case)
-    label_axes(axes, dataset)
-    axes.set_title(f"$R$ = {style.number(case.axial_force)} N")
+    label_axes(axes, dataset, f"$R$ = {style.number(case.axial_force)} N")
     return style.legend(figure, [axes], 3)
 
 
@@ -42,10 +41,10 @@ def phase_plane(
         limits(x.min() - margin * np.ptp(x), x.max() + margin * np.ptp(x))
 
 
-def label_axes(axes: style.Axes, dataset: xr.Dataset) -> None:
-    """Label both axes with u and its rate."""
-    axes.set_xlabel(style.label(dataset.angle_deviation, "deviation"))
-    axes.set_ylabel(style.label(dataset.velocity_deviation, "rate"))
+def label_axes(axes: style.Axes, dataset: xr.Dataset, title: str | None = None) -> None:
+    """Label both axes with u and its rate, and give the panel a ``title``, if it has none."""
+    deviation, rate = dataset.angle_deviation, dataset.velocity_deviation
+    style.frame(axes, title or axes.get_title("left"), style.label(deviation, "deviation"), style.label(rate, "rate"))
 
 
 def draw_lines(axes: style.Axes, case: xr.Dataset, colour: str = style.VERMILION, name: str = "$N = 0$") -> None:

@@ -136,17 +136,16 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     law.plot(dataset.sliding_speed * 1e3, dataset.coefficient, color=style.BLUE, label="the law")
     constant = float(dataset.friction_coefficient)
     law.axhline(constant, **style.PRINTED, label=f"constant of Table 8.1: {constant:g}")
-    law.set(xscale="log", xlabel="Sliding speed $v$ [mm s⁻¹]", ylabel=style.label(dataset.coefficient, "coefficient"),
-            title="(a) friction")  # fmt: skip
+    coefficient = style.label(dataset.coefficient, "coefficient")
+    style.frame(law, "(a) friction", "Sliding speed $v$ [mm s⁻¹]", coefficient, xscale="log")
     law.legend(loc="lower left")
     onset.plot(dataset.input_speed, dataset.onset_force, color=style.BLUE)
-    onset.fill_between(dataset.input_speed, dataset.onset_force, 1.2 * dataset.onset_force.max(), color=style.BLUE,
-                       alpha=0.15, linewidth=0)  # fmt: skip
+    top, shade = 1.2 * float(dataset.onset_force.max()), {"color": style.BLUE, "alpha": 0.15, "linewidth": 0}
+    onset.fill_between(dataset.input_speed, dataset.onset_force, top, **shade)
     onset.text(0.32, 0.72, "steady sliding unstable", transform=onset.transAxes, ha="center")
     onset.text(0.75, 0.15, "stable", transform=onset.transAxes, ha="center")
-    onset.set(xscale="log", title="(b) onset of vibration", ylim=(0, 1.2 * float(dataset.onset_force.max())),
-              xlabel=style.label(dataset.input_speed),
-              ylabel=style.label(dataset.onset_force, "axial force"))  # fmt: skip
+    label = style.label(dataset.onset_force, "axial force")
+    style.frame(onset, "(b) onset of vibration", dataset.input_speed, label, xscale="log", ylim=(0, top))
     fixed = f"$\\Omega$ = {float(dataset.drawn_input_speed):g} rad/s", f"$R$ = {float(dataset.drawn_axial_force):g} N"
     _sweep(force, dataset.swept_axial_force, dataset.amplitude, f"(c) over the force, {fixed[0]}")
     _sweep(speed, dataset.swept_input_speed, dataset.speed_amplitude, f"(d) over the speed, {fixed[1]}")
@@ -166,4 +165,4 @@ def _sweep(axes: style.Axes, swept: xr.DataArray, amplitude: xr.DataArray, title
         axes.plot(
             swept, row, mark, color=colour, markersize=size, markerfacecolor=face, markeredgewidth=0.7, label=word
         )
-    axes.set(title=title, xlabel=style.label(swept), ylabel=style.label(amplitude, "amplitude"))
+    style.frame(axes, title, swept, style.label(amplitude, "amplitude"))

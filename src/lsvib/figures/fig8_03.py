@@ -237,7 +237,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         inside = dataset.stability.copy(data=named(dataset.stability, name))
         if inside.mean() > 0.01:  # lines such as the centres have no region
             axes.text(inertia.where(inside).mean(), damping.where(inside).mean(), name, ha="center")
-    axes.set(xlabel=style.label(inertia), ylabel=style.label(damping), xlim=inertia[[0, -1]], ylim=damping[[0, -1]])
+    style.frame(axes, "", inertia, damping, xlim=inertia[[0, -1]], ylim=damping[[0, -1]])
     _close_up(axes, close, dataset)
     return style.legend(figure, [axes], 1, place="outside right upper")
 

@@ -274,8 +274,8 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         axes.axvline(force, color=style.GREY, linewidth=0.8, linestyle=":", zorder=0)
         axes.axvline(float(dataset[f"printed_{name}"]), **style.PRINTED, zorder=0, label=f"printed: {words} N")
         axes.text(force, top, f"{word} {force:.2f} N", ha="center", va="bottom")
-    axes.set(xlabel=style.label(forces), ylabel=style.label(amplitude, "amplitude of $u$"))
-    axes.set(xlim=forces[[0, -1]], ylim=(-0.02 * top, top))
+    axes.set(xlabel=style.label(forces), xlim=forces[[0, -1]], ylim=(-0.02 * top, top))
+    axes.set_ylabel(style.label(amplitude, "amplitude of $u$"))
     # xarray's own interpolation needs scipy, which the package does not.
     curve = np.interp(dataset.axial_force, forces, amplitude, np.nan, np.nan)
     axes.plot(dataset.axial_force, curve, "o", color="white", mec=style.BLACK, markersize=4.5, zorder=4,
@@ -290,6 +290,5 @@ def _portrait(axes: style.Axes, case: xr.Dataset) -> None:
     drawing.phase_plane(axes, case, [0.8] * case.sizes["start"], 1.6, 0.2)
     drawing.draw_lines(axes, case)
     drawing.guide(axes, case)
-    drawing.label_axes(axes, case)
+    drawing.label_axes(axes, case, f"$R$ = {style.number(case.axial_force)} N")
     axes.locator_params(axis="x", nbins=4)
-    axes.set_title(f"$R$ = {style.number(case.axial_force)} N")

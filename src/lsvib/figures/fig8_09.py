@@ -132,9 +132,9 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         axes.text(0.4, 0.35, "$N < 0$", transform=axes.transAxes, ha="center")
         words = "no\nsolution" if index else "$N > 0$"
         axes.text(0.95, 0.875, words, transform=axes.transAxes, ha="right", va="center")
-        drawing.label_axes(axes, dataset)
+        title = f"({'ab'[index]}) $m$ = {style.number(case.mass)} kg ${relation} m_\\mathrm{{cr}}$"
+        drawing.label_axes(axes, dataset, title)
         axes.locator_params(axis="x", nbins=3)
-        axes.set_title(f"({'ab'[index]}) $m$ = {style.number(case.mass)} kg ${relation} m_\\mathrm{{cr}}$")
     _over_force(last, dataset)
     return style.legend(figure, planes, 4)
 

@@ -252,9 +252,8 @@ def _plane(axes: style.Axes, dataset: xr.Dataset) -> None:
     drawing.mark_origin(axes)
     drawing.draw_stop(axes, -float(dataset.input_speed))
     drawing.arrows(axes, [(dataset.cycle_angle.values, dataset.cycle_velocity.values, style.BLUE)])
-    drawing.label_axes(axes, dataset)
+    drawing.label_axes(axes, dataset, "(a) phase plane")
     axes.locator_params(axis="x", nbins=5)
-    axes.set_title("(a) phase plane")
 
 
 def _close_up(axes: style.Axes, dataset: xr.Dataset) -> None:
@@ -266,8 +265,8 @@ def _close_up(axes: style.Axes, dataset: xr.Dataset) -> None:
         axes.set(xlim=(edge - 0.05 * width, edge + 0.02 * width), ylim=(-1.1 * speed, 1.1 * speed))
     axes.xaxis.set_major_formatter(lambda value, _: f"{1e3 * value:g}".replace("-", "−"))
     axes.locator_params(axis="x", nbins=4)
-    axes.set(title="(c) ours: right edge of (a)", xlabel="Deviation $u$ [10⁻³ rad]",
-             ylabel=style.label(dataset.velocity_deviation, "rate"))  # fmt: skip
+    rate = style.label(dataset.velocity_deviation, "rate")
+    style.frame(axes, "(c) ours: right edge of (a)", "Deviation $u$ [10⁻³ rad]", rate)
 
 
 def _cycles(axes: style.Axes, dataset: xr.Dataset) -> None:

@@ -176,9 +176,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
             (close, near, 1e6, "⁻⁶", f"({'def'[column]}) ours: {title}, small $c$"),
         ):
             _curves(axes, part, name, scale)
-            axes.set(
-                title=name_of, xlabel=f"Damping $c$ [10{power} N m s rad⁻¹]", ylabel=style.label(dataset[name], word)
-            )
+            style.frame(axes, name_of, f"Damping $c$ [10{power} N m s rad⁻¹]", style.label(dataset[name], word))
             axes.set_xlim(0, float(part.support_damping[-1]) * scale)
             axes.locator_params(nbins=5)
         close.axvline(limit * 1e6, color=style.BLACK, linewidth=0.8, linestyle=":",

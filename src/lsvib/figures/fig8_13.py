@@ -229,8 +229,8 @@ def _plane(axes: style.Axes, dataset: xr.Dataset) -> None:
     drawing.mark_origin(axes)
     axes.margins(0.06)
     drawing.arrows(axes, cycles)
-    axes.set(title="(a) phase plane", xlabel=style.label(dataset.cycle_angle, "deviation"),
-             ylabel=style.label(dataset.cycle_velocity, "rate"))  # fmt: skip
+    labels = style.label(dataset.cycle_angle, "deviation"), style.label(dataset.cycle_velocity, "rate")
+    style.frame(axes, "(a) phase plane", *labels)
 
 
 def _deflection(axes: style.Axes, dataset: xr.Dataset) -> None:
@@ -255,8 +255,8 @@ def _map(figure: style.Figure, axes: style.Axes, dataset: xr.Dataset) -> None:
     axes.plot(dataset.boundary_contact_damping, stiffness, "-|", color=style.BLACK, markersize=5)
     axes.annotate("$z = 0$", (float(dataset.boundary_contact_damping[0]), stiffness[0]), (5, 2), fontsize=7,
                   textcoords="offset points")  # fmt: skip
-    axes.set(xscale="log", yscale="log", title="(c) ours: largest deflection")
-    axes.set(xlabel=style.label(dataset.grid_contact_damping), ylabel=style.label(dataset.grid_contact_stiffness))
+    style.frame(axes, "(c) ours: largest deflection", dataset.grid_contact_damping, dataset.grid_contact_stiffness,
+                xscale="log", yscale="log")  # fmt: skip
     for one, colour, _ in _contacts(dataset):
         if float(one.contact_damping) >= damping[0] and float(one.contact_stiffness) >= stiffness[0]:
             axes.plot(one.contact_damping, one.contact_stiffness, "o", color=colour, mec=style.BLACK, clip_on=False,
@@ -280,6 +280,6 @@ def _shortest(axes: style.Axes, dataset: xr.Dataset) -> None:
         name = f"$k_c$ = {style.number(curve.grid_contact_stiffness)} N m⁻¹"
         shortest = 1e6 * speed / curve.grid_largest_acceleration
         axes.plot(curve.grid_contact_damping, shortest, color=colour, linestyle=dashes, label=name)
-    axes.set(xscale="log", yscale="log", title="(d) ours: shortest time")
-    axes.set(xlabel=style.label(dataset.grid_contact_damping), ylabel=r"$\Omega\, /\, \max|\ddot\theta|$ [µs]")
+    style.frame(axes, "(d) ours: shortest time", dataset.grid_contact_damping, r"$\Omega\, /\, \max|\ddot\theta|$ [µs]",
+                xscale="log", yscale="log")  # fmt: skip
     axes.legend(loc="lower left")

@@ -399,13 +399,12 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         drawing.phase_plane(axes, case, (2.2, 1.0, 1.0, 1.0))  # the first motion shows on both sides of a later one
         note, ours = ("as printed", "") if letter in "ab" else ("$m > m_\\mathrm{cr}$", "ours: ")
         force, mass = style.number(case.axial_force), style.number(case.mass)
-        axes.set_title(f"({letter}) {ours}$R$ = {force} N, $m$ = {mass} kg, {note}")
+        drawing.label_axes(axes, dataset, f"({letter}) {ours}$R$ = {force} N, $m$ = {mass} kg, {note}")
     edges = np.array([dataset[f"grid_{name}_deviation"].values[[0, -1]] for name in ("angle", "velocity")])
     panels[0].axis(np.ravel(edges + 0.06 * np.ptp(edges, axis=1, keepdims=True) * [-1, 1]))  # all motions begin there
     for axes, case in zip(panels, cases, strict=True):
         drawing.draw_lines(axes, case)
         drawing.guide(axes, case)
-        drawing.label_axes(axes, dataset)
         axes.label_outer()
     close, distance = below.subplots(1, 2)
     _close_up(close, cases[2])
@@ -417,16 +416,12 @@ def draw(dataset: xr.Dataset) -> style.Figure:
 
 def _region(axes: style.Axes, case: xr.Dataset) -> None:
     """Shade the starts by the attractor of their motion."""
-    from matplotlib.colors import ListedColormap
-
-    w, u = case.grid_velocity_deviation, case.grid_angle_deviation
-    for name in flag_names(case.grid_attractor).values():
-        here = named(case.grid_attractor, name)
-        if here.any():
-            colour, words = _STARTS.get(name, (style.PURPLE, f"starts that lead to {name}"))
-            shown = np.where(here, 1.0, np.nan).T
-            axes.pcolormesh(u, w, shown, cmap=ListedColormap([colour]), rasterized=True, zorder=0)
-            axes.fill([], [], color=colour, label=words)
+    labels, names = case.grid_attractor, flag_names(case.grid_attractor)
+    looks = {name: _STARTS.get(name, (style.PURPLE, f"starts that lead to {name}")) for name in names.values()}
+    colours = {name: colour for name, (colour, _) in looks.items()}
+    drawing.regions(axes, case.grid_angle_deviation, case.grid_velocity_deviation, labels.T, colours, zorder=0)
+    for colour, words in (looks[names[value]] for value in np.unique(labels).tolist()):
+        axes.fill([], [], color=colour, label=words)
 
 
 def _close_up(axes: style.Axes, case: xr.Dataset) -> None:
@@ -444,8 +439,7 @@ def _close_up(axes: style.Axes, case: xr.Dataset) -> None:
     axes.annotate("corner", (corner, stop), (-10, -30), textcoords="offset points", ha="right",
                   arrowprops={"arrowstyle": "-", "linewidth": 0.6})  # fmt: skip
     axes.locator_params(nbins=5)
-    axes.set_title("(e) ours: corner of (c), reverse slips")
-    drawing.label_axes(axes, case)
+    drawing.label_axes(axes, case, "(e) ours: corner of (c), reverse slips")
 
 
 def _distances(axes: style.Axes, dataset: xr.Dataset) -> None:
@@ -461,6 +455,6 @@ def _distances(axes: style.Axes, dataset: xr.Dataset) -> None:
         axes.plot(number, found[middle] * ratio ** (number - 1 - middle), color=style.BLACK, linewidth=0.7,
                   label=r"falls with $c a / (k \Omega + c a)$")  # fmt: skip
         axes.text(*place, f"({letter}) ratio {ratio:.4f}", transform=axes.transAxes)
-    axes.set(yscale="log", title="(f) ours: seizures approach the corner", xlabel="Number of the seizure")
+    distance = style.label(dataset.seizure_distance, "distance")
+    style.frame(axes, "(f) ours: seizures approach the corner", "Number of the seizure", distance, yscale="log")
     axes.xaxis.get_major_locator().set_params(integer=True)
-    axes.set_ylabel(style.label(dataset.seizure_distance, "distance"))

@@ -306,6 +306,5 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     critical, printed = float(dataset.critical_friction), float(dataset.printed_critical_friction)
     axes.axvline(critical, color=style.VERMILION, linewidth=1.4, label=rf"$\mu_\mathrm{{kc}}$ = {critical:.4f}")
     axes.axvline(printed, **style.PRINTED, label=rf"$\mu_\mathrm{{kc}}$ = {printed:g}, as printed")
-    axes.set(xlabel=style.label(friction), ylabel=style.label(stiffness), yscale="log")
-    axes.set(xlim=friction[[0, -1]], ylim=stiffness[[0, -1]])
+    style.frame(axes, "", friction, stiffness, yscale="log", xlim=friction[[0, -1]], ylim=stiffness[[0, -1]])
     return style.legend(figure, [axes], 1, patches, "outside right upper")

@@ -196,6 +196,5 @@ def draw(dataset: xr.Dataset) -> style.Figure:
             ("stick–slip, constant kinetic friction", "sprag–slip of Fig. 8.9"), strict=True,
         ):  # fmt: skip
             axes.plot(dataset.static_share, row, color=colour, linestyle=dashes, marker=".", markersize=3, label=words)
-        axes.set(title=title, xlabel="Static over kinetic friction", ylabel=style.label(dataset[name], name),
-                 ylim=(0, None))  # fmt: skip
+        style.frame(axes, title, "Static over kinetic friction", style.label(dataset[name], name), ylim=(0, None))
     return style.legend(figure, [critical, other, force, amplitude], 4)

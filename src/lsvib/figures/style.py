@@ -108,6 +108,12 @@ def label(variable: xr.DataArray, name: str | None = None) -> str:
     return " ".join(part for part in parts if part)
 
 
+def frame(axes: Axes, title: str, x: xr.DataArray | str, y: xr.DataArray | str, **more: Any) -> None:
+    """Give a panel its title, and both axes a variable's :func:`label` or words; ``more`` as ``axes.set`` takes it."""
+    across, up = (name if isinstance(name, str) else label(name) for name in (x, y))
+    axes.set(title=title, xlabel=across, ylabel=up, **more)
+
+
 def unit(units: str) -> str:
     """Return a unit for the eye: ``"N m s rad-1"`` becomes ``"[N m s rad⁻¹]"``, ``"1"`` becomes empty."""
     if units == "1":
