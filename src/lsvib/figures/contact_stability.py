@@ -1,6 +1,6 @@
 """Critical mass of the drive with compliant threads over its contact, and the growth rates of Lemma 8.1."""
 
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -38,7 +38,7 @@ _DASHES = ("-", (0, (5, 1.5)), (0, (3, 1, 1, 1)), (0, (8, 2)), "-", (0, (5, 1.5)
 
 
 class Settings(of.FigureSettings):
-    unused: ClassVar = ("mass",)
+    unused = ("mass",)
 
     drive: of.DriveChanges
     stiffnesses: of.several(of.parameter("contact_stiffness"), 1, 6, "Contact stiffnesses k_c of the curves [N/m].")

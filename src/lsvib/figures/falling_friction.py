@@ -1,7 +1,5 @@
 """Chatter by falling friction: the onset over the input speed, and the vibration on both sides of it."""
 
-from typing import ClassVar
-
 import numpy as np
 import xarray as xr
 from pydantic import Field
@@ -32,7 +30,7 @@ KNOWN = {40.0: 88.934, 10.0: 64.305, 5.0: 24.914, 2.0: 9.8556}
 
 
 class Settings(FigureSettings):
-    flows: ClassVar = ("taylor",)
+    flows = ("taylor",)
 
     drive: DriveChanges
     input_speed: PositiveSpan = Field(description="Input speeds of the onset, evenly spaced in logarithm [rad/s].")

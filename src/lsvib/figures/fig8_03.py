@@ -2,7 +2,6 @@
 
 from itertools import combinations, product
 from types import SimpleNamespace
-from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -36,7 +35,7 @@ _DRIVES = (style.BLUE, style.VERMILION, style.BLACK, style.PURPLE, style.WINE)
 
 
 class Settings(FigureSettings):
-    unused: ClassVar = ("mass", "translation_damping")
+    unused = ("mass", "translation_damping")
 
     drive: DriveChanges
     inertia: Span = Field(description="Effective inertia [kg m2].")

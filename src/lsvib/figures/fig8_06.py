@@ -4,7 +4,7 @@ Also the coefficients that Sect. 8.5.1 prints, for both readings of the mass: it
 effective inertias of m = 8 kg.
 """
 
-from typing import ClassVar, Self
+from typing import Self
 
 import numpy as np
 import xarray as xr
@@ -46,7 +46,7 @@ _OF = {name: name.replace("_force", "_axial_force") for name in (*_READ, *_THRES
 
 
 class Settings(PhasePlane):
-    unused: ClassVar = ("axial_force",)
+    unused = ("axial_force",)
 
     axial_force: Span = Field(description="R [N].")
     start: State

@@ -1,6 +1,6 @@
 """Figure 8.8: eigenvalues of the steady sliding against the translating mass, and the critical mass Γ₊ = 0."""
 
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 import numpy as np
 import xarray as xr
@@ -31,7 +31,7 @@ _CRITICAL = {"color": style.BLACK, "linewidth": 0.8, "linestyle": ":", "label": 
 
 
 class Settings(FigureSettings):
-    unused: ClassVar = ("input_speed", "mass", "translation_damping", "axial_force")
+    unused = ("input_speed", "mass", "translation_damping", "axial_force")
 
     drive: DriveChanges
     mass: PositiveSpan = Field(description="Translating mass [kg].")

@@ -1,7 +1,5 @@
 """Figure 8.9: trajectories (a) below and (b) above the critical mass, and the effect of the axial force on (b)."""
 
-from typing import ClassVar
-
 import numpy as np
 import xarray as xr
 from pydantic import Field
@@ -29,7 +27,7 @@ _PRINTED = ("Sect. 8.6", "Sect. 8.6.1")
 
 
 class Settings(PhasePlane):
-    unused: ClassVar = ("mass",)
+    unused = ("mass",)
 
     cases: several(DriveChanges, 2, 2, "Changes of `drive`, one for each panel, the one below the critical mass first.")
     axial_force: PositiveSpan = Field(description="R [N] over which the dependence on it is shown.")

@@ -1,7 +1,6 @@
 """Figure 8.10: the sprag–slip cycle with compliant threads, its phase plane and the peaks of its contact force."""
 
 from collections.abc import Sequence
-from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -34,7 +33,7 @@ _DISTANCE = (
 
 
 class Settings(of.FigureSettings):
-    flows: ClassVar = ("modal",)
+    flows = ("modal",)
     drive: of.DriveChanges
     contact_stiffness: of.parameter("contact_stiffness")
     contact_damping: of.parameter("contact_damping")

@@ -1,7 +1,5 @@
 """Figure 8.11: effect of the support damping on the sprag–slip cycle, with the line N = 0 of each damping."""
 
-from typing import ClassVar
-
 import numpy as np
 import xarray as xr
 
@@ -20,7 +18,7 @@ trajectory reaches it: to the right forward slip has no solution.
 
 
 class Settings(PhasePlane):
-    unused: ClassVar = ("support_damping",)
+    unused = ("support_damping",)
 
     support_dampings: several(Damping, 2, 4, "Support dampings in ascending order [N m s/rad].")
 

@@ -1,7 +1,5 @@
 """Figure 8.12: amplitude, mean deflection and mean contact force of the sprag–slip cycle against the damping."""
 
-from typing import ClassVar
-
 import numpy as np
 import xarray as xr
 from pydantic import Field
@@ -45,7 +43,7 @@ _PANELS = (  # variable, title, word on the axis
 
 
 class Settings(FigureSettings):
-    unused: ClassVar = ("support_damping",)
+    unused = ("support_damping",)
 
     drive: DriveChanges
     support_damping: Span = Field(description="c [N m s/rad], from zero or more.")

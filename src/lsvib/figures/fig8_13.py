@@ -1,7 +1,7 @@
 """Figure 8.13: with softer contacts the motion is smoother, and the coupling deflection turns positive in sprag."""
 
 from collections.abc import Callable
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -44,7 +44,7 @@ _COLOURS = (style.BLUE, style.ORANGE, style.VERMILION, style.GREEN)
 
 
 class Settings(FigureSettings):
-    flows: ClassVar = ("modal",)
+    flows = ("modal",)
     drive: DriveChanges
     contacts: several(Contact, 2, 4, "Contacts whose cycles are drawn, the stiffest first.")
     start: State

@@ -9,7 +9,6 @@ order, so the distances fall with the ratio q = |σ| a / (Ω + |σ| a): infinite
 """
 
 from collections.abc import Sequence
-from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -52,7 +51,7 @@ _STARTS = {  # colour of the starts by their attractor
 
 
 class Settings(PhasePlane):
-    unused: ClassVar = ("mass", "axial_force")
+    unused = ("mass", "axial_force")
 
     masses: MassPair = Field(description="Mass as printed, and mass beyond the critical one [kg].")
     axial_forces: OpposingForces = Field(description="Axial forces of panels (a) and (b) [N].")
@@ -420,7 +419,7 @@ def _region(axes: style.Axes, case: xr.Dataset) -> None:
     looks = {name: _STARTS.get(name, (style.PURPLE, f"starts that lead to {name}")) for name in names.values()}
     colours = {name: colour for name, (colour, _) in looks.items()}
     drawing.regions(axes, case.grid_angle_deviation, case.grid_velocity_deviation, labels.T, colours, zorder=0)
-    for colour, words in (looks[names[value]] for value in np.unique(labels).tolist()):
+    for colour, words in (looks[names[flag]] for flag in np.unique(labels).tolist()):
         axes.fill([], [], color=colour, label=words)
 
 

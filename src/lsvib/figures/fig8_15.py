@@ -1,7 +1,5 @@
 """Figure 8.15: instability regions of the drive with axial support over friction coefficient and support stiffness."""
 
-from typing import ClassVar
-
 import numpy as np
 import xarray as xr
 from pydantic import Field
@@ -39,7 +37,7 @@ _HATCH = "#7F8FA0"
 
 
 class Settings(FigureSettings):
-    unused: ClassVar = ("support_damping", "friction_coefficient", "input_speed", "translation_damping", "axial_force")
+    unused = ("support_damping", "friction_coefficient", "input_speed", "translation_damping", "axial_force")
 
     drive: DriveChanges
     screw_mass: parameter("screw_mass")

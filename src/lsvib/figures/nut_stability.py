@@ -1,7 +1,5 @@
 """Rotating nut: critical mass against the inertia of the nut (Remark 8.6), and the stability map of (8.33)."""
 
-from typing import ClassVar
-
 import numpy as np
 import xarray as xr
 from pydantic import Field
@@ -31,7 +29,7 @@ _COLOURS = {"stable": "#FFFFFF", "kinematic constraint": "#F7D9C4", "flutter": s
 
 
 class Settings(FigureSettings):
-    unused: ClassVar = ("axial_force", "coupling_stiffness", "input_speed", "support_damping", "translation_damping")
+    unused = ("axial_force", "coupling_stiffness", "input_speed", "support_damping", "translation_damping")
 
     drive: DriveChanges
     nut_inertia: PositiveSpan = Field(description="I_2 [kg m2], spaced logarithmically.")

@@ -1,7 +1,5 @@
 """What becomes of the chapter's thresholds and cycles when friction rises towards slow sliding and rest."""
 
-from typing import ClassVar
-
 import numpy as np
 import xarray as xr
 from pydantic import Field
@@ -32,8 +30,8 @@ CYCLES = ("stick_slip", "sprag_slip")
 
 
 class Settings(FigureSettings):
-    unused: ClassVar = ("axial_force",)
-    flows: ClassVar = ("taylor",)
+    unused = ("axial_force",)
+    flows = ("taylor",)
 
     drive: DriveChanges
     rise: Span = Field(description="Rise of friction over its kinetic value [1].")
