@@ -103,10 +103,7 @@ def attractors(dims: Dims, labels: Any, words: str = ATTRACTOR, **more: Any) -> 
 
 
 def portraits(
-    settings: Mapping[str, Any],
-    drives: Sequence[Drive],
-    varied: tuple[str, ...] = (),
-    printed: tuple[str, ...] = (),
+    settings: Mapping[str, Any], drives: Sequence[Drive], varied: tuple[str, ...] = (), printed: tuple[str, ...] = ()
 ) -> xr.Dataset:
     """Compute a phase plane for each drive, a case.
 

@@ -1,6 +1,8 @@
 """The basin of steady sliding: its exact size against force, damping, mass and friction, and against grids."""
 
 from collections.abc import Sequence
+from functools import cache
+from itertools import pairwise
 from typing import Annotated
 
 import numpy as np
@@ -10,7 +12,7 @@ from pydantic import Field
 from lsvib.basins.grid import Axis, Grid
 from lsvib.datasets import newton, phase_plane, spans
 from lsvib.datasets.analysis import analyse
-from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, drive_parameters, flagged, variable
+from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, drive_parameters, flagged, variable, varied
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures import settings as of
@@ -76,17 +78,13 @@ def maps(settings: of.Values) -> xr.Dataset:
     from lsvib.basins.mapping import mapper
 
     drive, found = Drive.of(settings["drive"]), Variables()
-    drives = [drive.replace(**case["drive"]) for case in settings["cases"]]
+    drives, windows = zip(*((drive.replace(**c["drive"]), c["window"]) for c in settings["cases"]), strict=True)
     for n in settings["resolutions"]:
-        labels = []
-        for one, window in zip(drives, (case["window"] for case in settings["cases"]), strict=True):
-            u = Axis("u", window["left"], window["right"], n)
-            w = Axis("w", window["bottom"], window["top"], n)
-            labels.append(mapper(one).cells(Grid(u, w), quantities=("label",))["label"])
-        dims = "case", f"velocity_{n}", f"angle_{n}"
-        found[f"attractor_{n}"] = phase_plane.attractors(
-            dims, labels, f"{phase_plane.ATTRACTOR}, from {n} x {n} starts"
-        )
+        grids = [Grid(Axis("u", w["left"], w["right"], n), Axis("w", w["bottom"], w["top"], n)) for w in windows]
+        pairs = zip(drives, grids, strict=True)
+        labels = [mapper(one).cells(grid, quantities=("label",))["label"] for one, grid in pairs]
+        dims, words = ("case", f"velocity_{n}", f"angle_{n}"), f"{phase_plane.ATTRACTOR}, from {n} x {n} starts"
+        found[f"attractor_{n}"] = phase_plane.attractors(dims, labels, words)
     return xr.Dataset(
         found, attrs=about(__doc__, "exact event-driven motion from the middle of every cell", "Sect. 8.7, Fig. 8.14")
     )
@@ -97,27 +95,24 @@ def build(settings: of.Values, analysis: xr.Dataset, maps: xr.Dataset) -> xr.Dat
     from lsvib.basins.boundary import Boundary, basin
     from lsvib.basins.curves import Window
 
-    drive, window = Drive.of(settings["drive"]), Window(**settings["window"])
-    variables, coordinates = {}, {}
-    for name in _SWEPT:
-        values, basins = _swept(drive, name, spans.even(settings[name]))
-        coordinates |= axis(f"swept_{name}", values)
-        dim, fractions, kinds = f"swept_{name}", [b.fraction(window) for b in basins], [b.boundary for b in basins]
-        variables[f"fraction_{name}"] = variable(dim, fractions, "1", _FRACTION)
+    drive, window, variables = Drive.of(settings["drive"]), Window(**settings["window"]), Variables()
+    swept = {name: _swept(drive, name, spans.even(settings[name])) for name in _SWEPT}
+    for name, (values, basins) in swept.items():
+        dim, kinds = f"swept_{name}", [b.boundary for b in basins]
+        variables |= axis(dim, values)
+        variables[f"fraction_{name}"] = variable(dim, [b.fraction(window) for b in basins], "1", _FRACTION)
         variables[f"boundary_kind_{name}"] = flagged(dim, kinds, "what bounds the basin", Boundary)
-        if name == "axial_force":
-            words = "area of the basin, infinite where it has no bound"
-            variables["basin_area_axial_force"] = variable(dim, [b.area() for b in basins], "rad2 s-1", words)
-    variables |= _cases(drive, settings["cases"], maps)
+    areas, words = [b.area() for b in swept["axial_force"][1]], "area of the basin, infinite where it has no bound"
+    variables["basin_area_axial_force"] = variable("swept_axial_force", areas, "rad2 s-1", words)
     masses, forces = settings["masses"], settings["axial_forces"]
     readings = [[basin(drive.replace(mass=m, axial_force=r)).fraction(window) for r in forces] for m in masses]
+    variables |= varied(reading_mass=masses, reading_axial_force=forces)
     variables["reading_fraction"] = variable(("reading_mass", "reading_axial_force"), readings, "1", _FRACTION)
-    variables |= axis("reading_mass", masses) | axis("reading_axial_force", forces)
-    variables |= phase_plane.window_edges("window", "edge", window)
-    variables |= _critical_values(drive, analysis.isel(case=0), coordinates["swept_support_damping"][1])
+    variables |= phase_plane.window_edges("window", "edge", window) | _cases(drive, settings["cases"], maps)
+    variables |= _critical_values(drive, analysis.isel(case=0), swept["support_damping"][0])
     return xr.Dataset(
         variables,
-        coords=coordinates | drive_parameters(drive, printed=_PRINTED),
+        coords=drive_parameters(drive, printed=_PRINTED),
         attrs=about(
             __doc__, "exact boundary of the basin; grids by the map of the region of attraction", "Sect. 8.7, Fig. 8.14"
         ),
@@ -128,23 +123,18 @@ def _swept(drive: Drive, name: str, values: np.ndarray) -> tuple[np.ndarray, lis
     """The basins along one parameter; where the kind of boundary changes, two more values close to the change."""
     from lsvib.basins.boundary import basin
 
+    @cache
     def at(value: float) -> Basin:
-        return basin(drive.replace(**{name: float(value)}))
+        return basin(drive.replace(**{name: value}))
 
-    found = {float(value): at(value) for value in values}
-    for low, high in zip(values[:-1].tolist(), values[1:].tolist(), strict=True):
-        first, last = found[low], found[high]
-        if first.boundary == last.boundary:
-            continue
-        while high - low > 1e-6 * max(abs(low), abs(high)):
+    chosen = set(values.tolist())
+    for low, high in pairwise(values.tolist()):
+        kind = at(low).boundary
+        while at(high).boundary != kind and high - low > 1e-6 * max(abs(low), abs(high)):
             middle = 0.5 * (low + high)
-            between = at(middle)
-            if between.boundary == first.boundary:
-                low, first = middle, between
-            else:
-                high, last = middle, between
-        found |= {low: first, high: last}
-    return np.array(sorted(found)), [found[value] for value in sorted(found)]
+            low, high = (middle, high) if at(middle).boundary == kind else (low, middle)
+        chosen |= {low, high}
+    return np.array(sorted(chosen)), [at(value) for value in sorted(chosen)]
 
 
 def _critical_values(drive: Drive, analysis: xr.Dataset, dampings: np.ndarray) -> Variables:
@@ -177,13 +167,13 @@ def _cases(drive: Drive, cases: Sequence[of.Values], maps: xr.Dataset) -> Variab
         for line, w in zip(lines, windows, strict=True)
     ]
     bound = [[(n * step + 16) / n**2 for n in resolutions] for step in steps]
-    varied = tuple(name for name, value in drive if len({value, *(getattr(d, name) for d in drives)}) > 1)
-    own = drive_parameters(drives, along=varied, printed=_PRINTED)
+    changed = tuple(name for name, value in drive if len({value, *(getattr(d, name) for d in drives)}) > 1)
+    own = drive_parameters(drives, along=changed, printed=_PRINTED)
     dims, exact = ("case", "resolution"), "fraction of the case's window that steady sliding attracts, exact"
     cut = "fraction of the cells of the grid that the boundary cuts at most"
     return {
         "case": own.pop("case"),
-        **{f"case_{x}": own[x] for x in own if x in varied or x in ("axial_force", "support_damping")},
+        **{f"case_{x}": own[x] for x in own if x in changed or x in ("axial_force", "support_damping")},
         **phase_plane.lines(drives),
         **_points("boundary", lines, "on the exact boundary"),
         **_points("region", regions, "on the curves around the basin within the window"),

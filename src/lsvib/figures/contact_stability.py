@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from lsvib.datasets import spans
+from lsvib.datasets import newton, spans
 from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, drive_parameters, origin_of, variable, yes_no
 from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
@@ -18,7 +18,6 @@ from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.stability import conditions
 from lsvib.stability.boundaries import stable_set
-from lsvib.stability.conditions import critical_mass
 from lsvib.stability.linear import eigenvalues, polynomial, routh_hurwitz
 
 CAPTION = """\
@@ -31,7 +30,6 @@ dampings at which it is stable, which for soft contacts are two intervals. See d
 
 _CONTACT = ("contact_stiffness", "contact_damping")
 _BESIDE = 1e-6  # relative distance from a critical mass at which LAPACK must see the change
-_PARAMETERS = [name for name in dict(Drive()) if name not in ("mass", "axial_force")]
 _COLOURS = (style.VERMILION, style.ORANGE, style.BLUE, style.BLACK, style.GREEN, style.PURPLE)
 # Where two lines coincide both are seen, and in grey they differ.
 _DASHES = ("-", (0, (5, 1.5)), (0, (3, 1, 1, 1)), (0, (8, 2)), "-", (0, (5, 1.5)))
@@ -47,17 +45,14 @@ class Settings(of.FigureSettings):
     masses: of.MassPair = Field(description="Masses above and below the critical mass of the rigid drive [kg].")
     stiffness: of.PositiveSpan = Field(description="k_c [N/m] of the growth rates, spaced logarithmically.")
     dampings: of.several(
-        of.parameter("contact_damping"),
-        2,
-        5,
-        "Contact dampings of the growth rates, the first zero [N s/m].",
+        of.parameter("contact_damping"), 2, 5, "Contact dampings of the growth rates, the first zero [N s/m]."
     )
 
 
 def build(settings: of.Values) -> xr.Dataset:
     """Compute critical masses over the contact, and growth rates over its stiffness; c_x = 0, R Ω > 0."""
     drive = Drive.of(chapter.PARTS["threads"] | settings["drive"])
-    rigid, (heavy, light) = critical_mass(drive), settings["masses"]
+    rigid, (heavy, light) = conditions.critical_mass(drive), settings["masses"]
     if rigid is None or not light < rigid < heavy:
         raise InputError(f"masses = {[heavy, light]} do not lie above and below the critical mass of the rigid drive.")
     along, stiffness = (spans.logarithmic(settings[name]) for name in ("contact_damping", "stiffness"))
@@ -148,7 +143,7 @@ def _limits(drive: Drive, heavy: float, light: float) -> Variables:
 
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the critical masses against eigenvalues and the rigid one, Lemma 8.1 and its converse."""
-    drive = {name: float(dataset[name]) for name in _PARAMETERS}
+    drive = newton.parameters(dataset)
     return [
         *_critical_mass_checks(dataset, drive),
         *_lemma_checks(dataset, drive),
@@ -262,18 +257,19 @@ def _soft_contact_check(dataset: xr.Dataset, drive: of.Values) -> Check:
     def grows(stiffness: float, damping: np.ndarray) -> list[bool]:
         return (_largest_real_part(own, contact_stiffness=stiffness, contact_damping=damping) > 0).tolist()
 
-    stiffness, lows = dataset.growth_contact_stiffness.values, dataset.window_of_soft_contact.values[:, 0]
-    ends = [grows(k, c * beside) == [True, False] for k, c in zip(stiffness, dataset.least_contact_damping.values,
-                                                                   strict=True)]  # fmt: skip
-    soft, windows = np.isfinite(lows), []
-    for k, (low, high) in zip(stiffness[soft], dataset.window_of_soft_contact.values[soft], strict=True):
-        around = np.concatenate([low * beside, [np.sqrt(low * high)], high * beside])
-        windows.append(grows(k, around) == [True, False, False, False, True])
+    ends, windows = [], []
+    stiffness, least = dataset.growth_contact_stiffness.values, dataset.least_contact_damping.values
+    for k, damping, (low, high) in zip(stiffness, least, dataset.window_of_soft_contact.values, strict=True):
+        ends.append(grows(k, damping * beside) == [True, False])
+        if np.isfinite(low):
+            around = np.concatenate([low * beside, [np.sqrt(low * high)], high * beside])
+            windows.append(grows(k, around) == [True, False, False, False, True])
+    softest = stiffness[np.isfinite(dataset.window_of_soft_contact.values[:, 0])]
     return Check.holds(
         "A soft contact has stable dampings below the least one, too: LAPACK's largest real part changes its sign "
         f"at both ends of each such interval, within {_BESIDE:g} of the damping, and is negative in its middle",
         "model of Sect. 5.5, docs/lemmas.md",
-        f"{sum(windows)} of {len(windows)} contacts, k_c <= {stiffness[soft].max(initial=0.0):.2e} N/m; "
+        f"{sum(windows)} of {len(windows)} contacts, k_c <= {softest.max(initial=0.0):.2e} N/m; "
         f"and at the least damping of {sum(ends)} of {len(ends)}",
         all(windows) and all(ends) and len(windows) > 0,
     )

@@ -1,6 +1,6 @@
 """Draw phase planes from the variables of ``lsvib.datasets.phase_plane``: one case, a few motions, lines and marks."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -180,6 +180,14 @@ def hatched(
     """Hatch the region of a map (y, x) where ``inside`` is 1."""
     area = axes.contourf(x, y, inside, levels=[0.5, 1.5], colors=colours, hatches=[hatch], **look)
     area.set(edgecolor=edge, linewidth=0)
+
+
+def patches(looks: Iterable[tuple[str, str | None, str]], edge: str) -> list[Any]:
+    """Return an entry of a legend for each kind of region: its colour, its hatch or None, and its words."""
+    from matplotlib.patches import Patch
+
+    look = {"edgecolor": edge, "linewidth": 0.5}
+    return [Patch(facecolor=colour, hatch=hatch, label=words, **look) for colour, hatch, words in looks]
 
 
 def arrows(axes: style.Axes, lines: Sequence[DrawnLine], size: float = 10.0) -> None:

@@ -6,7 +6,7 @@ from pydantic import Field
 
 from lsvib.datasets import phase_plane, spans
 from lsvib.datasets.analysis import onset_force
-from lsvib.datasets.attributes import ASSUMED, drive_parameters, flagged, named_index, parameter, variable, varied
+from lsvib.datasets.attributes import ASSUMED, drive_parameters, named_index, parameter, variable, varied
 from lsvib.datasets.checks import Check
 from lsvib.figures import settings as of
 from lsvib.figures import style
@@ -41,8 +41,6 @@ class Settings(FigureSettings):
 
 def build(settings: Values) -> xr.Dataset:
     """Compute the coefficient and the onset over the speed, and what motions end in on both sides of it."""
-    from lsvib.dynamics.attractor import Attractor
-
     drive = Drive.of(settings["drive"])
     speeds = np.unique([*spans.logarithmic(settings["input_speed"]), *KNOWN])
     force, speed = spans.even(settings["swept_axial_force"]), spans.logarithmic(settings["swept_input_speed"])
@@ -52,22 +50,18 @@ def build(settings: Values) -> xr.Dataset:
     over_speed = _motions(drive.replace(axial_force=settings["force"]), input_speed=speed)
     sliding = np.geomspace(1e-4, 1.2 * drive.pitch_radius * speeds.max(), 200)
     mu = [float(friction.coefficient(drive, v)) for v in sliding.tolist()]
-    words, dims = phase_plane.ATTRACTOR, ("start", "swept_axial_force")
-    other, size = ("start", "swept_input_speed"), phase_plane.AMPLITUDE
+    dims, other = ("start", "swept_axial_force"), ("start", "swept_input_speed")
+    size, over, steady = phase_plane.AMPLITUDE, ", over the input speed", "critical mass in steady sliding"
     return xr.Dataset(
         {
             "coefficient": variable("sliding_speed", mu, "1", "friction coefficient of the threads", r"$\mu$"),
             "onset_force": variable("input_speed", [onset_force(one) for one in slid], "N", "onset force", "$R$"),
-            "steady_critical_mass": variable(
-                "input_speed", masses, "kg", "critical mass in steady sliding", r"$m_\mathrm{cr}$"
-            ),
+            "steady_critical_mass": variable("input_speed", masses, "kg", steady, r"$m_\mathrm{cr}$"),
             "energy_balance": variable((), _balance(drive.replace(axial_force=float(force[-1]))), *BALANCE),
-            "attractor": flagged(dims, over_force.attractor, words, Attractor),
+            "attractor": phase_plane.attractors(dims, over_force.attractor),
             "amplitude": variable(dims, over_force.amplitude, "rad", size, r"$\hat u$"),
-            "speed_attractor": flagged(other, over_speed.attractor, f"{words}, over the input speed", Attractor),
-            "speed_amplitude": variable(
-                other, over_speed.amplitude, "rad", f"{size}, over the input speed", r"$\hat u$"
-            ),
+            "speed_attractor": phase_plane.attractors(other, over_speed.attractor, f"{phase_plane.ATTRACTOR}{over}"),
+            "speed_amplitude": variable(other, over_speed.amplitude, "rad", f"{size}{over}", r"$\hat u$"),
         },
         coords={
             **drive_parameters(drive, axes=("input_speed",), no_effect=("axial_force",), printed=("Sect. 8.5.1",)),

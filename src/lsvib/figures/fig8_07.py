@@ -27,7 +27,7 @@ right that the coupling holds the screw: it rests, the green bar, while the inpu
 until the screw can slip forwards again.
 """
 
-_SECTORS = {"inconsistent": ("#F7D9C4", "no solution", "////"), "indeterminate": ("#FFFFFF", "two solutions", None)}
+_SECTORS = {"inconsistent": ("#F7D9C4", "////", "no solution"), "indeterminate": ("#FFFFFF", None, "two solutions")}
 _HATCH = "#C9A58C"
 
 
@@ -84,17 +84,17 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             f"{wrong} exceptions among {regular.sum()} states; {none.sum()} without a solution, {two.sum()} with two",
             wrong == 0 and none.any() and two.any() and regular.mean() > 0.9,
         ),
-        Check.holds(
+        Check.everywhere(
             "A motion that starts in a sector without a solution seizes at once, with an impulse of the sign of θ'",
             place,
-            f"{(impulse & inconsistent).sum()} of {inconsistent.sum()} starts",
-            impulse[inconsistent].all() and inconsistent.any(),
+            impulse[inconsistent],
+            "starts",
         ),
-        Check.holds(
+        Check.everywhere(
             "A motion that starts in a sector with two solutions slips under law -1",
             place,
-            f"{(follows & ~inconsistent).sum()} of {(~inconsistent).sum()} starts",
-            follows[~inconsistent].all() and not inconsistent.all(),
+            follows[~inconsistent],
+            "starts",
         ),
         Check.holds(
             "A motion need not resume at once after a seizure: some start that seizes at once rests, under either rule",
@@ -159,17 +159,13 @@ def _rests(drive: Drive, start: Values, duration: float) -> list[float]:
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the map, hatched without solution, the lines, motions up to their first seizure, the cycle."""
-    from matplotlib.patches import Patch
-
     figure = style.new_figure(style.DOUBLE, 4.2)
     axes = figure.add_subplot()
-    case, patches = _until_seizure(dataset.isel(case=0)), []
+    case = _until_seizure(dataset.isel(case=0))
     u, w = dataset.grid_angle_deviation, dataset.grid_velocity_deviation
-    for name, (colour, words, hatch) in _SECTORS.items():
-        if hatch:
-            inside = named(dataset.existence, name).T.astype(float)
-            drawing.hatched(axes, u, w, inside, hatch, _HATCH, [colour], zorder=0)
-        patches.append(Patch(facecolor=colour, hatch=hatch, edgecolor=_HATCH, linewidth=0.5, label=words))
+    colour, hatch, _ = _SECTORS["inconsistent"]
+    inside = named(dataset.existence, "inconsistent").T.astype(float)
+    drawing.hatched(axes, u, w, inside, hatch, _HATCH, [colour], zorder=0)
     drawing.draw_cycle(axes, case, width=1.1)
     drawing.draw_motions(axes, case)
     drawing.mark_origin(axes)
@@ -180,6 +176,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     drawing.draw_arrows(axes, case)
     _name_sectors(axes, dataset)
     drawing.label_axes(axes, dataset)
+    patches = drawing.patches(_SECTORS.values(), _HATCH)
     return style.legend(figure, [axes], 1, patches, "outside right upper")
 
 

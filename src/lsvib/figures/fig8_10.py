@@ -162,11 +162,10 @@ def _comparison(drive: Drive, cycle: SteadyState, rigid: SteadyState) -> Variabl
 def _cycle_values(drive: Drive, cycle: SteadyState, rigid: SteadyState) -> tuple[float, float]:
     """Largest |N| [N] on the compliant cycle, and its distance [1] from the rigid one; nan where there is none."""
     from lsvib.contact.stiff_limit import Orbit
-    from lsvib.dynamics.attractor import orbit_extremes
 
     if cycle.orbit is None or rigid.orbit is None:
         return np.nan, np.nan
-    low, high = orbit_extremes(cycle.orbit, cycle.orbit.automaton.observables["normal_force"])
+    low, high = cycle.extremes(cycle.orbit.automaton.observables["normal_force"])
     scales = (rigid.amplitude, abs(drive.input_speed))
     return max(-low, high), Orbit.of(cycle.orbit, scales).distance(Orbit.of(rigid.orbit, scales))
 

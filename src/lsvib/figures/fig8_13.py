@@ -8,7 +8,7 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import newton, phase_plane, spans
-from lsvib.datasets.attributes import Variables, axis, drive_parameters, start_state, variable
+from lsvib.datasets.attributes import Variables, drive_parameters, start_state, variable, varied
 from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
 from lsvib.figures import drawing, style
@@ -69,8 +69,7 @@ def build(settings: Values) -> xr.Dataset:
             **drive_parameters(contacts, "contact", along=_CONTACT, printed=("Sect. 8.6", "Sect. 8.6.1")),
             **start_state(start, "with a seated contact: of the motions whose cycles are found"),
             "critical_mass_with_contact": variable("contact", critical, *CRITICAL_MASS_WITH_CONTACT),
-            **axis("grid_contact_stiffness", stiffness),
-            **axis("grid_contact_damping", damping),
+            **varied(grid_contact_stiffness=stiffness, grid_contact_damping=damping),
             "steady_deflection": variable((), steady, "rad", "coupling deflection in steady sliding", "$z_0$"),
         },
         attrs=about(__doc__, "exact event-driven motion with four states", "Sect. 8.6.1, Fig. 8.13"),

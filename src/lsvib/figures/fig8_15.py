@@ -284,20 +284,17 @@ def _against_lapack(part: xr.Dataset, drive: Values) -> tuple[int, int]:
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the class map by eigenvalues, over it the boundaries in closed form and the critical friction."""
-    from matplotlib.patches import Patch
-
     figure = style.new_figure(style.DOUBLE, 3.8)
     axes = figure.add_subplot()
-    friction, stiffness, patches = dataset.friction_coefficient, dataset.support_stiffness, []
+    friction, stiffness = dataset.friction_coefficient, dataset.support_stiffness
     colours = {name: colour for name, (colour, *_) in _REGIONS.items()}
     drawing.regions(axes, friction, stiffness, dataset.stability.T, colours)
     # 250 rows and columns are enough for hatching.
     coarse = thinned(dataset, 250)
-    for name, (colour, hatch, words) in _REGIONS.items():
+    for name, (_, hatch, _) in _REGIONS.items():
         inside = named(coarse.stability, name).T.astype(float)
         if hatch and inside.any():
             drawing.hatched(axes, coarse.friction_coefficient, coarse.support_stiffness, inside, hatch, _HATCH)
-        patches.append(Patch(facecolor=colour, hatch=hatch, edgecolor=_HATCH, linewidth=0.5, label=words))
     for which, dashes in (("lower", "-"), ("upper", "--")):
         axes.plot(dataset.boundary_friction_coefficient, dataset[f"{which}_boundary"], color=style.BLUE,
                   linestyle=dashes, linewidth=1.4, label=f"{which} branch of (8.29)")  # fmt: skip
@@ -305,4 +302,4 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     axes.axvline(critical, color=style.VERMILION, linewidth=1.4, label=rf"$\mu_\mathrm{{kc}}$ = {critical:.4f}")
     axes.axvline(printed, **style.PRINTED, label=rf"$\mu_\mathrm{{kc}}$ = {printed:g}, as printed")
     style.frame(axes, "", friction, stiffness, yscale="log", xlim=friction[[0, -1]], ylim=stiffness[[0, -1]])
-    return style.legend(figure, [axes], 1, patches, "outside right upper")
+    return style.legend(figure, [axes], 1, drawing.patches(_REGIONS.values(), _HATCH), "outside right upper")

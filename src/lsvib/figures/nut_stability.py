@@ -51,27 +51,23 @@ def build(settings: Values) -> xr.Dataset:
     by = "critical mass, where an eigenvalue 1/omega^2 passes through zero"
     grid = {**dict(drive), "friction_coefficient": friction[:, None], "nut_inertia": inertia}
     kinds, plane = undamped_class(grid, law=1), ("friction_coefficient", "nut_inertia")
-    from_which_on = "friction coefficient from which on (8.33) holds, missing if from none"
+    boundary = _boundary_friction(drive, inertia)
+    holds = "friction coefficient from which on (8.33) holds, missing if from none"
     own, drawn = drive.friction_coefficient, "drawn_friction_coefficient"
-    origin = origin_of("friction_coefficient", own)
+    origin, deflection = origin_of("friction_coefficient", own), float(coefficients(drive).deflection)
+    closed_form = "critical mass, in closed form"
     return xr.Dataset(
         {
-            "critical_mass_with_nut": variable(
-                "nut_inertia", closed, "kg", "critical mass, in closed form", r"$m_\mathrm{cr}$"
-            ),
+            "critical_mass_with_nut": variable("nut_inertia", closed, "kg", closed_form, r"$m_\mathrm{cr}$"),
             "critical_mass_with_nut_by_eigenvalues": variable("nut_inertia", passing, "kg", by, r"$m_\mathrm{cr}$"),
             "stability": flagged(plane, kinds, "class of the steady sliding", UndampedClass, comment="undamped"),
         },
         coords={
-            "critical_friction_with_nut": variable(
-                "nut_inertia", _boundary_friction(drive, inertia), "1", from_which_on, r"$\mu$"
-            ),
+            "critical_friction_with_nut": variable("nut_inertia", boundary, "1", holds, r"$\mu$"),
             **varied(nut_inertia=inertia, friction_coefficient=friction),
             "critical_mass": ((), rigid, CRITICAL_MASS),
             drawn: ((), own, parameter(drawn, origin, comment="of the critical masses")),
-            "steady_deflection": variable(
-                (), float(coefficients(drive).deflection), "rad", "coupling deflection in steady sliding", "$z_0$"
-            ),
+            "steady_deflection": variable((), deflection, "rad", "coupling deflection in steady sliding", "$z_0$"),
             **drive_parameters(
                 drive,
                 axes=plane,
@@ -224,15 +220,12 @@ def _critical_mass_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw (a) the critical mass over the inertia of the nut and (b) the classes over that and the friction."""
-    from matplotlib.patches import Patch
-
     figure = style.new_figure(style.DOUBLE, 3.5)
     mass, plane = figure.subplots(1, 2)
     _critical_mass(mass, dataset)
     _map(plane, dataset)
     words = {"kinematic constraint": "unstable: kinematic constraint", "stable": "stable"}
-    edge = {"edgecolor": style.GREY, "linewidth": 0.5}
-    patches = [Patch(facecolor=_COLOURS[name], label=label, **edge) for name, label in words.items()]
+    patches = drawing.patches(((_COLOURS[name], None, label) for name, label in words.items()), style.GREY)
     return style.legend(figure, [mass, plane], 4, patches)
 
 
@@ -251,8 +244,8 @@ def _critical_mass(axes: style.Axes, dataset: xr.Dataset) -> None:
     axes.axvline(screw, 0, 0.82, color=style.BLACK, linewidth=0.6, linestyle=":")
     axes.text(screw, 0.06, " $I_2 = I$", fontsize=7.5, transform=axes.get_xaxis_transform())
     friction = style.number(dataset.drawn_friction_coefficient)
-    axes.set(xscale="log", title=rf"(a) critical mass, $\mu$ = {friction}", xlabel=style.label(inertia))
-    axes.set(ylabel="Critical mass $m_\\mathrm{cr}$ [kg]", ylim=(0, 1.15 * rigid), xlim=inertia[[0, -1]])
+    style.frame(axes, rf"(a) critical mass, $\mu$ = {friction}", inertia, "Critical mass $m_\\mathrm{cr}$ [kg]",
+                xscale="log", ylim=(0, 1.15 * rigid), xlim=inertia[[0, -1]])  # fmt: skip
 
 
 def _map(axes: style.Axes, dataset: xr.Dataset) -> None:
@@ -265,5 +258,6 @@ def _map(axes: style.Axes, dataset: xr.Dataset) -> None:
     look = {"fontsize": 6.5, "va": "top", "transform": axes.get_xaxis_transform()}
     axes.text(tangent, 0.94, r"$\mu = \tan\lambda$ ", ha="right", **look)
     axes.text(drawn, 0.94, rf" {drawn:g} of (a)", color="#505050", **look)
-    axes.set(yscale="log", title=f"(b) classes, $m$ = {style.number(dataset.mass)} kg", xlabel=style.label(friction))
-    axes.set(ylabel=style.label(inertia), xlim=friction[[0, -1]], ylim=inertia[[0, -1]])
+    limits = {"xlim": friction[[0, -1]], "ylim": inertia[[0, -1]]}
+    title = f"(b) classes, $m$ = {style.number(dataset.mass)} kg"
+    style.frame(axes, title, friction, inertia, yscale="log", **limits)

@@ -6,7 +6,7 @@ from pydantic import Field
 
 from lsvib.datasets import phase_plane, printed, spans
 from lsvib.datasets.analysis import analyse, onset_force
-from lsvib.datasets.attributes import ASSUMED, drive_parameters, flagged, named_index, parameter, variable
+from lsvib.datasets.attributes import ASSUMED, drive_parameters, named_index, parameter, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import settings as of
 from lsvib.figures import style
@@ -61,14 +61,12 @@ def analysis(settings: Values) -> xr.Dataset:
 
 def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     """Compute thresholds over the rise, and both cycles over the static friction."""
-    from lsvib.dynamics.attractor import Attractor
-
     drive, rise = Drive.of(settings["drive"]), spans.even(settings["rise"])
     heavy = drive.replace(mass=settings["heavy_mass"])
     slow = [solve_threshold(_slow(drive, share), "kinematic_constraint", "mass").value for share in rise.tolist()]
     least = solve_threshold(_slow(heavy, 0.0), "kinematic_constraint", "friction_coefficient").value
-    onset = [onset_force(_risen(drive, share)) for share in rise.tolist()]
-    forces = [_forces(_risen(drive, share), float(first)) for share, first in zip(rise.tolist(), onset, strict=True)]
+    onset, stick, detach = np.transpose([_forces(_risen(drive, share)) for share in rise.tolist()])
+    steady, critical = analysis.kinematic_constraint_mass.values, "kinetic friction that is critical in slow sliding"
     static, rows = spans.even(settings["static"]), []
     for name in CYCLES:
         own = Drive.of(settings[name])
@@ -79,16 +77,12 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     return xr.Dataset(
         {
             "slow_critical_mass": variable("rise_share", slow, "kg", "critical mass in slow sliding", "$m$"),
-            "steady_critical_mass": variable(
-                "rise_share", analysis.kinematic_constraint_mass.values, "kg", "critical mass in steady sliding", "$m$"
-            ),
-            "slow_critical_friction": variable(
-                "rise_share", least / (1 + rise), "1", "kinetic friction that is critical in slow sliding", r"$\mu$"
-            ),
+            "steady_critical_mass": variable("rise_share", steady, "kg", "critical mass in steady sliding", "$m$"),
+            "slow_critical_friction": variable("rise_share", least / (1 + rise), "1", critical, r"$\mu$"),
             "onset_force": variable("rise_share", onset, "N", "onset force", "$R$"),
-            "stick_force": variable("rise_share", [pair[0] for pair in forces], "N", "stick force", "$R$"),
-            "detach_force": variable("rise_share", [pair[1] for pair in forces], "N", "detach force", "$R$"),
-            "attractor": flagged(other, label.astype(np.int8), phase_plane.ATTRACTOR, Attractor),
+            "stick_force": variable("rise_share", stick, "N", "stick force", "$R$"),
+            "detach_force": variable("rise_share", detach, "N", "detach force", "$R$"),
+            "attractor": phase_plane.attractors(other, label),
             "amplitude": variable(other, amplitude, "rad", phase_plane.AMPLITUDE, r"$\hat u$"),
             "energy_balance": variable(other, balance, *BALANCE),
             "period": variable(other, period, "s", phase_plane.PERIOD, "$T$"),
@@ -105,8 +99,8 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     )
 
 
-def _forces(drive: Drive, onset: float) -> tuple[float, float]:
-    """Stick and detach force [N] of a drive whose vibration sets in at a force: by bisection, from its motions."""
+def _forces(drive: Drive) -> tuple[float, float, float]:
+    """Onset force [N] of a drive, and by bisection, from its motions, stick and detach force."""
     from lsvib.dynamics.sweep import RESTS, REVERSES, ending_of
     from lsvib.models.rigid import rigid_automaton
 
@@ -115,8 +109,9 @@ def _forces(drive: Drive, onset: float) -> tuple[float, float]:
         here = drive.replace(axial_force=force)
         return int(ending_of(here, rigid_automaton(here), np.array([0.05, 0.0])).happens)
 
+    onset = onset_force(drive)
     stick = bisected(lambda force: bool(happens(force) & RESTS), 1.2 * onset, 4 * onset, 1e-4)
-    return stick, bisected(lambda force: not happens(force) & REVERSES, stick, 4 * onset, 1e-4)
+    return onset, stick, bisected(lambda force: not happens(force) & REVERSES, stick, 4 * onset, 1e-4)
 
 
 def _cycle(drive: Drive) -> tuple[int, float, float, float]:
