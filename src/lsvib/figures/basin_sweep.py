@@ -51,8 +51,7 @@ class SweepCase(of.SettingsSection):
     window: of.PlaneWindow
 
 
-class Settings(of.FigureSettings):
-    drive: of.DriveChanges
+class Settings(of.DriveFigure):
     window: of.PlaneWindow
     axial_force: of.Span = Field(description="R [N], against the motion.")
     support_damping: of.PositiveSpan = Field(description="c [N m s/rad].")

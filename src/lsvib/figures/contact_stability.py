@@ -35,10 +35,9 @@ _COLOURS = (style.VERMILION, style.ORANGE, style.BLUE, style.BLACK, style.GREEN,
 _DASHES = ("-", (0, (5, 1.5)), (0, (3, 1, 1, 1)), (0, (8, 2)), "-", (0, (5, 1.5)))
 
 
-class Settings(of.FigureSettings):
+class Settings(of.DriveFigure):
     unused = ("mass",)
 
-    drive: of.DriveChanges
     stiffnesses: of.several(of.parameter("contact_stiffness"), 1, 6, "Contact stiffnesses k_c of the curves [N/m].")
     contact_damping: of.PositiveSpan = Field(description="c_c [N s/m] along the curves, spaced logarithmically.")
     contacts: of.several(of.Contact, 2, 5, "Contacts that figures draw, the stiffest first.")

@@ -11,7 +11,7 @@ from lsvib.datasets.checks import Check
 from lsvib.figures import settings as of
 from lsvib.figures import style
 from lsvib.figures.common import BALANCE, about, balance_check, named
-from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Values
+from lsvib.figures.settings import DriveFigure, PositiveSpan, Values
 from lsvib.models import friction
 from lsvib.models.drive import Drive
 from lsvib.stability.threshold import solve_threshold
@@ -29,10 +29,9 @@ STARTS = ("near", "far")
 KNOWN = {40.0: 88.934, 10.0: 64.305, 5.0: 24.914, 2.0: 9.8556}
 
 
-class Settings(FigureSettings):
+class Settings(DriveFigure):
     flows = ("taylor",)
 
-    drive: DriveChanges
     input_speed: PositiveSpan = Field(description="Input speeds of the onset, evenly spaced in logarithm [rad/s].")
     swept_input_speed: PositiveSpan = Field(description="Input speeds over which motions are followed [rad/s].")
     swept_axial_force: PositiveSpan = Field(description="Axial forces over which motions are followed [N].")
@@ -41,6 +40,8 @@ class Settings(FigureSettings):
 
 def build(settings: Values) -> xr.Dataset:
     """Compute the coefficient and the onset over the speed, and what motions end in on both sides of it."""
+    from lsvib.dynamics.energy import balance
+
     drive = Drive.of(settings["drive"])
     speeds = np.unique([*spans.logarithmic(settings["input_speed"]), *KNOWN])
     force, speed = spans.even(settings["swept_axial_force"]), spans.logarithmic(settings["swept_input_speed"])
@@ -48,6 +49,8 @@ def build(settings: Values) -> xr.Dataset:
     masses = [solve_threshold(one, "kinematic_constraint").value for one in slid]
     over_force = _motions(drive, axial_force=force)
     over_speed = _motions(drive.replace(axial_force=settings["force"]), input_speed=speed)
+    pushed = drive.replace(axial_force=float(force[-1]))
+    far = phase_plane.reached(pushed, {"u": 0.1, "w": -drive.input_speed})
     sliding = np.geomspace(1e-4, 1.2 * drive.pitch_radius * speeds.max(), 200)
     mu = [float(friction.coefficient(drive, v)) for v in sliding.tolist()]
     dims, other = ("start", "swept_axial_force"), ("start", "swept_input_speed")
@@ -57,7 +60,7 @@ def build(settings: Values) -> xr.Dataset:
             "coefficient": variable("sliding_speed", mu, "1", "friction coefficient of the threads", r"$\mu$"),
             "onset_force": variable("input_speed", [onset_force(one) for one in slid], "N", "onset force", "$R$"),
             "steady_critical_mass": variable("input_speed", masses, "kg", steady, r"$m_\mathrm{cr}$"),
-            "energy_balance": variable((), _balance(drive.replace(axial_force=float(force[-1]))), *BALANCE),
+            "energy_balance": variable((), balance(pushed, far.orbit), *BALANCE),
             "attractor": phase_plane.attractors(dims, over_force.attractor),
             "amplitude": variable(dims, over_force.amplitude, "rad", size, r"$\hat u$"),
             "speed_attractor": phase_plane.attractors(other, over_speed.attractor, f"{phase_plane.ATTRACTOR}{over}"),
@@ -73,13 +76,6 @@ def build(settings: Values) -> xr.Dataset:
         },
         attrs=about(__doc__, "closed form and motions by power series", "Table 8.1, Sect. 8.5"),
     )
-
-
-def _balance(drive: Drive) -> float:
-    """Return the balance of energy of the cycle that a motion from far away ends on."""
-    from lsvib.dynamics.energy import balance
-
-    return balance(drive, phase_plane.reached(drive, {"u": 0.1, "w": -drive.input_speed}).orbit)
 
 
 def _motions(drive: Drive, **swept: np.ndarray):

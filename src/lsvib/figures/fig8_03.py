@@ -9,11 +9,11 @@ from pydantic import Field
 
 from lsvib.contact.contact_force import Existence, existence
 from lsvib.datasets import newton, spans
-from lsvib.datasets.attributes import Variables, attributes, axis, drive_parameters, flagged, variable, yes_no
+from lsvib.datasets.attributes import Variables, attributes, drive_parameters, flagged, variable, varied, yes_no
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, printed_laws, style
 from lsvib.figures.common import about, flag_names, named
-from lsvib.figures.settings import DriveChanges, FigureSettings, Span, Values, several
+from lsvib.figures.settings import DriveChanges, DriveFigure, Span, Values, several
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.stability.linear import Stability, eigenvalue_pair, stability_class
@@ -34,10 +34,9 @@ _COLOURS = {  # stable classes in blues and greens, unstable ones in warm colour
 _DRIVES = (style.BLUE, style.VERMILION, style.BLACK, style.PURPLE, style.WINE)
 
 
-class Settings(FigureSettings):
+class Settings(DriveFigure):
     unused = ("mass", "translation_damping")
 
-    drive: DriveChanges
     inertia: Span = Field(description="Effective inertia [kg m2].")
     damping: Span = Field(description="Effective damping [N m s/rad].")
     cases: several(DriveChanges, 0, 5, "Drives to place in the plane, as changes of `drive`.")
@@ -96,7 +95,7 @@ def _many_drives(drive: Drive) -> Variables:
     table = np.moveaxis(np.array(rows).reshape(*map(len, axes.values()), 6), -1, 0)
     dims = tuple(f"swept_{name}" for name in axes)
     return {
-        **{name: part for key, values in axes.items() for name, part in axis(f"swept_{key}", values).items()},
+        **varied(**{f"swept_{name}": values for name, values in axes.items()}),
         "effective_inertia_plus": variable(dims, table[0], "kg m2", "effective inertia of law +", r"$\Gamma_+$"),
         "effective_inertia_minus": variable(dims, table[1], "kg m2", "effective inertia of law -", r"$\Gamma_-$"),
         "swept_effective_inertia": (dims, table[2], _INERTIA),

@@ -13,7 +13,7 @@ from lsvib.datasets.attributes import CRITICAL_MASS, axis, drive_parameters, var
 from lsvib.datasets.checks import Check
 from lsvib.figures import style
 from lsvib.figures.common import EIGENVALUE, about
-from lsvib.figures.settings import Damping, DriveChanges, FigureSettings, PositiveSpan, Values, several
+from lsvib.figures.settings import Damping, DriveFigure, PositiveSpan, Values, several
 from lsvib.models import chapter
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
@@ -30,10 +30,9 @@ Real parts diverge there; (a) cuts them, (c) is logarithmic.
 _CRITICAL = {"color": style.BLACK, "linewidth": 0.8, "linestyle": ":", "label": r"critical mass $m_\mathrm{cr}$"}
 
 
-class Settings(FigureSettings):
+class Settings(DriveFigure):
     unused = ("input_speed", "mass", "translation_damping", "axial_force")
 
-    drive: DriveChanges
     mass: PositiveSpan = Field(description="Translating mass [kg].")
     dampings: several(
         Annotated[Damping, Gt(0)], 1, None, "Support dampings at which the loss of stability is located [N m s/rad]."

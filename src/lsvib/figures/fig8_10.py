@@ -32,9 +32,8 @@ _DISTANCE = (
 )  # fmt: skip
 
 
-class Settings(of.FigureSettings):
+class Settings(of.DriveFigure):
     flows = ("modal",)
-    drive: of.DriveChanges
     contact_stiffness: of.parameter("contact_stiffness")
     contact_damping: of.parameter("contact_damping")
     start: of.State

@@ -10,7 +10,7 @@ from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
 from lsvib.figures import style
 from lsvib.figures.common import SteadyState, about, flag_names, named
-from lsvib.figures.settings import DriveChanges, FigureSettings, Span, State, Values
+from lsvib.figures.settings import DriveFigure, Span, State, Values
 from lsvib.models.drive import Drive
 from lsvib.models.names import RULES
 from lsvib.models.rigid import MotionMode
@@ -42,10 +42,9 @@ _PANELS = (  # variable, title, word on the axis
 )
 
 
-class Settings(FigureSettings):
+class Settings(DriveFigure):
     unused = ("support_damping",)
 
-    drive: DriveChanges
     support_damping: Span = Field(description="c [N m s/rad], from zero or more.")
     start: State
 

@@ -14,7 +14,7 @@ from lsvib.errors import InputError
 from lsvib.figures import drawing, style
 from lsvib.figures.common import CRITICAL_MASS_WITH_CONTACT, SteadyState, about, named
 from lsvib.figures.fig8_10 import compliant_cycle, cycle_curves, cycle_motion
-from lsvib.figures.settings import Contact, DriveChanges, FigureSettings, PositiveSpan, Samples, State, Values, several
+from lsvib.figures.settings import Contact, DriveFigure, PositiveSpan, Samples, State, Values, several
 from lsvib.models import chapter
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
@@ -43,9 +43,8 @@ _ON_THE_GRID = ("attractor", "largest_deflection", "largest_acceleration")
 _COLOURS = (style.BLUE, style.ORANGE, style.VERMILION, style.GREEN)
 
 
-class Settings(FigureSettings):
+class Settings(DriveFigure):
     flows = ("modal",)
-    drive: DriveChanges
     contacts: several(Contact, 2, 4, "Contacts whose cycles are drawn, the stiffest first.")
     start: State
     samples: Samples

@@ -10,7 +10,7 @@ from lsvib.datasets.attributes import drive_parameters, flagged, variable, varie
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures.common import about, named, over_map, thinned
-from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Span, Values, parameter
+from lsvib.figures.settings import DriveFigure, PositiveSpan, Span, Values, parameter
 from lsvib.models import chapter
 from lsvib.models.drive import PART_OF, Drive
 from lsvib.stability import conditions
@@ -36,10 +36,9 @@ _REGIONS = {  # fill, hatch as in the chapter, words
 _HATCH = "#7F8FA0"
 
 
-class Settings(FigureSettings):
+class Settings(DriveFigure):
     unused = ("support_damping", "friction_coefficient", "input_speed", "translation_damping", "axial_force")
 
-    drive: DriveChanges
     screw_mass: parameter("screw_mass")
     friction_coefficient: Span = Field(description="mu, from zero or more.")
     support_stiffness: PositiveSpan = Field(description="k_1 [N/m], spaced logarithmically.")

@@ -10,7 +10,7 @@ from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
 from lsvib.figures import drawing, printed_laws, style
 from lsvib.figures.common import about, named, over_map, thinned
-from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Span, Values
+from lsvib.figures.settings import DriveFigure, PositiveSpan, Span, Values
 from lsvib.models import chapter
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
@@ -28,10 +28,9 @@ neither flutter nor divergence.
 _COLOURS = {"stable": "#FFFFFF", "kinematic constraint": "#F7D9C4", "flutter": style.SKY, "divergence": style.BLUE}
 
 
-class Settings(FigureSettings):
+class Settings(DriveFigure):
     unused = ("axial_force", "coupling_stiffness", "input_speed", "support_damping", "translation_damping")
 
-    drive: DriveChanges
     nut_inertia: PositiveSpan = Field(description="I_2 [kg m2], spaced logarithmically.")
     friction_coefficient: Span = Field(description="mu, from zero or more.")
 

@@ -191,21 +191,25 @@ Tolerances = Annotated[
 ]
 
 
-class PhasePlane(FigureSettings):
-    """Settings of the motions that a figure draws in the phase plane; Figs 8.4 and 8.5 need no others."""
+class DriveFigure(FigureSettings):
+    """Settings of a figure about one drive, that of Table 8.1 with changes."""
 
     drive: DriveChanges
+
+
+class PhasePlane(DriveFigure):
+    """Settings of the motions that a figure draws in the phase plane; Figs 8.4 and 8.5 need no others."""
+
     starts: Starts
     duration: Duration
     samples: Samples
 
 
-class ContactPortrait(FigureSettings):
+class ContactPortrait(DriveFigure):
     """Settings of a phase portrait of the contact force, Figs 8.1 and 8.2."""
 
     unused: ClassVar = ("coupling_stiffness", "support_damping", "input_speed", "translation_damping", "axial_force")
 
-    drive: DriveChanges
     contact_stiffness: parameter("contact_stiffness")
     contact_dampings: ContactDampings
     force: Span = Field(description="Contact force in the scale of the chapter [1/(kg m2)].")

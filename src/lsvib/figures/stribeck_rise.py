@@ -11,7 +11,7 @@ from lsvib.datasets.checks import Check
 from lsvib.figures import settings as of
 from lsvib.figures import style
 from lsvib.figures.common import BALANCE, about, balance_check, named
-from lsvib.figures.settings import DriveChanges, FigureSettings, PositiveSpan, Span, Values
+from lsvib.figures.settings import DriveChanges, DriveFigure, PositiveSpan, Span, Values
 from lsvib.models import chapter
 from lsvib.models.drive import Drive
 from lsvib.numbers import bisected
@@ -29,11 +29,10 @@ _PRINTED = ("critical_mass", *_FORCES)
 CYCLES = ("stick_slip", "sprag_slip")
 
 
-class Settings(FigureSettings):
+class Settings(DriveFigure):
     unused = ("axial_force",)
     flows = ("taylor",)
 
-    drive: DriveChanges
     rise: Span = Field(description="Rise of friction over its kinetic value [1].")
     static: PositiveSpan = Field(description="Static over kinetic friction [1].")
     heavy_mass: of.parameter("mass")
