@@ -77,7 +77,7 @@ def value(threshold: xr.DataArray, case: int = 0) -> float:
     return found
 
 
-def onset_force(drive: Drive) -> float:
+def least_onset_force(drive: Drive) -> float:
     """Return the least axial force [N] with the motion, Ω > 0, at which vibration sets in."""
     return min(x.value for x in solve_threshold(drive, "onset", "axial_force").solutions if x.value > 0)
 

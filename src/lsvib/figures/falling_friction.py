@@ -5,7 +5,7 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import phase_plane, spans
-from lsvib.datasets.analysis import onset_force
+from lsvib.datasets.analysis import least_onset_force
 from lsvib.datasets.attributes import ASSUMED, drive_parameters, named_index, parameter, variable, varied
 from lsvib.datasets.checks import Check
 from lsvib.figures import settings as of
@@ -46,6 +46,7 @@ def build(settings: Values) -> xr.Dataset:
     speeds = np.unique([*spans.logarithmic(settings["input_speed"]), *KNOWN])
     force, speed = spans.even(settings["swept_axial_force"]), spans.logarithmic(settings["swept_input_speed"])
     slid = [drive.replace(input_speed=at) for at in speeds.tolist()]
+    onsets = [least_onset_force(one) for one in slid]
     masses = [solve_threshold(one, "kinematic_constraint").value for one in slid]
     over_force = _motions(drive, axial_force=force)
     over_speed = _motions(drive.replace(axial_force=settings["force"]), input_speed=speed)
@@ -58,7 +59,7 @@ def build(settings: Values) -> xr.Dataset:
     return xr.Dataset(
         {
             "coefficient": variable("sliding_speed", mu, "1", "friction coefficient of the threads", r"$\mu$"),
-            "onset_force": variable("input_speed", [onset_force(one) for one in slid], "N", "onset force", "$R$"),
+            "onset_force": variable("input_speed", onsets, "N", "onset force", "$R$"),
             "steady_critical_mass": variable("input_speed", masses, "kg", steady, r"$m_\mathrm{cr}$"),
             "energy_balance": variable((), balance(pushed, far.orbit), *BALANCE),
             "attractor": phase_plane.attractors(dims, over_force.attractor),

@@ -5,7 +5,7 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import phase_plane, printed, spans
-from lsvib.datasets.analysis import analyse, onset_force
+from lsvib.datasets.analysis import analyse, least_onset_force
 from lsvib.datasets.attributes import ASSUMED, drive_parameters, named_index, parameter, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import settings as of
@@ -108,7 +108,7 @@ def _forces(drive: Drive) -> tuple[float, float, float]:
         here = drive.replace(axial_force=force)
         return int(ending_of(here, rigid_automaton(here), np.array([0.05, 0.0])).happens)
 
-    onset = onset_force(drive)
+    onset = least_onset_force(drive)
     stick = bisected(lambda force: bool(happens(force) & RESTS), 1.2 * onset, 4 * onset, 1e-4)
     return onset, stick, bisected(lambda force: not happens(force) & REVERSES, stick, 4 * onset, 1e-4)
 
