@@ -151,7 +151,5 @@ def _sweep(axes: style.Axes, swept: xr.DataArray, amplitude: xr.DataArray, title
     marks = (("o", style.BLUE, 3.2, "white"), ("x", style.VERMILION, 3.0, None))
     words = ("start next to steady sliding", "start far away")
     for row, (mark, colour, size, face), word in zip(amplitude, marks, words, strict=True):
-        axes.plot(
-            swept, row, mark, color=colour, markersize=size, markerfacecolor=face, markeredgewidth=0.7, label=word
-        )
+        axes.plot(swept, row, mark, color=colour, markersize=size, mfc=face, mew=0.7, label=word)
     style.frame(axes, title, swept, style.label(amplitude, "amplitude"))

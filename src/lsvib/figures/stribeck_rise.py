@@ -165,28 +165,24 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw critical mass and friction and the three forces over the rise, and both cycles over the static friction."""
     figure = style.new_figure(style.DOUBLE, 4.8)
     (critical, force), (amplitude, period) = figure.subplots(2, 2)
-    percent = 100 * dataset.rise_share
-    for name, colour, dashes, words in (
-        ("slow_critical_mass", style.BLUE, "-", "critical mass, slow sliding"),
-        ("steady_critical_mass", style.SKY, (0, (4, 2)), "critical mass, steady sliding"),
-    ):
-        critical.plot(percent, dataset[name], color=colour, linestyle=dashes, label=words)
+    percent, dashed = 100 * dataset.rise_share, (0, (4, 2))
+    over_rise = {"x": "Rise of friction [%]", "xlim": (0, percent[-1])}
+    critical.plot(percent, dataset.slow_critical_mass, color=style.BLUE, label="critical mass, slow sliding")
+    critical.plot(percent, dataset.steady_critical_mass, color=style.SKY, linestyle=dashed,
+                  label="critical mass, steady sliding")  # fmt: skip
+    style.frame(critical, "(a) Painlevé region", y="Critical mass [kg]", **over_rise)
     other = critical.twinx()
     other.plot(percent, dataset.slow_critical_friction, color=style.VERMILION, linestyle=":", label="critical friction")
-    critical.set(title="(a) Painlevé region", ylabel="Critical mass [kg]")
     other.set(ylabel=f"Critical friction at {float(dataset.case_mass):g} kg")
-    for name, colour, dashes in zip(
-        _FORCES, (style.BLACK, style.BLUE, style.VERMILION), ("-", (0, (4, 2)), ":"), strict=True
-    ):
+    looks = ((style.BLACK, "-"), (style.BLUE, dashed), (style.VERMILION, ":"))
+    for name, (colour, dashes) in zip(_FORCES, looks, strict=True):
         force.plot(percent, dataset[name], color=colour, linestyle=dashes, label=name.replace("_", " "))
-    force.set(title="(b) forces of Fig. 8.6", ylabel="Axial force $R$ [N]")
-    for axes in (critical, force):
-        axes.set(xlabel="Rise of friction [%]", xlim=(0, percent[-1]))
-    for axes, name, title in ((amplitude, "amplitude", "(c) amplitude"), (period, "period", "(d) period")):
-        for row, colour, dashes, words in zip(
-            dataset[name], (style.BLUE, style.VERMILION), ("-", (0, (4, 2))),
-            ("stick–slip, constant kinetic friction", "sprag–slip of Fig. 8.9"), strict=True,
-        ):  # fmt: skip
+    style.frame(force, "(b) forces of Fig. 8.6", y="Axial force $R$ [N]", **over_rise)
+    looks = {"stick–slip, constant kinetic friction": (style.BLUE, "-"),
+             "sprag–slip of Fig. 8.9": (style.VERMILION, dashed)}  # fmt: skip
+    for axes, name, letter in ((amplitude, "amplitude", "c"), (period, "period", "d")):
+        for row, (words, (colour, dashes)) in zip(dataset[name], looks.items(), strict=True):
             axes.plot(dataset.static_share, row, color=colour, linestyle=dashes, marker=".", markersize=3, label=words)
-        style.frame(axes, title, "Static over kinetic friction", style.label(dataset[name], name), ylim=(0, None))
+        label = style.label(dataset[name], name)
+        style.frame(axes, f"({letter}) {name}", "Static over kinetic friction", label, ylim=(0, None))
     return style.legend(figure, [critical, other, force, amplitude], 4)
