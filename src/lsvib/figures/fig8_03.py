@@ -49,15 +49,14 @@ def build(settings: Values) -> xr.Dataset:
     inertia, damping = spans.even(settings["inertia"]), spans.even(settings["damping"])
     kinds, plane = stability_class(inertia[:, None], damping, stiffness), ("effective_inertia", "effective_damping")
     positive = inertia[-1] * np.linspace(0, 1, inertia.size)[1:] ** 2  # dense near the vertex of the parabola
+    met = _node_focus_boundary(positive, stiffness)
     along, words = "node_focus_effective_inertia", "effective damping where two eigenvalues meet"
     cases = [drive.replace(**changes) for changes in settings["cases"]]
     own = [(float(c.gamma[c.steady_law]), float(c.damping[c.steady_law])) for c in map(coefficients, cases)]
     return xr.Dataset(
         {
             "stability": flagged(plane, kinds, "class of the steady sliding", Stability),
-            "node_focus_effective_damping": variable(
-                along, _node_focus_boundary(positive, stiffness), "N m s rad-1", words, "$C_0$"
-            ),
+            "node_focus_effective_damping": variable(along, met, "N m s rad-1", words, "$C_0$"),
             "case_effective_inertia": ("case", [inertia for inertia, _ in own], _INERTIA),
             "case_effective_damping": ("case", [damping for _, damping in own], _DAMPING),
         }

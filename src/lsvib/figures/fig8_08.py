@@ -56,25 +56,17 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     mass = np.unique(np.concatenate([spans.even(span), critical - near, critical + near, [meeting, peak]]))
     mass = mass[(mass >= span["start"]) & (mass <= span["stop"]) & (mass != critical)]
     dampings = np.array(settings["dampings"], dtype=float)
-    stiffness = drive.coupling_stiffness
-    losses = [  # by bisection around m_cr to the last bit
-        bisected(
-            lambda m, c=c: eigenvalue_pair(_inertia(drive, m), c, stiffness).real.max() >= 0,
-            critical / 2,
-            critical * 3 / 2,
-        )
-        for c in dampings.tolist()
-    ]
+    damped = [drive.replace(support_damping=c) for c in dampings.tolist()]
+    # By bisection around m_cr to the last bit.
+    losses = [bisected(lambda m, own=own: _growth(own, m) >= 0, critical / 2, critical * 3 / 2) for own in damped]
     lost = "mass at which the real part of an eigenvalue becomes positive"
     inertia = np.array([_inertia(drive, m) for m in mass])
-    pair = eigenvalue_pair(inertia, drive.support_damping, stiffness)
-    dims, words = ("eigenvalue", "mass"), "part of the eigenvalue"
+    pair = eigenvalue_pair(inertia, drive.support_damping, drive.coupling_stiffness)
+    dims, real, imaginary = ("eigenvalue", "mass"), "real part of the eigenvalue", "imaginary part of the eigenvalue"
     return xr.Dataset(
         {
-            "eigenvalue_real_part": variable(dims, pair.real.T, "s-1", f"real {words}", r"Re $\varepsilon$"),
-            "eigenvalue_imaginary_part": variable(
-                dims, pair.imag.T, "rad s-1", f"imaginary {words}", r"Im $\varepsilon$"
-            ),
+            "eigenvalue_real_part": variable(dims, pair.real.T, "s-1", real, r"Re $\varepsilon$"),
+            "eigenvalue_imaginary_part": variable(dims, pair.imag.T, "rad s-1", imaginary, r"Im $\varepsilon$"),
             "effective_inertia_plus": variable("mass", inertia, "kg m2", "effective inertia of law +", r"$\Gamma_+$"),
             "loss_of_stability": variable("swept_support_damping", losses, "kg", lost, "$m$"),
         },
@@ -138,6 +130,11 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 def _inertia(drive: Drive, mass: float) -> float:
     """Effective inertia Γ₊ [kg m²] at a mass [kg]; it vanishes at m_cr, so 50 digits are used and rounded once."""
     return float(coefficients(drive.replace(mass=float(mass))).gamma[1])
+
+
+def _growth(drive: Drive, mass: float) -> float:
+    """Largest real part [1/s] of an eigenvalue at a mass [kg]."""
+    return eigenvalue_pair(_inertia(drive, mass), drive.support_damping, drive.coupling_stiffness).real.max()
 
 
 @style.styled

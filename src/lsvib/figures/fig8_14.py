@@ -234,6 +234,8 @@ def _start_checks(heavy: xr.Dataset) -> list[Check]:
     straight = ((heavy.probe_later_events == 0) & origin).where(back)
     arrivals = heavy.event_kind.copy(data=named(heavy.event_kind, "seizure"))
     after, of = heavy.event_velocity_deviation_after, "starts"
+    forces = zip(straight, heavy.axial_force, strict=True)
+    counted = (f"{int(x.sum())} of {int(x.count())} starts at R = {float(r):g} N" for x, r in forces)
     reversals, place = named(heavy.event_kind, "contact reversal").sum(), "Sect. 8.7"
     return [
         Check.everywhere(
@@ -243,10 +245,7 @@ def _start_checks(heavy: xr.Dataset) -> list[Check]:
         Check.holds(
             "From there the origin is reached without rest or another seizure by some starts, not by all",
             place,
-            ", ".join(
-                f"{int(x.sum())} of {int(x.count())} starts at R = {float(r):g} N"
-                for x, r in zip(straight, heavy.axial_force, strict=True)
-            ),
+            ", ".join(counted),
             not straight.where(back, True).all(),
         ),
         Check.everywhere(

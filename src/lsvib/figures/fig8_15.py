@@ -100,6 +100,7 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the critical friction, the classes by the printed conditions and by LAPACK, and the boundaries."""
     drive, critical = newton.parameters(dataset), float(dataset.critical_friction)
+    stated = chapter.THRESHOLDS["critical_friction"]
     grid = over_map(dataset, drive)
     a_4, a_2, a_0 = conditions.characteristic_polynomial(grid, law=1)
     discriminant, size = a_2**2 - 4 * a_0 * a_4, a_2**2 + 4 * a_0 * np.abs(a_4)
@@ -108,9 +109,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     clear = (np.abs(discriminant) > 1e-9 * size) & (np.abs(a_4) > 1e-9 * inertia)
     dataset = dataset.assign(clear=(dataset.stability.dims, clear))
     return [
-        printed.check(
-            "Critical friction coefficient, root of Γ̃_0(μ) = 0", chapter.THRESHOLDS["critical_friction"], critical
-        ),
+        printed.check("Critical friction coefficient, root of Γ̃_0(μ) = 0", stated, critical),
         Check.exact(
             "Friction coefficient at which the eigenvalue 1/ω² passes through zero",
             "eqs 8.23, 8.27",

@@ -234,9 +234,8 @@ def _critical_mass(axes: style.Axes, dataset: xr.Dataset) -> None:
     axes.plot(inertia, dataset.critical_mass_with_nut, color=style.BLUE, label="boundary by (8.33)")
     axes.plot(some.nut_inertia, some.critical_mass_with_nut_by_eigenvalues, "o", color=style.VERMILION, zorder=3,
               label="by eigenvalues", clip_on=False)  # fmt: skip
-    axes.fill_between(
-        inertia, dataset.critical_mass_with_nut, 1.15 * rigid, color=_COLOURS["kinematic constraint"], linewidth=0
-    )
+    shade = {"color": _COLOURS["kinematic constraint"], "linewidth": 0}
+    axes.fill_between(inertia, dataset.critical_mass_with_nut, 1.15 * rigid, **shade)
     axes.axhline(rigid, color=style.GREY, linewidth=0.9, linestyle="--")
     axes.annotate(f"nut that cannot turn: {rigid:.3f} kg", (0.03, rigid), (0, 3), color="#505050", fontsize=6.5,
                   xycoords=axes.get_yaxis_transform(), textcoords="offset points")  # fmt: skip

@@ -11,9 +11,8 @@ from lsvib.figures.common import named
 
 def factor(p: Any, law: Any) -> Any:
     """Return ξ of a law [1] (8.4)."""
-    return (law * p.friction_coefficient - np.tan(p.lead_angle)) / (
-        1 + law * p.friction_coefficient * np.tan(p.lead_angle)
-    )
+    friction, tangent = law * p.friction_coefficient, np.tan(p.lead_angle)
+    return (friction - tangent) / (1 + friction * tangent)
 
 
 def inertia(p: Any, law: Any) -> Any:
@@ -38,9 +37,9 @@ def lever(p: Any, law: Any) -> Any:
 
 def laws(dataset: xr.Dataset) -> xr.DataArray:
     """Return the law of each sample of the motions, 0 at rest."""
-    plus, minus = (f"slip forward {a}, slip backward {b}".split(", ") for a, b in (("positive", "negative"),
-                                                                                 ("negative", "positive")))  # fmt: skip
-    return dataset["mode"].copy(data=1 * named(dataset["mode"], *plus) - named(dataset["mode"], *minus))
+    plus = named(dataset["mode"], "slip forward positive", "slip backward negative")
+    minus = named(dataset["mode"], "slip forward negative", "slip backward positive")
+    return dataset["mode"].copy(data=1 * plus - minus)
 
 
 def steady_checks(p: xr.Dataset) -> list[Check]:
