@@ -144,10 +144,9 @@ def _comparison(drive: Drive, cycle: SteadyState, rigid: SteadyState) -> Variabl
     """The cycle in numbers, beside the rigid one."""
     found: Variables = {}
     for name, steady, words in (("", cycle, ""), ("rigid_", rigid, ", of the rigid drive")):
-        low, high = steady.extremes(np.eye(1, steady.state.size + 1)[0])  # of u
         found |= {
             f"{name}attractor": phase_plane.attractors((), steady.label, phase_plane.ATTRACTOR + words),
-            f"{name}amplitude": variable((), 0.5 * (high - low), "rad", phase_plane.AMPLITUDE + words),
+            f"{name}amplitude": variable((), steady.amplitude, "rad", phase_plane.AMPLITUDE + words),
             f"{name}period": variable((), steady.period, "s", phase_plane.PERIOD + words, "$T$"),
         }
     peak, distance = _cycle_values(drive, cycle, rigid)
