@@ -11,12 +11,13 @@ from lsvib.dynamics.energy import work
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError, InputError
 from lsvib.models.drive import PARTS, Drive
+from lsvib.models.mechanism import standing_state
 from lsvib.models.model import automaton_of, model_of
 from lsvib.stability.boundaries import places
 from lsvib.stability.conditions import stability
 
 
-def random_drive(seed: int, collar: bool = False) -> tuple[Drive, np.ndarray]:
+def random_drive(seed: int, collar: bool = False, motor: bool = False) -> tuple[Drive, np.ndarray]:
     """A drive of the chapter's size with random parts, or a collar, frictions and a law or none; and a start."""
     rng = np.random.default_rng([seed, 45])
 
@@ -33,6 +34,12 @@ def random_drive(seed: int, collar: bool = False) -> tuple[Drive, np.ndarray]:
         "friction_coefficient": rng.uniform(0.1, 0.3),
     }
     own = {
+        "motor": {
+            "motor_inertia": power(-5.5, -4.5),
+            "integral_gain": power(-0.5, 0.5),
+            "speed_gain": power(-4, -2.5),
+            "coupling_damping": power(-5, -4),
+        },
         "support": {
             "screw_mass": power(-0.5, 1),
             "support_stiffness": power(4, 6),
@@ -42,7 +49,8 @@ def random_drive(seed: int, collar: bool = False) -> tuple[Drive, np.ndarray]:
         "threads": {"contact_stiffness": power(4, 6), "contact_damping": power(1, 2)},
     }
     for part in PARTS:
-        values |= own[part] if rng.random() < 0.6 and not collar else {}
+        values |= own[part] if part != "motor" and rng.random() < 0.6 and not collar else {}
+    values |= own["motor"] if motor else {}
     if collar:
         values |= {"collar_friction": rng.uniform(0.05, 0.3), "collar_radius": power(-2.6, -1.9)}
     kind = rng.integers(4)
@@ -79,9 +87,9 @@ def held_against_newton(drive: Drive, start: np.ndarray, duration: float, most: 
     return motion, arcs
 
 
-def check(seed: int, collar: bool = False) -> tuple[int, tuple[str, ...]] | None:
+def check(seed: int, **more: bool) -> tuple[int, tuple[str, ...]] | None:
     """Hold the first events of a random drive against Newton's laws; None where it is refused."""
-    drive, start = random_drive(seed, collar)
+    drive, start = random_drive(seed, **more)
     try:
         motion, _ = held_against_newton(drive, start, 0.05, 10)
     except (InputError, EngineError):
@@ -102,6 +110,7 @@ def test_motions_obey_newtons_laws(seeds):
 
 
 STIFF = {
+    "motor": {"motor_inertia": 1e-5, "integral_gain": 1e3, "speed_gain": 1e-1},
     "support": {"screw_mass": 3.0, "support_stiffness": 1e7, "axial_support_damping": 3e3},
     "nut": {"nut_inertia": 1e-5, "nut_stiffness": 1e3, "nut_damping": 1e-2},
     "threads": {"contact_stiffness": 1e7, "contact_damping": 3e3},
@@ -184,6 +193,42 @@ def test_a_collar_brakes_with_the_axial_force():
     assert stable == {True, False}
     assert len(balances) >= 5
     assert max(balances) <= 1e-9
+
+
+def test_a_motor_follows_its_command():
+    """Motions, energy and eigenvalues of drives behind a motor, half of them with other parts, by Newton's laws."""
+    done = [check(seed, motor=True) for seed in range(24)]
+    assert sum(one is not None for one in done) >= 18
+    assert len({parts for one in done if one for parts in [one[1]]}) >= 5
+    balances = []
+    for seed in range(24):
+        drive, start = random_drive(seed, motor=True)
+        judged_by_newton(drive)
+        try:
+            orbit = steady_state(automaton_of(drive), start, max_events=20_000).orbit
+        except (InputError, EngineError):
+            continue
+        if orbit is not None and orbit.time.size:
+            balances.append(abs(work(drive, orbit).balance))
+    assert len(balances) >= 4
+    assert max(balances) <= 1e-9
+
+
+@pytest.mark.parametrize(
+    "friction", [{"static_friction_coefficient": 0.4}, {"stribeck_rise": 0.15, "stribeck_speed": 0.02}]
+)
+def test_a_motor_on_a_stiff_coupling_turns_with_the_screw(friction):
+    """As one body I + J on the gains as spring and damper; of first order in the compliance of the coupling."""
+    slow = Drive(input_speed=1.0, axial_force=-60.0, **friction)
+    one = slow.replace(screw_inertia=3.12e-6 + 1e-5, coupling_stiffness=1.5, support_damping=2e-4 + 1e-3)
+    expected = steady_state(automaton_of(one), standing_state(one)).period
+    apart = []
+    for stiffness in (1e3, 1e4):
+        motor = {"motor_inertia": 1e-5, "integral_gain": 1.5, "speed_gain": 1e-3}
+        drive = slow.replace(**motor, coupling_stiffness=stiffness, coupling_damping=1e-4 * stiffness)
+        apart.append(abs(steady_state(automaton_of(drive), standing_state(drive)).period / expected - 1))
+    assert apart[0] < 2e-3
+    assert 0.09 * apart[0] < apart[1] < 0.11 * apart[0]
 
 
 def test_the_critical_mass_with_a_collar():

@@ -11,7 +11,12 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 SIGN = {"forward": 1, "backward": -1, "held": 0, "positive": 1, "negative": -1}
-RATES = {"support": "y", "nut": "phi", "threads": "e"}  # coordinates of parts, in the order of the state
+RATES = {
+    "motor": "psi",
+    "support": "y",
+    "nut": "phi",
+    "threads": "e",
+}  # coordinates of parts, in the order of the state
 
 
 class Bodies:
@@ -32,6 +37,9 @@ class Bodies:
         whole = p["support_damping"] * p["input_speed"] + p["bearing_friction"] * self.sense + torque
         self.steady = np.zeros(2 * len(self.q))
         self.steady[:2] = -whole / p["coupling_stiffness"], p["input_speed"]
+        if "psi" in self.place:  # θ_m − Ω t, from which the coupling is wound up
+            self.steady[self.place["psi"]] = -whole / p["integral_gain"]
+            self.steady[0] -= whole / p["integral_gain"]
         for name, value, stiffness in (("y", force, "support_stiffness"), ("phi", torque, "nut_stiffness")):
             if name in self.place:
                 self.steady[self.place[name]] = value / p[stiffness]
@@ -87,7 +95,12 @@ class Bodies:
         travel = self.lead * slip + at("y", 1) + at("e", 1)
         bearing = p["bearing_friction"] * mode.get("bearing", 0)
         slide = p["slide_friction"] * mode.get("slide", 0)
-        torque = -p["coupling_stiffness"] * at("theta") - p["support_damping"] * at("theta", 1)
+        wound = p["coupling_stiffness"] * (at("theta") - at("psi"))
+        if "psi" in place:
+            wound += p["coupling_damping"] * (at("theta", 1) - p["input_speed"] - at("psi", 1))
+            loop = p["integral_gain"] * at("psi") + p["speed_gain"] * at("psi", 1)
+            equation(wound - loop, psi=p["motor_inertia"])
+        torque = -wound - p["support_damping"] * at("theta", 1)
         law, mu = mode["slip"] * mode["contact"], self.mu(slip)
         equation(torque - bearing, theta=p["screw_inertia"], tau=1, bearing=1, n=law * self.collar)
         equation(p["axial_force"] - p["translation_damping"] * travel - slide, x=p["mass"], n=1, slide=1)

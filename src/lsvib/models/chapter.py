@@ -83,6 +83,7 @@ GLOBAL_STABILITY = {"mass": 11.0, "support_damping": 1e-3}
 
 # Examples of parts: of Fig. 8.10, of Fig. 8.15 (k_1 is assumed), and of Sect. 5.8 the screw's own values, assumed.
 PARTS = {
+    "motor": {"motor_inertia": 1e-5, "integral_gain": 1.0, "speed_gain": 2e-3},
     "support": {"screw_mass": 11.6, "support_stiffness": 1e6, "axial_support_damping": 0.0},
     "nut": {"nut_inertia": 3.12e-6, "nut_stiffness": 1.0, "nut_damping": 2e-4},
     "threads": {"contact_stiffness": 1e8, "contact_damping": 1e8},

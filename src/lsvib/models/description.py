@@ -73,13 +73,20 @@ def _coordinates(model: Model) -> dict[str, tuple[str, str]]:
 
 def _bodies(drive: Drive, reach: float) -> list[str]:
     d, turns, shifts = drive, "nut" in drive.parts, "support" in drive.parts
-    screw = [("−", d.coupling_stiffness, "z"), ("−", d.support_damping, "θ′"), ("−", d.bearing_friction, "sgn θ′")]
+    screw = [("−", d.coupling_stiffness, "z"), ("−", d.coupling_damping, "z′"), ("−", d.support_damping, "θ′")]
+    screw.append(("−", d.bearing_friction, "sgn θ′"))
     load = [("−", d.translation_damping, "x′"), ("−", d.slide_friction, "sgn x′")]
     lines = []
     for part in drive.parts:
         if body := BODIES.get(part):
             inertia, stiffness, damping = (getattr(d, name) for name in PARTS[part])
             of, rate = body.symbol, f"{body.symbol}′"
+            if body.on == "command":
+                of, rate = f"({of} − {d.input_speed:.6g} t)", f"({rate} − {d.input_speed:.6g})"
+                pushed_by = _sum([("+", d.coupling_stiffness, "z"), ("+", d.coupling_damping, "z′")])
+                spring = _sum([("−", stiffness, of), ("−", damping, rate)])
+                lines.append(f"{inertia:.6g} {body.symbol}″ = {spring} {pushed_by}")
+                continue
             if body.on:
                 of, rate = f"({of} − θ)", f"({rate} − θ′)"
                 screw += [("+", stiffness, of), ("+", damping, rate)]
@@ -91,7 +98,7 @@ def _bodies(drive: Drive, reach: float) -> list[str]:
     lines.append(f"{d.mass:.6g} x″ = {right + ' ' if right else ''}− n")
     angle = "(θ − θ_2)" if turns else "θ"
     lines.append(f"x = {reach:.6g} {angle}{' + x_1' if shifts else ''}{' + e' if 'threads' in d.parts else ''}")
-    return [*lines, f"z = θ − {d.input_speed:.6g} t"]
+    return [*lines, "z = θ − θ_m" if "motor" in d.parts else f"z = θ − {d.input_speed:.6g} t"]
 
 
 def _sum(terms: list[tuple[str, float, str]]) -> str:

@@ -103,14 +103,20 @@ def range_in_words(name: str, rule: Mapping[str, Any], form: str = "g") -> str:
 
 # The parameters of each part that a drive may have; the last one, its damper, is zero where only the others are given.
 PARTS = {
+    "motor": ("motor_inertia", "integral_gain", "speed_gain"),
     "support": ("screw_mass", "support_stiffness", "axial_support_damping"),
     "nut": ("nut_inertia", "nut_stiffness", "nut_damping"),
     "threads": ("contact_stiffness", "contact_damping"),
 }
 PART_OF = {name: part for part, names in PARTS.items() for name in names}
-IN_WORDS = {"support": "a compliant axial support", "nut": "a nut that may turn", "threads": "compliant threads"}
+IN_WORDS = {
+    "motor": "a motor with its controller",
+    "support": "a compliant axial support",
+    "nut": "a nut that may turn",
+    "threads": "compliant threads",
+}
 DRY = ("slide_friction", "bearing_friction", "collar_friction")  # against the ground, not in the threads
-_UNLESS_ZERO = (*friction.NAMES, *DRY, "collar_radius")
+_UNLESS_ZERO = (*friction.NAMES, *DRY, "collar_radius", "coupling_damping")
 
 Number = Annotated[float, BeforeValidator(number)]
 Value = Annotated[float, BeforeValidator(_quantity_of)]
@@ -151,6 +157,9 @@ class Drive(BaseModel):
     (μ_b, r_b). These *parts* are there if their parameters are given
     (:mod:`lsvib.models.mechanism`); a part that is not there is rigid:
 
+    * a motor with a PI controller of its speed, T = K_p (Ω − θ_m′) + K_i ∫ (Ω − θ_m′) dt, so that K_i acts as a spring
+      and K_p as a damper to the commanded motion: ``motor_inertia``, ``integral_gain``, ``speed_gain``; behind it the
+      coupling may have a ``coupling_damping``. Without it the motor turns at Ω;
     * compliant threads (Sect. 5.5): ``contact_stiffness``, ``contact_damping``; Fig. 8.10 has 1e8 and 1e8;
     * a compliant axial support of the screw (Sect. 5.6): ``screw_mass``, ``support_stiffness``,
       ``axial_support_damping``; Fig. 8.15 has a screw of 11.6 kg;
@@ -215,6 +224,16 @@ class Drive(BaseModel):
         0.0, "mu_b", "1", "friction coefficient of the thrust collar", least=1e-18, ge=0, le=1e3
     )
     collar_radius: Value = quantity(0.0, "r_b", "m", "mean radius of the thrust collar", least=1e-6, ge=0, le=10.0)
+    coupling_damping: Value = quantity(
+        0.0, "d", "N m s rad-1", "damping of the coupling behind a motor", least=1e-30, ge=0, le=1e15
+    )
+    motor_inertia: Value = quantity(None, "J", "kg m2", "moment of inertia of the motor", ge=1e-30, le=1e6)
+    integral_gain: Value = quantity(
+        None, "K_i", "N m rad-1", "integral gain of the speed controller", ge=1e-21, le=1e15
+    )
+    speed_gain: Value = quantity(
+        None, "K_p", "N m s rad-1", "proportional gain of the speed controller", least=1e-30, ge=0, le=1e15
+    )
     contact_stiffness: Value = quantity(None, "k_c", "N m-1", "stiffness of the thread contact", ge=1e-9, le=1e15)
     contact_damping: Value = quantity(
         None, "c_c", "N s m-1", "damping of the thread contact", least=1e-18, ge=0, le=1e15
@@ -295,6 +314,11 @@ class Drive(BaseModel):
                 )
         if self.collar_friction:
             self._check_collar()
+        if self.coupling_damping and self.motor_inertia is None:
+            raise InputError(
+                f"coupling_damping = {self.coupling_damping:g} needs a motor (motor_inertia, integral_gain), against "
+                "which it acts; without one support_damping is damping."
+            )
         limit = 1 / math.tan(self.lead_angle)
         if not self.friction_coefficient < limit:
             raise InputError(
@@ -307,9 +331,9 @@ class Drive(BaseModel):
     def _check_collar(self) -> None:
         if not self.collar_radius:
             raise InputError(f"collar_friction = {self.collar_friction:g} needs collar_radius > 0.")
-        if self.parts:
+        if comply := [part for part in self.parts if part != "motor"]:
             raise InputError(
-                f"collar_friction = {self.collar_friction:g} is not followed with {IN_WORDS[self.parts[0]]}: the force "
+                f"collar_friction = {self.collar_friction:g} is not followed with {IN_WORDS[comply[0]]}: the force "
                 "on the collar is then not that of the threads, or it turns otherwise; take one of them out."
             )
 

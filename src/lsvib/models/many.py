@@ -63,7 +63,9 @@ class ManyDrives:
 
     def doubles(self, entries: np.ndarray, kind: type = float) -> SimpleNamespace:
         """Return some of the drives (j) with attributes as those of ``Drive.exact()``, arrays (j) of a ``kind``."""
-        d = SimpleNamespace(**{name: Drive.model_fields[name].default for name in (*friction.NAMES, *DRY)})
+        d = SimpleNamespace(
+            **{name: Drive.model_fields[name].default for name in (*friction.NAMES, *DRY, "coupling_damping")}
+        )
         vars(d).update({name: column[entries].astype(kind) for name, column in self.values.items()})
         d.sin_lead, d.cos_lead, d.tan_lead = (f(d.lead_angle) for f in (np.sin, np.cos, np.tan))
         vars(d).update(friction.levels(d), collar=collar_factor(d))

@@ -167,13 +167,13 @@ class LinearParts:
         moves = friction.moves(p)
         level, rate = friction.steady(p, t) if moves else (p["friction_coefficient"], None)
         level = law * level
-        screw: Fraction = (p["screw_inertia"], p["support_damping"], p["coupling_stiffness"]), [1]
+        screw = _turned(p)
         pushed: dict[str, list[Fraction]] = {"contact": [((p["mass"], p["translation_damping"], 0), [1])], "torque": []}
         for part, body in BODIES.items():
             inertia, stiffness, damping = PARTS[part]
             if inertia in p and body.pushed:
                 pushed[body.pushed].append(((p[inertia], p[damping], p[stiffness]), [1]))
-            elif inertia in p:
+            elif inertia in p and body.on == "screw":
                 screw = _carrying(screw, p[inertia], (p[damping], p[stiffness]))
         contact = (p["contact_damping"], p["contact_stiffness"]) if "contact_stiffness" in p else None
         factor = p["pitch_radius"] * t * (level - t)
@@ -222,6 +222,16 @@ class LinearParts:
             below = [(self.times * factor, one) for factor, one in below]
             below.append((self.sloped, [*multiplied(turn, both), 0]))
         return tuple(_total(below))
+
+
+def _turned(p: Mapping[str, Any]) -> Fraction:
+    """Return the polynomial of the screw on its coupling S = d s + k; behind a motor M that is S M / (S + M)."""
+    own, spring = (p["screw_inertia"], p["support_damping"], 0), (p.get("coupling_damping", 0), p["coupling_stiffness"])
+    if "motor_inertia" not in p:
+        return (*own[:2], p["coupling_stiffness"]), [1]
+    motor = p["motor_inertia"], p["speed_gain"], p["integral_gain"]
+    both = _total([(1, motor), (1, spring)])
+    return _total([(1, multiplied(own, both)), (1, multiplied(spring, motor))]), both
 
 
 def _carrying(carrier: Fraction, inertia: Any, spring: Polynomial) -> Fraction:

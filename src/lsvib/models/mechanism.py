@@ -5,12 +5,14 @@ r"""Newton's laws of a drive that is made of parts, solved in each of its modes.
                             turning: c, T_0 to ground      along: c_x, F_0 to ground
                             along: k_1 ∥ c_1 to ground     turning: k_2 ∥ c_2 to ground
 
-A part that a drive does not have is rigid, and its coordinate is not there: the shift x_1 of the screw belongs to the
-axial ``support`` (Sect. 5.6), the angle θ_2 to a ``nut`` that may turn (Sect. 5.8), the mismatch e of nut and screw
-to compliant ``threads`` (Sect. 5.5). With the axial contact force n, the torque τ of the threads, T = −k z − c θ′ −
-T_0 sgn θ′, S = k_1 x_1 + c_1 x_1′, S_2 = k_2 θ_2 + c_2 θ_2′ and P = R − c_x x′ − F_0 sgn x′,
+A motor with a controller of its speed may stand before the coupling: J θ_m″ = K_i (Ω t − θ_m) + K_p (Ω − θ_m′) − T, and
+then z = θ − θ_m. A part that a drive does not have is rigid, and its coordinate is not there: the shift x_1 of the
+screw belongs to the axial ``support`` (Sect. 5.6), the angle θ_2 to a ``nut`` that may turn (Sect. 5.8), the mismatch e
+of nut and screw to compliant ``threads`` (Sect. 5.5). With the axial contact force n, the torque τ of the threads,
+T = −k z − d z′, the torque of the screw T − c θ′ − T_0 sgn θ′, S = k_1 x_1 + c_1 x_1′, S_2 = k_2 θ_2 + c_2 θ_2′ and
+P = R − c_x x′ − F_0 sgn x′,
 
-    I θ″ = T − τ,      m_1 x_1″ = n − S,      I_2 θ_2″ = τ − S_2,      m x″ = P − n.
+    I θ″ = T − c θ′ − T_0 sgn θ′ − τ,      m_1 x_1″ = n − S,      I_2 θ_2″ = τ − S_2,      m x″ = P − n.
 
 The threads slip at ω = θ′ − θ_2′. In slip under the law s = sgn ω sgn n the torque is τ = r_m ξ_s n; at rest ω = 0
 stays so. Rigid threads have e = 0, and then n = Q / (positive factor × Γ_s), where Q does not depend on the law and
@@ -25,7 +27,7 @@ Compliant threads carry N = cos λ (k_c e + c_c e′), and (5.16, 5.17, 8.6)
     n = N (cos λ + s μ sin λ) in slip,      n = N / cos λ + tan λ τ / r_m at rest.
 
 The state is (u, w) as in the rigid drive, then the coordinate of each part that is there with its rate: those of
-support and nut less their values in steady sliding, where n = R − r_m tan λ c_x Ω − F_0 sgn Ω, and e itself.
+motor, support and nut less their values in steady sliding, where n = R − r_m tan λ c_x Ω − F_0 sgn Ω, and e itself.
 
 All that a mode does follows from one linear system, whose unknowns are the accelerations, n, τ and the friction that
 holds a body. Its solution is made of affine functions of the state, *rows* of numbers (the constant last): balls of one
@@ -101,7 +103,10 @@ class Mechanism:
         self.steady_law = -1 if sign(self.force * self.turning, "axial_force") < 0 else 1
         self.twist = d.pitch_radius * xi[self.steady_law] * self.force  # torque of the threads
         torque = d.support_damping * d.input_speed + self.limits.get("bearing", 0) * self.turning + self.twist
+        self.steady_torque = torque
         self.deflection = self.unit(0, -torque / d.coupling_stiffness)
+        if "motor" in self.parts:
+            self.deflection = plus(self.deflection, scaled(self.unit(self.place["motor"]), -1))
         self.speed = self.unit(1, d.input_speed)
         rates = self.rates(True, ())
         self.slip, self.nut_speed = self._slip(rates), self._travel(rates)
@@ -195,7 +200,7 @@ class Mechanism:
         moved = self._moved()
         dry = {name: self.constant(-self.limits[name] * way) for name, way in going.items() if way}
         own = {name: {name: 1} for name in held}
-        torque = plus(scaled(self.deflection, -d.coupling_stiffness), scaled(rates["screw"], -d.support_damping))
+        torque = plus(self.coupling_torque(rates), scaled(rates["screw"], -d.support_damping))
         push = plus(self.constant(d.axial_force), scaled(travel, -d.translation_damping))
         forces = {
             "screw": plus(torque, dry.get("bearing", self.constant(0))),
@@ -203,8 +208,11 @@ class Mechanism:
         }
         for part in self.bodies:
             forces[part] = self._spring(part, rates)
-            if on := BODIES[part].on:
-                forces[on] = plus(forces[on], scaled(forces[part], -1))
+            if BODIES[part].on == "screw":
+                forces["screw"] = plus(forces["screw"], scaled(forces[part], -1))
+            if part == "motor":
+                given = plus(self.constant(self.steady_torque), scaled(self.coupling_torque(rates), -1))
+                forces[part] = plus(forces[part], given)
         left = self._inertias(moved)
         left["screw"] |= own.get("bearing", {})
         left["load"] |= own.get("slide", {})
@@ -213,6 +221,14 @@ class Mechanism:
         equations += [({"screw": 1} if name == "bearing" else moved, self.constant(0)) for name in held]
         found = solved(equations)
         return self._solution(law, mu, rates, found, held)
+
+    def coupling_torque(self, rates: Mapping[str, Row]) -> Row:
+        """Return the row of the torque that the coupling gives to the screw, −k z − d z′."""
+        torque = scaled(self.deflection, -self.d.coupling_stiffness)
+        if "motor" in self.parts and sign(self.d.coupling_damping):
+            turning = plus(rates["screw"], self.constant(-self.d.input_speed), scaled(rates["motor"], -1))
+            torque = plus(torque, scaled(turning, -self.d.coupling_damping))
+        return torque
 
     def _moved(self) -> dict[str, Any]:
         """What x″ is made of: the accelerations of the parts by their shares."""
@@ -235,7 +251,7 @@ class Mechanism:
         stiffness, damping = (getattr(self.d, name) for name in names)
         load = {"contact": self.force, "torque": self.twist}.get(body.pushed, 0)
         stretched, faster = self.unit(self.place[part], load / stiffness), rates[part]
-        if body.on:
+        if body.on == "screw":
             stretched = plus(stretched, scaled(self.unit(self.place[body.on]), -1))
             faster = plus(faster, self.constant(self.d.input_speed), scaled(rates[body.on], -1))
         return plus(scaled(stretched, -stiffness), scaled(faster, -damping))
@@ -346,8 +362,11 @@ def standing(mechanism: Mechanism) -> np.ndarray:
         load, carried = {"contact": (m.force, contact), "torque": (m.twist, 0)}.get(BODIES[part].pushed, (0, 0))
         place = m.place[part]
         state[place] = double((carried - load) / getattr(d, PARTS[part][1]))
-        if BODIES[part].on:
+        if BODIES[part].on == "screw":
             state[place : place + 2] += state[:2]
+        elif part == "motor":  # which stands, too, and whose controller has seen no error
+            state[place : place + 2] = double(m.steady_torque / d.integral_gain), state[1]
+            state[0] += state[place]
     if m.compliant:
         state[m.place["threads"]] = double(contact / d.contact_stiffness)
     return state

@@ -23,6 +23,8 @@ if TYPE_CHECKING:  # a scene can be read and refused without the engine
 
 _FORCES = ("stick", "detach", "global_stability")  # thresholds of the axial force in closed form, also curves
 QUANTITIES = {  # long name, unit and symbol of the coordinates of parts
+    "motor_angle": ("angle of the motor from the commanded motion, less that of steady sliding", "rad", r"$\theta_m$"),
+    "motor_rate": ("angular speed of the motor from the commanded one", "rad s-1", r"$\dot\theta_m$"),
     "thread_mismatch": ("mismatch of nut and screw along the axis", "m", "$e$"),
     "mismatch_rate": ("rate of the mismatch of nut and screw", "m s-1", r"$\dot e$"),
     "screw_shift": ("axial shift of the screw from steady sliding", "m", "$y$"),
@@ -37,6 +39,7 @@ _EQUATIONS = {
 }
 _CONSTRAINT = {
     (): "Γ₊ = I − ξ₊ tan λ m r_m² = 0 (eq. 8.20)",
+    ("motor",): "Γ₊ = I − ξ₊ tan λ m r_m² = 0 (eq. 8.20)",
     ("threads",): "Γ₊ = I − ξ₊ tan λ m r_m² = 0, the limit of stiff threads (eq. 8.20, Lemma 8.1)",
     ("support",): "Γ̃₊ = I − ξ₊ tan λ m̃ r_m² = 0 with m̃ = m m_1 / (m + m_1) (eqs 8.27, 8.28)",
     ("nut",): "Γ̂₊ = I I_2 / (I + I_2) − ξ₊ tan λ m r_m² = 0 (eq. 8.33)",

@@ -10,6 +10,7 @@ from lsvib.engine.kernels.layout import ACCUMULATION_KIND, FIRST_MODEL_KIND, GRA
 
 COORDINATES = {  # of each part: the names of its displacement and of the rate of that
     "screw": ("angle_deviation", "velocity_deviation"),
+    "motor": ("motor_angle", "motor_rate"),
     "support": ("screw_shift", "shift_rate"),
     "nut": ("nut_angle", "nut_rate"),
     "threads": ("thread_mismatch", "mismatch_rate"),
@@ -21,7 +22,8 @@ class Body:
     """A body that a part adds to the drive, with an inertia, on a spring and a damper.
 
     ``symbol`` of its coordinate; ``pushed``, the force of the threads that acts on it: n (``contact``), τ (``torque``)
-    or none; ``on``, what carries spring and damper: the ground, or the ``screw``, with which the body then turns.
+    or none; ``on``, what carries spring and damper: the ground, the ``screw``, with which the body then turns, or the
+    ``command``, the motion Ω t that the motor is to follow; the coordinate is then the distance from it.
     """
 
     symbol: str
@@ -29,7 +31,7 @@ class Body:
     on: str = ""
 
 
-BODIES = {"support": Body("x_1", "contact"), "nut": Body("θ_2", "torque")}
+BODIES = {"motor": Body("θ_m", on="command"), "support": Body("x_1", "contact"), "nut": Body("θ_2", "torque")}
 DIRECTIONS = {1: "forward", -1: "backward"}  # of slip, in the names of modes
 SIGNS = {1: "positive", -1: "negative"}  # of the contact force
 HOW = {**DIRECTIONS, 0: "held"}

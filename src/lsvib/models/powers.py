@@ -2,12 +2,15 @@
 
 import math
 from collections.abc import Iterator
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.models.drive import PARTS, Drive
 from lsvib.models.friction import depends_on_speed
+from lsvib.models.mechanism import Mechanism
 from lsvib.models.names import BODIES, COORDINATES, is_under_law_plus
 
 if TYPE_CHECKING:
@@ -37,6 +40,13 @@ class Powers:
         self.by_speed = depends_on_speed(drive)
         self.sine, self.cosine = math.sin(drive.lead_angle), math.cos(drive.lead_angle)
 
+    @cached_property
+    def steady_torque(self) -> float:
+        """Torque of the motor in steady sliding [N m]."""
+        with many_digits():
+            d = self.drive.exact()
+            return float(Mechanism(d, self.drive.parts, d.steady_friction).steady_torque)
+
     def bodies(self) -> Iterator[tuple[str, np.ndarray, str, np.ndarray]]:
         """Yield the inertias of bodies with the rows of their speeds, and their dampers with the speeds of these."""
         yield "screw_inertia", self.screw, "support_damping", self.screw
@@ -44,7 +54,7 @@ class Powers:
         for part, body in BODIES.items():
             if part in self.drive.parts:
                 (inertia, _, damper), speed = PARTS[part], self.rates[COORDINATES[part][1]]
-                faster = speed - self.rates["velocity_deviation"] if body.on else speed
+                faster = speed - self.rates["velocity_deviation"] if body.on == "screw" else speed
                 yield inertia, speed + self.drive.input_speed * self.one if body.on else speed, damper, faster
 
     def row(self, name: str, mode: int) -> np.ndarray:
@@ -53,7 +63,12 @@ class Powers:
 
     def motor(self, mode: int) -> np.ndarray:
         """Return the power [W] that the motor puts in."""
-        return self.drive.input_speed * product(self.row("coupling_torque", mode), self.one)
+        torque = self.row("coupling_torque", mode)
+        if "motor" in self.drive.parts:
+            given = self.steady_torque * self.one
+            torque = given - self.drive.integral_gain * self.rates["motor_angle"]
+            torque = torque - self.drive.speed_gain * self.rates["motor_rate"]
+        return self.drive.input_speed * product(torque, self.one)
 
     def load(self) -> np.ndarray:
         """Return the power [W] that the axial force puts in."""
@@ -64,6 +79,9 @@ class Powers:
         total = 0 * product(self.one, self.one)
         for _, _, damper, speed in self.bodies():
             total = total + getattr(self.drive, damper) * product(speed, speed)
+        if self.drive.coupling_damping:
+            turning = self.rates["velocity_deviation"] - self.rates["motor_rate"]
+            total = total + self.drive.coupling_damping * product(turning, turning)
         if self.parting.any():
             total = total + self.drive.contact_damping * self.cosine**2 * product(self.parting, self.parting)
         return total

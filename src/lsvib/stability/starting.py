@@ -17,7 +17,6 @@ import math
 from collections.abc import Iterator
 from itertools import pairwise
 
-from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import EngineError, InputError, NoThreshold
 from lsvib.models.drive import Drive
@@ -37,6 +36,8 @@ def runs_evenly(drive: Drive, work: int = 300_000) -> bool | None:
     >>> [runs_evenly(Drive(static_friction_coefficient=0.4, input_speed=speed)) for speed in (1.0, 40.0)]
     [False, True]
     """
+    from lsvib.dynamics.attractor import Attractor, steady_state  # the engine, which other thresholds do without
+
     try:
         found = steady_state(automaton_of(drive), standing_state(drive), max_events=work)
     except (InputError, EngineError):
