@@ -303,6 +303,8 @@ def _below_zero(row, shape, bend, low, step):
     """A time after ``low`` at which a guard that falls for ever is no longer positive; infinite if there is none."""
     if row[R1] < 0.0 and bend / row[A0] >= 0.0:
         return math.inf  # falls to a limit that is not negative
+    while not abs(_value(row, shape, low + step)[0]) < _HUGE:  # the step of a slope that is next to nothing
+        step *= 0.5
     while _positive(row, shape, low + step):
         step *= 2.0
         if not step < 1e300:
