@@ -1,4 +1,4 @@
-"""Arcs of the contact force in closed form, against mpmath and Newton's laws, and the outcomes of its motions."""
+"""Motions of the contact force against mpmath, closed forms and Newton's laws, and their outcomes."""
 
 import math
 
@@ -11,9 +11,11 @@ from references.parts import threads_drive
 
 from lsvib.contact import contact_force
 from lsvib.contact.contact_force import ForceOutcome, Paradox
+from lsvib.engine.kernels.layout import A0, A1, EQUILIBRIUM, R1
+from lsvib.engine.motion import Motion, follow
 
-FLOWS = {
-    (damping, paradox): contact_force.contact_flows(
+MOTIONS = {
+    (damping, paradox): contact_force.contact_automaton(
         threads_drive(mass=30.0, contact_stiffness=1e8, contact_damping=damping), paradox
     )
     for damping in (0.0, 5e3, 5e4)  # elastic, underdamped, overdamped
@@ -21,10 +23,30 @@ FLOWS = {
 }
 
 
-def exact_path(flow: contact_force.ForceFlow, start) -> tuple:
-    """x(τ) of a flow in 40 digits, and its rate, as functions."""
+NUMBERS = st.floats(-3e5, 3e5, allow_subnormal=False)  # products of subnormal ones are zero
+
+
+def motion_of(case, start) -> Motion:
+    return follow(MOTIONS[case], start, math.inf, max_events=1000)
+
+
+def laws(case) -> tuple[np.ndarray, np.ndarray]:
+    """The rows of the flow of law + and of law −."""
+    plus, minus = MOTIONS[case].tables.flow
+    return plus, minus
+
+
+def late(motion: Motion) -> np.ndarray:
+    """The state 30 times the slowest time constant of the last law later."""
+    row = motion.automaton.tables.flow[motion.end_mode]
+    slowest = row[R1] or row[A1] / 2
+    return motion.at([motion.end_time + 30.0 / abs(slowest)])[0][0]
+
+
+def exact_path(row: np.ndarray, start) -> tuple:
+    """x(τ) of a row of the flow table in 40 digits, and its rate, as functions."""
     with mpmath.workdps(40):
-        p, q, centre = (mpmath.mpf(v) for v in (flow.damping, flow.stiffness, flow.equilibrium))
+        p, q, centre = (mpmath.mpf(v) for v in row[[A1, A0, EQUILIBRIUM]])
         root = mpmath.sqrt(p * p / 4 - q)
         first, second = -p / 2 + root, -p / 2 - root
         u, v = start[0] - centre, mpmath.mpf(start[1])
@@ -35,79 +57,75 @@ def exact_path(flow: contact_force.ForceFlow, start) -> tuple:
         )
 
 
-@pytest.mark.parametrize("case", FLOWS, ids=lambda case: f"{case[0]:g}-{case[1].name.lower()}")
+@pytest.mark.parametrize("case", MOTIONS, ids=lambda case: f"{case[0]:g}-{case[1].name.lower()}")
 def test_crossings_are_the_first_zeros_in_40_digits(case):
     random = np.random.default_rng(1)
-    flows, found = FLOWS[case], 0
-    unit = abs(flows[-1].equilibrium)
+    found, sides = 0, MOTIONS[case].tables.guard_sign
+    unit = abs(laws(case)[1][EQUILIBRIUM])
     for _ in range(10):
-        for flow in flows.values():
-            start = flow.side * unit * random.exponential(3.0), unit * random.normal(0, 3.0)
-            time = flow.crossing(start)
+        for law, row in enumerate(laws(case)):
+            start = sides[law] * unit * random.exponential(3.0), unit * random.normal(0, 3.0)
+            motion = motion_of(case, start)
             with mpmath.workdps(40):
-                place, rate = exact_path(flow, start)
+                place, rate = exact_path(row, start)
+                time = motion.time[0] if motion.time.size else None
                 dense = np.linspace(0, 12.0 if time is None else time * (1 - 1e-9), 100)
-                assert all(flow.side * place(mpmath.mpf(t)) > 0 for t in dense)
+                assert all(sides[law] * place(mpmath.mpf(t)) > 0 for t in dense)
                 if time is None:
                     continue
                 found += 1
                 # Newton's step from the root found: its error
                 step = place(mpmath.mpf(time)) / rate(mpmath.mpf(time))
-                size = max(abs(start[0] - flow.equilibrium), abs(start[1])) / abs(float(rate(mpmath.mpf(time))))
+                size = max(abs(start[0] - row[EQUILIBRIUM]), abs(start[1])) / abs(float(rate(mpmath.mpf(time))))
                 assert abs(step) < 1e-13 * max(time, size)
-                after = flow.at(start, time)
+                after = motion.after[0]
                 assert abs(after[1] - float(rate(mpmath.mpf(time)))) < 1e-12 * unit * (1 + abs(after[1]) / unit)
     assert found > 3
 
 
 def test_crossing_times_without_damping_have_a_closed_form():
     """Law −: a circle about 1/Γ₋; law +: the logarithm of the ratio of both amplitudes."""
-    flows = FLOWS[0.0, Paradox.INDETERMINATE]
-    centre, saddle = flows[-1], flows[1]
+    case = 0.0, Paradox.INDETERMINATE
+    saddle, centre = (row[EQUILIBRIUM] for row in laws(case))
     for rate in (1e3, 4e4, 3e5):
-        turn = 2 * (math.pi - math.atan(rate / centre.equilibrium))
-        assert centre.crossing((0.0, rate)) == pytest.approx(turn, rel=1e-14)
-    rho = math.sqrt(-saddle.stiffness)
+        turn = 2 * (math.pi - math.atan(rate / centre))
+        assert motion_of(case, (0.0, rate)).time[0] == pytest.approx(turn, rel=1e-14)
+    rho = math.sqrt(-laws(case)[0][A0])
     for rate in (1e3, 4e4):
-        ratio = (-rho * saddle.equilibrium + rate) / (-rho * saddle.equilibrium - rate)
-        assert saddle.crossing((0.0, -rate)) == pytest.approx(math.log(ratio) / rho, rel=1e-12)
-    assert saddle.crossing((0.0, 1.001 * rho * saddle.equilibrium)) is None
+        ratio = (-rho * saddle + rate) / (-rho * saddle - rate)
+        assert motion_of(case, (0.0, -rate)).time[0] == pytest.approx(math.log(ratio) / rho, rel=1e-12)
+    assert motion_of(case, (0.0, 1.001 * rho * saddle)).time.size == 0
 
 
 @settings(max_examples=300)
-@given(st.floats(-3e5, 3e5), st.floats(-3e5, 3e5))
+@given(NUMBERS, NUMBERS)
 def test_inconsistent_contact_forces_grow_whatever_the_start(x, rate):
     for damping in (0.0, 5e3, 5e4):
-        arcs, outcome = contact_force.follow(FLOWS[damping, Paradox.INCONSISTENT], (x, rate))
-        assert outcome is ForceOutcome.PLUS_INFINITY
-        assert len(arcs) <= 3
-        last = arcs[-1]
-        late = last.flow.at(last.start, 30.0 / last.flow.rates()[0].real)
-        assert min(late) > 0
+        motion = motion_of((damping, Paradox.INCONSISTENT), (x, rate))
+        assert contact_force.outcome(motion) is ForceOutcome.PLUS_INFINITY
+        assert motion.time.size <= 2
+        assert min(late(motion)) > 0
 
 
 @settings(max_examples=150)
-@given(st.floats(-3e5, 3e5), st.floats(-3e5, 3e5))
+@given(NUMBERS, NUMBERS)
 def test_both_outcomes_of_the_indeterminate_case(x, rate):
     """Elastic: the energy decides. Damped: bounded means settling on 1/Γ₋, else |χ| grows on the side of law +."""
-    flows = FLOWS[0.0, Paradox.INDETERMINATE]
-    saddle, centre = flows[1], flows[-1]
-    well = x**2 / 2 if x > 0 else saddle.stiffness * x**2 / 2
-    energy = well - x * centre.equilibrium + rate**2 / 2
-    top = -saddle.stiffness * saddle.equilibrium**2 / 2
-    _, outcome = contact_force.follow(flows, (x, rate))
+    case = 0.0, Paradox.INDETERMINATE
+    (saddle, centre), stiffness = (row[EQUILIBRIUM] for row in laws(case)), laws(case)[0][A0]
+    well = x**2 / 2 if x > 0 else stiffness * x**2 / 2
+    energy = well - x * centre + rate**2 / 2
+    top = -stiffness * saddle**2 / 2
     if abs(energy - top) > 1e-9 * top:
-        assert outcome is (
-            ForceOutcome.BOUNDED if energy < top and x > saddle.equilibrium else ForceOutcome.MINUS_INFINITY
+        assert contact_force.outcome(motion_of(case, (x, rate))) is (
+            ForceOutcome.BOUNDED if energy < top and x > saddle else ForceOutcome.MINUS_INFINITY
         )
     for damping in (5e3, 5e4):
-        arcs, outcome = contact_force.follow(FLOWS[damping, Paradox.INDETERMINATE], (x, rate))
-        last = arcs[-1]
-        late = last.flow.at(last.start, 30.0 / abs(last.flow.rates()[0].real))
-        if outcome is ForceOutcome.BOUNDED:
-            assert late[0] == pytest.approx(centre.equilibrium, rel=1e-6)
+        motion = motion_of((damping, Paradox.INDETERMINATE), (x, rate))
+        if contact_force.outcome(motion) is ForceOutcome.BOUNDED:
+            assert late(motion)[0] == pytest.approx(centre, rel=1e-6)
         else:
-            assert late[0] < 10 * saddle.equilibrium
+            assert late(motion)[0] < 10 * saddle
 
 
 def test_contact_flow_is_that_of_newtons_laws():
@@ -118,14 +136,15 @@ def test_contact_flow_is_that_of_newtons_laws():
     omega = contact_force.contact_frequency(drive)
     for paradox in Paradox:
         w = 2e-3 * paradox
-        for law, flow in contact_force.contact_flows(drive, paradox).items():
+        tables = contact_force.contact_automaton(drive, paradox).tables
+        for law, row, side in zip((1, -1), tables.flow, tables.guard_sign, strict=True):
             b, minus = (cosine + s * drive.friction_coefficient * sine for s in (law, -1))
             factor = (law * drive.friction_coefficient - tangent) / (1 + law * drive.friction_coefficient * tangent)
             gamma = drive.screw_inertia - factor * tangent * drive.mass * drive.pitch_radius**2
-            x, rate = flow.side * 4e4, 1.3e4
+            x, rate = side * 4e4, 1.3e4
             force, slope = x * w / minus, rate * omega * w / minus
             assert np.sign(force) == law  # θ′ > 0: law + where N > 0, law − where N < 0
             push = drive.contact_stiffness * (w - b * gamma * force) - drive.contact_damping * b * gamma * slope
             acceleration = cosine / (drive.mass * drive.screw_inertia) * push * minus / (w * omega**2)
-            ours = -flow.damping * rate - flow.stiffness * (x - flow.equilibrium)
+            ours = -row[A1] * rate - row[A0] * (x - row[EQUILIBRIUM])
             assert ours == pytest.approx(acceleration, rel=1e-9)

@@ -16,26 +16,27 @@ and χ = x on the side of law −, χ = x b_+ / b_- on that of law +. So law −
 χ = 1/Γ_- and law +, with Γ_+ < 0, a saddle at χ = 1/Γ_+. Which side is whose, with θ′ > 0 (θ′ < 0 turns all signs of N
 and W): N has the sign of χ W. In the **indeterminate** case W < 0, so χ < 0 means N > 0, law +, and χ > 0 law −: both
 equilibria lie on their sides. In the **inconsistent** case W > 0, χ > 0 is law + and χ < 0 law −: neither does.
-
-These motions are followed here and not by the engine, so that Figs 8.1 and 8.2 load no numba.
 """
 
-import cmath
 import math
-from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, eigenform, oscillator
+from lsvib.engine.kernels.layout import DELTA, EQUILIBRIUM, R1, R2, Status, Test
 from lsvib.errors import InputError
 from lsvib.models import friction
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients, effective_inertia, friction_factor
-from lsvib.numbers import bisected
+from lsvib.models.names import Event
 
-ForceState = tuple[float, float]
+if TYPE_CHECKING:
+    from lsvib.engine.motion import Motion
+else:  # a name for annotations, which loads no engine
+    Motion = Any
 
 
 class Paradox(IntEnum):
@@ -53,97 +54,52 @@ class ForceOutcome(IntEnum):
     PLUS_INFINITY = 2  # χ → +∞
 
 
-@dataclass(frozen=True)
-class ForceFlow:
-    """x″ + p x′ + q (x − x*) = 0 where ``side`` · x ≥ 0."""
+def contact_automaton(drive: Drive, paradox: Paradox, *, backwards: bool = False) -> Automaton:
+    """Return the automaton of (x, x′) in the time τ, θ′ > 0 (module text); its modes are law + and law −.
 
-    side: int
-    equilibrium: float
-    damping: float
-    stiffness: float
-
-    def rates(self) -> tuple[complex, complex]:
-        """Return the eigenvalues; the first has the larger real part, or the positive imaginary one.
-
-        Of two real ones that nearer to zero follows from their product, as their sum would cancel.
-        """
-        root = cmath.sqrt(self.damping**2 - 4 * self.stiffness)
-        if root.imag != 0 or self.damping == 0:
-            return (root - self.damping) / 2, (-root - self.damping) / 2
-        far = (-self.damping - math.copysign(root.real, self.damping)) / 2
-        near = self.stiffness / far
-        return complex(max(near, far)), complex(min(near, far))
-
-    def amplitudes(self, start: ForceState) -> tuple[complex, complex]:
-        """Return the factors of both exponentials in x − x* for a motion from ``start``."""
-        first, second = self.rates()
-        distance = start[0] - self.equilibrium
-        return (start[1] - second * distance) / (first - second), (first * distance - start[1]) / (first - second)
-
-    def at(self, start: ForceState, time: float) -> ForceState:
-        """Return the state after ``time``, in closed form (8.12)."""
-        (first, second), (a, b) = self.rates(), self.amplitudes(start)
-        a, b = a * cmath.exp(first * time), b * cmath.exp(second * time)
-        return self.equilibrium + (a.real + b.real), (a * first).real + (b * second).real
-
-    def crossing(self, start: ForceState) -> float | None:
-        """Return the first time > 0 at which x leaves the side, None if it never does.
-
-        Between its extrema, which are known in closed form, x is monotone, so the first of them beyond x = 0 isolates
-        the root; bisection finds it to the last bit. An oscillation that does not grow crosses by its second extremum.
-        """
-
-        def left(time: float) -> bool:
-            return self.side * self.at(start, time)[0] < 0
-
-        inner = 0.0
-        for outer in self._extrema(start):
-            if left(outer):
-                return bisected(left, inner, outer)
-            inner = outer
-        return None
-
-    def _extrema(self, start: ForceState) -> list[float]:
-        """Times between which x is monotone; without oscillation the last one lies beyond every crossing."""
-        (first, second), (a, b) = self.rates(), self.amplitudes(start)
-        ratio = -b * second / (a * first) if a != 0 else math.nan
-        if first.imag != 0:
-            half_turn = math.pi / first.imag
-            return [cmath.phase(ratio) % (2 * math.pi) / (2 * first.imag) + n * half_turn for n in range(3)]
-        turn = max(math.log(ratio.real) / (first - second).real, 0.0) if ratio.real > 0 else 0.0
-        times = [turn] if turn > 0 else []
-        limit = a.real if first.real > 0 else self.equilibrium
-        if self.side * limit < 0:
-            times.append(2 * turn + 1 / abs(first))
-            while self.side * self.at(start, times[-1])[0] >= 0:
-                times[-1] *= 2
-        return times
-
-
-@dataclass(frozen=True)
-class ForceArc:
-    """Motion under one law from ``start`` on for ``duration``, infinite if it never leaves the law."""
-
-    flow: ForceFlow
-    start: ForceState
-    duration: float
-
-
-def contact_flows(drive: Drive, paradox: Paradox) -> dict[int, ForceFlow]:
-    """Return the flow of each law, θ′ > 0 (module text). Raises ``InputError`` unless Γ_+ < 0, or if ζ = 2 exactly."""
+    ``backwards``: that of (x, −x′) as time runs backwards, where the saddle's stable manifold is an unstable one.
+    Raises ``InputError`` unless Γ_+ < 0. On x = 0 the sign of x′ decides which law holds; with x′ = 0 it is the right
+    side, as x″ = 1/Γ_- > 0 there.
+    """
     c = coefficients(drive)
     plus, minus = float(c.gamma[1]), float(c.gamma[-1])
     if plus >= 0:
         raise InputError("The effective inertia of law + is not negative: there is no paradox.")
-    ratio = _lever(drive, 1) / _lever(drive, -1)
-    damping = drive.contact_damping * contact_frequency(drive) / drive.contact_stiffness
-    if damping == 2:
-        raise InputError("The contact is damped critically, for which the closed form has no two exponentials.")
-    square = -ratio * plus / minus
-    return {
-        1: ForceFlow(int(paradox), 1 / (ratio * plus), -square * damping, -square),
-        -1: ForceFlow(-int(paradox), 1 / minus, damping, 1.0),
-    }
+    square = -force_scale(drive) * plus / minus  # ρ²
+    damping = drive.contact_damping * contact_frequency(drive) / drive.contact_stiffness * (-1) ** backwards
+    terms = {"+": (1.0, -square * damping, -square, 1 / minus), "-": (1.0, damping, 1.0, 1 / minus)}
+    right, left = ("+", "-")[::paradox]
+    sides = {right: 1, left: -1}
+    force, rate, kind = (1, 0, 0), (0, 1, 0), Event.CONTACT_REVERSAL
+    on_right = (((force, Test.POSITIVE),), ((force, Test.ZERO), (rate, Test.NOT_NEGATIVE)))
+    zero = (0, 0, 0), rate  # to the last bit, from where a start is nearer to it than the flow can tell, too
+    return assemble(
+        states=("contact_force", "contact_force_rate"),
+        surfaces={"zero_force": Surface(force, 0)},
+        modes={
+            law: Mode(int(f"{law}1"), oscillator(*x), (Guard("zero_force", sides[law], law),), exact=eigenform(*x))
+            for law, x in terms.items()
+        },
+        transitions={
+            "entry": Transition((*(Branch(right, kind, conditions) for conditions in on_right), Branch(left, kind))),
+            "+": Transition((Branch("-", kind),), reset=zero),
+            "-": Transition((Branch("+", kind),), reset=zero),
+        },
+        observables={},
+        shortest_stay=0.0,
+    )
+
+
+def growing_part(motion: Motion) -> float:
+    """Return the factor of the growing exponential of x on a motion's last arc, without end; 0 if nothing grows."""
+    row, (x, rate) = motion.automaton.tables.flow[motion.end_mode], motion.end_state
+    return (rate - row[R2] * (x - row[EQUILIBRIUM])) / (2 * row[DELTA]) if row[R1] > 0 else 0.0
+
+
+def outcome(motion: Motion) -> ForceOutcome:
+    """Return what becomes of the force, by the closed form of the last arc; one that still crosses N = 0 is bounded."""
+    grows = growing_part(motion) if motion.status == Status.SETTLED else 0.0
+    return (ForceOutcome.BOUNDED, ForceOutcome.PLUS_INFINITY, ForceOutcome.MINUS_INFINITY)[int(np.sign(grows))]
 
 
 def contact_frequency(drive: Drive) -> float:
@@ -160,34 +116,6 @@ def force_scale(drive: Drive) -> float:
 
 def _lever(drive: Drive, law: int) -> float:
     return math.cos(drive.lead_angle) + law * float(drive.exact().steady_friction) * math.sin(drive.lead_angle)
-
-
-def follow(flows: dict[int, ForceFlow], start: ForceState) -> tuple[list[ForceArc], ForceOutcome]:
-    """Follow a motion of (x, x′) from arc to arc; return them and the outcome, read off the last arc's closed form.
-
-    On x = 0 the sign of x′ decides which law follows; with x′ = 0 it is the right side, as x″ = 1/Γ_- > 0 there. A
-    motion that crosses x = 0 again as it did two arcs before repeats itself; the arcs end there.
-    """
-    arcs: list[ForceArc] = []
-    while len(arcs) < 1000:  # a motion that still crosses N = 0 then counts as bounded
-        inside = start[0] or start[1]
-        flow = next(flow for flow in flows.values() if (inside >= 0) == (flow.side > 0))
-        time = flow.crossing(start)
-        if time is None:
-            arcs.append(ForceArc(flow, start, math.inf))
-            grows = flow.stiffness < 0 and flow.amplitudes(start)[0] != 0
-            ending = ForceOutcome.PLUS_INFINITY if flow.side > 0 else ForceOutcome.MINUS_INFINITY
-            return arcs, ending if grows else ForceOutcome.BOUNDED
-        arcs.append(ForceArc(flow, start, time))
-        start = 0.0, flow.at(start, time)[1]
-        if len(arcs) > 2 and abs(start[1] - arcs[-2].start[1]) <= 1e-13 * abs(start[1]):
-            break
-    return arcs, ForceOutcome.BOUNDED
-
-
-def reversed_in_time(flows: dict[int, ForceFlow]) -> dict[int, ForceFlow]:
-    """Return the flows of (x, −x′) as time runs backwards: the saddle's stable manifold is an unstable one there."""
-    return {law: ForceFlow(flow.side, flow.equilibrium, -flow.damping, flow.stiffness) for law, flow in flows.items()}
 
 
 class Existence(IntEnum):

@@ -6,25 +6,27 @@ on both sides, so that it is continuous at χ = 0; see :mod:`lsvib.contact.conta
 
 import math
 from collections.abc import Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from lsvib.contact import contact_force
-from lsvib.contact.contact_force import ForceArc, ForceFlow, ForceOutcome, Paradox
+from lsvib.contact.contact_force import ForceOutcome, Paradox
 from lsvib.datasets import spans
 from lsvib.datasets.attributes import Variables, attributes, drive_parameters, flagged, named_index, variable
 from lsvib.datasets.checks import Check
+from lsvib.engine.automaton import Automaton
+from lsvib.engine.kernels.layout import A1, ALPHA, BETA, EQUILIBRIUM, R1, R2, Status
 from lsvib.errors import InputError
 from lsvib.figures import drawing, style
-from lsvib.figures.common import EIGENVALUE, named
+from lsvib.figures.common import EIGENVALUE, Motion, named
 from lsvib.figures.settings import ContactPortrait, Values
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 
 SOURCE = "closed-form flow of the contact force (8.12) with exact changes of the law"
-Flows = dict[int, ForceFlow]  # by law
 _LAWS = (1, -1)  # sgn(θ′) sgn(N), in the order of the dimension
 _UNIT = "kg-1 m-2"
 _SIGN_OF_FORCE = {
@@ -49,24 +51,24 @@ def portrait(settings: Values, paradox: Paradox) -> xr.Dataset:
     """Compute motions of the contact force, their outcomes on a grid, and the saddle's manifolds; Γ₊ < 0, θ′ > 0."""
     base = Drive.of({"contact_stiffness": settings["contact_stiffness"], **settings["drive"]})
     drives = [base.replace(contact_damping=damping) for damping in settings["contact_dampings"]]
-    cases = [contact_force.contact_flows(drive, paradox) for drive in drives]
+    cases = [contact_force.contact_automaton(drive, paradox) for drive in drives]
     force, rate = spans.even(settings["force"]), spans.even(settings["rate"])
     scale, count = contact_force.force_scale(base), settings["samples"]
     # A motion is followed until it is so many times the half width of the map away.
     limit = 30.0 * max(np.ptp(force), np.ptp(rate)) / 2
     starts = [(_unscaled(s["force"], scale, paradox), float(s["rate"])) for s in settings["starts"]]
     grid = [(_unscaled(x, scale, paradox), y) for x in force for y in rate]
-    outcomes = [[contact_force.follow(flows, start)[1] for start in grid] for flows in cases]
+    outcomes = [[contact_force.outcome(_motion_from(start, case)) for start in grid] for case in cases]
     outcomes = np.reshape(outcomes, (len(cases), force.size, rate.size))
-    plane, ratios = ("case", "grid_contact_force", "grid_contact_force_rate"), [flows[-1].damping for flows in cases]
-    sides, on = [flow.side for flow in cases[0].values()], "sign of the contact force chi where the law holds"
+    plane, ratios = ("case", "grid_contact_force", "grid_contact_force_rate"), [c.tables.flow[1, A1] for c in cases]
+    sides, on = [int(paradox), -int(paradox)], "sign of the contact force chi where the law holds"
     becomes, times = "what becomes of the contact force from each state of the grid", "times frequency over stiffness"
     return xr.Dataset(
         _followed(cases, starts, count, limit, scale, paradox)
         | {"grid_outcome": flagged(plane, outcomes, becomes, ForceOutcome)}
         | _laws(base, cases, scale)
         | _by_newton(drives)
-        | (_saddle_manifolds(cases, count, limit, scale) if paradox is Paradox.INDETERMINATE else {}),
+        | (_saddle_manifolds(drives, count, limit, scale) if paradox is Paradox.INDETERMINATE else {}),
         coords={
             "grid_contact_force": (plane[1], force, _force("contact force of the grid")),
             "grid_contact_force_rate": (plane[2], rate, _rate("rate of the grid")),
@@ -80,13 +82,20 @@ def portrait(settings: Values, paradox: Paradox) -> xr.Dataset:
     ).set_coords("effective_inertia_of_law")
 
 
+def _motion_from(start: tuple[float, float], automaton: Automaton, most: int = 1000) -> Motion:
+    """Follow (x, x′) until nothing changes the law any more, or for so many changes: then it repeats itself."""
+    from lsvib.engine.motion import follow
+
+    return follow(automaton, start, math.inf, max_events=most)
+
+
 def _followed(
-    cases: Sequence[Flows], starts: Sequence[tuple], count: int, limit: float, scale: float, side: int
+    cases: Sequence[Automaton], starts: Sequence[tuple], count: int, limit: float, scale: float, side: int
 ) -> Variables:
     """The motions of each case from each start, in ``count`` samples, and what becomes of them."""
-    followed = [[contact_force.follow(flows, start) for start in starts] for flows in cases]
-    motions = np.array([[sample(arcs, count, limit) for arcs, _ in case] for case in followed])
-    outcomes, dims = [[outcome for _, outcome in case] for case in followed], ("case", "start", "sample")
+    followed = [[_motion_from(start, case) for start in starts] for case in cases]
+    motions = np.array([[sample(motion, count, limit) for motion in case] for case in followed])
+    outcomes, dims = [[*map(contact_force.outcome, case)] for case in followed], ("case", "start", "sample")
     return {
         "contact_force": (dims, _scaled(motions[..., 0], scale, side), _force("contact force")),
         "contact_force_rate": (dims, motions[..., 1], _rate("rate of the contact force")),
@@ -94,54 +103,54 @@ def _followed(
     }
 
 
-def _laws(drive: Drive, cases: Sequence[Flows], scale: float) -> Variables:
+def _laws(drive: Drive, cases: Sequence[Automaton], scale: float) -> Variables:
     """The equilibrium of each law, which contact damping does not move, its eigenvalues and its effective inertia."""
-    values = np.array([[flows[law].rates() for law in _LAWS] for flows in cases])
-    equilibria = np.array([cases[0][1].equilibrium * scale, cases[0][-1].equilibrium])
+    flows = np.array([case.tables.flow for case in cases])
+    real = np.where(flows[..., [BETA]] > 0, -flows[..., [ALPHA]], flows[..., [R1, R2]])
+    imaginary = flows[..., [BETA]] * [1, -1]
     gamma = [float(coefficients(drive).gamma[law]) for law in _LAWS]
     dims, part = ("case", "law", "eigenvalue"), "part of an eigenvalue of the law in scaled time"
     zero = "equilibrium of the law, zero of the right-hand side of (8.7)"
     return {
-        "equilibrium_contact_force": ("law", equilibria, _force(zero)),
-        "scaled_eigenvalue_real_part": variable(dims, values.real, "1", f"real {part}", r"Re $\varepsilon$"),
-        "scaled_eigenvalue_imaginary_part": variable(dims, values.imag, "1", f"imaginary {part}", r"Im $\varepsilon$"),
+        "equilibrium_contact_force": ("law", flows[0, :, EQUILIBRIUM] * [scale, 1.0], _force(zero)),
+        "scaled_eigenvalue_real_part": variable(dims, real, "1", f"real {part}", r"Re $\varepsilon$"),
+        "scaled_eigenvalue_imaginary_part": variable(dims, imaginary, "1", f"imaginary {part}", r"Im $\varepsilon$"),
         "effective_inertia_of_law": variable("law", gamma, "kg m2", "effective inertia of the law", r"$\Gamma_s$"),
     }
 
 
-def sample(arcs: Sequence[ForceArc], count: int, limit: float) -> np.ndarray:
-    """Sample a motion at ``count`` times, shape (count, 2) of (x, x′); the last arc ends beyond |x − x*| = ``limit``.
+def sample(motion: Motion, count: int, limit: float, end: float = math.inf) -> np.ndarray:
+    """Sample (x, x′) at ``count`` times, evenly until ``end`` and where the law changes; shape (count, 2).
 
-    Each arc gets samples by its duration, at least two. A last arc without end lasts a turn or some decay times.
+    A motion that repeats itself ends by its third change of law, one that does not beyond |x − x*| = ``limit`` of the
+    last law, or after a turn or some decay times.
     """
-    if count < 2 * len(arcs):
-        raise InputError(f"samples = {count} is outside the allowed range samples >= {2 * len(arcs)} of this motion.")
-    durations = [arc.duration if math.isfinite(arc.duration) else _shown(arc, limit) for arc in arcs]
-    shares = np.floor(np.array(durations) / np.cumsum(durations)[-1] * (count - 2 * len(arcs))).astype(int) + 2
-    shares[-1] += count - shares.sum()
-    parts = zip(arcs, durations, shares, strict=True)
-    return np.array([arc.flow.at(arc.start, time) for arc, end, n in parts for time in np.linspace(0, end, n)])
+    end = min(end, motion.end_time + _shown(motion, limit) if motion.status == Status.SETTLED else motion.time[2])
+    changes = motion.time[motion.time <= end]
+    if count < (least := changes.size + 2):
+        raise InputError(f"samples = {count} is outside the allowed range samples >= {least} of this motion.")
+    return motion.at(np.sort([*changes, *np.linspace(0, end, count - changes.size)]))[0]
 
 
-def _shown(arc: ForceArc, limit: float) -> float:
+def _shown(motion: Motion, limit: float) -> float:
     """Scaled time for which an arc without end is shown."""
-    first, _ = arc.flow.rates()
-    growing = abs(arc.flow.amplitudes(arc.start)[0])
-    if first.real > 0 and growing > 0:
-        return max(math.log(limit / growing), 0.0) / first.real
-    return 2 * math.pi / abs(first.imag) if first.real == 0 else 8.0 / abs(first.real)  # e⁻⁸ of it is left
+    row, growing = motion.automaton.tables.flow[motion.end_mode], abs(contact_force.growing_part(motion))
+    if growing > 0:
+        return max(math.log(limit / growing), 0.0) / row[R1]
+    slowest = -row[ALPHA] if row[BETA] > 0 else row[R1]
+    return 8.0 / abs(slowest) if slowest else 2 * math.pi / row[BETA]  # e⁻⁸ of it is left, or a turn
 
 
-def _saddle_manifolds(cases: Sequence[Flows], count: int, limit: float, scale: float) -> Variables:
+def _saddle_manifolds(drives: Sequence[Drive], count: int, limit: float, scale: float) -> Variables:
     """Unstable and, backwards in time, stable manifold of the saddle: a ray at the side of law +, and one beyond."""
+    side = Paradox.INDETERMINATE
     lines = [
-        sample(_there_and_back(laws, outwards), count, limit) * [1, direction]
-        for flows in cases
-        for direction, laws in ((1, flows), (-1, contact_force.reversed_in_time(flows)))
-        for outwards in (laws[1].side, -laws[1].side)
+        _there_and_back(contact_force.contact_automaton(drive, side, backwards=back), outwards, count, limit)
+        for drive, back, outwards in product(drives, (False, True), (side, -side))
     ]
-    lines = np.array(lines).reshape(len(cases), 4, count, 2)
-    force, dims = _scaled(lines[..., 0], scale, Paradox.INDETERMINATE), ("case", "manifold", "sample")
+    lines = np.reshape(lines, (len(drives), 4, count, 2))
+    lines[:, 2:, :, 1] *= -1  # forwards in time again
+    force, dims = _scaled(lines[..., 0], scale, side), ("case", "manifold", "sample")
     order = "samples begin at the saddle; along a stable branch time runs against them"
     return {
         "manifold_force": (dims, force, _force("contact force on a manifold of the saddle")),
@@ -150,14 +159,14 @@ def _saddle_manifolds(cases: Sequence[Flows], count: int, limit: float, scale: f
     }
 
 
-def _there_and_back(laws: Flows, outwards: int) -> list[ForceArc]:
-    """Arcs of an unstable manifold, from so close to the saddle that a picture cannot tell, until back at law +."""
-    saddle = laws[1]
-    near = 1e-6 * abs(saddle.equilibrium) * outwards  # on the manifold itself, a straight line here
-    arcs, _ = contact_force.follow(laws, (saddle.equilibrium + near, saddle.rates()[0].real * near))
-    if len(arcs) > 2 and saddle.damping == 0:  # back to the saddle, by symmetry in the time that it took to leave
-        return [*arcs[:2], ForceArc(saddle, arcs[2].start, arcs[0].duration)]
-    return arcs[:3]
+def _there_and_back(automaton: Automaton, outwards: int, count: int, limit: float) -> np.ndarray:
+    """Sample an unstable manifold, from so close to the saddle that a picture cannot tell, until back at law +."""
+    row = automaton.tables.flow[0]
+    near = 1e-6 * abs(row[EQUILIBRIUM]) * outwards  # on the manifold itself, a straight line here
+    motion = _motion_from((row[EQUILIBRIUM] + near, row[R1] * near), automaton, 3)
+    there, back, again = np.append(motion.time[:3], [math.inf] * 3)[:3]
+    # Without damping back to the saddle, by symmetry in the time that it took to leave.
+    return sample(motion, count, limit, back + there if row[A1] == 0 else again)
 
 
 def _scaled(x: np.ndarray, scale: float, side: int) -> np.ndarray:
