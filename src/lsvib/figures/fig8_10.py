@@ -159,13 +159,13 @@ def _comparison(drive: Drive, cycle: SteadyState, rigid: SteadyState) -> Variabl
 
 def _cycle_values(drive: Drive, cycle: SteadyState, rigid: SteadyState) -> tuple[float, float]:
     """Largest |N| [N] on the compliant cycle, and its distance [1] from the rigid one; nan where there is none."""
-    from lsvib.contact.stiff_limit import Orbit
+    from lsvib.contact import stiff_limit
 
     if cycle.orbit is None or rigid.orbit is None:
         return np.nan, np.nan
     low, high = cycle.extremes(cycle.orbit.automaton.observables["normal_force"])
     scales = (rigid.amplitude, abs(drive.input_speed))
-    return max(-low, high), Orbit.of(cycle.orbit, scales).distance(Orbit.of(rigid.orbit, scales))
+    return max(-low, high), stiff_limit.distance(cycle.orbit, rigid.orbit, scales)
 
 
 def _sensitivity(drive: Drive, forces: np.ndarray, start: of.Values) -> Variables:
