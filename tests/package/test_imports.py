@@ -22,7 +22,7 @@ WITHOUT_ENGINE = [
     "--help",
     "config",
     *(" ".join(("stability", *given)) for given in GIVEN.values()),
-    " ".join(("thresholds", *GIVEN["threads"])),
+    " ".join(("thresholds", "--solve", "flutter", *GIVEN["threads"])),
     "figure 8.8",
     "thresholds --set mass=-1",
 ]
