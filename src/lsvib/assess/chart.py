@@ -114,7 +114,7 @@ def _boundaries(
     if drive.translation_damping > 0 and drive.friction_coefficient > math.tan(drive.lead_angle):
         lever = drive.pitch_radius * math.tan(drive.lead_angle)
         found[_BOUNDARIES["onset"]] = -lever * drive.translation_damping * direction * turning - weight
-    if sheet.support is not None or sheet.contact is not None:  # the other thresholds are those of rigid parts
+    if not sheet.stiff:  # the other thresholds are those of rigid parts
         return found
     for name in ("stick", "detach", "global_stability"):
         try:

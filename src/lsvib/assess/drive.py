@@ -41,6 +41,10 @@ QUANTITIES = {
     "collar_friction": ("friction of the thrust collar", "1"),
     "collar_diameter": ("mean diameter of the thrust collar", "m"),
     "guide_friction": ("friction of the guide", "N"),
+    "motor_inertia": ("inertia of the motor, at the screw", "kg m2"),
+    "integral_gain": ("stiffness of the motor's control, at the screw", "N m rad-1"),
+    "speed_gain": ("damping of the motor's control, at the screw", "N m s rad-1"),
+    "coupling_damping": ("damping of the coupling", "N m s rad-1"),
     "contact_stiffness": ("stiffness of the thread contact", "N m-1"),
     "contact_damping": ("damping of the thread contact", "N s m-1"),
     "support_stiffness": ("stiffness of the axial support", "N m-1"),
@@ -109,6 +113,8 @@ def quantities(sheet: Sheet, draw: DrawnValues) -> dict[str, Any]:
         if keys is not None:
             found[f"{part}_stiffness"] = draw[f"{part}.stiffness"]
             found[f"{part}_damping"] = draw.get(f"{part}.damping", 0.0)
+    if sheet.motor is not None:
+        found |= _motor(sheet, draw, found["inertia"], ratio)
     if sheet.support is not None:
         found["screw_mass"] = screw_mass
     turns = 2 * math.pi / lead if sheet.operation.speed.unit == "m/s" else 1.0  # from the speed as given to rad/s
@@ -149,6 +155,19 @@ def _screw(sheet: Sheet, draw: DrawnValues, pitch_diameter: Any) -> tuple[Any, A
     diameter = draw.get("screw.diameter", pitch_diameter)
     mass = density * math.pi / 4 * diameter**2 * draw["screw.length"]
     return mass * diameter**2 / 8, draw.get("screw.mass", mass)
+
+
+def _motor(sheet: Sheet, draw: DrawnValues, inertia: Any, ratio: Any) -> dict[str, Any]:
+    """What a motor is on the side of the screw, whose ``inertia`` counts for the gains by bandwidth."""
+    own, ratio = draw["motor.inertia"] * ratio**2, ratio**2
+    damping, stiffness = draw.get("motor.speed_gain", 0.0) * ratio, draw.get("motor.integral_gain", 0.0) * ratio
+    if "motor.bandwidth" in draw:
+        rate = 2 * math.pi * draw["motor.bandwidth"]
+        damping, stiffness = rate * (own + inertia), rate**2 * (own + inertia) / 4
+    if "motor.holding_torque" in draw:
+        stiffness = draw["motor.holding_torque"] * sheet.motor.steps_per_turn / 4 * ratio
+    found = {"motor_inertia": own, "integral_gain": stiffness, "speed_gain": damping}
+    return found | {"coupling_damping": draw.get("coupling.damping", 0.0) * ratio}
 
 
 def _coefficient(sheet: Sheet, draw: DrawnValues, angle: Any, half_angle: Any) -> Any:
@@ -235,7 +254,8 @@ def _along(sheet: Sheet, sliding: Any) -> tuple[NDArray, NDArray]:
 
 def own_parameters(values: DrawnValues, parts: tuple[str, ...]) -> dict[str, Any]:
     """Return the parameters that parts of a drive add to those of the rigid one."""
-    return {key: values[key.removeprefix("axial_")] for part in parts for key in PARTS[part]}
+    found = {key: values[key.removeprefix("axial_")] for part in parts for key in PARTS[part]}
+    return found | ({"coupling_damping": values["coupling_damping"]} if "motor" in parts else {})
 
 
 def square_coefficient(coefficient: Any, lead_angle: Any, half_angle: Any) -> Any:

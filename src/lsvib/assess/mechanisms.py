@@ -75,10 +75,11 @@ def reserves(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any
         "falling_friction": np.where(np.real(slope) < 0, sloped, 1.0),
     }
     helped = damping + np.where(np.real(by_slope) > 0, by_slope, 0.0)  # a fall is a mechanism of its own
-    if sheet.support is not None:
-        found |= _with_support(sheet, values, p, law, found, (inertia, helped, by_slope))
+    driven = ("motor",) if sheet.motor is not None else ()
+    if driven or sheet.support is not None:
+        found |= _as_a_whole(sheet, values, p, law, found, (inertia, helped, by_slope))
     if sheet.contact is not None:
-        own = sheets.own_parameters(values, ("threads",))
+        own = sheets.own_parameters(values, (*driven, "threads"))
         full = _full_reserve({**p, **own}, law)
         whole = mechanics.effective_inertia(p["screw_inertia"], p["mass"], *geometry)  # the support is rigid here
         own_fault = (np.real(helped) >= 0) & (np.real(whole) > 0)
@@ -87,7 +88,7 @@ def reserves(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any
             for name in ("negative_damping", "kinematic_constraint"):
                 found[name] = _larger(found[name], full)
         else:  # the whole drive decides; threads and support together are named after the contact
-            together = _full_reserve({**p, **sheets.own_parameters(values, ("support", "threads"))}, law)
+            together = _full_reserve({**p, **sheets.own_parameters(values, (*driven, "support", "threads"))}, law)
             names = ("negative_damping", "kinematic_constraint", "mode_coupling")
             found |= {name: _larger(found[name], together) for name in names}
             own_fault = reduce(np.logical_and, [np.real(found[name]) >= 0 for name in names])
@@ -105,15 +106,16 @@ def reserves(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any
     return {name: np.where(valid, value, np.nan) for name, value in found.items()} | {"law": law}
 
 
-def _with_support(
+def _as_a_whole(
     sheet: Sheet, values: Mapping[str, Any], p: dict[str, Any], law: Any, rigid: dict[str, Any], terms: tuple
 ) -> dict[str, Any]:
-    """Reserves that a support alters, from those of the ``rigid`` screw.
+    """Reserves that a motor or a support alters, from those of the ``rigid`` screw.
 
     ``terms``: Γ̃_0, C_0 with the rise of friction over the speed, and S.
     """
     inertia, helped, by_slope = terms
-    p = {**p, **sheets.own_parameters(values, ("support",))}
+    there = {"motor": sheet.motor, "support": sheet.support}
+    p = {**p, **sheets.own_parameters(values, tuple(part for part, given in there.items() if given is not None))}
     level = sloped = _full_reserve(p, law)
     if sheet.friction.sloped:
         sloped = _full_reserve({**p, "support_damping": p["support_damping"] + by_slope}, law)
@@ -128,6 +130,8 @@ def _with_support(
         "falling_friction": np.where(falls, fallen, rigid["falling_friction"]),
     }
     found = {name: np.where(kinematic, rigid[name], one) for name, one in found.items()}
+    if sheet.support is None:
+        return found
     return found | {"mode_coupling": np.where(coupled, full, _larger(full, 0 * full))}
 
 

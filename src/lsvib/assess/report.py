@@ -67,6 +67,7 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
         if assessment.verdict == "jerks"
         else [row for row in assessment.margins if summary.is_near(row) and row.value],
         near=near,
+        loop=_loop(assessment.values) if sheet.motor is not None else None,
         lever=max(found[steep].sensitivities.items(), key=lambda item: abs(item[1])) if steep else None,
         steep=steep,
         charts=charts,
@@ -81,6 +82,12 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
             if entry is not None
         ],
     )
+
+
+def _loop(values: dict[str, float]) -> tuple[float, float]:
+    """Frequencies [Hz] up to which the control of a motor reaches, and of the screw on its coupling."""
+    held = math.sqrt((values["integral_gain"] + values["coupling_stiffness"]) / values["motor_inertia"])
+    return held / (2 * math.pi), math.sqrt(values["coupling_stiffness"] / values["inertia"]) / (2 * math.pi)
 
 
 def shown_mechanisms(assessment: Assessment) -> list[str]:
@@ -232,7 +239,11 @@ def _tolerated(motion: AssessedMotion) -> str:
 def _simplified(motion: AssessedMotion, assessment: Assessment) -> str:
     """What the motion leaves out of the data sheet, in sentences."""
     sheet, complies = assessment.sheet, motion.vibration.parts
-    parts = {"threads": sheet.contact is not None, "support": sheet.support is not None}
+    parts = {
+        "threads": sheet.contact is not None,
+        "support": sheet.support is not None,
+        "motor": sheet.motor is not None,
+    }
     stiff = " and ".join(name for name, given in parts.items() if given and name not in complies)
     text = f" Its motion is computed with stiff {stiff}." if stiff else ""
     slope = float(point(sheet, motion.values, *motion.corner)[1])

@@ -127,6 +127,32 @@ class Coupling(_Part):
     stiffness: fields.Torsion | None = None
     gear_ratio: fields.Ratio | None = None
     inertia: fields.MoreInertia | None = None
+    damping: fields.TurningDamping | None = None
+
+
+class Motor(_Part):
+    """The motor before the coupling: its inertia, and what ties it to the commanded motion.
+
+    That are the gains of a PI controller of the speed, K_p and K_i, or the ``bandwidth`` ω / 2π of one that on a stiff
+    coupling is damped critically, K_p = ω (J + I) and K_i = K_p ω / 4 – assumed where nothing else is known –, or of a
+    stepper its ``holding_torque`` and full ``steps_per_turn``, whose torque falls by that times steps / 4 per radian.
+    """
+
+    inertia: fields.Inertia
+    speed_gain: fields.TurningDamping | None = None
+    integral_gain: fields.Torsion | None = None
+    bandwidth: fields.Bandwidth | None = None
+    holding_torque: fields.Holding | None = None
+    steps_per_turn: Annotated[
+        int, BeforeValidator(lambda value: whole_between("motor.steps_per_turn", value, 4, 10000))
+    ] = 200
+    _needed = (("integral_gain", "bandwidth", "holding_torque"),)
+    _either = (("integral_gain", "bandwidth", "holding_torque"), ("bandwidth", "holding_torque", "speed_gain"))
+
+    def _misfit(self) -> str | None:
+        if "steps_per_turn" in self.model_fields_set and self.holding_torque is None:
+            return "motor.steps_per_turn is that of a stepper, which needs motor.holding_torque."
+        return None
 
 
 class Load(_Part):
@@ -267,6 +293,7 @@ class Sheet(_Part):
     thread: Thread
     screw: Screw = Screw()
     coupling: Coupling = Coupling()
+    motor: Motor | None = None
     load: Load
     operation: Operation
     friction: Friction
@@ -288,7 +315,7 @@ class Sheet(_Part):
             sheet = cls.model_validate(dict(values))
         except ValidationError as error:
             raise InputError(sentence(error, cls)) from None
-        for part in (sheet.thread, sheet.screw, sheet.load, sheet.friction, sheet.nut):
+        for part in (sheet.thread, sheet.screw, sheet.motor, sheet.load, sheet.friction, sheet.nut):
             if part is not None and (problem := part.problem()) is not None:
                 raise InputError(problem)
         root, size = sheet.screw.root_diameter, sheet.thread.size
@@ -299,7 +326,11 @@ class Sheet(_Part):
             raise InputError(f"screw.root_diameter = {root.text} is not below the diameter of the thread.")
         if sheet.support is not None and sheet.screw.mass is None and sheet.screw.length is None:
             raise InputError("support needs screw.mass, or screw.length from which it follows.")
-        if sheet.bearing.collar is not None and not sheet.stiff:
+        if sheet.coupling.damping is not None and sheet.motor is None:
+            raise InputError(
+                "coupling.damping needs motor, against which it acts; without one give damping.rotational."
+            )
+        if sheet.bearing.collar is not None and (sheet.contact or sheet.support):
             raise InputError(
                 "bearing.collar is not judged beside a support or contact that complies, with which the force on the "
                 "collar is another one; leave one of them out."
@@ -348,8 +379,8 @@ class Sheet(_Part):
 
     @property
     def stiff(self) -> bool:
-        """Whether all parts are rigid."""
-        return self.contact is None and self.support is None
+        """Whether all parts are rigid, and the motor turns as it is told."""
+        return self.contact is None and self.support is None and self.motor is None
 
     @cached_property
     def spreads(self) -> dict[str, Spread]:

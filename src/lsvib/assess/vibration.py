@@ -75,7 +75,7 @@ class Vibration:
 
 def parts_of(sheet: Sheet) -> tuple[str, ...]:
     """Return the parts that comply in the motions of a sheet."""
-    there = {"support": sheet.support, "threads": sheet.contact}
+    there = {"motor": sheet.motor, "support": sheet.support, "threads": sheet.contact}
     return tuple(part for part, given in there.items() if given is not None)
 
 
@@ -201,8 +201,9 @@ def _load_row(drive: Drive, states: tuple[str, ...]) -> NDArray[np.float64]:
     """Displacement of the load from steady travel [m] as a row over the state."""
     row = np.zeros(len(states))
     row[0] = drive.pitch_radius * math.tan(drive.lead_angle)
-    if len(states) > 2:
-        row[2] = 1.0  # shift of the screw, or mismatch of the threads [m]
+    for name in ("screw_shift", "thread_mismatch"):  # [m]
+        if name in states:
+            row[states.index(name)] = 1.0
     return row
 
 
