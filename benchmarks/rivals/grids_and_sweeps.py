@@ -26,7 +26,7 @@ from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.dynamics.behaviour import Behaviour
 from lsvib.dynamics.sweep import all_endings
 from lsvib.models.drive import Drive, forget
-from lsvib.stability.force_thresholds import stick_force
+from lsvib.stability.force_thresholds import threshold_force
 
 GRIDS = ("map", "chart")
 _MAPPED = Drive.of(mass=11.0, support_damping=1e-3, axial_force=-10.0)  # Fig. 8.14b beyond the critical mass
@@ -63,7 +63,7 @@ def _map(count: int, repeats: int) -> tuple[float, int, list[float]]:
 def _chart(count: int, repeats: int) -> tuple[float, int, list[float]]:
     """A chart of count × count drives."""
     curve = Chebyshev.interpolate(
-        np.vectorize(lambda mass: stick_force(_CHARTED.replace(mass=float(mass)))), _DEGREE, _MASSES
+        np.vectorize(lambda mass: threshold_force(_CHARTED.replace(mass=float(mass)), "stick")), _DEGREE, _MASSES
     )
     plane = Plane.of(_CHARTED, ("mass", *_MASSES, count), ("axial_force", *_FORCES, count))
     labels, times = _timed(plane.labels, repeats)

@@ -11,8 +11,8 @@ from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.mechanism import seated_state
 from lsvib.models.model import Model, model_of
-from lsvib.stability.conditions import critical_mass
-from lsvib.stability.force_thresholds import global_stability_force, stick_force
+from lsvib.stability.conditions import critical_value
+from lsvib.stability.force_thresholds import threshold_force
 
 _NEAR = 1e-6  # relative distance of the grazing scenes from their threshold
 _GAMMA = 1e-9  # Γ₊ / I of the scene near the critical mass, reached to 7 digits: the mass is a double
@@ -63,13 +63,13 @@ class RaceScene:
 def _scenes() -> dict[str, RaceScene]:
     """All scenes by their names."""
     slips = Drive.of(mass=1, translation_damping=1e3)
-    vibrates, grazes = slips.replace(axial_force=40), stick_force(slips)
+    vibrates, grazes = slips.replace(axial_force=40), threshold_force(slips, "stick")
     sprags = Drive.of(mass=11, support_damping=1e-3)
-    just = sprags.replace(axial_force=global_stability_force(sprags) * (1 - _NEAR))
+    just = sprags.replace(axial_force=threshold_force(sprags, "global_stability") * (1 - _NEAR))
     stiff = threads_drive(mass=11, axial_force=100)
     seated = tuple(float(x) for x in seated_state(stiff, 0.005, 0.0))
     light = Drive.of(translation_damping=1e3, axial_force=40)
-    critical = light.replace(mass=critical_mass(light) * (1 - _GAMMA))
+    critical = light.replace(mass=critical_value(light, "mass") * (1 - _GAMMA))
 
     def rigid(name: str, title: str, drive: Drive, start: tuple[float, float], duration: float = 0.5) -> RaceScene:
         return RaceScene(name, title, drive, start, duration, 2e-4)

@@ -11,15 +11,15 @@ from benchmarks.sweeps import cases_four_states
 from benchmarks.sweeps.families import Case, CaseFamily
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.stability import force_thresholds
-from lsvib.stability.conditions import critical_mass
+from lsvib.stability.conditions import critical_value
+from lsvib.stability.force_thresholds import threshold_force
 
 _MOST_TURNS = 50  # of the fastest oscillation
-THRESHOLDS: tuple[tuple[Callable[[Drive], float], Drive], ...] = (
-    (force_thresholds.onset_force, Drive.of(translation_damping=1e3)),
-    (force_thresholds.stick_force, Drive.of(translation_damping=1e3)),
-    (force_thresholds.detach_force, Drive.of(translation_damping=1e3)),
-    (force_thresholds.global_stability_force, Drive.of(mass=11.0, support_damping=1e-3)),
+THRESHOLDS = (
+    ("onset", Drive.of(translation_damping=1e3)),
+    ("stick", Drive.of(translation_damping=1e3)),
+    ("detach", Drive.of(translation_damping=1e3)),
+    ("global_stability", Drive.of(mass=11.0, support_damping=1e-3)),
 )
 
 
@@ -75,7 +75,7 @@ def _fastest(drive: Drive) -> float:
 def _critical_mass(rng):
     drive = _some_drive(rng, friction_coefficient=rng.uniform(0.11, 0.5))
     level = rng.uniform(-12, -1)
-    return level, drive.replace(mass=critical_mass(drive) * (1 + sign(rng) * 10.0**level))
+    return level, drive.replace(mass=critical_value(drive, "mass") * (1 + sign(rng) * 10.0**level))
 
 
 def _friction(rng):
@@ -106,8 +106,8 @@ def _axial_force(rng):
         level = rng.uniform(-15, -1) if rng.random() < 0.7 else -math.inf
         return level, _some_drive(rng, axial_force=sign(rng) * 10.0**level)
     level = rng.uniform(-10, -1)
-    threshold, drive = THRESHOLDS[edge - 1]
-    return level, drive.replace(axial_force=threshold(drive) * (1 + sign(rng) * 10.0**level))
+    name, drive = THRESHOLDS[edge - 1]
+    return level, drive.replace(axial_force=threshold_force(drive, name) * (1 + sign(rng) * 10.0**level))
 
 
 def _support_damping(rng):

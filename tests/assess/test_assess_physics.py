@@ -27,8 +27,8 @@ from lsvib.models.mechanics import coefficients
 from lsvib.models.mechanism import standing_state
 from lsvib.models.rigid import rigid_automaton
 from lsvib.stability.boundaries import stable_set
-from lsvib.stability.conditions import critical_mass
-from lsvib.stability.force_thresholds import detach_force, onset_force, stick_force
+from lsvib.stability.conditions import critical_value
+from lsvib.stability.force_thresholds import threshold_force
 from lsvib.stability.linear import eigenvalue_pair
 
 
@@ -40,10 +40,11 @@ def test_the_chapters_drive_has_the_thresholds_of_the_figures():
     found = margins(given, values_of(given))
     of = {name: {row.quantity: row for row in table} for name, table in found.items()}
     screw = Drive.of({"mass": 1.0, "translation_damping": 1e3, "axial_force": 40.0})
-    assert of["kinematic_constraint"]["mass"].value == pytest.approx(critical_mass(screw), rel=1e-9)
-    assert of["negative_damping"]["force"].value == pytest.approx(-onset_force(screw), rel=1e-12)
+    assert of["kinematic_constraint"]["mass"].value == pytest.approx(critical_value(screw, "mass"), rel=1e-9)
+    assert of["negative_damping"]["force"].value == pytest.approx(-threshold_force(screw, "onset"), rel=1e-12)
     chart = charts(given, values_of(given))[0]
-    for label, force in (("standstill", stick_force(screw)), ("lose contact", detach_force(screw))):
+    for label, name in (("standstill", "stick"), ("lose contact", "detach")):
+        force = threshold_force(screw, name)
         line = next(line for name, line in chart.boundaries.items() if label in name)
         lead = float(given.thread.lead_angle.nominal)
         turning = chart.speed / (0.5 * 0.01036 * math.tan(lead))

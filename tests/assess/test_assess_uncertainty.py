@@ -20,7 +20,7 @@ from lsvib.assess.sheet import Sheet
 from lsvib.assess.uncertainty import draw_of, evaluated, study
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.models.rigid import rigid_automaton
-from lsvib.stability.force_thresholds import global_stability_force
+from lsvib.stability.force_thresholds import threshold_force
 
 KINEMATIC = {
     "load": {"mass": {"low": "6 kg", "mode": "9 kg", "high": "16 kg"}, "force": "-50 N"},
@@ -124,7 +124,7 @@ def test_how_often_a_perturbation_starts_vibration_is_how_often_the_force_is_bel
     given = sheet(load={"mass": "11 kg", "force": force}, **GENTLE)
     found = assess(given, samples=512)
     values = found.values
-    edge = -global_stability_force(drive_of(given, values, *corners(given, values)[0]))
+    edge = -threshold_force(drive_of(given, values, *corners(given, values)[0]), "global_stability")
     share = (edge - 10) ** 2 / (90 * 39)  # of a triangle, on its rising side
     chance = found.mechanisms["after_perturbation"]
     assert chance.interval[0] < share < chance.interval[1] < chance.interval[0] + 0.25

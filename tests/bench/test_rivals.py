@@ -16,7 +16,7 @@ from benchmarks.rivals.race_scenes import scene
 from benchmarks.sweeps.cases import Case, CaseFamily
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
-from lsvib.stability.force_thresholds import global_stability_force
+from lsvib.stability.force_thresholds import threshold_force
 
 ONCE = RaceBudget(repeats=1, seconds=0.0, limit=20.0)
 SHORT = {"long_run": 0.015, "stick_slip": 0.4, "graze_above": 0.4, "graze_below": 0.4, "stiff_contact": 0.2}
@@ -137,7 +137,7 @@ def test_time_at_error_interpolates_in_logarithms():
 def test_a_dip_below_a_guard_is_missed_by_a_general_solver_and_not_by_taylor_series():
     """One part in 10⁸ inside the threshold of global stability N reverses for an instant, and the screw seizes."""
     drive = Drive.of(mass=11.0, support_damping=1e-3)
-    drive = drive.replace(axial_force=global_stability_force(drive) * (1 - 1e-8))
+    drive = drive.replace(axial_force=threshold_force(drive, "global_stability") * (1 - 1e-8))
     start = (0.06, -drive.input_speed)
     case = Case(CaseFamily.AXIAL_FORCE, -8.0, drive, start, 0.1)
     verdict, dip = pose(case, np.random.default_rng(0))

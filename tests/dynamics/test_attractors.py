@@ -18,7 +18,7 @@ from lsvib.engine.motion import follow
 from lsvib.models.drive import Drive
 from lsvib.models.names import Event
 from lsvib.models.rigid import rigid_automaton
-from lsvib.stability.force_thresholds import onset_force
+from lsvib.stability.force_thresholds import threshold_force
 
 NEGATIVE_DAMPING = Drive.of(mass=1.0, translation_damping=1e3)
 PARADOX = Drive.of(mass=11.0, support_damping=1e-3, axial_force=-10.0)
@@ -44,7 +44,7 @@ def test_pure_slip_cycle(force, side):
     assert cycle.multiplier == pytest.approx(liouville(cycle), abs=1e-12)
     assert 0 < cycle.multiplier < 1
     assert cycle.residual <= 16 * flow_planar.EPS
-    onset = onset_force(NEGATIVE_DAMPING)
+    onset = threshold_force(NEGATIVE_DAMPING, "onset")
     reference = attractor(NEGATIVE_DAMPING.replace(axial_force=25.0), (0.002, 0.0))
     # R̃ = R − onset is formed in double here: eps · 20 N / R̃.
     rounding = 100 * flow_planar.EPS * onset / (force - onset)

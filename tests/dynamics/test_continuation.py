@@ -7,7 +7,7 @@ import pytest
 import lsvib
 from lsvib.datasets.cycles import branch_dataset, branch_json
 from lsvib.errors import InputError
-from lsvib.stability.force_thresholds import global_stability_force
+from lsvib.stability.force_thresholds import threshold_force
 
 NEAR_FOLD = lsvib.Drive(mass=11, support_damping=2e-3, axial_force=-18.37)
 SLIP = lsvib.Drive(mass=1, translation_damping=1e3, axial_force=25)
@@ -17,7 +17,7 @@ SLIP = lsvib.Drive(mass=1, translation_damping=1e3, axial_force=25)
 def test_fold_is_the_threshold_of_global_stability(damping):
     """The attracting branch turns into the repelling one at the force that the closed form gives, to rounding."""
     drive = NEAR_FOLD.replace(support_damping=damping)
-    threshold = global_stability_force(drive)
+    threshold = threshold_force(drive, "global_stability")
     drive = drive.replace(axial_force=threshold * (1 - 3e-4))
     attracting, repelling = drive.cycles().cycles
     branch = drive.follow(attracting, "axial_force", (threshold * 1.01, threshold * (1 - 4e-4)))

@@ -10,7 +10,7 @@ from lsvib.models.mechanics import coefficients
 from lsvib.models.model import automaton_of
 from lsvib.models.names import Event
 from lsvib.models.rigid import MotionMode, rigid_automaton
-from lsvib.stability.conditions import critical_mass
+from lsvib.stability.conditions import critical_value
 
 FIG_8_14 = {"mass": 11.0, "support_damping": 1e-3}
 
@@ -54,7 +54,7 @@ def test_in_the_band_one_rest_below_it_another_reverse_slip_above_it_slip_forwar
             axial_force=-(10 ** random.uniform(-1, 3)),
             input_speed=10 ** random.uniform(0, 3),
         )
-        drive = drive.replace(mass=critical_mass(drive) * random.uniform(1.01, 10))
+        drive = drive.replace(mass=critical_value(drive, "mass") * random.uniform(1.01, 10))
         start = [10 ** random.uniform(-3, 0), -drive.input_speed * (1 + 10 ** random.uniform(-2, 1))]
         for side, mode in after_reverse_slips(drive, start, 0.05):
             counts[side] += 1

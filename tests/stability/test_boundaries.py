@@ -19,7 +19,7 @@ def test_boundaries_solve_the_printed_equation_in_40_digits(part, mass, screw_ma
     """Lower and upper branch of (8.29) by the quadratic formula, for μ between tan λ and μ_kc."""
     drive = support_drive(mass=mass, screw_mass=screw_mass)
     low = float(np.tan(drive.lead_angle))
-    high = conditions.critical_friction(drive, screw_mass) or 5.0
+    high = conditions.critical_value(drive, "friction_coefficient") or 5.0
     drive = drive.replace(friction_coefficient=low + (0.001 + 0.998 * part) * (high - low))
     branches = conditions.flutter_boundaries(drive, 1)
     with mpmath.workdps(40):
@@ -45,7 +45,7 @@ def test_boundaries_solve_the_printed_equation_in_40_digits(part, mass, screw_ma
 
 def test_boundaries_end_where_they_should():
     drive = support_drive(mass=15.0)
-    below, beyond = np.tan(drive.lead_angle) * 0.999, conditions.critical_friction(drive, 11.6) * 1.001
+    below, beyond = np.tan(drive.lead_angle) * 0.999, conditions.critical_value(drive, "friction_coefficient") * 1.001
     for friction in (below, beyond):
         assert np.isnan(conditions.flutter_boundaries(drive.replace(friction_coefficient=friction), 1)).all()
     start = conditions.flutter_boundaries(drive.replace(friction_coefficient=below / 0.999 * (1 + 1e-12)), 1)
@@ -59,7 +59,7 @@ def test_boundaries_end_where_they_should():
 def test_critical_friction_to_12_digits(screw_mass):
     """μ_kc (eqs 8.27, 8.28): closed form, eigenvalues and a root in 40 digits agree."""
     drive = support_drive(mass=15.0, screw_mass=screw_mass)
-    closed = conditions.critical_friction(drive, screw_mass)
+    closed = conditions.critical_value(drive, "friction_coefficient")
     assert conditions.critical_friction_by_eigenvalues(drive) == pytest.approx(closed, rel=1e-12)
     with mpmath.workdps(40):
 
@@ -111,10 +111,10 @@ def test_rotating_nut_is_unstable_exactly_by_8_33(law):
 
 def test_rotation_of_the_nut_lowers_the_critical_mass():
     """Remark 8.6; and a very heavy nut is the rigid drive."""
-    rigid = conditions.critical_mass(Drive())
-    masses = [conditions.kinematic_mass(nut_drive(nut_inertia=x)) for x in (1e-7, 3.12e-6, 1e-4, 1e3)]
+    rigid = conditions.critical_value(Drive(), "mass")
+    masses = [conditions.critical_value(nut_drive(nut_inertia=x), "mass") for x in (1e-7, 3.12e-6, 1e-4, 1e3)]
     assert masses == sorted(masses)
     assert masses[1] == pytest.approx(rigid / 2, rel=1e-14)
     assert masses[-1] == pytest.approx(rigid, rel=1e-8)
     assert masses[-1] < rigid
-    assert conditions.kinematic_mass(nut_drive(friction_coefficient=0.05)) is None
+    assert conditions.critical_value(nut_drive(friction_coefficient=0.05), "mass") is None

@@ -18,7 +18,7 @@ from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import follow
 from lsvib.models.drive import Drive
 from lsvib.models.rigid import rigid_automaton
-from lsvib.stability.force_thresholds import NoThreshold, global_stability_force, widest_return
+from lsvib.stability.force_thresholds import NoThreshold, threshold_force, widest_return
 from lsvib.stability.slip import SlipDrive
 
 DIGITS = 40
@@ -55,7 +55,7 @@ def returning_force(drive: Drive):
 def test_cycle_without_rest_decides(changes):
     drive = PARADOX.replace(**changes)
     with mp.workdps(DIGITS + GUARD_DIGITS):
-        assert abs(-mpf(global_stability_force(drive)) / returning_force(drive) - 1) < mpf("1e-13")
+        assert abs(-mpf(threshold_force(drive, "global_stability")) / returning_force(drive) - 1) < mpf("1e-13")
 
 
 @pytest.mark.parametrize("speed", [40.0, -40.0])
@@ -63,7 +63,7 @@ def test_cycle_without_rest_decides(changes):
 def test_the_threshold_separates_what_it_says(damping, speed):
     """Short of it, by 1e-6 and more, the basin has a boundary and motions end on a cycle; beyond it none does."""
     drive = PARADOX.replace(support_damping=damping, input_speed=speed)
-    limit = global_stability_force(drive)
+    limit = threshold_force(drive, "global_stability")
     for share in (0.5, 0.99, 1 - 1e-6):
         assert basin(drive.replace(axial_force=share * limit)).boundary != Boundary.NONE
     for share in (1 + 1e-6, 1.01, 2.0):
@@ -94,7 +94,7 @@ def test_forces_with_the_motion(speed):
 
         assert findroot(excess, (mpf(30), mpf(31))) == pytest.approx(31.431833502858915, rel=1e-13)
         expected = float(-returning_force(drive.replace(input_speed=40.0)))
-    limit = global_stability_force(drive)
+    limit = threshold_force(drive, "global_stability")
     assert limit == pytest.approx(math.copysign(expected, speed), rel=1e-13)
     inside = float(widest_return(SlipDrive.of(drive))[1])
     starts = [(math.copysign(1, speed) * u, math.copysign(1, speed) * w) for u, w in [*STARTS, (inside, -40.0)]]
@@ -130,6 +130,6 @@ def test_light_drives_are_globally_stable_without_translation_damping():
 def test_where_there_is_no_threshold(changes, words):
     drive = PARADOX.replace(**changes)
     with pytest.raises(NoThreshold, match=words):
-        global_stability_force(drive)
+        threshold_force(drive, "global_stability")
     if drive.translation_damping:
         assert all(basin(drive.replace(axial_force=-r)).boundary == Boundary.NONE for r in (1e-6, 1e-3, 1.0, 1e3))

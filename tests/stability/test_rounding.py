@@ -11,7 +11,7 @@ from lsvib.models import chapter
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.numbers import bisected
-from lsvib.stability.force_thresholds import detach_force, stick_force
+from lsvib.stability.force_thresholds import threshold_force
 from lsvib.stability.threshold import solve_threshold
 
 HALF_UNITS = {  # of the values as Table 8.1 prints them: 5.18 mm, 5.57 degree, 3.12e-6, 0.218; and 1, 2e-4, 40
@@ -59,12 +59,12 @@ def test_one_damping_gives_both_forces_but_not_the_printed_effective_damping():
     printed = chapter.THRESHOLDS["stick_force"].value
 
     def smaller(damping: float) -> bool:
-        return stick_force(drive.replace(support_damping=damping)) < printed
+        return threshold_force(drive.replace(support_damping=damping), "stick") < printed
 
     low, high = drive.support_damping - half, drive.support_damping + half
     damping = bisected(lambda c: smaller(c) == smaller(high), low, high)
     other = drive.replace(support_damping=damping)
     assert round(damping, 6) == 1.88e-4
-    assert abs(detach_force(other) - chapter.THRESHOLDS["detach_force"].value) <= 0.05
+    assert abs(threshold_force(other, "detach") - chapter.THRESHOLDS["detach_force"].value) <= 0.05
     claim = chapter.EFFECTIVE_DAMPING[1]
     assert abs(float(coefficients(other).damping[1]) / claim.value - 1) > claim.tolerance

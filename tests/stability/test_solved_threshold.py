@@ -10,8 +10,9 @@ from references.parts import nut_drive, support_drive, threads_drive
 import lsvib
 from lsvib.basins.boundary import Boundary, basin
 from lsvib.models.rigid import MotionMode
-from lsvib.stability import boundaries, force_thresholds
-from lsvib.stability.conditions import critical_friction, critical_mass
+from lsvib.stability import boundaries
+from lsvib.stability.conditions import critical_value
+from lsvib.stability.force_thresholds import threshold_force
 
 NEGATIVE = lsvib.Drive(mass=1, translation_damping=1e3)
 PARADOX = lsvib.Drive(mass=11, support_damping=2e-3, axial_force=-18)
@@ -26,7 +27,7 @@ def test_forces_are_those_of_the_functions(sense):
             assert found.unknown == "axial_force"
             assert found.unit == "N"
             assert not found.several
-            expected = getattr(force_thresholds, f"{name}_force")(drive)
+            expected = threshold_force(drive, name)
             assert abs(found.value - expected) <= math.ulp(expected)
             assert (
                 found.enclosure[0] <= found.value <= found.enclosure[1] <= math.nextafter(found.enclosure[0], math.inf)
@@ -34,12 +35,12 @@ def test_forces_are_those_of_the_functions(sense):
 
 
 def test_critical_values_are_those_of_the_closed_forms():
-    drive = lsvib.Drive(mass=15)
-    assert drive.threshold("kinematic_constraint").value == critical_mass(drive)
-    assert drive.threshold("kinematic_constraint", "friction_coefficient").value == critical_friction(drive)
-    assert drive.thresholds("friction_coefficient")["kinematic_constraint"].value == critical_friction(drive)
+    drive, unknown = lsvib.Drive(mass=15), "friction_coefficient"
+    assert drive.threshold("kinematic_constraint").value == critical_value(drive, "mass")
+    assert drive.threshold("kinematic_constraint", unknown).value == critical_value(drive, unknown)
+    assert drive.thresholds(unknown)["kinematic_constraint"].value == critical_value(drive, unknown)
     support = support_drive(mass=15)
-    assert support.threshold("kinematic_constraint", "friction_coefficient").value == critical_friction(support, 11.6)
+    assert support.threshold("kinematic_constraint", unknown).value == critical_value(support, unknown)
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.stability.conditions import critical_mass
+from lsvib.stability.conditions import critical_value
 from lsvib.stability.linear import Stability, eigenvalue_pair, stability_class
 
 SIGNED = st.floats(1e-12, 1e6) | st.floats(-1e6, -1e-12)
@@ -62,7 +62,7 @@ def test_limits():
 def test_spectrum_loses_stability_at_the_critical_mass():
     """Between the two doubles around m_cr (eq. 8.20)."""
     drive = Drive()
-    critical = critical_mass(drive)
+    critical = critical_value(drive, "mass")
     for mass, kind in ((math.nextafter(critical, 0), True), (math.nextafter(critical, 99), False)):
         gamma = float(coefficients(drive.replace(mass=mass)).gamma[1])
         assert bool((eigenvalue_pair(gamma, drive.support_damping, drive.coupling_stiffness).real < 0).all()) is kind

@@ -21,8 +21,7 @@ from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.names import Event
 from lsvib.models.rigid import rigid_automaton
-from lsvib.stability import force_thresholds
-from lsvib.stability.force_thresholds import widest_return
+from lsvib.stability.force_thresholds import threshold_force, widest_return
 from lsvib.stability.slip import SlipDrive
 
 DISTANCES = [10.0**-n for n in range(1, 10)]  # relative, of the forces beside a threshold
@@ -97,7 +96,7 @@ def changed(drive, force):
 
 
 def judge_onset(rng, drive):
-    onset = force_thresholds.onset_force(drive)
+    onset = threshold_force(drive, "onset")
     for side, force in beside(rng, abs(onset), 0.0):
         c = coefficients(drive.replace(axial_force=math.copysign(force, onset)))
         assert (c.damping[c.steady_law] > 0) == (side < 0)
@@ -111,7 +110,7 @@ def end_of_rest(drive: Drive) -> tuple[float, float]:
 
 def slips_beside(rng, drive: Drive, threshold: float, count: int):
     """Yield (side, |R|, first events of slip from the end of rest) for forces beside a threshold beyond the onset."""
-    onset, sign = force_thresholds.onset_force(drive), forward(drive)[1]
+    onset, sign = threshold_force(drive, "onset"), forward(drive)[1]
     assert sign * threshold > sign * onset
     for side, force in beside(rng, sign * threshold, sign * onset):
         if sign * onset < force < 1e12 and force != sign * threshold:
@@ -120,7 +119,7 @@ def slips_beside(rng, drive: Drive, threshold: float, count: int):
 
 def judge_stick(rng, drive):
     """The cycle is unique and what is inside of it winds outwards to it, what is outside inwards."""
-    for side, force, kinds in slips_beside(rng, drive, force_thresholds.stick_force(drive), 30):
+    for side, force, kinds in slips_beside(rng, drive, threshold_force(drive, "stick"), 30):
         if Event.GRAZE in kinds:  # a turn grows by less than rounding
             continue
         if side > 0:
@@ -130,7 +129,7 @@ def judge_stick(rng, drive):
 
 
 def judge_detach(rng, drive):
-    for side, force, kinds in slips_beside(rng, drive, force_thresholds.detach_force(drive), 6):
+    for side, force, kinds in slips_beside(rng, drive, threshold_force(drive, "detach"), 6):
         if side > 0:
             assert kinds[:2] == [Event.STICK, Event.RELEASE], force
         else:
@@ -175,7 +174,7 @@ def settles(drive, force, start, made, sign, count=20_000) -> bool | None:
 
 def judge_global(rng, drive):
     made, sign = forward(drive)
-    threshold = sign * force_thresholds.global_stability_force(drive)
+    threshold = sign * threshold_force(drive, "global_stability")
     onset = float(made.onset)
     assert threshold < onset or onset == 0 > threshold
     below = [(side, force) for side, force in beside(rng, threshold, threshold)][:18]
@@ -201,7 +200,7 @@ def test_thresholds_of_random_drives(kind):
         drive = random_drive(rng, kind)
         for name, judge in JUDGES.items():
             try:
-                getattr(force_thresholds, f"{name}_force")(drive)
+                threshold_force(drive, name)
             except NoThreshold:
                 continue
             judge(rng, drive)

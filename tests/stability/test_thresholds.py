@@ -25,8 +25,8 @@ from lsvib.models.mechanism import seated_state
 from lsvib.models.model import automaton_of
 from lsvib.models.names import Event
 from lsvib.models.rigid import rigid_automaton
-from lsvib.stability import force_thresholds
-from lsvib.stability.conditions import critical_friction, critical_mass
+from lsvib.stability.conditions import critical_value
+from lsvib.stability.force_thresholds import threshold_force
 from lsvib.stability.threshold import solve_threshold
 
 DIGITS = 40
@@ -173,19 +173,17 @@ def test_peak_of_the_contact_force(force):
 
 
 def test_effective_inertia_changes_sign_at_the_critical_mass():
-    mass = critical_mass(Drive())
+    mass = critical_value(Drive(), "mass")
     assert exact(Drive.of(mass=mass * (1 - 1e-15))).Gamma(1) > 0 > exact(Drive.of(mass=mass * (1 + 1e-15))).Gamma(1)
-    assert critical_mass(Drive.of(friction_coefficient=0.05)) is None  # not self-locking
-    assert critical_friction(Drive.of(mass=1e-6), 11.6) is None
+    assert critical_value(Drive.of(friction_coefficient=0.05), "mass") is None  # not self-locking
+    assert critical_value(support_drive(mass=1e-6), "friction_coefficient") is None
 
 
 @pytest.mark.parametrize("speed", [40.0, -40.0])
 def test_the_thresholds_separate_what_they_say(speed):
     """Just below and just above each force of Fig. 8.6 the attractor has, and has not, the property."""
     drive = NEGATIVE_DAMPING.replace(input_speed=speed)
-    onset, stick, detach = (
-        f(drive) for f in (force_thresholds.onset_force, force_thresholds.stick_force, force_thresholds.detach_force)
-    )
+    onset, stick, detach = (threshold_force(drive, name) for name in ("onset", "stick", "detach"))
     assert [math.copysign(x, speed) == x for x in (onset, stick, detach)] == [True] * 3
 
     def attractor(force):
@@ -203,7 +201,7 @@ def test_the_thresholds_separate_what_they_say(speed):
 
 def test_global_stability_force_is_exact():
     """Sect. 8.7 describes it without a number."""
-    value = force_thresholds.global_stability_force(PARADOX)
+    value = threshold_force(PARADOX, "global_stability")
     assert abs(mpf(value) - global_reference()) <= mpf("1e-12") * abs(value)
 
 
@@ -211,7 +209,7 @@ def test_global_stability_force_is_exact():
 def test_limit_cycle_right_up_to_the_threshold_of_global_stability(speed):
     """m = 11 kg, c = 1e-3, c_x = 0: the cycle from −10 N to 1e-8 short of the threshold, the origin 1e-8 beyond it."""
     drive = PARADOX.replace(input_speed=speed)
-    limit = force_thresholds.global_stability_force(drive)
+    limit = threshold_force(drive, "global_stability")
     start_force = -math.copysign(10.0, speed)
     forces = [*np.linspace(start_force, limit, 8)[:-1], *(limit * (1 - 10.0**-n) for n in (3, 6, 8))]
     for force in forces:
@@ -231,7 +229,7 @@ def test_limit_cycle_right_up_to_the_threshold_of_global_stability(speed):
 
 def test_dip_of_microseconds_against_mpmath():
     """1e-8 short of the threshold slip would stay beyond Q = 0 for 1.0 µs only: every seizure is found."""
-    drive = PARADOX.replace(axial_force=force_thresholds.global_stability_force(PARADOX) * (1 - 1e-8))
+    drive = PARADOX.replace(axial_force=threshold_force(PARADOX, "global_stability") * (1 - 1e-8))
     d = exact(drive)
     flow = RigidTrueFlow(d, -1, d.c * d.Omega / d.k, -d.Omega)
     q = (d.p * d.m * d.k, d.p * (d.m * d.c - d.I * d.cx), d.Gamma(d.s0) * d.R_tilde)

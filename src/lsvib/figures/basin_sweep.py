@@ -18,7 +18,7 @@ from lsvib.figures import drawing, style
 from lsvib.figures import settings as of
 from lsvib.figures.common import Basin, about, flag_names, named, spread
 from lsvib.models.drive import Drive
-from lsvib.stability.force_thresholds import global_stability_force
+from lsvib.stability.force_thresholds import threshold_force
 
 CAPTION = """\
 The basin of steady sliding: (a) to (c) its exact boundary, one kind to a panel, with the part of the window that it
@@ -139,7 +139,7 @@ def _swept(drive: Drive, name: str, values: np.ndarray) -> tuple[np.ndarray, lis
 def _critical_values(drive: Drive, analysis: xr.Dataset, dampings: np.ndarray) -> Variables:
     """Values of force, mass and friction up to which the basin is the whole plane; of the force for each damping."""
     stable = ("N", phase_plane.GLOBAL_STABILITY, "$R$")
-    forces = [global_stability_force(drive.replace(support_damping=c)) for c in dampings]
+    forces = [threshold_force(drive.replace(support_damping=c), "global_stability") for c in dampings]
     friction = analysis.kinematic_constraint_friction_coefficient
     return {
         "swept_global_stability_force": variable("swept_support_damping", forces, *stable),

@@ -51,7 +51,7 @@ class Settings(of.DriveFigure):
 def build(settings: of.Values) -> xr.Dataset:
     """Compute critical masses over the contact, and growth rates over its stiffness; c_x = 0, R Ω > 0."""
     drive = Drive.of(chapter.PARTS["threads"] | settings["drive"])
-    rigid, (heavy, light) = conditions.critical_mass(drive), settings["masses"]
+    rigid, (heavy, light) = conditions.critical_value(drive, "mass"), settings["masses"]
     if rigid is None or not light < rigid < heavy:
         raise InputError(f"masses = {[heavy, light]} do not lie above and below the critical mass of the rigid drive.")
     along, stiffness = (spans.logarithmic(settings[name]) for name in ("contact_damping", "stiffness"))

@@ -262,7 +262,7 @@ def _condition_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
             "The rigid drive with the critical friction has the reduced mass as its critical mass",
             "Remark 8.3",
             reduced_mass,
-            conditions.critical_mass(locked) or np.nan,
+            conditions.critical_value(locked, "mass") or np.nan,
             "kg",
         ),
     ]

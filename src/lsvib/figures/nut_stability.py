@@ -15,7 +15,7 @@ from lsvib.models import chapter
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.numbers import bisected
-from lsvib.stability.conditions import critical_mass, effective_inertia, kinematic_mass, screw_inertia
+from lsvib.stability.conditions import critical_value, effective_inertia, screw_inertia
 from lsvib.stability.linear import UndampedClass, eigenvalues, polynomial, reciprocal_squares, undamped_class
 
 CAPTION = """\
@@ -38,13 +38,14 @@ class Settings(DriveFigure):
 def build(settings: Values) -> xr.Dataset:
     """Compute the critical mass over the nut's inertia, in closed form and by eigenvalues, and the classes; c_x = 0."""
     drive = Drive.of(chapter.PARTS["nut"] | settings["drive"])
-    rigid, inertia = critical_mass(drive), spans.logarithmic(settings["nut_inertia"])
+    rigid = critical_value(drive.replace(**dict.fromkeys(chapter.PARTS["nut"])), "mass")
+    inertia = spans.logarithmic(settings["nut_inertia"])
     if rigid is None:
         raise InputError("The drive is not self-locking (mu <= tan lambda), so it has no critical mass.")
     friction = spans.even(settings["friction_coefficient"])
     drive.replace(friction_coefficient=float(friction.max()))  # refuses what is beyond cot λ
     nuts = [drive.replace(nut_inertia=float(value)) for value in inertia]
-    closed = [kinematic_mass(nut) for nut in nuts]
+    closed = [critical_value(nut, "mass") for nut in nuts]
     # Where the product of both 1/ω² changes its sign, between zero and the rigid one.
     passing = [bisected(lambda m, nut=nut: not _signs(nut, m) > 0, 0.0, rigid) for nut in nuts]
     by = "critical mass, where an eigenvalue 1/omega^2 passes through zero"

@@ -16,9 +16,9 @@ from typing import Any
 from flint import arb, fmpq, fmpq_poly
 
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.models import friction, mechanics
+from lsvib.models import friction
 from lsvib.models.drive import Drive, may_vanish
-from lsvib.models.mechanics import LinearParts
+from lsvib.models.mechanics import LinearParts, net_force
 from lsvib.models.model import model_of
 from lsvib.stability.isolation import isolated_roots
 from lsvib.stability.solve import Equations, allowed
@@ -117,11 +117,6 @@ class StableSet:
         if self.from_zero or self.intervals[0][0] < 0 or not may_vanish(self.key):
             return f"steady sliding is {adverb} stable for every {name} in its range, all other parameters held."
         return f"steady sliding is not {adverb} stable without {name}, but with any above zero, however small."
-
-
-def net_force(values: ParameterValues, t: Any, sense: int) -> Any:
-    """Return R̃ less the friction of the slide, R − r_m tan λ c_x Ω − F_0 sgn Ω [N] (eq. 8.15)."""
-    return mechanics.net_force(values, t, sense)
 
 
 def _leading(values: ParameterValues, t: Any, sense: int) -> Any:

@@ -17,8 +17,8 @@ from flint import fmpq
 from numpy.typing import NDArray
 
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.models import chapter, friction, mechanics
-from lsvib.models.drive import PART_OF, Drive
+from lsvib.models import friction, mechanics
+from lsvib.models.drive import Drive
 from lsvib.numbers import bisected
 from lsvib.results import Condition, Quantity, StabilityReport, UndampedStability
 from lsvib.stability.boundaries import places, stable_set
@@ -97,31 +97,14 @@ def damping_by_slope(drive: DriveValues, law: int) -> Any:
     return values_of(drive, law).sloped
 
 
-def critical_mass(drive: Drive) -> float | None:
-    """Mass [kg] at which Γ₊ = 0, m_cr = I / (ξ₊ tan λ r_m²) (eq. 8.20): ``kinematic_constraint``, its value alone.
+def critical_value(drive: Drive, unknown: str) -> float | None:
+    """Return the value [SI unit] of a parameter at which the kinematic constraint begins, Γ₊ = 0 or Γ̃₊ = 0, or None.
 
-    That of a rigid drive with the parameters of ``drive``. None if it is not self-locking.
+    The threshold ``kinematic_constraint`` of a drive of any model, its value alone. The critical mass of a rigid drive
+    is m_cr = I / (ξ₊ tan λ r_m²) (eq. 8.20), and smaller by the factor I_2 / (I + I_2) where the nut turns (8.33); the
+    critical friction with axial support is μ_kc (8.27, 8.28). A drive that is not self-locking has no critical mass.
     """
-    return kinematic_mass(drive.replace(**dict.fromkeys(PART_OF)))
-
-
-def kinematic_mass(drive: Drive) -> float | None:
-    """Mass [kg] of ``kinematic_constraint`` of a drive of any model (eqs 8.20, 8.28, 8.33), its value alone, or None.
-
-    That of a rotating nut is smaller than the critical mass by the factor I_2 / (I + I_2).
-    """
-    found = places(drive, "kinematic_constraint", "mass")
-    return float(found[0].value) if found else None
-
-
-def critical_friction(drive: Drive, screw_mass: float = math.inf) -> float | None:
-    """Friction coefficient of ``kinematic_constraint``, its value alone: μ_kc (eqs 8.20; 8.27, 8.28).
-
-    With a finite ``screw_mass`` m_1 [kg], that of the same drive with axial support. None if no μ below cot λ is one.
-    """
-    if math.isfinite(screw_mass):
-        drive = drive.replace(**chapter.PARTS["support"] | {"screw_mass": screw_mass})
-    found = places(drive, "kinematic_constraint", "friction_coefficient")
+    found = places(drive, "kinematic_constraint", unknown)
     return float(found[0].value) if found else None
 
 
@@ -187,7 +170,7 @@ def critical_friction_by_eigenvalues(drive: Drive) -> float | None:
 
     That 1/ω² belongs to the undamped model (8.23) under law +; it has a simple root where ω² has a pole, and it
     decreases as ξ₊ grows with μ. Returns None if it does not change its sign below cot λ. Independent of
-    :func:`critical_friction`.
+    :func:`critical_value`.
     """
     largest = math.nextafter(1 / math.tan(drive.lead_angle), 0)
 
@@ -334,8 +317,8 @@ def _of_parts(drive: Drive, law: int, polynomial: Polynomial, values: list[compl
         "effective_inertia": _quantity(inertia, "kg m2"),
         "effective_screw_inertia": _quantity(screw_inertia(d), "kg m2"),
         "effective_mass": _quantity(mass(d), "kg"),
-        "critical_mass": _quantity(kinematic_mass(drive) if law > 0 else None, "kg"),
-        "critical_friction": _quantity(critical_friction(drive) if law > 0 else None, "1"),
+        "critical_mass": _quantity(critical_value(drive, "mass") if law > 0 else None, "kg"),
+        "critical_friction": _quantity(critical_value(drive, "friction_coefficient") if law > 0 else None, "1"),
     }
     if drive.parts == ("threads",):
         conditions["contact_flutter"], more = _of_threads(drive, values)

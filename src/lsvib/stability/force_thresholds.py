@@ -11,7 +11,6 @@ says what happens there, and at which cycles.
 
 import math
 from collections.abc import Callable
-from functools import partial
 from itertools import takewhile
 from typing import Any
 
@@ -19,7 +18,6 @@ from flint import arb
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import NoThreshold
-from lsvib.models import friction
 from lsvib.models.drive import Drive, allowed_range
 from lsvib.stability.motion_equations import Return, Start
 from lsvib.stability.slip import CLOSE, SlipDrive, decay_of_large_motions, slowest_point
@@ -37,16 +35,9 @@ def threshold_force(drive: Drive, name: str) -> float:
         return math.copysign(1.0, drive.input_speed) * float(STARTS[name](drive).force)
 
 
-onset_force = partial(threshold_force, name="onset")
-stick_force = partial(threshold_force, name="stick")
-detach_force = partial(threshold_force, name="detach")
-global_stability_force = partial(threshold_force, name="global_stability")
-"""Axial forces [N] of the thresholds ``onset``, ``stick``, ``detach`` and ``global_stability`` of a drive."""
-
-
-def _negatively_damped(drive: Drive) -> SlipDrive:
-    """Constants of a drive with Γ₊ > 0 > C₊."""
-    d = SlipDrive.of(drive)
+def _negatively_damped(drive: Drive, rest: bool = False) -> SlipDrive:
+    """Constants of a drive with Γ₊ > 0 > C₊; ``rest`` as of :meth:`SlipDrive.of`."""
+    d = SlipDrive.of(drive, rest)
     if not d.inertia[1] > 0:
         raise NoThreshold(
             "the drive is in the Painlevé region (effective inertia of law + not positive), outside conditions (8.19)."
@@ -58,16 +49,9 @@ def _negatively_damped(drive: Drive) -> SlipDrive:
     return d
 
 
-def _require_one_friction(drive: Drive) -> None:
-    """Refuse static friction above that of sliding, under which rest ends elsewhere."""
-    if wanted := friction.refusal(drive):
-        raise NoThreshold(f"the closed form of this threshold {wanted}.")
-
-
 def _seizing(drive: Drive, undamped: str = "without damping no cycle of this drive is isolated.") -> SlipDrive:
     """Constants of a drive in the Painlevé region; refused outside and, in words of its own, if undamped."""
-    _require_one_friction(drive)
-    d = SlipDrive.of(drive)
+    d = SlipDrive.of(drive, rest=True)
     if not d.inertia[1] <= 0:
         raise NoThreshold(
             "the drive is not in the Painlevé region (effective inertia of law + positive), where no motion seizes."
@@ -134,8 +118,7 @@ def detach_start(drive: Drive) -> Start:
     Rest ends at u = C₊ Ω / k whatever R is, and the slip under law + that follows depends on R only through N; so it
     touches Q = Q_uw(u, w) + Γ₊ R̃ = 0 at R̃ = −min Q_uw / Γ₊.
     """
-    _require_one_friction(drive)
-    d = _negatively_damped(drive)
+    d = _negatively_damped(drive, rest=True)
     slip = d.slip(1)
     if not slip.turns:
         raise NoThreshold(

@@ -151,12 +151,13 @@ class SlipDrive:
         )
 
     @classmethod
-    def of(cls, drive: Drive) -> "SlipDrive":
+    def of(cls, drive: Drive, rest: bool = False) -> "SlipDrive":
         """Make the constants of a drive in balls, in the digits of the context.
 
-        Raises ``NoThreshold`` where friction depends on the sliding speed, as slip has no closed form then.
+        Raises ``NoThreshold`` where friction depends on the sliding speed, as slip has no closed form then, and for
+        thresholds of motions with ``rest`` also where static friction is above that of sliding, as rest ends elsewhere.
         """
-        if wanted := friction.refusal(drive, rest=False):
+        if wanted := friction.refusal(drive, rest):
             raise NoThreshold(f"the closed form of this threshold {wanted}.")
         return cls({name: arb(value) for name, value in drive}, 1 if drive.input_speed > 0 else -1)
 

@@ -56,20 +56,6 @@ _STATEMENTS = {  # forces for input_speed > 0; for input_speed < 0 all forces ch
 }
 
 
-def names(drive: Drive) -> tuple[str, ...]:
-    """Return the names of the thresholds of a drive."""
-    return model_of(drive).thresholds
-
-
-def usual_unknown(drive: Drive, name: str) -> str:
-    """Return the parameter that a threshold is solved for by default.
-
-    It is the axial force but for ``even_speed`` (input speed), ``kinematic_constraint`` and ``flutter`` (mass),
-    ``negative_damping`` and ``rest_loss`` (support damping), and for ``onset`` of a drive with two bodies (mass).
-    """
-    return _USUAL.get(name, "mass" if drive.parts else "axial_force")
-
-
 def all_thresholds(drive: Drive, unknown: str | None = None) -> dict[str, Threshold]:
     """Return all thresholds of a drive by name, each as :func:`solve_threshold` gives it.
 
@@ -77,7 +63,7 @@ def all_thresholds(drive: Drive, unknown: str | None = None) -> dict[str, Thresh
     ``reason``. Raises ``InputError`` for another parameter.
     """
     found = {}
-    for name in names(drive):
+    for name in model_of(drive).thresholds:
         key = _parameter(drive, name, unknown)
         try:
             found[name] = _solve(drive, name, key)
@@ -89,11 +75,13 @@ def all_thresholds(drive: Drive, unknown: str | None = None) -> dict[str, Thresh
 def solve_threshold(drive: Drive, name: str, unknown: str | None = None) -> Threshold:
     """Solve a threshold of a drive for one of its parameters, all others held.
 
-    Arguments: drive of any model; name of a threshold (:func:`names`); name of the parameter, by default the usual one
-    (:func:`usual_unknown`). The drive's own value of that parameter counts only as the middle of a search. Raises
-    ``InputError`` for other names, ``NoThreshold`` where there is no solution in the allowed range.
+    Arguments: drive of any model; name of one of the thresholds of that model; name of the parameter, by default the
+    mass for ``kinematic_constraint``, ``flutter`` and, where parts comply, ``onset``, the support damping for
+    ``negative_damping`` and ``rest_loss``, else the axial force. The drive's own value of that parameter counts only as
+    the middle of a search. Raises ``InputError`` for other names, ``NoThreshold`` where there is no solution in the
+    allowed range.
     """
-    known = names(drive)
+    known = model_of(drive).thresholds
     if not isinstance(name, str) or name not in known:
         raise InputError(f"threshold = {shown(name)} is not one of those of this drive: {', '.join(known)}.")
     found = _solve(drive, name, _parameter(drive, name, unknown))
@@ -103,7 +91,7 @@ def solve_threshold(drive: Drive, name: str, unknown: str | None = None) -> Thre
 
 
 def _parameter(drive: Drive, name: str, unknown: Any) -> str:
-    key = usual_unknown(drive, name) if unknown is None else unknown
+    key = _USUAL.get(name, "mass" if drive.parts else "axial_force") if unknown is None else unknown
     there = [name for name in Drive.model_fields if getattr(drive, name) is not None]
     if key not in there:
         raise InputError(f"unknown = {shown(key)} is not a parameter of this drive: {', '.join(there)}.")
