@@ -51,7 +51,7 @@ def test_a_user_without_a_home(folders, monkeypatch):
 
 def test_many_writers_of_one_cache_lose_nothing(tmp_path):
     """Each compiled version is read back as it was written, whoever else wrote at the time."""
-    assert isinstance(event_loop.run._cache._cache_file, jit.OneWriter)
+    assert isinstance(event_loop.run_in._cache._cache_file, jit.OneWriter)
 
     def write(k: int) -> None:
         jit.OneWriter(str(tmp_path), "kernel", "stamp").save((k,), f"version {k}")

@@ -22,10 +22,13 @@ from lsvib.engine.kernels.layout import (
     ACCUMULATION_KIND,
     ALPHA,
     BETA,
+    CROSSING,
     DELTA,
     EQUILIBRIUM,
+    GRAZE,
     GRAZE_KIND,
-    Found,
+    LOST,
+    NONE,
     Status,
 )
 
@@ -33,10 +36,6 @@ UNRESOLVED = -1  # as ``Attractor.UNRESOLVED``
 UNKNOWN = -2  # no label of the caller is so low
 NO_EVENT = event_loop.NO_KIND  # first event of a motion that has none
 TOO_LONG, UNDETERMINED, DIVERGED = -1, -2, -3  # codes of itineraries that end nowhere
-_NONE = int(Found.NONE)
-_CROSSING = int(Found.CROSSING)
-_GRAZE = int(Found.GRAZE)
-_UNDECIDED = int(Found.UNDECIDED)
 _SETTLED = int(Status.SETTLED)
 _DIVERGED = int(Status.DIVERGED)
 
@@ -99,7 +98,7 @@ def put(scratch, u, w):
 
 @kernel
 def step(tables, mode, short, scratch):
-    """Go on past the next event, as ``event_loop.run`` does; ``short`` counts shortest stays in a row.
+    """Go on past the next event, as ``event_loop.run_in`` does; ``short`` counts shortest stays in a row.
 
     Returns (``event_loop.GOES_ON`` or ``Status``, guard, kind, mode after, stay [s], short).
     """
@@ -107,7 +106,7 @@ def step(tables, mode, short, scratch):
     found, guard, stay = event_loop.next_event(
         tables, mode, state, scale, math.inf, scratch.room, scratch.zeros, scratch.work
     )
-    if found == _NONE:
+    if found == NONE:
         return _SETTLED, guard, NO_EVENT, mode, stay, short
     event_loop.arrive(tables, mode, state, scale, guard, stay, scratch.work)
     if not (abs(state[0]) < event_loop.LARGEST and abs(state[1]) < event_loop.LARGEST):
@@ -192,19 +191,19 @@ def _outlook(a0, a1, alpha, beta, share, centre, g_u, g_w, g_0, u, w):
     """
     y = u - centre
     if not (beta > 0.0 and alpha > 0.0 and abs(centre) < 16.0 * abs(y)):
-        return _UNDECIDED
+        return LOST
     middle, margin = g_u * centre + g_0, 4096.0 * EPS  # within it the bounds do not decide
     p = g_u * w - g_w * (a0 * y + a1 * w)
     across = (-a0 * (g_u * y + g_w * w) - alpha * p) / beta
     swing = beta * math.sqrt(p * p + across * across) / a0
     if middle > swing * (1.0 + margin):
-        return _NONE
+        return NONE
     if middle < swing * share * (1.0 - margin):
-        return _CROSSING
+        return CROSSING
     bottom = math.atan2(across, p) + 1.5 * math.pi
     depth = swing * math.exp(-alpha / beta * (bottom - 2.0 * math.pi if bottom > 2.0 * math.pi else bottom))
     rounding = 8.0 * EPS * (abs(middle) + depth)
-    return _CROSSING if depth > middle + rounding else _NONE if depth < middle - rounding else _GRAZE
+    return CROSSING if depth > middle + rounding else NONE if depth < middle - rounding else GRAZE
 
 
 @allocating_entry
@@ -229,25 +228,25 @@ def map_labels(tables, known, x, y, across, budget, labels, first_events):
                 if extent < known.trap[mode, 1]:
                     label = known.settled[mode]
                 elif first_events.size == 0 and known.common[mode] != UNKNOWN and extent < known.reach[mode]:
-                    leaves = _NONE
+                    leaves = NONE
                     for guard in range(tables.guard_start[mode], tables.guard_start[mode + 1]):
                         sign, row = tables.guard_sign[guard], surfaces[tables.guard_surface[guard]]
                         g_u, g_w, g_0 = sign * row[0], sign * row[1], sign * row[2]
                         value = g_u * u + g_w * w + g_0
                         size = ROUNDING * (abs(g_0) + abs(g_u) * abs(u) + abs(g_w) * abs(w))
-                        outlook = _CROSSING if value < -size else _UNDECIDED
+                        outlook = CROSSING if value < -size else LOST
                         if value > size:
                             outlook = _outlook(
                                 flow[mode, A0], flow[mode, A1], flow[mode, ALPHA], flow[mode, BETA], known.share[mode],
                                 flow[mode, EQUILIBRIUM], g_u, g_w, g_0, u, w,
                             )  # fmt: skip
                         leaves = max(leaves, outlook)
-                        if outlook == _CROSSING:
-                            leaves = _CROSSING
+                        if outlook == CROSSING:
+                            leaves = CROSSING
                             break
-                    if leaves == _CROSSING:
+                    if leaves == CROSSING:
                         label = known.common[mode]
-                    elif leaves == _NONE:
+                    elif leaves == NONE:
                         label = known.settled[mode]
             if label == UNKNOWN:
                 label, first = label_of(tables, known, mode, scratch, budget)

@@ -30,12 +30,8 @@ from lsvib.engine.kernels.jit import (
     inlined_kernel,
     merged_kernel,
 )
-from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND, Found, Status, Test
+from lsvib.engine.kernels.layout import ACCUMULATION_KIND, CROSSING, GRAZE, GRAZE_KIND, LOST, NONE, Status, Test
 
-_NONE = int(Found.NONE)
-_CROSSING = int(Found.CROSSING)
-_GRAZE = int(Found.GRAZE)
-_LOST = int(Found.UNDECIDED)
 _ACCUMULATED = int(Status.ACCUMULATED)
 _NO_BRANCH = int(Status.NO_BRANCH)
 _POSITIVE = int(Test.POSITIVE)
@@ -83,7 +79,7 @@ def next_event(tables, mode, state, scale, limit, room, zeros, work):
             if falls and state.size > 2 and bend > bend_size and rate * rate <= 2.0 * bend * size:
                 falls = False
             if value < -size or falls:
-                return _CROSSING, guard, 0.0
+                return CROSSING, guard, 0.0
     found, k, when = search(tables.flow, mode, state, guards, on_surface, limit, work)
     return found, first_guard + k, when
 
@@ -167,7 +163,7 @@ def leave(tables, mode, found, guard, short_stays, state, scale, scratch):
     ``short_stays``: number of stays below ``shortest_stay`` in a row, this one included; ``scratch`` has the size of
     the state. Returns (GOES_ON or the ``Status`` that ends the run, mode after the event, event kind, its sign).
     """
-    if found == _GRAZE:
+    if found == GRAZE:
         return GOES_ON, mode, GRAZE_KIND, 0
     apply_reset(tables, tables.guard_transition[guard], state, scratch)
     if short_stays == MANY:
@@ -217,9 +213,9 @@ def run_in(room, tables, mode, state, scale, clock, t_end, stop_kind, stop_mode,
         remaining = (t_end - clock[0]) - clock[1]
         found, guard, stay = next_event(tables, mode, state, scale, remaining, room.guards, room.on_surface, work)
         clock[3] = work.steps[0]
-        if found == _LOST:
+        if found == LOST:
             return Status.WORK_SPENT if clock[3] < 0.0 else Status.UNDECIDED, mode, count
-        if found == _NONE:
+        if found == NONE:
             if remaining == math.inf:
                 return Status.SETTLED, mode, count
             advance(flow, mode, state, remaining, state)
@@ -255,12 +251,6 @@ class Engine(NamedTuple):
 
     address: int  # of run_in
     room: Room
-
-
-@allocating_entry
-def run(tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events):
-    """Follow a motion as :func:`run_in` does, in scratch space of its own."""
-    return run_in(room_for(tables), tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events)
 
 
 @inlined_kernel

@@ -43,6 +43,9 @@ class Found(IntEnum):
     UNDECIDED = 3  # the search did not come to an end
 
 
+NONE, CROSSING, GRAZE, LOST = map(int, Found)  # the same as plain numbers, as kernels return them
+
+
 class Decision(IntEnum):
     """What is proved of a guard on one step of the search; of several guards the largest number counts."""
 

@@ -26,13 +26,9 @@ from lsvib.engine.kernels.flow_modal import advance, is_still, slopes_at, stays
 from lsvib.engine.kernels.flow_planar import level, own_rate
 from lsvib.engine.kernels.guard_sums import evaluate, go_to, lowest_from, prepare, room_for, rounding_at
 from lsvib.engine.kernels.jit import allocating_kernel, inlined_kernel, kernel
-from lsvib.engine.kernels.layout import ALPHA, BETA, R1, R2, Decision, Found
+from lsvib.engine.kernels.layout import ALPHA, BETA, CROSSING, GRAZE, LOST, NONE, R1, R2, Decision
 from lsvib.engine.kernels.search_planar import GUESSES, next_guess
 
-_NONE = int(Found.NONE)
-_CROSSING = int(Found.CROSSING)
-_GRAZE = int(Found.GRAZE)
-_LOST = int(Found.UNDECIDED)
 _POSITIVE = int(Decision.POSITIVE)
 _TOUCHES = int(Decision.TOUCHES)
 _ROOT = int(Decision.ROOT)
@@ -158,7 +154,7 @@ def search(flow, mode, state, guards, on_surface, limit, work):
     for guard in range(count):
         touched = touched or on_surface[guard]
     if stays(flow, mode, state) or (touched and is_still(flow, mode, state)):
-        return _NONE, -1, limit
+        return NONE, -1, limit
     prepare(flow, mode, state, guards, work)
     for guard in range(count):
         work.starts[guard] = 0.0 if on_surface[guard] else level(guards[guard], state, state)[0]
@@ -172,10 +168,10 @@ def search(flow, mode, state, guards, on_surface, limit, work):
     for _ in range(1_000_000):  # a kernel must come to an end
         work.steps[0] -= 1.0
         if work.steps[0] < 0.0:
-            return _LOST, -1, limit
+            return LOST, -1, limit
         here, there = steps % 2, 1 - steps % 2
         if a >= limit or (limit == math.inf and _never(flow, mode, work, count, here, a)):
-            return _NONE, -1, limit
+            return NONE, -1, limit
         b = limit if a + step >= limit else a + step
         go_to(flow, mode, work, b, there)
         # The bounds of the tests grow with the square of the step. So where a test passes by a factor f, the next step
@@ -203,18 +199,18 @@ def search(flow, mode, state, guards, on_surface, limit, work):
                     evaluate(flow, mode, work, guard, _SPARE)
                     t = -1.0 if work.values[_SPARE, guard, 0] <= 0.0 else t
             if t > limit:
-                return _NONE, -1, limit
-            return _GRAZE, touched, t if t >= 0.0 else 0.5 * (a + b)
+                return NONE, -1, limit
+            return GRAZE, touched, t if t >= 0.0 else 0.5 * (a + b)
         if outcome == _ROOT:
             first, when = _earliest(flow, mode, work, count, there, a, b, on_surface, rate)
             if first < 0:
-                return _NONE, -1, limit
-            return _CROSSING, first, when
+                return NONE, -1, limit
+            return CROSSING, first, when
         for guard in range(count):
             on_surface[guard] = on_surface[guard] and work.values[there, guard, 0] <= work.rounding[guard]
         a, step = b, min(longest, (b - a) * max(1.0, 0.7 * math.sqrt(stretch)))
         steps += 1
-    return _LOST, -1, limit
+    return LOST, -1, limit
 
 
 @inlined_kernel
@@ -232,7 +228,7 @@ def _first_below(values, b):
     lowest = 0
     for guard in range(values.shape[0]):
         lowest = guard if values[guard, 0] < values[lowest, 0] else lowest
-    return (_CROSSING if values[lowest, 0] <= 0.0 else _LOST), lowest, b
+    return (CROSSING if values[lowest, 0] <= 0.0 else LOST), lowest, b
 
 
 @inlined_kernel
@@ -361,15 +357,15 @@ def extremes(flow, mode, state, functional, duration):
         for j in range(n + 1):
             guards[0, j] = sign * rate[j]
         found, _, stay = search(flow, mode, here, guards, on_surface, duration - passed, work)
-        if found == _LOST:
+        if found == LOST:
             return -math.inf, math.inf
-        if found == _NONE:
+        if found == NONE:
             break
         passed += stay
         advance(flow, mode, here, stay, here)
         value, _ = level(functional, here, here)
         low, high = min(low, value), max(high, value)
-        if found == _CROSSING:
+        if found == CROSSING:
             sign = -sign
     else:
         return -math.inf, math.inf

@@ -14,16 +14,13 @@ import numpy as np
 
 from lsvib.engine.kernels.flow_planar import EPS, far, integrated_response, responses
 from lsvib.engine.kernels.jit import allocating_kernel, entry, inlined_entry, inlined_kernel, kernel
-from lsvib.engine.kernels.layout import A0, A1, ALPHA, BETA, DELTA, EQUILIBRIUM, R1, R2, B, Found
+from lsvib.engine.kernels.layout import A0, A1, ALPHA, BETA, CROSSING, DELTA, EQUILIBRIUM, GRAZE, NONE, R1, R2, B
 
 _HUGE = 1e250  # beyond it a value is on its way to overflow, and its sign means nothing
 # At most so many steps for a root. Half of those after the first eight halve the bracket, so it shrinks by 10⁴³: to two
 # neighbouring doubles, unless the root is 10²⁷ times nearer to zero than the bracket is wide.
 GUESSES = 300
 _NEAR, _FAR, _SPLIT = range(3)  # forms of a guard along the flow
-_NONE = int(Found.NONE)
-_CROSSING = int(Found.CROSSING)
-_GRAZE = int(Found.GRAZE)
 
 
 @inlined_kernel
@@ -119,12 +116,12 @@ def _descent(row, shape, low, high, guess):
 def _up_to(row, shape, low, high, guess, limit):
     """As :func:`_descent`, but only a root before ``limit`` counts: returns (found, time)."""
     if low >= limit:
-        return _NONE, limit
+        return NONE, limit
     if limit < high:
         if _positive(row, shape, limit):
-            return _NONE, limit
+            return NONE, limit
         high = limit
-    return _CROSSING, _descent(row, shape, low, high, guess)
+    return CROSSING, _descent(row, shape, low, high, guess)
 
 
 @inlined_entry
@@ -139,7 +136,7 @@ def crossing(flow, mode, state, guard, on_surface, limit):
     shape = _shape(row, state, guard)
     bend = row[A0] * guard[3] if shape[2] == _SPLIT else row[A0] * guard[2] + guard[0] * row[B]
     if shape[0] == 0.0 and shape[1] == 0.0:
-        return _NONE, limit
+        return NONE, limit
     if row[BETA] > 0.0:
         return _oscillating_crossing(row, shape, bend, on_surface, limit)
     if row[A0] == 0.0 and row[A1] == 0.0:
@@ -165,10 +162,10 @@ def search(flow, mode, state, guards, on_surface, limit, work):
 
     Returns (``Found``, index of the guard or −1, time [s]).
     """
-    found, first, when = _NONE, -1, limit
+    found, first, when = NONE, -1, limit
     for guard in range(guards.shape[0]):
         outcome, t = crossing(flow, mode, state, guards[guard], on_surface[guard], when)
-        if outcome != _NONE:
+        if outcome != NONE:
             found, first, when = outcome, guard, t
     return found, first, when
 
@@ -177,7 +174,7 @@ def search(flow, mode, state, guards, on_surface, limit, work):
 def _hop(top, on_surface, limit):
     """Event of a guard whose maximum at ``top`` [s] is zero to rounding; from zero it rises and falls as a parabola."""
     t = 2.0 * top if on_surface else top
-    return (_CROSSING, t) if t <= limit else (_NONE, limit)
+    return (CROSSING, t) if t <= limit else (NONE, limit)
 
 
 @inlined_kernel
@@ -206,7 +203,7 @@ def _oscillating_crossing(row, shape, bend, on_surface, limit):
         bottom -= math.tau
         top -= math.tau
     if top >= limit * beta or (limit * beta <= bottom and _value(row, shape, limit)[0] > 0.0):
-        return _NONE, limit
+        return NONE, limit
     swing = beta * math.sqrt(p * p + across * across) / row[A0]
     middle = bend / row[A0] if is_far else constant
     lowest, resolution = _minimum(row, shape, middle, swing, bottom / beta)
@@ -221,10 +218,10 @@ def _oscillating_crossing(row, shape, bend, on_surface, limit):
             bottom += math.tau
             lowest, resolution = _minimum(row, shape, middle, swing, bottom / beta)
     if lowest > resolution or top >= limit * beta:
-        return _NONE, limit
+        return NONE, limit
     t_bottom = bottom / beta
     if lowest >= -resolution:
-        return (_GRAZE, t_bottom) if t_bottom <= limit else (_NONE, limit)
+        return (GRAZE, t_bottom) if t_bottom <= limit else (NONE, limit)
     rise = swing * math.exp(-alpha * top / beta)
     highest = middle + rise
     if top > 0.0 and highest <= 8.0 * EPS * (abs(constant) + rise):
@@ -241,13 +238,13 @@ def _parabolic_crossing(shape, on_surface, limit):
     value = 0.0 if on_surface else shape[3] + shape[6]
     square = p * p - 2.0 * q * value
     if square < 0.0 or (q >= 0.0 and p >= 0.0) or (on_surface and q >= 0.0):
-        return _NONE, limit
+        return NONE, limit
     # The smaller positive root where the parabola falls; written so that nothing cancels.
     root = math.sqrt(square)
     t = -(p + root) / q if q != 0.0 and p > 0.0 else 2.0 * value / (root - p)
     if t > limit:
-        return _NONE, limit
-    return (_GRAZE, t) if q > 0.0 and square <= 8.0 * EPS * p * p else (_CROSSING, t)
+        return NONE, limit
+    return (GRAZE, t) if q > 0.0 and square <= 8.0 * EPS * p * p else (CROSSING, t)
 
 
 @inlined_kernel
@@ -274,7 +271,7 @@ def _monotone_crossing(row, shape, bend, on_surface, limit):
     rises = on_surface or p > 0.0 or (p == 0.0 and q > 0.0)
     if rises:
         if turn == math.inf or not p > 0.0:
-            return _NONE, limit
+            return NONE, limit
         low, high = turn, math.inf
     else:
         low, high = 0.0, turn
@@ -282,11 +279,11 @@ def _monotone_crossing(row, shape, bend, on_surface, limit):
             lowest = _value(row, shape, turn)[0]
             resolution = 8.0 * EPS * (abs(shape[3]) + abs(lowest - shape[3]))
             if lowest > resolution:
-                return _NONE, limit
+                return NONE, limit
             if lowest >= -resolution:
-                return _GRAZE, turn
+                return GRAZE, turn
     if low >= limit:
-        return _NONE, limit
+        return NONE, limit
     value, slope, _ = _value(row, shape, low)
     if value <= 0.0:
         return _hop(low, on_surface, limit)
@@ -294,7 +291,7 @@ def _monotone_crossing(row, shape, bend, on_surface, limit):
     if high == math.inf and limit == math.inf:
         high = _below_zero(row, shape, bend, low, max(guess - low, low, EPS / max(abs(row[R2]), EPS)))
         if high == math.inf:
-            return _NONE, limit
+            return NONE, limit
     return _up_to(row, shape, low, high, guess, limit)
 
 

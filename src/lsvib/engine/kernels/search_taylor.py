@@ -26,12 +26,8 @@ from lsvib.engine.kernels.flow_taylor import (
     value_at,
 )
 from lsvib.engine.kernels.jit import allocating_kernel, inlined_kernel, kernel
-from lsvib.engine.kernels.layout import ORDER, Found
+from lsvib.engine.kernels.layout import CROSSING, GRAZE, LOST, NONE, ORDER
 
-_NONE = int(Found.NONE)
-_CROSSING = int(Found.CROSSING)
-_GRAZE = int(Found.GRAZE)
-_LOST = int(Found.UNDECIDED)
 _FINEST = 2.0**-40  # part of a step on which a guard that is still undecided touches zero
 # Steps below the rounding of the time, one after the other, in which a guard may still be reached: so it is where the
 # acceleration grows without bound before Γ₊ = 0.
@@ -144,9 +140,9 @@ def first_fall(form, on_surface, rounding, top, local):
     for k in range(1, form.size):
         least += min(form[k], 0.0)
     if least > 0.0:
-        return _NONE, top
+        return NONE, top
     if form[0] <= 0.0:  # what rests on zero to all these orders does not fall
-        return (_NONE, top) if on_surface and form[0] >= -rounding else (_CROSSING, 0.0)
+        return (NONE, top) if on_surface and form[0] >= -rounding else (CROSSING, 0.0)
     start, width = 0.0, top
     while start < top:
         _into_bernstein(form, start, width, local)
@@ -158,14 +154,14 @@ def first_fall(form, on_surface, rounding, top, local):
             start += width
             width = min(2.0 * width, top - start)
         elif local[0] <= 0.0:
-            return _CROSSING, start
+            return CROSSING, start
         elif changes == 1:
-            return _CROSSING, _root(form, start, start + width)
+            return CROSSING, _root(form, start, start + width)
         elif width < _FINEST or largest <= rounding:
-            return (_CROSSING if local[local.size - 1] < -rounding else _GRAZE), start + 0.5 * width
+            return (CROSSING if local[local.size - 1] < -rounding else GRAZE), start + 0.5 * width
         else:
             width *= 0.5
-    return _NONE, top
+    return NONE, top
 
 
 @inlined_kernel
@@ -189,39 +185,39 @@ def search(flow, mode, state, guards, on_surface, limit, work):
     piece, passed, stalled = piece_at(flow, mode, state), 0.0, 0
     while passed < limit:
         if is_settled(flow, mode, work.here):  # passages beside the point of rest, which are many, say nothing
-            return _NONE, -1, limit
+            return NONE, -1, limit
         work.steps[0] -= 1.0
         expand(flow, mode, piece, work, ORDER)
         step = step_of(work)
         if step == math.inf:  # a polynomial of the time, as in rest
             if not _moves(work):
-                return _NONE, -1, limit
+                return NONE, -1, limit
             step = max(1.0, passed)
         step = min(step, limit - passed)
         if work.steps[0] < 0.0 or not 0.0 < step < math.inf:
-            return _LOST, -1, limit
+            return LOST, -1, limit
         step, following = cut_at_piece(flow, mode, piece, work, step)
         flow_taylor.note_sizes(work, step)
         _find_spans(work, step)
-        found, first, top = _NONE, -1, 1.0
+        found, first, top = NONE, -1, 1.0
         for guard in range(guards.shape[0]):
             if not on_surface[guard] and _stays_positive(work, guards[guard]):
                 continue
             rounding = _form(work, guards[guard], step)
             outcome, part = first_fall(work.guard, on_surface[guard], rounding, top, work.local)
-            if outcome != _NONE:
+            if outcome != NONE:
                 found, first, top = outcome, guard, part
-        if found != _NONE:
+        if found != NONE:
             work.place[0] = top * step
             return found, first, passed + top * step
         stalled = 0 if passed + step > passed else stalled + 1
         if stalled > _STALLED:
-            return _LOST, -1, limit
+            return LOST, -1, limit
         go_on(work, step)
         passed, piece = passed + step, following
         for guard in range(guards.shape[0]):
             on_surface[guard] = False
-    return _NONE, -1, limit
+    return NONE, -1, limit
 
 
 @inlined_kernel
@@ -273,7 +269,7 @@ def _extremes_on_step(form, step, low, high, local):
         for k in range(last + 1):
             slope[k] *= sign
         found, part = first_fall(slope, begun, rounding, 1.0, local)
-        if found == _NONE or not here < here + part < 1.0:
+        if found == NONE or not here < here + part < 1.0:
             break
         here, begun = here + part, True
     value = value_at(form, 1.0)
