@@ -167,7 +167,7 @@ def all_checks(files: Texts, outputs: Texts, listed: str | None) -> None:
 
     ``listed``: the file of what the chapter states, for figures of the chapter.
     """
-    from lsvib.datasets.checks import checks_page, checks_text, printed_table, read_checks
+    from lsvib.datasets.checks import read_checks, report
     from lsvib.datasets.statements import read_statements
     from lsvib.files import write_json, write_text
 
@@ -175,9 +175,8 @@ def all_checks(files: Texts, outputs: Texts, listed: str | None) -> None:
     checks = [pair for file in files for pair in read_checks(file)]
     write_json([{"figure": figure, **check.to_json()} for figure, check in checks], json)
     statements = read_statements(listed) if listed else None
-    write_text(checks_text(checks, statements), text)
-    write_text(checks_page(checks, statements), page)
-    write_text(printed_table(checks, statements), printed)
+    for form, file in (("md", text), ("html", page), ("rst", printed)):
+        write_text(report(form, checks, statements), file)
 
 
 def foreign(origins: dict[str, tuple[str, str | None]]) -> Texts:

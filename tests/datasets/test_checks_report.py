@@ -6,7 +6,7 @@ from html.parser import HTMLParser
 
 import docutils.core
 
-from lsvib.datasets.checks import Check, checks_page, checks_text, printed, printed_table
+from lsvib.datasets.checks import Check, printed, report
 from lsvib.models.chapter import PRINTED, THRESHOLDS
 
 MASS = THRESHOLDS["critical_mass"]
@@ -51,7 +51,7 @@ def test_every_number_that_the_chapter_prints_is_known_and_the_thresholds_are_fi
 
 
 def test_the_text_has_printed_numbers_first_and_then_a_line_for_each_check_by_figure():
-    text = checks_text(CHECKS)
+    text = report("md", CHECKS)
     assert text.splitlines()[2] == "1 of 4 checks FAILED: fig8_07."
     head, rule, row = (line for line in text.splitlines() if line.startswith("|"))
     bars = [[k for k, letter in enumerate(line) if letter == "|"][:-1] for line in (head, rule, row)]
@@ -75,13 +75,13 @@ def test_the_table_of_a_report_is_restructured_text_without_a_complaint():
     for checks in ([*CHECKS, ("fig8_08", claim)], CHECKS[:1]):
         complaints = io.StringIO()
         settings = {"warning_stream": complaints, "report_level": 1}
-        shown = docutils.core.publish_doctree(printed_table(checks), settings_overrides=settings).astext()
+        shown = docutils.core.publish_doctree(report("rst", checks), settings_overrides=settings).astext()
         assert complaints.getvalue() == ""
         assert ("|a_b_|*" in shown) == (len(checks) > 1)
 
 
 def test_the_page_has_every_check_with_what_the_filter_asks_for():
-    rows = Cells(checks_page(CHECKS)).rows
+    rows = Cells(report("html", CHECKS)).rows
     assert [cells[0] for _, cells in rows[:2]] == ["number", f"Critical mass{MASS.source}"]
     every = [(given, cells) for given, cells in rows if "data-figure" in given]
     assert [(given["data-figure"], given["data-passed"]) for given, _ in every] == [

@@ -9,7 +9,7 @@ import pytest
 import yaml
 from references.listed_claims import LIST, entries
 
-from lsvib.datasets.checks import checks_page, checks_text, printed_table
+from lsvib.datasets.checks import report
 from lsvib.datasets.statements import counted, read_statements
 from lsvib.figures.configuration import default_figures
 from lsvib.models.drive import Drive
@@ -88,9 +88,9 @@ def test_pages_count_as_the_list_does(page):
 def test_the_report_has_the_counts_and_the_contradictions():
     """Without the list, as for the figures of accuracy, it says nothing of the chapter's statements."""
     statements = read_statements(LIST)
-    pages = [show([], statements) for show in (checks_text, checks_page, printed_table)]
+    pages = [report(form, [], statements) for form in ("md", "html", "rst")]
     assert all(counted(statements) in html.unescape(page) for page in pages)
     for entry in statements["contradicted"]:
         assert entry["contradicted"][1:] in pages[0]
         assert entry["contradicted"] in html.unescape(pages[1])
-    assert "contradicted" not in checks_text([]) + checks_page([]) + printed_table([])
+    assert not any("contradicted" in report(form, []) for form in ("md", "html", "rst"))

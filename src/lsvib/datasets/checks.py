@@ -11,7 +11,7 @@ import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Literal, Self
 
 import numpy as np
 
@@ -188,42 +188,24 @@ def printed(checks: NamedChecks, claims: Iterable[Claim] = PRINTED) -> list[tupl
     ]
 
 
-def checks_text(checks: NamedChecks, statements: Statements | None = None) -> str:
-    """Return checks as Markdown that reads well as text.
+def report(form: Literal["md", "rst", "html"], checks: NamedChecks, statements: Statements | None = None) -> str:
+    """Return checks as a page in one of three forms.
 
-    First how many ``statements`` of the chapter have which verdict, if these are given, and a table of the numbers that
-    it prints, if some are among the checks; then for each figure how many passed, and a line for each of them.
+    ``md``: Markdown that reads well as text. First how many ``statements`` of the chapter have which verdict, if these
+    are given, and a table of the numbers that it prints, if some are among the checks; then for each figure how many
+    passed, and a line for each of them. ``rst``: the table of printed numbers in reStructuredText, for a report.
+    ``html``: a page that needs no other file: numbers, contradicted statements, then every check, in a table that can
+    be filtered by words, by figure, and for those that failed; on a phone its rows become lists.
     """
-    return _page("checks.md.j2", checks, statements)
-
-
-def printed_table(checks: NamedChecks, statements: Statements | None = None) -> str:
-    """Return the printed numbers among checks as a table in reStructuredText, for a report."""
-    return _page("checks.rst.j2", checks, statements)
-
-
-def checks_page(checks: NamedChecks, statements: Statements | None = None) -> str:
-    """Return checks as an HTML page that needs no other file: numbers, contradicted statements, then every check.
-
-    The table of every check can be filtered by words, by figure, and for those that failed; on a phone its rows become
-    lists.
-    """
-    return _page("checks.html.j2", checks, statements)
-
-
-def _page(template: str, checks: NamedChecks, statements: Statements | None) -> str:
-    """Fill a template with checks, each with its cells, of what was expected and found up to verdict and figure."""
     from jinja2 import Environment, PackageLoader
 
     def rows(some: NamedChecks) -> list[tuple[str, Check, list[str]]]:
         return [(figure, check, _cells(figure, check)) for figure, check in some]
 
-    pages = Environment(
-        loader=PackageLoader("lsvib.datasets", "."), autoescape=template.endswith(".html.j2"), trim_blocks=True
-    )
+    pages = Environment(loader=PackageLoader("lsvib.datasets", "."), autoescape=form == "html", trim_blocks=True)
     pages.filters["flat"] = lambda words: " ".join(words.split())
     pages.filters["literal"] = lambda words: re.sub(r"([*`|_\\])", r"\\\1", words)  # no character means but itself
-    return pages.get_template(template).render(
+    return pages.get_template(f"checks.{form}.j2").render(
         verdict=verdict(checks),
         heading="Printed by the chapter",
         printed=rows(printed(checks)),
