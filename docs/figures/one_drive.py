@@ -39,7 +39,7 @@ def draw(found: xr.Dataset) -> Figure:
 
 def _draw_curve(axes) -> None:
     found = DRIVE.sweep(axial_force=FORCES.tolist(), start=START)
-    limit = DRIVE.thresholds()["global_stability_force"]
+    limit = DRIVE.threshold("global_stability")
     axes.plot(FORCES, found.amplitude, ".-", color=style.ORANGE, markersize=3, label="sprag-slip after a perturbation")
     axes.axhline(0, color=style.SKY, linewidth=2, label="steady sliding, linearly stable")
     axes.axvline(limit.value, label=f"threshold: R = {limit.value:.3f} N", **style.PRINTED)
