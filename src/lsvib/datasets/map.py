@@ -76,7 +76,7 @@ def map_attraction(
     seconds = perf_counter() - begin
     shown, reasons = {name: found[name] for name in wanted}, list(Doubt)
     doubts = Counter(str(reasons[code]) for code in found["doubt"][found["doubt"] != NO_DOUBT])
-    whole = attraction_map(mapped, starts, shown)
+    whole = _around(frame(mapped, starts).assign(cells(mapped, starts, shown)), mapped, starts)
     return AttractionMap(whole, count(found["label"]), seconds, dict(sorted(doubts.items())))
 
 
@@ -104,16 +104,8 @@ def count(labels: np.ndarray) -> dict[Attractor, int]:
     return {kind: int(np.count_nonzero(labels == kind)) for kind in Attractor}
 
 
-def attraction_map(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) -> xr.Dataset:
-    """Return the dataset of a map, ``found`` being what :meth:`Mapper.cells` gave for the whole grid.
-
-    Besides the quantities of the map it has the ``fraction`` of each attractor, and the :func:`surroundings`.
-    """
-    return _around(frame(mapper, grid).assign(cells(mapper, grid, found)), mapper, grid)
-
-
 def _around(cells: xr.Dataset, mapper: Mapper, grid: Grid) -> xr.Dataset:
-    """Add to the cells of a map what belongs to the whole."""
+    """Add to the cells of a map what belongs to the whole: fractions of attractors, drive and :func:`surroundings`."""
     shares = fractions("attractor", "attractor", count(cells.label.values))
     return cells.assign(shares | given(mapper.drive) | surroundings(mapper, grid))
 
@@ -145,7 +137,7 @@ def _dimensions(grid: Grid) -> tuple[str, str]:
 
 
 def cells(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) -> dict[str, Variable]:
-    """Return the arrays of some cells as variables; in its file the quantity ``time`` is that of a motion."""
+    """Return what :meth:`Mapper.cells` gave of some cells as variables; in a file ``time`` is that of a motion."""
     about = {
         "label": attributes("1", phase_plane.ATTRACTOR, **flags(Attractor)),
         "time": attributes("s", "time until the attractor is reached", "$t$", comment="missing where it never is"),

@@ -46,8 +46,8 @@ def behaviours(
 ) -> np.ndarray:
     """Return what drives of one model do (k, int8), a :class:`Behaviour` each.
 
-    Arguments: rule of resuming; number of ``workers`` (:func:`lsvib.dynamics.sweep.all_endings`), which changes no
-    label; ``progress``, called with the numbers of motions followed and the most that there may be.
+    Arguments: number of ``workers`` (:func:`lsvib.dynamics.sweep.all_endings`), which changes no label; ``progress``,
+    called with the numbers of motions followed and the most that there may be.
     """
     near, far = near_and_far(drives)
     most = 3 * drives.size

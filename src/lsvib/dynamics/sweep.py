@@ -117,8 +117,7 @@ def all_endings(
 
     A motion depends on nothing but its own drive and start: no number depends on ``workers``, the number of processes
     and, with two states, of threads. ``progress`` is called with the numbers of motions done and in all. ``others``:
-    values of the other states by name, by default as in steady sliding. Raises ``InputError`` for a rule of
-    resuming that is not known of the drives.
+    values of the other states by name, by default as in steady sliding.
     """
     found, alone = Ending.unknown(drives.size), np.arange(drives.size)
     if drives.rigid.all():
@@ -167,13 +166,11 @@ def _share(case: tuple[ManyDrives, np.ndarray | None], others: Mapping[str, floa
     return found
 
 
-def endings_at_once(
-    drives: ManyDrives, starts: np.ndarray, workers: int = 1, work: float = WORK
-) -> tuple[Ending, np.ndarray]:
+def endings_at_once(drives: ManyDrives, starts: np.ndarray, workers: int = 1) -> tuple[Ending, np.ndarray]:
     """Return what motions of drives with two states (k) end on, and which must be followed alone (k).
 
     Those are the ones of drives whose tables are not safe in doubles, whose friction depends on speed, or without any
-    damping. ``work``: events that each motion may take.
+    damping.
     """
     found, is_open = Ending.unknown(drives.size), np.ones(drives.size, dtype=bool)
     # drives whose tables are made at once: half a gigabyte of numbers for a million would be too many
@@ -183,7 +180,7 @@ def endings_at_once(
     def fill(block: np.ndarray) -> None:
         """Write what a block of drives end on."""
         for group in groups(drives, block):
-            closed, endings = _group_endings(drives, group, starts[group.members], work)
+            closed, endings = _group_endings(drives, group, starts[group.members])
             found.put(group.members[closed], Ending(*(column[closed] for column in endings)))
             is_open[group.members[closed]] = False
 
@@ -192,7 +189,7 @@ def endings_at_once(
     return found, is_open
 
 
-def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray, work: float) -> tuple[np.ndarray, Ending]:
+def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray) -> tuple[np.ndarray, Ending]:
     """Return which motions of a group (j), from ``starts`` (j, 2), are done, and what these end on."""
     automaton, size, found = group.automaton, group.members.size, Ending.unknown(group.members.size)
     flow, moving = automaton.tables.flow, ~np.isin(automaton.codes, automaton.rest_codes)
@@ -211,9 +208,9 @@ def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray, work: f
     split = ("flow", "surfaces", "guard_parts", "resets", "condition_row", "shortest_stay")
     one = many._replace(**{name: getattr(many, name)[0] for name in split})
     engine = machine_for(one, engine_for(one))
-    rule = jit.address(end_of, engine, of_one_type(one), facts, known, 0, starts[0], 0, *room, new_found(2, work))
+    rule = jit.address(end_of, engine, of_one_type(one), facts, known, 0, starts[0], 0, *room, new_found(2, WORK))
     kernels.ends_of_many(
-        rule, engine, of_one_type(automaton.tables), np.flatnonzero(done), facts, known, reversal, work, starts, force,
+        rule, engine, of_one_type(automaton.tables), np.flatnonzero(done), facts, known, reversal, WORK, starts, force,
         speed, room, outcomes, found.happens, numbers,
     )  # fmt: skip
     _slide(group, outcomes == Outcome.SLIDES, found)
