@@ -1,16 +1,15 @@
 """The force of global stability: on which side of it motions reach a cycle, and its value to 40 digits.
 
-Two kinds of cycles end there (docs/basin.md). For the one with rest the reference is in test_thresholds.py. For the one
-without, the reference below maximises the closed form R(τ) of the cycle over its duration τ, by the root of its
-derivative, with 40 digits and from the parameters. 1e-13 is asked: a smooth maximum is known to rounding.
+Two kinds of cycles end there (docs/basin.md), one with rest and one without, where the map of seizures has the slope 1.
+The reference is ``references/threshold_digits.py``. 1e-13 is asked: a smooth maximum is known to rounding.
 """
 
 import math
 
 import numpy as np
 import pytest
-from mpmath import diff, findroot, mp, mpf
-from references.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
+from mpmath import mp, mpf
+from references.threshold_digits import WORK, gap, root
 
 from lsvib.basins.boundary import Boundary, basin
 from lsvib.dynamics.attractor import Attractor, steady_state
@@ -21,7 +20,6 @@ from lsvib.models.rigid import rigid_automaton
 from lsvib.stability.force_thresholds import NoThreshold, threshold_force, widest_return
 from lsvib.stability.slip import SlipDrive
 
-DIGITS = 40
 PARADOX = Drive.of(mass=11.0, support_damping=1e-3)
 # Rest before slip forward and backward, slip on the way to Q = 0, far away on either side.
 STARTS = [(0.1, 0.0), (0.0, -40.0), (-0.3, 30.0), (0.3, -90.0), (0.04, -40.0), (0.0, 500.0)]
@@ -29,33 +27,24 @@ STARTS = [(0.1, 0.0), (0.0, -40.0), (-0.3, 30.0), (0.3, -90.0), (0.04, -40.0), (
 DAMPINGS = (1e-4, 1.3e-3, 1.4e-3, 2e-3, 1e-2)
 
 
-def returning_force(drive: Drive):
-    """Largest −R of a cycle that leaves θ′ = 0 at u = x and seizes at u = x, with 40 digits; slip at R̃ < 0."""
-    d = RigidTrueDrive({**dict(drive), "axial_force": -1.0}, DIGITS)
-
-    def net_force(time):
-        # Slip is linear in its start: u(τ) = a x + b, so that u(τ) = x at x = b / (1 − a).
-        a = RigidTrueFlow(d, -1, mpf(1), mpf(0)).state(time)[0]
-        b = RigidTrueFlow(d, -1, mpf(0), -d.Omega).state(time)[0]
-        x = b / (1 - a)
-        u, w = RigidTrueFlow(d, -1, x, -d.Omega).state(time)
-        return (d.p * d.m * d.k * u + d.p * (d.m * d.c - d.I * d.cx) * w) / d.Gamma(-1)
-
-    scale = mp.sqrt(d.Gamma(-1) / d.k)
-    grid = [k * scale / 20 for k in range(10, 100)]
-    largest = max(grid, key=net_force)
-    time = findroot(lambda t: diff(net_force, t), (largest, largest + scale / 50))
-    return net_force(time) - d.p * d.cx * d.Omega
+def exact_force(cycle: str, drive: Drive, time: float, guess: float):
+    """Axial force [N] at which a cycle ends, with 40 digits; ``time`` [s]: about how long its slip lasts."""
+    with mp.workdps(WORK):
+        return root(lambda force: gap(cycle, {**dict(drive), "axial_force": force}, (time,)), guess)
 
 
-@pytest.mark.parametrize("changes", [{"support_damping": c} for c in DAMPINGS[2:]] + [
-    {"support_damping": 2e-3, "translation_damping": 200.0},
-    {"support_damping": 2e-3, "mass": 20.0, "input_speed": 13.0},
+@pytest.mark.parametrize(("changes", "cycle", "time", "about"), [
+    ({}, "global_stability", 0.016, -33.0),
+    ({"support_damping": 1.4e-3}, "fold", 0.01596, -25.3),
+    ({"support_damping": 2e-3}, "fold", 0.01457, -18.4),
+    ({"support_damping": 1e-2}, "fold", 0.00718, -3.2),
+    ({"support_damping": 2e-3, "translation_damping": 200.0}, "fold", 0.01454, -12.0),
+    ({"support_damping": 2e-3, "mass": 20.0, "input_speed": 13.0}, "fold", 0.01971, -11.0),
 ])  # fmt: skip
-def test_cycle_without_rest_decides(changes):
+def test_force_against_forty_digits(changes, cycle, time, about):
+    """Of the cycle with rest the slip from the end of rest, which begins at u = c Ω / k; the others do not rest."""
     drive = PARADOX.replace(**changes)
-    with mp.workdps(DIGITS + GUARD_DIGITS):
-        assert abs(-mpf(threshold_force(drive, "global_stability")) / returning_force(drive) - 1) < mpf("1e-13")
+    assert abs(global_stability_force(drive) / exact_force(cycle, drive, time, about) - 1) < mpf("1e-13")
 
 
 @pytest.mark.parametrize("speed", [40.0, -40.0])
@@ -82,19 +71,10 @@ def test_the_threshold_separates_what_it_says(damping, speed):
 def test_forces_with_the_motion(speed):
     """c_x = 2000: every R < 0 is globally stable, and none is from 30.8 N (31.4 N with rest) to the onset, 40.4 N."""
     drive = PARADOX.replace(translation_damping=2000.0, input_speed=speed)
-    with mp.workdps(DIGITS + GUARD_DIGITS):
-        d = RigidTrueDrive({**dict(drive), "input_speed": 40.0, "axial_force": -1.0}, DIGITS)
-        onset = d.p * d.cx * d.Omega
-
-        def excess(force):
-            flow = RigidTrueFlow(d, -1, (d.C(-1) * d.Omega - d.r * (d.xi(1) - d.xi(-1)) * force) / d.k, -d.Omega)
-            q = (d.p * d.m * d.k, d.p * (d.m * d.c - d.I * d.cx), mpf(0))
-            values = [q[0] * u + q[1] * w for u, w in map(flow.state, flow.extrema(q, mpf("0.1")))]
-            return max(values) - d.Gamma(-1) * (onset - force)
-
-        assert findroot(excess, (mpf(30), mpf(31))) == pytest.approx(31.431833502858915, rel=1e-13)
-        expected = float(-returning_force(drive.replace(input_speed=40.0)))
-    limit = threshold_force(drive, "global_stability")
+    forward = drive.replace(input_speed=40.0)
+    assert exact_force("global_stability", forward, 0.016, 31.0) == pytest.approx(31.431833502858915, rel=1e-13)
+    expected = float(exact_force("fold", forward, 0.01651, 31.0))
+    limit = global_stability_force(drive)
     assert limit == pytest.approx(math.copysign(expected, speed), rel=1e-13)
     inside = float(widest_return(SlipDrive.of(drive))[1])
     starts = [(math.copysign(1, speed) * u, math.copysign(1, speed) * w) for u, w in [*STARTS, (inside, -40.0)]]
