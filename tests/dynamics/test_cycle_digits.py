@@ -11,54 +11,33 @@ from itertools import permutations
 import numpy as np
 import pytest
 from references.cycle_digits import CycleDigits
-from references.parts import nut_drive, support_drive, threads_drive
+from references.draws import drawn, one_of, power, uniform
+from references.parts import DRIVES
 
-KINDS = {"threads": threads_drive, "support": support_drive, "nut": nut_drive}
+import lsvib.api  # noqa: F401  (the methods of drives)
+
+KINDS = ("threads", "support", "nut")
 
 
-def power(rng, low, high):
-    return float(10 ** rng.uniform(low, high))
+# Drives of which slip that repels may bound the basin of steady sliding; and drives below or above the critical mass.
+ON_AN_EDGE = {"mass": uniform(9.5, 9.95), "translation_damping": power(2.9, 3.1), "axial_force": uniform(6, 14)}
+ANYWHERE = {
+    "mass": uniform(4, 16), "support_damping": power(-4, -2.5), "translation_damping": one_of(0.0, 10.0, 1000.0),
+    "axial_force": uniform(-60, 60), "input_speed": one_of(-40.0, 40.0),
+}  # fmt: skip
+NUT = {"nut_inertia": power(-3, -1), "nut_stiffness": power(2, 5), "nut_damping": power(-2, 1)}
 
 
 def second_body(model, rng):
     """Contact, support or nut, from soft to stiff."""
     if model == "threads":
-        stiffness = power(rng, 6, 9)
-        return {"contact_stiffness": stiffness, "contact_damping": stiffness * power(rng, -4, -1)}
+        stiffness = power(6, 9)(rng)
+        return {"contact_stiffness": stiffness, "contact_damping": stiffness * power(-4, -1)(rng)}
     if model == "support":
-        stiffness = power(rng, 7, 9)
-        return {
-            "screw_mass": power(rng, 0, 2),
-            "support_stiffness": stiffness,
-            "axial_support_damping": stiffness * power(rng, -5, -3),
-        }
-    return {
-        "nut_inertia": power(rng, -3, -1),
-        "nut_stiffness": power(rng, 2, 5),
-        "nut_damping": power(rng, -2, 1),
-    }
-
-
-def on_an_edge(model, rng):
-    """A drive of which slip that repels may bound the basin of steady sliding."""
-    return KINDS[model](
-        mass=float(rng.uniform(9.5, 9.95)),
-        translation_damping=power(rng, 2.9, 3.1),
-        axial_force=float(rng.uniform(6, 14)),
-        **second_body(model, rng),
-    )
-
-
-def anywhere(model, rng):
-    """A drive below or above the critical mass, turning either way."""
-    return KINDS[model](
-        mass=float(rng.uniform(4, 16)),
-        support_damping=power(rng, -4, -2.5),
-        translation_damping=float(rng.choice([0.0, 10.0, 1000.0])),
-        axial_force=float(rng.uniform(-60, 60)),
-        input_speed=float(rng.choice([-40.0, 40.0])),
-        **second_body(model, rng),
-    )
+        stiffness, mass = power(7, 9)(rng), power(0, 2)(rng)
+        damping = stiffness * power(-5, -3)(rng)
+        return {"screw_mass": mass, "support_stiffness": stiffness, "axial_support_damping": damping}
+    return drawn(rng, NUT)
 
 
 def assert_digits(cycle):
@@ -74,12 +53,12 @@ def assert_digits(cycle):
     assert abs(cycle.period - float(reference.solved[1])) <= 1e-10 * cycle.period
 
 
-def drive_with(model, seed, draw, sides):
-    """The first random drive of a seed with cycles on these sides of the unit circle."""
+def cycles_of(model, seed, draws, sides):
+    """Cycles of the first random drive of a seed that has them on these sides of the unit circle."""
     rng = np.random.default_rng([seed, len(model)])
     for _ in range(60):
-        drive = draw(model, rng)
-        cycles = drive.cycles().cycles
+        values = drawn(rng, draws)
+        cycles = DRIVES[model](values | second_body(model, rng)).cycles().cycles
         if sides <= {cycle.attracting for cycle in cycles}:
             return cycles
     raise AssertionError("no drive has such cycles")
@@ -88,12 +67,12 @@ def drive_with(model, seed, draw, sides):
 @pytest.mark.slow
 @pytest.mark.parametrize("model", KINDS)
 def test_attracting_and_repelling_cycle_of_a_drive(model):
-    for cycle in drive_with(model, 0, on_an_edge, {True, False}):
+    for cycle in cycles_of(model, 0, ON_AN_EDGE, {True, False}):
         assert_digits(cycle)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("model", KINDS)
 def test_cycles_of_a_drive_anywhere(model):
-    for cycle in drive_with(model, 0, anywhere, {True}):
+    for cycle in cycles_of(model, 0, ANYWHERE, {True}):
         assert_digits(cycle)

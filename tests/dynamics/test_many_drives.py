@@ -6,6 +6,7 @@ its cycle, a few hundred. Labels agree but for starts on a boundary to that: non
 
 import numpy as np
 import pytest
+from references.draws import drawn, one_of, uniform
 from references.wide_drives import wide_drive
 
 from lsvib.basins.grid import Axis, Grid
@@ -15,6 +16,11 @@ from lsvib.dynamics.sweep import Ending, all_endings, ending_of, endings_at_once
 from lsvib.models.drive import PART_OF, Drive
 from lsvib.models.many import ManyDrives, automata, groups
 from lsvib.models.rigid import rigid_automaton
+
+NEAR_THRESHOLDS = {
+    "mass": uniform(1, 20), "axial_force": uniform(-60, 60), "support_damping": uniform(0, 2e-3),
+    "translation_damping": one_of(0.0, 1000.0),
+}  # fmt: skip
 
 
 def many_of(drives) -> ManyDrives:
@@ -49,14 +55,7 @@ def test_endings_are_those_of_one_motion():
     drives, starts = [case.drive for case in cases], [case.starts[0] for case in cases]
     rng = np.random.default_rng(2)
     for _ in range(60):
-        drives.append(
-            Drive(
-                mass=rng.uniform(1, 20),
-                axial_force=rng.uniform(-60, 60),
-                support_damping=rng.uniform(0, 2e-3),
-                translation_damping=rng.choice([0.0, 1000.0]),
-            )
-        )
+        drives.append(Drive.of(drawn(rng, NEAR_THRESHOLDS)))
         starts.append([rng.uniform(-0.2, 0.2), rng.uniform(-80, 80)])
     many, starts = many_of(drives), np.array(starts)
     found, is_open = endings_at_once(many, starts)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 from references import rigid_digits
+from references.draws import drawn, one_of, power, times, uniform
 from references.parts import nut_drive, support_drive, threads_drive
 
 import lsvib
@@ -187,13 +188,11 @@ def test_undamped_oscillations_are_a_family():
 @pytest.mark.parametrize("seed", range(3))
 def test_every_attractor_of_random_starts_is_listed(seed):
     rng = np.random.default_rng(seed)
-    drive = lsvib.Drive(
-        mass=float(10 ** rng.uniform(0, 1.3)),
-        translation_damping=float(rng.choice([0, 10 ** rng.uniform(1, 4)])),
-        support_damping=float(10 ** rng.uniform(-5, -2)),
-        axial_force=float(rng.uniform(-60, 60)),
-        input_speed=float(rng.choice([-40, 40])),
-    )
+    values = drawn(
+        rng, mass=power(0, 1.3), translation_damping=times(power(1, 4), one_of(0, 1)), support_damping=power(-5, -2),
+        axial_force=uniform(-60, 60), input_speed=one_of(-40, 40),
+    )  # fmt: skip
+    drive = lsvib.Drive(**values)
     listed = [cycle.period for cycle in drive.cycles().cycles if cycle.attracting]
     for _ in range(20):
         steady = steady_state(drive.automaton(), (rng.uniform(-0.3, 0.3), rng.uniform(-120, 120)))
@@ -219,12 +218,9 @@ def test_at_most_one_cycle_of_pure_slip():
     """The bound of one limit cycle of plane systems of two linear zones, and hyperbolic, over random drives."""
     rng, seen = np.random.default_rng(0), 0
     for _ in range(15):
-        drive = lsvib.Drive(
-            mass=float(rng.uniform(0.5, 9.95)),
-            translation_damping=float(10 ** rng.uniform(2, 3.5)),
-            support_damping=float(10 ** rng.uniform(-6, -3)),
-            axial_force=float(rng.uniform(0, 60)),
-        )
+        values = drawn(rng, mass=uniform(0.5, 9.95), translation_damping=power(2, 3.5),
+                       support_damping=power(-6, -3), axial_force=uniform(0, 60))  # fmt: skip
+        drive = lsvib.Drive(**values)
         kinds = [({kind for kind, _ in cycle.itinerary}, cycle) for cycle in drive.cycles().cycles]
         slip = [cycle for events, cycle in kinds if events == {"contact_reversal"}]
         seen += len(slip)

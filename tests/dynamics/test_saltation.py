@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 from references import four_states_digits, rigid_digits
+from references.draws import drawn, one_of, power, uniform
 from references.parts import threads_drive
 
 from lsvib.dynamics.poincare_map import derivative
@@ -22,15 +23,18 @@ STEP = mpf(10) ** -10
 EVENTS = 7
 
 
+RIGID = {
+    "mass": uniform(2, 16),
+    "support_damping": power(-4, -2.5),
+    "translation_damping": one_of(0.0, 10.0, 1000.0),
+    "axial_force": uniform(-60, 60),
+    "input_speed": one_of(-40.0, 40.0),
+}
+
+
 def random_rigid(seed):
     rng = np.random.default_rng(seed)
-    return Drive.of(
-        mass=float(rng.uniform(2, 16)),
-        support_damping=float(10 ** rng.uniform(-4, -2.5)),
-        translation_damping=float(rng.choice([0.0, 10.0, 1000.0])),
-        axial_force=float(rng.uniform(-60, 60)),
-        input_speed=float(rng.choice([-40.0, 40.0])),
-    ), (float(rng.uniform(-0.2, 0.2)), float(rng.uniform(-100, 100)))
+    return Drive.of(drawn(rng, RIGID)), (float(rng.uniform(-0.2, 0.2)), float(rng.uniform(-100, 100)))
 
 
 def numbers(drive):

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 from references import sliding_friction
+from references.draws import LIKE_TABLE_8_1, about, drawn, one_of, times
 from references.parts import DRIVES, threads_drive
 
 from lsvib import Drive
@@ -14,6 +15,7 @@ from lsvib.contact.contact_force import contact_forces
 from lsvib.contact.stiff_limit import impacts
 from lsvib.errors import InputError, NoThreshold
 from lsvib.models import friction
+from lsvib.models.pairings import PAIRINGS
 from lsvib.stability import linear
 from lsvib.stability.boundaries import stable_set
 from lsvib.stability.conditions import stability
@@ -22,52 +24,34 @@ from lsvib.stability.curves import ChartBoundary, boundary_curves
 KINDS = DRIVES
 MODELS = tuple(KINDS)
 LEAD, RADIUS = math.radians(5.57), 5.18e-3
-SEAT = {  # a measured law of a seat adjuster
-    "stribeck_rise": 0.0203,
-    "stribeck_speed": 0.013704,
-    "friction_slope": -4.47e-4 * math.cos(LEAD) / RADIUS,
-    "friction_coefficient": 0.218,
-}
+SEAT = PAIRINGS["powered_seat"].parameters()  # a measured law of a seat adjuster
+OWN = {
+    "rigid": {},
+    "threads": {"contact_stiffness": about(1e7, 10.0), "contact_damping": about(1e4, 10.0)},
+    "support": {
+        "screw_mass": about(10.0), "support_stiffness": about(1e5), "axial_support_damping": about(100.0),
+        "slide_friction": times(about(2.0), one_of(0, 1)),
+    },
+    "nut": {
+        "nut_inertia": about(3e-6), "nut_stiffness": about(1.0), "nut_damping": about(2e-4),
+        "slide_friction": times(about(2.0), one_of(0, 1)),
+    },
+}  # fmt: skip
 
 
-def drawn(model: str, rng: np.random.Generator):
+def random_drive(model: str, rng: np.random.Generator):
     """A drive about as large as the chapter's, with a law of friction that matters at its speed."""
-
-    def about(value: float, factor: float = 2.0) -> float:
-        return float(value * factor ** rng.uniform(-1, 1))
-
-    values = {
-        "pitch_radius": about(5.18e-3),
-        "lead_angle": about(0.0972),
-        "screw_inertia": about(3.12e-6),
-        "friction_coefficient": about(0.218),
-        "input_speed": about(10.0, 8.0) * rng.choice([-1, 1]),
-        "support_damping": about(2e-4) * rng.integers(0, 4),
-        "mass": about(3.0),
-        "axial_force": about(40.0) * rng.choice([-1, 1]),
-        "translation_damping": about(20.0) * rng.integers(0, 2),
-    }
-    more = {
-        "rigid": {},
-        "threads": {"contact_stiffness": about(1e7, 10.0), "contact_damping": about(1e4, 10.0)},
-        "support": {
-            "screw_mass": about(10.0),
-            "support_stiffness": about(1e5),
-            "axial_support_damping": about(100.0),
-            "slide_friction": about(2.0) * rng.integers(0, 2),
-        },
-        "nut": {
-            "nut_inertia": about(3e-6),
-            "nut_stiffness": about(1.0),
-            "nut_damping": about(2e-4),
-            "slide_friction": about(2.0) * rng.integers(0, 2),
-        },
-    }[model]
+    values = drawn(
+        rng, LIKE_TABLE_8_1, input_speed=times(about(10.0, 8.0), one_of(-1, 1)),
+        support_damping=times(about(2e-4), one_of(0, 1, 2, 3)), mass=about(3.0),
+        axial_force=times(about(40.0), one_of(-1, 1)), translation_damping=times(about(20.0), one_of(0, 1)),
+    )  # fmt: skip
+    own = {name: drawn(rng, draws) for name, draws in OWN.items()}[model]
     speed = values["pitch_radius"] * abs(values["input_speed"])
-    law = {"friction_slope": about(0.02 / speed) * rng.choice([-1.0, 0.5])}
+    law = drawn(rng, friction_slope=times(about(0.02 / speed), one_of(-1.0, 0.5)))
     if rng.random() < 0.8:
-        law |= {"stribeck_rise": about(0.05), "stribeck_speed": about(speed), "stribeck_exponent": 1 + rng.integers(2)}
-    return KINDS[model].of(values | more | law)
+        law |= drawn(rng, stribeck_rise=about(0.05), stribeck_speed=about(speed), stribeck_exponent=one_of(1, 2))
+    return KINDS[model].of(values | own | law)
 
 
 def polynomial_of(roots) -> list:
@@ -82,7 +66,7 @@ def polynomial_of(roots) -> list:
 def test_report_against_newtons_laws(model):
     rng, kinds = np.random.default_rng(1), set()
     for _ in range(25):
-        drive = drawn(model, rng)
+        drive = random_drive(model, rng)
         report, exact = stability(drive), sliding_friction.eigenvalues(model, drive)
         with mpmath.workdps(60):
             expected = polynomial_of(exact)
@@ -101,7 +85,7 @@ def test_report_against_newtons_laws(model):
 def test_polynomial_in_balls_in_floats_and_of_grids(model):
     rng = np.random.default_rng(2)
     for _ in range(10):
-        drive = drawn(model, rng)
+        drive = random_drive(model, rng)
         law, report = linear.steady_law(drive), stability(drive)
         for own in (drive, drive.exact()):
             found = [float(p) for p in linear.polynomial(own, law)]
@@ -133,7 +117,7 @@ def test_onset_by_every_parameter(model):
     """Every solution divides stable from unstable drives, and every random value has the stability that is said."""
     rng, seen = np.random.default_rng(3), set()
     for _ in range(4):
-        drive = drawn(model, rng)
+        drive = random_drive(model, rng)
         for key in set(KINDS[model].parameters) - {"stribeck_exponent"}:
             if key == "stribeck_rise" and not drive.stribeck_speed:
                 continue
@@ -184,7 +168,7 @@ def solutions(drive, key):
 def test_derivatives_of_the_onset(model):
     rng, count = np.random.default_rng(5), 0
     while count < 3:
-        drive = drawn(model, rng)
+        drive = random_drive(model, rng)
         if not drive.stribeck_rise or not (found := solutions(drive, "axial_force")):
             continue
         count += 1

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 from references import threshold_digits
-from references.parts import nut_drive, support_drive, threads_drive
+from references.draws import LIKE_TABLE_8_1, about, drawn, one_of, times
+from references.parts import DRIVES as KINDS
 
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
@@ -25,32 +26,20 @@ def _forty_digits():
         yield
 
 
-def drawn(rng: np.random.Generator, name: str) -> Drive:
+def random_drive(rng: np.random.Generator, name: str) -> Drive:
     """A rigid drive like the chapter's, every parameter up to a factor of two away, where a threshold may be."""
-
-    def about(value):
-        return float(value * 2.0 ** rng.uniform(-1, 1))
-
     negative = name in ("onset", "stick", "detach")
-    values = {
-        "pitch_radius": about(5.18e-3),
-        "lead_angle": about(0.0972),
-        "screw_inertia": about(3.12e-6),
-        "coupling_stiffness": about(1.0),
-        "support_damping": about(2e-4 if negative else 1.5e-3),
-        "friction_coefficient": about(0.218),
-        "input_speed": about(40.0) * rng.choice([-1, 1]),
-        "mass": about(1.0 if negative else 15.0),
-        "translation_damping": about(1e3) if negative else about(10.0) * rng.integers(0, 2),
-        "axial_force": about(30.0),
-    }
+    values = drawn(
+        rng, LIKE_TABLE_8_1, coupling_stiffness=about(1.0), input_speed=times(about(40.0), one_of(-1, 1)),
+        support_damping=about(2e-4 if negative else 3e-4 if name == "rest_loss" else 1.5e-3),
+        mass=about(1.0 if negative else 15.0), axial_force=about(30.0),
+        translation_damping=about(1e3) if negative else times(about(10.0), one_of(0, 1)),
+    )  # fmt: skip
     values["axial_force"] *= np.sign(values["input_speed"]) * (1 if negative or name == "rest_loss" else -1)
-    if name == "rest_loss":
-        values["support_damping"] = about(3e-4)
     return Drive.of(values)
 
 
-def accepted(name: str, unknown: str, count: int, draw=drawn):
+def accepted(name: str, unknown: str, count: int, draw=random_drive):
     """Drives that have a threshold, with its solutions for one parameter, and how many slopes to ask for."""
     rng, found = np.random.default_rng([count, len(unknown)]), 0
     while found < count:
@@ -129,40 +118,27 @@ def test_twelve_digits_and_derivatives(name, unknown):
             judged(name, drive, found, solution, rng, slopes)
 
 
+OWN = {
+    "threads": {"contact_stiffness": about(1e8), "contact_damping": about(5e4)},
+    "support": {
+        "screw_mass": about(10.0), "support_stiffness": about(1e5), "axial_support_damping": about(100.0),
+        "slide_friction": about(1.0),
+    },
+    "nut": {"nut_inertia": about(3e-6), "nut_stiffness": about(1.0), "nut_damping": about(2e-4)},
+}  # fmt: skip
+
+
 def two_bodies(model: str):
     """Draws drives of a model with two bodies, about as stiff as those of the chapter."""
 
     def draw(rng, name):
-        def about(value):
-            return float(value * 2.0 ** rng.uniform(-1, 1))
-
-        values = {
-            "pitch_radius": about(5.18e-3),
-            "lead_angle": about(0.0972),
-            "screw_inertia": about(3.12e-6),
-            "friction_coefficient": about(0.218),
-            "input_speed": about(40.0),
-            "support_damping": about(2e-4),
-            "mass": about(5.0),
-            "axial_force": about(30.0),
-            "translation_damping": about(5.0) * rng.integers(0, 2),
-        }
-        more = {
-            "threads": {"contact_stiffness": about(1e8), "contact_damping": about(5e4)},
-            "support": {
-                "screw_mass": about(10.0),
-                "support_stiffness": about(1e5),
-                "axial_support_damping": about(100.0),
-                "slide_friction": about(1.0),
-            },
-            "nut": {"nut_inertia": about(3e-6), "nut_stiffness": about(1.0), "nut_damping": about(2e-4)},
-        }
-        return KINDS[model].of(values | more[model])
+        values = drawn(
+            rng, LIKE_TABLE_8_1, input_speed=about(40.0), support_damping=about(2e-4), mass=about(5.0),
+            axial_force=about(30.0), translation_damping=times(about(5.0), one_of(0, 1)),
+        )  # fmt: skip
+        return KINDS[model].of(values | {name: drawn(rng, draws) for name, draws in OWN.items()}[model])
 
     return draw
-
-
-KINDS = {"threads": threads_drive, "support": support_drive, "nut": nut_drive}
 
 
 @pytest.mark.parametrize(
