@@ -25,7 +25,7 @@ Where R~ Omega = 0, s0 = 0, i.e. xi_0 = -tan.
 
 Law of motion
   rest   theta_dot = theta_dd = 0.  The coupling torque T_r = -k (z0 + u) grows at k*Omega; rest holds while T_r is
-         within the band between r R xi_- and r R xi_+.
+         within the band between r R xi_- and r R xi_+, with static friction where that is above mu.
   Gamma_+ > 0   sgn N = sgn Q; the law changes where Q = 0; at theta_dot = 0 the band decides.
   Gamma_+ <= 0  (Painleve region, (8.21)) only law s = -1 is ever followed: theta_dot > 0 with Q < 0, theta_dot < 0
          with Q > 0.  Reaching Q = 0, or starting where Q theta_dot > 0, is a seizure: theta_dot jumps to 0 at the
@@ -113,7 +113,8 @@ class RigidTrueDrive:
         self.z0 = -(self.C(self.s0) * self.Omega + self.r * self.xi(self.s0) * self.R) / self.k  # (8.14)
         self.painleve = self.Gamma(+1) <= 0  # (8.21)
         self.u_scale = abs(self.Omega) * mp.sqrt(self.Gamma(-1) / self.k)  # a size of u, for rounding
-        edges = [self.r * self.R * self.xi(s) for s in (-1, +1)]
+        static = q.get("static_friction_coefficient") or self.mu
+        edges = [self.r * self.R * (s * static - self.tan) / (1 + s * static * self.tan) for s in (-1, +1)]
         self.band = min(edges), max(edges)
 
     def xi(self, s):  # (5.11)
@@ -180,12 +181,13 @@ class RigidTrueDrive:
             return direction, wanted  # R = 0: Q = -m p T_r decides the torque as well
         return self.by_band(u) if rule == "contact_sign" else REST
 
-    def release(self):
+    def release(self, u):
         """End of rest: T_r reached the end of the band that it moves towards."""
         direction = int(mp.sign(self.Omega))
         if self.painleve:
             return direction, -direction
-        return direction, int(mp.sign(self.R)) or -direction  # R = 0: Q = -m p T_r, so N opposes the direction
+        # Without static friction Q has the sign of R; R = 0: Q = -m p T_r, so N opposes the direction.
+        return direction, self.Q_sign(u, -self.Omega, self.half_digits) or -direction
 
     def release_torque(self):
         return self.band[1] if self.Omega > 0 else self.band[0]
@@ -238,7 +240,7 @@ def _simulate(drive, u, w, t_end, rule, max_events):
             if tau > left:
                 return RigidTruth(t_end, u + w * left, w, NAMES[mode], events, segments, True, drive)
             t, u = t + tau, -drive.z0 - drive.release_torque() / drive.k
-            mode, speed_is_zero = drive.release(), True
+            mode, speed_is_zero = drive.release(u), True
             record("release", u, w, w, mode)
             continue
 
