@@ -20,10 +20,14 @@ SCENES = {
     "stick-slip": (Drive, LOADED),
     "sprag-slip": (Drive, PARADOX),
     "compliant threads": (threads_drive, {**PARADOX, "contact_stiffness": 1e7, "contact_damping": 1e4}),
+    "support": (support_drive, LOADED),
     "support, rubbing": (support_drive, {**LOADED, **RUBBING, "screw_mass": 3.0, "axial_support_damping": 30.0}),
     "support, seizing": (support_drive, {**PARADOX, "screw_mass": 50.0}),
+    "support, heavy, seizing": (support_drive, {"mass": 15.0, "screw_mass": 50.0, "support_damping": 1e-3}),
+    "nut": (nut_drive, LOADED),
     "nut, rubbing": (nut_drive, {**LOADED, **RUBBING}),
     "nut, seizing": (nut_drive, {**PARADOX, "mass": 11.0}),
+    "nut, pulled, seizing": (nut_drive, {"mass": 11.0, "support_damping": 1e-3, "axial_force": -20.0}),
 }
 
 
@@ -47,7 +51,7 @@ def test_the_balance_closes_and_notices_a_wrong_parameter(name):
     assert balance(motion, wrong, physics).residual > 1e-8
 
 
-@pytest.mark.parametrize("name", ["sprag-slip", "support, seizing", "nut, seizing"])
+@pytest.mark.parametrize("name", ["sprag-slip", *(name for name in SCENES if "seizing" in name)])
 def test_the_loss_in_seizures_is_counted(name):
     """Without it the balance is open by a good part of the energy."""
     motion, drive, physics = motion_of(name)
