@@ -3,13 +3,11 @@
 import numpy as np
 import pytest
 import xarray as xr
+from references.bodies import Bodies
 from references.figure_checks import dataset_of
 from scipy.integrate import solve_ivp
 
-from lsvib.datasets.attributes import (
-    ASSUMED,
-    origin_of,
-)
+from lsvib.datasets.attributes import ASSUMED, origin_of
 from lsvib.datasets.io import write_dataset
 from lsvib.figures import style
 from lsvib.figures.configuration import default_figures
@@ -25,43 +23,32 @@ def test_origin_says_which_values_are_printed():
     assert origin_of("mass", 1.0) == ASSUMED
 
 
-def acceleration_and_force(p: dict[str, float], deflection: float, speed: float) -> tuple[float, float]:
-    """Angular acceleration and normal force of the two equations of motion of Sect. 5.3, of the law that holds."""
-    sine, cosine, lead = np.sin(p["lead_angle"]), np.cos(p["lead_angle"]), p["pitch_radius"] * np.tan(p["lead_angle"])
-    torque = -p["coupling_stiffness"] * deflection - p["support_damping"] * speed
-    push = p["axial_force"] - p["translation_damping"] * lead * speed
-    for side in (1, -1):
-        friction = p["friction_coefficient"] * np.sign(speed) * side
-        matrix = [
-            [p["screw_inertia"], p["pitch_radius"] * (friction * cosine - sine)],
-            [p["mass"] * lead, cosine + friction * sine],
-        ]
-        turning, force = np.linalg.solve(matrix, [torque, push])
-        if force * side >= 0:
-            break
-    return turning, force
-
-
 @pytest.mark.parametrize(("figure", "case"), [("fig8_04", 0), ("fig8_05", 0), ("fig8_06", 1)])
 def test_a_motion_is_repeated_from_its_file_alone(figure, case, tmp_path):
     """The stated drive, integrated from the stated start by somebody else's solver, gives the motions of the file."""
     write_dataset(dataset_of(figure), tmp_path / "figure.nc")
     file = xr.open_dataset(tmp_path / "figure.nc").isel(case=case)
-    drive = {name: float(file[name]) for name in dict(Drive())}
+    laws = Bodies(Drive(**{name: float(file[name]) for name in dict(Drive())}))
+
+    def mode_at(state):
+        """The direction of slip and the sign of N, which that of N solved for has to be."""
+        mode = {"slip": np.sign(state[1]), "contact": 1}
+        return mode if laws.forces(state, mode)["N"] >= 0 else {**mode, "contact": -1}
+
     for start in range(file.sizes["start"]):
         motion = file.isel(start=start)
         time, deflection = motion.time.values, motion.coupling_deflection.values
-        speed = motion.velocity_deviation.values + drive["input_speed"]
+        speed = motion.velocity_deviation.values + laws.p["input_speed"]
 
         def rate(_, state):
-            return [state[1] - drive["input_speed"], acceleration_and_force(drive, *state)[0]]
+            return laws.rate(state, mode_at(state))
 
         times, which = np.unique(time, return_inverse=True)
         first = [deflection[0], speed[0]]
         found = solve_ivp(rate, times[[0, -1]], first, "DOP853", times, rtol=1e-9, atol=1e-12).y[:, which]
         assert np.abs(found[0] - deflection).max() < 1e-6 * np.ptp(deflection)
         assert np.abs(found[1] - speed).max() < 1e-5 * np.ptp(speed)
-        force = [acceleration_and_force(drive, *state)[1] for state in zip(deflection, speed, strict=True)]
+        force = [laws.forces(state, mode_at(state))["N"] for state in zip(deflection, speed, strict=True)]
         assert np.abs(force - motion.normal_force).max() < 1e-9 * np.abs(force).max()
 
 

@@ -1,7 +1,7 @@
 """Newton's laws of a drive with any parts, body by body, with the forces between them as unknowns, in doubles.
 
 Nothing is eliminated by hand: at every instant one linear system gives the accelerations, the contact force n, the
-torque τ of the threads and the friction that holds a body. Independent of :mod:`lsvib.models.mechanism`.
+torque τ of the threads and the friction that holds a body. Nothing of the library is used but the values of a drive.
 """
 
 import math
@@ -44,12 +44,15 @@ class Bodies:
             if name in self.place:
                 self.steady[self.place[name]] = value / p[stiffness]
 
-    def mu(self, slip: float) -> float:
-        """Friction coefficient at a speed of the slip [rad/s]."""
+    def law(self, slip: float) -> float:
+        """Sum of the friction law at a speed of the slip [rad/s], which may be negative."""
         p, speed = self.p, self.p["pitch_radius"] * abs(slip) / math.cos(self.p["lead_angle"])
         fading = (speed / p["stribeck_speed"]) ** p["stribeck_exponent"] if p["stribeck_speed"] else 0.0
-        value = p["friction_coefficient"] + p["stribeck_rise"] * math.exp(-fading) + p["friction_slope"] * speed
-        return max(value, 0.0)
+        return p["friction_coefficient"] + p["stribeck_rise"] * math.exp(-fading) + p["friction_slope"] * speed
+
+    def mu(self, slip: float) -> float:
+        """Friction coefficient at a speed of the slip [rad/s]."""
+        return max(self.law(slip), 0.0)
 
     def static(self) -> float:
         """Coefficient of static friction."""
@@ -80,6 +83,7 @@ class Bodies:
         p, q, place = self.p, self.q, self.place
         names = [*q, "x", "n", "tau", *(body for body in ("bearing", "slide") if self.held(body, mode))]
         matrix, sides, rows = np.zeros((len(names), len(names))), np.zeros(len(names)), iter(range(len(names)))
+        column = {name: k for k, name in enumerate(names)}
 
         def at(name, rate=0):
             return state[place[name] + rate] if name in place else 0.0
@@ -88,8 +92,8 @@ class Bodies:
             row = next(rows)
             sides[row] = side
             for name, value in terms.items():
-                if name in names:
-                    matrix[row, names.index(name)] += value
+                if name in column:
+                    matrix[row, column[name]] += value
 
         slip = at("theta", 1) - at("phi", 1)
         travel = self.lead * slip + at("y", 1) + at("e", 1)
@@ -144,14 +148,30 @@ class Bodies:
         rate[0] -= self.p["input_speed"]
         return rate
 
-    def moved(self, state: np.ndarray, mode: dict, duration: float, size: np.ndarray):
-        """Absolute states along an arc (samples, n), the last one at its end."""
-        times = np.linspace(0.0, duration, 9)
-        done = solve_ivp(
-            lambda _, x: self.rate(x, mode), (0.0, duration), state, method="DOP853", t_eval=times, rtol=3e-14,
-            atol=1e-15 * size,
-        )  # fmt: skip
-        return done.y.T
+    def moved(self, state: np.ndarray, mode: dict, times: np.ndarray, size: np.ndarray):
+        """Absolute states (times, n) along an arc that begins at the first time; apart where the law comes to zero."""
+
+        def kink(_, x):
+            return self.law(x[1] - (x[self.place["phi"] + 1] if "phi" in self.place else 0.0)) if mode["slip"] else 1.0
+
+        def run(begin, state, end, **more):
+            return solve_ivp(
+                lambda _, x: self.rate(x, mode), (begin, end), state, "DOP853", rtol=3e-14, atol=1e-16 * size, **more
+            )
+
+        kink.terminal = True
+        found, time = [state], times[0]
+        while len(found) < len(times):
+            done = run(time, state, times[-1], t_eval=times[len(found) :], events=kink)
+            found += list(done.y.T) if len(done.t) else []
+            if done.status == 1:  # between steps it is less exact: once more, and over the kink by next to nothing
+                (stop,) = done.t_events[0]
+                on, step = run(time, state, stop).y[:, -1], min(1e-12 * times[-1], times[-1] - stop)
+                time, state = stop + step, on + step * self.rate(on, mode)
+            elif done.status < 0:  # where the threads jam the last step would be too small
+                assert len(found) == len(times) - 1
+                found.append(run(time, state, times[-1]).y[:, -1])
+        return np.array(found)
 
     def excess(self, state: np.ndarray, mode: dict, size: np.ndarray) -> float:
         """By how much a state violates what its mode takes for granted, over the sizes of forces and speeds."""

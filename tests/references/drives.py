@@ -1,4 +1,4 @@
-"""Random drives and starts for the tests, and the comparison of an engine's motion with the mpmath reference."""
+"""Random drives and starts for the tests, and comparisons of an engine's motion with references."""
 
 import math
 from dataclasses import dataclass
@@ -9,8 +9,10 @@ from hypothesis import strategies as st
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND
 from lsvib.engine.motion import Motion, follow
 from lsvib.models.drive import Drive
+from lsvib.models.model import automaton_of, model_of
 from lsvib.models.names import Event
 from lsvib.models.rigid import rigid_automaton
+from references.bodies import Bodies
 from references.rigid_digits import RigidTruth, simulate
 
 RULES = ("contact_sign", "at_once")
@@ -90,3 +92,38 @@ def random_drive(rng: np.random.Generator) -> Drive:
 def random_start(rng: np.random.Generator) -> tuple[float, float]:
     """As :func:`starts`, uniformly random."""
     return rng.uniform(-0.4, 0.4), rng.uniform(-200.0, 200.0)
+
+
+def held_against_newton(
+    drive: Drive, start: np.ndarray, duration: float, most: int, tolerance: float
+) -> tuple[Motion, list[dict]]:
+    """Follow a motion and hold each arc against Newton's laws, body by body; returns it with the modes of its arcs.
+
+    States along the arc and at its end, N, and what the mode says of signs and of what friction can hold. The tolerance
+    is that of states, over the size of the motion.
+    """
+    automaton, model, laws = automaton_of(drive), model_of(drive), Bodies(drive)
+    motion = follow(automaton, start, duration, max_events=most)
+    modes, starts, ends, durations = motion.arcs()
+    size = np.abs([*starts, *ends]).max(axis=0)
+    arcs = [laws.mode(model.modes(int(automaton.codes[mode])).name.lower()) for mode in modes]
+    seized = np.append(motion.kind == model.events.SEIZURE, False)
+    begins = np.cumsum([0.0, *durations[:-1]])
+    for mode, what, first, last, begin, time, seizes in zip(
+        modes, arcs, starts, ends, begins, durations, seized, strict=False
+    ):
+        if time < 1e-9:
+            continue
+        times = np.linspace(0.0, float(time), 9)
+        states = laws.moved(first + laws.steady, what, times, size + np.abs(laws.steady))
+        found = np.vstack([motion.at(begin + times[1:-1])[0], last])
+        error = np.abs(states[1:] - laws.steady - found) / size
+        # Where a law brings Γ₊ to zero the deceleration grows without bound, and with it what rounding does to the end.
+        jams = seizes and what["slip"] * what["contact"] > 0
+        assert error[:-1].max() <= tolerance, (drive, what)
+        assert error[-1].max() <= (1e-6 if jams else tolerance), (drive, what)
+        assert max(laws.excess(state, what, size + np.abs(laws.steady)) for state in states) <= 1e-7, (drive, what)
+        if what["slip"] or "e" in laws.place:
+            normal = automaton.observe("normal_force", (states[4] - laws.steady)[None], np.array([mode]))
+            np.testing.assert_allclose(normal, laws.forces(states[4], what)["N"], rtol=1e-9)
+    return motion, arcs
