@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from references.classes import damped_class
 from references.parts import nut_drive, support_drive
+from references.threshold_digits import jam, root
 
 from lsvib.models.drive import Drive
 from lsvib.stability import conditions, linear
@@ -61,23 +62,9 @@ def test_critical_friction_to_12_digits(screw_mass):
     drive = support_drive(mass=15.0, screw_mass=screw_mass)
     closed = conditions.critical_value(drive, "friction_coefficient")
     assert conditions.critical_friction_by_eigenvalues(drive) == pytest.approx(closed, rel=1e-12)
-    with mpmath.workdps(40):
-
-        def smallest(friction):
-            tan = mpmath.tan(mpmath.mpf(drive.lead_angle))
-            factor = (friction - tan) / (1 + friction * tan)
-            r, m = mpmath.mpf(drive.pitch_radius), mpmath.mpf(drive.mass)
-            mass = mpmath.matrix(
-                [
-                    [drive.screw_inertia - factor * m * r**2 * tan, -factor * r * m],
-                    [m * r * tan, m + mpmath.mpf(screw_mass)],
-                ]
-            )
-            stiffness = mpmath.matrix([[drive.coupling_stiffness, 0], [0, drive.support_stiffness]])
-            return min(mpmath.re(x) for x in mpmath.eig(mpmath.inverse(stiffness) * mass, right=False))
-
-        root = mpmath.findroot(smallest, (closed * 0.999, closed * 1.001), solver="anderson", tol=1e-60)
-        assert abs(root / closed - 1) < 1e-15
+    with mpmath.workdps(55):
+        exact = root(lambda mu: jam("support", {**dict(drive), "friction_coefficient": mu}), closed)
+        assert abs(exact / closed - 1) < 1e-15
 
 
 def random_nuts(count: int) -> dict[str, np.ndarray]:
