@@ -78,7 +78,7 @@ def test_settings_of_a_figure(refused, place, value, words):
 def test_python(folder, monkeypatch, call, words):
     monkeypatch.chdir(folder)
     before = state_of(folder)
-    with pytest.raises(lsvib.LsvibError) as error:
+    with pytest.raises(lsvib.InputError) as error:
         call()
     sentence = str(error.value)
     assert words in sentence

@@ -167,18 +167,3 @@ def test_the_chart_of_the_workflow_is_the_chart(tmp_path):
         assert set(whole.variables) == set(written.variables)
         for name in whole.variables:
             np.testing.assert_array_equal(written[name], whole[name])
-
-
-@pytest.mark.parametrize(
-    ("x", "y", "words"),
-    [
-        ("mass=1:20", "axial_force=0:1:2", "KEY=START:STOP:COUNT"),
-        (("mass", 1, 2, 3), ("mass", 1, 2, 3), "both mass"),
-        (("mass", 0, 2, 3), ("axial_force", 1, 2, 3), "mass = 0"),
-        (("mass", 2, 1, 3), ("axial_force", 1, 2, 3), "start < stop"),
-        (("mass", 1, 2, 20_000), ("axial_force", 1, 2, 20_000), "more than"),
-    ],
-)
-def test_refuses(x, y, words):
-    with pytest.raises(lsvib.InputError, match=words):
-        lsvib.Drive().chart(x, y)

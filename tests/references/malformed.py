@@ -128,6 +128,11 @@ PYTHON = [
     (lambda: lsvib.Drive().attraction({"u": (0, 1), "w": (0, 1, 4)}), "axis u has 2 numbers"),
     (lambda: lsvib.Drive().attraction(GRID, workers="many"), "workers = 'many'"),
     (lambda: lsvib.Drive().sweep(mass=3), "is not a list"),
+    (lambda: lsvib.Drive().chart("mass=1:20", "axial_force=0:1:2"), "KEY=START:STOP:COUNT"),
+    (lambda: lsvib.Drive().chart(("mass", 1, 2, 3), ("mass", 1, 2, 3)), "both mass"),
+    (lambda: lsvib.Drive().chart(("mass", 0, 2, 3), ("axial_force", 1, 2, 3)), "mass = 0"),
+    (lambda: lsvib.Drive().chart(("mass", 2, 1, 3), ("axial_force", 1, 2, 3)), "start < stop"),
+    (lambda: lsvib.Drive().chart(("mass", 1, 2, 20_000), ("axial_force", 1, 2, 20_000)), "more than"),
     (lambda: read_dataset("text"), "not a readable netCDF file"),
     (lambda: check({**SETTINGS, "colour": 1}), UNKNOWN),
 ]
