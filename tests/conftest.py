@@ -1,11 +1,15 @@
 """Puts ``tests`` on the path (``from references import ...``), makes hypothesis reproducible, and orders the files."""
 
 import sys
+from importlib.util import find_spec
 
 import pytest
 from hypothesis import settings
 
 pytest.register_assert_rewrite("references")
+
+# Assessments and fits need the packages of the extra ``assess``, which requirements.txt installs.
+collect_ignore_glob = [] if find_spec("pint") and find_spec("scipy") else ["assess/test_*.py", "fit/test_*.py"]
 
 # The same examples in every run, on every machine; no limit in time, because the first example compiles the kernels.
 settings.register_profile("reproducible", derandomize=True, deadline=None)
@@ -16,6 +20,15 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Put files with long tests first: files are shared out to processes, and the last one should not run alone."""
     heavy = {item.path for item in items if item.get_closest_marker("slow") or item.get_closest_marker("workflow")}
     items.sort(key=lambda item: item.path not in heavy)
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """A browser; a page of it is one of ``references.chromium``."""
+    from references import chromium
+
+    with chromium.started() as started:
+        yield started
 
 
 @pytest.fixture

@@ -37,8 +37,7 @@ SCENES = {
 }
 MORE = {
     "the other way round": (
-        Boundary.TOUCHING_SLIP,
-        {"mass": 11, "support_damping": 2e-3, "axial_force": 17.9, "input_speed": -40},
+        Boundary.TOUCHING_SLIP, {"mass": 11, "support_damping": 2e-3, "axial_force": 17.9, "input_speed": -40}
     ),
     "force with the motion, net force against it": (
         Boundary.TOUCHING_MOTION,
@@ -46,28 +45,18 @@ MORE = {
     ),
     "seizures that end backward slip": (
         Boundary.TOUCHING_MOTION,
-        {
-            "mass": 17.5,
-            "support_damping": 1.4e-4,
-            "translation_damping": 1500,
-            "axial_force": -1.9,
-            "friction_coefficient": 0.26,
-        },
+        {"mass": 17.5, "support_damping": 1.4e-4, "translation_damping": 1500, "axial_force": -1.9,
+         "friction_coefficient": 0.26},
     ),
     "as before, globally stable": (
         Boundary.NONE,
-        {
-            "mass": 13.8,
-            "support_damping": 1.7e-3,
-            "translation_damping": 2e4,
-            "axial_force": -12,
-            "friction_coefficient": 0.19,
-        },
+        {"mass": 13.8, "support_damping": 1.7e-3, "translation_damping": 2e4, "axial_force": -12,
+         "friction_coefficient": 0.19},
     ),
     "overdamped": (Boundary.NONE, {"mass": 11, "support_damping": 1e-2, "axial_force": -20}),
     "overdamped, touching slip": (Boundary.TOUCHING_SLIP, {"mass": 11, "support_damping": 1e-2, "axial_force": -1}),
     "force with the motion, no seizure": (Boundary.NONE, {"mass": 10, "support_damping": 1e-4, "axial_force": 20}),
-}
+}  # fmt: skip
 
 
 def drive_of(scene: str) -> Drive:
@@ -268,14 +257,8 @@ def test_size_grows_with_the_force_until_nothing_bounds_it():
         ({"mass": 11, "axial_force": 0}, "balances the translation damping"),
         ({"mass": 11, "support_damping": 0, "axial_force": -10}, "attracts nothing"),
         ({"mass": 11, "support_damping": 1e-3, "translation_damping": 5000, "axial_force": -1000}, "not covered"),
-        (
-            {"mass": 5, "support_damping": 4.7e-5, "translation_damping": 10600, "axial_force": -0.16},
-            "without a turn",
-        ),
-        (
-            {**FAST_NUT, "axial_force": 40.56},
-            "rest does not settle",
-        ),
+        ({"mass": 5, "support_damping": 4.7e-5, "translation_damping": 10600, "axial_force": -0.16}, "without a turn"),
+        ({**FAST_NUT, "axial_force": 40.56}, "rest does not settle"),
     ],
 )
 def test_drives_without_a_basin_are_refused_in_one_sentence(changes, words):

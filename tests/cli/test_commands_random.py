@@ -29,19 +29,8 @@ def commands(drive, index):
     yield ["thresholds", *whole]
     yield ["thresholds", "--solve", "onset", "--for", str(rng.choice(UNKNOWNS)), *whole]
     yield ["cycles", *whole]
-    yield [
-        "simulate",
-        "--start",
-        "u=0",
-        start,
-        "--duration",
-        repr(10 * swing),
-        "--samples",
-        "100",
-        "--out",
-        "m.nc",
-        *whole,
-    ]
+    duration = ["--duration", repr(10 * swing), "--samples", "100"]
+    yield ["simulate", "--start", "u=0", start, *duration, "--out", "m.nc", *whole]
     yield ["sweep", "--over", f"{forces}:7", "--out", "s.nc", *without["axial_force",]]
     if drive.rigid:
         grid = ["--grid", "u=-0.1:0.1:4", f"w={-abs(speed)!r}:{abs(speed)!r}:4"]

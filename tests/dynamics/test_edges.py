@@ -11,17 +11,6 @@ THREADS = threads_drive(**SLIP, contact_stiffness=1e8, contact_damping=1e5)
 SUPPORT = support_drive(**SLIP, support_stiffness=1e8, axial_support_damping=1e4)
 NUT = nut_drive(**SLIP, nut_inertia=1e-2, nut_stiffness=1e4, nut_damping=1.0)
 NEAR_FOLD = threads_drive(mass=11, support_damping=2e-3, axial_force=-18.37, contact_stiffness=1e8, contact_damping=1e8)
-SUPPORT_NEAR_FOLD = support_drive(
-    mass=11,
-    support_damping=2e-3,
-    axial_force=-18.0,
-    screw_mass=1e4,
-    support_stiffness=1e9,
-    axial_support_damping=1e6,
-)
-NUT_NEAR_FOLD = nut_drive(
-    mass=11, support_damping=2e-3, axial_force=-18.0, nut_inertia=1e-4, nut_stiffness=100.0, nut_damping=0.01
-)
 
 
 def across(cycle):
@@ -50,17 +39,12 @@ def test_the_cycle_on_the_edge_parts_the_basins(drive):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("drive", "span", "most", "force"),
-    [(NEAR_FOLD, (-18.5, -18.3699), 5, -18.371145255)],
-    ids=["threads"],
-)
-def test_branch_turns_at_a_fold(drive, span, most, force):
+def test_branch_turns_at_a_fold():
     """The attracting cycle of a drive with four states is followed through the fold to cycles that repel."""
-    attracting = drive.cycles().cycles[0]
-    branch = drive.follow(attracting, "axial_force", span, points=most)
+    attracting = NEAR_FOLD.cycles().cycles[0]
+    branch = NEAR_FOLD.follow(attracting, "axial_force", (-18.5, -18.3699), points=5)
     (fold,) = branch.folds
-    assert fold == pytest.approx(force, abs=1e-9)
+    assert fold == pytest.approx(-18.371145255, abs=1e-9)
     points = branch.points
     assert {point.cycle.attracting for point in points} == {True, False}
     assert all(point.cycle.attracting != point.cycle.repelling for point in points)

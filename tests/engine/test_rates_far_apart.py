@@ -18,17 +18,11 @@ from lsvib.models.rigid import rigid_automaton
 def test_growth_beyond_all_numbers_does_not_move_what_is_in_equilibrium():
     """Steady sliding that repels at 1.2e5 1/s: a motion from it stays there, for 0.2 s and whenever it is looked at."""
     drive = Drive.of(
-        pitch_radius=0.03806244679962706,
-        lead_angle=0.12264428665884365,
-        screw_inertia=1.2429230549627857e-06,
-        coupling_stiffness=0.003946670052215552,
-        support_damping=9.60114218189808e-07,
-        friction_coefficient=0.1608478915598803,
-        input_speed=0.1696369958396299,
-        mass=0.09625457766977397,
-        translation_damping=10800.043519753883,
-        axial_force=632.0047383503252,
-    )
+        pitch_radius=0.03806244679962706, lead_angle=0.12264428665884365, screw_inertia=1.2429230549627857e-06,
+        coupling_stiffness=0.003946670052215552, support_damping=9.60114218189808e-07,
+        friction_coefficient=0.1608478915598803, input_speed=0.1696369958396299, mass=0.09625457766977397,
+        translation_damping=10800.043519753883, axial_force=632.0047383503252,
+    )  # fmt: skip
     motion = follow(rigid_automaton(drive), (0.0, 0.0), 0.2)
     assert motion.time.size == 0
     assert motion.end_state.tolist() == [0.0, 0.0]

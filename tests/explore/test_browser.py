@@ -27,12 +27,6 @@ def server():
         process.terminate()
 
 
-@pytest.fixture(scope="module")
-def browser():
-    with chromium.started() as started:
-        yield started
-
-
 @pytest.fixture
 def page(browser, server):
     """A page with a view; whatever its console says at the end is an error."""

@@ -10,9 +10,6 @@ import pytest
 import yaml
 from references.measured import LAW, SPEEDS, square, torque, write_tables
 
-pytest.importorskip("pint")
-pytest.importorskip("scipy")
-
 import lsvib
 from lsvib.assess.drive import square_coefficient
 from lsvib.assess.sheet import Friction
@@ -26,6 +23,7 @@ from lsvib.fit.tables import Recording, steady_point
 ROOT = Path(__file__).parents[2]
 SCREW = ROOT / "examples" / "measured_screw" / "measured_screw.yaml"
 RPM = math.pi / 30
+KNOWN = LAW | {key: LAW[key] * square() for key in ("friction_coefficient", "stribeck_rise", "friction_slope")}
 
 
 @pytest.fixture(scope="module")
@@ -94,13 +92,8 @@ def test_the_command_writes_all_and_says_what_it_found(run):
     assert (code, error) == (0, "")
     assert "not separable" in out
     assert "No table begins at rest" in out
-    assert {path.name for path in Path("fitted").iterdir()} == {
-        "fit.nc",
-        "fit.json",
-        "fit.png",
-        "fit.pdf",
-        "friction.yaml",
-    }
+    files = {path.name for path in Path("fitted").iterdir()}
+    assert files == {"fit.nc", "fit.json", "fit.png", "fit.pdf", "friction.yaml"}
     code, out, _ = run("fit", str(SCREW), "--json")
     found = json.loads(out)
     assert found == json.loads(Path("fitted/fit.json").read_text())
@@ -113,23 +106,17 @@ def test_the_command_writes_all_and_says_what_it_found(run):
 
 def test_torque_is_that_of_the_wedge():
     speed = np.array([*-SPEEDS, *SPEEDS])
-    values = {
-        **LAW,
-        **{key: LAW[key] * square() for key in ("friction_coefficient", "stribeck_rise", "friction_slope")},
-    }
     for load in (300.0, -300.0):
         measured = Measured(speed, speed, np.full(speed.size, load), 9e-3, math.atan(4e-3 / (math.pi * 18e-3)))
-        assert steady_torque(values, measured, speed, load) == pytest.approx(torque(speed, load), rel=1e-12)
+        assert steady_torque(KNOWN, measured, speed, load) == pytest.approx(torque(speed, load), rel=1e-12)
 
 
 def test_two_loads_tell_threads_from_bearing(tmp_path):
     """Without noise the law comes back; of one load it does not, unless the zero of the torque is known."""
     found = fit_sheet(write_tables(tmp_path / "two", noise=0.0))
     assert found.fit.not_separable == ()
-    flank = {"friction_coefficient", "stribeck_rise", "friction_slope"}
-    known = {key: value * (square() if key in flank else 1) for key, value in LAW.items()}
     # The samples scatter by 1 % in speed, and their mean torque is not quite that at their mean speed.
-    assert {key: found.fit.main.values[key] for key in known} == pytest.approx(known, rel=1e-3)
+    assert {key: found.fit.main.values[key] for key in KNOWN} == pytest.approx(KNOWN, rel=1e-3)
     assert fit_sheet(write_tables(tmp_path / "one", [600.0])).fit.not_separable
     known_zero = fit_sheet(write_tables(tmp_path / "zero", [600.0], noise=1e-4, offset="4 mN*m"))
     assert ("friction_coefficient", "coulomb") not in known_zero.fit.not_separable
@@ -296,15 +283,13 @@ def test_the_law_lies_within_its_stated_errors(tmp_path):
 
     56 points less 7 numbers leave 49 degrees, with which 1.96 standard errors hold 94.4 %.
     """
-    flank = {"friction_coefficient", "stribeck_rise", "friction_slope"}
-    known = {key: value * (square() if key in flank else 1) for key, value in LAW.items()}
-    inside = dict.fromkeys(known, 0)
+    inside = dict.fromkeys(KNOWN, 0)
     trials = 200
     for trial in range(trials):
         random = np.random.default_rng(trial)
         main = fit_sheet(write_tables(tmp_path / str(trial), noise=0.02, samples=10, random=random)).fit.main
-        for key in known:
-            inside[key] += abs(main.values[key] - known[key]) <= 1.96 * main.errors[key]
+        for key in KNOWN:
+            inside[key] += abs(main.values[key] - KNOWN[key]) <= 1.96 * main.errors[key]
     print(inside)
     least = trials * (0.944 - 4 * math.sqrt(0.95 * 0.05 / trials))
     assert {key: count for key, count in inside.items() if count < least} == {}

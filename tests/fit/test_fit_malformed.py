@@ -7,9 +7,6 @@ import yaml
 from references.command_line import refused
 from references.measured import SPEEDS, write_tables
 
-pytest.importorskip("pint")
-pytest.importorskip("scipy")
-
 GONE = object()
 COLUMN = {"column": 1, "unit": "rpm"}
 # Place in the sheet, what stands there instead, and words that the sentence must hold.

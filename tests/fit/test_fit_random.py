@@ -5,10 +5,6 @@ import re
 import time
 
 import pytest
-
-pytest.importorskip("pint")
-pytest.importorskip("scipy")
-
 from references.random_tables import random_measurement
 
 from lsvib.errors import LsvibError

@@ -65,6 +65,12 @@ def test_drives_list_the_law_that_they_have(kind):
         assert constant.exact().steady_friction is constant.exact().friction_coefficient
 
 
+STATIC = (
+    "static_friction_coefficient = {} is outside the allowed range {} (the friction of slow sliding) <= "
+    "static_friction_coefficient < cot(lead_angle) = 10.2541."
+)
+
+
 @pytest.mark.parametrize(
     ("law", "sentence"),
     [
@@ -80,21 +86,9 @@ def test_drives_list_the_law_that_they_have(kind):
             "friction_coefficient + stribeck_rise = 10.318, the friction of slow sliding, is not below "
             "cot(lead_angle) = 10.2541.",
         ),
-        (
-            {"static_friction_coefficient": 0.2},
-            "static_friction_coefficient = 0.2 is outside the allowed range 0.218 (the friction of slow sliding) <= "
-            "static_friction_coefficient < cot(lead_angle) = 10.2541.",
-        ),
-        (
-            {"static_friction_coefficient": 0.25, **LAW},
-            "static_friction_coefficient = 0.25 is outside the allowed range 0.268 (the friction of slow sliding) <= "
-            "static_friction_coefficient < cot(lead_angle) = 10.2541.",
-        ),
-        (
-            {"static_friction_coefficient": 11},
-            "static_friction_coefficient = 11 is outside the allowed range 0.218 (the friction of slow sliding) <= "
-            "static_friction_coefficient < cot(lead_angle) = 10.2541.",
-        ),
+        ({"static_friction_coefficient": 0.2}, STATIC.format(0.2, 0.218)),
+        ({"static_friction_coefficient": 0.25, **LAW}, STATIC.format(0.25, 0.268)),
+        ({"static_friction_coefficient": 11}, STATIC.format(11, 0.218)),
         (
             {"friction_slope": 50},
             "friction_slope = 50 makes the friction coefficient 10.6271 at the sliding speed 0.208183 m/s of steady "

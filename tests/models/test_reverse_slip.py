@@ -41,11 +41,7 @@ def test_the_motion_of_figure_8_14_has_three_in_a_row():
 
 def test_in_the_band_one_rest_below_it_another_reverse_slip_above_it_slip_forward():
     random = np.random.default_rng(814)
-    expected = {
-        -1: MotionMode.SLIP_BACKWARD_POSITIVE,
-        0: MotionMode.REST,
-        1: MotionMode.SLIP_FORWARD_NEGATIVE,
-    }
+    expected = {-1: MotionMode.SLIP_BACKWARD_POSITIVE, 0: MotionMode.REST, 1: MotionMode.SLIP_FORWARD_NEGATIVE}
     counts = dict.fromkeys(expected, 0)
     for _ in range(400):
         drive = Drive.of(

@@ -80,12 +80,6 @@ def test_the_site_has_every_page_every_figure_and_every_public_name(site):
         assert f'id="lsvib.Drive.{method}"' in reference
 
 
-@pytest.fixture(scope="module")
-def browser():
-    with chromium.started() as started:
-        yield started
-
-
 @needs_sphinx
 @chromium.needs_chromium
 @pytest.mark.slow

@@ -12,24 +12,9 @@ from references.measured import torque
 GONE = object()
 # What may stand in a cell instead of a number.
 CELLS = (
-    "",
-    "nan",
-    "inf",
-    "-inf",
-    "1e308",
-    "1e999",
-    "1e-320",
-    "1_0",
-    "0x1F",
-    "1,5",
-    "1.5.5",
-    "−3",
-    "٣",
-    "high",
-    '"',
-    "0",
+    "", "nan", "inf", "-inf", "1e308", "1e999", "1e-320", "1_0", "0x1F", "1,5", "1.5.5", "−3", "٣", "high", '"', "0",
     "-0",
-)
+)  # fmt: skip
 # Places in the sheet, and what may stand there instead.
 ENTRIES: dict[str, tuple[Any, ...]] = {
     "thread": (GONE, None, 5, [], {}, {"size": "Tr 18x4"}, {"lead_angle": "4 deg", "pitch_diameter": "18 mm"}),
@@ -37,11 +22,7 @@ ENTRIES: dict[str, tuple[Any, ...]] = {
     "thread.pitch_diameter": ("1e-6 m", "90 m", "18 furlongs", None),
     "thread.half_angle": ("89 deg", "-1 deg", "15"),
     "load": (
-        GONE,
-        None,
-        5,
-        {"mass": "30 kg"},
-        {"mass": "30 kg", "orientation": "vertical"},
+        GONE, None, 5, {"mass": "30 kg"}, {"mass": "30 kg", "orientation": "vertical"},
         {"mass": "30 kg", "orientation": "45 deg", "force": "1 N"},
     ),
     "load.force": ("0 N", "1e-300 N", "-300 N", "1e10 N", "300", "nan N", "3_0 N", {"mean": "300 N", "std": "1 N"}),
@@ -50,23 +31,8 @@ ENTRIES: dict[str, tuple[Any, ...]] = {
     "measurements.0": ("x",),
     "measurements.colour": (1,),
     "measurements.files": (
-        "*" * 100,
-        "*.csv" * 40,
-        "**/*.csv",
-        "../*/*.csv",
-        "/proc/kmsg",
-        ".",
-        "",
-        "[",
-        "*.csv/x",
-        "a\0b",
-        5,
-        None,
-        "data/00.csv",
-        "data/0?.csv",
-        "data/[!x]*.csv",
-        "data/{a}.csv",
-        "data",
+        "*" * 100, "*.csv" * 40, "**/*.csv", "../*/*.csv", "/proc/kmsg", ".", "", "[", "*.csv/x", "a\0b", 5, None,
+        "data/00.csv", "data/0?.csv", "data/[!x]*.csv", "data/{a}.csv", "data",
     ),
     "measurements.separator": (";", "\t", " ", "", ",,", "1", '"', "\n", None, 5),
     "measurements.decimal": (",", ";", "", None),
@@ -80,30 +46,19 @@ ENTRIES: dict[str, tuple[Any, ...]] = {
     "measurements.torque.column": (1, 2, 3, 200, 201),
     "measurements.torque.unit": ("N*m", "lbf*in", "Nm", "mm", ""),
     "friction": (
-        None,
-        5,
-        {"coefficient": 0.15},
-        {"stribeck_rise": 0},
-        {"stribeck_exponent": 1},
-        {"stribeck_exponent": 3},
-        {"slope": "0 s/m", "stribeck_rise": 0},
-        {"coefficient": 2.9},
-        {"stribeck_speed": "1e-9 m/s"},
-        {"stribeck_speed": "1e4 m/s"},
-        {"slope": "-1000 s/m"},
+        None, 5, {"coefficient": 0.15}, {"stribeck_rise": 0}, {"stribeck_exponent": 1}, {"stribeck_exponent": 3},
+        {"slope": "0 s/m", "stribeck_rise": 0}, {"coefficient": 2.9}, {"stribeck_speed": "1e-9 m/s"},
+        {"stribeck_speed": "1e4 m/s"}, {"slope": "-1000 s/m"},
         {"coefficient": 0, "stribeck_rise": 0, "slope": "0 s/m"},
     ),
     "bearing": (
-        None,
-        {"coulomb": "24 mN*m"},
-        {"viscous": "0 N*m*s/rad"},
-        {"coulomb": "1e9 N*m"},
+        None, {"coulomb": "24 mN*m"}, {"viscous": "0 N*m*s/rad"}, {"coulomb": "1e9 N*m"},
         {"coulomb": "0 N*m", "viscous": "1e12 N*m*s/rad"},
     ),
     "offset": ("0 N*m", "1e9 N*m", "-3 mN*m", 5, "1 N"),
     "name": ("", "x" * 300, 5, None, "a\nb", "<b>&amp;"),
     "colour": ("red",),
-}
+}  # fmt: skip
 
 
 def random_measurement(folder: Path, seed: int, index: int) -> Path:

@@ -137,15 +137,9 @@ def test_refused_in_one_sentence(drive, arguments, sentence):
 
 
 TOUCHING = nut_drive(
-    support_damping=0,
-    nut_damping=0,
-    translation_damping=100,
-    axial_force=50,
-    screw_inertia=3e-6,
-    nut_inertia=2e-6,
-    nut_stiffness=0.5,
-    friction_coefficient=0.05,
-)
+    support_damping=0, nut_damping=0, translation_damping=100, axial_force=50, screw_inertia=3e-6, nut_inertia=2e-6,
+    nut_stiffness=0.5, friction_coefficient=0.05,
+)  # fmt: skip
 
 
 @pytest.mark.parametrize("force", [50, -50])

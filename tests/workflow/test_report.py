@@ -24,12 +24,6 @@ def report(finished, tmp_path_factory):
     return folder / "report"
 
 
-@pytest.fixture(scope="module")
-def browser():
-    with chromium.started() as started:
-        yield started
-
-
 @pytest.fixture
 def page(report, browser):
     """The report; that Snakemake has its style from a script which advises against that is not ours to change."""

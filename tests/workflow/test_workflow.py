@@ -114,18 +114,9 @@ def test_a_second_run_does_nothing(finished):
     ("file", "jobs"),
     [
         ("src/lsvib/figures/style.py", {"Drawing fig8_03", "Drawing fig8_08"}),
-        (
-            "src/lsvib/figures/fig8_08.py",
-            ANEW,
-        ),
-        (
-            "src/lsvib/stability/conditions.py",  # imported by figure 8.8 only
-            ANEW,
-        ),
-        (
-            "src/lsvib/models/mechanics.py",
-            ANEW | {"Computing fig8_03", "Drawing fig8_03"},
-        ),
+        ("src/lsvib/figures/fig8_08.py", ANEW),
+        ("src/lsvib/stability/conditions.py", ANEW),  # imported by figure 8.8 only
+        ("src/lsvib/models/mechanics.py", ANEW | {"Computing fig8_03", "Drawing fig8_03"}),
         ("src/lsvib/engine/kernels/event_loop.py", set()),  # neither figure reaches the engine
     ],
 )
