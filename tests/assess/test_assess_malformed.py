@@ -6,9 +6,6 @@ import warnings
 import pytest
 import yaml
 
-pytest.importorskip("pint")
-pytest.importorskip("scipy")
-
 from lsvib.assess.fields import NotQuantity, quantity
 from lsvib.cli.app import run
 from lsvib.cli.pages import app

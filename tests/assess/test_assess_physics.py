@@ -2,15 +2,9 @@
 
 import math
 
-import mpmath
 import numpy as np
 import pytest
-
-from lsvib.stability.conditions import stability
-
-pytest.importorskip("pint")
-pytest.importorskip("scipy")
-
+from references import sliding_friction
 from references.chapter_sheet import sheet, values_of
 
 from lsvib.assess import drive as sheets
@@ -27,8 +21,8 @@ from lsvib.models.mechanics import coefficients
 from lsvib.models.mechanism import standing_state
 from lsvib.models.rigid import rigid_automaton
 from lsvib.stability.boundaries import stable_set
-from lsvib.stability.conditions import critical_value
-from lsvib.stability.force_thresholds import threshold_force
+from lsvib.stability.conditions import critical_mass, stability
+from lsvib.stability.force_thresholds import detach_force, onset_force, stick_force
 from lsvib.stability.linear import eigenvalue_pair
 
 
@@ -274,7 +268,7 @@ def test_derivatives_are_those_of_the_closed_forms():
 
 
 def test_slope_damping_against_eigenvalues_with_forty_digits():
-    """Newton's laws with μ(v), linearised by differentiation in 40 digits, against Γ_0, C_0 + S and k."""
+    """Newton's laws with μ(v), linearised by differences in 80 digits, against Γ_0, C_0 + S and k."""
     rng = np.random.default_rng(5)
     for _ in range(25):
         drive = Drive(
@@ -290,37 +284,12 @@ def test_slope_damping_against_eigenvalues_with_forty_digits():
         law, carried = c.steady_law, abs(float(c.net_force))
         more = damping_by_slope(slope, carried, drive.friction_coefficient, drive.pitch_radius, drive.lead_angle, law)
         found = eigenvalue_pair(float(c.gamma[law]), float(c.damping[law]) + more, drive.coupling_stiffness)
-        expected = _eigenvalues_in_many_digits(drive, slope, law)
+        reached = drive.pitch_radius * abs(drive.input_speed) / math.cos(drive.lead_angle)
+        own = {"friction_slope": slope, "friction_coefficient": drive.friction_coefficient - slope * reached}
+        expected = [complex(z) for z in sliding_friction.eigenvalues("rigid", {**dict(drive), **own}.items())]
         size = max(abs(z) for z in expected)
         for a, b in zip(sorted(found, key=lambda z: (z.real, z.imag)), expected, strict=True):
             assert abs(a - b) < 1e-9 * size
-
-
-def _eigenvalues_in_many_digits(drive: Drive, slope: float, law: int) -> list[complex]:
-    """Eigenvalues of the screw's motion about steady sliding, from the accelerations that Newton's laws give."""
-    with mpmath.workdps(40):
-        r, lam, inertia, k, c, mu, omega, m, c_x, push = (
-            mpmath.mpf(float(getattr(drive, key)))
-            for key in (
-                "pitch_radius", "lead_angle", "screw_inertia", "coupling_stiffness", "support_damping",
-                "friction_coefficient", "input_speed", "mass", "translation_damping", "axial_force",
-            )
-        )  # fmt: skip
-        tan, sin, cos = mpmath.tan(lam), mpmath.sin(lam), mpmath.cos(lam)
-
-        def acceleration(z, rate):
-            friction = law * (mu + slope * r * (abs(rate) - abs(omega)) / cos)
-            torque = -k * z - c * rate
-            # I a = T − r N (μ_s cos λ − sin λ),   m r tan λ a = R − c_x r tan λ θ′ − N (cos λ + μ_s sin λ)
-            matrix = mpmath.matrix([[inertia, r * (friction * cos - sin)], [m * r * tan, cos + friction * sin]])
-            return mpmath.lu_solve(matrix, mpmath.matrix([torque, push - c_x * r * tan * rate]))[0]
-
-        steady = mpmath.findroot(lambda z: acceleration(z, omega), mpmath.mpf(0))
-        by_angle = mpmath.diff(lambda z: acceleration(z, omega), steady)
-        by_rate = mpmath.diff(lambda w: acceleration(steady, w), omega)
-        root = mpmath.sqrt(by_rate**2 / 4 + by_angle)
-        pair = [complex(by_rate / 2 - root), complex(by_rate / 2 + root)]
-    return sorted(pair, key=lambda z: (z.real, z.imag))
 
 
 def test_friction_that_falls_with_speed_sets_in_where_its_damping_is_spent():

@@ -7,10 +7,6 @@ import time
 
 import pytest
 import yaml
-
-pytest.importorskip("pint")
-pytest.importorskip("scipy")
-
 from references.random_sheets import random_sheet
 
 from lsvib.assess.output import assess_file

@@ -4,12 +4,8 @@ import json
 import re
 from pathlib import Path
 
-import pytest
-
-pytest.importorskip("pint")
-pytest.importorskip("scipy")
-
 import numpy as np
+import pytest
 import xarray as xr
 import yaml
 

@@ -4,9 +4,6 @@ import math
 
 import pytest
 
-pytest.importorskip("pint")
-pytest.importorskip("scipy")
-
 from lsvib.assess.fields import NotQuantity, quantity
 from lsvib.assess.sheet import Load
 from lsvib.assess.threads import thread_size

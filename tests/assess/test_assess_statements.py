@@ -4,10 +4,6 @@ import math
 
 import numpy as np
 import pytest
-
-pytest.importorskip("pint")
-pytest.importorskip("scipy")
-
 from references.chapter_sheet import sheet, values_of
 
 from lsvib.assess.assessment import assess

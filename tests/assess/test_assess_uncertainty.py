@@ -4,10 +4,6 @@ import math
 
 import numpy as np
 import pytest
-
-pytest.importorskip("pint")
-pytest.importorskip("scipy")
-
 from references.chapter_sheet import sheet
 
 from lsvib.assess import drive as sheets

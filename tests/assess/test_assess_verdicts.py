@@ -3,10 +3,6 @@
 import numpy as np
 import pytest
 import yaml
-
-pytest.importorskip("pint")
-pytest.importorskip("scipy")
-
 from references.random_sheets import random_sheet
 
 from lsvib.assess.assessment import assess

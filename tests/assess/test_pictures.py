@@ -6,11 +6,6 @@ from itertools import combinations
 import numpy as np
 import pytest
 import yaml
-
-pytest.importorskip("pint")
-pytest.importorskip("scipy")
-pytest.importorskip("matplotlib")
-
 from references.chapter_sheet import sheet
 
 from lsvib.assess import pictures

@@ -5,10 +5,6 @@ import re
 import warnings
 
 import pytest
-
-pytest.importorskip("pint")
-pytest.importorskip("scipy")
-
 import yaml
 
 from lsvib.assess.assessment import assess
