@@ -124,6 +124,7 @@ def held_against_newton(
         assert error[-1].max() <= (1e-6 if jams else tolerance), (drive, what)
         assert max(laws.excess(state, what, size + np.abs(laws.steady)) for state in states) <= 1e-7, (drive, what)
         if what["slip"] or "e" in laws.place:
-            normal = automaton.observe("normal_force", (states[4] - laws.steady)[None], np.array([mode]))
-            np.testing.assert_allclose(normal, laws.forces(states[4], what)["N"], rtol=1e-9)
+            normal, middle = laws.forces(states[4], what)["N"], (states[4] - laws.steady)[None]
+            np.testing.assert_allclose(automaton.observe("normal_force", middle, np.array([mode])), normal, rtol=1e-9)
+            assert not what["slip"] or normal * what["contact"] > 0
     return motion, arcs
