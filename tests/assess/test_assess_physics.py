@@ -21,8 +21,8 @@ from lsvib.models.mechanics import coefficients
 from lsvib.models.mechanism import standing_state
 from lsvib.models.rigid import rigid_automaton
 from lsvib.stability.boundaries import stable_set
-from lsvib.stability.conditions import critical_mass, stability
-from lsvib.stability.force_thresholds import detach_force, onset_force, stick_force
+from lsvib.stability.conditions import critical_value, stability
+from lsvib.stability.force_thresholds import threshold_force
 from lsvib.stability.linear import eigenvalue_pair
 
 

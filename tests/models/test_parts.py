@@ -34,17 +34,21 @@ OWN = {
     "nut": {"nut_inertia": power(-5.5, -4.5), "nut_stiffness": power(-1, 1), "nut_damping": power(-5, -3)},
     "threads": {"contact_stiffness": power(4, 6), "contact_damping": power(1, 2)},
 }  # fmt: skip
+MOTOR = {
+    "motor_inertia": power(-5.5, -4.5), "integral_gain": power(-0.5, 0.5), "speed_gain": power(-4, -2.5),
+    "coupling_damping": power(-5, -4),
+}  # fmt: skip
+COLLAR = {"collar_friction": uniform(0.05, 0.3), "collar_radius": power(-2.6, -1.9)}
 
 
-def random_drive(seed: int) -> tuple[Drive, np.ndarray]:
-    """A drive with random parts, frictions and a law or none, and a start."""
+def random_drive(seed: int, collar: bool = False, motor: bool = False) -> tuple[Drive, np.ndarray]:
+    """A drive with random parts, or a collar, frictions and a law or none; and a start."""
     rng = np.random.default_rng([seed, 45])
     values, own = drawn(rng, POSSIBLE), {part: drawn(rng, draws) for part, draws in OWN.items()}
-    for part in PARTS:
-        values |= own[part] if part != "motor" and rng.random() < 0.6 and not collar else {}
-    values |= own["motor"] if motor else {}
-    if collar:
-        values |= {"collar_friction": rng.uniform(0.05, 0.3), "collar_radius": power(-2.6, -1.9)}
+    for part in OWN:
+        values |= own[part] if rng.random() < 0.6 and not collar else {}
+    values |= drawn(rng, MOTOR) if motor else {}
+    values |= drawn(rng, COLLAR) if collar else {}
     kind = rng.integers(4)
     if kind == 1:
         values |= drawn(rng, stribeck_rise=uniform(0.01, 0.08), stribeck_speed=power(-2.3, -0.5))
@@ -58,7 +62,7 @@ def random_drive(seed: int) -> tuple[Drive, np.ndarray]:
     return drive, start
 
 
-def check(seed: int) -> tuple[int, tuple[str, ...]] | None:
+def check(seed: int, **more: bool) -> tuple[int, tuple[str, ...]] | None:
     """Hold the first events of a random drive against Newton's laws; None where it is refused."""
     drive, start = random_drive(seed, **more)
     try:

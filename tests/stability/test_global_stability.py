@@ -44,7 +44,7 @@ def exact_force(cycle: str, drive: Drive, time: float, guess: float):
 def test_force_against_forty_digits(changes, cycle, time, about):
     """Of the cycle with rest the slip from the end of rest, which begins at u = c Ω / k; the others do not rest."""
     drive = PARADOX.replace(**changes)
-    assert abs(global_stability_force(drive) / exact_force(cycle, drive, time, about) - 1) < mpf("1e-13")
+    assert abs(threshold_force(drive, "global_stability") / exact_force(cycle, drive, time, about) - 1) < mpf("1e-13")
 
 
 @pytest.mark.parametrize("speed", [40.0, -40.0])
@@ -74,7 +74,7 @@ def test_forces_with_the_motion(speed):
     forward = drive.replace(input_speed=40.0)
     assert exact_force("global_stability", forward, 0.016, 31.0) == pytest.approx(31.431833502858915, rel=1e-13)
     expected = float(exact_force("fold", forward, 0.01651, 31.0))
-    limit = global_stability_force(drive)
+    limit = threshold_force(drive, "global_stability")
     assert limit == pytest.approx(math.copysign(expected, speed), rel=1e-13)
     inside = float(widest_return(SlipDrive.of(drive))[1])
     starts = [(math.copysign(1, speed) * u, math.copysign(1, speed) * w) for u, w in [*STARTS, (inside, -40.0)]]
