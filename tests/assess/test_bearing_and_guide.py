@@ -15,7 +15,7 @@ from lsvib.assess.statics import lets_go, statics
 from lsvib.errors import InputError
 from lsvib.stability.conditions import stability
 
-# Bhandari's examples as FOSSEE has solved them (Scilab-TBC-Uploads 764, chapter 6), and Shigley's. They take the half
+# Examples of power screws that FOSSEE has solved (Scilab-TBC-Uploads 764, chapter 6), and Shigley's. They take the half
 # angle of a trapezoidal flank in the axial section, we in the normal one: within 2 parts in 10⁴ the same.
 PRINTED = {
     "double start 2 x 12 on 100 mm, no collar (6.2)": (
@@ -129,6 +129,15 @@ def test_torques_count_bearing_and_guide():
     useful = 100 * radius * math.tan(angle)
     spent = 130 * (radius * math.tan(angle + math.atan(mu)) + 0.1 * 0.01) + 0.01
     assert rows["lifting_efficiency"].worst == pytest.approx(useful / spent, rel=1e-12)
+
+
+def test_stress_of_load_and_torque_in_the_root():
+    """With a root of 28 mm, 6.4 kN and 26.18 N m are 10.4 and 6.07 MPa (Shigley, example of power screws)."""
+    entries, _ = PRINTED["32 x 4 double, 6.4 kN, collar 40 mm (Shigley)"]
+    row = statics(Sheet.of({"name": "of a book", **entries, "screw": {"root_diameter": "28 mm"}})).rows["root_stress"]
+    assert row.worst == pytest.approx(math.hypot(10.39e6, math.sqrt(3) * 6.074e6), rel=1e-3)
+    assert row.limit == 250e6  # of A36
+    assert not row.exceeded
 
 
 def test_a_whole_assessment_with_all_that_rubs():

@@ -68,6 +68,10 @@ ABOUT = {  # name, unit, formula and source of each row
         "Load on the screw as a column", "N", "K π² E I / l² (Euler), or where that is above half of the yield "
         "strength, A σ (1 − σ A / (4 K π² E I / l²)) (Johnson)", f"{_SHIGLEY}, columns; {_RECOMMENDED}",
     ),
+    "root_stress": (
+        "Stress of load and torque together in the root", "Pa", "√(σ² + 3 τ²), σ = 4 F / (π d_r²), τ = 16 T / (π d_r³)",
+        f"{_THREAD}; limit: yield strength of the material",
+    ),
     "screw_speed": (
         "Speed of the screw; its shaft whirls at the critical one", "rad/s", "β² / l² · √(E I / (density · A))",
         f"first bending mode of a beam; {_RECOMMENDED}",
@@ -145,6 +149,16 @@ def column_load(modulus: Any, yield_strength: Any, diameter: Any, length: Any, e
     area = math.pi / 4 * diameter**2
     euler = end_factor * math.pi**2 * modulus * (diameter / (4 * length)) ** 2
     return area * np.where(2 * euler < yield_strength, euler, yield_strength * (1 - yield_strength / (4 * euler)))
+
+
+def root_stress(force: Any, torque: Any, diameter: Any) -> Any:
+    """Return the stress [Pa] of an axial ``force`` [N] and a ``torque`` [N m] in a round root, √(σ² + 3 τ²), by Mises.
+
+    >>> f"{root_stress(6400.0, 26.18, 28e-3):.4g}"
+    '1.48e+07'
+    """
+    area, section = math.pi / 4 * diameter**2, math.pi / 16 * diameter**3
+    return np.sqrt((force / area) ** 2 + 3 * (torque / section) ** 2)
 
 
 def critical_speed(modulus: Any, density: Any, diameter: Any, length: Any, root: float) -> Any:
@@ -282,9 +296,13 @@ def _judged(
         spent = torque(held + guide, *threads, True, collar) + bearing
         found["lifting_efficiency"] = np.where((held > 0) & turns, work / spent, np.where(held > 0, 0.0, np.nan)), None
     found["holding_friction"] = at_rest, _holds_from(values, angle, collar, bearing, left)
-    return (
-        found | _nut(sheet, draw, values, load, sliding_speed(speed, radius, angle)) | _shaft(sheet, draw, speed, load)
-    )
+    found |= _nut(sheet, draw, values, load, sliding_speed(speed, radius, angle)) | _shaft(sheet, draw, speed, load)
+    root = _root_diameter(sheet, draw)
+    if root is not None and sheet.screw.density is None:
+        turned = np.where(load >= 0, against, np.abs(along))
+        strength = SCREW_MATERIALS[sheet.screw.material or "steel"].yield_strength
+        found["root_stress"] = root_stress(np.abs(load), turned, root), strength
+    return found
 
 
 def _holds_from(values: Mapping[str, Any], angle: Any, collar: Any, bearing: Any, left: Any) -> Any:
@@ -320,11 +338,16 @@ def _nut(
     }
 
 
+def _root_diameter(sheet: Sheet, draw: Mapping[str, Any]) -> Any:
+    """Diameter of the root [m]; None if it is not known."""
+    return draw.get("screw.root_diameter", sheet.thread.size and sheet.thread.size.root_diameter)
+
+
 def _shaft(sheet: Sheet, draw: Mapping[str, Any], speed: Floats, load: Floats) -> dict[str, Judged]:
     """The screw as a column, whichever way it is loaded, and its speed beside the critical one."""
     if sheet.screw.ends is None:
         return {}
-    diameter = draw.get("screw.root_diameter", sheet.thread.size and sheet.thread.size.root_diameter)
+    diameter = _root_diameter(sheet, draw)
     length = draw["screw.unsupported_length" if "screw.unsupported_length" in draw else "screw.length"]
     material, (factor, root) = SCREW_MATERIALS[sheet.screw.material or "steel"], ENDS[sheet.screw.ends]
     column = column_load(material.modulus, material.yield_strength, diameter, length, factor)
