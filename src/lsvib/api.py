@@ -108,7 +108,7 @@ class DriveMethods(_Base):
         >>> found["stick"].reason
         'the effective damping of law + is not negative, so conditions (8.19) hold for no axial force.'
         """
-        from lsvib.stability.threshold import all_thresholds
+        from lsvib.stability.starting import all_thresholds
 
         return all_thresholds(self, unknown)
 
@@ -132,7 +132,7 @@ class DriveMethods(_Base):
 
         See also: :meth:`thresholds`.
         """
-        from lsvib.stability.threshold import solve_threshold
+        from lsvib.stability.starting import solve_threshold
 
         return solve_threshold(self, name, unknown)
 

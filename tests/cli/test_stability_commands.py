@@ -43,7 +43,7 @@ def test_thresholds_of_a_drive_with_a_part(run, part, key):
     arguments = ("thresholds", *GIVEN[part], "--set", "mass=4", "--for", key)
     table = json.loads(run(*arguments, "--json")[1])
     assert table == json.loads(json.dumps({name: found.to_json() for name, found in drive.thresholds(key).items()}))
-    assert list(table) == ["onset", "kinematic_constraint", "flutter"]
+    assert list(table) == ["even_speed", "onset", "kinematic_constraint", "flutter"]
     text = run(*arguments)[1]
     for name, entry in table.items():
         assert (entry["value"] is not None) or entry["reason"].endswith(".")

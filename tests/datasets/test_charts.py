@@ -15,8 +15,8 @@ from lsvib.datasets.io import write_dataset
 from lsvib.dynamics.behaviour import Behaviour
 from lsvib.errors import NoThreshold
 from lsvib.models.mechanics import coefficients
-from lsvib.stability import force_thresholds
 from lsvib.stability.curves import ChartBoundary, _function, boundary_curves, starts_evenly
+from lsvib.stability.force_thresholds import threshold_force
 
 PAIRS = {  # of parameters, with the ends of both axes and the drive
     "mass over force": (("mass", 0.5, 14.0), ("axial_force", -60.0, 80.0), {"translation_damping": 1000.0}),
@@ -32,7 +32,7 @@ PAIRS = {  # of parameters, with the ends of both axes and the drive
 def force(name: str, drive) -> float | str:
     """A threshold of a drive without R, or in a word why there is none."""
     try:
-        return getattr(force_thresholds, f"{name}_force")(drive)
+        return threshold_force(drive, name)
     except NoThreshold as reason:
         return str(reason)
 
@@ -132,7 +132,7 @@ def test_points_of_curves_are_roots():
     np.testing.assert_allclose(np.concatenate(found[ChartBoundary.KINEMATIC_CONSTRAINT])[:, 0], mass, rtol=1e-12)
     for kind in (ChartBoundary.STICK, ChartBoundary.DETACH, ChartBoundary.GLOBAL_STABILITY):
         for m, R in np.concatenate(found[kind])[::9]:
-            exact = getattr(force_thresholds, f"{kind.name.lower()}_force")(drive.replace(mass=m))
+            exact = threshold_force(drive.replace(mass=m), kind.name.lower())
             assert exact == pytest.approx(R, rel=1e-10)
 
 

@@ -274,7 +274,7 @@ def test_parts_are_put_in_and_taken_out():
     page._answer()
     assert page.view.drive.parts == ("support", "threads")
     assert dict(page.view.drive).items() > (chapter.PARTS["threads"] | chapter.PARTS["support"]).items()
-    assert page.controls.parts.active == [0, 2]
+    assert page.controls.parts.active == [1, 3]
     page.ask("over", "support_stiffness")
     page._answer()
     page.ask("parts", "threads")

@@ -49,7 +49,13 @@ def test_defaults_are_table_8_1():
         "translation_damping": 0.0,
         "axial_force": 50.0,
     }
-    assert set(BOUNDS) == set(Drive.model_fields) - {*friction.NAMES, *DRY, "collar_radius", *PART_OF}
+    assert set(BOUNDS) == set(Drive.model_fields) - {
+        *friction.NAMES,
+        *DRY,
+        "collar_radius",
+        "coupling_damping",
+        *PART_OF,
+    }
     assert all(getattr(Drive(), name) is None for name in PART_OF)
     law = {"static_friction_coefficient": 0, "stribeck_rise": 0, "stribeck_speed": 0, "friction_slope": 0}
     assert {name: getattr(Drive(), name) for name in friction.NAMES} == law | {"stribeck_exponent": 1}

@@ -39,7 +39,7 @@ COMMANDS = [
         "screw_mass is a parameter of a compliant axial support, which needs support_stiff",
     ),
     # Thresholds.
-    ("thresholds --solve stuck", "threshold = 'stuck' is not one of those of this drive: onset, kine"),
+    ("thresholds --solve stuck", "threshold = 'stuck' is not one of those of this drive: even_speed, on"),
     ("thresholds --solve stick --for weight", "unknown = 'weight' is not a parameter of this drive"),
     ("thresholds --for weight", "unknown = 'weight' is not a parameter of this drive"),
     # Motions.

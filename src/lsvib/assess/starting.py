@@ -21,11 +21,12 @@ from lsvib.assess.vibration import Vibration, vibration, work_of_many
 from lsvib.errors import InputError
 from lsvib.stability.starting import runs_evenly
 
-BEYOND = 30.0  # how many times below and above the window speeds are tried
-_STEPS = 12  # of these speeds, from end to end
-_CLOSE = 1e-4  # relative, to which a speed or a factor is closed in on
-_FACTORS = (1.25, 1.6, 2.2, 3.0)  # and their inverses: changes of one quantity that are tried
+BEYOND = 10.0  # how many times below and above the window speeds are tried
+_STEPS = 6  # of these speeds, from end to end
+_CLOSE = 1e-3  # relative, to which a speed or a factor is closed in on
+_FACTORS = (1.5, 3.0)  # and their inverses: changes of one quantity that are tried
 _DRAWS = 16  # random drives that are started
+_WORK = 2_000  # of a motion, a fraction of a second where friction follows a law
 Place = tuple[int, float]  # direction of travel, force [N]
 Values = Mapping[str, float]  # quantities of a drive
 
@@ -67,7 +68,7 @@ def starting(
 
     With parts that comply the corner is that of the drive with rigid ones, and there the whole drive is started.
     """
-    places = list(dict.fromkeys((d, values[f"force_{end}"]) for d in directions(sheet) for end in ("low", "high")))
+    places = [(direction, force) for direction in directions(sheet) for force in _forces(values)]
     low, high = values["speed_low"], values["speed_high"]
     tried = _speeds(values)
     window = [speed for speed in tried if low <= speed <= high]
@@ -110,7 +111,14 @@ def evenly(sheet: Sheet, values: Values, place: Place, speed: float, parts: tupl
         drive = drive_of(sheet, values, place[0], speed, place[1], parts)
     except InputError:
         return None
-    return runs_evenly(drive, work_of_many(parts))
+    return runs_evenly(drive, min(_WORK, work_of_many(parts)))
+
+
+def _forces(values: Values) -> list[float]:
+    """The ends of the window of forces [N]; of two that push the same way, weight included, the larger one."""
+    weight = values["mass"] * GRAVITY * math.sin(values["tilt"])
+    low, high = sorted((values["force_low"], values["force_high"]), key=lambda force: abs(force + weight))
+    return [high] if (low + weight) * (high + weight) >= 0 else [low, high]
 
 
 def even_from(evenly: Callable[[float], bool | None], tried: list[float], high: float) -> float | None:

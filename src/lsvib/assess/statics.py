@@ -155,7 +155,7 @@ def root_stress(force: Any, torque: Any, diameter: Any) -> Any:
     """Return the stress [Pa] of an axial ``force`` [N] and a ``torque`` [N m] in a round root, √(σ² + 3 τ²), by Mises.
 
     >>> f"{root_stress(6400.0, 26.18, 28e-3):.4g}"
-    '1.48e+07'
+    '1.479e+07'
     """
     area, section = math.pi / 4 * diameter**2, math.pi / 16 * diameter**3
     return np.sqrt((force / area) ** 2 + 3 * (torque / section) ** 2)

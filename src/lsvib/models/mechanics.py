@@ -178,7 +178,7 @@ class LinearParts:
         contact = (p["contact_damping"], p["contact_stiffness"]) if "contact_stiffness" in p else None
         factor = p["pitch_radius"] * t * (level - t)
         if "collar_friction" in p:
-            factor = factor + law * t * p["collar_friction"] * p["collar_radius"] * (1 + level * t)
+            factor = factor + law * t * p["collar_friction"] * p.get("collar_radius", 0) * (1 + level * t)
         level_only = cls(
             t=t,
             g=1 + level * t,

@@ -15,6 +15,7 @@ friction, ICRA 1990) asked the same by dimensional analysis.
 
 import math
 from collections.abc import Iterator
+from contextlib import suppress
 from itertools import pairwise
 
 from lsvib.engine.exact.arithmetic import many_digits
@@ -22,9 +23,12 @@ from lsvib.errors import EngineError, InputError, NoThreshold
 from lsvib.models.drive import Drive
 from lsvib.models.mechanism import standing_state
 from lsvib.models.model import automaton_of
+from lsvib.results import Threshold, ThresholdSolution
+from lsvib.stability import threshold
 from lsvib.stability.motion_equations import Start
 from lsvib.stability.slip import Slip, SlipDrive
-from lsvib.stability.solve import samples
+from lsvib.stability.solve import Singular, samples
+from lsvib.stability.threshold import newton, require_solvable, result
 
 DECADES, PER_DECADE = 3, 6  # of a search, on both sides of the drive's own value
 _CLOSE = 1e-12  # of a value, to which the search closes in
@@ -80,3 +84,46 @@ def touching(drive: Drive) -> Start:
         if not back.turns:
             raise NoThreshold("slip from the end of rest does not come back.")
         return Start("even+" if law > 0 else "even-", d.force, (back.recurrence(),))
+
+
+def even_speed(drive: Drive, unknown: str) -> Threshold:
+    """Return the even speed of a drive, or any other parameter for its own speed, by motions from rest.
+
+    Where these meet the equations of the module's text the solutions are theirs, with derivatives.
+    """
+    require_solvable(drive, unknown)
+    found, known = [], tried(drive, unknown)
+    for low, high in changes(drive, unknown, known):
+        middle = 0.5 * (low + high)
+        solution = ThresholdSolution(middle, (low, high), {}, "the motion from rest, by its own events")
+        near = drive.replace(**{unknown: middle})
+        with suppress(Singular, NoThreshold):
+            closed = newton(near, unknown, touching(near), middle)
+            solution = closed if abs(closed.value - middle) <= 1e-9 * abs(middle) else solution
+        found.append(solution)
+    span = f"{DECADES} decades on both sides of the drive's own value"
+    ends = {True: "ends in steady sliding", False: "does not end in steady sliding"}
+    always = ends[known[0][1]] if known else "is not known"
+    reason = f"the motion from rest {always} at any {unknown} tried within {span}, all other parameters held."
+    how = f"All that motions from rest at {len(known)} values over {span} have found; that is no proof."
+    return result(drive, "even_speed", unknown, found, how, reason)
+
+
+def all_thresholds(drive: Drive, unknown: str | None = None) -> dict[str, Threshold]:
+    """Return all thresholds of a drive by name, as :func:`lsvib.stability.threshold.all_thresholds` does."""
+    key = threshold.parameter(drive, "even_speed", unknown)
+    try:
+        found = even_speed(drive, key)
+    except NoThreshold as absent:
+        found = result(drive, "even_speed", key, (), reason=str(absent))
+    return {"even_speed": found, **threshold.all_thresholds(drive, unknown)}
+
+
+def solve_threshold(drive: Drive, name: str, unknown: str | None = None) -> Threshold:
+    """Solve any threshold of a drive, as :func:`lsvib.stability.threshold.solve_threshold` does."""
+    if name != "even_speed":
+        return threshold.solve_threshold(drive, name, unknown)
+    found = even_speed(drive, threshold.parameter(drive, name, unknown))
+    if not found.solutions:
+        raise NoThreshold(found.reason)
+    return found

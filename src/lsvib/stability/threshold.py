@@ -22,7 +22,7 @@ from lsvib.models.drive import DRY, Drive, allowed_range, described
 from lsvib.models.model import model_of
 from lsvib.numbers import shown
 from lsvib.results import Derivative, PrintedValue, Threshold, ThresholdSolution
-from lsvib.stability import boundaries, motion_equations, starting
+from lsvib.stability import boundaries, motion_equations
 from lsvib.stability.boundaries import FRICTIONLESS, Place, StableSet, places, searched, stable_set
 from lsvib.stability.force_thresholds import STARTS, rest_left
 from lsvib.stability.motion_equations import Start
@@ -57,23 +57,25 @@ _STATEMENTS = {  # forces for input_speed > 0; for input_speed < 0 all forces ch
 
 
 def all_thresholds(drive: Drive, unknown: str | None = None) -> dict[str, Threshold]:
-    """Return all thresholds of a drive by name, each as :func:`solve_threshold` gives it.
+    """Return all thresholds of a drive by name but ``even_speed``, each as :func:`solve_threshold` gives it.
 
     Solved for ``unknown``, by default each for its usual parameter. One that does not exist has no value but a
     ``reason``. Raises ``InputError`` for another parameter.
     """
     found = {}
     for name in model_of(drive).thresholds:
-        key = _parameter(drive, name, unknown)
+        if name == "even_speed":  # which needs the engine, see lsvib.stability.starting
+            continue
+        key = parameter(drive, name, unknown)
         try:
             found[name] = _solve(drive, name, key)
         except NoThreshold as absent:
-            found[name] = _result(drive, name, key, (), reason=str(absent))
+            found[name] = result(drive, name, key, (), reason=str(absent))
     return found
 
 
 def solve_threshold(drive: Drive, name: str, unknown: str | None = None) -> Threshold:
-    """Solve a threshold of a drive for one of its parameters, all others held.
+    """Solve a threshold of a drive, any but ``even_speed``, for one of its parameters, all others held.
 
     Arguments: drive of any model; name of one of the thresholds of that model; name of the parameter, by default the
     mass for ``kinematic_constraint``, ``flutter`` and, where parts comply, ``onset``, the support damping for
@@ -84,13 +86,14 @@ def solve_threshold(drive: Drive, name: str, unknown: str | None = None) -> Thre
     known = model_of(drive).thresholds
     if not isinstance(name, str) or name not in known:
         raise InputError(f"threshold = {shown(name)} is not one of those of this drive: {', '.join(known)}.")
-    found = _solve(drive, name, _parameter(drive, name, unknown))
+    found = _solve(drive, name, parameter(drive, name, unknown))
     if not found.solutions:
         raise NoThreshold(found.reason)
     return found
 
 
-def _parameter(drive: Drive, name: str, unknown: Any) -> str:
+def parameter(drive: Drive, name: str, unknown: Any) -> str:
+    """Return the parameter that a threshold is solved for, the usual one for None; raises ``InputError``."""
     key = _USUAL.get(name, "mass" if drive.parts else "axial_force") if unknown is None else unknown
     there = [name for name in Drive.model_fields if getattr(drive, name) is not None]
     if key not in there:
@@ -100,20 +103,23 @@ def _parameter(drive: Drive, name: str, unknown: Any) -> str:
 
 def _solve(drive: Drive, name: str, unknown: str) -> Threshold:
     """A threshold, perhaps without solutions but with a reason; or ``NoThreshold``."""
-    if unknown == "stribeck_exponent":
-        raise NoThreshold("stribeck_exponent is either 1 or 2, so no threshold is solved for it.")
-    if unknown == "stribeck_rise" and not drive.stribeck_speed:
-        raise NoThreshold("no threshold is solved for stribeck_rise without stribeck_speed > 0.")
+    require_solvable(drive, unknown)
     if name in boundaries.NAMES:
         return _by_roots(drive, name, unknown)
-    if name == "even_speed":
-        return _by_starts(drive, unknown)
     if unknown in DRY:
         raise NoThreshold(f"the threshold {name} has a closed form without friction of slide, bearing and collar only.")
     _require_one_friction(drive, name, unknown)
     if name in STARTS and unknown == "axial_force":
         return _by_force(drive, name)
     return _by_search(drive, name, unknown)
+
+
+def require_solvable(drive: Drive, unknown: str) -> None:
+    """Raise ``NoThreshold`` for a parameter of the friction law that is solved for in no threshold."""
+    if unknown == "stribeck_exponent":
+        raise NoThreshold("stribeck_exponent is either 1 or 2, so no threshold is solved for it.")
+    if unknown == "stribeck_rise" and not drive.stribeck_speed:
+        raise NoThreshold("no threshold is solved for stribeck_rise without stribeck_speed > 0.")
 
 
 def _require_one_friction(drive: Drive, name: str, unknown: str) -> None:
@@ -144,7 +150,7 @@ def _by_roots(drive: Drive, name: str, unknown: str) -> Threshold:
     how = f"All of them: the roots of {what} are isolated with certainty."
     if any(place.condition.words == FRICTIONLESS for place in found):
         how += " Where the equation is μ = 0, the falling law of friction reaches zero and is cut off."
-    return _result(drive, name, unknown, solutions, how, reason, stable)
+    return result(drive, name, unknown, solutions, how, reason, stable)
 
 
 def _at_place(drive: Drive, name: str, unknown: str, place: Place) -> ThresholdSolution:
@@ -163,13 +169,13 @@ def _by_force(drive: Drive, name: str) -> Threshold:
         start = STARTS[name](drive)
         force = start.force * (1 if drive.input_speed > 0 else -1)
     try:
-        found = _newton(drive, "axial_force", start, force)
+        found = newton(drive, "axial_force", start, force)
     except Singular:
         raise NoThreshold(
             f"no axial_force is the threshold {name}: next to {float(force):.9g} N, where the drive changes what it "
             "does, its equations have no solution."
         ) from None
-    return _result(drive, name, "axial_force", [found], "The force follows from a closed form, which has one value.")
+    return result(drive, name, "axial_force", [found], "The force follows from a closed form, which has one value.")
 
 
 def _by_search(drive: Drive, name: str, unknown: str) -> Threshold:
@@ -183,32 +189,13 @@ def _by_search(drive: Drive, name: str, unknown: str) -> Threshold:
     for value in sign_changes(drive, unknown, lambda near: float(_start(name, near)[0]), samples(drive, unknown, ends)):
         near = drive.replace(**{unknown: value})
         with suppress(Singular, NoThreshold):  # a jump of the gap, not a root
-            found.append(_newton(near, unknown, _start(name, near)[1], value))
+            found.append(newton(near, unknown, _start(name, near)[1], value))
     span = f"{DECADES} decades on both sides of the drive's own value"
     reason = (
         f"no {unknown} within {span} is the threshold {name} at axial_force = {drive.axial_force:g}, all other "
         f"parameters held{'' if found else _why_not(name, drive)}."
     )
-    return _result(drive, name, unknown, found, f"All that a search over {span} has found; that is no proof.", reason)
-
-
-def _by_starts(drive: Drive, unknown: str) -> Threshold:
-    """The even speed, or any other parameter: by motions from rest, and in closed form where that is what they meet."""
-    found, known = [], starting.tried(drive, unknown)
-    for low, high in starting.changes(drive, unknown, known):
-        middle = 0.5 * (low + high)
-        solution = ThresholdSolution(middle, (low, high), {}, "the motion from rest, by its own events")
-        near = drive.replace(**{unknown: middle})
-        with suppress(Singular, NoThreshold):
-            closed = _newton(near, unknown, starting.touching(near), middle)
-            solution = closed if abs(closed.value - middle) <= 1e-9 * abs(middle) else solution
-        found.append(solution)
-    span = f"{starting.DECADES} decades on both sides of the drive's own value"
-    ends = {True: "ends in steady sliding", False: "does not end in steady sliding"}
-    always = ends[known[0][1]] if known else "is not known"
-    reason = f"the motion from rest {always} at any {unknown} tried within {span}, all other parameters held."
-    how = f"All that motions from rest at {len(known)} values over {span} have found; that is no proof."
-    return _result(drive, "even_speed", unknown, found, how, reason)
+    return result(drive, name, unknown, found, f"All that a search over {span} has found; that is no proof.", reason)
 
 
 def _why_not(name: str, drive: Drive) -> str:
@@ -229,7 +216,8 @@ def _start(name: str, drive: Any) -> tuple[Any, Start]:
         return start.force - drive.axial_force * (1 if drive.input_speed > 0 else -1), start
 
 
-def _newton(drive: Drive, unknown: str, start: Start, guess: Any) -> ThresholdSolution:
+def newton(drive: Drive, unknown: str, start: Start, guess: Any) -> ThresholdSolution:
+    """Return the solution of a system of equations next to a guess; raises ``Singular`` where there is none."""
     equations = motion_equations.equations(start.system, 1 if drive.input_speed > 0 else -1)
     root = solved(drive, unknown, equations, guess, start.times)
     return _solution(drive, unknown, root, motion_equations.words(start.system))
@@ -259,7 +247,7 @@ def _quotient(unit: str, by: str) -> str:
     return " ".join(f"{name}{n if n != 1 else ''}" for name, n in ordered if n) or "1"
 
 
-def _result(
+def result(
     drive: Drive,
     name: str,
     unknown: str,
@@ -268,6 +256,7 @@ def _result(
     reason: str = "",
     stable: StableSet | None = None,
 ) -> Threshold:
+    """Return a threshold with the solutions that were found, or with the reason for none."""
     solutions = tuple(sorted(found, key=lambda solution: solution.value))
     return Threshold(
         name=name,
