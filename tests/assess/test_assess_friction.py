@@ -129,13 +129,13 @@ def test_the_fall_of_the_law_decides_from_the_onset_force_on():
 
 
 def test_a_start_from_rest_keeps_jerking_up_to_the_stated_speed():
-    """On either side of it by a part in a thousand; small perturbations decay there, as steady sliding is stable."""
+    """On either side of it by two parts in a thousand; small perturbations decay there, as steady sliding is stable."""
     given = sheet(friction={**LAW, "static": 0.4}, operation=SLOW, load={"mass": "1 kg", "force": "-60 N"})
     values = values_of(given)
     edge = starting(given, values, (), ()).even_speed
-    moved = [vibration(given, values, (1, part * edge, -60.0), rest=True) for part in (0.999, 1.001)]
+    moved = [vibration(given, values, (1, part * edge, -60.0), rest=True) for part in (0.998, 1.002)]
     assert [one.vibrates for one in moved] == [True, False]
-    assert vibration(given, values, (1, 0.999 * edge, -60.0)).attractor == "steady sliding"
+    assert vibration(given, values, (1, 0.998 * edge, -60.0)).attractor == "steady sliding"
 
 
 @pytest.mark.parametrize("exponent", [1, 2])

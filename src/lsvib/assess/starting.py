@@ -1,7 +1,6 @@
 """What a drive does when it is switched on: the screw stands with the coupling relaxed, and the motor begins to turn.
 
-The motions are those of :mod:`lsvib.stability.starting`, at the ends of the range of forces in each direction of
-travel.
+The motions are those of :mod:`lsvib.stability.starting`, at the ends of the range of forces in each direction.
 """
 
 import math
@@ -38,10 +37,10 @@ class Starting:
     ``jerks``: whether it goes on vibrating at some speed of the window, at the middle values; None where that is not
     known. ``corner``: direction, speed [rad/s] and force [N] of the slowest such point, or where it is nearest to that;
     ``even_speed`` [rad/s] of the screw there, from which on it runs evenly, None where there is none or it is not
-    known. ``motion`` from rest at the corner, if it jerks. ``of_static``: whether friction at rest is the
-    cause, as the drive runs evenly without what it has above that of sliding. ``changes`` of one quantity by no more
-    than a factor of three that end it in the whole window, the smallest first. ``share`` of ``drawn`` drives that jerk
-    at the lowest speed of that corner.
+    known. ``motion`` from rest at the corner, if it jerks. ``of_static``: whether friction at rest is the cause, as the
+    drive runs evenly without what it has above that of sliding. ``changes`` of one quantity by no more than a factor of
+    three that end it in the whole window, the smallest first. ``share`` of ``drawn`` drives that jerk at the lowest
+    speed of that corner.
     """
 
     jerks: bool | None
@@ -73,7 +72,8 @@ def starting(
     tried = _speeds(values)
     window = [speed for speed in tried if low <= speed <= high]
     found = {at: even_from(lambda speed, at=at: evenly(sheet, values, at, speed), tried, high) for at in places}
-    place = max(places, key=lambda at: found[at] or 0.0)
+    often = {at: sum(evenly(sheet, values, at, speed) is False for speed in window) for at in places}
+    place = max(places, key=lambda at: (often[at], found[at] or 0.0))
     even_speed = found[place]
     if parts:
         even_speed = even_from(lambda speed: evenly(sheet, values, place, speed, parts), tried, high)

@@ -20,7 +20,7 @@ from itertools import pairwise
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import EngineError, InputError, NoThreshold
-from lsvib.models.drive import Drive
+from lsvib.models.drive import Drive, once
 from lsvib.models.mechanism import standing_state
 from lsvib.models.model import automaton_of
 from lsvib.results import Threshold, ThresholdSolution
@@ -34,6 +34,7 @@ DECADES, PER_DECADE = 3, 6  # of a search, on both sides of the drive's own valu
 _CLOSE = 1e-12  # of a value, to which the search closes in
 
 
+@once
 def runs_evenly(drive: Drive, work: int = 300_000) -> bool | None:
     """Whether the motion from rest ends in steady sliding; None where that is not known, with so much ``work``.
 
