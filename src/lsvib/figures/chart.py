@@ -25,7 +25,7 @@ _LOOKS = {  # colour, and words of the legend
     "stick slip with contact reversal": (style.SKY, "stick–slip, $N$ reverses"),
     "sprag slip": (style.ORANGE, "sprag–slip"),
     "coexistence": (style.WINE, "steady sliding beside a cycle"),
-    "vibration from rest": (style.PURPLE, "the same, and a cycle from rest"),
+    "vibration from rest": (style.PURPLE, "steady sliding, a cycle from rest"),
     "neutral": (style.BLUE, "neutral oscillations"),
     "unresolved": (style.BLACK, "unresolved"),
 }
