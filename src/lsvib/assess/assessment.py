@@ -115,7 +115,8 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
     unstable = any(one.occurs for name, one in found.items() if name != "after_perturbation")
     if sheet.stiff and not sheet.friction.law and lowest > 0:  # then slip shrinks every area, whatever the start
         started = Starting.even(nominal.corner)
-    elif unstable and not sheet.friction.law:  # a start from rest tells nothing new
+    elif not sheet.friction.law and (unstable or min(one.reserve for one in found.values()) == 0):
+        # A start from rest tells nothing new: it cannot become steady, as nothing damps it, or worse.
         started = replace(Starting.even(nominal.corner), jerks=None)
     else:
         started = starting(sheet, values, parts_of(sheet), draws if spread.samples > 1 else (), advise=not unstable)

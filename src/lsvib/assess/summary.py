@@ -18,7 +18,7 @@ _NUT_LIMITS = {"nut_pressure": "pressure_limit", "sliding_speed": "speed_limit",
 
 def brief(assessment: Assessment) -> list[str]:
     """Return the short answer for the shell, a sentence or two to a line: verdict, statics, limits, three changes."""
-    told = assessment.verdict != "vibrates" or assessment.starting.even_speed
+    told = assessment.verdict not in ("vibrates", "steady without reserve") or assessment.starting.even_speed
     first = " ".join(filter(None, (VERDICTS[assessment.verdict], from_rest(assessment) if told else "")))
     return [first, *of_statics(assessment.statics), *_changes(assessment)]
 
