@@ -10,7 +10,7 @@ from lsvib import Drive
 from lsvib.assess.assessment import assess
 from lsvib.assess.chart import KINDS, charts
 from lsvib.assess.margins import changeable
-from lsvib.assess.mechanisms import drive_of
+from lsvib.assess.mechanisms import directions, drive_of
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.starting import evenly
 from lsvib.assess.summary import brief
@@ -33,7 +33,7 @@ def test_the_first_line_says_that_it_jerks_up_to_which_speed_and_how_often():
     found = assess(Sheet.of(JERKING), samples=64)
     started = found.starting
     assert found.verdict == "jerks"
-    assert started.of_static
+    assert started.cause == "static"
     assert started.corner == (1, pytest.approx(2 * np.pi / 30), 0.9414)
     drive = Drive.of(drive_of(found.sheet, found.values, *started.corner))
     assert started.even_speed == pytest.approx(drive.threshold("even_speed").value, rel=1e-3)
@@ -95,6 +95,7 @@ def changes_that_help(seeds) -> int:
             for factor, quiet in ((row.factor, True), (row.factor * (0.995 if row.factor > 1 else 1.005), False)):
                 own = {**values, **{key: values[key] * factor for key in keys}}
                 speeds = [own["speed_low"], own["speed_high"]]
+                places = [(direction, own["force_low"]) for direction in directions(found.sheet)]
                 assert all(evenly(found.sheet, own, place, speed) for place in places for speed in speeds) == quiet
             count += 1
     return count

@@ -1,6 +1,7 @@
 """A motor in the data sheet: its control on the side of the screw, and what it changes."""
 
 import math
+import re
 
 import pytest
 
@@ -10,6 +11,7 @@ pytest.importorskip("scipy")
 from lsvib.assess.assessment import assess
 from lsvib.assess.drive import nominal_draw, quantities
 from lsvib.assess.mechanisms import corners, drive_of, reserves
+from lsvib.assess.report import report
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.vibration import parts_of
 from lsvib.errors import InputError
@@ -89,3 +91,13 @@ def test_wrong_motors_are_refused():
         Sheet.of({**MEASURED, "motor": {"inertia": "2e-6 kg*m^2"}})
     with pytest.raises(InputError, match=r"^motor.steps_per_turn is that of a stepper"):
         Sheet.of({**MEASURED, "motor": {**GAINS, "steps_per_turn": 200}})
+
+
+def test_the_report_says_which_oscillations_the_control_reaches():
+    """That of both on the gains is damped by them, that of the screw against the motor on the coupling hardly."""
+    found = assess(Sheet.of(MEASURED), samples=64)
+    page = report(found, [])
+    with_gain, without = re.search(r"damping ratios: ([^;]*); without[^:]*: ([^.]*\.?[^;]*?)\. What it", page).groups()
+    slow, fast = (tuple(map(float, re.findall(r"ζ = ([0-9.e-]+)", text))) for text in (with_gain, without))
+    assert slow[0] == pytest.approx(2 * fast[0], rel=0.05)  # c and K_p are alike
+    assert slow[1] < 1.6 * fast[1]

@@ -117,7 +117,7 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
         started = Starting.even(nominal.corner)
     elif not sheet.friction.law and (unstable or min(one.reserve for one in found.values()) == 0):
         # A start from rest tells nothing new: it cannot become steady, as nothing damps it, or worse.
-        started = replace(Starting.even(nominal.corner), jerks=None)
+        started = replace(Starting.even(nominal.corner), jerks=None, even_speed=None)
     else:
         started = starting(sheet, values, parts_of(sheet), draws if spread.samples > 1 else (), advise=not unstable)
     worst_motion = _worst_motion(sheet, found, cases, spread.upset) if cases else nominal

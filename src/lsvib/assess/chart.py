@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 from lsvib.assess.drive import GRAVITY, without_friction
 from lsvib.assess.mechanisms import applicable, directions, drive_of, reserves
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.starting import even_speeds
+from lsvib.assess.starting import outcomes
 from lsvib.assess.vibration import parts_of, tolerated_perturbation
 from lsvib.errors import EngineError, InputError
 from lsvib.stability.force_thresholds import threshold_force
 
-KINDS = ("steady", "steady_until_perturbed", "steady_once_started", "jerks_from_rest", "negative_damping",
-         "kinematic_constraint", "mode_coupling", "falling_friction", "thread_contact")  # fmt: skip
+KINDS = ("steady", "steady_until_perturbed", "steady_once_started", "steady_when_left_alone", "jerks_from_rest",
+         "negative_damping", "kinematic_constraint", "mode_coupling", "falling_friction", "thread_contact")  # fmt: skip
 """What the chart distinguishes, by flag value."""
 
 _BOUNDARIES = {
@@ -73,8 +73,9 @@ def _kinds(
         last = _fatal_ratio(sheet, values, direction, ratio[maybe].max(), drag)
         upset = KINDS.index("steady_once_started" if last is None else "steady_until_perturbed")
         kind[maybe & (ratio <= (math.inf if last is None else last))] = upset
-    even = even_speeds(sheet, values, direction, force, parts_of(sheet))
-    kind[turning[None, :] < even[:, None]] = KINDS.index("jerks_from_rest")
+    started = outcomes(sheet, values, direction, turning, force, parts_of(sheet))
+    kind[np.isnan(started)] = KINDS.index("steady_when_left_alone")  # what a start becomes is not known
+    kind[started == 0] = KINDS.index("jerks_from_rest")
     for name in reversed([name for name in KINDS if name in applicable(sheet)]):
         kind = np.where(np.broadcast_to(found[name], shape) < 0, KINDS.index(name), kind)
     return kind.astype(np.int8)

@@ -141,12 +141,13 @@ def _starting_json(found: Starting, travel: float) -> dict[str, Any]:
     moved, even = found.motion, found.even_speed
     return {
         "jerks": found.jerks,
-        "even_speed": even,
-        "even_load_speed": even and travel * even,
+        "even_speed": even if even is not None and math.isfinite(even) else None,
+        "even_load_speed": travel * even if even is not None and math.isfinite(even) else None,
+        "at_no_speed_tried": even == math.inf,
         "at": {**_place(found.corner), "load_speed": travel * found.corner[1]},
         "frequency": moved and moved.frequency,
         "peak_to_peak": moved and moved.amplitude and 2 * moved.amplitude,
-        "static_friction_is_the_cause": found.of_static,
+        "cause": found.cause or None,
         "changes_that_end_it": _margins_json(found.changes),
         "share_of_drawn": found.share,
         "drawn": found.drawn,

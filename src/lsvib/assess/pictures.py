@@ -25,6 +25,7 @@ _COLOURS = {
     "steady": "#E8F3EC",
     "steady_until_perturbed": "#F0D96B",
     "steady_once_started": "#CDB9DF",
+    "steady_when_left_alone": "#D9D2C3",
     "jerks_from_rest": "#9DB7D9",
     "negative_damping": style.ORANGE,
     "kinematic_constraint": style.VERMILION,

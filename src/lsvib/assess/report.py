@@ -19,11 +19,14 @@ from lsvib.assess.assessment import AssessedMotion, Assessment, Mechanism
 from lsvib.assess.chart import Chart
 from lsvib.assess.drive import IN_WORDS, UNITS, flank_coefficient, point, random_entries
 from lsvib.assess.fields import FrictionBySpeed, Spread
+from lsvib.assess.mechanisms import drive_of
 from lsvib.assess.starting import Starting
 from lsvib.assess.threads import ThreadSize
+from lsvib.assess.vibration import parts_of
 from lsvib.assess.words import ATTRACTORS, MECHANISMS, SHORT, change, entry_name, percent, shown, signed
 from lsvib.errors import InputError
 from lsvib.files import write_json, write_text
+from lsvib.stability.conditions import stability
 
 
 def _page(template: str, **values: Any) -> str:
@@ -67,7 +70,7 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
         if assessment.verdict == "jerks"
         else [row for row in assessment.margins if summary.is_near(row) and row.value],
         near=near,
-        loop=_loop(assessment.values) if sheet.motor is not None else None,
+        oscillations=_oscillations(assessment) if sheet.motor is not None else [],
         lever=max(found[steep].sensitivities.items(), key=lambda item: abs(item[1])) if steep else None,
         steep=steep,
         charts=charts,
@@ -84,10 +87,19 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
     )
 
 
-def _loop(values: dict[str, float]) -> tuple[float, float]:
-    """Frequencies [Hz] up to which the control of a motor reaches, and of the screw on its coupling."""
-    held = math.sqrt((values["integral_gain"] + values["coupling_stiffness"]) / values["motor_inertia"])
-    return held / (2 * math.pi), math.sqrt(values["coupling_stiffness"] / values["inertia"]) / (2 * math.pi)
+def _oscillations(assessment: Assessment) -> list[str]:
+    """Frequencies with damping ratios of small oscillations, with the motor's control and without its damping."""
+    sheet, values = assessment.sheet, assessment.values
+    drive = drive_of(sheet, values, *assessment.nominal.corner, parts_of(sheet))
+    found = []
+    for gain in (drive.speed_gain, 0.0):
+        try:
+            roots = stability(drive.replace(speed_gain=gain)).eigenvalues
+        except InputError:  # the contact carries no force
+            return []
+        pairs = sorted((root for root in roots if root.imag > 0), key=abs)
+        found.append(", ".join(f"{shown(abs(z) / (2 * math.pi), 'Hz')} (ζ = {-z.real / abs(z):.2g})" for z in pairs))
+    return found
 
 
 def shown_mechanisms(assessment: Assessment) -> list[str]:
@@ -110,7 +122,7 @@ def _where(one: Mechanism | AssessedMotion | Starting, assessment: Assessment) -
 def _summary(assessment: Assessment) -> str:
     found = [assessment.mechanisms[name] for name in shown_mechanisms(assessment)]
     occurring, absent = [one for one in found if one.occurs], _absent(assessment)
-    fast = f" {started}" if (started := summary.from_rest(assessment)) else ""
+    started = f" {told}" if (told := summary.from_rest(assessment)) else ""
     if assessment.verdict == "jerks":
         return _of_jerks(assessment)
     if occurring:
@@ -123,15 +135,15 @@ def _summary(assessment: Assessment) -> str:
             if best
             else " No change of one quantity alone, up to a factor of three, makes it run steadily."
         )
-        return f"The cause is {SHORT[one.name]}, worst {_where(one, assessment)}.{too}{advice}{fast}{absent}"
+        return f"The cause is {SHORT[one.name]}, worst {_where(one, assessment)}.{too}{advice}{started}{absent}"
     near = [(abs(math.log(row.factor)), one, row) for one in found for row in one.margins if row.factor is not None]
     if not near:
         nothing = "No single change of any quantity, from a thousandth to a thousandfold, would make it vibrate."
-        return f"{nothing}{fast}{absent}"
+        return f"{nothing}{started}{absent}"
     _, one, row = min(near, key=lambda entry: entry[0])
     return (
         f"The nearest cause of vibration is {SHORT[one.name]}: it would set in with the "
-        f"{IN_WORDS[row.quantity]} {change(row.factor)}, {shown(row.value, UNITS[row.quantity])}.{fast}{absent}"
+        f"{IN_WORDS[row.quantity]} {change(row.factor)}, {shown(row.value, UNITS[row.quantity])}.{started}{absent}"
     )
 
 
@@ -139,12 +151,12 @@ def _of_jerks(assessment: Assessment) -> str:
     """What a drive does that jerks from rest, why, and what ends it."""
     found = assessment.starting
     cause = "the vibration that a perturbation could start as well, which the start from rest reaches"
-    if found.of_static:
-        cause = "static friction above that of sliding: without the difference it would become steady"
-    elif assessment.sheet.friction.law:
-        cause = "friction that falls as sliding begins"
+    if found.cause == "static":
+        cause = "static friction above that of sliding: without the difference it would become steady there"
+    elif found.cause == "law":
+        cause = "friction that changes with the speed: with that of its coefficient alone it would become steady there"
     best = "; or ".join(f"the {summary.changed(assessment, row)}" for row in summary.helping(assessment))
-    advice = f"The smallest single changes that end the jerks in the whole window: {best}."
+    advice = f"The smallest single changes that end the jerks at all points of the window that were tried: {best}."
     if not best:
         advice = "No change of one quantity alone, up to a factor of three, ends them."
     return f"{summary.from_rest(assessment)} The cause is {cause}. {advice}"

@@ -6,7 +6,7 @@ The motions are those of :mod:`lsvib.stability.starting`, at the ends of the ran
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from itertools import islice, product
+from itertools import islice, pairwise, product
 from typing import Self
 
 import numpy as np
@@ -36,18 +36,19 @@ class Starting:
 
     ``jerks``: whether it goes on vibrating at some speed of the window, at the middle values; None where that is not
     known. ``corner``: direction, speed [rad/s] and force [N] of the slowest such point, or where it is nearest to that;
-    ``even_speed`` [rad/s] of the screw there, from which on it runs evenly, None where there is none or it is not
-    known. ``motion`` from rest at the corner, if it jerks. ``of_static``: whether friction at rest is the cause, as the
-    drive runs evenly without what it has above that of sliding. ``changes`` of one quantity by no more than a factor of
-    three that end it in the whole window, the smallest first. ``share`` of ``drawn`` drives that jerk at the lowest
-    speed of that corner.
+    ``even_speed`` [rad/s] of the screw there, from which on it runs evenly: zero if at all speeds tried, infinite if at
+    none up to :data:`BEYOND` times the highest, None where it is not known. ``motion`` from rest at the corner, if it
+    jerks. ``cause`` there: ``static`` friction, without whose surplus it runs evenly, or ``law``, if it does without
+    any change of friction with the speed, else empty. ``changes`` of one quantity by no more than a factor of three
+    that end it at all points of the window that are tried, the smallest first. ``share`` of ``drawn`` drives that jerk
+    at the lowest speed of that corner.
     """
 
     jerks: bool | None
     corner: tuple[int, float, float]
     even_speed: float | None
     motion: Vibration | None
-    of_static: bool
+    cause: str
     changes: list[Margin]
     share: float
     drawn: int
@@ -55,7 +56,7 @@ class Starting:
     @classmethod
     def even(cls, corner: tuple[int, float, float]) -> Self:
         """Return what is said of a drive of which every motion is known to become steady."""
-        return cls(False, corner, None, None, False, [], 0.0, 0)
+        return cls(False, corner, 0.0, None, "", [], 0.0, 0)
 
 
 def starting(
@@ -73,7 +74,7 @@ def starting(
     window = [speed for speed in tried if low <= speed <= high]
     found = {at: even_from(lambda speed, at=at: evenly(sheet, values, at, speed), tried, high) for at in places}
     often = {at: sum(evenly(sheet, values, at, speed) is False for speed in window) for at in places}
-    place = max(places, key=lambda at: (often[at], found[at] or 0.0))
+    place = max(places, key=lambda at: (often[at], found[at] or 0.0))  # what is not known counts as quiet
     even_speed = found[place]
     if parts:
         even_speed = even_from(lambda speed: evenly(sheet, values, place, speed, parts), tried, high)
@@ -85,17 +86,22 @@ def starting(
         return replace(
             Starting.even(corner),
             jerks=jerks,
-            even_speed=even_speed or None,
+            even_speed=even_speed,
             share=ends.count(False) / max(len(ends), 1),
             drawn=len(ends),
         )
-    level = {**values, "static_friction": 0.0}
-    of_static = "static_friction" in values and evenly(sheet, level, place, corner[1], parts) is True
+    without = {"static": {"static_friction": 0.0}}
+    without["law"] = {**without["static"], "stribeck_rise": 0.0, "friction_slope": 0.0}
+    causes = (
+        name
+        for name, none in without.items()
+        if sheet.friction.law and evenly(sheet, {**values, **none}, place, corner[1], parts)
+    )
     asked = [(place, corner[1]), *product(places, window)]
     found_changes = _changes(sheet, values, parts, asked) if advise else ()
     changes = sorted(found_changes, key=lambda row: abs(math.log(row.factor or 1.0)))
     motion = vibration(sheet, values, corner, parts, rest=True)
-    return Starting(True, corner, even_speed or None, motion, of_static, changes, 1.0, 0)
+    return Starting(True, corner, even_speed, motion, next(causes, ""), changes, 1.0, 0)
 
 
 def _speeds(values: Values) -> list[float]:
@@ -125,14 +131,14 @@ def even_from(evenly: Callable[[float], bool | None], tried: list[float], high: 
     """Return the speed from which on a drive runs evenly, up to ``high`` at least; zero if at all lower ones, too.
 
     It is looked for from ``high``, one of the ascending speeds ``tried``, downwards if it runs evenly there, else
-    upwards. None where there is none or it is not known.
+    upwards. Infinite where it does at none of these, None where it is not known.
     """
     k = tried.index(high)
     even = evenly(high)
     while even is not None:
         k += -1 if even else 1
         if not 0 <= k < len(tried):
-            return 0.0 if even else None
+            return 0.0 if even else math.inf
         other = evenly(tried[k])
         if other is not None and other != even:
             break
@@ -156,8 +162,8 @@ def _changes(
     def quiet(keys: tuple[str, ...], factor: float, points: list[tuple[Place, float]]) -> bool:
         """Whether the changed drive runs evenly at some points of its window."""
         own = scaled(sheet, values, keys, factor)
-        moved = own["speed_low"] / values["speed_low"]
-        return all(evenly(sheet, own, place, speed * moved, parts) for place, speed in points)
+        faster, more = own["speed_low"] / values["speed_low"], factor if "force_low" in keys else 1.0
+        return all(evenly(sheet, own, (way, more * force), faster * speed, parts) for (way, force), speed in points)
 
     for name, keys in changeable(values).items():
         sides = [list(_FACTORS), [1 / factor for factor in _FACTORS]]
@@ -180,24 +186,39 @@ def _changes(
             yield Margin(name, best, best * max((values[key] for key in keys), key=abs))
 
 
-def even_speeds(
-    sheet: Sheet, values: Values, direction: int, forces: NDArray, parts: tuple[str, ...]
+def outcomes(
+    sheet: Sheet, values: Values, direction: int, turning: NDArray, force: NDArray, parts: tuple[str, ...]
 ) -> NDArray[np.float64]:
-    """Return the even speed [rad/s] of the screw at each force [N] in one direction; NaN where it is not known.
+    """Return 1 where a drive runs evenly from rest, 0 where it does not, NaN where that is not known (force, speed).
 
-    With rigid parts and friction that does not depend on the speed it is proportional to the whole force on either side
-    of zero, as every motion is multiplied if both are; else it is interpolated.
+    Arguments: speeds of the screw [rad/s] and forces [N]. With rigid parts, where only the threads rub and their
+    friction does not change with the speed of sliding, every motion is multiplied if speed and whole force are, so that
+    their ratio decides: it is sampled on either side of zero, and each change is closed in on. Else a point has the
+    answer of the nearest of 9 by 9.
     """
-    tried, high = _speeds(values), values["speed_high"]
-    weight = values["mass"] * GRAVITY * math.sin(values["tilt"])
-    knots = np.clip([forces.min(), -weight, forces.max()], forces.min(), forces.max())
-    if not sheet.closed:
-        knots = np.unique(np.r_[knots, np.quantile(forces, (0.25, 0.5, 0.75))])
 
-    def at(force: float) -> float:
-        """The even speed at a force."""
+    def asked(speed: float, push: float) -> float:
+        """The answer at a point."""
+        found = evenly(sheet, values, (direction, push), speed, parts)
+        return math.nan if found is None else float(found)
 
-        found = even_from(lambda speed: evenly(sheet, values, (direction, force), speed, parts), tried, high)
-        return math.nan if found is None else found
+    if not sheet.stiff or sheet.dry or sheet.friction.sloped:
+        speeds, forces = (np.linspace(axis[0], axis[-1], 9) for axis in (turning, force))
+        table = np.array([[asked(speed, push) for speed in speeds.tolist()] for push in forces.tolist()])
+        return table[np.ix_(_nearest(forces, force), _nearest(speeds, turning))]
+    weight, speed = values["mass"] * GRAVITY * math.sin(values["tilt"]), values["speed_high"]
+    ratio = (force[:, None] + weight) / turning
+    sizes = np.geomspace(1e-4, 1.0, 60) * np.abs(ratio).max()
+    known = {one: asked(speed, one * speed - weight) for one in [*-sizes[::-1], *sizes]}
+    for (low, first), (high, last) in pairwise(list(known.items())):
+        for _ in range(8 * (first != last and low * high > 0)):  # to 1e-3
+            middle = math.copysign(math.sqrt(low * high), low)
+            known[middle] = asked(speed, middle * speed - weight)
+            low, high = (middle, high) if known[middle] == first else (low, middle)
+    places = np.array(sorted(known))
+    return np.array([known[one] for one in places.tolist()])[_nearest(places, ratio)]
 
-    return np.interp(forces, knots, [at(float(force)) for force in knots])
+
+def _nearest(places: NDArray, x: NDArray) -> NDArray[np.int64]:
+    """The index of the nearest of some ascending places."""
+    return np.searchsorted(0.5 * (places[1:] + places[:-1]), x)

@@ -10,6 +10,7 @@ from lsvib.assess.drive import IN_WORDS, UNITS
 from lsvib.assess.margins import Margin, changeable
 from lsvib.assess.materials import NUT_MATERIALS
 from lsvib.assess.sheet import Nut
+from lsvib.assess.starting import BEYOND
 from lsvib.assess.statics import ABOUT, Row, Statics, lets_go
 from lsvib.assess.words import VERDICTS, change, percent, shown
 
@@ -18,7 +19,8 @@ _NUT_LIMITS = {"nut_pressure": "pressure_limit", "sliding_speed": "speed_limit",
 
 def brief(assessment: Assessment) -> list[str]:
     """Return the short answer for the shell, a sentence or two to a line: verdict, statics, limits, three changes."""
-    told = assessment.verdict not in ("vibrates", "steady without reserve") or assessment.starting.even_speed
+    known = 0 < (assessment.starting.even_speed or 0.0) < math.inf
+    told = assessment.verdict not in ("vibrates", "steady without reserve") or known
     first = " ".join(filter(None, (VERDICTS[assessment.verdict], from_rest(assessment) if told else "")))
     return [first, *of_statics(assessment.statics), *_changes(assessment)]
 
@@ -33,7 +35,9 @@ def from_rest(assessment: Assessment) -> str:
     if not found.jerks:
         return f"Started from rest it runs evenly from {_speed(assessment, found.even_speed)} on."
     moved, end = found.motion, "up to which speed it does so is not known"
-    if found.even_speed:
+    if found.even_speed == math.inf:
+        end = f"it does so up to {BEYOND:g} times the highest speed of the window, at least"
+    elif found.even_speed:
         end = f"from {_speed(assessment, found.even_speed)} on it runs evenly"
     how = "goes on vibrating"
     if moved is not None and moved.frequency is not None and moved.amplitude is not None:

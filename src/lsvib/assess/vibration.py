@@ -310,7 +310,8 @@ def tolerated_by_trial(
 
     known = stiff is not None and 0 < stiff < math.inf
     scale = stiff if known else abs(drive.input_speed)
-    beside = f" With perfectly stiff threads it would be {shown(stiff, 'rad/s')}." if known else ""
+    compared = known and parts == ("threads",)  # which is all that the other drive does not have
+    beside = f" With perfectly stiff threads it would be {shown(stiff, 'rad/s')}." if compared else ""
     of_sheet = f"{threads} of the data sheet,".replace("with", "with the") if threads else ""
     tried = f"Tried{of_sheet} by perturbations of either sign.{beside}"
     low = 0.0

@@ -32,7 +32,7 @@ MECHANISMS = {
     "from_rest": (
         "Jerks after a start from rest",
         "The screw stands until the coupling has wound up enough to break it loose, runs ahead of the motor and stands "
-        "again, for ever: most often because friction at rest is above that of sliding.",
+        "again, for ever; where friction at rest is above that of sliding this happens at low speeds.",
     ),
     "after_perturbation": (
         "Vibration after a perturbation",
@@ -67,8 +67,8 @@ VERDICTS = {
     "becomes steady after a start from rest, but not for all values within the given uncertainties.",
     "may vibrate": "This drive may vibrate: at the middle values of the data sheet it runs steadily, but not for all "
     "values within the given uncertainties.",
-    "steady until perturbed": "This drive becomes steady when it is started from rest, but a strong perturbation, "
-    "such as a knock, can start vibration that goes on.",
+    "steady until perturbed": "Steady running of this drive is stable, but a strong perturbation, such as a knock, can "
+    "start vibration that goes on.",
     "steady without reserve": "Nothing in the data sheet makes this drive vibrate, but nothing damps it either: "
     "oscillations that something else starts do not decay.",
     "steady but for rare values": "This drive runs steadily in the operating window for every one of the drives that "

@@ -35,7 +35,6 @@ from lsvib.engine.motion import engine_for, enter
 from lsvib.errors import EngineError
 from lsvib.models.drive import Drive
 from lsvib.models.many import Group, ManyDrives, automata, groups
-from lsvib.models.mechanics import effective_damping, friction_factor
 from lsvib.models.model import model_of
 from lsvib.models.names import Event
 
@@ -121,7 +120,7 @@ def all_endings(
     """
     found, alone = Ending.unknown(drives.size), np.arange(drives.size)
     if drives.rigid.all():
-        found, is_open = endings_at_once(drives, standing(drives) if starts is None else starts, workers)
+        found, is_open = endings_at_once(drives, starts, workers)
         alone = np.flatnonzero(is_open)
         # motions left alone that make it worth while to start processes, which takes some seconds
         workers = workers if alone.size >= 1000 else 1
@@ -142,18 +141,6 @@ def all_endings(
     return found
 
 
-@np.errstate(all="ignore")  # a drive beyond all numbers is refused with its tables
-def standing(drives: ManyDrives) -> np.ndarray:
-    """Return the starts (k, 2) of rigid drives at rest with the coupling relaxed, u [rad] and w [rad/s]."""
-    rigid = drives.doubles(np.arange(drives.size))
-    t, law, speed = rigid.tan_lead, np.ones(drives.size), rigid.input_speed
-    law[(rigid.axial_force - rigid.pitch_radius * t * rigid.translation_damping * speed) * speed < 0] = -1
-    geometry = rigid.pitch_radius, t, friction_factor(rigid.steady_friction, t, law)
-    damping = effective_damping(rigid.support_damping, rigid.translation_damping, *geometry)
-    torque = damping * speed + rigid.pitch_radius * geometry[-1] * rigid.axial_force
-    return np.stack([torque / rigid.coupling_stiffness, -speed], axis=1)
-
-
 def _share(case: tuple[ManyDrives, np.ndarray | None], others: Mapping[str, float]) -> Ending:
     """Return what motions of some drives end on, from their starts (k, 2) or from rest."""
     drives, starts = case
@@ -166,7 +153,7 @@ def _share(case: tuple[ManyDrives, np.ndarray | None], others: Mapping[str, floa
     return found
 
 
-def endings_at_once(drives: ManyDrives, starts: np.ndarray, workers: int = 1) -> tuple[Ending, np.ndarray]:
+def endings_at_once(drives: ManyDrives, starts: np.ndarray | None, workers: int = 1) -> tuple[Ending, np.ndarray]:
     """Return what motions of drives with two states (k) end on, and which must be followed alone (k).
 
     Those are the ones of drives whose tables are not safe in doubles, whose friction depends on speed, or without any
@@ -180,7 +167,7 @@ def endings_at_once(drives: ManyDrives, starts: np.ndarray, workers: int = 1) ->
     def fill(block: np.ndarray) -> None:
         """Write what a block of drives end on."""
         for group in groups(drives, block):
-            closed, endings = _group_endings(drives, group, starts[group.members])
+            closed, endings = _group_endings(drives, group, None if starts is None else starts[group.members])
             found.put(group.members[closed], Ending(*(column[closed] for column in endings)))
             is_open[group.members[closed]] = False
 
@@ -189,8 +176,8 @@ def endings_at_once(drives: ManyDrives, starts: np.ndarray, workers: int = 1) ->
     return found, is_open
 
 
-def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray) -> tuple[np.ndarray, Ending]:
-    """Return which motions of a group (j), from ``starts`` (j, 2), are done, and what these end on."""
+def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray | None) -> tuple[np.ndarray, Ending]:
+    """Return which motions of a group (j), from ``starts`` (j, 2) or rest, are done, and what these end on."""
     automaton, size, found = group.automaton, group.members.size, Ending.unknown(group.members.size)
     flow, moving = automaton.tables.flow, ~np.isin(automaton.codes, automaton.rest_codes)
     done = group.safe & flow[:, moving, layout.A1].any(axis=1)
@@ -203,7 +190,10 @@ def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray) -> tupl
     known, facts = none.table, none.facts._replace(conserves=False)
     reversal = np.int64(Event.CONTACT_REVERSAL)
     force = automaton.observables["normal_force"]
-    starts, speed = np.ascontiguousarray(starts, dtype=float), drives.values["input_speed"][group.members]
+    speed = drives.values["input_speed"][group.members]
+    if starts is None:  # the coupling is relaxed
+        starts = np.stack([-np.asarray(group.coefficients.deflection), -speed], axis=1)
+    starts = np.ascontiguousarray(starts, dtype=float)
     many, room = automaton.tables, rooms(2)
     split = ("flow", "surfaces", "guard_parts", "resets", "condition_row", "shortest_stay")
     one = many._replace(**{name: getattr(many, name)[0] for name in split})

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Annotated, Any, ParamSpec, Self, TypeVar
 
-import numpy as np
 from flint import arb
 from pydantic import (
     BaseModel,
@@ -154,8 +153,8 @@ class Drive(BaseModel):
 
     It has a screw (I, c) on a coupling (k) behind a motor that turns at Ω, threads (r_m, λ, μ), and a load (m, c_x, R)
     that a slide may brake (F_0) as a bearing may the screw (T_0), and a thrust collar in proportion to the axial force
-    (μ_b, r_b). These *parts* are there if their parameters are given
-    (:mod:`lsvib.models.mechanism`); a part that is not there is rigid:
+    (μ_b, r_b). These *parts* are there if their parameters are given (:mod:`lsvib.models.mechanism`); a part that is
+    not there is rigid:
 
     * a motor with a PI controller of its speed, T = K_p (Ω − θ_m′) + K_i ∫ (Ω − θ_m′) dt, so that K_i acts as a spring
       and K_p as a damper to the commanded motion: ``motor_inertia``, ``integral_gain``, ``speed_gain``; behind it the
@@ -371,7 +370,6 @@ class ExactParameters:
             angle = values["lead_angle"]
             self.__dict__.update(values, sin_lead=angle.sin(), cos_lead=angle.cos(), tan_lead=angle.tan())
             self.__dict__.update(friction.levels(self))
-            self.__dict__["collar"] = collar_factor(self)
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"{name} cannot be set: exact parameters are shared.")
@@ -379,12 +377,6 @@ class ExactParameters:
     if TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> arb: ...
-
-
-def collar_factor(d: Any) -> Any:
-    """Return μ_b r_b / r_m, by which a collar raises |ξ_s|; exactly zero without one."""
-    there = np.any(d.collar_friction) if isinstance(d.collar_friction, np.ndarray) else d.collar_friction != 0
-    return d.collar_friction * d.collar_radius / d.pitch_radius if there else 0
 
 
 _exact = once(ExactParameters)

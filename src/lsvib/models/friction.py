@@ -104,8 +104,14 @@ def static_coefficient(d: Any) -> Any:
 
 
 def levels(d: Any) -> dict[str, Any]:
-    """Return the coefficients that motion and rest begin with: ``steady_friction`` and ``static_friction``."""
-    return {"steady_friction": steady_coefficient(d), "static_friction": static_coefficient(d)}
+    """Return what motion and rest begin with: ``steady_friction``, ``static_friction`` and ``collar``."""
+    return {"steady_friction": steady_coefficient(d), "static_friction": static_coefficient(d), "collar": collar(d)}
+
+
+def collar(d: Any) -> Any:
+    """Return μ_b r_b / r_m, by which a thrust collar adds to |ξ_s| [1]; exactly zero without one."""
+    there = not _zero(getattr(d, "collar_friction", 0)) and not _zero(getattr(d, "collar_radius", 0))
+    return d.collar_friction * d.collar_radius / d.pitch_radius if there else 0
 
 
 def check(drive: Any, limit: float) -> None:

@@ -19,7 +19,7 @@ from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import Tables
 from lsvib.errors import EngineError
 from lsvib.models import friction
-from lsvib.models.drive import DRY, PART_OF, Drive, collar_factor
+from lsvib.models.drive import DRY, PART_OF, Drive
 from lsvib.models.mechanics import Coefficients, coefficients_of, steady_force
 from lsvib.models.mechanism import Mechanism
 from lsvib.models.model import automaton_of
@@ -68,7 +68,7 @@ class ManyDrives:
         )
         vars(d).update({name: column[entries].astype(kind) for name, column in self.values.items()})
         d.sin_lead, d.cos_lead, d.tan_lead = (f(d.lead_angle) for f in (np.sin, np.cos, np.tan))
-        vars(d).update(friction.levels(d), collar=collar_factor(d))
+        vars(d).update(friction.levels(d))
         return d
 
 

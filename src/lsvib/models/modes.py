@@ -169,9 +169,7 @@ class Modes:
 
     def _observed(self, found: Solution) -> dict[str, Row]:
         m = self.m
-        torque = m.coupling_torque(
-            {"screw": m.speed, "motor": found.field[m.place["motor"]]} if "motor" in m.place else {}
-        )
+        torque = m.coupling_torque(m.rates(True, ()))
         rows = (found.normal, found.contact, torque, m.deflection, m.speed, m.nut_speed)
         return dict(zip(OUTPUTS, rows, strict=True))
 

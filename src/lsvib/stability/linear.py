@@ -120,9 +120,7 @@ def values_of(drive: DriveValues, law: int) -> SimpleNamespace:
         moves = friction.moves(vars(p))
         if moves:
             p.steady_friction, rate = friction.steady(vars(p), p.tan_lead)
-        p.factor = mechanics.friction_factor(p.steady_friction, p.tan_lead, law)
-        if hasattr(p, "collar_friction"):
-            p.factor = p.factor + law * p.collar_friction * getattr(p, "collar_radius", 0) / p.pitch_radius
+        p.factor = mechanics.friction_factor(p.steady_friction, p.tan_lead, law) + law * friction.collar(p)
         if moves:
             force = mechanics.carried(vars(p), p.tan_lead, law)
             geometry = p.pitch_radius, p.cos_lead, p.tan_lead

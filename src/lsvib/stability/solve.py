@@ -17,7 +17,7 @@ from flint import arb, arb_mat, arb_series
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import EngineError, InputError, NoThreshold
-from lsvib.models.drive import Drive, zero_if_close
+from lsvib.models.drive import PART_OF, PARTS, Drive, zero_if_close
 
 Equations = Callable[[Mapping[str, Any], Sequence[Any]], Sequence[Any]]
 """F as a function of the parameters by name and the inner unknowns, all of them balls or power series."""
@@ -238,8 +238,14 @@ def _natural(drive: Drive, unknown: str) -> float:
         "friction_slope": drive.friction_coefficient / (drive.pitch_radius * abs(drive.input_speed)),
         "slide_friction": abs(drive.axial_force),
         "bearing_friction": drive.pitch_radius * abs(drive.axial_force) * drive.friction_coefficient,
+        "collar_friction": math.tan(drive.lead_angle),
+        "collar_radius": drive.pitch_radius,
+        "coupling_damping": drive.screw_inertia * rate,
     }
-    return sizes.get(unknown, 1.0)
+    if unknown in sizes:
+        return sizes[unknown]
+    inertia, stiffness = (getattr(drive, name) for name in ("mass", *PARTS[PART_OF[unknown]])[-3:-1])  # of a damper
+    return math.sqrt(inertia * stiffness)
 
 
 def allowed(drive: Drive, unknown: str, value: float) -> bool:
