@@ -158,7 +158,7 @@ def _of_jerks(assessment: Assessment) -> str:
     best = "; or ".join(f"the {summary.changed(assessment, row)}" for row in summary.helping(assessment))
     advice = f"The smallest single changes that end the jerks at all points of the window that were tried: {best}."
     if not best:
-        advice = "No change of one quantity alone, up to a factor of three, ends them."
+        advice = "No change of one quantity alone that was tried, by a factor of three at most, ends them."
     return f"{summary.from_rest(assessment)} The cause is {cause}. {advice}"
 
 
@@ -213,7 +213,7 @@ def _from_rest(assessment: Assessment) -> tuple[Any, ...]:
     if found.jerks:
         verdict = (Markup("<b>occurs</b>"), _where(found, assessment))
     share = f"{percent(found.share)} of {found.drawn} drawn" if found.drawn else percent(found.share)
-    margin = "" if not found.jerks else "no single change by a factor of three ends it"
+    margin = "" if not found.jerks else "no single change that was tried ends it"
     if found.changes:
         margin = f"the {IN_WORDS[found.changes[0].quantity]} {change(found.changes[0].factor)} ends it"
     return MECHANISMS["from_rest"], verdict, share, "–", margin

@@ -258,11 +258,8 @@ def _judged(
     radius, angle, coefficient = threads
     at_rest = _at_rest(sheet, values)
     rough = square_coefficient(at_rest, angle, values["half_angle"])
-    collar, bearing, guide = (
-        sheets.collar_of(values),
-        values.get("bearing_torque", 0.0),
-        values.get("guide_friction", 0.0),
-    )
+    collar = sheets.collar_of(values)
+    bearing, guide = (values.get(key, 0.0) for key in ("bearing_torque", "guide_friction"))
     left = np.clip(np.abs(held) - guide, 0.0, None)  # of the load, what the guide does not hold
     holding = -torque(left, radius, angle, rough, False, collar) - bearing
     if (holding > 0).any():
@@ -276,9 +273,8 @@ def _judged(
     against, along = (torque(np.abs(load), *threads, lifting, collar) + drag for lifting in (True, False))
     turns = coefficient * np.tan(angle) < 1  # else the threads jam
     against = np.where(turns, against, np.inf)
-    braking = (
-        -torque(left, *threads, False, collar) - bearing
-    )  # the dampings are guesses, on which no brake should count
+    # The dampings are guesses, on which no brake should count.
+    braking = -torque(left, *threads, False, collar) - bearing
     for name, acting, needed in (
         ("lifting", (load > 0) | (not load.any()), against),
         ("lowering", (load < 0) & (along >= 0), along),

@@ -154,7 +154,7 @@ def _changes(assessment: Assessment) -> list[str]:
         ]
     what = "the vibration" if assessment.verdict == "vibrates" else "the jerks"
     if not each:
-        return [f"No change of one quantity by a factor of three or less ends {what} at the middle values."]
+        return [f"No change of one quantity that was tried, by a factor of three at most, ends {what}."]
     which = "Each of these changes alone" if len(each) > 1 else "This change alone"
     return [f"{which} ends {what} at the middle values: {'; '.join(each)}."]
 
