@@ -306,10 +306,11 @@ def test_a_sizing_question_needs_no_dynamics():
         "nut": {"length": "60 mm", "material": "iglidur_j"},
     }
     alone = Sheet.of(given)
-    assert alone.missing == ["the inertia or length of the screw", "coupling.stiffness", "load.mass"]
+    missing = "the inertia or length of the screw, coupling.stiffness and load.mass"
+    assert alone.of_statics == f"the sheet does not give {missing}"
     load = {**given["load"], "mass": "1 kg"}
     whole = Sheet.of({**given, "load": load, "screw": {"length": "1 m"}, "coupling": {"stiffness": "100 N*m/rad"}})
-    assert not whole.missing
+    assert not whole.of_statics
     assert statics(alone) == statics(whole)
 
 

@@ -81,6 +81,10 @@ def test_the_blocks_are_taken_by_data_sheet_scene_and_shell(screw, run):
     ):
         flank = getattr(friction, entry).nominal
         assert square_coefficient(flank, angle, math.radians(15)) == pytest.approx(getattr(drive, key), rel=1e-5)
+    apart = yaml.safe_load(blocks(result | {"bearing": {"coulomb": 1e-3, "viscous": 3e-5}}))
+    assert apart["bearing"] == {"torque": "0.001 N*m", "viscous": "3e-05 N*m*s/rad"}
+    assert lsvib.Drive(**apart["drive"]).bearing_friction == 1e-3
+    assert "bearing" not in text
     options = blocks(result).splitlines()[-1].removeprefix("# ").split()
     code, out, _ = run("config", *options, "--json")
     assert code == 0

@@ -153,6 +153,8 @@ def _values(sheet: Sheet, entries: dict[str, float]) -> dict[str, float]:
 
 def _require_a_drive(sheet: Sheet, values: dict[str, float]) -> None:
     """Refuse what the package has no drive for, in the words of the sheet."""
+    if sheet.of_statics:
+        raise InputError(f"Whether it vibrates cannot be asked: {sheet.of_statics}.")
     for corner in corners(sheet, values):
         for parts in dict.fromkeys(((), parts_of(sheet))):
             try:

@@ -40,9 +40,9 @@ def assess_file(path: Path, out: Path | None, samples: Any = 4096, seed: Any = 1
         raise InputError(f"samples = {count} is not a power of two, as the sequence of samples needs.")
     start = numbers.whole_between("seed", seed, 0, 2**32 - 1)
     sheet = Sheet.read(path)
-    if sheet.missing:
+    if sheet.of_statics:
         if out is not None:
-            raise InputError(f"a report needs what vibration needs; the sheet does not give {_listed(sheet.missing)}.")
+            raise InputError(f"a report needs what vibration needs; {sheet.of_statics}.")
         return _of_statics(sheet)
     if out is None:
         return as_json(assess(sheet, count, start))
@@ -58,15 +58,11 @@ def assess_file(path: Path, out: Path | None, samples: Any = 4096, seed: Any = 1
     return result
 
 
-def _listed(names: list[str]) -> str:
-    return " and ".join([", ".join(names[:-1]), names[-1]] if names[1:] else names)
-
-
 def _of_statics(sheet: Sheet) -> dict[str, Any]:
     """The answer for a sheet that gives no drive which could vibrate: verdict and all else but statics are None."""
     found = statics(sheet)
-    sentence = f"Whether it vibrates is not asked: the sheet does not give {_listed(sheet.missing)}."
-    if "load.mass" in sheet.missing:
+    sentence = f"Whether it vibrates is not asked: {sheet.of_statics}."
+    if sheet.load.mass is None:
         sentence += " No weight is counted."
     return {
         "name": sheet.name,

@@ -106,15 +106,25 @@ class Screw(_Part):
 
 
 class Nut(_Part):
-    """The nut: its length, over which the threads are engaged, and what it bears, by ``material`` or by limits."""
+    """The nut: its length, over which the threads are engaged, and what it bears, by ``material`` or by limits.
 
-    length: fields.Length
+    With a ``preload`` it has two halves that a spring presses apart, each of that length. ``load_share``: of the load,
+    what the half that it presses bears beside the preload; the other one bears the preload less the rest.
+    """
+
+    length: fields.Length | None = None
+    preload: fields.Rubbing | None = None
+    load_share: fields.Share | None = None
     material: str | None = None
     pressure_limit: fields.Pressure | None = None
     pv_limit: fields.PressureSpeed | None = None
     speed_limit: fields.SlidingSpeed | None = None
 
     def _misfit(self) -> str | None:
+        if self.load_share is not None and self.preload is None:
+            return "nut.load_share needs nut.preload, which presses two halves apart."
+        if self.length is None and (self.preload is None or self.model_fields_set - {"preload", "load_share"}):
+            return "nut.length is missing, over which the threads are engaged."
         if self.material is not None and self.material not in NUT_MATERIALS:
             names = ", ".join(NUT_MATERIALS)
             return f"nut.material = {shown(self.material)} is not one of {names}; or give nut.pv_limit."
@@ -358,14 +368,23 @@ class Sheet(_Part):
         return found | {".".join(path.split(".")[:k]) for path in found for k in (1, 2)}
 
     @property
-    def missing(self) -> list[str]:
-        """What vibration needs and the sheet does not give."""
+    def of_statics(self) -> str:
+        """Why vibration is not asked of the sheet; empty where it is."""
         given = {
             "the inertia or length of the screw": self.screw.inertia or self.screw.length,
             "coupling.stiffness": self.coupling.stiffness,
             "load.mass": self.load.mass,
         }
-        return [name for name, value in given.items() if value is None]
+        missing = [name for name, value in given.items() if value is None]
+        if missing:
+            listed = " and ".join([", ".join(missing[:-1]), missing[-1]] if missing[1:] else missing)
+            return f"the sheet does not give {listed}"
+        return "the motion of a preloaded nut, both halves of which rub, is not followed" if self.preloaded else ""
+
+    @property
+    def preloaded(self) -> bool:
+        """Whether the nut has two halves that are pressed apart."""
+        return self.nut is not None and self.nut.preload is not None
 
     @property
     def dry(self) -> bool:

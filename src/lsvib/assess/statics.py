@@ -24,7 +24,7 @@ from lsvib.assess.materials import NUT_MATERIALS, SCREW_MATERIALS
 from lsvib.assess.mechanisms import directions, window_points
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.uncertainty import draw_of, ends
-from lsvib.models.mechanics import friction_factor
+from lsvib.models.mechanics import holding_coefficient, relieved_half, thread_force
 
 SAFE = 0.8  # share of a critical load or speed that may be used, as Thomson recommends
 ENDS = {  # of the shaft: end factor K of the column, and β of its first bending mode (Euler, Bernoulli)
@@ -56,7 +56,7 @@ ABOUT = {  # name, unit, formula and source of each row
     "braking_power": ("Power that the brake takes", "W", "torque × Ω", _THREAD),
     "lifting_efficiency": ("Efficiency against the load", "1", "F r tan λ / (torque without c Ω)", _THREAD),
     "lowering_efficiency": (
-        "Efficiency with the load; below zero the thread locks", "1", "(tan(λ − ρ) − μ_b r_b / r) / tan λ", _THREAD,
+        "Efficiency with the load; below zero the thread locks", "1", "(torque to brake) / (F r tan λ)", _THREAD,
     ),
     "holding_friction": (
         "Friction at rest; the thread holds from the limit on", "1", "tan λ · cos αₙ", f"{_THREAD}, self-locking",
@@ -116,17 +116,26 @@ class Statics:
         return [row for row in self.rows.values() if row.limit is not None]
 
 
-def torque(force: Any, pitch_radius: Any, lead_angle: Any, coefficient: Any, lifting: bool, collar: Any = 0.0) -> Any:
+def torque(
+    force: Any,
+    pitch_radius: Any,
+    lead_angle: Any,
+    coefficient: Any,
+    lifting: bool,
+    collar: Any = 0.0,
+    relieved: Any = 0.0,
+) -> Any:
     """Return the torque of threads and collar [N m] under an axial ``force`` [N], r F (tan(ρ ± λ) + μ_b r_b / r).
 
     ``coefficient`` μ of the square thread, ρ = arctan μ; ``lifting``: against the force; ``collar``, μ_b r_b / r.
-    Lowering, it is negative where the thread does not lock and has to be braked.
+    Lowering, it is negative where the thread does not lock and has to be braked. ``relieved`` [N]: on the half of a
+    preloaded nut, :func:`lsvib.models.mechanics.relieved_half`; it adds r F′ (tan(ρ + λ) + tan(ρ − λ)).
 
     >>> round(torque(1000.0, 9.188e-3, 0.04328, 0.15, lifting=True), 3)
     1.788
     """
-    law = -1 if lifting else 1
-    return pitch_radius * force * (law * friction_factor(coefficient, np.tan(lead_angle), law) + collar)
+    threads = thread_force(force, relieved, coefficient, np.tan(lead_angle), -1 if lifting else 1)
+    return pitch_radius * (threads + force * collar)
 
 
 def nut_pressure(force: Any, pitch_diameter: Any, length: Any, engaged_depth: Any = 0.5) -> Any:
@@ -253,46 +262,55 @@ def _judged(
     Where the threads jam, μ ≥ cot λ, the torque against the load is infinite.
     """
     p, _ = sheets.point(sheet, values, 1, speed, 0.0)
-    threads = p["pitch_radius"], p["lead_angle"], p["friction_coefficient"]
+    radius, angle, coefficient = p["pitch_radius"], p["lead_angle"], p["friction_coefficient"]
     found: dict[str, Judged] = {}
-    radius, angle, coefficient = threads
     at_rest = _at_rest(sheet, values)
     rough = square_coefficient(at_rest, angle, values["half_angle"])
     collar = sheets.collar_of(values)
     bearing, guide = (values.get(key, 0.0) for key in ("bearing_torque", "guide_friction"))
     left = np.clip(np.abs(held) - guide, 0.0, None)  # of the load, what the guide does not hold
-    holding = -torque(left, radius, angle, rough, False, collar) - bearing
+    nut = draw.get("nut.preload", 0.0), draw.get("nut.load_share", 1.0)
+
+    def needed(force: Any, coefficient: Any, lifting: bool) -> Any:
+        """The torque against or with a force, without damping."""
+        relieved = relieved_half(force, *nut)
+        return torque(force, radius, angle, coefficient, lifting, collar, relieved) + bearing
+
+    holding = -needed(left, rough, False)
     if (holding > 0).any():
         found["holding_torque"] = np.where(holding > 0, holding, np.nan), None
     if (held > 0).any() and (sheet.friction.law or sheet.friction.curve is not None):
-        found["starting_torque"] = (
-            np.where(held > 0, torque(held + guide, radius, angle, rough, True, collar) + bearing, np.nan),
-            None,
-        )
-    drag = values["rotational_damping"] * speed + bearing
-    against, along = (torque(np.abs(load), *threads, lifting, collar) + drag for lifting in (True, False))
+        found["starting_torque"] = np.where(held > 0, needed(held + guide, rough, True), np.nan), None
+    drag, size = values["rotational_damping"] * speed, np.abs(load)
+    against, along = (needed(size, coefficient, lifting) + drag for lifting in (True, False))
     turns = coefficient * np.tan(angle) < 1  # else the threads jam
     against = np.where(turns, against, np.inf)
     # The dampings are guesses, on which no brake should count.
-    braking = -torque(left, *threads, False, collar) - bearing
-    for name, acting, needed in (
+    braking = -needed(left, coefficient, False)
+    for name, acting, effort in (
         ("lifting", (load > 0) | (not load.any()), against),
         ("lowering", (load < 0) & (along >= 0), along),
         ("braking", (held < 0) & (braking > 0), braking),
     ):
         if acting.any():
-            found[f"{name}_torque"] = np.where(acting, needed, np.nan), None
-            found[f"{name}_power"] = np.where(acting, needed * speed, np.nan), None
+            found[f"{name}_torque"] = np.where(acting, effort, np.nan), None
+            found[f"{name}_power"] = np.where(acting, effort * speed, np.nan), None
     if "lifting_torque" in found and "coupling.gear_ratio" in draw:
         found["motor_torque"] = found["lifting_torque"][0] / draw["coupling.gear_ratio"], None
     found["lifting_efficiency"] = np.where(turns, lifting_efficiency(coefficient, angle, collar), 0.0), None
     found["lowering_efficiency"] = lowering_efficiency(coefficient, angle, collar), None
-    if sheet.dry and (held > 0).any():
-        work = held * radius * np.tan(angle)  # per radian
-        spent = torque(held + guide, *threads, True, collar) + bearing
-        found["lifting_efficiency"] = np.where((held > 0) & turns, work / spent, np.where(held > 0, 0.0, np.nan)), None
-    found["holding_friction"] = at_rest, _holds_from(values, angle, collar, bearing, left)
-    found |= _nut(sheet, draw, values, load, sliding_speed(speed, radius, angle)) | _shaft(sheet, draw, speed, load)
+    rubs, work = sheet.dry or sheet.preloaded, np.abs(held) * radius * np.tan(angle)  # per radian
+    if rubs and held.any():
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found["lowering_efficiency"] = np.where(held != 0, braking / work, np.nan), None
+    if rubs and (held > 0).any():
+        share = work / needed(held + guide, coefficient, True)
+        found["lifting_efficiency"] = np.where((held > 0) & turns, share, np.where(held > 0, 0.0, np.nan)), None
+    holds = _holds_from(values, angle, collar, bearing, left, relieved_half(left, *nut))
+    found["holding_friction"] = at_rest, holds
+    found |= _nut(sheet, draw, values, size + relieved_half(size, *nut), sliding_speed(speed, radius, angle)) | _shaft(
+        sheet, draw, speed, load
+    )
     root = _root_diameter(sheet, draw)
     if root is not None and sheet.screw.density is None:
         turned = np.where(load >= 0, against, np.abs(along))
@@ -301,12 +319,14 @@ def _judged(
     return found
 
 
-def _holds_from(values: Mapping[str, Any], angle: Any, collar: Any, bearing: Any, left: Any) -> Any:
+def _holds_from(
+    values: Mapping[str, Any], angle: Any, collar: Any, bearing: Any, left: Any, relieved: Any = 0.0
+) -> Any:
     """The friction of the flanks from which on threads, collar and bearing hold what is ``left`` of the load [N]."""
+    helps, tangent = collar * left + bearing / (0.5 * values["pitch_diameter"]), np.tan(angle)
     with np.errstate(divide="ignore", invalid="ignore"):
-        helps = collar + np.where(bearing > 0, bearing / (0.5 * values["pitch_diameter"] * left), 0.0)
-    tangent = np.tan(angle)
-    needed = np.where(left > 0, (tangent - helps) / (1 + helps * tangent), 0.0 if np.any(left > 0) else tangent)
+        root = holding_coefficient(-helps, left, relieved, tangent, 1)
+    needed = np.where(left > 0, root, 0.0 if np.any(left > 0) else tangent)
     return flank_coefficient(np.clip(needed, 0.0, None), angle, values["half_angle"])
 
 
@@ -319,14 +339,17 @@ def _at_rest(sheet: Sheet, values: Mapping[str, Any]) -> Any:
 
 
 def _nut(
-    sheet: Sheet, draw: Mapping[str, Any], values: Mapping[str, Any], load: Floats, sliding: Any
+    sheet: Sheet, draw: Mapping[str, Any], values: Mapping[str, Any], force: Floats, sliding: Any
 ) -> dict[str, Judged]:
-    """Pressure, sliding speed and their product in the nut; a limit of the sheet goes before that of the material."""
-    if sheet.nut is None:
+    """Pressure by the ``force`` on the flanks, sliding speed and their product in the nut, or its more loaded half.
+
+    A limit of the sheet goes before that of the material.
+    """
+    if sheet.nut is None or "nut.length" not in draw:
         return {}
     material = NUT_MATERIALS.get(sheet.nut.material or "")
     depth = sheet.thread.size.engaged_depth if sheet.thread.size else 0.5
-    pressure = nut_pressure(np.abs(load), values["pitch_diameter"], draw["nut.length"], depth)
+    pressure = nut_pressure(force, values["pitch_diameter"], draw["nut.length"], depth)
     return {
         "nut_pressure": (pressure, draw.get("nut.pressure_limit", material and material.pressure_limit)),
         "sliding_speed": (sliding, draw.get("nut.speed_limit")),

@@ -293,7 +293,7 @@ def torque_panel(axes: style.Axes, dataset: xr.Dataset) -> None:
         )  # fmt: skip
         label = f"fitted law, {words}"
         for law in laws:
-            sense = sign * int(np.sign(law.load_case))
+            sense = sign * int(np.sign(law.load_case) or 1)
             if sense in dataset.direction:
                 axes.plot(dataset.law_speed / RPM, law.sel(direction=sense), color=colour, linewidth=1, label=label)
                 label = ""
@@ -321,6 +321,7 @@ def residual_panel(axes: style.Axes, dataset: xr.Dataset) -> None:
 def _ways(dataset: xr.Dataset) -> Iterator[tuple[int, str, str, str, np.ndarray]]:
     """Lifting and lowering, as far as measured: sign of speed times load, colour, mark, words, indices of points."""
     for sign, colour, mark, words in ((1, style.VERMILION, "o", "lifting"), (-1, style.BLUE, "s", "lowering")):
-        own = np.flatnonzero(np.sign(dataset.measured_speed * dataset.measured_load) == sign)
+        towards = xr.where(dataset.measured_load == 0, 1.0, dataset.measured_load)  # a preloaded nut may have no load
+        own = np.flatnonzero(np.sign(dataset.measured_speed * towards) == sign)
         if own.size:
             yield sign, colour, mark, words, own

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from lsvib.errors import InputError
 from lsvib.models import friction
-from lsvib.models.mechanics import friction_factor
+from lsvib.models.mechanics import friction_factor, holding_coefficient, relieved_half, thread_force
 
 Array = NDArray[np.float64]
 PARAMETERS = {  # unit and words, those of the law as parameters of a drive have them
@@ -53,7 +53,8 @@ SAME_SPEED = 0.05  # relative: files of one commanded speed are not further apar
 class Measured:
     """Points of steady motion (n): ``speed`` [rad/s], ``torque`` [N m], axial ``load`` W [N]; and the screw.
 
-    ``breakaway`` (k, 3): direction ±1, torque [N m] and load [N] at which a screw at rest began to turn.
+    ``breakaway`` (k, 3): direction ±1, torque [N m] and load [N] at which a screw at rest began to turn. ``preload``
+    [N] and ``load_share`` of a nut of two halves, :func:`lsvib.models.mechanics.relieved_half`.
     """
 
     speed: Array
@@ -62,6 +63,8 @@ class Measured:
     pitch_radius: float
     lead_angle: float
     breakaway: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    preload: float = 0.0
+    load_share: float = 1.0
 
     @property
     def directions(self) -> int:
@@ -78,7 +81,9 @@ class Measured:
     def sizes(self) -> dict[str, float]:
         """The natural size of each parameter: what alone would make the typical torque at the highest speed."""
         torque, fastest = float(np.median(np.abs(self.torque))), float(self.speeds[-1])
-        level = torque / (self.pitch_radius * float(np.median(np.abs(self.load))))
+        force = float(np.median(np.abs(self.load)))
+        rubs = force + 2 * relieved_half(force, self.preload, self.load_share)
+        level = torque / (self.pitch_radius * rubs)
         sliding = self.sliding(fastest)
         sizes = (level, level, sliding, level / sliding, torque, torque / fastest, torque)
         return dict(zip(PARAMETERS, sizes, strict=True))
@@ -173,8 +178,10 @@ def steady_torque(values: Mapping[str, Any], measured: Measured, speed: Any, loa
     """
     law = SimpleNamespace(**{"stribeck_exponent": 1, **values})
     mu = np.maximum(friction.unbounded_coefficient(law, measured.sliding(speed)), 0.0)
-    sense, tangent = np.sign(speed), math.tan(measured.lead_angle)
-    threads = -measured.pitch_radius * load * friction_factor(mu, tangent, -np.sign(load) * sense)
+    sense, force = np.sign(speed), np.abs(load)
+    relieved = relieved_half(force, measured.preload, measured.load_share)
+    law = np.where(load * sense > 0, -1, 1)
+    threads = sense * measured.pitch_radius * thread_force(force, relieved, mu, math.tan(measured.lead_angle), law)
     return values["offset"] + values["coulomb"] * sense + values["viscous"] * speed + threads
 
 
@@ -219,7 +226,7 @@ def _enough(measured: Measured, known: Mapping[str, float]) -> None:
         raise InputError("the measurements hold a number that is not finite.")
     if not measured.speed.size:
         raise InputError("the measurements have no point at which the screw turns.")
-    if not (measured.speed * measured.load).all():
+    if not (measured.speed * (np.abs(measured.load) + measured.preload)).all():
         raise InputError("the measurements have a point without speed or axial load, where friction tells nothing.")
     if (slowest := float(np.abs(measured.speed).min())) < SLOWEST:
         raise InputError(f"the measurements have a speed of {slowest:.3g} rad/s; the least one is {SLOWEST:g} rad/s.")
@@ -322,10 +329,10 @@ def _with_static(measured: Measured, solution: Solution) -> Solution:
         return solution
     sense, torque, load = measured.breakaway.T
     held = torque - solution.values["offset"] - solution.values["coulomb"] * sense
-    # ξ_s = tan(s φ − λ) up to which friction holds, solved for μ = tan φ.
-    law = -np.sign(load) * sense
-    angle = np.arctan(-held / (measured.pitch_radius * load)) + measured.lead_angle
-    every = np.tan(law * angle)
+    force = np.abs(load)
+    relieved = relieved_half(force, measured.preload, measured.load_share)
+    law, tangent = np.where(load * sense > 0, -1, 1), math.tan(measured.lead_angle)
+    every = holding_coefficient(sense * held / measured.pitch_radius, force, relieved, tangent, law)
     found = every[(every >= 0) & (every <= min(LARGEST_STATIC, 0.99 / math.tan(measured.lead_angle)))]
     middle = float(np.median(found)) if found.size else 0.0
     # Of normally distributed values: of the median, by the median deviation from it.

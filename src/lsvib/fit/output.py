@@ -71,7 +71,7 @@ def as_json(found: FittedSheet) -> dict[str, Any]:
         "ends": {name: _end(found, end) for name, end in fit.ends.items()},
         "loads": loads,
         "falls_up_to": {
-            words: [falls_up_to(measured, main, load, int(sense * np.sign(load))) for load in loads]
+            words: [falls_up_to(measured, main, load, int(sense * (np.sign(load) or 1))) for load in loads]
             for words, sense in _SENSES.items()
         },
         "halves": [
@@ -190,9 +190,9 @@ def _of_falling(found: FittedSheet) -> list[str]:
     """Say up to which speed friction falls, in the directions that were measured under the largest load."""
     measured = found.fit.measured
     load = float(measured.load[np.argmax(np.abs(measured.load))])
-    turned = np.unique(np.sign(measured.speed[measured.load == load] * load))
+    turned = np.unique(np.sign(measured.speed[measured.load == load] * (load or 1)))
     falls = {
-        words: falls_up_to(measured, found.fit.main, load, int(sense * np.sign(load)))
+        words: falls_up_to(measured, found.fit.main, load, int(sense * (np.sign(load) or 1)))
         for words, sense in _SENSES.items()
         if sense in turned
     }
@@ -201,16 +201,23 @@ def _of_falling(found: FittedSheet) -> list[str]:
 
 
 def blocks(result: dict[str, Any]) -> str:
-    """Return the friction law as a data sheet, a scene and ``--set`` take it, each introduced by a comment.
+    """Return the friction law, and the bearing's drag, as a data sheet, a scene and ``--set`` take it.
+
+    Each is introduced by a comment.
 
     Nothing but a comment where the law leaves so much of the torque that it is none.
     """
     if result["rms"] > NONE * result["typical_torque"]:
         share = result["rms"] / result["typical_torque"]
         return f"# The fitted law leaves {share:.0%} of the typical torque: it is no law of this screw.\n"
-    law = {key: float(f"{value:.6g}") for key, value in result["friction"].items()}
+    rubs, brakes = result["bearing"]["coulomb"], result["bearing"]["viscous"]
+    drag = {"torque": f"{rubs:.6g} N*m"} if rubs else {}
+    drag |= {"viscous": f"{brakes:.6g} N*m*s/rad"} if brakes else {}
+    parts = result["friction"] | ({"bearing_friction": rubs} if rubs else {})
+    parts |= {"support_damping": brakes} if brakes else {}
+    law = {key: float(f"{value:.6g}") for key, value in parts.items()}
     options = " ".join(f"--set {key}={value:g}" for key, value in law.items())
-    sheet = yaml.safe_dump({"friction": result["sheet"]}, sort_keys=False)
+    sheet = yaml.safe_dump({"friction": result["sheet"]} | ({"bearing": drag} if drag else {}), sort_keys=False)
     scene = yaml.safe_dump({"drive": law}, sort_keys=False)
     end = f"; {_ENDS[next(iter(result['ends']))].lower()}, the upper bound" if result["not_separable"] else ""
     low, high = result["sliding_speeds"]

@@ -133,6 +133,13 @@ class KnownFriction(_Entries):
     stribeck_exponent: Literal[1, 2] | None = None
 
 
+class Nut(_Entries):
+    """A nut of two halves that are pressed apart, as in a data sheet."""
+
+    preload: fields.Rubbing
+    load_share: fields.Share | None = None
+
+
 class Bearing(_Entries):
     """What is known of the drag of bearing and slide, as torques of the screw; the rest is fitted."""
 
@@ -149,6 +156,7 @@ class MeasuredSheet(_Entries):
     measurements: list[Measurements] = Field(min_length=1, max_length=100)
     friction: KnownFriction = KnownFriction()
     bearing: Bearing = Bearing()
+    nut: Nut | None = None
     offset: fields.Torque | None = None
 
     @classmethod
@@ -171,7 +179,7 @@ class MeasuredSheet(_Entries):
 
     def spreads(self) -> dict[str, Spread]:
         """The quantities that are given, by name."""
-        parts = {"thread": self.thread, "load": self.load, "friction": self.friction, "bearing": self.bearing}
+        parts = {key: getattr(self, key) for key in ("thread", "load", "friction", "bearing", "nut")}
         parts |= {f"measurements.{k}.load": block.load for k, block in enumerate(self.measurements)}
         entries = [(f"{part}.{key}", entry) for part, whole_part in parts.items() for key, entry in whole_part or ()]
         return {path: entry for path, entry in (*entries, ("offset", self.offset)) if isinstance(entry, Spread)}
@@ -221,7 +229,8 @@ def fit_sheet(path: Path) -> FittedSheet:
     ]
     angle = math.atan(lead / (math.pi * diameter))
     speed, torque, load = columns[turning].T
-    measured = Measured(speed, torque, load, 0.5 * diameter, angle, np.array(held).reshape(-1, 3))
+    nut = draw.get("nut.preload", 0.0), draw.get("nut.load_share", 1.0)
+    measured = Measured(speed, torque, load, 0.5 * diameter, angle, np.array(held).reshape(-1, 3), *nut)
     moving = [point for point in points if point.speed]
     return FittedSheet(
         sheet.name, moving, left_out, fitted(measured, _known(sheet, draw, angle, half_angle)), half_angle
@@ -249,7 +258,7 @@ def _points(sheet: MeasuredSheet, folder: Path, lead: float) -> tuple[list[Point
         place = f"measurements.{k}" if len(sheet.measurements) > 1 else "measurements"
         if (load := block.load or sheet.load) is None:
             raise InputError(f"load is missing, and so is {place}.load.")
-        if abs(load.axial()) < LEAST_LOAD:
+        if max(abs(load.axial()), sheet.nut.preload.nominal if sheet.nut else 0.0) < LEAST_LOAD:
             name = f"{place}.load" if block.load else "load"
             raise InputError(
                 f"{name} makes no axial force of at least {LEAST_LOAD:g} N: give its force, or a mass with an "

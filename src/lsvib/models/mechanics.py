@@ -33,6 +33,35 @@ def friction_factor(friction_coefficient: Any, tan_lead: Any, law: Any) -> Any:
     return (law * friction_coefficient - tan_lead) / (1 + law * friction_coefficient * tan_lead)
 
 
+def relieved_half(force: Any, preload: Any, share: Any) -> Any:
+    """Axial force [N] on the half of a preloaded nut that a load relieves, max(P − (1 − σ) F, 0).
+
+    The other half bears that and the ``force`` F: P + σ F while the ``preload`` P [N] lasts. ``share`` σ of the load is
+    its own: 1 where a soft spring keeps the preload, a half where both halves are as stiff.
+    """
+    return np.maximum(preload - (1 - share) * force, 0.0)
+
+
+def thread_force(force: Any, relieved: Any, friction_coefficient: Any, tan_lead: Any, law: Any) -> Any:
+    """Torque of steadily turned threads over r_m [N]: F tan(φ − s λ), s = −1 against the ``force`` F ≥ 0, 1 with it.
+
+    ``relieved`` F′ on the :func:`relieved_half` adds F′ (tan(φ + λ) + tan(φ − λ)), as both halves rub under it.
+    """
+    own, other = (side * friction_factor(friction_coefficient, tan_lead, side) for side in (law, -law))
+    return force * own + relieved * (own + other)
+
+
+def holding_coefficient(torque: Any, force: Any, relieved: Any, tan_lead: Any, law: Any) -> Any:
+    """The friction coefficient [1] at which :func:`thread_force` is ``torque`` [N], the one below jamming."""
+    square = tan_lead * (torque * tan_lead - law * force)
+    linear = (1 + tan_lead**2) * (force + 2 * relieved)
+    return (
+        2
+        * (torque + law * tan_lead * force)
+        / (linear + np.sqrt(linear**2 + 4 * square * (torque + law * tan_lead * force)))
+    )
+
+
 def effective_inertia(screw_inertia: Any, mass: Any, pitch_radius: Any, tan_lead: Any, factor: Any) -> Any:
     """Effective inertia Γ_s = I − ξ_s tan λ m r_m² [kg m²] (eq. 8.2)."""
     return screw_inertia - factor * tan_lead * mass * pitch_radius**2
