@@ -180,8 +180,8 @@ def steady_torque(values: Mapping[str, Any], measured: Measured, speed: Any, loa
     mu = np.maximum(friction.unbounded_coefficient(law, measured.sliding(speed)), 0.0)
     sense, force = np.sign(speed), np.abs(load)
     relieved = relieved_half(force, measured.preload, measured.load_share)
-    law = np.where(load * sense > 0, -1, 1)
-    threads = sense * measured.pitch_radius * thread_force(force, relieved, mu, math.tan(measured.lead_angle), law)
+    way = np.where(load * sense > 0, -1, 1)
+    threads = sense * measured.pitch_radius * thread_force(force, relieved, mu, math.tan(measured.lead_angle), way)
     return values["offset"] + values["coulomb"] * sense + values["viscous"] * speed + threads
 
 

@@ -14,7 +14,9 @@ from lsvib.figures.measured_drive import residual_panel, torque_panel
 from lsvib.files import Outputs, write_json, write_text
 from lsvib.fit.dataset import fit_variables
 from lsvib.fit.law import LARGEST_STATIC, PARAMETERS, Solution, falls_up_to, halves, load_of_directions
+from lsvib.fit.records import Record
 from lsvib.fit.sheet import FittedSheet, fit_sheet
+from lsvib.fit.stick_slip import StickSlip
 
 _FILES = {"fit.nc": "netCDF", "fit.json": "JSON", "fit.png": "PNG", "fit.pdf": "PDF", "friction.yaml": ""}
 _SENSES = {"lifting": 1, "lowering": -1}  # of the speed, times that of the load
@@ -23,6 +25,7 @@ _ENDS = {
     "threads": "All friction in the threads",
     "bearing": "As much friction as can be in the bearing",
 }
+JERKS_TELL = ("period", "slope", "stiffness", "breakaway", "after", "displacement", "averaging")
 POOR = 0.1  # of the typical torque: residuals beyond are no good fit
 NONE = 0.3  # of the typical torque: a law that leaves more rms is none to copy
 _WORDS = {
@@ -81,8 +84,27 @@ def as_json(found: FittedSheet) -> dict[str, Any]:
         "measured": [
             {key: None if value != value else value for key, value in vars(point).items()} for point in found.points
         ],
+        "records": [_record(table.record) for table in found.tables if table.record],
+        "stick_slip": _stick_slip(found.stick_slip),
         "said": sentences(found),
     }  # fmt: skip
+
+
+def _stick_slip(told: StickSlip | None) -> dict[str, Any] | None:
+    """What jerks tell of the drive; ``damping`` in the middle of its ``bounds``."""
+    if told is None:
+        return None
+    (stiffness, error), bounds = told.stiffness, told.damping and list(told.damping)
+    known = {"damping": told.middle, "bounds": bounds, "even_speed": told.even_speed, "periods": list(told.periods)}
+    return {"stiffness": stiffness, "standard_error": error, **known, "doubt": told.doubt or None}
+
+
+def _record(record: Record) -> dict[str, Any]:
+    """What a file is over time; of jerks values in SI units, each with its standard error in a table of its own."""
+    values = {key: value for key, value in vars(record).items() if value is not None}
+    pairs = {key: value for key, value in values.items() if key in JERKS_TELL}
+    errors = {"standard_errors": {key: error for key, (_, error) in pairs.items()}} if pairs else {}
+    return values | {key: value for key, (value, _) in pairs.items()} | errors
 
 
 def _end(found: FittedSheet, end: Solution) -> dict[str, Any]:
@@ -143,11 +165,12 @@ def sentences(found: FittedSheet) -> list[str]:
     if not fit.rise_seen:
         said.append("No rise of friction towards slow sliding is seen.")
     said += _of_falling(found)
+    said += _of_jerks(found)
     if not len(measured.breakaway):
         said.append("No table begins at rest, so there is no breakaway and no static coefficient.")
     elif not fit.main.static:
         said.append("The breakaway torque is not above that of slow sliding, so there is no static coefficient.")
-    else:
+    elif any(point.breakaway is not None for point in found.points) or found.stick_slip is None:
         said.append(
             "The static coefficient is of the largest torque at rest, which noise of the samples makes larger: take it "
             "as an upper bound."
@@ -186,6 +209,32 @@ def _of_exponents(found: FittedSheet) -> list[str]:
     ]
 
 
+def _of_jerks(found: FittedSheet) -> list[str]:
+    """Say what jerks tell of the drive."""
+    told = found.stick_slip
+    if told is None:
+        return []
+    seen = [table.record.period[0] for table in found.tables if table.record is not None and table.record.period]
+    stiffness, error = told.stiffness
+    said = [
+        f"While the screw stands the torque climbs as behind a spring of {stiffness:.3g} ± {error:.1g} N m/rad between "
+        "command and screw: a controller's integral gain, in series with what yields behind the motor.",
+        f"The torque at which jerks begin is that of a screw that has stood for {max(seen):.2g} s at most; after a "
+        "longer rest it may be larger.",
+    ]
+    if told.damping is None or told.middle is None or told.even_speed is None:
+        return [*said, f"Damping and the speed from which on it runs evenly are not known: {told.doubt}."]
+    (low, high), speed = told.damping, told.even_speed
+    known = f"between {low:.2g} and {high:.2g}" if low else f"of {high:.2g} at most, as no slow file was even, with"
+    model, screw = (" and ".join(sorted({f"{one:.3g}" for one in own})) for own in (told.periods, seen))
+    return [
+        *said,
+        f"Which files jerk and which are even leaves a damping {known} N m s/rad between command and screw; with "
+        f"{told.middle:.2g} the drive runs evenly from {speed:.3g} rad/s ({speed * 30 / np.pi:.3g} rpm) on.",
+        f"Where the screw jerks every {screw} s, that drive jerks every {model} s.",
+    ]
+
+
 def _of_falling(found: FittedSheet) -> list[str]:
     """Say up to which speed friction falls, in the directions that were measured under the largest load."""
     measured = found.fit.measured
@@ -215,9 +264,16 @@ def blocks(result: dict[str, Any]) -> str:
     drag |= {"viscous": f"{brakes:.6g} N*m*s/rad"} if brakes else {}
     parts = result["friction"] | ({"bearing_friction": rubs} if rubs else {})
     parts |= {"support_damping": brakes} if brakes else {}
+    jerks, more = result["stick_slip"], {}
+    if jerks and jerks["damping"]:
+        more = {
+            "coupling": {"stiffness": f"{jerks['stiffness']:.6g} N*m/rad"},
+            "damping": {"rotational": f"{jerks['damping']:.6g} N*m*s/rad"},
+        }
+        parts |= {"coupling_stiffness": jerks["stiffness"], "support_damping": jerks["damping"] + brakes}
     law = {key: float(f"{value:.6g}") for key, value in parts.items()}
     options = " ".join(f"--set {key}={value:g}" for key, value in law.items())
-    sheet = yaml.safe_dump({"friction": result["sheet"]} | ({"bearing": drag} if drag else {}), sort_keys=False)
+    sheet = yaml.safe_dump({"friction": result["sheet"]} | ({"bearing": drag} if drag else {}) | more, sort_keys=False)
     scene = yaml.safe_dump({"drive": law}, sort_keys=False)
     end = f"; {_ENDS[next(iter(result['ends']))].lower()}, the upper bound" if result["not_separable"] else ""
     low, high = result["sliding_speeds"]
@@ -241,6 +297,12 @@ def text_of(result: dict[str, Any]) -> str:
             f"{point['name'][-16:]:>16} {point['speed']:9.4g} {spread[0]:>8} {point['torque'] * 1e3:9.4f} "
             f"{spread[1]:>8} {point['samples']:8d}"
         )
+    lines += [
+        f"{record['file'][-16:]:>16} jerks every {record['period']:.4g} s behind {record['stiffness']:.3g} N m/rad, "
+        f"from {record['breakaway'] * 1e3:.3g} to {record['after'] * 1e3:.3g} mN m"
+        for record in result["records"]
+        if "period" in record
+    ]
     if result["halves"]:
         lines += ["", f"{'both directions':>16} {'rad/s':>9} {'half-sum':>18} {'half-difference, mN m':>26}"]
     lines += [

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -16,6 +16,8 @@ from lsvib.assess.fields import NotQuantity, Spread
 from lsvib.assess.sheet import Thread, sentence
 from lsvib.errors import InputError
 from lsvib.fit.law import Fit, Measured, Solution, fitted
+from lsvib.fit.records import Record, look
+from lsvib.fit.stick_slip import StickSlip, explained
 from lsvib.fit.tables import MOST_COLUMNS, Point, read_table, refuse_record, row_points, steady_point
 from lsvib.models.scene import read_yaml
 from lsvib.numbers import NotNumber, number, shown, whole
@@ -98,6 +100,12 @@ class TorqueColumn(Column):
     unit: Annotated[_Unit, BeforeValidator(_unit("N m"))]
 
 
+class TimeColumn(Column):
+    """Time of the samples."""
+
+    unit: Annotated[_Unit, BeforeValidator(_unit("s"))]
+
+
 class Load(_Entries):
     """What pulls along the axis: a force against outward travel, and the weight of a mass on an axis that is tilted."""
 
@@ -112,15 +120,28 @@ class Load(_Entries):
 
 
 class Measurements(_Entries):
-    """Tables of one load: ``files`` beside the sheet, a pattern; by default several files are a point each."""
+    """Tables of one load: ``files`` beside the sheet, a pattern; by default several files are a point each.
+
+    With a column of ``time``, or the period of ``sampling``, they are records over time, in which jerks are looked for;
+    ``averaging``: the time over which the recorder averages each sample.
+    """
 
     files: str = Field(min_length=1, max_length=500)
     separator: Annotated[str, BeforeValidator(_separator)] = ","
     decimal: Literal[".", ","] = "."
     speed: SpeedColumn
     torque: TorqueColumn
+    time: TimeColumn | None = None
+    sampling: fields.Duration | None = None
+    averaging: fields.Duration | None = None
     point: Literal["file", "row"] | None = None
     load: Load | None = None
+
+
+class Turning(_Entries):
+    """What turns: the inertia, by which jerks tell the damping."""
+
+    inertia: fields.Inertia
 
 
 class KnownFriction(_Entries):
@@ -157,6 +178,7 @@ class MeasuredSheet(_Entries):
     friction: KnownFriction = KnownFriction()
     bearing: Bearing = Bearing()
     nut: Nut | None = None
+    screw: Turning | None = None
     offset: fields.Torque | None = None
 
     @classmethod
@@ -179,21 +201,49 @@ class MeasuredSheet(_Entries):
 
     def spreads(self) -> dict[str, Spread]:
         """The quantities that are given, by name."""
-        parts = {key: getattr(self, key) for key in ("thread", "load", "friction", "bearing", "nut")}
-        parts |= {f"measurements.{k}.load": block.load for k, block in enumerate(self.measurements)}
+        parts = {key: getattr(self, key) for key in ("thread", "load", "friction", "bearing", "nut", "screw")}
+        for k, block in enumerate(self.measurements):
+            parts |= {f"measurements.{k}": block, f"measurements.{k}.load": block.load}
         entries = [(f"{part}.{key}", entry) for part, whole_part in parts.items() for key, entry in whole_part or ()]
         return {path: entry for path, entry in (*entries, ("offset", self.offset)) if isinstance(entry, Spread)}
 
 
 @dataclass(frozen=True)
+class Table:
+    """What was read of a file: its ``points`` under a ``load`` [N], or jerks, which make none, and what is said of it.
+
+    ``mass`` [kg] that moves with the load, zero where it is not given.
+
+    ``record``: what it is over time, with the mean ``speed`` [rad/s]; None where each row is a point.
+    """
+
+    load: float
+    mass: float
+    points: list[Point]
+    record: Record | None
+    speed: float
+    said: list[str]
+
+    @property
+    def told_even(self) -> bool:
+        """Whether a record is known to be without jerks."""
+        return bool(self.points) and self.record is not None and self.record.kind == "even" and self.record.timed
+
+
+@dataclass(frozen=True)
 class FittedSheet:
-    """A sheet with its points (n), as read from the tables, and the fit; ``half_angle`` of the thread [rad]."""
+    """A sheet with its points (n), as read from the tables, and the fit; ``half_angle`` of the thread [rad].
+
+    ``stick_slip``: what jerks tell, None where no file has any.
+    """
 
     name: str
     points: list[Point]
     left_out: list[str]
     fit: Fit
     half_angle: float
+    tables: list[Table]
+    stick_slip: StickSlip | None
 
     def flank_law(self, solution: Solution) -> dict[str, Any]:
         """Return a friction law as the block ``friction`` of a data sheet, with coefficients of the flanks."""
@@ -216,25 +266,36 @@ def fit_sheet(path: Path) -> FittedSheet:
     sheet = MeasuredSheet.of(read_yaml(path))
     draw = {key: entry.nominal for key, entry in sheet.spreads().items()}
     lead, diameter, half_angle = thread_geometry(sheet, draw)
-    points, loads, left_out = _points(sheet, path.parent, lead)
-    order = sorted(range(len(points)), key=lambda k: (loads[k], points[k].speed))
-    points, loads = [points[k] for k in order], [loads[k] for k in order]
-    turning = np.array([bool(point.speed) for point in points])
-    columns = np.array([(point.speed, point.torque, load) for point, load in zip(points, loads, strict=True)])
+    angle = math.atan(lead / (math.pi * diameter))
+    tables = list(_tables(sheet, path.parent, lead))
+    pairs = sorted(
+        ((table.load, point) for table in tables for point in table.points), key=lambda one: (one[0], one[1].speed)
+    )
+    jerks = [(table, table.record) for table in tables if table.record and table.record.kind == "jerks"]
+    moving = [(point, load) for load, point in pairs if point.speed]
+    if not moving and jerks:
+        raise InputError("the screw jerks in all files, so none is a point of the friction law: measure faster, too.")
     # A file that begins at rest goes on in the direction in which it breaks away, a row at rest has that of its torque.
     held = [
         (math.copysign(1.0, point.speed or point.torque), point.breakaway, load)
-        for point, load in zip(points, loads, strict=True)
+        for load, point in pairs
         if point.breakaway is not None
     ]
-    angle = math.atan(lead / (math.pi * diameter))
-    speed, torque, load = columns[turning].T
+    for table, record in jerks:
+        if record.breakaway is not None:
+            sense = math.copysign(1.0, table.speed)
+            held.append((sense, sense * record.breakaway[0], table.load))
+    speed, torque, load = np.array([(point.speed, point.torque, load) for point, load in moving]).reshape(-1, 3).T
     nut = draw.get("nut.preload", 0.0), draw.get("nut.load_share", 1.0)
     measured = Measured(speed, torque, load, 0.5 * diameter, angle, np.array(held).reshape(-1, 3), *nut)
-    moving = [point for point in points if point.speed]
-    return FittedSheet(
-        sheet.name, moving, left_out, fitted(measured, _known(sheet, draw, angle, half_angle)), half_angle
-    )
+    fit = fitted(measured, _known(sheet, draw, angle, half_angle))
+    stiffnesses = [record.stiffness for _, record in jerks if record.stiffness is not None]
+    even = [(table.points[0].speed, table.load, table.mass) for table in tables if table.told_even]
+    jerked = [(table.speed, table.load, table.mass) for table, _ in jerks]
+    inertia = draw.get("screw.inertia")
+    told = explained(measured, fit.main, stiffnesses, jerked, even, inertia) if stiffnesses else None
+    said = [text for table in tables for text in table.said]
+    return FittedSheet(sheet.name, [point for point, _ in moving], said, fit, half_angle, tables, told)
 
 
 def _known(sheet: MeasuredSheet, draw: Mapping[str, float], angle: float, half_angle: float) -> dict[str, float]:
@@ -251,9 +312,8 @@ def _known(sheet: MeasuredSheet, draw: Mapping[str, float], angle: float, half_a
     return found
 
 
-def _points(sheet: MeasuredSheet, folder: Path, lead: float) -> tuple[list[Point], list[float], list[str]]:
-    """Points of all tables with their loads [N], and sentences about what was left out."""
-    points, loads, said = [], [], []
+def _tables(sheet: MeasuredSheet, folder: Path, lead: float) -> Iterator[Table]:
+    """Read all tables of a sheet."""
     for k, block in enumerate(sheet.measurements):
         place = f"measurements.{k}" if len(sheet.measurements) > 1 else "measurements"
         if (load := block.load or sheet.load) is None:
@@ -266,27 +326,38 @@ def _points(sheet: MeasuredSheet, folder: Path, lead: float) -> tuple[list[Point
             )
         if block.separator == block.decimal:
             raise InputError(f"{place}.separator and {place}.decimal are both {shown(block.decimal)}.")
+        if block.time is not None and block.sampling is not None:
+            raise InputError(f"{place}.time and {place}.sampling are both given; give one of them.")
         files = _files(f"{place}.files", block.files, folder)
-        scale, unit = block.speed.unit
-        per_turn = 2 * math.pi / lead if unit == "m/s" else 1.0  # from the speed of the load to that of the screw
-        factors = (block.speed.factor * scale * per_turn, block.torque.factor * block.torque.unit[0])
         for file in files:
-            columns = (block.speed.column, block.torque.column)
-            table = read_table(file, columns, factors, block.separator, block.decimal)
-            each_row = block.point == "row" or (block.point is None and len(files) == 1)
-            if each_row and block.point is None:
-                refuse_record(table)
-            new = row_points(table) if each_row else [steady_point(table)]
-            points += new
-            loads += len(new) * [load.axial()]
-            counts = {
-                "rows that are not numbers": table.skipped,
-                "rows of a screw at rest": 0 if each_row or new[0].speed else new[0].samples,
-                "first samples, before the speed was steady": sum(point.transient for point in new),
-                "spikes of the torque": sum(point.spikes for point in new),
-            }
-            said += [f"{file.name}: {words} ({count})" for words, count in counts.items() if count]
-    return points, loads, said
+            yield _table(file, block, load, lead, len(files) == 1)
+
+
+def _table(path: Path, block: Measurements, load: Load, lead: float, alone: bool) -> Table:
+    """Read one table, ``alone`` in its block, as points or as a record over time."""
+    under = load.axial(), load.mass.nominal if load.mass else 0.0
+    columns: list[Any] = [block.speed, block.torque, *([block.time] if block.time else [])]
+    factors = [column.factor * column.unit[0] for column in columns]
+    factors[0] *= 2 * math.pi / lead if block.speed.unit[1] == "m/s" else 1.0  # from the load's speed to the screw's
+    table = read_table(path, [column.column for column in columns], factors, block.separator, block.decimal)
+    timed = block.time or block.sampling
+    skipped = [f"{path.name}: rows that are not numbers ({table.skipped})"] if table.skipped else []
+    if block.point == "row" or (block.point is None and alone and not timed):
+        if block.point is None:
+            refuse_record(table)
+        return Table(*under, row_points(table), None, 0.0, skipped)
+    interval, window = (entry.nominal if entry else None for entry in (block.sampling, block.averaging))
+    record, mean = look(table, interval, window), float(table.speed.mean())
+    if record.kind == "jerks":
+        return Table(*under, [], record, mean, [*skipped, *(text.removesuffix(".") for text in record.said)])
+    point = steady_point(table)
+    counts = {
+        "rows of a screw at rest": 0 if point.speed else point.samples,
+        "first samples, before the speed was steady": point.transient,
+        "spikes of the torque": point.spikes,
+    }
+    said = [f"{path.name}: {words} ({count})" for words, count in counts.items() if count]
+    return Table(*under, [point], record, mean, skipped + said)
 
 
 def _files(name: str, pattern: str, folder: Path) -> list[Path]:

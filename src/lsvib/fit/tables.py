@@ -9,6 +9,7 @@ import csv
 import math
 import os
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -32,12 +33,16 @@ REST = 0.05  # of the mean speed: below it a screw that is about to start still 
 
 @dataclass(frozen=True)
 class Recording:
-    """What one file holds: ``speed`` of the screw (n) [rad/s], ``torque`` of the motor (n) [N m], rows ``skipped``."""
+    """What one file holds: ``speed`` of the screw (n) [rad/s], ``torque`` of the motor (n) [N m], rows ``skipped``.
+
+    ``time`` (n) [s]: of the samples, where it was read.
+    """
 
     name: str
     speed: NDArray[np.float64]
     torque: NDArray[np.float64]
     skipped: int = 0
+    time: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True)
@@ -60,11 +65,11 @@ class Point:
 
 
 def read_table(
-    path: Path, columns: tuple[int, int], factors: tuple[float, float], separator: str = ",", decimal: str = "."
+    path: Path, columns: Sequence[int], factors: Sequence[float], separator: str = ",", decimal: str = "."
 ) -> Recording:
-    """Read speed and torque from two ``columns`` (from 1), times ``factors`` to rad/s and N m.
+    """Read speed, torque, and time if it is asked for, from ``columns`` (from 1), times ``factors`` to rad/s, N m and s.
 
-    Rows count that have as many cells as most rows have, and numbers in both columns. Raises ``InputError``.
+    Rows count that have as many cells as most rows have, and numbers in all columns. Raises ``InputError``.
     """
     try:
         rows = [row for row in csv.reader(_text(path).splitlines(), delimiter=separator) if any(row)]
@@ -95,14 +100,14 @@ def read_table(
             )
     kept = np.isfinite(found).all(axis=1)
     if not kept.any():
-        raise InputError(f"{path} has no row with numbers in columns {columns[0]} and {columns[1]}.")
+        raise InputError(f"{path} has no row with numbers in columns {' and '.join(map(str, columns))}.")
     first = int(np.argmax(kept))  # what stands above is the header
     with np.errstate(over="ignore"):
-        speed, torque = (found[kept] * factors).T
+        speed, torque, *time = (found[kept] * factors).T
     for values, most, unit in ((speed, FASTEST, "rad/s"), (torque, STRONGEST, "N m")):
         if (size := float(np.abs(values).max())) > most:
             raise InputError(f"{path} holds {size:.4g} {unit}; the allowed range is up to {most:.4g} {unit}.")
-    return Recording(path.name, speed, torque, int(np.count_nonzero(~kept[first:])))
+    return Recording(path.name, speed, torque, int(np.count_nonzero(~kept[first:])), *time)
 
 
 def _text(path: Path) -> str:
@@ -138,7 +143,7 @@ def steady_point(recording: Recording) -> Point:
     usual = 1.4826 * np.median(deviation)  # the standard deviation where samples are normally distributed
     kept = begin + np.flatnonzero((deviation <= SPIKE * usual) | (usual == 0))
     mean, scatter = float(speed[kept].mean()), _scatter(speed[kept])
-    if scatter > 2 * abs(mean) or _drifts(speed[begin:]):
+    if scatter > 2 * abs(mean) or drifts(speed[begin:]):
         raise InputError(
             f"{recording.name} does not run at one speed, but from {speed.min():.4g} to {speed.max():.4g} rad/s; "
             "cut it to its steady motion, or, if each row is steady motion of its own, give measurements.point: row."
@@ -158,7 +163,7 @@ def steady_point(recording: Recording) -> Point:
     )
 
 
-def _drifts(speed: NDArray[np.float64]) -> bool:
+def drifts(speed: NDArray[np.float64]) -> bool:
     """Whether the means of four parts differ by more than noise and jerks explain, as they do in a ramp or a stop."""
     parts = np.array_split(speed, min(4, speed.size))
     within = math.sqrt(sum(part.var() * part.size for part in parts) / max(speed.size - len(parts), 1))

@@ -1,0 +1,164 @@
+"""What jerks tell of a drive: records of drives that are known, the measured screw, and what is not told."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+import lsvib
+from lsvib.assess.output import assess_file
+from lsvib.errors import InputError
+from lsvib.fit.output import as_json, blocks, sentences
+from lsvib.fit.sheet import fit_sheet
+from lsvib.fit.stick_slip import combined, slowest
+
+ROOT = Path(__file__).parents[2]
+SCREW = ROOT / "examples" / "measured_screw" / "measured_screw.yaml"
+RPM = math.pi / 30
+KNOWN = lsvib.Drive(
+    pitch_radius=5.5e-3, lead_angle=math.atan(2 / (11 * math.pi)), screw_inertia=2.2e-6, mass=0.3, axial_force=-2.0,
+    coupling_stiffness=0.03, support_damping=2.5e-4, friction_coefficient=0.3, static_friction_coefficient=0.5,
+)  # fmt: skip
+SPEEDS = (2.0, 10.0, 20.0, 40.0, 80.0)  # rpm; below 7 rpm it jerks
+SHEET = {
+    "thread": {"lead": "2 mm", "pitch_diameter": "11 mm"},
+    "screw": {"inertia": "2.2e-6 kg*m^2"},
+    "load": {"force": "2 N", "mass": "0.3 kg", "orientation": "horizontal"},
+    "friction": {"stribeck_rise": 0, "slope": "0 s/m"},
+    "bearing": {"coulomb": "0 mN*m", "viscous": "0 mN*m*s/rad"},
+    "measurements": {
+        "files": "*.csv",
+        "time": {"column": 1, "unit": "s"},
+        "speed": {"column": 2, "unit": "rad/s"},
+        "torque": {"column": 3, "unit": "N*m"},
+        "averaging": "10 ms",
+    },
+}
+
+
+def record(folder, drive, rpm, interval=0.03, averaging=0.01, count=700):
+    """Write what a recorder shows of a drive from rest, each sample a mean over some time, with noise."""
+    own = drive.replace(input_speed=rpm * RPM)
+    fine = 10
+    motion = own.simulate("rest", interval * count, samples=round(interval / averaging) * fine * count + 1)
+    speed = own.input_speed + motion.velocity_deviation.values
+    motor = motion.coupling_torque.values - own.support_damping * speed  # k (Ω t − θ) + c (Ω − θ′) but for a constant
+    kept = slice(round(0.1 * count), count)
+    rows = []
+    for values in (speed, motor):
+        means = values[1:].reshape(-1, round(interval / averaging), fine)[:, -1].mean(axis=1)
+        rows.append(means[kept])
+    noise = np.random.default_rng(int(abs(rpm))).standard_normal(rows[1].size) * 0.01 * abs(rows[1]).mean()
+    times = interval * np.arange(rows[0].size)
+    lines = (f"{t:.6g},{w:.6g},{torque:.8g}" for t, w, torque in zip(times, rows[0], rows[1] + noise, strict=True))
+    (folder / f"{rpm:+.0f}.csv").write_text("s,rad/s,N m\n" + "\n".join(lines) + "\n")
+
+
+def sheet(folder, **more):
+    """Write a sheet with changed entries; its path."""
+    path = folder / "sheet.yaml"
+    path.write_text(yaml.safe_dump({**SHEET, **more}))
+    return path
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    found = tmp_path_factory.mktemp("records")
+    for rpm in SPEEDS:
+        for sense in (1, -1):
+            record(found, KNOWN, sense * rpm)
+    return found
+
+
+def test_a_drive_is_found_again_by_its_records(folder):
+    """Friction by the files that are even, static friction and stiffness by those that jerk, damping within bounds."""
+    found = fit_sheet(sheet(folder))
+    told, main = found.stick_slip, found.fit.main
+    kinds = {table.record.file: table.record.kind for table in found.tables}
+    assert {name for name, kind in kinds.items() if kind == "jerks"} == {"+2.csv", "-2.csv"}
+    assert main.values["friction_coefficient"] == pytest.approx(0.3, abs=3e-3)
+    assert main.static[0] == pytest.approx(0.5, abs=0.02)
+    assert told.stiffness[0] == pytest.approx(0.03, abs=max(3 * told.stiffness[1], 3e-4))
+    assert told.damping[0] <= KNOWN.support_damping <= told.damping[1]
+    exact = [abs(KNOWN.replace(input_speed=s).threshold("even_speed").solutions[0].value) for s in (1.0, -1.0)]
+    assert 2 * RPM < told.even_speed < 10 * RPM
+    assert 2 * RPM < max(exact) < 10 * RPM
+    assert told.periods == pytest.approx(
+        [table.record.period[0] for table in found.tables if not table.points], rel=0.5
+    )
+
+
+def test_the_measured_screw(tmp_path):
+    """Period and stiffness of both records; their numbers, and a data sheet that jerks where the screw did."""
+    found = fit_sheet(SCREW)
+    result = as_json(found)
+    json.dumps(result, allow_nan=False)
+    jerks = {record["file"]: record for record in result["records"] if record["kind"] == "jerks"}
+    assert set(jerks) == {"2.csv", "n2.csv"}
+    for record_ in jerks.values():
+        assert 1 / record_["period"] == pytest.approx(2.489, abs=0.5 / 64)  # half of what the spectrum of 64 s resolves
+        assert record_["stiffness"] == pytest.approx(0.0215, abs=0.0015)
+        assert set(record_["standard_errors"]) >= {"period", "stiffness", "breakaway", "after"}
+    assert {record["kind"] for record in result["records"] if record["file"] not in jerks} == {"even"}
+    told = result["stick_slip"]
+    assert told["stiffness"] == pytest.approx(0.0215, abs=0.0015)
+    assert told["bounds"][0] < told["damping"] < told["bounds"][1]
+    assert 2 * RPM < told["even_speed"] < 10 * RPM
+    assert any("that drive jerks every" in text for text in sentences(found))
+    parts = yaml.safe_load(blocks(result))
+    data = {
+        "name": "as measured",
+        "thread": {"lead": "2 mm", "pitch_diameter": "11 mm", "half_angle": "15 deg"},
+        "screw": {"inertia": "2.186e-6 kg*m^2"},
+        "load": {"mass": "0.276 kg", "force": "-0.9414 N", "orientation": "horizontal"},
+        "operation": {"speed": ["2 rpm", "20 rpm"]},
+        **{key: parts[key] for key in ("friction", "coupling", "damping")},
+    }
+    (tmp_path / "sheet.yaml").write_text(yaml.safe_dump(data))
+    verdict = assess_file(tmp_path / "sheet.yaml", None, samples=64)
+    assert verdict["verdict"] == "jerks"
+    assert verdict["from_rest"]["even_speed"] == pytest.approx(told["even_speed"], rel=0.02)
+
+
+def test_what_is_not_told_has_a_reason(folder, tmp_path):
+    alone = fit_sheet(sheet(folder, screw=None))
+    assert alone.stick_slip.damping is None
+    assert "Damping and the speed from which on it runs evenly are not known: they take screw.inertia" in " ".join(
+        sentences(alone)
+    )
+    assert "coupling" not in yaml.safe_load(blocks(as_json(alone)))
+    rough = fit_sheet(sheet(folder, friction={**SHEET["friction"], "coefficient": 0.9}))
+    assert "breaks loose is not above that of slow sliding" in rough.stick_slip.doubt
+    pressed = fit_sheet(sheet(folder, nut={"preload": "1 N"}))
+    assert "preloaded nut is not followed" in pressed.stick_slip.doubt
+    only = tmp_path / "only"
+    only.mkdir()
+    for name in ("+2.csv", "-2.csv"):
+        (only / name).write_text((folder / name).read_text())
+    with pytest.raises(InputError, match="jerks in all files"):
+        fit_sheet(sheet(only))
+    both = {**SHEET["measurements"], "sampling": "30 ms"}
+    with pytest.raises(InputError, match=r"measurements.time and measurements.sampling are both given"):
+        fit_sheet(sheet(folder, measurements=both))
+
+
+def test_without_a_time_a_file_is_a_point_as_it_was(folder):
+    untimed = {key: value for key, value in SHEET["measurements"].items() if key not in ("time", "averaging")}
+    plain = fit_sheet(sheet(folder, measurements={**untimed, "files": "*0.csv"}))
+    assert len(plain.points) == 8
+    assert {table.record.timed for table in plain.tables} == {False}
+    with pytest.raises(InputError, match="does not run at one speed"):
+        fit_sheet(sheet(folder, measurements=untimed))
+    sampled = fit_sheet(sheet(folder, measurements={**untimed, "sampling": "30 ms"}))
+    assert sampled.stick_slip is not None
+
+
+def test_estimates_are_weighed_and_the_slowest_files_are_kept():
+    assert combined([(1.0, 0.1), (1.0, 0.1)]) == pytest.approx((1.0, 0.1 / math.sqrt(2)))
+    mean, error = combined([(1.0, 0.01), (2.0, 0.01)])
+    assert (mean, error) == pytest.approx((1.5, 0.5))  # they differ by more than their errors say
+    files = [(1.0, 5.0, 0.1), (-3.0, 5.0, 0.1), (2.0, 5.0, 0.1), (4.0, -5.0, 0.1)]
+    assert sorted(slowest(files)) == [(-3.0, 5.0, 0.1), (1.0, 5.0, 0.1), (4.0, -5.0, 0.1)]
