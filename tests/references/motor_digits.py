@@ -3,17 +3,16 @@
     J θ_m″ = K_i (Ω t − θ_m) + K_p (Ω − θ_m′) − T,    T = −k (θ − θ_m) − d (θ′ − θ_m′),    x = r tan λ θ,
     I θ″ = T − c θ′ − r ξ_s n,    m x″ = R − c_x x′ − n,    ξ_s = (s μ − tan λ) / (1 + s μ tan λ) = tan(s atan μ − λ),
 
-n the axial contact force and s = sgn θ′ sgn n. At rest n = R, and static friction, ξ_s with μ_s, holds while T lies
-between r ξ₊ R and r ξ₋ R. The state is (θ − Ω t, θ′, θ_m − Ω t, θ_m′, 1), a mode (sgn θ′, sgn n), at rest (0, 0). For
-drives below the critical mass, where each state of slip has one law. Nothing of the library is imported.
+n the axial contact force, s = sgn θ′ sgn n. At rest n = R, and static friction, ξ_s with μ_s, holds while T is between
+r ξ₊ R and r ξ₋ R. The state is (θ − Ω t, θ′, θ_m − Ω t, θ_m′, 1), a mode (sgn θ′, sgn n). Below the critical mass,
+where each state of slip has one law. Nothing of the library is imported.
 """
 
 from functools import cache
 
 from mpmath import mp, mpf
 
-REST = (0, 0)
-POINTS = 6  # in the time 1/|λ| of the fastest rate of a mode: where the signs of its guards are looked at
+REST, POINTS = (0, 0), 6  # points in the time 1/|λ| of the fastest rate of a mode, at which its guards are looked at
 
 
 class MotorCycle:
@@ -47,7 +46,7 @@ class MotorCycle:
             rates[1], force = (mp.matrix(laws) ** -1 * mp.matrix([torque, load])).tolist()
             guards = [[0, way, 0, 0, 0], [side * f for f in force]]
         else:
-            low, high = sorted(arm * p["axial_force"] for arm in lever.values())
+            low, high = sorted(arm * p["axial_force"] for arm in lever.values())  # T at the ends of rest
             guards = [[k, d, -k, -d, high], [*torque[:4], -low]]
         matrix = mp.matrix([*rates, [0] * 5])
         step = 1 / (POINTS * max(map(abs, mp.eig(matrix, left=False, right=False))))
