@@ -45,3 +45,10 @@ def test_the_digits_are_those_of_newtons_laws(name):
         assert len(found.modes) == 1 + len(DRIVES[name].cycles().cycles[0].itinerary)
         for value, digits in zip((found.period, found.amplitude), DIGITS[name], strict=True):
             assert mp.nstr(value, 30) == digits
+
+
+def test_the_cycle_that_a_start_reaches_is_among_those_that_are_found():
+    """Starts that leave the motor at steady sliding reach another one only."""
+    drive = DRIVES["stiff coupling"].replace(coupling_stiffness=1000.0)
+    steady = drive.steady_state(model_of(drive).from_rest(drive))
+    assert pytest.approx(steady.period, rel=1e-13) in [cycle.period for cycle in drive.cycles().cycles]

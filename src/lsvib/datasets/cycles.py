@@ -73,6 +73,8 @@ def find_cycles(drive: Drive, automaton: Automaton) -> Cycles:
             seeds = [Seed(np.array(arcs[0].start, dtype=float), mode, len(arcs), "boundary of the basin")]
     model = model_of(drive)
     given = [{"u": u, "w": w} for u, w in starts(drive)] + random_starts(drive)
+    if "motor" in drive.parts:  # the starts leave the motor at steady sliding; here all stands
+        given.append(model.from_rest(drive))
     states = [model.initial_state(drive, start) for start in given]
     found = search(drive, automaton, states, seeds)
     if not found.cycles and len(found.unresolved) == len(states):

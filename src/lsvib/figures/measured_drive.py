@@ -11,7 +11,7 @@ import xarray as xr
 from pydantic import Field
 
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import axis, named_index, parameter, variable
+from lsvib.datasets.attributes import VARIED, axis, named_index, parameter, variable
 from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
 from lsvib.figures import style
@@ -122,6 +122,7 @@ def build(settings: Values) -> xr.Dataset:
         ),
     }  # fmt: skip
     given = {name: value for name, value in drive if name not in ("input_speed", "support_damping")}
+    variables["input_speed"] = ("direction", [sense * SLOW for sense in jerks], parameter("input_speed", VARIED))
     variables |= {name: ((), value, parameter(name, f"given, {SOURCE}, or fitted")) for name, value in given.items()}
     coordinates |= {
         **axis("support_damping", dampings),
@@ -286,7 +287,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     limit.axvspan(low, high, color=style.GREY, alpha=0.25, linewidth=0)
     for line, (_, colour, dashes, words) in zip(dataset.even_speed, _LOOKS, strict=True):
         kept = line.where((line > 0) & np.isfinite(line))
-        limit.plot(dataset.support_damping, kept / RPM, dashes, color=colour, label=words)
+        limit.plot(dataset.support_damping, kept / RPM, dashes, color=colour, label=f"model, {words}")
     at = math.sqrt(low * high)
     for rpm, mark, words in ((SLOW / RPM, "v", "jerked"), (EVEN / RPM, "^", "was even")):
         limit.plot(at, rpm, mark, color="black", markersize=4)
@@ -313,7 +314,7 @@ def _records(axes: style.Axes, dataset: xr.Dataset) -> None:
         own = dataset.isel(direction=row)
         shift = float(own.mean_torque[0] - own.mean_torque[1])
         axes.plot(dataset.record_time, own.recorded_torque * 1e3, "os"[sense > 0], color=colour, markersize=3,
-                  label=f"measured, {words}")  # fmt: skip
+                  label=f"record, {words}")  # fmt: skip
         axes.plot(dataset.model_time, (own.model_torque + shift) * 1e3, dashes, color=colour, linewidth=0.9,
                   label=f"model less {-shift * 1e3:.2f} mN m")  # fmt: skip
     low, high = axes.get_ylim()
