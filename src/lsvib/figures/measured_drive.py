@@ -123,7 +123,10 @@ def build(settings: Values) -> xr.Dataset:
     }  # fmt: skip
     given = {name: value for name, value in drive if name not in ("input_speed", "support_damping")}
     variables["input_speed"] = ("direction", [sense * SLOW for sense in jerks], parameter("input_speed", VARIED))
-    variables |= {name: ((), value, parameter(name, f"given, {SOURCE}, or fitted")) for name, value in given.items()}
+    variables |= {
+        name: ((), value, parameter(name, f"given: published, measured or fitted, {SOURCE}"))
+        for name, value in given.items()
+    }
     coordinates |= {
         **axis("support_damping", dampings),
         "record_time": variable("record_time", RECORD_TIMES, "s", "time of the record", "$t$"),
