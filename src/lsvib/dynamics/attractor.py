@@ -40,7 +40,6 @@ from lsvib.dynamics.kernels.single_mode import Outcome
 from lsvib.dynamics.machine import blank, machine_for, of_one_type
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import event_loop, jit, layout
-from lsvib.engine.kernels.layout import TaylorFlow
 from lsvib.engine.motion import Motion, bouncing, engine_for, enter, follow, new_events
 from lsvib.errors import AccumulationError, DivergenceError, EngineError, UndecidedError, WorkSpentError
 
@@ -206,16 +205,9 @@ def end_of_motion(
     known = known or KnownCycles.of((), automaton, 0)
     found = new_found(here.size, max_events)
     engine = automaton.engines.pop() if automaton.engines else engine_for(automaton.tables)
+    machine, tables = machine_for(automaton.tables, engine), of_one_type(automaton.tables)
     outcome = rule.end_of(
-        machine_for(automaton.tables, engine),
-        of_one_type(automaton.tables),
-        known.facts,
-        known.table,
-        mode,
-        here,
-        known.patience,
-        *rooms(here.size),
-        found,
+        machine, tables, known.facts, known.table, mode, here, known.patience, *rooms(here.size), found
     )
     automaton.engines.append(engine)
     notes = found.notes[0]
@@ -252,7 +244,7 @@ def facts_of(automaton: Automaton) -> rule.Facts:
 def _conserves(automaton: Automaton, rests: np.ndarray) -> bool:
     """Whether all modes in motion preserve volumes, because nothing damps them."""
     flow = automaton.tables.flow
-    if isinstance(flow, TaylorFlow):
+    if isinstance(flow, layout.TaylorFlow):
         return False
     if isinstance(flow, np.ndarray):
         return not flow[..., ~rests, layout.A1].any()
@@ -296,7 +288,7 @@ def _equilibrium(automaton: Automaton, mode: int, states: int) -> np.ndarray:
     from steady sliding, which is zero.
     """
     flow = automaton.tables.flow
-    if isinstance(flow, TaylorFlow):
+    if isinstance(flow, layout.TaylorFlow):
         return np.array(flow.settled_place[np.argmax(flow.settled_level)])
     if mode < 0:
         return np.zeros(states)

@@ -7,7 +7,6 @@ stands with the coupling relaxed, and the motor begins to turn. Nothing else is 
 no threshold, no sign of a coefficient.
 """
 
-from collections.abc import Callable
 from enum import IntEnum
 from typing import Any
 
@@ -18,6 +17,7 @@ from lsvib.dynamics.kernels.sweep import REVERSES
 from lsvib.dynamics.sweep import all_endings
 from lsvib.models import mechanics
 from lsvib.models.many import ManyDrives
+from lsvib.numbers import Progress
 
 
 class Behaviour(IntEnum):
@@ -39,11 +39,7 @@ _CYCLES = (
 )  # fmt: skip
 
 
-def behaviours(
-    drives: ManyDrives,
-    workers: int = 1,
-    progress: Callable[[int, int], None] | None = None,
-) -> np.ndarray:
+def behaviours(drives: ManyDrives, workers: int = 1, progress: Progress | None = None) -> np.ndarray:
     """Return what drives of one model do (k, int8), a :class:`Behaviour` each.
 
     Arguments: number of ``workers`` (:func:`lsvib.dynamics.sweep.all_endings`), which changes no label; ``progress``,

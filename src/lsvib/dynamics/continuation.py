@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lsvib.dynamics.cycles import Cycle
-from lsvib.dynamics.poincare_map import Section, derivative, multipliers
+from lsvib.dynamics.poincare_map import Section, derivative, multipliers, newton_step
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import flow_planar
 from lsvib.engine.kernels.layout import GRAZE_KIND
@@ -138,10 +138,6 @@ class BranchEquations:
         """The q of a value of the parameter."""
         return math.asinh(value / self.size)
 
-    def on(self, section: MovingSection) -> "BranchEquations":
-        """The same on another section."""
-        return BranchEquations(self.build, section, self.size)
-
     def at(self, z: np.ndarray) -> tuple[Drive, Section, Motion] | None:
         """The drive, the section and one return from a point (y, q); None where none comes back or no drive is."""
         try:
@@ -159,20 +155,18 @@ class BranchEquations:
         _, along = self.section.state(motion.automaton, z[:-1])
         matrix = derivative(motion).matrix @ along
         inner = matrix[self.section.free] / self.section.size[self.section.free][:, None] - np.eye(d)
-        if last is not None:
-            found = np.column_stack([inner, last])
-            return found if np.isfinite(found).all() else None
-        size = 1e-5  # step of the difference, in sizes of the parameter
-        step, here = np.eye(d + 1)[-1] * size, self.section.place(motion.end_state)
-        beside = {0.0: here}
-        for sign in (1.0, -1.0):
-            there = self.at(z + sign * step)
-            if there is not None and events_of(there[2]) == events_of(motion):  # else the difference is that of a kink
-                beside[sign] = self.section.place(there[2].end_state)
-        if len(beside) == 1:
-            return None
-        low, high = min(beside), max(beside)
-        found = np.column_stack([inner, (beside[high] - beside[low]) / ((high - low) * size)])
+        if last is None:
+            size = 1e-5  # step of the difference, in sizes of the parameter
+            step, beside = np.eye(d + 1)[-1] * size, {0.0: self.section.place(motion.end_state)}
+            for sign in (1.0, -1.0):
+                there = self.at(z + sign * step)
+                if there is not None and events_of(there[2]) == events_of(motion):  # else it is that of a kink
+                    beside[sign] = self.section.place(there[2].end_state)
+            if len(beside) == 1:
+                return None
+            low, high = min(beside), max(beside)
+            last = (beside[high] - beside[low]) / ((high - low) * size)
+        found = np.column_stack([inner, last])
         return found if np.isfinite(found).all() else None
 
     def corrected(self, guess: np.ndarray, tangent: np.ndarray) -> Solved | None:
@@ -187,8 +181,11 @@ class BranchEquations:
             same = events == events_of(found[2])
             slopes = self.slopes(z, found[2], None if slopes is None or not same else slopes[:, -1])
             events = events_of(found[2])
-            step = None if slopes is None else _bordered(slopes, tangent, gap, float(tangent @ (z - guess)))
-            if step is None or slopes is None:
+            if slopes is None:
+                return None
+            # for F = 0 in the plane across the tangent
+            step = newton_step(np.vstack([slopes, tangent]), -np.append(gap, tangent @ (z - guess)))
+            if step is None:
                 return None
             length = float(np.abs(step).max(initial=0.0))
             if length <= 4 * flow_planar.EPS or (last <= _CONVERGED and length >= 0.5 * last):
@@ -221,15 +218,6 @@ def events_of(motion: Motion) -> tuple[list[int], list[int]]:
     return motion.kind[own].tolist(), motion.automaton.codes[motion.mode[own]].tolist()
 
 
-def _bordered(slopes: np.ndarray, tangent: np.ndarray, gap: np.ndarray, off: float) -> np.ndarray | None:
-    """Newton's step for F = 0 in the plane across the tangent."""
-    try:
-        step = np.linalg.solve(np.vstack([slopes, tangent]), -np.append(gap, off))
-    except np.linalg.LinAlgError:
-        return None
-    return step if np.isfinite(step).all() else None
-
-
 def null_direction(slopes: np.ndarray) -> np.ndarray:
     """Unit vector that the slopes (d, d + 1) take to zero."""
     if not len(slopes):
@@ -260,8 +248,8 @@ def _followed(
     start = float(getattr(cycle.drive, parameter))
     curve = BranchEquations(build, MovingSection(cycle), abs(start) or max(-low, high))
     here = _first(curve, cycle, start, direction)
-    if here is None:
-        raise InputError(f"the cycle at {parameter} = {start:g} cannot be followed: {_why_not(curve, cycle, start)}.")
+    if isinstance(here, str):
+        raise InputError(f"the cycle at {parameter} = {start:g} cannot be followed: {here}.")
     points: list[BranchPoint] = [BranchPoint(start, here.cycle, 0.0)]
     changes: list[Change] = []
     along, step = 0.0, 1e-2
@@ -290,20 +278,17 @@ def _followed(
     return points, changes
 
 
-def _first(curve: BranchEquations, cycle: Cycle, start: float, direction: float) -> Solved | None:
+def _first(curve: BranchEquations, cycle: Cycle, start: float, direction: float) -> Solved | str:
+    """The first point of a branch, or why there is none, as the end of a sentence."""
     z = np.append(curve.section.place(cycle.state), curve.counted(start))
     found = curve.at(z)
-    slopes = None if found is None else curve.slopes(z, found[2])
+    if found is None:
+        return "its motion does not come back"
+    slopes = curve.slopes(z, found[2])
     if slopes is None:
-        return None
+        return "its return map has no derivative"
     tangent = null_direction(slopes)
     return Solved(z, cycle, tangent * direction if tangent[-1] >= 0 else -tangent * direction)
-
-
-def _why_not(curve: BranchEquations, cycle: Cycle, start: float) -> str:
-    """Why a branch does not even begin, as the end of a sentence."""
-    found = curve.at(np.append(curve.section.place(cycle.state), curve.counted(start)))
-    return "its motion does not come back" if found is None else "its return map has no derivative"
 
 
 def _next(curve: BranchEquations, here: Solved, step: float) -> tuple[Solved | None, BranchEquations, Solved, float]:
@@ -325,9 +310,9 @@ def _places(curve: BranchEquations, here: Solved) -> Iterator[tuple[BranchEquati
     """Yield the same point on this section and on the others of the cycle."""
     yield curve, here
     for cycle in other_sections(here.cycle):
-        other = curve.on(MovingSection(cycle))
+        other = BranchEquations(curve.build, MovingSection(cycle), curve.size)
         again = _first(other, cycle, curve.value(here.z), 1.0)
-        if again is not None:
+        if isinstance(again, Solved):
             turned = again.tangent[-1] * here.tangent[-1] < 0
             yield other, replace(again, tangent=-again.tangent) if turned else again
 

@@ -52,10 +52,6 @@ Slow = Generator[Callable[[], Any], Any, None]
 """Slow work: yields what is to be computed, is sent what that returned, and draws it."""
 
 
-def _nothing() -> Slow:
-    yield from ()
-
-
 class Page:
     """The page of one session; ``presets`` by name. ``view`` is what it shows."""
 
@@ -67,7 +63,8 @@ class Page:
         self._waiting = False
         self._answered = 0.0  # time of the last answer [s]
         self._settling: Any = None
-        self._slow, self._until = _nothing(), 0.0
+        self._slow: Slow | None = None
+        self._until = 0.0
         self._shares: dict[Attractor, float] = {}
         self._frames: Any = None
         self._alert = Div(name="alert", html_attributes={"role": "alert"}, styles={"color": "#B00020"})
@@ -190,7 +187,7 @@ class Page:
         self.plots.draw_motion(view.drive, shown, window)
         self.plots.draw_friction(*answers.friction_visited(view.drive, shown))
         self._draw_moment()
-        self._slow = _nothing()
+        self._slow = None
         if self._settling is not None:
             self.document.remove_timeout_callback(self._settling)
         self._settling = self.document.add_timeout_callback(self._settle, 500)  # ms: the hand rests

@@ -60,9 +60,8 @@ class View:
             self.drive.replace(**{self.over: end})
 
     def _scene(self, drive: Any) -> dict[str, Any]:
-        start = {"u": self.u, "w": self.w}
-        scene = {"drive": drive, "start": start}
-        return {**scene, "duration": self.duration, "samples": 2001}  # no corner of the line is seen
+        start, samples = {"u": self.u, "w": self.w}, 2001  # no corner of the line is seen
+        return {"drive": drive, "start": start, "duration": self.duration, "samples": samples}
 
     def _changed(self) -> dict[str, float]:
         """The parameters that differ from their defaults."""
