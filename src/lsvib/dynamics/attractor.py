@@ -259,7 +259,6 @@ def new_found(states: int, work: float) -> rule.Found:
 
 
 def _meant(automaton: Automaton, outcome: int, found: rule.Found, known: KnownCycles) -> SteadyState:
-    """Return the attractor that an outcome of the rule stands for."""
     state, mode = found.state.copy(), int(found.notes[0]["mode"])
     if outcome == Outcome.KNOWN:
         return known.cycles[int(found.notes[0]["index"])]
@@ -310,7 +309,6 @@ def _oscillation(automaton: Automaton, mode: int, state: np.ndarray, frequency: 
 
 
 def _cycle(automaton: Automaton, found: rule.Found, known: KnownCycles) -> SteadyState:
-    """Return the cycle through the fixed point that was found."""
     notes, state, facts = found.notes[0], found.state.copy(), known.facts
     d = int(notes["dimension"])
     orbit = follow(automaton, state, math.inf, mode=int(notes["mode"]), max_events=int(notes["events"]))

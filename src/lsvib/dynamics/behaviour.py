@@ -8,7 +8,6 @@ no threshold, no sign of a coefficient.
 """
 
 from enum import IntEnum
-from typing import Any
 
 import numpy as np
 
@@ -34,9 +33,12 @@ class Behaviour(IntEnum):
     VIBRATION_FROM_REST = 7  # steady sliding attracts what is near, a cycle the motion that begins at rest
 
 
-_CYCLES = (
-    Attractor.STICK_SLIP_CYCLE, Attractor.SPRAG_SLIP_CYCLE, Attractor.OTHER_CYCLE, Attractor.NEUTRAL_FAMILY
-)  # fmt: skip
+_OF_CYCLES = {
+    Attractor.OTHER_CYCLE: Behaviour.PURE_SLIP,
+    Attractor.STICK_SLIP_CYCLE: Behaviour.STICK_SLIP,
+    Attractor.SPRAG_SLIP_CYCLE: Behaviour.SPRAG_SLIP,
+    Attractor.NEUTRAL_FAMILY: Behaviour.NEUTRAL,
+}
 
 
 def behaviours(drives: ManyDrives, workers: int = 1, progress: Progress | None = None) -> np.ndarray:
@@ -54,8 +56,8 @@ def behaviours(drives: ManyDrives, workers: int = 1, progress: Progress | None =
     def vibrating(start: np.ndarray | None, done: int) -> np.ndarray:
         """Note which of the steady drives do not return from a start; return whether they vibrate then."""
         again = all_endings(drives.some(steady), start, workers, progress and (lambda n, _: progress(done + n, most)))
-        found[steady[~np.isin(again.attractor, (Attractor.STEADY_SLIDING, *_CYCLES))]] = Behaviour.UNRESOLVED
-        return np.isin(again.attractor, _CYCLES)
+        found[steady[~np.isin(again.attractor, (Attractor.STEADY_SLIDING, *_OF_CYCLES))]] = Behaviour.UNRESOLVED
+        return np.isin(again.attractor, list(_OF_CYCLES))
 
     if steady.size:
         found[steady] = Behaviour.NO_VIBRATION
@@ -75,15 +77,10 @@ def behaviour_of(attractor: np.ndarray, happens: np.ndarray) -> np.ndarray:
 
     Arguments (k): ``Attractor``, and what happens on a cycle as :class:`lsvib.dynamics.sweep.Ending` has it.
     """
-    sticks = np.where(happens & REVERSES, Behaviour.STICK_SLIP_WITH_CONTACT_REVERSAL, Behaviour.STICK_SLIP)
-    kinds: dict[Attractor, Any] = {
-        Attractor.OTHER_CYCLE: Behaviour.PURE_SLIP,
-        Attractor.STICK_SLIP_CYCLE: sticks,
-        Attractor.SPRAG_SLIP_CYCLE: Behaviour.SPRAG_SLIP,
-        Attractor.NEUTRAL_FAMILY: Behaviour.NEUTRAL,
-    }
-    here = [attractor == kind for kind in kinds]
-    return np.asarray(np.select(here, list(kinds.values()), Behaviour.UNRESOLVED), dtype=np.int8)
+    here = [attractor == kind for kind in _OF_CYCLES]
+    found = np.select(here, list(_OF_CYCLES.values()), Behaviour.UNRESOLVED).astype(np.int8)
+    found[(found == Behaviour.STICK_SLIP) & ((happens & REVERSES) > 0)] = Behaviour.STICK_SLIP_WITH_CONTACT_REVERSAL
+    return found
 
 
 @np.errstate(all="ignore")  # a drive whose lengths are beyond all numbers is refused with its tables

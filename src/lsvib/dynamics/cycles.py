@@ -52,8 +52,8 @@ class Cycle:
     residual: float
     multipliers: np.ndarray
     multiplier_error: float
-    found_by: str = "start"
-    section: Section = field(repr=False, compare=False, default=None)  # type: ignore[assignment]
+    found_by: str
+    section: Section = field(repr=False, compare=False)
 
     @property
     def state(self) -> np.ndarray:
@@ -174,7 +174,6 @@ def _finite(value: float) -> float | None:
 
 
 def _number(value: complex) -> float | list[float] | None:
-    """A real multiplier as a number, a complex one as its real and imaginary part."""
     if not np.isfinite(value):
         return None
     return float(value.real) if value.imag == 0 else [float(value.real), float(value.imag)]
@@ -393,8 +392,11 @@ def _to_edges(section: Section, places: np.ndarray, gaps: list[float]) -> np.nda
 
 
 def _gap(section: Section, place: float) -> float:
-    """P(y) − y; nan if there is no return."""
-    return float(section.excess(np.array([place]))[0])
+    """P(y) − y; nan if the motion does not come back, or leaves at once."""
+    motion = section.come_back(section.state(np.array([place])))
+    if motion is None or motion.time[0] == 0.0:
+        return math.nan
+    return float(section.place(motion.end_state)[0] - place)
 
 
 def _extremum(section: Section, low: float, high: float, sign: float) -> float:

@@ -148,13 +148,6 @@ class Section:
             motion = follow(self.automaton, state, math.inf, mode=self.key[1], max_events=events)
         return motion
 
-    def excess(self, place: np.ndarray) -> np.ndarray:
-        """Return P(y) − y (d) at y = ``place`` (d); nan if the motion does not come back, or leaves at once."""
-        motion = self.come_back(self.state(place))
-        if motion is None or motion.time[0] == 0.0:
-            return np.full(self.dimension, math.nan)
-        return np.asarray(self.place(motion.end_state) - place)
-
     def derivative(self, orbit: Motion) -> Derivative:
         """Return P′ (d, d) along a motion that returns to the section, with the bound of its rounding."""
         total, unit = derivative(orbit), self.unit[self.free, None]

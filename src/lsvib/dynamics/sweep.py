@@ -159,7 +159,6 @@ def endings_at_once(drives: ManyDrives, starts: np.ndarray | None, workers: int 
     blocks = [np.arange(first, min(first + size, drives.size)) for first in range(0, drives.size, size)]
 
     def fill(block: np.ndarray) -> None:
-        """Write what a block of drives end on."""
         for group in groups(drives, block):
             closed, endings = _group_endings(drives, group, None if starts is None else starts[group.members])
             found.put(group.members[closed], Ending(*(column[closed] for column in endings)))

@@ -106,7 +106,6 @@ class Controls:
         self.parameters.children = rows
 
     def _place(self, kind: type[Drive], key: str, value: float) -> None:
-        """Give a slider its ends around a value, and the value."""
         if key in OF_LAW:
             low, high = OF_LAW[key]
             step = 1.0 if key == "stribeck_exponent" else (high - low) / 200

@@ -137,7 +137,6 @@ class Page:
         self._answered = perf_counter()
 
     def _changed(self, asked: Mapping[str, str]) -> View:
-        """The view with what was asked for."""
         parameters, changes = {}, {}
         for key, text in asked.items():
             name = key.removeprefix("slider:")
@@ -218,7 +217,6 @@ class Page:
 
         @without_document_lock
         async def find_out() -> None:
-            """Let the thread do it, while the page answers, and go on."""
             try:
                 found = await get_running_loop().run_in_executor(THREAD, job)
             except LsvibError as error:
@@ -257,7 +255,6 @@ class Page:
         self._say_words(points)
 
     def _say_words(self, points: Sequence[AmplitudePoint] = ()) -> None:
-        """Say in words what the drawings show."""
         view, shown, steady = self.view, self.shown, self.shown.steady
         words = [f"The motion of {view.duration:g} s has {shown.events} events."]
         if steady is None:
@@ -311,7 +308,6 @@ class Page:
         self._say(self._links, " &middot; ".join(links))
 
     def _draw_moment(self) -> None:
-        """Show the contact and the point of the motion at the moment of the slider."""
         shown = self.shown
         time = 0.01 * float(self.controls.moment.value) * float(shown.time[-1])
         k = min(int(np.searchsorted(shown.time, time)), shown.time.size - 1)
