@@ -237,18 +237,14 @@ def facts_of(automaton: Automaton) -> rule.Facts:
     """Return what the rule needs to know of the modes and events of a model."""
     codes, sprag_kinds = automaton.codes, np.zeros(128, dtype=bool)  # kinds of events are numbers of eight bits
     sprag_kinds[list(automaton.sprag_kinds)] = True
-    rests = np.isin(codes, automaton.rest_codes)
-    return rule.Facts(rests, np.isin(codes, automaton.sprag_codes), sprag_kinds, _conserves(automaton, rests))
-
-
-def _conserves(automaton: Automaton, rests: np.ndarray) -> bool:
-    """Whether all modes in motion preserve volumes, because nothing damps them."""
-    flow = automaton.tables.flow
+    flow, rests = automaton.tables.flow, np.isin(codes, automaton.rest_codes)
     if isinstance(flow, layout.TaylorFlow):
-        return False
-    if isinstance(flow, np.ndarray):
-        return not flow[..., ~rests, layout.A1].any()
-    return not np.trace(flow.field[~rests][:, :, :-1], axis1=1, axis2=2).any()
+        conserves = False
+    elif isinstance(flow, np.ndarray):  # modes in motion preserve areas where nothing damps them, or volumes
+        conserves = not flow[..., ~rests, layout.A1].any()
+    else:
+        conserves = not np.trace(flow.field[~rests][:, :, :-1], axis1=1, axis2=2).any()
+    return rule.Facts(rests, np.isin(codes, automaton.sprag_codes), sprag_kinds, conserves)
 
 
 def new_found(states: int, work: float) -> rule.Found:

@@ -50,7 +50,10 @@ def behaviours(drives: ManyDrives, workers: int = 1, progress: Progress | None =
     near, far = near_and_far(drives)
     most = 3 * drives.size
     first = all_endings(drives, near, workers, progress and (lambda done, _: progress(done, most)))
-    found = behaviour_of(first.attractor, first.happens)
+    kinds = [first.attractor == kind for kind in _OF_CYCLES]
+    found = np.select(kinds, list(_OF_CYCLES.values()), Behaviour.UNRESOLVED).astype(np.int8)
+    reverses = (found == Behaviour.STICK_SLIP) & ((first.happens & REVERSES) > 0)
+    found[reverses] = Behaviour.STICK_SLIP_WITH_CONTACT_REVERSAL
     steady = np.flatnonzero(first.attractor == Attractor.STEADY_SLIDING)
 
     def vibrating(start: np.ndarray | None, done: int) -> np.ndarray:
@@ -69,17 +72,6 @@ def behaviours(drives: ManyDrives, workers: int = 1, progress: Progress | None =
         found[steady[vibrating(None, 2 * drives.size)]] = Behaviour.VIBRATION_FROM_REST
     if progress is not None:
         progress(most, most)
-    return found
-
-
-def behaviour_of(attractor: np.ndarray, happens: np.ndarray) -> np.ndarray:
-    """Return the behaviour (k, int8) of motions that end on cycles; all others are unresolved.
-
-    Arguments (k): ``Attractor``, and what happens on a cycle as :class:`lsvib.dynamics.sweep.Ending` has it.
-    """
-    here = [attractor == kind for kind in _OF_CYCLES]
-    found = np.select(here, list(_OF_CYCLES.values()), Behaviour.UNRESOLVED).astype(np.int8)
-    found[(found == Behaviour.STICK_SLIP) & ((happens & REVERSES) > 0)] = Behaviour.STICK_SLIP_WITH_CONTACT_REVERSAL
     return found
 
 

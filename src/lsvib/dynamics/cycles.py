@@ -345,7 +345,7 @@ def _on_line(
     longest = (20.0 if isinstance(automaton.tables.flow, TaylorFlow) else 200.0) * slowest(automaton)
     section = Section(automaton, key, middle * sizes, sizes, 1, longest, sizes, row, budget)
     # Lines are searched from 10^-4 to 10^3 of the size of a swing of the screw.
-    steps = np.logspace(*(-4.0, 3.0), 160)  # on each side of a line: each lies a tenth farther out than the one before
+    steps = np.logspace(-4.0, 3.0, 160)  # on each side of a line: each lies a tenth farther out than the one before
     coarse = np.concatenate([-steps[::-1], [0.0], steps])
     places = _to_edges(section, coarse, [_gap(section, y) for y in coarse])
     gaps = [_gap(section, y) for y in places]

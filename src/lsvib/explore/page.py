@@ -60,7 +60,6 @@ class Page:
         self.controls = Controls(view, presets, self.ask)
         self.plots = Plots()
         self._asked: dict[str, str] = {}
-        self._waiting = False
         self._answered = 0.0  # time of the last answer [s]
         self._settling: Any = None
         self._slow: Slow | None = None
@@ -94,9 +93,9 @@ class Page:
 
     def ask(self, key: str, text: str) -> None:
         """Take a request of a control; requests that come within a moment of each other are answered together."""
+        waiting = bool(self._asked)
         self._asked[key] = text
-        if not self._waiting:
-            self._waiting = True
+        if not waiting:
             alone = perf_counter() > self._answered + 0.02  # s
             # Requests that come while an answer is made are gathered for 8 ms; a single one is answered at once.
             self.document.add_timeout_callback(self._answer, 0 if alone else 8)
@@ -118,7 +117,6 @@ class Page:
         self.controls.show(self.view)
 
     def _answer(self) -> None:
-        self._waiting = False
         asked, self._asked = self._asked, {}
         try:
             if "preset" in asked:
