@@ -76,8 +76,7 @@ class DriveMethods(_Base):
         """Return the linear stability of steady sliding, u = u̇ = 0.
 
         Steady sliding of the rigid drive is unstable where Γ_0 < 0 or C_0 < 0 (eqs 8.18–8.21), that of a drive with
-        parts where its characteristic polynomial has a root with a positive real part. Signs
-        are decided exactly.
+        parts where its characteristic polynomial has a root with a positive real part. Signs are decided exactly.
 
         Returns whether it is stable and of which kind, the eigenvalues [1/s], the conditions of instability with their
         margins, and quantities with units. Raises ``InputError`` if the contact carries no force (R̃ = 0), which leaves
@@ -243,13 +242,7 @@ class DriveMethods(_Base):
         return find_cycles(self, self.automaton(physics=physics))
 
     def follow(
-        self,
-        cycle: "Cycle",
-        parameter: str,
-        span: tuple[float, float],
-        *,
-        physics: Terms = None,
-        points: int = 1000,
+        self, cycle: "Cycle", parameter: str, span: tuple[float, float], *, physics: Terms = None, points: int = 1000
     ) -> "CycleBranch":
         """Follow a cycle of this drive over a parameter, by pseudo-arclength continuation, both ways and through folds.
 
@@ -275,12 +268,7 @@ class DriveMethods(_Base):
         return followed(self, cycle, parameter, span, points, lambda drive: drive.automaton(physics=physics))
 
     def sweep(
-        self,
-        *,
-        start: Start | None = None,
-        workers: int = 1,
-        progress: Progress | None = None,
-        **over: "Values",
+        self, *, start: Start | None = None, workers: int = 1, progress: Progress | None = None, **over: "Values"
     ) -> "xr.Dataset":
         """Return what the drive ends on over values of some of its parameters.
 
@@ -319,8 +307,8 @@ class DriveMethods(_Base):
         Arguments:
 
         * ``x`` and ``y``: each (parameter, start, stop, number of cells) in SI units, or such text as "mass=1:20:400".
-        * number of ``workers``, which changes no label; ``progress``, called with
-          the numbers of motions done and in all.
+        * number of ``workers``, which changes no label; ``progress``, called with the numbers of motions done and in
+          all.
 
         Returns a dataset with a ``label`` for each cell (y, x) and the curves Γ₊ = 0, C₊ = 0 … as points. Raises
         ``InputError``, ``EngineError``.

@@ -260,7 +260,7 @@ def test_a_drive_with_compliant_parts_and_a_law_is_followed_without_its_map(part
     page._settle()
     assert list(page._work()) == []
     assert "Map and amplitude curve are left out here" in page._words.text
-    assert set(np.unique(page.plots.drawn["map"].data["image"][0])) == {answers.rgba(np.array([-2]))[0]}
+    assert set(np.unique(page.plots.sources["map"].data["image"][0])) == {answers.rgba(np.array([-2]))[0]}
     motion = page.view.drive.simulate({"u": 0.0, "w": -9.0}, 0.05, samples=2001)
     if part == "nut":
         turning = 10 + motion.velocity_deviation.values - motion.nut_rate.values

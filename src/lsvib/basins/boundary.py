@@ -19,8 +19,7 @@ from lsvib.basins.reversed_time import BEGINNING, backward_automaton
 from lsvib.dynamics.attractor import steady_state
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.engine.kernels import layout
-from lsvib.engine.kernels.layout import Status
+from lsvib.engine.kernels.layout import TIME_SCALE, Status
 from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError, InputError, LsvibError
 from lsvib.models import friction
@@ -264,7 +263,7 @@ def _wind_up(drive: Drive, back: Automaton, start: NDArray[np.float64], mode: in
     state, used, chunk = start, 0, 32
     # The turns only grow (docs/basin.md). By 1e9 the constants of the drive no longer count, and they grow for ever.
     far, most = 1e9 * np.abs(start).max(), 2_000_000  # events, some seconds: turns that still grow hardly do
-    scale = back.tables.flow[mode, layout.TIME_SCALE]
+    scale = back.tables.flow[mode, TIME_SCALE]
     while used < most:
         trace = _traced(back, state, mode, chunk)
         if trace is None or trace.status == Status.SETTLED or np.abs(trace.after).max() > far:

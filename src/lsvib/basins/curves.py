@@ -19,8 +19,6 @@ from flint import arb
 from lsvib import numbers
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.kernels import flow_planar, layout, search_planar
-from lsvib.engine.kernels.flow_planar import level
-from lsvib.engine.kernels.layout import Found
 from lsvib.errors import InputError
 from lsvib.stability.slip import Slip
 
@@ -98,16 +96,16 @@ def sign_changes(flow: np.ndarray, arc: Arc, row: np.ndarray) -> list[float]:
     """Return the times [s] in (0, duration) at which an affine function (3) of the state changes sign along an arc."""
     times: list[float] = []
     time, state = 0.0, np.asarray(arc.start, dtype=float)
-    value, size = level(row, state, np.abs(state))
+    value, size = flow_planar.level(row, state, np.abs(state))
     rate, rate_size, bend, _ = flow_planar.slopes_at(flow, arc.mode, state, np.abs(state), row)
     touches = abs(value) <= size
     sign = math.copysign(1.0, (rate if abs(rate) > rate_size else bend) if touches else value)
     while True:
         found, stay = search_planar.crossing(flow, arc.mode, state, sign * row, touches, arc.duration - time)
         time += stay
-        if found == Found.NONE or time >= arc.duration:
+        if found == layout.Found.NONE or time >= arc.duration:
             return times
-        if found == Found.CROSSING:
+        if found == layout.Found.CROSSING:
             times.append(time)
             sign = -sign
         state, touches = state_on(flow, arc, time), True
@@ -207,7 +205,7 @@ def _angle_at(flow: np.ndarray, part: Piece, w: float) -> float:
         return float(part.start[0] + share * (part.end[0] - part.start[0]))
     row = math.copysign(1.0, part.start[1] - w) * np.array([0.0, 1.0, -w])
     found, time = search_planar.crossing(flow, part.mode, np.asarray(part.start), row, False, part.duration)
-    return float(state_on(flow, part, time)[0] if found == Found.CROSSING else part.end[0])
+    return float(state_on(flow, part, time)[0] if found == layout.Found.CROSSING else part.end[0])
 
 
 def clip(flow: np.ndarray, curve: Curve, window: Window) -> Curve:

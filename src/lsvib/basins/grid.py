@@ -29,7 +29,6 @@ class Axis:
     count: int
 
     def __post_init__(self) -> None:
-        """Check the numbers, and take them from text."""
         for name in ("start", "stop"):
             object.__setattr__(self, name, numbers.start(f"axis {self.coordinate}: {name}", getattr(self, name)))
         if not self.start < self.stop:
@@ -86,7 +85,6 @@ class Grid:
     fixed: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Check the coordinates and their values."""
         if not (isinstance(self.x, Axis) and isinstance(self.y, Axis)):
             raise InputError("a grid needs two axes, lsvib.Axis(coordinate, start, stop, count) each.")
         names = [self.x.coordinate, self.y.coordinate, *names_and_values("grid", self.fixed)]

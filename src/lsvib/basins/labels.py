@@ -133,7 +133,6 @@ class Sections:
         return low, high
 
     def _point(self, section: Section, x: float) -> np.ndarray:
-        """Return the state (2) of a point of a section."""
         state = np.empty(2)
         state[section.free] = x
         kernels.put_on(self.automaton.tables, section.surface, state)
@@ -157,7 +156,6 @@ class Sections:
                 return np.append(self._symbols[:count], label)
 
     def _label(self, course: np.ndarray) -> int:
-        """Return the label of a motion by its course."""
         code = -10 - int(course[-1])
         if len(course) > _SYMBOLS:
             return int(course[-1])

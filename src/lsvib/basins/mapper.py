@@ -64,7 +64,6 @@ class Mapper(ABC):
         parts = [slice(i, min(i + height, y.size)) for i in range(0, y.size, height)]
 
         def fill(part: slice) -> None:
-            """Fill some rows."""
             self.fill({name: array[part] for name, array in found.items()}, grid, x, y[part], quantities)
 
         with ThreadPoolExecutor(workers) as pool:

@@ -11,7 +11,6 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lsvib.basins.boundary import AttractsNothing, Basin, basin
 from lsvib.basins.curves import Arc, Part, Piece, Window, sign_changes, state_on
@@ -105,9 +104,7 @@ def least_energy(region: Basin) -> tuple[float, tuple[float, float]]:
     return float(best[0]), best[1]
 
 
-def _candidates(
-    flow: NDArray[np.float64], piece: Piece, stiffness: float, inertia: float
-) -> Iterator[NDArray[np.float64]]:
+def _candidates(flow: np.ndarray, piece: Piece, stiffness: float, inertia: float) -> Iterator[np.ndarray]:
     """States on a piece among which the energy is smallest."""
     if isinstance(piece, Arc):
         a0, a1, b = (float(flow[piece.mode, k]) for k in (layout.A0, layout.A1, layout.B))

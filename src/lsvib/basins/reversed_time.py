@@ -14,17 +14,7 @@ ends a backward slip, which began at θ′ = 0 after a seizure that is traced in
 
 from flint import arb
 
-from lsvib.engine.automaton import (
-    Automaton,
-    Branch,
-    Guard,
-    Mode,
-    Surface,
-    Transition,
-    assemble,
-    eigenform,
-    oscillator,
-)
+from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, eigenform, oscillator
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.engine.kernels.layout import Test
 from lsvib.errors import InputError
@@ -54,7 +44,8 @@ def backward_automaton(drive: Drive, touch: arb | None = None) -> Automaton:
         "contact": Surface(backward, int(forward.tables.snap[0])),
         "screw_speed": Surface((0, -1, d.input_speed), 1),
     }
-    modes = {}
+    modes, named = {}, {signs: mode.name for mode, signs in _SIGNS.items()}
+    transitions = _seizures(c.q_row, touch) if c.paradox else {}
     for code in forward.codes[forward.codes != MotionMode.REST]:
         mode = MotionMode(int(code))
         direction, q_sign = _SIGNS[mode]
@@ -65,15 +56,11 @@ def backward_automaton(drive: Drive, touch: arb | None = None) -> Automaton:
         contact = Guard("contact", q_sign, "nothing" if c.paradox else f"contact_{mode.name}")
         guards = (contact, Guard("screw_speed", direction, f"stand_{mode.name}"))
         modes[mode.name] = Mode(int(mode), oscillator(*terms), guards, exact=eigenform(*terms))
-    if not c.paradox:
-        transitions, named = {}, {signs: mode.name for mode, signs in _SIGNS.items()}
-        for mode in map(MotionMode.__getitem__, modes):
-            direction, q_sign = _SIGNS[mode]
+        if not c.paradox:
             reversal = Branch(named[direction, -q_sign], Event.CONTACT_REVERSAL)
             transitions[f"contact_{mode.name}"] = Transition((reversal,))
             transitions[f"stand_{mode.name}"] = Transition((Branch(named[-direction, q_sign], Event.REVERSAL),))
-    else:
-        transitions = _seizures(c.q_row, touch)
+    if c.paradox:
         # Any motion that grows would do: nothing comes back from there.
         modes["beginning"] = Mode(BEGINNING, oscillator(1, -1, 1, 0), ())
     return assemble(

@@ -36,7 +36,6 @@ def config(*, drive: DriveOptions = CHAPTER, scene: SceneFile = None, as_json: A
         fields[key] = {"value": value, "unit": about["unit"], "symbol": about["symbol"], "allowed": allowed}
 
     def text(fields: Mapping[str, Any]) -> None:
-        """Print the parameters as a table."""
         rows = [(key, one["symbol"], _number(one["value"]), one["unit"], one["allowed"]) for key, one in fields.items()]
         table(rows, "parameter", "symbol", "value", "unit", "allowed range")
 
@@ -44,7 +43,6 @@ def config(*, drive: DriveOptions = CHAPTER, scene: SceneFile = None, as_json: A
 
 
 def _number(value: float | None) -> str:
-    """A value, or that its part is not there."""
     return "not there" if value is None else f"{value:.15g}"
 
 
@@ -59,7 +57,6 @@ def describe(*, drive: DriveOptions = CHAPTER, as_json: AsJson = False) -> None:
     from lsvib.models.description import description_of
 
     def text(found: Mapping[str, Any]) -> None:
-        """Print it line by line."""
         print(f"What complies: {', '.join(found['parts']) or 'nothing but the coupling'}.")
         print("\nEquations (SI units; n axial contact force, τ torque of the threads)")
         print(*(f"  {line}" for line in found["equations"]), sep="\n")
@@ -91,7 +88,6 @@ def pairings(*, as_json: AsJson = False) -> None:
     }
 
     def text(found: Mapping[str, Any]) -> None:
-        """Print the pairings as a table."""
         rows = [(key, f"{one['low']:g}", f"{one['high']:g}", one["source"]) for key, one in found.items()]
         table(rows, "friction", "from", "to", "source")
 

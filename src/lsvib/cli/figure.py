@@ -54,7 +54,6 @@ def figure(
         checks = build_figure(name, settings, *parts)
 
     def text(result: Mapping[str, Any]) -> None:
-        """Print a sentence for each check, and last where the picture lies."""
         for check in checks:
             print(check.sentence())
         failed = sum(not check.passed for check in checks)

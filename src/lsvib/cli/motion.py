@@ -79,11 +79,7 @@ def sweep(
 
 
 @app.command
-def cycles(
-    *,
-    drive: options.DriveOptions = options.CHAPTER,
-    as_json: options.AsJson = False,
-) -> None:
+def cycles(*, drive: options.DriveOptions = options.CHAPTER, as_json: options.AsJson = False) -> None:
     """Find the cycles of a drive, attracting and repelling: period, multipliers, amplitude, work.
 
     Examples of use:
@@ -125,7 +121,6 @@ def follow(
     files.write(branch_dataset(made, branch))
 
     def text(result: Mapping[str, Any]) -> None:
-        """Print how far the branch goes, and what changes on it."""
         values = [point.value for point in branch.points]
         print(f"{len(values)} cycles, {over.key} from {min(values):.9g} to {max(values):.9g}")
         for change in branch.changes:

@@ -65,7 +65,6 @@ def _reader(form: type[NamedTuple]) -> Callable[[str], Any]:
     kinds = list(form.__annotations__.items())[1:]
 
     def read(text: str) -> Any:
-        """Return the form that KEY=VALUE fills; ``InputError`` about the text."""
         key, equals, value = text.partition("=")
         parts = value.split(":") if len(kinds) > 1 else [value]
         if not (key and equals and value) or len(parts) != len(kinds):
@@ -108,7 +107,6 @@ def several(read: Callable[[str], Any], help: str, **more: Any) -> Parameter:
     """Return an option with several values, each of which ``read`` reads; none of them may have the key of another."""
 
     def convert(kind: Any, tokens: Sequence[Any]) -> list[Any]:
-        """Read all values that were given; raises ``InputError`` for a key that is given twice."""
         found: dict[str, Any] = {}
         for token in tokens:
             item = read(token.value)

@@ -35,8 +35,6 @@ from lsvib.models.names import Event
 
 if TYPE_CHECKING:
     from lsvib.engine.motion import Motion
-else:  # a name for annotations, which loads no engine
-    Motion = Any
 
 
 class Paradox(IntEnum):
@@ -90,13 +88,13 @@ def contact_automaton(drive: Drive, paradox: Paradox, *, backwards: bool = False
     )
 
 
-def growing_part(motion: Motion) -> float:
+def growing_part(motion: "Motion") -> float:
     """Return the factor of the growing exponential of x on a motion's last arc, without end; 0 if nothing grows."""
     row, (x, rate) = motion.automaton.tables.flow[motion.end_mode], motion.end_state
     return (rate - row[R2] * (x - row[EQUILIBRIUM])) / (2 * row[DELTA]) if row[R1] > 0 else 0.0
 
 
-def outcome(motion: Motion) -> ForceOutcome:
+def outcome(motion: "Motion") -> ForceOutcome:
     """Return what becomes of the force, by the closed form of the last arc; one that still crosses N = 0 is bounded."""
     grows = growing_part(motion) if motion.status == Status.SETTLED else 0.0
     return (ForceOutcome.BOUNDED, ForceOutcome.PLUS_INFINITY, ForceOutcome.MINUS_INFINITY)[int(np.sign(grows))]

@@ -15,7 +15,7 @@ from lsvib.datasets.attributes import flagged, parts_in_words, variable, yes_no
 from lsvib.datasets.sweep import known_key
 from lsvib.dynamics.attractor import Attractor, SteadyState
 from lsvib.dynamics.continuation import CycleBranch, follow_cycle
-from lsvib.dynamics.cycles import Cycle, Seed, random_starts, search, starts
+from lsvib.dynamics.cycles import Cycle, cycle_from, random_starts, search, starts
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import layout
 from lsvib.errors import EngineError, InputError
@@ -61,7 +61,7 @@ def find_cycles(drive: Drive, automaton: Automaton) -> Cycles:
     """
     if automaton.contracts and (automaton.tables.flow[:, layout.ALPHA] > 0).any():
         return Cycles((), (), "There is no cycle: slip makes every area of the phase plane smaller.")
-    proved, seeds = "", []
+    proved, known = "", None
     if (basin := known_basin(drive)) is not None:
         if basin.boundary == Boundary.NONE:
             return Cycles((), (), "There is no cycle: steady sliding is globally stable.")
@@ -70,13 +70,13 @@ def find_cycles(drive: Drive, automaton: Automaton) -> Cycles:
         if basin.boundary == Boundary.CYCLE:
             arcs = [piece for piece in basin.curves[0] if isinstance(piece, Arc)]
             mode = automaton.codes.tolist().index(basin.codes[arcs[0].mode])
-            seeds = [Seed(np.array(arcs[0].start, dtype=float), mode, len(arcs), "boundary of the basin")]
+            known = cycle_from(drive, automaton, arcs[0].start, mode, len(arcs), "boundary of the basin")
     model = model_of(drive)
     given = [{"u": u, "w": w} for u, w in starts(drive)] + random_starts(drive)
     if "motor" in drive.parts:  # the starts leave the motor at steady sliding; here all stands
         given.append(model.from_rest(drive))
     states = [model.initial_state(drive, start) for start in given]
-    found = search(drive, automaton, states, seeds)
+    found = search(drive, automaton, states, known)
     if not found.cycles and len(found.unresolved) == len(states):
         why = "; ".join(sorted(set(found.unresolved)))
         raise EngineError(

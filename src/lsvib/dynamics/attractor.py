@@ -40,7 +40,6 @@ from lsvib.dynamics.kernels.single_mode import Outcome
 from lsvib.dynamics.machine import blank, machine_for, of_one_type
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import event_loop, jit, layout
-from lsvib.engine.kernels.layout import TaylorFlow
 from lsvib.engine.motion import Motion, bouncing, engine_for, enter, follow, new_events
 from lsvib.errors import AccumulationError, DivergenceError, EngineError, UndecidedError, WorkSpentError
 
@@ -206,16 +205,9 @@ def end_of_motion(
     known = known or KnownCycles.of((), automaton, 0)
     found = new_found(here.size, max_events)
     engine = automaton.engines.pop() if automaton.engines else engine_for(automaton.tables)
+    machine, tables = machine_for(automaton.tables, engine), of_one_type(automaton.tables)
     outcome = rule.end_of(
-        machine_for(automaton.tables, engine),
-        of_one_type(automaton.tables),
-        known.facts,
-        known.table,
-        mode,
-        here,
-        known.patience,
-        *rooms(here.size),
-        found,
+        machine, tables, known.facts, known.table, mode, here, known.patience, *rooms(here.size), found
     )
     automaton.engines.append(engine)
     notes = found.notes[0]
@@ -245,18 +237,14 @@ def facts_of(automaton: Automaton) -> rule.Facts:
     """Return what the rule needs to know of the modes and events of a model."""
     codes, sprag_kinds = automaton.codes, np.zeros(128, dtype=bool)  # kinds of events are numbers of eight bits
     sprag_kinds[list(automaton.sprag_kinds)] = True
-    rests = np.isin(codes, automaton.rest_codes)
-    return rule.Facts(rests, np.isin(codes, automaton.sprag_codes), sprag_kinds, _conserves(automaton, rests))
-
-
-def _conserves(automaton: Automaton, rests: np.ndarray) -> bool:
-    """Whether all modes in motion preserve volumes, because nothing damps them."""
-    flow = automaton.tables.flow
-    if isinstance(flow, TaylorFlow):
-        return False
-    if isinstance(flow, np.ndarray):
-        return not flow[..., ~rests, layout.A1].any()
-    return not np.trace(flow.field[~rests][:, :, :-1], axis1=1, axis2=2).any()
+    flow, rests = automaton.tables.flow, np.isin(codes, automaton.rest_codes)
+    if isinstance(flow, layout.TaylorFlow):
+        conserves = False
+    elif isinstance(flow, np.ndarray):  # modes in motion preserve areas where nothing damps them, or volumes
+        conserves = not flow[..., ~rests, layout.A1].any()
+    else:
+        conserves = not np.trace(flow.field[~rests][:, :, :-1], axis1=1, axis2=2).any()
+    return rule.Facts(rests, np.isin(codes, automaton.sprag_codes), sprag_kinds, conserves)
 
 
 def new_found(states: int, work: float) -> rule.Found:
@@ -267,7 +255,6 @@ def new_found(states: int, work: float) -> rule.Found:
 
 
 def _meant(automaton: Automaton, outcome: int, found: rule.Found, known: KnownCycles) -> SteadyState:
-    """Return the attractor that an outcome of the rule stands for."""
     state, mode = found.state.copy(), int(found.notes[0]["mode"])
     if outcome == Outcome.KNOWN:
         return known.cycles[int(found.notes[0]["index"])]
@@ -296,7 +283,7 @@ def _equilibrium(automaton: Automaton, mode: int, states: int) -> np.ndarray:
     from steady sliding, which is zero.
     """
     flow = automaton.tables.flow
-    if isinstance(flow, TaylorFlow):
+    if isinstance(flow, layout.TaylorFlow):
         return np.array(flow.settled_place[np.argmax(flow.settled_level)])
     if mode < 0:
         return np.zeros(states)
@@ -318,7 +305,6 @@ def _oscillation(automaton: Automaton, mode: int, state: np.ndarray, frequency: 
 
 
 def _cycle(automaton: Automaton, found: rule.Found, known: KnownCycles) -> SteadyState:
-    """Return the cycle through the fixed point that was found."""
     notes, state, facts = found.notes[0], found.state.copy(), known.facts
     d = int(notes["dimension"])
     orbit = follow(automaton, state, math.inf, mode=int(notes["mode"]), max_events=int(notes["events"]))

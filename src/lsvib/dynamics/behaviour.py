@@ -7,9 +7,7 @@ stands with the coupling relaxed, and the motor begins to turn. Nothing else is 
 no threshold, no sign of a coefficient.
 """
 
-from collections.abc import Callable
 from enum import IntEnum
-from typing import Any
 
 import numpy as np
 
@@ -18,6 +16,7 @@ from lsvib.dynamics.kernels.sweep import REVERSES
 from lsvib.dynamics.sweep import all_endings
 from lsvib.models import mechanics
 from lsvib.models.many import ManyDrives
+from lsvib.numbers import Progress
 
 
 class Behaviour(IntEnum):
@@ -34,16 +33,15 @@ class Behaviour(IntEnum):
     VIBRATION_FROM_REST = 7  # steady sliding attracts what is near, a cycle the motion that begins at rest
 
 
-_CYCLES = (
-    Attractor.STICK_SLIP_CYCLE, Attractor.SPRAG_SLIP_CYCLE, Attractor.OTHER_CYCLE, Attractor.NEUTRAL_FAMILY
-)  # fmt: skip
+_OF_CYCLES = {
+    Attractor.OTHER_CYCLE: Behaviour.PURE_SLIP,
+    Attractor.STICK_SLIP_CYCLE: Behaviour.STICK_SLIP,
+    Attractor.SPRAG_SLIP_CYCLE: Behaviour.SPRAG_SLIP,
+    Attractor.NEUTRAL_FAMILY: Behaviour.NEUTRAL,
+}
 
 
-def behaviours(
-    drives: ManyDrives,
-    workers: int = 1,
-    progress: Callable[[int, int], None] | None = None,
-) -> np.ndarray:
+def behaviours(drives: ManyDrives, workers: int = 1, progress: Progress | None = None) -> np.ndarray:
     """Return what drives of one model do (k, int8), a :class:`Behaviour` each.
 
     Arguments: number of ``workers`` (:func:`lsvib.dynamics.sweep.all_endings`), which changes no label; ``progress``,
@@ -52,14 +50,17 @@ def behaviours(
     near, far = near_and_far(drives)
     most = 3 * drives.size
     first = all_endings(drives, near, workers, progress and (lambda done, _: progress(done, most)))
-    found = behaviour_of(first.attractor, first.happens)
+    kinds = [first.attractor == kind for kind in _OF_CYCLES]
+    found = np.select(kinds, list(_OF_CYCLES.values()), Behaviour.UNRESOLVED).astype(np.int8)
+    reverses = (found == Behaviour.STICK_SLIP) & ((first.happens & REVERSES) > 0)
+    found[reverses] = Behaviour.STICK_SLIP_WITH_CONTACT_REVERSAL
     steady = np.flatnonzero(first.attractor == Attractor.STEADY_SLIDING)
 
     def vibrating(start: np.ndarray | None, done: int) -> np.ndarray:
         """Note which of the steady drives do not return from a start; return whether they vibrate then."""
         again = all_endings(drives.some(steady), start, workers, progress and (lambda n, _: progress(done + n, most)))
-        found[steady[~np.isin(again.attractor, (Attractor.STEADY_SLIDING, *_CYCLES))]] = Behaviour.UNRESOLVED
-        return np.isin(again.attractor, _CYCLES)
+        found[steady[~np.isin(again.attractor, (Attractor.STEADY_SLIDING, *_OF_CYCLES))]] = Behaviour.UNRESOLVED
+        return np.isin(again.attractor, list(_OF_CYCLES))
 
     if steady.size:
         found[steady] = Behaviour.NO_VIBRATION
@@ -72,22 +73,6 @@ def behaviours(
     if progress is not None:
         progress(most, most)
     return found
-
-
-def behaviour_of(attractor: np.ndarray, happens: np.ndarray) -> np.ndarray:
-    """Return the behaviour (k, int8) of motions that end on cycles; all others are unresolved.
-
-    Arguments (k): ``Attractor``, and what happens on a cycle as :class:`lsvib.dynamics.sweep.Ending` has it.
-    """
-    sticks = np.where(happens & REVERSES, Behaviour.STICK_SLIP_WITH_CONTACT_REVERSAL, Behaviour.STICK_SLIP)
-    kinds: dict[Attractor, Any] = {
-        Attractor.OTHER_CYCLE: Behaviour.PURE_SLIP,
-        Attractor.STICK_SLIP_CYCLE: sticks,
-        Attractor.SPRAG_SLIP_CYCLE: Behaviour.SPRAG_SLIP,
-        Attractor.NEUTRAL_FAMILY: Behaviour.NEUTRAL,
-    }
-    here = [attractor == kind for kind in kinds]
-    return np.asarray(np.select(here, list(kinds.values()), Behaviour.UNRESOLVED), dtype=np.int8)
 
 
 @np.errstate(all="ignore")  # a drive whose lengths are beyond all numbers is refused with its tables

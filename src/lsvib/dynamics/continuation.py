@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lsvib.dynamics.cycles import Cycle
-from lsvib.dynamics.poincare_map import Section, derivative, multipliers
+from lsvib.dynamics.poincare_map import Section, derivative, multipliers, newton_step
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import flow_planar
 from lsvib.engine.kernels.layout import GRAZE_KIND
@@ -71,16 +71,27 @@ class CycleBranch:
         return [change.value for change in self.changes if change.kind == "fold"]
 
 
-class MovingSection:
-    """A section of return whose surfaces move with the parameter; y: its free coordinates, in sizes of the motion.
+@dataclass(frozen=True)
+class Solved:
+    """A point of the branch: unknowns z = (y, q), its cycle, and the tangent."""
 
-    Modes that are parts of one have one code; ``part`` says which of them.
+    z: np.ndarray
+    cycle: Cycle
+    tangent: np.ndarray
+
+
+class BranchEquations:
+    """The equations F(y, p) = 0 on a section of return of a cycle, whose surfaces move with the parameter p.
+
+    y: its free coordinates, in sizes of the motion; ``scale`` p_0 of the parameter p = p_0 sinh q. Modes that are parts
+    of one have one code; ``part`` says which of them.
     """
 
-    def __init__(self, cycle: Cycle) -> None:
+    def __init__(self, build: Build, cycle: Cycle, scale: float) -> None:
         own, size = cycle.section, cycle.section.size
         section = Section(own.automaton, own.key, cycle.state, size, own.returns, cycle.period, size)
-        self.size, self.free, self._rows, self._tied = size, section.free, section.rows, section.tied
+        self.build, self.scale, self.size, self.free = build, scale, size, section.free
+        self._rows, self._tied = section.rows, section.tied
         self.kind, self.code = own.key[0], own.automaton.codes[own.key[1]]
         self.part = int(np.sum(own.automaton.codes[: own.key[1]] == self.code))
         self.returns, self.longest = own.returns, cycle.period
@@ -101,78 +112,51 @@ class MovingSection:
             slope[self._tied] = np.linalg.solve(tied, -(rows[:, :-1] @ slope))
         return state, slope
 
-    def back(self, automaton: Automaton, place: np.ndarray) -> tuple[Section, Motion] | None:
-        """Return a section of return at y and the motion until it is back; None if it does not come back."""
-        modes = np.flatnonzero(automaton.codes == self.code)
-        if self.part >= modes.size:
-            return None
-        state, _ = self.state(automaton, place)
-        key = self.kind, int(modes[self.part])
-        section = Section(automaton, key, state, self.size, self.returns, self.longest)
-        motion = section.come_back(state)
-        if motion is None or motion.time.size == 0 or motion.time[0] == 0.0:
-            return None
-        return section, motion
-
-
-@dataclass(frozen=True)
-class Solved:
-    """A point of the branch: unknowns z = (y, q), its cycle, and the tangent."""
-
-    z: np.ndarray
-    cycle: Cycle
-    tangent: np.ndarray
-
-
-class BranchEquations:
-    """The equations F(y, p) = 0 on one section; ``size`` p_0 of the parameter p = p_0 sinh q."""
-
-    def __init__(self, build: Build, section: MovingSection, size: float) -> None:
-        self.build, self.section, self.size = build, section, size
-
     def value(self, z: np.ndarray) -> float:
         """The value of the parameter at a point (y, q)."""
-        return self.size * math.sinh(z[-1])
+        return self.scale * math.sinh(z[-1])
 
     def counted(self, value: float) -> float:
         """The q of a value of the parameter."""
-        return math.asinh(value / self.size)
-
-    def on(self, section: MovingSection) -> "BranchEquations":
-        """The same on another section."""
-        return BranchEquations(self.build, section, self.size)
+        return math.asinh(value / self.scale)
 
     def at(self, z: np.ndarray) -> tuple[Drive, Section, Motion] | None:
         """The drive, the section and one return from a point (y, q); None where none comes back or no drive is."""
         try:
             drive, automaton = self.build(self.value(z))
-            found = self.section.back(automaton, z[:-1])
+            modes = np.flatnonzero(automaton.codes == self.code)
+            if self.part >= modes.size:
+                return None
+            state, _ = self.state(automaton, z[:-1])
+            key = self.kind, int(modes[self.part])
+            section = Section(automaton, key, state, self.size, self.returns, self.longest)
+            motion = section.come_back(state)
         except (EngineError, InputError):
             return None
-        return None if found is None else (drive, *found)
+        if motion is None or motion.time.size == 0 or motion.time[0] == 0.0:
+            return None
+        return drive, section, motion
 
     def slopes(self, z: np.ndarray, motion: Motion, last: np.ndarray | None = None) -> np.ndarray | None:
         """[F_y, F_p] (d, d + 1); F_p (d) as it was where it is given: it only steers."""
         d = z.size - 1
         if d == 0:
             return np.zeros((0, 1))
-        _, along = self.section.state(motion.automaton, z[:-1])
+        _, along = self.state(motion.automaton, z[:-1])
         matrix = derivative(motion).matrix @ along
-        inner = matrix[self.section.free] / self.section.size[self.section.free][:, None] - np.eye(d)
-        if last is not None:
-            found = np.column_stack([inner, last])
-            return found if np.isfinite(found).all() else None
-        size = 1e-5  # step of the difference, in sizes of the parameter
-        step, here = np.eye(d + 1)[-1] * size, self.section.place(motion.end_state)
-        beside = {0.0: here}
-        for sign in (1.0, -1.0):
-            there = self.at(z + sign * step)
-            if there is not None and events_of(there[2]) == events_of(motion):  # else the difference is that of a kink
-                beside[sign] = self.section.place(there[2].end_state)
-        if len(beside) == 1:
-            return None
-        low, high = min(beside), max(beside)
-        found = np.column_stack([inner, (beside[high] - beside[low]) / ((high - low) * size)])
+        inner = matrix[self.free] / self.size[self.free][:, None] - np.eye(d)
+        if last is None:
+            size = 1e-5  # step of the difference, in sizes of the parameter
+            step, beside = np.eye(d + 1)[-1] * size, {0.0: self.place(motion.end_state)}
+            for sign in (1.0, -1.0):
+                there = self.at(z + sign * step)
+                if there is not None and events_of(there[2]) == events_of(motion):  # else it is that of a kink
+                    beside[sign] = self.place(there[2].end_state)
+            if len(beside) == 1:
+                return None
+            low, high = min(beside), max(beside)
+            last = (beside[high] - beside[low]) / ((high - low) * size)
+        found = np.column_stack([inner, last])
         return found if np.isfinite(found).all() else None
 
     def corrected(self, guess: np.ndarray, tangent: np.ndarray) -> Solved | None:
@@ -183,12 +167,15 @@ class BranchEquations:
             found = self.at(z)
             if found is None:
                 return None
-            gap = self.section.place(found[2].end_state) - z[:-1]
+            gap = self.place(found[2].end_state) - z[:-1]
             same = events == events_of(found[2])
             slopes = self.slopes(z, found[2], None if slopes is None or not same else slopes[:, -1])
             events = events_of(found[2])
-            step = None if slopes is None else _bordered(slopes, tangent, gap, float(tangent @ (z - guess)))
-            if step is None or slopes is None:
+            if slopes is None:
+                return None
+            # for F = 0 in the plane across the tangent
+            step = newton_step(np.vstack([slopes, tangent]), -np.append(gap, tangent @ (z - guess)))
+            if step is None:
                 return None
             length = float(np.abs(step).max(initial=0.0))
             if length <= 4 * flow_planar.EPS or (last <= _CONVERGED and length >= 0.5 * last):
@@ -221,15 +208,6 @@ def events_of(motion: Motion) -> tuple[list[int], list[int]]:
     return motion.kind[own].tolist(), motion.automaton.codes[motion.mode[own]].tolist()
 
 
-def _bordered(slopes: np.ndarray, tangent: np.ndarray, gap: np.ndarray, off: float) -> np.ndarray | None:
-    """Newton's step for F = 0 in the plane across the tangent."""
-    try:
-        step = np.linalg.solve(np.vstack([slopes, tangent]), -np.append(gap, off))
-    except np.linalg.LinAlgError:
-        return None
-    return step if np.isfinite(step).all() else None
-
-
 def null_direction(slopes: np.ndarray) -> np.ndarray:
     """Unit vector that the slopes (d, d + 1) take to zero."""
     if not len(slopes):
@@ -258,10 +236,10 @@ def _followed(
     """Points and changes of the branch that begins with the parameter growing or falling."""
     low, high = span
     start = float(getattr(cycle.drive, parameter))
-    curve = BranchEquations(build, MovingSection(cycle), abs(start) or max(-low, high))
+    curve = BranchEquations(build, cycle, abs(start) or max(-low, high))
     here = _first(curve, cycle, start, direction)
-    if here is None:
-        raise InputError(f"the cycle at {parameter} = {start:g} cannot be followed: {_why_not(curve, cycle, start)}.")
+    if isinstance(here, str):
+        raise InputError(f"the cycle at {parameter} = {start:g} cannot be followed: {here}.")
     points: list[BranchPoint] = [BranchPoint(start, here.cycle, 0.0)]
     changes: list[Change] = []
     along, step = 0.0, 1e-2
@@ -290,27 +268,21 @@ def _followed(
     return points, changes
 
 
-def _first(curve: BranchEquations, cycle: Cycle, start: float, direction: float) -> Solved | None:
-    z = np.append(curve.section.place(cycle.state), curve.counted(start))
+def _first(curve: BranchEquations, cycle: Cycle, start: float, direction: float) -> Solved | str:
+    """The first point of a branch, or why there is none, as the end of a sentence."""
+    z = np.append(curve.place(cycle.state), curve.counted(start))
     found = curve.at(z)
-    slopes = None if found is None else curve.slopes(z, found[2])
+    if found is None:
+        return "its motion does not come back"
+    slopes = curve.slopes(z, found[2])
     if slopes is None:
-        return None
+        return "its return map has no derivative"
     tangent = null_direction(slopes)
     return Solved(z, cycle, tangent * direction if tangent[-1] >= 0 else -tangent * direction)
 
 
-def _why_not(curve: BranchEquations, cycle: Cycle, start: float) -> str:
-    """Why a branch does not even begin, as the end of a sentence."""
-    found = curve.at(np.append(curve.section.place(cycle.state), curve.counted(start)))
-    return "its motion does not come back" if found is None else "its return map has no derivative"
-
-
 def _next(curve: BranchEquations, here: Solved, step: float) -> tuple[Solved | None, BranchEquations, Solved, float]:
     """The next point, on this section or another of the cycle; also the curve, the last point on it, the step taken."""
-    there, taken = _stepped(curve, here, step)
-    if there is not None:
-        return there, curve, here, taken
     for other, again in _places(curve, here):
         # Beyond a kink the branch may turn by more than a right angle, though the parameter goes on: step along it.
         along = np.eye(again.z.size)[-1] * math.copysign(1.0, again.tangent[-1])
@@ -325,9 +297,9 @@ def _places(curve: BranchEquations, here: Solved) -> Iterator[tuple[BranchEquati
     """Yield the same point on this section and on the others of the cycle."""
     yield curve, here
     for cycle in other_sections(here.cycle):
-        other = curve.on(MovingSection(cycle))
+        other = BranchEquations(curve.build, cycle, curve.scale)
         again = _first(other, cycle, curve.value(here.z), 1.0)
-        if again is not None:
+        if isinstance(again, Solved):
             turned = again.tangent[-1] * here.tangent[-1] < 0
             yield other, replace(again, tangent=-again.tangent) if turned else again
 
@@ -352,7 +324,7 @@ def _end(curve: BranchEquations, here: Solved, first: Cycle, start: float) -> tu
                 comes_back = other.corrected(again.z + middle * again.tangent, again.tangent) is not None
                 low, high = (middle, high) if comes_back else (low, middle)
             return other.value(again.z + low * again.tangent), what
-    return _rounded(value, 2 * _SMALLEST * math.hypot(curve.size, value)), what
+    return _rounded(value, 2 * _SMALLEST * math.hypot(curve.scale, value)), what
 
 
 def _rounded(value: float, error: float) -> float:
@@ -368,12 +340,12 @@ def _slips_on(curve: BranchEquations, here: Solved) -> bool:
     z = here.z + 10 * _SMALLEST * here.tangent
     try:
         _, automaton = curve.build(curve.value(z))
-        mode = int(np.flatnonzero(automaton.codes == curve.section.code)[curve.section.part])
-        state, _ = curve.section.state(automaton, z[:-1])
+        mode = int(np.flatnonzero(automaton.codes == curve.code)[curve.part])
+        state, _ = curve.state(automaton, z[:-1])
         motion = follow(automaton, state, 10 * here.cycle.period, mode=mode)
     except (EngineError, InputError, IndexError):
         return False
-    starts_at_rest = curve.section.code in automaton.rest_codes
+    starts_at_rest = curve.code in automaton.rest_codes
     return not _rests(motion) and (motion.time.size > 0 or not starts_at_rest)
 
 
@@ -407,7 +379,6 @@ def other_sections(cycle: Cycle) -> Iterator[Cycle]:
 
 
 def _at_value(curve: BranchEquations, here: Solved, there: Solved, value: float) -> Solved | None:
-    """The point at a value of the parameter between two points."""
     target = curve.counted(value)
     part = (target - here.z[-1]) / (there.z[-1] - here.z[-1])
     guess = here.z + part * (there.z - here.z)

@@ -12,7 +12,7 @@ between two samples without an extremum that shows stays unseen.
 """
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from typing import Any
@@ -25,8 +25,7 @@ from lsvib.dynamics.energy import Work, means, work
 from lsvib.dynamics.impulses import Impulses, event_impulses
 from lsvib.dynamics.poincare_map import Section, lines, multipliers, nearest_to_origin, section_key, size_of, solve
 from lsvib.engine.automaton import Automaton
-from lsvib.engine.kernels import layout
-from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND, TaylorFlow
+from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND, TIME_SCALE, TaylorFlow
 from lsvib.engine.motion import Budget, Motion, follow
 from lsvib.errors import EngineError
 from lsvib.models.drive import Drive
@@ -53,8 +52,8 @@ class Cycle:
     residual: float
     multipliers: np.ndarray
     multiplier_error: float
-    found_by: str = "start"
-    section: Section = field(repr=False, compare=False, default=None)  # type: ignore[assignment]
+    found_by: str
+    section: Section = field(repr=False, compare=False)
 
     @property
     def state(self) -> np.ndarray:
@@ -159,17 +158,13 @@ class Cycle:
 
     def _events(self) -> list[dict[str, Any]]:
         """Events of a period without touches: time [s], and the impulses [N s, N m s] of those that are seizures."""
-        impulses, seized = self.impulses, np.isin(self.orbit.kind, self.orbit.automaton.sprag_kinds)
+        impulses, seized = vars(self.impulses), np.isin(self.orbit.kind, self.orbit.automaton.sprag_kinds)
         found, names = [], iter(self.itinerary)
         for k in np.flatnonzero(self.orbit.kind != GRAZE_KIND):
             kind, mode = next(names)
             event: dict[str, Any] = {"event": kind, "mode": mode, "time": float(self.orbit.time[k])}
             if seized[k]:
-                event |= {
-                    "normal_impulse": float(impulses.normal[k]),
-                    "axial_impulse": float(impulses.axial[k]),
-                    "torque_impulse": float(impulses.torque[k]),
-                }
+                event |= {f"{name}_impulse": float(each[k]) for name, each in impulses.items()}
             found.append(event)
         return found
 
@@ -179,37 +174,28 @@ def _finite(value: float) -> float | None:
 
 
 def _number(value: complex) -> float | list[float] | None:
-    """A real multiplier as a number, a complex one as its real and imaginary part."""
     if not np.isfinite(value):
         return None
     return float(value.real) if value.imag == 0 else [float(value.real), float(value.imag)]
 
 
-@dataclass(frozen=True)
-class Seed:
-    """A start that is nearly periodic: state (n), mode, number of events of a period, and where it is from."""
-
-    state: np.ndarray
-    mode: int
-    events: int
-    found_by: str
-
-
-def cycle_from(drive: Drive, automaton: Automaton, seed: Seed) -> Cycle | None:
-    """Return the cycle near the motion from a seed; None if there is none.
+def cycle_from(
+    drive: Drive, automaton: Automaton, state: np.ndarray, mode: int, events: int, found_by: str
+) -> Cycle | None:
+    """Return the cycle near a start (n) in a mode, whose motion nearly has a period of so many events; None if none is.
 
     The section is chosen among its events as the attractors' is.
     """
-    guess = follow(automaton, seed.state, math.inf, mode=seed.mode, max_events=2 * seed.events)
+    guess = follow(automaton, state, math.inf, mode=mode, max_events=2 * events)
     key = section_key(guess)
     if key is None or ACCUMULATION_KIND in guess.kind:
         return None
-    watched = np.flatnonzero((guess.kind[: seed.events] == key[0]) & (guess.mode[: seed.events] == key[1]))
+    watched = np.flatnonzero((guess.kind[:events] == key[0]) & (guess.mode[:events] == key[1]))
     if not watched.size:
         return None
     longest = 2.0 * float(guess.end_time)  # a return may take twice as long as it did
     section = Section(automaton, key, guess.after[watched[0]], size_of(guess), len(watched), longest)
-    return cycle_on(drive, section, seed.found_by)
+    return cycle_on(drive, section, found_by)
 
 
 def cycle_of(drive: Drive, steady: SteadyState) -> Cycle | None:
@@ -271,20 +257,14 @@ class Search:
     unresolved: tuple[Doubt, ...]
 
 
-def search(
-    drive: Drive,
-    automaton: Automaton,
-    states: Iterable[np.ndarray],
-    seeds: Sequence[Seed] = (),
-) -> Search:
-    """Search for cycles from seeds, from ``states`` (n), on the lines (two states) and on edges of basins (more).
+def search(drive: Drive, automaton: Automaton, states: Iterable[np.ndarray], known: Cycle | None = None) -> Search:
+    """Search for cycles from ``states`` (n), on the lines (two states) and on edges of basins (more); one may be known.
 
     Attractors that cannot be determined are left out. The attracting cycles come first, then by period.
     """
     found: list[Cycle] = []
     families: list[SteadyState] = []
-    for seed in seeds:
-        _add(found, cycle_from(drive, automaton, seed))
+    _add(found, known)
     endings: list[tuple[np.ndarray, SteadyState]] = []
     for state in states:
         # less work for a start once another one remained unresolved
@@ -350,7 +330,7 @@ def slowest(automaton: Automaton) -> float:
         stiff = np.abs(flow.field[:, 1, 0])
         return float(1 / math.sqrt(stiff[stiff > 0].min()))
     rows = flow if isinstance(flow, np.ndarray) else flow.oscillators
-    return float(rows[..., layout.TIME_SCALE].max())
+    return float(rows[..., TIME_SCALE].max())
 
 
 def _on_line(
@@ -365,7 +345,7 @@ def _on_line(
     longest = (20.0 if isinstance(automaton.tables.flow, TaylorFlow) else 200.0) * slowest(automaton)
     section = Section(automaton, key, middle * sizes, sizes, 1, longest, sizes, row, budget)
     # Lines are searched from 10^-4 to 10^3 of the size of a swing of the screw.
-    steps = np.logspace(*(-4.0, 3.0), 160)  # on each side of a line: each lies a tenth farther out than the one before
+    steps = np.logspace(-4.0, 3.0, 160)  # on each side of a line: each lies a tenth farther out than the one before
     coarse = np.concatenate([-steps[::-1], [0.0], steps])
     places = _to_edges(section, coarse, [_gap(section, y) for y in coarse])
     gaps = [_gap(section, y) for y in places]
@@ -412,8 +392,11 @@ def _to_edges(section: Section, places: np.ndarray, gaps: list[float]) -> np.nda
 
 
 def _gap(section: Section, place: float) -> float:
-    """P(y) − y; nan if there is no return."""
-    return float(section.excess(np.array([place]))[0])
+    """P(y) − y; nan if the motion does not come back, or leaves at once."""
+    motion = section.come_back(section.state(np.array([place])))
+    if motion is None or motion.time[0] == 0.0:
+        return math.nan
+    return float(section.place(motion.end_state)[0] - place)
 
 
 def _extremum(section: Section, low: float, high: float, sign: float) -> float:

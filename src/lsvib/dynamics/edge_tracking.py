@@ -13,6 +13,7 @@ surface.
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import combinations
 from typing import TypeVar
 
 import numpy as np
@@ -26,7 +27,7 @@ from lsvib.errors import EngineError
 
 _FINEST = 1e-12  # distance, in sizes of the motion, beyond which halving meets the rounding of the motions
 _PARTED = 1e-2  # distance at which two motions no longer follow the edge
-_WORK = 10_000  # of determining one ending, in units of one event: some hundred returns and a slow approach
+_WORK = 10_000  # of an ending, in units of one event: some hundred returns and a slow approach; and of two side by side
 
 StateEnding = tuple[np.ndarray, SteadyState]
 Cycle = TypeVar("Cycle")
@@ -44,15 +45,13 @@ def edge_cycles(automaton: Automaton, endings: Sequence[StateEnding], solver: So
             continue
         group = next((group for group in groups if alike(steady, group[0][1])), None)
         if group is None:
-            groups.append([(state, steady)])
-        else:
-            group.append((state, steady))
+            groups.append(group := [])
+        group.append((state, steady))
     size = np.abs([state for state, _ in endings]).max(axis=0, initial=np.finfo(float).tiny)
-    for k, first in enumerate(groups):
-        for second in groups[k + 1 :]:
-            pairs = [(one, other) for one, _ in first for other, _ in second]
-            one, other = min(pairs, key=lambda pair: float(np.abs((pair[0] - pair[1]) / size).max()))
-            yield _cycle_between(automaton, one, other, first[0][1], solver)
+    for first, second in combinations(groups, 2):
+        pairs = [(one, other) for one, _ in first for other, _ in second]
+        one, other = min(pairs, key=lambda pair: float(np.abs((pair[0] - pair[1]) / size).max()))
+        yield _cycle_between(automaton, one, other, first[0][1], solver)
 
 
 def alike(one: SteadyState, other: SteadyState) -> bool:
@@ -124,9 +123,7 @@ def _side_by_side(
     """
     try:
         one, other = (
-            # that two motions are followed side by side
-            follow(automaton, state, np.inf, mode=mode, max_events=2000, budget=Budget(_WORK))
-            for state in (low, high)
+            follow(automaton, state, np.inf, mode=mode, max_events=2000, budget=Budget(_WORK)) for state in (low, high)
         )
     except EngineError:
         return None

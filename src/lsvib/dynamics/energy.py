@@ -20,7 +20,6 @@ import numpy as np
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.exact.taylor_form import eta
 from lsvib.engine.kernels import flow_planar, flow_taylor, layout
-from lsvib.engine.kernels.layout import TaylorFlow
 from lsvib.engine.motion import Motion
 from lsvib.models.drive import Drive
 from lsvib.models.powers import Powers, product
@@ -63,7 +62,7 @@ def quadratic_integrals(
     """
     if time == 0.0:
         return np.zeros(len(forms))
-    if isinstance(automaton.tables.flow, TaylorFlow):
+    if isinstance(automaton.tables.flow, layout.TaylorFlow):
         return _summed(automaton, mode, state, time, forms)
     into, out = _inner_coordinates(automaton, mode)
     inner = out.T @ forms @ out

@@ -28,15 +28,10 @@ _NO_WORK = AnyWork(
 
 def of_one_type(tables: Tables) -> Tables:
     """Return tables whose flow has the type that all flows have for the rule."""
-    return tables._replace(flow=_NO_FLOW._replace(**{_place(tables): tables.flow}))
+    return tables._replace(flow=_NO_FLOW._replace(**{_PLACES[type(tables.flow)]: tables.flow}))
 
 
-def _place(tables: Tables) -> str:
-    if isinstance(tables.flow, TaylorFlow):
-        return "taylor"
-    return "modal" if isinstance(tables.flow, ModalFlow) else "planar"
-
-
+_PLACES = {np.ndarray: "planar", ModalFlow: "modal", TaylorFlow: "taylor"}  # of a flow, by its type
 _KINDS = {"planar": Planar(), "modal": Modal(), "taylor": Taylor()}
 
 
@@ -48,7 +43,7 @@ def blank(states: int) -> Machine:
 
 def machine_for(tables: Tables, engine: event_loop.Engine) -> Machine:
     """Return the machine for the tables of an automaton, by an engine for them, whose scratch space it uses."""
-    place, row = _place(tables), np.empty(tables.surfaces.shape[1] - 1)
+    place, row = _PLACES[type(tables.flow)], np.empty(tables.surfaces.shape[1] - 1)
     room = engine.room._replace(work=_NO_WORK._replace(**{place: engine.room.work}))
     motion = (engine.address, room, of_one_type(tables), 0, row, row, row, 0.0, -1, -1, new_events(0, row.size))
     return Machine(
@@ -64,5 +59,5 @@ def derivative_of(tables: Tables) -> int:
     """Return the address of the derivative of a flow for the tables of an automaton."""
     n, flow = tables.surfaces.shape[1] - 1, of_one_type(tables).flow
     row, square = np.empty(n), np.empty((n, n))
-    found = jit.address(kernels.derivative, _KINDS[_place(tables)], flow, 0, row, 0.0, square, square)
+    found = jit.address(kernels.derivative, _KINDS[_PLACES[type(tables.flow)]], flow, 0, row, 0.0, square, square)
     return found  # type: ignore[no-any-return]  # a function where nothing is compiled

@@ -148,13 +148,6 @@ class Section:
             motion = follow(self.automaton, state, math.inf, mode=self.key[1], max_events=events)
         return motion
 
-    def excess(self, place: np.ndarray) -> np.ndarray:
-        """Return P(y) − y (d) at y = ``place`` (d); nan if the motion does not come back, or leaves at once."""
-        motion = self.come_back(self.state(place))
-        if motion is None or motion.time[0] == 0.0:
-            return np.full(self.dimension, math.nan)
-        return np.asarray(self.place(motion.end_state) - place)
-
     def derivative(self, orbit: Motion) -> Derivative:
         """Return P′ (d, d) along a motion that returns to the section, with the bound of its rounding."""
         total, unit = derivative(orbit), self.unit[self.free, None]
@@ -220,7 +213,7 @@ def solve(section: Section) -> tuple[Motion, float] | None:
             best = orbit, residual
         if section.dimension == 0:
             break
-        found = _newton_step(section.derivative(orbit).matrix, gap)
+        found = newton_step(np.eye(section.dimension) - section.derivative(orbit).matrix, gap)
         if found is None or (not better and np.abs(found).max() < CLOSE):
             break
         step, halved = found, 0
@@ -237,12 +230,12 @@ def _moves(orbit: Motion, size: np.ndarray) -> bool:
     return bool((np.abs(states - orbit.start_state) > 1e-9 * size).any())
 
 
-def _newton_step(slopes: np.ndarray, gap: np.ndarray) -> np.ndarray | None:
-    """Return (I − P′)⁻¹ (P(y) − y); None if there is no derivative, or the matrix is singular."""
-    if not (np.isfinite(slopes).all() and np.isfinite(gap).all()):
+def newton_step(matrix: np.ndarray, gap: np.ndarray) -> np.ndarray | None:
+    """Return matrix⁻¹ gap; None if there is no derivative, so that the matrix is not finite, or if it is singular."""
+    if not (np.isfinite(matrix).all() and np.isfinite(gap).all()):
         return None
     try:
-        step = np.linalg.solve(np.eye(len(gap)) - slopes, gap)
+        step = np.linalg.solve(matrix, gap)
     except np.linalg.LinAlgError:
         return None
     return step if np.isfinite(step).all() else None

@@ -6,7 +6,7 @@ followed one by one, share by share, in processes of their own. No number depend
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import nullcontext
 from functools import partial
@@ -15,14 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lsvib.dynamics.attractor import (
-    Attractor,
-    KnownCycles,
-    new_found,
-    orbit_extremes,
-    rooms,
-    steady_state,
-)
+from lsvib.dynamics.attractor import Attractor, KnownCycles, new_found, orbit_extremes, rooms, steady_state
 from lsvib.dynamics.impulses import event_impulses, normal_impulse
 from lsvib.dynamics.kernels import sweep as kernels
 from lsvib.dynamics.kernels.attractor import end_of
@@ -37,6 +30,7 @@ from lsvib.models.drive import Drive
 from lsvib.models.many import Group, ManyDrives, automata, groups
 from lsvib.models.model import model_of
 from lsvib.models.names import Event
+from lsvib.numbers import Progress
 
 WORK = 300_000.0  # events that a motion may take
 _WITHOUT_NUMBERS = (Attractor.UNRESOLVED, Attractor.UNBOUNDED)
@@ -107,7 +101,7 @@ def all_endings(
     drives: ManyDrives,
     starts: np.ndarray | None,
     workers: int = 1,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
     others: Mapping[str, float] | None = None,
 ) -> Ending:
     """Return what motions of drives with the same parts (k) end on, each from its own start, u [rad], w [rad/s] (k, 2).
@@ -165,7 +159,6 @@ def endings_at_once(drives: ManyDrives, starts: np.ndarray | None, workers: int 
     blocks = [np.arange(first, min(first + size, drives.size)) for first in range(0, drives.size, size)]
 
     def fill(block: np.ndarray) -> None:
-        """Write what a block of drives end on."""
         for group in groups(drives, block):
             closed, endings = _group_endings(drives, group, None if starts is None else starts[group.members])
             found.put(group.members[closed], Ending(*(column[closed] for column in endings)))

@@ -10,7 +10,7 @@ from threading import Lock
 from typing import Any
 
 import numpy as np
-from matplotlib.colors import to_rgba
+from matplotlib.colors import to_rgba_array
 
 from lsvib.basins.curves import Window
 from lsvib.basins.grid import Axis, Grid
@@ -232,16 +232,9 @@ def _mapper(drive: Drive) -> tuple[Mapper, Lock]:
     return mapper(drive), Lock()
 
 
-def _palette() -> np.ndarray:
-    """Colours of a map's labels, from −2 (not computed yet) on, as little-endian RGBA; motion and lines show on it."""
-    colours = np.zeros((len(Attractor) + 1, 4), dtype=np.uint8)
-    for kind in Attractor:
-        colours[kind + 2] = np.round(255 * np.array(to_rgba(COLOURS[name_of(kind)], 0.45)))
-    return colours.view(np.uint32)[:, 0]
-
-
-_PALETTE = _palette()
-
+# Colours of a map's labels, from −2 (not computed yet) on, as little-endian RGBA; motion and lines show on it.
+_COLOURS = to_rgba_array(["none", *(COLOURS[name_of(kind)] for kind in Attractor)], 0.45)
+_PALETTE = np.round(255 * _COLOURS).astype(np.uint8).view(np.uint32)[:, 0]
 
 EXPORTS = {"scene.yaml": "application/yaml", "motion.nc": "application/x-netcdf"}
 """Files that can be had of a view, with their media types."""

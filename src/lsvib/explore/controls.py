@@ -23,6 +23,13 @@ _FROM_ZERO = {  # end of a slider whose parameter is zero: enough to change what
     "collar_radius": 0.02,
 }
 _SIGNED = ("axial_force", "input_speed")
+_TEXTS = {
+    "u": "Start u [rad]",
+    "w": "Start u′ [rad/s]",
+    "duration": "Duration [s]",
+    "low": "Curve from",
+    "high": "Curve to",
+}
 
 Asked = Callable[[str, str], None]
 
@@ -39,18 +46,9 @@ class Controls:
         self._asked, self._silent = asked, False
         choices = [("", "– choose one –"), *((name, name) for name in presets)]
         self.preset = Select(title="Figure of the chapter", options=choices, value="", width=300)
-        self.parts = CheckboxGroup(labels=[words for words in IN_WORDS.values()], width=300, name="parts")
+        self.parts = CheckboxGroup(labels=list(IN_WORDS.values()), width=300, name="parts")
         self.over = Select(title="Parameter of the amplitude curve", width=190)
-        self.texts = {
-            key: TextInput(title=title, width=90)
-            for key, title in (
-                ("u", "Start u [rad]"),
-                ("w", "Start u′ [rad/s]"),
-                ("duration", "Duration [s]"),
-                ("low", "Curve from"),
-                ("high", "Curve to"),
-            )
-        }
+        self.texts = {key: TextInput(title=title, width=90) for key, title in _TEXTS.items()}
         self.fit = Button(label="Fit the window", width=110, align="end")
         self.play = Toggle(label="Play", width=80)
         self.moment = Slider(title="Moment of the motion [%]", start=0, end=100, value=100, step=0.5, width=280)
@@ -108,7 +106,6 @@ class Controls:
         self.parameters.children = rows
 
     def _place(self, kind: type[Drive], key: str, value: float) -> None:
-        """Give a slider its ends around a value, and the value."""
         if key in OF_LAW:
             low, high = OF_LAW[key]
             step = 1.0 if key == "stribeck_exponent" else (high - low) / 200

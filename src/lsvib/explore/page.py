@@ -52,10 +52,6 @@ Slow = Generator[Callable[[], Any], Any, None]
 """Slow work: yields what is to be computed, is sent what that returned, and draws it."""
 
 
-def _nothing() -> Slow:
-    yield from ()
-
-
 class Page:
     """The page of one session; ``presets`` by name. ``view`` is what it shows."""
 
@@ -64,10 +60,10 @@ class Page:
         self.controls = Controls(view, presets, self.ask)
         self.plots = Plots()
         self._asked: dict[str, str] = {}
-        self._waiting = False
         self._answered = 0.0  # time of the last answer [s]
         self._settling: Any = None
-        self._slow, self._until = _nothing(), 0.0
+        self._slow: Slow | None = None
+        self._until = 0.0
         self._shares: dict[Attractor, float] = {}
         self._frames: Any = None
         self._alert = Div(name="alert", html_attributes={"role": "alert"}, styles={"color": "#B00020"})
@@ -97,9 +93,9 @@ class Page:
 
     def ask(self, key: str, text: str) -> None:
         """Take a request of a control; requests that come within a moment of each other are answered together."""
+        waiting = bool(self._asked)
         self._asked[key] = text
-        if not self._waiting:
-            self._waiting = True
+        if not waiting:
             alone = perf_counter() > self._answered + 0.02  # s
             # Requests that come while an answer is made are gathered for 8 ms; a single one is answered at once.
             self.document.add_timeout_callback(self._answer, 0 if alone else 8)
@@ -121,7 +117,6 @@ class Page:
         self.controls.show(self.view)
 
     def _answer(self) -> None:
-        self._waiting = False
         asked, self._asked = self._asked, {}
         try:
             if "preset" in asked:
@@ -140,7 +135,6 @@ class Page:
         self._answered = perf_counter()
 
     def _changed(self, asked: Mapping[str, str]) -> View:
-        """The view with what was asked for."""
         parameters, changes = {}, {}
         for key, text in asked.items():
             name = key.removeprefix("slider:")
@@ -190,7 +184,7 @@ class Page:
         self.plots.draw_motion(view.drive, shown, window)
         self.plots.draw_friction(*answers.friction_visited(view.drive, shown))
         self._draw_moment()
-        self._slow = _nothing()
+        self._slow = None
         if self._settling is not None:
             self.document.remove_timeout_callback(self._settling)
         self._settling = self.document.add_timeout_callback(self._settle, 500)  # ms: the hand rests
@@ -221,7 +215,6 @@ class Page:
 
         @without_document_lock
         async def find_out() -> None:
-            """Let the thread do it, while the page answers, and go on."""
             try:
                 found = await get_running_loop().run_in_executor(THREAD, job)
             except LsvibError as error:
@@ -260,7 +253,6 @@ class Page:
         self._say_words(points)
 
     def _say_words(self, points: Sequence[AmplitudePoint] = ()) -> None:
-        """Say in words what the drawings show."""
         view, shown, steady = self.view, self.shown, self.shown.steady
         words = [f"The motion of {view.duration:g} s has {shown.events} events."]
         if steady is None:
@@ -314,7 +306,6 @@ class Page:
         self._say(self._links, " &middot; ".join(links))
 
     def _draw_moment(self) -> None:
-        """Show the contact and the point of the motion at the moment of the slider."""
         shown = self.shown
         time = 0.01 * float(self.controls.moment.value) * float(shown.time[-1])
         k = min(int(np.searchsorted(shown.time, time)), shown.time.size - 1)

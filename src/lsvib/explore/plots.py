@@ -33,7 +33,7 @@ from lsvib.models.drive import Drive, described
 SLOPE = 0.22  # of the drawn threads, whatever the lead angle: those of most screws are too flat to be seen
 _TOOLS = "pan,wheel_zoom,box_zoom,reset,save"
 _NARROW = {"sizing_mode": "scale_width", "min_width": 320}  # a drawing shrinks with its column, down to a telephone
-_LOOKS: dict[str, dict[str, list[Any]]] = {  # of the rows of sources that the browser draws anew in a redraw
+_LOOKS: dict[str, dict[str, list[Any]]] = {  # of the rows of the sources, before anything is drawn
     "map": {"image": [], "x": [], "y": [], "dw": [], "dh": []},
     "lines": {
         "x": [[], [], [], []],
@@ -58,15 +58,13 @@ _LOOKS: dict[str, dict[str, list[Any]]] = {  # of the rows of sources that the b
         "width": [2, 3],
     },
     "nut": {"x": [], "y": [], "tip": [], "words": []},
+    "curve": {"x": [], "y": [], "colour": []},
+    "near": {"x": [], "y": [], "colour": []},
+    "marks": {"x": [], "name": []},
+    "bar": {"x": []},
+    "law": {"x": [], "y": []},
+    "visited": {"x": [], "y": []},
 }
-_PLAIN = {
-    "curve": "x y colour",
-    "near": "x y colour",
-    "marks": "x name",
-    "bar": "x",
-    "law": "x y",
-    "visited": "x y",
-}  # columns of the other sources
 # Painted without title, axes, grid and legend, which take longer than all that a redraw changes; seen once clipped.
 _ABOVE = {"level": "overlay", "visible": False}
 # Bokeh clips overlays to the whole drawing; these belong into its frame, as what lies below them.
@@ -83,10 +81,7 @@ class Plots:
     """The drawings and their sources; every method replaces what a drawing shows."""
 
     def __init__(self) -> None:
-        self.sources = {
-            name: ColumnDataSource({key: [] for key in columns.split()}) for name, columns in _PLAIN.items()
-        }
-        self.drawn = {name: ColumnDataSource(looks) for name, looks in _LOOKS.items()}
+        self.sources = {name: ColumnDataSource(looks) for name, looks in _LOOKS.items()}
         self.plane = self._plane()
         self.curve = self._curve()
         self.force = self._force()
@@ -97,12 +92,12 @@ class Plots:
     def _plane(self) -> figure:
         made = _figure("plane", "Phase plane: click where a motion shall start", 620, 470, (-1, 1), (-1, 1))
         made.xaxis.axis_label, made.yaxis.axis_label = "deviation u [rad]", "rate of the deviation u′ [rad/s]"
-        made.image_rgba("image", x="x", y="y", dw="dw", dh="dh", source=self.drawn["map"], **_ABOVE)
+        made.image_rgba("image", x="x", y="y", dw="dw", dh="dh", source=self.sources["map"], **_ABOVE)
         made.multi_line(
-            "x", "y", source=self.drawn["lines"], color="colour", line_dash="dash", line_width="width", **_ABOVE
+            "x", "y", source=self.sources["lines"], color="colour", line_dash="dash", line_width="width", **_ABOVE
         )
         made.scatter(
-            "x", "y", source=self.drawn["points"], marker="marker", size=9, line_color="colour", fill_color="fill",
+            "x", "y", source=self.sources["points"], marker="marker", size=9, line_color="colour", fill_color="fill",
             **_ABOVE,
         )  # fmt: skip
         looks = _LOOKS["lines"]
@@ -137,7 +132,7 @@ class Plots:
         made = _figure("force", "Normal force of the threads (without impulses)", 470, 210, (0, 1), (-1, 1))
         made.xaxis.axis_label, made.yaxis.axis_label = "time [s]", "N [N]"
         made.hspan(y=[0.0], color=style.VERMILION, line_dash=[5, 3])
-        made.multi_line("x", "y", source=self.drawn["history"], color="colour", **_ABOVE)
+        made.multi_line("x", "y", source=self.sources["history"], color="colour", **_ABOVE)
         return made
 
     def _contact(self) -> figure:
@@ -148,9 +143,9 @@ class Plots:
         for middle in (-0.5, 0.5):  # threads of the screw above and below the tooth of the nut
             heights = SLOPE * edges + middle + np.array([-0.25, -0.25, 0.25, 0.25])
             made.patch(edges, heights, color="#D0D0D0", line_color=style.GREY)
-        nut = self.drawn["nut"]
+        nut = self.sources["nut"]
         made.patches("x", "y", source=nut, color=style.SKY, line_color=style.BLUE, **_ABOVE)
-        made.multi_line("x", "y", source=self.drawn["screw"], color="colour", line_width="width", **_ABOVE)
+        made.multi_line("x", "y", source=self.sources["screw"], color="colour", line_width="width", **_ABOVE)
         made.scatter(0, "tip", source=nut, color=style.VERMILION, size=8, **_ABOVE)
         made.text(-1.95, 0.98, "words", source=nut, text_font_size="12px", **_ABOVE)
         return made
@@ -165,8 +160,8 @@ class Plots:
 
     def draw_friction(self, speeds: np.ndarray, coefficients: np.ndarray, visited: np.ndarray) -> None:
         """Show the coefficient (n) over sliding speeds (n) [m/s], and which (n) of them the motion takes."""
-        self.sources["law"].data = {"x": speeds, "y": coefficients}
-        self.sources["visited"].data = {"x": speeds[visited], "y": coefficients[visited]}
+        self._fill("law", x=speeds, y=coefficients)
+        self._fill("visited", x=speeds[visited], y=coefficients[visited])
         self.friction.x_range.update(start=0.0, end=float(speeds[-1]))
         self.friction.y_range.update(start=0.0, end=1.1 * float(coefficients.max()) or 1.0)
 
@@ -175,8 +170,8 @@ class Plots:
         self.plane.x_range.update(start=window.left, end=window.right)
         self.plane.y_range.update(start=window.bottom, end=window.top)
 
-    def _fill(self, name: str, **columns: Sequence[Any]) -> None:
-        self.drawn[name].data = {**_LOOKS[name], **columns}
+    def _fill(self, source: str, **columns: Sequence[Any]) -> None:
+        self.sources[source].data = {**_LOOKS[source], **columns}
 
     def draw_map(self, labels: np.ndarray, window: Window) -> None:
         """Show labels (rows, columns) of a window as colours."""
@@ -237,9 +232,9 @@ class Plots:
         self.curve.xaxis.formatter = LogTickFormatter() if decades else BasicTickFormatter()
         self.curve.xaxis.axis_label = f"{about['long_name']} {about['symbol']} {style.unit(about['unit'])}".rstrip()
         self.curve.x_range.update(start=view.low, end=view.high)
-        self.sources["bar"].data = {"x": [getattr(view.drive, view.over)]}
+        self._fill("bar", x=[getattr(view.drive, view.over)])
         inside = {name: value for name, value in thresholds.items() if view.low <= value <= view.high}
-        self.sources["marks"].data = {"x": list(inside.values()), "name": [name_of(name) for name in inside]}
+        self._fill("marks", x=list(inside.values()), name=[name_of(name) for name in inside])
         self.draw_curve([])
 
     def draw_curve(self, points: Sequence[AmplitudePoint]) -> None:

@@ -22,7 +22,6 @@ from lsvib.api import Drive
 from lsvib.engine.motion import compile_engine
 from lsvib.errors import InputError, LsvibError
 from lsvib.explore import answers
-from lsvib.explore.answers import EXPORTS, export
 from lsvib.explore.page import THREAD, Page
 from lsvib.explore.view import View, presets
 
@@ -39,13 +38,13 @@ class Export(RequestHandler):
         query = {key: self.get_query_argument(key) for key in self.request.query_arguments}
         try:
             view = View.of(query)
-            content = await get_running_loop().run_in_executor(THREAD, export, name, view)
+            content = await get_running_loop().run_in_executor(THREAD, answers.export, name, view)
         except LsvibError as error:
             self.set_status(400)
             self.set_header("Content-Type", "text/plain; charset=utf-8")
             self.write(str(error))
             return
-        self.set_header("Content-Type", EXPORTS[name])
+        self.set_header("Content-Type", answers.EXPORTS[name])
         self.set_header("Content-Disposition", f'attachment; filename="{name}"')
         self.write(content)
 
@@ -84,7 +83,6 @@ def make_server(port: int) -> Server:
     ]
 
     def page(document: Document) -> None:
-        """Fill the page of one visitor with the view that its address asks for."""
         if len(server.get_sessions("/")) >= MOST_PAGES:
             document.title = "Too many pages of the explorer are open"
             document.add_root(Div(text=f"{document.title}; close some, and load this one again."))
@@ -98,7 +96,7 @@ def make_server(port: int) -> Server:
             view, complaint = View(), f"The link cannot be shown: {error}"
         Page(document, view, known, complaint)
 
-    names = "|".join(name.replace(".", r"\.") for name in EXPORTS)
+    names = "|".join(name.replace(".", r"\.") for name in answers.EXPORTS)
     try:
         server = Server(
             {"/": Application(FunctionHandler(page))},

@@ -17,7 +17,7 @@ from lsvib.models.drive import PART_OF
 from lsvib.models.scene import Scene, read_yaml
 
 _WINDOW = ("left", "right", "bottom", "top")
-_RANGE = ("over", "low", "high")
+_NUMBERS = ("u", "w", "duration", "low", "high")
 OF_LAW = {  # ends between which the parameters of a friction law are looked at
     "static_friction_coefficient": (0.0, 0.5),
     "stribeck_rise": (0.0, 0.2),
@@ -60,9 +60,8 @@ class View:
             self.drive.replace(**{self.over: end})
 
     def _scene(self, drive: Any) -> dict[str, Any]:
-        start = {"u": self.u, "w": self.w}
-        scene = {"drive": drive, "start": start}
-        return {**scene, "duration": self.duration, "samples": 2001}  # no corner of the line is seen
+        start, samples = {"u": self.u, "w": self.w}, 2001  # no corner of the line is seen
+        return {"drive": drive, "start": start, "duration": self.duration, "samples": samples}
 
     def _changed(self) -> dict[str, float]:
         """The parameters that differ from their defaults."""
@@ -79,7 +78,7 @@ class View:
     def query(self) -> str:
         """Return the part of a link that says all of this; every number comes back with the same bits."""
         values: dict[str, Any] = {key: repr(value) for key, value in self._changed().items()}
-        values |= {key: repr(getattr(self, key)) for key in ("u", "w", "duration", "low", "high")}
+        values |= {key: repr(getattr(self, key)) for key in _NUMBERS}
         values["over"] = self.over
         if self.window is not None:
             values |= {name: repr(float(edge)) for name, edge in zip(_WINDOW, self.window, strict=True)}
@@ -90,7 +89,7 @@ class View:
         """Read a link; raises ``InputError`` in one sentence for a key or value that is not acceptable."""
         given = dict(query)
         values: dict[str, Any] = {}
-        for key in ("u", "w", "duration", *_RANGE[1:]):
+        for key in _NUMBERS:
             if key in given:
                 values[key] = _number(key, given.pop(key))
         if "over" in given:
