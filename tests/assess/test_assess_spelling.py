@@ -22,6 +22,7 @@ from lsvib.assess.threads import thread_size
         ("−5 N", "N", -5.0),
         ("1e3 N*s/m", "N s/m", 1e3),
         ("2e2 mm^2/mm", "m", 0.2),
+        *((f"2{text}", "kg m^2", 2.0) for text in (" kg*m^2", " kg*m**2", " kg*m^(2)", "000 g*m^2", " kg/m^-2")),
     ],
 )
 def test_a_quantity_is_read(text, unit, value):
@@ -39,6 +40,10 @@ def test_a_quantity_is_read(text, unit, value):
         ("1/0 inch", "m", "not known"),
         ("0 tpi", "m", "not known"),
         ("2 tpi", "N", "is not a force"),
+        # Pint counts no radian, so that N m deg would pass for 0.017 N m/rad.
+        ("30 N*m*deg", "N m/rad", "is not"),
+        ("1 deg*deg/s", "rad/s", "is not"),
+        ("1 deg^2", "rad", "is not"),
     ],
 )
 def test_what_is_no_quantity_is_refused(text, unit, words):

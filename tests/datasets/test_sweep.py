@@ -132,6 +132,11 @@ def test_pairs_of_lead_angle_and_friction_are_checked():
             drive.sweep(lead_angle=leads, friction_coefficient=frictions)
 
 
+def test_a_mask_that_hides_nothing_is_no_fault():
+    found = BASE.sweep(mass=np.ma.masked_array([10.0, 11.0], [False, False]))
+    assert found.mass.values.tolist() == [10.0, 11.0]
+
+
 def test_points_are_judged_not_axes_beside_the_other_values_of_the_drive():
     """A rise needs a speed over which it fades; a steep thread needs less friction than the drive's own."""
     found = lsvib.Drive().sweep(stribeck_rise=[0.01, 0.1], stribeck_speed=[0.01, 0.1])

@@ -4,6 +4,7 @@ import math
 
 import pytest
 from pydantic import ValidationError
+from references.command_line import complaint
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import InputError
@@ -24,16 +25,6 @@ BOUNDS = {
     "axial_force": (-1.1e12, 1.1e12, "0 or 1e-18 <= |axial_force| <= 1e+12"),
 }
 SCENE = {"drive": {"mass": 11.0}, "start": {"u": 0.1, "w": 0.0}, "duration": 0.5}
-
-
-def complaint(function, *arguments, **options) -> str:
-    """The one sentence that an unacceptable input gets."""
-    with pytest.raises(InputError) as error:
-        function(*arguments, **options)
-    sentence = str(error.value)
-    assert sentence.endswith(".")
-    assert "\n" not in sentence
-    return sentence
 
 
 def test_defaults_are_table_8_1():

@@ -219,21 +219,6 @@ def test_the_critical_mass_with_a_collar():
     assert float(mass) / 10.106965213139869 == pytest.approx(0.3511, abs=1e-4)
 
 
-@pytest.mark.parametrize(
-    ("values", "said"),
-    [
-        ({"contact_damping": 1.0}, "contact_damping is a parameter of compliant threads, which need contact_stiffness"),
-        ({"screw_mass": 1.0}, "screw_mass is a parameter of a compliant axial support, which needs support_stiffness"),
-        ({"nut_stiffness": 1.0}, "nut_stiffness is a parameter of a nut that may turn, which needs nut_inertia"),
-    ],
-)
-def test_a_part_that_is_given_by_halves_is_refused(values, said):
-    with pytest.raises(InputError, match=said):
-        Drive(**values)
-    with pytest.raises(InputError, match=said):
-        Drive().replace(**values)
-
-
 def test_a_damper_that_is_left_out_is_zero_and_a_part_can_be_taken_out():
     drive = Drive(contact_stiffness=1e8)
     assert drive.contact_damping == 0.0
