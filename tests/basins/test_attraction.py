@@ -46,16 +46,6 @@ def test_labels_and_times_against_the_engine(mappers, damping):
             assert gap.max(axis=1).min() <= 1.001e-9
 
 
-@pytest.mark.parametrize("force", [25.0, 40.0])
-def test_labels_under_negative_damping(mappers, force):
-    """Slip without rest, and stick-slip."""
-    mapped = mappers(Drive.of(mass=1.0, translation_damping=1e3, axial_force=force))
-    grid = Grid(Axis("u", -0.1, 0.1, 11), Axis("w", -60, 60, 9))
-    found = mapped.cells(grid, quantities=("label",))["label"]
-    for (i, j), label in np.ndenumerate(found):
-        assert steady_state(mapped.automaton, (grid.x.centres()[j], grid.y.centres()[i])).label == label
-
-
 def test_time_to_steady_sliding(mappers):
     """In the mode of steady sliding |w + α u|² + β² u² falls as e^{−2αt}; the ellipse touches Q = 0."""
     mapped = mappers(PARADOX)

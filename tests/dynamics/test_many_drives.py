@@ -74,6 +74,8 @@ def test_endings_are_those_of_one_motion():
     [
         {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0},
         {"mass": 9.9, "translation_damping": 1e3, "axial_force": 10.0},
+        {"mass": 1.0, "translation_damping": 1e3, "axial_force": 25.0},
+        {"mass": 1.0, "translation_damping": 1e3, "axial_force": 40.0},
         {"mass": 14.0, "support_damping": 5e-4, "axial_force": 40.0},
         {"mass": 11.0, "support_damping": 2e-3, "axial_force": -18.37},
     ],

@@ -13,7 +13,6 @@ from references.parts import nut_drive, support_drive, threads_drive
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import InputError
-from lsvib.models.mechanics import coefficients
 from lsvib.stability import conditions, linear
 from lsvib.stability.conditions import stability
 from lsvib.stability.linear import UndampedClass
@@ -125,16 +124,6 @@ def test_steady_law_counts_the_friction_of_the_slide():
     assert linear.steady_law(drive.replace(axial_force=-10.0)) == -1
     with pytest.raises(InputError, match="the contact carries no force"):
         linear.steady_law(drive.replace(slide_friction=10.0))
-
-
-def test_slow_eigenvalues_tend_to_those_of_the_rigid_drive():
-    for mass in (5.0, 11.0):
-        drive = threads_drive(mass=mass, contact_stiffness=1e14, contact_damping=1e8)
-        gamma = float(coefficients(drive).gamma[1])
-        rigid = linear.eigenvalue_pair(gamma, drive.support_damping, drive.coupling_stiffness)
-        values = linear.eigenvalues(dict(drive), 1)
-        for value in rigid:
-            assert np.abs(values / value - 1).min() < 1e-5
 
 
 @pytest.mark.parametrize(
