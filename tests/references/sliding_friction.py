@@ -53,8 +53,8 @@ class SlidingDrive:
         }[self.model]()
         return [-load / p["coupling_stiffness"], omega, *place]
 
-    def rates(self, state):
-        """The rates of a state."""
+    def solved(self, state):
+        """The accelerations of the screw and of the second body, and N, at a state."""
         p, radius, reach = self.p, self.p["pitch_radius"], self.reach
         z, turn, place, rate = [*state, arb(0), arb(0)][:4]
         slip = turn - rate if self.model == "nut" else turn
@@ -76,8 +76,12 @@ class SlidingDrive:
             nut[1] *= -reach
             other = [0, p["nut_inertia"], -arm]
             side = -p["nut_stiffness"] * place - p["nut_damping"] * rate
-        found = arb_mat([screw, other, nut]).solve(arb_mat(3, 1, [torque, side, force]))
-        return [turn - p["input_speed"], found[0, 0], rate, found[1, 0]][: len(state)]
+        return arb_mat([screw, other, nut]).solve(arb_mat(3, 1, [torque, side, force])).entries()
+
+    def rates(self, state):
+        """The rates of a state."""
+        first, second, _ = self.solved(state)
+        return [state[1] - self.p["input_speed"], first, *state[3:], second][: len(state)]
 
     def eigenvalues(self):
         """Eigenvalues [1/s] of steady sliding, in ascending real part; it must be a state of rest of the laws."""
