@@ -53,8 +53,8 @@ class SlidingDrive:
         }[self.model]()
         return [-load / p["coupling_stiffness"], omega, *place]
 
-    def solved(self, state):
-        """The accelerations of the screw and of the second body, and N, at a state."""
+    def equations(self, state):
+        """Matrix and right sides of the equations of screw, second body and nut, at a state."""
         p, radius, reach = self.p, self.p["pitch_radius"], self.reach
         z, turn, place, rate = [*state, arb(0), arb(0)][:4]
         slip = turn - rate if self.model == "nut" else turn
@@ -76,7 +76,12 @@ class SlidingDrive:
             nut[1] *= -reach
             other = [0, p["nut_inertia"], -arm]
             side = -p["nut_stiffness"] * place - p["nut_damping"] * rate
-        return arb_mat([screw, other, nut]).solve(arb_mat(3, 1, [torque, side, force])).entries()
+        return arb_mat([screw, other, nut]), arb_mat(3, 1, [torque, side, force])
+
+    def solved(self, state):
+        """The accelerations of the screw and of the second body, and N, at a state."""
+        matrix, sides = self.equations(state)
+        return matrix.solve(sides).entries()
 
     def rates(self, state):
         """The rates of a state."""

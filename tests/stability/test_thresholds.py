@@ -172,7 +172,7 @@ def test_dip_of_microseconds_against_mpmath():
     drive = PARADOX.replace(axial_force=threshold_force(PARADOX, "global_stability") * (1 - 1e-8))
     d = exact(drive)
     flow = RigidTrueFlow(d, -1, d.c * d.Omega / d.k, -d.Omega)
-    q = (d.p * d.m * d.k, d.p * (d.m * d.c - d.I * d.cx), d.Gamma(d.s0) * d.R_tilde)
+    q = d.Q_terms(mpf(1), mpf(1))
     first = flow.first_root(q, -1, False, mpf(1), DIGITS)
     beyond = RigidTrueFlow(d, -1, *flow.state(first)).first_root(q, 1, True, mpf(1), DIGITS)
     assert 1e-7 < float(beyond) < 2e-6
