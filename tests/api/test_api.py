@@ -20,8 +20,11 @@ from references.parts import DRIVES, nut_drive, support_drive, threads_drive
 
 import lsvib
 from lsvib import api
+from lsvib.basins.boundary import basin
 from lsvib.dynamics.attractor import steady_state
+from lsvib.engine.motion import follow
 from lsvib.models.drive import Drive
+from lsvib.models.rigid import rigid_automaton
 
 ROOT = Path(__file__).parents[2]
 PARADOX = {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0}
@@ -220,3 +223,22 @@ def test_a_type_checker_sees_the_types(tmp_path):
     ]  # fmt: skip
     assert not re.findall(r"right\.py:\d+: error", done.stdout)
     assert set(re.findall(r"wrong\.py:(\d+): error", done.stdout)) == {"2", "3", "4"}
+
+
+KNOWN = lsvib.Drive(**PARADOX)
+FAR = [0.5, -40.0]
+ANSWERS = {
+    "Automaton": lambda: rigid_automaton(KNOWN),
+    "Motion": lambda: follow(rigid_automaton(KNOWN), FAR, 1.0),
+    "SteadyState": lambda: steady_state(rigid_automaton(KNOWN), FAR),
+    "Cycle": lambda: KNOWN.cycles().cycles[0],
+    "Basin": lambda: basin(KNOWN),
+}
+
+
+@pytest.mark.parametrize("name", ANSWERS)
+def test_an_answer_is_printed_in_a_few_lines(name):
+    answer = ANSWERS[name]()
+    assert getattr(answer, "orbit", answer) is not None
+    assert repr(answer).startswith(f"{name}(")
+    assert len(repr(answer)) < 400, repr(answer)

@@ -4,6 +4,7 @@ import logging
 import os
 from concurrent.futures import ThreadPoolExecutor
 
+import numpy as np
 import pytest
 
 from lsvib.engine.kernels import event_loop, jit
@@ -83,3 +84,15 @@ def test_compiling_is_said_once_for_each_part(caplog):
     )
     assert say("lsvib.engine.kernels.flow_planar", "array(float64, 1d, C)") is None
     assert say("somebody.else", "Tables") is None
+
+
+@pytest.mark.skipif(jit.numba.config.DISABLE_JIT, reason="nothing is compiled")
+@pytest.mark.parametrize("kind", ["planar", "modal"])
+def test_a_kernel_calls_the_kernel_of_the_kind_of_flow(kind):
+    @jit.numba.njit
+    def quarter(flow, state, out):
+        event_loop.advance(flow, 0, state, 0.5 * np.pi, out)
+
+    flow, out = bouncing(kind).tables.flow, np.empty(2)
+    quarter(flow, np.array([1.0, 0.0]), out)
+    np.testing.assert_allclose(out, [0.0, -1.0], atol=1e-15)
