@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from references.command_line import DRIVE, GRID, MOTION
+from references.command_line import DRIVE, GRID
 from references.parts import DRIVES, nut_drive, support_drive, threads_drive
 
 import lsvib
@@ -147,13 +147,6 @@ def test_simulate_is_that_of_the_function(kind):
         found.label
         == steady_state(drive.automaton(), drive._scene(START, 1.0).definition.initial_state(drive, START)).label
     )
-
-
-def test_simulate_is_that_of_the_command(run, tmp_path):
-    assert run("simulate", *MOTION, "--out", "m.nc", "--json")[0] == 0
-    with xr.open_dataset(tmp_path / "m.nc") as written:
-        motion = lsvib.Drive(**PARADOX).simulate(START, 0.1)
-        assert all((written[name].values == motion[name].values).all() for name in motion.variables)
 
 
 def test_attraction_is_that_of_the_command(run, tmp_path):

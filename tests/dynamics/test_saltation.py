@@ -21,8 +21,6 @@ from lsvib.models.rigid import rigid_automaton
 
 STEP = mpf(10) ** -10
 EVENTS = 7
-
-
 RIGID = {
     "mass": uniform(2, 16),
     "support_damping": power(-4, -2.5),

@@ -45,8 +45,6 @@ JUST_BELOW_COT_LEAD = {
     "support_damping": 54624.77056974889, "contact_stiffness": 24764977476642.695,
     "friction_coefficient": 10.25407004273012, "input_speed": -1e-9, "axial_force": 6949.60410918396,
 }  # fmt: skip
-
-
 CREEPING = [{"contact_stiffness": 1e4, "contact_damping": damping} for damping in (1e11, 1e12)]
 
 

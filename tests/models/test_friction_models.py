@@ -17,8 +17,6 @@ from lsvib.models.many import ManyDrives
 from lsvib.models.model import model_of
 
 KINDS = (Drive, threads_drive, support_drive, nut_drive)
-
-
 MILD = {  # of drives of the chapter's size
     "mass": uniform(1, 8),
     "axial_force": signed(uniform(5, 80)),
