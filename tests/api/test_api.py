@@ -100,11 +100,6 @@ def test_a_drive_is_its_model_and_its_values():
     assert lsvib.Drive() != {}
     assert repr(lsvib.Drive()) == "Drive()"
     assert repr(lsvib.Drive(axial_force=-0.0)) == "Drive(axial_force=0.0)"
-    assert lsvib.Drive(lead_angle_deg=4) == lsvib.Drive().replace(lead_angle_deg=4)
-    with pytest.raises(lsvib.InputError, match="both given"):
-        lsvib.Drive(lead_angle_deg=4, lead_angle=0.1)
-    with pytest.raises(ValueError, match="does not change"):
-        lsvib.Drive().mass = 2.0
 
 
 def test_reports_and_thresholds_of_random_drives_are_plain_numbers():

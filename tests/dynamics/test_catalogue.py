@@ -14,7 +14,7 @@ from references.catalogue import MODELS, catalogue_drive
 from lsvib.dynamics.attractor import Attractor, Doubt, SteadyState, steady_state
 from lsvib.engine.motion import Budget, Motion, follow
 from lsvib.errors import WorkSpentError
-from lsvib.models.model import model_of
+from lsvib.models.model import automaton_of
 
 DRIVES, STARTS = 5, 4  # of each model
 CYCLES = (Attractor.STICK_SLIP_CYCLE, Attractor.SPRAG_SLIP_CYCLE, Attractor.OTHER_CYCLE)
@@ -37,8 +37,7 @@ def test_motions_end_where_their_labels_say(model):
     unresolved, held = 0, 0
     for index in range(DRIVES):
         drive, starts = catalogue_drive(model, 32, index, STARTS)
-        kind = model_of(drive)
-        automaton = kind.build(drive, kind.physics_of(drive), "contact_sign")
+        automaton = automaton_of(drive)
         horizon = 20_000 * math.sqrt(drive.screw_inertia / drive.coupling_stiffness)
         for start in starts:
             found = steady_state(automaton, start)

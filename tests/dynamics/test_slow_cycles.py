@@ -13,7 +13,7 @@ from references.parts import DRIVES
 
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.engine.motion import follow
-from lsvib.models.model import model_of
+from lsvib.models.model import automaton_of, model_of
 
 SUPPORT = {
     "mass": 1.6, "friction_coefficient": 0.304, "axial_force": -156.0, "input_speed": -56.5,
@@ -36,9 +36,7 @@ ELASTIC = {
 def build(model: str, parameters: dict, u: float, w: float):
     """Automaton and start of a scene."""
     drive = DRIVES[model](parameters)
-    kind = model_of(drive)
-    terms = tuple(term for term in kind.terms if getattr(drive, term) != 0) + kind.options
-    return kind.build(drive, terms, "contact_sign"), kind.initial_state(drive, {"u": u, "w": w})
+    return automaton_of(drive), model_of(drive).initial_state(drive, {"u": u, "w": w})
 
 
 @pytest.mark.parametrize(
