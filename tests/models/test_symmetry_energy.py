@@ -10,9 +10,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from references.drives import RULES, drives, held_against_newton, random_drive, random_start, starts
+from references.drives import RULES, held_against_newton, random_drive, random_start
 
 from benchmarks.sweeps.energy_balance import balance
 from lsvib.dynamics.impulses import seizure_impulses
@@ -21,27 +19,34 @@ from lsvib.models.names import Event
 from lsvib.models.rigid import MotionMode, rigid_automaton
 
 
-@settings(max_examples=300)
-@given(drives(), starts(), st.sampled_from(RULES), st.floats(1e-3, 0.1))
-def test_mirror_symmetry_is_exact(drive, start, rule, t_end):
+def motions(count):
+    """Random drives, rules and motions, some of these from θ′ = 0, with what follows them."""
+    rng = np.random.default_rng(20261128)
+    for _ in range(count):
+        drive, (u, w), rule = random_drive(rng), random_start(rng), RULES[rng.integers(2)]
+        start = (u, -drive.input_speed if rng.random() < 0.1 else w), rng.uniform(1e-3, 0.05)
+        yield drive, rule, follow(rigid_automaton(drive, resume=rule), *start, max_events=200), start
+
+
+def test_mirror_symmetry_is_exact():
     """(u, w, R, Ω) → −(u, w, R, Ω): the same bits with the other sign, for every operation is odd or even."""
-    motion = follow(rigid_automaton(drive, resume=rule), start, t_end, max_events=500)
-    mirrored = drive.replace(axial_force=-drive.axial_force, input_speed=-drive.input_speed)
-    image = follow(rigid_automaton(mirrored, resume=rule), (-start[0], -start[1]), t_end, max_events=500)
-    for name in ("time", "kind"):
-        np.testing.assert_array_equal(getattr(image, name), getattr(motion, name))
-    for name in ("sign", "before", "after", "end_state"):
-        np.testing.assert_array_equal(getattr(image, name), -getattr(motion, name))
-    names = [[MotionMode(int(m.automaton.codes[i])).name for i in m.mode] for m in (motion, image)]
     opposite = {"FORWARD": "BACKWARD", "BACKWARD": "FORWARD", "POSITIVE": "NEGATIVE", "NEGATIVE": "POSITIVE"}
-    assert names[1] == ["_".join(opposite.get(word, word) for word in name.split("_")) for name in names[0]]
+    for drive, rule, motion, (start, duration) in motions(300):
+        mirrored = drive.replace(axial_force=-drive.axial_force, input_speed=-drive.input_speed)
+        image = follow(rigid_automaton(mirrored, resume=rule), -np.array(start), duration, max_events=200)
+        for name in ("time", "kind"):
+            np.testing.assert_array_equal(getattr(image, name), getattr(motion, name))
+        for name in ("sign", "before", "after", "end_state"):
+            np.testing.assert_array_equal(getattr(image, name), -getattr(motion, name))
+        names = [[MotionMode(int(m.automaton.codes[i])).name for i in m.mode] for m in (motion, image)]
+        assert names[1] == ["_".join(opposite.get(word, word) for word in name.split("_")) for name in names[0]]
 
 
-@settings(max_examples=200)
-@given(drives(), starts(), st.sampled_from(RULES), st.floats(1e-3, 0.05))
-def test_energy_balances(drive, start, rule, t_end):
-    found = balance(follow(rigid_automaton(drive, resume=rule), start, t_end, max_events=100), drive)
-    assert found.residual <= 1e-11
+def test_energy_balances():
+    for drive, _, motion, _ in motions(200):
+        found = balance(motion, drive)
+        assert found.residual <= 1e-11 + 4 * found.rounding, drive
+        assert found.rounding <= 1e-10
 
 
 def test_arcs_obey_newtons_laws():
@@ -52,24 +57,24 @@ def test_arcs_obey_newtons_laws():
     assert {(arc["slip"], arc["contact"]) for arc in arcs} == {(0, 0), (1, 1), (1, -1), (-1, 1), (-1, -1)}
 
 
-@settings(max_examples=100)
-@given(drives(), starts(), st.floats(1e-3, 0.05))
-def test_seizure_loses_what_the_impact_consumes(drive, start, t_end):
+def test_seizure_loses_what_the_impact_consumes():
     """½ (I + m p²) v² = ½ J_F v_s: the tangential impulse times the mean speed of sliding, with
 
     m p v = J_N cos λ + J_F sin λ and I v = r_m (J_F cos λ − J_N sin λ), the momenta that nut and screw lose.
     """
-    motion = follow(rigid_automaton(drive), start, t_end, max_events=100)
-    sine, cosine, radius = math.sin(drive.lead_angle), math.cos(drive.lead_angle), drive.pitch_radius
-    lead = radius * sine / cosine
-    for k in np.flatnonzero(motion.kind == Event.SEIZURE):
-        assert motion.after[k].tolist() == [motion.before[k, 0], -drive.input_speed]
-        v = drive.input_speed + motion.before[k, 1]
-        matrix = np.array([[cosine, sine], [-radius * sine, radius * cosine]])
-        normal, tangential = np.linalg.solve(matrix, [drive.mass * lead * v, drive.screw_inertia * v])
-        lost = 0.5 * (drive.screw_inertia + drive.mass * lead**2) * v**2
-        assert lost == pytest.approx(0.5 * tangential * radius * v / cosine, rel=1e-12)
-        impulses = seizure_impulses(drive, v)
-        assert normal == pytest.approx(float(impulses.normal), rel=1e-12)
-        assert float(impulses.axial) == pytest.approx(drive.mass * lead * v, rel=1e-12)
-        assert np.sign(normal) == motion.sign[k] == np.sign(v)
+    seizures = 0
+    for drive, _, motion, _ in motions(100):
+        sine, cosine, radius = math.sin(drive.lead_angle), math.cos(drive.lead_angle), drive.pitch_radius
+        lead, matrix = radius * sine / cosine, np.array([[cosine, sine], [-radius * sine, radius * cosine]])
+        for k in np.flatnonzero(motion.kind == Event.SEIZURE):
+            assert motion.after[k].tolist() == [motion.before[k, 0], -drive.input_speed]
+            v = drive.input_speed + motion.before[k, 1]
+            normal, tangential = np.linalg.solve(matrix, [drive.mass * lead * v, drive.screw_inertia * v])
+            lost = 0.5 * (drive.screw_inertia + drive.mass * lead**2) * v**2
+            assert lost == pytest.approx(0.5 * tangential * radius * v / cosine, rel=1e-12)
+            impulses = seizure_impulses(drive, v)
+            assert normal == pytest.approx(float(impulses.normal), rel=1e-12)
+            assert float(impulses.axial) == pytest.approx(drive.mass * lead * v, rel=1e-12)
+            assert np.sign(normal) == motion.sign[k] == np.sign(v)
+            seizures += 1
+    assert seizures > 100
