@@ -17,6 +17,7 @@ import pytest
 import xarray as xr
 from references.command_line import DRIVE, GRID
 from references.parts import DRIVES, nut_drive, support_drive, threads_drive
+from references.wide_drives import MODELS, wide_drive
 
 import lsvib
 from lsvib import api
@@ -32,27 +33,19 @@ START = {"u": 0.1, "w": 0.0}
 WINDOW = {"u": (-0.1, 0.1, 40), "w": (-80.0, 80.0, 30)}
 
 
-def random_drives(count: int, seed: int = 1):
-    """Drives of every model with some parameters changed, the values over many decades; half of them have a law."""
-    rng, laws = np.random.default_rng(seed), np.random.default_rng([seed, 1])
+def random_drives(count: int):
+    """Drives of every model, the values over many decades; half of them have a law."""
+    laws = np.random.default_rng(1)
     for k in range(count):
-        kind = list(DRIVES.values())[k % len(DRIVES)]
-        changes = {}
-        for key in dict(kind()):
-            if rng.random() < 0.5:
-                changes[key] = 10 ** rng.uniform(-4, 2)
-        changes["lead_angle"] = rng.uniform(0.01, 0.8)
-        changes["friction_coefficient"] = rng.uniform(0, 0.95 / np.tan(changes["lead_angle"]))
-        changes["pitch_radius"] = 10 ** rng.uniform(-3, -1.3)
-        changes["axial_force"] = rng.choice([-1, 0, 1]) * 10 ** rng.uniform(-3, 6)
+        drive, law = wide_drive(MODELS[k % len(MODELS)], 1, k, 0).drive, {}
         if laws.random() < 0.5:
-            changes |= {"friction_slope": -(10 ** laws.uniform(-4, 0))}
+            law |= {"friction_slope": -(10 ** laws.uniform(-4, 0))}
         if laws.random() < 0.5:
-            changes |= {"stribeck_rise": 0.02, "stribeck_speed": 10 ** laws.uniform(-3, 1)}
-            changes |= {"stribeck_exponent": 1 + laws.integers(2)}
+            law |= {"stribeck_rise": 0.02, "stribeck_speed": 10 ** laws.uniform(-3, 1)}
+            law |= {"stribeck_exponent": 1 + laws.integers(2)}
         if laws.random() < 0.3:
-            changes |= {"static_friction_coefficient": changes["friction_coefficient"] + 0.03}
-        yield kind(**changes)
+            law |= {"static_friction_coefficient": drive.friction_coefficient + 0.03}
+        yield drive.replace(**law)
 
 
 def test_every_public_name_is_there():

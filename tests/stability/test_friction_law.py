@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 from references import sliding_friction
-from references.draws import LIKE_TABLE_8_1, about, drawn, one_of, times
+from references.draws import LIKE_PARTS, LIKE_TABLE_8_1, about, drawn, one_of, times
 from references.parts import DRIVES, threads_drive
 
 from lsvib import Drive
@@ -25,18 +25,6 @@ KINDS = DRIVES
 MODELS = tuple(KINDS)
 LEAD, RADIUS = math.radians(5.57), 5.18e-3
 SEAT = PAIRINGS["powered_seat"].parameters()  # a measured law of a seat adjuster
-OWN = {
-    "rigid": {},
-    "threads": {"contact_stiffness": about(1e7, 10.0), "contact_damping": about(1e4, 10.0)},
-    "support": {
-        "screw_mass": about(10.0), "support_stiffness": about(1e5), "axial_support_damping": about(100.0),
-        "slide_friction": times(about(2.0), one_of(0, 1)),
-    },
-    "nut": {
-        "nut_inertia": about(3e-6), "nut_stiffness": about(1.0), "nut_damping": about(2e-4),
-        "slide_friction": times(about(2.0), one_of(0, 1)),
-    },
-}  # fmt: skip
 
 
 def random_drive(model: str, rng: np.random.Generator):
@@ -46,7 +34,7 @@ def random_drive(model: str, rng: np.random.Generator):
         support_damping=times(about(2e-4), one_of(0, 1, 2, 3)), mass=about(3.0),
         axial_force=times(about(40.0), one_of(-1, 1)), translation_damping=times(about(20.0), one_of(0, 1)),
     )  # fmt: skip
-    own = {name: drawn(rng, draws) for name, draws in OWN.items()}[model]
+    own = {name: drawn(rng, draws) for name, draws in LIKE_PARTS.items()}[model]
     speed = values["pitch_radius"] * abs(values["input_speed"])
     law = drawn(rng, friction_slope=times(about(0.02 / speed), one_of(-1.0, 0.5)))
     if rng.random() < 0.8:
