@@ -85,7 +85,7 @@ def test_the_fast_map_and_the_rule_agree(values):
     drive, grid = Drive(**values), Grid(Axis("u", -0.12, 0.12, 100), Axis("w", -90, 70, 100))
     found = mapper(drive).cells(grid, quantities=("label",))["label"].ravel()
     w, u = (part.ravel() for part in np.meshgrid(grid.y.centres(), grid.x.centres(), indexing="ij"))
-    many = ManyDrives({name: np.full(u.size, value) for name, value in drive if name != "model"})
+    many = ManyDrives({name: np.full(u.size, value) for name, value in drive})
     ends = all_endings(many, np.stack([u, w], axis=1)).attractor
     resolved = (found != Attractor.UNRESOLVED) & (ends != Attractor.UNRESOLVED)
     assert resolved.mean() > 0.999

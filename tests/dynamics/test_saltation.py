@@ -35,10 +35,6 @@ def random_rigid(seed):
     return Drive.of(drawn(rng, RIGID)), (float(rng.uniform(-0.2, 0.2)), float(rng.uniform(-100, 100)))
 
 
-def numbers(drive):
-    return {name: value for name, value in drive if name != "model"}
-
-
 def differences(simulate, state, count):
     """Derivative of the state after the event of a number, by central differences with 40 digits; None if changed."""
     with mp.workdps(40):
@@ -55,12 +51,8 @@ def differences(simulate, state, count):
                 if seen != names or len(events) < count:
                     return None
                 ends.append(events[count - 1])
-            columns.append([(a - b) / (2 * step) for a, b in zip(*map(_after, ends), strict=True)])
+            columns.append([(a - b) / (2 * step) for a, b in zip(*(end.state for end in ends), strict=True)])
         return np.array([[float(x) for x in column] for column in columns]).T
-
-
-def _after(event):
-    return event.state if hasattr(event, "state") else (event.u_after, event.w_after)
 
 
 def agree(found, reference, rounding):
@@ -89,7 +81,7 @@ def rigid_motion(seed):
 def test_rigid_drives(seed):
     drive, start, motion = rigid_motion(seed)
     reference = differences(
-        lambda x: rigid_digits.simulate(numbers(drive), *x, float(motion.time[-1]) * 1.01 + 1e-4).events,
+        lambda x: rigid_digits.simulate(dict(drive), *x, float(motion.time[-1]) * 1.01 + 1e-4).events,
         start,
         motion.time.size,
     )
@@ -106,7 +98,7 @@ def test_compliant_threads():
         rigid, (u, w) = random_rigid(attempt)
         stiffness = float(10 ** rng.uniform(5, 8))
         contact = {"contact_stiffness": stiffness, "contact_damping": stiffness * 10 ** rng.uniform(-3, 0)}
-        drive = threads_drive(**numbers(rigid), **contact)
+        drive = threads_drive(**dict(rigid), **contact)
         start = seated_state(drive, 0.1 * u, 0.1 * w)
         start[3] = 1e-6
         motion = follow(automaton_of(drive), start, np.inf, max_events=4)
@@ -114,7 +106,7 @@ def test_compliant_threads():
             break
     end = float(motion.time[-1]) * 1.01 + 1e-6
     reference = differences(
-        lambda x: four_states_digits.simulate(numbers(drive), "threads", (), x, end).events,
+        lambda x: four_states_digits.simulate(dict(drive), "threads", (), x, end).events,
         tuple(map(float, start)),
         motion.time.size,
     )

@@ -7,7 +7,7 @@ unknowns, follows a motion in closed form with 40 digits, and finds the mode aft
 import numpy as np
 import pytest
 from references.four_states_digits import mode_name, simulate
-from references.parts import nut_drive, support_drive, threads_drive
+from references.parts import DRIVES as KINDS
 
 import lsvib.api  # noqa: F401  (the methods of drives)
 from lsvib.engine.kernels.layout import FIRST_MODEL_KIND
@@ -17,7 +17,6 @@ from lsvib.models.drive import DRY, PART_OF, Drive
 from lsvib.models.model import automaton_of, model_of
 from lsvib.models.rigid import rigid_automaton
 
-KINDS = {"threads": threads_drive, "support": support_drive, "nut": nut_drive}
 # Of each coordinate, what steady sliding of the chapter's drives is resolved to.
 LEAST = {"threads": (0, 0, 0, 0), "support": (1e-2, 1.0, 1e-7, 1e-4), "nut": (1e-2, 1.0, 1e-2, 1.0)}
 START, UNLOADED = (0.1, 0.0, 0.0, 0.0), (0.005, 0.0, 0.0, 0.0)

@@ -16,7 +16,7 @@ RATES = {
     "support": "y",
     "nut": "phi",
     "threads": "e",
-}  # coordinates of parts, in the order of the state
+}  # coordinates of parts, in their order
 
 
 class Bodies:

@@ -68,6 +68,10 @@ class RigidTrueEvent:
     w_after: mpf
     mode_after: str
 
+    @property
+    def state(self):
+        return self.u_after, self.w_after
+
 
 @dataclass
 class RigidTrueSegment:  # the motion between two events

@@ -92,11 +92,7 @@ class SlidingDrive:
         """Eigenvalues [1/s] of steady sliding, in ascending real part; it must be a state of rest of the laws."""
         state = self.steady()
         size = len(state)
-        still = self.rates(state)
-        scale = [arb(1), abs(self.p["input_speed"])] * (size // 2)
-        assert all(
-            abs(x) < arb(10) ** (30 - DIGITS) * self.fastest() ** 2 * s for x, s in zip(still, scale, strict=True)
-        )
+        assert all(rate.contains(0) for rate in self.rates(state))
         jacobian = acb_mat(size, size)
         for j in range(size):
             step = STEP * (self.p["input_speed"] if j % 2 else arb(1))
@@ -108,18 +104,6 @@ class SlidingDrive:
             for i in range(size):
                 jacobian[i, j] = acb(((ends[0][i] - ends[1][i]) / (2 * step)).mid())
         return sorted(jacobian.eig(nonstop=True), key=lambda x: (float(x.real), float(x.imag)))
-
-    def fastest(self):
-        """A rate [1/s] of the size of the fastest, or more."""
-        p = self.p
-        sizes = [p["coupling_stiffness"] / p["screw_inertia"], arb(1)]
-        sizes += [
-            p[a] / p[b] for a, b in (("support_stiffness", "screw_mass"), ("nut_stiffness", "nut_inertia")) if a in p
-        ]
-        sizes += (
-            [p["contact_stiffness"] / p["mass"], p["contact_damping"] / p["mass"]] if self.model == "threads" else []
-        )
-        return sum((x.sqrt() + x for x in sizes), arb(0))
 
 
 def eigenvalues(model, drive):
