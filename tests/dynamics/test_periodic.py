@@ -301,13 +301,10 @@ def test_attracting_cycles_of_a_nut_that_turns_are_found(values, periods):
     assert sorted(cycle.period for cycle in found.cycles if cycle.attracting) == pytest.approx(periods, rel=1e-8)
 
 
-OF_SLIP = {"mass": 9.9, "translation_damping": 1e3, "axial_force": 10.0}
-THREADS = threads_drive(**OF_SLIP, contact_stiffness=1e8, contact_damping=1e5)
-SUPPORT = support_drive(**OF_SLIP, support_stiffness=1e8, axial_support_damping=1e4)
-NUT = nut_drive(**OF_SLIP, nut_inertia=1e-2, nut_stiffness=1e4, nut_damping=1.0)
-THREADS_NEAR_FOLD = threads_drive(
-    mass=11, support_damping=2e-3, axial_force=-18.37, contact_stiffness=1e8, contact_damping=1e8
-)
+THREADS = threads_drive(REPELLING_SLIP, contact_stiffness=1e8, contact_damping=1e5)
+SUPPORT = support_drive(REPELLING_SLIP, support_stiffness=1e8, axial_support_damping=1e4)
+NUT = nut_drive(REPELLING_SLIP, nut_inertia=1e-2, nut_stiffness=1e4, nut_damping=1.0)
+FOLDING = threads_drive(NEAR_FOLD, contact_stiffness=1e8, contact_damping=1e8)
 
 
 def across(cycle):
@@ -318,9 +315,7 @@ def across(cycle):
     return [cycle.section.state(place + step * direction) for step in (-1e-6, 1e-6)]
 
 
-@pytest.mark.parametrize(
-    "drive", [THREADS, SUPPORT, NUT, THREADS_NEAR_FOLD], ids=["threads", "support", "nut", "near a fold"]
-)
+@pytest.mark.parametrize("drive", [THREADS, SUPPORT, NUT, FOLDING], ids=["threads", "support", "nut", "near a fold"])
 def test_the_cycle_on_the_edge_parts_the_basins(drive):
     """It repels along one direction; on one side of it motions end in steady sliding, on the other in the cycle."""
     found = drive.cycles()
@@ -340,8 +335,8 @@ def test_the_cycle_on_the_edge_parts_the_basins(drive):
 @pytest.mark.slow
 def test_a_branch_of_four_states_turns_at_a_fold():
     """The attracting cycle of a drive with four states is followed through the fold to cycles that repel."""
-    attracting = THREADS_NEAR_FOLD.cycles().cycles[0]
-    branch = THREADS_NEAR_FOLD.follow(attracting, "axial_force", (-18.5, -18.3699), points=5)
+    attracting = FOLDING.cycles().cycles[0]
+    branch = FOLDING.follow(attracting, "axial_force", (-18.5, -18.3699), points=5)
     (fold,) = branch.folds
     assert fold == pytest.approx(-18.371145255, abs=1e-9)
     points = branch.points

@@ -1,9 +1,5 @@
 """Data sheets of the chapter's drive, and what they say."""
 
-import pytest
-
-pytest.importorskip("pint")
-
 from lsvib.assess import drive as sheets
 from lsvib.assess.sheet import Sheet
 

@@ -8,7 +8,8 @@ import pytest
 from flint import arb, ctx
 from references import sliding_friction
 from references.draws import LIKE_PARTS, LIKE_TABLE_8_1, about, drawn, one_of, times
-from references.parts import DRIVES, threads_drive
+from references.parts import DRIVES as KINDS
+from references.parts import threads_drive
 
 from lsvib import Drive
 from lsvib.contact.contact_force import contact_forces
@@ -21,7 +22,6 @@ from lsvib.stability.boundaries import stable_set
 from lsvib.stability.conditions import stability
 from lsvib.stability.curves import ChartBoundary, boundary_curves
 
-KINDS = DRIVES
 MODELS = tuple(KINDS)
 LEAD, RADIUS = math.radians(5.57), 5.18e-3
 SEAT = PAIRINGS["powered_seat"].parameters()  # a measured law of a seat adjuster
