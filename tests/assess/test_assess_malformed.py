@@ -1,14 +1,19 @@
-"""Malformed data sheets: one sentence that names the entry, exit code 2, and nothing written."""
+"""Malformed data sheets: one sentence that names the entry, exit code 2, and nothing written.
+
+Quantities and threads as people write them: read, or refused with what to write instead.
+"""
 
 import copy
-import warnings
+import math
+from pathlib import Path
 
 import pytest
 import yaml
+from references.command_line import refused
 
 from lsvib.assess.fields import NotQuantity, quantity
-from lsvib.cli.app import run
-from lsvib.cli.pages import app
+from lsvib.assess.sheet import Load
+from lsvib.assess.threads import thread_size
 
 BASE = {
     "name": "a drive",
@@ -86,58 +91,39 @@ def changed(place: str, value: object) -> dict:
     return sheet
 
 
-@pytest.fixture
-def refused(tmp_path, monkeypatch, capsys):
-    """Assess a sheet, which must end with exit code 2 and write nothing; the one sentence that is said."""
-    monkeypatch.setattr(warnings, "showwarning", warnings.showwarning)  # which the command replaces
-
-    def call(text: str, *options: str) -> str:
-        file = tmp_path / "drive.yaml"
-        file.write_text(text, encoding="utf-8")
-        before = sorted(tmp_path.rglob("*"))
-        tokens = ["assess", str(file), "--out", str(tmp_path / "report"), *options]
-        with pytest.raises(SystemExit) as end:
-            run(lambda: app(tokens, exit_on_error=False, print_error=False))
-        error = capsys.readouterr().err
-        assert end.value.code == 2
-        assert error.startswith("lsvib: ")
-        assert error.endswith(".\n")
-        assert error.count("\n") == 1
-        assert sorted(tmp_path.rglob("*")) == before
-        return error
-
-    return call
+def refused_sheet(run, text: str, *options: str) -> str:
+    """Assess a sheet, which must be refused; the one sentence that is said."""
+    Path("drive.yaml").write_text(text, encoding="utf-8")
+    return refused(run, "assess", "drive.yaml", "--out", "report", *options)
 
 
 @pytest.mark.parametrize(("place", "value", "words"), CASES)
-def test_a_malformed_entry_is_refused_in_one_sentence(place, value, words, refused):
-    assert words in refused(yaml.safe_dump(changed(place, value)))
+def test_a_malformed_entry_is_refused_in_one_sentence(run, place, value, words):
+    assert words in refused_sheet(run, yaml.safe_dump(changed(place, value)))
 
 
-def test_friction_that_jams_every_thread_is_refused(refused):
+def test_friction_that_jams_every_thread_is_refused(run):
     """μ ≥ cot λ: no torque turns the screw."""
     sheet = changed("friction.coefficient", 2.0) | {"thread": {"lead_angle": "40 deg", "pitch_diameter": "9 mm"}}
-    assert "jam" in refused(yaml.safe_dump(sheet))
+    assert "jam" in refused_sheet(run, yaml.safe_dump(sheet))
 
 
 @pytest.mark.parametrize(
     ("text", "words"), [("", "names and values"), ("a: [1\n", "YAML"), ("a: 1\na: 2\n", "given twice")]
 )
-def test_a_file_that_is_no_sheet_is_refused(text, words, refused):
-    assert words in refused(text)
+def test_a_file_that_is_no_sheet_is_refused(run, text, words):
+    assert words in refused_sheet(run, text)
 
 
 @pytest.mark.parametrize(("option", "words"), [(("--samples", "100"), "power of two"), (("--seed", "-1"), "seed")])
-def test_a_bad_option_is_refused(option, words, refused):
-    assert words in refused(yaml.safe_dump(BASE), *option)
+def test_a_bad_option_is_refused(run, option, words):
+    assert words in refused_sheet(run, yaml.safe_dump(BASE), *option)
 
 
-def test_a_file_that_is_not_ours_is_not_replaced(refused, tmp_path):
+def test_a_file_that_is_not_ours_is_not_replaced(run, tmp_path):
     (tmp_path / "report").mkdir()
-    letter = tmp_path / "report" / "assessment.json"
-    letter.write_text("a letter", encoding="utf-8")
-    assert "remove it first" in refused(yaml.safe_dump(BASE))
-    assert letter.read_text(encoding="utf-8") == "a letter"
+    (tmp_path / "report" / "assessment.json").write_text("a letter", encoding="utf-8")
+    assert "remove it first" in refused_sheet(run, yaml.safe_dump(BASE))
 
 
 @pytest.mark.parametrize(("text", "expected"), [("99.9 %", 0.999), ("9.99e1 %", 0.999), ("35. %", 0.35)])
@@ -146,13 +132,58 @@ def test_a_percentage_is_the_nearest_double(text, expected):
     assert quantity(text, "") == (expected, "")
 
 
-@pytest.mark.parametrize("text", ["2 kg*m^2", "2 kg*m**2", "2 kg*m^(2)", "2000 g*m^2", "2 kg/m^-2"])
-def test_a_unit_may_have_powers(text):
-    assert quantity(text, "kg m^2") == (pytest.approx(2), "kg m^2")
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("10 mm / s", "m/s", 0.01),
+        ("1e-6 kg * m^2", "kg m^2", 1e-6),
+        ("5 N/mm2", "Pa", 5e6),
+        ("7850 kg/m3", "kg/m^3", 7850.0),
+        ("1/2 inch", "m", 0.0127),
+        ("2 tpi", "m", 0.0127),
+        ("14TPI", "m", 0.0254 / 14),
+        ("−5 N", "N", -5.0),
+        ("1e3 N*s/m", "N s/m", 1e3),
+        ("2e2 mm^2/mm", "m", 0.2),
+        *((f"2{text}", "kg m^2", 2.0) for text in (" kg*m^2", " kg*m**2", " kg*m^(2)", "000 g*m^2", " kg/m^-2")),
+    ],
+)
+def test_a_quantity_is_read(text, unit, value):
+    assert quantity(text, unit)[0] == pytest.approx(value, rel=1e-12)
 
 
-@pytest.mark.parametrize(("text", "unit"), [("30 N*m*deg", "N m/rad"), ("1 deg*deg/s", "rad/s"), ("1 deg^2", "rad")])
-def test_a_power_of_an_angle_is_not_the_angle(text, unit):
-    """Pint counts no radian, so that N m deg would pass for 0.017 N m/rad."""
-    with pytest.raises(NotQuantity):
+@pytest.mark.parametrize(
+    ("text", "unit", "words"),
+    [
+        ("0,15", "", "a comma where 0.15 has a point"),
+        ("5,5 kg", "kg", "a comma where 5.5 kg has a point"),
+        ("1_0 N", "N", "not known"),
+        ("٣ N", "N", "is not a force"),
+        ("1 m2", "m", "is not a length"),
+        ("1/0 inch", "m", "not known"),
+        ("0 tpi", "m", "not known"),
+        ("2 tpi", "N", "is not a force"),
+        # Pint counts no radian, so that N m deg would pass for 0.017 N m/rad.
+        ("30 N*m*deg", "N m/rad", "is not"),
+        ("1 deg*deg/s", "rad/s", "is not"),
+        ("1 deg^2", "rad", "is not"),
+    ],
+)
+def test_what_is_no_quantity_is_refused(text, unit, words):
+    with pytest.raises(NotQuantity, match=words):
         quantity(text, unit)
+
+
+def test_the_orientation_may_begin_with_a_capital():
+    load = Load.model_validate({"mass": "1 kg", "orientation": "Vertical"})
+    assert load.orientation.nominal == pytest.approx(math.pi / 2)
+
+
+def test_threads_of_catalogues_are_known():
+    assert thread_size("M20") == thread_size("M20x2.5")
+    assert thread_size("Tr 12x4").pitch_diameter == pytest.approx(10e-3)
+    assert thread_size("Tr 100x12").root_diameter == pytest.approx(87e-3)  # ISO 2904: d_3
+    with pytest.raises(NotQuantity, match="written with its pitch, such as Tr 8x8 P2"):
+        thread_size("Tr 8x8")
+    with pytest.raises(NotQuantity, match="diameters go from Tr 8 to Tr 300"):
+        thread_size("Tr 400x8")

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from references import sliding_friction
-from references.chapter_sheet import sheet, values_of
+from references.chapter_sheet import LAW, sheet, values_of
 
 from lsvib.assess import drive as sheets
 from lsvib.assess.assessment import assess
@@ -255,11 +255,13 @@ def test_derivatives_are_those_of_the_closed_forms():
     assert found["kinematic_constraint"]["inertia"] == pytest.approx(
         2 * inertia * turned / (inertia + turned) ** 2, rel=1e-12
     )
-    supported = random_sheet(7, support=True)
-    for one in (given, supported):
+    supported, quantities = random_sheet(7, support=True), ["mass", "friction", "lead", "pitch_diameter"]
+    law = sheet(friction=LAW, operation={"speed": "10 rad/s"}, load={"mass": "1 kg", "force": "-60 N"})
+    of_law = ["friction", "stribeck_rise", "stribeck_speed", "friction_slope"]
+    for one, names in ((given, quantities), (supported, quantities), (law, of_law)):
         base = values_of(one)
         table = sensitivities(one, base)
-        for quantity in ("mass", "friction", "lead", "pitch_diameter", "rotational_damping"):
+        for quantity in (*names, "rotational_damping"):
             step = 1e-6
             ends = [worst(one, {**base, quantity: base[quantity] * (1 + sign * step)}) for sign in (1, -1)]
             for name, row in table.items():

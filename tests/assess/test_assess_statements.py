@@ -14,7 +14,7 @@ from lsvib.assess.output import as_json
 from lsvib.assess.vibration import tolerated_by_trial, tolerated_perturbation
 from lsvib.assess.words import ATTRACTORS
 from lsvib.dynamics.attractor import Attractor, steady_state
-from lsvib.models.model import model_of
+from lsvib.models.model import automaton_of, model_of
 from lsvib.models.rigid import rigid_automaton
 from lsvib.stability.conditions import conditions
 
@@ -139,11 +139,10 @@ def test_what_compliant_threads_tolerate_is_decided_by_their_own_motions(stiffne
     assert size == pytest.approx(share * stiff, rel=0.01 if share == 1 else 0.05)
     assert "perfectly stiff" in sentence
     drive = drive_of(given, values, *corner, ("threads",))
-    model = model_of(drive)
-    automaton = model.build(drive, ("support_damping", "axial_force", "contact_damping"), "contact_sign")
+    automaton = automaton_of(drive)
 
     def ends(part: float) -> set:
-        starts = [model.initial_state(drive, {"u": 0.0, "w": sign * part * size}) for sign in (1, -1)]
+        starts = [model_of(drive).initial_state(drive, {"u": 0.0, "w": sign * part * size}) for sign in (1, -1)]
         return {steady_state(automaton, start).label for start in starts}
 
     assert ends(0.99) == {Attractor.STEADY_SLIDING}

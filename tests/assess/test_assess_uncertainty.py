@@ -22,8 +22,6 @@ KINEMATIC = {
     "load": {"mass": {"low": "6 kg", "mode": "9 kg", "high": "16 kg"}, "force": "-50 N"},
     "friction": {"coefficient": {"mean": 0.218, "std": 0.015}},
 }
-
-
 FED = {
     "load": {"mass": "1 kg", "force": ["-40 N", "10 N"]},
     "damping": {

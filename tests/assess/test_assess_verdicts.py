@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 import yaml
+from references.chapter_sheet import values_of
 from references.random_sheets import random_sheet
 
 from lsvib.assess.assessment import assess
-from lsvib.assess.drive import nominal_draw, quantities
 from lsvib.assess.mechanisms import directions, reserves, worst
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.summary import brief, rows
@@ -65,7 +65,7 @@ def test_a_fall_of_friction_between_two_speeds_is_seen():
     found = assess(given, samples=64)
     assert found.verdict == "vibrates"
     one = found.mechanisms["falling_friction"]
-    values = quantities(given, nominal_draw(given))
+    values = values_of(given)
     assert one.reserve == pytest.approx(lowest_of_dense(given, values, "falling_friction"), abs=1e-5)
     assert 3.8 < one.corner[1] * 30 / np.pi < 26
 
@@ -78,12 +78,12 @@ def windows(seed, indices):
             given = Sheet.of(random_sheet(seed, index))
         except InputError:
             continue
-        values = {key: float(value) for key, value in quantities(given, nominal_draw(given)).items()}
+        values = values_of(given)
         if values["speed_low"] == values["speed_high"]:
             low, high = 0.02 * values["speed_low"], 50 * values["speed_high"]
             speed = [f"{low!r} rad/s", f"{high!r} rad/s"]
             given = Sheet.of({**random_sheet(seed, index), "operation": {"speed": speed}})
-            values = {key: float(value) for key, value in quantities(given, nominal_draw(given)).items()}
+            values = values_of(given)
         found = worst(given, values)
         own = {name: one.reserve[0] for name, one in found.items() if name != "after_perturbation"}
         if not np.isnan(list(own.values())).any() and min(own.values()) >= 0:
@@ -132,8 +132,7 @@ def test_a_lead_beside_a_nominal_diameter_needs_its_starts():
     thread = {"lead": "8 mm", "nominal_diameter": "8 mm"}
     with pytest.raises(InputError, match=r"needs thread.pitch, or thread.starts beside thread.lead"):
         sheet(LIFT, thread=thread)
-    values = quantities(given := sheet(LIFT, thread={**thread, "starts": 4}), nominal_draw(given))
-    assert values["pitch_diameter"] == pytest.approx(7e-3)
+    assert values_of(sheet(LIFT, thread={**thread, "starts": 4}))["pitch_diameter"] == pytest.approx(7e-3)
 
 
 def test_vibration_that_starts_from_rest_alone_is_seen():

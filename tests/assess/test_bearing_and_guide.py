@@ -3,12 +3,9 @@
 import math
 
 import pytest
-
-pytest.importorskip("pint")
-pytest.importorskip("scipy")
+from references.chapter_sheet import values_of
 
 from lsvib.assess.assessment import assess
-from lsvib.assess.drive import nominal_draw, quantities
 from lsvib.assess.mechanisms import corners, drive_of, reserves
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.statics import lets_go, statics
@@ -108,7 +105,7 @@ DRIVE = {
 def test_the_drive_that_is_followed_has_them_and_reserves_agree_with_its_eigenvalues():
     sheet = Sheet.of(DRIVE)
     for mass in (5.0, 20.0, 60.0, 300.0):
-        values = {**quantities(sheet, nominal_draw(sheet)), "mass": mass}
+        values = {**values_of(sheet), "mass": mass}
         for corner in corners(sheet, values):
             drive = drive_of(sheet, values, *corner)
             assert (drive.bearing_friction, drive.slide_friction) == (0.01, 30.0)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from references.parts import DRIVES
 
 from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapping import mapper
@@ -46,16 +47,6 @@ def test_labels_and_times_against_the_engine(mappers, damping):
             assert gap.max(axis=1).min() <= 1.001e-9
 
 
-@pytest.mark.parametrize("force", [25.0, 40.0])
-def test_labels_under_negative_damping(mappers, force):
-    """Slip without rest, and stick-slip."""
-    mapped = mappers(Drive.of(mass=1.0, translation_damping=1e3, axial_force=force))
-    grid = Grid(Axis("u", -0.1, 0.1, 11), Axis("w", -60, 60, 9))
-    found = mapped.cells(grid, quantities=("label",))["label"]
-    for (i, j), label in np.ndenumerate(found):
-        assert steady_state(mapped.automaton, (grid.x.centres()[j], grid.y.centres()[i])).label == label
-
-
 def test_time_to_steady_sliding(mappers):
     """In the mode of steady sliding |w + α u|² + β² u² falls as e^{−2αt}; the ellipse touches Q = 0."""
     mapped = mappers(PARADOX)
@@ -96,3 +87,18 @@ def test_symmetry(mappers):
         assert np.array_equal(one[name], other[name][::-1, ::-1])
     np.testing.assert_allclose(one["time"], other["time"][::-1, ::-1], rtol=1e-12)  # sums of a few rounded stays
     assert len(np.unique(one["label"])) == 2
+
+
+@pytest.mark.parametrize("model", ["threads", "support", "nut"])
+def test_labels_of_planar_slices_against_the_return_map(model):
+    mapped = mapper(DRIVES[model](PARADOX), model)
+    grid = Grid(Axis("u", -0.05, 0.05, 6), Axis("w", -15, 15, 5))
+    found = mapped.cells(grid, quantities=("label", "time", "seizures", "first_event"))
+    for (i, j), label in np.ndenumerate(found["label"]):
+        state = mapped.definition.initial_state(mapped.drive, {"u": grid.x.centres()[j], "w": grid.y.centres()[i]})
+        assert steady_state(mapped.automaton, state).label == label
+    assert Attractor.UNRESOLVED not in found["label"]
+    assert np.isfinite(found["time"]).all()
+    again = mapped.cells(grid, slice(2, 5), slice(1, 4), quantities=("label", "time"), workers=2)
+    assert again["time"].tobytes() == found["time"][2:5, 1:4].tobytes()
+    assert again["label"].tobytes() == found["label"][2:5, 1:4].tobytes()

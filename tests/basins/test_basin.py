@@ -176,32 +176,6 @@ def test_repelling_cycle_of_seizures_against_forty_digits():
         assert abs(mpf(found.area(WINDOW)) / expected - 1) < mpf("1e-13")
 
 
-def test_area_is_that_of_a_grid_to_first_order():
-    """Counting centres errs by half of each cell that the boundary cuts, at most.
-
-    A straight line leaves more than half of a cell on the side of its centre. A curve goes from cell to cell across one
-    edge at a time, so it cuts as many cells as it crosses lines of the grid.
-    """
-    found = basin(drive_of("repelling cycle of slip"))
-    line = found.line(WINDOW)
-    low, high = line.min(axis=0), line.max(axis=0)
-    window = Window(low[0], high[0], low[1], high[1])
-    automaton = rigid_automaton(drive_of("repelling cycle of slip"))
-    exact = found.area() / window.area
-    assert 0.5 < exact < 0.9
-    for n in (24, 48):
-        cell = np.clip((line - low) / (high - low) * n, 0, n - 1e-9).astype(int)
-        cut = np.abs(np.diff(cell, axis=0)).sum()
-        assert cut < 4.5 * n  # it turns once, from side to side and back
-        centres = (np.arange(n) + 0.5) / n
-        settled = sum(
-            steady_state(automaton, low + (high - low) * [a, b]).label == Attractor.STEADY_SLIDING
-            for a in centres
-            for b in centres
-        )
-        assert abs(settled - exact * n**2) <= 0.5 * cut
-
-
 def test_area_in_a_window_is_the_sum_over_its_parts():
     """Random windows cut in two at random, upright or across: clipping loses and doubles nothing."""
     generator = np.random.default_rng(4)

@@ -101,18 +101,3 @@ def test_a_sweep_is_its_points():
     refused = lsvib.Drive(mass=1, axial_force=10).resilience_sweep(translation_damping=[1e5])
     assert np.isnan(refused.fatal_energy).all()
     assert len(json.loads(refused.attrs["refused"])) == 1
-
-
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        ({"window": {"u": (1, 0), "w": (0, 1)}}, "window u = 1 to 0 is outside the allowed range"),
-        ({"window": {"u": (0, 1)}}, "window = {'u': (0, 1)} does not give the ends of u and of w."),
-        ({"window": {"u": ("a", 1), "w": (0, 1)}}, "window u = "),
-    ],
-)
-def test_refused_in_one_sentence(arguments, sentence):
-    with pytest.raises(lsvib.InputError) as refused:
-        DRIVES["cycle"].resilience(**arguments)
-    assert str(refused.value).startswith(sentence)
-    assert str(refused.value).endswith(".")

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from benchmarks import cost_of_certainty, friction_law
 from benchmarks.figures.work_precision import SCENES
 from benchmarks.record import Record, Verdict, errors
 from benchmarks.rivals import method_list
@@ -148,3 +149,21 @@ def test_a_dip_below_a_guard_is_missed_by_a_general_solver_and_not_by_taylor_ser
         assert ask(dip, "exact", 1e-12).verdict is Verdict.RIGHT
         pytest.importorskip("heyoka", reason="heyoka is not installed; the extra accuracy has it")
         assert ask(dip, "heyoka", 1e-12).verdict is Verdict.RIGHT
+
+
+@pytest.mark.slow
+def test_certainty_costs_less_than_twice_a_plain_search():
+    """The price of the certain search beside the cheapest possible one, which finds the same roots."""
+    certain, plain = cost_of_certainty.compared()
+    assert certain < 2 * plain
+
+
+@pytest.mark.slow
+def test_every_method_has_the_period_under_a_friction_law():
+    pytest.importorskip("heyoka", reason="heyoka is not installed; the extra accuracy has it")
+    pytest.importorskip("sksundae", reason="scikit-sundae is not installed; the extra accuracy has it")
+    errors = {name: error for name, (error, _) in friction_law.compared(repeats=1).items()}
+    limits = {"lsvib": 1e-15, "heyoka 1e-08": 1e-9, "heyoka 1e-12": 1e-12, "heyoka 2e-16": 1e-13, "CVODE 1e-08": 1e-6,
+              "CVODE 1e-12": 1e-10}  # fmt: skip
+    assert all(error <= limits.pop(name) for name, error in errors.items())
+    assert not limits

@@ -1,14 +1,24 @@
-"""The sweeps to the edge of the domain: their judge, and faults that they once found."""
+"""The sweeps to the edge of the domain: their judge, faults that they once found, and random drives of every model.
+
+A motion is right if it has the events of the reference with 40 digits, its final state and event times to 1e-9, and an
+energy that balances; or if digits that the input does not have decide (:mod:`benchmarks.sweeps.case_judge`).
+"""
+
+import math
 
 import numpy as np
 import pytest
 from references.parts import threads_drive
+from references.wide_drives import MODELS, wide_drive
 
 from benchmarks.record import Record, Verdict
 from benchmarks.sweeps import case_judge
 from benchmarks.sweeps.case_judge import judge
 from benchmarks.sweeps.cases import cases
 from benchmarks.sweeps.families import Case, CaseFamily
+from benchmarks.sweeps.paths import automaton, fields
+from lsvib.engine.motion import follow
+from lsvib.errors import EngineError, InputError
 from lsvib.models.drive import Drive
 
 EXACT = 1e-12  # of the size of the motion, as the project demands of a rigid drive
@@ -105,3 +115,42 @@ def test_what_digits_beyond_the_input_decide_is_no_fault(monkeypatch):
     outcome = judge(STICKS, np.random.default_rng(0))
     assert outcome.verdict is Verdict.BEYOND_INPUT
     assert outcome.sensitivity > 1e-7
+
+
+DRIVES = {"rigid": 60, "threads": 20, "support": 12, "nut": 12}
+EVENTS = 8
+TURNS = 100
+GOOD = {Verdict.RIGHT, Verdict.CORNER, Verdict.BEYOND_INPUT}
+
+
+def case_of(model: str, index: int) -> Case | None:
+    """The motion of a random drive up to its eighth event; None if it has none, or is refused.
+
+    It lasts for a few turns of the fastest oscillation, which bounds the work of the reference.
+    """
+    wide = wide_drive(model, 32, index, 1)
+    start = tuple(map(float, wide.starts[0]))
+    found = Case(CaseFamily.RANDOM, 0.0, wide.drive, start, math.inf, wide.physics)
+    try:
+        engine = automaton(found)
+    except (InputError, EngineError):  # a quarter of such threads have rates that doubles do not tell apart
+        return None
+    rates = np.concatenate([np.linalg.eigvals(field[:, :-1]) for field in fields(engine)])
+    motion = follow(engine, start, TURNS * math.tau / max(np.abs(rates).max(), 1e-9), max_events=EVENTS)
+    end = motion.end_time if motion.time.size < EVENTS else motion.time[-2:].mean()
+    return found._replace(duration=float(end)) if motion.time.size else None
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_motions_of_random_drives(model):
+    """Over many decades of their parameters."""
+    outcomes = {}
+    for index in range(DRIVES[model]):
+        motion = case_of(model, index)
+        if motion is not None:
+            outcomes[index] = judge(motion, np.random.default_rng(index))
+    wrong = {index: found for index, found in outcomes.items() if found.verdict not in GOOD}
+    assert not wrong
+    right = sum(found.verdict is Verdict.RIGHT for found in outcomes.values())
+    assert right >= 0.9 * len(outcomes)
+    assert sum(found.events for found in outcomes.values()) >= DRIVES[model]

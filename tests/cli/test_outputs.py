@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 from references.command_line import MOTION
 
-import lsvib
 from lsvib.errors import LsvibError
 from lsvib.figures.configuration import DEFAULT, check
 from lsvib.files import Outputs, target_of, uninterrupted
@@ -150,11 +149,3 @@ def test_a_full_or_closed_standard_output_ends_in_one_sentence():
 def test_the_settings_of_the_package_are_those_of_the_repository():
     assert DEFAULT.read_bytes() == (ROOT / "config" / "config.yaml").read_bytes()
     check(SETTINGS)
-
-
-def test_drives_and_dictionaries_are_accepted_alike():
-    values, start = {"mass": 11.0, "axial_force": -10.0}, {"start": {"u": 0.1, "w": 0.0}, "duration": 0.1}
-    drive = lsvib.Drive(**values)
-    expected = lsvib.simulate({"drive": values, **start})
-    for motion in (drive.simulate(**start), lsvib.simulate({"drive": drive, **start})):
-        assert motion.identical(expected)

@@ -21,8 +21,6 @@ AUTOMATA = {
     for damping in (0.0, 5e3, 5e4)  # elastic, underdamped, overdamped
     for paradox in Paradox
 }
-
-
 NUMBERS = st.floats(-3e5, 3e5, allow_subnormal=False)  # products of subnormal ones are zero
 
 

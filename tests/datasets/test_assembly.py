@@ -8,7 +8,6 @@ import lsvib
 from lsvib.basins.grid import Grid
 from lsvib.datasets.io import read_dataset, write_dataset
 from lsvib.datasets.map import gather_map, map_tile, rows_of
-from lsvib.errors import InputError
 from lsvib.figures.build import overview
 
 ROWS, COLUMNS = 37, 58
@@ -80,17 +79,3 @@ def test_the_axes_do_not_depend_on_the_order_in_which_they_are_written():
     slice_of_threads = Grid.of({"e": 0.0, "w": SPAN, "u": 0.5, "v": SPAN})
     assert (slice_of_threads.x.coordinate, slice_of_threads.y.coordinate) == ("w", "v")
     assert slice_of_threads.fixed == {"e": 0.0, "u": 0.5}
-
-
-@pytest.mark.parametrize(
-    ("grid", "words"),
-    [
-        ({"u": SPAN, "x": SPAN}, "coordinate 'x', which is not one of u, w"),
-        ({"u": SPAN, "w": 1.0}, "spans 1 coordinates"),
-        ({"u": SPAN, "w": {"start": 0.0, "stop": 1.0}}, "axis w has the keys start, stop; it needs"),
-        ({"u": SPAN, "w": {**SPAN, "stop": -2.0}}, "it needs start < stop"),
-    ],
-)
-def test_a_grid_that_is_not_acceptable_is_refused(grid, words):
-    with pytest.raises(InputError, match=words):
-        Grid.of(grid)

@@ -10,7 +10,7 @@ import xarray as xr
 from references.parts import threads_drive
 
 import lsvib
-from lsvib.datasets.chart import ChartAxis, Plane, write_chart
+from lsvib.datasets.chart import Plane, write_chart
 from lsvib.datasets.io import write_dataset
 from lsvib.dynamics.behaviour import Behaviour
 from lsvib.errors import NoThreshold
@@ -67,15 +67,16 @@ def expected(drive) -> Behaviour | None:
     return Behaviour.STICK_SLIP_WITH_CONTACT_REVERSAL if R < way * detach else Behaviour.STICK_SLIP
 
 
-def cell_by_cell(drive, names, columns, rows) -> np.ndarray:
-    """What the thresholds say at every place of a grid (rows, columns); −9 where they do not cover it."""
-    found = [[expected(drive.replace(**dict(zip(names, (a, b), strict=True)))) for a in columns] for b in rows]
-    return np.array([[-9 if one is None else int(one) for one in row] for row in found])
+def looked_at(plane: Plane, said) -> tuple[np.ndarray, np.ndarray]:
+    """What a function of both parameters says in the middle of each cell, and whether that is what its corners say."""
 
+    def at(columns, rows) -> np.ndarray:
+        return np.array([[said(a, b) for a in columns.tolist()] for b in rows.tolist()])
 
-def edges(axis: ChartAxis) -> np.ndarray:
-    """The edges of the cells of an axis."""
-    return axis.middles(np.arange(axis.count + 1) - 0.5)
+    middles = at(plane.x.centres(), plane.y.centres())
+    nodes = at(*(axis.middles(np.arange(axis.count + 1) - 0.5) for axis in (plane.x, plane.y)))
+    corners = np.stack([nodes[:-1, :-1], nodes[1:, :-1], nodes[:-1, 1:], nodes[1:, 1:]])
+    return middles, (corners == middles).all(axis=0)
 
 
 @pytest.mark.parametrize("name", PAIRS)
@@ -84,21 +85,16 @@ def test_labels_agree_with_the_exact_curves(name):
     x, y, changes = PAIRS[name]
     count = 12 if name == "mass and friction" else 16
     plane = Plane.of(lsvib.Drive(**changes), (*x, count), (*y, count))
-    labels, names = plane.labels(workers=2), (plane.x.name, plane.y.name)
-    nodes, middles = (
-        cell_by_cell(plane.drive, names, *(places.tolist() for places in axes))
-        for axes in ((edges(plane.x), edges(plane.y)), (plane.x.centres(), plane.y.centres()))
-    )
-    whole = uncut(nodes, middles) & (middles != -9)
+
+    def said(a: float, b: float) -> int:
+        found = expected(plane.drive.replace(**{plane.x.name: a, plane.y.name: b}))
+        return -9 if found is None else int(found)
+
+    labels, (middles, whole) = plane.labels(workers=2), looked_at(plane, said)
+    whole &= middles != -9
     np.testing.assert_array_equal(labels[whole], middles[whole])
     assert whole.sum() > 2 * (~whole).sum()
     assert len(set(labels[whole].tolist())) >= 2
-
-
-def uncut(nodes: np.ndarray, middles: np.ndarray) -> np.ndarray:
-    """Cells whose four corners and middle are alike."""
-    corners = np.stack([nodes[:-1, :-1], nodes[1:, :-1], nodes[:-1, 1:], nodes[1:, 1:]])
-    return (corners == middles).all(axis=0)
 
 
 def test_contact_chart_agrees_with_flutter():
@@ -109,12 +105,8 @@ def test_contact_chart_agrees_with_flutter():
     names = "contact_stiffness", "contact_damping"
     plane = Plane.of(threads_drive(mass=9), (names[0], 1e5, 1e9, 6), (names[1], 3e3, 1e9, 6))
     labels, flutter = plane.labels(), _function(plane.drive, ChartBoundary.FLUTTER, names)  # zero on the curve
-    nodes, stable = (
-        np.array([[flutter(k, c) > 0 for k in columns.tolist()] for c in rows.tolist()])
-        for columns, rows in ((edges(plane.x), edges(plane.y)), (plane.x.centres(), plane.y.centres()))
-    )
-    resolved = labels != Behaviour.UNRESOLVED  # else one of the two motions is chaotic or too slow
-    whole = uncut(nodes, stable) & resolved
+    stable, whole = looked_at(plane, lambda k, c: flutter(k, c) > 0)
+    whole &= labels != Behaviour.UNRESOLVED  # one of the two motions is chaotic or too slow
     comes_back = np.isin(labels, [Behaviour.NO_VIBRATION, Behaviour.COEXISTENCE, Behaviour.VIBRATION_FROM_REST])
     np.testing.assert_array_equal(comes_back[whole], stable[whole])
     assert set(stable[whole].tolist()) == {True, False}
@@ -167,3 +159,21 @@ def test_the_chart_of_the_workflow_is_the_chart(tmp_path):
         assert set(whole.variables) == set(written.variables)
         for name in whole.variables:
             np.testing.assert_array_equal(written[name], whole[name])
+
+
+def test_flutter_is_traced_through_the_force_at_which_no_law_holds():
+    """Nodes on R = 0 were a refusal. There the law changes, and with it the stability of drives beyond a mass."""
+    drive = threads_drive(contact_damping=5e4)
+    critical = drive.threshold("onset", "mass").value
+    found = boundary_curves(drive, ("mass", (5.0, 15.0)), ("axial_force", (-60.0, 60.0)))
+    (line,) = found[ChartBoundary.FLUTTER]
+    on_zero = np.abs(line[:, 1]) < 1e-9
+    assert on_zero.sum() > 10
+    assert (line[on_zero, 0] > critical * (1 - 1e-12)).all()
+    np.testing.assert_allclose(line[~on_zero, 0], critical, rtol=1e-11)
+    assert line[~on_zero, 1].max() == 60.0
+
+
+def test_without_any_force_there_is_no_curve_of_flutter():
+    drive = threads_drive(contact_damping=5e4, axial_force=0.0)
+    assert not boundary_curves(drive, ("mass", (5.0, 15.0)), ("contact_stiffness", (1e6, 1e9)))

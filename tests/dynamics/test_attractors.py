@@ -14,7 +14,6 @@ from lsvib.dynamics.attractor import Attractor, orbit_extremes, steady_state
 from lsvib.dynamics.energy import observable_integrals
 from lsvib.dynamics.kernels import attractor as rule
 from lsvib.engine.kernels import flow_planar, layout
-from lsvib.engine.motion import follow
 from lsvib.models.drive import Drive
 from lsvib.models.names import Event
 from lsvib.models.rigid import rigid_automaton
@@ -76,17 +75,6 @@ def test_sprag_slip_of_both_kinds():
     assert Event.RELEASE in resting.orbit.kind
 
 
-def test_the_multiplier_is_the_rate_of_convergence():
-    """Successive returns of a motion near the sprag–slip cycle approach it by the multiplier at every turn."""
-    cycle = attractor(PARADOX, (0.1, 0.0))
-    motion = follow(rigid_automaton(PARADOX), cycle.state * (1 + 1e-4), 0.2)
-    key = (cycle.orbit.kind[-1], cycle.orbit.mode[-1])
-    points = motion.after[(motion.kind == key[0]) & (motion.mode == key[1])][:, 0]
-    assert len(points) >= 4
-    gaps = points[:3] - cycle.state[0]
-    np.testing.assert_allclose(gaps[1:] / gaps[:-1], cycle.multiplier, rtol=1e-3)  # the map is curved: 1e-4 · a few
-
-
 @pytest.mark.parametrize(
     "drive", [Drive(), NEGATIVE_DAMPING.replace(axial_force=18.0), PARADOX.replace(axial_force=-50.0)]
 )
@@ -116,17 +104,13 @@ def test_undamped_slip_is_one_of_a_neutral_family():
     assert found.amplitude == pytest.approx(math.hypot(0.01, 5.0 / row[layout.BETA]), rel=1e-14)
 
 
-@pytest.mark.parametrize(("mass", "translation_damping"), [(8.0, 3000.0), (10.0, 1000.0)])
-def test_unbounded(mass, translation_damping):
-    """Without rest, slip grows for ever where law + feeds in more than law − takes out (Γ₊ small, C₊ negative)."""
-    drive = Drive.of(mass=mass, translation_damping=translation_damping, axial_force=1000.0)
-    assert attractor(drive, rest=False).label == Attractor.UNBOUNDED
+@pytest.mark.parametrize(("mass", "damping", "force"), [(8, 3e3, 1e3), (10, 1e3, 1e3), (5, 1e4, 5e3), (10, 3e3, 5e3)])
+def test_unbounded(mass, damping, force):
+    """Without rest, slip grows for ever where law + feeds in more than law − takes out (Γ₊ small, C₊ negative).
 
-
-@pytest.mark.parametrize(("mass", "translation_damping"), [(5.0, 10_000.0), (10.0, 3000.0)])
-def test_unbounded_without_an_event(mass, translation_damping):
-    """C₊ < −2 √(k Γ₊): an unstable node, which is left for ever without meeting Q = 0 again."""
-    drive = Drive.of(mass=mass, translation_damping=translation_damping, axial_force=5000.0)
+    In the last two C₊ < −2 √(k Γ₊): an unstable node, which is left for ever without meeting Q = 0 again.
+    """
+    drive = Drive.of(mass=mass, translation_damping=damping, axial_force=force)
     assert attractor(drive, rest=False).label == Attractor.UNBOUNDED
 
 

@@ -74,6 +74,8 @@ def test_endings_are_those_of_one_motion():
     [
         {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0},
         {"mass": 9.9, "translation_damping": 1e3, "axial_force": 10.0},
+        {"mass": 1.0, "translation_damping": 1e3, "axial_force": 25.0},
+        {"mass": 1.0, "translation_damping": 1e3, "axial_force": 40.0},
         {"mass": 14.0, "support_damping": 5e-4, "axial_force": 40.0},
         {"mass": 11.0, "support_damping": 2e-3, "axial_force": -18.37},
     ],
@@ -83,7 +85,7 @@ def test_the_fast_map_and_the_rule_agree(values):
     drive, grid = Drive(**values), Grid(Axis("u", -0.12, 0.12, 100), Axis("w", -90, 70, 100))
     found = mapper(drive).cells(grid, quantities=("label",))["label"].ravel()
     w, u = (part.ravel() for part in np.meshgrid(grid.y.centres(), grid.x.centres(), indexing="ij"))
-    many = ManyDrives({name: np.full(u.size, value) for name, value in drive if name != "model"})
+    many = ManyDrives({name: np.full(u.size, value) for name, value in drive})
     ends = all_endings(many, np.stack([u, w], axis=1)).attractor
     resolved = (found != Attractor.UNRESOLVED) & (ends != Attractor.UNRESOLVED)
     assert resolved.mean() > 0.999

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from dynamics.test_attractors import liouville
 from mpmath import mp, mpf
 from references import rigid_digits
 from references.draws import drawn, one_of, power, times, uniform
@@ -15,7 +16,6 @@ import lsvib
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.dynamics.continuation import other_sections
 from lsvib.dynamics.cycles import cycle_of, cycle_on, search, starts
-from lsvib.engine.kernels import layout
 from lsvib.errors import EngineError
 from lsvib.models.mechanism import seated_state
 
@@ -82,8 +82,7 @@ def test_multipliers_of_cycles_of_seizures_are_those_of_40_digits(force):
 def test_multiplier_of_slip_is_that_of_liouville(drive):
     """Where no rest and no seizure is, the multiplier is exp(−Σ a₁ τ): areas on both sides of Q = 0 join smoothly."""
     (cycle,) = [cycle for cycle in drive.cycles().cycles if cycle.label == Attractor.OTHER_CYCLE]
-    modes, _, _, durations = cycle.orbit.arcs()
-    expected = math.exp(-float(np.sum(cycle.orbit.automaton.tables.flow[modes, layout.A1] * durations)))
+    expected = liouville(cycle)
     assert cycle.multipliers[0].real == pytest.approx(expected, rel=1e-12)
     assert abs(cycle.multipliers[0].real - expected) <= 2 * cycle.multiplier_error
 
@@ -300,3 +299,48 @@ NUTS = [  # with a cycle that one start of 15 and one of 8 in the space of four 
 def test_attracting_cycles_of_a_nut_that_turns_are_found(values, periods):
     found = nut_drive(**values).cycles()
     assert sorted(cycle.period for cycle in found.cycles if cycle.attracting) == pytest.approx(periods, rel=1e-8)
+
+
+THREADS = threads_drive(REPELLING_SLIP, contact_stiffness=1e8, contact_damping=1e5)
+SUPPORT = support_drive(REPELLING_SLIP, support_stiffness=1e8, axial_support_damping=1e4)
+NUT = nut_drive(REPELLING_SLIP, nut_inertia=1e-2, nut_stiffness=1e4, nut_damping=1.0)
+FOLDING = threads_drive(NEAR_FOLD, contact_stiffness=1e8, contact_damping=1e8)
+
+
+def across(cycle):
+    """States beside a cycle on both sides, along the direction in which it repels."""
+    values, vectors = np.linalg.eig(cycle.section.derivative(cycle.orbit).matrix)
+    direction = vectors[:, np.argmax(np.abs(values))].real
+    place = cycle.section.place(cycle.state)
+    return [cycle.section.state(place + step * direction) for step in (-1e-6, 1e-6)]
+
+
+@pytest.mark.parametrize("drive", [THREADS, SUPPORT, NUT, FOLDING], ids=["threads", "support", "nut", "near a fold"])
+def test_the_cycle_on_the_edge_parts_the_basins(drive):
+    """It repels along one direction; on one side of it motions end in steady sliding, on the other in the cycle."""
+    found = drive.cycles()
+    attracting, repelling = found.cycles
+    assert attracting.attracting
+    assert repelling.repelling
+    assert repelling.found_by == "edge of a basin"
+    assert repelling.residual < 1e-12
+    assert np.sum(np.abs(repelling.multipliers) > 1) == 1
+    assert "the edge between their two basins, with a cycle on it" in found.searched
+    mode = repelling.section.key[1]
+    ends = [steady_state(drive.automaton(), state, mode=mode) for state in across(repelling)]
+    assert {end.label for end in ends} == {Attractor.STEADY_SLIDING, attracting.label}
+    assert abs(repelling.work.balance) < 1e-10
+
+
+@pytest.mark.slow
+def test_a_branch_of_four_states_turns_at_a_fold():
+    """The attracting cycle of a drive with four states is followed through the fold to cycles that repel."""
+    attracting = FOLDING.cycles().cycles[0]
+    branch = FOLDING.follow(attracting, "axial_force", (-18.5, -18.3699), points=5)
+    (fold,) = branch.folds
+    assert fold == pytest.approx(-18.371145255, abs=1e-9)
+    points = branch.points
+    assert {point.cycle.attracting for point in points} == {True, False}
+    assert all(point.cycle.attracting != point.cycle.repelling for point in points)
+    assert all(point.cycle.residual < 1e-12 for point in points)
+    assert all(point.value > fold for point in points)

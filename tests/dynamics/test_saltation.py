@@ -12,7 +12,7 @@ from references import four_states_digits, rigid_digits
 from references.draws import drawn, one_of, power, uniform
 from references.parts import threads_drive
 
-from lsvib.dynamics.poincare_map import derivative
+from lsvib.dynamics.poincare_map import Section, derivative, section_key
 from lsvib.engine.motion import follow
 from lsvib.models.drive import Drive
 from lsvib.models.mechanism import seated_state
@@ -21,8 +21,6 @@ from lsvib.models.rigid import rigid_automaton
 
 STEP = mpf(10) ** -10
 EVENTS = 7
-
-
 RIGID = {
     "mass": uniform(2, 16),
     "support_damping": power(-4, -2.5),
@@ -35,10 +33,6 @@ RIGID = {
 def random_rigid(seed):
     rng = np.random.default_rng(seed)
     return Drive.of(drawn(rng, RIGID)), (float(rng.uniform(-0.2, 0.2)), float(rng.uniform(-100, 100)))
-
-
-def numbers(drive):
-    return {name: value for name, value in drive if name != "model"}
 
 
 def differences(simulate, state, count):
@@ -57,12 +51,8 @@ def differences(simulate, state, count):
                 if seen != names or len(events) < count:
                     return None
                 ends.append(events[count - 1])
-            columns.append([(a - b) / (2 * step) for a, b in zip(*map(_after, ends), strict=True)])
+            columns.append([(a - b) / (2 * step) for a, b in zip(*(end.state for end in ends), strict=True)])
         return np.array([[float(x) for x in column] for column in columns]).T
-
-
-def _after(event):
-    return event.state if hasattr(event, "state") else (event.u_after, event.w_after)
 
 
 def agree(found, reference, rounding):
@@ -91,7 +81,7 @@ def rigid_motion(seed):
 def test_rigid_drives(seed):
     drive, start, motion = rigid_motion(seed)
     reference = differences(
-        lambda x: rigid_digits.simulate(numbers(drive), *x, float(motion.time[-1]) * 1.01 + 1e-4).events,
+        lambda x: rigid_digits.simulate(dict(drive), *x, float(motion.time[-1]) * 1.01 + 1e-4).events,
         start,
         motion.time.size,
     )
@@ -108,7 +98,7 @@ def test_compliant_threads():
         rigid, (u, w) = random_rigid(attempt)
         stiffness = float(10 ** rng.uniform(5, 8))
         contact = {"contact_stiffness": stiffness, "contact_damping": stiffness * 10 ** rng.uniform(-3, 0)}
-        drive = threads_drive(**numbers(rigid), **contact)
+        drive = threads_drive(**dict(rigid), **contact)
         start = seated_state(drive, 0.1 * u, 0.1 * w)
         start[3] = 1e-6
         motion = follow(automaton_of(drive), start, np.inf, max_events=4)
@@ -116,7 +106,7 @@ def test_compliant_threads():
             break
     end = float(motion.time[-1]) * 1.01 + 1e-6
     reference = differences(
-        lambda x: four_states_digits.simulate(numbers(drive), "threads", (), x, end).events,
+        lambda x: four_states_digits.simulate(dict(drive), "threads", (), x, end).events,
         tuple(map(float, start)),
         motion.time.size,
     )
@@ -125,3 +115,17 @@ def test_compliant_threads():
     exact = derivative(motion)
     found, rounding = exact.matrix * scale / scale[:, None], exact.rounding * scale / scale[:, None]
     assert agree(found, reference * scale / scale[:, None], rounding), (found, reference)
+
+
+def test_a_section_with_a_coordinate_that_is_zero_throughout():
+    """Its scale was zero, and the section divided by it."""
+    drive = threads_drive(mass=11.0, axial_force=50.0)
+    automaton = automaton_of(drive)
+    motion = follow(automaton, seated_state(drive, 0.003, -20.0), np.inf, max_events=40)
+    key, size = section_key(motion), np.abs(motion.after).max(axis=0)
+    ours = np.flatnonzero((motion.kind == key[0]) & (motion.mode == key[1]))
+    origin, size = motion.after[ours[-1]].copy(), size.copy()
+    origin[2] = size[2] = 0.0
+    section = Section(automaton, key, origin, size, 1, 1.0)
+    assert np.isfinite(section.directions).all()
+    assert (section.place(origin) == 0).all()

@@ -110,15 +110,6 @@ def test_error_at_a_steep_end_is_that_of_the_time():
     assert result.state_error <= 1.5 * rate.max() * result.time_error + 1e-13
 
 
-def test_start_in_an_inconsistent_sector_seizes_at_once():
-    drive = Drive.of(mass=11.0)
-    motion = follow(rigid_automaton(drive), (0.1, 0.0), 0.01)
-    assert motion.time[0] == 0.0
-    assert motion.kind[0] == Event.SEIZURE
-    assert motion.sign[0] == 1
-    assert motion.after[0].tolist() == [0.1, -40.0]
-
-
 def test_long_stick_slip():
     """R = 40 N, m = 1 kg, c_x = 1e3 N s/m: the chapter's stick–slip with both contact signs, from (0.01, 0)."""
     automaton = rigid_automaton(LONG)

@@ -1,9 +1,17 @@
-"""Where the compiled engine is kept: in the cache of the user, else in a folder for temporary files, else nowhere."""
+"""Where the compiled engine is kept: in the cache of the user, else in a folder for temporary files, else nowhere.
 
+And what it does without compilation: the same to rounding, as LLVM may contract and reorder; 1e-12 of the motion, as in
+the comparison with mpmath. An index out of range raises then.
+"""
+
+import json
 import logging
 import os
+import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
 
+import numpy as np
 import pytest
 
 from lsvib.engine.kernels import event_loop, jit
@@ -83,3 +91,55 @@ def test_compiling_is_said_once_for_each_part(caplog):
     )
     assert say("lsvib.engine.kernels.flow_planar", "array(float64, 1d, C)") is None
     assert say("somebody.else", "Tables") is None
+
+
+@pytest.mark.skipif(jit.numba.config.DISABLE_JIT, reason="nothing is compiled")
+@pytest.mark.parametrize("kind", ["planar", "modal"])
+def test_a_kernel_calls_the_kernel_of_the_kind_of_flow(kind):
+    @jit.numba.njit
+    def quarter(flow, state, out):
+        event_loop.advance(flow, 0, state, 0.5 * np.pi, out)
+
+    flow, out = bouncing(kind).tables.flow, np.empty(2)
+    quarter(flow, np.array([1.0, 0.0]), out)
+    np.testing.assert_allclose(out, [0.0, -1.0], atol=1e-15)
+
+
+PROGRAM = """
+import json
+from lsvib.dynamics.attractor import steady_state
+from lsvib.engine.motion import follow
+from lsvib.models.drive import Drive
+from lsvib.models.rigid import rigid_automaton
+
+results = []
+for mass, force, c_x, rule in (
+    (1.0, 40.0, 1e3, "contact_sign"), (11.0, 50.0, 0.0, "contact_sign"), (15.0, -20.0, 0.0, "at_once")
+):
+    automaton = rigid_automaton(Drive.of(mass=mass, axial_force=force, translation_damping=c_x), resume=rule)
+    motion = follow(automaton, (0.05, 10.0), 0.05)
+    states, modes = motion.at([0.0, 0.01, 0.02, 0.05])
+    results.append([motion.time.tolist(), motion.kind.tolist(), states.tolist(), modes.tolist()])
+cycle = steady_state(rigid_automaton(Drive.of(axial_force=25.0, translation_damping=1e3)), (0.05, 5.0))
+results.append([[cycle.period, cycle.amplitude, float(cycle.multiplier)], [int(cycle.label)], [], []])
+print(json.dumps(results))
+"""
+
+
+def results(**environment):
+    """What the program prints, in a process of its own."""
+    environment = {**os.environ, **environment}
+    run = subprocess.run([sys.executable, "-c", PROGRAM], capture_output=True, text=True, env=environment)
+    assert run.returncode == 0, run.stderr
+    return json.loads(run.stdout)
+
+
+@pytest.mark.slow
+def test_same_motion_without_compilation(tmp_path):
+    compiled, plain = results(), results(NUMBA_CACHE_DIR=str(tmp_path), NUMBA_DISABLE_JIT="1")
+    for (times, kinds, states, modes), expected in zip(plain, compiled, strict=True):
+        assert kinds == expected[1]
+        assert modes == expected[3]
+        # The multiplier is a difference quotient of step 1e-5: rounding over the step.
+        np.testing.assert_allclose(times, expected[0], rtol=1e-10, atol=1e-12)
+        np.testing.assert_allclose(states, expected[2], rtol=1e-12, atol=1e-12)

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 import xarray as xr
 from references.bodies import Bodies
-from references.figure_checks import dataset_of
+from references.figure_checks import dataset_of, scale
 from scipy.integrate import solve_ivp
 
 from lsvib.datasets.attributes import ASSUMED, origin_of
 from lsvib.datasets.io import write_dataset
+from lsvib.datasets.newton import residual
 from lsvib.figures import style
 from lsvib.figures.configuration import default_figures
 from lsvib.models.drive import Drive
@@ -62,3 +63,17 @@ def test_each_motion_is_plotted_over_its_time_and_nothing_is_empty(figure, tmp_p
         axes = style.new_figure().add_subplot()
         force.plot(ax=axes, x="time")
         assert len(axes.get_title()) < 80
+
+
+@pytest.mark.parametrize("name", ["normal_force", "velocity_deviation", "angle_deviation", "coupling_deflection"])
+def test_a_sample_that_is_off_shows(name):
+    """The residual of Newton's laws sees a small error in any part of a stored motion, and none in a right one."""
+    motion = dataset_of("fig8_09").isel(case=1, start=0)
+    assert residual(motion) < 1e-12
+    largest = int(abs(motion[name].values).argmax())
+    assert residual(scale(name, 1 + 1e-6, largest)(motion)) > 1e-7
+
+
+@pytest.mark.parametrize("name", ["mass", "friction_coefficient", "screw_inertia", "support_damping", "axial_force"])
+def test_a_parameter_that_is_not_the_one_of_the_motion_shows(name):
+    assert residual(scale(name, 1 + 1e-6)(dataset_of("fig8_09").isel(case=1, start=0))) > 1e-9

@@ -14,11 +14,9 @@ from lsvib.errors import EngineError, InputError
 from lsvib.models import friction
 from lsvib.models.drive import Drive
 from lsvib.models.many import ManyDrives
-from lsvib.models.model import model_of
+from lsvib.models.model import automaton_of, model_of
 
 KINDS = (Drive, threads_drive, support_drive, nut_drive)
-
-
 MILD = {  # of drives of the chapter's size
     "mass": uniform(1, 8),
     "axial_force": signed(uniform(5, 80)),
@@ -54,8 +52,7 @@ def random_law(rng):
 
 
 def made(drive):
-    model = model_of(drive)
-    return model, model.build(drive, model.physics_of(drive), "contact_sign")
+    return model_of(drive), automaton_of(drive)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -170,8 +167,7 @@ def test_a_sweep_makes_drives_with_a_law_one_by_one(kind):
     starts = np.tile([0.05, -20.0], (len(drives), 1))
     found, model = all_endings(many, starts), model_of(drives[0])
     for place, drive in enumerate(drives):
-        automaton = model.build(drive, model.physics_of(drive), "contact_sign")
-        alone = ending_of(drive, automaton, model.initial_state(drive, {"u": 0.05, "w": -20.0}))
+        alone = ending_of(drive, automaton_of(drive), model.initial_state(drive, {"u": 0.05, "w": -20.0}))
         one = [column[place] for column in found]
         assert one[:2] == list(alone[:2])
         np.testing.assert_allclose(one[2:], alone[2:], rtol=1e-9)

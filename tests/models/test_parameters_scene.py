@@ -4,9 +4,9 @@ import math
 
 import pytest
 from pydantic import ValidationError
+from references.command_line import complaint
 
 from lsvib.engine.exact.arithmetic import many_digits
-from lsvib.errors import InputError
 from lsvib.models import chapter, friction
 from lsvib.models.drive import DRY, PART_OF, Drive, allowed_range, may_vanish, zero_if_close
 from lsvib.models.scene import Scene, read_yaml
@@ -24,16 +24,6 @@ BOUNDS = {
     "axial_force": (-1.1e12, 1.1e12, "0 or 1e-18 <= |axial_force| <= 1e+12"),
 }
 SCENE = {"drive": {"mass": 11.0}, "start": {"u": 0.1, "w": 0.0}, "duration": 0.5}
-
-
-def complaint(function, *arguments, **options) -> str:
-    """The one sentence that an unacceptable input gets."""
-    with pytest.raises(InputError) as error:
-        function(*arguments, **options)
-    sentence = str(error.value)
-    assert sentence.endswith(".")
-    assert "\n" not in sentence
-    return sentence
 
 
 def test_defaults_are_table_8_1():
@@ -126,8 +116,7 @@ def test_lead_angle_in_degrees():
 
 def test_drives_and_scenes_are_immutable():
     drive, scene = Drive(), Scene.of(SCENE)
-    with pytest.raises(InputError, match="a drive does not change"):
-        drive.mass = 2.0
+    assert "a drive does not change" in complaint(setattr, drive, "mass", 2.0)
     with pytest.raises(ValidationError):
         scene.duration = 2.0
     assert drive.replace(mass=2.0).mass == 2.0

@@ -1,8 +1,11 @@
 """What a command loads: no engine for eigenvalues, no matplotlib for data, nothing heavy before it is needed.
 
+And what judges the library stands on nothing of it: references import only each other and mathematics.
+
 ``lint-imports`` (run by .ci/run) holds the rooms to their contracts; here it is seen what Python really loads.
 """
 
+import ast
 import json
 import subprocess
 import sys
@@ -104,3 +107,21 @@ def test_a_picture_is_drawn_from_its_file_without_the_engine(tmp_path):
     for figure, (numba, ours) in loaded("matplotlib.backends.backend_agg", "numba", code, tmp_path).items():
         assert not numba, figure
         assert "lsvib.engine.motion" not in ours, figure
+
+
+REFERENCES = Path(__file__).parents[1] / "references"
+JUDGES = ("bodies", "exponential_sums", "four_states_digits", "four_states_laws", "friction_law_digits",
+          "friction_law_series", "newton", "oscillator", "rigid_digits", "rigid_flow", "sliding_friction",
+          "threshold_digits")  # fmt: skip
+KNOWN = {"flint", "mpmath", "numpy", "scipy.integrate"}
+STANDARD = {"collections", "dataclasses", "functools", "itertools", "math", "operator", "re"}
+
+
+@pytest.mark.parametrize("name", JUDGES)
+def test_a_reference_imports_nothing_that_it_judges(name):
+    tree = ast.parse((REFERENCES / f"{name}.py").read_text(encoding="utf-8"))
+    found = {a.name for node in ast.walk(tree) if isinstance(node, ast.Import) for a in node.names}
+    found |= {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and not node.level}
+    found |= {f"references.{n.module}" for n in ast.walk(tree) if isinstance(n, ast.ImportFrom) and n.level}
+    ours = {f"references.{judge}" for judge in JUDGES}
+    assert {module for module in found if module.split(".")[0] not in STANDARD} <= ours | KNOWN

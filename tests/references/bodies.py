@@ -16,7 +16,7 @@ RATES = {
     "support": "y",
     "nut": "phi",
     "threads": "e",
-}  # coordinates of parts, in the order of the state
+}  # coordinates of parts, in their order
 
 
 class Bodies:
@@ -66,16 +66,13 @@ class Bodies:
     def mode(self, name: str) -> dict:
         """Slip, sign of the contact and way of each body in a mode, from its name in lower case."""
         kind, *words = re.split(r"_(?=screw_|nut_)", name)
-        slip, *contact = (
-            kind.removeprefix("slip_").split("_") if kind.startswith("slip") else ("held", *kind.split("_")[1:])
-        )
+        first, *contact = kind.removeprefix("slip_").split("_")
+        slip = "held" if first == "rest" else first
         ways = dict(word.split("_") for word in words)
-        turns, shifts = "phi" in self.place, "y" in self.place or "e" in self.place
-        tied = {"bearing": not turns, "slide": not shifts}
         found = {"slip": SIGN[slip], "contact": SIGN[contact[0]] if contact else 0}
         for body, word in (("bearing", "screw"), ("slide", "nut")):
             if self.p[f"{body}_friction"]:
-                found[body] = SIGN[slip] if tied[body] else SIGN[ways[word]]
+                found[body] = SIGN[ways[word]] if self.free(body) else SIGN[slip]
         return found
 
     def forces(self, state: np.ndarray, mode: dict) -> dict:
@@ -137,8 +134,7 @@ class Bodies:
 
     def held(self, body: str, mode: dict) -> bool:
         """Whether a body that may slide on its own is held."""
-        free = "phi" in self.place if body == "bearing" else "y" in self.place or "e" in self.place
-        return free and mode.get(body) == 0
+        return self.free(body) and mode.get(body) == 0
 
     def rate(self, state: np.ndarray, mode: dict) -> np.ndarray:
         """Rate of the absolute state; the angle is that of the coupling."""

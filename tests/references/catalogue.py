@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from lsvib.models.drive import Drive
-from references.parts import nut_drive, support_drive, threads_drive
+from references.wide_drives import sizes_of
 
 MODELS = ("threads", "support", "nut")
 _STEEL = 7850.0  # density [kg/m3]
@@ -42,10 +42,8 @@ def catalogue_drive(model: str, seed: int, index: int, starts: int = 4) -> tuple
         "translation_damping": float(rng.choice([0.0, 1.0])) * power(1.0, 500.0),
         "axial_force": float(rng.choice([-1.0, 1.0])) * power(0.2, 20.0) * mass,
     }
-    kind, more, place, rate = _MORE[model](power, values, volume)
-    drive = kind.of({**values, **more})
-    size = abs(drive.input_speed) * math.sqrt(inertia / stiffness)
-    scales = np.array([size, abs(drive.input_speed), place, rate])
+    drive = Drive.of({**values, **_MORE[model](power, values, volume)})
+    scales = np.abs(sizes_of(drive))
     factors = np.array([[power(0.05, 5.0) * rng.choice([-1.0, 1.0]) for _ in scales] for _ in range(starts)])
     return drive, scales * factors
 
@@ -53,28 +51,20 @@ def catalogue_drive(model: str, seed: int, index: int, starts: int = 4) -> tuple
 def _threads(power, values, volume):
     stiffness = power(2e7, 1e9)
     damping = 2 * power(5e-3, 0.5) * math.sqrt(stiffness * values["mass"])
-    more = {"contact_stiffness": stiffness, "contact_damping": damping}
-    return threads_drive, more, abs(values["axial_force"]) / stiffness, _speed(values)
+    return {"contact_stiffness": stiffness, "contact_damping": damping}
 
 
 def _support(power, values, volume):
     stiffness, mass = power(1e7, 3e8), _STEEL * volume
     damping = 2 * power(1e-3, 0.1) * math.sqrt(stiffness * mass)
-    more = {"screw_mass": mass, "support_stiffness": stiffness, "axial_support_damping": damping}
-    return support_drive, more, abs(values["axial_force"]) / stiffness, _speed(values)
+    return {"screw_mass": mass, "support_stiffness": stiffness, "axial_support_damping": damping}
 
 
 def _nut(power, values, volume):
     inertia = values["screw_inertia"] * power(0.1, 3.0)
     stiffness = values["coupling_stiffness"] * power(0.3, 100.0)
     damping = 2 * power(1e-3, 0.1) * math.sqrt(inertia * stiffness)
-    more = {"nut_inertia": inertia, "nut_stiffness": stiffness, "nut_damping": damping}
-    size = abs(values["axial_force"]) * values["pitch_radius"] / stiffness
-    return nut_drive, more, size, abs(values["input_speed"])
-
-
-def _speed(values) -> float:
-    return values["pitch_radius"] * math.tan(values["lead_angle"]) * abs(values["input_speed"])
+    return {"nut_inertia": inertia, "nut_stiffness": stiffness, "nut_damping": damping}
 
 
 _MORE = {"threads": _threads, "support": _support, "nut": _nut}

@@ -1,9 +1,5 @@
 """Data sheets of the chapter's drive, and what they say."""
 
-import pytest
-
-pytest.importorskip("pint")
-
 from lsvib.assess import drive as sheets
 from lsvib.assess.sheet import Sheet
 
@@ -17,6 +13,8 @@ CHAPTER = {
     "friction": {"coefficient": 0.218},
     "damping": {"rotational": "2e-4 N*m*s/rad"},
 }
+# Of friction, the law of the powered seat.
+LAW = {"coefficient": 0.218, "stribeck_rise": 0.0203, "stribeck_speed": "0.013704 m/s", "slope": "-0.0858859895667 s/m"}
 
 
 def sheet(**changes) -> Sheet:

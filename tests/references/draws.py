@@ -52,3 +52,15 @@ LIKE_TABLE_8_1 = {
     "screw_inertia": about(3.12e-6),
     "friction_coefficient": about(0.218),
 }
+LIKE_PARTS = {  # of the chapter, of each kind of drive
+    "rigid": {},
+    "threads": {"contact_stiffness": about(1e7, 10.0), "contact_damping": about(1e4, 10.0)},
+    "support": {
+        "screw_mass": about(10.0), "support_stiffness": about(1e5), "axial_support_damping": about(100.0),
+        "slide_friction": times(about(2.0), one_of(0, 1)),
+    },
+    "nut": {
+        "nut_inertia": about(3e-6), "nut_stiffness": about(1.0), "nut_damping": about(2e-4),
+        "slide_friction": times(about(2.0), one_of(0, 1)),
+    },
+}  # fmt: skip

@@ -4,7 +4,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from hypothesis import strategies as st
 
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND
 from lsvib.engine.motion import Motion, follow
@@ -16,36 +15,6 @@ from references.bodies import Bodies
 from references.rigid_digits import RigidTruth, simulate
 
 RULES = ("contact_sign", "at_once")
-
-
-def signed(low: float, high: float):
-    """Floats with low ≤ |x| ≤ high."""
-    return st.floats(low, high) | st.floats(-high, -low)
-
-
-@st.composite
-def drives(draw) -> Drive:
-    """Drives on both sides of Γ₊ = 0, damped in at least one place, loaded, turning either way.
-
-    Left out, because there rounding alone decides what happens: c = c_x = 0 (the orbit that is released from rest
-    touches θ′ = 0 again after every turn, without crossing it) and R = 0 (the band of rest torques has no width and
-    its one state is the corner θ′ = 0, Q = 0).
-    """
-    damping = draw(st.sampled_from(["support", "translation", "both"]))
-    return Drive.of(
-        mass=draw(st.floats(0.5, 9.5) | st.floats(10.3, 30.0)),
-        friction_coefficient=draw(st.floats(0.05, 0.5)),
-        axial_force=draw(signed(1.0, 200.0)),
-        input_speed=draw(signed(5.0, 80.0)),
-        support_damping=0.0 if damping == "translation" else draw(st.floats(2e-5, 1e-2)),
-        translation_damping=0.0 if damping == "support" else draw(st.floats(50.0, 2000.0)),
-    )
-
-
-@st.composite
-def starts(draw) -> tuple[float, float]:
-    """States (u [rad], w [rad/s]) on either side of θ′ = 0 and Q = 0."""
-    return draw(st.floats(-0.4, 0.4)), draw(st.floats(-200.0, 200.0))
 
 
 @dataclass(frozen=True)
@@ -77,7 +46,12 @@ def compare(drive: Drive, start, t_end: float, rule: str = "contact_sign", max_e
 
 
 def random_drive(rng: np.random.Generator) -> Drive:
-    """As :func:`drives`, but uniformly random, and with masses next to the critical one as well."""
+    """A drive on either side of Γ₊ = 0 or next to it, damped in at least one place, loaded, turning either way.
+
+    Left out, because there rounding alone decides what happens: c = c_x = 0 (the orbit that is released from rest
+    touches θ′ = 0 again after every turn, without crossing it) and R = 0 (the band of rest torques has no width and
+    its one state is the corner θ′ = 0, Q = 0).
+    """
     support, translation = ((1, 0), (0, 1), (1, 1))[rng.integers(3)]
     return Drive.of(
         mass=rng.uniform(0.5, 30.0) if rng.random() < 0.9 else rng.uniform(10.0, 10.2),
@@ -90,7 +64,7 @@ def random_drive(rng: np.random.Generator) -> Drive:
 
 
 def random_start(rng: np.random.Generator) -> tuple[float, float]:
-    """As :func:`starts`, uniformly random."""
+    """A state (u [rad], w [rad/s]) on either side of θ′ = 0 and Q = 0."""
     return rng.uniform(-0.4, 0.4), rng.uniform(-200.0, 200.0)
 
 

@@ -264,6 +264,10 @@ def _simulate(drive, z, V, t_end, max_events):
     def record(kind, before, after):
         events.append(LawEvent(t, kind, drive.deviation(*before), drive.deviation(*after)))
 
+    def seized():
+        record("seizure", (z, V), (z, arb(0)))
+        return drive.after_seizure(z, direction), arb(0), {"stop"}
+
     def ended(why):
         return LawTruth(drive, events, t, z, V, mode, why)
 
@@ -282,9 +286,7 @@ def _simulate(drive, z, V, t_end, max_events):
         if direction == contact and not touching and drive.G(1, V) <= 0:  # law +1 where it has no motion
             if drive.is_beyond(V):
                 return ended("beyond")
-            mode = drive.after_seizure(z, direction)
-            record("seizure", (z, V), (z, arb(0)))
-            V, touching = arb(0), {"stop"}
+            mode, V, touching = seized()
             continue
         series = series_of(drive, direction, direction * contact, z, V)
         step = min(step_of(drive, direction, *series), float(t_end - t))
@@ -309,26 +311,19 @@ def _simulate(drive, z, V, t_end, max_events):
             touching = set()
             if kind != "zero":
                 record("passage", (z, V), (z, V))
-        elif kind == "beyond":
+        elif kind == "beyond" or (kind == "contact" and drive.is_beyond(V)):
             return ended("beyond")
+        elif kind == "contact" and drive.G(1, V) > 0:
+            mode = direction, -contact
+            record("contact_reversal", (z, V), (z, V))
         elif kind == "contact":
-            if drive.is_beyond(V):
-                return ended("beyond")
-            if drive.G(1, V) > 0:
-                mode = direction, -contact
-                record("contact_reversal", (z, V), (z, V))
-            else:
-                mode = drive.after_seizure(z, direction)
-                record("seizure", (z, V), (z, arb(0)))
-                V, touching = arb(0), {"stop"}
+            mode, V, touching = seized()
         elif kind == "jam":
             if comes_to_the_corner(drive, direction, z, V, name[1]):
                 return ended("corner")
             sooner, there = to_the_jam(drive, direction, z, V, name[1])
             t, z, V = near(t + sooner), there, near(direction * name[1])
-            mode = drive.after_seizure(z, direction)
-            record("seizure", (z, V), (z, arb(0)))
-            V, touching = arb(0), {"stop"}
+            mode, V, touching = seized()
         else:
             mode = drive.by_band(z)
             record("stick" if mode == REST else "reversal", (z, V), (z, arb(0)))

@@ -1,6 +1,9 @@
 """Inputs that users get wrong, each with words of the sentence that refuses it: commands, files, Python."""
 
+import numpy as np
+
 import lsvib
+from lsvib.basins.grid import Grid
 from lsvib.datasets.io import read_dataset
 from lsvib.figures.configuration import DEFAULT, check
 from lsvib.models.scene import read_yaml
@@ -117,6 +120,10 @@ SECTIONS = [
     (("drive",), {"mass": -1}, RANGE),
 ]
 GRID = {"u": (0, 1, 4), "w": (0, 1, 4)}
+DRIVE = lsvib.Drive(mass=11, support_damping=2e-3, axial_force=-18.37)
+U, W = lsvib.Axis("u", -0.1, 0.1, 4), lsvib.Axis("w", -5, 5, 4)
+MASKED = np.ma.masked_array([1.0, 2.0], [False, True])
+SPAN = {"start": -1.0, "stop": 1.0, "count": 3}
 PYTHON = [
     (lambda: lsvib.simulate("none.yaml"), "none.yaml"),
     (lambda: lsvib.simulate({"start": {"u": 0}, "duration": 1}), "start"),
@@ -135,4 +142,35 @@ PYTHON = [
     (lambda: lsvib.Drive().chart(("mass", 1, 2, 20_000), ("axial_force", 1, 2, 20_000)), "more than"),
     (lambda: read_dataset("text"), "not a readable netCDF file"),
     (lambda: check({**SETTINGS, "colour": 1}), UNKNOWN),
+    (lambda: DRIVE.follow(DRIVE.cycles(), "axial_force", (-18.5, -18.35)), "what is followed is one cycle"),
+    (lambda: DRIVE.follow(None, "axial_force", (-18.5, -18.35)), "what is followed is one cycle"),
+    (lambda: DRIVE.sweep(mass=np.array(1.0)), "mass = array(1.) is not a list of numbers"),
+    (lambda: DRIVE.sweep(mass=np.ones((2, 2))), "is not a list of numbers"),
+    (lambda: DRIVE.sweep(mass=MASKED), "mass holds a value that is not a number"),
+    (lambda: lsvib.Drive(mass=np.ma.masked), "mass = masked is not a number"),
+    (lambda: DRIVE.simulate({"u": MASKED[1], "w": 0}, 0.1), "start.u = masked is not a number"),
+    (lambda: setattr(DRIVE, "mass", 5), "drive.replace(mass=...) makes another one"),
+    (lambda: delattr(DRIVE, "mass"), "a drive does not change"),
+    (lambda: lsvib.Drive().replace(contact_damping=1.0), "of compliant threads, which need contact_stiffness"),
+    (lambda: lsvib.Drive().replace(screw_mass=1.0), "of a compliant axial support, which needs support_stiffness"),
+    (lambda: lsvib.Drive(nut_stiffness=1.0), "is a parameter of a nut that may turn, which needs nut_inertia"),
+    (lambda: lsvib.Drive().replace(nut_stiffness=1.0), "of a nut that may turn, which needs nut_inertia"),
+    (lambda: lsvib.Axis("u", 0, float("nan"), 3), "stop = nan is not a number"),
+    (lambda: lsvib.Axis("u", 0, float("inf"), 3), "stop = inf is outside"),
+    (lambda: lsvib.Axis("u", 1, 0, 3), "it needs start < stop"),
+    *((lambda count=count: lsvib.Axis("u", 0, 1, count), "range is 1 <= count") for count in (0, -3, True, "x", 2.5)),
+    (lambda: lsvib.Grid(U, 3), "a grid needs two axes"),
+    (lambda: lsvib.Grid(U, U), "a coordinate twice"),
+    (lambda: lsvib.Grid(U, lsvib.Axis("mass", 0, 1, 3)), "coordinate 'mass'"),
+    (lambda: lsvib.Grid(U, W, {"e": float("nan")}), "grid: e = nan is not a number"),
+    (lambda: Grid.of({"u": SPAN, "x": SPAN}), "coordinate 'x', which is not one of u, w"),
+    (lambda: Grid.of({"u": SPAN, "w": 1.0}), "spans 1 coordinates"),
+    (lambda: Grid.of({"u": SPAN, "w": {"start": 0.0, "stop": 1.0}}), "axis w has the keys start, stop; it needs"),
+    (lambda: Grid.of({"u": SPAN, "w": {**SPAN, "stop": -2.0}}), "it needs start < stop"),
+    (lambda: DRIVE.basin().area(lsvib.Window(0.1, -0.1, -5, 5)), "window u = 0.1 to -0.1"),
+    (lambda: DRIVE.basin().fraction({"u": (0, 1)}), "does not give the ends of u and of w"),
+    (lambda: DRIVE.basin().line((0.1, 0.2, -5, 5)), "does not give the ends of u and of w"),
+    (lambda: DRIVE.resilience({"u": (1, 0), "w": (0, 1)}), "window u = 1 to 0 is outside the allowed range"),
+    (lambda: DRIVE.resilience({"u": (0, 1)}), "window = {'u': (0, 1)} does not give the ends of u and of w."),
+    (lambda: DRIVE.resilience({"u": ("a", 1), "w": (0, 1)}), "window u = "),
 ]

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from lsvib.assess.drive import nominal_draw, quantities
 from lsvib.assess.materials import NUT_MATERIALS, SCREW_MATERIALS
 from lsvib.assess.mechanisms import corners, drive_of
 from lsvib.assess.sheet import Sheet
@@ -13,6 +12,7 @@ from lsvib.assess.threads import _ACME, _COARSE, _TRAPEZOIDAL
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
 from lsvib.models.pairings import PAIRINGS
+from references.chapter_sheet import values_of
 
 _ENDS = ("fixed-free", "supported-supported", "fixed-supported", "fixed-fixed")
 _DIRECTIONS = ("out", "back", "both")
@@ -211,7 +211,7 @@ def random_drive(seed: int, index: int) -> Drive | None:
     """Return the drive of a random sheet at a point of its window, with its most compliant part; None if refused."""
     try:
         sheet = Sheet.of(random_sheet(seed, index))
-        values = {key: float(value) for key, value in quantities(sheet, nominal_draw(sheet)).items()}
+        values = values_of(sheet)
         places = corners(sheet, values)
         parts = ("support",) if sheet.support else ("threads",) if sheet.contact else ()
         return drive_of(sheet, values, *places[index % len(places)], parts)

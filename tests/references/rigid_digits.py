@@ -68,6 +68,10 @@ class RigidTrueEvent:
     w_after: mpf
     mode_after: str
 
+    @property
+    def state(self):
+        return self.u_after, self.w_after
+
 
 @dataclass
 class RigidTrueSegment:  # the motion between two events
@@ -158,10 +162,6 @@ class RigidTrueDrive:
         force = self.r * (self.xi(self.s0) - self.xi(s)) * self.R_tilde
         return (force - self.C(s) * w - self.k * u) / self.Gamma(s)
 
-    def contact_force(self, s, u, w):  # (8.17)
-        cos = 1 / mp.sqrt(1 + self.tan**2)
-        return self.Q(u, w) / (self.Gamma(s) * cos * (1 + self.mu * s * self.tan))
-
     # --- which mode follows -----------------------------------------------------------------------------------
     def by_band(self, u):
         """Mode at theta_dot = 0 chosen by the band of rest torques; its ends, to within rounding, belong to it."""
@@ -206,11 +206,7 @@ def _simulate(drive, u, w, t_end, rule, max_events):
     t, events, segments = mpf(0), [], []
     w_rest = -drive.Omega
     speed_guard = mpf(0), mpf(1), drive.Omega  # theta_dot = w + Omega
-    Q_guard = (
-        drive.p * drive.m * drive.k,
-        drive.p * (drive.m * drive.c - drive.I * drive.cx),
-        drive.Gamma(drive.s0) * drive.R_tilde,
-    )  # Q, (8.17)
+    Q_guard = drive.Q_terms(mpf(1), mpf(1))
 
     def record(kind, u, w, w_after, mode):
         events.append(RigidTrueEvent(t, kind, u, w, u, w_after, NAMES[mode]))

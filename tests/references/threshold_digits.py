@@ -10,7 +10,7 @@ from mpmath import mp, mpf
 
 from references.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
 
-from .newton import eigenvalues, steady_law
+from .newton import eigenvalues, solved, steady_law
 
 DIGITS = 40
 WORK = DIGITS + GUARD_DIGITS
@@ -42,7 +42,7 @@ def gap(name, values, hint=()):
 
 
 def _row(d):
-    return d.p * d.m * d.k, d.p * (d.m * d.c - d.I * d.cx)
+    return d.Q_terms(mpf(1), mpf(1))[:2]
 
 
 def _mirrored(d):
@@ -171,15 +171,13 @@ _GAPS = {
 
 
 def jam(model, values):
-    """What the contact force is divided by under law +: it vanishes where the threads jam (support, nut)."""
-    p = {key: mpf(value) for key, value in values.items()}
-    sine, cosine = mp.sin(p["lead_angle"]), mp.cos(p["lead_angle"])
-    radius, friction = p["pitch_radius"], p["friction_coefficient"]
-    arm, push, lead = radius * (friction * cosine - sine), cosine + friction * sine, radius * sine / cosine
-    inertia, mass = p["screw_inertia"], p["mass"]
-    if model == "support":
-        return push / mass - lead * arm / inertia + push / p["screw_mass"]
-    return push / mass - lead * arm * (1 / inertia + 1 / p["nut_inertia"])
+    """Determinant of the equations of motion under law +: it vanishes where the threads jam (support, nut)."""
+
+    def determinant(laws):
+        laws.law = 1
+        return laws.equations([0, 0, 0, 0])[0].det()
+
+    return solved(determinant, model, values.items())
 
 
 def growth(model, values):
@@ -190,6 +188,4 @@ def growth(model, values):
 
 def net_force(values):
     """Force on the contact [N] in steady sliding."""
-    p = {key: mpf(value) for key, value in values.items()}
-    drag = p["pitch_radius"] * mp.tan(p["lead_angle"]) * p["translation_damping"] * p["input_speed"]
-    return p["axial_force"] - drag - p.get("slide_friction", 0) * mp.sign(p["input_speed"])
+    return solved(lambda laws: laws.axial, "rigid", values.items())

@@ -19,9 +19,6 @@ _PLACES = ("anywhere", "anywhere", "anywhere", "speed", "contact", "corner", "ne
 class WideDrive(NamedTuple):
     """A drive, the frictions of a second body that it has, and starts of motions (starts, states)."""
 
-    model: str
-    seed: int
-    index: int
     drive: Drive
     physics: tuple[str, ...]
     starts: np.ndarray
@@ -33,9 +30,9 @@ def wide_drive(model: str, seed: int, index: int, starts: int) -> WideDrive:
     values = rigid_values(rng)
     if model == "rigid":
         drive = Drive.of(values)
-        return WideDrive(model, seed, index, drive, (), _starts(rng, drive, starts))
+        return WideDrive(drive, (), _starts(rng, drive, starts))
     drive, physics = _OTHERS[model](rng, values)
-    return WideDrive(model, seed, index, drive, physics, _states(rng, model, drive, starts))
+    return WideDrive(drive, physics, _states(rng, drive, starts))
 
 
 def sign(rng) -> int:
@@ -121,21 +118,23 @@ def _frictions(rng, values: dict[str, float]) -> tuple[str, ...]:
     return tuple(physics)
 
 
-def _states(rng, model: str, drive: Drive, count: int) -> np.ndarray:
-    """Starts (count, 4) over four decades, some on θ′ = 0 or with the second body at rest."""
+def sizes_of(drive: Drive) -> tuple[float, float, float, float]:
+    """Sizes of the coordinates of a drive with four states; those of speeds have the sign of the input."""
     speed, size = drive.input_speed, abs(drive.input_speed) * (drive.screw_inertia / drive.coupling_stiffness) ** 0.5
-    reach = drive.pitch_radius * math.tan(drive.lead_angle)
-    if model == "nut":
-        place, rate = size, speed
-    else:
-        stiffness = drive.contact_stiffness if model == "threads" else drive.support_stiffness
-        place, rate = (abs(drive.axial_force) or 1.0) / stiffness, reach * speed
+    if drive.parts == ("nut",):
+        return size, speed, size, speed
+    place = (abs(drive.axial_force) or 1.0) / (drive.contact_stiffness or drive.support_stiffness)
+    return size, speed, place, drive.pitch_radius * math.tan(drive.lead_angle) * speed
+
+
+def _states(rng, drive: Drive, count: int) -> np.ndarray:
+    """Starts (count, 4) over four decades, some on θ′ = 0 or with the second body at rest."""
     found = np.empty((count, 4))
     for k in range(count):
-        found[k] = [sign(rng) * x * power(rng, -2, 2) for x in (size, speed, place, rate)]
+        found[k] = [sign(rng) * x * power(rng, -2, 2) for x in sizes_of(drive)]
         where = _PLACES[rng.integers(len(_PLACES))]
         if where in ("speed", "corner"):
-            found[k, 1] = -speed
+            found[k, 1] = -drive.input_speed
         if where in ("contact", "corner"):
             found[k, 3] = 0.0
         if where == "near":

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 from references import sliding_friction
-from references.draws import LIKE_TABLE_8_1, about, drawn, one_of, times
-from references.parts import DRIVES, threads_drive
+from references.draws import LIKE_PARTS, LIKE_TABLE_8_1, about, drawn, one_of, times
+from references.parts import DRIVES as KINDS
+from references.parts import threads_drive
 
 from lsvib import Drive
 from lsvib.contact.contact_force import contact_forces
@@ -21,22 +22,9 @@ from lsvib.stability.boundaries import stable_set
 from lsvib.stability.conditions import stability
 from lsvib.stability.curves import ChartBoundary, boundary_curves
 
-KINDS = DRIVES
 MODELS = tuple(KINDS)
 LEAD, RADIUS = math.radians(5.57), 5.18e-3
 SEAT = PAIRINGS["powered_seat"].parameters()  # a measured law of a seat adjuster
-OWN = {
-    "rigid": {},
-    "threads": {"contact_stiffness": about(1e7, 10.0), "contact_damping": about(1e4, 10.0)},
-    "support": {
-        "screw_mass": about(10.0), "support_stiffness": about(1e5), "axial_support_damping": about(100.0),
-        "slide_friction": times(about(2.0), one_of(0, 1)),
-    },
-    "nut": {
-        "nut_inertia": about(3e-6), "nut_stiffness": about(1.0), "nut_damping": about(2e-4),
-        "slide_friction": times(about(2.0), one_of(0, 1)),
-    },
-}  # fmt: skip
 
 
 def random_drive(model: str, rng: np.random.Generator):
@@ -46,7 +34,7 @@ def random_drive(model: str, rng: np.random.Generator):
         support_damping=times(about(2e-4), one_of(0, 1, 2, 3)), mass=about(3.0),
         axial_force=times(about(40.0), one_of(-1, 1)), translation_damping=times(about(20.0), one_of(0, 1)),
     )  # fmt: skip
-    own = {name: drawn(rng, draws) for name, draws in OWN.items()}[model]
+    own = {name: drawn(rng, draws) for name, draws in LIKE_PARTS.items()}[model]
     speed = values["pitch_radius"] * abs(values["input_speed"])
     law = drawn(rng, friction_slope=times(about(0.02 / speed), one_of(-1.0, 0.5)))
     if rng.random() < 0.8:
@@ -264,16 +252,9 @@ def test_contact_forces_at_the_speed_of_a_state():
     for k in range(2):
         with ctx.workdps(40):
             laws = sliding_friction.SlidingDrive("rigid", drive)
-            turn = arb(10 + w[k])
-            p, z = laws.p, laws.steady()[0] + u[k]
-            torque = -p["coupling_stiffness"] * z - p["support_damping"] * turn
-            for law, force in zip((1, -1), contact_forces(drive, u, w), strict=True):
-                rub = law * laws.friction(turn)
-                arm, push = RADIUS * (rub * laws.cos - laws.sin), laws.cos + rub * laws.sin
-                theirs = (p["axial_force"] / p["mass"] - laws.reach * torque / p["screw_inertia"]) / (
-                    push / p["mass"] - laws.reach * arm / p["screw_inertia"]
-                )
-                assert math.isclose(force[k], float(theirs), rel_tol=1e-12)
+            state = [laws.steady()[0] + u[k], arb(10 + w[k])]
+            for laws.law, force in zip((1, -1), contact_forces(drive, u, w), strict=True):
+                assert math.isclose(force[k], float(laws.solved(state)[2]), rel_tol=1e-12)
 
 
 def test_impacts_of_another_friction_are_refused():

@@ -68,6 +68,21 @@ def test_the_threshold_separates_what_it_says(damping, speed):
 
 
 @pytest.mark.parametrize("speed", [40.0, -40.0])
+def test_limit_cycle_right_up_to_the_threshold(speed):
+    """m = 11 kg, c = 1e-3, c_x = 0: one cycle from 10 N to 1e-8 short of the threshold, the origin 1e-8 beyond it."""
+    drive = PARADOX.replace(input_speed=speed)
+    limit = threshold_force(drive, "global_stability")
+    for share in (*np.linspace(0.3, 0.9, 7), *(1 - 10.0**-n for n in (3, 6, 8)), *(1 + 10.0**-n for n in (8, 5, 2))):
+        automaton = rigid_automaton(drive.replace(axial_force=share * limit))
+        ends = [steady_state(automaton, start) for start in math.copysign(1, speed) * np.array(STARTS)]
+        label = Attractor.SPRAG_SLIP_CYCLE if share < 1 else Attractor.STEADY_SLIDING
+        assert {end.label for end in ends} == {label}, share
+        if share < 1:  # one and the same cycle, to rounding
+            periods = [cycle.period / cycle.returns for cycle in ends]
+            np.testing.assert_allclose(periods, periods[0], rtol=1e-12)
+
+
+@pytest.mark.parametrize("speed", [40.0, -40.0])
 def test_forces_with_the_motion(speed):
     """c_x = 2000: every R < 0 is globally stable, and none is from 30.8 N (31.4 N with rest) to the onset, 40.4 N."""
     drive = PARADOX.replace(translation_damping=2000.0, input_speed=speed)

@@ -1,21 +1,32 @@
-"""Stability tables and boundaries of random drives of every model, held against Newton's laws in 250 digits."""
+"""Stability tables and boundaries of random drives of every model, held against Newton's laws in 250 digits.
 
+The table of docs/lemmas.md, boundaries to the last digit, and what contradicted itself.
+"""
+
+import json
 import math
+import re
+from pathlib import Path
 
 import mpmath
 import numpy as np
 import pytest
-from flint import fmpq
+from flint import fmpq, fmpq_poly
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from references.newton import DIGITS, eigenvalues, is_stable, steady_law
-from references.wide_drives import wide_drive
+from references.parts import DRIVES as KINDS
+from references.parts import support_drive, threads_drive
+from references.threshold_digits import Named
+from references.wide_drives import MODELS, wide_drive
 
 from lsvib.errors import InputError
 from lsvib.models.drive import PARTS, Drive, zero_if_close
+from lsvib.stability import spectrum
 from lsvib.stability.boundaries import stable_set
 from lsvib.stability.conditions import stability
 from lsvib.stability.threshold import all_thresholds
 
-MODELS = ("rigid", "threads", "support", "nut")
 NEUTRAL = ("neutral", "centre")
 VANISHES = mpmath.mpf(10) ** -60  # a real part below this share of its eigenvalue is zero: doubles come within 1e-40
 
@@ -106,3 +117,147 @@ def test_random_drives(model):
                 judge_thresholds(model, drive, law, random, tally)
     print(model, tally)
     assert sum(tally.values()) >= 12
+
+
+LEMMAS = (Path(__file__).parents[2] / "docs" / "lemmas.md").read_text(encoding="utf-8")
+ROWS = re.findall(r"^\| (1e\d+) \| ([\d.]+) \|$", LEMMAS, re.MULTILINE)
+
+
+def report_of(changes, model="rigid"):
+    return stability(KINDS[model].of(changes))
+
+
+def onset(model: str, changes, key: str):
+    """The onset of a drive in one parameter, which may have no solution."""
+    return all_thresholds(KINDS[model].of(changes), key)["onset"]
+
+
+def assert_boundary(model: str, drive: Drive, key: str, solution) -> None:
+    """Assert that the stability by Newton's laws changes within the enclosure of a solution, of two doubles at most."""
+    low, high = solution.enclosure
+    assert low <= solution.value <= high <= math.nextafter(low, math.inf)
+    with mpmath.workdps(60):
+        away = mpmath.mpf(10) ** -25  # as a boundary may be a double
+        ends = [Named({**dict(drive), key: end}) for end in (low * (1 - away), high * (1 + away))]
+        assert {is_stable(model, end, steady_law(drive)) for end in ends} == {True, False}
+
+
+@pytest.mark.parametrize(("stiffness", "printed"), ROWS)
+def test_table_of_the_least_contact_damping(stiffness, printed):
+    changes = {"mass": 9.0, "contact_stiffness": float(stiffness)}
+    found = onset("threads", changes, "contact_damping")
+    assert f"{found.value:.6g}" == printed
+    assert found.stable_intervals == ((found.value, None),)
+    assert_boundary("threads", threads_drive(changes), "contact_damping", found.solutions[0])
+
+
+def test_class_conditions_and_quantities_of_the_soft_contact_agree():
+    """m = 9 kg, k_c = 1e8, c_c = 5e4: flutter, though c_c lies above the bound of the limit k_c → ∞."""
+    changes = {"mass": 9.0, "contact_stiffness": 1e8, "contact_damping": 5e4}
+    report = report_of(changes, "threads")
+    assert (report.stable, report.kind) == (False, "flutter")
+    with mpmath.workdps(60):
+        growth = mpmath.re(eigenvalues("threads", threads_drive(changes), 1)[-1])
+    assert report.eigenvalues[-1].real == pytest.approx(float(growth), rel=1e-15)
+    assert round(report.eigenvalues[-1].real) == 553
+    assert report.conditions["contact_flutter"].hold is True
+    assert report.quantities["least_damping_of_stiff_contact"].value < 5e4
+    assert report.quantities["least_contact_damping"].value > 5e4
+
+
+BOUNDARIES = [
+    ("threads", {"contact_damping": 5e4}, "mass"),
+    ("threads", {"mass": 9.0, "contact_damping": 5e4}, "friction_coefficient"),
+    ("threads", {"mass": 9.0, "translation_damping": 0.3}, "contact_damping"),
+    ("support", {"axial_support_damping": 20.0}, "mass"),
+    ("support", {"mass": 15.0, "axial_support_damping": 20.0}, "friction_coefficient"),
+    ("support", {"mass": 15.0}, "axial_support_damping"),
+    ("nut", {"translation_damping": 100.0}, "mass"),
+    ("nut", {"translation_damping": 1000.0}, "friction_coefficient"),
+    ("nut", {"support_damping": 1e-5, "translation_damping": 40.0}, "nut_damping"),
+]
+
+
+@pytest.mark.parametrize(("model", "changes", "key"), BOUNDARIES)
+def test_boundaries_to_the_last_digit(model, changes, key):
+    found = onset(model, changes, key)
+    for solution in found.solutions:
+        assert_boundary(model, KINDS[model].of(changes), key, solution)
+    assert json.dumps(found.to_json(), allow_nan=False)
+
+
+def test_boundaries_of_undamped_drives_are_those_of_real_frequencies():
+    """μ_kc of figure 8.15 (eq. 8.28); and between the branches of (8.29) no friction of the gap is stable."""
+    undamped = {"mass": 15.0, "support_damping": 0.0}
+    found = onset("support", undamped, "friction_coefficient")
+    assert found.stability == "neutral"
+    assert found.solutions[-1].value == pytest.approx(0.2848594241193505, rel=1e-15)
+    report = report_of(undamped, "support")
+    assert (report.stable, report.kind) == (False, "neutral")
+    assert {value.real for value in report.eigenvalues} == {0.0}
+    assert not any(condition.hold for condition in report.conditions.values())
+
+
+def test_a_set_of_several_intervals_is_reported_in_full():
+    """A soft support, undamped: small and large friction are stable, mode coupling lies between."""
+    changes = {"mass": 15.0, "support_damping": 0.0, "support_stiffness": 1e7, "friction_coefficient": 0.1}
+    found = onset("support", changes, "friction_coefficient")
+    ends = [end for interval in found.stable_intervals for end in interval]
+    assert [solution.value for solution in found.solutions] == [end for end in ends if end]
+    middle = [(low + high) / 2 for low, high in found.stable_intervals]
+    gaps = [(a + b) / 2 for a, b in zip(ends[1::2], ends[2::2], strict=False)]
+    kinds = [report_of({**changes, "friction_coefficient": x}, "support").kind for x in middle + gaps]
+    assert kinds == ["neutral"] * len(middle) + ["flutter"] * len(gaps)
+
+
+def test_a_mode_that_no_damping_reaches_is_neutral():
+    """A nut like the screw, damped by the slide alone: both turn together, and nothing slides."""
+    changes = {"support_damping": 0.0, "nut_damping": 0.0, "translation_damping": 3.0, "friction_coefficient": 0.05}
+    report = report_of(changes, "nut")
+    assert (report.stable, report.kind) == (False, "neutral")
+    rate = math.sqrt(1.0 / 3.12e-6)
+    assert [value.real for value in report.eigenvalues][-2:] == [0.0, 0.0]
+    assert report.eigenvalues[-1].imag == pytest.approx(rate, rel=1e-14)
+    never = onset("nut", changes, "mass")
+    assert (never.value, never.stable_intervals) == (None, ())
+    assert never.reason == "steady sliding is asymptotically stable for no mass, all other parameters held."
+    assert report_of({**changes, "friction_coefficient": 0.5}, "nut").kind == "flutter"
+    least = onset("nut", changes, "nut_damping")
+    assert least.value is None
+    assert least.reason.endswith("stable without nut damping, but with any above zero, however small.")
+
+
+@pytest.mark.parametrize(
+    ("changes", "kind"),
+    [({}, "centre"), ({"friction_coefficient": math.tan(math.radians(5.57))}, "centre"), ({"mass": 11.0}, "saddle")],
+)
+def test_undamped_rigid_drive(changes, kind):
+    report = report_of({"support_damping": 0.0, **changes})
+    assert (report.kind, report.stable) == (kind, False)
+    assert [x.real for x in report.eigenvalues] == [0.0, 0.0] or kind == "saddle"
+    assert any(condition.hold for condition in report.conditions.values()) is (kind == "saddle")
+
+
+@settings(max_examples=200)
+@given(st.lists(st.integers(-400, 400), min_size=1, max_size=4), st.integers(-20, 20))
+def test_positive_roots_of_known_polynomials(halves, power):
+    """Roots n/2 · 10^power, repeated ones and zero among them."""
+    size = fmpq(10) ** power
+    polynomial = fmpq_poly([3])
+    for half in halves:
+        polynomial *= fmpq_poly([-fmpq(half, 2) * size, 1])
+    found = spectrum.positive_roots(polynomial, 1000 * size)
+    assert [float(x) for x in found] == [float(fmpq(half, 2) * size) for half in sorted({h for h in halves if h > 0})]
+
+
+@pytest.mark.parametrize(
+    ("support", "threads", "friction"),
+    [(3e5, {}, 0.285), (3e5, (1e8, 1e4), 0.235), (3e5, (1e7, 1e3), 0.154), (1e9, {}, 0.109), (1e9, (1e8, 1e4), 0.144)],
+)
+def test_what_compliant_threads_change_in_a_drive_with_axial_support(support, threads, friction):
+    """The numbers of docs/physics.md, with the damping of docs/figures/combination.py."""
+    drive = support_drive(mass=15, support_stiffness=support, axial_support_damping=200)
+    if threads:
+        drive = drive.replace(contact_stiffness=threads[0], contact_damping=threads[1])
+    (found,) = all_thresholds(drive, "friction_coefficient")["onset"].solutions
+    assert round(found.value, 3) == friction

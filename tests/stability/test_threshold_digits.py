@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 from references import threshold_digits
-from references.draws import LIKE_TABLE_8_1, about, drawn, one_of, times
+from references.draws import LIKE_PARTS, LIKE_TABLE_8_1, about, drawn, one_of, times
 from references.parts import DRIVES as KINDS
 
 from lsvib.errors import InputError
@@ -118,16 +118,6 @@ def test_twelve_digits_and_derivatives(name, unknown):
             judged(name, drive, found, solution, rng, slopes)
 
 
-OWN = {
-    "threads": {"contact_stiffness": about(1e8), "contact_damping": about(5e4)},
-    "support": {
-        "screw_mass": about(10.0), "support_stiffness": about(1e5), "axial_support_damping": about(100.0),
-        "slide_friction": about(1.0),
-    },
-    "nut": {"nut_inertia": about(3e-6), "nut_stiffness": about(1.0), "nut_damping": about(2e-4)},
-}  # fmt: skip
-
-
 def two_bodies(model: str):
     """Draws drives of a model with two bodies, about as stiff as those of the chapter."""
 
@@ -136,7 +126,7 @@ def two_bodies(model: str):
             rng, LIKE_TABLE_8_1, input_speed=about(40.0), support_damping=about(2e-4), mass=about(5.0),
             axial_force=about(30.0), translation_damping=times(about(5.0), one_of(0, 1)),
         )  # fmt: skip
-        return KINDS[model].of(values | {name: drawn(rng, draws) for name, draws in OWN.items()}[model])
+        return KINDS[model].of(values | drawn(rng, LIKE_PARTS[model]))
 
     return draw
 

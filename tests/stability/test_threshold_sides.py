@@ -13,6 +13,7 @@ import math
 
 import numpy as np
 import pytest
+from references.wide_drives import power
 
 from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import follow
@@ -26,10 +27,6 @@ from lsvib.stability.slip import SlipDrive
 
 DISTANCES = [10.0**-n for n in range(1, 10)]  # relative, of the forces beside a threshold
 STANDS = (Event.STICK, Event.REVERSAL)
-
-
-def power(rng, low, high):
-    return 10.0 ** rng.uniform(low, high)
 
 
 def random_drive(rng, kind: str) -> Drive:

@@ -46,14 +46,11 @@ CAPTION = "The self-locking of the drive.\\n"
 
 
 class Settings(FigureSettings):
-    """The friction that the lead angle allows."""
-
     drive: DriveChanges = DriveChanges()
     points: int = Field(default=5, ge=2, description="Number of lead angles.")
 
 
 def build(settings):
-    """Compute the tangent of some lead angles."""
     angle = np.linspace(0, Drive.of(settings["drive"]).lead_angle, settings["points"])
     words = {"units": "1", "long_name": "tangent of the lead angle"}
     return xr.Dataset(
@@ -64,14 +61,12 @@ def build(settings):
 
 
 def checks(dataset):
-    """Check that the tangent grows."""
     grows = (np.diff(dataset.tangent) > 0).all()
     return [Check.holds("The tangent grows with the angle", "a test", "all differences", grows)]
 
 
 @style.styled
 def draw(dataset):
-    """Draw the tangent over the angle."""
     figure = style.new_figure()
     figure.add_subplot().plot(dataset.angle, dataset.tangent)
     return figure

@@ -1,4 +1,4 @@
-"""Rates and sizes of four states that lie decades apart: digits stay, and what cannot be distinguished is refused."""
+"""Runs of the engine: rates decades apart, whose digits stay or are refused; the room for events; too many of them."""
 
 import math
 
@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from references.parts import threads_drive
 
+from lsvib.engine import motion as runs
 from lsvib.engine.exact.modal_form import linear_mode, modal_flow
 from lsvib.engine.kernels import event_loop
 from lsvib.engine.motion import follow
@@ -45,8 +46,6 @@ JUST_BELOW_COT_LEAD = {
     "support_damping": 54624.77056974889, "contact_stiffness": 24764977476642.695,
     "friction_coefficient": 10.25407004273012, "input_speed": -1e-9, "axial_force": 6949.60410918396,
 }  # fmt: skip
-
-
 CREEPING = [{"contact_stiffness": 1e4, "contact_damping": damping} for damping in (1e11, 1e12)]
 
 
@@ -79,3 +78,36 @@ def test_samples_of_a_friction_law_do_not_depend_on_those_before():
         alone, there = motion.at([time])
         assert there[0] == mode
         assert (np.abs(alone[0] - state) <= 1e-13 * np.abs(states).max(axis=0)).all()
+
+
+SPRAG_SLIP = rigid_automaton(Drive.of(mass=11.0, support_damping=1e-3, axial_force=-10.0))
+STICK_SLIP = rigid_automaton(Drive.of(mass=1.0, translation_damping=1000.0, axial_force=40.0))
+NO_DAMPING = rigid_automaton(Drive.of(mass=11.0, axial_force=-10.0), resume="at_once")  # seizures accumulate
+THREADS = automaton_of(threads_drive(mass=11.0, axial_force=50.0, contact_stiffness=1e8, contact_damping=1e8))
+
+
+@pytest.mark.parametrize("room", [1, 2, 3])
+@pytest.mark.parametrize(
+    ("automaton", "start", "duration"),
+    [
+        (SPRAG_SLIP, (0.1, 0.0), 0.5),
+        (STICK_SLIP, (0.01, 0.0), 0.5),
+        (NO_DAMPING, (0.1, 0.0), 0.2),
+        (THREADS, (0.003, 0.0, 0.0, 0.0), 0.01),
+    ],
+)
+def test_the_room_for_events_takes_no_part_in_the_arithmetic(monkeypatch, automaton, start, duration, room):
+    whole = follow(automaton, start, duration)
+    monkeypatch.setattr(runs, "_FIRST_CAPACITY", room)
+    pieces = follow(automaton, start, duration)
+    assert whole.time.size > 5
+    for name in ("time", "kind", "sign", "mode", "before", "after", "end_state"):
+        assert np.array_equal(getattr(whole, name), getattr(pieces, name))
+    assert (whole.end_time, whole.end_mode, whole.status) == (pieces.end_time, pieces.end_mode, pieces.status)
+
+
+def test_more_events_than_anybody_can_want_is_an_error_unless_asked_for(monkeypatch):
+    assert follow(STICK_SLIP, (0.01, 0.0), 1.0, max_events=100).time.size == 100
+    monkeypatch.setattr(runs, "_MANY_EVENTS", 100)
+    with pytest.raises(EngineError, match=r"more than 100 events before t = 0\.\d+ s; shorten the duration"):
+        follow(STICK_SLIP, (0.01, 0.0), 1.0)
