@@ -302,7 +302,8 @@ def _below_zero(row, shape, bend, low, step):
         return math.inf  # falls to a limit that is not negative
     while not abs(_value(row, shape, low + step)[0]) < _HUGE:  # the step of a slope that is next to nothing
         step *= 0.5
-    while step * abs(row[R1]) > 700.0 and not _positive(row, shape, low + 0.5 * step):  # where every exponential is gone
+    # Beyond 700 times of the slow exponential all of them are gone, and a bracket is too wide for GUESSES.
+    while step * abs(row[R1]) > 700.0 and not _positive(row, shape, low + 0.5 * step):
         step *= 0.5
     while _positive(row, shape, low + step):
         step *= 2.0
