@@ -149,7 +149,7 @@ def test_without_a_time_a_file_is_a_point_as_it_was(folder):
     untimed = {key: value for key, value in SHEET["measurements"].items() if key not in ("time", "averaging")}
     plain = fit_sheet(sheet(folder, measurements={**untimed, "files": "*0.csv"}))
     assert len(plain.points) == 8
-    assert {table.record.timed for table in plain.tables} == {False}
+    assert {table.record for table in plain.tables} == {None}
     with pytest.raises(InputError, match="does not run at one speed"):
         fit_sheet(sheet(folder, measurements=untimed))
     sampled = fit_sheet(sheet(folder, measurements={**untimed, "sampling": "30 ms"}))

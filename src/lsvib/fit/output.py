@@ -25,7 +25,7 @@ _ENDS = {
     "threads": "All friction in the threads",
     "bearing": "As much friction as can be in the bearing",
 }
-JERKS_TELL = ("period", "slope", "stiffness", "breakaway", "after", "displacement", "averaging")
+JERKS_TELL = ("period", "slope", "stiffness", "breakaway", "after", "displacement", "fall")
 POOR = 0.1  # of the typical torque: residuals beyond are no good fit
 NONE = 0.3  # of the typical torque: a law that leaves more rms is none to copy
 _WORDS = {
@@ -165,6 +165,7 @@ def sentences(found: FittedSheet) -> list[str]:
     if not fit.rise_seen:
         said.append("No rise of friction towards slow sliding is seen.")
     said += _of_falling(found)
+    said += [f"Of {text}" for table in found.tables if table.record for text in table.record.said[1:]]
     said += _of_jerks(found)
     if not len(measured.breakaway):
         said.append("No table begins at rest, so there is no breakaway and no static coefficient.")

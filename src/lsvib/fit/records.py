@@ -1,4 +1,4 @@
-"""A measured file over time: whether the screw rests, turns evenly, starts, stops, ramps, or jerks, and what jerks tell.
+"""A measured file over time: rest, even turning, a start, a stop, a ramp or jerks, and what the jerks tell.
 
 In stick–slip the screw stands while a spring k winds up at the commanded speed Ω, so the torque, in the direction of
 turning, climbs as dT/dt = k Ω; it then slips within a time s, and the torque falls. A tooth of period P is
@@ -7,14 +7,14 @@ turning, climbs as dT/dt = k Ω; it then slips within a time s, and the torque f
 
 A recorder that averages over a time w rounds corners, but leaves means and the slope within a ramp. So the slope is
 that of samples of one ramp, P that of the phase, Ω the mean of the recorded speed, and only s needs the shape: the fall
-lasts d, with d² = w² + (1/3 to 1/2) s² or so. A damper takes part in the fall, and puts the mean below the middle by 2ζ/π
-of s/P. Sampled each Δ, a line at f is also one at 1/Δ − f, a sawtooth reversed in time: the one that climbs slowly and
-falls fast counts. Below LEAST samples a tooth nothing is told. f + 1/Δ gives the samples of f: the slower is taken.
+lasts d, with d² = w² + (0.3 to 0.57) s². A damper takes part in the fall; it puts the mean below the middle by 2ζ/π s/P
+of the height. Sampled each Δ, a line at f is also one at 1/Δ − f, a sawtooth reversed in time: the one that climbs
+slowly and falls fast counts. Below LEAST samples a tooth nothing is told. f + 1/Δ gives the samples of f: f is taken.
 """
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -35,21 +35,15 @@ STANDS = 0.7  # of the mean speed, in two of five samples: a screw that is faste
 OTHER = 0.25  # of the amplitude of the teeth: a second line beyond is a second frequency
 FASTER = 0.25  # of the mean number of teeth in a quarter of the file, by which quarters may differ
 RAMP = (0.3, 0.9)  # of a tooth: after the slip a controller, and what records the torque, still settle
+CHOSEN = 1.2  # by which the scatter of ramps makes too little of the error, as noise has part in where a ramp is seen
 WIDTHS = np.linspace(0.01, 0.65, 33)  # of the fall as recorded, in periods
+FOLLOWED = ((1.0, 6.0), (0.7, 4.0))  # teeth, or samples if they are more, over which a phase is followed, then closer
 BLUR = 0.03  # periods, by which the phase of teeth that differ, as it is followed, blurs the width
 SHAPE = (0.3, 0.57)  # (d² − w²) / s² of a slip that a damper slows, and of half a cosine
 LONGEST = 0.25  # periods: a longer slip is none
 DAMPED = 0.13  # 2ζ/π of ζ = 0.2, and its error, as ζ is unknown
 BLOCKS = 16  # of a file, of whose mean speeds the error of the mean speed is told
-UNSURE = 0.3  # relative standard error from which on a number is not told
-UNSURE_OF = {
-    "period": "period of the jerks",
-    "slope": "slope of the ramps",
-    "stiffness": "stiffness",
-    "displacement": "displacement of a jerk",
-    "breakaway": "torque at breakaway",
-    "after": "torque after the slip",
-}
+UNSURE = 0.3  # relative standard error of the mean speed from which on nothing that rests on it is told
 
 
 @dataclass(frozen=True)
@@ -64,7 +58,6 @@ class Record:
     file: str
     kind: Kind
     said: tuple[str, ...]
-    timed: bool = False
     period: Number | None = None
     slope: Number | None = None
     stiffness: Number | None = None
@@ -79,8 +72,8 @@ class Record:
 class Teeth:
     """Teeth of a torque: ``phase`` (n) in turns, whole where the screw slips, and ``width`` of the fall in turns.
 
-    ``left`` (n) is what teeth of this ``height`` leave of the torque, ``misfit`` its mean square, ``explained`` the part
-    of the variance that they do not leave.
+    ``left`` (n) is what teeth of this ``height`` leave of the torque, ``misfit`` its mean square,
+    ``explained`` the share of the variance that they do not leave.
     """
 
     phase: Array
@@ -102,9 +95,9 @@ def look(recording: Recording, interval: float | None = None, averaging: float |
     ``averaging``: the window over which the recorder averages, None where it is unknown, up to an interval.
     """
     name, speed = recording.name, recording.speed
-    mean, turning = float(speed.mean()), np.count_nonzero(speed)
+    mean = float(speed.mean())
     either_way = speed.min() < 0 < speed.max() and abs(mean) < 3 * speed.std() / math.sqrt(speed.size)
-    if either_way or mean == 0 or turning < min(TEETH, speed.size):
+    if either_way or mean == 0 or np.count_nonzero(speed) < min(TEETH, speed.size):
         return Record(name, "rest", (f"{name}: the screw rests, or turns as much one way as the other.",))
     resting = np.abs(speed) < REST * abs(mean)
     runs = np.diff(np.flatnonzero(np.concatenate([[True], ~resting, [True]]))) - 1  # of rests about samples that turn
@@ -114,67 +107,53 @@ def look(recording: Recording, interval: float | None = None, averaging: float |
         said = f"{name}: the record {' and '.join(words)} at rest; only where the screw turns is it steady motion."
         return Record(name, "start" if words[0] == "begins" else "stop", (said,))
     if drifts(speed):
-        first, *_, last = (float(part.mean()) for part in np.array_split(speed, 8))
+        first, last = speed[: speed.size // 8 + 1].mean(), speed[-(speed.size // 8 + 1) :].mean()
         said = f"{name}: the speed goes from {first:.3g} to {last:.3g} rad/s, so this is no steady motion."
         return Record(name, "ramp", (said,))
-    step, problem = _interval(recording, interval)
+    if np.quantile(speed / mean, 0.4) > STANDS:
+        return Record(name, "even", (f"{name}: the screw turns evenly.",))
+    steps = np.diff(recording.time) if interval is None and recording.time is not None else np.array([interval or 0.0])
+    step = float(np.median(steps))
+    if speed.size < SHORTEST:
+        problem = f"there are only {speed.size} samples"
+    elif step <= 0 or np.ptp(steps) > UNEVEN * step:
+        problem = "its samples are not known to be evenly spaced in time"
+    else:
+        speed, torque = np.sign(mean) * speed, np.sign(mean) * recording.torque
+        off = np.abs(torque - np.median(torque))
+        torque = np.where(off > SPIKE * 1.4826 * np.median(off), np.median(torque), torque)
+        teeth, problem = _told(speed, torque)
     if problem:
-        said = f"{name}: {problem}, so jerks cannot be told from even turning."
-        return Record(name, "even", (said,))
-    return replace(_jerks(recording, step, averaging), timed=True)
-
-
-def _interval(recording: Recording, interval: float | None) -> tuple[float, str]:
-    """Return the sampling interval, or why jerks cannot be looked for."""
-    if recording.speed.size < SHORTEST:
-        return math.nan, f"there are only {recording.speed.size} samples"
-    if interval is None and recording.time is not None:
-        steps = np.diff(recording.time)
-        interval = float(np.median(steps))
-        if interval <= 0 or np.abs(steps - interval).max() > UNEVEN * interval:
-            return math.nan, "the samples are not evenly spaced in time"
-    return (interval, "") if interval else (math.nan, "the time between samples is not known")
-
-
-def _jerks(recording: Recording, step: float, averaging: float | None) -> Record:
-    """Look for teeth, and return what they are, or why none are told."""
-    name, sense = recording.name, np.sign(recording.speed.mean())
-    speed, torque = sense * recording.speed, sense * recording.torque
-    middle, off = np.median(torque), np.abs(torque - np.median(torque))
-    torque = np.where(off > SPIKE * 1.4826 * np.median(off), middle, torque)
-    line = _line(torque, speed)
-    forward, reverse = _teeth(torque, line), _teeth(-torque, line)
-    found = min(forward, reverse, key=lambda teeth: teeth.misfit)
-    if np.quantile(speed, 0.4) > STANDS * speed.mean():
-        said = f"{name}: the screw turns evenly."
-        if found.explained > EXPLAINED:
-            said = f"{name}: the torque swings {line / step:.3g} times a second, but the screw does not stop."
-        return Record(name, "even", (said,))
-    if problem := _problem(speed, found, forward, reverse):
         return Record(name, "jerks", (f"{name}: the screw stops now and then, but {problem}; no numbers are told.",))
-    return _numbers(name, speed, torque, found, step, averaging)
+    return _numbers(name, speed, torque, teeth, step, averaging)
 
 
-def _problem(speed: Array, found: Teeth, forward: Teeth, reverse: Teeth) -> str:
-    """Return why teeth are none of which numbers can be told."""
-    if found.explained < EXPLAINED:
-        return "at no one frequency"
-    if abs(forward.misfit - reverse.misfit) * speed.size < LIKELIER * found.misfit:
-        return "its torque does not climb slowly and fall fast"
-    if found is reverse or found.frequency > 1 / LEAST:
-        return f"was sampled less than {LEAST:g} times a jerk, so how often it jerks cannot be told"
-    if speed[_ramp(found)].mean() > STANDS * speed.mean():
-        return "not while its torque climbs"
-    amplitude = 4 / speed.size * np.abs(np.fft.rfft(np.hanning(speed.size) * found.left))
+def _told(speed: Array, torque: Array) -> tuple[Teeth, str]:
+    """Return teeth, and why they are none of which numbers can be told."""
+    for closely in FOLLOWED:
+        forward, reverse = (_teeth(sign * torque, _line(torque, speed), *closely) for sign in (1, -1))
+        found = min(forward, reverse, key=lambda teeth: teeth.misfit)
+        if found.explained > EXPLAINED:
+            break
+    likelier = abs(forward.misfit - reverse.misfit) / found.misfit * speed.size
+    ramp, often = _ramp(found), found.frequency
+    other = 4 / speed.size * np.abs(np.fft.rfft(np.hanning(speed.size) * found.left))
     for k in range(6):  # harmonics, folded
-        from_line = np.abs(np.fft.rfftfreq(speed.size) - abs((k * found.frequency + 0.5) % 1 - 0.5))
-        amplitude[from_line < (0.15 if k else 0.35) * found.frequency] = 0
-    if amplitude.max() > OTHER * found.height / math.pi:
-        return "at two frequencies"
-    if np.ptp(found.phase) < TEETH + 1:
-        return f"only {np.ptp(found.phase):.0f} times"
+        from_line = np.abs(np.fft.rfftfreq(speed.size) - abs((k * often + 0.5) % 1 - 0.5))
+        other[from_line < (0.15 if k else 0.35) * often] = 0
     quarters = [np.ptp(part) for part in np.array_split(found.phase, 4)]
-    return "ever more or ever less often" if np.ptp(quarters) > FASTER * np.mean(quarters) else ""
+    problems = {
+        "at no one frequency": found.explained < EXPLAINED,
+        "its torque does not climb slowly and fall fast": likelier < LIKELIER,
+        "its torque climbs fast and falls slowly, as samples rarer than two a jerk show it": found is reverse,
+        f"it is sampled less than {LEAST:g} times a jerk": often > 1 / LEAST,
+        "not while its torque climbs": speed[ramp].sum() > STANDS * speed.mean() * np.count_nonzero(ramp),
+        "at two frequencies": other.max() > OTHER * found.height / math.pi,
+        f"only {np.ptp(found.phase):.0f} times": np.ptp(found.phase) < TEETH + 1,
+        "few of its ramps hold two samples": math.isnan(_slope(torque, found)[0]),
+        "ever more or ever less often": np.ptp(quarters) > FASTER * np.mean(quarters),
+    }
+    return found, next((problem for problem, holds in problems.items() if holds), "")
 
 
 def _ramp(teeth: Teeth) -> NDArray[np.bool_]:
@@ -187,8 +166,7 @@ def _line(torque: Array, speed: Array) -> float:
     """Return the frequency [1/sample] at which torque and speed swing together most, of the mean of cross spectra."""
     size = max(torque.size // 4, SHORTEST)
     base, _ = np.linalg.qr(_slow(torque.size, 8))
-    both = np.stack([torque, speed])
-    both -= both @ base @ base.T
+    both = _quick(base, np.stack([torque, speed]))
     parts = [both[:, k : k + size] for k in range(0, torque.size - size + 1, size // 2)]
     spectra = [np.fft.rfft(np.hanning(size) * (part - part.mean(axis=1, keepdims=True)), 8 * size) for part in parts]
     power = np.abs(sum(one.conj() * other for one, other in spectra))
@@ -202,39 +180,42 @@ def _slow(size: int, terms: int) -> Array:
     return np.column_stack([np.ones(size), x - 0.5, *(np.cos(np.pi * k * x) for k in range(1, terms + 1))])
 
 
+def _quick(base: Array, values: Array) -> Array:
+    """Return values, by their last axis, without what is slow; no BLAS, whose threads take longer to wake."""
+    return values - np.einsum("nk,...k->...n", base, np.einsum("nk,...n->...k", base, values))
+
+
 def sawtooth(phase: Array, width: float) -> Array:
     """Return teeth over a phase in turns: they climb from −1/2 to 1/2, fall at whole phases, averaged over a width."""
-    ends = [0.5 * ((phase + side) % 1 - 0.5) ** 2 for side in (0.5 * width, -0.5 * width)]
-    return (ends[0] - ends[1]) / width
+    later, sooner = ((phase + side * width) % 1 - 0.5 for side in (0.5, -0.5))
+    return 0.5 * (later**2 - sooner**2) / width
 
 
 def _smoothed(values: Array, width: float) -> Array:
     """Return Gaussian means along the last axis, of a standard deviation in samples."""
     size, half = values.shape[-1], int(3 * width) + 1
     weight = np.fft.rfft(np.exp(-0.5 * (np.arange(-half, half + 1) / width) ** 2), size + 2 * half)
-    of, ones = (
-        np.fft.irfft(np.fft.rfft(x, size + 2 * half) * weight, size + 2 * half)[..., half : half + size]
-        for x in (values, np.ones(size))
-    )
-    return np.asarray(of / ones)
+    both = (np.fft.irfft(np.fft.rfft(x, size + 2 * half) * weight, size + 2 * half) for x in (values, np.ones(size)))
+    means, ones = (x[..., half : half + size] for x in both)
+    return np.asarray(means / ones)
 
 
-def _teeth(torque: Array, frequency: float) -> Teeth:
+def _teeth(torque: Array, frequency: float, memory: float, fewest: float) -> Teeth:
     """Fit teeth of about a frequency [1/sample], whose phase wanders, beside a slow change of the torque.
 
     The phase starts from the line, in a window of about two teeth; five times it is shifted to where teeth fit best.
     """
-    size, tooth, at = torque.size, max(1 / frequency, 2.5), np.arange(torque.size)
+    size, tooth, at = torque.size, max(1 / frequency, fewest), np.arange(torque.size)
     base, _ = np.linalg.qr(_slow(size, int(np.clip(0.3 * size * frequency, 2, 48))))
-    level = torque - base @ (base.T @ torque)
+    level = _quick(base, torque)
     beat = level * np.exp(-2j * np.pi * frequency * at)
-    angle = np.angle(_smoothed(beat.real, 1.0 * tooth) + 1j * _smoothed(beat.imag, 1.0 * tooth))
+    angle = np.angle(_smoothed(beat.real, memory * tooth) + 1j * _smoothed(beat.imag, memory * tooth))
     phase = frequency * at + np.unwrap(angle) / (2 * np.pi) - 0.25  # teeth are 1/π cos(2π (phase + 1/4)) + ...
     shifts = np.linspace(-0.2, 0.2, 41)
     for reach in (2.5, 1.5, 1.0, 1.0, 1.0):
-        _, height, width = min(_fits(base, level, phase, WIDTHS[::2]))
-        still = level - height * sawtooth(phase, width)
-        still = level - base @ (base.T @ still)
+        _, height, width = min(_fits(base, level, phase, WIDTHS[::4]))
+        sway = level - height * sawtooth(phase, width)
+        still = level - sway + _quick(base, sway)
         off = np.array([(still - height * sawtooth(phase + shift, width)) ** 2 for shift in shifts])
         off = _smoothed(off, reach * tooth)
         least = off.argmin(axis=0).clip(1, shifts.size - 2)
@@ -243,88 +224,76 @@ def _teeth(torque: Array, frequency: float) -> Teeth:
         step = shifts[least] + fine.clip(-0.5, 0.5) * (shifts[1] - shifts[0])
         phase = phase + _smoothed(step, 0.5 * reach * tooth)
     fits = np.array(list(_fits(base, level, phase, WIDTHS)))
-    misfit, height, _ = fits[fits[:, 0].argmin()].tolist()
+    misfit, height, _ = min(fits.tolist())
     weight = np.exp(-0.5 * (fits[:, 0] / misfit - 1) * (size - base.shape[1]))
-    width = float(weight @ WIDTHS / weight.sum())
-    spread = math.sqrt(weight @ (WIDTHS - width) ** 2 / weight.sum() + np.ptp(WIDTHS[:2]) ** 2 / 12)
-    left = level - height * sawtooth(phase, width)
-    left -= base @ (base.T @ left)
+    width = float(np.average(WIDTHS, weights=weight))
+    spread = math.sqrt(np.average((WIDTHS - width) ** 2, weights=weight) + np.ptp(WIDTHS[:2]) ** 2 / 12)
+    left = _quick(base, level - height * sawtooth(phase, width))
     return Teeth(phase, (width, spread), height, left, misfit / size, 1 - misfit / float(level @ level))
 
 
 def _fits(base: Array, level: Array, phase: Array, widths: Array) -> Iterator[tuple[float, float, float]]:
-    """Return the sum of squares that teeth of each width, with a shift of their phase, leave, their height and width."""
-    whole = float(level @ level)
+    """Return the squares that teeth of each width, free in height and shift, leave, their height and width."""
     for width in widths.tolist():
         ahead, behind = sawtooth(phase + 0.02, width), sawtooth(phase - 0.02, width)
-        columns = np.column_stack([sawtooth(phase, width), ahead - behind])
-        columns -= base @ (base.T @ columns)
-        (height, shift), *_ = np.linalg.lstsq(columns, level, rcond=None)
-        left = level - columns @ (height, shift)
-        yield (float(left @ left), float(height), width) if height > 0 else (whole, 0.0, width)
+        one, shift = _quick(base, np.stack([sawtooth(phase, width), ahead - behind]))
+        (a, b, c), (p, q) = (one @ one, shift @ shift, one @ shift), (one @ level, shift @ level)
+        height, moved = np.array([b * p - c * q, a * q - c * p]) / max(a * b - c * c, 1e-9 * a * b)
+        gain = float(height * p + moved * q) if height > 0 else 0.0
+        yield float(level @ level) - gain, float(max(height, 0)), width
 
 
-def _slope(torque: Array, teeth: Teeth, step: float) -> Number | None:
-    """Return the slope of samples of one ramp, over all ramps but those that are far off; None for too few."""
+def _slope(torque: Array, teeth: Teeth) -> Number:
+    """Return the slope by samples of one ramp, over all ramps but those that are far off; NaN for too few."""
     ramp = _ramp(teeth)
-    tooth, time, held = np.floor(teeth.phase[ramp]).astype(int), step * np.flatnonzero(ramp), torque[ramp]
-    tooth -= tooth.min()
+    tooth, time, held = np.floor(teeth.phase[ramp] + 1).astype(int), np.flatnonzero(ramp), torque[ramp]
     count = np.bincount(tooth)
     time, held = (x - (np.bincount(tooth, x) / np.maximum(count, 1))[tooth] for x in (time, held))
     climb, spread = (np.bincount(tooth, x)[count > 1] for x in (time * held, time * time))
     if climb.size < TEETH:
-        return None
+        return math.nan, math.nan
     off = np.abs(climb - np.median(climb / spread) * spread)
     near = off <= 3.5 * 1.4826 * np.median(off)
-    climb, spread = climb[near], spread[near]
-    slope = climb.sum() / spread.sum()
-    return float(slope), float(np.linalg.norm(climb - slope * spread) / spread.sum())
+    slope = climb[near].sum() / spread[near].sum()
+    return float(slope), float(CHOSEN * np.linalg.norm((climb - slope * spread)[near]) / spread[near].sum())
 
 
 def _numbers(name: str, speed: Array, torque: Array, teeth: Teeth, step: float, averaging: float | None) -> Record:
-    """Return what teeth tell; None, and a sentence, for a number that is not sure."""
+    """Return what teeth tell, and a sentence where the mean speed, and what rests on it, is not sure."""
     slips = np.interp(np.arange(np.ceil(teeth.phase[0]), teeth.phase[-1]), teeth.phase, step * np.arange(speed.size))
-    period, error = np.diff(slips).mean(), np.diff(slips).std(ddof=1) / math.sqrt(slips.size - 1)
-    blocks = [part.mean() for part in np.array_split(speed, BLOCKS)]
-    mean, mean_error = speed.mean(), np.std(blocks, ddof=1) / math.sqrt(BLOCKS)
-    width, width_error = teeth.width
+    period, error, mean = np.diff(slips).mean(), _error(np.diff(slips)), speed.mean()
+    mean_error = _error(np.array([part.mean() for part in np.array_split(speed, BLOCKS)])) / mean
+    width, blur = teeth.width[0], math.hypot(teeth.width[1], BLUR)
     said = [f"the screw jerks {1 / period:.3g} times a second, so its mean torque is no point of the friction law."]
-    found: dict[str, Number] = {
-        "period": (period, error),
-        "displacement": (mean * period, mean * period * math.hypot(mean_error / mean, error / period)),
-        "fall": (width * period, math.hypot(width_error, BLUR) * period),
-    }
+    slope = tuple(value / step for value in _slope(torque, teeth))
+    found = {"period": (period, error), "fall": (width * period, blur * period), "slope": slope}
+    beat = abs(1 / teeth.frequency - round(1 / teeth.frequency)) * slips.size
+    if mean_error > UNSURE or beat < 1:  # within an interval, samples see the same part of all teeth
+        why = "samples keep in step with the jerks" if beat < 1 else f"its standard error is {mean_error:.0%}"
+        said.append(f"the mean speed is not sure, as {why}: no stiffness and displacement of a jerk are told.")
+    else:
+        found["displacement"] = (mean * period, mean * period * math.hypot(mean_error, error / period))
+        found["stiffness"] = (slope[0] / mean, slope[0] / mean * math.hypot(slope[1] / slope[0], mean_error))
+    windows = (0.0, step) if averaging is None else (averaging, averaging)
+    longest, shortest = (
+        min(math.sqrt(max(max(width + edge, 0) ** 2 - (window / period) ** 2, 0) / shape), LONGEST)
+        for window, edge, shape in zip(windows, (BLUR, -BLUR), SHAPE, strict=True)
+    )
+    slip, slip_error = 0.5 * (longest + shortest), (longest - shortest) / math.sqrt(12)
+    half, height = 0.5 * (1 - slip) * period, slope[0] * period
+    middle = torque.mean() + DAMPED * slip * height
+    parts = (half * slope[1], 0.5 * height * slip_error, DAMPED * slip * height, _error(teeth.left))
+    for key, side in (("breakaway", 1), ("after", -1)):
+        found[key] = (middle + side * half * slope[0], np.linalg.norm(parts))
     if averaging is None:
         said.append(
-            f"the torque falls within {width * period:.2g} s as recorded, by the slip and by averaging, which "
-            "cannot be told apart; the errors of breakaway and of the torque after the slip allow for both."
+            f"the torque falls within {(width + BLUR) * period:.2g} s as recorded, by the slip and by averaging, "
+            "which cannot be told apart; the errors of the torques allow for both."
         )
-    height = 0.0
-    if slope := _slope(torque, teeth, step):
-        windows = (0.0, step) if averaging is None else (averaging, averaging)
-        longest, shortest = (
-            min(math.sqrt(max((width + blur) ** 2 - (window / period) ** 2, 0) / shape), LONGEST)
-            for window, blur, shape in zip(windows, (BLUR, -BLUR), SHAPE, strict=True)
-        )
-        slip, slip_error = 0.5 * (longest + shortest), (longest - shortest) / math.sqrt(12)
-        height = slope[0] * period  # of a tooth whose slip takes no time
-        middle, middle_error = torque.mean() + DAMPED * slip * height, teeth.left.std() / math.sqrt(speed.size)
-        half = 0.5 * (1 - slip) * period
-        parts = (half * slope[1], 0.5 * height * slip_error, middle_error, DAMPED * slip * height)
-        torques_error = float(np.linalg.norm(parts))
-        stiffness = slope[0] / mean
-        found |= {
-            "slope": slope,
-            "stiffness": (stiffness, abs(stiffness) * math.hypot(slope[1] / slope[0], mean_error / mean)),
-            "breakaway": (middle + half * slope[0], torques_error),
-            "after": (middle - half * slope[0], torques_error),
-        }
-    else:
-        said.append(f"fewer than {TEETH} ramps hold two samples, so neither slope nor stiffness nor torques are told.")
-    for key, words in UNSURE_OF.items():
-        value, error = found.get(key, (1.0, 0.0))
-        if error > UNSURE * (height if "torque" in words else abs(value)):
-            said.append(f"the {words} cannot be told, for its standard error would be {error:.2g} of {value:.2g}.")
-            del found[key]
     numbers = {key: (float(value), float(error)) for key, (value, error) in found.items()}
     return Record(name, "jerks", tuple(f"{name}: {text}" for text in said), **numbers, teeth=slips.size - 1)
+
+
+def _error(values: Array) -> float:
+    """Return the standard error of a mean of independent values."""
+    return float(values.std(ddof=1) / math.sqrt(values.size))

@@ -227,7 +227,7 @@ class Table:
     @property
     def told_even(self) -> bool:
         """Whether a record is known to be without jerks."""
-        return bool(self.points) and self.record is not None and self.record.kind == "even" and self.record.timed
+        return bool(self.points) and self.record is not None and self.record.kind == "even"
 
 
 @dataclass(frozen=True)
@@ -347,9 +347,9 @@ def _table(path: Path, block: Measurements, load: Load, lead: float, alone: bool
             refuse_record(table)
         return Table(*under, row_points(table), None, 0.0, skipped)
     interval, window = (entry.nominal if entry else None for entry in (block.sampling, block.averaging))
-    record, mean = look(table, interval, window), float(table.speed.mean())
-    if record.kind == "jerks":
-        return Table(*under, [], record, mean, [*skipped, *(text.removesuffix(".") for text in record.said)])
+    record, mean = look(table, interval, window) if timed else None, float(table.speed.mean())
+    if record is not None and record.kind == "jerks":
+        return Table(*under, [], record, mean, [*skipped, record.said[0].removesuffix(".")])
     point = steady_point(table)
     counts = {
         "rows of a screw at rest": 0 if point.speed else point.samples,

@@ -67,7 +67,7 @@ class Point:
 def read_table(
     path: Path, columns: Sequence[int], factors: Sequence[float], separator: str = ",", decimal: str = "."
 ) -> Recording:
-    """Read speed, torque, and time if it is asked for, from ``columns`` (from 1), times ``factors`` to rad/s, N m and s.
+    """Read speed, torque and, if it is asked for, time from ``columns`` (from 1), times ``factors`` to rad/s, N m, s.
 
     Rows count that have as many cells as most rows have, and numbers in all columns. Raises ``InputError``.
     """
