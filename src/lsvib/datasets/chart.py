@@ -3,7 +3,6 @@
 A cell depends on nothing but its own drive, so a large chart can be cut into tiles, as a map of attraction may be.
 """
 
-import json
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -18,13 +17,13 @@ from lsvib.basins.grid import MOST_CELLS, Axis
 from lsvib.datasets.attributes import (
     VARIED,
     Variable,
+    about_drive,
     attributes,
     flagged,
     flags,
     fractions,
     given,
     parameter,
-    parts_in_words,
     variable,
 )
 from lsvib.datasets.io import write_dataset
@@ -133,8 +132,7 @@ class Plane:
                 "title": f"What a lead-screw drive does over {self.x.name} and {self.y.name}",
                 "source": "lsvib, exact event-driven motions from two starts of the drive in the middle of every cell",
                 "references": "doi:10.1007/978-1-4419-1752-2_8, Sects 8.5-8.7",
-                "parts": parts_in_words(self.drive),
-                "parameters": json.dumps(dict(fixed)),
+                **about_drive(self.drive, fixed),
             },
         )
 

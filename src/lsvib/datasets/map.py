@@ -20,13 +20,14 @@ from lsvib.basins.mapping import mapper
 from lsvib.datasets import phase_plane
 from lsvib.datasets.attributes import (
     Variable,
+    about_drive,
     attributes,
     drive_parameters,
+    flag_words,
     flags,
     flags_or_none,
     fractions,
     given,
-    parts_in_words,
     quantity,
     variable,
 )
@@ -123,8 +124,7 @@ def frame(mapper: Mapper, grid: Grid) -> xr.Dataset:
             "title": "Regions of attraction of a lead-screw drive",
             "source": "lsvib, exact event-driven motion from the middle of every cell",
             "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.7",
-            "parts": parts_in_words(mapper.drive),
-            "parameters": json.dumps(dict(mapper.drive)),
+            **about_drive(mapper.drive, mapper.drive),
             "physics": " ".join(mapper.physics),
             "grid": json.dumps({"axes": spans, "fixed": dict(grid.fixed)}),
         },
@@ -146,8 +146,7 @@ def cells(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) -> dict[s
         "doubt": attributes(
             "1",
             "why the label is unresolved",
-            flag_values=np.arange(NO_DOUBT, len(Doubt), dtype=np.int8),
-            flag_meanings=" ".join(["none", *(doubt.name.lower() for doubt in Doubt)]),
+            **flag_words(dict(enumerate(["none", *(doubt.name.lower() for doubt in Doubt)], NO_DOUBT))),
             comment="; ".join(f"{doubt.name.lower()}: {doubt}" for doubt in Doubt),
         ),
     }

@@ -42,7 +42,9 @@ def residual(motion: xr.Dataset) -> float:
     steps = np.diff(time) > 0
     rests = steps & (speed[:-1] == 0) & (speed[1:] == 0)
     laws = np.where(rests, 0, np.sign(speed[:-1] + speed[1:]) * np.sign(force[:-1] + force[1:]))
-    worst = [_jumps(states[:-1][~steps], states[1:][~steps]) / sizes]
+    jumps = np.abs(np.diff(states, axis=0)[~steps])
+    jumps[:, 1] = np.minimum(jumps[:, 1], np.abs(states[1:, 1][~steps]))  # across an event a speed may drop to zero
+    worst = [jumps / sizes]
     if "coupling_deflection" in motion:
         worst.append(np.abs(motion.coupling_deflection.values - deflection) / sizes[0])
     for law in (1, 0, -1):
@@ -154,10 +156,3 @@ def _steady_deflection(p: Mapping[str, float]) -> Any:
     push = p["axial_force"] - lead * p["translation_damping"] * p["input_speed"]
     field, *_ = _equations(p, 1 if push * p["input_speed"] >= 0 else -1, False)
     return -(field[1, 1] * p["input_speed"] + field[1, 2]) / field[1, 0]
-
-
-def _jumps(before: np.ndarray, after: np.ndarray) -> Any:
-    """Differences of states across events; a speed may drop to zero (seizure)."""
-    jumps = np.abs(after - before)
-    jumps[:, 1] = np.minimum(jumps[:, 1], np.abs(after[:, 1]))
-    return jumps

@@ -16,7 +16,7 @@ import xarray as xr
 from lsvib import numbers
 from lsvib.basins.curves import Part, Window
 from lsvib.basins.resilience import Resilience, resilience
-from lsvib.datasets.attributes import Variables, attributes, flags, parts_in_words, variable
+from lsvib.datasets.attributes import Variables, about_drive, attributes, flags, variable
 from lsvib.dynamics.attractor import Attractor
 from lsvib.dynamics.sweep import all_endings
 from lsvib.errors import EngineError, InputError
@@ -91,7 +91,7 @@ def _over(axes: Mapping[str, Sequence[float]], drive: Drive, found: Variables, *
     return xr.Dataset(
         found,
         {name: variable(name, np.array(x), about[name]["unit"], about[name]["long_name"]) for name, x in axes.items()},
-        {"parts": parts_in_words(drive), "parameters": json.dumps({k: v for k, v in drive if k not in axes}), **more},
+        about_drive(drive, ((name, value) for name, value in drive if name not in axes)) | more,
     )
 
 

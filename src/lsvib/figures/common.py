@@ -6,9 +6,10 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import variable
+from lsvib.datasets.attributes import Variable, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures.settings import Values
+from lsvib.models.chapter import Claim
 
 if TYPE_CHECKING:
     from lsvib.basins.boundary import Basin
@@ -38,6 +39,11 @@ def about(module: str | None, source: str, places: str, **more: str) -> dict[str
     """Return the attributes of a dataset: the title of its ``module``'s docstring, the ``places`` that it is about."""
     title, references = (module or "").partition("\n")[0].rstrip("."), f"doi:10.1007/978-1-4419-1752-2_8, {places}"
     return {"title": title, "source": f"lsvib, {source}", "references": references, **more}
+
+
+def printed(claim: Claim, words: str) -> Variable:
+    """Return a number that the chapter prints, whose ``words`` say what it is, as a variable without dimensions."""
+    return variable((), claim.value, claim.unit, f"{words}, as printed", relative_tolerance=claim.tolerance)
 
 
 def flag_names(variable: xr.DataArray) -> dict[int, str]:

@@ -11,12 +11,12 @@ import xarray as xr
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from lsvib.datasets import newton, phase_plane, printed, spans
+from lsvib.datasets import newton, phase_plane, spans
 from lsvib.datasets.analysis import analyse, value
 from lsvib.datasets.attributes import Variables, flagged, start_state, variable, varied, yes_no
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
-from lsvib.figures.common import SteadyState, about, flag_names, named, spread
+from lsvib.figures.common import SteadyState, about, flag_names, named, printed, spread
 from lsvib.figures.settings import MassPair, PhasePlane, Span, State, Values, parameter, several
 from lsvib.models import chapter
 from lsvib.models.drive import Drive
@@ -96,7 +96,7 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
             **start_state(settings["start"], "of the motions whose steady vibration swept_amplitude describes"),
             "lead_tangent": variable((), tangent, "1", "tangent of the lead angle", r"$\tan\lambda$"),
             **{name: variable((), value, "N", words[name], "$R$") for name, value in values.items()},
-            **{f"printed_{n}": printed.variable(chapter.THRESHOLDS[n], words[n]) for n in _THRESHOLDS},
+            **{f"printed_{n}": printed(chapter.THRESHOLDS[n], words[n]) for n in _THRESHOLDS},
         }
     )
     readings = {
@@ -138,7 +138,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     line = dataset.contact_line_angle.values[force > chapter.THRESHOLDS["onset_force"].value]
     return [
         newton.laws_check(dataset, "Fig. 8.6"),
-        printed.check("Tangent of the lead angle", chapter.TAN_LEAD, tangent),
+        Check.printed("Tangent of the lead angle", chapter.TAN_LEAD, tangent),
         Check.holds(
             "The thread is self-locking: without a torque of the coupling the axial force does not turn the screw, nor "
             "does it with 1.01 tan λ for μ, but with 0.99 tan λ",
@@ -152,7 +152,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             f"from {abs(line[-1]):.4g} to {abs(line[0]):.4g} rad off",
             line.size > 1 and (np.diff(np.abs(line)) > 0).all() and np.ptp(np.sign(line)) == 0,
         ),
-        *(printed.check(words, chapter.THRESHOLDS[n], dataset[n]) for n, (_, words) in _THRESHOLDS.items()),
+        *(Check.printed(words, chapter.THRESHOLDS[n], dataset[n]) for n, (_, words) in _THRESHOLDS.items()),
         newton.touching_check(dataset.isel(case=0), 1, dataset.detach_force, "Detach force"),
         *_curve_checks(dataset),
         *_inset_checks(dataset),
@@ -239,12 +239,12 @@ def _reading_checks(dataset: xr.Dataset) -> list[Check]:
     off = [abs(force / chapter.THRESHOLDS[name].value - 1) > 0.02 for name, force in forces.items()]
     return [
         *(
-            printed.check(f"Effective damping C{symbol}, of any mass", chapter.EFFECTIVE_DAMPING[law],
+            Check.printed(f"Effective damping C{symbol}, of any mass", chapter.EFFECTIVE_DAMPING[law],
                           ours[f"reading_effective_damping_{sign}"])
             for law, (sign, symbol) in _LAWS.items()
         ),
         *(
-            printed.check(f"Effective inertia Γ{symbol} as printed, read as that of m = {other:g} kg (with the stated "
+            Check.printed(f"Effective inertia Γ{symbol} as printed, read as that of m = {other:g} kg (with the stated "
                           f"m = {stated:g} kg it is {inertias[law]:.3g} kg m2)", chapter.EFFECTIVE_INERTIA[law],
                           theirs[f"reading_effective_inertia_{sign}"])
             for law, (sign, symbol) in _LAWS.items()

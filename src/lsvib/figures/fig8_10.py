@@ -6,12 +6,12 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from lsvib.datasets import newton, phase_plane, printed, spans
+from lsvib.datasets import newton, phase_plane, spans
 from lsvib.datasets.attributes import Variables, axis, drive_parameters, flagged, quantity, start_state, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures import settings as of
-from lsvib.figures.common import Motion, SteadyState, about, named
+from lsvib.figures.common import Motion, SteadyState, about, named, printed
 from lsvib.models import chapter
 from lsvib.models.drive import Drive
 from lsvib.models.mechanism import seated_state
@@ -62,7 +62,7 @@ def build(settings: of.Values) -> xr.Dataset:
             **axis("swept_axial_force", forces),
             **drive_parameters(drive, printed=("Sect. 8.6", "Sect. 8.6.1")),
             **start_state(start, "with a seated contact: of the motion and of those whose cycles are found"),
-            "printed_peak_normal_force": printed.variable(chapter.PEAK_FORCE, "largest contact force on the cycle"),
+            "printed_peak_normal_force": printed(chapter.PEAK_FORCE, "largest contact force on the cycle"),
         },
         attrs=about(__doc__, "exact event-driven motion with four states", "Sect. 8.6.1, Fig. 8.10"),
     ).set_coords("time")
@@ -193,7 +193,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     return [
         newton.laws_check(dataset, "Fig. 8.10"),
         newton.laws_check(cycle_motion(dataset, "rigid_cycle"), "Fig. 8.10", "cycle of the rigid drive"),
-        printed.check("Peak of the contact force on the cycle", claim, dataset.peak_normal_force),
+        Check.printed("Peak of the contact force on the cycle", claim, dataset.peak_normal_force),
         Check.holds(
             f"The peak stays within {100 * claim.tolerance:g} % of {claim.value / 1e3:g} kN whatever R is, which the "
             "text leaves out",

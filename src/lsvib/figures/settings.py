@@ -5,7 +5,7 @@ parameters are those of :mod:`lsvib.models.drive`.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Self
 
@@ -106,25 +106,19 @@ class PlaneWindow(SettingsSection):
         return self
 
 
-def _unique(values: list[Any]) -> list[Any]:
-    if any(value in values[:k] for k, value in enumerate(values)):
-        raise PydanticCustomError("of_the_value", "holds an entry twice")
-    return values
+def refusing(wrong: Callable[[Any], bool], words: str) -> AfterValidator:
+    """Return what refuses some values of a type, in words that follow the value; to be added to the type."""
+
+    def check(value: Any) -> Any:
+        if wrong(value):
+            raise PydanticCustomError("of_the_value", words)
+        return value
+
+    return AfterValidator(check)
 
 
-def _not_zero(value: float) -> float:
-    if value == 0:
-        raise PydanticCustomError("of_the_value", "is not acceptable; it must not be 0")
-    return value
-
-
-def _zero(value: float) -> float:
-    if value != 0:
-        raise PydanticCustomError("of_the_value", "is not acceptable; it must be 0")
-    return value
-
-
-Unique = (AfterValidator(_unique),)  # add to the type of a list
+Unique = (refusing(lambda values: any(x in values[:k] for k, x in enumerate(values)), "holds an entry twice"),)
+NotZero = (refusing(lambda value: value == 0, "is not acceptable; it must not be 0"),)
 
 
 def several(kind: Any, least: int, most: int | None, description: str) -> Any:
@@ -167,9 +161,11 @@ class ContactStart(SettingsSection):
     rate: float = Field(ge=-1e12, le=1e12)
 
 
-NotZero = (AfterValidator(_not_zero),)  # add to the type of a number
 ContactDampings = Annotated[
-    tuple[Annotated[float, AfterValidator(_zero)], parameter("contact_damping", Gt(0))],
+    tuple[
+        Annotated[float, refusing(lambda value: value != 0, "is not acceptable; it must be 0")],
+        parameter("contact_damping", Gt(0)),
+    ],
     Field(strict=False, description="Contact damping of both panels, none first [N s/m]."),
 ]
 Starts = Annotated[list[State], Field(min_length=1, max_length=4, description="States from which motions are drawn.")]

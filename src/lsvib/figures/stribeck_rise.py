@@ -4,13 +4,13 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from lsvib.datasets import phase_plane, printed, spans
+from lsvib.datasets import phase_plane, spans
 from lsvib.datasets.analysis import analyse, least_onset_force
 from lsvib.datasets.attributes import ASSUMED, drive_parameters, named_index, parameter, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import settings as of
 from lsvib.figures import style
-from lsvib.figures.common import BALANCE, about, balance_check, named
+from lsvib.figures.common import BALANCE, about, balance_check, named, printed
 from lsvib.figures.settings import DriveChanges, DriveFigure, PositiveSpan, Span, Values
 from lsvib.models import chapter
 from lsvib.models.drive import Drive
@@ -92,7 +92,7 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
             "static_share": variable("static_share", static, "1", "static over kinetic friction"),
             "cycle": named_index("cycle", "which cycle", CYCLES),
             "case_mass": ((), settings["heavy_mass"], parameter("case_mass", ASSUMED)),
-            **{f"printed_{n}": printed.variable(chapter.THRESHOLDS[n], n.replace("_", " ")) for n in _PRINTED},
+            **{f"printed_{n}": printed(chapter.THRESHOLDS[n], n.replace("_", " ")) for n in _PRINTED},
         },
         attrs=about(__doc__, "closed form, motions and their return maps", "Figs 8.6, 8.8, 8.9"),
     )
@@ -132,9 +132,9 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     )
     amplitude, period = dataset.amplitude.values, dataset.period.values
     return [
-        printed.check("Critical mass without a rise", chapter.THRESHOLDS["critical_mass"], exact),
+        Check.printed("Critical mass without a rise", chapter.THRESHOLDS["critical_mass"], exact),
         *(
-            printed.check(f"{name.replace('_', ' ').capitalize()} without a rise", chapter.THRESHOLDS[name],
+            Check.printed(f"{name.replace('_', ' ').capitalize()} without a rise", chapter.THRESHOLDS[name],
                           float(first[name]))
             for name in _FORCES
         ),
