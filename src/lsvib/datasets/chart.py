@@ -14,18 +14,7 @@ import xarray as xr
 
 from lsvib import numbers
 from lsvib.basins.grid import MOST_CELLS, Axis
-from lsvib.datasets.attributes import (
-    VARIED,
-    Variable,
-    about_drive,
-    attributes,
-    flagged,
-    flags,
-    fractions,
-    given,
-    parameter,
-    variable,
-)
+from lsvib.datasets import attributes as cf
 from lsvib.datasets.io import write_dataset
 from lsvib.datasets.spans import zero_where_rounded
 from lsvib.datasets.sweep import known_key, product_of
@@ -73,9 +62,9 @@ class ChartAxis(Axis):
     def attributes(self) -> dict[str, Any]:
         """Return the attributes of the axis as a coordinate."""
         if self.name not in LOGARITHMIC:
-            return parameter(self.name, VARIED, cell_width=self.width)
+            return cf.parameter(self.name, cf.VARIED, cell_width=self.width)
         first, second = self.middles(np.array([-0.5, 0.5]))  # edges
-        return parameter(self.name, VARIED, cell_ratio=float(second / first))
+        return cf.parameter(self.name, cf.VARIED, cell_ratio=float(second / first))
 
     def middles(self, index: np.ndarray) -> np.ndarray:
         """Return the middles of the cells of these indices."""
@@ -124,15 +113,15 @@ class Plane:
         """Return the chart from its labels (rows, columns) and :meth:`curves`."""
         fixed = [(name, value) for name, value in self.drive if name not in self.dims]
         counts = {kind: int(np.count_nonzero(labels == kind)) for kind in Behaviour}
-        cells = {"label": (self.dims, labels, LABEL)} | fractions("behaviour", LABEL["long_name"], counts)
+        cells = {"label": (self.dims, labels, LABEL)} | cf.fractions("behaviour", LABEL["long_name"], counts)
         return xr.Dataset(
-            given(fixed) | self._points(curves) | cells,
+            cf.given(fixed) | self._points(curves) | cells,
             coords={one.name: (one.name, one.centres(), one.attributes()) for one in (self.y, self.x)},
             attrs={
                 "title": f"What a lead-screw drive does over {self.x.name} and {self.y.name}",
                 "source": "lsvib, exact event-driven motions from two starts of the drive in the middle of every cell",
                 "references": "doi:10.1007/978-1-4419-1752-2_8, Sects 8.5-8.7",
-                **about_drive(self.drive, fixed),
+                **cf.about_drive(self.drive, fixed),
             },
         )
 
@@ -140,7 +129,7 @@ class Plane:
         """Return the exact curves."""
         return boundary_curves(self.drive, (self.x.name, self.x.ends), (self.y.name, self.y.ends))
 
-    def _points(self, found: Curves) -> dict[str, Variable]:
+    def _points(self, found: Curves) -> dict[str, cf.Variable]:
         """The points of all exact curves, one after the other; ``boundary_line`` numbers the lines."""
         lines = [(kind, line) for kind, parts in found.items() for line in parts]
         if not lines:
@@ -150,14 +139,14 @@ class Plane:
         kinds = np.repeat(np.array([kind for kind, _ in lines], dtype=np.int8), sizes)
         number = np.repeat(np.arange(len(lines), dtype=np.int32), sizes)
         return {
-            f"boundary_{self.x.name}": (dim, points[:, 0], parameter(f"boundary_{self.x.name}", VARIED)),
-            f"boundary_{self.y.name}": (dim, points[:, 1], parameter(f"boundary_{self.y.name}", VARIED)),
-            "boundary_name": flagged(dim, kinds, "name of the exact curve", ChartBoundary),
-            "boundary_line": variable(dim, number, "1", "number of the line, whose points are joined"),
+            f"boundary_{self.x.name}": (dim, points[:, 0], cf.parameter(f"boundary_{self.x.name}", cf.VARIED)),
+            f"boundary_{self.y.name}": (dim, points[:, 1], cf.parameter(f"boundary_{self.y.name}", cf.VARIED)),
+            "boundary_name": cf.flagged(dim, kinds, "name of the exact curve", ChartBoundary),
+            "boundary_line": cf.variable(dim, number, "1", "number of the line, whose points are joined"),
         }
 
 
-LABEL = attributes("1", "what the drive does", **flags(Behaviour))
+LABEL = cf.attributes("1", "what the drive does", **cf.flags(Behaviour))
 
 
 def chart(drive: Drive, x: Any, y: Any, workers: Any = 1, progress: Progress | None = None) -> xr.Dataset:

@@ -8,16 +8,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from lsvib.datasets import attributes as cf
 from lsvib.datasets import phase_plane
-from lsvib.datasets.attributes import (
-    WITHOUT_IMPULSES,
-    about_drive,
-    attributes,
-    flagged,
-    given,
-    quantity,
-    variable,
-)
 from lsvib.dynamics.attractor import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.dynamics.impulses import event_impulses
 from lsvib.engine.motion import Budget, Motion, follow
@@ -60,30 +52,31 @@ def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:
     """
     times = np.linspace(0.0, scene.duration, scene.samples)
     states, modes = motion.at(times)
-    codes = motion.automaton.codes
-    data = {name: ("time", states[:, k], quantity(name)) for k, name in enumerate(motion.automaton.states)}
-    data["mode"] = flagged("time", codes[modes], "mode of motion", scene.definition.modes)
+    names, codes = motion.automaton.states, motion.automaton.codes
+    data: cf.Variables = {name: ("time", states[:, k], cf.quantity(name)) for k, name in enumerate(names)}
+    data["mode"] = cf.flagged("time", codes[modes], "mode of motion", scene.definition.modes)
     for name in scene.outputs:
-        data[name] = ("time", motion.automaton.observe(name, states, modes), quantity(name))
+        data[name] = ("time", motion.automaton.observe(name, states, modes), cf.quantity(name))
         if name in ("normal_force", "axial_contact_force") and motion.automaton.sprag_kinds:
-            data[name][2]["comment"] = WITHOUT_IMPULSES
+            data[name][2]["comment"] = cf.WITHOUT_IMPULSES
     impulses = event_impulses(scene.drive, motion) if motion.automaton.sprag_kinds else None
     events = phase_plane.events(motion, scene.definition.events, impulses)
     data |= {name: ("event", *known) for name, known in events.items()}
-    data["event_mode"] = flagged("event", codes[motion.mode], "mode of motion after the event", scene.definition.modes)
+    after = "mode of motion after the event"
+    data["event_mode"] = cf.flagged("event", codes[motion.mode], after, scene.definition.modes)
     # Two states are carried without a modal form, so that nothing amplifies rounding.
     form = {} if len(motion.automaton.states) == 2 else {"condition_number": motion.automaton.condition}
     return xr.Dataset(
         data,
         coords={
-            "time": ("time", times, attributes("s", "time", "$t$")),
-            "event": ("event", np.arange(motion.time.size), attributes("1", "index of the event")),
+            "time": ("time", times, cf.attributes("s", "time", "$t$")),
+            "event": ("event", np.arange(motion.time.size), cf.attributes("1", "index of the event")),
         },
         attrs={
             "title": "Motion of a lead-screw drive",
             "source": "lsvib, exact event-driven simulation",
             "references": f"doi:10.1007/978-1-4419-1752-2_8, {scene.definition.equations}",
-            **about_drive(scene.drive, scene.parameters().items()),
+            **cf.about_drive(scene.drive, scene.parameters().items()),
             "physics": " ".join(scene.terms),
             "resume": scene.resume,
             "initial_state": json.dumps(dict(scene.start)),
@@ -107,10 +100,10 @@ def motion_file(scene: Scene, motion: Motion, steady: SteadyState) -> xr.Dataset
     outputs = tuple(dict.fromkeys((*scene.outputs, "normal_force", "coupling_deflection")))
     dataset = trajectory(scene.model_copy(update={"outputs": outputs}), motion)
     doubt = {} if steady.doubt is None else {"comment": f"unresolved: {steady.doubt}"}
-    return dataset.assign(given(scene.parameters().items())).assign(
-        attractor=flagged((), steady.label, phase_plane.ATTRACTOR, Attractor, **doubt),
-        amplitude=variable((), steady.amplitude, "rad", phase_plane.AMPLITUDE),
-        period=variable((), steady.period, "s", phase_plane.PERIOD, "$T$"),
+    return dataset.assign(cf.given(scene.parameters().items())).assign(
+        attractor=cf.flagged((), steady.label, phase_plane.ATTRACTOR, Attractor, **doubt),
+        amplitude=cf.variable((), steady.amplitude, "rad", phase_plane.AMPLITUDE),
+        period=cf.variable((), steady.period, "s", phase_plane.PERIOD, "$T$"),
     )
 
 
