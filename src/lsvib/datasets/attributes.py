@@ -27,7 +27,6 @@ _LONG_NAMES = {
     "nut_speed": ("speed of the nut along the axis", "m s-1", r"$\dot x$"),
 }
 
-
 Dims = str | tuple[str, ...]
 Variable = tuple[Dims, Any, dict[str, Any]]  # as xarray.Dataset takes one
 Variables = dict[str, Variable]
@@ -116,7 +115,6 @@ SIGNS = attributes(
     "sign of the impulse of a seizure, or of the normal force after a contact reversal",
     **flag_words({-1: "negative", 0: "none", 1: "positive"}),
 )
-
 
 ASSUMED = "assumed: not stated in the text"
 GIVEN = "given: by whoever asked for this file"

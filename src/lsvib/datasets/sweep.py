@@ -29,7 +29,6 @@ from lsvib.numbers import Progress
 START = {"u": 1e-3, "w": 0.0}  # next to steady sliding: rad, and rad/s
 _MOST = 10_000_000  # points, of which each has some hundred bytes
 
-
 _VARIABLES = {
     "attractor": attributes("1", "attractor that the motion reaches", **flags(Attractor)),
     "amplitude": attributes("rad", "amplitude of the steady vibration, half its peak-to-peak"),

@@ -29,7 +29,6 @@ COLOURS = {
     "unresolved": style.BLACK,
 }
 
-
 Coordinate = Annotated[
     Annotated[float, Tag("number")] | Annotated[Cells, Tag("axis")],
     Discriminator(lambda value: "axis" if isinstance(value, dict) else "number"),

@@ -64,15 +64,11 @@ class Settings(PhasePlane):
         return self
 
 
-def _readings(settings: Values) -> list[Drive]:
-    """The drive with each of the masses to which numbers of the text belong."""
-    return [Drive.of(settings["drive"]).replace(mass=float(mass)) for mass in settings["mass_readings"]]
-
-
 def analysis(settings: Values) -> xr.Dataset:
     """Analyse the drive for both readings of its mass: effective inertias and dampings, the three forces."""
+    readings = [Drive.of(settings["drive"]).replace(mass=float(mass)) for mass in settings["mass_readings"]]
     forces = [(name, "axial_force") for name in ("onset", "stick", "detach")]
-    return analyse(_readings(settings), forces, ("mass",), ("Sect. 8.5.1",))
+    return analyse(readings, forces, ("mass",), ("Sect. 8.5.1",))
 
 
 def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
@@ -281,14 +277,10 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     axes.plot(dataset.axial_force, curve, "o", color="white", mec=style.BLACK, markersize=4.5, zorder=4,
               label="force of a phase portrait")  # fmt: skip
     for index in cases:
-        _portrait(panels[index], dataset.sel(case=index))
+        portrait, case = panels[index], dataset.sel(case=index)
+        drawing.phase_plane(portrait, case, [0.8] * case.sizes["start"], 1.6, 0.2)
+        drawing.draw_lines(portrait, case)
+        drawing.guide(portrait, case)
+        drawing.label_axes(portrait, case, f"$R$ = {style.number(case.axial_force)} N")
+        portrait.locator_params(axis="x", nbins=4)
     return style.legend(figure, [*panels.values()], 4)
-
-
-def _portrait(axes: style.Axes, case: xr.Dataset) -> None:
-    """Draw the phase portrait of one force."""
-    drawing.phase_plane(axes, case, [0.8] * case.sizes["start"], 1.6, 0.2)
-    drawing.draw_lines(axes, case)
-    drawing.guide(axes, case)
-    drawing.label_axes(axes, case, f"$R$ = {style.number(case.axial_force)} N")
-    axes.locator_params(axis="x", nbins=4)

@@ -22,7 +22,6 @@ does not state; the dot is the force of (a) and (b).
 
 _SWEEP = "of the last case with another axial force, from the first start"
 
-
 _PRINTED = ("Sect. 8.6", "Sect. 8.6.1")
 
 

@@ -270,13 +270,17 @@ def _outcome_checks(dataset: xr.Dataset) -> list[Check]:
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw (a) the distances and (b) the orders branch by branch; (c) the errors over the stiffness."""
-    figure = style.new_figure(style.DOUBLE, 5.6)
+    figure, first = style.new_figure(style.DOUBLE, 5.6), dataset.isel(rule=0)
     branches, curve = figure.subfigures(2, 1, height_ratios=(2.2, 1))
     columns = branches.subplots(2, 1, sharex=True, height_ratios=(1.3, 1))
     _distances(columns[0], dataset)
-    _orders(columns[1], dataset.isel(rule=0))
+    for k, (name, (colour, words, mark)) in enumerate(_ERRORS.items()):
+        order, error = (first[f"{name}_{what}"] for what in ("order", "order_error"))
+        columns[1].errorbar(dataset.branch + 0.18 * (k - 1.5), order, error, color=colour, fmt=mark, markersize=2.5,
+                            linewidth=0.6, label=words)  # fmt: skip
+    columns[1].set(title="(b) fitted orders", ylabel="Order in $1/k_c$")
     _name_branches(columns, dataset)
-    _errors(curve.subplots(), dataset.isel(rule=0))
+    _errors(curve.subplots(), first)
     return figure
 
 
@@ -294,15 +298,6 @@ def _distances(axes: style.Axes, dataset: xr.Dataset) -> None:
     axes.plot(dataset.branch, other, "x", color=style.VERMILION, markersize=4.5, label=words)
     axes.set(yscale="log", ylabel="Distance to the\nrigid motion")
     axes.set_title("(a) distance, each column a branch", pad=25)
-
-
-def _orders(axes: style.Axes, dataset: xr.Dataset) -> None:
-    """Fitted orders with their standard errors, branch by branch."""
-    for k, (name, (colour, words, mark)) in enumerate(_ERRORS.items()):
-        order, error = (dataset[f"{name}_{what}"] for what in ("order", "order_error"))
-        axes.errorbar(dataset.branch + 0.18 * (k - 1.5), order, error, color=colour, fmt=mark, markersize=2.5,
-                      linewidth=0.6, label=words)  # fmt: skip
-    axes.set(title="(b) fitted orders", ylabel="Order in $1/k_c$")
 
 
 def _name_branches(columns: Sequence[style.Axes], dataset: xr.Dataset) -> None:

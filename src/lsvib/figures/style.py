@@ -131,9 +131,8 @@ def number(value: float) -> str:
     return f"${factor}10^{{{int(power)}}}$"
 
 
-def amount(variable: xr.DataArray, values: np.ndarray | None = None) -> str:
-    """Return "symbol = value unit" of a parameter, or of some of its values: one, a few of them, the range of many."""
-    values = np.unique(variable.values[np.isfinite(variable.values)]) if values is None else values
+def amount(variable: xr.DataArray, values: np.ndarray) -> str:
+    """Return "symbol = value unit" of some values of a parameter: one, a few of them, the range of many."""
     if values.size > 5:
         text = f"{number(values[0])} to {number(values[-1])}"
     else:
