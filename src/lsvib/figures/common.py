@@ -13,12 +13,11 @@ from lsvib.models.chapter import Claim
 
 if TYPE_CHECKING:
     from lsvib.basins.boundary import Basin
-    from lsvib.basins.curves import Window
     from lsvib.contact.stiff_limit import LimitBranch
     from lsvib.dynamics.attractor import SteadyState
     from lsvib.engine.motion import Motion
 else:  # names for annotations, which load no engine
-    Basin = LimitBranch = Motion = SteadyState = Window = Any
+    Basin = LimitBranch = Motion = SteadyState = Any
 
 EIGENVALUE = variable("eigenvalue", np.array([1, 2]), "1", "index of the eigenvalue", "$i$")
 # The critical mass with contact as a variable: unit, words, symbol.

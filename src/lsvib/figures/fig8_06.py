@@ -13,10 +13,10 @@ from pydantic_core import PydanticCustomError
 
 from lsvib.datasets import newton, phase_plane, spans
 from lsvib.datasets.analysis import analyse, value
-from lsvib.datasets.attributes import Variables, flagged, start_state, variable, varied, yes_no
+from lsvib.datasets.attributes import flagged, start_state, variable, varied, yes_no
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
-from lsvib.figures.common import SteadyState, about, flag_names, named, printed, spread
+from lsvib.figures.common import about, flag_names, named, printed, spread
 from lsvib.figures.settings import MassPair, PhasePlane, Span, State, Values, parameter, several
 from lsvib.models import chapter
 from lsvib.models.drive import Drive
@@ -73,6 +73,9 @@ def analysis(settings: Values) -> xr.Dataset:
 
 def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     """Compute the amplitude curve between the thresholds of the analysis, and the inset portraits."""
+    from lsvib.datasets.sweep import product_of
+    from lsvib.dynamics.behaviour import Behaviour, behaviours
+
     drive = Drive.of(settings["drive"])
     own = settings["mass_readings"].index(drive.mass)
     values = {name: value(analysis[_OF[name]], own) for name in _THRESHOLDS}
@@ -101,7 +104,16 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     holding = [_holds_without_torque(insets[-1].replace(friction_coefficient=float(x))) for x in frictions]
     words = "the screw, standing in an untwisted coupling, stays at rest under the largest force of a portrait"
     holds = {"holds_without_torque": yes_no("swept_friction_coefficient", holding, words)}
-    return planes.assign(_curve(drives, steady) | readings | holds).assign_attrs(
+    kinds = behaviours(product_of(drives[0], {"axial_force": forces}))
+    dim, slowest = "swept_axial_force", [s.extremes(np.array([0, 1.0, 0]))[0] for s in steady]
+    net, drag = [float(coefficients(d).net_force) for d in drives], "axial force less the drag of the translation"
+    curve = {
+        "swept_amplitude": variable(dim, [s.amplitude for s in steady], "rad", phase_plane.AMPLITUDE),
+        "smallest_velocity": variable(dim, slowest, "rad s-1", "smallest rate of the deviation", r"$\dot u$"),
+        "regime": flagged(dim, kinds, "what the drive does", Behaviour),
+        "net_force": variable(dim, net, "N", drag, r"$\tilde R$"),
+    }
+    return planes.assign(curve | readings | holds).assign_attrs(
         about(__doc__, "exact event-driven motion and its return map", "Sect. 8.5.1, Fig. 8.6")
     )
 
@@ -110,21 +122,6 @@ def _holds_without_torque(drive: Drive) -> bool:
     """Whether the motion from θ′ = 0 and z = 0 begins with rest."""
     motion = phase_plane.followed(drive, [-float(coefficients(drive).deflection), -drive.input_speed], 1e-9)
     return bool(motion.automaton.codes[motion.arcs()[0][0]] == MotionMode.REST)
-
-
-def _curve(drives: list[Drive], steady: list[SteadyState]) -> Variables:
-    from lsvib.datasets.sweep import product_of
-    from lsvib.dynamics.behaviour import Behaviour, behaviours
-
-    kinds = behaviours(product_of(drives[0], {"axial_force": [d.axial_force for d in drives]}))
-    dim, slowest = "swept_axial_force", [s.extremes(np.array([0, 1.0, 0]))[0] for s in steady]
-    net, words = [float(coefficients(d).net_force) for d in drives], "axial force less the drag of the translation"
-    return {
-        "swept_amplitude": variable(dim, [s.amplitude for s in steady], "rad", phase_plane.AMPLITUDE),
-        "smallest_velocity": variable(dim, slowest, "rad s-1", "smallest rate of the deviation", r"$\dot u$"),
-        "regime": flagged(dim, kinds, "what the drive does", Behaviour),
-        "net_force": variable(dim, net, "N", words, r"$\tilde R$"),
-    }
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:

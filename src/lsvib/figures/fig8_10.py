@@ -50,14 +50,22 @@ def build(settings: of.Values) -> xr.Dataset:
     drive, start, samples = Drive.of(settings["drive"], **contact), settings["start"], settings["samples"]
     cycle, rigid = compliant_cycle(drive, start), phase_plane.reached(drive, start)
     motion = follow(automaton_of(drive), seated_state(drive, start["u"], start["w"]), settings["duration"])
-    forces = spans.even(settings["axial_force"])
+    forces, rows, dim = spans.even(settings["axial_force"]), [], "swept_axial_force"
+    for pushed in (drive.replace(axial_force=float(force)) for force in forces):
+        swept = compliant_cycle(pushed, start)
+        rows.append((swept.label, *_cycle_values(pushed, swept, phase_plane.reached(pushed, start))))
+    label, peak, distance = np.array(rows, dtype=float).T
     return xr.Dataset(
         _motion(drive, motion, samples)
         | cycle_curves((), [cycle], samples)
         | cycle_curves((), [rigid], samples, "rigid_cycle")
         | _peak(cycle)
         | _comparison(drive, cycle, rigid)
-        | _sensitivity(drive, forces, start),
+        | {
+            "swept_attractor": phase_plane.attractors(dim, label),
+            "swept_peak_normal_force": variable(dim, peak, *_PEAK),
+            "swept_orbit_distance": variable(dim, distance, *_DISTANCE),
+        },
         coords={
             **axis("swept_axial_force", forces),
             **drive_parameters(drive, printed=("Sect. 8.6", "Sect. 8.6.1")),
@@ -166,20 +174,6 @@ def _cycle_values(drive: Drive, cycle: SteadyState, rigid: SteadyState) -> tuple
     low, high = cycle.extremes(cycle.orbit.automaton.observables["normal_force"])
     scales = (rigid.amplitude, abs(drive.input_speed))
     return max(-low, high), stiff_limit.distance(cycle.orbit, rigid.orbit, scales)
-
-
-def _sensitivity(drive: Drive, forces: np.ndarray, start: of.Values) -> Variables:
-    rows, dim = [], "swept_axial_force"
-    for force in forces:
-        pushed = drive.replace(axial_force=float(force))
-        cycle = compliant_cycle(pushed, start)
-        rows.append((cycle.label, *_cycle_values(pushed, cycle, phase_plane.reached(pushed, start))))
-    label, peak, distance = np.array(rows, dtype=float).T
-    return {
-        "swept_attractor": phase_plane.attractors(dim, label),
-        "swept_peak_normal_force": variable(dim, peak, *_PEAK),
-        "swept_orbit_distance": variable(dim, distance, *_DISTANCE),
-    }
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
