@@ -64,7 +64,7 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     heavy = drive.replace(mass=settings["heavy_mass"])
     slow = [solve_threshold(_slow(drive, share), "kinematic_constraint", "mass").value for share in rise.tolist()]
     least = solve_threshold(_slow(heavy, 0.0), "kinematic_constraint", "friction_coefficient").value
-    onset, stick, detach = np.transpose([_forces(_risen(drive, share)) for share in rise.tolist()])
+    forces = zip(_FORCES, np.transpose([_forces(_risen(drive, share)) for share in rise.tolist()]), strict=True)
     steady, critical = analysis.kinematic_constraint_mass.values, "kinetic friction that is critical in slow sliding"
     static, rows = spans.even(settings["static"]), []
     for name in CYCLES:
@@ -78,9 +78,7 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
             "slow_critical_mass": variable("rise_share", slow, "kg", "critical mass in slow sliding", "$m$"),
             "steady_critical_mass": variable("rise_share", steady, "kg", "critical mass in steady sliding", "$m$"),
             "slow_critical_friction": variable("rise_share", least / (1 + rise), "1", critical, r"$\mu$"),
-            "onset_force": variable("rise_share", onset, "N", "onset force", "$R$"),
-            "stick_force": variable("rise_share", stick, "N", "stick force", "$R$"),
-            "detach_force": variable("rise_share", detach, "N", "detach force", "$R$"),
+            **{name: variable("rise_share", x, "N", name.replace("_", " "), "$R$") for name, x in forces},
             "attractor": phase_plane.attractors(other, label),
             "amplitude": variable(other, amplitude, "rad", phase_plane.AMPLITUDE, r"$\hat u$"),
             "energy_balance": variable(other, balance, *BALANCE),
