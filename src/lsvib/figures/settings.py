@@ -161,30 +161,13 @@ class ContactStart(SettingsSection):
     rate: float = Field(ge=-1e12, le=1e12)
 
 
-ContactDampings = Annotated[
-    tuple[
-        Annotated[float, refusing(lambda value: value != 0, "is not acceptable; it must be 0")],
-        parameter("contact_damping", Gt(0)),
-    ],
-    Field(strict=False, description="Contact damping of both panels, none first [N s/m]."),
-]
-Starts = Annotated[list[State], Field(min_length=1, max_length=4, description="States from which motions are drawn.")]
-ContactStarts = Annotated[
-    list[ContactStart],
-    Field(min_length=1, max_length=12, description="Contact forces and rates that motions start from."),
-]
+_Zero = Annotated[float, refusing(lambda value: value != 0, "is not acceptable; it must be 0")]
 Duration = Annotated[float, Field(gt=0, le=10, description="Time for which motions are drawn [s].")]
 Samples = Annotated[int, Field(ge=100, le=100_000, description="Samples of each motion, events included.")]
 Damping = Annotated[float, Field(ge=0, le=1, description="Support damping c [N m s/rad].")]
 CaseSeed = Annotated[int, Field(ge=0, description="Seed of the random cases.")]
-Repeats = Annotated[int, Field(ge=1, le=1000, description="Repeats of each measurement.")]
 MassPair = several(parameter("mass"), 2, 2, "Two readings of the mass [kg].")
 OpposingForces = several(parameter("axial_force", Lt(0)), 2, 2, "Two forces R < 0 [N].")
-Tolerances = Annotated[
-    list[Annotated[float, Field(gt=0, le=10)]],
-    *Unique,
-    Field(max_length=20, description="Settings of a method, coarse to fine; [] leaves it out."),
-]
 
 
 class DriveFigure(FigureSettings):
@@ -196,7 +179,7 @@ class DriveFigure(FigureSettings):
 class PhasePlane(DriveFigure):
     """Settings of the motions that a figure draws in the phase plane; Figs 8.4 and 8.5 need no others."""
 
-    starts: Starts
+    starts: list[State] = Field(min_length=1, max_length=4, description="States from which motions are drawn.")
     duration: Duration
     samples: Samples
 
@@ -207,8 +190,12 @@ class ContactPortrait(DriveFigure):
     unused: ClassVar = ("coupling_stiffness", "support_damping", "input_speed", "translation_damping", "axial_force")
 
     contact_stiffness: parameter("contact_stiffness")
-    contact_dampings: ContactDampings
+    contact_dampings: tuple[_Zero, parameter("contact_damping", Gt(0))] = Field(
+        strict=False, description="Contact damping of both panels, none first [N s/m]."
+    )
     force: Span = Field(description="Contact force in the scale of the chapter [1/(kg m2)].")
     rate: Span = Field(description="Its rate, in the same scale [1/(kg m2)].")
-    starts: ContactStarts
+    starts: list[ContactStart] = Field(
+        min_length=1, max_length=12, description="Contact forces and rates that motions start from."
+    )
     samples: Samples
