@@ -83,7 +83,7 @@ def least_onset_force(drive: Drive) -> float:
 
 def _threshold(name: str, unknown: str, drives: Sequence[Drive]) -> Variables:
     """A threshold of some drives, the smallest solution of each, and its enclosure, or why there is none."""
-    key, known, reasons = f"{name}_{unknown}", parameter(unknown, ""), {}
+    key, known, reasons = f"{name}_{unknown}", parameter(unknown, ""), dict[str, None]()
     values, ends = np.full(len(drives), math.nan), np.full((len(drives), 2), math.nan)
     for case, drive in enumerate(drives):
         try:

@@ -197,10 +197,9 @@ def origin_of(name: str, values: Any, printed: Sequence[str] = ()) -> str:
     """Return where the values of a parameter come from, of Table 8.1 and the ``printed`` places: the first of each."""
     stated: Mapping[str, Mapping[str, tuple[float, ...]]] = chapter.STATED
     kinds = np.unique(values).tolist()
-    known: dict[float, str] = {}
-    for place in ("Table 8.1", *printed):
-        known |= {x: place for x in kinds if x not in known and x in stated[place].get(name, ())}
-    known = {value: known[value] for value in kinds if value in known}
+    places = ("Table 8.1", *printed)
+    first = {x: next((place for place in places if x in stated[place].get(name, ())), "") for x in kinds}
+    known = {x: place for x, place in first.items() if place}
     if len(known) == len(kinds):
         return f"printed: {', '.join(dict.fromkeys(known.values()))}"
     if not known:

@@ -22,7 +22,6 @@ from lsvib.dynamics.behaviour import Behaviour, behaviours
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
 from lsvib.models.model import model_of
-from lsvib.numbers import Progress
 from lsvib.stability.curves import LOGARITHMIC, ChartBoundary, boundary_curves
 
 Curves = dict[ChartBoundary, list[np.ndarray]]
@@ -103,7 +102,7 @@ class Plane:
         """Names of the rows' and the columns' parameter."""
         return self.y.name, self.x.name
 
-    def labels(self, workers: int = 1, progress: Progress | None = None) -> np.ndarray:
+    def labels(self, workers: int = 1, progress: numbers.Progress | None = None) -> np.ndarray:
         """Return what the drives of the cells do (rows, columns), a ``Behaviour`` each, int8."""
         axes = {one.name: one.centres().tolist() for one in (self.y, self.x)}
         found = behaviours(product_of(self.drive, axes), workers, progress)
@@ -149,7 +148,7 @@ class Plane:
 LABEL = cf.attributes("1", "what the drive does", **cf.flags(Behaviour))
 
 
-def chart(drive: Drive, x: Any, y: Any, workers: Any = 1, progress: Progress | None = None) -> xr.Dataset:
+def chart(drive: Drive, x: Any, y: Any, workers: Any = 1, progress: numbers.Progress | None = None) -> xr.Dataset:
     """Return what a drive does over two of its parameters, as a dataset.
 
     Arguments: a drive of the rigid model or with compliant threads; ``x`` and ``y``, each "KEY=START:STOP:COUNT" or

@@ -24,7 +24,6 @@ from lsvib.dynamics.attractor import Attractor, Doubt
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive, names_and_values
 from lsvib.models.model import coordinates
-from lsvib.numbers import Progress
 
 
 @dataclass(frozen=True)
@@ -45,7 +44,7 @@ def map_attraction(
     grid: Grid | Mapping[str, Any],
     quantities: Sequence[str] = ("label",),
     workers: Any = 1,
-    progress: Progress | None = None,
+    progress: numbers.Progress | None = None,
 ) -> AttractionMap:
     """Map the region of attraction of a drive as ``drive.attraction(…)``; the seconds are without compiling."""
     at_once = numbers.workers(workers)

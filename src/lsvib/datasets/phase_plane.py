@@ -100,14 +100,11 @@ def portraits(
     start, event), what they settle on (case, rule, start), and the limit cycle of the first one (case, sample). Raises
     ``InputError`` if the samples are too few for the events.
     """
-    from lsvib.dynamics.attractor import steady_state
     from lsvib.dynamics.impulses import event_impulses
 
-    duration, samples = settings["duration"], settings["samples"]
-    states = [np.array([start["u"], start["w"]]) for start in settings["starts"]]
-    automata = [[rigid_automaton(drive, resume=rule) for rule in RULES] for drive in drives]
-    steady = [[[steady_state(automaton, x) for x in states] for automaton in case] for case in automata]
-    motions = [[followed(drive, x, duration) for x in states] for drive in drives]
+    starts, duration, samples = (settings[name] for name in ("starts", "duration", "samples"))
+    steady = [[[reached(drive, start, rule) for start in starts] for rule in RULES] for drive in drives]
+    motions = [[followed(drive, [start["u"], start["w"]], duration) for start in starts] for drive in drives]
     impulses = [[event_impulses(drive, motion) for motion in row] for drive, row in zip(drives, motions, strict=True)]
     return xr.Dataset(
         lines(drives) | _motions(motions, samples) | _events(motions, impulses) | _attractors(steady, samples),

@@ -24,7 +24,6 @@ from lsvib.models.drive import Drive, described, names_and_values
 from lsvib.models.many import ManyDrives
 from lsvib.models.model import model_of
 from lsvib.models.scene import REST
-from lsvib.numbers import Progress
 
 START = {"u": 1e-3, "w": 0.0}  # next to steady sliding: rad, and rad/s
 _MOST = 10_000_000  # points, of which each has some hundred bytes
@@ -50,7 +49,7 @@ def sweep(
     over: Mapping[str, Any],
     start: Mapping[str, Any] | str | None = None,
     workers: Any = 1,
-    progress: Progress | None = None,
+    progress: numbers.Progress | None = None,
 ) -> xr.Dataset:
     """Return the attractor and its numbers over the product of values of some parameters of a drive of any model.
 
@@ -151,7 +150,7 @@ def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
 
 
 def resilience_sweep(
-    drive: Drive, over: Mapping[str, Any], window: Part | None = None, progress: Progress | None = None
+    drive: Drive, over: Mapping[str, Any], window: Part | None = None, progress: numbers.Progress | None = None
 ) -> xr.Dataset:
     """Return the perturbations that steady sliding of the rigid drive tolerates over all combinations of some values.
 

@@ -28,7 +28,6 @@ growth rate above the critical mass of the rigid drive, unstable beyond the dott
 dampings at which it is stable, which for soft contacts are two intervals. See docs/lemmas.md.
 """
 
-_CONTACT = ("contact_stiffness", "contact_damping")
 _BESIDE = 1e-6  # relative distance from a critical mass at which LAPACK must see the change
 _COLOURS = (style.VERMILION, style.ORANGE, style.BLUE, style.BLACK, style.GREEN, style.PURPLE)
 # Where two lines coincide both are seen, and in grey they differ.
@@ -69,7 +68,7 @@ def build(settings: of.Values) -> xr.Dataset:
             **drive_parameters(
                 contacts,
                 "contact",
-                along=_CONTACT,
+                along=("contact_stiffness", "contact_damping"),
                 axes=("mass",),
                 printed=("Sect. 8.6", "Sect. 8.6.1"),
                 no_effect=("axial_force", "input_speed"),

@@ -229,7 +229,11 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     _plane(panels["a"], dataset)
     _force(panels["peaks"], panels["sliding"], dataset)
     _close_up(close, dataset)
-    _one_peak(peak, dataset)
+    sprag, microseconds = float(dataset.sprag_duration) * 1e6, dataset.close_up_time * 1e6
+    peak.plot(microseconds, dataset.close_up_normal_force / 1e3, color=style.BLUE)
+    peak.axvspan(0, sprag, color=style.YELLOW, alpha=0.35, linewidth=0, label=r"sprag: $N > 0$, $\dot\theta > 0$")
+    peak.set(title="(d) ours: one peak", xlabel="Time after $N = 0$ [µs]", ylabel="$N$ [kN]", ylim=(-10, _top(dataset)))
+    peak.margins(x=0)
     _over_force(force, dataset)
     return style.legend(figure, [panels["a"], peak], 3)
 
@@ -290,15 +294,6 @@ def _force(peaks: style.Axes, sliding: style.Axes, dataset: xr.Dataset) -> None:
 def _top(dataset: xr.Dataset) -> float:
     """Upper end of an axis of the force [kN]: a little above the printed peak and what is drawn."""
     return 1.15e-3 * max(float(dataset.printed_peak_normal_force), float(dataset.normal_force.max()))
-
-
-def _one_peak(axes: style.Axes, dataset: xr.Dataset) -> None:
-    sprag = float(dataset.sprag_duration) * 1e6
-    time = dataset.close_up_time * 1e6
-    axes.plot(time, dataset.close_up_normal_force / 1e3, color=style.BLUE)
-    axes.axvspan(0, sprag, color=style.YELLOW, alpha=0.35, linewidth=0, label=r"sprag: $N > 0$, $\dot\theta > 0$")
-    axes.set(title="(d) ours: one peak", xlabel="Time after $N = 0$ [µs]", ylabel="$N$ [kN]", ylim=(-10, _top(dataset)))
-    axes.margins(x=0)
 
 
 def _over_force(axes: style.Axes, dataset: xr.Dataset) -> None:

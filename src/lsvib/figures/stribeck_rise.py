@@ -11,7 +11,6 @@ from lsvib.datasets.checks import Check
 from lsvib.figures import settings as of
 from lsvib.figures import style
 from lsvib.figures.common import BALANCE, about, balance_check, named, printed
-from lsvib.figures.settings import DriveChanges, DriveFigure, PositiveSpan, Span, Values
 from lsvib.models import chapter
 from lsvib.models.drive import Drive
 from lsvib.numbers import bisected
@@ -29,15 +28,15 @@ _PRINTED = ("critical_mass", *_FORCES)
 CYCLES = ("stick_slip", "sprag_slip")
 
 
-class Settings(DriveFigure):
+class Settings(of.DriveFigure):
     unused = ("axial_force",)
     flows = ("taylor",)
 
-    rise: Span = Field(description="Rise of friction over its kinetic value [1].")
-    static: PositiveSpan = Field(description="Static over kinetic friction [1].")
+    rise: of.Span = Field(description="Rise of friction over its kinetic value [1].")
+    static: of.PositiveSpan = Field(description="Static over kinetic friction [1].")
     heavy_mass: of.parameter("mass")
-    stick_slip: DriveChanges
-    sprag_slip: DriveChanges
+    stick_slip: of.DriveChanges
+    sprag_slip: of.DriveChanges
 
 
 def _risen(drive: Drive, share: float) -> Drive:
@@ -51,14 +50,14 @@ def _slow(drive: Drive, share: float) -> Drive:
     )
 
 
-def analysis(settings: Values) -> xr.Dataset:
+def analysis(settings: of.Values) -> xr.Dataset:
     """Analyse the drive with each rise: its critical mass with the friction of steady sliding."""
     drive = Drive.of(settings["drive"])
     drives = [_risen(drive, share) for share in spans.even(settings["rise"]).tolist()]
     return analyse(drives, [("kinematic_constraint", "mass")], along=("stribeck_rise",))
 
 
-def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
+def build(settings: of.Values, analysis: xr.Dataset) -> xr.Dataset:
     """Compute thresholds over the rise, and both cycles over the static friction."""
     drive, rise = Drive.of(settings["drive"]), spans.even(settings["rise"])
     heavy = drive.replace(mass=settings["heavy_mass"])
