@@ -24,8 +24,6 @@ from lsvib.models.drive import Drive
 from lsvib.models.model import model_of
 from lsvib.stability.curves import LOGARITHMIC, ChartBoundary, boundary_curves
 
-Curves = dict[ChartBoundary, list[np.ndarray]]
-
 
 class ChartAxis(Axis):
     """Cells along a parameter, of equal width, or of equal ratio where it spans decades (``LOGARITHMIC``)."""
@@ -108,13 +106,13 @@ class Plane:
         found = behaviours(product_of(self.drive, axes), workers, progress)
         return found.reshape(self.y.count, self.x.count)
 
-    def whole(self, labels: np.ndarray, curves: Curves) -> xr.Dataset:
-        """Return the chart from its labels (rows, columns) and :meth:`curves`."""
+    def whole(self, labels: np.ndarray) -> xr.Dataset:
+        """Return the chart with the exact curves, from its labels (rows, columns)."""
         fixed = [(name, value) for name, value in self.drive if name not in self.dims]
         counts = {kind: int(np.count_nonzero(labels == kind)) for kind in Behaviour}
         cells = {"label": (self.dims, labels, LABEL)} | cf.fractions("behaviour", LABEL["long_name"], counts)
         return xr.Dataset(
-            cf.given(fixed) | self._points(curves) | cells,
+            cf.given(fixed) | self._points() | cells,
             coords={one.name: (one.name, one.centres(), one.attributes()) for one in (self.y, self.x)},
             attrs={
                 "title": f"What a lead-screw drive does over {self.x.name} and {self.y.name}",
@@ -124,12 +122,9 @@ class Plane:
             },
         )
 
-    def curves(self) -> Curves:
-        """Return the exact curves."""
-        return boundary_curves(self.drive, (self.x.name, self.x.ends), (self.y.name, self.y.ends))
-
-    def _points(self, found: Curves) -> dict[str, cf.Variable]:
+    def _points(self) -> dict[str, cf.Variable]:
         """The points of all exact curves, one after the other; ``boundary_line`` numbers the lines."""
+        found = boundary_curves(self.drive, (self.x.name, self.x.ends), (self.y.name, self.y.ends))
         lines = [(kind, line) for kind, parts in found.items() for line in parts]
         if not lines:
             return {}
@@ -157,7 +152,7 @@ def chart(drive: Drive, x: Any, y: Any, workers: Any = 1, progress: numbers.Prog
     x), ``fraction`` of each ``behaviour``, and the points of the exact curves (``boundary_…``). Raises ``InputError``.
     """
     plane, at_once = Plane.of(drive, x, y), numbers.workers(workers)
-    return plane.whole(plane.labels(at_once, progress), plane.curves())
+    return plane.whole(plane.labels(at_once, progress))
 
 
 def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
