@@ -15,7 +15,7 @@ from lsvib.datasets.attributes import named_index, variable, yes_no
 from lsvib.datasets.checks import Check
 from lsvib.figures import style
 from lsvib.figures.common import flag_names
-from lsvib.figures.settings import Duration, FigureSettings, Repeats, Unique
+from lsvib.figures.settings import Duration, FigureSettings, Unique
 from lsvib.figures.style import Axes, Figure
 
 CAPTION = """\
@@ -52,7 +52,7 @@ class Settings(FigureSettings):
     needs: ClassVar = ("lsvib.figures.fig8_08", "lsvib.figures.fig8_09", "lsvib.cli.app")
 
     duration: Duration
-    repeats: Repeats
+    repeats: int = Field(ge=1, le=1000, description="Repeats of each measurement.")
     fresh: int = Field(ge=1, le=100, description="Processes of their own in which each import is timed.")
     compile: Annotated[list[Literal["planar", "modal"]], *Unique] = Field(
         description="Kinds of flow whose compilation is measured, each with those before it; or none."

@@ -17,7 +17,7 @@ from lsvib.datasets.attributes import flagged, named_flags, named_index, variabl
 from lsvib.datasets.checks import Check
 from lsvib.figures import style
 from lsvib.figures.common import flag_names
-from lsvib.figures.settings import CaseSeed, FigureSettings, Tolerances
+from lsvib.figures.settings import CaseSeed, FigureSettings, Unique
 from lsvib.figures.style import Axes, Figure
 
 if TYPE_CHECKING:
@@ -48,6 +48,11 @@ _ENGINE = {  # its verdicts as those of the others; the rest is asked of nobody
     "wrong": "other motion",
     "unbalanced": "other motion",
 }
+_Tolerances = Annotated[
+    list[Annotated[float, Field(gt=0, le=10)]],
+    *Unique,
+    Field(max_length=20, description="Settings of a method, coarse to fine; [] leaves it out."),
+]
 _HEIGHT, _WIDTH = 0.42, 0.9  # of a bar, in rows and columns; above it there is room for the numbers
 
 
@@ -60,7 +65,7 @@ class Settings(FigureSettings):
     counts: dict[FamilyName, Annotated[int, Field(ge=1, le=1_000_000)]] = Field(
         min_length=1, description="Number of cases of each family that every method is asked."
     )
-    methods: dict[str, Tolerances] = Field(description="Relative tolerances of each method; none leaves it out.")
+    methods: dict[str, _Tolerances] = Field(description="Relative tolerances of each method; none leaves it out.")
 
 
 class _Row(NamedTuple):

@@ -12,7 +12,6 @@ import xarray as xr
 from lsvib.datasets.attributes import Variables, drive_parameters, named_index, parameter, variable, yes_no
 from lsvib.errors import InputError, NoThreshold
 from lsvib.models.drive import Drive
-from lsvib.results import Threshold
 from lsvib.stability.conditions import stability
 from lsvib.stability.threshold import solve_threshold
 
@@ -53,7 +52,7 @@ def analyse(
         words = "whether the effective inertia of law + is not positive, the region of Painlevé's paradoxes"
         found["paradox_region"] = yes_no("case", [report.paradox_region for report in reports], words)
     for name, unknown in thresholds:
-        found |= _threshold(name, unknown, [_solved(drive, name, unknown) for drive in drives])
+        found |= _threshold(name, unknown, drives)
     return xr.Dataset(
         found,
         coords={
@@ -82,23 +81,19 @@ def least_onset_force(drive: Drive) -> float:
     return min(x.value for x in solve_threshold(drive, "onset", "axial_force").solutions if x.value > 0)
 
 
-def _solved(drive: Drive, name: str, unknown: str) -> Threshold | str:
-    """A threshold of a drive, or why there is none."""
-    try:
-        return solve_threshold(drive, name, unknown)
-    except NoThreshold as absent:
-        return str(absent)
-
-
-def _threshold(name: str, unknown: str, solved: Sequence[Threshold | str]) -> Variables:
-    """A threshold of some drives, the smallest solution of each, and its enclosure."""
-    key, known = f"{name}_{unknown}", parameter(unknown, "")
-    values = [math.nan if isinstance(each, str) else each.value for each in solved]
-    ends = [(math.nan, math.nan) if isinstance(each, str) else each.enclosure for each in solved]
-    reasons = " ".join(dict.fromkeys(each for each in solved if isinstance(each, str)))
+def _threshold(name: str, unknown: str, drives: Sequence[Drive]) -> Variables:
+    """A threshold of some drives, the smallest solution of each, and its enclosure, or why there is none."""
+    key, known, reasons = f"{name}_{unknown}", parameter(unknown, ""), dict[str, None]()
+    values, ends = np.full(len(drives), math.nan), np.full((len(drives), 2), math.nan)
+    for case, drive in enumerate(drives):
+        try:
+            solved = solve_threshold(drive, name, unknown)
+            values[case], ends[case] = solved.value, solved.enclosure
+        except NoThreshold as absent:
+            reasons[str(absent)] = None  # each once, in their order
     words = f"{known['long_name']} at the threshold {name.replace('_', ' ')}"
-    more = {"comment": reasons} if reasons else {}
+    more = {"comment": " ".join(reasons)} if reasons else {}
     return {
-        key: variable("case", np.array(values, dtype=float), known["units"], words, known["symbol"], **more),
+        key: variable("case", values, known["units"], words, known["symbol"], **more),
         f"{key}_enclosure": variable(("case", "end"), ends, known["units"], f"{words}, doubles that enclose it"),
     }

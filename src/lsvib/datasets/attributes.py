@@ -4,6 +4,7 @@ Functions return variables ``(dimensions, values, attributes)`` as ``xarray.Data
 What the ``origin`` of a parameter says, so that whoever opens a file can repeat it, is in ``docs/design.md``.
 """
 
+import json
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from enum import IntEnum
@@ -26,29 +27,34 @@ _LONG_NAMES = {
     "nut_speed": ("speed of the nut along the axis", "m s-1", r"$\dot x$"),
 }
 
-
 Dims = str | tuple[str, ...]
 Variable = tuple[Dims, Any, dict[str, Any]]  # as xarray.Dataset takes one
 Variables = dict[str, Variable]
 
 
-def parts_in_words(drive: Drive) -> str:
-    """Return the names of the parts that a drive has, as files say them."""
-    return " ".join(drive.parts) or "none"
+def about_drive(drive: Drive, parameters: Iterable[tuple[str, Any]]) -> dict[str, str]:
+    """Return the attributes of a file that name the parts of a drive, and some of its parameters as JSON."""
+    return {"parts": " ".join(drive.parts) or "none", "parameters": json.dumps(dict(parameters))}
+
+
+def flag_words(words: Mapping[int, str]) -> dict[str, Any]:
+    """Return the CF attributes ``flag_values`` and ``flag_meanings`` of numbers that ``words`` name."""
+    return {"flag_values": np.array(list(words), dtype=np.int8), "flag_meanings": " ".join(words.values())}
+
+
+def names_of(kinds: Iterable[IntEnum]) -> dict[int, str]:
+    """Return the words of a file for an ``IntEnum``."""
+    return {int(kind): kind.name.lower() for kind in kinds}
 
 
 def flags(kinds: Iterable[IntEnum]) -> dict[str, Any]:
-    """Return the CF attributes ``flag_values`` and ``flag_meanings`` for an ``IntEnum``."""
-    return {
-        "flag_values": np.array([int(kind) for kind in kinds], dtype=np.int8),
-        "flag_meanings": " ".join(kind.name.lower() for kind in kinds),
-    }
+    """Return :func:`flag_words` for an ``IntEnum``."""
+    return flag_words(names_of(kinds))
 
 
 def flags_or_none(kinds: Iterable[IntEnum]) -> dict[str, Any]:
     """Return :func:`flags` with one more, −1 for none of the kinds."""
-    values, meanings = flags(kinds).values()
-    return {"flag_values": np.append(values, np.int8(-1)), "flag_meanings": f"{meanings} none"}
+    return flag_words(names_of(kinds) | {-1: "none"})
 
 
 def quantity(name: str, when: str = "") -> dict[str, str]:
@@ -69,7 +75,7 @@ def variable(dims: Dims, values: Any, units: str, long_name: str, symbol: str = 
 
 def flagged(dims: Dims, values: Any, long_name: str, kinds: Iterable[IntEnum], **more: Any) -> Variable:
     """Return a variable that holds members of ``kinds``, as int8 with flags."""
-    return dims, np.asarray(values, dtype=np.int8), attributes("1", long_name, **flags(kinds), **more)
+    return named_flags(dims, values, long_name, names_of(kinds), **more)
 
 
 def fractions(dim: str, long_name: str, counts: Mapping[Any, int]) -> dict[str, Variable]:
@@ -88,9 +94,7 @@ def yes_no(dims: Dims, values: Any, long_name: str) -> Variable:
 
 def named_flags(dims: Dims, values: Any, long_name: str, words: Mapping[int, str], **more: Any) -> Variable:
     """Return a variable of numbers that ``words`` name, as int8 with flags."""
-    flag_values = np.array(list(words), dtype=np.int8)
-    about = attributes("1", long_name, flag_values=flag_values, flag_meanings=" ".join(words.values()), **more)
-    return dims, np.asarray(values, dtype=np.int8), about
+    return dims, np.asarray(values, dtype=np.int8), attributes("1", long_name, **flag_words(words), **more)
 
 
 def named_index(dim: str, long_name: str, words: Sequence[str], **more: Any) -> Variable:
@@ -109,10 +113,8 @@ WITHOUT_IMPULSES = "without the impulses of seizures, which are in event_normal_
 SIGNS = attributes(
     "1",
     "sign of the impulse of a seizure, or of the normal force after a contact reversal",
-    flag_values=np.array([-1, 0, 1], dtype=np.int8),
-    flag_meanings="negative none positive",
+    **flag_words({-1: "negative", 0: "none", 1: "positive"}),
 )
-
 
 ASSUMED = "assumed: not stated in the text"
 GIVEN = "given: by whoever asked for this file"
@@ -195,10 +197,9 @@ def origin_of(name: str, values: Any, printed: Sequence[str] = ()) -> str:
     """Return where the values of a parameter come from, of Table 8.1 and the ``printed`` places: the first of each."""
     stated: Mapping[str, Mapping[str, tuple[float, ...]]] = chapter.STATED
     kinds = np.unique(values).tolist()
-    known: dict[float, str] = {}
-    for place in ("Table 8.1", *printed):
-        known |= {x: place for x in kinds if x not in known and x in stated[place].get(name, ())}
-    known = {value: known[value] for value in kinds if value in known}
+    places = ("Table 8.1", *printed)
+    first = {x: next((place for place in places if x in stated[place].get(name, ())), "") for x in kinds}
+    known = {x: place for x, place in first.items() if place}
     if len(known) == len(kinds):
         return f"printed: {', '.join(dict.fromkeys(known.values()))}"
     if not known:

@@ -3,7 +3,6 @@
 A cell depends on nothing but its own drive, so a large chart can be cut into tiles, as a map of attraction may be.
 """
 
-import json
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -15,18 +14,7 @@ import xarray as xr
 
 from lsvib import numbers
 from lsvib.basins.grid import MOST_CELLS, Axis
-from lsvib.datasets.attributes import (
-    VARIED,
-    Variable,
-    attributes,
-    flagged,
-    flags,
-    fractions,
-    given,
-    parameter,
-    parts_in_words,
-    variable,
-)
+from lsvib.datasets import attributes as cf
 from lsvib.datasets.io import write_dataset
 from lsvib.datasets.spans import zero_where_rounded
 from lsvib.datasets.sweep import known_key, product_of
@@ -34,10 +22,7 @@ from lsvib.dynamics.behaviour import Behaviour, behaviours
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
 from lsvib.models.model import model_of
-from lsvib.numbers import Progress
 from lsvib.stability.curves import LOGARITHMIC, ChartBoundary, boundary_curves
-
-Curves = dict[ChartBoundary, list[np.ndarray]]
 
 
 class ChartAxis(Axis):
@@ -74,9 +59,9 @@ class ChartAxis(Axis):
     def attributes(self) -> dict[str, Any]:
         """Return the attributes of the axis as a coordinate."""
         if self.name not in LOGARITHMIC:
-            return parameter(self.name, VARIED, cell_width=self.width)
+            return cf.parameter(self.name, cf.VARIED, cell_width=self.width)
         first, second = self.middles(np.array([-0.5, 0.5]))  # edges
-        return parameter(self.name, VARIED, cell_ratio=float(second / first))
+        return cf.parameter(self.name, cf.VARIED, cell_ratio=float(second / first))
 
     def middles(self, index: np.ndarray) -> np.ndarray:
         """Return the middles of the cells of these indices."""
@@ -115,35 +100,31 @@ class Plane:
         """Names of the rows' and the columns' parameter."""
         return self.y.name, self.x.name
 
-    def labels(self, workers: int = 1, progress: Progress | None = None) -> np.ndarray:
+    def labels(self, workers: int = 1, progress: numbers.Progress | None = None) -> np.ndarray:
         """Return what the drives of the cells do (rows, columns), a ``Behaviour`` each, int8."""
         axes = {one.name: one.centres().tolist() for one in (self.y, self.x)}
         found = behaviours(product_of(self.drive, axes), workers, progress)
         return found.reshape(self.y.count, self.x.count)
 
-    def whole(self, labels: np.ndarray, curves: Curves) -> xr.Dataset:
-        """Return the chart from its labels (rows, columns) and :meth:`curves`."""
+    def whole(self, labels: np.ndarray) -> xr.Dataset:
+        """Return the chart with the exact curves, from its labels (rows, columns)."""
         fixed = [(name, value) for name, value in self.drive if name not in self.dims]
         counts = {kind: int(np.count_nonzero(labels == kind)) for kind in Behaviour}
-        cells = {"label": (self.dims, labels, LABEL)} | fractions("behaviour", LABEL["long_name"], counts)
+        cells = {"label": (self.dims, labels, LABEL)} | cf.fractions("behaviour", LABEL["long_name"], counts)
         return xr.Dataset(
-            given(fixed) | self._points(curves) | cells,
+            cf.given(fixed) | self._points() | cells,
             coords={one.name: (one.name, one.centres(), one.attributes()) for one in (self.y, self.x)},
             attrs={
                 "title": f"What a lead-screw drive does over {self.x.name} and {self.y.name}",
                 "source": "lsvib, exact event-driven motions from two starts of the drive in the middle of every cell",
                 "references": "doi:10.1007/978-1-4419-1752-2_8, Sects 8.5-8.7",
-                "parts": parts_in_words(self.drive),
-                "parameters": json.dumps(dict(fixed)),
+                **cf.about_drive(self.drive, fixed),
             },
         )
 
-    def curves(self) -> Curves:
-        """Return the exact curves."""
-        return boundary_curves(self.drive, (self.x.name, self.x.ends), (self.y.name, self.y.ends))
-
-    def _points(self, found: Curves) -> dict[str, Variable]:
+    def _points(self) -> dict[str, cf.Variable]:
         """The points of all exact curves, one after the other; ``boundary_line`` numbers the lines."""
+        found = boundary_curves(self.drive, (self.x.name, self.x.ends), (self.y.name, self.y.ends))
         lines = [(kind, line) for kind, parts in found.items() for line in parts]
         if not lines:
             return {}
@@ -152,17 +133,17 @@ class Plane:
         kinds = np.repeat(np.array([kind for kind, _ in lines], dtype=np.int8), sizes)
         number = np.repeat(np.arange(len(lines), dtype=np.int32), sizes)
         return {
-            f"boundary_{self.x.name}": (dim, points[:, 0], parameter(f"boundary_{self.x.name}", VARIED)),
-            f"boundary_{self.y.name}": (dim, points[:, 1], parameter(f"boundary_{self.y.name}", VARIED)),
-            "boundary_name": flagged(dim, kinds, "name of the exact curve", ChartBoundary),
-            "boundary_line": variable(dim, number, "1", "number of the line, whose points are joined"),
+            f"boundary_{self.x.name}": (dim, points[:, 0], cf.parameter(f"boundary_{self.x.name}", cf.VARIED)),
+            f"boundary_{self.y.name}": (dim, points[:, 1], cf.parameter(f"boundary_{self.y.name}", cf.VARIED)),
+            "boundary_name": cf.flagged(dim, kinds, "name of the exact curve", ChartBoundary),
+            "boundary_line": cf.variable(dim, number, "1", "number of the line, whose points are joined"),
         }
 
 
-LABEL = attributes("1", "what the drive does", **flags(Behaviour))
+LABEL = cf.attributes("1", "what the drive does", **cf.flags(Behaviour))
 
 
-def chart(drive: Drive, x: Any, y: Any, workers: Any = 1, progress: Progress | None = None) -> xr.Dataset:
+def chart(drive: Drive, x: Any, y: Any, workers: Any = 1, progress: numbers.Progress | None = None) -> xr.Dataset:
     """Return what a drive does over two of its parameters, as a dataset.
 
     Arguments: a drive of the rigid model or with compliant threads; ``x`` and ``y``, each "KEY=START:STOP:COUNT" or
@@ -171,7 +152,7 @@ def chart(drive: Drive, x: Any, y: Any, workers: Any = 1, progress: Progress | N
     x), ``fraction`` of each ``behaviour``, and the points of the exact curves (``boundary_…``). Raises ``InputError``.
     """
     plane, at_once = Plane.of(drive, x, y), numbers.workers(workers)
-    return plane.whole(plane.labels(at_once, progress), plane.curves())
+    return plane.whole(plane.labels(at_once, progress))
 
 
 def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:

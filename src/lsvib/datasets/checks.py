@@ -69,6 +69,11 @@ class Check:
         return cls(claim, source, expected, computed, error, tolerance, tolerance_reason, unit, error <= tolerance)
 
     @classmethod
+    def printed(cls, words: str, claim: Claim, computed: float) -> Self:
+        """Check that ``computed``, in the unit of a number that the chapter prints, agrees with it to its tolerance."""
+        return cls.within(words, claim.source, claim.value, float(computed), claim.tolerance, claim.unit, claim.reason)
+
+    @classmethod
     def exact(cls, claim: str, source: str, expected: float, computed: Any, unit: str = "1") -> Self:
         """Check as :meth:`within` that numbers, of which the worst counts, are exact but for rounding, to 1e-12."""
         worst = max(np.ravel(computed), key=lambda value: abs(value - expected))

@@ -11,7 +11,7 @@ import xarray as xr
 from lsvib import numbers
 from lsvib.basins.boundary import Boundary, known_basin
 from lsvib.basins.curves import Arc
-from lsvib.datasets.attributes import flagged, parts_in_words, variable, yes_no
+from lsvib.datasets.attributes import about_drive, flagged, variable, yes_no
 from lsvib.datasets.sweep import known_key
 from lsvib.dynamics.attractor import Attractor, SteadyState
 from lsvib.dynamics.continuation import CycleBranch, follow_cycle
@@ -79,17 +79,14 @@ def find_cycles(drive: Drive, automaton: Automaton) -> Cycles:
     found = search(drive, automaton, states, known)
     if not found.cycles and len(found.unresolved) == len(states):
         why = "; ".join(sorted(set(found.unresolved)))
+        # A contact may be so stiff that motions take too much work.
+        softer = ", or make contact_stiffness and contact_damping smaller" if "threads" in drive.parts else ""
         raise EngineError(
             f"the motions from all {len(states)} starts are unresolved ({why}), so nothing is known of the cycles of "
-            f"this drive; follow one with lsvib simulate{_softer(drive)}."
+            f"this drive; follow one with lsvib simulate{softer}."
         )
     searched = f"Searched: {found.searched}; there may be other cycles."
     return Cycles(found.cycles, found.families, proved, searched, len(found.unresolved))
-
-
-def _softer(drive: Drive) -> str:
-    """What helps where a contact is so stiff that motions take too much work."""
-    return ", or make contact_stiffness and contact_damping smaller" if "threads" in drive.parts else ""
 
 
 def followed(
@@ -158,9 +155,8 @@ def branch_dataset(drive: Drive, branch: CycleBranch) -> xr.Dataset:
             "title": f"A cycle of the lead-screw drive over {branch.parameter}",
             "source": "lsvib, Newton's method on the exact return map, pseudo-arclength continuation",
             "references": "doi:10.1007/978-1-4419-1752-2_8",
-            "parts": parts_in_words(drive),
             "changes": json.dumps(branch_json(branch)["changes"]),
-            "parameters": json.dumps({key: value for key, value in drive if key != branch.parameter}),
+            **about_drive(drive, ((key, value) for key, value in drive if key != branch.parameter)),
         },
     )
 

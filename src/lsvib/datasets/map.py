@@ -17,25 +17,13 @@ from lsvib.basins.curves import Window
 from lsvib.basins.grid import MOST_CELLS, Grid
 from lsvib.basins.mapper import NO_DOUBT, Mapper
 from lsvib.basins.mapping import mapper
+from lsvib.datasets import attributes as cf
 from lsvib.datasets import phase_plane
-from lsvib.datasets.attributes import (
-    Variable,
-    attributes,
-    drive_parameters,
-    flags,
-    flags_or_none,
-    fractions,
-    given,
-    parts_in_words,
-    quantity,
-    variable,
-)
 from lsvib.datasets.io import joined, rows_of, write_dataset
 from lsvib.dynamics.attractor import Attractor, Doubt
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive, names_and_values
 from lsvib.models.model import coordinates
-from lsvib.numbers import Progress
 
 
 @dataclass(frozen=True)
@@ -56,7 +44,7 @@ def map_attraction(
     grid: Grid | Mapping[str, Any],
     quantities: Sequence[str] = ("label",),
     workers: Any = 1,
-    progress: Progress | None = None,
+    progress: numbers.Progress | None = None,
 ) -> AttractionMap:
     """Map the region of attraction of a drive as ``drive.attraction(…)``; the seconds are without compiling."""
     at_once = numbers.workers(workers)
@@ -90,7 +78,7 @@ def grids_of(drives: Sequence[Drive], angle: Mapping[str, Any], velocity: Mappin
     plane = ("case", "grid_angle_deviation", "grid_velocity_deviation")
     return xr.Dataset(
         {"grid_attractor": phase_plane.attractors(plane, labels)},
-        coords=phase_plane.grid_axes(grid.x.centres(), grid.y.centres()) | drive_parameters(drives),
+        coords=phase_plane.grid_axes(grid.x.centres(), grid.y.centres()) | cf.drive_parameters(drives),
         attrs={
             "title": "Attractors of the motions of lead-screw drives from grids of starts",
             "source": "lsvib, exact event-driven motion from the middle of every cell",
@@ -106,14 +94,14 @@ def count(labels: np.ndarray) -> dict[Attractor, int]:
 
 def _around(cells: xr.Dataset, mapper: Mapper, grid: Grid) -> xr.Dataset:
     """Add to the cells of a map what belongs to the whole: fractions of attractors, drive and :func:`surroundings`."""
-    shares = fractions("attractor", "attractor", count(cells.label.values))
-    return cells.assign(shares | given(mapper.drive) | surroundings(mapper, grid))
+    shares = cf.fractions("attractor", "attractor", count(cells.label.values))
+    return cells.assign(shares | cf.given(mapper.drive) | surroundings(mapper, grid))
 
 
 def frame(mapper: Mapper, grid: Grid) -> xr.Dataset:
     """Return a map without its cells: middles of the cells, and global attributes, ``grid`` among them as JSON."""
     axes = {
-        name: (name, axis.centres(), {**quantity(name), "cell_width": axis.width})
+        name: (name, axis.centres(), {**cf.quantity(name), "cell_width": axis.width})
         for name, axis in zip(_dimensions(grid), (grid.y, grid.x), strict=True)
     }
     spans = {axis.coordinate: [axis.start, axis.stop, axis.count] for axis in (grid.x, grid.y)}
@@ -123,8 +111,7 @@ def frame(mapper: Mapper, grid: Grid) -> xr.Dataset:
             "title": "Regions of attraction of a lead-screw drive",
             "source": "lsvib, exact event-driven motion from the middle of every cell",
             "references": "doi:10.1007/978-1-4419-1752-2_8, Sect. 8.7",
-            "parts": parts_in_words(mapper.drive),
-            "parameters": json.dumps(dict(mapper.drive)),
+            **cf.about_drive(mapper.drive, mapper.drive),
             "physics": " ".join(mapper.physics),
             "grid": json.dumps({"axes": spans, "fixed": dict(grid.fixed)}),
         },
@@ -136,18 +123,17 @@ def _dimensions(grid: Grid) -> tuple[str, str]:
     return coordinates()[grid.y.coordinate], coordinates()[grid.x.coordinate]
 
 
-def cells(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) -> dict[str, Variable]:
+def cells(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) -> dict[str, cf.Variable]:
     """Return what :meth:`Mapper.cells` gave of some cells as variables; in a file ``time`` is that of a motion."""
     about = {
-        "label": attributes("1", phase_plane.ATTRACTOR, **flags(Attractor)),
-        "time": attributes("s", "time until the attractor is reached", "$t$", comment="missing where it never is"),
-        "seizures": attributes("1", "number of seizures until the attractor is reached"),
-        "first_event": attributes("1", "first event of the motion", **flags_or_none(mapper.events)),
-        "doubt": attributes(
+        "label": cf.attributes("1", phase_plane.ATTRACTOR, **cf.flags(Attractor)),
+        "time": cf.attributes("s", "time until the attractor is reached", "$t$", comment="missing where it never is"),
+        "seizures": cf.attributes("1", "number of seizures until the attractor is reached"),
+        "first_event": cf.attributes("1", "first event of the motion", **cf.flags_or_none(mapper.events)),
+        "doubt": cf.attributes(
             "1",
             "why the label is unresolved",
-            flag_values=np.arange(NO_DOUBT, len(Doubt), dtype=np.int8),
-            flag_meanings=" ".join(["none", *(doubt.name.lower() for doubt in Doubt)]),
+            **cf.flag_words(dict(enumerate(["none", *(doubt.name.lower() for doubt in Doubt)], NO_DOUBT))),
             comment="; ".join(f"{doubt.name.lower()}: {doubt}" for doubt in Doubt),
         ),
     }
@@ -161,12 +147,12 @@ def cells(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) -> dict[s
     }
 
 
-def surroundings(mapper: Mapper, grid: Grid) -> dict[str, Variable]:
+def surroundings(mapper: Mapper, grid: Grid) -> dict[str, cf.Variable]:
     """Return what is drawn around a map of u and w: of every model the limit cycles that were met.
 
     Of the rigid drive also the lines Q = 0 and θ′ = 0 and, where known, the boundary of the basin and its area.
     """
-    data: dict[str, Variable] = {}
+    data: dict[str, cf.Variable] = {}
     if (grid.x.coordinate, grid.y.coordinate) != ("u", "w"):
         return data
     orbits = [found.orbit for found in mapper.attractors if found.orbit is not None]
@@ -183,7 +169,7 @@ def surroundings(mapper: Mapper, grid: Grid) -> dict[str, Variable]:
         window = Window(grid.x.start, grid.x.stop, grid.y.start, grid.y.stop)
         data |= phase_plane.curve("boundary", "boundary_point", basin.line(window), "on the exact boundary")
         words = "area of the basin of steady sliding within the map, exact"
-        data["basin_area"] = variable((), basin.area(window), "rad2 s-1", words)
+        data["basin_area"] = cf.variable((), basin.area(window), "rad2 s-1", words)
     return data
 
 

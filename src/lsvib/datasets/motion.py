@@ -8,17 +8,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from lsvib.datasets import attributes as cf
 from lsvib.datasets import phase_plane
-from lsvib.datasets.attributes import (
-    WITHOUT_IMPULSES,
-    attributes,
-    flagged,
-    flags,
-    given,
-    parts_in_words,
-    quantity,
-    variable,
-)
 from lsvib.dynamics.attractor import Attractor, SteadyState, orbit_extremes, steady_state
 from lsvib.dynamics.impulses import event_impulses
 from lsvib.engine.motion import Budget, Motion, follow
@@ -26,31 +17,10 @@ from lsvib.models.drive import Drive, changed, names_and_values, parameters_of
 from lsvib.models.scene import Scene, read_yaml
 
 
-def simulate(scene: Scene | Drive | Mapping[str, Any] | str | Path | None = None, /, **changes: Any) -> xr.Dataset:
-    """Simulate a scene exactly and return its trajectory.
-
-    Arguments: a :class:`Scene`, a drive, names and values of a scene, or the path of a YAML file; ``changes`` are
-    keys of the scene (``start``, ``duration``, ``samples``, ...) or of the drive (``mass``, ``axial_force``, ...)
-    that replace the scene's. Returns a dataset over ``time`` [s] with angle_deviation [rad], velocity_deviation
-    [rad/s], the scene's outputs and the ``mode``, and over ``event`` the events: time, kind, impulse sign, mode
-    after, state before and after, and for drives that seize the impulses: normal and axial [N s], torque [N m s],
-    zero in other events. At the time of an event the samples are those after it. Raises ``InputError`` or
-    ``EngineError`` in one sentence.
-
-    >>> import lsvib
-    >>> motion = lsvib.simulate(mass=11, support_damping=1e-3, axial_force=-10, start={"u": 0.1, "w": 0}, duration=0.1)
-    >>> int(motion.sizes["event"])
-    12
-    """
-    own = {key: value for key, value in changes.items() if key in Scene.model_fields}
-    checked = as_scene(scene, own, {key: value for key, value in changes.items() if key not in own})
-    return trajectory(checked, run(checked))
-
-
 def as_scene(
     scene: Scene | Drive | Mapping[str, Any] | str | Path | None, changes: Mapping[str, Any], drive: Mapping[str, Any]
 ) -> Scene:
-    """Return a checked scene from any of the forms that :func:`simulate` takes, changed.
+    """Return a checked scene from another, a drive, names and values, or the path of a YAML file, changed.
 
     Arguments: ``changes`` of keys of the scene, ``drive`` of parameters of its drive. Raises ``InputError``.
     """
@@ -76,35 +46,37 @@ def run(scene: Scene, budget: Budget | None = None) -> Motion:
 
 
 def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:
-    """Return the dataset of a motion of a scene."""
+    """Return the dataset of a motion of a scene, over ``time`` and ``event``.
+
+    At the time of an event the samples are those after it; impulses are zero in events other than seizures.
+    """
     times = np.linspace(0.0, scene.duration, scene.samples)
     states, modes = motion.at(times)
-    codes = motion.automaton.codes
-    data = {name: ("time", states[:, k], quantity(name)) for k, name in enumerate(motion.automaton.states)}
-    data["mode"] = ("time", codes[modes], attributes("1", "mode of motion", **flags(scene.definition.modes)))
+    names, codes = motion.automaton.states, motion.automaton.codes
+    data: cf.Variables = {name: ("time", states[:, k], cf.quantity(name)) for k, name in enumerate(names)}
+    data["mode"] = cf.flagged("time", codes[modes], "mode of motion", scene.definition.modes)
     for name in scene.outputs:
-        data[name] = ("time", motion.automaton.observe(name, states, modes), quantity(name))
+        data[name] = ("time", motion.automaton.observe(name, states, modes), cf.quantity(name))
         if name in ("normal_force", "axial_contact_force") and motion.automaton.sprag_kinds:
-            data[name][2]["comment"] = WITHOUT_IMPULSES
+            data[name][2]["comment"] = cf.WITHOUT_IMPULSES
     impulses = event_impulses(scene.drive, motion) if motion.automaton.sprag_kinds else None
     events = phase_plane.events(motion, scene.definition.events, impulses)
     data |= {name: ("event", *known) for name, known in events.items()}
-    after = attributes("1", "mode of motion after the event", **flags(scene.definition.modes))
-    data["event_mode"] = ("event", codes[motion.mode], after)
+    after = "mode of motion after the event"
+    data["event_mode"] = cf.flagged("event", codes[motion.mode], after, scene.definition.modes)
     # Two states are carried without a modal form, so that nothing amplifies rounding.
     form = {} if len(motion.automaton.states) == 2 else {"condition_number": motion.automaton.condition}
     return xr.Dataset(
         data,
         coords={
-            "time": ("time", times, attributes("s", "time", "$t$")),
-            "event": ("event", np.arange(motion.time.size), attributes("1", "index of the event")),
+            "time": ("time", times, cf.attributes("s", "time", "$t$")),
+            "event": ("event", np.arange(motion.time.size), cf.attributes("1", "index of the event")),
         },
         attrs={
             "title": "Motion of a lead-screw drive",
             "source": "lsvib, exact event-driven simulation",
             "references": f"doi:10.1007/978-1-4419-1752-2_8, {scene.definition.equations}",
-            "parts": parts_in_words(scene.drive),
-            "parameters": json.dumps(scene.parameters()),
+            **cf.about_drive(scene.drive, scene.parameters().items()),
             "physics": " ".join(scene.terms),
             "resume": scene.resume,
             "initial_state": json.dumps(dict(scene.start)),
@@ -128,10 +100,10 @@ def motion_file(scene: Scene, motion: Motion, steady: SteadyState) -> xr.Dataset
     outputs = tuple(dict.fromkeys((*scene.outputs, "normal_force", "coupling_deflection")))
     dataset = trajectory(scene.model_copy(update={"outputs": outputs}), motion)
     doubt = {} if steady.doubt is None else {"comment": f"unresolved: {steady.doubt}"}
-    return dataset.assign(given(scene.parameters().items())).assign(
-        attractor=flagged((), steady.label, phase_plane.ATTRACTOR, Attractor, **doubt),
-        amplitude=variable((), steady.amplitude, "rad", phase_plane.AMPLITUDE),
-        period=variable((), steady.period, "s", phase_plane.PERIOD, "$T$"),
+    return dataset.assign(cf.given(scene.parameters().items())).assign(
+        attractor=cf.flagged((), steady.label, phase_plane.ATTRACTOR, Attractor, **doubt),
+        amplitude=cf.variable((), steady.amplitude, "rad", phase_plane.AMPLITUDE),
+        period=cf.variable((), steady.period, "s", phase_plane.PERIOD, "$T$"),
     )
 
 

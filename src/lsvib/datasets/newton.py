@@ -34,7 +34,11 @@ def residual(motion: xr.Dataset) -> float:
     rest, which stays within μ |N| and reaches it where the rest ends.
     """
     p, time, force = parameters(motion), motion.time.values, motion.normal_force.values
-    deflection = motion.angle_deviation.values + _steady_deflection(p)
+    lead = p["pitch_radius"] * np.tan(p["lead_angle"])
+    push = p["axial_force"] - lead * p["translation_damping"] * p["input_speed"]  # R less the drag of the nut
+    field, *_ = _equations(p, 1 if push * p["input_speed"] >= 0 else -1, False)
+    steady = -(field[1, 1] * p["input_speed"] + field[1, 2]) / field[1, 0]  # z_0, where θ″ = 0 at the input speed
+    deflection = motion.angle_deviation.values + steady
     speed, more = motion.velocity_deviation.values + p["input_speed"], [n for n in _THREADS if n in motion]
     states = np.stack([deflection, speed, *(motion[n].values for n in more), 1 + 0 * time], 1)
     sizes = np.abs(states).max(axis=0)
@@ -42,7 +46,9 @@ def residual(motion: xr.Dataset) -> float:
     steps = np.diff(time) > 0
     rests = steps & (speed[:-1] == 0) & (speed[1:] == 0)
     laws = np.where(rests, 0, np.sign(speed[:-1] + speed[1:]) * np.sign(force[:-1] + force[1:]))
-    worst = [_jumps(states[:-1][~steps], states[1:][~steps]) / sizes]
+    jumps = np.abs(np.diff(states, axis=0)[~steps])
+    jumps[:, 1] = np.minimum(jumps[:, 1], np.abs(states[1:, 1][~steps]))  # across an event a speed may drop to zero
+    worst = [jumps / sizes]
     if "coupling_deflection" in motion:
         worst.append(np.abs(motion.coupling_deflection.values - deflection) / sizes[0])
     for law in (1, 0, -1):
@@ -146,18 +152,3 @@ def _exponentials(field: np.ndarray, spans: np.ndarray) -> np.ndarray:
     for _ in range(halvings):
         total = total @ total
     return total
-
-
-def _steady_deflection(p: Mapping[str, float]) -> Any:
-    """z_0 [rad]: θ″ = 0 at the input speed, where the screw carries R less the drag of the nut."""
-    lead = p["pitch_radius"] * np.tan(p["lead_angle"])
-    push = p["axial_force"] - lead * p["translation_damping"] * p["input_speed"]
-    field, *_ = _equations(p, 1 if push * p["input_speed"] >= 0 else -1, False)
-    return -(field[1, 1] * p["input_speed"] + field[1, 2]) / field[1, 0]
-
-
-def _jumps(before: np.ndarray, after: np.ndarray) -> Any:
-    """Differences of states across events; a speed may drop to zero (seizure)."""
-    jumps = np.abs(after - before)
-    jumps[:, 1] = np.minimum(jumps[:, 1], np.abs(after[:, 1]))
-    return jumps

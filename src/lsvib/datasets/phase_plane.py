@@ -12,22 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from lsvib.datasets.attributes import (
-    IMPULSES,
-    SIGNS,
-    WITHOUT_IMPULSES,
-    Dims,
-    Variable,
-    Variables,
-    attributes,
-    drive_parameters,
-    flagged,
-    flags,
-    flags_or_none,
-    named_index,
-    quantity,
-    variable,
-)
+from lsvib.datasets import attributes as cf
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
@@ -49,36 +34,38 @@ GLOBAL_STABILITY = "axial force beyond which steady sliding is globally stable"
 _WHICH_CYCLE = "one period of what the first start reaches by the first rule, missing if that is no cycle"
 
 
-def _pair(names: str, dims: Sequence[Dims], values: Sequence[Any], angle: str, rate: str, **more: str) -> Variables:
+def _pair(
+    names: str, dims: Sequence[cf.Dims], values: Sequence[Any], angle: str, rate: str, **more: str
+) -> cf.Variables:
     """Values of u [rad] and of u′ [rad/s] as two variables, ``names`` with a place for "angle" and "velocity"."""
     return {
-        names.format("angle"): variable(dims[0], values[0], "rad", angle, "$u$", **more),
-        names.format("velocity"): variable(dims[1], values[1], "rad s-1", rate, r"$\dot u$", **more),
+        names.format("angle"): cf.variable(dims[0], values[0], "rad", angle, "$u$", **more),
+        names.format("velocity"): cf.variable(dims[1], values[1], "rad s-1", rate, r"$\dot u$", **more),
     }
 
 
-def grid_axes(angle: np.ndarray, velocity: np.ndarray) -> Variables:
+def grid_axes(angle: np.ndarray, velocity: np.ndarray) -> cf.Variables:
     """Return the axes of a grid of states: u [rad] and u′ [rad/s]."""
     names, words = "grid_{}_deviation", ("deviation, of the grid", "rate of the deviation, of the grid")
     return _pair(names, [names.format("angle"), names.format("velocity")], [angle, velocity], *words)
 
 
-def curve(name: str, dims: Dims, points: np.ndarray, where: str, **more: str) -> Variables:
+def curve(name: str, dims: cf.Dims, points: np.ndarray, where: str, **more: str) -> cf.Variables:
     """Return points of the phase plane (..., 2), u [rad] and u′ [rad/s], as two variables; ``where`` they lie."""
     words = f"deviation {where}", f"rate of the deviation {where}"
     return _pair(f"{name}_{{}}", [dims, dims], [points[..., 0], points[..., 1]], *words, **more)
 
 
-def window_edges(name: str, dims: Dims, windows: Any, of: str = "") -> Variables:
+def window_edges(name: str, dims: cf.Dims, windows: Any, of: str = "") -> cf.Variables:
     """Return the edges of windows (..., 4) of the phase plane, two along u [rad] and two along u′ [rad/s]."""
     edges, words = np.array(windows), f"edge of the window{of}"
     values = [edges[..., :2], edges[..., 2:]]
     return _pair(f"{name}_{{}}", [dims, dims], values, f"left and right {words}", f"bottom and top {words}")
 
 
-def rule_coordinate() -> Variables:
+def rule_coordinate() -> cf.Variables:
     """Return the coordinate of the rules by which a motion resumes after a seizure."""
-    return {"rule": named_index("rule", "rule of resuming after a seizure", RULES)}
+    return {"rule": cf.named_index("rule", "rule of resuming after a seizure", RULES)}
 
 
 def reached(drive: Drive, start: Mapping[str, float], resume: Resume = RULES[0]) -> SteadyState:
@@ -95,11 +82,11 @@ def followed(drive: Drive, start: Any, duration: float, resume: Resume = RULES[0
     return follow(rigid_automaton(drive, resume=resume), start, duration)
 
 
-def attractors(dims: Dims, labels: Any, words: str = ATTRACTOR, **more: Any) -> Variable:
+def attractors(dims: cf.Dims, labels: Any, words: str = ATTRACTOR, **more: Any) -> cf.Variable:
     """Return labels of attractors as a variable, int8 with flags."""
     from lsvib.dynamics.attractor import Attractor
 
-    return flagged(dims, labels, words, Attractor, **more)
+    return cf.flagged(dims, labels, words, Attractor, **more)
 
 
 def portraits(
@@ -113,22 +100,19 @@ def portraits(
     start, event), what they settle on (case, rule, start), and the limit cycle of the first one (case, sample). Raises
     ``InputError`` if the samples are too few for the events.
     """
-    from lsvib.dynamics.attractor import steady_state
     from lsvib.dynamics.impulses import event_impulses
 
-    duration, samples = settings["duration"], settings["samples"]
-    states = [np.array([start["u"], start["w"]]) for start in settings["starts"]]
-    automata = [[rigid_automaton(drive, resume=rule) for rule in RULES] for drive in drives]
-    steady = [[[steady_state(automaton, x) for x in states] for automaton in case] for case in automata]
-    motions = [[followed(drive, x, duration) for x in states] for drive in drives]
+    starts, duration, samples = (settings[name] for name in ("starts", "duration", "samples"))
+    steady = [[[reached(drive, start, rule) for start in starts] for rule in RULES] for drive in drives]
+    motions = [[followed(drive, [start["u"], start["w"]], duration) for start in starts] for drive in drives]
     impulses = [[event_impulses(drive, motion) for motion in row] for drive, row in zip(drives, motions, strict=True)]
     return xr.Dataset(
         lines(drives) | _motions(motions, samples) | _events(motions, impulses) | _attractors(steady, samples),
-        coords={**drive_parameters(drives, along=varied, printed=printed), **rule_coordinate()},
+        coords={**cf.drive_parameters(drives, along=varied, printed=printed), **rule_coordinate()},
     ).set_coords("time")
 
 
-def lines(drives: Sequence[Drive]) -> Variables:
+def lines(drives: Sequence[Drive]) -> cf.Variables:
     """Return, along ``case``, the line N = 0 as u = angle + slope · u′ (Q = 0, eq. 8.17), θ′ = 0 as u′ = −Ω, and Γ₊."""
     exact = [coefficients(drive) for drive in drives]
     with many_digits():
@@ -137,28 +121,28 @@ def lines(drives: Sequence[Drive]) -> Variables:
     of_angle = "deviation at which the contact force vanishes, at zero rate"
     of_stop = "rate of the deviation at which the screw stands still"
     return {
-        "contact_line_angle": variable("case", angle, "rad", of_angle, "$u$"),
-        "contact_line_slope": variable("case", slope, "s", "slope du/du' of the line of zero contact force"),
-        "stop_velocity": variable("case", stop, "rad s-1", of_stop, r"$-\Omega$"),
-        "effective_inertia_plus": variable("case", inertia, "kg m2", "effective inertia of law +", r"$\Gamma_+$"),
+        "contact_line_angle": cf.variable("case", angle, "rad", of_angle, "$u$"),
+        "contact_line_slope": cf.variable("case", slope, "s", "slope du/du' of the line of zero contact force"),
+        "stop_velocity": cf.variable("case", stop, "rad s-1", of_stop, r"$-\Omega$"),
+        "effective_inertia_plus": cf.variable("case", inertia, "kg m2", "effective inertia of law +", r"$\Gamma_+$"),
     }
 
 
-def _motions(motions: Sequence[Sequence[Motion]], samples: int) -> Variables:
+def _motions(motions: Sequence[Sequence[Motion]], samples: int) -> cf.Variables:
     """Return sampled motions, dimensions (case, start, sample)."""
     sampled, dims = [[(m, *sample(m, samples)) for m in row] for row in motions], ("case", "start", "sample")
     time, states = (np.array([[each[k] for each in row] for row in sampled]) for k in (1, 2))
     modes = np.array([[motion.automaton.codes[places] for motion, *_, places in row] for row in sampled])
     variables = {
-        "time": variable(dims, time, "s", "time", "$t$"),
-        "angle_deviation": (dims, states[..., 0], quantity("angle_deviation")),
-        "velocity_deviation": (dims, states[..., 1], quantity("velocity_deviation")),
-        "mode": flagged(dims, modes, "mode of motion", MotionMode),
+        "time": cf.variable(dims, time, "s", "time", "$t$"),
+        "angle_deviation": (dims, states[..., 0], cf.quantity("angle_deviation")),
+        "velocity_deviation": (dims, states[..., 1], cf.quantity("velocity_deviation")),
+        "mode": cf.flagged(dims, modes, "mode of motion", MotionMode),
     }
     for name in ("normal_force", "coupling_deflection"):
         observed = [[motion.automaton.observe(name, *of) for motion, _, *of in row] for row in sampled]
-        variables[name] = (dims, np.array(observed), quantity(name))
-    variables["normal_force"][2]["comment"] = WITHOUT_IMPULSES
+        variables[name] = (dims, np.array(observed), cf.quantity(name))
+    variables["normal_force"][2]["comment"] = cf.WITHOUT_IMPULSES
     return variables
 
 
@@ -170,32 +154,32 @@ def events(
     ``impulses`` of a motion that may seize, from :func:`lsvib.dynamics.impulses.event_impulses`, or None.
     """
     found = {
-        "event_time": (motion.time, attributes("s", "time of the event")),
-        "event_kind": (motion.kind, attributes("1", "kind of the event", **flags(kinds))),
-        "event_sign": (motion.sign, SIGNS),
+        "event_time": (motion.time, cf.attributes("s", "time of the event")),
+        "event_kind": (motion.kind, cf.attributes("1", "kind of the event", **cf.flags(kinds))),
+        "event_sign": (motion.sign, cf.SIGNS),
     }
     for when, states in (("before", motion.before), ("after", motion.after)):
         for column, name in enumerate(motion.automaton.states):
-            found[f"event_{name}_{when}"] = (states[:, column], quantity(name, when))
-    for name, known in () if impulses is None else IMPULSES.items():
+            found[f"event_{name}_{when}"] = (states[:, column], cf.quantity(name, when))
+    for name, known in () if impulses is None else cf.IMPULSES.items():
         found[f"event_{name}"] = (getattr(impulses, name.removesuffix("_impulse")), known)
     return found
 
 
-def _events(motions: Sequence[Sequence[Motion]], impulses: Sequence[Sequence[Impulses]]) -> Variables:
+def _events(motions: Sequence[Sequence[Motion]], impulses: Sequence[Sequence[Impulses]]) -> cf.Variables:
     """The events of motions; rows with fewer events than the longest end in NaN, kind −1 and sign 0."""
     pairs = (zip(*rows, strict=True) for rows in zip(motions, impulses, strict=True))
     found = [[events(motion, Event, own) for motion, own in row] for row in pairs]
-    longest, table = max(1, *(motion.time.size for row in motions for motion in row)), Variables()
+    longest, table = max(1, *(motion.time.size for row in motions for motion in row)), cf.Variables()
     for name, (first, about) in found[0][0].items():
         empty = {"event_kind": -1, "event_sign": 0}.get(name, np.nan)
         rows = [[np.append(one[name][0], [empty] * (longest - one[name][0].size)) for one in row] for row in found]
         table[name] = ("case", "start", "event"), np.array(rows, dtype=first.dtype), about
-    table["event_kind"][2].update(flags_or_none(Event))
+    table["event_kind"][2].update(cf.flags_or_none(Event))
     return table
 
 
-def _attractors(steady: Sequence[Sequence[Sequence[SteadyState]]], samples: int) -> Variables:
+def _attractors(steady: Sequence[Sequence[Sequence[SteadyState]]], samples: int) -> cf.Variables:
     """Return what motions settle on, (case, rule, start), and the limit cycle of the first one, (case, sample).
 
     Period and cycle are left out where no motion has one.
@@ -211,8 +195,8 @@ def _attractors(steady: Sequence[Sequence[Sequence[SteadyState]]], samples: int)
             points[:] = sample(case[0][0].orbit, samples)[1]
     found = {
         "attractor": attractors(dims, table("label", np.int8)),
-        "amplitude": variable(dims, table("amplitude", float), "rad", AMPLITUDE),
-        "period": variable(dims, table("period", float), "s", PERIOD, "$T$"),
+        "amplitude": cf.variable(dims, table("amplitude", float), "rad", AMPLITUDE),
+        "period": cf.variable(dims, table("period", float), "s", PERIOD, "$T$"),
         **curve("cycle", ("case", "sample"), cycle, "on the limit cycle", comment=_WHICH_CYCLE),
     }
     return {name: own for name, own in found.items() if not np.isnan(own[1]).all()}

@@ -16,7 +16,7 @@ import xarray as xr
 from lsvib import numbers
 from lsvib.basins.curves import Part, Window
 from lsvib.basins.resilience import Resilience, resilience
-from lsvib.datasets.attributes import Variables, attributes, flags, parts_in_words, variable
+from lsvib.datasets.attributes import Variables, about_drive, attributes, flags, variable
 from lsvib.dynamics.attractor import Attractor
 from lsvib.dynamics.sweep import all_endings
 from lsvib.errors import EngineError, InputError
@@ -24,11 +24,9 @@ from lsvib.models.drive import Drive, described, names_and_values
 from lsvib.models.many import ManyDrives
 from lsvib.models.model import model_of
 from lsvib.models.scene import REST
-from lsvib.numbers import Progress
 
 START = {"u": 1e-3, "w": 0.0}  # next to steady sliding: rad, and rad/s
 _MOST = 10_000_000  # points, of which each has some hundred bytes
-
 
 _VARIABLES = {
     "attractor": attributes("1", "attractor that the motion reaches", **flags(Attractor)),
@@ -51,7 +49,7 @@ def sweep(
     over: Mapping[str, Any],
     start: Mapping[str, Any] | str | None = None,
     workers: Any = 1,
-    progress: Progress | None = None,
+    progress: numbers.Progress | None = None,
 ) -> xr.Dataset:
     """Return the attractor and its numbers over the product of values of some parameters of a drive of any model.
 
@@ -91,7 +89,7 @@ def _over(axes: Mapping[str, Sequence[float]], drive: Drive, found: Variables, *
     return xr.Dataset(
         found,
         {name: variable(name, np.array(x), about[name]["unit"], about[name]["long_name"]) for name, x in axes.items()},
-        {"parts": parts_in_words(drive), "parameters": json.dumps({k: v for k, v in drive if k not in axes}), **more},
+        about_drive(drive, ((name, value) for name, value in drive if name not in axes)) | more,
     )
 
 
@@ -152,7 +150,7 @@ def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
 
 
 def resilience_sweep(
-    drive: Drive, over: Mapping[str, Any], window: Part | None = None, progress: Progress | None = None
+    drive: Drive, over: Mapping[str, Any], window: Part | None = None, progress: numbers.Progress | None = None
 ) -> xr.Dataset:
     """Return the perturbations that steady sliding of the rigid drive tolerates over all combinations of some values.
 

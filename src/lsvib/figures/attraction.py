@@ -7,13 +7,12 @@ from typing import Annotated, Literal
 
 import numpy as np
 import xarray as xr
-from pydantic import AfterValidator, Discriminator, Field, Tag
-from pydantic_core import PydanticCustomError
+from pydantic import Discriminator, Field, Tag
 
 from lsvib.basins.grid import coordinates
 from lsvib.figures import drawing, style
 from lsvib.figures.common import flag_names
-from lsvib.figures.settings import Cells, FigureSettings, Unique
+from lsvib.figures.settings import Cells, FigureSettings, Unique, refusing
 
 CAPTION = """\
 Regions of attraction: the attractor of the motion from every start, and the time until it is reached as shade, with the
@@ -30,13 +29,6 @@ COLOURS = {
     "unresolved": style.BLACK,
 }
 
-
-def _with_label(values: list[str]) -> list[str]:
-    if "label" not in values:
-        raise PydanticCustomError("of_the_value", "is not acceptable; it must hold label")
-    return values
-
-
 Coordinate = Annotated[
     Annotated[float, Tag("number")] | Annotated[Cells, Tag("axis")],
     Discriminator(lambda value: "axis" if isinstance(value, dict) else "number"),
@@ -44,7 +36,7 @@ Coordinate = Annotated[
 Quantities = Annotated[
     list[Literal["label", "time", "seizures", "first_event", "doubt"]],
     *Unique,
-    AfterValidator(_with_label),
+    refusing(lambda values: "label" not in values, "is not acceptable; it must hold label"),
     Field(description="What is computed of each cell; all but the label need the motion up to its attractor."),
 ]
 

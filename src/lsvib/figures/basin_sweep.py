@@ -108,7 +108,15 @@ def build(settings: of.Values, analysis: xr.Dataset, maps: xr.Dataset) -> xr.Dat
     variables |= varied(reading_mass=masses, reading_axial_force=forces)
     variables["reading_fraction"] = variable(("reading_mass", "reading_axial_force"), readings, "1", _FRACTION)
     variables |= phase_plane.window_edges("window", "edge", window) | _cases(drive, settings["cases"], maps)
-    variables |= _critical_values(drive, analysis.isel(case=0), swept["support_damping"][0])
+    dampings, friction = swept["support_damping"][0], analysis.kinematic_constraint_friction_coefficient[0]
+    stable, damped = ("N", phase_plane.GLOBAL_STABILITY, "$R$"), [drive.replace(support_damping=c) for c in dampings]
+    limits = [threshold_force(d, "global_stability") for d in damped]
+    variables |= {
+        "swept_global_stability_force": variable("swept_support_damping", limits, *stable),
+        "critical_mass": ((), float(analysis.kinematic_constraint_mass[0]), CRITICAL_MASS),
+        "critical_friction_of_rigid_drive": ((), float(friction), friction.attrs),
+        "global_stability_force": variable((), float(analysis.global_stability_axial_force[0]), *stable),
+    }
     return xr.Dataset(
         variables,
         coords=drive_parameters(drive, printed=_PRINTED),
@@ -134,19 +142,6 @@ def _swept(drive: Drive, name: str, values: np.ndarray) -> tuple[np.ndarray, lis
             low, high = (middle, high) if at(middle).boundary == kind else (low, middle)
         chosen |= {low, high}
     return np.array(sorted(chosen)), [at(value) for value in sorted(chosen)]
-
-
-def _critical_values(drive: Drive, analysis: xr.Dataset, dampings: np.ndarray) -> Variables:
-    """Values of force, mass and friction up to which the basin is the whole plane; of the force for each damping."""
-    stable = ("N", phase_plane.GLOBAL_STABILITY, "$R$")
-    forces = [threshold_force(drive.replace(support_damping=c), "global_stability") for c in dampings]
-    friction = analysis.kinematic_constraint_friction_coefficient
-    return {
-        "swept_global_stability_force": variable("swept_support_damping", forces, *stable),
-        "critical_mass": ((), float(analysis.kinematic_constraint_mass), CRITICAL_MASS),
-        "critical_friction_of_rigid_drive": ((), float(friction), friction.attrs),
-        "global_stability_force": variable((), float(analysis.global_stability_axial_force), *stable),
-    }
 
 
 def _cases(drive: Drive, cases: Sequence[of.Values], maps: xr.Dataset) -> Variables:

@@ -3,8 +3,6 @@
 The rule `chart` of the workflow makes its dataset (:mod:`lsvib.datasets.chart`).
 """
 
-from typing import Any
-
 import numpy as np
 import xarray as xr
 from pydantic import Field
@@ -78,21 +76,18 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     return figure
 
 
-def _halo() -> list[Any]:
-    from matplotlib import patheffects
-
-    return [patheffects.withStroke(linewidth=2.2, foreground="white")]
-
-
 def _curves(axes: style.Axes, dataset: xr.Dataset, across: str, down: str) -> None:
     """Draw the exact curves, and write its name on the longest line of each."""
+    from matplotlib import patheffects
+
+    halo = {"path_effects": [patheffects.withStroke(linewidth=2.2, foreground="white")]}
     names, longest = flag_names(dataset.boundary_name), {}
     for number in np.unique(dataset.boundary_line.values):
         part = dataset.isel(boundary_point=dataset.boundary_line.values == number)
         name = names[int(part.boundary_name[0])]
         points = np.column_stack([part[f"boundary_{across}"], part[f"boundary_{down}"]])
         dashes = _CURVES.get(name, (name, "-"))[1]
-        axes.plot(*points.T, color=style.BLACK, linewidth=1.1, linestyle=dashes, path_effects=_halo(), zorder=2)
+        axes.plot(*points.T, color=style.BLACK, linewidth=1.1, linestyle=dashes, zorder=2, **halo)
         path = axes.transAxes.inverted().transform(axes.transData.transform(points))
         way = np.append(0.0, np.cumsum(np.hypot(*np.diff(path, axis=0).T)))
         if way[-1] > longest.get(name, (0.2,))[0]:  # words need a fifth of a side
@@ -105,4 +100,4 @@ def _curves(axes: style.Axes, dataset: xr.Dataset, across: str, down: str) -> No
         first, last = axes.transData.transform(ends)
         angle = np.degrees(np.arctan(np.divide(*(last - first)[::-1]))) if last[0] != first[0] else 90.0
         axes.annotate(_CURVES.get(name, (name,))[0], ends[0], fontsize=7.5, rotation=angle, rotation_mode="anchor",
-                      ha="center", va="bottom", path_effects=_halo(), zorder=3)  # fmt: skip
+                      ha="center", va="bottom", zorder=3, **halo)  # fmt: skip

@@ -6,18 +6,18 @@ import numpy as np
 import xarray as xr
 
 from lsvib.datasets import spans
-from lsvib.datasets.attributes import variable
+from lsvib.datasets.attributes import Variable, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures.settings import Values
+from lsvib.models.chapter import Claim
 
 if TYPE_CHECKING:
     from lsvib.basins.boundary import Basin
-    from lsvib.basins.curves import Window
     from lsvib.contact.stiff_limit import LimitBranch
     from lsvib.dynamics.attractor import SteadyState
     from lsvib.engine.motion import Motion
 else:  # names for annotations, which load no engine
-    Basin = LimitBranch = Motion = SteadyState = Window = Any
+    Basin = LimitBranch = Motion = SteadyState = Any
 
 EIGENVALUE = variable("eigenvalue", np.array([1, 2]), "1", "index of the eigenvalue", "$i$")
 # The critical mass with contact as a variable: unit, words, symbol.
@@ -38,6 +38,11 @@ def about(module: str | None, source: str, places: str, **more: str) -> dict[str
     """Return the attributes of a dataset: the title of its ``module``'s docstring, the ``places`` that it is about."""
     title, references = (module or "").partition("\n")[0].rstrip("."), f"doi:10.1007/978-1-4419-1752-2_8, {places}"
     return {"title": title, "source": f"lsvib, {source}", "references": references, **more}
+
+
+def printed(claim: Claim, words: str) -> Variable:
+    """Return a number that the chapter prints, whose ``words`` say what it is, as a variable without dimensions."""
+    return variable((), claim.value, claim.unit, f"{words}, as printed", relative_tolerance=claim.tolerance)
 
 
 def flag_names(variable: xr.DataArray) -> dict[int, str]:

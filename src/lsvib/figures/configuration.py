@@ -37,13 +37,13 @@ _NO_TYPE = {  # complaint of pydantic: what the value should be
     "tuple_type": "a list",
     "string_type": "text",
     "bool_type": "true or false",
+    "finite_number": "a finite number",
     "model_type": "a set of names and values",
     "dict_type": "a set of names and values",
 }
 _ALTERNATIVES = ("number", "axis")  # which of two types a value was taken for; no part of its place
 _IN_ALL = ("work_precision", "stability_sweeps", "ablation")  # benchmarks that a bare snakemake builds, too
 _BENCHMARKS = (*_IN_ALL, "rival_verdicts", "map_precision")
-
 
 PARTS = ("analysis", "maps")
 """Functions of some figures whose results, each a dataset, its ``build`` takes: the analysis of its drives, and maps of
@@ -196,17 +196,11 @@ def settings_of(figure: str) -> type[FigureSettings]:
 
 @cache
 def _configuration() -> type[SettingsSection]:
-    names = (*default_figures(), *accuracy_figures())
+    sections: dict[str, Any] = {name: (settings_of(name), ...) for name in ("attraction", "chart")}
     # A section that is missing is no fault unless its figure is to be built.
-    sections: dict[str, Any] = {name: (settings_of(name), None) for name in names}
-    return create_model(
-        "Configuration",
-        __base__=Assessments,
-        __doc__="Configuration of the workflow; SI units throughout.",
-        attraction=(settings_of("attraction"), ...),
-        chart=(settings_of("chart"), ...),
-        **sections,
-    )
+    sections |= {name: (settings_of(name), None) for name in (*default_figures(), *accuracy_figures())}
+    words = "Configuration of the workflow; SI units throughout."
+    return create_model("Configuration", __base__=Assessments, __doc__=words, **sections)
 
 
 def _checked(model: type[SettingsSection], values: Any, place: Sequence[str] = ()) -> Any:
@@ -229,8 +223,6 @@ def _sentence(error: ValidationError, place: Sequence[str]) -> str:
         return f"{'.'.join([*place, *parts, ''])}{first['msg']}."
     if sort == "missing":
         return f"{path} is missing."
-    if sort == "finite_number":
-        return f"{path} = {value} is not a finite number."
     if sort in _OUTSIDE:
         name = ".".join(parts[-1 - parts[-1].isdigit() :])
         return f"{path} = {value} is outside the allowed range {_OUTSIDE[sort].format(name=name, **context)}."
@@ -240,11 +232,8 @@ def _sentence(error: ValidationError, place: Sequence[str]) -> str:
     if sort == "literal_error":
         return f"{path} = {value} is not one of {choices}."
     if sort in _NO_TYPE:
-        hint = (
-            "; write it with a point, such as 1.0e-3"
-            if sort == "float_type" and isinstance(first["input"], str)
-            else ""
-        )
+        misread = sort == "float_type" and isinstance(first["input"], str)
+        hint = "; write it with a point, such as 1.0e-3" if misread else ""
         return f"{path} = {value} is not {_NO_TYPE[sort]}{hint}."
     if sort == "of_the_whole":
         return f"{path} {first['msg']}."

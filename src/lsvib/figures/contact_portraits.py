@@ -38,10 +38,8 @@ _OF_RATE = (
     "b_s = cos(lambda) + s mu sin(lambda); see (8.8), (8.9)"
 )
 # Each begins at the saddle; on the side of law + where the saddle lies, or across zero force to the side of law -.
-_MANIFOLDS = (
-    "unstable_away_from_zero_force", "unstable_across_zero_force",
-    "stable_away_from_zero_force", "stable_across_zero_force",
-)  # fmt: skip
+_WAYS = product(("unstable", "stable"), ("away_from", "across"))
+_MANIFOLDS = [f"{kind}_{way}_zero_force" for kind, way in _WAYS]
 # First words of the entries of the legend, two to a column.
 _ENTRIES = ("contact", "start", "stable", "unstable", "bounded", "growing", "saddle", "centre", "asymptote")
 _WORDS = {"facecolor": "#FFFFFFC0", "linewidth": 0, "pad": 1.0}

@@ -28,7 +28,6 @@ growth rate above the critical mass of the rigid drive, unstable beyond the dott
 dampings at which it is stable, which for soft contacts are two intervals. See docs/lemmas.md.
 """
 
-_CONTACT = ("contact_stiffness", "contact_damping")
 _BESIDE = 1e-6  # relative distance from a critical mass at which LAPACK must see the change
 _COLOURS = (style.VERMILION, style.ORANGE, style.BLUE, style.BLACK, style.GREEN, style.PURPLE)
 # Where two lines coincide both are seen, and in grey they differ.
@@ -69,7 +68,7 @@ def build(settings: of.Values) -> xr.Dataset:
             **drive_parameters(
                 contacts,
                 "contact",
-                along=_CONTACT,
+                along=("contact_stiffness", "contact_damping"),
                 axes=("mass",),
                 printed=("Sect. 8.6", "Sect. 8.6.1"),
                 no_effect=("axial_force", "input_speed"),
@@ -142,7 +141,11 @@ def _limits(drive: Drive, heavy: float, light: float) -> Variables:
 
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the critical masses against eigenvalues and the rigid one, Lemma 8.1 and its converse."""
-    drive = newton.parameters(dataset)
+    drive, wrong = newton.parameters(dataset), 0
+    for one in dataset.growth_rate.stack(contact=dataset.growth_rate.dims).transpose("contact"):
+        m, c, k = one.contact.item()
+        contact = Drive.of(drive, mass=m, contact_damping=c, contact_stiffness=k)
+        wrong += routh_hurwitz(polynomial(contact.exact(), law=1)) != bool(one < 0)
     return [
         *_critical_mass_checks(dataset, drive),
         *_lemma_checks(dataset, drive),
@@ -151,7 +154,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         Check.without_exception(
             "The signs of all growth rates are those of the Routh-Hurwitz conditions in 50 digits",
             "model of Sect. 5.5",
-            _against_signs(dataset, drive),
+            wrong,
             dataset.growth_rate.size,
             "contacts",
         ),
@@ -277,16 +280,6 @@ def _soft_contact_check(dataset: xr.Dataset, drive: of.Values) -> Check:
 def _largest_real_part(drive: of.Values, **values: Any) -> np.ndarray:
     """Largest real part [1/s] of LAPACK's eigenvalues, for arrays of parameters."""
     return eigenvalues({**drive, **values}, law=1)[:, -1].real
-
-
-def _against_signs(dataset: xr.Dataset, drive: of.Values) -> int:
-    """Number of growth rates whose sign is not that of the exact conditions."""
-    wrong = 0
-    for one in dataset.growth_rate.stack(contact=dataset.growth_rate.dims).transpose("contact"):
-        m, c, k = one.contact.item()
-        contact = Drive.of(drive, mass=m, contact_damping=c, contact_stiffness=k)
-        wrong += routh_hurwitz(polynomial(contact.exact(), law=1)) != bool(one < 0)
-    return wrong
 
 
 @style.styled

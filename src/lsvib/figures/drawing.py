@@ -10,6 +10,7 @@ from lsvib.figures import style
 from lsvib.figures.common import flag_names, named
 
 MOTIONS = (style.BLUE, style.ORANGE, style.SKY, style.PURPLE)
+_ARROW = 10.0  # size of the arrows of time, in points
 EVEN = (1.1, 1.1, 1.1, 1.1)  # widths of the lines of up to four motions, in points
 DrawnLine = tuple[np.ndarray, np.ndarray, str]  # x, y, both of shape (n) and with NaN where it is broken, and colour
 
@@ -118,17 +119,17 @@ def parted(u: np.ndarray, w: np.ndarray, jumps: np.ndarray) -> tuple[np.ndarray,
     return np.insert(u, after, np.nan), np.insert(w, after, np.nan)
 
 
-def guide(axes: style.Axes, case: xr.Dataset, size: float = 10.0) -> None:
+def guide(axes: style.Axes, case: xr.Dataset) -> None:
     """Name the sides of the line N = 0 of one case, and draw the arrows of :func:`draw_arrows`.
 
-    To be called when the panel has its limits. ``size`` of the arrows in points; the words are a little smaller.
+    To be called when the panel has its limits; the words are a little smaller than the arrows.
     N = Q / [Γ_s (cos λ + s μ sin λ)] (8.17), and Q grows with u: N > 0 to the right where Γ₊ > 0. Where Γ₊ < 0 a motion
     follows law −, for which N θ′ < 0, and beyond the line there is no solution: only the side of slip has a name.
     """
-    draw_arrows(axes, case, size)
+    draw_arrows(axes, case)
     angle, slope, stop = (float(case[x]) for x in ("contact_line_angle", "contact_line_slope", "stop_velocity"))
     sides, (low, high) = np.array(axes.get_xlim()), axes.get_ylim()
-    room = 2.4 * size * axes.figure.dpi / 72 / axes.bbox.width * np.ptp(sides)
+    room = 2.4 * _ARROW * axes.figure.dpi / 72 / axes.bbox.width * np.ptp(sides)
     if slope:
         low, high = np.clip(np.sort((sides - angle) / slope), low, high)
     above, below = (stop, stop) if float(case.effective_inertia_plus) < 0 else (low, high)
@@ -138,16 +139,16 @@ def guide(axes: style.Axes, case: xr.Dataset, size: float = 10.0) -> None:
             rates = first + np.linspace(0.85, 0.15, 15) * (last - first)
             rate = max(rates, key=lambda x: min(room, np.abs(sides - angle - slope * x).min()))
             place = angle + slope * rate + 0.015 * side * np.ptp(sides), rate
-            axes.text(*place, word, ha="left" if side > 0 else "right", va="center", fontsize=0.8 * size, zorder=4,
+            axes.text(*place, word, ha="left" if side > 0 else "right", va="center", fontsize=0.8 * _ARROW, zorder=4,
                       bbox={"facecolor": "#FFFFFF90", "linewidth": 0, "pad": 0.2})  # fmt: skip
 
 
-def draw_arrows(axes: style.Axes, case: xr.Dataset, size: float = 10.0) -> None:
+def draw_arrows(axes: style.Axes, case: xr.Dataset) -> None:
     """Draw an arrow of time on each motion of one case, and on its limit cycle, by :func:`arrows`."""
     lines = [(*parted(u, w, jumps), colour) for _, u, w, jumps, colour in _motions(case)]
     if "cycle_angle" in case:
         lines.append((*parted(*cycle_of(case)), style.BLACK))
-    arrows(axes, lines, size)
+    arrows(axes, lines)
 
 
 def mark_origin(axes: style.Axes) -> None:
@@ -190,8 +191,8 @@ def patches(looks: Iterable[tuple[str, str | None, str]], edge: str) -> list[Any
     return [Patch(facecolor=colour, hatch=hatch, label=words, **look) for colour, hatch, words in looks]
 
 
-def arrows(axes: style.Axes, lines: Sequence[DrawnLine], size: float = 10.0) -> None:
-    """Draw an arrow on each line that is in view, six times its ``size`` [pt] from the line's start or half way.
+def arrows(axes: style.Axes, lines: Sequence[DrawnLine]) -> None:
+    """Draw an arrow on each line that is in view, six times its size from the line's start or half way.
 
     It points in the direction of the line's points. To be called when the panel has its limits.
     """
@@ -203,10 +204,10 @@ def arrows(axes: style.Axes, lines: Sequence[DrawnLine], size: float = 10.0) -> 
         if not steps.any():
             continue
         way = np.append(0.0, np.cumsum(steps))
-        here = min(6 * size * pixels, way[-1] / 2)
+        here = min(6 * _ARROW * pixels, way[-1] / 2)
         last = int(np.searchsorted(way, here))
         along = (path[last] - path[last - 1]) / steps[last - 1]
         tip = path[last] - (way[last] - here) * along
         head, tail = axes.transData.inverted().transform([tip, tip - pixels * along])
-        look = {"color": colour, "linewidth": 0, "mutation_scale": size, "shrinkA": 0, "shrinkB": 0}
+        look = {"color": colour, "linewidth": 0, "mutation_scale": _ARROW, "shrinkA": 0, "shrinkB": 0}
         axes.annotate("", head, tail, arrowprops={"arrowstyle": "-|>", **look}, zorder=3.2)

@@ -11,7 +11,6 @@ from lsvib.datasets.checks import Check
 from lsvib.figures import settings as of
 from lsvib.figures import style
 from lsvib.figures.common import BALANCE, about, balance_check, named
-from lsvib.figures.settings import DriveFigure, PositiveSpan, Values
 from lsvib.models import friction
 from lsvib.models.drive import Drive
 from lsvib.stability.threshold import solve_threshold
@@ -29,16 +28,16 @@ STARTS = ("near", "far")
 KNOWN = {40.0: 88.934, 10.0: 64.305, 5.0: 24.914, 2.0: 9.8556}
 
 
-class Settings(DriveFigure):
+class Settings(of.DriveFigure):
     flows = ("taylor",)
 
-    input_speed: PositiveSpan = Field(description="Input speeds of the onset, evenly spaced in logarithm [rad/s].")
-    swept_input_speed: PositiveSpan = Field(description="Input speeds over which motions are followed [rad/s].")
-    swept_axial_force: PositiveSpan = Field(description="Axial forces over which motions are followed [N].")
+    input_speed: of.PositiveSpan = Field(description="Input speeds of the onset, evenly spaced in logarithm [rad/s].")
+    swept_input_speed: of.PositiveSpan = Field(description="Input speeds over which motions are followed [rad/s].")
+    swept_axial_force: of.PositiveSpan = Field(description="Axial forces over which motions are followed [N].")
     force: of.parameter("axial_force")
 
 
-def build(settings: Values) -> xr.Dataset:
+def build(settings: of.Values) -> xr.Dataset:
     """Compute the coefficient and the onset over the speed, and what motions end in on both sides of it."""
     from lsvib.dynamics.energy import balance
 

@@ -27,7 +27,6 @@ MARGINS = {  # the inequalities of (8.19): unit and wording; each holds where it
     "negative_effective_damping": ("N m s rad-1", "margin of a negative effective damping of law +"),
 }
 
-
 Settings = PhasePlane
 draw = drawing.single
 

@@ -11,12 +11,12 @@ import xarray as xr
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from lsvib.datasets import newton, phase_plane, printed, spans
+from lsvib.datasets import newton, phase_plane, spans
 from lsvib.datasets.analysis import analyse, value
-from lsvib.datasets.attributes import Variables, flagged, start_state, variable, varied, yes_no
+from lsvib.datasets.attributes import flagged, start_state, variable, varied, yes_no
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
-from lsvib.figures.common import SteadyState, about, flag_names, named, spread
+from lsvib.figures.common import about, flag_names, named, printed, spread
 from lsvib.figures.settings import MassPair, PhasePlane, Span, State, Values, parameter, several
 from lsvib.models import chapter
 from lsvib.models.drive import Drive
@@ -64,19 +64,18 @@ class Settings(PhasePlane):
         return self
 
 
-def _readings(settings: Values) -> list[Drive]:
-    """The drive with each of the masses to which numbers of the text belong."""
-    return [Drive.of(settings["drive"]).replace(mass=float(mass)) for mass in settings["mass_readings"]]
-
-
 def analysis(settings: Values) -> xr.Dataset:
     """Analyse the drive for both readings of its mass: effective inertias and dampings, the three forces."""
+    readings = [Drive.of(settings["drive"]).replace(mass=float(mass)) for mass in settings["mass_readings"]]
     forces = [(name, "axial_force") for name in ("onset", "stick", "detach")]
-    return analyse(_readings(settings), forces, ("mass",), ("Sect. 8.5.1",))
+    return analyse(readings, forces, ("mass",), ("Sect. 8.5.1",))
 
 
 def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     """Compute the amplitude curve between the thresholds of the analysis, and the inset portraits."""
+    from lsvib.datasets.sweep import product_of
+    from lsvib.dynamics.behaviour import Behaviour, behaviours
+
     drive = Drive.of(settings["drive"])
     own = settings["mass_readings"].index(drive.mass)
     values = {name: value(analysis[_OF[name]], own) for name in _THRESHOLDS}
@@ -96,7 +95,7 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
             **start_state(settings["start"], "of the motions whose steady vibration swept_amplitude describes"),
             "lead_tangent": variable((), tangent, "1", "tangent of the lead angle", r"$\tan\lambda$"),
             **{name: variable((), value, "N", words[name], "$R$") for name, value in values.items()},
-            **{f"printed_{n}": printed.variable(chapter.THRESHOLDS[n], words[n]) for n in _THRESHOLDS},
+            **{f"printed_{n}": printed(chapter.THRESHOLDS[n], words[n]) for n in _THRESHOLDS},
         }
     )
     readings = {
@@ -105,7 +104,16 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     holding = [_holds_without_torque(insets[-1].replace(friction_coefficient=float(x))) for x in frictions]
     words = "the screw, standing in an untwisted coupling, stays at rest under the largest force of a portrait"
     holds = {"holds_without_torque": yes_no("swept_friction_coefficient", holding, words)}
-    return planes.assign(_curve(drives, steady) | readings | holds).assign_attrs(
+    kinds = behaviours(product_of(drives[0], {"axial_force": forces}))
+    dim, slowest = "swept_axial_force", [s.extremes(np.array([0, 1.0, 0]))[0] for s in steady]
+    net, drag = [float(coefficients(d).net_force) for d in drives], "axial force less the drag of the translation"
+    curve = {
+        "swept_amplitude": variable(dim, [s.amplitude for s in steady], "rad", phase_plane.AMPLITUDE),
+        "smallest_velocity": variable(dim, slowest, "rad s-1", "smallest rate of the deviation", r"$\dot u$"),
+        "regime": flagged(dim, kinds, "what the drive does", Behaviour),
+        "net_force": variable(dim, net, "N", drag, r"$\tilde R$"),
+    }
+    return planes.assign(curve | readings | holds).assign_attrs(
         about(__doc__, "exact event-driven motion and its return map", "Sect. 8.5.1, Fig. 8.6")
     )
 
@@ -116,21 +124,6 @@ def _holds_without_torque(drive: Drive) -> bool:
     return bool(motion.automaton.codes[motion.arcs()[0][0]] == MotionMode.REST)
 
 
-def _curve(drives: list[Drive], steady: list[SteadyState]) -> Variables:
-    from lsvib.datasets.sweep import product_of
-    from lsvib.dynamics.behaviour import Behaviour, behaviours
-
-    kinds = behaviours(product_of(drives[0], {"axial_force": [d.axial_force for d in drives]}))
-    dim, slowest = "swept_axial_force", [s.extremes(np.array([0, 1.0, 0]))[0] for s in steady]
-    net, words = [float(coefficients(d).net_force) for d in drives], "axial force less the drag of the translation"
-    return {
-        "swept_amplitude": variable(dim, [s.amplitude for s in steady], "rad", phase_plane.AMPLITUDE),
-        "smallest_velocity": variable(dim, slowest, "rad s-1", "smallest rate of the deviation", r"$\dot u$"),
-        "regime": flagged(dim, kinds, "what the drive does", Behaviour),
-        "net_force": variable(dim, net, "N", words, r"$\tilde R$"),
-    }
-
-
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the thresholds, the shape of the curve, where its regime changes, the insets and the coefficients."""
     friction, tangent = dataset.swept_friction_coefficient.values, float(dataset.lead_tangent)
@@ -138,7 +131,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     line = dataset.contact_line_angle.values[force > chapter.THRESHOLDS["onset_force"].value]
     return [
         newton.laws_check(dataset, "Fig. 8.6"),
-        printed.check("Tangent of the lead angle", chapter.TAN_LEAD, tangent),
+        Check.printed("Tangent of the lead angle", chapter.TAN_LEAD, tangent),
         Check.holds(
             "The thread is self-locking: without a torque of the coupling the axial force does not turn the screw, nor "
             "does it with 1.01 tan λ for μ, but with 0.99 tan λ",
@@ -152,7 +145,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
             f"from {abs(line[-1]):.4g} to {abs(line[0]):.4g} rad off",
             line.size > 1 and (np.diff(np.abs(line)) > 0).all() and np.ptp(np.sign(line)) == 0,
         ),
-        *(printed.check(words, chapter.THRESHOLDS[n], dataset[n]) for n, (_, words) in _THRESHOLDS.items()),
+        *(Check.printed(words, chapter.THRESHOLDS[n], dataset[n]) for n, (_, words) in _THRESHOLDS.items()),
         newton.touching_check(dataset.isel(case=0), 1, dataset.detach_force, "Detach force"),
         *_curve_checks(dataset),
         *_inset_checks(dataset),
@@ -239,12 +232,12 @@ def _reading_checks(dataset: xr.Dataset) -> list[Check]:
     off = [abs(force / chapter.THRESHOLDS[name].value - 1) > 0.02 for name, force in forces.items()]
     return [
         *(
-            printed.check(f"Effective damping C{symbol}, of any mass", chapter.EFFECTIVE_DAMPING[law],
+            Check.printed(f"Effective damping C{symbol}, of any mass", chapter.EFFECTIVE_DAMPING[law],
                           ours[f"reading_effective_damping_{sign}"])
             for law, (sign, symbol) in _LAWS.items()
         ),
         *(
-            printed.check(f"Effective inertia Γ{symbol} as printed, read as that of m = {other:g} kg (with the stated "
+            Check.printed(f"Effective inertia Γ{symbol} as printed, read as that of m = {other:g} kg (with the stated "
                           f"m = {stated:g} kg it is {inertias[law]:.3g} kg m2)", chapter.EFFECTIVE_INERTIA[law],
                           theirs[f"reading_effective_inertia_{sign}"])
             for law, (sign, symbol) in _LAWS.items()
@@ -281,14 +274,10 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     axes.plot(dataset.axial_force, curve, "o", color="white", mec=style.BLACK, markersize=4.5, zorder=4,
               label="force of a phase portrait")  # fmt: skip
     for index in cases:
-        _portrait(panels[index], dataset.sel(case=index))
+        portrait, case = panels[index], dataset.sel(case=index)
+        drawing.phase_plane(portrait, case, [0.8] * case.sizes["start"], 1.6, 0.2)
+        drawing.draw_lines(portrait, case)
+        drawing.guide(portrait, case)
+        drawing.label_axes(portrait, case, f"$R$ = {style.number(case.axial_force)} N")
+        portrait.locator_params(axis="x", nbins=4)
     return style.legend(figure, [*panels.values()], 4)
-
-
-def _portrait(axes: style.Axes, case: xr.Dataset) -> None:
-    """Draw the phase portrait of one force."""
-    drawing.phase_plane(axes, case, [0.8] * case.sizes["start"], 1.6, 0.2)
-    drawing.draw_lines(axes, case)
-    drawing.guide(axes, case)
-    drawing.label_axes(axes, case, f"$R$ = {style.number(case.axial_force)} N")
-    axes.locator_params(axis="x", nbins=4)

@@ -161,7 +161,12 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw the map, hatched without solution, the lines, motions up to their first seizure, the cycle."""
     figure = style.new_figure(style.DOUBLE, 4.2)
     axes = figure.add_subplot()
-    case = _until_seizure(dataset.isel(case=0))
+    case = dataset.isel(case=0)
+    # Of each motion what comes before the end of the first seizure into which it slips, and its jump.
+    seizures = named(case.event_kind, "seizure") & (case.event_time > 0)
+    end = case.event_time.where(seizures, np.inf).min("event")
+    kept = {name: case[name].where(case.time <= end) for name in ("angle_deviation", "velocity_deviation")}
+    case = case.assign(kept | {"event_kind": case.event_kind.where(case.event_time <= end, -1)})
     u, w = dataset.grid_angle_deviation, dataset.grid_velocity_deviation
     colour, hatch, _ = _SECTORS["inconsistent"]
     inside = named(dataset.existence, "inconsistent").T.astype(float)
@@ -178,14 +183,6 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     drawing.label_axes(axes, dataset)
     patches = drawing.patches(_SECTORS.values(), _HATCH)
     return style.legend(figure, [axes], 1, patches, "outside right upper")
-
-
-def _until_seizure(case: xr.Dataset) -> xr.Dataset:
-    """Leave of each motion what comes before the end of the first seizure into which it slips, and its jump."""
-    seizures = named(case.event_kind, "seizure") & (case.event_time > 0)
-    end = case.event_time.where(seizures, np.inf).min("event")
-    kept = {name: case[name].where(case.time <= end) for name in ("angle_deviation", "velocity_deviation")}
-    return case.assign(kept | {"event_kind": case.event_kind.where(case.event_time <= end, -1)})
 
 
 def _name_sectors(axes: style.Axes, dataset: xr.Dataset) -> None:

@@ -7,12 +7,12 @@ import xarray as xr
 from annotated_types import Gt
 from pydantic import Field
 
-from lsvib.datasets import printed, spans
+from lsvib.datasets import spans
 from lsvib.datasets.analysis import analyse, value
 from lsvib.datasets.attributes import CRITICAL_MASS, axis, drive_parameters, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import style
-from lsvib.figures.common import EIGENVALUE, about
+from lsvib.figures.common import EIGENVALUE, about, printed
 from lsvib.figures.settings import Damping, DriveFigure, PositiveSpan, Values, several
 from lsvib.models import chapter
 from lsvib.models.drive import Drive
@@ -78,7 +78,7 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
             "critical_mass": ((), critical, CRITICAL_MASS),
             "meeting_mass": variable((), meeting, "kg", "mass at which both eigenvalues meet and turn real", "$m$"),
             "peak_mass": variable((), peak, "kg", "mass of the largest imaginary part of an eigenvalue", "$m$"),
-            "printed_critical_mass": printed.variable(chapter.THRESHOLDS["critical_mass"], "critical mass"),
+            "printed_critical_mass": printed(chapter.THRESHOLDS["critical_mass"], "critical mass"),
         },
         attrs=about(
             __doc__,
@@ -98,7 +98,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     ratio = peak * float(dataset.support_damping) / float(dataset.coupling_stiffness)
     oscillating = dataset.mass.values[(dataset.eigenvalue_imaginary_part != 0).any("eigenvalue").values]
     return [
-        printed.check("Critical mass, root of Γ₊(m) = 0", chapter.THRESHOLDS["critical_mass"], critical),
+        Check.printed("Critical mass, root of Γ₊(m) = 0", chapter.THRESHOLDS["critical_mass"], critical),
         Check.exact(
             f"Mass at which the spectrum loses stability, worst of {losses.size} dampings",
             "eqs 8.18, 8.20",

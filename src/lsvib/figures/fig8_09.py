@@ -6,7 +6,7 @@ from pydantic import Field
 
 from lsvib.datasets import newton, phase_plane, spans
 from lsvib.datasets.analysis import analyse, value
-from lsvib.datasets.attributes import CRITICAL_MASS, Variables, axis, variable
+from lsvib.datasets.attributes import CRITICAL_MASS, axis, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, printed_laws, style
 from lsvib.figures.common import about, named, spread
@@ -21,7 +21,6 @@ does not state; the dot is the force of (a) and (b).
 """
 
 _SWEEP = "of the last case with another axial force, from the first start"
-
 
 _PRINTED = ("Sect. 8.6", "Sect. 8.6.1")
 
@@ -45,30 +44,26 @@ def analysis(settings: Values) -> xr.Dataset:
 
 def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     """Compute both phase planes, the critical mass and the sensitivity of case (b) to R, which the text leaves out."""
+    from lsvib.dynamics.impulses import seizure_speeds
+
     drives, critical = _drives(settings), value(analysis.kinematic_constraint_mass)
     forces = spans.even(settings["axial_force"])
     planes = phase_plane.portraits(settings, drives, ("mass",), _PRINTED)
     planes = planes.assign_coords(**axis("swept_axial_force", forces), critical_mass=((), critical, CRITICAL_MASS))
-    return planes.assign(_sensitivity(drives[-1], forces, settings["starts"][0])).assign_attrs(
-        about(__doc__, "exact event-driven motion and its return map", "Sect. 8.6.1, Fig. 8.9")
-    )
-
-
-def _sensitivity(drive: Drive, forces: np.ndarray, start: Values) -> Variables:
-    from lsvib.dynamics.impulses import seizure_speeds
-
     rows = []
     for force in forces:
-        pushed = drive.replace(axial_force=float(force))
-        steady = phase_plane.reached(pushed, start)
+        pushed = drives[-1].replace(axial_force=float(force))
+        steady = phase_plane.reached(pushed, settings["starts"][0])
         speeds = np.empty(0) if steady.orbit is None else np.abs(seizure_speeds(pushed, steady.orbit))
         rows.append((steady.label, steady.amplitude, speeds.max() if speeds.size else np.nan))
     (label, amplitude, speed), dim = np.array(rows, dtype=float).T, "swept_axial_force"
-    return {
-        "swept_attractor": phase_plane.attractors(dim, label, comment=_SWEEP),
-        "swept_amplitude": variable(dim, amplitude, "rad", phase_plane.AMPLITUDE, comment=_SWEEP),
-        "impact_speed": variable(dim, speed, "rad s-1", "screw speed before a seizure", r"$\dot\theta$"),
-    }
+    return planes.assign(
+        {
+            "swept_attractor": phase_plane.attractors(dim, label, comment=_SWEEP),
+            "swept_amplitude": variable(dim, amplitude, "rad", phase_plane.AMPLITUDE, comment=_SWEEP),
+            "impact_speed": variable(dim, speed, "rad s-1", "screw speed before a seizure", r"$\dot\theta$"),
+        }
+    ).assign_attrs(about(__doc__, "exact event-driven motion and its return map", "Sect. 8.6.1, Fig. 8.9"))
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:

@@ -6,12 +6,12 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from lsvib.datasets import newton, phase_plane, printed, spans
+from lsvib.datasets import newton, phase_plane, spans
 from lsvib.datasets.attributes import Variables, axis, drive_parameters, flagged, quantity, start_state, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures import settings as of
-from lsvib.figures.common import Motion, SteadyState, about, named
+from lsvib.figures.common import Motion, SteadyState, about, named, printed
 from lsvib.models import chapter
 from lsvib.models.drive import Drive
 from lsvib.models.mechanism import seated_state
@@ -50,19 +50,27 @@ def build(settings: of.Values) -> xr.Dataset:
     drive, start, samples = Drive.of(settings["drive"], **contact), settings["start"], settings["samples"]
     cycle, rigid = compliant_cycle(drive, start), phase_plane.reached(drive, start)
     motion = follow(automaton_of(drive), seated_state(drive, start["u"], start["w"]), settings["duration"])
-    forces = spans.even(settings["axial_force"])
+    forces, rows, dim = spans.even(settings["axial_force"]), [], "swept_axial_force"
+    for pushed in (drive.replace(axial_force=float(force)) for force in forces):
+        swept = compliant_cycle(pushed, start)
+        rows.append((swept.label, *_cycle_values(pushed, swept, phase_plane.reached(pushed, start))))
+    label, peak, distance = np.array(rows, dtype=float).T
     return xr.Dataset(
         _motion(drive, motion, samples)
         | cycle_curves((), [cycle], samples)
         | cycle_curves((), [rigid], samples, "rigid_cycle")
         | _peak(cycle)
         | _comparison(drive, cycle, rigid)
-        | _sensitivity(drive, forces, start),
+        | {
+            "swept_attractor": phase_plane.attractors(dim, label),
+            "swept_peak_normal_force": variable(dim, peak, *_PEAK),
+            "swept_orbit_distance": variable(dim, distance, *_DISTANCE),
+        },
         coords={
             **axis("swept_axial_force", forces),
             **drive_parameters(drive, printed=("Sect. 8.6", "Sect. 8.6.1")),
             **start_state(start, "with a seated contact: of the motion and of those whose cycles are found"),
-            "printed_peak_normal_force": printed.variable(chapter.PEAK_FORCE, "largest contact force on the cycle"),
+            "printed_peak_normal_force": printed(chapter.PEAK_FORCE, "largest contact force on the cycle"),
         },
         attrs=about(__doc__, "exact event-driven motion with four states", "Sect. 8.6.1, Fig. 8.10"),
     ).set_coords("time")
@@ -168,20 +176,6 @@ def _cycle_values(drive: Drive, cycle: SteadyState, rigid: SteadyState) -> tuple
     return max(-low, high), stiff_limit.distance(cycle.orbit, rigid.orbit, scales)
 
 
-def _sensitivity(drive: Drive, forces: np.ndarray, start: of.Values) -> Variables:
-    rows, dim = [], "swept_axial_force"
-    for force in forces:
-        pushed = drive.replace(axial_force=float(force))
-        cycle = compliant_cycle(pushed, start)
-        rows.append((cycle.label, *_cycle_values(pushed, cycle, phase_plane.reached(pushed, start))))
-    label, peak, distance = np.array(rows, dtype=float).T
-    return {
-        "swept_attractor": phase_plane.attractors(dim, label),
-        "swept_peak_normal_force": variable(dim, peak, *_PEAK),
-        "swept_orbit_distance": variable(dim, distance, *_DISTANCE),
-    }
-
-
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the printed peak force, how little R changes it, and how close the motion stays to the rigid one."""
     force, peak, claim = dataset.swept_axial_force.values, dataset.swept_peak_normal_force.values, chapter.PEAK_FORCE
@@ -193,7 +187,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     return [
         newton.laws_check(dataset, "Fig. 8.10"),
         newton.laws_check(cycle_motion(dataset, "rigid_cycle"), "Fig. 8.10", "cycle of the rigid drive"),
-        printed.check("Peak of the contact force on the cycle", claim, dataset.peak_normal_force),
+        Check.printed("Peak of the contact force on the cycle", claim, dataset.peak_normal_force),
         Check.holds(
             f"The peak stays within {100 * claim.tolerance:g} % of {claim.value / 1e3:g} kN whatever R is, which the "
             "text leaves out",
@@ -235,7 +229,11 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     _plane(panels["a"], dataset)
     _force(panels["peaks"], panels["sliding"], dataset)
     _close_up(close, dataset)
-    _one_peak(peak, dataset)
+    sprag, microseconds = float(dataset.sprag_duration) * 1e6, dataset.close_up_time * 1e6
+    peak.plot(microseconds, dataset.close_up_normal_force / 1e3, color=style.BLUE)
+    peak.axvspan(0, sprag, color=style.YELLOW, alpha=0.35, linewidth=0, label=r"sprag: $N > 0$, $\dot\theta > 0$")
+    peak.set(title="(d) ours: one peak", xlabel="Time after $N = 0$ [µs]", ylabel="$N$ [kN]", ylim=(-10, _top(dataset)))
+    peak.margins(x=0)
     _over_force(force, dataset)
     return style.legend(figure, [panels["a"], peak], 3)
 
@@ -296,15 +294,6 @@ def _force(peaks: style.Axes, sliding: style.Axes, dataset: xr.Dataset) -> None:
 def _top(dataset: xr.Dataset) -> float:
     """Upper end of an axis of the force [kN]: a little above the printed peak and what is drawn."""
     return 1.15e-3 * max(float(dataset.printed_peak_normal_force), float(dataset.normal_force.max()))
-
-
-def _one_peak(axes: style.Axes, dataset: xr.Dataset) -> None:
-    sprag = float(dataset.sprag_duration) * 1e6
-    time = dataset.close_up_time * 1e6
-    axes.plot(time, dataset.close_up_normal_force / 1e3, color=style.BLUE)
-    axes.axvspan(0, sprag, color=style.YELLOW, alpha=0.35, linewidth=0, label=r"sprag: $N > 0$, $\dot\theta > 0$")
-    axes.set(title="(d) ours: one peak", xlabel="Time after $N = 0$ [µs]", ylabel="$N$ [kN]", ylim=(-10, _top(dataset)))
-    axes.margins(x=0)
 
 
 def _over_force(axes: style.Axes, dataset: xr.Dataset) -> None:

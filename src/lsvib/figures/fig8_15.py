@@ -4,12 +4,12 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from lsvib.datasets import newton, printed, spans
+from lsvib.datasets import newton, spans
 from lsvib.datasets.analysis import analyse, value
 from lsvib.datasets.attributes import drive_parameters, flagged, variable, varied
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
-from lsvib.figures.common import about, named, over_map, thinned
+from lsvib.figures.common import about, named, over_map, printed, thinned
 from lsvib.figures.settings import DriveFigure, PositiveSpan, Span, Values, parameter
 from lsvib.models import chapter
 from lsvib.models.drive import PART_OF, Drive
@@ -79,7 +79,7 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
         },
         coords={
             **varied(friction_coefficient=friction, support_stiffness=stiffness, boundary_friction_coefficient=curve),
-            "printed_critical_friction": printed.variable(chapter.THRESHOLDS["critical_friction"], word),
+            "printed_critical_friction": printed(chapter.THRESHOLDS["critical_friction"], word),
             **drive_parameters(
                 drive.replace(**dict.fromkeys(_DAMPINGS, 0.0)),
                 axes=plane,
@@ -109,7 +109,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     clear = (np.abs(discriminant) > 1e-9 * size) & (np.abs(a_4) > 1e-9 * inertia)
     dataset = dataset.assign(clear=(dataset.stability.dims, clear))
     return [
-        printed.check("Critical friction coefficient, root of Γ̃_0(μ) = 0", stated, critical),
+        Check.printed("Critical friction coefficient, root of Γ̃_0(μ) = 0", stated, critical),
         Check.exact(
             "Friction coefficient at which the eigenvalue 1/ω² passes through zero",
             "eqs 8.23, 8.27",

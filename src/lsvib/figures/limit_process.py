@@ -9,19 +9,8 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
+from lsvib.datasets import attributes as cf
 from lsvib.datasets import phase_plane
-from lsvib.datasets.attributes import (
-    SIGNS,
-    Variables,
-    attributes,
-    axis,
-    drive_parameters,
-    flagged,
-    flags_or_none,
-    start_state,
-    variable,
-    yes_no,
-)
 from lsvib.datasets.checks import Check
 from lsvib.figures import printed_laws, style
 from lsvib.figures import settings as of
@@ -95,20 +84,20 @@ def build(settings: of.Values) -> xr.Dataset:
     return xr.Dataset(
         deviations | _rules_followed(branches, deviations) | _indeterminate(drives[0], stiffness, speed, duration),
         coords={
-            **drive_parameters([b.drive for b in branches], "branch", along=along, printed=("Sect. 8.6",)),
-            **axis("contact_stiffness", stiffness),
-            **axis("contact_damping", stiffness, ("contact_stiffness",)),
+            **cf.drive_parameters([b.drive for b in branches], "branch", along=along, printed=("Sect. 8.6",)),
+            **cf.axis("contact_stiffness", stiffness),
+            **cf.axis("contact_damping", stiffness, ("contact_stiffness",)),
             **phase_plane.rule_coordinate(),
             **_branch_coordinates(branches),
-            **start_state(start, "of the cycles"),
-            "impact_speed": variable((), speed, "rad s-1", "screw speed before a seizure", r"$\dot\theta$"),
-            "fit_from": variable((), settings["fit_from"], "N m-1", "least stiffness that orders are fitted to"),
+            **cf.start_state(start, "of the cycles"),
+            "impact_speed": cf.variable((), speed, "rad s-1", "screw speed before a seizure", r"$\dot\theta$"),
+            "fit_from": cf.variable((), settings["fit_from"], "N m-1", "least stiffness that orders are fitted to"),
         },
         attrs=about(__doc__, "exact event-driven motion of both models", "Sects 8.2, 8.6; docs/limit_process.md"),
     )
 
 
-def _deviations(branches: Sequence[LimitBranch], stiffness: np.ndarray, fit_from: float) -> Variables:
+def _deviations(branches: Sequence[LimitBranch], stiffness: np.ndarray, fit_from: float) -> cf.Variables:
     """Deviations from the rigid drive, by branch and contact stiffness [N/m], and the orders of their fall."""
     from lsvib.contact import stiff_limit
 
@@ -120,15 +109,15 @@ def _deviations(branches: Sequence[LimitBranch], stiffness: np.ndarray, fit_from
             found[name][i, j] = value
     variables, fitted = {}, stiffness >= fit_from
     for name, (dims, *words) in _QUANTITIES.items():
-        variables[name] = variable(("branch", "contact_stiffness", *dims[1:]), found[name], *words)
+        variables[name] = cf.variable(("branch", "contact_stiffness", *dims[1:]), found[name], *words)
         order, error = stiff_limit.fitted_order(stiffness[fitted], found[name][:, fitted])
         fit = f"order of the {name.replace('_', ' ')}"
-        variables[f"{name}_order"] = variable(dims, order, "1", f"{fit} in one over the stiffness")
-        variables[f"{name}_order_error"] = variable(dims, error, "1", f"standard error of the {fit}")
+        variables[f"{name}_order"] = cf.variable(dims, order, "1", f"{fit} in one over the stiffness")
+        variables[f"{name}_order_error"] = cf.variable(dims, error, "1", f"standard error of the {fit}")
     return variables
 
 
-def _indeterminate(drive: Drive, stiffness: np.ndarray, speed: float, duration: float) -> Variables:
+def _indeterminate(drive: Drive, stiffness: np.ndarray, speed: float, duration: float) -> cf.Variables:
     """The first event of motions between two solutions, from contact forces of _SADDLE_MULTIPLES times the saddle's.
 
     Without contact damping N′ = 0 at the start. Of the larger force also the velocity that the chapter's formula says
@@ -161,14 +150,14 @@ def _indeterminate(drive: Drive, stiffness: np.ndarray, speed: float, duration: 
     whole = limit - growth * np.exp(-pulse * t) + (factor / gamma - torque / drive.screw_inertia / speed) * t
     event, words = "first event from a multiple of the contact force of the saddle", "velocity lost by the formula"
     return {
-        "indeterminate_event": (dims, kinds, attributes("1", event, **flags_or_none(Event))),
-        "indeterminate_time": variable(dims, times, "s", f"time of the {event}"),
-        "formula_velocity": variable("contact_stiffness", whole, "1", f"{words} of Sect. 8.2 over that lost"),
-        "formula_velocity_limit": variable("contact_stiffness", limit, "1", f"{words} in its limit over that lost"),
+        "indeterminate_event": (dims, kinds, cf.attributes("1", event, **cf.flags_or_none(Event))),
+        "indeterminate_time": cf.variable(dims, times, "s", f"time of the {event}"),
+        "formula_velocity": cf.variable("contact_stiffness", whole, "1", f"{words} of Sect. 8.2 over that lost"),
+        "formula_velocity_limit": cf.variable("contact_stiffness", limit, "1", f"{words} in its limit over that lost"),
     }
 
 
-def _rules_followed(branches: Sequence[LimitBranch], variables: Variables) -> Variables:
+def _rules_followed(branches: Sequence[LimitBranch], variables: cf.Variables) -> cf.Variables:
     """The rule that each branch follows, if with the order wanted and all small at the end; the rigid duration."""
     durations = np.array([branch.rigid[0].end_time for branch in branches])
     distance, rest = (variables[name][1][:, -1] for name in ("motion_distance", "rest_error"))
@@ -177,12 +166,12 @@ def _rules_followed(branches: Sequence[LimitBranch], variables: Variables) -> Va
     follows &= deviation < 10.0 * deviation[..., ::-1]
     verdicts = follows @ [BranchVerdict.CONTACT_SIGN, BranchVerdict.AT_ONCE]
     return {
-        "rigid_duration": variable("branch", durations, "s", "duration of the rigid motion, a period for a cycle"),
-        "rule_followed": flagged("branch", verdicts, "rule that the motion follows", BranchVerdict),
+        "rigid_duration": cf.variable("branch", durations, "s", "duration of the rigid motion, a period for a cycle"),
+        "rule_followed": cf.flagged("branch", verdicts, "rule that the motion follows", BranchVerdict),
     }
 
 
-def _branch_coordinates(branches: Sequence[LimitBranch]) -> Variables:
+def _branch_coordinates(branches: Sequence[LimitBranch]) -> cf.Variables:
     from lsvib.contact import stiff_limit
     from lsvib.models.rigid import MotionMode
 
@@ -190,11 +179,11 @@ def _branch_coordinates(branches: Sequence[LimitBranch]) -> Variables:
     after, dims = [[stiff_limit.outcome(motion) for motion in b.rigid] for b in branches], ("branch", "rule")
     differ, words = [b.differ for b in branches], "what follows the first seizure of the rigid drive"
     return {
-        "branch": variable("branch", np.arange(len(branches)), "1", "index of the branch"),
-        "impact_sign": ("branch", sign, SIGNS | {"long_name": "sign of the impact, none for a cycle"}),
-        "region": flagged("branch", region, "where the screw stands after the impact", stiff_limit.Region),
-        "rules_differ": yes_no("branch", differ, "the rigid motion depends on the rule of resuming"),
-        "outcome_after_seizure": flagged(dims, after, words, MotionMode),
+        "branch": cf.variable("branch", np.arange(len(branches)), "1", "index of the branch"),
+        "impact_sign": ("branch", sign, cf.SIGNS | {"long_name": "sign of the impact, none for a cycle"}),
+        "region": cf.flagged("branch", region, "where the screw stands after the impact", stiff_limit.Region),
+        "rules_differ": cf.yes_no("branch", differ, "the rigid motion depends on the rule of resuming"),
+        "outcome_after_seizure": cf.flagged(dims, after, words, MotionMode),
     }
 
 
@@ -281,13 +270,17 @@ def _outcome_checks(dataset: xr.Dataset) -> list[Check]:
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw (a) the distances and (b) the orders branch by branch; (c) the errors over the stiffness."""
-    figure = style.new_figure(style.DOUBLE, 5.6)
+    figure, first = style.new_figure(style.DOUBLE, 5.6), dataset.isel(rule=0)
     branches, curve = figure.subfigures(2, 1, height_ratios=(2.2, 1))
     columns = branches.subplots(2, 1, sharex=True, height_ratios=(1.3, 1))
     _distances(columns[0], dataset)
-    _orders(columns[1], dataset.isel(rule=0))
+    for k, (name, (colour, words, mark)) in enumerate(_ERRORS.items()):
+        order, error = (first[f"{name}_{what}"] for what in ("order", "order_error"))
+        columns[1].errorbar(dataset.branch + 0.18 * (k - 1.5), order, error, color=colour, fmt=mark, markersize=2.5,
+                            linewidth=0.6, label=words)  # fmt: skip
+    columns[1].set(title="(b) fitted orders", ylabel="Order in $1/k_c$")
     _name_branches(columns, dataset)
-    _errors(curve.subplots(), dataset.isel(rule=0))
+    _errors(curve.subplots(), first)
     return figure
 
 
@@ -305,15 +298,6 @@ def _distances(axes: style.Axes, dataset: xr.Dataset) -> None:
     axes.plot(dataset.branch, other, "x", color=style.VERMILION, markersize=4.5, label=words)
     axes.set(yscale="log", ylabel="Distance to the\nrigid motion")
     axes.set_title("(a) distance, each column a branch", pad=25)
-
-
-def _orders(axes: style.Axes, dataset: xr.Dataset) -> None:
-    """Fitted orders with their standard errors, branch by branch."""
-    for k, (name, (colour, words, mark)) in enumerate(_ERRORS.items()):
-        order, error = (dataset[f"{name}_{what}"] for what in ("order", "order_error"))
-        axes.errorbar(dataset.branch + 0.18 * (k - 1.5), order, error, color=colour, fmt=mark, markersize=2.5,
-                      linewidth=0.6, label=words)  # fmt: skip
-    axes.set(title="(b) fitted orders", ylabel="Order in $1/k_c$")
 
 
 def _name_branches(columns: Sequence[style.Axes], dataset: xr.Dataset) -> None:

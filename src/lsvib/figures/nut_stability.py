@@ -107,20 +107,26 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     dataset = dataset.assign(clear=(dataset.stability.dims, clear))
     return [
         *_class_checks(dataset, drive, grid),
-        *_boundary_checks(dataset, drive),
         *_critical_mass_checks(dataset, drive),
         *_deflection_checks(dataset),
     ]
 
 
 def _class_checks(dataset: xr.Dataset, drive: Values, grid: Values) -> list[Check]:
-    """Check the classes by (8.33), the printed inertia matrix and LAPACK with damping, but for rounding (``clear``)."""
+    """Check the classes by (8.33), its boundary in closed form, the printed inertia matrix and LAPACK with damping.
+
+    All of it but for rounding (``clear``).
+    """
     kinematic, other = (named(dataset.stability, *x) for x in (["kinematic constraint"], ["flutter", "divergence"]))
     clear, part = dataset.clear.values, thinned(dataset, 40)
     wrong = int(np.sum(clear & (kinematic != (effective_inertia(grid, law=1) < 0))))
     grows = eigenvalues(over_map(part, drive), law=1)[..., -1].real > 0
     differ = part.clear.values & (grows != named(part.stability, "kinematic constraint"))
     opposite = np.sum(clear & ((polynomial(grid, law=1)[0] < 0) != kinematic))
+    edge, friction = dataset.critical_friction_with_nut.values, dataset.friction_coefficient.values[:, None]
+    off = np.sum(clear & (kinematic != (friction > edge)))  # no edge: none
+    on_edge = {**drive, "friction_coefficient": edge, "nut_inertia": dataset.nut_inertia.values}
+    left = float(np.nanmax(np.abs(effective_inertia(on_edge, law=1)) / screw_inertia(on_edge)))
     return [
         Check.holds(
             "The class by eigenvalues is kinematic exactly where (8.33) holds",
@@ -140,17 +146,6 @@ def _class_checks(dataset: xr.Dataset, drive: Values, grid: Values) -> list[Chec
             differ.sum(),
             part.clear.sum(),
         ),
-    ]
-
-
-def _boundary_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
-    """Check the closed form of the boundary (8.33) over the inertia of the nut."""
-    clear = dataset.clear.values
-    edge, friction = dataset.critical_friction_with_nut.values, dataset.friction_coefficient.values[:, None]
-    off = np.sum(clear & (named(dataset.stability, "kinematic constraint") != (friction > edge)))  # no edge: none
-    on_edge = {**drive, "friction_coefficient": edge, "nut_inertia": dataset.nut_inertia.values}
-    left = float(np.nanmax(np.abs(effective_inertia(on_edge, law=1)) / screw_inertia(on_edge)))
-    return [
         Check.without_exception(
             "The boundary in closed form parts the classes at every inertia of the nut", "eq. 8.33", off, clear.sum()
         ),

@@ -5,7 +5,7 @@ parameters are those of :mod:`lsvib.models.drive`.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Self
 
@@ -106,25 +106,19 @@ class PlaneWindow(SettingsSection):
         return self
 
 
-def _unique(values: list[Any]) -> list[Any]:
-    if any(value in values[:k] for k, value in enumerate(values)):
-        raise PydanticCustomError("of_the_value", "holds an entry twice")
-    return values
+def refusing(wrong: Callable[[Any], bool], words: str) -> AfterValidator:
+    """Return what refuses some values of a type, in words that follow the value; to be added to the type."""
+
+    def check(value: Any) -> Any:
+        if wrong(value):
+            raise PydanticCustomError("of_the_value", words)
+        return value
+
+    return AfterValidator(check)
 
 
-def _not_zero(value: float) -> float:
-    if value == 0:
-        raise PydanticCustomError("of_the_value", "is not acceptable; it must not be 0")
-    return value
-
-
-def _zero(value: float) -> float:
-    if value != 0:
-        raise PydanticCustomError("of_the_value", "is not acceptable; it must be 0")
-    return value
-
-
-Unique = (AfterValidator(_unique),)  # add to the type of a list
+Unique = (refusing(lambda values: any(x in values[:k] for k, x in enumerate(values)), "holds an entry twice"),)
+NotZero = (refusing(lambda value: value == 0, "is not acceptable; it must not be 0"),)
 
 
 def several(kind: Any, least: int, most: int | None, description: str) -> Any:
@@ -167,28 +161,13 @@ class ContactStart(SettingsSection):
     rate: float = Field(ge=-1e12, le=1e12)
 
 
-NotZero = (AfterValidator(_not_zero),)  # add to the type of a number
-ContactDampings = Annotated[
-    tuple[Annotated[float, AfterValidator(_zero)], parameter("contact_damping", Gt(0))],
-    Field(strict=False, description="Contact damping of both panels, none first [N s/m]."),
-]
-Starts = Annotated[list[State], Field(min_length=1, max_length=4, description="States from which motions are drawn.")]
-ContactStarts = Annotated[
-    list[ContactStart],
-    Field(min_length=1, max_length=12, description="Contact forces and rates that motions start from."),
-]
+_Zero = Annotated[float, refusing(lambda value: value != 0, "is not acceptable; it must be 0")]
 Duration = Annotated[float, Field(gt=0, le=10, description="Time for which motions are drawn [s].")]
 Samples = Annotated[int, Field(ge=100, le=100_000, description="Samples of each motion, events included.")]
 Damping = Annotated[float, Field(ge=0, le=1, description="Support damping c [N m s/rad].")]
 CaseSeed = Annotated[int, Field(ge=0, description="Seed of the random cases.")]
-Repeats = Annotated[int, Field(ge=1, le=1000, description="Repeats of each measurement.")]
 MassPair = several(parameter("mass"), 2, 2, "Two readings of the mass [kg].")
 OpposingForces = several(parameter("axial_force", Lt(0)), 2, 2, "Two forces R < 0 [N].")
-Tolerances = Annotated[
-    list[Annotated[float, Field(gt=0, le=10)]],
-    *Unique,
-    Field(max_length=20, description="Settings of a method, coarse to fine; [] leaves it out."),
-]
 
 
 class DriveFigure(FigureSettings):
@@ -200,7 +179,7 @@ class DriveFigure(FigureSettings):
 class PhasePlane(DriveFigure):
     """Settings of the motions that a figure draws in the phase plane; Figs 8.4 and 8.5 need no others."""
 
-    starts: Starts
+    starts: list[State] = Field(min_length=1, max_length=4, description="States from which motions are drawn.")
     duration: Duration
     samples: Samples
 
@@ -211,8 +190,12 @@ class ContactPortrait(DriveFigure):
     unused: ClassVar = ("coupling_stiffness", "support_damping", "input_speed", "translation_damping", "axial_force")
 
     contact_stiffness: parameter("contact_stiffness")
-    contact_dampings: ContactDampings
+    contact_dampings: tuple[_Zero, parameter("contact_damping", Gt(0))] = Field(
+        strict=False, description="Contact damping of both panels, none first [N s/m]."
+    )
     force: Span = Field(description="Contact force in the scale of the chapter [1/(kg m2)].")
     rate: Span = Field(description="Its rate, in the same scale [1/(kg m2)].")
-    starts: ContactStarts
+    starts: list[ContactStart] = Field(
+        min_length=1, max_length=12, description="Contact forces and rates that motions start from."
+    )
     samples: Samples

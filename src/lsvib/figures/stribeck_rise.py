@@ -4,14 +4,13 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from lsvib.datasets import phase_plane, printed, spans
+from lsvib.datasets import phase_plane, spans
 from lsvib.datasets.analysis import analyse, least_onset_force
 from lsvib.datasets.attributes import ASSUMED, drive_parameters, named_index, parameter, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import settings as of
 from lsvib.figures import style
-from lsvib.figures.common import BALANCE, about, balance_check, named
-from lsvib.figures.settings import DriveChanges, DriveFigure, PositiveSpan, Span, Values
+from lsvib.figures.common import BALANCE, about, balance_check, named, printed
 from lsvib.models import chapter
 from lsvib.models.drive import Drive
 from lsvib.numbers import bisected
@@ -29,15 +28,15 @@ _PRINTED = ("critical_mass", *_FORCES)
 CYCLES = ("stick_slip", "sprag_slip")
 
 
-class Settings(DriveFigure):
+class Settings(of.DriveFigure):
     unused = ("axial_force",)
     flows = ("taylor",)
 
-    rise: Span = Field(description="Rise of friction over its kinetic value [1].")
-    static: PositiveSpan = Field(description="Static over kinetic friction [1].")
+    rise: of.Span = Field(description="Rise of friction over its kinetic value [1].")
+    static: of.PositiveSpan = Field(description="Static over kinetic friction [1].")
     heavy_mass: of.parameter("mass")
-    stick_slip: DriveChanges
-    sprag_slip: DriveChanges
+    stick_slip: of.DriveChanges
+    sprag_slip: of.DriveChanges
 
 
 def _risen(drive: Drive, share: float) -> Drive:
@@ -51,20 +50,20 @@ def _slow(drive: Drive, share: float) -> Drive:
     )
 
 
-def analysis(settings: Values) -> xr.Dataset:
+def analysis(settings: of.Values) -> xr.Dataset:
     """Analyse the drive with each rise: its critical mass with the friction of steady sliding."""
     drive = Drive.of(settings["drive"])
     drives = [_risen(drive, share) for share in spans.even(settings["rise"]).tolist()]
     return analyse(drives, [("kinematic_constraint", "mass")], along=("stribeck_rise",))
 
 
-def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
+def build(settings: of.Values, analysis: xr.Dataset) -> xr.Dataset:
     """Compute thresholds over the rise, and both cycles over the static friction."""
     drive, rise = Drive.of(settings["drive"]), spans.even(settings["rise"])
     heavy = drive.replace(mass=settings["heavy_mass"])
     slow = [solve_threshold(_slow(drive, share), "kinematic_constraint", "mass").value for share in rise.tolist()]
     least = solve_threshold(_slow(heavy, 0.0), "kinematic_constraint", "friction_coefficient").value
-    onset, stick, detach = np.transpose([_forces(_risen(drive, share)) for share in rise.tolist()])
+    forces = zip(_FORCES, np.transpose([_forces(_risen(drive, share)) for share in rise.tolist()]), strict=True)
     steady, critical = analysis.kinematic_constraint_mass.values, "kinetic friction that is critical in slow sliding"
     static, rows = spans.even(settings["static"]), []
     for name in CYCLES:
@@ -78,9 +77,7 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
             "slow_critical_mass": variable("rise_share", slow, "kg", "critical mass in slow sliding", "$m$"),
             "steady_critical_mass": variable("rise_share", steady, "kg", "critical mass in steady sliding", "$m$"),
             "slow_critical_friction": variable("rise_share", least / (1 + rise), "1", critical, r"$\mu$"),
-            "onset_force": variable("rise_share", onset, "N", "onset force", "$R$"),
-            "stick_force": variable("rise_share", stick, "N", "stick force", "$R$"),
-            "detach_force": variable("rise_share", detach, "N", "detach force", "$R$"),
+            **{name: variable("rise_share", x, "N", name.replace("_", " "), "$R$") for name, x in forces},
             "attractor": phase_plane.attractors(other, label),
             "amplitude": variable(other, amplitude, "rad", phase_plane.AMPLITUDE, r"$\hat u$"),
             "energy_balance": variable(other, balance, *BALANCE),
@@ -92,7 +89,7 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
             "static_share": variable("static_share", static, "1", "static over kinetic friction"),
             "cycle": named_index("cycle", "which cycle", CYCLES),
             "case_mass": ((), settings["heavy_mass"], parameter("case_mass", ASSUMED)),
-            **{f"printed_{n}": printed.variable(chapter.THRESHOLDS[n], n.replace("_", " ")) for n in _PRINTED},
+            **{f"printed_{n}": printed(chapter.THRESHOLDS[n], n.replace("_", " ")) for n in _PRINTED},
         },
         attrs=about(__doc__, "closed form, motions and their return maps", "Figs 8.6, 8.8, 8.9"),
     )
@@ -132,9 +129,9 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     )
     amplitude, period = dataset.amplitude.values, dataset.period.values
     return [
-        printed.check("Critical mass without a rise", chapter.THRESHOLDS["critical_mass"], exact),
+        Check.printed("Critical mass without a rise", chapter.THRESHOLDS["critical_mass"], exact),
         *(
-            printed.check(f"{name.replace('_', ' ').capitalize()} without a rise", chapter.THRESHOLDS[name],
+            Check.printed(f"{name.replace('_', ' ').capitalize()} without a rise", chapter.THRESHOLDS[name],
                           float(first[name]))
             for name in _FORCES
         ),

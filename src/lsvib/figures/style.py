@@ -131,9 +131,8 @@ def number(value: float) -> str:
     return f"${factor}10^{{{int(power)}}}$"
 
 
-def amount(variable: xr.DataArray, values: np.ndarray | None = None) -> str:
-    """Return "symbol = value unit" of a parameter, or of some of its values: one, a few of them, the range of many."""
-    values = np.unique(variable.values[np.isfinite(variable.values)]) if values is None else values
+def amount(variable: xr.DataArray, values: np.ndarray) -> str:
+    """Return "symbol = value unit" of some values of a parameter: one, a few of them, the range of many."""
     if values.size > 5:
         text = f"{number(values[0])} to {number(values[-1])}"
     else:
@@ -202,15 +201,13 @@ def save(
     ``pdf``: None for no PDF; ``resolution`` [dots per inch] of the PNG. The layout is found once, for the PNG; the PDF
     has the same. Raises ``LsvibError`` if a file cannot be written.
     """
-    metadata: dict[str, dict[str, Any]] = {"png": {"Software": None}, "pdf": {"CreationDate": None, "Producer": None}}
     # With an engine of layout, be it the one named "none", each file would be drawn once more, unseen, to lay it out.
     with _look(**{"figure.constrained_layout.use": False}):
         figure.set_dpi(resolution)
         if (layout := figure.get_layout_engine()) is not None:
             layout.execute(figure)
             figure.set_layout_engine(None)
-        for path, kind in ((png, "png"), (pdf, "pdf")):
-            if path is None:
-                continue
-            with replacing(path) as part:
-                figure.savefig(part, format=kind, metadata=metadata[kind], dpi=resolution)
+        for path, kind, unsaid in ((png, "png", ["Software"]), (pdf, "pdf", ["CreationDate", "Producer"])):
+            if path is not None:
+                with replacing(path) as part:
+                    figure.savefig(part, format=kind, metadata=dict.fromkeys(unsaid), dpi=resolution)
