@@ -15,7 +15,7 @@ AT = np.arange(400)
 
 
 def test_drive_1_jerks_at_2_rpm_as_others_measured_and_turns_evenly_from_10():
-    tables = [read_table(path, (2, 3, 1), (-RPM, -PERCENT, 1e-3), ";") for path in DRIVE.glob("*.csv")]
+    tables = (read_table(path, (2, 3, 1), (-RPM, -PERCENT, 1e-3), ";") for path in DRIVE.glob("*.csv"))
     records = {table.name: look(table) for table in tables}
     jerky = [records.pop("2.csv"), records.pop("n2.csv")]
     assert len(records) == 30
@@ -112,6 +112,7 @@ def others(seed):
     random, even = np.random.default_rng(seed), np.ones(400)
     phase = random.uniform(0.06, 0.13) * AT + random.uniform()
     wave, (jump, teeth), (also, more) = 2 * np.pi * phase, jerks(phase), jerks(1.43 * phase)
+    half = np.maximum(1 + 1.2 * np.sin(wave), 0)
     stops, only = "the screw stops now and then, but ", "at rest; only where the screw turns is it steady motion."
     return {
         "rest": ("rest", "the screw rests, or turns as much one way as the other.", 0 * even, even),
@@ -124,11 +125,10 @@ def others(seed):
         "turn": ("even", "the screw", even, 1 + 0.3 * np.sin(0.03 * AT) + 0.1 * np.sin(0.06 * AT)),
         "line": ("even", "the screw", 1 + 0.2 * np.sin(wave), 1 + 0.2 * np.cos(wave)),
         "sawtooth": ("even", "the screw", even, teeth),
-        "smooth": ("jerks", f"{stops}its torque does not climb slowly and fall fast; no numbers are told.",
-                   np.maximum(1 + 1.2 * np.sin(wave), 0), 1 + 0.2 * np.cos(wave)),
-        "reverse": ("jerks", f"{stops}its torque climbs fast and falls slowly, as samples rarer than two a jerk show",
-                    *jerks(phase, -0.4)),
+        "smooth": ("jerks", f"{stops}its torque does not climb slowly and fall fast;", half, 1 + 0.2 * np.cos(wave)),
+        "reverse": ("jerks", f"{stops}its torque climbs fast and falls slowly, as samples rarer", *jerks(phase, -0.4)),
         "rare": ("jerks", f"{stops}it is sampled less than 2.3 times a jerk;", *jerks(AT / 2.15)),
+        "none": ("jerks", f"{stops}at no one frequency;", jump, 0 * even),
         "alike": ("jerks", f"{stops}at no one frequency;", jump + also, teeth + more),
         "two": ("jerks", f"{stops}at two frequencies;", jump, teeth + 0.45 * more),
         "late": ("jerks", f"{stops}not while its torque climbs;", 2.0 * (abs(phase % 1 - 0.6) < 0.24), teeth),
@@ -143,13 +143,14 @@ def test_what_is_no_stick_slip_has_no_numbers(name):
     for seed in (1, 4):
         kind, said, speed, torque = others(seed)[name]
         noise = 0.02 * np.random.default_rng(seed).standard_normal((2, speed.size))
-        record = look(Recording("x", speed * (1 + noise[0]), torque + noise[1]), 0.1)
+        record = look(Recording("x", speed * (1 + noise[0]), torque + noise[1] * torque.any()), 0.1)
         assert record.said[0].startswith(f"x: {said}"), record.said
         assert (record.kind, len(record.said), record.period, record.stiffness) == (kind, 1, None, None)
 
 
 def test_jerks_need_even_times_and_two_samples_in_a_ramp(monkeypatch):
-    for time in (None, AT**1.1):
+    assert look(Recording("x", *jerks(0.131 * AT), time=np.round(0.128 * AT, 2))).stiffness is not None
+    for time in (None, AT**1.1, 0 * AT, -AT):
         (said,) = look(Recording("x", *jerks(0.13 * AT), time=time)).said
         assert "but its samples are not known to be evenly spaced in time; no numbers are told." in said
     monkeypatch.setattr("lsvib.fit.records.RAMP", (0.5, 0.55))
@@ -158,15 +159,12 @@ def test_jerks_need_even_times_and_two_samples_in_a_ramp(monkeypatch):
 
 def test_fewer_than_two_samples_a_jerk_give_no_numbers():
     for seed in range(6):
-        recording, step, *_ = known(seed, 1.2 + 0.12 * seed)
-        assert look(recording, step).period is None
+        assert look(*known(seed, 1.2 + 0.12 * seed)[:2]).period is None
 
 
 def test_jerks_in_step_with_the_samples_or_seldom_seen_tell_no_stiffness():
     record = look(Recording("x", *jerks(0.125 * AT + 0.01), time=0.1 * AT))
     assert "x: the mean speed is not sure, as samples keep in step with the jerks: no stiffness" in record.said[1]
     assert (record.stiffness, record.displacement) == (None, None)
-    assert abs(record.period[0] - 0.8) < 2 * record.period[1]
-    record = look(*known(213)[:3])
-    assert "as its standard error is 33%: no stiffness and displacement of a jerk are told." in record.said[1]
-    assert len(record.said) == 2  # with a window that is known, nothing is said of the fall
+    _, said = look(*known(213)[:3]).said  # of a window that is known, nothing is said of the fall
+    assert "as its standard error is 33%: no stiffness and displacement of a jerk are told." in said

@@ -28,7 +28,7 @@ Kind = Literal["rest", "even", "ramp", "start", "stop", "jerks"]
 
 LEAST = 2.3  # samples a tooth: at 2, a sawtooth and its reverse are the same samples
 SHORTEST, TEETH = 64, 8  # samples of a record, and teeth or ramps of it, of which jerks are told
-UNEVEN = 0.02  # of the interval, by which intervals of time may differ
+UNEVEN = 0.1  # of the interval, by which a time that is rounded may be off that of even samples
 EXPLAINED = 0.8  # of the variance beside slow change, by teeth; of two frequencies alike they explain 0.78 at most
 LIKELIER = 25.0  # by χ², five standard errors, by which a sawtooth must fit better than its reverse
 STANDS = 0.7  # of the mean speed, in two of five samples: a screw that is faster does not stand
@@ -112,11 +112,11 @@ def look(recording: Recording, interval: float | None = None, averaging: float |
         return Record(name, "ramp", (said,))
     if np.quantile(speed / mean, 0.4) > STANDS:
         return Record(name, "even", (f"{name}: the screw turns evenly.",))
-    steps = np.diff(recording.time) if interval is None and recording.time is not None else np.array([interval or 0.0])
-    step = float(np.median(steps))
+    at, order = recording.time, np.arange(speed.size)
+    step = interval or (0.0 if at is None else float(at[-1] - at[0]) / max(speed.size - 1, 1))
     if speed.size < SHORTEST:
         problem = f"there are only {speed.size} samples"
-    elif step <= 0 or np.ptp(steps) > UNEVEN * step:
+    elif step <= 0 or (not interval and at is not None and np.abs(at - at[0] - step * order).max() > UNEVEN * step):
         problem = "its samples are not known to be evenly spaced in time"
     else:
         speed, torque = np.sign(mean) * speed, np.sign(mean) * recording.torque
@@ -165,8 +165,7 @@ def _ramp(teeth: Teeth) -> NDArray[np.bool_]:
 def _line(torque: Array, speed: Array) -> float:
     """Return the frequency [1/sample] at which torque and speed swing together most, of the mean of cross spectra."""
     size = max(torque.size // 4, SHORTEST)
-    base, _ = np.linalg.qr(_slow(torque.size, 8))
-    both = _quick(base, np.stack([torque, speed]))
+    both = _quick(_slow(torque.size, 8), np.stack([torque, speed]))
     parts = [both[:, k : k + size] for k in range(0, torque.size - size + 1, size // 2)]
     spectra = [np.fft.rfft(np.hanning(size) * (part - part.mean(axis=1, keepdims=True)), 8 * size) for part in parts]
     power = np.abs(sum(one.conj() * other for one, other in spectra))
@@ -175,14 +174,14 @@ def _line(torque: Array, speed: Array) -> float:
 
 
 def _slow(size: int, terms: int) -> Array:
-    """Return columns of slow change: a mean, a line and cosines."""
-    x = (np.arange(size) + 0.5) / size
-    return np.column_stack([np.ones(size), x - 0.5, *(np.cos(np.pi * k * x) for k in range(1, terms + 1))])
+    """Return orthonormal columns of slow change: cosines of up to so many half waves."""
+    waves = np.cos(np.pi * np.outer(np.arange(size) + 0.5, np.arange(terms + 1)) / size)
+    return np.asarray(waves / np.sqrt((waves**2).sum(axis=0)))
 
 
 def _quick(base: Array, values: Array) -> Array:
-    """Return values, by their last axis, without what is slow; no BLAS, whose threads take longer to wake."""
-    return values - np.einsum("nk,...k->...n", base, np.einsum("nk,...n->...k", base, values))
+    """Return values, by their last axis, without what is slow; without BLAS, whose threads take long to wake."""
+    return np.asarray(values - np.einsum("nk,...k->...n", base, np.einsum("nk,...n->...k", base, values)))
 
 
 def sawtooth(phase: Array, width: float) -> Array:
@@ -206,7 +205,7 @@ def _teeth(torque: Array, frequency: float, memory: float, fewest: float) -> Tee
     The phase starts from the line, in a window of about two teeth; five times it is shifted to where teeth fit best.
     """
     size, tooth, at = torque.size, max(1 / frequency, fewest), np.arange(torque.size)
-    base, _ = np.linalg.qr(_slow(size, int(np.clip(0.3 * size * frequency, 2, 48))))
+    base = _slow(size, int(np.clip(0.3 * size * frequency, 4, 48)))
     level = _quick(base, torque)
     beat = level * np.exp(-2j * np.pi * frequency * at)
     angle = np.angle(_smoothed(beat.real, memory * tooth) + 1j * _smoothed(beat.imag, memory * tooth))
@@ -224,12 +223,13 @@ def _teeth(torque: Array, frequency: float, memory: float, fewest: float) -> Tee
         step = shifts[least] + fine.clip(-0.5, 0.5) * (shifts[1] - shifts[0])
         phase = phase + _smoothed(step, 0.5 * reach * tooth)
     fits = np.array(list(_fits(base, level, phase, WIDTHS)))
-    misfit, height, _ = min(fits.tolist())
-    weight = np.exp(-0.5 * (fits[:, 0] / misfit - 1) * (size - base.shape[1]))
+    tiny, (misfit, height, _) = np.finfo(float).tiny, min(fits.tolist())
+    weight = np.exp(-0.5 * (fits[:, 0] - misfit) / (misfit + tiny) * (size - base.shape[1]))
     width = float(np.average(WIDTHS, weights=weight))
     spread = math.sqrt(np.average((WIDTHS - width) ** 2, weights=weight) + np.ptp(WIDTHS[:2]) ** 2 / 12)
     left = _quick(base, level - height * sawtooth(phase, width))
-    return Teeth(phase, (width, spread), height, left, misfit / size, 1 - misfit / float(level @ level))
+    explained = 1 - (misfit + tiny) / float(level @ level + tiny)
+    return Teeth(phase, (width, spread), height, left, misfit / size + tiny, explained)
 
 
 def _fits(base: Array, level: Array, phase: Array, widths: Array) -> Iterator[tuple[float, float, float]]:
@@ -238,7 +238,7 @@ def _fits(base: Array, level: Array, phase: Array, widths: Array) -> Iterator[tu
         ahead, behind = sawtooth(phase + 0.02, width), sawtooth(phase - 0.02, width)
         one, shift = _quick(base, np.stack([sawtooth(phase, width), ahead - behind]))
         (a, b, c), (p, q) = (one @ one, shift @ shift, one @ shift), (one @ level, shift @ level)
-        height, moved = np.array([b * p - c * q, a * q - c * p]) / max(a * b - c * c, 1e-9 * a * b)
+        height, moved = np.array([b * p - c * q, a * q - c * p]) / max(a * b - c * c, 1e-9 * a * b, 1e-99)
         gain = float(height * p + moved * q) if height > 0 else 0.0
         yield float(level @ level) - gain, float(max(height, 0)), width
 
@@ -246,9 +246,8 @@ def _fits(base: Array, level: Array, phase: Array, widths: Array) -> Iterator[tu
 def _slope(torque: Array, teeth: Teeth) -> Number:
     """Return the slope by samples of one ramp, over all ramps but those that are far off; NaN for too few."""
     ramp = _ramp(teeth)
-    tooth, time, held = np.floor(teeth.phase[ramp] + 1).astype(int), np.flatnonzero(ramp), torque[ramp]
-    count = np.bincount(tooth)
-    time, held = (x - (np.bincount(tooth, x) / np.maximum(count, 1))[tooth] for x in (time, held))
+    _, tooth, count = np.unique(np.floor(teeth.phase[ramp]), return_inverse=True, return_counts=True)
+    time, held = (x - (np.bincount(tooth, x) / count)[tooth] for x in (np.flatnonzero(ramp), torque[ramp]))
     climb, spread = (np.bincount(tooth, x)[count > 1] for x in (time * held, time * time))
     if climb.size < TEETH:
         return math.nan, math.nan
@@ -261,7 +260,8 @@ def _slope(torque: Array, teeth: Teeth) -> Number:
 def _numbers(name: str, speed: Array, torque: Array, teeth: Teeth, step: float, averaging: float | None) -> Record:
     """Return what teeth tell, and a sentence where the mean speed, and what rests on it, is not sure."""
     slips = np.interp(np.arange(np.ceil(teeth.phase[0]), teeth.phase[-1]), teeth.phase, step * np.arange(speed.size))
-    period, error, mean = np.diff(slips).mean(), _error(np.diff(slips)), speed.mean()
+    period, count, mean = np.diff(slips).mean(), slips.size - 1, speed.mean()
+    error = math.hypot(_error(np.diff(slips)), BLUR * period / count)  # of the teeth, and of where they are
     mean_error = _error(np.array([part.mean() for part in np.array_split(speed, BLOCKS)])) / mean
     width, blur = teeth.width[0], math.hypot(teeth.width[1], BLUR)
     said = [f"the screw jerks {1 / period:.3g} times a second, so its mean torque is no point of the friction law."]
@@ -291,7 +291,7 @@ def _numbers(name: str, speed: Array, torque: Array, teeth: Teeth, step: float, 
             "which cannot be told apart; the errors of the torques allow for both."
         )
     numbers = {key: (float(value), float(error)) for key, (value, error) in found.items()}
-    return Record(name, "jerks", tuple(f"{name}: {text}" for text in said), **numbers, teeth=slips.size - 1)
+    return Record(name, "jerks", tuple(f"{name}: {text}" for text in said), **numbers, teeth=count)
 
 
 def _error(values: Array) -> float:
