@@ -168,3 +168,18 @@ def test_jerks_in_step_with_the_samples_or_seldom_seen_tell_no_stiffness():
     assert (record.stiffness, record.displacement) == (None, None)
     _, said = look(*known(213)[:3]).said  # of a window that is known, nothing is said of the fall
     assert "as its standard error is 33%: no stiffness and displacement of a jerk are told." in said
+
+
+def test_single_lost_rows_are_bridged_and_many_are_not():
+    """Every fiftieth row, as a spoiled cell loses it, changes no number by more than its error; every fifth is said."""
+    whole = read_table(DRIVE / "2.csv", (2, 3, 1), (-RPM, -PERCENT, 1e-3), ";")
+
+    def without(nth):
+        kept = np.arange(whole.speed.size) % nth != nth - 1
+        return look(Recording("2.csv", whole.speed[kept], whole.torque[kept], time=whole.time[kept]))
+
+    full, few = look(whole), without(50)
+    for name in ("period", "stiffness", "breakaway", "after"):
+        (value, error), (other, _) = getattr(full, name), getattr(few, name)
+        assert abs(value - other) < error
+    assert "not known to be evenly spaced" in without(5).said[0]

@@ -30,8 +30,8 @@ the means, with their standard errors.
 Explained: the torque climbs as behind a spring of 0.021 N m/rad; with friction at rest of 0.78, from the torque at
 which the screw breaks loose, and a c of 2.1 to 3.4 × 10⁻⁴ N m s/rad the model jerks at 2 rpm and is even from 10 rpm
 on; recorded speeds up to 15 rpm are averages, over some 50 ms, of slips at more than 30 rpm. Not explained: with that
-friction the model jerks 1.3 to 1.7 times as often as the screw. It has the measured period, as drawn in (b), if
-friction at rest is 0.91 lowering and 0.85 lifting, 9 to 17 % more than the torque makes, which puts it 0.5 mN m above
+friction the model jerks 1.3 to 1.6 times as often as the screw. It has the measured period, as drawn in (b), if
+friction at rest is 0.91 lowering and 0.85 lifting, 8 to 17 % more than the torque makes, which puts it 0.5 mN m above
 the record; and of a thread under this load jerks come less often when it lifts than when it lowers, while the screw
 jerks equally often both ways: so part of what sticks is not in the threads. While the torque climbs the motor turns at
 1 rpm, half of the command, so it winds up what yields behind it, and its slips are shorter than those of the model.
@@ -274,8 +274,8 @@ def _by_angles(dataset: xr.Dataset) -> np.ndarray:
     rise = end["fitted_stribeck_rise"] * np.exp(-((sliding / end["fitted_stribeck_speed"]) ** exponent))
     mu = end["fitted_friction_coefficient"] + rise + end["fitted_friction_slope"] * sliding
     drag = end["fitted_coulomb"] * np.sign(speed) + end["fitted_viscous"] * speed + end["fitted_offset"]
-    tangents: np.ndarray = np.tan(np.arctan(mu) + np.sign(LOAD * speed) * angle)
-    return drag + np.sign(speed) * RADIUS * abs(LOAD) * tangents
+    tangents = np.tan(np.arctan(mu) + np.sign(LOAD * speed) * angle)
+    return np.asarray(drag + np.sign(speed) * RADIUS * abs(LOAD) * tangents)
 
 
 @style.styled

@@ -14,7 +14,7 @@ slowly and falls fast counts. Below LEAST samples a tooth nothing is told. f + 1
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -28,6 +28,7 @@ Kind = Literal["rest", "even", "ramp", "start", "stop", "jerks"]
 
 LEAST = 2.3  # samples a tooth: at 2, a sawtooth and its reverse are the same samples
 SHORTEST, TEETH = 64, 8  # samples of a record, and teeth or ramps of it, of which jerks are told
+SPOILED = 0.05  # of the samples, rows that may be lost
 UNEVEN = 0.1  # of the interval, by which a time that is rounded may be off that of even samples
 EXPLAINED = 0.8  # of the variance beside slow change, by teeth; of two frequencies alike they explain 0.78 at most
 LIKELIER = 25.0  # by χ², five standard errors, by which a sawtooth must fit better than its reverse
@@ -94,6 +95,7 @@ def look(recording: Recording, interval: float | None = None, averaging: float |
 
     ``averaging``: the window over which the recorder averages, None where it is unknown, up to an interval.
     """
+    recording = _filled(recording)
     name, speed = recording.name, recording.speed
     mean = float(speed.mean())
     either_way = speed.min() < 0 < speed.max() and abs(mean) < 3 * speed.std() / math.sqrt(speed.size)
@@ -126,6 +128,19 @@ def look(recording: Recording, interval: float | None = None, averaging: float |
     if problem:
         return Record(name, "jerks", (f"{name}: the screw stops now and then, but {problem}; no numbers are told.",))
     return _numbers(name, speed, torque, teeth, step, averaging)
+
+
+def _filled(recording: Recording) -> Recording:
+    """The recording with a straight line in the place of single rows that are lost, if the time shows a few of them."""
+    at = recording.time
+    if at is None or at.size < SHORTEST or not (np.diff(at) > 0).all():
+        return recording
+    place = np.round((at - at[0]) / np.median(np.diff(at)))
+    order = np.arange(place[-1] + 1)
+    if not at.size < order.size <= (1 + SPOILED) * at.size or (np.diff(place) < 1).any():
+        return recording
+    filled = {name: np.interp(order, place, getattr(recording, name)) for name in ("speed", "torque", "time")}
+    return replace(recording, **filled)
 
 
 def _told(speed: Array, torque: Array) -> tuple[Teeth, str]:
