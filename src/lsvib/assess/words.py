@@ -151,13 +151,11 @@ def change(factor: float | None) -> str:
 
 
 def _figure(value: float) -> str:
-    if value == 0:
-        return "0"
-    text = f"{value:.3g}"
-    if "e" not in text:
-        return text.replace("-", "−")
+    text = f"{value or 0.0:.3g}"  # zero without a sign
     mantissa, _, exponent = text.partition("e")
-    if 0 < int(exponent) < 6:
-        return f"{value:.0f}".replace("-", "−")
-    small = str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-    return f"{mantissa} × 10{small}".replace("-", "−")
+    if exponent and 0 < int(exponent) < 6:
+        text = f"{value:.0f}"
+    elif exponent:
+        small = str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+        text = f"{mantissa} × 10{small}"
+    return text.replace("-", "−")
