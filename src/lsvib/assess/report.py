@@ -17,12 +17,11 @@ from markupsafe import Markup
 from lsvib.assess import pictures, summary, words
 from lsvib.assess.assessment import AssessedMotion, Assessment, Mechanism
 from lsvib.assess.chart import Chart
-from lsvib.assess.drive import IN_WORDS, UNITS, flank_coefficient, point, random_entries
+from lsvib.assess.drive import IN_WORDS, UNITS, point, random_entries
 from lsvib.assess.fields import FrictionBySpeed, Spread
 from lsvib.assess.mechanisms import drive_of
 from lsvib.assess.starting import Starting
 from lsvib.assess.threads import ThreadSize
-from lsvib.assess.vibration import parts_of
 from lsvib.assess.words import ATTRACTORS, MECHANISMS, SHORT, change, entry_name, percent, shown, signed
 from lsvib.errors import InputError
 from lsvib.files import write_json, write_text
@@ -90,7 +89,7 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
 def _oscillations(assessment: Assessment) -> list[str]:
     """Frequencies with damping ratios of small oscillations, with the motor's control and without its damping."""
     sheet, values = assessment.sheet, assessment.values
-    drive = drive_of(sheet, values, *assessment.nominal.corner, parts_of(sheet))
+    drive = drive_of(sheet, values, *assessment.nominal.corner, sheet.parts)
     found = []
     for gain in (drive.speed_gain, 0.0):
         try:
@@ -250,13 +249,8 @@ def _tolerated(motion: AssessedMotion) -> str:
 
 def _simplified(motion: AssessedMotion, assessment: Assessment) -> str:
     """What the motion leaves out of the data sheet, in sentences."""
-    sheet, complies = assessment.sheet, motion.vibration.parts
-    parts = {
-        "threads": sheet.contact is not None,
-        "support": sheet.support is not None,
-        "motor": sheet.motor is not None,
-    }
-    stiff = " and ".join(name for name, given in parts.items() if given and name not in complies)
+    sheet = assessment.sheet
+    stiff = " and ".join(part for part in reversed(sheet.parts) if part not in motion.vibration.parts)
     text = f" Its motion is computed with stiff {stiff}." if stiff else ""
     slope = float(point(sheet, motion.values, *motion.corner)[1])
     if slope != 0 and not sheet.friction.law:
@@ -266,7 +260,7 @@ def _simplified(motion: AssessedMotion, assessment: Assessment) -> str:
 
 
 def locking_sentence(assessment: Assessment) -> str:
-    """Say how well the thread lifts, whether it holds its load, and what the rule of thumb says of that."""
+    """Say how well the thread lifts, and whether it holds its load."""
     lifting, lowering = assessment.efficiency["lifting"], assessment.efficiency["lowering"]
     holds = (
         "The thread is self-locking: friction alone holds the load, and the motor has to drive it down as well as up."
@@ -279,15 +273,7 @@ def locking_sentence(assessment: Assessment) -> str:
         holds += f" That is so at the middle values; of all drives that were drawn, {percent(spread.holds.value)} hold."
     low, high = spread.lifting
     ends = f" (from {percent(low)} to {percent(high)} within the uncertainties)" if low < high else ""
-    third = assessment.values["lead"] < assessment.values["pitch_diameter"] / 3
-    # The rule knows no friction, which decides: the thread holds where that of its flanks is above this.
-    enough = flank_coefficient(math.tan(assessment.lead_angle), assessment.lead_angle, assessment.values["half_angle"])
-    rule = (
-        "By the rule of thumb (a lead below a third of the diameter hardly back-drives) it would be "
-        f"{'self-locking' if third else 'back-drivable'}; with this lead that is right for friction "
-        f"{'above' if third else 'below'} {enough:.3f} only."
-    )
-    return f"Against the load the thread works with an efficiency of {percent(lifting)}{ends}. {holds} {rule}"
+    return f"Against the load the thread works with an efficiency of {percent(lifting)}{ends}. {holds}"
 
 
 def _entry(entry: object) -> str:

@@ -11,15 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import binomtest, qmc, sobol_indices, uniform
 
-from lsvib.assess.drive import (
-    collar_of,
-    lifting_efficiency,
-    lowering_efficiency,
-    nominal_draw,
-    quantities,
-    random_entries,
-    square_thread,
-)
+from lsvib.assess.drive import efficiencies, nominal_draw, quantities, random_entries
 from lsvib.assess.mechanisms import reserves_of, worst
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.vibration import most_perturbed
@@ -110,10 +102,8 @@ def study(sheet: Sheet, samples: int, seed: int) -> Uncertainty:
     found = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
     varied = [name for name, reserve in found.items() if name != "after_perturbation" and np.ptp(reserve) > 0]
     first, whole = _indices(sheet, entries, varied, _draws(sheet, entries, samples), seed) if varied else ({}, {})
-    angle, coefficient = square_thread(sheet, quantities(sheet, draw_of(sheet, points)))
-    collar = collar_of(quantities(sheet, draw_of(sheet, points)))
-    lifting = np.broadcast_to(lifting_efficiency(coefficient, angle, collar), points.shape[1:])
-    lowering = np.broadcast_to(lowering_efficiency(coefficient, angle, collar), points.shape[1:])
+    pair = efficiencies(sheet, quantities(sheet, draw_of(sheet, points)))
+    lifting, lowering = (np.broadcast_to(one, points.shape[1:]) for one in pair)
     unstable = np.any([reserve < 0 for name, reserve in found.items() if name != "after_perturbation"], axis=0)
     chances = {name: _probability(reserve < 0, bool(entries), reserve) for name, reserve in found.items()}
     chances["after_perturbation"], upset = _perturbed(
