@@ -147,10 +147,8 @@ def thread_geometry(sheet: Any, draw: Values) -> tuple[Any, Any, Any]:
 def _screw(sheet: Sheet, draw: Values, pitch_diameter: Any) -> tuple[Any, Any]:
     """Inertia [kg m²] and mass [kg] of the screw, a cylinder where they are not given."""
     screw = sheet.screw
-    if screw.inertia is not None:
-        return draw["screw.inertia"], draw.get("screw.mass")
-    if screw.length is None:
-        return 0.0, draw.get("screw.mass")
+    if screw.inertia is not None or screw.length is None:
+        return draw.get("screw.inertia", 0.0), draw.get("screw.mass")
     density = draw.get("screw.density", SCREW_MATERIALS[screw.material or "steel"].density)
     diameter = draw.get("screw.diameter", pitch_diameter)
     mass = density * math.pi / 4 * diameter**2 * draw["screw.length"]

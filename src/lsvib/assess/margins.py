@@ -1,4 +1,4 @@
-"""How far a drive is from vibration: margins of quantities, sensitivities of the reserve, and the operating chart."""
+"""How far a drive is from vibration: margins of quantities, and sensitivities of the reserve."""
 
 from dataclasses import dataclass
 from typing import Any

@@ -20,6 +20,7 @@ from lsvib.assess.chart import Chart
 from lsvib.assess.drive import IN_WORDS, UNITS, point, random_entries
 from lsvib.assess.fields import FrictionBySpeed, Spread
 from lsvib.assess.mechanisms import drive_of
+from lsvib.assess.sheet import Sheet
 from lsvib.assess.starting import Starting
 from lsvib.assess.threads import ThreadSize
 from lsvib.assess.words import ATTRACTORS, MECHANISMS, SHORT, change, entry_name, percent, shown, signed
@@ -79,9 +80,7 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
         static=summary,
         endangered=bool(assessment.statics.back_drives) or any(row.exceeded for row in assessment.statics.limited),
         entries=[
-            (entry_name(path), _entry(entry), _origin(assessment, path))
-            for path, entry in sheet.entries()
-            if entry is not None
+            (entry_name(path), _entry(one), _origin(sheet, path)) for path, one in sheet.entries() if one is not None
         ],
     )
 
@@ -122,19 +121,16 @@ def _summary(assessment: Assessment) -> str:
     found = [assessment.mechanisms[name] for name in shown_mechanisms(assessment)]
     occurring, absent = [one for one in found if one.occurs], _absent(assessment)
     started = f" {told}" if (told := summary.from_rest(assessment)) else ""
+    best = "; or ".join(f"the {summary.changed(assessment, row)}" for row in summary.helping(assessment))
     if assessment.verdict == "jerks":
-        return _of_jerks(assessment)
+        return _of_jerks(assessment, best)
     if occurring:
         one, *others = occurring
         too = f" Also {' and '.join(SHORT[other.name] for other in others)} would do it." if others else ""
-        best = summary.helping(assessment)
-        changes = "; or ".join(f"the {summary.changed(assessment, row)}" for row in best)
-        advice = (
-            f" The smallest single changes that make it run steadily at the middle values: {changes}."
-            if best
-            else " No change of one quantity alone, up to a factor of three, makes it run steadily."
-        )
-        return f"The cause is {SHORT[one.name]}, worst {_where(one, assessment)}.{too}{advice}{started}{absent}"
+        advice = f"The smallest single changes that make it run steadily at the middle values: {best}."
+        if not best:
+            advice = "No change of one quantity alone, up to a factor of three, makes it run steadily."
+        return f"The cause is {SHORT[one.name]}, worst {_where(one, assessment)}.{too} {advice}{started}{absent}"
     near = [(abs(math.log(row.factor)), one, row) for one in found for row in one.margins if row.factor is not None]
     if not near:
         nothing = "No single change of any quantity, from a thousandth to a thousandfold, would make it vibrate."
@@ -146,15 +142,14 @@ def _summary(assessment: Assessment) -> str:
     )
 
 
-def _of_jerks(assessment: Assessment) -> str:
-    """What a drive does that jerks from rest, why, and what ends it."""
+def _of_jerks(assessment: Assessment, best: str) -> str:
+    """What a drive does that jerks from rest, why, and what ends it, the ``best`` changes."""
     found = assessment.starting
     cause = "the vibration that a perturbation could start as well, which the start from rest reaches"
     if found.cause == "static":
         cause = "static friction above that of sliding: without the difference it would become steady there"
     elif found.cause == "law":
         cause = "friction that changes with the speed: with that of its coefficient alone it would become steady there"
-    best = "; or ".join(f"the {summary.changed(assessment, row)}" for row in summary.helping(assessment))
     advice = f"The smallest single changes that end the jerks at all points of the window that were tried: {best}."
     if not best:
         advice = "No change of one quantity alone that was tried, by a factor of three at most, ends them."
@@ -179,20 +174,14 @@ def _interval(ends: tuple[float, float]) -> str:
 def _cause(assessment: Assessment, name: str) -> tuple[Any, ...]:
     """A row of the table of causes."""
     one, perturbed = assessment.mechanisms[name], name == "after_perturbation"
-    best = next((row for row in one.margins if row.factor is not None), None)
-    if perturbed and (
-        one.probability is None or (best is None and one.occurs) or bool(one.occurs) != (one.reserve < 0)
-    ):
-        margin = "not known"  # its motions decide, of which the reserve knows only what is necessary
-    elif best is None:
+    best = next((f"the {IN_WORDS[row.quantity]} {change(row.factor)}" for row in one.margins if row.factor), "")
+    margin = f"{best} {'ends' if one.occurs else 'starts'} it"
+    if not best:
         margin = f"no single change {'ends it' if one.occurs else 'brings it about'}"
-    else:
-        margin = f"the {IN_WORDS[best.quantity]} {change(best.factor)}"
-        margin = (
-            f"none before {margin}"
-            if perturbed and not one.occurs
-            else f"{margin} {'ends' if one.occurs else 'starts'} it"
-        )
+    elif perturbed and not one.occurs:
+        margin = f"none before {best}"
+    if perturbed and (one.probability is None or (not best and one.occurs) or bool(one.occurs) != (one.reserve < 0)):
+        margin = "not known"  # its motions decide, of which the reserve knows only what is necessary
     verdict: Any = "not known" if one.occurs is None else "does not occur"
     if one.occurs:
         place, verdict = _where(one, assessment), Markup("<b>occurs</b>")
@@ -288,8 +277,7 @@ def _entry(entry: object) -> str:
     return str(entry)
 
 
-def _origin(assessment: Assessment, path: str) -> str:
-    sheet = assessment.sheet
+def _origin(sheet: Sheet, path: str) -> str:
     for key in (path, path.partition(".")[0]):
         if key in sheet.assumptions:
             return Markup('<span class="assumed">assumed</span> {}').format(sheet.assumptions[key])

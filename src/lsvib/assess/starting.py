@@ -76,13 +76,9 @@ def starting(sheet: Sheet, values: Values, draws: Iterable[Values], advise: bool
         ends = [evenly(sheet, own, place, low, parts) for own in islice(draws, _DRAWS)]
         jerks, share = None if even_speed is None else False, ends.count(False) / max(len(ends), 1)
         return Starting(jerks, corner, even_speed, share=share, drawn=len(ends))
-    without = {"static": {"static_friction": 0.0}}
-    without["law"] = {**without["static"], "stribeck_rise": 0.0, "friction_slope": 0.0}
-    causes = (
-        name
-        for name, none in without.items()
-        if sheet.friction.law and evenly(sheet, {**values, **none}, place, corner[1], parts)
-    )
+    even = {"static_friction": 0.0, "stribeck_rise": 0.0, "friction_slope": 0.0}
+    without = {"static": {"static_friction": 0.0}, "law": even} if sheet.friction.law else {}
+    causes = (name for name, none in without.items() if evenly(sheet, {**values, **none}, place, corner[1], parts))
     asked = [(place, corner[1]), *product(places, window)]
     changes = sorted(_changes(sheet, values, asked) if advise else (), key=lambda row: abs(math.log(row.factor or 1.0)))
     motion = vibration(sheet, values, corner, parts, perturbation=None)

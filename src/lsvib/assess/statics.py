@@ -219,9 +219,7 @@ def _window(sheet: Sheet, values: Values) -> list[tuple[Floats, Floats, Floats]]
     found = []
     drag = values["translational_damping"] * values["lead"] / (2 * math.pi)
     for direction in directions(sheet):
-        speed, force = (
-            table[:, None] if table.ndim == 1 else table for table in window_points(sheet, values, direction)
-        )
+        speed, force = (table.reshape(len(table), -1) for table in window_points(sheet, values, direction))
         held = direction * (force + weight_of(values))
         found.append((speed, held, held + drag * speed + values.get("guide_friction", 0.0)))
     return found
