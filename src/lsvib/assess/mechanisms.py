@@ -74,21 +74,14 @@ def reserves(sheet: Sheet, values: Values, direction: int, speed: Any, force: An
     helped = damping + np.where(np.real(by_slope) > 0, by_slope, 0.0)  # a fall is a mechanism of its own
     if sheet.motor is not None or sheet.support is not None:
         found |= _as_a_whole(sheet, values, p, law, found, (inertia, helped, by_slope))
-    if sheet.contact is not None:
-        own = sheets.own_parameters(values, tuple(part for part in sheet.parts if part != "support"))
-        full = _full_reserve(p | own, law)
-        whole = mechanics.effective_inertia(p["screw_inertia"], p["mass"], *geometry)  # the support is rigid here
-        own_fault = (np.real(helped) >= 0) & (np.real(whole) > 0)
-        found["thread_contact"] = np.where(own_fault, full, _larger(full, 0 * full))
-        if sheet.support is None:
-            for name in ("negative_damping", "kinematic_constraint"):
-                found[name] = _larger(found[name], full)
-        else:  # the whole drive decides; threads and support together are named after the contact
-            together = _full_reserve(p | sheets.own_parameters(values, sheet.parts), law)
-            names = ("negative_damping", "kinematic_constraint", "mode_coupling")
-            found |= {name: _larger(found[name], together) for name in names}
+    if sheet.contact is not None:  # the whole drive decides; threads and support together are named after the contact
+        full = _full_reserve(p | sheets.own_parameters(values, sheet.parts), law)
+        names = [name for name in ("negative_damping", "kinematic_constraint", "mode_coupling") if name in found]
+        found |= {name: _larger(found[name], full) for name in names}
+        own_fault = (np.real(helped) >= 0) & (np.real(inertia) > 0)
+        if sheet.support is not None:
             own_fault = reduce(np.logical_and, [np.real(found[name]) >= 0 for name in names])
-            found["thread_contact"] = np.where(own_fault, together, _larger(together, 0 * together))
+        found["thread_contact"] = np.where(own_fault, full, _larger(full, 0 * full))
     found["negative_damping"] = _unless_undamped(values, by_slope, found["negative_damping"])
     geometry = (radius, tangent, mechanics.friction_factor(rubs, tangent, 1) + collar)
     of_plus = mechanics.effective_inertia(p["screw_inertia"], mass, *geometry) - p["screw_inertia"]
