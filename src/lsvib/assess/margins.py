@@ -47,10 +47,9 @@ def _absent_dampings(values: Values) -> dict[str, float]:
     """Return the dampings that are zero, with the size of a critical one each, √(inertia × stiffness) [SI units]."""
     turning = float(np.sqrt(values["inertia"] * values["coupling_stiffness"]))
     sizes = {"rotational_damping": turning, "translational_damping": turning * (2 * np.pi / values["lead"]) ** 2}
-    if "contact_stiffness" in values:
-        sizes["contact_damping"] = float(np.sqrt(values["contact_stiffness"] * values["mass"]))
-    if "support_stiffness" in values:
-        sizes["support_damping"] = float(np.sqrt(values["support_stiffness"] * values["screw_mass"]))
+    for part, mass in (("contact", "mass"), ("support", "screw_mass")):
+        if f"{part}_stiffness" in values:
+            sizes[f"{part}_damping"] = float(np.sqrt(values[f"{part}_stiffness"] * values[mass]))
     return {key: size for key, size in sizes.items() if values[key] == 0}
 
 

@@ -188,9 +188,9 @@ def _cause(assessment: Assessment, name: str) -> tuple[Any, ...]:
         if perturbed and one.probability is None:
             place, verdict = f"found by a perturbed motion; {place}", "possible"
         verdict = (verdict, place)
-    spread = "" if one.interval is None or one.interval[0] == one.interval[1] else _interval(one.interval)
     share = "not known" if one.probability is None else percent(one.probability)
-    share += f" (95 % sure: {spread})" if spread else ""
+    if one.interval is not None and one.interval[0] != one.interval[1]:
+        share += f" (95 % sure: {_interval(one.interval)})"
     return MECHANISMS[name], verdict, share, signed(one.reserve, 2), margin
 
 
