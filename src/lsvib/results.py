@@ -42,10 +42,9 @@ class StabilityReport:
     """Linear stability of steady sliding (eqs 8.18–8.21 of the rigid drive).
 
     ``parts`` of the drive; ``stable``, whether it is asymptotically stable; ``kind``, its class in words, such as
-    saddle or flutter;
-    ``eigenvalues`` [1/s] in ascending real part; ``steady_law`` s_0, +1 or −1; ``conditions`` of instability by name:
-    steady sliding is unstable exactly if one holds; ``quantities`` by name, each with its unit: of the rigid drive the
-    effective inertia [kg m²] and damping [N m s/rad] of both laws and the steady deflection [rad];
+    saddle or flutter; ``eigenvalues`` [1/s] in ascending real part; ``steady_law`` s_0, +1 or −1; ``conditions`` of
+    instability by name: steady sliding is unstable exactly if one holds; ``quantities`` by name, each with its unit: of
+    the rigid drive the effective inertia [kg m²] and damping [N m s/rad] of both laws and the steady deflection [rad];
     ``characteristic_polynomial``, of s [1/s], highest power first; ``paradox_region``, whether Γ₊ ≤ 0 (rigid drive
     only, else None); ``without_damping`` (support only, else None).
     """

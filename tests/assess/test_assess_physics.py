@@ -10,14 +10,13 @@ from references.chapter_sheet import LAW, sheet, values_of
 from lsvib.assess import drive as sheets
 from lsvib.assess.assessment import assess
 from lsvib.assess.chart import charts
-from lsvib.assess.drive import damping_by_slope
 from lsvib.assess.margins import margins, sensitivities
 from lsvib.assess.mechanisms import NAMES, corners, drive_of, reserves, worst
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.vibration import tolerated_perturbation
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.models.drive import Drive
-from lsvib.models.mechanics import coefficients
+from lsvib.models.mechanics import coefficients, damping_by_slope
 from lsvib.models.mechanism import standing_state
 from lsvib.models.rigid import rigid_automaton
 from lsvib.stability.boundaries import stable_set
@@ -284,7 +283,8 @@ def test_slope_damping_against_eigenvalues_with_forty_digits():
         slope = rng.choice((-1, 1)) * 10 ** rng.uniform(-2, 1)
         c = coefficients(drive)
         law, carried = c.steady_law, abs(float(c.net_force))
-        more = damping_by_slope(slope, carried, drive.friction_coefficient, drive.pitch_radius, drive.lead_angle, law)
+        lead = math.cos(drive.lead_angle), math.tan(drive.lead_angle)
+        more = damping_by_slope(slope, carried, drive.friction_coefficient, drive.pitch_radius, *lead, law)
         found = eigenvalue_pair(float(c.gamma[law]), float(c.damping[law]) + more, drive.coupling_stiffness)
         reached = drive.pitch_radius * abs(drive.input_speed) / math.cos(drive.lead_angle)
         own = {"friction_slope": slope, "friction_coefficient": drive.friction_coefficient - slope * reached}
@@ -300,6 +300,6 @@ def test_friction_that_falls_with_speed_sets_in_where_its_damping_is_spent():
     values = values_of(given)
     table = {row.quantity: row for row in margins(given, values)["falling_friction"]}
     drive = drive_of(given, values, *corners(given, values)[0])
-    angle = drive.lead_angle
-    critical = -drive.support_damping / damping_by_slope(1.0, 60.0, 0.218, drive.pitch_radius, angle, -1)
+    lead = math.cos(drive.lead_angle), math.tan(drive.lead_angle)
+    critical = -drive.support_damping / damping_by_slope(1.0, 60.0, 0.218, drive.pitch_radius, *lead, -1)
     assert table["friction_slope"].value == pytest.approx(critical, rel=1e-10)

@@ -11,7 +11,6 @@ from lsvib.assess.assessment import assess
 from lsvib.assess.mechanisms import corners, drive_of, reserves
 from lsvib.assess.report import report
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.vibration import parts_of
 from lsvib.stability.conditions import stability
 
 GAINS = {"inertia": "2e-6 kg*m^2", "speed_gain": "1e-4 N*m*s/rad", "integral_gain": "0.0224 N*m/rad"}
@@ -53,7 +52,7 @@ def test_a_stiff_coupling_gives_the_drive_without_motor():
     assert found.verdict == expected.verdict == "jerks"
     assert found.starting.even_speed == pytest.approx(expected.starting.even_speed, rel=5e-3)
     assert found.starting.motion.frequency == pytest.approx(expected.starting.motion.frequency, rel=5e-3)
-    assert parts_of(found.sheet) == ("motor",)
+    assert found.sheet.parts == ("motor",)
 
 
 @pytest.mark.parametrize("support", [None, {"stiffness": "1e6 N/m", "damping": "20 N*s/m"}], ids=["rigid", "support"])
@@ -73,7 +72,7 @@ def test_reserves_are_those_of_the_whole_drive(support):
         for corner in corners(sheet, values):
             own = {name: float(value) for name, value in reserves(sheet, values, *corner).items()}
             stable = min(value for name, value in own.items() if name not in ("law", "after_perturbation")) > 0
-            assert stability(drive_of(sheet, values, *corner, parts_of(sheet))).stable == stable
+            assert stability(drive_of(sheet, values, *corner, sheet.parts)).stable == stable
             seen.add(stable)
     assert seen == {True, False}
 

@@ -8,30 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsvib.assess import mechanisms
-from lsvib.assess.drive import (
-    collar_of,
-    lifting_efficiency,
-    lowering_efficiency,
-    nominal_draw,
-    quantities,
-    square_thread,
-)
+from lsvib.assess import vibration as motions
+from lsvib.assess.drive import Corner, Values, efficiencies, nominal_draw, quantities
 from lsvib.assess.margins import ANY, Margin, margins, sensitivities
 from lsvib.assess.mechanisms import corners, worst
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.starting import Starting, starting
 from lsvib.assess.statics import Statics, statics
 from lsvib.assess.uncertainty import Uncertainty, WorstCase, entries_of, study, worst_cases
-from lsvib.assess.vibration import (
-    STRONG,
-    UNDECIDED,
-    Vibration,
-    most_perturbed,
-    parts_of,
-    tolerated_by_trial,
-    tolerated_perturbation,
-    vibration,
-)
 from lsvib.errors import InputError
 
 
@@ -47,7 +31,7 @@ class Mechanism:
     name: str
     occurs: bool | None
     reserve: float
-    corner: tuple[int, float, float]
+    corner: Corner
     probability: float | None
     interval: tuple[float, float] | None
     margins: list[Margin]
@@ -60,9 +44,9 @@ class AssessedMotion:
 
     mechanism: str
     entries: dict[str, float]
-    values: dict[str, float]
-    corner: tuple[int, float, float]
-    vibration: Vibration
+    values: Values
+    corner: Corner
+    vibration: motions.Vibration
     tolerated: tuple[float | None, str]
 
 
@@ -78,11 +62,10 @@ class Assessment:
 
     sheet: Sheet
     seed: int
-    values: dict[str, float]
+    values: Values
     verdict: str
     efficiency: dict[str, Any]
     self_locking: bool
-    lead_angle: float
     mechanisms: dict[str, Mechanism]
     margins: list[Margin]
     uncertainty: Uncertainty
@@ -100,43 +83,36 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
     spread = study(sheet, samples, seed)
     edges = margins(sheet, values)
     found = _mechanisms(sheet, values, spread, edges)
-    angle, friction = map(float, square_thread(sheet, values))
+    lifting, lowering = map(float, efficiencies(sheet, values))
     cases = worst_cases(sheet, spread.lowest)
-    collar = collar_of(values)
-    lowering = float(lowering_efficiency(friction, angle, collar))
     nominal = _motion(sheet, _critical(found), entries)
     if not any(one.occurs for one in found.values()) and _upset(nominal):
         sure: dict[str, Any] = {"probability": 1.0, "interval": (1.0, 1.0)} if spread.samples == 1 else {}
-        found["after_perturbation"] = replace(
-            found["after_perturbation"], occurs=True, corner=nominal.corner, **sure
-        )  # as the motion shows it, whatever its reserve says
+        perturbed = replace(found["after_perturbation"], occurs=True, corner=nominal.corner, **sure)
+        found["after_perturbation"] = perturbed  # as the motion shows it, whatever its reserve says
     draws = (_values(sheet, entries_of(sheet, spread.points[:, k, None])) for k in range(spread.points.shape[1]))
-    lowest = min(min(one.reserve for one in found.values()), min((case for case, _ in cases.values()), default=1.0))
+    middle = min(one.reserve for one in found.values())
+    lowest = min(middle, *(case for case, _ in cases.values()), 1.0)
     unstable = any(one.occurs for name, one in found.items() if name != "after_perturbation")
     if sheet.stiff and not sheet.friction.law and lowest > 0:  # then slip shrinks every area, whatever the start
-        started = Starting.even(nominal.corner)
-    elif not sheet.friction.law and (unstable or min(one.reserve for one in found.values()) == 0):
+        started = Starting(False, nominal.corner, 0.0)
+    elif not sheet.friction.law and (unstable or middle == 0):
         # A start from rest tells nothing new: it cannot become steady, as nothing damps it, or worse.
-        started = replace(Starting.even(nominal.corner), jerks=None, even_speed=None)
+        started = Starting(None, nominal.corner, None)
     else:
-        started = starting(sheet, values, parts_of(sheet), draws if spread.samples > 1 else (), advise=not unstable)
+        started = starting(sheet, values, draws if spread.samples > 1 else (), advise=not unstable)
     worst_motion = _worst_motion(sheet, found, cases, spread.upset) if cases else nominal
     verdict = _verdict(found, spread, cases, worst_motion, started)
     if verdict == "jerks" and started.motion is not None:
-        nominal = worst_motion = AssessedMotion(
-            "from_rest", dict(entries), values, started.corner, started.motion, (None, "")
-        )
+        shown = AssessedMotion("from_rest", entries, values, started.corner, started.motion, (None, ""))
+        nominal = worst_motion = shown
     return Assessment(
         sheet=sheet,
         seed=seed,
         values=values,
         verdict=verdict,
-        efficiency={
-            "lifting": float(lifting_efficiency(friction, angle, collar)),
-            "lowering": lowering if lowering > 0 else None,
-        },
+        efficiency={"lifting": lifting, "lowering": lowering if lowering > 0 else None},
         self_locking=lowering <= 0,
-        lead_angle=angle,
         mechanisms=found,
         margins=edges[ANY],
         uncertainty=spread,
@@ -147,16 +123,16 @@ def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
     )
 
 
-def _values(sheet: Sheet, entries: dict[str, float]) -> dict[str, float]:
+def _values(sheet: Sheet, entries: Values) -> dict[str, float]:
     return {key: float(value) for key, value in quantities(sheet, entries).items()}
 
 
-def _require_a_drive(sheet: Sheet, values: dict[str, float]) -> None:
+def _require_a_drive(sheet: Sheet, values: Values) -> None:
     """Refuse what the package has no drive for, in the words of the sheet."""
     if sheet.of_statics:
         raise InputError(f"Whether it vibrates cannot be asked: {sheet.of_statics}.")
     for corner in corners(sheet, values):
-        for parts in dict.fromkeys(((), parts_of(sheet))):
+        for parts in dict.fromkeys(((), sheet.parts)):
             try:
                 mechanisms.drive_of(sheet, values, *corner, parts)
             except InputError as error:
@@ -169,19 +145,17 @@ def _require_a_drive(sheet: Sheet, values: dict[str, float]) -> None:
 
 
 def _mechanisms(
-    sheet: Sheet, values: dict[str, float], spread: Uncertainty, edges: dict[str, list[Margin]]
+    sheet: Sheet, values: Values, spread: Uncertainty, edges: dict[str, list[Margin]]
 ) -> dict[str, Mechanism]:
     places, lowest, slopes = corners(sheet, values), worst(sheet, values), sensitivities(sheet, values)
     found = {}
     for name, one in lowest.items():
-        corner = one.place(places)
-        share, interval = spread.probability[name].value, spread.probability[name].interval
-        reserve = float(one.reserve[0])
+        corner, reserve, often = one.place(places), float(one.reserve[0]), spread.probability[name]
         occurs: bool | None = reserve < 0
         if name == "after_perturbation":
-            occurs, _, first = most_perturbed(sheet, values) if sheet.stiff else (None, None, None)
+            occurs, _, first = motions.most_perturbed(sheet, values) if sheet.stiff else (None, None, None)
             corner = first or corner
-        found[name] = Mechanism(name, occurs, reserve, corner, share, interval, edges[name], slopes[name])
+        found[name] = Mechanism(name, occurs, reserve, corner, often.value, often.interval, edges[name], slopes[name])
     return found
 
 
@@ -193,7 +167,7 @@ def _upset(motion: AssessedMotion) -> bool:
     """
     size, end = motion.tolerated[0], motion.vibration.attractor
     fatal = size is not None and math.isfinite(size)
-    if end in UNDECIDED:
+    if end in motions.UNDECIDED:
         return fatal and size > 0
     return fatal or end != "steady sliding"
 
@@ -236,24 +210,19 @@ def _motion(sheet: Sheet, name: str, entries: dict[str, float]) -> AssessedMotio
     places, lowest = corners(sheet, values), worst(sheet, values)
     corner = lowest[name].place(places)
     if name == "after_perturbation" and sheet.support is None:
-        corner = most_perturbed(sheet, values)[2] or corner
-    parts = parts_of(sheet)
+        corner = motions.most_perturbed(sheet, values)[2] or corner
     if name == "falling_friction" and lowest[name].reserve[0] < 0 and not sheet.friction.law:
-        beyond = Vibration(
-            (),
-            "unknown",
-            reason="friction that falls with speed makes steady running unstable there; the motion beyond that onset "
-            "is not computed, only the onset.",
-        )
-        return AssessedMotion(name, dict(entries), values, corner, beyond, (0.0, "Steady running is unstable."))
-    strong = {"perturbation": -STRONG} if name == "after_perturbation" else {}
-    moved = vibration(sheet, values, corner, parts, **strong)
-    if moved.attractor in ("unknown", "unresolved") and parts:  # the simpler drive says more than nothing
-        moved = vibration(sheet, values, corner, (), **strong)
-    tolerated = (None, "") if sheet.support is not None else tolerated_perturbation(sheet, values, corner)
+        reason = "friction that falls with speed makes steady running unstable there; the motion beyond that onset is "
+        beyond = motions.Vibration((), "unknown", reason=reason + "not computed, only the onset.")
+        return AssessedMotion(name, entries, values, corner, beyond, (0.0, "Steady running is unstable."))
+    strong = {"perturbation": -motions.STRONG} if name == "after_perturbation" else {}
+    moved = motions.vibration(sheet, values, corner, sheet.parts, **strong)
+    if moved.attractor in ("unknown", "unresolved") and sheet.parts:  # the simpler drive says more than nothing
+        moved = motions.vibration(sheet, values, corner, (), **strong)
+    tolerated = (None, "") if sheet.support is not None else motions.tolerated_perturbation(sheet, values, corner)
     if sheet.support is None and not sheet.closed:
-        tolerated = tolerated_by_trial(sheet, values, corner, tolerated[0], parts)
-    return AssessedMotion(name, dict(entries), values, corner, moved, tolerated)
+        tolerated = motions.tolerated_by_trial(sheet, values, corner, tolerated[0], sheet.parts)
+    return AssessedMotion(name, entries, values, corner, moved, tolerated)
 
 
 def _worst_motion(

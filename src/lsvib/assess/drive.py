@@ -10,12 +10,14 @@ from numpy.typing import NDArray
 
 from lsvib.assess.materials import SCREW_MATERIALS
 from lsvib.assess.sheet import Sheet
-from lsvib.models import friction, mechanics
+from lsvib.models import friction
 from lsvib.models.drive import PARTS
 from lsvib.models.mechanics import friction_factor
 
 GRAVITY = 9.80665  # m/s², standard
-DrawnValues = Mapping[str, Any]  # floats, or arrays that broadcast
+Values = Mapping[str, Any]  # entries of a sheet or quantities of a drive by name: floats, or arrays that broadcast
+Corner = tuple[int, Any, Any]  # a point of operation: direction of travel ±1, speed of the screw [rad/s], force [N]
+Parts = tuple[str, ...]  # of a drive, which comply
 
 # What the verdict depends on: name in words and unit. Values of these names are floats or arrays that broadcast.
 QUANTITIES = {
@@ -83,7 +85,7 @@ def is_window(sheet: Sheet, path: str) -> bool:
     return path in ("load.force", "operation.speed") and entry is not None and entry.kind == "uniform"
 
 
-def quantities(sheet: Sheet, draw: DrawnValues) -> dict[str, Any]:
+def quantities(sheet: Sheet, draw: Values) -> dict[str, Any]:
     """Return the quantities of :data:`QUANTITIES` from the entries (floats, or arrays of one shape) of a sheet.
 
     Quantities that the sheet does not give are zero, or absent for a contact, support or law of friction that it does
@@ -106,9 +108,7 @@ def quantities(sheet: Sheet, draw: DrawnValues) -> dict[str, Any]:
         "mass": draw.get("load.mass", 0.0),
         "tilt": draw.get("load.orientation", 0.0),
     }
-    for key, path in _ONLY_IF_GIVEN.items():
-        if path in draw:
-            found[key] = draw[path]
+    found |= {key: draw[path] for key, path in _ONLY_IF_GIVEN.items() if path in draw}
     for part, keys in (("contact", sheet.contact), ("support", sheet.support)):
         if keys is not None:
             found[f"{part}_stiffness"] = draw[f"{part}.stiffness"]
@@ -127,7 +127,7 @@ def quantities(sheet: Sheet, draw: DrawnValues) -> dict[str, Any]:
     return found
 
 
-def thread_geometry(sheet: Any, draw: DrawnValues) -> tuple[Any, Any, Any]:
+def thread_geometry(sheet: Any, draw: Values) -> tuple[Any, Any, Any]:
     """Return lead [m], pitch diameter [m] and half angle [rad] from the entries of a sheet that has a ``thread``."""
     thread = sheet.thread
     if thread.size is not None:
@@ -144,20 +144,18 @@ def thread_geometry(sheet: Any, draw: DrawnValues) -> tuple[Any, Any, Any]:
     return lead, diameter, half_angle
 
 
-def _screw(sheet: Sheet, draw: DrawnValues, pitch_diameter: Any) -> tuple[Any, Any]:
+def _screw(sheet: Sheet, draw: Values, pitch_diameter: Any) -> tuple[Any, Any]:
     """Inertia [kg m²] and mass [kg] of the screw, a cylinder where they are not given."""
     screw = sheet.screw
-    if screw.inertia is not None:
-        return draw["screw.inertia"], draw.get("screw.mass")
-    if screw.length is None:
-        return 0.0, draw.get("screw.mass")
+    if screw.inertia is not None or screw.length is None:
+        return draw.get("screw.inertia", 0.0), draw.get("screw.mass")
     density = draw.get("screw.density", SCREW_MATERIALS[screw.material or "steel"].density)
     diameter = draw.get("screw.diameter", pitch_diameter)
     mass = density * math.pi / 4 * diameter**2 * draw["screw.length"]
     return mass * diameter**2 / 8, draw.get("screw.mass", mass)
 
 
-def _motor(sheet: Sheet, draw: DrawnValues, inertia: Any, ratio: Any) -> dict[str, Any]:
+def _motor(sheet: Sheet, draw: Values, inertia: Any, ratio: Any) -> dict[str, Any]:
     """What a motor is on the side of the screw, whose ``inertia`` counts for the gains by bandwidth."""
     own, ratio = draw["motor.inertia"] * ratio**2, ratio**2
     damping, stiffness = draw.get("motor.speed_gain", 0.0) * ratio, draw.get("motor.integral_gain", 0.0) * ratio
@@ -170,7 +168,7 @@ def _motor(sheet: Sheet, draw: DrawnValues, inertia: Any, ratio: Any) -> dict[st
     return found | {"coupling_damping": draw.get("coupling.damping", 0.0) * ratio}
 
 
-def _coefficient(sheet: Sheet, draw: DrawnValues, angle: Any, half_angle: Any) -> Any:
+def _coefficient(sheet: Sheet, draw: Values, angle: Any, half_angle: Any) -> Any:
     """Friction coefficient of the flanks; with a curve, its mean over the curve's points stands for the middle."""
     if sheet.friction.coefficient is not None:
         return draw["friction.coefficient"]
@@ -180,7 +178,7 @@ def _coefficient(sheet: Sheet, draw: DrawnValues, angle: Any, half_angle: Any) -
     return float(np.mean(sheet.friction.curve.coefficients)) * draw.get("friction.curve_factor", 1.0)
 
 
-def point(sheet: Sheet, values: DrawnValues, direction: int, speed: Any, force: Any) -> tuple[dict[str, Any], Any]:
+def point(sheet: Sheet, values: Values, direction: int, speed: Any, force: Any) -> tuple[dict[str, Any], Any]:
     """Return the parameters of the rigid drive, and the slope μ′ of the square thread [s/m], at points of operation.
 
     ``direction`` of travel ±1, ``speed`` > 0 [rad/s], ``force`` against outward travel [N], to which the weight adds.
@@ -202,7 +200,7 @@ def point(sheet: Sheet, values: DrawnValues, direction: int, speed: Any, force: 
     return parameters, square_coefficient(slope, angle, values["half_angle"])
 
 
-def friction_law(sheet: Sheet, values: DrawnValues, lead_angle: Any) -> dict[str, Any]:
+def friction_law(sheet: Sheet, values: Values, lead_angle: Any) -> dict[str, Any]:
     """Return the parameters of the friction law of the square thread (:mod:`lsvib.models.friction`)."""
     given = {
         "friction_coefficient": values["friction"],
@@ -215,7 +213,7 @@ def friction_law(sheet: Sheet, values: DrawnValues, lead_angle: Any) -> dict[str
     return square | fading | {"stribeck_exponent": sheet.friction.stribeck_exponent}
 
 
-def without_friction(values: DrawnValues, direction: int, speed: Any, force: Any) -> dict[str, Any]:
+def without_friction(values: Values, direction: int, speed: Any, force: Any) -> dict[str, Any]:
     """Return the parameters of a point of operation but for friction, arguments as :func:`point`."""
     radius = 0.5 * values["pitch_diameter"]
     dry = {"bearing_friction": "bearing_torque", "slide_friction": "guide_friction"}
@@ -231,14 +229,15 @@ def without_friction(values: DrawnValues, direction: int, speed: Any, force: Any
         "input_speed": direction * speed,
         "mass": values["mass"],
         "translation_damping": values["translational_damping"],
-        "axial_force": -(force + values["mass"] * GRAVITY * np.sin(values["tilt"])),
+        "axial_force": -(force + weight_of(values)),
     }
 
 
-def square_thread(sheet: Sheet, values: DrawnValues) -> tuple[Any, Any]:
-    """Return lead angle [rad] and friction coefficient [1], at the middle speed, of the square thread alike."""
+def efficiencies(sheet: Sheet, values: Values) -> tuple[Any, Any]:
+    """Return the lifting and the lowering efficiency [1] at the middle speed; below zero the latter is self-locking."""
     at, _ = point(sheet, values, 1, 0.5 * (values["speed_low"] + values["speed_high"]), 0.0)
-    return at["lead_angle"], at["friction_coefficient"]
+    thread = at["friction_coefficient"], at["lead_angle"], collar_of(values)
+    return lifting_efficiency(*thread), lowering_efficiency(*thread)
 
 
 def _along(sheet: Sheet, sliding: Any) -> tuple[NDArray, NDArray]:
@@ -252,7 +251,7 @@ def _along(sheet: Sheet, sliding: Any) -> tuple[NDArray, NDArray]:
     return coefficients[start] + slopes[piece] * (sliding - speeds[start]), slopes[piece]
 
 
-def own_parameters(values: DrawnValues, parts: tuple[str, ...]) -> dict[str, Any]:
+def own_parameters(values: Values, parts: Parts) -> dict[str, Any]:
     """Return the parameters that parts of a drive add to those of the rigid one."""
     found = {key: values[key.removeprefix("axial_")] for part in parts for key in PARTS[part]}
     return found | ({"coupling_damping": values["coupling_damping"]} if "motor" in parts else {})
@@ -268,11 +267,14 @@ def flank_coefficient(coefficient: Any, lead_angle: Any, half_angle: Any) -> Any
     return coefficient / np.sqrt(1 + (np.cos(lead_angle) * np.tan(half_angle)) ** 2)
 
 
-def collar_of(values: DrawnValues) -> Any:
+def collar_of(values: Values) -> Any:
     """Return μ_b r_b / r_m [1], by which a thrust collar adds to |ξ_s|; zero without one."""
-    if "collar_friction" not in values:
-        return 0.0
-    return values["collar_friction"] * values["collar_diameter"] / values["pitch_diameter"]
+    return values.get("collar_friction", 0.0) * values.get("collar_diameter", 0.0) / values["pitch_diameter"]
+
+
+def weight_of(values: Values) -> Any:
+    """Return the part of the weight along the axis [N], against outward travel."""
+    return values["mass"] * GRAVITY * np.sin(values["tilt"])
 
 
 def lifting_efficiency(coefficient: Any, lead_angle: Any, collar: Any = 0.0) -> Any:
@@ -299,9 +301,3 @@ def coefficient_from_efficiency(efficiency: Any, lead_angle: Any) -> Any:
 def sliding_speed(speed: Any, pitch_radius: Any, lead_angle: Any) -> Any:
     """Return the speed at which the threads slide, r_m Ω / cos λ [m/s]."""
     return pitch_radius * speed / np.cos(lead_angle)
-
-
-def damping_by_slope(slope: Any, force: Any, coefficient: Any, pitch_radius: Any, lead_angle: Any, law: Any) -> Any:
-    """Return the damping S [N m s/rad] by a ``slope`` μ′ of the square thread [s/m], ``force`` |R̃| [N]."""
-    cosine, tangent = np.cos(lead_angle), np.tan(lead_angle)
-    return mechanics.damping_by_slope(slope, force, coefficient, pitch_radius, cosine, tangent, law)

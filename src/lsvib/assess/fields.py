@@ -46,10 +46,8 @@ _TEXT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s(+\
 _FRACTION = re.compile(r"\s*(\d{1,3})/([1-9]\d{0,2})\s+(?=[A-Za-z])", re.ASCII)  # 1/2 inch
 _PER_INCH = re.compile(r"\s*([1-9]\d{0,2}(?:\.\d+)?)\s*(?:tpi|TPI)\s*", re.ASCII)  # threads per inch: a pitch
 _UNIT = re.compile(r"[A-Za-z_µμ°²³%*/^·() 0-9.\-]{1,40}")  # the longest sensible one has a dozen characters
-
-_POWER = re.compile(
-    r"(?:\^|\*\*) ?\(?-?\d{1,2}\)?(?![\d.^(]| ?\*\*)"
-)  # others, and powers of powers, take pint for ever
+# Other powers, and powers of powers, take pint for ever.
+_POWER = re.compile(r"(?:\^|\*\*) ?\(?-?\d{1,2}\)?(?![\d.^(]| ?\*\*)")
 
 
 class NotQuantity(ValueError):
@@ -268,9 +266,9 @@ def _positive(highest: Mapping[str, float]) -> Any:
     return Annotated[Spread, BeforeValidator(lambda value: spread(value, *allowed, check=_within(allowed, above=True)))]
 
 
-def _least(key: str, kind: type[Drive] = Drive) -> float:
+def _least(key: str) -> float:
     """The least value of a parameter of the package."""
-    return float(kind.model_json_schema()["properties"][key]["minimum"])
+    return float(Drive.model_json_schema()["properties"][key]["minimum"])
 
 
 LARGEST_HALF_ANGLE = math.radians(60)
@@ -287,7 +285,7 @@ MoreInertia = _field("kg m^2", 0.0, 1e6)
 Torsion = _field("N m/rad", _least("coupling_stiffness"), 1e12)
 TurningDamping = _field("N m s/rad", 0.0, 1e12)
 LinearDamping = _field("N s/m", 0.0, 1e15)
-Stiffness = _field("N/m", _least("contact_stiffness", Drive), 1e15)
+Stiffness = _field("N/m", _least("contact_stiffness"), 1e15)
 Force = _field("N", -1e10, 1e10)
 Rubbing = _field("N", 0.0, 1e10)
 Torque = _field("N m", -1e9, 1e9)
@@ -329,11 +327,8 @@ class FrictionBySpeed:
 
 
 def _curve(value: Any) -> FrictionBySpeed:
-    if (
-        not isinstance(value, list)
-        or len(value) < 2
-        or not all(isinstance(row, list) and len(row) == 2 for row in value)
-    ):
+    paired = isinstance(value, list) and all(isinstance(row, list) and len(row) == 2 for row in value)
+    if not paired or len(value) < 2:
         raise NotQuantity("is not a list of at least two pairs [sliding speed, coefficient]")
     speeds = [quantity(row[0], "m/s")[0] for row in value]
     coefficients = [quantity(row[1], "")[0] for row in value]

@@ -1,12 +1,12 @@
-"""How far a drive is from vibration: margins of quantities, sensitivities of the reserve, and the operating chart."""
+"""How far a drive is from vibration: margins of quantities, and sensitivities of the reserve."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lsvib.assess.drive import Values
 from lsvib.assess.fields import LARGEST_HALF_ANGLE
 from lsvib.assess.mechanisms import NAMES, corners, reserves, worst
 from lsvib.assess.sheet import Sheet
@@ -32,7 +32,7 @@ class Margin:
     value: float | None
 
 
-def changeable(values: Mapping[str, Any]) -> dict[str, tuple[str, ...]]:
+def changeable(values: Values) -> dict[str, tuple[str, ...]]:
     """Return the quantities whose change is looked at, by name: keys of ``values`` that are not zero.
 
     The tilt is not among them: an axis that stands upright cannot lean more, and its weight counts as ``force``.
@@ -43,18 +43,17 @@ def changeable(values: Mapping[str, Any]) -> dict[str, tuple[str, ...]]:
     return {**single, **pairs}
 
 
-def _absent_dampings(values: Mapping[str, Any]) -> dict[str, float]:
+def _absent_dampings(values: Values) -> dict[str, float]:
     """Return the dampings that are zero, with the size of a critical one each, √(inertia × stiffness) [SI units]."""
     turning = float(np.sqrt(values["inertia"] * values["coupling_stiffness"]))
     sizes = {"rotational_damping": turning, "translational_damping": turning * (2 * np.pi / values["lead"]) ** 2}
-    if "contact_stiffness" in values:
-        sizes["contact_damping"] = float(np.sqrt(values["contact_stiffness"] * values["mass"]))
-    if "support_stiffness" in values:
-        sizes["support_damping"] = float(np.sqrt(values["support_stiffness"] * values["screw_mass"]))
+    for part, mass in (("contact", "mass"), ("support", "screw_mass")):
+        if f"{part}_stiffness" in values:
+            sizes[f"{part}_damping"] = float(np.sqrt(values[f"{part}_stiffness"] * values[mass]))
     return {key: size for key, size in sizes.items() if values[key] == 0}
 
 
-def scaled(sheet: Sheet, values: Mapping[str, Any], keys: tuple[str, ...], factors: Any) -> dict[str, Any]:
+def scaled(sheet: Sheet, values: Values, keys: tuple[str, ...], factors: Any) -> dict[str, Any]:
     """Multiply some quantities; where the sheet gives the speed of the load, a larger lead turns the screw slower."""
     changed = {**values, **{key: values[key] * factors for key in keys}}
     if "lead" in keys and sheet.operation.speed.unit == "m/s":
@@ -62,7 +61,7 @@ def scaled(sheet: Sheet, values: Mapping[str, Any], keys: tuple[str, ...], facto
     return changed
 
 
-def _occurs(sheet: Sheet, values: Mapping[str, Any]) -> dict[str, NDArray]:
+def _occurs(sheet: Sheet, values: Values) -> dict[str, NDArray]:
     """Whether each mechanism occurs (1, 0, or −1 where the drive cannot move), for drives given by arrays (n)."""
     occurs = {name: np.where(np.isnan(one.reserve), -1, one.reserve < 0) for name, one in worst(sheet, values).items()}
     own = np.stack([flags for name, flags in occurs.items() if name in NAMES])
@@ -74,21 +73,21 @@ class _Edge:
     """A verdict on a mechanism that changes between two factors on a quantity, from ``occurs`` at the first."""
 
     quantity: str
-    base: Mapping[str, float]
+    base: Values
     keys: tuple[str, ...]
     mechanism: str
     factors: tuple[float, float]
     occurs: int
 
 
-def margins(sheet: Sheet, values: Mapping[str, float]) -> dict[str, list[Margin]]:
+def margins(sheet: Sheet, values: Values) -> dict[str, list[Margin]]:
     """Return for each mechanism, and for :data:`ANY` of them, the margin in every quantity, the smallest change first.
 
     A change to a drive that cannot move at all (μ ≥ cot λ) does not count.
     """
     per_decade = 30  # steps of 8 %; a narrower island of stability between two is not seen
     steps = np.linspace(0.0, 3.0, 3 * per_decade + 1)
-    scans: list[tuple[str, tuple[str, ...], Mapping[str, float], list[NDArray]]] = []
+    scans: list[tuple[str, tuple[str, ...], Values, list[NDArray]]] = []
     for name, keys in changeable(values).items():
         sides = [10.0**steps, 10.0**-steps]
         if name == "half_angle":  # beyond a right angle its tangent comes back, but there is no such thread
@@ -135,7 +134,7 @@ def _refined(sheet: Sheet, edges: list[_Edge]) -> list[float]:
     return [float(factor) for factor in after]
 
 
-def sensitivities(sheet: Sheet, values: Mapping[str, float]) -> dict[str, dict[str, float]]:
+def sensitivities(sheet: Sheet, values: Values) -> dict[str, dict[str, float]]:
     """Return for each mechanism the change of its reserve [1] per relative change of each quantity, dρ/d ln q.
 
     At the corner of the window where the reserve is lowest, by a complex step: ρ(q (1 + ih)) = ρ + i h dρ/d ln q +

@@ -7,7 +7,6 @@ grow nor decay.
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import reduce
 from types import SimpleNamespace
@@ -17,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsvib.assess import drive as sheets
-from lsvib.assess.drive import damping_by_slope, is_window, sliding_speed, without_friction
+from lsvib.assess.drive import Corner, Parts, Values, is_window, sliding_speed, without_friction
 from lsvib.assess.sheet import Sheet
 from lsvib.models import friction, mechanics
 from lsvib.models.drive import Drive, zero_if_close
@@ -26,7 +25,6 @@ from lsvib.stability.spectrum import interlaced, polynomial
 
 NAMES = ("negative_damping", "kinematic_constraint", "mode_coupling", "falling_friction", "thread_contact")
 """All mechanisms; mode coupling needs a support, thread contact a compliant contact."""
-
 
 AT_ONCE = 2**17  # reserves, few enough for the processor's caches, many enough for NumPy
 _FADING = (0.05, 0.1, 0.2, 0.35, 0.6, 1.0, 1.6, 2.5, 4.0, 7.0)  # of the speed over which a rise of friction fades
@@ -42,7 +40,7 @@ def applicable(sheet: Sheet) -> tuple[str, ...]:
     return tuple(name for name in NAMES if not missing.get(name, False))
 
 
-def reserves(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any, force: Any) -> dict[str, Any]:
+def reserves(sheet: Sheet, values: Values, direction: int, speed: Any, force: Any) -> dict[str, Any]:
     """Return the reserve [1] of each mechanism at points of operation; the mechanism occurs where it is negative.
 
     ``values``: quantities of the drive, floats, complex floats (one drive) or arrays that broadcast with ``speed``
@@ -58,10 +56,9 @@ def reserves(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any
     # Without any force the slightest one decides, and law + is the one that destabilises.
     law = np.where(np.real(carried) * np.real(p["input_speed"]) >= 0, 1, -1)
     size = np.where(np.real(carried) < 0, -carried, carried)
-    by_slope = damping_by_slope(slope, size, p["friction_coefficient"], p["pitch_radius"], p["lead_angle"], law)
-    collar = sheets.collar_of(values)
-    factor = mechanics.friction_factor(p["friction_coefficient"], tangent, law) + law * collar
-    geometry = (p["pitch_radius"], tangent, factor)
+    radius, rubs, collar = p["pitch_radius"], p["friction_coefficient"], sheets.collar_of(values)
+    by_slope = mechanics.damping_by_slope(slope, size, rubs, radius, np.cos(p["lead_angle"]), tangent, law)
+    geometry = (radius, tangent, mechanics.friction_factor(rubs, tangent, law) + law * collar)
     mass = p["mass"]
     if sheet.support is not None:
         mass = mass * values["screw_mass"] / (mass + values["screw_mass"])
@@ -75,47 +72,35 @@ def reserves(sheet: Sheet, values: Mapping[str, Any], direction: int, speed: Any
         "falling_friction": np.where(np.real(slope) < 0, sloped, 1.0),
     }
     helped = damping + np.where(np.real(by_slope) > 0, by_slope, 0.0)  # a fall is a mechanism of its own
-    driven = ("motor",) if sheet.motor is not None else ()
-    if driven or sheet.support is not None:
+    if sheet.motor is not None or sheet.support is not None:
         found |= _as_a_whole(sheet, values, p, law, found, (inertia, helped, by_slope))
-    if sheet.contact is not None:
-        own = sheets.own_parameters(values, (*driven, "threads"))
-        full = _full_reserve({**p, **own}, law)
-        whole = mechanics.effective_inertia(p["screw_inertia"], p["mass"], *geometry)  # the support is rigid here
-        own_fault = (np.real(helped) >= 0) & (np.real(whole) > 0)
-        found["thread_contact"] = np.where(own_fault, full, _larger(full, 0 * full))
-        if sheet.support is None:
-            for name in ("negative_damping", "kinematic_constraint"):
-                found[name] = _larger(found[name], full)
-        else:  # the whole drive decides; threads and support together are named after the contact
-            together = _full_reserve({**p, **sheets.own_parameters(values, (*driven, "support", "threads"))}, law)
-            names = ("negative_damping", "kinematic_constraint", "mode_coupling")
-            found |= {name: _larger(found[name], together) for name in names}
+    if sheet.contact is not None:  # the whole drive decides; threads and support together are named after the contact
+        full = _full_reserve(p | sheets.own_parameters(values, sheet.parts), law)
+        names = [name for name in ("negative_damping", "kinematic_constraint", "mode_coupling") if name in found]
+        found |= {name: _larger(found[name], full) for name in names}
+        own_fault = (np.real(helped) >= 0) & (np.real(inertia) > 0)
+        if sheet.support is not None:
             own_fault = reduce(np.logical_and, [np.real(found[name]) >= 0 for name in names])
-            found["thread_contact"] = np.where(own_fault, together, _larger(together, 0 * together))
+        found["thread_contact"] = np.where(own_fault, full, _larger(full, 0 * full))
     found["negative_damping"] = _unless_undamped(values, by_slope, found["negative_damping"])
-    plus = mechanics.friction_factor(p["friction_coefficient"], tangent, 1) + collar
-    geometry = (p["pitch_radius"], tangent, plus)
+    geometry = (radius, tangent, mechanics.friction_factor(rubs, tangent, 1) + collar)
     of_plus = mechanics.effective_inertia(p["screw_inertia"], mass, *geometry) - p["screw_inertia"]
     fed = mechanics.effective_damping(0.0, p["translation_damping"], *geometry)
     # Without damping of the load there is nothing that law + could turn round.
     damped = np.where(np.real(fed) == 0, 1.0, _balance(p["support_damping"], fed))
     reserve = _balance(p["screw_inertia"], of_plus)
     found["after_perturbation"] = np.where(law < 0, np.where(np.real(damped) < np.real(reserve), damped, reserve), 1.0)
-    valid = np.real(p["friction_coefficient"] * tangent) < 1
+    valid = np.real(rubs * tangent) < 1
     return {name: np.where(valid, value, np.nan) for name, value in found.items()} | {"law": law}
 
 
-def _as_a_whole(
-    sheet: Sheet, values: Mapping[str, Any], p: dict[str, Any], law: Any, rigid: dict[str, Any], terms: tuple
-) -> dict[str, Any]:
+def _as_a_whole(sheet: Sheet, values: Values, p: dict, law: Any, rigid: Values, terms: tuple) -> dict[str, Any]:
     """Reserves that a motor or a support alters, from those of the ``rigid`` screw.
 
     ``terms``: Γ̃_0, C_0 with the rise of friction over the speed, and S.
     """
     inertia, helped, by_slope = terms
-    there = {"motor": sheet.motor, "support": sheet.support}
-    p = {**p, **sheets.own_parameters(values, tuple(part for part, given in there.items() if given is not None))}
+    p = p | sheets.own_parameters(values, tuple(part for part in sheet.parts if part != "threads"))
     level = sloped = _full_reserve(p, law)
     if sheet.friction.sloped:
         sloped = _full_reserve({**p, "support_damping": p["support_damping"] + by_slope}, law)
@@ -135,7 +120,7 @@ def _as_a_whole(
     return found | {"mode_coupling": np.where(coupled, full, _larger(full, 0 * full))}
 
 
-def _unless_undamped(values: Mapping[str, Any], by_slope: Any, reserve: Any) -> Any:
+def _unless_undamped(values: Values, by_slope: Any, reserve: Any) -> Any:
     """A reserve of damping, at most zero where nothing damps the drive, whatever its two bodies do undamped."""
     dampings = [values[key] for key in values if key.endswith("_damping")]
     nothing = sum(_size(one) for one in (*dampings, by_slope)) == 0
@@ -158,17 +143,14 @@ def _larger(a: Any, b: Any) -> Any:
 
 
 def _full_reserve(parameters: dict[str, Any], law: Any) -> Any:
-    """Reserve of a drive with parts, from its characteristic polynomial, for a law (scalar or array)."""
-    return _hurwitz_reserve(polynomial(parameters, law, np.tan(parameters["lead_angle"])))
+    """Reserve of a drive with parts, from its characteristic polynomial, for a law (scalar or array).
 
-
-def _hurwitz_reserve(p: tuple[Any, ...]) -> Any:
-    """Lowest balance of the Hurwitz determinants of odd order, −1 where a coefficient is not positive.
-
-    Of a quartic that is the balance of (p_3 p_2 − p_4 p_1) p_1 − p_3² p_0. A coefficient that falls to zero takes it to
-    −1, so that it is continuous. Where all odd coefficients vanish, as without damping, it is the balance of
-    p_2² − 4 p_4 p_0 instead, of higher degrees that of :func:`lsvib.stability.spectrum.interlaced`.
+    It is the lowest balance of the Hurwitz determinants of odd order, −1 where a coefficient is not positive. Of a
+    quartic that is the balance of (p_3 p_2 − p_4 p_1) p_1 − p_3² p_0. A coefficient that falls to zero takes it to −1,
+    so that it is continuous. Where all odd coefficients vanish, as without damping, it is the balance of p_2² − 4 p_4
+    p_0 instead, of higher degrees that of :func:`lsvib.stability.spectrum.interlaced`.
     """
+    p = polynomial(parameters, law, np.tan(parameters["lead_angle"]))
     undamped, damped = reduce(np.logical_and, [x == 0 for x in p[1::2]]), _of_determinants(p)
     if not np.any(undamped):
         return damped
@@ -193,9 +175,7 @@ def _any_negative(coefficients: tuple[Any, ...]) -> Any:
     return reduce(np.logical_or, [np.real(x) <= 0 for x in coefficients])
 
 
-def drive_of(
-    sheet: Sheet, values: Mapping[str, float], direction: int, speed: float, force: float, parts: tuple[str, ...] = ()
-):
+def drive_of(sheet: Sheet, values: Values, direction: int, speed: float, force: float, parts: Parts = ()) -> Drive:
     """Return the drive at one point of operation: rigid, or with some ``parts`` of the sheet.
 
     It has the law of friction of the sheet, if there is one, else the coefficient at that point.
@@ -218,7 +198,7 @@ class Worst:
     corner: NDArray[np.int64]
     speed: NDArray[np.float64]
 
-    def place(self, places: list[tuple[int, Any, Any]]) -> tuple[int, float, float]:
+    def place(self, places: list[Corner]) -> Corner:
         """Return direction, speed [rad/s] and force [N] of the lowest reserve of a single drive, from its corners."""
         direction, _, force = places[int(self.corner[0])]
         return int(direction), float(self.speed[0]), float(force)
@@ -229,7 +209,7 @@ def directions(sheet: Sheet) -> tuple[int, ...]:
     return {"out": (1,), "back": (-1,), "both": (1, -1)}[sheet.operation.direction]
 
 
-def corners(sheet: Sheet, values: Mapping[str, Any]) -> list[tuple[int, Any, Any]]:
+def corners(sheet: Sheet, values: Values) -> list[Corner]:
     """Return direction, speed [rad/s] and force [N] of the points of the window where a reserve can be lowest.
 
     They are those of docs/assess.md: with rigid parts reserves of damping are monotonic in the size of R̃.
@@ -241,9 +221,7 @@ def corners(sheet: Sheet, values: Mapping[str, Any]) -> list[tuple[int, Any, Any
     ]
 
 
-def window_points(
-    sheet: Sheet, values: Mapping[str, Any], direction: int, between: bool = True
-) -> tuple[NDArray, NDArray]:
+def window_points(sheet: Sheet, values: Values, direction: int, between: bool = True) -> tuple[NDArray, NDArray]:
     """Speeds [rad/s] and forces [N] of all corners of one direction: (k) for one drive, (k, n) for arrays of drives.
 
     ``between``: with a support also between the ends of |R̃|, where its reserves need not be monotonic.
@@ -280,7 +258,7 @@ def window_points(
     return np.repeat(speeds, forces.shape[1], axis=0), forces.reshape(-1, *forces.shape[2:])
 
 
-def _own_speeds(sheet: Sheet, values: Mapping[str, Any], p: Mapping[str, Any]) -> list[NDArray]:
+def _own_speeds(sheet: Sheet, values: Values, p: Values) -> list[NDArray]:
     """Speeds [rad/s] over which friction is looked at (k, ...): the ends of the window, and what friction has."""
     sliding = sliding_speed(1.0, p["pitch_radius"], p["lead_angle"])
     low, high = values["speed_low"], values["speed_high"]
@@ -298,7 +276,7 @@ def _own_speeds(sheet: Sheet, values: Mapping[str, Any], p: Mapping[str, Any]) -
     return rows
 
 
-def _frictionless(sheet: Sheet, values: Mapping[str, Any], p: Mapping[str, Any]) -> NDArray:
+def _frictionless(sheet: Sheet, values: Values, p: Values) -> NDArray:
     """The sliding speed [m/s] at which a falling law reaches zero, before which it weighs most; zero if it rises."""
     law = SimpleNamespace(**sheets.friction_law(sheet, values, p["lead_angle"]))
     slope = np.where(np.real(law.friction_slope) < 0, law.friction_slope, -np.inf)
@@ -310,7 +288,7 @@ def _frictionless(sheet: Sheet, values: Mapping[str, Any], p: Mapping[str, Any])
     return low
 
 
-def worst(sheet: Sheet, values: Mapping[str, Any], between: bool = True) -> dict[str, Worst]:
+def worst(sheet: Sheet, values: Values, between: bool = True) -> dict[str, Worst]:
     """Return the lowest reserve of each mechanism over the window for drives given by arrays (n) or floats.
 
     ``between``: as of :func:`window_points`.
@@ -331,13 +309,13 @@ def worst(sheet: Sheet, values: Mapping[str, Any], between: bool = True) -> dict
     }
 
 
-def reserves_of(sheet: Sheet, values: Mapping[str, Any]) -> int:
+def reserves_of(sheet: Sheet, values: Values) -> int:
     """Return how many points of the window a drive is looked at."""
     one = {key: np.ravel(value)[0] for key, value in values.items()}
     return sum(len(window_points(sheet, one, direction)[0]) for direction in directions(sheet))
 
 
-def _worst(sheet: Sheet, values: Mapping[str, Any], between: bool) -> dict[str, Worst]:
+def _worst(sheet: Sheet, values: Values, between: bool) -> dict[str, Worst]:
     """The same of all drives at once."""
     shape = np.broadcast_shapes(*map(np.shape, values.values())) or (1,)
     rows, places = [], []
@@ -354,17 +332,15 @@ def _worst(sheet: Sheet, values: Mapping[str, Any], between: bool) -> dict[str, 
         pairs = zip(rows, places, strict=True)
         table = np.concatenate([np.broadcast_to(row[name], place[1].shape) for row, place in pairs])
         lowest = np.argmin(np.where(np.isnan(np.real(table)), -np.inf, np.real(table)), axis=0)
-        reserve, at = (np.take_along_axis(one, lowest[None], 0)[0] for one in (table, speed))
+        there = [np.take_along_axis(one, lowest[None], 0)[0] for one in (table, speed, side, force)]
+        reserve, at = there[:2]
         if name == "falling_friction" and sheet.friction.law and is_window(sheet, "operation.speed"):
-            own = [np.take_along_axis(one, lowest[None], 0)[0] for one in (side, force)]
-            reserve, at = _lowest_between(sheet, values, own, (reserve, at), speed)
+            reserve, at = _lowest_between(sheet, values, there[2:], there[:2], speed)
         found[name] = Worst(reserve, lowest, at)
     return found
 
 
-def _lowest_between(
-    sheet: Sheet, values: Mapping[str, Any], own: list[NDArray], best: tuple[NDArray, NDArray], speeds: NDArray
-) -> tuple[NDArray, NDArray]:
+def _lowest_between(sheet: Sheet, values: Values, own: list, best: list, speeds: NDArray) -> tuple[NDArray, NDArray]:
     """The lowest reserve of falling friction (n) between the speeds next to the ``best`` one, by golden sections.
 
     ``own``: direction and force of it; ``speeds`` (k, n): all that were looked at. Returns reserve and speed.

@@ -11,7 +11,7 @@ import xarray as xr
 from lsvib import numbers
 from lsvib.assess.assessment import AssessedMotion, Assessment, assess
 from lsvib.assess.chart import KINDS, Chart, charts
-from lsvib.assess.drive import UNITS
+from lsvib.assess.drive import UNITS, Corner
 from lsvib.assess.margins import Margin
 from lsvib.assess.report import report
 from lsvib.assess.sheet import Sheet
@@ -134,12 +134,12 @@ def _statics_json(found: Statics) -> dict[str, Any]:
 
 def _starting_json(found: Starting, travel: float) -> dict[str, Any]:
     """What becomes of a start from rest; ``travel`` of the load per radian of the screw."""
-    moved, even = found.motion, found.even_speed
+    moved, even = found.motion, None if found.even_speed == math.inf else found.even_speed
     return {
         "jerks": found.jerks,
-        "even_speed": even if even is not None and math.isfinite(even) else None,
-        "even_load_speed": travel * even if even is not None and math.isfinite(even) else None,
-        "at_no_speed_tried": even == math.inf,
+        "even_speed": even,
+        "even_load_speed": even and travel * even,
+        "at_no_speed_tried": found.even_speed == math.inf,
         "at": {**_place(found.corner), "load_speed": travel * found.corner[1]},
         "frequency": moved and moved.frequency,
         "peak_to_peak": moved and moved.amplitude and 2 * moved.amplitude,
@@ -150,7 +150,7 @@ def _starting_json(found: Starting, travel: float) -> dict[str, Any]:
     }
 
 
-def _place(corner: tuple[int, float, float]) -> dict[str, float]:
+def _place(corner: Corner) -> dict[str, float]:
     return dict(zip(("direction", "screw_speed", "force"), corner, strict=True))
 
 

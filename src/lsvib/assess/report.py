@@ -17,12 +17,12 @@ from markupsafe import Markup
 from lsvib.assess import pictures, summary, words
 from lsvib.assess.assessment import AssessedMotion, Assessment, Mechanism
 from lsvib.assess.chart import Chart
-from lsvib.assess.drive import IN_WORDS, UNITS, flank_coefficient, point, random_entries
+from lsvib.assess.drive import IN_WORDS, UNITS, point, random_entries
 from lsvib.assess.fields import FrictionBySpeed, Spread
 from lsvib.assess.mechanisms import drive_of
+from lsvib.assess.sheet import Sheet
 from lsvib.assess.starting import Starting
 from lsvib.assess.threads import ThreadSize
-from lsvib.assess.vibration import parts_of
 from lsvib.assess.words import ATTRACTORS, MECHANISMS, SHORT, change, entry_name, percent, shown, signed
 from lsvib.errors import InputError
 from lsvib.files import write_json, write_text
@@ -80,9 +80,7 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
         static=summary,
         endangered=bool(assessment.statics.back_drives) or any(row.exceeded for row in assessment.statics.limited),
         entries=[
-            (entry_name(path), _entry(entry), _origin(assessment, path))
-            for path, entry in sheet.entries()
-            if entry is not None
+            (entry_name(path), _entry(one), _origin(sheet, path)) for path, one in sheet.entries() if one is not None
         ],
     )
 
@@ -90,7 +88,7 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
 def _oscillations(assessment: Assessment) -> list[str]:
     """Frequencies with damping ratios of small oscillations, with the motor's control and without its damping."""
     sheet, values = assessment.sheet, assessment.values
-    drive = drive_of(sheet, values, *assessment.nominal.corner, parts_of(sheet))
+    drive = drive_of(sheet, values, *assessment.nominal.corner, sheet.parts)
     found = []
     for gain in (drive.speed_gain, 0.0):
         try:
@@ -123,19 +121,16 @@ def _summary(assessment: Assessment) -> str:
     found = [assessment.mechanisms[name] for name in shown_mechanisms(assessment)]
     occurring, absent = [one for one in found if one.occurs], _absent(assessment)
     started = f" {told}" if (told := summary.from_rest(assessment)) else ""
+    best = "; or ".join(f"the {summary.changed(assessment, row)}" for row in summary.helping(assessment))
     if assessment.verdict == "jerks":
-        return _of_jerks(assessment)
+        return _of_jerks(assessment, best)
     if occurring:
         one, *others = occurring
         too = f" Also {' and '.join(SHORT[other.name] for other in others)} would do it." if others else ""
-        best = summary.helping(assessment)
-        changes = "; or ".join(f"the {summary.changed(assessment, row)}" for row in best)
-        advice = (
-            f" The smallest single changes that make it run steadily at the middle values: {changes}."
-            if best
-            else " No change of one quantity alone, up to a factor of three, makes it run steadily."
-        )
-        return f"The cause is {SHORT[one.name]}, worst {_where(one, assessment)}.{too}{advice}{started}{absent}"
+        advice = f"The smallest single changes that make it run steadily at the middle values: {best}."
+        if not best:
+            advice = "No change of one quantity alone, up to a factor of three, makes it run steadily."
+        return f"The cause is {SHORT[one.name]}, worst {_where(one, assessment)}.{too} {advice}{started}{absent}"
     near = [(abs(math.log(row.factor)), one, row) for one in found for row in one.margins if row.factor is not None]
     if not near:
         nothing = "No single change of any quantity, from a thousandth to a thousandfold, would make it vibrate."
@@ -147,15 +142,14 @@ def _summary(assessment: Assessment) -> str:
     )
 
 
-def _of_jerks(assessment: Assessment) -> str:
-    """What a drive does that jerks from rest, why, and what ends it."""
+def _of_jerks(assessment: Assessment, best: str) -> str:
+    """What a drive does that jerks from rest, why, and what ends it, the ``best`` changes."""
     found = assessment.starting
     cause = "the vibration that a perturbation could start as well, which the start from rest reaches"
     if found.cause == "static":
         cause = "static friction above that of sliding: without the difference it would become steady there"
     elif found.cause == "law":
         cause = "friction that changes with the speed: with that of its coefficient alone it would become steady there"
-    best = "; or ".join(f"the {summary.changed(assessment, row)}" for row in summary.helping(assessment))
     advice = f"The smallest single changes that end the jerks at all points of the window that were tried: {best}."
     if not best:
         advice = "No change of one quantity alone that was tried, by a factor of three at most, ends them."
@@ -180,29 +174,23 @@ def _interval(ends: tuple[float, float]) -> str:
 def _cause(assessment: Assessment, name: str) -> tuple[Any, ...]:
     """A row of the table of causes."""
     one, perturbed = assessment.mechanisms[name], name == "after_perturbation"
-    best = next((row for row in one.margins if row.factor is not None), None)
-    if perturbed and (
-        one.probability is None or (best is None and one.occurs) or bool(one.occurs) != (one.reserve < 0)
-    ):
-        margin = "not known"  # its motions decide, of which the reserve knows only what is necessary
-    elif best is None:
+    best = next((f"the {IN_WORDS[row.quantity]} {change(row.factor)}" for row in one.margins if row.factor), "")
+    margin = f"{best} {'ends' if one.occurs else 'starts'} it"
+    if not best:
         margin = f"no single change {'ends it' if one.occurs else 'brings it about'}"
-    else:
-        margin = f"the {IN_WORDS[best.quantity]} {change(best.factor)}"
-        margin = (
-            f"none before {margin}"
-            if perturbed and not one.occurs
-            else f"{margin} {'ends' if one.occurs else 'starts'} it"
-        )
+    elif perturbed and not one.occurs:
+        margin = f"none before {best}"
+    if perturbed and (one.probability is None or (not best and one.occurs) or bool(one.occurs) != (one.reserve < 0)):
+        margin = "not known"  # its motions decide, of which the reserve knows only what is necessary
     verdict: Any = "not known" if one.occurs is None else "does not occur"
     if one.occurs:
         place, verdict = _where(one, assessment), Markup("<b>occurs</b>")
         if perturbed and one.probability is None:
             place, verdict = f"found by a perturbed motion; {place}", "possible"
         verdict = (verdict, place)
-    spread = "" if one.interval is None or one.interval[0] == one.interval[1] else _interval(one.interval)
     share = "not known" if one.probability is None else percent(one.probability)
-    share += f" (95 % sure: {spread})" if spread else ""
+    if one.interval is not None and one.interval[0] != one.interval[1]:
+        share += f" (95 % sure: {_interval(one.interval)})"
     return MECHANISMS[name], verdict, share, signed(one.reserve, 2), margin
 
 
@@ -250,13 +238,8 @@ def _tolerated(motion: AssessedMotion) -> str:
 
 def _simplified(motion: AssessedMotion, assessment: Assessment) -> str:
     """What the motion leaves out of the data sheet, in sentences."""
-    sheet, complies = assessment.sheet, motion.vibration.parts
-    parts = {
-        "threads": sheet.contact is not None,
-        "support": sheet.support is not None,
-        "motor": sheet.motor is not None,
-    }
-    stiff = " and ".join(name for name, given in parts.items() if given and name not in complies)
+    sheet = assessment.sheet
+    stiff = " and ".join(part for part in reversed(sheet.parts) if part not in motion.vibration.parts)
     text = f" Its motion is computed with stiff {stiff}." if stiff else ""
     slope = float(point(sheet, motion.values, *motion.corner)[1])
     if slope != 0 and not sheet.friction.law:
@@ -266,7 +249,7 @@ def _simplified(motion: AssessedMotion, assessment: Assessment) -> str:
 
 
 def locking_sentence(assessment: Assessment) -> str:
-    """Say how well the thread lifts, whether it holds its load, and what the rule of thumb says of that."""
+    """Say how well the thread lifts, and whether it holds its load."""
     lifting, lowering = assessment.efficiency["lifting"], assessment.efficiency["lowering"]
     holds = (
         "The thread is self-locking: friction alone holds the load, and the motor has to drive it down as well as up."
@@ -279,15 +262,7 @@ def locking_sentence(assessment: Assessment) -> str:
         holds += f" That is so at the middle values; of all drives that were drawn, {percent(spread.holds.value)} hold."
     low, high = spread.lifting
     ends = f" (from {percent(low)} to {percent(high)} within the uncertainties)" if low < high else ""
-    third = assessment.values["lead"] < assessment.values["pitch_diameter"] / 3
-    # The rule knows no friction, which decides: the thread holds where that of its flanks is above this.
-    enough = flank_coefficient(math.tan(assessment.lead_angle), assessment.lead_angle, assessment.values["half_angle"])
-    rule = (
-        "By the rule of thumb (a lead below a third of the diameter hardly back-drives) it would be "
-        f"{'self-locking' if third else 'back-drivable'}; with this lead that is right for friction "
-        f"{'above' if third else 'below'} {enough:.3f} only."
-    )
-    return f"Against the load the thread works with an efficiency of {percent(lifting)}{ends}. {holds} {rule}"
+    return f"Against the load the thread works with an efficiency of {percent(lifting)}{ends}. {holds}"
 
 
 def _entry(entry: object) -> str:
@@ -302,8 +277,7 @@ def _entry(entry: object) -> str:
     return str(entry)
 
 
-def _origin(assessment: Assessment, path: str) -> str:
-    sheet = assessment.sheet
+def _origin(sheet: Sheet, path: str) -> str:
     for key in (path, path.partition(".")[0]):
         if key in sheet.assumptions:
             return Markup('<span class="assumed">assumed</span> {}').format(sheet.assumptions[key])

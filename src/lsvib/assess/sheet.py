@@ -38,6 +38,14 @@ class _Part(BaseModel):
         """What is wrong besides."""
         return None
 
+    def entries(self, before: str = "") -> Iterator[tuple[str, Any]]:
+        """Yield the entries of all parts that are given, such as (load.mass, spread), each with ``before`` its name."""
+        for key, entry in self:
+            if isinstance(entry, _Part):
+                yield from entry.entries(f"{before}{key}.")
+            elif before and key in self.model_fields_set:
+                yield f"{before}{key}", entry
+
 
 class Thread(_Part):
     """A thread: a size of the catalogue, or lead (or lead angle, or pitch and starts) and diameter."""
@@ -356,12 +364,6 @@ class Sheet(_Part):
         """Read a sheet from a YAML file; raises ``InputError`` in one sentence."""
         return cls.of(read_yaml(path))
 
-    def entries(self) -> Iterator[tuple[str, Any]]:
-        """Yield the entries that are given, such as (load.mass, spread)."""
-        for part, value in self:
-            if isinstance(value, _Part):
-                yield from _entries_of(part, value)
-
     def paths(self) -> set[str]:
         """Return the names of the entries that are given, and of the parts."""
         found = {path for path, _ in self.entries()}
@@ -397,23 +399,20 @@ class Sheet(_Part):
         return self.stiff and not self.friction.law and not self.dry
 
     @property
+    def parts(self) -> tuple[str, ...]:
+        """The parts that comply in its motions."""
+        there = {"motor": self.motor, "support": self.support, "threads": self.contact}
+        return tuple(part for part, given in there.items() if given is not None)
+
+    @property
     def stiff(self) -> bool:
         """Whether all parts are rigid, and the motor turns as it is told."""
-        return self.contact is None and self.support is None and self.motor is None
+        return not self.parts
 
     @cached_property
     def spreads(self) -> dict[str, Spread]:
         """The quantities that are given, by name."""
         return {path: value for path, value in self.entries() if isinstance(value, Spread)}
-
-
-def _entries_of(name: str, part: _Part) -> Iterator[tuple[str, Any]]:
-    """The entries of a part that are given, those of a part in it with both names."""
-    for key, entry in part:
-        if isinstance(entry, _Part):
-            yield from _entries_of(f"{name}.{key}", entry)
-        elif key in part.model_fields_set:
-            yield f"{name}.{key}", entry
 
 
 def sentence(error: ValidationError, whole: type[BaseModel]) -> str:

@@ -4,15 +4,14 @@ The motions are those of :mod:`lsvib.stability.starting`, at the ends of the ran
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
 from itertools import islice, pairwise, product
-from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.assess.drive import GRAVITY
+from lsvib.assess.drive import Corner, Parts, Values, weight_of
 from lsvib.assess.margins import Margin, changeable, scaled
 from lsvib.assess.mechanisms import directions, drive_of
 from lsvib.assess.sheet import Sheet
@@ -27,7 +26,6 @@ _FACTORS = (1.5, 3.0)  # and their inverses: changes of one quantity that are tr
 _DRAWS = 16  # random drives that are started
 _WORK = 2_000  # of a motion, a fraction of a second where friction follows a law
 Place = tuple[int, float]  # direction of travel, force [N]
-Values = Mapping[str, float]  # quantities of a drive
 
 
 @dataclass(frozen=True)
@@ -45,29 +43,23 @@ class Starting:
     """
 
     jerks: bool | None
-    corner: tuple[int, float, float]
+    corner: Corner
     even_speed: float | None
-    motion: Vibration | None
-    cause: str
-    changes: list[Margin]
-    share: float
-    drawn: int
-
-    @classmethod
-    def even(cls, corner: tuple[int, float, float]) -> Self:
-        """Return what is said of a drive of which every motion is known to become steady."""
-        return cls(False, corner, 0.0, None, "", [], 0.0, 0)
+    motion: Vibration | None = None
+    cause: str = ""
+    changes: list[Margin] = field(default_factory=list)
+    share: float = 0.0
+    drawn: int = 0
 
 
-def starting(
-    sheet: Sheet, values: dict[str, float], parts: tuple[str, ...], draws: Iterable[Values], advise: bool = True
-) -> Starting:
+def starting(sheet: Sheet, values: Values, draws: Iterable[Values], advise: bool = True) -> Starting:
     """Start a drive at the middle values, and some of ``draws``, the quantities of random ones.
 
     ``advise``: whether changes that end jerks are looked for.
 
     With parts that comply the corner is that of the drive with rigid ones, and there the whole drive is started.
     """
+    parts = sheet.parts
     places = [(direction, force) for direction in directions(sheet) for force in _forces(values)]
     low, high = values["speed_low"], values["speed_high"]
     tried = _speeds(values)
@@ -82,26 +74,15 @@ def starting(
     corner = place[0], jerky[0] if jerky else low, place[1]
     if not jerky:
         ends = [evenly(sheet, own, place, low, parts) for own in islice(draws, _DRAWS)]
-        jerks = None if even_speed is None else False
-        return replace(
-            Starting.even(corner),
-            jerks=jerks,
-            even_speed=even_speed,
-            share=ends.count(False) / max(len(ends), 1),
-            drawn=len(ends),
-        )
-    without = {"static": {"static_friction": 0.0}}
-    without["law"] = {**without["static"], "stribeck_rise": 0.0, "friction_slope": 0.0}
-    causes = (
-        name
-        for name, none in without.items()
-        if sheet.friction.law and evenly(sheet, {**values, **none}, place, corner[1], parts)
-    )
+        jerks, share = None if even_speed is None else False, ends.count(False) / max(len(ends), 1)
+        return Starting(jerks, corner, even_speed, share=share, drawn=len(ends))
+    even = {"static_friction": 0.0, "stribeck_rise": 0.0, "friction_slope": 0.0}
+    without = {"static": {"static_friction": 0.0}, "law": even} if sheet.friction.law else {}
+    causes = (name for name, none in without.items() if evenly(sheet, {**values, **none}, place, corner[1], parts))
     asked = [(place, corner[1]), *product(places, window)]
-    found_changes = _changes(sheet, values, parts, asked) if advise else ()
-    changes = sorted(found_changes, key=lambda row: abs(math.log(row.factor or 1.0)))
-    motion = vibration(sheet, values, corner, parts, rest=True)
-    return Starting(True, corner, even_speed, motion, next(causes, ""), changes, 1.0, 0)
+    changes = sorted(_changes(sheet, values, asked) if advise else (), key=lambda row: abs(math.log(row.factor or 1.0)))
+    motion = vibration(sheet, values, corner, parts, perturbation=None)
+    return Starting(True, corner, even_speed, motion, next(causes, ""), changes, share=1.0)
 
 
 def _speeds(values: Values) -> list[float]:
@@ -111,7 +92,7 @@ def _speeds(values: Values) -> list[float]:
     return np.unique([*beyond[(beyond < low) | (beyond > high)], low, math.sqrt(low * high), high]).tolist()
 
 
-def evenly(sheet: Sheet, values: Values, place: Place, speed: float, parts: tuple[str, ...] = ()) -> bool | None:
+def evenly(sheet: Sheet, values: Values, place: Place, speed: float, parts: Parts = ()) -> bool | None:
     """Whether a drive with some parts runs evenly once started from rest; None where that is not known."""
     try:
         drive = drive_of(sheet, values, place[0], speed, place[1], parts)
@@ -122,7 +103,7 @@ def evenly(sheet: Sheet, values: Values, place: Place, speed: float, parts: tupl
 
 def _forces(values: Values) -> list[float]:
     """The ends of the window of forces [N]; of two that push the same way, weight included, the larger one."""
-    weight = values["mass"] * GRAVITY * math.sin(values["tilt"])
+    weight = weight_of(values)
     low, high = sorted((values["force_low"], values["force_high"]), key=lambda force: abs(force + weight))
     return [high] if (low + weight) * (high + weight) >= 0 else [low, high]
 
@@ -154,16 +135,16 @@ def even_from(evenly: Callable[[float], bool | None], tried: list[float], high: 
     return quiet
 
 
-def _changes(
-    sheet: Sheet, values: dict[str, float], parts: tuple[str, ...], asked: list[tuple[Place, float]]
-) -> Iterator[Margin]:
+def _changes(sheet: Sheet, values: Values, asked: list[tuple[Place, float]]) -> Iterator[Margin]:
     """The changes of one quantity that end the jerks at the first of the points ``asked``, and at all of them."""
 
     def quiet(keys: tuple[str, ...], factor: float, points: list[tuple[Place, float]]) -> bool:
         """Whether the changed drive runs evenly at some points of its window."""
         own = scaled(sheet, values, keys, factor)
         faster, more = own["speed_low"] / values["speed_low"], factor if "force_low" in keys else 1.0
-        return all(evenly(sheet, own, (way, more * force), faster * speed, parts) for (way, force), speed in points)
+        return all(
+            evenly(sheet, own, (way, more * force), faster * speed, sheet.parts) for (way, force), speed in points
+        )
 
     for name, keys in changeable(values).items():
         sides = [list(_FACTORS), [1 / factor for factor in _FACTORS]]
@@ -186,9 +167,7 @@ def _changes(
             yield Margin(name, best, best * max((values[key] for key in keys), key=abs))
 
 
-def outcomes(
-    sheet: Sheet, values: Values, direction: int, turning: NDArray, force: NDArray, parts: tuple[str, ...]
-) -> NDArray[np.float64]:
+def outcomes(sheet: Sheet, values: Values, direction: int, turning: NDArray, force: NDArray) -> NDArray[np.float64]:
     """Return 1 where a drive runs evenly from rest, 0 where it does not, NaN where that is not known (force, speed).
 
     Arguments: speeds of the screw [rad/s] and forces [N]. With rigid parts, where only the threads rub and their
@@ -199,14 +178,14 @@ def outcomes(
 
     def asked(speed: float, push: float) -> float:
         """The answer at a point."""
-        found = evenly(sheet, values, (direction, push), speed, parts)
+        found = evenly(sheet, values, (direction, push), speed, sheet.parts)
         return math.nan if found is None else float(found)
 
     if not sheet.stiff or sheet.dry or sheet.friction.sloped:
         speeds, forces = (np.linspace(axis[0], axis[-1], 9) for axis in (turning, force))
         table = np.array([[asked(speed, push) for speed in speeds.tolist()] for push in forces.tolist()])
         return table[np.ix_(_nearest(forces, force), _nearest(speeds, turning))]
-    weight, speed = values["mass"] * GRAVITY * math.sin(values["tilt"]), values["speed_high"]
+    weight, speed = weight_of(values), values["speed_high"]
     ratio = (force[:, None] + weight) / turning
     sizes = np.geomspace(1e-4, 1.0, 60) * np.abs(ratio).max()
     known = {one: asked(speed, one * speed - weight) for one in [*-sizes[::-1], *sizes]}

@@ -5,7 +5,7 @@ entries and of the window, and the worst one: at the ends of the operating windo
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,13 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsvib.assess import drive as sheets
-from lsvib.assess.drive import (
-    flank_coefficient,
-    lifting_efficiency,
-    lowering_efficiency,
-    sliding_speed,
-    square_coefficient,
-)
+from lsvib.assess.drive import Values, flank_coefficient, sliding_speed, square_coefficient, weight_of
 from lsvib.assess.materials import NUT_MATERIALS, SCREW_MATERIALS
 from lsvib.assess.mechanisms import directions, window_points
 from lsvib.assess.sheet import Sheet
@@ -193,7 +187,7 @@ def statics(sheet: Sheet) -> Statics:
     worst = _judged(sheet, draw, values, *window)
     rows = {key: _row(key, worst[key], middle.get(key)) for key in ABOUT if key in worst}
     holding, pushed = rows["holding_friction"], _pushed(values)
-    falls = bool((pushed * _weight(values) > 0).any())
+    falls = bool((pushed * weight_of(values) > 0).any())
     if not pushed.any():
         return Statics({**rows, holding.key: replace(holding, exceeded=False)}, None, falls)
     if not holding.exceeded:
@@ -202,7 +196,7 @@ def statics(sheet: Sheet) -> Statics:
     return Statics(rows, "at the middle values" if surely else "within the uncertainties", falls)
 
 
-def lets_go(sheet: Sheet, values: Mapping[str, Any], changed: Mapping[str, Any]) -> bool:
+def lets_go(sheet: Sheet, values: Values, changed: Values) -> bool:
     """Whether a thread that holds at rest no longer does with ``changed`` quantities in the place of ``values``."""
     holds = []
     for own in (values, {**values, **changed}):
@@ -212,17 +206,12 @@ def lets_go(sheet: Sheet, values: Mapping[str, Any], changed: Mapping[str, Any])
     return holds == [True, False]
 
 
-def _pushed(values: Mapping[str, Any]) -> Floats:
+def _pushed(values: Values) -> Floats:
     """What pushes the load at rest, against outward travel [N], at both ends of the window (2, n)."""
-    return np.stack(np.broadcast_arrays(*(values[f"force_{end}"] + _weight(values) for end in ("low", "high"))))
+    return np.stack(np.broadcast_arrays(*(values[f"force_{end}"] + weight_of(values) for end in ("low", "high"))))
 
 
-def _weight(values: Mapping[str, Any]) -> Any:
-    """The part of the weight along the axis [N], against outward travel."""
-    return values["mass"] * sheets.GRAVITY * np.sin(values["tilt"])
-
-
-def _window(sheet: Sheet, values: Mapping[str, Any]) -> list[tuple[Floats, Floats, Floats]]:
+def _window(sheet: Sheet, values: Values) -> list[tuple[Floats, Floats, Floats]]:
     """Speeds [rad/s], loads against the travel without and with drag [N], at points of the window, (k, n) a direction.
 
     They are those at which stability is asked, between its ends too where friction depends on the speed.
@@ -230,10 +219,8 @@ def _window(sheet: Sheet, values: Mapping[str, Any]) -> list[tuple[Floats, Float
     found = []
     drag = values["translational_damping"] * values["lead"] / (2 * math.pi)
     for direction in directions(sheet):
-        speed, force = (
-            table[:, None] if table.ndim == 1 else table for table in window_points(sheet, values, direction)
-        )
-        held = direction * (force + _weight(values))
+        speed, force = (table.reshape(len(table), -1) for table in window_points(sheet, values, direction))
+        held = direction * (force + weight_of(values))
         found.append((speed, held, held + drag * speed + values.get("guide_friction", 0.0)))
     return found
 
@@ -254,9 +241,7 @@ def _middle(window: Sequence[tuple[Floats, Floats, Floats]]) -> tuple[Floats, Fl
     return np.full(load.shape, 0.5 * (speed.min() + speed.max())), held, load
 
 
-def _judged(
-    sheet: Sheet, draw: Mapping[str, Any], values: Mapping[str, Any], speed: Floats, held: Floats, load: Floats
-) -> dict[str, Judged]:
+def _judged(sheet: Sheet, draw: Values, values: Values, speed: Floats, held: Floats, load: Floats) -> dict[str, Judged]:
     """All quantities with their limits, for speeds and loads (k, n), ``held`` at rest; NaN where one does not occur.
 
     Where the threads jam, μ ≥ cot λ, the torque against the load is infinite.
@@ -276,29 +261,27 @@ def _judged(
         relieved = relieved_half(force, *nut)
         return torque(force, radius, angle, coefficient, lifting, collar, relieved) + bearing
 
-    holding = -needed(left, rough, False)
-    if (holding > 0).any():
-        found["holding_torque"] = np.where(holding > 0, holding, np.nan), None
-    if (held > 0).any() and (sheet.friction.law or sheet.friction.curve is not None):
-        found["starting_torque"] = np.where(held > 0, needed(held + guide, rough, True), np.nan), None
     drag, size = values["rotational_damping"] * speed, np.abs(load)
     against, along = (needed(size, coefficient, lifting) + drag for lifting in (True, False))
     turns = coefficient * np.tan(angle) < 1  # else the threads jam
     against = np.where(turns, against, np.inf)
     # The dampings are guesses, on which no brake should count.
-    braking = -needed(left, coefficient, False)
+    holding, braking = (-needed(left, rubbing, False) for rubbing in (rough, coefficient))
+    sticks = sheet.friction.law or sheet.friction.curve is not None
     for name, acting, effort in (
+        ("holding", holding > 0, holding),
+        ("starting", (held > 0) & sticks, needed(held + guide, rough, True)),
         ("lifting", (load > 0) | (not load.any()), against),
         ("lowering", (load < 0) & (along >= 0), along),
         ("braking", (held < 0) & (braking > 0), braking),
     ):
-        if acting.any():
-            found[f"{name}_torque"] = np.where(acting, effort, np.nan), None
-            found[f"{name}_power"] = np.where(acting, effort * speed, np.nan), None
+        for row, factor in ((f"{name}_torque", 1.0), (f"{name}_power", speed)):
+            if row in ABOUT and acting.any():
+                found[row] = np.where(acting, effort * factor, np.nan), None
     if "lifting_torque" in found and "coupling.gear_ratio" in draw:
         found["motor_torque"] = found["lifting_torque"][0] / draw["coupling.gear_ratio"], None
-    found["lifting_efficiency"] = np.where(turns, lifting_efficiency(coefficient, angle, collar), 0.0), None
-    found["lowering_efficiency"] = lowering_efficiency(coefficient, angle, collar), None
+    found["lifting_efficiency"] = np.where(turns, sheets.lifting_efficiency(coefficient, angle, collar), 0.0), None
+    found["lowering_efficiency"] = sheets.lowering_efficiency(coefficient, angle, collar), None
     rubs, work = sheet.dry or sheet.preloaded, np.abs(held) * radius * np.tan(angle)  # per radian
     if rubs and held.any():
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -308,20 +291,11 @@ def _judged(
         found["lifting_efficiency"] = np.where((held > 0) & turns, share, np.where(held > 0, 0.0, np.nan)), None
     holds = _holds_from(values, angle, collar, bearing, left, relieved_half(left, *nut))
     found["holding_friction"] = at_rest, holds
-    found |= _nut(sheet, draw, values, size + relieved_half(size, *nut), sliding_speed(speed, radius, angle)) | _shaft(
-        sheet, draw, speed, load
-    )
-    root = _root_diameter(sheet, draw)
-    if root is not None and sheet.screw.density is None:
-        turned = np.where(load >= 0, against, np.abs(along))
-        strength = SCREW_MATERIALS[sheet.screw.material or "steel"].yield_strength
-        found["root_stress"] = root_stress(np.abs(load), turned, root), strength
-    return found
+    found |= _nut(sheet, draw, values, size + relieved_half(size, *nut), sliding_speed(speed, radius, angle))
+    return found | _shaft(sheet, draw, speed, size, np.where(load >= 0, against, np.abs(along)))
 
 
-def _holds_from(
-    values: Mapping[str, Any], angle: Any, collar: Any, bearing: Any, left: Any, relieved: Any = 0.0
-) -> Any:
+def _holds_from(values: Values, angle: Any, collar: Any, bearing: Any, left: Any, relieved: Any = 0.0) -> Any:
     """The friction of the flanks from which on threads, collar and bearing hold what is ``left`` of the load [N]."""
     helps, tangent = collar * left + bearing / (0.5 * values["pitch_diameter"]), np.tan(angle)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -330,7 +304,7 @@ def _holds_from(
     return flank_coefficient(np.clip(needed, 0.0, None), angle, values["half_angle"])
 
 
-def _at_rest(sheet: Sheet, values: Mapping[str, Any]) -> Any:
+def _at_rest(sheet: Sheet, values: Values) -> Any:
     """Friction of the flanks at rest [1]: static friction, or else that of slow sliding."""
     if "static_friction" in values:
         return values["static_friction"]
@@ -338,9 +312,7 @@ def _at_rest(sheet: Sheet, values: Mapping[str, Any]) -> Any:
     return flank_coefficient(p["friction_coefficient"], p["lead_angle"], values["half_angle"])
 
 
-def _nut(
-    sheet: Sheet, draw: Mapping[str, Any], values: Mapping[str, Any], force: Floats, sliding: Any
-) -> dict[str, Judged]:
+def _nut(sheet: Sheet, draw: Values, values: Values, force: Floats, sliding: Any) -> dict[str, Judged]:
     """Pressure by the ``force`` on the flanks, sliding speed and their product in the nut, or its more loaded half.
 
     A limit of the sheet goes before that of the material.
@@ -357,21 +329,20 @@ def _nut(
     }
 
 
-def _root_diameter(sheet: Sheet, draw: Mapping[str, Any]) -> Any:
-    """Diameter of the root [m]; None if it is not known."""
-    return draw.get("screw.root_diameter", sheet.thread.size and sheet.thread.size.root_diameter)
-
-
-def _shaft(sheet: Sheet, draw: Mapping[str, Any], speed: Floats, load: Floats) -> dict[str, Judged]:
-    """The screw as a column, whichever way it is loaded, and its speed beside the critical one."""
-    if sheet.screw.ends is None:
-        return {}
-    diameter = _root_diameter(sheet, draw)
-    length = draw["screw.unsupported_length" if "screw.unsupported_length" in draw else "screw.length"]
-    material, (factor, root) = SCREW_MATERIALS[sheet.screw.material or "steel"], ENDS[sheet.screw.ends]
-    column = column_load(material.modulus, material.yield_strength, diameter, length, factor)
-    whirling = critical_speed(material.modulus, material.density, diameter, length, root)
-    return {"column_load": (np.abs(load), SAFE * column), "screw_speed": (speed, SAFE * whirling)}
+def _shaft(sheet: Sheet, draw: Values, speed: Floats, force: Floats, turned: Any) -> dict[str, Judged]:
+    """The screw as a column, whichever way the ``force`` acts, its speed, and the stress with the torque ``turned``."""
+    found: dict[str, Judged] = {}
+    diameter = draw.get("screw.root_diameter", sheet.thread.size and sheet.thread.size.root_diameter)
+    material = SCREW_MATERIALS[sheet.screw.material or "steel"]
+    if sheet.screw.ends is not None:
+        length = draw["screw.unsupported_length" if "screw.unsupported_length" in draw else "screw.length"]
+        factor, root = ENDS[sheet.screw.ends]
+        column = column_load(material.modulus, material.yield_strength, diameter, length, factor)
+        whirling = critical_speed(material.modulus, material.density, diameter, length, root)
+        found = {"column_load": (force, SAFE * column), "screw_speed": (speed, SAFE * whirling)}
+    if diameter is not None and sheet.screw.density is None:
+        found["root_stress"] = root_stress(force, turned, diameter), material.yield_strength
+    return found
 
 
 def _row(key: str, judged: Judged, middle: Judged | None) -> Row:

@@ -9,7 +9,6 @@ from lsvib.assess.assessment import Assessment
 from lsvib.assess.drive import IN_WORDS, UNITS
 from lsvib.assess.margins import Margin, changeable
 from lsvib.assess.materials import NUT_MATERIALS
-from lsvib.assess.sheet import Nut
 from lsvib.assess.starting import BEYOND
 from lsvib.assess.statics import ABOUT, Row, Statics, lets_go
 from lsvib.assess.words import VERDICTS, change, percent, shown
@@ -181,7 +180,8 @@ def rows(assessment: Assessment) -> list[tuple[Any, ...]]:
     if assessment.starting.jerks:
         often = "jerks or vibrates from rest"
     bad = "vibrate" in assessment.verdict or assessment.starting.jerks
-    worst = Markup('<b class="over">{}</b>').format(often) if bad else often
+    over = Markup('<b class="over">{}</b>').format
+    worst = over(often) if bad else often
     found: list[tuple[Any, ...]] = [
         ("Vibration", assessment.verdict, worst, "none is wanted", ("see below", "what can make it vibrate"))
     ]
@@ -189,28 +189,18 @@ def rows(assessment: Assessment) -> list[tuple[Any, ...]]:
         name, unit, formula, source = ABOUT[row.key]
         nut = assessment.sheet.nut
         if nut is not None and row.key in _NUT_LIMITS and row.limit is not None:
-            source += f"; limit: {_limit_source(nut, row.key)}"
+            own = getattr(nut, _NUT_LIMITS[row.key]) is not None
+            source += f"; limit: {'the data sheet' if own else NUT_MATERIALS[nut.material or ''].source}"
         write = percent if row.key.endswith("efficiency") else lambda value, unit=unit: size(value, unit)
         title = tuple(part.strip() for part in name.split(";")) if ";" in name else name
-        found.append(
-            (title, write(row.middle), _marked(write(row.worst), row.exceeded), _limit(row, unit), (formula, source))
-        )
+        most = (over(write(row.worst)), "limit exceeded") if row.exceeded else write(row.worst)
+        found.append((title, write(row.middle), most, _limit(row, unit), (formula, source)))
     return found
 
 
 def size(value: float | None, unit: str) -> str:
     """Return a quantity in words; a torque against threads that jam is infinite."""
     return "any (it jams)" if value is not None and math.isinf(value) else shown(value, unit)
-
-
-def _limit_source(nut: Nut, key: str) -> str:
-    if getattr(nut, _NUT_LIMITS[key]) is not None:
-        return "the data sheet"
-    return NUT_MATERIALS[nut.material or ""].source
-
-
-def _marked(text: str, exceeded: bool) -> Any:
-    return (Markup('<b class="over">{}</b>').format(text), "limit exceeded") if exceeded else text
 
 
 def _limit(row: Row, unit: str) -> Any:

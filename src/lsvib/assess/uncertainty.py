@@ -11,15 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import binomtest, qmc, sobol_indices, uniform
 
-from lsvib.assess.drive import (
-    collar_of,
-    lifting_efficiency,
-    lowering_efficiency,
-    nominal_draw,
-    quantities,
-    random_entries,
-    square_thread,
-)
+from lsvib.assess.drive import efficiencies, nominal_draw, quantities, random_entries
 from lsvib.assess.mechanisms import reserves_of, worst
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.vibration import most_perturbed
@@ -110,34 +102,31 @@ def study(sheet: Sheet, samples: int, seed: int) -> Uncertainty:
     found = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
     varied = [name for name, reserve in found.items() if name != "after_perturbation" and np.ptp(reserve) > 0]
     first, whole = _indices(sheet, entries, varied, _draws(sheet, entries, samples), seed) if varied else ({}, {})
-    angle, coefficient = square_thread(sheet, quantities(sheet, draw_of(sheet, points)))
-    collar = collar_of(quantities(sheet, draw_of(sheet, points)))
-    lifting = np.broadcast_to(lifting_efficiency(coefficient, angle, collar), points.shape[1:])
-    lowering = np.broadcast_to(lowering_efficiency(coefficient, angle, collar), points.shape[1:])
+    pair = efficiencies(sheet, quantities(sheet, draw_of(sheet, points)))
+    lifting, lowering = (np.broadcast_to(one, points.shape[1:]) for one in pair)
     unstable = np.any([reserve < 0 for name, reserve in found.items() if name != "after_perturbation"], axis=0)
-    chances = {name: _probability(reserve < 0, bool(entries), reserve) for name, reserve in found.items()}
-    chances["after_perturbation"], upset = _perturbed(
-        sheet, points, chances["after_perturbation"], found["after_perturbation"]
-    )
+    chances = {name: _probability(reserve < 0, reserve) for name, reserve in found.items()}
+    one = "after_perturbation"
+    chances[one], upset = _perturbed(sheet, points, chances[one], found[one])
     return Uncertainty(
         samples=points.shape[1],
         points=points,
         probability=chances,
-        any=_probability(unstable, bool(entries)),
+        any=_probability(unstable),
         first_order=first,
         total=whole,
         lowest={name: points[:, np.argmin(reserve)] for name, reserve in found.items()},
         upset=upset,
-        holds=_probability(lowering <= 0, bool(entries)),
+        holds=_probability(lowering <= 0),
         lifting=(float(lifting.min()), float(lifting.max())),
     )
 
 
-def _probability(hits: NDArray[np.bool_], random: bool, reserve: Any = ()) -> Probability:
+def _probability(hits: NDArray[np.bool_], reserve: Any = ()) -> Probability:
     """A share with the interval of Clopper and Pearson (docs/assess.md); 0 or 1 if nothing is uncertain."""
     count = np.count_nonzero(hits)
     share = count / hits.size
-    interval = _ends(count, hits.size, 0.95) if random else (share, share)
+    interval = _ends(count, hits.size, 0.95) if hits.size > 1 else (share, share)
     return Probability(share, interval, np.histogram(np.clip(reserve, -1.0, 1.0), BINS)[0])
 
 
@@ -195,11 +184,9 @@ def _indices(sheet: Sheet, entries: list[str], names: list[str], count: int, see
         return np.stack([found[name] for name in names])
 
     result = sobol_indices(func=reserve, n=count, dists=[uniform()] * len(entries), rng=seed)
-    tables = (np.reshape(indices, (len(names), -1)).tolist() for indices in (result.first_order, result.total_order))
-    first, total = (
-        {name: dict(zip(entries, row, strict=True)) for name, row in zip(names, table, strict=True)} for table in tables
-    )
-    return first, total
+    pair = (np.reshape(indices, (len(names), -1)).tolist() for indices in (result.first_order, result.total_order))
+    first, total = ([dict(zip(entries, row, strict=True)) for row in table] for table in pair)
+    return dict(zip(names, first, strict=True)), dict(zip(names, total, strict=True))
 
 
 def ends(sheet: Sheet) -> NDArray[np.float64]:

@@ -1,13 +1,13 @@
 """The motion of one drive at one point of operation: what the vibration is, and how large a perturbation it takes."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lsvib.assess.drive import Corner, Parts, Values
 from lsvib.assess.mechanisms import corners, drive_of, reserves
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.words import shown
@@ -47,7 +47,7 @@ class Vibration:
     that short slips are resolved. ``reason``: why nothing is known, if so.
     """
 
-    parts: tuple[str, ...]
+    parts: Parts
     attractor: str
     frequency: float | None = None
     amplitude: float | None = None
@@ -73,31 +73,18 @@ class Vibration:
         return self.frequency is not None and 20.0 <= self.frequency <= 20e3
 
 
-def parts_of(sheet: Sheet) -> tuple[str, ...]:
-    """Return the parts that comply in the motions of a sheet."""
-    there = {"motor": sheet.motor, "support": sheet.support, "threads": sheet.contact}
-    return tuple(part for part, given in there.items() if given is not None)
-
-
 def vibration(
-    sheet: Sheet,
-    values: Mapping[str, float],
-    corner: tuple[int, Any, Any],
-    parts: tuple[str, ...] = (),
-    perturbation: float = _NUDGE,
-    rest: bool = False,
+    sheet: Sheet, values: Values, corner: Corner, parts: Parts = (), perturbation: float | None = _NUDGE
 ) -> Vibration:
     """Follow the motion of a drive from near steady sliding, u = 0, w = ``perturbation`` Ω, or from rest, to its end.
 
-    ``parts``: those of the sheet that comply. Friction is that at the running speed, to
-    which a slope or curve adds nothing, unless the sheet has a law of friction.
+    ``perturbation``: None for a start from rest; ``parts``: those of the sheet that comply. Friction is that at the
+    running speed, to which a slope or curve adds nothing, unless the sheet has a law of friction.
     """
     most = _WORK_OF_PARTS if parts else _WORK_OF_RIGID
     work = (_WORK_OF_LAW if sheet.friction.law else most) // max(1, len(parts) ** 2)
     try:
-        drive, definition, automaton, start, end = _ended(
-            sheet, values, corner, parts, None if rest else perturbation, work
-        )
+        drive, definition, automaton, start, end = _ended(sheet, values, corner, parts, perturbation, work)
     except (InputError, EngineError) as error:
         return Vibration(parts, "unknown", reason=str(error))
     words = _word(end.label)
@@ -105,27 +92,21 @@ def vibration(
         start, span, times, states = _shown(drive, definition, automaton, start, end)
     except EngineError as error:
         return Vibration(parts, words, reason=str(error))
-    scene = {"drive": dict(drive), "start": start, "duration": span, "samples": _SAMPLES + 1}
     row = _load_row(drive, automaton.states)
-    samples = {
-        "scene": scene,
-        "time": times,
-        "deviation": states @ row,
-        "speed": states[:, 1] + drive.input_speed,
-        "angle": states[:, 0],
-    }
-    if end.orbit is None or end.label in _WITHOUT_CYCLE:
-        return Vibration(parts, words, **samples)
-    return Vibration(parts, words, **_of_cycle(drive, end.orbit, row), **samples)
+    return Vibration(
+        parts,
+        words,
+        scene={"drive": dict(drive), "start": start, "duration": span, "samples": _SAMPLES + 1},
+        time=times,
+        deviation=states @ row,
+        speed=states[:, 1] + drive.input_speed,
+        angle=states[:, 0],
+        **({} if end.orbit is None or end.label in _WITHOUT_CYCLE else _of_cycle(drive, end.orbit, row)),
+    )
 
 
 def _ended(
-    sheet: Sheet,
-    values: Mapping[str, float],
-    corner: tuple[int, Any, Any],
-    parts: tuple[str, ...],
-    perturbation: float | None,
-    most_work: int,
+    sheet: Sheet, values: Values, corner: Corner, parts: Parts, perturbation: float | None, most_work: int
 ) -> tuple[Drive, Model, Automaton, dict[str, float], SteadyState]:
     """The drive, its model and automaton, the start of a motion, at rest without a perturbation, and its end."""
     drive = drive_of(sheet, values, *corner, parts)
@@ -138,20 +119,7 @@ def _ended(
     return drive, definition, automaton, start, steady_state(automaton, state, max_events=most_work)
 
 
-def end_of_strong(
-    sheet: Sheet,
-    values: Mapping[str, float],
-    corner: tuple[int, Any, Any],
-    parts: tuple[str, ...] = (),
-) -> str:
-    """Return where the motion from w = −5 Ω ends, by the key of :data:`lsvib.assess.words.ATTRACTORS`."""
-    try:
-        return _word(_ended(sheet, values, corner, parts, -STRONG, work_of_many(parts))[-1].label)
-    except (InputError, EngineError):
-        return "unknown"
-
-
-def work_of_many(parts: tuple[str, ...]) -> int:
+def work_of_many(parts: Parts) -> int:
     """Return the work that one of many motions may take, of which only the end is asked."""
     return min(_WORK_OF_MANY // max(1, len(parts) ** 2), _WORK_OF_PARTS if parts else _WORK_OF_RIGID)
 
@@ -232,9 +200,7 @@ def _speeds(orbit: Motion, row: NDArray[np.float64]) -> tuple[float, float]:
     return slowest, fastest
 
 
-def tolerated_perturbation(
-    sheet: Sheet, values: Mapping[str, float], corner: tuple[int, Any, Any]
-) -> tuple[float | None, str]:
+def tolerated_perturbation(sheet: Sheet, values: Values, corner: Corner) -> tuple[float | None, str]:
     """Return the sudden change of the screw's speed [rad/s] that the rigid drive tolerates, and a sentence.
 
     Infinite if motion comes back from any, zero if steady sliding is unstable, None if it is not known.
@@ -262,9 +228,7 @@ def tolerated_perturbation(
     return found, "A larger sudden change of the screw's speed ends in vibration that goes on."
 
 
-def most_perturbed(
-    sheet: Sheet, values: Mapping[str, float]
-) -> tuple[bool | None, float, tuple[int, float, float] | None]:
+def most_perturbed(sheet: Sheet, values: Values) -> tuple[bool | None, float, Corner | None]:
     """Return whether a perturbation starts vibration of the drive with rigid parts, the smallest, and its corner.
 
     Asked is the exact basin at every corner of the window where Γ₊ or C₊ is negative, as none does without (docs);
@@ -276,11 +240,14 @@ def most_perturbed(
         for place in corners(sheet, values)
         if sheet.friction.law or reserves(sheet, values, *place)["after_perturbation"] < 0
     ]
-    sizes: dict[tuple[int, float, float], float | None] = {}
+    sizes: dict[Corner, float | None] = {}
     for place in dict.fromkeys((int(direction), float(speed), float(force)) for direction, speed, force in places):
         size = tolerated_perturbation(sheet, values, place)[0]
         if not size:  # not known, or a drive that nothing damps
-            strong = end_of_strong(sheet, values, place)
+            try:
+                strong = _word(_ended(sheet, values, place, (), -STRONG, work_of_many(()))[-1].label)
+            except (InputError, EngineError):
+                strong = "unknown"
             size = None if strong in ("steady sliding", *UNDECIDED) else STRONG * place[1]
         sizes[place] = size
     known = {place: size for place, size in sizes.items() if size is not None}
@@ -289,11 +256,7 @@ def most_perturbed(
 
 
 def tolerated_by_trial(
-    sheet: Sheet,
-    values: Mapping[str, float],
-    corner: tuple[int, Any, Any],
-    stiff: float | None,
-    parts: tuple[str, ...] = ("threads",),
+    sheet: Sheet, values: Values, corner: Corner, stiff: float | None, parts: Parts = ("threads",)
 ) -> tuple[float | None, str]:
     """Return the same of compliant threads, by motions after perturbations of either sign, without proof.
 
@@ -339,7 +302,4 @@ def tolerated_by_trial(
             low = size
     except (InputError, EngineError) as error:
         return None, str(error)
-    return (
-        math.inf,
-        f"Perturbations of up to {shown(low, 'rad/s')} were tried{threads}; all were tolerated.",
-    )
+    return math.inf, f"Perturbations of up to {shown(low, 'rad/s')} were tried{threads}; all were tolerated."

@@ -1,6 +1,7 @@
 """The words of the report: every term of the theory with its plain meaning, and numbers with units."""
 
 import math
+import re
 
 MECHANISMS = {
     "negative_damping": (
@@ -86,17 +87,6 @@ def entry_name(path: str) -> str:
 
 _PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 _PREFIXED = ("N", "m", "m/s", "Hz", "N s", "N/m", "N m/rad", "s", "N m", "W")
-_READABLE = {
-    "kg m2": "kg m²",
-    "kg m^2": "kg m²",
-    "kg/m^3": "kg/m³",
-    "N m rad-1": "N m/rad",
-    "N m s rad-1": "N m s/rad",
-    "N s m-1": "N s/m",
-    "N m-1": "N/m",
-    "s m-1": "s/m",
-    "m s-1": "m/s",
-}
 
 
 def shown(value: float | None, unit: str) -> str:
@@ -114,7 +104,8 @@ def shown(value: float | None, unit: str) -> str:
         return f"{_figure(math.degrees(value))}°"
     if unit in ("Pa", "Pa m/s"):
         return f"{_figure(1e-6 * value)} M{unit}"
-    unit = _READABLE.get(unit, unit)
+    unit = re.sub(r" (\w+)-1$", r"/\1", unit)
+    unit = re.sub(r"m\^?([23])$", lambda power: "m²" if power[1] == "2" else "m³", unit)
     if unit in ("", "1"):
         return _figure(value)
     if unit in _PREFIXED and value != 0:
@@ -151,13 +142,11 @@ def change(factor: float | None) -> str:
 
 
 def _figure(value: float) -> str:
-    if value == 0:
-        return "0"
-    text = f"{value:.3g}"
-    if "e" not in text:
-        return text.replace("-", "−")
+    text = f"{value or 0.0:.3g}"  # zero without a sign
     mantissa, _, exponent = text.partition("e")
-    if 0 < int(exponent) < 6:
-        return f"{value:.0f}".replace("-", "−")
-    small = str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-    return f"{mantissa} × 10{small}".replace("-", "−")
+    if exponent and 0 < int(exponent) < 6:
+        text = f"{value:.0f}"
+    elif exponent:
+        small = str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+        text = f"{mantissa} × 10{small}"
+    return text.replace("-", "−")
