@@ -8,7 +8,7 @@ import numpy as np
 
 from lsvib import numbers
 from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, oscillator
-from lsvib.engine.exact.modal_form import guard_forms, linear_mode, modal_flow
+from lsvib.engine.exact.modal_form import linear_mode
 from lsvib.engine.kernels import event_loop, jit
 from lsvib.engine.kernels.layout import FIRST_MODEL_KIND, Status, Tables
 from lsvib.errors import (
@@ -76,18 +76,8 @@ class Motion:
         times = np.ascontiguousarray(times, dtype=float)
         states = np.empty((times.size, self.start_state.size))
         modes = np.empty(times.size, dtype=np.int64)
-        event_loop.states_at(
-            self.automaton.tables,
-            self.start_time,
-            self.start_mode,
-            self.start_state,
-            self.time,
-            self.mode,
-            self.after,
-            times,
-            states,
-            modes,
-        )
+        start = self.start_time, self.start_mode, self.start_state
+        event_loop.states_at(self.automaton.tables, *start, self.time, self.mode, self.after, times, states, modes)
         return states, modes
 
     def arcs(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -232,9 +222,8 @@ def compile_engine(kinds: Sequence[str] = ("planar", "modal")) -> None:
 
 def bouncing(kind: str) -> Automaton:
     """Return the automaton of an oscillator that bounces off a wall; ``kind`` of its flow: planar or modal."""
-    planar = kind == "planar"
     field = [(0, 1, 0), (-1, 0, 0)]
-    flow = oscillator(1, 0, 1, 0) if planar else linear_mode(field, (1.0, 1.0), None, "the wall")
+    flow = oscillator(1, 0, 1, 0) if kind == "planar" else linear_mode(field, (1.0, 1.0), None, "the wall")
     free = (Branch("free", FIRST_MODEL_KIND),)
     return assemble(
         states=("u", "w"),
@@ -243,6 +232,4 @@ def bouncing(kind: str) -> Automaton:
         transitions={"entry": Transition(free), "bounce": Transition(free, reset=((1, 0, 0), (0, -1, 0)))},
         observables={},
         shortest_stay=0.0,
-        stack=None if planar else modal_flow,
-        forms=None if planar else guard_forms,
     )

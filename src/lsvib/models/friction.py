@@ -91,11 +91,6 @@ def slope(d: Any, speed: Any) -> Any:
     return rate if sign(value, "friction_slope") >= 0 else 0 * speed
 
 
-def steady_coefficient(d: Any) -> Any:
-    """Return μ in steady sliding [1]: the very parameter where it does not depend on speed."""
-    return coefficient(d, steady_speed(d)) if depends_on_speed(d) else d.friction_coefficient
-
-
 def static_coefficient(d: Any) -> Any:
     """Return the coefficient up to which friction holds at rest [1]."""
     if sign(d.static_friction_coefficient):
@@ -105,7 +100,9 @@ def static_coefficient(d: Any) -> Any:
 
 def levels(d: Any) -> dict[str, Any]:
     """Return what motion and rest begin with: ``steady_friction``, ``static_friction`` and ``collar``."""
-    return {"steady_friction": steady_coefficient(d), "static_friction": static_coefficient(d), "collar": collar(d)}
+    # the very parameter where it does not depend on speed
+    steady = coefficient(d, steady_speed(d)) if depends_on_speed(d) else d.friction_coefficient
+    return {"steady_friction": steady, "static_friction": static_coefficient(d), "collar": collar(d)}
 
 
 def collar(d: Any) -> Any:
@@ -142,7 +139,7 @@ def check(drive: Any, limit: float) -> None:
 
 def moves(p: Mapping[str, Any]) -> bool:
     """Whether friction depends on the sliding speed, by parameters by name; those of the law may be missing."""
-    return not all(_zero(p.get(key, 0.0)) for key in ("stribeck_rise", "friction_slope"))
+    return not all(_zero(p.get(key, 0.0)) for key in OF_SPEED)
 
 
 def steady_sum(p: Mapping[str, Any], t: Any) -> tuple[Any, Any]:

@@ -8,13 +8,13 @@ a body that slides on its own is refused: while it holds, the force that is left
 
 import math
 from dataclasses import replace
-from typing import Any, ClassVar
+from typing import Any
 
 from flint import arb
 
 from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Row, Transition
 from lsvib.engine.exact.arithmetic import double, many_digits
-from lsvib.engine.exact.taylor_form import Split, still_mode, taylor_flow
+from lsvib.engine.exact.taylor_form import Split, still_mode
 from lsvib.engine.kernels.layout import Test
 from lsvib.errors import InputError
 from lsvib.models import friction, sliding
@@ -26,8 +26,6 @@ from lsvib.models.names import DIRECTIONS, Event, Key, Resume
 
 class LawModes(Modes):
     """The modes of a drive under a friction law; arguments: mechanism, drive, how motion resumes after a seizure."""
-
-    flow: ClassVar[dict[str, Any]] = {"stack": taylor_flow}
 
     def __init__(self, mechanism: Mechanism, drive: Drive, resume: Resume = "contact_sign") -> None:
         self.drive = drive

@@ -74,6 +74,12 @@ def effective_damping(
     return support_damping - factor * tan_lead * translation_damping * pitch_radius**2
 
 
+def together(*values: Any) -> Any:
+    """Return 1 / (1 / a + 1 / b) of two inertias, or one alone; what a drive does not have is None."""
+    first, *other = (value for value in values if value is not None)
+    return first * other[0] / (first + other[0]) if other else first
+
+
 @dataclass(frozen=True)
 class Coefficients:
     """Coefficients of eqs (8.13)–(8.17) as balls (``flint.arb``: a midpoint and a radius), in SI units.

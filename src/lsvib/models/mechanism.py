@@ -46,7 +46,7 @@ from lsvib.engine.automaton import Row, scaled
 from lsvib.engine.exact.arithmetic import double, many_digits, nothing, root, sign
 from lsvib.models import mechanics
 from lsvib.models.drive import PARTS, Drive
-from lsvib.models.mechanics import plus, solved
+from lsvib.models.mechanics import plus, solved, together
 from lsvib.models.names import BODIES, COORDINATES, Ways, own_frictions, sides_of_rest
 
 
@@ -148,9 +148,9 @@ class Mechanism:
     def effective(self, held: Sequence[str] = ()) -> tuple[Any, Any]:
         """Return I_eff [kg m²] and m_eff [kg] while bodies are held."""
         d = self.d
-        inertias = ([] if "bearing" in held else [d.screw_inertia]) + ([d.nut_inertia] if "nut" in self.parts else [])
-        masses = ([] if "slide" in held else [d.mass]) + ([d.screw_mass] if "support" in self.parts else [])
-        return _together(inertias), _together(masses)
+        inertias = None if "bearing" in held else d.screw_inertia, d.nut_inertia if "nut" in self.parts else None
+        masses = None if "slide" in held else d.mass, d.screw_mass if "support" in self.parts else None
+        return together(*inertias), together(*masses)
 
     def rates(self, slips: bool, held: Iterable[str]) -> dict[str, Row]:
         """Return the rows of θ′, x_1′, θ_2′ and e′ by part, which rest and bodies that are held tie to each other."""
@@ -333,11 +333,6 @@ class Mechanism:
         equations.append(({"screw": 1} | ({"nut": -1} if "nut" in self.parts else {}), scaled(self.slip, -1)))
         jumps, rates = solved(equations), self.rates(True, ())
         return self._reset({part: plus(rates[part], jumps[part]) for part in self.parts})
-
-
-def _together(values: Sequence[Any]) -> Any:
-    """Return 1 / (1 / a + 1 / b) of two inertias, or one alone."""
-    return values[0] if len(values) == 1 else values[0] * values[1] / (values[0] + values[1])
 
 
 def seated(mechanism: Mechanism) -> np.ndarray:

@@ -60,13 +60,10 @@ from lsvib.errors import InputError
 from lsvib.models import friction, mechanics
 from lsvib.models.drive import Drive, once
 from lsvib.models.law_modes import automaton_of_parts
-from lsvib.models.mechanics import (
-    Coefficients,
-    coefficients,
-)
-from lsvib.models.names import Event, Resume
+from lsvib.models.mechanics import Coefficients, coefficients
+from lsvib.models.names import COORDINATES, DIRECTIONS, SIGNS, Event, Resume, mode_name
 
-STATES = ("angle_deviation", "velocity_deviation")
+STATES = COORDINATES["screw"]
 
 
 class MotionMode(IntEnum):
@@ -79,13 +76,8 @@ class MotionMode(IntEnum):
     REST = 4
 
 
-SLIPS = {  # mode: (sign of θ′, sign of Q)
-    "slip_forward_positive": (1, 1),
-    "slip_forward_negative": (1, -1),
-    "slip_backward_positive": (-1, 1),
-    "slip_backward_negative": (-1, -1),
-}
-SLIP_NAMES = {signs: name for name, signs in SLIPS.items()}
+SLIP_NAMES = {(d, q): mode_name((d, q, ()), ()) for d in DIRECTIONS for q in SIGNS}  # by the signs of θ′ and Q
+SLIPS = {name: signs for signs, name in SLIP_NAMES.items()}
 BY_LAW_MINUS = {1: "slip_forward_negative", -1: "slip_backward_positive"}  # by the sign of θ′
 
 
@@ -117,13 +109,15 @@ class RigidBuild:
     @many_digits()
     def __init__(self, c: Coefficients, d: Any) -> None:
         self.c, self.d = c, d
-        self.flows = self._flows()
+        self.flows = {}
+        for s in (-1,) if c.paradox else (1, -1):
+            terms = c.gamma[s], c.damping[s], d.coupling_stiffness, d.pitch_radius * c.slack(s) * c.net_force
+            self.flows[s] = oscillator(*terms), eigenform(*terms)
         self.turning, force = sign(d.input_speed), sign(d.axial_force)
         self.same = d.static_friction is d.steady_friction  # rest then holds as much as sliding carries
         self.xi_rest = (
             c.xi if self.same else {s: mechanics.friction_factor(d.static_friction, d.tan_lead, s) for s in c.xi}
         )
-        self.xi_slow = self._xi_slow()
         upper, lower = (1, -1) if force >= 0 else (-1, 1)
         self.above, self.below = self._torque_above(upper, True), scaled(self._torque_above(lower, True), -1)
         self.band_end = scaled(self.above if self.turning > 0 else self.below, -1)
@@ -137,17 +131,6 @@ class RigidBuild:
         # place, the screw would stop again at once, and so for ever.
         corner = ((0, 0, -self.turning * self.band_end[2]), (0, 1, 0))
         self.to_corner = corner if force == 0 or self._cornered() else None
-
-    def _xi_slow(self) -> dict[int, Any]:
-        """ξ_s of slow sliding, by law."""
-        return self.c.xi
-
-    def _flows(self) -> dict[int, tuple]:
-        c, d, found = self.c, self.d, {}
-        for s in (-1,) if c.paradox else (1, -1):
-            terms = c.gamma[s], c.damping[s], d.coupling_stiffness, d.pitch_radius * c.slack(s) * c.net_force
-            found[s] = oscillator(*terms), eigenform(*terms)
-        return found
 
     @many_digits()
     def automaton(self, rest: bool, resume: Resume) -> Automaton:
@@ -182,8 +165,8 @@ class RigidBuild:
         """(T_r − r_m ξ R) / k [rad] under a law, static or sliding; k z_0 is inserted: nothing cancels."""
         c, d = self.c, self.d
         steady = (c.damping[c.steady_law] * d.input_speed) / d.coupling_stiffness
-        xi = self.xi_rest if at_rest else self.xi_slow
-        slack = c.slack(law) if xi is c.xi else c.xi[c.steady_law] - xi[law]
+        other = at_rest and not self.same
+        slack = c.xi[c.steady_law] - self.xi_rest[law] if other else c.slack(law)
         return -1, 0, steady + d.pitch_radius * slack * d.axial_force / d.coupling_stiffness
 
     @many_digits()
@@ -224,10 +207,7 @@ class RigidBuild:
 
     def _rest(self) -> Mode:
         beyond = "rest" if self.to_corner else None
-        return Mode(MotionMode.REST, self._still(), (Guard("band_end", 1, "release"),), beyond)
-
-    def _still(self) -> Any:
-        return oscillator(1, 0, 0, 0)
+        return Mode(MotionMode.REST, oscillator(1, 0, 0, 0), (Guard("band_end", 1, "release"),), beyond)
 
     def regular(self, rest: bool) -> tuple[dict[str, Mode], dict[str, Transition]]:
         """Modes and transitions for Γ₊ > 0."""

@@ -50,7 +50,7 @@ def speeds_below(drive: Drive, level: float) -> list[tuple[float, float]]:
     far = 50 * drive.stribeck_speed + (2 * (drive.friction_coefficient + level) / slope if slope else 0.0)
     marks = [0.0]
     for low, high in pairwise([0.0, *_turning_speeds(drive), far]):
-        if low < high and _crosses(drive, level, low, high):
+        if low < high and (_mu(drive, low) < level) != (_mu(drive, high) < level):
             marks.append(_root(drive, level, low, high))
     marks.append(math.inf)
     parts = [(a, b) for a, b in pairwise(marks) if a < b]
@@ -97,10 +97,6 @@ def _turning_speeds(drive: Drive) -> list[float]:
 
 def _mu(drive: Drive, speed: float) -> float:
     return max(unbounded_coefficient(drive, speed), 0.0)
-
-
-def _crosses(drive: Drive, level: float, low: float, high: float) -> bool:
-    return (_mu(drive, low) < level) != (_mu(drive, high) < level)
 
 
 def _root(drive: Drive, level: float, low: float, high: float) -> float:

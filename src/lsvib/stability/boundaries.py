@@ -37,8 +37,6 @@ NAMES = ("onset", "kinematic_constraint", "negative_damping", "flutter")
 """Thresholds that are roots of these equations."""
 _OF_SPEED = ("pitch_radius", "lead_angle", "input_speed", "stribeck_speed")
 """Parameters of the exponential of the friction law."""
-_OF_LAW = ("stribeck_rise", "friction_slope")
-"""Parameters by which any drive has a friction law that depends on the speed."""
 
 ParameterValues = Mapping[str, Any]
 _DAMPING = "C₊ = c − ξ₊ r_m² tan λ c_x = 0 (eq. 8.19)"
@@ -165,7 +163,7 @@ class Line:
         self.fixed, self.tangent = enclosed(drive)[0]
         self.neutral = undamped(drive, unknown)
         self.sense = side if unknown == "input_speed" else 1 if drive.input_speed > 0 else -1
-        self.sloped = friction.depends_on_speed(drive) or unknown in _OF_LAW
+        self.sloped = friction.depends_on_speed(drive) or unknown in friction.OF_SPEED
         self.searched = searched(drive, unknown)
         if self.searched:
             self.fixed = {key: arb(value) for key, value in drive}
@@ -190,7 +188,7 @@ class Line:
             slowest = sum(fmpq(*x.as_integer_ratio()) for x in (drive.friction_coefficient, drive.stribeck_rise))
             most = max(slowest, static)
             return min(1 / most, steepest) if most else steepest
-        if self.unknown not in ("friction_coefficient", "static_friction_coefficient", *_OF_LAW):
+        if self.unknown not in ("friction_coefficient", "static_friction_coefficient", *friction.OF_SPEED):
             return fmpq(*float(_range(self.unknown)["maximum"]).as_integer_ratio())
         place = self.at(fmpq_poly([0, 1]))
         slowest = place[0]["friction_coefficient"] + place[0].get("stribeck_rise", 0)

@@ -32,19 +32,14 @@ def screw_inertia(drive: DriveValues) -> Any:
     """Return I_eff [kg m²]: I, or I I_2 / (I + I_2) where the nut may turn, which is less (Remark 8.6)."""
     p = values_of(drive, 1)
     with many_digits():
-        return _together(p, "screw_inertia", "nut_inertia")
+        return mechanics.together(p.screw_inertia, getattr(p, "nut_inertia", None))
 
 
 def mass(drive: DriveValues) -> Any:
     """Return m_eff [kg]: m, or m̃ = m m_1 / (m + m_1) with an axial support."""
     p = values_of(drive, 1)
     with many_digits():
-        return _together(p, "mass", "screw_mass")
-
-
-def _together(p: Any, first: str, second: str) -> Any:
-    own, other = getattr(p, first), getattr(p, second, None)
-    return own if other is None else own * other / (own + other)
+        return mechanics.together(p.mass, getattr(p, "screw_mass", None))
 
 
 def effective_inertia(drive: DriveValues, law: int, rigid: bool = False) -> Any:

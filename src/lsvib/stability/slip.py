@@ -145,10 +145,7 @@ class SlipDrive:
         own, slide, radius = p["screw_inertia"], p["support_damping"], self.radius
         self.inertia = {s: mechanics.effective_inertia(own, self.mass, radius, t, xi) for s, xi in self.xi.items()}
         self.damping = {s: mechanics.effective_damping(slide, self.slide, radius, t, xi) for s, xi in self.xi.items()}
-        self.contact = (
-            self.lever * self.mass * self.stiffness,
-            self.lever * (self.mass * slide - own * self.slide),
-        )
+        self.contact = self.lever * self.mass * self.stiffness, self.lever * (self.mass * slide - own * self.slide)
 
     @classmethod
     def of(cls, drive: Drive, rest: bool = False) -> "SlipDrive":

@@ -41,37 +41,29 @@ def polynomial(values: Mapping[str, Any], law: int, tan_lead: Any, level: bool =
     return (parts.level() if level else parts).polynomial()
 
 
-def rationals(drive: Drive) -> dict[str, fmpq]:
-    """Return the parameters of a drive as exact rationals."""
-    return {key: fmpq(*value.as_integer_ratio()) for key, value in drive}
-
-
-def tangents(drive: Drive, digits: int = 100) -> tuple[fmpq, ...]:
-    """Return rationals just below and just above tan λ, a relative 10^−digits apart from it."""
-    with ctx.workdps(digits + 10):
-        tangent, apart = arb(drive.lead_angle).tan().mid(), arb(10) ** -digits
-        return tuple((tangent * (1 + side * apart)).mid().fmpq() for side in (-1, 1))
+def _beside(number: arb, digits: int) -> tuple[fmpq, ...]:
+    """Rationals just below and just above a number, a relative 10^−digits apart from it."""
+    return tuple((number.mid() * (1 + side * arb(10) ** -digits)).mid().fmpq() for side in (-1, 1))
 
 
 def sliding_law_values(drive: Drive, digits: int = 100) -> tuple[dict[str, fmpq], ...]:
     """Return ``secant`` and ``decay`` of :func:`lsvib.models.friction.steady_sum` just below and above their values."""
-    found: tuple[dict[str, fmpq], ...] = ({}, {})
     with ctx.workdps(digits + 10):
-        secant, apart = 1 / arb(drive.lead_angle).cos(), arb(10) ** -digits
-        left = arb(1)
+        secant, left = 1 / arb(drive.lead_angle).cos(), arb(1)
         if drive.stribeck_speed:
             d = SimpleNamespace(stribeck_speed=arb(drive.stribeck_speed), stribeck_exponent=drive.stribeck_exponent)
             left = friction.decay(d, arb(drive.pitch_radius) * abs(arb(drive.input_speed)) * secant)
-        for side, values in zip((-1, 1), found, strict=True):
-            values["secant"] = (secant.mid() * (1 + side * apart)).mid().fmpq()
-            # What is left of a rise may have no end of digits; so little of it counts only where nothing else does.
-            values["decay"] = (left.mid() * (1 + side * apart)).mid().fmpq() if left > LEAST else LEAST ** (2 - side)
-    return found
+        # What is left of a rise may have no end of digits; so little of it counts only where nothing else does.
+        decays = _beside(left, digits) if left > LEAST else (LEAST**3, LEAST)
+        pairs = zip(_beside(secant, digits), decays, strict=True)
+        return tuple({"secant": secant, "decay": decay} for secant, decay in pairs)
 
 
 def enclosed(drive: Drive, digits: int = 100) -> tuple[tuple[dict[str, fmpq], fmpq], ...]:
     """Return the parameters as rationals and tan λ, twice: all that is no rational just below and above its value."""
-    values, ends = rationals(drive), tangents(drive, digits)
+    values = {key: fmpq(*value.as_integer_ratio()) for key, value in drive}
+    with ctx.workdps(digits + 10):
+        ends = _beside(arb(drive.lead_angle).tan(), digits)
     if not friction.moves(values):
         return tuple((values, t) for t in ends)
     return tuple((values | law, t) for law, t in zip(sliding_law_values(drive, digits), ends, strict=True))
@@ -140,7 +132,7 @@ def undamped(drive: Drive, key: str = "") -> bool:
 
     The slope of friction damps as well, or the opposite.
     """
-    if friction.depends_on_speed(drive) or key in ("stribeck_rise", "friction_slope"):
+    if friction.depends_on_speed(drive) or key in friction.OF_SPEED:
         return False
     dampings = ["support_damping", "translation_damping", *(PARTS[part][-1] for part in drive.parts)]
     return key not in dampings and not any(getattr(drive, name) for name in dampings)

@@ -82,6 +82,11 @@ class Subspace(NamedTuple):
     projector: arb_mat
     slow: bool
 
+    @property
+    def rank(self) -> int:
+        """Return the number of its dimensions."""
+        return round(sum(float(self.projector[i, i]) for i in range(self.projector.nrows())))
+
 
 def rates_of(matrix: arb_mat) -> list[acb]:
     """Return the rates of a matrix, those that coincide as often as they do, without their radii.
