@@ -28,9 +28,7 @@ from lsvib.numbers import NotNumber, number, shown, whole
 
 
 def _quantity_of(value: Any) -> float:
-    if type(value) is float and value == value:  # nearly always, and quick
-        return value + 0.0  # -0.0 and 0.0 are one drive
-    return number(value) + 0.0
+    return number(value) + 0.0  # -0.0 and 0.0 are one drive
 
 
 P = ParamSpec("P")

@@ -85,12 +85,6 @@ def coefficient(d: Any, speed: Any) -> Any:
     return value if sign(value, "friction_slope") >= 0 else 0 * value
 
 
-def slope(d: Any, speed: Any) -> Any:
-    """Return dμ/dv at a sliding speed v > 0 [s/m]."""
-    value, rate = unbounded(d, speed)
-    return rate if sign(value, "friction_slope") >= 0 else 0 * speed
-
-
 def static_coefficient(d: Any) -> Any:
     """Return the coefficient up to which friction holds at rest [1]."""
     if sign(d.static_friction_coefficient):

@@ -54,12 +54,8 @@ def thread_force(force: Any, relieved: Any, friction_coefficient: Any, tan_lead:
 def holding_coefficient(torque: Any, force: Any, relieved: Any, tan_lead: Any, law: Any) -> Any:
     """The friction coefficient [1] at which :func:`thread_force` is ``torque`` [N], the one below jamming."""
     square = tan_lead * (torque * tan_lead - law * force)
-    linear = (1 + tan_lead**2) * (force + 2 * relieved)
-    return (
-        2
-        * (torque + law * tan_lead * force)
-        / (linear + np.sqrt(linear**2 + 4 * square * (torque + law * tan_lead * force)))
-    )
+    linear, constant = (1 + tan_lead**2) * (force + 2 * relieved), torque + law * tan_lead * force
+    return 2 * constant / (linear + np.sqrt(linear**2 + 4 * square * constant))
 
 
 def effective_inertia(screw_inertia: Any, mass: Any, pitch_radius: Any, tan_lead: Any, factor: Any) -> Any:

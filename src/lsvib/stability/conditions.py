@@ -23,7 +23,7 @@ from lsvib.numbers import bisected
 from lsvib.results import Condition, Quantity, StabilityReport, UndampedStability
 from lsvib.stability.boundaries import places, stable_set
 from lsvib.stability.linear import DriveValues, UndampedClass, reciprocal_squares, steady_law, values_of
-from lsvib.stability.spectrum import Polynomial, margins, scale, spectrum
+from lsvib.stability.spectrum import Polynomial, margins, spectrum
 
 LARGEST_MASS = 1e9  # kg, the end of the range of the mass
 
@@ -253,9 +253,7 @@ def stability(drive: Drive) -> StabilityReport:
     (eqs 8.23–8.32) stands apart, under ``without_damping``. Raises ``InputError`` for a contact that carries no force.
     """
     law = steady_law(drive)
-    kind, values, exact = spectrum(drive, law)
-    factor = scale(drive, law)
-    polynomial = tuple(p / factor for p in exact)
+    kind, values, polynomial = spectrum(drive, law)
     details = _of_rigid(drive, law) if drive.rigid else _of_parts(drive, law, polynomial, values)
     return StabilityReport(
         parts=drive.parts,
@@ -340,9 +338,8 @@ def _of_threads(drive: Drive, values: list[complex]) -> tuple[Condition, dict[st
 def _undamped(drive: Drive, law: int) -> UndampedStability:
     """Of a drive with axial support (Sect. 5.6) without any damping: mode coupling and divergence (8.24 to 8.29)."""
     undamped = drive.replace(support_damping=0.0, translation_damping=0.0, axial_support_damping=0.0)
-    kind, _, exact = spectrum(undamped, law, level=True)
-    factor = scale(drive, law, level=True)
-    a_4, minus_a_2, discriminant = margins(tuple(p / factor for p in exact), neutral=True)
+    kind, _, polynomial = spectrum(undamped, law, level=True)
+    a_4, minus_a_2, discriminant = margins(polynomial, neutral=True)
     # in doubles Γ_0 and Γ̃_0 lose all digits next to where they vanish
     lower, upper = flutter_boundaries(drive.exact(), law)
     return UndampedStability(

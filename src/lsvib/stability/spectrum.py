@@ -32,10 +32,11 @@ Polynomial = tuple[Any, ...]
 
 
 def polynomial(values: Mapping[str, Any], law: int, tan_lead: Any, level: bool = False) -> Polynomial:
-    """Return the coefficients of the characteristic polynomial, times :func:`scale`, highest power first (SI units).
+    """Return the coefficients of the characteristic polynomial, highest power first (SI units).
 
-    Arguments: the parameters of the drive, law s = ±1 and tan λ, in any one arithmetic: floats, rationals
-    (:func:`enclosed`), polynomials in an unknown, balls or power series; ``level`` leaves out the slope of friction.
+    They are those of det(M s² + C s + K) times ``LinearParts.excess``. Arguments: parameters of the drive, law s = ±1
+    and tan λ, in any one arithmetic: floats, rationals (:func:`enclosed`), polynomials in an unknown, balls or power
+    series; ``level`` leaves out the slope of friction.
     """
     parts = LinearParts.of(values, law, tan_lead)
     return (parts.level() if level else parts).polynomial()
@@ -69,15 +70,8 @@ def enclosed(drive: Drive, digits: int = 100) -> tuple[tuple[dict[str, fmpq], fm
     return tuple((values | law, t) for law, t in zip(sliding_law_values(drive, digits), ends, strict=True))
 
 
-def scale(drive: Drive, law: int, level: bool = False) -> fmpq:
-    """Return the positive factor by which :func:`polynomial` exceeds det(M s² + C s + K)."""
-    values, tangent = enclosed(drive)[0]
-    parts = LinearParts.of(values, law, tangent)
-    return fmpq((parts.level() if level else parts).excess)
-
-
 def spectrum(drive: Drive, law: int, level: bool = False) -> tuple[str, list[complex], Polynomial]:
-    """Class, eigenvalues [1/s] in ascending real part, and characteristic polynomial of the steady sliding of a drive.
+    """Class, eigenvalues [1/s] in ascending real part, and det(M s² + C s + K) of the steady sliding of a drive.
 
     Of the rigid drive (8.18) the class is one of :class:`~lsvib.stability.linear.Stability`, in lower case. Of a drive
     of two bodies it is ``stable`` (asymptotically), ``neutral`` (no eigenvalue to the right of the imaginary axis,
@@ -100,7 +94,10 @@ def spectrum(drive: Drive, law: int, level: bool = False) -> tuple[str, list[com
     values = sorted(roots, key=lambda z: (z.real, z.imag))
     if kind == "unstable":
         kind = "divergence" if values[-1].imag == 0 else "flutter"
-    return kind, values, exact
+    parameters, tangent = enclosed(drive)[0]
+    parts = LinearParts.of(parameters, law, tangent)
+    factor = fmpq((parts.level() if level else parts).excess)
+    return kind, values, tuple(p / factor for p in exact)
 
 
 def margins(p: Polynomial, neutral: bool) -> Polynomial:
