@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from flint import arb
 
-from lsvib.engine.exact.arithmetic import alike, double, doubles, many_digits, root, sign
+from lsvib.engine.exact.arithmetic import alike, double, doubles, many_digits, real_rates, root, sign
 from lsvib.engine.exact.modal_form import guard_forms, modal_flow
 from lsvib.engine.exact.taylor_form import TaylorMode, eta, taylor_flow
 from lsvib.engine.kernels import layout
@@ -136,7 +136,7 @@ def oscillator(inertia, damping, stiffness, force) -> np.ndarray:
             row[layout.BETA] = root(-discriminant)
         else:
             row[layout.DELTA] = root(discriminant)
-            row[layout.R1], row[layout.R2] = _real_rates(alpha, square, row[layout.DELTA])
+            row[layout.R1], row[layout.R2] = real_rates(alpha, square, row[layout.DELTA])
         if sign(stiffness):
             row[layout.EQUILIBRIUM] = force / stiffness
             row[layout.TIME_SCALE] = 1 / root(abs(square))
@@ -150,16 +150,7 @@ def eigenform(inertia, damping, stiffness, force) -> tuple[arb, arb, arb] | None
         discriminant = (damping * damping - 4 * inertia * stiffness) / (4 * inertia * inertia)
         if not sign(stiffness) or sign(discriminant, "a damping") <= 0:
             return None
-        return force / stiffness, *_real_rates(damping / inertia / 2, stiffness / inertia, root(discriminant))
-
-
-def _real_rates(alpha: arb, square: arb, delta: arb) -> tuple[arb, arb]:
-    """Real roots r₁ ≥ r₂ of r² + 2α r + square, with (r₁ − r₂) / 2 = delta: the larger one first, nothing cancels."""
-    if sign(alpha) >= 0:
-        large = -alpha - delta
-        return (square / large if sign(large) else large), large
-    large = delta - alpha
-    return large, square / large
+        return force / stiffness, *real_rates(damping / inertia / 2, stiffness / inertia, root(discriminant))
 
 
 def _guard_parts(exact: tuple[arb, arb, arb] | None, row: Row) -> tuple:
@@ -244,9 +235,8 @@ def assemble(
     )
 
 
-DIMENSIONS = {  # of the tables of doubles of one drive
-    "surfaces": 2, "guard_parts": 2, "resets": 3, "condition_row": 2, "shortest_stay": 0,
-}  # fmt: skip
+# Dimensions of the tables of doubles of one drive.
+DIMENSIONS = {"surfaces": 2, "guard_parts": 2, "resets": 3, "condition_row": 2, "shortest_stay": 0}
 
 
 def one_of_many(automaton: Automaton, place: int) -> Automaton:

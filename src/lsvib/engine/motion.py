@@ -173,14 +173,8 @@ def engine_for(tables: Tables) -> event_loop.Engine:
 
 def new_events(capacity: int, n: int) -> tuple[np.ndarray, ...]:
     """Return room for so many events of a motion with n states, as the event loop writes them."""
-    return (
-        np.empty(capacity),
-        np.empty(capacity, dtype=np.int8),
-        np.empty(capacity, dtype=np.int8),
-        np.empty(capacity, dtype=np.int64),
-        np.empty((capacity, n)),
-        np.empty((capacity, n)),
-    )
+    columns = (np.empty(capacity, dtype=kind) for kind in (float, np.int8, np.int8, np.int64))
+    return (*columns, np.empty((capacity, n)), np.empty((capacity, n)))
 
 
 def _complain(status: Status, time: float, state: np.ndarray, most: int | None) -> None:

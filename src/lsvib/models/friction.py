@@ -85,18 +85,13 @@ def coefficient(d: Any, speed: Any) -> Any:
     return value if sign(value, "friction_slope") >= 0 else 0 * value
 
 
-def static_coefficient(d: Any) -> Any:
-    """Return the coefficient up to which friction holds at rest [1]."""
-    if sign(d.static_friction_coefficient):
-        return d.static_friction_coefficient
-    return d.friction_coefficient + d.stribeck_rise if sign(d.stribeck_rise) else d.friction_coefficient
-
-
 def levels(d: Any) -> dict[str, Any]:
     """Return what motion and rest begin with: ``steady_friction``, ``static_friction`` and ``collar``."""
-    # the very parameter where it does not depend on speed
+    # the very parameters where friction does not depend on speed
     steady = coefficient(d, steady_speed(d)) if depends_on_speed(d) else d.friction_coefficient
-    return {"steady_friction": steady, "static_friction": static_coefficient(d), "collar": collar(d)}
+    static = d.friction_coefficient + d.stribeck_rise if sign(d.stribeck_rise) else d.friction_coefficient
+    static = d.static_friction_coefficient if sign(d.static_friction_coefficient) else static
+    return {"steady_friction": steady, "static_friction": static, "collar": collar(d)}
 
 
 def collar(d: Any) -> Any:

@@ -344,12 +344,15 @@ def seated(mechanism: Mechanism) -> np.ndarray:
     return state
 
 
-def standing(mechanism: Mechanism) -> np.ndarray:
+@many_digits()
+def standing_state(drive: Drive) -> np.ndarray:
     """Return the state in which the screw stands with the coupling relaxed, as before the motor is switched on.
 
     The threads carry no torque; what lets the load move along carries R, less what the slide may hold of it.
     """
-    m, d, state = mechanism, mechanism.d, np.zeros(len(mechanism.states))
+    d = drive.exact()
+    m = Mechanism(d, drive.parts, d.steady_friction)
+    state = np.zeros(len(m.states))
     state[:2] = double(-m.deflection[-1]), double(-d.input_speed)
     left = abs(d.axial_force) - m.limits.get("slide", 0)
     contact = left * sign(d.axial_force) if sign(left) > 0 else 0
@@ -367,16 +370,10 @@ def standing(mechanism: Mechanism) -> np.ndarray:
     return state
 
 
-def standing_state(drive: Drive) -> np.ndarray:
-    """Return the state of a drive before its motor is switched on, see :func:`standing`."""
-    with many_digits():
-        return standing(Mechanism(drive.exact(), drive.parts, drive.exact().steady_friction))
-
-
+@many_digits()
 def seated_state(drive: Drive, u: float, w: float) -> np.ndarray:
     """Return the state with a deviation u [rad] and w [rad/s], all else as in steady sliding of compliant threads."""
-    with many_digits():
-        d = drive.exact()
-        state = seated(Mechanism(d, drive.parts, d.steady_friction))
+    d = drive.exact()
+    state = seated(Mechanism(d, drive.parts, d.steady_friction))
     state[:2] = u, w
     return state

@@ -64,8 +64,8 @@ class Model:
         self.parts, self.dry = parts, dry
         self.rigid, self.compliant = not (parts or dry), "threads" in parts
         self.states = tuple(name for part in ("screw", *parts) for name in COORDINATES[part])
-        further = tuple(name for part in parts for name in COORDINATES[part])
-        self.optional = tuple({"thread_mismatch": "e", "mismatch_rate": "v"}.get(name, name) for name in further)
+        short = {"thread_mismatch": "e", "mismatch_rate": "v"}
+        self.optional = tuple(short.get(name, name) for name in self.states[len(self.required) :])
         dampers = (PARTS[part][-1] for part in parts)
         self.terms: tuple[str, ...] = ("support_damping", "translation_damping", "axial_force", *dampers, *dry)
         self.options = () if parts else ("rest",)
@@ -127,9 +127,7 @@ class Model:
         return self.start(drive, values)
 
 
-@cache
-def _of_parts(parts: tuple[str, ...], dry: tuple[str, ...]) -> Model:
-    return Model(parts, dry)
+_of_parts = cache(Model)
 
 
 def model_of(drive: Drive) -> Model:

@@ -266,9 +266,9 @@ def stability(drive: Drive) -> StabilityReport:
     )
 
 
-def _growth(values: list[complex]) -> float | None:
-    """Growth rate of flutter [1/s]; None if nothing grows."""
-    return max((x.real for x in values if x.imag != 0 < x.real), default=None)
+def _growth(values: list[complex], real: bool = False) -> float | None:
+    """Growth rate of flutter, or of divergence by ``real`` eigenvalues [1/s]; None if nothing grows."""
+    return max((x.real for x in values if x.real > 0 and (x.imag == 0) == real), default=None)
 
 
 def _condition(**numbers: Any) -> Condition:
@@ -303,7 +303,7 @@ def _of_parts(drive: Drive, law: int, polynomial: Polynomial, values: list[compl
     soft = {"negative_coefficient_of_s2": -polynomial[-3]} if "threads" in drive.parts else {}
     conditions = {
         "kinematic_constraint": _condition(negative_effective_inertia=-inertia, **soft),
-        "divergence": _condition(growth_rate=max((x.real for x in values if x.imag == 0 < x.real), default=None)),
+        "divergence": _condition(growth_rate=_growth(values, real=True)),
         "flutter": _condition(growth_rate=_growth(values)),
     }
     quantities = {

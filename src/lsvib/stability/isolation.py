@@ -49,11 +49,10 @@ def isolated_roots(function: Function, low: fmpq, high: fmpq) -> list[fmpq] | No
         if not whole.contains(0):
             continue
         if not slope.contains(0):
-            before, after = value(a), value(b)
-            if (before > 0 and after < 0) or (before < 0 and after > 0):
+            ends = value(a) * value(b)
+            if ends < 0:
                 roots.append(arb(bracketed_root(value, arb(a), arb(b), _CLOSE)).mid().fmpq())
-                continue
-            if (before > 0 and after > 0) or (before < 0 and after < 0):
+            if ends != 0:  # for certain
                 continue
         boxes += [((a + b) / 2, b), (a, (a + b) / 2)]
     raise NoThreshold("two roots of an equation of the threshold lie too close together to be told apart.")

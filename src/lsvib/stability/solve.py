@@ -166,7 +166,6 @@ def sign_changes(drive: Drive, unknown: str, gap: Gap, places: Sequence[float]) 
     """
 
     def defined(value: float) -> float:
-        """Return the gap at a value of the parameter."""
         found = gap(drive.replace(**{unknown: zero_if_close(unknown, value)}))
         if not math.isfinite(found):
             raise NoThreshold

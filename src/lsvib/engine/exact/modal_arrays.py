@@ -14,7 +14,6 @@ import numpy as np
 
 from lsvib.engine.exact.field import APART, SLOW, WORST_CONDITION, amplification
 from lsvib.engine.kernels import layout
-from lsvib.engine.kernels.layout import ModalFlow
 
 _EPS = np.finfo(np.longdouble).eps
 _HELD = 1e-12  # relative error that a rate may have
@@ -216,9 +215,3 @@ def guard_columns(modes: Sequence[ModalModes], rows: Sequence[Sequence[Sequence[
                 columns[j] = np.where(np.abs(total) <= _NOTHING * size, 0, np.where(unsure, np.nan, total))
             found.append(columns)
     return found
-
-
-def stacked(modes: Sequence[ModalModes]) -> ModalFlow:
-    """Put modes of many drives together in one table, whose arrays have a first axis for the drives."""
-    names = ModalFlow._fields
-    return ModalFlow(*(np.stack([getattr(mode, name) for mode in modes], axis=1) for name in names))

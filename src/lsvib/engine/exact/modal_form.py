@@ -20,9 +20,9 @@ from typing import NamedTuple
 import numpy as np
 from flint import arb, arb_mat
 
-from lsvib.engine.exact.arithmetic import ball, many_digits
+from lsvib.engine.exact.arithmetic import ball, many_digits, real_rates
 from lsvib.engine.exact.field import WORST_CONDITION, Field, Rows, Subspace, amplification, subspaces
-from lsvib.engine.exact.modal_arrays import ModalModes, guard_columns, modal_modes, stacked
+from lsvib.engine.exact.modal_arrays import ModalModes, guard_columns, modal_modes
 from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import ModalFlow
 from lsvib.errors import EngineError
@@ -62,8 +62,8 @@ def modal_mode(field: Field) -> ModalMode:
     factors lie so close together that double precision cannot carry the modal form (condition above 1e6).
     """
     with many_digits():
-        push, pairs, singles = field.push(), [], []
-        rows = tuple(tuple(ball(x).mid().man_exp() for x in row) for row in field.matrix())
+        push, pairs, singles, alive = field.push(), [], [], field.alive
+        rows = tuple(tuple(ball(field.rows[i][j]).mid().man_exp() for j in alive) for i in alive)
         for space, frame in _spaces(rows, tuple(field.scale())):
             if frame is not None:
                 pairs.append(_pair(push, space.factor, frame))
@@ -177,10 +177,8 @@ def _row(a0: arb, a1: arb) -> np.ndarray:
         row[layout.BETA] = float((-discriminant).sqrt())
     else:
         delta = discriminant.sqrt()
-        large = -(alpha + delta) if float(alpha) >= 0 else -alpha + delta
-        small = a0 / large
         row[layout.DELTA] = float(delta)
-        row[layout.R1], row[layout.R2] = sorted((float(large), float(small)), reverse=True)
+        row[layout.R1], row[layout.R2] = _floats(real_rates(alpha, a0, delta))
     row[layout.TIME_SCALE] = float(1 / abs(a0).sqrt())
     return row
 
@@ -215,7 +213,7 @@ def _tables(field: Field, pairs: list[_Piece], singles: list[_Piece]) -> ModalMo
         *np.array([single.row for single in singles]).reshape(-1, 2).T.copy(),
         to_modal,
         from_modal,
-        field.table(),
+        np.array([_floats(row) for row in field.rows]),
         condition,
         exact,
     )
@@ -272,8 +270,8 @@ def guard_forms(modes: Sequence[ModalMode], rows: Sequence[Sequence[Sequence]]) 
 
 def modal_flow(modes: Sequence[ModalMode]) -> ModalFlow:
     """Put modes together in one table; modes with fewer pairs or singles leave the rest zero."""
-    if isinstance(modes[0], ModalModes):
-        return stacked(modes)
+    if isinstance(modes[0], ModalModes):  # the first axis is that of the drives
+        return ModalFlow(*(np.stack([getattr(mode, name) for mode in modes], axis=1) for name in ModalFlow._fields))
     constants = np.array([mode.from_modal[:, -1:] for mode in modes])
     return ModalFlow(
         pairs=np.array([len(mode.oscillators) for mode in modes]),
