@@ -59,7 +59,8 @@ class Modes:
     """All modes of a drive with rigid or compliant threads, and its automaton.
 
     Arguments: the mechanism; how motion resumes after a seizure. ``low`` and ``high`` [m/s] are the ends of the
-    interval of sliding speed in which Γ₊ > 0; it begins at infinity where there is none.
+    interval of sliding speed in which Γ₊ > 0; it begins at infinity where there is none. ``seizes``: whether the
+    threads can.
     """
 
     def __init__(self, mechanism: Mechanism, resume: Resume = "contact_sign") -> None:
