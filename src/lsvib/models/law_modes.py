@@ -8,7 +8,7 @@ a body that slides on its own is refused: while it holds, the force that is left
 
 import math
 from dataclasses import replace
-from typing import Any
+from functools import cache
 
 from flint import arb
 
@@ -67,18 +67,15 @@ class LawModes(Modes):
         laws = {self.name(key): key for key in self.slips}
         if 0 < self.low < math.inf:
             laws |= self._band(modes)
-        splits: dict[Any, Any] = {}
+        split_of = cache(self._split)
         for name, key in laws.items():
-            (d, q, _), known = key, self._known(key)
-            if known not in splits:
-                splits[known] = self._split(known[0], known[1])
-            split, without, more = splits[known]
+            d, q, _ = key
+            split, without, more = split_of(*self._known(key)[:2])
             row = sliding.speed_row(d, self.m.slip, self.m.d)
-            flow = split.mode(row, pieces)
-            modes[name] = replace(modes[name], flow=flow)
+            modes[name] = replace(modes[name], flow=split.mode(row, pieces))
             seen[name] = without
-            for observable, of_mode in parts.items():
-                of_mode[name] = more[observable]
+            for observable in parts:
+                parts[observable][name] = more[observable]
             if math.isfinite(self.high) and d * q > 0:
                 self._bound(modes, name, f"beyond_{DIRECTIONS[d]}", d, self.high, -1, "beyond")
                 self.transitions["beyond"] = Transition(())

@@ -103,6 +103,14 @@ class Coefficients:
         return 0 if law == self.steady_law else self.xi[self.steady_law] - self.xi[law]
 
 
+def by_law(d: Any, mu: Any) -> tuple[dict[int, Any], dict[int, Any], dict[int, Any]]:
+    """Return ξ_s, Γ_s and C_s by the law s, with a friction coefficient."""
+    r, tan = d.pitch_radius, d.tan_lead
+    xi = {s: friction_factor(mu, tan, s) for s in (1, -1)}
+    gamma = {s: effective_inertia(d.screw_inertia, d.mass, r, tan, x) for s, x in xi.items()}
+    return xi, gamma, {s: effective_damping(d.support_damping, d.translation_damping, r, tan, xi[s]) for s in xi}
+
+
 @once
 def coefficients(drive: Drive) -> Coefficients:
     """Return the coefficients of eqs (8.13)–(8.17) for a drive, as balls."""
@@ -113,9 +121,7 @@ def coefficients_of(d: Any) -> Coefficients:
     """Return the coefficients from parameters as balls, arrays of doubles or power series."""
     with many_digits():
         r, tan = d.pitch_radius, d.tan_lead
-        xi = {s: friction_factor(d.steady_friction, tan, s) for s in (1, -1)}
-        gamma = {s: effective_inertia(d.screw_inertia, d.mass, r, tan, xi[s]) for s in xi}
-        damping = {s: effective_damping(d.support_damping, d.translation_damping, r, tan, xi[s]) for s in xi}
+        xi, gamma, damping = by_law(d, d.steady_friction)
         net_force = d.axial_force - r * tan * d.translation_damping * d.input_speed
         law = -1 if sign(net_force * d.input_speed, "axial_force") < 0 else 1
         return Coefficients(

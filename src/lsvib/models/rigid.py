@@ -57,10 +57,10 @@ from lsvib.engine.exact.arithmetic import double, many_digits, root, sign
 from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import Test
 from lsvib.errors import InputError
-from lsvib.models import friction, mechanics
+from lsvib.models import friction
 from lsvib.models.drive import Drive, once
 from lsvib.models.law_modes import automaton_of_parts
-from lsvib.models.mechanics import Coefficients, coefficients
+from lsvib.models.mechanics import Coefficients, by_law, coefficients
 from lsvib.models.names import COORDINATES, DIRECTIONS, SIGNS, Event, Resume, mode_name
 
 STATES = COORDINATES["screw"]
@@ -103,7 +103,8 @@ class RigidBuild:
     From coefficients and parameters, as balls or as arrays of doubles (many drives).
 
     ``flows``: the flow table and the eigenform of slip by law; ``above``, ``below``: the torque T_r beyond an end of
-    the band of static friction; ``band_end``: positive before the end that is ahead, as T_r grows at k Ω during rest.
+    the band of static friction, whose factors are ``xi_rest`` and ``gamma_rest`` by law; ``band_end``: positive before
+    the end that is ahead, as T_r grows at k Ω during rest.
     """
 
     @many_digits()
@@ -115,9 +116,7 @@ class RigidBuild:
             self.flows[s] = oscillator(*terms), eigenform(*terms)
         self.turning, force = sign(d.input_speed), sign(d.axial_force)
         self.same = d.static_friction is d.steady_friction  # rest then holds as much as sliding carries
-        self.xi_rest = (
-            c.xi if self.same else {s: mechanics.friction_factor(d.static_friction, d.tan_lead, s) for s in c.xi}
-        )
+        self.xi_rest, self.gamma_rest = (c.xi, c.gamma) if self.same else by_law(d, d.static_friction)[:2]
         upper, lower = (1, -1) if force >= 0 else (-1, 1)
         self.above, self.below = self._torque_above(upper, True), scaled(self._torque_above(lower, True), -1)
         self.band_end = scaled(self.above if self.turning > 0 else self.below, -1)
@@ -125,7 +124,7 @@ class RigidBuild:
         self.release_sign = force or -self.turning
         if force * self.turning > 0 and not self.same:
             # At the end of the band Q is R Γ₊ with static friction, which alone may reach the Painlevé region.
-            self.release_sign *= sign(self.gamma_rest()[1]) or 1
+            self.release_sign *= sign(self.gamma_rest[1]) or 1
         # Where the band is a point, events accumulate there when what is left of them lies below rounding; rest then
         # ends as soon as it begins, and the release begins in the very corner: beside it, on the wrong side by a last
         # place, the screw would stop again at once, and so for ever.
@@ -169,18 +168,9 @@ class RigidBuild:
         slack = c.xi[c.steady_law] - self.xi_rest[law] if other else c.slack(law)
         return -1, 0, steady + d.pitch_radius * slack * d.axial_force / d.coupling_stiffness
 
-    @many_digits()
-    def gamma_rest(self) -> dict[int, Any]:
-        """Γ_s with static friction, by law."""
-        d = self.d
-        return {
-            s: mechanics.effective_inertia(d.screw_inertia, d.mass, d.pitch_radius, d.tan_lead, xi)
-            for s, xi in self.xi_rest.items()
-        }
-
     def _cornered(self) -> bool:
         """Whether at θ′ = 0 a double cannot tell the band of static friction, or Q at its end, from a corner."""
-        d, gamma = self.d, self.gamma_rest()
+        d, gamma = self.d, self.gamma_rest
         # The band is R (Γ₋ − Γ₊) / (m k r_m tan λ) wide, and Q = 0 R Γ₊ / (…) from its end.
         least = abs(self.band_end[2]) * d.mass * d.coupling_stiffness * d.pitch_radius * d.tan_lead
         force = 10**13 * abs(d.axial_force)  # this part of u counts: a tenth of it is what rounding may make of u

@@ -271,7 +271,7 @@ def guard_forms(modes: Sequence[ModalMode], rows: Sequence[Sequence[Sequence]]) 
 def modal_flow(modes: Sequence[ModalMode]) -> ModalFlow:
     """Put modes together in one table; modes with fewer pairs or singles leave the rest zero."""
     if isinstance(modes[0], ModalModes):  # the first axis is that of the drives
-        return ModalFlow(*(np.stack([getattr(mode, name) for mode in modes], axis=1) for name in ModalFlow._fields))
+        return ModalFlow(*(np.stack(own, axis=1) for own in zip(*(mode.flow for mode in modes), strict=True)))
     constants = np.array([mode.from_modal[:, -1:] for mode in modes])
     return ModalFlow(
         pairs=np.array([len(mode.oscillators) for mode in modes]),
