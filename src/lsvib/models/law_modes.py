@@ -84,7 +84,8 @@ class LawModes(Modes):
 
     def _split(self, d: int, law: int) -> tuple[Split, dict[str, Row], dict[str, Row]]:
         """The field of slip as friction divides it, what is seen of it without friction, and what counts η times."""
-        probe = sliding.probe(self.m.d)
+        t = self.m.d.tan_lead
+        probe = t / 2 if t < 1 else 1 / (2 * t)  # with which Γ_s > 0 under both laws, whatever the masses
         free, rubbed = (self.m.solve(d, law, (), mu) for mu in (arb(0), probe))
         without, pressed = self._observed(free), self._observed(rubbed)
         split = Split.of(free.field, free.normal, rubbed.field, rubbed.normal, probe)

@@ -71,11 +71,6 @@ def critical_coefficient(inertia: Any, d: Any, mass: Any) -> float:
         return double((inertia + turned * d.tan_lead**2) / (heavy * d.tan_lead))
 
 
-def probe(d: Any) -> Any:
-    """Return a coefficient with which Γ_s is positive under both laws, whatever the masses."""
-    return d.tan_lead / 2 if d.tan_lead < 1 else 1 / (2 * d.tan_lead)
-
-
 def _turning_speeds(drive: Drive) -> list[float]:
     """Speeds at which the slope of the law changes its sign."""
     rise, speed, slope = drive.stribeck_rise, drive.stribeck_speed, drive.friction_slope

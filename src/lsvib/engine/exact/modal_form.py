@@ -272,14 +272,11 @@ def modal_flow(modes: Sequence[ModalMode]) -> ModalFlow:
     """Put modes together in one table; modes with fewer pairs or singles leave the rest zero."""
     if isinstance(modes[0], ModalModes):  # the first axis is that of the drives
         return ModalFlow(*(np.stack(own, axis=1) for own in zip(*(mode.flow for mode in modes), strict=True)))
-    constants = np.array([mode.from_modal[:, -1:] for mode in modes])
+    filled, constants = ("oscillators", "rates", "pushes", "to_modal"), [mode.from_modal[:, -1:] for mode in modes]
     return ModalFlow(
         pairs=np.array([len(mode.oscillators) for mode in modes]),
         singles=np.array([mode.rates.size for mode in modes]),
-        oscillators=_filled([mode.oscillators for mode in modes]),
-        rates=_filled([mode.rates for mode in modes]),
-        pushes=_filled([mode.pushes for mode in modes]),
-        to_modal=_filled([mode.to_modal for mode in modes]),
+        **{name: _filled([getattr(mode, name) for mode in modes]) for name in filled},
         from_modal=np.concatenate([_filled([mode.from_modal[:, :-1] for mode in modes]), constants], axis=2),
         field=np.array([mode.field for mode in modes]),
     )
