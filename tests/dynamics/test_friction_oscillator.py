@@ -16,7 +16,7 @@ import pytest
 
 from lsvib.dynamics.attractor import Attractor, KnownCycles, end_of_motion, steady_state
 from lsvib.engine.automaton import Branch, Guard, Mode, Surface, Transition, assemble
-from lsvib.engine.exact.taylor_form import TaylorMode, still_mode, taylor_flow
+from lsvib.engine.exact.taylor_form import TaylorMode, still_mode
 from lsvib.engine.kernels.layout import CONSTANT, EXPONENT, FADE, FIRST_MODEL_KIND, PIECE, RISE, TO
 from lsvib.engine.kernels.layout import Test as Is
 from lsvib.models.sliding import divided
@@ -79,7 +79,6 @@ def oscillator(belt):
         transitions=transitions,
         observables={},
         shortest_stay=1e-13,
-        stack=taylor_flow,
         rest_codes=(2,),
         release_kinds=(RELEASE,),
         passive=True,

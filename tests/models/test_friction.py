@@ -30,12 +30,12 @@ def test_law_in_balls_and_arrays(power):
     expected, step = values(drive, speeds, power), 1e-6
     np.testing.assert_allclose(friction.coefficient(drive, speeds), expected, rtol=1e-15)
     slopes = (values(drive, speeds + step, power) - values(drive, speeds - step, power)) / (2 * step)
-    np.testing.assert_allclose(friction.slope(drive, speeds), slopes, rtol=1e-8)
+    np.testing.assert_allclose(friction.unbounded(drive, speeds)[1], slopes, rtol=1e-8)
     with many_digits():
         for speed, mu in zip(speeds, expected, strict=True):
             series = friction.coefficient(drive.exact(), arb_series([arb(speed), 1], prec=2))
             assert math.isclose(float(series[0]), mu, rel_tol=1e-15)
-            assert abs(series[1] - friction.slope(drive.exact(), arb(speed))) < 1e-100
+            assert abs(series[1] - friction.unbounded(drive.exact(), arb(speed))[1]) < 1e-100
     sliding = Drive(input_speed=-7.0).pitch_radius * 7.0 / math.cos(drive.lead_angle)
     exact = drive.replace(input_speed=-7.0).exact()
     assert math.isclose(float(exact.steady_friction), values(drive, sliding, power), rel_tol=1e-15)
@@ -51,7 +51,8 @@ def test_steady_sliding_of_many_drives():
     for k in range(4):
         one = drive.replace(**{key: float(x[k]) for key, x in changes.items()})
         assert math.isclose(mu[k], float(one.exact().steady_friction), rel_tol=1e-14)
-        assert math.isclose(rate[k], float(friction.slope(one.exact(), arb(speed))), rel_tol=1e-13)
+        slope = friction.unbounded(one.exact(), arb(speed))[1] if k < 3 else 0.0  # the last one is cut off
+        assert math.isclose(rate[k], float(slope), rel_tol=1e-13)
     assert mu[3] == rate[3] == 0
 
 

@@ -4,15 +4,16 @@ Every number may be a ball (``flint.arb``); it is rounded to double once, here. 
 numbers of many drives; then all tables of doubles have one more axis, the first, for the drives.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from flint import arb
 
-from lsvib.engine.exact.arithmetic import alike, double, doubles, many_digits, root, sign
-from lsvib.engine.exact.taylor_form import eta
+from lsvib.engine.exact.arithmetic import alike, double, doubles, many_digits, real_rates, root, sign
+from lsvib.engine.exact.modal_form import guard_forms, modal_flow
+from lsvib.engine.exact.taylor_form import TaylorMode, eta, taylor_flow
 from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import ModalFlow, Tables, Test
 from lsvib.errors import EngineError
@@ -44,8 +45,8 @@ class Guard:
 class Mode:
     """A linear flow and the guards around it; ``code`` names the mode in datasets.
 
-    ``flow`` is a row made by :func:`oscillator` (two states) or a ``ModalMode`` (more); ``exact`` is the
-    :func:`eigenform` of the oscillator, where it has one.
+    ``flow`` is a row made by :func:`oscillator` (two states), a ``ModalMode`` or, under a friction law, a
+    ``TaylorMode``; ``exact`` is the :func:`eigenform` of the oscillator, where it has one.
     """
 
     code: int
@@ -135,7 +136,7 @@ def oscillator(inertia, damping, stiffness, force) -> np.ndarray:
             row[layout.BETA] = root(-discriminant)
         else:
             row[layout.DELTA] = root(discriminant)
-            row[layout.R1], row[layout.R2] = _real_rates(alpha, square, row[layout.DELTA])
+            row[layout.R1], row[layout.R2] = real_rates(alpha, square, row[layout.DELTA])
         if sign(stiffness):
             row[layout.EQUILIBRIUM] = force / stiffness
             row[layout.TIME_SCALE] = 1 / root(abs(square))
@@ -149,38 +150,31 @@ def eigenform(inertia, damping, stiffness, force) -> tuple[arb, arb, arb] | None
         discriminant = (damping * damping - 4 * inertia * stiffness) / (4 * inertia * inertia)
         if not sign(stiffness) or sign(discriminant, "a damping") <= 0:
             return None
-        return force / stiffness, *_real_rates(damping / inertia / 2, stiffness / inertia, root(discriminant))
+        return force / stiffness, *real_rates(damping / inertia / 2, stiffness / inertia, root(discriminant))
 
 
-def _real_rates(alpha: arb, square: arb, delta: arb) -> tuple[arb, arb]:
-    """Real roots r₁ ≥ r₂ of r² + 2α r + square, with (r₁ − r₂) / 2 = delta: the larger one first, nothing cancels."""
-    if sign(alpha) >= 0:
-        large = -alpha - delta
-        return (square / large if sign(large) else large), large
-    large = delta - alpha
-    return large, square / large
-
-
-def _guard_parts(mode: Mode, guard: Guard, surfaces: dict[str, Surface]) -> tuple:
+def _guard_parts(exact: tuple[arb, arb, arb] | None, row: Row) -> tuple:
     """The guard at the equilibrium of its mode, and along either eigenvector (1, r): differences that may cancel."""
-    if mode.exact is None:
+    if exact is None:
         return 0, 0, 0
+    (place, rate, constant), (equilibrium, slow, fast) = row, exact
+    return place * equilibrium + constant, place + rate * slow, place + rate * fast
+
+
+def _flow_and_guards(modes: Sequence[Mode], surfaces: dict[str, Surface]) -> tuple[Any, np.ndarray]:
+    """Return the flow table of modes, of the kind of their flows, and the table ``guard_parts``."""
+    flows, parts = [mode.flow for mode in modes], None
     with many_digits():
-        place, rate, constant = scaled(surfaces[guard.surface].row, guard.sign)
-        equilibrium, slow, fast = mode.exact
-        return place * equilibrium + constant, place + rate * slow, place + rate * fast
-
-
-def _parts_of_guards(modes: dict[str, Mode], surfaces: dict[str, Surface], n: int, forms: Callable | None):
-    """Return the table ``guard_parts`` of all guards; arguments as of :func:`assemble`."""
-    parts = None
-    if n == 2 and not forms:
-        parts = [_guard_parts(mode, guard, surfaces) for mode in modes.values() for guard in mode.guards]
-    elif forms:
-        rows = [[scaled(surfaces[guard.surface].row, guard.sign) for guard in mode.guards] for mode in modes.values()]
-        parts = forms([mode.flow for mode in modes.values()], rows)
-    count = sum(len(mode.guards) for mode in modes.values())
-    return doubles([x for part in parts or () for x in part], (count, len(parts[0]) if parts else 0))
+        rows = [[scaled(surfaces[guard.surface].row, guard.sign) for guard in mode.guards] for mode in modes]
+        if isinstance(flows[0], np.ndarray):
+            flow = np.stack(np.broadcast_arrays(*flows), axis=-2)  # of one drive or of many
+            parts = [_guard_parts(mode.exact, row) for mode, own in zip(modes, rows, strict=True) for row in own]
+        elif isinstance(flows[0], TaylorMode):
+            flow = taylor_flow(flows)
+        else:
+            flow, parts = modal_flow(flows), guard_forms(flows, rows)
+    numbers = [x for part in parts or () for x in part]
+    return flow, doubles(numbers, (sum(map(len, rows)), len(parts[0]) if parts else 0))
 
 
 def assemble(
@@ -190,18 +184,15 @@ def assemble(
     transitions: dict[str, Transition],
     observables: dict[str, dict[str, Row]],
     shortest_stay: Any,
-    stack: Callable | None = None,
-    forms: Callable | None = None,
     parts: dict[str, dict[str, Row]] | None = None,
     **facts: tuple[int, ...] | bool,
 ) -> Automaton:
     """Lay a model out as tables.
 
     Arguments: names of the state's coordinates (n); surfaces, modes and transitions by name, the first transition being
-    the entry; observables by name and mode; shortest stay [s] (see ``Tables``); with more than two states ``stack``,
-    which makes the flow of those of the modes, and ``forms``, which makes ``guard_parts`` of them and of the guards by
-    mode; ``parts``, observables' rows that count η times, as those are given; ``facts``, the other attributes of
-    :class:`Automaton`. Branches into modes that the model does not have are an error.
+    the entry; observables by name and mode; shortest stay [s] (see ``Tables``); ``parts``, observables' rows that count
+    η times, as those are given; ``facts``, the other attributes of :class:`Automaton`. Branches into modes that the
+    model does not have are an error.
     """
     mode_index = {name: i for i, name in enumerate(modes)}
     surface_index = {name: i for i, name in enumerate(surfaces)}
@@ -211,16 +202,16 @@ def assemble(
     conditions = [condition for branch in branches for condition in branch.conditions]
     resets = [transition.reset for transition in transitions.values() if transition.reset is not None]
     reset_index = iter(range(len(resets)))
-    n, flows = len(states), [mode.flow for mode in modes.values()]
+    n, (flow, guard_parts) = len(states), _flow_and_guards([*modes.values()], surfaces)
     tables = Tables(
-        flow=stack(flows) if stack else np.stack(np.broadcast_arrays(*flows), axis=-2),  # of one drive or of many
+        flow=flow,
         surfaces=_rows([surface.row for surface in surfaces.values()], n),
         snap=_integers(surface.snap for surface in surfaces.values()),
         guard_start=_starts(mode.guards for mode in modes.values()),
         guard_surface=_integers(surface_index[guard.surface] for guard in guards),
         guard_sign=np.array([float(guard.sign) for guard in guards]),
         guard_transition=_integers(transition_index[guard.transition] for guard in guards),
-        guard_parts=_parts_of_guards(modes, surfaces, n, forms),
+        guard_parts=guard_parts,
         transition_reset=_integers(-1 if t.reset is None else next(reset_index) for t in transitions.values()),
         resets=_rows([row for reset in resets for row in reset], n, (len(resets), n, n + 1)),
         branch_start=_starts(transition.branches for transition in transitions.values()),
@@ -244,9 +235,8 @@ def assemble(
     )
 
 
-DIMENSIONS = {  # of the tables of doubles of one drive
-    "surfaces": 2, "guard_parts": 2, "resets": 3, "condition_row": 2, "shortest_stay": 0,
-}  # fmt: skip
+# Dimensions of the tables of doubles of one drive.
+DIMENSIONS = {"surfaces": 2, "guard_parts": 2, "resets": 3, "condition_row": 2, "shortest_stay": 0}
 
 
 def one_of_many(automaton: Automaton, place: int) -> Automaton:
@@ -275,9 +265,8 @@ def scaled(row: Row, factor) -> tuple:
 
 def _rows(rows: Sequence[Row], n: int, shape: tuple[int, ...] | None = None) -> np.ndarray:
     table = doubles([x for row in rows for x in row], shape or (len(rows), n + 1))
-    if (
-        table.ndim == len(shape or (0, 0)) and not np.isfinite(table).all()
-    ):  # what is unsafe among many is refused later
+    one = table.ndim == len(shape or (0, 0))  # what is unsafe among many is refused later
+    if one and not np.isfinite(table).all():
         raise EngineError("a coefficient of the model is beyond 1e308; take parameters that lie less far apart.")
     return table
 

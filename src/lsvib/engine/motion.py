@@ -8,7 +8,7 @@ import numpy as np
 
 from lsvib import numbers
 from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, oscillator
-from lsvib.engine.exact.modal_form import guard_forms, linear_mode, modal_flow
+from lsvib.engine.exact.modal_form import linear_mode
 from lsvib.engine.kernels import event_loop, jit
 from lsvib.engine.kernels.layout import FIRST_MODEL_KIND, Status, Tables
 from lsvib.errors import (
@@ -76,18 +76,8 @@ class Motion:
         times = np.ascontiguousarray(times, dtype=float)
         states = np.empty((times.size, self.start_state.size))
         modes = np.empty(times.size, dtype=np.int64)
-        event_loop.states_at(
-            self.automaton.tables,
-            self.start_time,
-            self.start_mode,
-            self.start_state,
-            self.time,
-            self.mode,
-            self.after,
-            times,
-            states,
-            modes,
-        )
+        start = self.start_time, self.start_mode, self.start_state
+        event_loop.states_at(self.automaton.tables, *start, self.time, self.mode, self.after, times, states, modes)
         return states, modes
 
     def arcs(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -183,14 +173,8 @@ def engine_for(tables: Tables) -> event_loop.Engine:
 
 def new_events(capacity: int, n: int) -> tuple[np.ndarray, ...]:
     """Return room for so many events of a motion with n states, as the event loop writes them."""
-    return (
-        np.empty(capacity),
-        np.empty(capacity, dtype=np.int8),
-        np.empty(capacity, dtype=np.int8),
-        np.empty(capacity, dtype=np.int64),
-        np.empty((capacity, n)),
-        np.empty((capacity, n)),
-    )
+    columns = (np.empty(capacity, dtype=kind) for kind in (float, np.int8, np.int8, np.int64))
+    return (*columns, np.empty((capacity, n)), np.empty((capacity, n)))
 
 
 def _complain(status: Status, time: float, state: np.ndarray, most: int | None) -> None:
@@ -232,9 +216,8 @@ def compile_engine(kinds: Sequence[str] = ("planar", "modal")) -> None:
 
 def bouncing(kind: str) -> Automaton:
     """Return the automaton of an oscillator that bounces off a wall; ``kind`` of its flow: planar or modal."""
-    planar = kind == "planar"
     field = [(0, 1, 0), (-1, 0, 0)]
-    flow = oscillator(1, 0, 1, 0) if planar else linear_mode(field, (1.0, 1.0), None, "the wall")
+    flow = oscillator(1, 0, 1, 0) if kind == "planar" else linear_mode(field, (1.0, 1.0), None, "the wall")
     free = (Branch("free", FIRST_MODEL_KIND),)
     return assemble(
         states=("u", "w"),
@@ -243,6 +226,4 @@ def bouncing(kind: str) -> Automaton:
         transitions={"entry": Transition(free), "bounce": Transition(free, reset=((1, 0, 0), (0, -1, 0)))},
         observables={},
         shortest_stay=0.0,
-        stack=None if planar else modal_flow,
-        forms=None if planar else guard_forms,
     )

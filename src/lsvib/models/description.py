@@ -1,6 +1,6 @@
 """A drive in words and numbers: its parts, coordinates, equations of motion and modes, so that one sees what it is."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from flint import arb
@@ -29,15 +29,9 @@ class Description:
     modes: tuple[str, ...]
 
     def to_json(self) -> dict[str, Any]:
-        """Return it as plain lists and dictionaries."""
+        """Return it as plain numbers and names."""
         coordinates = {key: {"long_name": words, "unit": unit} for key, (words, unit) in self.coordinates.items()}
-        return {
-            "parts": list(self.parts),
-            "coordinates": coordinates,
-            "steady": self.steady,
-            "equations": list(self.equations),
-            "modes": list(self.modes),
-        }
+        return asdict(self) | {"coordinates": coordinates}
 
 
 def description_of(drive: Drive) -> Description:
@@ -80,19 +74,16 @@ def _bodies(drive: Drive, reach: float) -> list[str]:
     for part in drive.parts:
         if body := BODIES.get(part):
             inertia, stiffness, damping = (getattr(d, name) for name in PARTS[part])
-            of, rate = body.symbol, f"{body.symbol}′"
+            of, rate, coupling = body.symbol, f"{body.symbol}′", []
             if body.on == "command":
                 of, rate = f"({of} − {d.input_speed:.6g} t)", f"({rate} − {d.input_speed:.6g})"
-                pushed_by = _sum([("+", d.coupling_stiffness, "z"), ("+", d.coupling_damping, "z′")])
-                spring = _sum([("−", stiffness, of), ("−", damping, rate)])
-                lines.append(f"{inertia:.6g} {body.symbol}″ = {spring} {pushed_by}")
-                continue
-            if body.on:
+                coupling = [("+", d.coupling_stiffness, "z"), ("+", d.coupling_damping, "z′")]
+            elif body.on:
                 of, rate = f"({of} − θ)", f"({rate} − θ′)"
                 screw += [("+", stiffness, of), ("+", damping, rate)]
             pushed = {"contact": "n ", "torque": "τ "}.get(body.pushed, "")
-            spring = _sum([("−", stiffness, of), ("−", damping, rate)])
-            lines.append(f"{inertia:.6g} {body.symbol}″ = {pushed}{spring}")
+            springs = _sum([("−", stiffness, of), ("−", damping, rate), *coupling])
+            lines.append(f"{inertia:.6g} {body.symbol}″ = {pushed}{springs}")
     lines.insert(0, f"{d.screw_inertia:.6g} θ″ = {_sum(screw)} − τ")
     right = _sum([("", d.axial_force, ""), *load])
     lines.append(f"{d.mass:.6g} x″ = {right + ' ' if right else ''}− n")

@@ -28,9 +28,7 @@ from lsvib.numbers import NotNumber, number, shown, whole
 
 
 def _quantity_of(value: Any) -> float:
-    if type(value) is float and value == value:  # nearly always, and quick
-        return value + 0.0  # -0.0 and 0.0 are one drive
-    return number(value) + 0.0
+    return number(value) + 0.0  # -0.0 and 0.0 are one drive
 
 
 P = ParamSpec("P")
@@ -81,7 +79,7 @@ class Least:
         raise PydanticCustomError("too_close_to_zero", "is too close to zero")
 
 
-def range_in_words(name: str, rule: Mapping[str, Any], form: str = "g") -> str:
+def range_in_words(name: str, rule: Mapping[str, Any]) -> str:
     """Return the range that a JSON schema states for a number, e.g. ``0 or 1e-18 <= |R| <= 1e+12``; empty if none."""
     alternatives = [bound for bound in rule.get("anyOf", ()) if bound.keys() <= {"const", "minimum", "maximum"}]
     zero, size = "", name
@@ -95,8 +93,8 @@ def range_in_words(name: str, rule: Mapping[str, Any], form: str = "g") -> str:
             zero = "0 or " if {"const": 0} in alternatives and "not" not in rule else ""
             size = f"|{name}|" if rule["minimum"] < 0 else name
             rule = {**rule, "minimum": least}
-    low = [f"{rule[k]:{form}} {sign} " for k, sign in (("minimum", "<="), ("exclusiveMinimum", "<")) if k in rule]
-    high = [f" {sign} {rule[k]:{form}}" for k, sign in (("maximum", "<="), ("exclusiveMaximum", "<")) if k in rule]
+    low = [f"{rule[k]:g} {sign} " for k, sign in (("minimum", "<="), ("exclusiveMinimum", "<")) if k in rule]
+    high = [f" {sign} {rule[k]:g}" for k, sign in (("maximum", "<="), ("exclusiveMaximum", "<")) if k in rule]
     return f"{zero}{''.join(low)}{size}{''.join(high)}" if low or high else ""
 
 
@@ -122,21 +120,6 @@ Value = Annotated[float, BeforeValidator(_quantity_of)]
 Whole = Annotated[int, BeforeValidator(whole)]
 
 
-def quantity(
-    default: float | None, symbol: str, unit: str, long_name: str, least: float = 0.0, zero: bool = True, **bounds: Any
-) -> Any:
-    """Return the field of a parameter: its default, how it is written, its SI unit, its name, and its range.
-
-    The range is given in words of pydantic: ``gt``, ``ge``, ``lt`` and ``le`` for >, ≥, < and ≤. ``least`` is the least
-    magnitude of a parameter that has either sign or may be zero, ``zero`` says whether it may.
-    """
-    words = {"symbol": symbol, "unit": unit, "long_name": long_name}
-    field = Field(default=default, json_schema_extra={**words}, **bounds)
-    if least:
-        field.metadata.append(Least(least, zero))
-    return field
-
-
 # What is not zero has a size that some drive might have, the smallest of machines among them, so that squares and
 # products of such numbers stay within the range of doubles. A silicon cylinder of 1 μm in radius and length has
 # 7e-15 kg and 4e-27 kg m2: the least mass, 1e-18 kg, and inertia, 1e-30 kg m2, are less than a thousandth of these. The
@@ -146,6 +129,29 @@ def quantity(
 # speed, 1e-12 rad/s, is a turn in 200 000 years. The least friction, 1e-18, is far below any that has been
 # measured; the least lead angle, 1e-6 rad, makes a pitch of 6 μm on the largest radius.
 _LEAST_LEAD = 1e-6  # rad
+_RANGES: dict[str, dict[str, Any]] = {  # of inertias, springs and dampers, by their units
+    "kg": {"ge": 1e-18, "le": 1e9},
+    "N m-1": {"ge": 1e-9, "le": 1e15},
+    "N s m-1": {"least": 1e-18, "ge": 0, "le": 1e15},
+    "kg m2": {"ge": 1e-30, "le": 1e6},
+    "N m rad-1": {"ge": 1e-21, "le": 1e15},
+    "N m s rad-1": {"least": 1e-30, "ge": 0, "le": 1e15},
+}
+
+
+def quantity(default: float | None, symbol: str, unit: str, long_name: str, zero: bool = True, **bounds: Any) -> Any:
+    """Return the field of a parameter: its default, how it is written, its SI unit, its name, and its range.
+
+    The range, where it is not that of its unit, is given in words of pydantic: ``gt``, ``ge``, ``lt`` and ``le`` for >,
+    ≥, < and ≤. ``least`` is the least magnitude of a parameter that has either sign or may be zero, ``zero`` says
+    whether it may.
+    """
+    words, bounds = {"symbol": symbol, "unit": unit, "long_name": long_name}, dict(bounds or _RANGES[unit])
+    least = bounds.pop("least", 0.0)
+    field = Field(default=default, json_schema_extra={**words}, **bounds)
+    if least:
+        field.metadata.append(Least(least, zero))
+    return field
 
 
 class Drive(BaseModel):
@@ -186,21 +192,15 @@ class Drive(BaseModel):
     lead_angle: Value = quantity(
         math.radians(5.57), "lambda", "rad", "lead angle of the screw", ge=_LEAST_LEAD, lt=math.pi / 2
     )
-    screw_inertia: Value = quantity(3.12e-6, "I", "kg m2", "moment of inertia of the screw", ge=1e-30, le=1e6)
-    coupling_stiffness: Value = quantity(
-        1.0, "k", "N m rad-1", "torsional stiffness of the coupling", ge=1e-21, le=1e15
-    )
-    support_damping: Value = quantity(
-        2e-4, "c", "N m s rad-1", "rotational damping of the support", least=1e-30, ge=0, le=1e15
-    )
+    screw_inertia: Value = quantity(3.12e-6, "I", "kg m2", "moment of inertia of the screw")
+    coupling_stiffness: Value = quantity(1.0, "k", "N m rad-1", "torsional stiffness of the coupling")
+    support_damping: Value = quantity(2e-4, "c", "N m s rad-1", "rotational damping of the support")
     friction_coefficient: Value = quantity(0.218, "mu", "1", "friction coefficient of the threads", least=1e-18, ge=0)
     input_speed: Value = quantity(
         40.0, "Omega", "rad s-1", "input angular speed", least=1e-12, zero=False, ge=-1e9, le=1e9
     )
-    mass: Value = quantity(1.0, "m", "kg", "translating mass", ge=1e-18, le=1e9)
-    translation_damping: Value = quantity(
-        0.0, "c_x", "N s m-1", "damping of the translating mass", least=1e-18, ge=0, le=1e15
-    )
+    mass: Value = quantity(1.0, "m", "kg", "translating mass")
+    translation_damping: Value = quantity(0.0, "c_x", "N s m-1", "damping of the translating mass")
     axial_force: Value = quantity(50.0, "R", "N", "axial force on the translating mass", least=1e-18, ge=-1e12, le=1e12)
     static_friction_coefficient: Value = quantity(
         0.0, "mu_s", "1", "static friction coefficient of the threads", least=1e-18, ge=0
@@ -223,30 +223,18 @@ class Drive(BaseModel):
         0.0, "mu_b", "1", "friction coefficient of the thrust collar", least=1e-18, ge=0, le=1e3
     )
     collar_radius: Value = quantity(0.0, "r_b", "m", "mean radius of the thrust collar", least=1e-6, ge=0, le=10.0)
-    coupling_damping: Value = quantity(
-        0.0, "d", "N m s rad-1", "damping of the coupling behind a motor", least=1e-30, ge=0, le=1e15
-    )
-    motor_inertia: Value = quantity(None, "J", "kg m2", "moment of inertia of the motor", ge=1e-30, le=1e6)
-    integral_gain: Value = quantity(
-        None, "K_i", "N m rad-1", "integral gain of the speed controller", ge=1e-21, le=1e15
-    )
-    speed_gain: Value = quantity(
-        None, "K_p", "N m s rad-1", "proportional gain of the speed controller", least=1e-30, ge=0, le=1e15
-    )
-    contact_stiffness: Value = quantity(None, "k_c", "N m-1", "stiffness of the thread contact", ge=1e-9, le=1e15)
-    contact_damping: Value = quantity(
-        None, "c_c", "N s m-1", "damping of the thread contact", least=1e-18, ge=0, le=1e15
-    )
-    screw_mass: Value = quantity(None, "m_1", "kg", "mass of the screw", ge=1e-18, le=1e9)
-    support_stiffness: Value = quantity(None, "k_1", "N m-1", "axial stiffness of the support", ge=1e-9, le=1e15)
-    axial_support_damping: Value = quantity(
-        None, "c_1", "N s m-1", "axial damping of the support", least=1e-18, ge=0, le=1e15
-    )
-    nut_inertia: Value = quantity(None, "I_2", "kg m2", "moment of inertia of the nut", ge=1e-30, le=1e6)
-    nut_stiffness: Value = quantity(None, "k_2", "N m rad-1", "rotational stiffness of the nut", ge=1e-21, le=1e15)
-    nut_damping: Value = quantity(
-        None, "c_2", "N m s rad-1", "rotational damping of the nut", least=1e-30, ge=0, le=1e15
-    )
+    coupling_damping: Value = quantity(0.0, "d", "N m s rad-1", "damping of the coupling behind a motor")
+    motor_inertia: Value = quantity(None, "J", "kg m2", "moment of inertia of the motor")
+    integral_gain: Value = quantity(None, "K_i", "N m rad-1", "integral gain of the speed controller")
+    speed_gain: Value = quantity(None, "K_p", "N m s rad-1", "proportional gain of the speed controller")
+    contact_stiffness: Value = quantity(None, "k_c", "N m-1", "stiffness of the thread contact")
+    contact_damping: Value = quantity(None, "c_c", "N s m-1", "damping of the thread contact")
+    screw_mass: Value = quantity(None, "m_1", "kg", "mass of the screw")
+    support_stiffness: Value = quantity(None, "k_1", "N m-1", "axial stiffness of the support")
+    axial_support_damping: Value = quantity(None, "c_1", "N s m-1", "axial damping of the support")
+    nut_inertia: Value = quantity(None, "I_2", "kg m2", "moment of inertia of the nut")
+    nut_stiffness: Value = quantity(None, "k_2", "N m rad-1", "rotational stiffness of the nut")
+    nut_damping: Value = quantity(None, "c_2", "N m s rad-1", "rotational damping of the nut")
 
     if not TYPE_CHECKING:  # a type checker reads the parameters from the fields
 

@@ -85,27 +85,13 @@ def coefficient(d: Any, speed: Any) -> Any:
     return value if sign(value, "friction_slope") >= 0 else 0 * value
 
 
-def slope(d: Any, speed: Any) -> Any:
-    """Return dμ/dv at a sliding speed v > 0 [s/m]."""
-    value, rate = unbounded(d, speed)
-    return rate if sign(value, "friction_slope") >= 0 else 0 * speed
-
-
-def steady_coefficient(d: Any) -> Any:
-    """Return μ in steady sliding [1]: the very parameter where it does not depend on speed."""
-    return coefficient(d, steady_speed(d)) if depends_on_speed(d) else d.friction_coefficient
-
-
-def static_coefficient(d: Any) -> Any:
-    """Return the coefficient up to which friction holds at rest [1]."""
-    if sign(d.static_friction_coefficient):
-        return d.static_friction_coefficient
-    return d.friction_coefficient + d.stribeck_rise if sign(d.stribeck_rise) else d.friction_coefficient
-
-
 def levels(d: Any) -> dict[str, Any]:
     """Return what motion and rest begin with: ``steady_friction``, ``static_friction`` and ``collar``."""
-    return {"steady_friction": steady_coefficient(d), "static_friction": static_coefficient(d), "collar": collar(d)}
+    # the very parameters where friction does not depend on speed
+    steady = coefficient(d, steady_speed(d)) if depends_on_speed(d) else d.friction_coefficient
+    static = d.friction_coefficient + d.stribeck_rise if sign(d.stribeck_rise) else d.friction_coefficient
+    static = d.static_friction_coefficient if sign(d.static_friction_coefficient) else static
+    return {"steady_friction": steady, "static_friction": static, "collar": collar(d)}
 
 
 def collar(d: Any) -> Any:
@@ -142,7 +128,7 @@ def check(drive: Any, limit: float) -> None:
 
 def moves(p: Mapping[str, Any]) -> bool:
     """Whether friction depends on the sliding speed, by parameters by name; those of the law may be missing."""
-    return not all(_zero(p.get(key, 0.0)) for key in ("stribeck_rise", "friction_slope"))
+    return not all(_zero(p.get(key, 0.0)) for key in OF_SPEED)
 
 
 def steady_sum(p: Mapping[str, Any], t: Any) -> tuple[Any, Any]:

@@ -8,13 +8,13 @@ a body that slides on its own is refused: while it holds, the force that is left
 
 import math
 from dataclasses import replace
-from typing import Any, ClassVar
+from functools import cache
 
 from flint import arb
 
 from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Row, Transition
 from lsvib.engine.exact.arithmetic import double, many_digits
-from lsvib.engine.exact.taylor_form import Split, still_mode, taylor_flow
+from lsvib.engine.exact.taylor_form import Split, still_mode
 from lsvib.engine.kernels.layout import Test
 from lsvib.errors import InputError
 from lsvib.models import friction, sliding
@@ -26,8 +26,6 @@ from lsvib.models.names import DIRECTIONS, Event, Key, Resume
 
 class LawModes(Modes):
     """The modes of a drive under a friction law; arguments: mechanism, drive, how motion resumes after a seizure."""
-
-    flow: ClassVar[dict[str, Any]] = {"stack": taylor_flow}
 
     def __init__(self, mechanism: Mechanism, drive: Drive, resume: Resume = "contact_sign") -> None:
         self.drive = drive
@@ -69,18 +67,15 @@ class LawModes(Modes):
         laws = {self.name(key): key for key in self.slips}
         if 0 < self.low < math.inf:
             laws |= self._band(modes)
-        splits: dict[Any, Any] = {}
+        split_of = cache(self._split)
         for name, key in laws.items():
-            (d, q, _), known = key, self._known(key)
-            if known not in splits:
-                splits[known] = self._split(known[0], known[1])
-            split, without, more = splits[known]
+            d, q, _ = key
+            split, without, more = split_of(*self._known(key)[:2])
             row = sliding.speed_row(d, self.m.slip, self.m.d)
-            flow = split.mode(row, pieces)
-            modes[name] = replace(modes[name], flow=flow)
+            modes[name] = replace(modes[name], flow=split.mode(row, pieces))
             seen[name] = without
-            for observable, of_mode in parts.items():
-                of_mode[name] = more[observable]
+            for observable in parts:
+                parts[observable][name] = more[observable]
             if math.isfinite(self.high) and d * q > 0:
                 self._bound(modes, name, f"beyond_{DIRECTIONS[d]}", d, self.high, -1, "beyond")
                 self.transitions["beyond"] = Transition(())
@@ -89,7 +84,8 @@ class LawModes(Modes):
 
     def _split(self, d: int, law: int) -> tuple[Split, dict[str, Row], dict[str, Row]]:
         """The field of slip as friction divides it, what is seen of it without friction, and what counts η times."""
-        probe = sliding.probe(self.m.d)
+        t = self.m.d.tan_lead
+        probe = t / 2 if t < 1 else 1 / (2 * t)  # with which Γ_s > 0 under both laws, whatever the masses
         free, rubbed = (self.m.solve(d, law, (), mu) for mu in (arb(0), probe))
         without, pressed = self._observed(free), self._observed(rubbed)
         split = Split.of(free.field, free.normal, rubbed.field, rubbed.normal, probe)

@@ -5,11 +5,11 @@ formulas cancels by more than three decades, so that its tables hold to 1e-12; t
 and so are drives whose friction depends on speed.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -25,6 +25,8 @@ from lsvib.models.mechanism import Mechanism
 from lsvib.models.model import automaton_of
 from lsvib.models.modes import Modes
 from lsvib.models.rigid import RigidBuild
+
+T = TypeVar("T")
 
 
 class ManyDrives:
@@ -93,19 +95,28 @@ def groups(drives: ManyDrives, entries: np.ndarray) -> Iterator[Group]:
 
     Drives that are in no group must be made exactly, too.
     """
-    entries = drives.constant_friction(entries)
+
+    def group(members: np.ndarray) -> Group:
+        d = drives.doubles(members)
+        c = coefficients_of(d)
+        automaton = _layered(RigidBuild(c, d).automaton(True, "contact_sign"), members.size)
+        return Group(members, _safe(c, d, automaton.tables), automaton, c, steady_force(c, d))
+
+    yield from (found for _, found in _divided(drives.constant_friction(entries), group))
+
+
+def _divided(entries: np.ndarray, make: Callable[[np.ndarray], T]) -> Iterator[tuple[np.ndarray, T]]:
+    """Divide drives until what is made of them has one structure; yields the members (j) with it."""
     waiting = [entries] if entries.size else []
     while waiting:
         members = waiting.pop()
         try:
-            d = drives.doubles(members)
             with np.errstate(all="ignore"):  # what overflows or divides by zero is not safe
-                c = coefficients_of(d)
-                automaton = RigidBuild(c, d).automaton(True, "contact_sign")
-                automaton = _layered(automaton, members.size)
-                yield Group(members, _safe(c, d, automaton.tables), automaton, c, steady_force(c, d))
+                made = make(members)
         except Divided as parts:
             waiting += [members[parts.signs == value] for value in np.unique(parts.signs)]
+        else:
+            yield members, made
 
 
 def _safe(c: Coefficients, d: Any, tables: Tables) -> np.ndarray:
@@ -154,29 +165,21 @@ def automata(drives: ManyDrives) -> Iterator[tuple[int, Drive, Automaton | None]
     The automaton is None if the engine has none. Raises ``InputError`` as the model does.
     """
     parts = drives.one(0).parts
-    together = drives.constant_friction(np.arange(drives.size))
-    waiting = [together] if together.size and parts else []
+
+    def group(members: np.ndarray) -> Automaton:
+        d = drives.doubles(members, np.longdouble)
+        return Modes(Mechanism(d, parts, d.steady_friction)).automaton()
+
     made: dict[int, Automaton] = {}
-    while waiting:
-        members = waiting.pop()
-        try:
-            with np.errstate(all="ignore"):
-                group = _group(drives.doubles(members, np.longdouble), parts)
-        except Divided as divided:
-            waiting += [members[divided.signs == value] for value in np.unique(divided.signs)]
-            continue
-        for place in np.flatnonzero(_finite(group, members.size)).tolist():
-            made[int(members[place])] = one_of_many(group, place)
+    for members, found in _divided(drives.constant_friction(np.arange(drives.size if parts else 0)), group):
+        for place in np.flatnonzero(_finite(found, members.size)).tolist():
+            made[int(members[place])] = one_of_many(found, place)
     for k in range(drives.size):
         drive, automaton = drives.one(k), made.get(k)
         if automaton is None:
             with suppress(EngineError):  # rates that lie too far apart: nothing can be determined
                 automaton = automaton_of(drive)
         yield k, drive, automaton
-
-
-def _group(d: Any, parts: tuple[str, ...]) -> Automaton:
-    return Modes(Mechanism(d, parts, d.steady_friction)).automaton()
 
 
 def _finite(automaton: Automaton, size: int) -> np.ndarray:

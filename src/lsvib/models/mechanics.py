@@ -54,12 +54,8 @@ def thread_force(force: Any, relieved: Any, friction_coefficient: Any, tan_lead:
 def holding_coefficient(torque: Any, force: Any, relieved: Any, tan_lead: Any, law: Any) -> Any:
     """The friction coefficient [1] at which :func:`thread_force` is ``torque`` [N], the one below jamming."""
     square = tan_lead * (torque * tan_lead - law * force)
-    linear = (1 + tan_lead**2) * (force + 2 * relieved)
-    return (
-        2
-        * (torque + law * tan_lead * force)
-        / (linear + np.sqrt(linear**2 + 4 * square * (torque + law * tan_lead * force)))
-    )
+    linear, constant = (1 + tan_lead**2) * (force + 2 * relieved), torque + law * tan_lead * force
+    return 2 * constant / (linear + np.sqrt(linear**2 + 4 * square * constant))
 
 
 def effective_inertia(screw_inertia: Any, mass: Any, pitch_radius: Any, tan_lead: Any, factor: Any) -> Any:
@@ -72,6 +68,12 @@ def effective_damping(
 ) -> Any:
     """Effective damping C_s = c − ξ_s r_m² tan λ c_x [N m s/rad] (below eq. 8.13)."""
     return support_damping - factor * tan_lead * translation_damping * pitch_radius**2
+
+
+def together(*values: Any) -> Any:
+    """Return 1 / (1 / a + 1 / b) of two inertias, or one alone; what a drive does not have is None."""
+    first, *other = (value for value in values if value is not None)
+    return first * other[0] / (first + other[0]) if other else first
 
 
 @dataclass(frozen=True)
@@ -101,6 +103,14 @@ class Coefficients:
         return 0 if law == self.steady_law else self.xi[self.steady_law] - self.xi[law]
 
 
+def by_law(d: Any, mu: Any) -> tuple[dict[int, Any], dict[int, Any], dict[int, Any]]:
+    """Return ξ_s, Γ_s and C_s by the law s, with a friction coefficient."""
+    r, tan = d.pitch_radius, d.tan_lead
+    xi = {s: friction_factor(mu, tan, s) for s in (1, -1)}
+    gamma = {s: effective_inertia(d.screw_inertia, d.mass, r, tan, x) for s, x in xi.items()}
+    return xi, gamma, {s: effective_damping(d.support_damping, d.translation_damping, r, tan, xi[s]) for s in xi}
+
+
 @once
 def coefficients(drive: Drive) -> Coefficients:
     """Return the coefficients of eqs (8.13)–(8.17) for a drive, as balls."""
@@ -111,9 +121,7 @@ def coefficients_of(d: Any) -> Coefficients:
     """Return the coefficients from parameters as balls, arrays of doubles or power series."""
     with many_digits():
         r, tan = d.pitch_radius, d.tan_lead
-        xi = {s: friction_factor(d.steady_friction, tan, s) for s in (1, -1)}
-        gamma = {s: effective_inertia(d.screw_inertia, d.mass, r, tan, xi[s]) for s in xi}
-        damping = {s: effective_damping(d.support_damping, d.translation_damping, r, tan, xi[s]) for s in xi}
+        xi, gamma, damping = by_law(d, d.steady_friction)
         net_force = d.axial_force - r * tan * d.translation_damping * d.input_speed
         law = -1 if sign(net_force * d.input_speed, "axial_force") < 0 else 1
         return Coefficients(

@@ -46,7 +46,7 @@ from lsvib.engine.automaton import Row, scaled
 from lsvib.engine.exact.arithmetic import double, many_digits, nothing, root, sign
 from lsvib.models import mechanics
 from lsvib.models.drive import PARTS, Drive
-from lsvib.models.mechanics import plus, solved
+from lsvib.models.mechanics import plus, solved, together
 from lsvib.models.names import BODIES, COORDINATES, Ways, own_frictions, sides_of_rest
 
 
@@ -148,9 +148,9 @@ class Mechanism:
     def effective(self, held: Sequence[str] = ()) -> tuple[Any, Any]:
         """Return I_eff [kg m²] and m_eff [kg] while bodies are held."""
         d = self.d
-        inertias = ([] if "bearing" in held else [d.screw_inertia]) + ([d.nut_inertia] if "nut" in self.parts else [])
-        masses = ([] if "slide" in held else [d.mass]) + ([d.screw_mass] if "support" in self.parts else [])
-        return _together(inertias), _together(masses)
+        inertias = None if "bearing" in held else d.screw_inertia, d.nut_inertia if "nut" in self.parts else None
+        masses = None if "slide" in held else d.mass, d.screw_mass if "support" in self.parts else None
+        return together(*inertias), together(*masses)
 
     def rates(self, slips: bool, held: Iterable[str]) -> dict[str, Row]:
         """Return the rows of θ′, x_1′, θ_2′ and e′ by part, which rest and bodies that are held tie to each other."""
@@ -335,11 +335,6 @@ class Mechanism:
         return self._reset({part: plus(rates[part], jumps[part]) for part in self.parts})
 
 
-def _together(values: Sequence[Any]) -> Any:
-    """Return 1 / (1 / a + 1 / b) of two inertias, or one alone."""
-    return values[0] if len(values) == 1 else values[0] * values[1] / (values[0] + values[1])
-
-
 def seated(mechanism: Mechanism) -> np.ndarray:
     """Return the state of steady sliding: compliant threads are compressed by N_0, all else is measured from it."""
     state, d = np.zeros(len(mechanism.states)), mechanism.d
@@ -349,12 +344,15 @@ def seated(mechanism: Mechanism) -> np.ndarray:
     return state
 
 
-def standing(mechanism: Mechanism) -> np.ndarray:
+@many_digits()
+def standing_state(drive: Drive) -> np.ndarray:
     """Return the state in which the screw stands with the coupling relaxed, as before the motor is switched on.
 
     The threads carry no torque; what lets the load move along carries R, less what the slide may hold of it.
     """
-    m, d, state = mechanism, mechanism.d, np.zeros(len(mechanism.states))
+    d = drive.exact()
+    m = Mechanism(d, drive.parts, d.steady_friction)
+    state = np.zeros(len(m.states))
     state[:2] = double(-m.deflection[-1]), double(-d.input_speed)
     left = abs(d.axial_force) - m.limits.get("slide", 0)
     contact = left * sign(d.axial_force) if sign(left) > 0 else 0
@@ -372,16 +370,10 @@ def standing(mechanism: Mechanism) -> np.ndarray:
     return state
 
 
-def standing_state(drive: Drive) -> np.ndarray:
-    """Return the state of a drive before its motor is switched on, see :func:`standing`."""
-    with many_digits():
-        return standing(Mechanism(drive.exact(), drive.parts, drive.exact().steady_friction))
-
-
+@many_digits()
 def seated_state(drive: Drive, u: float, w: float) -> np.ndarray:
     """Return the state with a deviation u [rad] and w [rad/s], all else as in steady sliding of compliant threads."""
-    with many_digits():
-        d = drive.exact()
-        state = seated(Mechanism(d, drive.parts, d.steady_friction))
+    d = drive.exact()
+    state = seated(Mechanism(d, drive.parts, d.steady_friction))
     state[:2] = u, w
     return state

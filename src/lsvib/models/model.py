@@ -32,11 +32,7 @@ QUANTITIES = {  # long name, unit and symbol of the coordinates of parts
     "nut_angle": ("angle of the nut from steady sliding", "rad", r"$\varphi$"),
     "nut_rate": ("angular speed of the nut", "rad s-1", r"$\dot\varphi$"),
 }
-_EQUATIONS = {
-    "threads": "eqs 8.6, 8.7",
-    "support": "eqs 8.23-8.32",
-    "nut": "Sect. 5.8, eq. 8.33",
-}
+_EQUATIONS = {"threads": "eqs 8.6, 8.7", "support": "eqs 8.23-8.32", "nut": "Sect. 5.8, eq. 8.33"}
 _CONSTRAINT = {
     (): "Γ₊ = I − ξ₊ tan λ m r_m² = 0 (eq. 8.20)",
     ("motor",): "Γ₊ = I − ξ₊ tan λ m r_m² = 0 (eq. 8.20)",
@@ -68,15 +64,10 @@ class Model:
         self.parts, self.dry = parts, dry
         self.rigid, self.compliant = not (parts or dry), "threads" in parts
         self.states = tuple(name for part in ("screw", *parts) for name in COORDINATES[part])
-        further = tuple(name for part in parts for name in COORDINATES[part])
-        self.optional = tuple({"thread_mismatch": "e", "mismatch_rate": "v"}.get(name, name) for name in further)
-        self.terms: tuple[str, ...] = (
-            "support_damping",
-            "translation_damping",
-            "axial_force",
-            *(PARTS[part][-1] for part in parts),
-        )
-        self.terms += dry
+        short = {"thread_mismatch": "e", "mismatch_rate": "v"}
+        self.optional = tuple(short.get(name, name) for name in self.states[len(self.required) :])
+        dampers = (PARTS[part][-1] for part in parts)
+        self.terms: tuple[str, ...] = ("support_damping", "translation_damping", "axial_force", *dampers, *dry)
         self.options = () if parts else ("rest",)
         self.outputs: tuple[str, ...] = ("normal_force", "coupling_torque", "coupling_deflection", "screw_speed")
         self.outputs += () if self.rigid else ("axial_contact_force", "nut_speed")
@@ -136,9 +127,7 @@ class Model:
         return self.start(drive, values)
 
 
-@cache
-def _of_parts(parts: tuple[str, ...], dry: tuple[str, ...]) -> Model:
-    return Model(parts, dry)
+_of_parts = cache(Model)
 
 
 def model_of(drive: Drive) -> Model:

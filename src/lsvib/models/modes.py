@@ -22,8 +22,9 @@ Static friction that is above that of slow sliding holds at ω = 0 wherever it c
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import cache
 from itertools import product
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -40,7 +41,7 @@ from lsvib.engine.automaton import (
     scaled,
 )
 from lsvib.engine.exact.arithmetic import Divided, double, sign
-from lsvib.engine.exact.modal_form import guard_forms, linear_mode, modal_flow
+from lsvib.engine.exact.modal_form import linear_mode
 from lsvib.engine.kernels.layout import Test
 from lsvib.errors import InputError
 from lsvib.models.mechanics import plus, rate_of
@@ -58,11 +59,9 @@ class Modes:
     """All modes of a drive with rigid or compliant threads, and its automaton.
 
     Arguments: the mechanism; how motion resumes after a seizure. ``low`` and ``high`` [m/s] are the ends of the
-    interval of sliding speed in which Γ₊ > 0; it begins at infinity where there is none. ``flow`` says how the tables
-    of the flow are made of those of the modes.
+    interval of sliding speed in which Γ₊ > 0; it begins at infinity where there is none. ``seizes``: whether the
+    threads can.
     """
-
-    flow: ClassVar[dict[str, Any]] = {"stack": modal_flow, "forms": guard_forms}
 
     def __init__(self, mechanism: Mechanism, resume: Resume = "contact_sign") -> None:
         m = self.m = mechanism
@@ -70,17 +69,16 @@ class Modes:
         self.codes = {name: code for code, name in enumerate(mode_names(m.own, m.sides))}
         self.low, self.high = self._speeds_without_paradox()  # [m/s]
         self.paradox = self.low > 0
+        self.seizes = self.paradox and not m.compliant
         self._refuse()
-        directions = [(d, q) for d in DIRECTIONS for q in SIGNS if m.compliant or not self.paradox or d * q < 0]
+        directions = [(d, q) for d in DIRECTIONS for q in SIGNS if not self.seizes or d * q < 0]
         self.ways = tuple(product(HOW, repeat=len(m.own)))
         self.slips = [(d, q, ways) for d, q in directions for ways in self.ways]
         self.rests = [(0, side, ways) for side in m.sides for ways in self.ways]
         self.surfaces: dict[str, Surface] = {}
         self.transitions: dict[str, Transition] = {}
-        self._solved: dict[tuple[int, int, Ways], Solution] = {}
         self._flows: dict[tuple[int, int, Ways], Any] = {}
-        self._lefts: dict[tuple[Ways, int, int], Row] = {}
-        self._carried: dict[Key, list[tuple[Side, ...]]] = {}
+        self._solve, self._left, self._carries = cache(m.solve), cache(m.left), cache(self._ways_to_carry)
 
     def _speeds_without_paradox(self) -> tuple[float, float]:
         inertia, mass = self.m.effective()
@@ -89,15 +87,11 @@ class Modes:
     def _refuse(self) -> None:
         """Refuse dry frictions that leave the motion undetermined."""
         m = self.m
-        for name in m.own:
-            given = f"{name}_friction = {_size(m.limits[name]):g}"
-            if m.compliant:
-                continue
-            if self.paradox:
-                raise InputError(
-                    f"{given} needs a drive outside the Painlevé region: inside, the threads can seize, and what "
-                    f"follows is not determined while the {name} holds."
-                )
+        for name in m.own if self.seizes else ():
+            raise InputError(
+                f"{name}_friction = {_size(m.limits[name]):g} needs a drive outside the Painlevé region: inside, the "
+                f"threads can seize, and what follows is not determined while the {name} holds."
+            )
         if "slide" in m.own and not m.compliant:
             inertia, mass = m.effective(["slide"])
             if sign(inertia - m.turned * mass, "screw_mass") <= 0:
@@ -113,10 +107,7 @@ class Modes:
 
     def solution(self, key: Key) -> Solution:
         """Return what Newton's laws say in a mode."""
-        known = self._known(key)
-        if known not in self._solved:
-            self._solved[known] = self.m.solve(*known)
-        return self._solved[known]
+        return self._solve(*self._known(key))
 
     def _known(self, key: Key) -> tuple[int, int, Ways]:
         """What Newton's laws depend on: direction of slip, which only friction against the ground feels, law, ways."""
@@ -133,9 +124,7 @@ class Modes:
         m = self.m
         self.transitions["entry"] = Transition(tuple(self._entry()))
         keys = [*self.slips, *self.rests]
-        guards = {key: self._slip_guards(key) for key in self.slips} | {
-            key: self._rest_guards(key) for key in self.rests
-        }
+        guards = {key: self._slip_guards(key) if key[0] else self._rest_guards(key) for key in keys}
         modes = {self.name(key): self._mode(key, guards[key]) for key in keys}
         seen = {self.name(key): self._observed(self.solution(key)) for key in keys}
         parts = self._parts(modes, seen)
@@ -153,7 +142,6 @@ class Modes:
             shortest_stay=SHORT_STAY * np.min(scales, axis=0),
             rest_codes=tuple(self.codes[self.name(key)] for key in self.rests),
             release_kinds=(Event.RELEASE,),
-            **self.flow,
             **facts,
         )
 
@@ -191,7 +179,7 @@ class Modes:
 
     def _slip_guards(self, key: Key) -> tuple[Guard, ...]:
         (d, q, ways), here, m = key, self.name(key), self.m
-        if self.paradox and not m.compliant:
+        if self.seizes:
             self.transitions[f"contact_{here}"] = Transition(tuple(self._after_seizure(d)), reset=m.impact)
         else:
             turned = Branch(self.name((d, -q, ways)), Event.CONTACT_REVERSAL, sign=-q)
@@ -203,22 +191,24 @@ class Modes:
         stop = self._guard("slip_speed", m.slip, d, f"stop{suffix}", m.place.get("nut", 0) + 1)
         return (contact, stop, *self._body_guards(key))
 
+    def _held_in(self, ways: Ways) -> list[str]:
+        """Return the dry frictions that hold their bodies."""
+        return [body for body, way in zip(self.m.own, ways, strict=True) if way == 0]
+
     def _suffix(self, ways: Ways) -> str:
         return "".join(f"_{HOLDS[body]}_{HOW[way]}" for body, way in zip(self.m.own, ways, strict=True))
 
     def _rest_guards(self, key: Key) -> tuple[Guard, ...]:
         (_, side, ways), here, m, guards = key, self.name(key), self.m, []
-        held = [body for body, way in zip(m.own, ways, strict=True) if way == 0]
         for d in (m.turning, -m.turning):  # the guards of the mirrored drive come in the same order
-            q = -d if self.paradox and not m.compliant else m.released(d, side)
+            q = -d if self.seizes else m.released(d, side)
             released = [Branch(self.name((d, q, ways)), Event.RELEASE)]
-            if not (
-                m.same or self.paradox or m.compliant
-            ):  # with static friction alone n might turn over as slip begins
+            # with static friction alone n might turn over as slip begins
+            if not (m.same or self.paradox or m.compliant):
                 turns = (scaled(self.gauge(d, ways), -q), Test.POSITIVE)
                 released.insert(0, Branch(self.name((d, -q, ways)), Event.RELEASE, (turns,)))
             transition = f"release_{DIRECTIONS[d]}_{here}"
-            self.transitions[transition] = Transition(tuple(released), reset=m.reset(True, held))
+            self.transitions[transition] = Transition(tuple(released), reset=m.reset(True, self._held_in(ways)))
             left = self._left(ways, d, side)
             guards.append(self._guard(f"hold_{DIRECTIONS[d]}_{here}", left, 1, transition, 0 if m.compliant else None))
         if side and "bearing" in m.tied:  # the bearing holds on where n passes zero
@@ -228,12 +218,6 @@ class Modes:
             guards.append(self._guard(surface, self._at_rest(ways), side, f"contact_{here}"))
         return (*guards, *self._body_guards(key))
 
-    def _left(self, ways: Ways, d: int, side: int) -> Row:
-        key = (ways, d, side)
-        if key not in self._lefts:
-            self._lefts[key] = self.m.left(ways, d, side)
-        return self._lefts[key]
-
     def _at_rest(self, ways: Ways) -> Row:
         """Return the row whose sign is the side of rest."""
         found = self.solution((0, 1, ways))
@@ -242,25 +226,22 @@ class Modes:
     def _body_guards(self, key: Key) -> Iterator[Guard]:
         """Guards of the bodies: the speed of one that slides, both ends of the friction of one that is held."""
         (d, q, ways), here, m = key, self.name(key), self.m
-        held = [body for body, way in zip(m.own, ways, strict=True) if way == 0]
         for k, (body, way) in enumerate(zip(m.own, ways, strict=True)):
             if way:
                 name = f"{body}_stop_{DIRECTIONS[d] if d else 'rest'}{self._suffix(ways)}"
                 if name not in self.transitions:
                     self.transitions[name] = self._stop(body, d, ways)
-                yield self._guard(f"{body}_speed", self._body_speed(body), way, name, self._body_snap(body))
+                snap = m.place[m.sliders[0]] + 1 if body == "slide" else 1
+                yield self._guard(f"{body}_speed", self._body_speed(body), way, name, snap)
                 continue
             for onward in (m.turning, -m.turning):
                 name, moves = f"{body}_release_{DIRECTIONS[onward]}_{here}", (*ways[:k], onward, *ways[k + 1 :])
                 branch = Branch(self.name((d, q, moves)), Event[f"{body}_release".upper()])
-                self.transitions[name] = Transition((branch,), reset=m.reset(d == 0, held))
+                self.transitions[name] = Transition((branch,), reset=m.reset(d == 0, self._held_in(ways)))
                 yield self._guard(f"{body}_hold_{DIRECTIONS[onward]}_{here}", self._room(key, body, onward), 1, name)
 
     def _body_speed(self, body: str) -> Row:
         return self.m.nut_speed if body == "slide" else self.m.speed
-
-    def _body_snap(self, body: str) -> int:
-        return self.m.place[self.m.sliders[0]] + 1 if body == "slide" else 1
 
     def _room(self, key: Key, body: str, way: int) -> Row:
         """Friction that is left to keep a body from sliding one way."""
@@ -270,14 +251,12 @@ class Modes:
 
     def _stop(self, what: str, d: int, ways: Ways) -> Transition:
         """Transition in which the threads (``slip``) or a body come to a stop, by trying what may then move or hold."""
-        m = self.m
-        held = [body for body, way in zip(m.own, ways, strict=True) if way == 0]
-        free = held if what == "slip" else [*held, what]
-        rests = what == "slip" or d == 0
-        if self.paradox and not m.compliant:
+        if self.seizes:
             return Transition(tuple(self._beyond_hold((Event.STICK, Event.REVERSAL))))
-        branches = tuple(self._consistent(d, ways, free, "" if what == "slip" else what))
-        return Transition(branches, reset=m.reset(rests, free))
+        body = "" if what == "slip" else what
+        free = [*self._held_in(ways), *([body] if body else [])]
+        reset = self.m.reset(d == 0 or not body, free)
+        return Transition(tuple(self._consistent(d, ways, free, body)), reset=reset)
 
     def _consistent(self, d: int, ways: Ways, free: list[str], body: str = "") -> Iterator[Branch]:
         """Branches to the one mode whose accelerations, forces and signs agree; the last one takes what is left.
@@ -306,22 +285,17 @@ class Modes:
         moves = key[2][self.m.own.index(body)] if body else key[0]
         return Event[f"{body}_{'reversal' if moves else 'stick'}".strip("_").upper()]
 
-    def _carries(self, d: int, q: int, ways: Ways) -> list[tuple[Side, ...]]:
+    def _ways_to_carry(self, d: int, q: int, ways: Ways) -> list[tuple[Side, ...]]:
         """Conditions under each of which n has the sign q, now or – if it is zero – at once, by its rates.
 
         On n = 0 the first derivative that is not zero is the same under both laws, with any coefficient.
         """
-        if (d, q, ways) in self._carried:
-            return self._carried[d, q, ways]
         row, field = self.gauge(d, ways), self.solution((d, -d, ways)).field
         rate = rate_of(row, field)
         last = Test.POSITIVE if q > 0 else Test.NOT_NEGATIVE
         now, next_one = (scaled(row, q), Test.POSITIVE), (scaled(rate, q), Test.POSITIVE)
         further = (scaled(rate_of(rate, field), q), last)
-        found: list[tuple[Side, ...]] = [(now,), ((row, Test.ZERO), next_one)]
-        found.append(((row, Test.ZERO), (rate, Test.ZERO), further))
-        self._carried[d, q, ways] = found
-        return found
+        return [(now,), ((row, Test.ZERO), next_one), ((row, Test.ZERO), (rate, Test.ZERO), further)]
 
     def _agree(self, key: Key, free: list[str]) -> tuple[Side, ...]:
         """Conditions under which bodies that were at rest begin to slide as a mode says, or are held."""
@@ -371,18 +345,16 @@ class Modes:
         m = self.m
         for d in (1, -1, 0):
             slips: tuple[Side, ...] = ((scaled(m.slip, d), Test.POSITIVE),) if d else ()
-            if self.paradox and not m.compliant:
+            if self.seizes:
                 if d:
                     yield Branch(self.name((d, -d, ())), Event.RELEASE, slips)
                 else:
                     yield from self._beyond_hold((Event.STICK, Event.REVERSAL))
                 continue
             for ways in self.ways:
-                free = [body for body, way in zip(m.own, ways, strict=True) if way == 0]
-                moving = [
-                    (scaled(self._body_speed(b), w), Test.POSITIVE) for b, w in zip(m.own, ways, strict=True) if w
-                ]
-                for branch in self._consistent(d, ways, free):
+                going = [(body, way) for body, way in zip(m.own, ways, strict=True) if way]
+                moving = [(scaled(self._body_speed(body), way), Test.POSITIVE) for body, way in going]
+                for branch in self._consistent(d, ways, self._held_in(ways)):
                     kind = Event.RELEASE if d else branch.kind
                     yield replace(branch, kind=kind, conditions=(*slips, *moving, *branch.conditions))
 

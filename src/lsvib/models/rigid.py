@@ -57,16 +57,13 @@ from lsvib.engine.exact.arithmetic import double, many_digits, root, sign
 from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import Test
 from lsvib.errors import InputError
-from lsvib.models import friction, mechanics
+from lsvib.models import friction
 from lsvib.models.drive import Drive, once
 from lsvib.models.law_modes import automaton_of_parts
-from lsvib.models.mechanics import (
-    Coefficients,
-    coefficients,
-)
-from lsvib.models.names import Event, Resume
+from lsvib.models.mechanics import Coefficients, by_law, coefficients
+from lsvib.models.names import COORDINATES, DIRECTIONS, SIGNS, Event, Resume, mode_name
 
-STATES = ("angle_deviation", "velocity_deviation")
+STATES = COORDINATES["screw"]
 
 
 class MotionMode(IntEnum):
@@ -79,13 +76,8 @@ class MotionMode(IntEnum):
     REST = 4
 
 
-SLIPS = {  # mode: (sign of θ′, sign of Q)
-    "slip_forward_positive": (1, 1),
-    "slip_forward_negative": (1, -1),
-    "slip_backward_positive": (-1, 1),
-    "slip_backward_negative": (-1, -1),
-}
-SLIP_NAMES = {signs: name for name, signs in SLIPS.items()}
+SLIP_NAMES = {(d, q): mode_name((d, q, ()), ()) for d in DIRECTIONS for q in SIGNS}  # by the signs of θ′ and Q
+SLIPS = {name: signs for signs, name in SLIP_NAMES.items()}
 BY_LAW_MINUS = {1: "slip_forward_negative", -1: "slip_backward_positive"}  # by the sign of θ′
 
 
@@ -111,19 +103,20 @@ class RigidBuild:
     From coefficients and parameters, as balls or as arrays of doubles (many drives).
 
     ``flows``: the flow table and the eigenform of slip by law; ``above``, ``below``: the torque T_r beyond an end of
-    the band of static friction; ``band_end``: positive before the end that is ahead, as T_r grows at k Ω during rest.
+    the band of static friction, whose factors are ``xi_rest`` and ``gamma_rest`` by law; ``band_end``: positive before
+    the end that is ahead, as T_r grows at k Ω during rest.
     """
 
     @many_digits()
     def __init__(self, c: Coefficients, d: Any) -> None:
         self.c, self.d = c, d
-        self.flows = self._flows()
+        self.flows = {}
+        for s in (-1,) if c.paradox else (1, -1):
+            terms = c.gamma[s], c.damping[s], d.coupling_stiffness, d.pitch_radius * c.slack(s) * c.net_force
+            self.flows[s] = oscillator(*terms), eigenform(*terms)
         self.turning, force = sign(d.input_speed), sign(d.axial_force)
         self.same = d.static_friction is d.steady_friction  # rest then holds as much as sliding carries
-        self.xi_rest = (
-            c.xi if self.same else {s: mechanics.friction_factor(d.static_friction, d.tan_lead, s) for s in c.xi}
-        )
-        self.xi_slow = self._xi_slow()
+        self.xi_rest, self.gamma_rest = (c.xi, c.gamma) if self.same else by_law(d, d.static_friction)[:2]
         upper, lower = (1, -1) if force >= 0 else (-1, 1)
         self.above, self.below = self._torque_above(upper, True), scaled(self._torque_above(lower, True), -1)
         self.band_end = scaled(self.above if self.turning > 0 else self.below, -1)
@@ -131,23 +124,12 @@ class RigidBuild:
         self.release_sign = force or -self.turning
         if force * self.turning > 0 and not self.same:
             # At the end of the band Q is R Γ₊ with static friction, which alone may reach the Painlevé region.
-            self.release_sign *= sign(self.gamma_rest()[1]) or 1
+            self.release_sign *= sign(self.gamma_rest[1]) or 1
         # Where the band is a point, events accumulate there when what is left of them lies below rounding; rest then
         # ends as soon as it begins, and the release begins in the very corner: beside it, on the wrong side by a last
         # place, the screw would stop again at once, and so for ever.
         corner = ((0, 0, -self.turning * self.band_end[2]), (0, 1, 0))
         self.to_corner = corner if force == 0 or self._cornered() else None
-
-    def _xi_slow(self) -> dict[int, Any]:
-        """ξ_s of slow sliding, by law."""
-        return self.c.xi
-
-    def _flows(self) -> dict[int, tuple]:
-        c, d, found = self.c, self.d, {}
-        for s in (-1,) if c.paradox else (1, -1):
-            terms = c.gamma[s], c.damping[s], d.coupling_stiffness, d.pitch_radius * c.slack(s) * c.net_force
-            found[s] = oscillator(*terms), eigenform(*terms)
-        return found
 
     @many_digits()
     def automaton(self, rest: bool, resume: Resume) -> Automaton:
@@ -182,22 +164,13 @@ class RigidBuild:
         """(T_r − r_m ξ R) / k [rad] under a law, static or sliding; k z_0 is inserted: nothing cancels."""
         c, d = self.c, self.d
         steady = (c.damping[c.steady_law] * d.input_speed) / d.coupling_stiffness
-        xi = self.xi_rest if at_rest else self.xi_slow
-        slack = c.slack(law) if xi is c.xi else c.xi[c.steady_law] - xi[law]
+        other = at_rest and not self.same
+        slack = c.xi[c.steady_law] - self.xi_rest[law] if other else c.slack(law)
         return -1, 0, steady + d.pitch_radius * slack * d.axial_force / d.coupling_stiffness
-
-    @many_digits()
-    def gamma_rest(self) -> dict[int, Any]:
-        """Γ_s with static friction, by law."""
-        d = self.d
-        return {
-            s: mechanics.effective_inertia(d.screw_inertia, d.mass, d.pitch_radius, d.tan_lead, xi)
-            for s, xi in self.xi_rest.items()
-        }
 
     def _cornered(self) -> bool:
         """Whether at θ′ = 0 a double cannot tell the band of static friction, or Q at its end, from a corner."""
-        d, gamma = self.d, self.gamma_rest()
+        d, gamma = self.d, self.gamma_rest
         # The band is R (Γ₋ − Γ₊) / (m k r_m tan λ) wide, and Q = 0 R Γ₊ / (…) from its end.
         least = abs(self.band_end[2]) * d.mass * d.coupling_stiffness * d.pitch_radius * d.tan_lead
         force = 10**13 * abs(d.axial_force)  # this part of u counts: a tenth of it is what rounding may make of u
@@ -224,10 +197,7 @@ class RigidBuild:
 
     def _rest(self) -> Mode:
         beyond = "rest" if self.to_corner else None
-        return Mode(MotionMode.REST, self._still(), (Guard("band_end", 1, "release"),), beyond)
-
-    def _still(self) -> Any:
-        return oscillator(1, 0, 0, 0)
+        return Mode(MotionMode.REST, oscillator(1, 0, 0, 0), (Guard("band_end", 1, "release"),), beyond)
 
     def regular(self, rest: bool) -> tuple[dict[str, Mode], dict[str, Transition]]:
         """Modes and transitions for Γ₊ > 0."""

@@ -50,7 +50,7 @@ def speeds_below(drive: Drive, level: float) -> list[tuple[float, float]]:
     far = 50 * drive.stribeck_speed + (2 * (drive.friction_coefficient + level) / slope if slope else 0.0)
     marks = [0.0]
     for low, high in pairwise([0.0, *_turning_speeds(drive), far]):
-        if low < high and _crosses(drive, level, low, high):
+        if low < high and (_mu(drive, low) < level) != (_mu(drive, high) < level):
             marks.append(_root(drive, level, low, high))
     marks.append(math.inf)
     parts = [(a, b) for a, b in pairwise(marks) if a < b]
@@ -69,11 +69,6 @@ def critical_coefficient(inertia: Any, d: Any, mass: Any) -> float:
         if sign(heavy, "mass") <= 0:
             return math.inf
         return double((inertia + turned * d.tan_lead**2) / (heavy * d.tan_lead))
-
-
-def probe(d: Any) -> Any:
-    """Return a coefficient with which Γ_s is positive under both laws, whatever the masses."""
-    return d.tan_lead / 2 if d.tan_lead < 1 else 1 / (2 * d.tan_lead)
 
 
 def _turning_speeds(drive: Drive) -> list[float]:
@@ -97,10 +92,6 @@ def _turning_speeds(drive: Drive) -> list[float]:
 
 def _mu(drive: Drive, speed: float) -> float:
     return max(unbounded_coefficient(drive, speed), 0.0)
-
-
-def _crosses(drive: Drive, level: float, low: float, high: float) -> bool:
-    return (_mu(drive, low) < level) != (_mu(drive, high) < level)
 
 
 def _root(drive: Drive, level: float, low: float, high: float) -> float:

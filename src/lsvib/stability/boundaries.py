@@ -20,25 +20,15 @@ from lsvib.models import friction
 from lsvib.models.drive import Drive, may_vanish
 from lsvib.models.mechanics import LinearParts, net_force
 from lsvib.models.model import model_of
+from lsvib.stability import spectrum
 from lsvib.stability.isolation import isolated_roots
 from lsvib.stability.solve import Equations, allowed
-from lsvib.stability.spectrum import (
-    LEAST,
-    SAME,
-    enclosed,
-    margins,
-    polynomial,
-    positive_roots,
-    sliding_law_values,
-    undamped,
-)
+from lsvib.stability.spectrum import SAME, margins, polynomial
 
 NAMES = ("onset", "kinematic_constraint", "negative_damping", "flutter")
 """Thresholds that are roots of these equations."""
 _OF_SPEED = ("pitch_radius", "lead_angle", "input_speed", "stribeck_speed")
 """Parameters of the exponential of the friction law."""
-_OF_LAW = ("stribeck_rise", "friction_slope")
-"""Parameters by which any drive has a friction law that depends on the speed."""
 
 ParameterValues = Mapping[str, Any]
 _DAMPING = "C₊ = c − ξ₊ r_m² tan λ c_x = 0 (eq. 8.19)"
@@ -162,17 +152,17 @@ class Line:
         self.drive, self.unknown, self.side = drive, unknown, side
         self.fixed: dict[str, Any]
         self.tangent: Any
-        self.fixed, self.tangent = enclosed(drive)[0]
-        self.neutral = undamped(drive, unknown)
+        self.fixed, self.tangent = spectrum.enclosed(drive)[0]
+        self.neutral = spectrum.undamped(drive, unknown)
         self.sense = side if unknown == "input_speed" else 1 if drive.input_speed > 0 else -1
-        self.sloped = friction.depends_on_speed(drive) or unknown in _OF_LAW
+        self.sloped = friction.depends_on_speed(drive) or unknown in friction.OF_SPEED
         self.searched = searched(drive, unknown)
         if self.searched:
             self.fixed = {key: arb(value) for key, value in drive}
             self.tangent = self.fixed["lead_angle"].tan()
         elif self.sloped:
-            law = sliding_law_values(drive)[0]
-            if law["decay"] < LEAST:  # which would only part double roots by as little
+            law = spectrum.sliding_law_values(drive)[0]
+            if law["decay"] < spectrum.LEAST:  # which would only part double roots by as little
                 law["decay"] = fmpq(0)
             self.fixed = {**self.fixed, **law}
         slide = getattr(drive, "slide_friction", 0.0) or unknown == "slide_friction"
@@ -190,7 +180,7 @@ class Line:
             slowest = sum(fmpq(*x.as_integer_ratio()) for x in (drive.friction_coefficient, drive.stribeck_rise))
             most = max(slowest, static)
             return min(1 / most, steepest) if most else steepest
-        if self.unknown not in ("friction_coefficient", "static_friction_coefficient", *_OF_LAW):
+        if self.unknown not in ("friction_coefficient", "static_friction_coefficient", *friction.OF_SPEED):
             return fmpq(*float(_range(self.unknown)["maximum"]).as_integer_ratio())
         place = self.at(fmpq_poly([0, 1]))
         slowest = place[0]["friction_coefficient"] + place[0].get("stribeck_rise", 0)
@@ -224,7 +214,7 @@ class Line:
         if p.degree() < 1:
             return None
         # At the end of its range, as at μ = cot λ under law −, coefficients may vanish; nothing changes there.
-        return ([fmpq(0)] if p[0] == 0 else []) + positive_roots(p, self.limit * (1 - SAME))
+        return ([fmpq(0)] if p[0] == 0 else []) + spectrum.positive_roots(p, self.limit * (1 - SAME))
 
     def roots_of(self, condition: RootCondition) -> list[fmpq] | None:
         """Return the distances x ≥ 0 from zero at which a condition vanishes; None if it does not depend on x."""
@@ -354,16 +344,8 @@ def stable_set(drive: Drive, key: str) -> StableSet | None:
         vanishes = line.roots_of(line.force)
         if before[2] != after[2] and vanishes and vanishes[0] == 0:
             changes.append(line.place(fmpq(0), line.force))
-    return StableSet(
-        key,
-        tuple(intervals),
-        line.limit,
-        line.neutral,
-        line.stable(line.lowest),
-        tuple(changes),
-        drive,
-        tuple(line.limit for line in lines),
-    )
+    from_zero, limits = line.stable(line.lowest), tuple(line.limit for line in lines)
+    return StableSet(key, tuple(intervals), line.limit, line.neutral, from_zero, tuple(changes), drive, limits)
 
 
 @many_digits()
@@ -373,7 +355,7 @@ def places(drive: Drive, name: str, unknown: str) -> list[Place] | None:
     It changes sign there: where it only touches zero nothing begins. Of flutter it is that of the law that holds there.
     None if the unknown is not in the condition.
     """
-    lines, neutral = Line.all_of(drive, unknown), undamped(drive, unknown)
+    lines, neutral = Line.all_of(drive, unknown), spectrum.undamped(drive, unknown)
     if name == "flutter":
         wanted = {law: _margins(drive, law, neutral, False)[-1] for law in (1, -1)}
     elif name == "kinematic_constraint":

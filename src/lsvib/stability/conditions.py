@@ -23,7 +23,7 @@ from lsvib.numbers import bisected
 from lsvib.results import Condition, Quantity, StabilityReport, UndampedStability
 from lsvib.stability.boundaries import places, stable_set
 from lsvib.stability.linear import DriveValues, UndampedClass, reciprocal_squares, steady_law, values_of
-from lsvib.stability.spectrum import Polynomial, margins, scale, spectrum
+from lsvib.stability.spectrum import Polynomial, margins, spectrum
 
 LARGEST_MASS = 1e9  # kg, the end of the range of the mass
 
@@ -32,19 +32,14 @@ def screw_inertia(drive: DriveValues) -> Any:
     """Return I_eff [kg m²]: I, or I I_2 / (I + I_2) where the nut may turn, which is less (Remark 8.6)."""
     p = values_of(drive, 1)
     with many_digits():
-        return _together(p, "screw_inertia", "nut_inertia")
+        return mechanics.together(p.screw_inertia, getattr(p, "nut_inertia", None))
 
 
 def mass(drive: DriveValues) -> Any:
     """Return m_eff [kg]: m, or m̃ = m m_1 / (m + m_1) with an axial support."""
     p = values_of(drive, 1)
     with many_digits():
-        return _together(p, "mass", "screw_mass")
-
-
-def _together(p: Any, first: str, second: str) -> Any:
-    own, other = getattr(p, first), getattr(p, second, None)
-    return own if other is None else own * other / (own + other)
+        return mechanics.together(p.mass, getattr(p, "screw_mass", None))
 
 
 def effective_inertia(drive: DriveValues, law: int, rigid: bool = False) -> Any:
@@ -258,9 +253,7 @@ def stability(drive: Drive) -> StabilityReport:
     (eqs 8.23–8.32) stands apart, under ``without_damping``. Raises ``InputError`` for a contact that carries no force.
     """
     law = steady_law(drive)
-    kind, values, exact = spectrum(drive, law)
-    factor = scale(drive, law)
-    polynomial = tuple(p / factor for p in exact)
+    kind, values, polynomial = spectrum(drive, law)
     details = _of_rigid(drive, law) if drive.rigid else _of_parts(drive, law, polynomial, values)
     return StabilityReport(
         parts=drive.parts,
@@ -273,9 +266,9 @@ def stability(drive: Drive) -> StabilityReport:
     )
 
 
-def _growth(values: list[complex]) -> float | None:
-    """Growth rate of flutter [1/s]; None if nothing grows."""
-    return max((x.real for x in values if x.imag != 0 < x.real), default=None)
+def _growth(values: list[complex], real: bool = False) -> float | None:
+    """Growth rate of flutter, or of divergence by ``real`` eigenvalues [1/s]; None if nothing grows."""
+    return max((x.real for x in values if x.real > 0 and (x.imag == 0) == real), default=None)
 
 
 def _condition(**numbers: Any) -> Condition:
@@ -310,7 +303,7 @@ def _of_parts(drive: Drive, law: int, polynomial: Polynomial, values: list[compl
     soft = {"negative_coefficient_of_s2": -polynomial[-3]} if "threads" in drive.parts else {}
     conditions = {
         "kinematic_constraint": _condition(negative_effective_inertia=-inertia, **soft),
-        "divergence": _condition(growth_rate=max((x.real for x in values if x.imag == 0 < x.real), default=None)),
+        "divergence": _condition(growth_rate=_growth(values, real=True)),
         "flutter": _condition(growth_rate=_growth(values)),
     }
     quantities = {
@@ -345,9 +338,8 @@ def _of_threads(drive: Drive, values: list[complex]) -> tuple[Condition, dict[st
 def _undamped(drive: Drive, law: int) -> UndampedStability:
     """Of a drive with axial support (Sect. 5.6) without any damping: mode coupling and divergence (8.24 to 8.29)."""
     undamped = drive.replace(support_damping=0.0, translation_damping=0.0, axial_support_damping=0.0)
-    kind, _, exact = spectrum(undamped, law, level=True)
-    factor = scale(drive, law, level=True)
-    a_4, minus_a_2, discriminant = margins(tuple(p / factor for p in exact), neutral=True)
+    kind, _, polynomial = spectrum(undamped, law, level=True)
+    a_4, minus_a_2, discriminant = margins(polynomial, neutral=True)
     # in doubles Γ_0 and Γ̃_0 lose all digits next to where they vanish
     lower, upper = flutter_boundaries(drive.exact(), law)
     return UndampedStability(

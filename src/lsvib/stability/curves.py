@@ -58,11 +58,6 @@ AxisSpan = tuple[str, tuple[float, float]]
 PlaneFunction = Callable[[float, float], float]
 
 
-def curves_of(drive: Drive) -> tuple[ChartBoundary, ...]:
-    """Return the names of the curves that a drive can have; none if its model has no charts."""
-    return tuple(ChartBoundary[name.upper()] for name in model_of(drive).curves)
-
-
 def boundary_curves(drive: Drive, x: AxisSpan, y: AxisSpan) -> dict[ChartBoundary, list[np.ndarray]]:
     """Return the lines, points (k, 2) each, by the name of the curve, in a window of two parameters.
 
@@ -72,7 +67,7 @@ def boundary_curves(drive: Drive, x: AxisSpan, y: AxisSpan) -> dict[ChartBoundar
     names, found = (x[0], y[0]), {}
     corners = [drive.replace(**{x[0]: first, y[0]: second}) for first, second in product(x[1], y[1])]
     moves, rests = ([friction.refusal(corner, rest) for corner in corners] for rest in (False, True))
-    for kind in curves_of(drive):
+    for kind in (ChartBoundary[name.upper()] for name in model_of(drive).curves):
         if (any(moves) and kind in _OF_CONSTANT_FRICTION) or (any(rests) and kind in _OF_REST):
             continue
         # R̃ is linear in each parameter that it depends on.
@@ -80,18 +75,14 @@ def boundary_curves(drive: Drive, x: AxisSpan, y: AxisSpan) -> dict[ChartBoundar
             continue
         bisected = kind is ChartBoundary.EVEN_SPEED  # each step gains one bit only
         slow = bisected or kind is ChartBoundary.FLUTTER or (kind in _FORCES and "axial_force" not in names)
-        nodes = [nodes_between(*ends, 32 if slow else 64, name) for name, ends in (x, y)]
+        spacings = [np.geomspace if name in LOGARITHMIC else np.linspace for name in names]
+        nodes = [spaced(*ends, 33 if slow else 65) for spaced, (_, ends) in zip(spacings, (x, y), strict=True)]
         function = _function(drive, kind, names)
         values = np.array([[function(a, b) for a in nodes[0]] for b in nodes[1]])
         lines = contour(function, *nodes, values, 1e-9 if bisected else _ROUNDED)
         if lines:
             found[kind] = lines
     return found
-
-
-def nodes_between(low: float, high: float, count: int, name: str) -> np.ndarray:
-    """Return values from end to end; of the stiffness and damping of a contact in equal ratios."""
-    return np.geomspace(low, high, count + 1) if name in LOGARITHMIC else np.linspace(low, high, count + 1)
 
 
 def contour(

@@ -6,10 +6,10 @@ those of m, but for the last one, which is that of the whole box. Where this hol
 derivative has none there is one exactly if the ends of the box differ in sign; other boxes are halved.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
-from flint import arb, arb_series, fmpq
+from flint import arb, arb_poly, arb_series, fmpq
 
 from lsvib.errors import NoThreshold
 from lsvib.stability.solve import bracketed_root
@@ -49,11 +49,10 @@ def isolated_roots(function: Function, low: fmpq, high: fmpq) -> list[fmpq] | No
         if not whole.contains(0):
             continue
         if not slope.contains(0):
-            before, after = value(a), value(b)
-            if (before > 0 and after < 0) or (before < 0 and after > 0):
+            ends = value(a) * value(b)
+            if ends < 0:
                 roots.append(arb(bracketed_root(value, arb(a), arb(b), _CLOSE)).mid().fmpq())
-                continue
-            if (before > 0 and after > 0) or (before < 0 and after < 0):
+            if ends != 0:  # for certain
                 continue
         boxes += [((a + b) / 2, b), (a, (a + b) / 2)]
     raise NoThreshold("two roots of an equation of the threshold lie too close together to be told apart.")
@@ -75,12 +74,5 @@ def _over(function: Function, a: fmpq, b: fmpq) -> tuple[arb, arb]:
     terms = _series(function, arb((a + b) / 2), _ORDER - 1)
     terms.append(_series(function, _box(a, b), _ORDER)[-1])
     h = arb(0, arb((b - a) / 2).abs_upper())
-    return _summed(terms, h), _summed([k * term for k, term in enumerate(terms)][1:], h)
-
-
-def _summed(terms: Sequence[arb], h: arb) -> arb:
-    """A polynomial, the constant first, by Horner's rule."""
-    total = arb(0)
-    for term in reversed(terms):
-        total = total * h + term
-    return total
+    polynomial = arb_poly(terms)
+    return polynomial(h), polynomial.derivative()(h)

@@ -12,7 +12,6 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from flint import arb
 from numpy.typing import ArrayLike, NDArray
 
 from lsvib.engine.exact.arithmetic import many_digits
@@ -57,12 +56,9 @@ def sliding_law(drive: Drive) -> int:
 
     F_0 is the friction of the slide where there is one. Zero if the contact carries no force.
     """
-    sense = 1 if drive.input_speed > 0 else -1
-    d = drive.exact()
+    sense, d = 1 if drive.input_speed > 0 else -1, drive.exact()
     with many_digits():
-        # The friction first: it can balance R but for a drag that is far smaller. Balls of no radius subtract exactly.
-        rest = d.axial_force - sense * getattr(d, "slide_friction", arb(0))
-        force = rest - d.pitch_radius * d.tan_lead * d.translation_damping * d.input_speed
+        force = mechanics.net_force(vars(d), d.tan_lead, sense)
     return sense * (int(force > 0) - int(force < 0))
 
 

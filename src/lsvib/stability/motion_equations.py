@@ -4,6 +4,7 @@ All are written for Ω > 0 (:mod:`lsvib.stability.slip`, docs/thresholds.md). Th
 """
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 from lsvib.models import mechanics
@@ -50,53 +51,36 @@ class Return:
         return self.q_u * self.w - self.q_w * (self.slip.a0 * self.x + self.slip.a1 * self.w)
 
 
-def _stick(law: int) -> _OfDrive:
+# Each of these returns what vanishes at the threshold, from a drive and the unknown times.
+
+
+def _stick(law: int, d: SlipDrive, times: Sequence[Any]) -> list[Any]:
     """The cycle of slip by its two half returns; at a third time under a law w is stationary, and w = −Ω."""
-
-    def equations(d: SlipDrive, inner: Sequence[Any]) -> list[Any]:
-        """Return what vanishes at the threshold; ``inner`` are the unknown times."""
-        plus, minus = (half_return(d.slip(s), d.inertia[s], time) for s, time in zip((1, -1), inner[:2], strict=True))
-        slip, slope = d.slip(law), (plus if law > 0 else minus)[0]
-        y, w = slip.state(*leaving(slip, d.contact, d.inertia[law], slope), inner[2])
-        return [plus[1] - minus[0], minus[1] - plus[0], slip.a0 * y + slip.a1 * w, d.net * w + d.speed]
-
-    return equations
+    plus, minus = (half_return(d.slip(s), d.inertia[s], time) for s, time in zip((1, -1), times[:2], strict=True))
+    slip, slope = d.slip(law), (plus if law > 0 else minus)[0]
+    y, w = slip.state(*leaving(slip, d.contact, d.inertia[law], slope), times[2])
+    return [plus[1] - minus[0], minus[1] - plus[0], slip.a0 * y + slip.a1 * w, d.net * w + d.speed]
 
 
-def _touches(law: int, stops: bool = False) -> _OfDrive:
+def _touches(law: int, stops: bool, d: SlipDrive, times: Sequence[Any]) -> list[Any]:
     """Slip from the end of rest touches Q = 0, where Q′ = 0 and Q = 0; or it ``stops`` just where Q = 0."""
-
-    def equations(d: SlipDrive, inner: Sequence[Any]) -> list[Any]:
-        """Return what vanishes at the threshold; ``inner`` is the unknown time."""
-        slip, (q_u, q_w) = d.slip(law), d.contact
-        y, w = slip.state(d.end_of_rest(d.force) if law < 0 else d.end_without_force(1), -d.speed, inner[0])
-        q_rate = q_u * w + q_w * (-slip.a0 * y - slip.a1 * w)
-        return [w + d.speed if stops else q_rate, q_u * y + q_w * w + d.inertia[law] * d.net]
-
-    return equations
+    slip, (q_u, q_w) = d.slip(law), d.contact
+    y, w = slip.state(d.end_of_rest(d.force) if law < 0 else d.end_without_force(1), -d.speed, times[0])
+    q_rate = q_u * w + q_w * (-slip.a0 * y - slip.a1 * w)
+    return [w + d.speed if stops else q_rate, q_u * y + q_w * w + d.inertia[law] * d.net]
 
 
-def _comes_back(zero: Callable[[SlipDrive, Return], Any]) -> _OfDrive:
+def _comes_back(zero: Callable[[SlipDrive, Return], Any], d: SlipDrive, times: Sequence[Any]) -> list[Any]:
     """A cycle of seizures, Q = 0 on coming back, on which something else vanishes as well."""
-
-    def equations(d: SlipDrive, inner: Sequence[Any]) -> list[Any]:
-        """Return what vanishes at the threshold; ``inner`` is the unknown time."""
-        back = Return(d, inner[0])
-        return [zero(d, back), back.h + d.inertia[-1] * d.net]
-
-    return equations
+    back = Return(d, times[0])
+    return [zero(d, back), back.h + d.inertia[-1] * d.net]
 
 
-def _even(law: int) -> _OfDrive:
+def _even(law: int, d: SlipDrive, times: Sequence[Any]) -> list[Any]:
     """Slip under a law from the release of static friction touches θ′ = 0; the time is that since then, backwards."""
-
-    def equations(d: SlipDrive, inner: Sequence[Any]) -> list[Any]:
-        """Return what vanishes at the threshold; ``inner`` is the unknown time."""
-        c, s, _ = Slip(d.inertia[law], -d.damping[law], d.stiffness).responses(inner[0])
-        more = mechanics.friction_factor(d.static, d.tangent, law) - d.xi[law]
-        return [c - 1, d.radius * d.force * more + d.stiffness * s * d.speed]
-
-    return equations
+    c, s, _ = Slip(d.inertia[law], -d.damping[law], d.stiffness).responses(times[0])
+    more = mechanics.friction_factor(d.static, d.tangent, law) - d.xi[law]
+    return [c - 1, d.radius * d.force * more + d.stiffness * s * d.speed]
 
 
 _STICK = "v̂₊(τ₁) = v₋(τ₂), v̂₋(τ₂) = v₊(τ₁): the cycle of slip; on it under law {} w′(τ₃) = 0 and w(τ₃) = −Ω (Sect. 8.5)"
@@ -109,17 +93,17 @@ _LOST = f"slip under law − {_END.format('x')} is back at u = x after τ with Q
 _EVEN = "slip under law {} touches θ′ = 0 a time τ after its release: C(−τ) = 1, r_m R [ξ(μ_s) − ξ(μ)] = k Ω S(−τ)"
 
 _SYSTEMS: dict[str, tuple[str, _OfDrive]] = {
-    "stick+": (_STICK.format("+"), _stick(1)),
-    "stick-": (_STICK.format("−"), _stick(-1)),
-    "detach": (_DETACH.format("Q′"), _touches(1)),
-    "detach at rest": (_DETACH.format("θ′"), _touches(1, stops=True)),
-    "even+": (_EVEN.format("+"), _even(1)),
-    "even-": (_EVEN.format("−"), _even(-1)),
-    "rest seizes": (_SEIZES, _touches(-1)),
+    "stick+": (_STICK.format("+"), partial(_stick, 1)),
+    "stick-": (_STICK.format("−"), partial(_stick, -1)),
+    "detach": (_DETACH.format("Q′"), partial(_touches, 1, False)),
+    "detach at rest": (_DETACH.format("θ′"), partial(_touches, 1, True)),
+    "even+": (_EVEN.format("+"), partial(_even, 1)),
+    "even-": (_EVEN.format("−"), partial(_even, -1)),
+    "rest seizes": (_SEIZES, partial(_touches, -1, False)),
     # seizures that lead to each other; one that touches where it seizes
-    "fold": (_RETURN.format("dh/dτ = 0"), _comes_back(lambda d, back: back.h_rate)),
-    "cycle_birth": (_RETURN.format("Q′(τ) = 0"), _comes_back(lambda d, back: back.q_rate)),
-    "rest lost": (_LOST, _comes_back(lambda d, back: back.x - d.end_of_rest(d.force))),
+    "fold": (_RETURN.format("dh/dτ = 0"), partial(_comes_back, lambda d, back: back.h_rate)),
+    "cycle_birth": (_RETURN.format("Q′(τ) = 0"), partial(_comes_back, lambda d, back: back.q_rate)),
+    "rest lost": (_LOST, partial(_comes_back, lambda d, back: back.x - d.end_of_rest(d.force))),
 }
 
 

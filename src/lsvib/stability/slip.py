@@ -19,6 +19,7 @@ Rodrigo and Torres 1998).
 
 from collections.abc import Iterator, Mapping
 from itertools import count, takewhile
+from types import SimpleNamespace
 from typing import Any
 
 from flint import arb, arb_series
@@ -141,14 +142,10 @@ class SlipDrive:
         self.onset = self.lever * self.slide * self.speed
         self.net = self.force - self.onset
         self.tangent, self.static = t, p.get("static_friction_coefficient", arb(0))
-        self.xi = {law: mechanics.friction_factor(p["friction_coefficient"], t, law) for law in (1, -1)}
-        own, slide, radius = p["screw_inertia"], p["support_damping"], self.radius
-        self.inertia = {s: mechanics.effective_inertia(own, self.mass, radius, t, xi) for s, xi in self.xi.items()}
-        self.damping = {s: mechanics.effective_damping(slide, self.slide, radius, t, xi) for s, xi in self.xi.items()}
-        self.contact = (
-            self.lever * self.mass * self.stiffness,
-            self.lever * (self.mass * slide - own * self.slide),
-        )
+        d = SimpleNamespace(**p, tan_lead=t)
+        self.xi, self.inertia, self.damping = mechanics.by_law(d, d.friction_coefficient)
+        turned = self.mass * d.support_damping - d.screw_inertia * self.slide
+        self.contact = self.lever * self.mass * self.stiffness, self.lever * turned
 
     @classmethod
     def of(cls, drive: Drive, rest: bool = False) -> "SlipDrive":

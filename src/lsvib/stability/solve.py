@@ -81,58 +81,51 @@ def solved(drive: Drive, unknown: str, equations: Equations, guess: Any, inner: 
     good to four digits. Raises ``Singular`` at a double root, and where no root so close is proved.
     """
     with many_digits():
-        fixed = {name: arb(value) for name, value in drive}
+        fixed, count = {name: arb(value) for name, value in drive}, len(inner)
         names = [*fixed, *([] if unknown in fixed else [unknown])]
-        system = _System(equations, names, fixed, unknown, len(inner))
-        place = system.newton([_middle(arb(x)) for x in (*inner, guess)])
-        others = [len(inner) + k for k, name in enumerate(names) if name not in (unknown, *_WHOLE)]
-        values, jacobian = system.linearised(place, system.columns)
+        columns = [*range(count), count + names.index(unknown)]
+
+        def linearised(place: Sequence[arb], more: Sequence[int] = ()) -> tuple[list[arb], list[list[arb]]]:
+            """Values of the equations at (y, x), and their derivatives by y, x and ``more`` of the parameters."""
+            parameters = {**fixed, unknown: place[-1]}
+            at, by_column = [*place[:-1], *(parameters[name] for name in names)], []
+            for k in (*columns, *more):
+                seeded = [*at[:k], arb_series([at[k], 1], prec=2), *at[k + 1 :]]
+                named = dict(zip(names, seeded[count:], strict=True))
+                by_column.append([arb_series(x, prec=2) for x in equations(named, seeded[:count])])
+            return [x[0] for x in by_column[0]], [[column[i][1] for column in by_column] for i in range(len(place))]
+
+        place = _newton(linearised, [_middle(arb(x)) for x in (*inner, guess)])
+        others = [count + k for k, name in enumerate(names) if name not in (unknown, *_WHOLE)]
+        values, jacobian = linearised(place)
         step = _quotient(jacobian, [[value] for value in values])
         box = [m + arb(0, 4 * row[0].abs_upper()) for m, row in zip(place, step, strict=True)]
-        _, slopes = system.linearised(box, [*system.columns, *others])
+        _, slopes = linearised(box, others)
         n = len(place)
         jacobian = [row[:n] for row in slopes]
         proved = [m - row[0] for m, row in zip(place, _quotient(jacobian, [[v] for v in values]), strict=True)]
         if not all(x == y or x.contains_interior(y) for x, y in zip(box, proved, strict=True)):
             raise Singular
         found = _quotient(jacobian, [row[n:] for row in slopes])[-1] if others else []
-        of = {name: -slope for name, slope in zip((names[k - len(inner)] for k in others), found, strict=True)}
+        of = {names[k - count]: -slope for k, slope in zip(others, found, strict=True)}
         return Root(unknown=proved[-1], inner=tuple(proved[:-1]), derivatives=of)
 
 
-class _System:
-    """Equations with their inner unknowns first and the parameters after them."""
-
-    def __init__(self, equations: Equations, names: list[str], fixed: dict[str, arb], unknown: str, inner: int) -> None:
-        self.equations, self.names, self.fixed, self.unknown, self.inner = equations, names, fixed, unknown, inner
-        self.columns = [*range(inner), inner + names.index(unknown)]
-
-    def linearised(self, place: Sequence[arb], columns: Sequence[int]) -> tuple[list[arb], list[list[arb]]]:
-        """Values of the equations at (y, x), and their derivatives by the variables in ``columns``."""
-        parameters = {**self.fixed, self.unknown: place[-1]}
-        at = [*place[:-1], *(parameters[name] for name in self.names)]
-        by_column = []
-        for k in columns:
-            seeded = [*at[:k], arb_series([at[k], 1], prec=2), *at[k + 1 :]]
-            named = dict(zip(self.names, seeded[self.inner :], strict=True))
-            by_column.append([arb_series(x, prec=2) for x in self.equations(named, seeded[: self.inner])])
-        return [x[0] for x in by_column[0]], [[column[i][1] for column in by_column] for i in range(len(place))]
-
-    def newton(self, place: list[arb]) -> list[arb]:
-        """Return the midpoint of a root next to a place."""
-        begin, close = place, False
-        for _ in range(40):  # from nine digits five steps reach 150
-            values, jacobian = self.linearised(place, self.columns)
-            step = [_middle(row[0]) for row in _quotient(jacobian, [[value] for value in values])]
-            place = [_middle(x - dx) for x, dx in zip(place, step, strict=True)]
-            # The start is good to 1e-8 (of an extremum) or better.
-            if not all(abs(x - near) <= 1e-4 * abs(near) for x, near in zip(place, begin, strict=True)):
-                raise Singular
-            if close:
-                return place
-            # One more step, which squares the change, is the last.
-            close = all(abs(dx) <= 1e-60 * abs(x) for x, dx in zip(place, step, strict=True))
-        raise Singular
+def _newton(linearised: Callable[[list[arb]], tuple[list[arb], list[list[arb]]]], place: list[arb]) -> list[arb]:
+    """Return the midpoint of a root next to a place."""
+    begin, close = place, False
+    for _ in range(40):  # from nine digits five steps reach 150
+        values, jacobian = linearised(place)
+        step = [_middle(row[0]) for row in _quotient(jacobian, [[value] for value in values])]
+        place = [_middle(x - dx) for x, dx in zip(place, step, strict=True)]
+        # The start is good to 1e-8 (of an extremum) or better.
+        if not all(abs(x - near) <= 1e-4 * abs(near) for x, near in zip(place, begin, strict=True)):
+            raise Singular
+        if close:
+            return place
+        # One more step, which squares the change, is the last.
+        close = all(abs(dx) <= 1e-60 * abs(x) for x, dx in zip(place, step, strict=True))
+    raise Singular
 
 
 def _quotient(matrix: list[list[arb]], sides: list[list[arb]]) -> list[list[arb]]:
@@ -173,7 +166,6 @@ def sign_changes(drive: Drive, unknown: str, gap: Gap, places: Sequence[float]) 
     """
 
     def defined(value: float) -> float:
-        """Return the gap at a value of the parameter."""
         found = gap(drive.replace(**{unknown: zero_if_close(unknown, value)}))
         if not math.isfinite(found):
             raise NoThreshold

@@ -32,60 +32,46 @@ Polynomial = tuple[Any, ...]
 
 
 def polynomial(values: Mapping[str, Any], law: int, tan_lead: Any, level: bool = False) -> Polynomial:
-    """Return the coefficients of the characteristic polynomial, times :func:`scale`, highest power first (SI units).
+    """Return the coefficients of the characteristic polynomial, highest power first (SI units).
 
-    Arguments: the parameters of the drive, law s = ±1 and tan λ, in any one arithmetic: floats, rationals
-    (:func:`enclosed`), polynomials in an unknown, balls or power series; ``level`` leaves out the slope of friction.
+    They are those of det(M s² + C s + K) times ``LinearParts.excess``. Arguments: parameters of the drive, law s = ±1
+    and tan λ, in any one arithmetic: floats, rationals (:func:`enclosed`), polynomials in an unknown, balls or power
+    series; ``level`` leaves out the slope of friction.
     """
     parts = LinearParts.of(values, law, tan_lead)
     return (parts.level() if level else parts).polynomial()
 
 
-def rationals(drive: Drive) -> dict[str, fmpq]:
-    """Return the parameters of a drive as exact rationals."""
-    return {key: fmpq(*value.as_integer_ratio()) for key, value in drive}
-
-
-def tangents(drive: Drive, digits: int = 100) -> tuple[fmpq, ...]:
-    """Return rationals just below and just above tan λ, a relative 10^−digits apart from it."""
-    with ctx.workdps(digits + 10):
-        tangent, apart = arb(drive.lead_angle).tan().mid(), arb(10) ** -digits
-        return tuple((tangent * (1 + side * apart)).mid().fmpq() for side in (-1, 1))
+def _beside(number: arb, digits: int) -> tuple[fmpq, ...]:
+    """Rationals just below and just above a number, a relative 10^−digits apart from it."""
+    return tuple((number.mid() * (1 + side * arb(10) ** -digits)).mid().fmpq() for side in (-1, 1))
 
 
 def sliding_law_values(drive: Drive, digits: int = 100) -> tuple[dict[str, fmpq], ...]:
     """Return ``secant`` and ``decay`` of :func:`lsvib.models.friction.steady_sum` just below and above their values."""
-    found: tuple[dict[str, fmpq], ...] = ({}, {})
     with ctx.workdps(digits + 10):
-        secant, apart = 1 / arb(drive.lead_angle).cos(), arb(10) ** -digits
-        left = arb(1)
+        secant, left = 1 / arb(drive.lead_angle).cos(), arb(1)
         if drive.stribeck_speed:
             d = SimpleNamespace(stribeck_speed=arb(drive.stribeck_speed), stribeck_exponent=drive.stribeck_exponent)
             left = friction.decay(d, arb(drive.pitch_radius) * abs(arb(drive.input_speed)) * secant)
-        for side, values in zip((-1, 1), found, strict=True):
-            values["secant"] = (secant.mid() * (1 + side * apart)).mid().fmpq()
-            # What is left of a rise may have no end of digits; so little of it counts only where nothing else does.
-            values["decay"] = (left.mid() * (1 + side * apart)).mid().fmpq() if left > LEAST else LEAST ** (2 - side)
-    return found
+        # What is left of a rise may have no end of digits; so little of it counts only where nothing else does.
+        decays = _beside(left, digits) if left > LEAST else (LEAST**3, LEAST)
+        pairs = zip(_beside(secant, digits), decays, strict=True)
+        return tuple({"secant": secant, "decay": decay} for secant, decay in pairs)
 
 
 def enclosed(drive: Drive, digits: int = 100) -> tuple[tuple[dict[str, fmpq], fmpq], ...]:
     """Return the parameters as rationals and tan λ, twice: all that is no rational just below and above its value."""
-    values, ends = rationals(drive), tangents(drive, digits)
+    values = {key: fmpq(*value.as_integer_ratio()) for key, value in drive}
+    with ctx.workdps(digits + 10):
+        ends = _beside(arb(drive.lead_angle).tan(), digits)
     if not friction.moves(values):
         return tuple((values, t) for t in ends)
     return tuple((values | law, t) for law, t in zip(sliding_law_values(drive, digits), ends, strict=True))
 
 
-def scale(drive: Drive, law: int, level: bool = False) -> fmpq:
-    """Return the positive factor by which :func:`polynomial` exceeds det(M s² + C s + K)."""
-    values, tangent = enclosed(drive)[0]
-    parts = LinearParts.of(values, law, tangent)
-    return fmpq((parts.level() if level else parts).excess)
-
-
 def spectrum(drive: Drive, law: int, level: bool = False) -> tuple[str, list[complex], Polynomial]:
-    """Class, eigenvalues [1/s] in ascending real part, and characteristic polynomial of the steady sliding of a drive.
+    """Class, eigenvalues [1/s] in ascending real part, and det(M s² + C s + K) of the steady sliding of a drive.
 
     Of the rigid drive (8.18) the class is one of :class:`~lsvib.stability.linear.Stability`, in lower case. Of a drive
     of two bodies it is ``stable`` (asymptotically), ``neutral`` (no eigenvalue to the right of the imaginary axis,
@@ -108,7 +94,10 @@ def spectrum(drive: Drive, law: int, level: bool = False) -> tuple[str, list[com
     values = sorted(roots, key=lambda z: (z.real, z.imag))
     if kind == "unstable":
         kind = "divergence" if values[-1].imag == 0 else "flutter"
-    return kind, values, exact
+    parameters, tangent = enclosed(drive)[0]
+    parts = LinearParts.of(parameters, law, tangent)
+    factor = fmpq((parts.level() if level else parts).excess)
+    return kind, values, tuple(p / factor for p in exact)
 
 
 def margins(p: Polynomial, neutral: bool) -> Polynomial:
@@ -140,7 +129,7 @@ def undamped(drive: Drive, key: str = "") -> bool:
 
     The slope of friction damps as well, or the opposite.
     """
-    if friction.depends_on_speed(drive) or key in ("stribeck_rise", "friction_slope"):
+    if friction.depends_on_speed(drive) or key in friction.OF_SPEED:
         return False
     dampings = ["support_damping", "translation_damping", *(PARTS[part][-1] for part in drive.parts)]
     return key not in dampings and not any(getattr(drive, name) for name in dampings)

@@ -28,7 +28,7 @@ from lsvib.stability import threshold
 from lsvib.stability.motion_equations import Start
 from lsvib.stability.slip import Slip, SlipDrive
 from lsvib.stability.solve import Singular, samples
-from lsvib.stability.threshold import newton, require_solvable, result
+from lsvib.stability.threshold import newton, result
 
 DECADES, PER_DECADE = 3, 6  # of a search, on both sides of the drive's own value
 _CLOSE = 1e-12  # of a value, to which the search closes in
@@ -92,7 +92,6 @@ def even_speed(drive: Drive, unknown: str) -> Threshold:
 
     Where these meet the equations of the module's text the solutions are theirs, with derivatives.
     """
-    require_solvable(drive, unknown)
     found, known = [], tried(drive, unknown)
     for low, high in changes(drive, unknown, known):
         middle = 0.5 * (low + high)
@@ -112,19 +111,9 @@ def even_speed(drive: Drive, unknown: str) -> Threshold:
 
 def all_thresholds(drive: Drive, unknown: str | None = None) -> dict[str, Threshold]:
     """Return all thresholds of a drive by name, as :func:`lsvib.stability.threshold.all_thresholds` does."""
-    key = threshold.parameter(drive, "even_speed", unknown)
-    try:
-        found = even_speed(drive, key)
-    except NoThreshold as absent:
-        found = result(drive, "even_speed", key, (), reason=str(absent))
-    return {"even_speed": found, **threshold.all_thresholds(drive, unknown)}
+    return threshold.all_thresholds(drive, unknown, even_speed)
 
 
 def solve_threshold(drive: Drive, name: str, unknown: str | None = None) -> Threshold:
     """Solve any threshold of a drive, as :func:`lsvib.stability.threshold.solve_threshold` does."""
-    if name != "even_speed":
-        return threshold.solve_threshold(drive, name, unknown)
-    found = even_speed(drive, threshold.parameter(drive, name, unknown))
-    if not found.solutions:
-        raise NoThreshold(found.reason)
-    return found
+    return threshold.solve_threshold(drive, name, unknown, even_speed)

@@ -9,7 +9,7 @@ one solver, which proves and encloses them (:mod:`lsvib.stability.solve`).
 import math
 import re
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from typing import Any
 
@@ -28,6 +28,8 @@ from lsvib.stability.force_thresholds import STARTS, rest_left
 from lsvib.stability.motion_equations import Start
 from lsvib.stability.solve import DECADES, Root, Singular, outwards, samples, sign_changes, solved
 
+Solver = Callable[[Drive, str], Threshold]
+"""What solves ``even_speed`` for a parameter: it needs the engine (:mod:`lsvib.stability.starting`)."""
 _USUAL = {
     "kinematic_constraint": "mass",
     "negative_damping": "support_damping",
@@ -56,26 +58,26 @@ _STATEMENTS = {  # forces for input_speed > 0; for input_speed < 0 all forces ch
 }
 
 
-def all_thresholds(drive: Drive, unknown: str | None = None) -> dict[str, Threshold]:
-    """Return all thresholds of a drive by name but ``even_speed``, each as :func:`solve_threshold` gives it.
+def all_thresholds(drive: Drive, unknown: str | None = None, even: Solver | None = None) -> dict[str, Threshold]:
+    """Return all thresholds of a drive by name, ``even_speed`` with its solver, as :func:`solve_threshold` gives them.
 
     Solved for ``unknown``, by default each for its usual parameter. One that does not exist has no value but a
     ``reason``. Raises ``InputError`` for another parameter.
     """
     found = {}
     for name in model_of(drive).thresholds:
-        if name == "even_speed":  # which needs the engine, see lsvib.stability.starting
+        if name == "even_speed" and even is None:
             continue
         key = parameter(drive, name, unknown)
         try:
-            found[name] = _solve(drive, name, key)
+            found[name] = _solve(drive, name, key, even)
         except NoThreshold as absent:
             found[name] = result(drive, name, key, (), reason=str(absent))
     return found
 
 
-def solve_threshold(drive: Drive, name: str, unknown: str | None = None) -> Threshold:
-    """Solve a threshold of a drive, any but ``even_speed``, for one of its parameters, all others held.
+def solve_threshold(drive: Drive, name: str, unknown: str | None = None, even: Solver | None = None) -> Threshold:
+    """Solve a threshold of a drive, ``even_speed`` with its solver, for one of its parameters, all others held.
 
     Arguments: drive of any model; name of one of the thresholds of that model; name of the parameter, by default the
     mass for ``kinematic_constraint``, ``flutter`` and, where parts comply, ``onset``, the support damping for
@@ -86,7 +88,7 @@ def solve_threshold(drive: Drive, name: str, unknown: str | None = None) -> Thre
     known = model_of(drive).thresholds
     if not isinstance(name, str) or name not in known:
         raise InputError(f"threshold = {shown(name)} is not one of those of this drive: {', '.join(known)}.")
-    found = _solve(drive, name, parameter(drive, name, unknown))
+    found = _solve(drive, name, parameter(drive, name, unknown), even)
     if not found.solutions:
         raise NoThreshold(found.reason)
     return found
@@ -101,9 +103,14 @@ def parameter(drive: Drive, name: str, unknown: Any) -> str:
     return key
 
 
-def _solve(drive: Drive, name: str, unknown: str) -> Threshold:
+def _solve(drive: Drive, name: str, unknown: str, even: Solver | None) -> Threshold:
     """A threshold, perhaps without solutions but with a reason; or ``NoThreshold``."""
-    require_solvable(drive, unknown)
+    if unknown == "stribeck_exponent":
+        raise NoThreshold("stribeck_exponent is either 1 or 2, so no threshold is solved for it.")
+    if unknown == "stribeck_rise" and not drive.stribeck_speed:
+        raise NoThreshold("no threshold is solved for stribeck_rise without stribeck_speed > 0.")
+    if name == "even_speed" and even:
+        return even(drive, unknown)
     if name in boundaries.NAMES:
         return _by_roots(drive, name, unknown)
     if unknown in DRY:
@@ -112,14 +119,6 @@ def _solve(drive: Drive, name: str, unknown: str) -> Threshold:
     if name in STARTS and unknown == "axial_force":
         return _by_force(drive, name)
     return _by_search(drive, name, unknown)
-
-
-def require_solvable(drive: Drive, unknown: str) -> None:
-    """Raise ``NoThreshold`` for a parameter of the friction law that is solved for in no threshold."""
-    if unknown == "stribeck_exponent":
-        raise NoThreshold("stribeck_exponent is either 1 or 2, so no threshold is solved for it.")
-    if unknown == "stribeck_rise" and not drive.stribeck_speed:
-        raise NoThreshold("no threshold is solved for stribeck_rise without stribeck_speed > 0.")
 
 
 def _require_one_friction(drive: Drive, name: str, unknown: str) -> None:
@@ -227,7 +226,6 @@ def _solution(drive: Drive, unknown: str, root: Root, words: str) -> ThresholdSo
     unit = described(unknown)["unit"]
 
     def derivative(name: str, slope: arb) -> Derivative:
-        """Return the derivative by a parameter from its ball."""
         # What is not distinguished from zero is zero: a threshold may not depend on what is in its equation.
         numbers = (0.0 if slope.contains(0) else float(slope), *outwards(slope))
         value, low, high = (x if math.isfinite(x) else None for x in numbers)

@@ -76,6 +76,15 @@ def root(number: Number) -> Number:
     return np.sqrt(number) if isinstance(number, (np.ndarray, float, int)) else number.sqrt()
 
 
+def real_rates(alpha: Number, square: Number, delta: Number) -> tuple[Number, Number]:
+    """Return the real roots r₁ ≥ r₂ of r² + 2α r + square, with (r₁ − r₂) / 2 = delta, so that nothing cancels."""
+    if sign(alpha) >= 0:
+        large = -alpha - delta
+        return (square / large if sign(large) else large), large
+    large = delta - alpha
+    return large, square / large
+
+
 def exponential(number: Number) -> Number:
     """Return e to the power of a number."""
     return np.exp(number) if isinstance(number, (np.ndarray, float, int, complex)) else number.exp()

@@ -47,10 +47,6 @@ class Field:
         """Return the coordinates that may change."""
         return [i for i in range(len(self.rows)) if i not in self.kept]
 
-    def matrix(self) -> tuple[tuple[arb | float | int, ...], ...]:
-        """Return A between the coordinates that may change."""
-        return tuple(tuple(self.rows[i][j] for j in self.alive) for i in self.alive)
-
     def push(self) -> list[arb]:
         """Return b of the coordinates that may change, with the share of those that do not."""
         own = ((self.rows[i][-1], self.rows[i]) for i in self.alive)
@@ -59,10 +55,6 @@ class Field:
     def scale(self) -> list[float]:
         """Return the sizes of the coordinates that may change."""
         return [float(self.sizes[i]) for i in self.alive]
-
-    def table(self) -> np.ndarray:
-        """Return A and b (n, n + 1) in doubles."""
-        return np.array([[float(x) for x in row] for row in self.rows])
 
 
 def amplification(out: np.ndarray, into: np.ndarray, sizes: np.ndarray) -> np.ndarray:
@@ -81,6 +73,11 @@ class Subspace(NamedTuple):
     factor: list[arb]  # from the highest power, which is one
     projector: arb_mat
     slow: bool
+
+    @property
+    def rank(self) -> int:
+        """Return the number of its dimensions."""
+        return round(sum(float(self.projector[i, i]) for i in range(self.projector.nrows())))
 
 
 def rates_of(matrix: arb_mat) -> list[acb]:

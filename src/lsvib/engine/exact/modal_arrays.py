@@ -24,20 +24,13 @@ _ROUND = 1e-3  # β of a pair over |λ|: three digits are lost where its two rat
 
 @dataclass(frozen=True)
 class ModalModes:
-    """One mode of k drives with n states, in modal form; attributes as those of ``ModalFlow``, with a first axis (k).
+    """One mode of k drives with n states, in modal form: its ``flow`` with the drives along the first axis (k).
 
     ``coordinates``: number of modal ones; ``exact``: V and v₀ before they were rounded; ``condition`` (k) is infinite
     where a form does not hold to 1e-12.
     """
 
-    pairs: np.ndarray
-    singles: np.ndarray
-    oscillators: np.ndarray
-    rates: np.ndarray
-    pushes: np.ndarray
-    to_modal: np.ndarray
-    from_modal: np.ndarray
-    field: np.ndarray
+    flow: ModalFlow
     condition: np.ndarray
     exact: np.ndarray
     coordinates: int
@@ -45,8 +38,9 @@ class ModalModes:
     @property
     def time_scales(self) -> list[np.ndarray]:
         """Return the shortest time scale [s] of the pairs and of the singles carried about their equilibrium (k)."""
-        scales = np.where(self.oscillators[..., layout.A0] > 0, self.oscillators[..., layout.TIME_SCALE], np.inf)
-        about = np.where((self.rates != 0.0) & (self.pushes == 0.0), np.abs(self.rates), 0.0)
+        oscillators, rates = self.flow.oscillators, self.flow.rates
+        scales = np.where(oscillators[..., layout.A0] > 0, oscillators[..., layout.TIME_SCALE], np.inf)
+        about = np.where((rates != 0.0) & (self.flow.pushes == 0.0), np.abs(rates), 0.0)
         with np.errstate(divide="ignore"):
             return [np.hstack([scales, 1.0 / about]).min(axis=1)]
 
@@ -101,10 +95,8 @@ def modal_modes(rows: Sequence[Sequence[Any]], sizes: Sequence[Any], kept: Mappi
         exact[:, i, n] = value
     condition = amplification(exact.astype(float)[..., :-1], to_modal, size.astype(float))
     condition[~(safe & held & (condition < WORST_CONDITION))] = np.inf
-    return ModalModes(
-        pairs, count - 2 * pairs, oscillators, *singles, to_modal, exact.astype(float), field.astype(float), condition,
-        exact, count,
-    )  # fmt: skip
+    tables = to_modal, exact.astype(float), field.astype(float)
+    return ModalModes(ModalFlow(pairs, count - 2 * pairs, oscillators, *singles, *tables), condition, exact, count)
 
 
 def _eigenvectors(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -203,7 +195,7 @@ def guard_columns(modes: Sequence[ModalModes], rows: Sequence[Sequence[Sequence[
     """
     found = []
     for mode, guards in zip(modes, rows, strict=True):
-        n, count = mode.field.shape[1], mode.coordinates
+        n, count = mode.flow.field.shape[1], mode.coordinates
         for guard in guards:
             weights = table([guard])[:, 0]
             columns = [np.zeros(1)] * (n + 1)
@@ -216,9 +208,3 @@ def guard_columns(modes: Sequence[ModalModes], rows: Sequence[Sequence[Sequence[
                 columns[j] = np.where(np.abs(total) <= _NOTHING * size, 0, np.where(unsure, np.nan, total))
             found.append(columns)
     return found
-
-
-def stacked(modes: Sequence[ModalModes]) -> ModalFlow:
-    """Put modes of many drives together in one table, whose arrays have a first axis for the drives."""
-    names = ModalFlow._fields
-    return ModalFlow(*(np.stack([getattr(mode, name) for mode in modes], axis=1) for name in names))

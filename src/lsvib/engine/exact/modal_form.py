@@ -20,9 +20,9 @@ from typing import NamedTuple
 import numpy as np
 from flint import arb, arb_mat
 
-from lsvib.engine.exact.arithmetic import ball, many_digits
-from lsvib.engine.exact.field import WORST_CONDITION, Field, Rows, amplification, subspaces
-from lsvib.engine.exact.modal_arrays import ModalModes, guard_columns, modal_modes, stacked
+from lsvib.engine.exact.arithmetic import ball, many_digits, real_rates
+from lsvib.engine.exact.field import WORST_CONDITION, Field, Rows, Subspace, amplification, subspaces
+from lsvib.engine.exact.modal_arrays import ModalModes, guard_columns, modal_modes
 from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import ModalFlow
 from lsvib.errors import EngineError
@@ -62,11 +62,11 @@ def modal_mode(field: Field) -> ModalMode:
     factors lie so close together that double precision cannot carry the modal form (condition above 1e6).
     """
     with many_digits():
-        push, pairs, singles = field.push(), [], []
-        rows = tuple(tuple(ball(x).mid().man_exp() for x in row) for row in field.matrix())
-        for space in _spaces(rows, tuple(field.scale())):
-            if space.frame is not None:
-                pairs.append(_pair(push, space.factor, space.frame))
+        push, pairs, singles, alive = field.push(), [], [], field.alive
+        rows = tuple(tuple(ball(field.rows[i][j]).mid().man_exp() for j in alive) for i in alive)
+        for space, frame in _spaces(rows, tuple(field.scale())):
+            if frame is not None:
+                pairs.append(_pair(push, space.factor, frame))
             else:
                 singles += _singles(push, space, field.scale())
         mode = _tables(field, pairs, singles)
@@ -83,30 +83,17 @@ class _Frame(NamedTuple):
     vectors: arb_mat
 
 
-class _Space(NamedTuple):
-    """A subspace of a matrix: its factor, its projector, whether it is slow, its rank, and the frame of a pair."""
-
-    factor: list[arb]
-    projector: arb_mat
-    slow: bool
-    rank: int
-    frame: _Frame | None
-
-
 @lru_cache(maxsize=8)  # with all frictions the modes of a model have six matrices
-def _spaces(rows: tuple, scale: tuple[float, ...]) -> list[_Space]:
-    """Return the subspaces of a matrix, by its rows of midpoints (mantissa, exponent).
+def _spaces(rows: tuple, scale: tuple[float, ...]) -> list[tuple[Subspace, _Frame | None]]:
+    """Return the subspaces of a matrix, by its rows of midpoints (mantissa, exponent), with the frames of pairs.
 
     Most modes of a model differ from another one by their constants only, so the answers are kept.
     """
-    matrix, found = arb_mat([[arb(x) for x in row] for row in rows]), []
-    for factor, projector, slow in subspaces(matrix, list(scale)):
-        rank = round(sum(float(projector[i, i]) for i in range(projector.nrows())))
-        frame = _frame(matrix, factor, projector, scale) if len(factor) == 3 else None
-        found.append(_Space(factor, projector, slow, rank, frame))
+    matrix = arb_mat([[arb(x) for x in row] for row in rows])
+    found = subspaces(matrix, list(scale))
     if sum(space.rank for space in found) != len(rows) or not all(space.rank > 0 for space in found):
         raise ArithmeticError("no digit is left of a subspace")
-    return found
+    return [(space, _frame(matrix, space, scale) if len(space.factor) == 3 else None) for space in found]
 
 
 class _Piece(NamedTuple):
@@ -117,7 +104,7 @@ class _Piece(NamedTuple):
     out: list[list[arb]]  # (n, 2 or 3), the constant last
 
 
-def _singles(push: list[arb], space: _Space, scale: list[float]) -> list[_Piece]:
+def _singles(push: list[arb], space: Subspace, scale: list[float]) -> list[_Piece]:
     """Return the exponentials of the subspace of one rate, as many as the subspace has dimensions."""
     projector, rate, n = space.projector, -space.factor[1], len(push)
     chosen = max(combinations(range(n), space.rank), key=lambda rows: abs(_minor(projector, rows, scale)))
@@ -143,14 +130,14 @@ def _minor(projector: arb_mat, chosen: Sequence[int], scale: Sequence[float]) ->
     return float(arb_mat([[projector[i, j] * scale[j] / scale[i] for j in chosen] for i in chosen]).det())
 
 
-def _frame(matrix: arb_mat, factor: list[arb], projector: arb_mat, scale: Sequence[float]) -> _Frame:
+def _frame(matrix: arb_mat, space: Subspace, scale: Sequence[float]) -> _Frame:
     """Return the frame of the oscillator of a factor of degree two."""
     n = len(scale)
     weights = arb_mat([[arb(scale[i]) ** 2 * int(i == j) for j in range(n)] for i in range(n)])
-    row = _row_of_pair(matrix, factor, projector, scale)
+    row = _row_of_pair(matrix, space, scale)
     turned = row * matrix
     rows = arb_mat([row.entries(), turned.entries()])
-    return _Frame(row, turned, projector * weights * rows.transpose() * (rows * weights * rows.transpose()).inv())
+    return _Frame(row, turned, space.projector * weights * rows.transpose() * (rows * weights * rows.transpose()).inv())
 
 
 def _pair(push: list[arb], factor: list[arb], frame: _Frame) -> _Piece:
@@ -163,12 +150,12 @@ def _pair(push: list[arb], factor: list[arb], frame: _Frame) -> _Piece:
     return _Piece(_row(a0, a1), [[*row, -rest], [*turned, own]], out)
 
 
-def _row_of_pair(matrix: arb_mat, factor: list[arb], projector: arb_mat, scale: Sequence[float]) -> arb_mat:
+def _row_of_pair(matrix: arb_mat, space: Subspace, scale: Sequence[float]) -> arb_mat:
     """Return a row ℓΠ of the subspace of a pair that is as independent of ℓΠA as possible."""
-    n, unit = len(scale), factor[2].sqrt()
+    n, unit = len(scale), space.factor[2].sqrt()
     single = [[arb(int(i == j)) / scale[j] for j in range(n)] for i in range(n)]
     candidates = single + [[x + y for x, y in zip(*two, strict=True)] for two in combinations(single, 2)]
-    rows = [arb_mat([candidate]) * projector for candidate in candidates]
+    rows = [arb_mat([candidate]) * space.projector for candidate in candidates]
     first = [[(x * s).mid() for x, s in zip(row.entries(), scale, strict=True)] for row in rows]
     lengths = [float(_dot(one, one).sqrt()) for one in first]
 
@@ -190,10 +177,8 @@ def _row(a0: arb, a1: arb) -> np.ndarray:
         row[layout.BETA] = float((-discriminant).sqrt())
     else:
         delta = discriminant.sqrt()
-        large = -(alpha + delta) if float(alpha) >= 0 else -alpha + delta
-        small = a0 / large
         row[layout.DELTA] = float(delta)
-        row[layout.R1], row[layout.R2] = sorted((float(large), float(small)), reverse=True)
+        row[layout.R1], row[layout.R2] = _floats(real_rates(alpha, a0, delta))
     row[layout.TIME_SCALE] = float(1 / abs(a0).sqrt())
     return row
 
@@ -228,17 +213,14 @@ def _tables(field: Field, pairs: list[_Piece], singles: list[_Piece]) -> ModalMo
         *np.array([single.row for single in singles]).reshape(-1, 2).T.copy(),
         to_modal,
         from_modal,
-        field.table(),
+        np.array([_floats(row) for row in field.rows]),
         condition,
         exact,
     )
 
 
 def linear_mode(
-    rows: Rows,
-    sizes: Sequence[float],
-    frozen: Mapping[int, arb | float] | None,
-    movable: str,
+    rows: Rows, sizes: Sequence[float], frozen: Mapping[int, arb | float] | None, movable: str
 ) -> ModalMode | ModalModes:
     """Return a mode of a model.
 
@@ -288,25 +270,21 @@ def guard_forms(modes: Sequence[ModalMode], rows: Sequence[Sequence[Sequence]]) 
 
 def modal_flow(modes: Sequence[ModalMode]) -> ModalFlow:
     """Put modes together in one table; modes with fewer pairs or singles leave the rest zero."""
-    if isinstance(modes[0], ModalModes):
-        return stacked(modes)
-    pairs, singles = np.array([len(mode.oscillators) for mode in modes]), np.array([mode.rates.size for mode in modes])
-    size, n = (2 * pairs + singles).max(), modes[0].field.shape[0]
-    flow = ModalFlow(
-        pairs,
-        singles,
-        np.zeros((len(modes), pairs.max(), layout.COUNT)),
-        np.zeros((len(modes), singles.max())),
-        np.zeros((len(modes), singles.max())),
-        np.zeros((len(modes), size, n + 1)),
-        np.zeros((len(modes), n, size + 1)),
-        np.array([mode.field for mode in modes]),
+    if isinstance(modes[0], ModalModes):  # the first axis is that of the drives
+        return ModalFlow(*(np.stack(own, axis=1) for own in zip(*(mode.flow for mode in modes), strict=True)))
+    filled, constants = ("oscillators", "rates", "pushes", "to_modal"), [mode.from_modal[:, -1:] for mode in modes]
+    return ModalFlow(
+        pairs=np.array([len(mode.oscillators) for mode in modes]),
+        singles=np.array([mode.rates.size for mode in modes]),
+        **{name: _filled([getattr(mode, name) for mode in modes]) for name in filled},
+        from_modal=np.concatenate([_filled([mode.from_modal[:, :-1] for mode in modes]), constants], axis=2),
+        field=np.array([mode.field for mode in modes]),
     )
-    for k, mode in enumerate(modes):
-        own = len(mode.to_modal)
-        flow.oscillators[k, : pairs[k]] = mode.oscillators
-        flow.rates[k, : singles[k]], flow.pushes[k, : singles[k]] = mode.rates, mode.pushes
-        flow.to_modal[k, :own] = mode.to_modal
-        flow.from_modal[k, :, :own] = mode.from_modal[:, :-1]
-        flow.from_modal[k, :, -1] = mode.from_modal[:, -1]
-    return flow
+
+
+def _filled(tables: Sequence[np.ndarray]) -> np.ndarray:
+    """Return tables in one, the smaller ones filled up with zeros."""
+    found = np.zeros((len(tables), *np.max([table.shape for table in tables], axis=0)))
+    for own, table in zip(found, tables, strict=True):
+        own[tuple(map(slice, table.shape))] = table
+    return found

@@ -92,12 +92,9 @@ def taylor_flow(modes: Sequence[TaylorMode]) -> TaylorFlow:
     """Return the flow tables of some modes."""
     n = len(modes[0].push)
     settled = [mode.settled or (np.zeros(n), np.zeros((n, n)), -1.0) for mode in modes]
+    alike = ("field", "push", "contact", "speed", "feedback")
     return TaylorFlow(
-        field=np.array([mode.field for mode in modes]),
-        push=np.array([mode.push for mode in modes]),
-        contact=np.array([mode.contact for mode in modes]),
-        speed=np.array([mode.speed for mode in modes]),
-        feedback=np.array([mode.feedback for mode in modes]),
+        **{name: np.array([getattr(mode, name) for mode in modes]) for name in alike},
         piece_start=np.cumsum([0, *(len(mode.pieces) for mode in modes)]).astype(np.int64),
         pieces=np.concatenate([mode.pieces for mode in modes]),
         settled_place=np.array([place for place, _, _ in settled]),
@@ -118,8 +115,9 @@ def settled_region(
     n, whole = len(mode.push), np.append(place, 1.0)
     sigma = float(mode.speed @ whole)
     piece = mode.pieces[np.searchsorted(mode.pieces[1:, FROM], sigma, side="right")]
-    mu, first, _ = _law(piece, sigma)
-    steep, bent = _bounds(piece)
+    mu, first = _law(piece, sigma)
+    # bounds of both derivatives on the piece
+    steep, bent = abs(piece[LINEAR]) + piece[RISE] * piece[FADE], 2 * piece[RISE] * piece[FADE] ** 2
     one = 1 + mode.feedback * mu
     reach = min(sigma / 2, abs(one) / max(2 * abs(mode.feedback) * steep, 1e-300), sigma - piece[FROM])
     reach = min(reach, piece[TO] - sigma)
@@ -160,25 +158,17 @@ def eta(flow: TaylorFlow, states: np.ndarray, modes: np.ndarray) -> np.ndarray:
         if len(pieces):
             sigma = float(flow.speed[mode, :-1] @ state + flow.speed[mode, -1])
             piece = pieces[np.searchsorted(pieces[1:, FROM], sigma, side="right")]
-            mu, _, _ = _law(piece, sigma)
+            mu, _ = _law(piece, sigma)
             found[k] = mu / (1 + flow.feedback[mode] * mu)
     return found
 
 
-def _law(piece: np.ndarray, sigma: float) -> tuple[float, float, float]:
-    """Return μ of a piece of a law and its first two derivatives at a sliding speed [m/s]."""
-    value, first, second = piece[CONSTANT] + piece[LINEAR] * sigma, piece[LINEAR], 0.0
+def _law(piece: np.ndarray, sigma: float) -> tuple[float, float]:
+    """Return μ of a piece of a law and its derivative at a sliding speed [m/s]."""
+    value, slope = piece[CONSTANT] + piece[LINEAR] * sigma, piece[LINEAR]
     if piece[RISE]:
         fade, ratio = piece[FADE], piece[FADE] * sigma
         squared = piece[EXPONENT] == 2
         decay = piece[RISE] * math.exp(-(ratio**2 if squared else ratio))
-        value += decay
-        first += -decay * fade * (2 * ratio if squared else 1)
-        second += decay * fade**2 * ((4 * ratio**2 - 2) if squared else 1)
-    return value, first, second
-
-
-def _bounds(piece: np.ndarray) -> tuple[float, float]:
-    """Return bounds of the first two derivatives of μ on a piece of a law."""
-    fade = piece[FADE]
-    return float(abs(piece[LINEAR]) + piece[RISE] * fade), float(2 * piece[RISE] * fade**2)
+        value, slope = value + decay, slope - decay * fade * (2 * ratio if squared else 1)
+    return value, slope
