@@ -145,6 +145,16 @@ def test_what_is_not_told_has_a_reason(folder, tmp_path):
         fit_sheet(sheet(folder, measurements=both))
 
 
+def test_one_record_of_jerks_is_enough(folder):
+    """One torque has no scatter; its own error stands for that of the static coefficient."""
+    found = fit_sheet(sheet(folder, measurements={**SHEET["measurements"], "files": "+*.csv"}))
+    low, high = found.stick_slip.damping
+    assert low <= KNOWN.support_damping <= high
+    json.dumps(as_json(found), allow_nan=False)
+    light = {**SHEET["load"], "mass": "1e-12 kg"}
+    assert "mass" in fit_sheet(sheet(folder, load=light)).stick_slip.doubt
+
+
 def test_without_a_time_a_file_is_a_point_as_it_was(folder):
     untimed = {key: value for key, value in SHEET["measurements"].items() if key not in ("time", "averaging")}
     plain = fit_sheet(sheet(folder, measurements={**untimed, "files": "*0.csv"}))

@@ -24,6 +24,7 @@ from lsvib.models.drive import Drive
 from lsvib.numbers import shown
 
 _KINDS = {  # of quantities, by the unit in which the package counts them, each with an example
+    "s": ("a time", "10 ms"),
     "m": ("a length", "5 mm"),
     "rad": ("an angle", "4 deg"),
     "kg": ("a mass", "20 kg"),

@@ -386,7 +386,7 @@ class Sheet(_Part):
     @property
     def preloaded(self) -> bool:
         """Whether the nut has two halves that are pressed apart."""
-        return self.nut is not None and self.nut.preload is not None
+        return self.nut is not None and self.nut.preload is not None and self.nut.preload.high > 0
 
     @property
     def dry(self) -> bool:

@@ -18,6 +18,7 @@ from lsvib.assess.materials import NUT_MATERIALS, SCREW_MATERIALS
 from lsvib.assess.mechanisms import directions, window_points
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.uncertainty import draw_of, ends
+from lsvib.errors import InputError
 from lsvib.models.mechanics import holding_coefficient, relieved_half, thread_force
 
 SAFE = 0.8  # share of a critical load or speed that may be used, as Thomson recommends
@@ -248,6 +249,12 @@ def _judged(sheet: Sheet, draw: Values, values: Values, speed: Floats, held: Flo
     """
     p, _ = sheets.point(sheet, values, 1, speed, 0.0)
     radius, angle, coefficient = p["pitch_radius"], p["lead_angle"], p["friction_coefficient"]
+    turns = coefficient * np.tan(angle) < 1  # else the threads jam
+    if sheet.preloaded and not turns.all():
+        raise InputError(
+            "friction is so strong that a preloaded nut jams whatever the torque, coefficient >= cot(lead angle); "
+            "lower friction or the lead of the thread."
+        )
     found: dict[str, Judged] = {}
     at_rest = _at_rest(sheet, values)
     rough = square_coefficient(at_rest, angle, values["half_angle"])
@@ -263,7 +270,6 @@ def _judged(sheet: Sheet, draw: Values, values: Values, speed: Floats, held: Flo
 
     drag, size = values["rotational_damping"] * speed, np.abs(load)
     against, along = (needed(size, coefficient, lifting) + drag for lifting in (True, False))
-    turns = coefficient * np.tan(angle) < 1  # else the threads jam
     against = np.where(turns, against, np.inf)
     # The dampings are guesses, on which no brake should count.
     holding, braking = (-needed(left, rubbing, False) for rubbing in (rough, coefficient))
@@ -280,8 +286,9 @@ def _judged(sheet: Sheet, draw: Values, values: Values, speed: Floats, held: Flo
                 found[row] = np.where(acting, effort * factor, np.nan), None
     if "lifting_torque" in found and "coupling.gear_ratio" in draw:
         found["motor_torque"] = found["lifting_torque"][0] / draw["coupling.gear_ratio"], None
-    found["lifting_efficiency"] = np.where(turns, sheets.lifting_efficiency(coefficient, angle, collar), 0.0), None
-    found["lowering_efficiency"] = sheets.lowering_efficiency(coefficient, angle, collar), None
+    if held.any() or not sheet.preloaded:  # both halves of a nut rub whatever the load, so without one there is none
+        found["lifting_efficiency"] = np.where(turns, sheets.lifting_efficiency(coefficient, angle, collar), 0.0), None
+        found["lowering_efficiency"] = sheets.lowering_efficiency(coefficient, angle, collar), None
     rubs, work = sheet.dry or sheet.preloaded, np.abs(held) * radius * np.tan(angle)  # per radian
     if rubs and held.any():
         with np.errstate(divide="ignore", invalid="ignore"):

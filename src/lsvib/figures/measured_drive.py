@@ -94,12 +94,14 @@ def build(settings: Values) -> xr.Dataset:
     speed, torque = (np.array([getattr(point, name) for point in points]) for name in ("speed", "torque"))
     jerks = {sense: (tables[name], records[name]) for sense, name in SLOW_FILES.items()}
     held = np.array([(sense, sense * record.breakaway[0], LOAD) for sense, (_, record) in jerks.items()])
-    measured = Measured(speed, torque, np.full(speed.size, LOAD), RADIUS, PUBLISHED["lead_angle"], held)
+    loose = max(record.breakaway[1] / record.breakaway[0] for _, record in jerks.values())
+    own = np.full(speed.size, LOAD), RADIUS, PUBLISHED["lead_angle"]
+    measured = Measured(speed, torque, *own, held, loose=loose)
     fit = fitted(measured)
-    stiffnesses = [record.stiffness for _, record in jerks.values()]
     under = LOAD, PUBLISHED["mass"]
-    jerked, even = [(sense * SLOW, *under) for sense in jerks], [(one.speed, *under) for one in points]
-    told: Any = explained(measured, fit.main, stiffnesses, jerked, even, PUBLISHED["screw_inertia"])
+    found = {(sense * SLOW, *under): record for sense, (_, record) in jerks.items()}
+    even = [((one.speed, *under), 0.0) for one in points]
+    told: Any = explained(measured, fit.main, found, even, PUBLISHED["screw_inertia"])
     drive = Drive(**PUBLISHED, **fit.main.drive(), coupling_stiffness=told.stiffness[0], support_damping=told.middle)
     rows = [_beside(drive.replace(input_speed=sense * SLOW), *jerks[sense]) for sense in jerks]
     variables, coordinates, more = fit_variables(fit, points)

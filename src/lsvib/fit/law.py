@@ -54,7 +54,8 @@ class Measured:
     """Points of steady motion (n): ``speed`` [rad/s], ``torque`` [N m], axial ``load`` W [N]; and the screw.
 
     ``breakaway`` (k, 3): direction ±1, torque [N m] and load [N] at which a screw at rest began to turn. ``preload``
-    [N] and ``load_share`` of a nut of two halves, :func:`lsvib.models.mechanics.relieved_half`.
+    [N] and ``load_share`` of a nut of two halves, :func:`lsvib.models.mechanics.relieved_half`. ``loose``: standard
+    error of the breakaway torques, relative, that all of them may have in common.
     """
 
     speed: Array
@@ -65,6 +66,7 @@ class Measured:
     breakaway: Array = field(default_factory=lambda: np.zeros((0, 3)))
     preload: float = 0.0
     load_share: float = 1.0
+    loose: float = 0.0
 
     @property
     def directions(self) -> int:
@@ -204,6 +206,11 @@ def fitted(measured: Measured, given: Mapping[str, float] | None = None) -> Fit:
     if not known.keys() & set(OF_RISE):
         laws.append({**known, **flat, "stribeck_exponent": exponents[0]})
     solved = [(law, _solved(measured, law)) for law in laws]
+    # A rise whose error is as large as it is known by nothing: it fades below the slowest speed.
+    known_rise = [
+        pair for pair in solved if pair[1].errors.get("stribeck_rise", 0.0) <= pair[1].values["stribeck_rise"]
+    ]
+    solved = known_rise or solved
     fixed, whole = min(solved, key=lambda pair: _schwarz(pair[1]))
     rising = [one for law, one in solved if one is not whole and law.get("stribeck_rise") != 0]
     near = [one for one in rising if _schwarz(one) - _schwarz(whole) < SURE and fixed.get("stribeck_rise") != 0]
@@ -341,6 +348,8 @@ def _with_static(measured: Measured, solution: Solution) -> Solution:
         if found.size > 1
         else math.nan
     )
+    if measured.loose:  # the coefficient is nearly in proportion to the torque; of one torque it has no scatter
+        error = math.hypot(measured.loose * middle, error if found.size > 1 else 0.0)
     slow = solution.values["friction_coefficient"] + solution.values["stribeck_rise"]
     return replace(solution, static=(middle, error) if middle > slow else None, absurd=every.size - found.size)
 

@@ -95,7 +95,12 @@ def _stick_slip(told: StickSlip | None) -> dict[str, Any] | None:
     if told is None:
         return None
     (stiffness, error), bounds = told.stiffness, told.damping and list(told.damping)
-    known = {"damping": told.middle, "bounds": bounds, "even_speed": told.even_speed, "periods": list(told.periods)}
+    known = {
+        "damping": told.middle,
+        "bounds": bounds,
+        "even_speed": told.even_speed,
+        "periods": [list(pair) for pair in told.periods],
+    }
     return {"stiffness": stiffness, "standard_error": error, **known, "doubt": told.doubt or None}
 
 
@@ -223,17 +228,28 @@ def _of_jerks(found: FittedSheet) -> list[str]:
         f"The torque at which jerks begin is that of a screw that has stood for {max(seen):.2g} s at most; after a "
         "longer rest it may be larger.",
     ]
-    if told.damping is None or told.middle is None or told.even_speed is None:
+    if told.damping is None:
         return [*said, f"Damping and the speed from which on it runs evenly are not known: {told.doubt}."]
-    (low, high), speed = told.damping, told.even_speed
-    known = f"between {low:.2g} and {high:.2g}" if low else f"of {high:.2g} at most, as no slow file was even, with"
-    model, screw = (" and ".join(sorted({f"{one:.3g}" for one in own})) for own in (told.periods, seen))
-    return [
-        *said,
-        f"Which files jerk and which are even leaves a damping {known} N m s/rad between command and screw; with "
-        f"{told.middle:.2g} the drive runs evenly from {speed:.3g} rad/s ({speed * 30 / np.pi:.3g} rpm) on.",
-        f"Where the screw jerks every {screw} s, that drive jerks every {model} s.",
-    ]
+    low, high = told.damping
+    known = f"between {low:.2g} and {high:.2g}" if low else f"of at most {high:.2g}"
+    said.append(f"Which files jerk and which are even leaves a damping {known} N m s/rad between command and screw.")
+    if told.middle is None:
+        return [*said, f"The speed from which on it runs evenly is not known: {told.doubt}."]
+    speed, end = told.even_speed, "at no speed that was tried"
+    if speed is not None:
+        end = (
+            f"from {speed:.3g} rad/s ({speed * 30 / np.pi:.3g} rpm) on, in all directions and under all loads that jerk"
+        )
+    said.append(f"With {told.middle:.2g} N m s/rad the drive runs evenly {end}.")
+    if told.periods:
+        screw, model = (f"{min(own):.3g} to {max(own):.3g} s" for own in zip(*told.periods, strict=True))
+        said.append(f"Where the screw jerks every {screw}, that drive jerks every {model}.")
+    return said
+
+
+def _behind(record: dict[str, Any]) -> str:
+    """The stiffness of a record of jerks in words, if it is known."""
+    return f"behind {record['stiffness']:.3g} N m/rad" if "stiffness" in record else "behind an unknown stiffness"
 
 
 def _of_falling(found: FittedSheet) -> list[str]:
@@ -299,7 +315,7 @@ def text_of(result: dict[str, Any]) -> str:
             f"{spread[1]:>8} {point['samples']:8d}"
         )
     lines += [
-        f"{record['file'][-16:]:>16} jerks every {record['period']:.4g} s behind {record['stiffness']:.3g} N m/rad, "
+        f"{record['file'][-16:]:>16} jerks every {record['period']:.4g} s {_behind(record)}, "
         f"from {record['breakaway'] * 1e3:.3g} to {record['after'] * 1e3:.3g} mN m"
         for record in result["records"]
         if "period" in record

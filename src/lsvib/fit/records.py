@@ -112,8 +112,7 @@ def look(recording: Recording, interval: float | None = None, averaging: float |
         first, last = speed[: speed.size // 8 + 1].mean(), speed[-(speed.size // 8 + 1) :].mean()
         said = f"{name}: the speed goes from {first:.3g} to {last:.3g} rad/s, so this is no steady motion."
         return Record(name, "ramp", (said,))
-    if np.quantile(speed / mean, 0.4) > STANDS:
-        return Record(name, "even", (f"{name}: the screw turns evenly.",))
+    stops = bool(np.quantile(speed / mean, 0.4) <= STANDS)
     at, order = recording.time, np.arange(speed.size)
     step = interval or (0.0 if at is None else float(at[-1] - at[0]) / max(speed.size - 1, 1))
     if speed.size < SHORTEST:
@@ -124,7 +123,11 @@ def look(recording: Recording, interval: float | None = None, averaging: float |
         speed, torque = np.sign(mean) * speed, np.sign(mean) * recording.torque
         off = np.abs(torque - np.median(torque))
         torque = np.where(off > SPIKE * 1.4826 * np.median(off), np.median(torque), torque)
-        teeth, problem = _told(speed, torque)
+        teeth, problem = _told(speed, torque, stops)
+    if not stops and problem:
+        return Record(name, "even", (f"{name}: the screw turns evenly.",))
+    if not stops:
+        problem = "the recorded speed does not, while the torque climbs and falls as of jerks"
     if problem:
         return Record(name, "jerks", (f"{name}: the screw stops now and then, but {problem}; no numbers are told.",))
     return _numbers(name, speed, torque, teeth, step, averaging)
@@ -143,10 +146,12 @@ def _filled(recording: Recording) -> Recording:
     return replace(recording, **filled)
 
 
-def _told(speed: Array, torque: Array) -> tuple[Teeth, str]:
-    """Return teeth, and why they are none of which numbers can be told."""
+def _told(speed: Array, torque: Array, stops: bool) -> tuple[Teeth, str]:
+    """Return teeth, and why they are none of which numbers can be told; those of the torque alone if no speed stops."""
     for closely in FOLLOWED:
-        forward, reverse = (_teeth(sign * torque, _line(torque, speed), *closely) for sign in (1, -1))
+        forward, reverse = (
+            _teeth(sign * torque, _line(torque, speed if stops else torque), *closely) for sign in (1, -1)
+        )
         found = min(forward, reverse, key=lambda teeth: teeth.misfit)
         if found.explained > EXPLAINED:
             break
@@ -158,13 +163,13 @@ def _told(speed: Array, torque: Array) -> tuple[Teeth, str]:
         other[from_line < (0.15 if k else 0.35) * often] = 0
     quarters = [np.ptp(part) for part in np.array_split(found.phase, 4)]
     problems = {
-        "at no one frequency": found.explained < EXPLAINED,
+        f"only {np.ptp(found.phase):.0f} times": 1 < np.ptp(found.phase) < TEETH + 1,
+        "at no one frequency that stands out": found.explained < EXPLAINED,
         "its torque does not climb slowly and fall fast": likelier < LIKELIER,
         "its torque climbs fast and falls slowly, as samples rarer than two a jerk show it": found is reverse,
         f"it is sampled less than {LEAST:g} times a jerk": often > 1 / LEAST,
-        "not while its torque climbs": speed[ramp].sum() > STANDS * speed.mean() * np.count_nonzero(ramp),
+        "not while its torque climbs": stops and speed[ramp].sum() > STANDS * speed.mean() * np.count_nonzero(ramp),
         "at two frequencies": other.max() > OTHER * found.height / math.pi,
-        f"only {np.ptp(found.phase):.0f} times": np.ptp(found.phase) < TEETH + 1,
         "few of its ramps hold two samples": math.isnan(_slope(torque, found)[0]),
         "ever more or ever less often": np.ptp(quarters) > FASTER * np.mean(quarters),
     }
@@ -289,6 +294,9 @@ def _numbers(name: str, speed: Array, torque: Array, teeth: Teeth, step: float, 
     else:
         found["displacement"] = (mean * period, mean * period * math.hypot(mean_error, error / period))
         found["stiffness"] = (slope[0] / mean, slope[0] / mean * math.hypot(slope[1] / slope[0], mean_error))
+    if averaging is not None and averaging > (width + 2 * blur) * period:
+        said.append(f"an averaging over {averaging:.3g} s hides a fall of the torque that is seen, and is not used.")
+        averaging = None
     windows = (0.0, step) if averaging is None else (averaging, averaging)
     longest, shortest = (
         min(math.sqrt(max(max(width + edge, 0) ** 2 - (window / period) ** 2, 0) / shape), LONGEST)

@@ -214,7 +214,8 @@ class Table:
 
     ``mass`` [kg] that moves with the load, zero where it is not given.
 
-    ``record``: what it is over time, with the mean ``speed`` [rad/s]; None where each row is a point.
+    ``record``: what it is over time, with the mean ``speed`` [rad/s] and the time ``blur`` over which a sample stands;
+    None where each row is a point.
     """
 
     load: float
@@ -222,6 +223,7 @@ class Table:
     points: list[Point]
     record: Record | None
     speed: float
+    blur: float
     said: list[str]
 
     @property
@@ -281,19 +283,19 @@ def fit_sheet(path: Path) -> FittedSheet:
         for load, point in pairs
         if point.breakaway is not None
     ]
+    loose = 0.0
     for table, record in jerks:
         if record.breakaway is not None:
-            sense = math.copysign(1.0, table.speed)
-            held.append((sense, sense * record.breakaway[0], table.load))
+            (value, error), sense = record.breakaway, math.copysign(1.0, table.speed)
+            held.append((sense, sense * value, table.load))
+            loose = max(loose, error / abs(value))
     speed, torque, load = np.array([(point.speed, point.torque, load) for point, load in moving]).reshape(-1, 3).T
     nut = draw.get("nut.preload", 0.0), draw.get("nut.load_share", 1.0)
-    measured = Measured(speed, torque, load, 0.5 * diameter, angle, np.array(held).reshape(-1, 3), *nut)
+    measured = Measured(speed, torque, load, 0.5 * diameter, angle, np.array(held).reshape(-1, 3), *nut, loose)
     fit = fitted(measured, _known(sheet, draw, angle, half_angle))
-    stiffnesses = [record.stiffness for _, record in jerks if record.stiffness is not None]
-    even = [(table.points[0].speed, table.load, table.mass) for table in tables if table.told_even]
-    jerked = [(table.speed, table.load, table.mass) for table, _ in jerks]
-    inertia = draw.get("screw.inertia")
-    told = explained(measured, fit.main, stiffnesses, jerked, even, inertia) if stiffnesses else None
+    even = [((table.points[0].speed, table.load, table.mass), table.blur) for table in tables if table.told_even]
+    records = {(table.speed, table.load, table.mass): record for table, record in jerks}
+    told = explained(measured, fit.main, records, even, draw.get("screw.inertia"))
     said = [text for table in tables for text in table.said]
     return FittedSheet(sheet.name, [point for point, _ in moving], said, fit, half_angle, tables, told)
 
@@ -328,6 +330,8 @@ def _tables(sheet: MeasuredSheet, folder: Path, lead: float) -> Iterator[Table]:
             raise InputError(f"{place}.separator and {place}.decimal are both {shown(block.decimal)}.")
         if block.time is not None and block.sampling is not None:
             raise InputError(f"{place}.time and {place}.sampling are both given; give one of them.")
+        if block.point == "row" and (block.time or block.sampling):
+            raise InputError(f"{place}.point: row makes each row a point, and a time of samples the file a record.")
         files = _files(f"{place}.files", block.files, folder)
         for file in files:
             yield _table(file, block, load, lead, len(files) == 1)
@@ -345,11 +349,14 @@ def _table(path: Path, block: Measurements, load: Load, lead: float, alone: bool
     if block.point == "row" or (block.point is None and alone and not timed):
         if block.point is None:
             refuse_record(table)
-        return Table(*under, row_points(table), None, 0.0, skipped)
+        return Table(*under, row_points(table), None, 0.0, 0.0, skipped)
     interval, window = (entry.nominal if entry else None for entry in (block.sampling, block.averaging))
+    if table.skipped:
+        interval = None  # it is not known where rows are lost
     record, mean = look(table, interval, window) if timed else None, float(table.speed.mean())
+    blur = window or interval or (float(np.median(np.diff(table.time))) if table.time is not None else 0.0)
     if record is not None and record.kind == "jerks":
-        return Table(*under, [], record, mean, [*skipped, record.said[0].removesuffix(".")])
+        return Table(*under, [], record, mean, blur, [*skipped, record.said[0].removesuffix(".")])
     point = steady_point(table)
     counts = {
         "rows of a screw at rest": 0 if point.speed else point.samples,
@@ -357,7 +364,7 @@ def _table(path: Path, block: Measurements, load: Load, lead: float, alone: bool
         "spikes of the torque": point.spikes,
     }
     said = [f"{path.name}: {words} ({count})" for words, count in counts.items() if count]
-    return Table(*under, [point], record, mean, skipped + said)
+    return Table(*under, [point], record, mean, blur, skipped + said)
 
 
 def _files(name: str, pattern: str, folder: Path) -> list[Path]:

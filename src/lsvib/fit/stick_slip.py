@@ -8,16 +8,19 @@ proportional one and the damping of the screw.
 """
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from lsvib.errors import InputError, LsvibError
 from lsvib.fit.law import Measured, Solution
-from lsvib.fit.records import Number
+from lsvib.fit.records import Number, Record
 from lsvib.models.drive import Drive
 
 MOST = 30.0  # times critical damping 2 √(k J): largest damping that is tried
+SEEN = 0.8  # of the period that jerks would have: averaged over more, they are not seen
+BENT = 0.02  # standard error of all slopes in common, relative, as real ramps are no straight lines
 CLOSE = 1e-3  # relative, to which a damping or a speed is closed in on
 
 
@@ -30,101 +33,137 @@ class StickSlip:
 
     ``stiffness`` [N m/rad] with its standard error. With inertia and mass of the drive ``damping`` [N m s/rad]: the
     least by which the files that were even are, and the most by which those that jerked jerk, standard errors included;
-    in the middle of both ``even_speed`` [rad/s], from which on the drive runs evenly once started, and the ``periods``
-    [s] with which it jerks in the place of each file that jerked. ``doubt``: why these are not known.
+    in the middle of both ``even_speed`` [rad/s], from which on the drive runs evenly once started in the direction and
+    under the load of each record, and of each the measured and its own of ``periods`` [s]. ``doubt``: why these are not
+    known.
     """
 
     stiffness: Number
     damping: tuple[float, float] | None = None
     even_speed: float | None = None
-    periods: tuple[float, ...] = ()
+    periods: tuple[Number, ...] = ()
     doubt: str = ""
 
     @property
     def middle(self) -> float | None:
-        """The damping in the middle of both ends [N m s/rad]."""
-        return (
-            None if self.damping is None else math.sqrt(max(self.damping[0], 1e-3 * self.damping[1]) * self.damping[1])
-        )
+        """The damping in the middle of both ends [N m s/rad]; None without a lower one."""
+        return math.sqrt(self.damping[0] * self.damping[1]) if self.damping and self.damping[0] else None
 
 
 def combined(found: Sequence[Number]) -> Number:
-    """Return the weighed mean of estimates; where they differ by more than their errors say, its error is larger."""
+    """Return the weighed mean of slopes; where they differ by more than their errors say, its error is larger."""
     values, errors = np.array(found).T
     weights = 1 / errors**2
     mean = float(np.sum(weights * values) / weights.sum())
     excess = np.sum(weights * (values - mean) ** 2) / max(len(found) - 1, 1)
-    return mean, float(math.sqrt(max(1.0, excess) / weights.sum()))
+    return mean, math.hypot(math.sqrt(max(1.0, float(excess)) / weights.sum()), BENT * mean)
 
 
 def explained(
     measured: Measured,
     solution: Solution,
-    stiffnesses: Sequence[Number],
-    jerked: Sequence[Place],
-    even: Iterable[Place],
+    records: Mapping[Place, Record],
+    even: Iterable[tuple[Place, float]],
     inertia: float | None,
-) -> StickSlip:
-    """Return what files that ``jerked``, some with a stiffness, tell beside the law of those that were ``even``.
+) -> StickSlip | None:
+    """Return what ``records`` of jerks tell beside the law of files that were ``even``; None without a stiffness.
 
-    Damping and even speed take the ``inertia`` [kg m²] of what turns, and the masses.
+    The latter with the time [s] over which a sample of theirs stands, too long a one hiding jerks. Damping and even
+    speed take the ``inertia`` [kg m²] of what turns, and the masses.
     """
-    stiffness = combined(stiffnesses)
-    static = solution.static
-    doubt = "the motion of a preloaded nut is not followed" if measured.preload else ""
-    if inertia is None or not all(mass for _, _, mass in jerked):
-        doubt = "they take screw.inertia and load.mass, which the sheet does not give"
-    elif static is None:
-        doubt = "the torque at which the screw breaks loose is not above that of slow sliding"
-    if doubt or static is None or inertia is None:
-        return StickSlip(stiffness, doubt=doubt)
+    stiffnesses = [record.stiffness for record in records.values() if record.stiffness is not None]
+    if not stiffnesses:
+        return None
+    known = StickSlip(combined(stiffnesses))
+    given = {"screw.inertia": inertia is not None, "load.mass": all(mass for _, _, mass in records)}
+    if inertia is None or not all(given.values()):
+        missing = " and ".join(name for name, there in given.items() if not there)
+        return replace(known, doubt=f"they take {missing} too")
+    if measured.preload:
+        return replace(known, doubt="the motion of a preloaded nut is not followed")
+    if solution.static is None:
+        return replace(known, doubt="the torque at which the screw breaks loose is not above that of slow sliding")
+    jerks = {at: record.period[0] for at, record in records.items() if record.period is not None}
+    swing = max(
+        record.breakaway[0] - record.after[0] for record in records.values() if record.breakaway and record.after
+    )
+    seen = [at for at, blur in even if blur < SEEN * swing / (known.stiffness[0] * abs(at[0]))]
+    try:
+        return _damped(measured, solution, known, jerks, slowest(seen), inertia)
+    except LsvibError as error:
+        return replace(known, doubt=str(error).removesuffix("."))
+
+
+def _damped(
+    measured: Measured,
+    solution: Solution,
+    known: StickSlip,
+    jerks: Mapping[Place, float],
+    even: Sequence[Place],
+    inertia: float,
+) -> StickSlip:
+    """Add damping, even speed and periods by motions from rest; ``jerks``: measured periods [s]."""
+    static = solution.static or (math.nan, math.nan)
     law = solution.drive() | {"bearing_friction": solution.values["coulomb"]}
 
     def drive(speed: float, load: float, mass: float, damping: float, errors: float = 0.0) -> Drive:
         """The drive at a speed under a load, with stiffness and static friction changed by so many standard errors."""
-        stiff, rough = (value + errors * error for value, error in (stiffness, static))
+        stiff, rough = (value + errors * error for value, error in (known.stiffness, static))
         return Drive(
             **law | {"static_friction_coefficient": rough}, pitch_radius=measured.pitch_radius, mass=mass,
             lead_angle=measured.lead_angle, screw_inertia=inertia, axial_force=-load, coupling_stiffness=stiff,
             support_damping=damping + solution.values["viscous"], input_speed=speed,
         )  # fmt: skip
 
-    most = MOST * 2 * math.sqrt(stiffness[0] * inertia)
+    most = MOST * 2 * math.sqrt(known.stiffness[0] * inertia)
 
-    def damped(at: Place, errors: float) -> float:
+    def least(at: Place, errors: float) -> float:
         """The damping from which on the drive runs evenly at a place."""
         return even_from(lambda c: drive(*at, c, errors), most)
 
-    low, high = max((damped(at, -1.0) for at in slowest(even)), default=0.0), min(damped(at, 1.0) for at in jerked)
+    low, high = max((least(at, -1.0) for at in even), default=0.0), min(least(at, 1.0) for at in jerks)
+    if not 0 < high < math.inf:
+        raise InputError("no damping makes such a drive jerk and run evenly where it did; check screw.inertia.")
     if not low < high:
-        doubt = (
+        raise InputError(
             f"files that were even need a damping of {low:.3g} N m s/rad at least, and those that jerked {high:.3g} at "
             "most: a spring and a damper do not explain both"
         )
-        return StickSlip(stiffness, doubt=doubt)
-    found = StickSlip(stiffness, (low, high))
-    damping = found.middle or high
+    found = replace(known, damping=(low, high))
+    if (damping := found.middle) is None:
+        return replace(found, doubt="no file was surely even, so the damping has no lower bound")
 
     def fast(at: Place) -> float:
         """The speed from which on it runs evenly in the direction of a place."""
         return even_from(lambda v: drive(math.copysign(v, at[0]), *at[1:], damping), 100 * abs(at[0]))
 
-    periods = tuple(period(drive(*at, damping)) for at in jerked)
-    return replace(found, even_speed=max(map(fast, jerked)), periods=periods)
+    pairs = ((seen, period(drive(*at, damping))) for at, seen in jerks.items())
+    speed = max(map(fast, jerks))
+    periods = tuple(pair for pair in pairs if math.isfinite(pair[1]))
+    return replace(found, even_speed=speed if speed < math.inf else None, periods=periods)
 
 
 def even_from(drive: Callable[[float], Drive], most: float) -> float:
-    """The value up to ``most``, a damping or a speed, from which on a drive runs evenly; infinite if not even there."""
+    """The value up to ``most``, a damping or a speed, from which on a drive runs evenly; infinite if not even there.
+
+    Raises ``InputError`` where it is not known of a motion what it ends in.
+    """
     from lsvib.stability.starting import runs_evenly  # the engine
 
+    def evenly(value: float) -> bool:
+        """Whether it runs evenly with this value."""
+        if (found := runs_evenly(drive(value))) is None:
+            raise InputError("a motion with such a damping takes too much work to be followed to its end.")
+        return found
+
     low, high = 1e-4 * most, most
-    if not runs_evenly(drive(high)):
+    if not evenly(high):
         return math.inf
-    if runs_evenly(drive(low)):
+    if evenly(low):
         return 0.0
     while high - low > CLOSE * high:
         middle = math.sqrt(low * high)
-        low, high = (low, middle) if runs_evenly(drive(middle)) else (middle, high)
+        low, high = (low, middle) if evenly(middle) else (middle, high)
     return high
 
 
