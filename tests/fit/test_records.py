@@ -113,7 +113,10 @@ def others(seed):
     phase = random.uniform(0.06, 0.13) * AT + random.uniform()
     wave, (jump, teeth), (also, more) = 2 * np.pi * phase, jerks(phase), jerks(1.43 * phase)
     half = np.maximum(1 + 1.2 * np.sin(wave), 0)
-    stops, only = "the screw stops now and then, but ", "at rest; only where the screw turns is it steady motion."
+    stops, only = (
+        "the recorded speed is often far below its mean, as of jerks, but ",
+        "at rest; only where the screw turns is it steady motion.",
+    )
     return {
         "rest": ("rest", "the screw rests, or turns as much one way as the other.", 0 * even, even),
         "noisy": ("rest", "the screw rests, or turns as much one way", 1e-9 * (-1.0) ** AT, even),
@@ -124,7 +127,7 @@ def others(seed):
         "spikes": ("even", "the screw turns evenly.", even, 1 + 2 * (jump > 0)),
         "turn": ("even", "the screw", even, 1 + 0.3 * np.sin(0.03 * AT) + 0.1 * np.sin(0.06 * AT)),
         "line": ("even", "the screw", 1 + 0.2 * np.sin(wave), 1 + 0.2 * np.cos(wave)),
-        "sawtooth": ("jerks", f"{stops}the recorded speed does not, while the torque climbs", even, teeth),
+        "sawtooth": ("jerks", "the torque climbs slowly and falls fast as of jerks, while", even, teeth),
         "smooth": ("jerks", f"{stops}its torque does not climb slowly and fall fast;", half, 1 + 0.2 * np.cos(wave)),
         "reverse": ("jerks", f"{stops}its torque climbs fast and falls slowly, as samples rarer", *jerks(phase, -0.4)),
         "rare": ("jerks", f"{stops}it is sampled less than 2.3 times a jerk;", *jerks(AT / 2.15)),

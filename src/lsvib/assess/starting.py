@@ -4,7 +4,7 @@ The motions are those of :mod:`lsvib.stability.starting`, at the ends of the ran
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import islice, pairwise, product
 
@@ -17,11 +17,11 @@ from lsvib.assess.mechanisms import directions, drive_of
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.vibration import Vibration, vibration, work_of_many
 from lsvib.errors import InputError
-from lsvib.stability.starting import runs_evenly
+from lsvib.stability.starting import even_from, runs_evenly
 
 BEYOND = 10.0  # how many times below and above the window speeds are tried
 _STEPS = 6  # of these speeds, from end to end
-_CLOSE = 1e-3  # relative, to which a speed or a factor is closed in on
+_CLOSE = 1e-3  # relative, to which a factor is closed in on
 _FACTORS = (1.5, 3.0)  # and their inverses: changes of one quantity that are tried
 _DRAWS = 16  # random drives that are started
 _WORK = 2_000  # of a motion, a fraction of a second where friction follows a law
@@ -106,33 +106,6 @@ def _forces(values: Values) -> list[float]:
     weight = weight_of(values)
     low, high = sorted((values["force_low"], values["force_high"]), key=lambda force: abs(force + weight))
     return [high] if (low + weight) * (high + weight) >= 0 else [low, high]
-
-
-def even_from(evenly: Callable[[float], bool | None], tried: list[float], high: float) -> float | None:
-    """Return the speed from which on a drive runs evenly, up to ``high`` at least; zero if at all lower ones, too.
-
-    It is looked for from ``high``, one of the ascending speeds ``tried``, downwards if it runs evenly there, else
-    upwards. Infinite where it does at none of these, None where it is not known.
-    """
-    k = tried.index(high)
-    even = evenly(high)
-    while even is not None:
-        k += -1 if even else 1
-        if not 0 <= k < len(tried):
-            return 0.0 if even else math.inf
-        other = evenly(tried[k])
-        if other is not None and other != even:
-            break
-        even = other
-    else:
-        return None
-    jerks, quiet = (tried[k], tried[k + 1]) if even else (tried[k - 1], tried[k])
-    while quiet - jerks > _CLOSE * quiet:
-        middle = math.sqrt(jerks * quiet)
-        if (there := evenly(middle)) is None:
-            return quiet
-        jerks, quiet = (jerks, middle) if there else (middle, quiet)
-    return quiet
 
 
 def _changes(sheet: Sheet, values: Values, asked: list[tuple[Place, float]]) -> Iterator[Margin]:

@@ -127,9 +127,11 @@ def look(recording: Recording, interval: float | None = None, averaging: float |
     if not stops and problem:
         return Record(name, "even", (f"{name}: the screw turns evenly.",))
     if not stops:
-        problem = "the recorded speed does not, while the torque climbs and falls as of jerks"
+        said = "the torque climbs slowly and falls fast as of jerks, while the recorded speed does not stop"
+        return Record(name, "jerks", (f"{name}: {said}; no numbers are told.",))
     if problem:
-        return Record(name, "jerks", (f"{name}: the screw stops now and then, but {problem}; no numbers are told.",))
+        said = f"the recorded speed is often far below its mean, as of jerks, but {problem}"
+        return Record(name, "jerks", (f"{name}: {said}; no numbers are told.",))
     return _numbers(name, speed, torque, teeth, step, averaging)
 
 

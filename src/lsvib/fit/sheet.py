@@ -17,7 +17,7 @@ from lsvib.assess.sheet import Thread, sentence
 from lsvib.errors import InputError
 from lsvib.fit.law import Fit, Measured, Solution, fitted
 from lsvib.fit.records import Record, look
-from lsvib.fit.stick_slip import StickSlip, explained
+from lsvib.fit.stick_slip import StickSlip, breaking, explained
 from lsvib.fit.tables import MOST_COLUMNS, Point, read_table, refuse_record, row_points, steady_point
 from lsvib.models.scene import read_yaml
 from lsvib.numbers import NotNumber, number, shown, whole
@@ -283,15 +283,12 @@ def fit_sheet(path: Path) -> FittedSheet:
         for load, point in pairs
         if point.breakaway is not None
     ]
-    loose = 0.0
-    for table, record in jerks:
-        if record.breakaway is not None:
-            (value, error), sense = record.breakaway, math.copysign(1.0, table.speed)
-            held.append((sense, sense * value, table.load))
-            loose = max(loose, error / abs(value))
+    torn, loose = breaking((1 if table.speed > 0 else -1, table.load, record) for table, record in jerks)
     speed, torque, load = np.array([(point.speed, point.torque, load) for point, load in moving]).reshape(-1, 3).T
     nut = draw.get("nut.preload", 0.0), draw.get("nut.load_share", 1.0)
-    measured = Measured(speed, torque, load, 0.5 * diameter, angle, np.array(held).reshape(-1, 3), *nut, loose)
+    measured = Measured(
+        speed, torque, load, 0.5 * diameter, angle, np.array([*held, *torn]).reshape(-1, 3), *nut, loose
+    )
     fit = fitted(measured, _known(sheet, draw, angle, half_angle))
     even = [((table.points[0].speed, table.load, table.mass), table.blur) for table in tables if table.told_even]
     records = {(table.speed, table.load, table.mass): record for table, record in jerks}

@@ -17,11 +17,11 @@ from lsvib.errors import InputError, LsvibError
 from lsvib.fit.law import Measured, Solution
 from lsvib.fit.records import Number, Record
 from lsvib.models.drive import Drive
+from lsvib.stability.starting import end_from_rest, even_from, runs_evenly
 
 MOST = 30.0  # times critical damping 2 √(k J): largest damping that is tried
 SEEN = 0.8  # of the period that jerks would have: averaged over more, they are not seen
 BENT = 0.02  # standard error of all slopes in common, relative, as real ramps are no straight lines
-CLOSE = 1e-3  # relative, to which a damping or a speed is closed in on
 
 
 Place = tuple[float, float, float]  # speed of the screw [rad/s], axial load [N] and mass that moves [kg]
@@ -119,7 +119,7 @@ def _damped(
 
     def least(at: Place, errors: float) -> float:
         """The damping from which on the drive runs evenly at a place."""
-        return even_from(lambda c: drive(*at, c, errors), most)
+        return surely_even_from(lambda c: drive(*at, c, errors), most)
 
     low, high = max((least(at, -1.0) for at in even), default=0.0), min(least(at, 1.0) for at in jerks)
     if not 0 < high < math.inf:
@@ -135,20 +135,19 @@ def _damped(
 
     def fast(at: Place) -> float:
         """The speed from which on it runs evenly in the direction of a place."""
-        return even_from(lambda v: drive(math.copysign(v, at[0]), *at[1:], damping), 100 * abs(at[0]))
+        return surely_even_from(lambda v: drive(math.copysign(v, at[0]), *at[1:], damping), 100 * abs(at[0]))
 
-    pairs = ((seen, period(drive(*at, damping))) for at, seen in jerks.items())
+    pairs = ((seen, end_from_rest(drive(*at, damping)).period) for at, seen in jerks.items())
     speed = max(map(fast, jerks))
     periods = tuple(pair for pair in pairs if math.isfinite(pair[1]))
     return replace(found, even_speed=speed if speed < math.inf else None, periods=periods)
 
 
-def even_from(drive: Callable[[float], Drive], most: float) -> float:
-    """The value up to ``most``, a damping or a speed, from which on a drive runs evenly; infinite if not even there.
+def surely_even_from(drive: Callable[[float], Drive], most: float) -> float:
+    """Return the value up to ``most``, a damping or a speed, from which on a drive runs evenly; infinite if none is.
 
     Raises ``InputError`` where it is not known of a motion what it ends in.
     """
-    from lsvib.stability.starting import runs_evenly  # the engine
 
     def evenly(value: float) -> bool:
         """Whether it runs evenly with this value."""
@@ -156,27 +155,20 @@ def even_from(drive: Callable[[float], Drive], most: float) -> float:
             raise InputError("a motion with such a damping takes too much work to be followed to its end.")
         return found
 
-    low, high = 1e-4 * most, most
-    if not evenly(high):
-        return math.inf
-    if evenly(low):
-        return 0.0
-    while high - low > CLOSE * high:
-        middle = math.sqrt(low * high)
-        low, high = (low, middle) if evenly(middle) else (middle, high)
-    return high
+    return even_from(evenly, [1e-4 * most, most], most) or 0.0
+
+
+def breaking(jerks: Iterable[tuple[int, float, Record]]) -> tuple[list[tuple[float, float, float]], float]:
+    """Return direction, torque [N m] and load [N] at which records of jerks break loose, and their error, relative.
+
+    ``jerks``: direction of turning, load and record of each. The largest error counts for all, as it may be common.
+    """
+    known = [(sense, load, record.breakaway) for sense, load, record in jerks if record.breakaway is not None]
+    rows = [(float(sense), sense * torque, load) for sense, load, (torque, _) in known]
+    return rows, max((error / abs(torque) for _, _, (torque, error) in known), default=0.0)
 
 
 def slowest(files: Iterable[Place]) -> list[Place]:
     """Return the slowest file of each direction under each load."""
     kept = {(math.copysign(1.0, at[0]), at[1]): at for at in sorted(files, key=lambda at: -abs(at[0]))}
     return list(kept.values())
-
-
-def period(drive: Drive) -> float:
-    """The period with which a drive jerks once started [s]; NaN where it does not."""
-    from lsvib.dynamics.attractor import steady_state
-    from lsvib.models.mechanism import standing_state
-    from lsvib.models.model import automaton_of
-
-    return steady_state(automaton_of(drive), standing_state(drive)).period

@@ -14,9 +14,10 @@ friction, ICRA 1990) asked the same by dimensional analysis.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import EngineError, InputError, NoThreshold
@@ -30,8 +31,12 @@ from lsvib.stability.slip import Slip, SlipDrive
 from lsvib.stability.solve import Singular, samples
 from lsvib.stability.threshold import newton, result
 
+if TYPE_CHECKING:
+    from lsvib.dynamics.attractor import SteadyState
+
 DECADES, PER_DECADE = 3, 6  # of a search, on both sides of the drive's own value
-_CLOSE = 1e-12  # of a value, to which the search closes in
+_CLOSE = 1e-12  # of a value, to which the search for a threshold closes in
+_NEAR = 1e-3  # the same, where a person asks from which speed on
 
 
 @once
@@ -41,13 +46,48 @@ def runs_evenly(drive: Drive, work: int = 300_000) -> bool | None:
     >>> [runs_evenly(Drive(static_friction_coefficient=0.4, input_speed=speed)) for speed in (1.0, 40.0)]
     [False, True]
     """
-    from lsvib.dynamics.attractor import Attractor, steady_state  # the engine, which other thresholds do without
+    from lsvib.dynamics.attractor import Attractor
 
     try:
-        found = steady_state(automaton_of(drive), standing_state(drive), max_events=work)
+        found = end_from_rest(drive, work)
     except (InputError, EngineError):
         return None
     return None if found.label == Attractor.UNRESOLVED else found.label == Attractor.STEADY_SLIDING
+
+
+def end_from_rest(drive: Drive, work: int = 300_000) -> "SteadyState":
+    """Return what the motion from rest ends in; raises ``EngineError`` where events accumulate or it grows."""
+    from lsvib.dynamics.attractor import steady_state  # the engine, which other thresholds do without
+
+    return steady_state(automaton_of(drive), standing_state(drive), max_events=work)
+
+
+def even_from(evenly: Callable[[float], bool | None], tried: Sequence[float], high: float) -> float | None:
+    """Return the value, such as a speed, from which on a drive runs evenly; zero if at all lower ones that are tried.
+
+    It is looked for from ``high``, one of the ascending values ``tried``, downwards if it runs evenly there, else
+    upwards, and closed in on to a part in a thousand. Infinite where it does at none of these, None where it is not
+    known.
+    """
+    k = tried.index(high)
+    even = evenly(high)
+    while even is not None:
+        k += -1 if even else 1
+        if not 0 <= k < len(tried):
+            return 0.0 if even else math.inf
+        other = evenly(tried[k])
+        if other is not None and other != even:
+            break
+        even = other
+    else:
+        return None
+    jerks, quiet = (tried[k], tried[k + 1]) if even else (tried[k - 1], tried[k])
+    while quiet - jerks > _NEAR * quiet:
+        middle = math.sqrt(jerks * quiet)
+        if (there := evenly(middle)) is None:
+            return quiet
+        jerks, quiet = (jerks, middle) if there else (middle, quiet)
+    return quiet
 
 
 def tried(drive: Drive, unknown: str) -> list[tuple[float, bool]]:
