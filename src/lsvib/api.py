@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from lsvib.models import drive as _drives
+from lsvib.models.command import Command
 from lsvib.models.mechanics import Coefficients, coefficients
 from lsvib.models.scene import Scene
 from lsvib.numbers import Progress
@@ -161,6 +162,7 @@ class DriveMethods(_Base):
         resume: str = "contact_sign",
         physics: Terms = None,
         outputs: Sequence[str] = ("normal_force", "coupling_torque"),
+        command: Command | Mapping[str, Any] | None = None,
     ) -> "xr.Dataset":
         """Return the exact motion from a start, with its events.
 
@@ -174,6 +176,8 @@ class DriveMethods(_Base):
           "rest", where the screw stands with the coupling relaxed as the motor begins to turn.
         * ``duration`` [s], and the number of ``samples``, equidistant in time, both ends included.
         * ``outputs``: observables to store besides the state, the mode and the events.
+        * ``command``: the commanded speed over time in place of ``input_speed``, straight between ``speeds`` [rad/s] at
+          ``times`` [s]; deviations are still those from steady sliding at ``input_speed``.
         * ``resume`` and ``physics``: as of :meth:`automaton`.
 
         Returns a dataset over ``time`` [s] with angle_deviation [rad], velocity_deviation [rad/s], the outputs and the
@@ -185,12 +189,17 @@ class DriveMethods(_Base):
         >>> motion = drive.simulate({"u": 0.1, "w": 0.0}, 0.1)
         >>> motion.sizes["time"], motion.sizes["event"], motion.normal_force.units
         (1001, 12, 'N')
+        >>> stops = drive.simulate("rest", 1.0, command={"times": [0, 0.2, 0.8], "speeds": [0, 40, 0]})
+        >>> float(stops.velocity_deviation[-1]) == -drive.input_speed
+        True
 
         See also: :func:`lsvib.simulate`, of a scene in a file; :meth:`steady_state`, what the motion ends on.
         """
         from lsvib.datasets.motion import run, trajectory
 
-        scene = self._scene(start, duration, samples=samples, resume=resume, physics=physics, outputs=outputs)
+        scene = self._scene(
+            start, duration, samples=samples, resume=resume, physics=physics, outputs=outputs, command=command
+        )
         return trajectory(scene, run(scene))
 
     def steady_state(self, start: Start, *, resume: str = "contact_sign", physics: Terms = None) -> "SteadyState":

@@ -42,7 +42,7 @@ def test_a_motion_is_repeated_from_its_file_alone(figure, case, tmp_path):
         speed = motion.velocity_deviation.values + laws.p["input_speed"]
 
         def rate(_, state):
-            return laws.rate(state, mode_at(state))
+            return laws.rate(0, state, mode_at(state))
 
         times, which = np.unique(time, return_inverse=True)
         first = [deflection[0], speed[0]]

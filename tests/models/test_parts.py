@@ -149,7 +149,7 @@ def judged_by_newton(drive: Drive) -> tuple[int, bool]:
     for k in range(steady.size):
         step = np.zeros_like(steady)
         step[k] = size
-        columns.append((laws.rate(steady + step, mode) - laws.rate(steady - step, mode)) / (2 * size))
+        columns.append((laws.rate(0, steady + step, mode) - laws.rate(0, steady - step, mode)) / (2 * size))
     found = np.sort_complex(np.linalg.eigvals(np.array(columns).T))
     expected = np.sort_complex(np.array(report.eigenvalues))
     assert np.abs(found - expected).max() <= 1e-6 * np.abs(expected).max(), drive

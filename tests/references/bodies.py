@@ -20,9 +20,13 @@ RATES = {
 
 
 class Bodies:
-    """A drive; its state is that of the package, (u, w) and two numbers for each part."""
+    """A drive; its state is that of the package, (u, w) and two numbers for each part.
 
-    def __init__(self, drive) -> None:
+    ``commanded``: the commanded speed as a function of time, ``input_speed`` by default.
+    """
+
+    def __init__(self, drive, commanded=None) -> None:
+        self.commanded = commanded or (lambda t: drive.input_speed)
         self.p = {name: getattr(drive, name) or 0.0 for name in type(drive).model_fields}
         self.q = ["theta", *(RATES[part] for part in drive.parts)]
         self.place = {name: 2 * k for k, name in enumerate(self.q)}
@@ -75,7 +79,7 @@ class Bodies:
                 found[body] = SIGN[ways[word]] if self.free(body) else SIGN[slip]
         return found
 
-    def forces(self, state: np.ndarray, mode: dict) -> dict:
+    def forces(self, state: np.ndarray, mode: dict, t: float = 0.0) -> dict:
         """Accelerations, n, N, τ and held friction at an absolute state."""
         p, q, place = self.p, self.q, self.place
         names = [*q, "x", "n", "tau", *(body for body in ("bearing", "slide") if self.held(body, mode))]
@@ -99,7 +103,8 @@ class Bodies:
         wound = p["coupling_stiffness"] * (at("theta") - at("psi"))
         if "psi" in place:
             wound += p["coupling_damping"] * (at("theta", 1) - p["input_speed"] - at("psi", 1))
-            loop = p["integral_gain"] * at("psi") + p["speed_gain"] * at("psi", 1)
+            late = p["input_speed"] + at("psi", 1) - self.commanded(t)
+            loop = p["integral_gain"] * at("psi") + p["speed_gain"] * late
             equation(wound - loop, psi=p["motor_inertia"])
         torque = -wound - p["support_damping"] * at("theta", 1)
         law, mu = mode["slip"] * mode["contact"], self.mu(slip)
@@ -136,12 +141,14 @@ class Bodies:
         """Whether a body that may slide on its own is held."""
         return self.free(body) and mode.get(body) == 0
 
-    def rate(self, state: np.ndarray, mode: dict) -> np.ndarray:
-        """Rate of the absolute state; the angle is that of the coupling."""
-        found, rate = self.forces(state, mode), np.empty_like(state)
+    def rate(self, t: float, state: np.ndarray, mode: dict) -> np.ndarray:
+        """Rate of the absolute state at a time; the angles of screw and motor are those from the command."""
+        found, rate = self.forces(state, mode, t), np.empty_like(state)
         for name, k in self.place.items():
             rate[k], rate[k + 1] = state[k + 1], found[name]
-        rate[0] -= self.p["input_speed"]
+        rate[0] -= self.commanded(t)
+        if "psi" in self.place:
+            rate[self.place["psi"]] += self.p["input_speed"] - self.commanded(t)
         return rate
 
     def moved(self, state: np.ndarray, mode: dict, times: np.ndarray, size: np.ndarray):
@@ -152,7 +159,7 @@ class Bodies:
 
         def run(begin, state, end, **more):
             return solve_ivp(
-                lambda _, x: self.rate(x, mode), (begin, end), state, "DOP853", rtol=3e-14, atol=1e-16 * size, **more
+                lambda t, x: self.rate(t, x, mode), (begin, end), state, "DOP853", rtol=3e-14, atol=1e-16 * size, **more
             )
 
         kink.terminal = True
@@ -163,7 +170,7 @@ class Bodies:
             if done.status == 1:  # between steps it is less exact: once more, and over the kink by next to nothing
                 (stop,) = done.t_events[0]
                 on, step = run(time, state, stop).y[:, -1], min(1e-12 * times[-1], times[-1] - stop)
-                time, state = stop + step, on + step * self.rate(on, mode)
+                time, state = stop + step, on + step * self.rate(stop, on, mode)
             elif done.status < 0:  # where the threads jam the last step would be too small
                 assert len(found) == len(times) - 1
                 found.append(run(time, state, times[-1]).y[:, -1])

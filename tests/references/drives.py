@@ -7,8 +7,9 @@ import numpy as np
 
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND
 from lsvib.engine.motion import Motion, follow
+from lsvib.models.command import Command
 from lsvib.models.drive import Drive
-from lsvib.models.model import automaton_of, model_of
+from lsvib.models.model import model_of
 from lsvib.models.names import Event
 from lsvib.models.rigid import rigid_automaton
 from references.bodies import Bodies
@@ -69,17 +70,20 @@ def random_start(rng: np.random.Generator) -> tuple[float, float]:
 
 
 def held_against_newton(
-    drive: Drive, start: np.ndarray, duration: float, most: int, tolerance: float
+    drive: Drive, start: np.ndarray, duration: float, most: int, tolerance: float, command: Command | None = None
 ) -> tuple[Motion, list[dict]]:
     """Follow a motion and hold each arc against Newton's laws, body by body; returns it with the modes of its arcs.
 
     States along the arc and at its end, N, and what the mode says of signs and of what friction can hold. The tolerance
     is that of states, over the size of the motion.
     """
-    automaton, model, laws = automaton_of(drive), model_of(drive), Bodies(drive)
-    motion = follow(automaton, start, duration, max_events=most)
+    model, laws, n = model_of(drive), Bodies(drive, command and command.at), len(start)
+    automaton = model.build(drive, model.physics_of(drive), "contact_sign", command)
+    motion = follow(automaton, [*start, *([0.0] if command else [])], duration, max_events=most)
     modes, starts, ends, durations = motion.arcs()
+    starts, ends = starts[:, :n], ends[:, :n]
     size = np.abs([*starts, *ends]).max(axis=0)
+    size = np.maximum(size, 1e-6 * np.tile(size[:2], n // 2))  # some coordinates move by rounding only
     arcs = [laws.mode(model.modes(int(automaton.codes[mode])).name.lower()) for mode in modes]
     seized = np.append(motion.kind == model.events.SEIZURE, False)
     begins = np.cumsum([0.0, *durations[:-1]])
@@ -88,9 +92,9 @@ def held_against_newton(
     ):
         if time < 1e-9:
             continue
-        times = np.linspace(0.0, float(time), 9)
+        times = begin + np.linspace(0.0, float(time), 9)
         states = laws.moved(first + laws.steady, what, times, size + np.abs(laws.steady))
-        found = np.vstack([motion.at(begin + times[1:-1])[0], last])
+        found = np.vstack([motion.at(times[1:-1])[0][:, :n], last])
         error = np.abs(states[1:] - laws.steady - found) / size
         # Where a law brings Γ₊ to zero the deceleration grows without bound, and with it what rounding does to the end.
         jams = seizes and what["slip"] * what["contact"] > 0
@@ -98,7 +102,7 @@ def held_against_newton(
         assert error[-1].max() <= (1e-6 if jams else tolerance), (drive, what)
         assert max(laws.excess(state, what, size + np.abs(laws.steady)) for state in states) <= 1e-7, (drive, what)
         if what["slip"] or "e" in laws.place:
-            normal, middle = laws.forces(states[4], what)["N"], (states[4] - laws.steady)[None]
+            normal, middle = laws.forces(states[4], what)["N"], motion.at(times[4:5])[0]
             np.testing.assert_allclose(automaton.observe("normal_force", middle, np.array([mode])), normal, rtol=1e-9)
             assert not what["slip"] or normal * what["contact"] > 0
     return motion, arcs

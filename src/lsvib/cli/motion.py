@@ -39,7 +39,7 @@ def simulate(
     given = {"duration": duration, "samples": samples, "start": options.start_of(start)}
     checked = as_scene(scene, {key: value for key, value in given.items() if value is not None}, drive.values())
     motion = run(checked)
-    steady = attractor_of(motion)
+    steady = attractor_of(checked, motion)
     files.write(motion_file(checked, motion, steady), "lsvib.simulate")
     show(summary(checked, motion, steady), as_json, _print_motion, out)
 

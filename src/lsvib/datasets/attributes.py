@@ -23,6 +23,7 @@ _LONG_NAMES = {
     "axial_contact_force": ("axial force that the threads carry", "N", "$n$"),
     "coupling_torque": ("torque of the coupling", "N m", "$T_r$"),
     "coupling_deflection": ("coupling deflection", "rad", "$z$"),
+    "commanded_speed": ("commanded angular speed", "rad s-1", r"$\Omega(t)$"),
     "screw_speed": ("angular speed of the screw", "rad s-1", r"$\dot\theta$"),
     "nut_speed": ("speed of the nut along the axis", "m s-1", r"$\dot x$"),
 }

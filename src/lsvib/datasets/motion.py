@@ -10,7 +10,7 @@ import xarray as xr
 
 from lsvib.datasets import attributes as cf
 from lsvib.datasets import phase_plane
-from lsvib.dynamics.attractor import Attractor, SteadyState, orbit_extremes, steady_state
+from lsvib.dynamics.attractor import Attractor, Doubt, SteadyState, orbit_extremes, steady_state
 from lsvib.dynamics.impulses import event_impulses
 from lsvib.engine.motion import Budget, Motion, follow
 from lsvib.models.drive import Drive, changed, names_and_values, parameters_of
@@ -41,8 +41,10 @@ def as_scene(
 def run(scene: Scene, budget: Budget | None = None) -> Motion:
     """Follow the motion of a scene to its end, as far as a ``budget`` suffices (:func:`lsvib.engine.motion.follow`)."""
     definition = scene.definition
-    automaton = definition.build(scene.drive, scene.terms, scene.resume)
-    return follow(automaton, definition.initial_state(scene.drive, scene.start), scene.duration, budget=budget)
+    automaton = definition.build(scene.drive, scene.terms, scene.resume, scene.command)
+    start = definition.initial_state(scene.drive, scene.start)
+    clock = np.zeros(len(automaton.states) - start.size)
+    return follow(automaton, np.concatenate([start, clock]), scene.duration, budget=budget)
 
 
 def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:
@@ -52,8 +54,10 @@ def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:
     """
     times = np.linspace(0.0, scene.duration, scene.samples)
     states, modes = motion.at(times)
-    names, codes = motion.automaton.states, motion.automaton.codes
+    names, codes = scene.definition.states, motion.automaton.codes
     data: cf.Variables = {name: ("time", states[:, k], cf.quantity(name)) for k, name in enumerate(names)}
+    if scene.command:
+        data["commanded_speed"] = ("time", scene.command.at(times), cf.quantity("commanded_speed"))
     data["mode"] = cf.flagged("time", codes[modes], "mode of motion", scene.definition.modes)
     for name in scene.outputs:
         data[name] = ("time", motion.automaton.observe(name, states, modes), cf.quantity(name))
@@ -65,7 +69,7 @@ def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:
     after = "mode of motion after the event"
     data["event_mode"] = cf.flagged("event", codes[motion.mode], after, scene.definition.modes)
     # Two states are carried without a modal form, so that nothing amplifies rounding.
-    form = {} if len(motion.automaton.states) == 2 else {"condition_number": motion.automaton.condition}
+    form = {} if len(names) == 2 else {"condition_number": motion.automaton.condition}
     return xr.Dataset(
         data,
         coords={
@@ -80,14 +84,23 @@ def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:
             "physics": " ".join(scene.terms),
             "resume": scene.resume,
             "initial_state": json.dumps(dict(scene.start)),
+            **({"command": scene.command.model_dump_json()} if scene.command else {}),
             **form,
         },
     )
 
 
-def attractor_of(motion: Motion) -> SteadyState:
-    """Return what a motion goes on to from its end, decided by the return map (Poincaré map)."""
-    return steady_state(motion.automaton, motion.end_state, mode=motion.end_mode)
+def attractor_of(scene: Scene, motion: Motion) -> SteadyState:
+    """Return what the motion of a scene goes on to from its end, decided by the return map (Poincaré map).
+
+    Under a command it is known where the command has come to ``input_speed`` for good.
+    """
+    if not scene.command:
+        return steady_state(motion.automaton, motion.end_state, mode=motion.end_mode)
+    state, drive = motion.end_state[: len(scene.definition.states)], scene.drive
+    if scene.command.times[-1] > scene.duration or scene.command.speeds[-1] != drive.input_speed:
+        return SteadyState.unresolved(state, Doubt.COMMAND)
+    return steady_state(scene.definition.build(drive, scene.terms, scene.resume), state)
 
 
 def motion_file(scene: Scene, motion: Motion, steady: SteadyState) -> xr.Dataset:
@@ -119,12 +132,12 @@ def summary(scene: Scene, motion: Motion, steady: SteadyState | None = None) -> 
     definition, automaton = scene.definition, motion.automaton
     counts = np.bincount(motion.kind, minlength=len(definition.events))
     keys = (*definition.required, *definition.optional)
-    steady = steady or attractor_of(motion)
+    steady = steady or attractor_of(scene, motion)
     result = {
         "parts": list(scene.drive.parts),
         "duration": scene.duration,
         "final_state": {
-            **dict(zip(keys, (motion.end_state + 0.0).tolist(), strict=True)),
+            **dict(zip(keys, (motion.end_state[: len(keys)] + 0.0).tolist(), strict=True)),
             "mode": definition.modes(int(automaton.codes[motion.end_mode])).name.lower(),
         },
         "events": {event.name.lower(): int(counts[event]) for event in definition.events if counts[event]},

@@ -17,7 +17,7 @@ from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
-from lsvib.models.names import RULES, Event, Resume
+from lsvib.models.names import CLOCK, RULES, Event, Resume
 from lsvib.models.rigid import MotionMode, rigid_automaton
 
 if TYPE_CHECKING:
@@ -159,7 +159,7 @@ def events(
         "event_sign": (motion.sign, cf.SIGNS),
     }
     for when, states in (("before", motion.before), ("after", motion.after)):
-        for column, name in enumerate(motion.automaton.states):
+        for column, name in enumerate(name for name in motion.automaton.states if name != CLOCK):
             found[f"event_{name}_{when}"] = (states[:, column], cf.quantity(name, when))
     for name, known in () if impulses is None else cf.IMPULSES.items():
         found[f"event_{name}"] = (getattr(impulses, name.removesuffix("_impulse")), known)

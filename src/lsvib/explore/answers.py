@@ -247,5 +247,5 @@ def export(name: str, view: View) -> bytes:
     motion = moved(view)
     with TemporaryDirectory() as folder:
         path = Path(folder) / name
-        write_dataset(motion_file(view.scene(), motion, attractor_of(motion)), path, "lsvib.explore")
+        write_dataset(motion_file(view.scene(), motion, attractor_of(view.scene(), motion)), path, "lsvib.explore")
         return path.read_bytes()

@@ -12,15 +12,16 @@ from functools import cache
 
 from flint import arb
 
-from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Row, Transition
+from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Row, Transition, assemble
 from lsvib.engine.exact.arithmetic import double, many_digits
-from lsvib.engine.exact.taylor_form import Split, still_mode
+from lsvib.engine.exact.taylor_form import Split, TaylorMode
 from lsvib.engine.kernels.layout import Test
 from lsvib.errors import InputError
 from lsvib.models import friction, sliding
+from lsvib.models.command import Command, one_after_the_other
 from lsvib.models.drive import Drive, once
-from lsvib.models.mechanism import Mechanism, seated
-from lsvib.models.modes import OUTPUTS, Modes
+from lsvib.models.mechanism import Mechanism, Solution, seated
+from lsvib.models.modes import OUTPUTS, Modes, still_flow
 from lsvib.models.names import DIRECTIONS, Event, Key, Resume
 
 
@@ -50,10 +51,8 @@ class LawModes(Modes):
                 f"depends on speed; leave {name}_friction out, or stribeck_rise and friction_slope at zero."
             )
 
-    def _mode(self, key: Key, guards: tuple[Guard, ...]) -> Mode:
-        found = self.solution(key)
-        rows = [self.m.constant(0) if i in found.frozen else row for i, row in enumerate(found.field)]
-        return Mode(self.codes[self.name(key)], still_mode(rows), guards)
+    def _flow(self, found: Solution) -> TaylorMode:
+        return still_flow(found)
 
     def _parts(self, modes: dict[str, Mode], seen: dict[str, dict[str, Row]]) -> dict[str, dict[str, Row]]:
         """Put the friction law into the modes that slip, and into what is seen of them, in place.
@@ -129,8 +128,10 @@ class LawModes(Modes):
     def _divide(
         self, modes: dict[str, Mode], seen: dict[str, dict[str, Row]], parts: dict[str, dict[str, Row]]
     ) -> None:
-        """Divide the mode of steady sliding where θ′ passes Ω."""
+        """Divide the mode of steady sliding where θ′ passes Ω, unless the commanded speed changes."""
         m = self.m
+        if m.command:
+            return
         steady = self.name((m.turning, m.steady_law * m.turning, ()))
         if f"{steady}_fast" in modes and double(friction.steady_speed(m.d)) > self.low:
             steady += "_fast"
@@ -150,8 +151,23 @@ def automaton_of_parts(drive: Drive, resume: Resume) -> Automaton:
     Raises ``InputError`` where a dry friction leaves the motion undetermined, ``EngineError`` if the rates of a mode
     cannot be separated in double precision.
     """
-    d, law = drive.exact(), friction.depends_on_speed(drive)
     with many_digits():
-        if not law:
-            return Modes(Mechanism(d, drive.parts, d.steady_friction), resume).automaton()
-        return LawModes(Mechanism(d, drive.parts, friction.coefficient(d, arb(0))), drive, resume).automaton()
+        return assemble(**_modes(drive, resume).layout())
+
+
+@once
+def automaton_under_command(drive: Drive, command: Command, resume: Resume) -> Automaton:
+    """Return the automaton of a drive whose commanded speed changes, with modes of its own for each piece of that.
+
+    The clock, the last state, begins anew in each piece, so that no digits of Ω(t) are lost late.
+    """
+    with many_digits():
+        pieces = [(_modes(drive, resume, (arb(s), arb(a))), duration) for duration, s, a in command.pieces()]
+        return assemble(**one_after_the_other([(modes.layout(), duration) for modes, duration in pieces]))
+
+
+def _modes(drive: Drive, resume: Resume, command: tuple[arb, arb] | None = None) -> Modes:
+    d = drive.exact()
+    if not friction.depends_on_speed(drive):
+        return Modes(Mechanism(d, drive.parts, d.steady_friction, command), resume)
+    return LawModes(Mechanism(d, drive.parts, friction.coefficient(d, arb(0)), command), drive, resume)

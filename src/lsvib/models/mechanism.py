@@ -29,6 +29,9 @@ Compliant threads carry N = cos λ (k_c e + c_c e′), and (5.16, 5.17, 8.6)
 The state is (u, w) as in the rigid drive, then the coordinate of each part that is there with its rate: those of
 motor, support and nut less their values in steady sliding, where n = R − r_m tan λ c_x Ω − F_0 sgn Ω, and e itself.
 
+Where the commanded speed changes as Ω(t) = Ω_0 + α t, the command is ∫ Ω(t) dt in place of Ω t, and u and θ_m are
+measured from it; w and the rate of the motor stay those from the constant Ω. Time is then one more state, the clock.
+
 All that a mode does follows from one linear system, whose unknowns are the accelerations, n, τ and the friction that
 holds a body. Its solution is made of affine functions of the state, *rows* of numbers (the constant last): balls of one
 drive, or arrays of many.
@@ -47,7 +50,7 @@ from lsvib.engine.exact.arithmetic import double, many_digits, nothing, root, si
 from lsvib.models import mechanics
 from lsvib.models.drive import PARTS, Drive
 from lsvib.models.mechanics import plus, solved, together
-from lsvib.models.names import BODIES, COORDINATES, Ways, own_frictions, sides_of_rest
+from lsvib.models.names import BODIES, CLOCK, COORDINATES, Ways, own_frictions, sides_of_rest
 
 
 @dataclass(frozen=True)
@@ -71,19 +74,21 @@ class Mechanism:
     """A drive in steady sliding and around it, and the solution of its equations in any mode.
 
     Arguments: ``d``, its parameters as balls or as arrays of doubles; ``parts``, the names of those that are not rigid;
-    ``slowest``: μ of slow sliding.
+    ``slowest``: μ of slow sliding; ``command``: Ω_0 [rad/s] and α [rad/s²] of a commanded speed that changes, by the
+    clock.
 
     ``states`` names the coordinates, ``place`` says where the displacement of a part stands among them; ``own`` are the
     frictions whose body may slide or be held while the threads slip: elsewhere its speed is that of the slip.
-    ``speed`` is the row of θ′, ``slip`` that of ω, ``nut_speed`` that of x′, ``deflection`` that of z; ``force`` [N]
-    and ``steady_law``, s_0, are those of steady sliding; ``sides``: the signs of n at rest, or 0 alone where it is
-    constant; ``compliant``: whether the threads are.
+    ``speed`` is the row of θ′, ``slip`` that of ω, ``nut_speed`` that of x′, ``deflection`` that of z, ``commanded``
+    that of Ω(t), ``away`` that of u′; ``force`` [N] and ``steady_law``, s_0, are those of steady sliding; ``sides``:
+    the signs of n at rest, or 0 alone where it is constant; ``compliant``: whether the threads are.
     """
 
-    def __init__(self, d: Any, parts: Iterable[str], slowest: Any) -> None:
-        self.d, self.slowest = d, slowest
+    def __init__(self, d: Any, parts: Iterable[str], slowest: Any, command: tuple[float, float] | None = None) -> None:
+        self.d, self.slowest, self.command = d, slowest, command
         self.parts = tuple(part for part in COORDINATES if part == "screw" or part in parts)
         self.states = tuple(chain.from_iterable(COORDINATES[part] for part in self.parts))
+        self.states += (CLOCK,) if command else ()
         self.place = {part: 2 * k for k, part in enumerate(self.parts)}
         self.compliant = "threads" in parts
         self.bodies = [part for part in self.parts if part in BODIES]
@@ -93,6 +98,9 @@ class Mechanism:
         self.tied = tuple(name for name in self.limits if name not in self.own)
         self.sides = sides_of_rest(self.parts)
         self.reach = d.pitch_radius * d.tan_lead
+        self.commanded = self.constant(d.input_speed)
+        if command:
+            self.commanded = (*(0 for _ in self.states[1:]), command[1], command[0])
         self.same = sign(d.static_friction_coefficient) == 0  # rest then holds as much as slow sliding carries
         self.turning = sign(d.input_speed)
         xi = {s: self._factor(d.steady_friction, s) for s in (1, -1)}
@@ -108,6 +116,7 @@ class Mechanism:
         if "motor" in self.parts:
             self.deflection = plus(self.deflection, scaled(self.unit(self.place["motor"]), -1))
         self.speed = self.unit(1, d.input_speed)
+        self.away = plus(self.speed, scaled(self.commanded, -1))  # u′
         rates = self.rates(True, ())
         self.slip, self.nut_speed = self._slip(rates), self._travel(rates)
 
@@ -126,8 +135,8 @@ class Mechanism:
 
     @cached_property
     def sizes(self) -> tuple[Any, ...]:
-        """Typical sizes of the coordinates: 0.1 rad, as in the cycles of Table 8.1, and Ω."""
-        return tuple(chain.from_iterable(map(self._size, self.parts)))
+        """Typical sizes of the coordinates: 0.1 rad, as in the cycles of Table 8.1, and Ω; none of the clock."""
+        return (*chain.from_iterable(map(self._size, self.parts)), *([0.0] if self.command else []))
 
     def _size(self, part: str) -> tuple[Any, Any]:
         d, speed = self.d, abs(double(self.d.input_speed))
@@ -154,7 +163,7 @@ class Mechanism:
 
     def rates(self, slips: bool, held: Iterable[str]) -> dict[str, Row]:
         """Return the rows of θ′, x_1′, θ_2′ and e′ by part, which rest and bodies that are held tie to each other."""
-        found = {part: self.unit(self.place[part] + 1) for part in self.parts}
+        found = {part: self._late(part, self.unit(self.place[part] + 1), 1) for part in self.parts}
         stands = "bearing" in held or not (slips or "nut" in self.parts)
         found["screw"] = self.constant(0) if stands else self.speed
         if "nut" in self.parts and not slips:
@@ -164,6 +173,12 @@ class Mechanism:
             found[last] = self.constant(0)
             found[last] = scaled(self._travel(found), -1)
         return found
+
+    def _late(self, part: str, rate: Row, sign: int) -> Row:
+        """Add ± (Ω − Ω(t)) to the rate of a motor, or of what turns with the screw: as it is from the command."""
+        if part not in BODIES or not BODIES[part].on:
+            return rate
+        return plus(rate, self.constant(sign * self.d.input_speed), scaled(self.commanded, -sign))
 
     @property
     def sliders(self) -> list[str]:
@@ -226,7 +241,7 @@ class Mechanism:
         """Return the row of the torque that the coupling gives to the screw, −k z − d z′."""
         torque = scaled(self.deflection, -self.d.coupling_stiffness)
         if "motor" in self.parts and sign(self.d.coupling_damping):
-            turning = plus(rates["screw"], self.constant(-self.d.input_speed), scaled(rates["motor"], -1))
+            turning = plus(rates["screw"], scaled(self.commanded, -1), scaled(rates["motor"], -1))
             torque = plus(torque, scaled(turning, -self.d.coupling_damping))
         return torque
 
@@ -253,7 +268,7 @@ class Mechanism:
         stretched, faster = self.unit(self.place[part], load / stiffness), rates[part]
         if body.on == "screw":
             stretched = plus(stretched, scaled(self.unit(self.place[body.on]), -1))
-            faster = plus(faster, self.constant(self.d.input_speed), scaled(rates[body.on], -1))
+            faster = plus(faster, self.commanded, scaled(rates[body.on], -1))
         return plus(scaled(stretched, -stiffness), scaled(faster, -damping))
 
     def _threads(self, law: int, mu: Any, rates: Mapping[str, Row]) -> list[tuple[dict[str, Any], Row]]:
@@ -278,7 +293,8 @@ class Mechanism:
             still = all(map(nothing, rates[part]))
             if still:
                 frozen[place + 1] = -d.input_speed if part == "screw" else 0
-            field += [self.unit(1) if part == "screw" else rates[part], zero if still else found[part]]
+            field += [self.away if part == "screw" else rates[part], zero if still else found[part]]
+        field += [self.constant(1)] if self.command else []
         contact, torque = found["contact"], found["torque"]
         if self.compliant:
             normal = self.pressed(rates)
@@ -319,8 +335,8 @@ class Mechanism:
         rows = []
         for part, place in self.place.items():
             rate = plus(rates[part], self.constant(-self.d.input_speed)) if part == "screw" else rates[part]
-            rows += [self.unit(place), rate]
-        return tuple(rows)
+            rows += [self.unit(place), self._late(part, rate, -1)]
+        return (*rows, *([self.unit(len(rows))] if self.command else []))
 
     @cached_property
     def impact(self) -> tuple[Row, ...]:

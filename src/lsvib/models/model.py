@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from lsvib.errors import InputError
+from lsvib.models.command import Command
 from lsvib.models.drive import DRY, PARTS, Drive
 from lsvib.models.mechanism import seated_state, standing_state
 from lsvib.models.names import COORDINATES, Event, Resume, mode_names, own_frictions, sides_of_rest
@@ -88,18 +89,23 @@ class Model:
         codes = {name.upper(): code for code, name in enumerate(names)}
         return cast(type[IntEnum], IntEnum("MotionMode", codes))
 
-    def build(self, drive: Drive, physics: tuple[str, ...], resume: Resume) -> "Automaton":
+    def build(
+        self, drive: Drive, physics: tuple[str, ...], resume: Resume, command: Command | None = None
+    ) -> "Automaton":
         """Return the automaton of a drive; ``physics``: the terms and options that its scene has."""
-        if self.rigid:
+        if self.rigid and not command:
             from lsvib.models.rigid import rigid_automaton
 
             return rigid_automaton(drive, rest="rest" in physics, resume=resume)
         if self.options and "rest" not in physics:
-            raise InputError("physics leaves out rest, which a drive with friction of slide or bearing has; list rest.")
-        from lsvib.models.law_modes import automaton_of_parts
+            why = "whose commanded speed changes" if command else "with friction of slide or bearing"
+            raise InputError(f"physics leaves out rest, which a drive {why} has; list rest.")
+        from lsvib.models.law_modes import automaton_of_parts, automaton_under_command
 
-        if resume != "contact_sign":
+        if resume != "contact_sign" and not self.rigid:
             raise InputError(f"resume = {resume!r} is known of the rigid drive only; others know contact_sign.")
+        if command:
+            return automaton_under_command(drive, command, resume)
         return automaton_of_parts(drive, resume)
 
     def start(self, drive: Drive, values: Mapping[str, float]) -> np.ndarray:

@@ -42,6 +42,7 @@ from lsvib.engine.automaton import (
 )
 from lsvib.engine.exact.arithmetic import Divided, double, sign
 from lsvib.engine.exact.modal_form import linear_mode
+from lsvib.engine.exact.taylor_form import TaylorMode, still_mode
 from lsvib.engine.kernels.layout import Test
 from lsvib.errors import InputError
 from lsvib.models.mechanics import plus, rate_of
@@ -121,6 +122,10 @@ class Modes:
 
     def automaton(self) -> Automaton:
         """Assemble the tables of all modes."""
+        return assemble(**self.layout())
+
+    def layout(self) -> dict[str, Any]:
+        """Return what :func:`lsvib.engine.automaton.assemble` makes the tables of."""
         m = self.m
         self.transitions["entry"] = Transition(tuple(self._entry()))
         keys = [*self.slips, *self.rests]
@@ -132,7 +137,7 @@ class Modes:
         facts: dict[str, Any] = {"passive": not m.compliant, "sprag_kinds": () if m.compliant else (Event.SEIZURE,)}
         if m.compliant and self.paradox:  # motions sprag under law s = +1
             facts["sprag_codes"] = tuple(self.codes[self.name(key)] for key in self.slips if key[0] * key[1] > 0)
-        return assemble(
+        return dict(
             states=m.states,
             surfaces=self.surfaces,
             modes=modes,
@@ -146,10 +151,16 @@ class Modes:
         )
 
     def _mode(self, key: Key, guards: tuple[Guard, ...]) -> Mode:
-        found, known = self.solution(key), self._known(key)
+        known = self._known(key)
         if known not in self._flows:
-            self._flows[known] = linear_mode(found.field, self.m.sizes, found.frozen, self.m.dampers[-1])
+            self._flows[known] = self._flow(self.solution(key))
         return Mode(self.codes[self.name(key)], self._flows[known], guards)
+
+    def _flow(self, found: Solution) -> Any:
+        """Return the flow of a mode; with a clock its rates of zero are a chain, which has no modal form."""
+        if self.m.command:
+            return still_flow(found)
+        return linear_mode(found.field, self.m.sizes, found.frozen, self.m.dampers[-1])
 
     def _parts(self, modes: dict[str, Mode], seen: dict[str, dict[str, Row]]) -> dict[str, dict[str, Row]]:
         """Return the rows of the observables that count η times, by name and mode: none with constant friction."""
@@ -357,6 +368,12 @@ class Modes:
                 for branch in self._consistent(d, ways, self._held_in(ways)):
                     kind = Event.RELEASE if d else branch.kind
                     yield replace(branch, kind=kind, conditions=(*slips, *moving, *branch.conditions))
+
+
+def still_flow(found: Solution) -> TaylorMode:
+    """Return the flow of a mode by its series."""
+    zero = (0,) * (len(found.field) + 1)
+    return still_mode([zero if i in found.frozen else row for i, row in enumerate(found.field)])
 
 
 def _size(value: Any) -> float:

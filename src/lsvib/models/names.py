@@ -15,6 +15,7 @@ COORDINATES = {  # of each part: the names of its displacement and of the rate o
     "nut": ("nut_angle", "nut_rate"),
     "threads": ("thread_mismatch", "mismatch_rate"),
 }
+CLOCK = "clock"  # the coordinate that is time, of a drive whose commanded speed changes
 
 
 @dataclass(frozen=True)
@@ -59,6 +60,7 @@ class Event(IntEnum):
     BEARING_STICK = FIRST_MODEL_KIND + 9  # the screw stops in its bearing
     BEARING_REVERSAL = FIRST_MODEL_KIND + 10
     BEARING_RELEASE = FIRST_MODEL_KIND + 11
+    COMMAND = FIRST_MODEL_KIND + 12  # the commanded speed begins to change otherwise
 
 
 def sides_of_rest(parts: Iterable[str]) -> tuple[int, ...]:

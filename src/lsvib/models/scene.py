@@ -12,6 +12,7 @@ import yaml
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SerializeAsAny, ValidationError, model_validator
 
 from lsvib.errors import InputError
+from lsvib.models.command import Command
 from lsvib.models.drive import Drive, Number, Whole, names_and_values, sentence_about
 from lsvib.models.model import Model, model_of
 from lsvib.models.names import Resume
@@ -27,9 +28,10 @@ class Scene(BaseModel):
     must be zero in the drive, and without ``rest`` the motion of a rigid drive is taken never to reach θ′ = 0, so
     reversal, rest and seizure are left out; by default the non-zero terms and rest. ``resume``: how motion goes on
     after a seizure, see :mod:`lsvib.models.rigid`. ``start``: u [rad], w [rad/s], and what else the model has; or
-    ``rest``: the screw stands with the coupling relaxed as the motor begins to turn. ``duration`` [s]. ``samples``:
-    number of equidistant output times, both ends included. ``outputs``: observables to store besides the state, the
-    mode and the events.
+    ``rest``: the screw stands with the coupling relaxed as the motor begins to turn. ``command``: the commanded speed
+    over time, :class:`lsvib.models.command.Command`, in place of the constant ``input_speed``, from whose steady
+    sliding deviations are measured still. ``duration`` [s]. ``samples``: number of equidistant output times, both ends
+    included. ``outputs``: observables to store besides the state, the mode and the events.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -38,6 +40,7 @@ class Scene(BaseModel):
     physics: tuple[str, ...] | None = None
     resume: Resume = "contact_sign"
     start: Annotated[dict[str, Number], BeforeValidator(partial(names_and_values, "start"))]
+    command: Command | None = None
     duration: Number = Field(gt=0, le=1e9)
     samples: Whole = Field(default=1001, ge=2, le=100_000_000)
     outputs: tuple[str, ...] = ("normal_force", "coupling_torque")

@@ -157,7 +157,8 @@ def piece_at(flow, mode, state):
 def step_of(series):
     """Return the time [s] up to which the last two terms of the series of each coordinate are rounding.
 
-    That is in proportion to its sizes so far, and on the first step to the largest of its first three terms.
+    That is in proportion to its sizes so far, and on the first step to the largest of its first three terms, or to the
+    first one that is not zero, as where a ramp sets out from steady sliding.
     """
     logarithm = math.inf
     for i in range(series.here.size):
@@ -167,7 +168,9 @@ def step_of(series):
                 continue
             reach = math.log(TAIL * series.sizes[i] / abs(x[last])) / last if series.sizes[i] > 0.0 else -math.inf
             if series.fresh[0] > 0.0:
-                for k in range(1, 3):
+                for k in range(1, last):
+                    if k > 2 and reach > -math.inf:
+                        break
                     if x[k] != 0.0:
                         reach = max(reach, math.log(TAIL * abs(x[k] / x[last])) / (last - k))
             logarithm = min(logarithm, reach)
@@ -191,6 +194,8 @@ def note_sizes(series, t):
     for i in range(series.here.size):
         x = series.state[i]
         series.sizes[i] = max(series.sizes[i], abs(x[0]) + t * (abs(x[1]) + t * abs(x[2])))
+        if series.sizes[i] == 0.0:
+            series.sizes[i] = abs(value_at(x, t))
 
 
 @inlined_kernel

@@ -1,0 +1,161 @@
+"""A commanded speed that changes: motions against Newton's laws body by body, and against the constant command."""
+
+from contextlib import suppress
+
+import numpy as np
+import pytest
+from models.test_parts import random_drive
+from references.drives import held_against_newton
+
+import lsvib
+from lsvib.datasets.motion import as_scene, run, summary
+from lsvib.engine.motion import follow
+from lsvib.errors import EngineError, InputError
+from lsvib.models.command import Command
+from lsvib.models.drive import Drive
+from lsvib.models.mechanism import standing_state
+from lsvib.models.model import model_of
+from lsvib.models.names import Event
+
+
+def random_command(drive: Drive, seed: int) -> Command:
+    """Ramps to and from some speeds, rest and the other direction among them, over 0.06 s."""
+    rng = np.random.default_rng([seed, 47])
+    speeds = drive.input_speed * rng.choice([0.0, 0.3, 1.0, 1.5, -0.5], 5)
+    return Command(times=sorted(rng.uniform(0, 0.05, 5)), speeds=speeds.tolist())
+
+
+def followed(drive: Drive, start: np.ndarray, duration: float, command: Command | None = None, resume="contact_sign"):
+    """The motion of a drive from a state, under a command or at its input speed."""
+    model = model_of(drive)
+    automaton = model.build(drive, model.physics_of(drive), resume, command)
+    return follow(automaton, [*start, *([0.0] if command else [])], duration)
+
+
+@pytest.mark.parametrize("motor", [False, True])
+@pytest.mark.parametrize("seeds", [range(8), pytest.param(range(8, 56), marks=pytest.mark.slow)], ids=["few", "many"])
+def test_motions_obey_newtons_laws(seeds, motor):
+    """Ends of arcs to 1e-9 and what modes say of signs and holds, of drives with any parts, from rest or not."""
+    kinds, parts, done = set(), set(), 0
+    for seed in seeds:
+        drive, start = random_drive(seed, motor=motor)
+        with suppress(InputError, EngineError):
+            drive = drive.replace(mass=8 * drive.mass) if seed % 4 == 2 else drive  # which may seize
+            start = standing_state(drive) if seed % 2 else start
+            motion, _ = held_against_newton(drive, start, 0.06, 14, 1e-9, random_command(drive, seed))
+            kinds |= {Event(kind) for kind in motion.kind}
+            parts.add(drive.parts)
+            done += 1
+    assert done >= 0.7 * len(seeds)
+    assert len(parts) >= 5
+    assert {Event.COMMAND, Event.STICK, Event.RELEASE, Event.REVERSAL} <= kinds
+    assert Event.SEIZURE in kinds or len(seeds) < 20
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_command_at_the_input_speed_changes_nothing(seed):
+    """In pieces of constant speed, with any parts and law: same events to 1e-9, by series in place of closed forms."""
+    drive, start = random_drive(seed, motor=seed % 3 == 0)
+    speeds = (drive.input_speed,) * 3
+    try:
+        plain = followed(drive, start, 0.05)
+    except (InputError, EngineError) as error:
+        pytest.skip(str(error))
+    motion = followed(drive, start, 0.05, Command(times=[0.005, 0.01, 0.03], speeds=speeds))
+    real = motion.kind != Event.COMMAND
+    own = plain.kind != Event.PASSAGE  # at which a law divides the mode of steady sliding; not where the command moves
+    np.testing.assert_array_equal(motion.kind[real], plain.kind[own])
+    np.testing.assert_allclose(motion.time[real], plain.time[own], rtol=1e-9, atol=1e-12)
+    size = np.abs([*plain.before, plain.end_state]).max(axis=0)
+    assert np.abs((motion.end_state[:-1] - plain.end_state) / size).max() < 1e-8
+
+
+@pytest.mark.parametrize("resume", ["contact_sign", "at_once"])
+def test_seizures_go_on_under_a_command(resume):
+    """In the Painlevé region a constant command seizes as the rigid drive does, by either rule of resuming."""
+    drive = Drive(mass=11, support_damping=1e-3, axial_force=-10)
+    plain = followed(drive, np.array([0.1, 0.0]), 0.1, resume=resume)
+    motion = followed(drive, np.array([0.1, 0.0]), 0.1, Command(times=[0.02, 0.03], speeds=[40, 40]), resume)
+    real = motion.kind != Event.COMMAND
+    assert np.count_nonzero(plain.kind == Event.SEIZURE) > 3
+    np.testing.assert_array_equal(motion.kind[real], plain.kind)
+    np.testing.assert_allclose(motion.before[real, :2], plain.before, rtol=1e-9, atol=1e-10)
+
+
+def test_a_ramp_needs_the_torque_of_the_inertia():
+    """Long after the start of a ramp in slip, T = I_total α + c θ′ + friction; mean over a swing of the coupling."""
+    drive = Drive(support_damping=2e-3)
+    ramp = 20.0
+    motion = followed(drive, np.zeros(2), 2.0, Command(times=[0, 2], speeds=[40, 80]))
+    times = np.linspace(1.5, 2.0, 5001)[:-1]
+    states, modes = motion.at(times)
+    torque, speed = (motion.automaton.observe(name, states, modes) for name in ("coupling_torque", "screw_speed"))
+    steady = followed(drive, np.zeros(2), 0.01)
+    (level,) = steady.automaton.observe("coupling_torque", steady.start_state[None], np.array([steady.start_mode]))
+    mu, angle, radius = drive.friction_coefficient, drive.lead_angle, drive.pitch_radius
+    lever = radius * (mu - np.tan(angle)) / (1 + mu * np.tan(angle))  # r_m ξ₊; the load's inertia acts through it
+    inertia = drive.screw_inertia - lever * drive.mass * radius * np.tan(angle)
+    expected = level + inertia * ramp + drive.support_damping * (speed - 40.0)
+    assert np.mean(torque - expected) == pytest.approx(0, abs=1e-3 * inertia * ramp)
+
+
+def test_pieces_and_jumps():
+    """Straight between points, constant outside, a jump where a time stands twice, at which the coupling is relaxed."""
+    command = Command(times=[0.1, 0.1, 0.3], speeds=[0, 40, 20])
+    assert list(command.pieces()) == [(0.1, 0.0, 0.0), (0.3 - 0.1, 40.0, -20.0 / (0.3 - 0.1)), (np.inf, 20.0, 0.0)]
+    np.testing.assert_allclose(command.at([0, 0.05, 0.1, 0.2, 0.3, 1]), [0, 0, 40, 30, 20, 20])
+    drive = Drive()
+    waits = followed(drive, standing_state(drive), 0.4, Command(times=[0.1, 0.1], speeds=[0, 40]))
+    plain = followed(drive, standing_state(drive), 0.3)
+    np.testing.assert_allclose(waits.time[waits.kind != Event.COMMAND] - 0.1, plain.time, rtol=1e-9)
+    np.testing.assert_allclose(waits.at([0.25])[0][0, :2], plain.at([0.15])[0][0], rtol=1e-7, atol=1e-9)
+
+
+def test_a_scene_with_a_command():
+    """Start, ramp and stop: speed follows, rests at both ends; an end is told where the command comes to the speed."""
+    drive = lsvib.Drive(static_friction_coefficient=0.3)
+    motion = drive.simulate(
+        "rest", 1.2, command={"times": [0.1, 0.3, 0.7, 0.9], "speeds": [0, 40, 40, 0]}, outputs=("screw_speed",)
+    )
+    assert not [name for name in motion if "clock" in name]
+    speed, commanded, time = (motion[name].values for name in ("screw_speed", "commanded_speed", "time"))
+    np.testing.assert_allclose(commanded, np.interp(time, [0.1, 0.3, 0.7, 0.9], [0, 40, 40, 0]), atol=1e-12)
+    assert not speed[(time < 0.1) | (time > 1.0)].any()
+    assert np.abs(speed - commanded)[(time > 0.5) & (time < 0.7)].max() < 0.3
+    scene = {"drive": drive, "start": "rest", "duration": 1.0}
+    ends = {}
+    for last in (40, 20):
+        checked = as_scene({**scene, "command": {"times": [0, 0.2], "speeds": [0, last]}}, {}, {})
+        ends[last] = summary(checked, run(checked))
+    assert ends[40]["attractor"] == "steady_sliding"
+    assert ends[20]["attractor"] == "unresolved"
+    assert "commanded speed" in ends[20]["unresolved_because"]
+
+
+@pytest.mark.parametrize(
+    ("command", "words"),
+    [
+        ({"times": [0, 1], "speeds": [0, 1, 2]}, "2 times and 3 speeds"),
+        ({"times": [0], "speeds": [0]}, "times"),
+        ({"times": [1, 0], "speeds": [0, 1]}, "must ascend"),
+        ({"times": [-1, 0], "speeds": [0, 1]}, "must ascend"),
+        ({"times": [0, 0, 0], "speeds": [0, 1, 2]}, "more than twice"),
+        ({"times": [0, 1], "speeds": [0, 1e10]}, "-1e9 <= speed <= 1e9"),
+        ({"times": [0, "fast"], "speeds": [0, 1]}, "fast"),
+        ({"times": [0, 1]}, "command.speeds is missing"),
+        ({"times": [0, 1], "speeds": [0, 1], "until": 3}, "until"),
+        ([0, 1], "command"),
+    ],
+)
+def test_a_wrong_command_is_refused_in_one_sentence(command, words):
+    with pytest.raises(InputError) as error:
+        lsvib.Drive().simulate("rest", 1.0, command=command)
+    assert words in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_a_command_needs_rest():
+    with pytest.raises(InputError, match="physics leaves out rest, which a drive whose commanded speed changes has"):
+        lsvib.Drive().simulate(
+            "rest", 1.0, command={"times": [0, 1], "speeds": [0, 40]}, physics=("axial_force", "support_damping")
+        )
