@@ -7,12 +7,30 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from lsvib.cli.app import app
-from lsvib.cli.options import AsJson, Changes, refuse_results_of_the_workflow
+from lsvib.cli.options import AsJson, Changes, Files, refuse_results_of_the_workflow
 from lsvib.cli.printing import show
 from lsvib.errors import InputError, LsvibError
 
 # What a figure is written to: the end of the name after that of the figure, and what the file is called in messages.
 _FILES = {".nc": "netCDF", "_checks.json": "JSON", ".png": "PNG", ".pdf": "PDF"}
+
+
+@app.command
+def draw(
+    file: Annotated[Path, Parameter(help="netCDF file of a motion, sweep, branch of cycles, map or chart.")],
+    figure: Annotated[Path, Parameter(help="PNG file to draw it to; a PDF is written beside it.")],
+) -> None:
+    """Draw a file that another command wrote.
+
+    Example of use:
+
+        lsvib draw motion.nc motion.png
+    """
+    from lsvib.datasets.io import read_dataset
+
+    files = Files(None, figure, reads=file)
+    files.write(read_dataset(file))
+    print(f"wrote {figure} and its PDF")
 
 
 @app.command

@@ -46,7 +46,7 @@ def attraction(
         raise InputError("figure is for maps of u and w; leave it out for a plane of other coordinates.")
     found = map_attraction(drive.drive(), starts, quantities, workers, ProgressLine())
     dataset = found.dataset
-    files.write(dataset, "lsvib.attraction", drawn_by="lsvib.figures.attraction")
+    files.write(dataset, "lsvib.attraction")
     area = dataset["basin_area"].item() if "basin_area" in dataset else None
     show(summary(found.counts, found.doubts, area, found.seconds), as_json, _print_map, out)
 
@@ -80,7 +80,7 @@ def chart(
     files, begin = options.Files(out, figure), perf_counter()
     found = drive.drive().chart(x, y, workers=workers, progress=ProgressLine("motions"))
     result = summary(found, perf_counter() - begin)
-    files.write(found, "lsvib.chart", drawn_by="lsvib.figures.chart")
+    files.write(found, "lsvib.chart")
     show(result, as_json, _print_chart)
 
 
@@ -91,6 +91,7 @@ def resilience(
     window: options.Window = None,
     over: options.Over | None = None,
     out: options.OutFile | None = None,
+    figure: options.Picture = None,
     as_json: options.AsJson = False,
 ) -> None:
     """Find the largest perturbations that the rigid drive's steady sliding tolerates, and how much of a window settles.
@@ -101,7 +102,9 @@ def resilience(
 
         lsvib resilience --set mass=11 --set support_damping=1e-3 --over axial_force=-33:-1:65 --out reserve.nc
     """
-    files = options.Files(out)
+    files = options.Files(out, figure)
+    if figure and not over:
+        raise InputError("figure is for the values over a parameter; give them as over.")
     if (over is None) != (out is None):
         raise InputError("over and out belong together: the values over a parameter are written to a file.")
     part = {span.key: (span.low, span.high) for span in window} if window else None

@@ -20,6 +20,7 @@ def simulate(
     start: options.Start = None,
     duration: Annotated[float | None, Parameter(help="Time [s] that the motion is followed.")] = None,
     samples: Annotated[options.Whole | None, Parameter(help="Number of output times, both ends included.")] = None,
+    figure: options.Picture = None,
     as_json: options.AsJson = False,
 ) -> None:
     """Simulate a drive exactly and write its motion and events as netCDF.
@@ -31,11 +32,11 @@ def simulate(
 
         lsvib simulate --set static_friction_coefficient=0.4 --start rest --duration 1 --out motion.nc
 
-        lsvib simulate --scene scene.yaml --samples 5000 --out motion.nc --json
+        lsvib simulate --scene scene.yaml --samples 5000 --out motion.nc --figure motion.png --json
     """
     from lsvib.datasets.motion import as_scene, attractor_of, motion_file, run, summary
 
-    files = options.Files(out, reads=scene)
+    files = options.Files(out, figure, reads=scene)
     given = {"duration": duration, "samples": samples, "start": options.start_of(start)}
     checked = as_scene(scene, {key: value for key, value in given.items() if value is not None}, drive.values())
     motion = run(checked)
@@ -52,13 +53,14 @@ def sweep(
     start: options.Start = None,
     workers: options.Workers = 1,
     out: options.OutFile | None = None,
+    figure: options.Picture = None,
     as_json: options.AsJson = False,
 ) -> None:
     """Sweep parameters of a drive: what the motion ends on, how large and how fast, and the forces.
 
     Examples of use:
 
-        lsvib sweep --set translation_damping=1000 --over axial_force=1:60:200 --json
+        lsvib sweep --set translation_damping=1000 --over axial_force=1:60:200 --figure sweep.png
 
         lsvib sweep --set contact_stiffness=1e8 --set mass=11 --over contact_damping=1e7:1e8:100 --workers 2
     """
@@ -66,7 +68,9 @@ def sweep(
 
     from lsvib.datasets.sweep import summary
 
-    files = options.Files(out)
+    files = options.Files(out, figure)
+    if figure and len(over) > 2:
+        raise InputError("figure is for sweeps over one or two parameters; leave it out for more.")
     drive.refuse(*over)
     begin, wanted = perf_counter(), options.start_of(start)
     found = drive.drive().sweep(
@@ -99,6 +103,7 @@ def follow(
     cycle: Annotated[options.Whole, Parameter(help="Which of the cycles that lsvib cycles lists, from 1.")] = 1,
     points: Annotated[options.Whole, Parameter(help="Most points each way.")] = 1000,
     out: options.OutFile | None = None,
+    figure: options.Picture = None,
     as_json: options.AsJson = False,
 ) -> None:
     """Follow a cycle over a parameter, both ways, through folds; changes of its events are named.
@@ -112,7 +117,7 @@ def follow(
     from lsvib.datasets.cycles import branch_dataset, branch_json
     from lsvib.numbers import whole_between
 
-    files, made = options.Files(out), drive.drive()
+    files, made = options.Files(out, figure), drive.drive()
     listed = made.cycles().cycles
     if not listed:
         raise InputError("the drive has no cycle to follow; see lsvib cycles.")

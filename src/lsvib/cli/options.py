@@ -208,16 +208,15 @@ class Files:
             files += [(figure, "PNG"), (figure.with_suffix(".pdf"), "PDF")]
         self._outputs: Outputs = Outputs(files, [reads] if reads else [])
 
-    def write(self, dataset: "xr.Dataset", command: str = "lsvib", drawn_by: str = "") -> None:
-        """Write a dataset, and the picture that the module ``drawn_by`` draws of it."""
-        from importlib import import_module
-
+    def write(self, dataset: "xr.Dataset", command: str = "lsvib") -> None:
+        """Write a dataset, and the picture of it."""
         from lsvib.datasets.io import write_dataset
 
         with self._outputs.writing() as parts:
             if self.out:
                 write_dataset(dataset, parts[0], command)
             if self.figure:
+                from lsvib.figures.answers import draw
                 from lsvib.figures.style import save
 
-                save(import_module(drawn_by).draw(dataset), *parts[-2:])
+                save(draw(dataset), *parts[-2:])

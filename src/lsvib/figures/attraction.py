@@ -10,6 +10,7 @@ import xarray as xr
 from pydantic import Discriminator, Field, Tag
 
 from lsvib.basins.grid import coordinates
+from lsvib.errors import InputError
 from lsvib.figures import drawing, style
 from lsvib.figures.common import flag_names
 from lsvib.figures.settings import Cells, FigureSettings, Unique, refusing
@@ -56,7 +57,12 @@ class Settings(FigureSettings):
 
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw the map of two coordinates with the lines Q = 0 and θ′ = 0, the boundary if known, and the attractors."""
+    """Draw the map of u and w with the lines Q = 0 and θ′ = 0, the boundary if known, and the attractors.
+
+    Raises ``InputError`` for a map of other coordinates.
+    """
+    if not {"angle_deviation", "velocity_deviation"} <= set(dataset.label.dims):
+        raise InputError("only maps of u and w can be drawn.")
     figure = style.new_figure(style.DOUBLE, 3.8)
     axes = figure.add_subplot()
     first = draw_map(axes, dataset)

@@ -1,0 +1,162 @@
+"""Pictures of a user's own answers: a motion, a sweep, a cycle that was followed, a map, a chart.
+
+A dataset says by its variables what it is, so a file draws itself as well as what was just computed.
+"""
+
+import json
+import os
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from lsvib.datasets.io import read_dataset
+from lsvib.errors import InputError
+from lsvib.figures import attraction, chart, drawing, style
+from lsvib.figures.common import flag_names, named
+from lsvib.models.drive import Drive
+
+_STATE = "velocity_deviation"  # which every motion has
+_HEIGHT, _EDGE = 1.3, 0.6  # of a panel over time, and of what is around all of them [inch]
+_LOOKS = dict(zip(attraction.COLOURS, "ovs^DP*x", strict=True))  # marks, for readers in grey
+
+
+def draw(answer: xr.Dataset | str | os.PathLike[str]) -> style.Figure:
+    """Draw what lsvib found, for a first look or a report.
+
+    Arguments: the dataset of a motion, a sweep over one or two parameters, a branch of cycles, a map of starts or a
+    chart, or the path of a file that holds one.
+
+    Returns a figure of matplotlib, seven inches wide. Raises ``InputError`` for anything else.
+
+    >>> motion = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10).simulate({"u": 0.1, "w": 0}, 0.1)
+    >>> figure = lsvib.draw(motion)  # figure.savefig("motion.pdf") writes it
+    >>> [axes.get_title("left") for axes in figure.axes][0]
+    'Angular speed of the screw'
+
+    See also: ``lsvib draw``, of a file in the shell.
+    """
+    return _drawn(answer if isinstance(answer, xr.Dataset) else read_dataset(answer))
+
+
+@style.styled
+def _drawn(dataset: xr.Dataset) -> style.Figure:
+    if "time" in dataset.dims and "event_kind" in dataset and dataset[_STATE].dims == ("time",):
+        return _motion(dataset)
+    if "attracting" in dataset and "changes" in dataset.attrs:
+        return _branch(dataset)
+    if "label" in dataset:
+        return chart.draw(dataset) if "behaviour" in dataset else attraction.draw(dataset)
+    swept = [name for name in dataset.dims if name in Drive.model_fields]
+    if not 1 <= len(swept) <= 2 or len(swept) != len(dataset.dims):
+        raise InputError(
+            f"a dataset over {', '.join(map(str, dataset.dims)) or 'nothing'} cannot be drawn; motions, sweeps of one "
+            "or two parameters, cycles that were followed, maps of u and w, and charts can."
+        )
+    return _curves(dataset) if len(swept) == 1 else _plane(dataset)
+
+
+def _motion(dataset: xr.Dataset) -> style.Figure:
+    """A panel for the speed of the screw, and for each quantity that is stored besides the state."""
+    time, rate = dataset.time, dataset[_STATE]
+    turning = json.loads(dataset.attrs["parameters"])["input_speed"]
+    speed = dataset["screw_speed"] if "screw_speed" in dataset else (rate + turning).assign_attrs(
+        long_name="angular speed of the screw", symbol=r"$\dot\theta$", units="rad s-1"
+    )  # fmt: skip
+    left_out = {"screw_speed", "commanded_speed", "mode", _STATE}
+    others = [x for name, x in dataset.data_vars.items() if x.dims == ("time",) and name not in left_out]
+    figure = style.new_figure(style.DOUBLE, _EDGE + _HEIGHT * (1 + len(others)))
+    panels = figure.subplots(1 + len(others), 1, sharex=True, squeeze=False)[:, 0]
+    command = dataset["commanded_speed"] if "commanded_speed" in dataset else xr.full_like(time, turning)
+    panels[0].plot(time, command, **style.PRINTED, label="command")
+    for axes, values in zip(panels, [speed, *others], strict=True):
+        axes.plot(time, values, color=style.BLUE)
+        axes.set_xlim(time[0], time[-1])
+        _name(axes, values)
+        axes.fill_between(
+            time, 0, 1, where=_rests(dataset), transform=axes.get_xaxis_transform(), step="post",
+            color=style.GREEN, alpha=0.15, linewidth=0, label="rest",
+        )  # fmt: skip
+    seized = dataset.event_time.values[named(dataset.event_kind, "seizure")]
+    panels[0].plot(seized, np.zeros(seized.size), "v", color=style.VERMILION, markersize=3.2, label="seizure")
+    panels[-1].set_xlabel(style.label(time))
+    figure.align_ylabels(panels)
+    return style.legend(figure, panels[:1], 3)
+
+
+def _rests(dataset: xr.Dataset) -> np.ndarray:
+    return named(dataset["mode"], *(word for word in flag_names(dataset["mode"]).values() if word.startswith("rest")))
+
+
+def _name(axes: style.Axes, values: xr.DataArray) -> None:
+    """Put the words of a quantity above a panel, its symbol and unit beside it."""
+    words, symbol = values.attrs["long_name"], values.attrs.get("symbol", "")
+    axes.set_title(words[:1].upper() + words[1:], fontweight="normal")
+    axes.set_ylabel(f"{symbol} {style.unit(values.attrs['units'])}".strip())
+
+
+def _curves(dataset: xr.Dataset) -> style.Figure:
+    """Each number over one parameter, in colours and marks of what the motions end on."""
+    (along,) = dataset.dims
+    numbers = [x for name, x in dataset.data_vars.items() if name != "attractor" and np.isfinite(x).any()]
+    figure = style.new_figure(style.DOUBLE, _EDGE + _HEIGHT * len(numbers))
+    panels = figure.subplots(len(numbers), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, values in zip(panels, numbers, strict=True):
+        if "attractor" not in dataset:
+            axes.plot(dataset[along], values, "o-", markersize=2.5)
+        for name in flag_names(dataset["attractor"]).values() if "attractor" in dataset else ():
+            here = named(dataset["attractor"], name)
+            look = {"color": attraction.COLOURS[name], "markersize": 2.5}
+            if here.any():
+                axes.plot(dataset[along][here], values[here], _LOOKS[name], label=name, **look)
+        _name(axes, values)
+    panels[-1].set_xlabel(style.label(dataset[along]))
+    figure.align_ylabels(panels)
+    return style.legend(figure, panels[:1], 4) if "attractor" in dataset else figure
+
+
+def _plane(dataset: xr.Dataset) -> style.Figure:
+    """What the motions end on over two parameters, and how large the vibration is; or the first number of another."""
+    down, across = dataset.dims
+    figure = style.new_figure(style.DOUBLE, 3.0)
+    x, y = dataset[across], dataset[down]
+    numbers = [dataset["amplitude"]] if "attractor" in dataset else [*dataset.data_vars.values()][:2]
+    panels = figure.subplots(1, len(numbers) + ("attractor" in dataset), sharey=True, squeeze=False)[0]
+    patches: list[Any] = []
+    if "attractor" in dataset:
+        kinds = dataset["attractor"]
+        drawing.regions(panels[0], x, y, kinds, attraction.COLOURS, shading="nearest")
+        panels[0].set_title("What the motion ends on", fontweight="normal")
+        seen = [name for value, name in flag_names(kinds).items() if (kinds == value).any()]
+        patches = drawing.patches([(attraction.COLOURS[name], None, name) for name in seen], style.BLACK)
+    for axes, values in zip(panels[-len(numbers) :], numbers, strict=True):
+        finite = values.where(np.isfinite(values))
+        mesh = axes.pcolormesh(x, y, finite, shading="nearest", cmap="viridis", rasterized=True)
+        _name(axes, values)
+        figure.colorbar(mesh, ax=axes, label=axes.get_ylabel())
+        axes.set_ylabel("")
+    for axes in panels:
+        axes.set_xlabel(style.label(x))
+    panels[0].set_ylabel(style.label(y))
+    return style.legend(figure, [], 4, patches) if patches else figure
+
+
+def _branch(dataset: xr.Dataset) -> style.Figure:
+    """Amplitude and period of a cycle along its branch, attracting or not, with what changes on it."""
+    figure = style.new_figure(style.DOUBLE, 3.0)
+    parameter = next(iter(dataset.data_vars))
+    value, attracts = dataset[parameter], dataset.attracting.values.astype(bool)
+    changes = json.loads(dataset.attrs["changes"])
+    panels = figure.subplots(1, 2)
+    for axes, name in zip(panels, ("amplitude", "period"), strict=True):
+        here = dataset[name].values
+        for mask, look, words in ((attracts, "-", "attracts"), (~attracts, "--", "does not attract")):
+            # a point of either kind also ends the line of the other, so that no gap is left between them
+            near = mask | np.append(mask[1:], False) if look == "--" else mask
+            axes.plot(value, np.where(near, here, np.nan), look, color=style.BLUE, label=words)
+        for change in changes:
+            nearest = int(np.argmin(np.abs(value.values - change["value"])))
+            axes.plot(change["value"], here[nearest], "o", color=style.VERMILION, markersize=3, label="change")
+        axes.set_xlabel(style.label(value))
+        _name(axes, dataset[name])
+    return style.legend(figure, panels[:1], 3)
