@@ -115,12 +115,10 @@ class DriveMethods(_Base):
     def threshold(self, name: str, unknown: str | None = None) -> Threshold:
         """Return a threshold of this drive, solved for one of its parameters, with the derivatives by all others.
 
-        ``name``: onset, kinematic_constraint (Γ₊ = 0), of rigid drives negative_damping (C₊ = 0), stick, detach,
-        global_stability, fold, cycle_birth, rest_loss, of the others flutter; docs/thresholds.md has their equations.
-        ``unknown``: any parameter, by default axial_force, or mass or support_damping where the threshold is usually
-        one of these; the drive's own value of it counts only as the middle of a search. The value and its derivatives
-        come with doubles that enclose them for certain. Raises ``InputError`` for another name, ``NoThreshold`` where
-        there is no solution in the allowed range.
+        ``name``: one of those that :meth:`thresholds` returns; docs/thresholds.md has their equations. ``unknown``: any
+        parameter, by default the one that the threshold usually is; the drive's own value of it counts only as the
+        middle of a search. The value and its derivatives come with doubles that enclose them for certain. Raises
+        ``InputError`` for another name, ``NoThreshold`` where there is no solution in the allowed range.
 
         >>> drive = lsvib.Drive(mass=11, support_damping=2e-3)
         >>> critical = drive.threshold("kinematic_constraint", unknown="mass")

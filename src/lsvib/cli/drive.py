@@ -9,6 +9,7 @@ from lsvib.cli.app import app
 from lsvib.cli.options import CHAPTER, AsJson, DriveOptions, SceneFile
 from lsvib.cli.printing import name, quantity, show, table, with_unit
 from lsvib.errors import InputError
+from lsvib.models.thresholds import TABLE
 
 
 @app.command
@@ -98,13 +99,7 @@ def pairings(*, as_json: AsJson = False) -> None:
 def thresholds(
     *,
     drive: DriveOptions = CHAPTER,
-    solve: Annotated[
-        str | None,
-        Parameter(
-            help="One threshold by name: onset, kinematic_constraint, negative_damping, flutter, stick, detach, "
-            "global_stability, fold, cycle_birth or rest_loss."
-        ),
-    ] = None,
+    solve: Annotated[str | None, Parameter(help=f"One threshold by name: {', '.join(TABLE)}.")] = None,
     unknown: Annotated[
         str | None,
         Parameter(name="--for", help="The parameter to solve for; others are held. By default the usual one of each."),

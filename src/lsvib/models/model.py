@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from lsvib.errors import InputError
+from lsvib.models import thresholds
 from lsvib.models.command import Command
 from lsvib.models.drive import DRY, PARTS, Drive
 from lsvib.models.mechanism import seated_state, standing_state
@@ -22,7 +23,6 @@ from lsvib.models.names import COORDINATES, Event, Resume, mode_names, own_frict
 if TYPE_CHECKING:  # a scene can be read and refused without the engine
     from lsvib.engine.automaton import Automaton
 
-_FORCES = ("stick", "detach", "global_stability")  # thresholds of the axial force in closed form, also curves
 QUANTITIES = {  # long name, unit and symbol of the coordinates of parts
     "motor_angle": ("angle of the motor from the commanded motion, less that of steady sliding", "rad", r"$\theta_m$"),
     "motor_rate": ("angular speed of the motor from the commanded one", "rad s-1", r"$\dot\theta_m$"),
@@ -75,12 +75,10 @@ class Model:
         self.equations = ", ".join(_EQUATIONS[part] for part in parts if part in _EQUATIONS) or "eqs 8.13-8.17"
         general = "Γ₊ = I_eff − ξ₊ tan λ m_eff r_m² = 0 with the reduced inertia and mass (eqs 8.20, 8.28, 8.33)"
         self.constraint = _CONSTRAINT.get(parts, general)
-        self.thresholds: tuple[str, ...] = ("even_speed", "onset", "kinematic_constraint", "flutter")
+        self.thresholds = thresholds.names(self.rigid)
         self.curves: tuple[str, ...] = ("flutter",) if parts == ("threads",) else ()
         if self.rigid:
-            own = ("negative_damping", *_FORCES, "fold", "cycle_birth", "rest_loss")
-            self.thresholds = ("even_speed", "onset", "kinematic_constraint", *own)
-            self.curves = ("onset", *_FORCES, "kinematic_constraint", "negative_damping", "even_speed")
+            self.curves = thresholds.names(rigid=True, drawn=True)
 
     @cached_property
     def modes(self) -> type[IntEnum]:

@@ -67,7 +67,7 @@ def boundary_curves(drive: Drive, x: AxisSpan, y: AxisSpan) -> dict[ChartBoundar
     names, found = (x[0], y[0]), {}
     corners = [drive.replace(**{x[0]: first, y[0]: second}) for first, second in product(x[1], y[1])]
     moves, rests = ([friction.refusal(corner, rest) for corner in corners] for rest in (False, True))
-    for kind in (ChartBoundary[name.upper()] for name in model_of(drive).curves):
+    for kind in sorted(ChartBoundary[name.upper()] for name in model_of(drive).curves):
         if (any(moves) and kind in _OF_CONSTANT_FRICTION) or (any(rests) and kind in _OF_REST):
             continue
         # R̃ is linear in each parameter that it depends on.

@@ -20,6 +20,7 @@ from lsvib.errors import EngineError, InputError, NoThreshold
 from lsvib.models import chapter, friction
 from lsvib.models.drive import DRY, Drive, allowed_range, described
 from lsvib.models.model import model_of
+from lsvib.models.thresholds import TABLE
 from lsvib.numbers import shown
 from lsvib.results import Derivative, PrintedValue, Threshold, ThresholdSolution
 from lsvib.stability import boundaries, motion_equations
@@ -30,32 +31,6 @@ from lsvib.stability.solve import DECADES, Root, Singular, outwards, samples, si
 
 Solver = Callable[[Drive, str], Threshold]
 """What solves ``even_speed`` for a parameter: it needs the engine (:mod:`lsvib.stability.starting`)."""
-_USUAL = {
-    "kinematic_constraint": "mass",
-    "negative_damping": "support_damping",
-    "flutter": "mass",
-    "rest_loss": "support_damping",
-    "even_speed": "input_speed",
-}
-"""The parameter that a threshold is solved for by default, where it is not the axial force."""
-_STATEMENTS = {  # forces for input_speed > 0; for input_speed < 0 all forces change sign
-    "onset": "Steady sliding attracts what is near on one side of it and repels it on the other.",
-    "kinematic_constraint": "Beyond it the effective inertia of law + is not positive: Painlevé's paradox, and the "
-    "threads may jam.",
-    "negative_damping": "Slip under law + grows where the effective damping is negative.",
-    "flutter": "On one side of it a pair of eigenvalues grows, while all others decay.",
-    "stick": "From the onset to this force slip has an attracting cycle that does not come to rest; beyond it slip "
-    "comes to a stand.",
-    "detach": "From the onset to this force slip from the end of rest reaches N = 0; beyond it the stick-slip cycle "
-    "does not.",
-    "global_stability": "Under every smaller force all motions end in steady sliding; from this force to the onset, "
-    "R = r_m tan(lead_angle) c_x Omega, some do not.",
-    "fold": "Two cycles of seizures without rest, one attracting and one repelling, meet and vanish.",
-    "cycle_birth": "The repelling cycle of seizures without rest touches Q = 0 where it seizes.",
-    "even_speed": "On one side of it the motion from rest, as the motor is switched on, ends in steady sliding, on the "
-    "other it does not.",
-    "rest_loss": "On one side of it the sprag-slip cycle rests, on the other it does not.",
-}
 
 
 def all_thresholds(drive: Drive, unknown: str | None = None, even: Solver | None = None) -> dict[str, Threshold]:
@@ -80,10 +55,8 @@ def solve_threshold(drive: Drive, name: str, unknown: str | None = None, even: S
     """Solve a threshold of a drive, ``even_speed`` with its solver, for one of its parameters, all others held.
 
     Arguments: drive of any model; name of one of the thresholds of that model; name of the parameter, by default the
-    mass for ``kinematic_constraint``, ``flutter`` and, where parts comply, ``onset``, the support damping for
-    ``negative_damping`` and ``rest_loss``, else the axial force. The drive's own value of that parameter counts only as
-    the middle of a search. Raises ``InputError`` for other names, ``NoThreshold`` where there is no solution in the
-    allowed range.
+    usual one (:mod:`lsvib.models.thresholds`). The drive's own value of that parameter counts only as the middle of a
+    search. Raises ``InputError`` for other names, ``NoThreshold`` where there is no solution in the allowed range.
     """
     known = model_of(drive).thresholds
     if not isinstance(name, str) or name not in known:
@@ -96,7 +69,8 @@ def solve_threshold(drive: Drive, name: str, unknown: str | None = None, even: S
 
 def parameter(drive: Drive, name: str, unknown: Any) -> str:
     """Return the parameter that a threshold is solved for, the usual one for None; raises ``InputError``."""
-    key = _USUAL.get(name, "mass" if drive.parts else "axial_force") if unknown is None else unknown
+    usual = TABLE[name].usual or ("mass" if drive.parts else "axial_force")
+    key = usual if unknown is None else unknown
     there = [name for name in Drive.model_fields if getattr(drive, name) is not None]
     if key not in there:
         raise InputError(f"unknown = {shown(key)} is not a parameter of this drive: {', '.join(there)}.")
@@ -262,7 +236,7 @@ def result(
         unknown=unknown,
         unit=described(unknown)["unit"],
         solutions=solutions,
-        statement=_STATEMENTS[name],
+        statement=TABLE[name].statement,
         how=how if solutions else "",
         reason="" if solutions else reason,
         printed=_printed(drive, name, unknown, solutions),

@@ -1,0 +1,69 @@
+"""The thresholds of drives by name: what each says, which drives have it, and what it is solved for by default.
+
+Models, charts and help read this table; what computes a threshold stands in :mod:`lsvib.stability.boundaries`,
+:mod:`lsvib.stability.force_thresholds` or :mod:`lsvib.stability.starting`, its equation in docs/thresholds.md.
+"""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Known:
+    """A threshold in words, of forces for input_speed > 0; for input_speed < 0 all forces change sign.
+
+    ``usual``: the parameter that it is solved for by default, empty for the axial force, of drives with parts the mass;
+    ``rigid``: whether only rigid drives have it, or only others, or (None) all; ``drawn``: whether charts of rigid
+    drives have it as a curve.
+    """
+
+    statement: str
+    usual: str = ""
+    rigid: bool | None = None
+    drawn: bool = False
+
+
+TABLE = {
+    "even_speed": Known(
+        "On one side of it the motion from rest, as the motor is switched on, ends in steady sliding, on the other it "
+        "does not.", "input_speed", drawn=True,
+    ),
+    "onset": Known("Steady sliding attracts what is near on one side of it and repels it on the other.", drawn=True),
+    "kinematic_constraint": Known(
+        "Beyond it the effective inertia of law + is not positive: Painlevé's paradox, and the threads may jam.",
+        "mass", drawn=True,
+    ),
+    "flutter": Known("On one side of it a pair of eigenvalues grows, while all others decay.", "mass", rigid=False),
+    "negative_damping": Known(
+        "Slip under law + grows where the effective damping is negative.", "support_damping", rigid=True, drawn=True
+    ),
+    "stick": Known(
+        "From the onset to this force slip has an attracting cycle that does not come to rest; beyond it slip comes to "
+        "a stand.", rigid=True, drawn=True,
+    ),
+    "detach": Known(
+        "From the onset to this force slip from the end of rest reaches N = 0; beyond it the stick-slip cycle does "
+        "not.", rigid=True, drawn=True,
+    ),
+    "global_stability": Known(
+        "Under every smaller force all motions end in steady sliding; from this force to the onset, "
+        "R = r_m tan(lead_angle) c_x Omega, some do not.", rigid=True, drawn=True,
+    ),
+    "fold": Known(
+        "Two cycles of seizures without rest, one attracting and one repelling, meet and vanish.", rigid=True
+    ),
+    "cycle_birth": Known(
+        "The repelling cycle of seizures without rest touches Q = 0 where it seizes.", rigid=True
+    ),
+    "rest_loss": Known(
+        "On one side of it the sprag-slip cycle rests, on the other it does not.", "support_damping", rigid=True
+    ),
+}  # fmt: skip
+
+
+def names(rigid: bool, drawn: bool = False) -> tuple[str, ...]:
+    """Return the names of the thresholds of rigid or other drives, or of those that are ``drawn`` as curves.
+
+    >>> names(rigid=False)
+    ('even_speed', 'onset', 'kinematic_constraint', 'flutter')
+    """
+    return tuple(name for name, one in TABLE.items() if one.rigid in (None, rigid) and (one.drawn or not drawn))
