@@ -16,18 +16,6 @@ from lsvib.models import chapter
 from lsvib.models.drive import Drive
 from lsvib.models.model import QUANTITIES
 
-_LONG_NAMES = {
-    "angle_deviation": ("deviation of the coupling deflection from steady sliding", "rad", "$u$"),
-    "velocity_deviation": ("rate of the deviation from steady sliding", "rad s-1", r"$\dot u$"),
-    "normal_force": ("normal force of the threads", "N", "$N$"),
-    "axial_contact_force": ("axial force that the threads carry", "N", "$n$"),
-    "coupling_torque": ("torque of the coupling", "N m", "$T_r$"),
-    "coupling_deflection": ("coupling deflection", "rad", "$z$"),
-    "commanded_speed": ("commanded angular speed", "rad s-1", r"$\Omega(t)$"),
-    "screw_speed": ("angular speed of the screw", "rad s-1", r"$\dot\theta$"),
-    "nut_speed": ("speed of the nut along the axis", "m s-1", r"$\dot x$"),
-}
-
 Dims = str | tuple[str, ...]
 Variable = tuple[Dims, Any, dict[str, Any]]  # as xarray.Dataset takes one
 Variables = dict[str, Variable]
@@ -60,7 +48,7 @@ def flags_or_none(kinds: Iterable[IntEnum]) -> dict[str, Any]:
 
 def quantity(name: str, when: str = "") -> dict[str, str]:
     """Return ``long_name``, ``units`` and ``symbol`` of a quantity of a drive, before or after an event if so said."""
-    long_name, units, symbol = (_LONG_NAMES | QUANTITIES)[name]
+    long_name, units, symbol = QUANTITIES[name]
     return {"long_name": f"{long_name}, {when} the event" if when else long_name, "units": units, "symbol": symbol}
 
 

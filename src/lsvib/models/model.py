@@ -23,7 +23,16 @@ from lsvib.models.names import COORDINATES, Event, Resume, mode_names, own_frict
 if TYPE_CHECKING:  # a scene can be read and refused without the engine
     from lsvib.engine.automaton import Automaton
 
-QUANTITIES = {  # long name, unit and symbol of the coordinates of parts
+QUANTITIES = {  # long name, unit and symbol of what changes with time
+    "angle_deviation": ("deviation of the coupling deflection from steady sliding", "rad", "$u$"),
+    "velocity_deviation": ("rate of the deviation from steady sliding", "rad s-1", r"$\dot u$"),
+    "normal_force": ("normal force of the threads", "N", "$N$"),
+    "axial_contact_force": ("axial force that the threads carry", "N", "$n$"),
+    "coupling_torque": ("torque of the coupling", "N m", "$T_r$"),
+    "coupling_deflection": ("coupling deflection", "rad", "$z$"),
+    "commanded_speed": ("commanded angular speed", "rad s-1", r"$\Omega(t)$"),
+    "screw_speed": ("angular speed of the screw", "rad s-1", r"$\dot\theta$"),
+    "nut_speed": ("speed of the nut along the axis", "m s-1", r"$\dot x$"),
     "motor_angle": ("angle of the motor from the commanded motion, less that of steady sliding", "rad", r"$\theta_m$"),
     "motor_rate": ("angular speed of the motor from the commanded one", "rad s-1", r"$\dot\theta_m$"),
     "thread_mismatch": ("mismatch of nut and screw along the axis", "m", "$e$"),
