@@ -118,6 +118,7 @@ def test_a_scene_with_a_command():
         "rest", 1.2, command={"times": [0.1, 0.3, 0.7, 0.9], "speeds": [0, 40, 40, 0]}, outputs=("screw_speed",)
     )
     assert not [name for name in motion if "clock" in name]
+    assert "less the constant input_speed" in motion.comment
     speed, commanded, time = (motion[name].values for name in ("screw_speed", "commanded_speed", "time"))
     np.testing.assert_allclose(commanded, np.interp(time, [0.1, 0.3, 0.7, 0.9], [0, 40, 40, 0]), atol=1e-12)
     assert not speed[(time < 0.1) | (time > 1.0)].any()

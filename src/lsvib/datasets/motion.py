@@ -17,6 +17,12 @@ from lsvib.models.drive import Drive, changed, names_and_values, parameters_of
 from lsvib.models.scene import Scene, read_yaml
 
 
+_COMMANDED = (
+    "Angles of screw and motor are those from the commanded motion, speeds are less the constant input_speed, not less "
+    "the commanded speed, so velocity_deviation is not the rate of angle_deviation."
+)
+
+
 def as_scene(
     scene: Scene | Drive | Mapping[str, Any] | str | Path | None, changes: Mapping[str, Any], drive: Mapping[str, Any]
 ) -> Scene:
@@ -84,7 +90,7 @@ def trajectory(scene: Scene, motion: Motion) -> xr.Dataset:
             "physics": " ".join(scene.terms),
             "resume": scene.resume,
             "initial_state": json.dumps(dict(scene.start)),
-            **({"command": scene.command.model_dump_json()} if scene.command else {}),
+            **({"command": scene.command.model_dump_json(), "comment": _COMMANDED} if scene.command else {}),
             **form,
         },
     )

@@ -34,7 +34,7 @@ QUANTITIES = {  # long name, unit and symbol of what changes with time
     "screw_speed": ("angular speed of the screw", "rad s-1", r"$\dot\theta$"),
     "nut_speed": ("speed of the nut along the axis", "m s-1", r"$\dot x$"),
     "motor_angle": ("angle of the motor from the commanded motion, less that of steady sliding", "rad", r"$\theta_m$"),
-    "motor_rate": ("angular speed of the motor from the commanded one", "rad s-1", r"$\dot\theta_m$"),
+    "motor_rate": ("angular speed of the motor less input_speed", "rad s-1", r"$\dot\theta_m$"),
     "thread_mismatch": ("mismatch of nut and screw along the axis", "m", "$e$"),
     "mismatch_rate": ("rate of the mismatch of nut and screw", "m s-1", r"$\dot e$"),
     "screw_shift": ("axial shift of the screw from steady sliding", "m", "$y$"),
