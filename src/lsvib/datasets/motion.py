@@ -16,7 +16,6 @@ from lsvib.engine.motion import Budget, Motion, follow
 from lsvib.models.drive import Drive, changed, names_and_values, parameters_of
 from lsvib.models.scene import Scene, read_yaml
 
-
 _COMMANDED = (
     "Angles of screw and motor are those from the commanded motion, speeds are less the constant input_speed, not less "
     "the commanded speed, so velocity_deviation is not the rate of angle_deviation."
