@@ -36,7 +36,8 @@ from benchmarks.sweeps.paths import fields
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import event_loop
 from lsvib.engine.kernels.flow_planar import ROUNDING
-from lsvib.engine.motion import Motion
+from lsvib.engine.kernels.layout import Begin
+from lsvib.engine.motion import Motion, new_events
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import friction_factor
 
@@ -142,8 +143,8 @@ def _powers(terms: Terms, mode: int, states: np.ndarray) -> tuple[np.ndarray, np
 def _states(automaton: Automaton, mode: int, start: np.ndarray, times: np.ndarray) -> np.ndarray:
     """States (k, n) at times [s] (k) after the start of an arc."""
     states, modes = np.empty((times.size, start.size)), np.empty(times.size, dtype=np.int64)
-    none = np.empty(0), np.empty(0, dtype=np.int64), np.empty((0, start.size))
-    event_loop.states_at(automaton.tables, 0.0, mode, start, *none, times, states, modes)
+    events = new_events(0, start.size)
+    event_loop.states_at(automaton.tables, Begin(0.0, mode, start), events, times, states, modes)
     return states
 
 

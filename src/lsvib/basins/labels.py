@@ -104,8 +104,9 @@ class Sections:
             else:
                 self._work += 1
                 resolution = 1e-3 * flow_planar.EPS * size
+                course = courses[0][: differ[0] + 1]
                 here, there = kernels.last_agreement(
-                    tables, self.known, self._absorbing, *section[:2], low, high, resolution, courses[0], differ[0]
+                    tables, self.known, self._absorbing, section[:2], low, high, resolution, course
                 )
                 for part in ((low, here), (there, high)):
                     heappush(waiting, ((part[0] - part[1]) / max(*map(abs, part), 1e-300), *part))
@@ -382,7 +383,7 @@ def _with_cycles(
             tables, tables.guard_transition[tables.guard_start[mode]], state, np.abs(state)
         )
         scratch = kernels.new_scratch(tables)
-        scratch.state[:], scratch.scale[:] = state, np.abs(state)
+        scratch.now.state[:], scratch.now.scale[:] = state, np.abs(state)
         known.release[mode] = kernels.approach(tables, known, sprags, tables.branch_mode[branch], scratch, _EVENTS)
     return known
 
@@ -416,12 +417,13 @@ class PlanarMapper(Mapper):
         self, found: Mapping[str, np.ndarray], grid: Grid, x: np.ndarray, y: np.ndarray, quantities: Sequence[str]
     ) -> None:
         """Fill arrays; times of unresolved cells are infinite, and all cells have the same doubt, if any."""
-        tables, known, across = self.automaton.tables, self.sections.known, int(grid.x.coordinate == "w")
+        tables, known = self.automaton.tables, self.sections.known
+        cells = kernels.Cells(x, y, int(grid.x.coordinate == "w"))
         labels, times = found["label"], found["time"]
         first_events = found["first_event"][:, : x.size if "first_event" in quantities else 0]
-        kernels.map_labels(tables, known, x, y, across, self._events, labels, first_events)
+        kernels.map_labels(tables, known, cells, self._events, labels, first_events)
         if not {"time", "seizures"}.isdisjoint(quantities):
-            kernels.map_approaches(tables, known, self._sprags, x, y, across, _EVENTS, times, found["seizures"])
+            kernels.map_approaches(tables, known, self._sprags, cells, _EVENTS, times, found["seizures"])
             times[labels == UNRESOLVED] = np.inf
         if "doubt" in quantities:
             found["doubt"][:] = np.where(labels == UNRESOLVED, list(Doubt).index(self.doubt), NO_DOUBT)

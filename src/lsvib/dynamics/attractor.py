@@ -146,19 +146,17 @@ class Course(NamedTuple):
 
 
 class KnownCycles(NamedTuple):
-    """Cycles that a motion may be found to join, before others are looked for: after ``patience`` events.
-
-    ``facts`` are what the rule needs to know of the automaton.
-    """
+    """Cycles that a motion may be found to join, before others are looked for, and what is asked of the rule."""
 
     cycles: Sequence[SteadyState]
-    table: rule.Known
-    facts: rule.Facts
-    patience: int = 0
+    asked: rule.Asked
 
     @classmethod
     def of(cls, cycles: Sequence[SteadyState], automaton: Automaton, patience: int) -> "KnownCycles":
-        """Return the table of cycles of an automaton; neutral families and cycles without events do not count."""
+        """Return the table of cycles of an automaton; neutral families and cycles without events do not count.
+
+        ``patience``: events after which other cycles are looked for as well.
+        """
         states = len(automaton.states)
         own = [one for one in cycles if one.orbit is not None and one.orbit.time.size]
         orbits = [one.orbit for one in own if one.orbit is not None]
@@ -169,7 +167,7 @@ class KnownCycles(NamedTuple):
             point[k], size[k] = orbit.after[-1], np.maximum(np.abs(orbit.after).max(axis=0), np.finfo(float).tiny)
         events = np.array([o.time.size for o in orbits], dtype=np.int64)
         table = rule.Known(kind, mode, np.array(visits, dtype=np.int64), events, point, size)
-        return cls(own, table, facts_of(automaton), patience)
+        return cls(own, rule.Asked(facts_of(automaton), table, patience))
 
 
 def steady_state(
@@ -207,9 +205,7 @@ def end_of_motion(
     found = new_found(here.size, max_events)
     engine = automaton.engines.pop() if automaton.engines else engine_for(automaton.tables)
     machine, tables = machine_for(automaton.tables, engine), of_one_type(automaton.tables)
-    outcome = rule.end_of(
-        machine, tables, known.facts, known.table, mode, here, known.patience, *rooms(here.size), found
-    )
+    outcome = rule.end_of(machine, tables, known.asked, mode, here, records(here.size), found)
     automaton.engines.append(engine)
     notes = found.notes[0]
     course = Course(float(notes["time"]), int(notes["sprags"]), int(notes["first_event"]))
@@ -221,12 +217,12 @@ def compile_rule() -> None:
     automaton, state = bouncing("planar"), np.zeros(2)
     known = KnownCycles.of((), automaton, 0)
     tables, found = of_one_type(automaton.tables), new_found(2, 1.0)
-    jit.address(rule.end_of, blank(2), tables, known.facts, known.table, 0, state, 0, *rooms(2), found)
+    jit.address(rule.end_of, blank(2), tables, known.asked, 0, state, records(2), found)
 
 
-def rooms(states: int) -> tuple[tuple[np.ndarray, ...], ...]:
+def records(states: int) -> rule.Records:
     """Return the room for events that the rule needs: for those of the motion, and for two periods."""
-    return new_events(rule.SIGHT, states), new_events(LONGEST, states), new_events(LONGEST, states)
+    return rule.Records(new_events(rule.SIGHT, states), new_events(LONGEST, states), new_events(LONGEST, states))
 
 
 def shrinks_areas(automaton: Automaton) -> bool:
@@ -306,7 +302,7 @@ def _oscillation(automaton: Automaton, mode: int, state: np.ndarray, frequency: 
 
 
 def _cycle(automaton: Automaton, found: rule.Found, known: KnownCycles) -> SteadyState:
-    notes, state, facts = found.notes[0], found.state.copy(), known.facts
+    notes, state, facts = found.notes[0], found.state.copy(), known.asked.facts
     d = int(notes["dimension"])
     orbit = follow(automaton, state, math.inf, mode=int(notes["mode"]), max_events=int(notes["events"]))
     label, leading = cycle_label(orbit), largest(found.slopes[:d, :d])

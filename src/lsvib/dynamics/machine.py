@@ -5,8 +5,8 @@ import numpy as np
 from lsvib.dynamics.kernels import machine as kernels
 from lsvib.dynamics.kernels.machine import AnyFlow, AnyWork, Machine
 from lsvib.engine.kernels import event_loop, flow_taylor, guard_sums, jit, search_planar
-from lsvib.engine.kernels.layout import Modal, ModalFlow, Planar, Tables, Taylor, TaylorFlow
-from lsvib.engine.motion import new_events
+from lsvib.engine.kernels.layout import Modal, ModalFlow, Now, Planar, Tables, Taylor, TaylorFlow
+from lsvib.engine.motion import NEVER, new_events
 
 
 def _empty(*dimensions: int, whole: int = 0) -> list[np.ndarray]:
@@ -45,7 +45,7 @@ def machine_for(tables: Tables, engine: event_loop.Engine) -> Machine:
     """Return the machine for the tables of an automaton, by an engine for them, whose scratch space it uses."""
     place, row = _PLACES[type(tables.flow)], np.empty(tables.surfaces.shape[1] - 1)
     room = engine.room._replace(work=_NO_WORK._replace(**{place: engine.room.work}))
-    motion = (engine.address, room, of_one_type(tables), 0, row, row, row, 0.0, -1, -1, new_events(0, row.size))
+    motion = engine.address, room, of_one_type(tables), 0, Now(row, row, row), NEVER, new_events(0, row.size)
     return Machine(
         run=jit.address(kernels.run, _KINDS[place], *motion),
         inner=engine.address,

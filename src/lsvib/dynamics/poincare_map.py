@@ -22,7 +22,7 @@ from lsvib.dynamics.kernels import saltation
 from lsvib.dynamics.machine import derivative_of, of_one_type
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import flow_planar
-from lsvib.engine.kernels.layout import Status
+from lsvib.engine.kernels.layout import Begin, Status
 from lsvib.engine.motion import Budget, Motion, follow
 from lsvib.errors import EngineError
 
@@ -50,10 +50,8 @@ def derivative(motion: Motion) -> Derivative:
     n = motion.start_state.size
     matrix, rounding = np.empty((n, n)), np.empty((n, n))
     tables = motion.automaton.tables
-    saltation.derivative(
-        derivative_of(tables), of_one_type(tables), motion.start_mode, motion.start_time, motion.start_state,
-        motion.time, motion.kind, motion.mode, motion.before, motion.after, matrix, rounding,
-    )  # fmt: skip
+    begin = Begin(motion.start_time, motion.start_mode, motion.start_state)
+    saltation.derivative(derivative_of(tables), of_one_type(tables), begin, motion.events(), matrix, rounding)
     return Derivative(matrix, rounding)
 
 

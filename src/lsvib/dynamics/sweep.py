@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lsvib.dynamics.attractor import Attractor, KnownCycles, new_found, orbit_extremes, rooms, steady_state
+from lsvib.dynamics.attractor import Attractor, KnownCycles, new_found, orbit_extremes, records, steady_state
 from lsvib.dynamics.impulses import event_impulses, normal_impulse
 from lsvib.dynamics.kernels import sweep as kernels
 from lsvib.dynamics.kernels.attractor import end_of
@@ -179,23 +179,23 @@ def _group_endings(drives: ManyDrives, group: Group, starts: np.ndarray | None) 
         _slide(group, slides, found)
         return slides, found
     outcomes, numbers = np.full(size, Outcome.OPEN, dtype=np.int8), np.full(size, np.nan, dtype=kernels.NUMBERS)
-    none = KnownCycles.of((), automaton, 0)
-    known, facts = none.table, none.facts._replace(conserves=False)
+    none = KnownCycles.of((), automaton, 0).asked
+    asked = none._replace(facts=none.facts._replace(conserves=False))
     reversal = np.int64(Event.CONTACT_REVERSAL)
     force = automaton.observables["normal_force"]
     speed = drives.values["input_speed"][group.members]
     if starts is None:  # the coupling is relaxed
         starts = np.stack([-np.asarray(group.coefficients.deflection), -speed], axis=1)
     starts = np.ascontiguousarray(starts, dtype=float)
-    many, room = automaton.tables, rooms(2)
+    many, room = automaton.tables, records(2)
     split = ("flow", "surfaces", "guard_parts", "resets", "condition_row", "shortest_stay")
     one = many._replace(**{name: getattr(many, name)[0] for name in split})
     engine = machine_for(one, engine_for(one))
-    rule = jit.address(end_of, engine, of_one_type(one), facts, known, 0, starts[0], 0, *room, new_found(2, WORK))
-    kernels.ends_of_many(
-        rule, engine, of_one_type(automaton.tables), np.flatnonzero(done), facts, known, reversal, WORK, starts, force,
-        speed, room, outcomes, found.happens, numbers,
-    )  # fmt: skip
+    address = jit.address(end_of, engine, of_one_type(one), asked, 0, starts[0], room, new_found(2, WORK))
+    rule = kernels.Rule(address, engine, asked, WORK, room)
+    members = kernels.Drives(of_one_type(many), starts, force, speed)
+    answers = kernels.Answers(outcomes, found.happens, numbers)
+    kernels.ends_of_many(rule, members, np.flatnonzero(done), reversal, answers)
     _slide(group, outcomes == Outcome.SLIDES, found)
     cycles = outcomes == Outcome.CYCLE
     bits = found.happens[cycles]

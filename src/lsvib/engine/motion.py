@@ -10,7 +10,18 @@ from lsvib import numbers
 from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, oscillator
 from lsvib.engine.exact.modal_form import linear_mode
 from lsvib.engine.kernels import event_loop, jit
-from lsvib.engine.kernels.layout import FIRST_MODEL_KIND, Status, Tables
+from lsvib.engine.kernels.layout import (
+    CARRY,
+    FIRST_MODEL_KIND,
+    STEPS,
+    TIME,
+    Begin,
+    Events,
+    Now,
+    Status,
+    Tables,
+    Until,
+)
 from lsvib.errors import (
     AccumulationError,
     DivergenceError,
@@ -20,6 +31,7 @@ from lsvib.errors import (
     WorkSpentError,
 )
 
+NEVER = Until(0.0, -1, -1)  # for its type
 _FIRST_CAPACITY = 256  # events that the first list holds; each further list holds twice as many as came before
 _MANY_EVENTS = 10_000_000  # limit where the caller gives none; they take about a gigabyte
 _MANY_STEPS = 50_000_000  # of the searches for events, likewise; a minute or two
@@ -77,8 +89,12 @@ class Motion:
         states = np.empty((times.size, self.start_state.size))
         modes = np.empty(times.size, dtype=np.int64)
         start = self.start_time, self.start_mode, self.start_state
-        event_loop.states_at(self.automaton.tables, *start, self.time, self.mode, self.after, times, states, modes)
+        event_loop.states_at(self.automaton.tables, Begin(*start), self.events(), times, states, modes)
         return states, modes
+
+    def events(self) -> Events:
+        """Return the events as kernels take them."""
+        return Events(self.time, self.kind, self.sign, self.mode, self.before, self.after)
 
     def arcs(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Return the arcs between events: mode (k), state at the start (k, n), at the end (k, n), duration [s] (k)."""
@@ -130,26 +146,25 @@ def follow(
     if budget is not None:
         budget.spend(CALL)
     engine = automaton.engines.pop() if automaton.engines else engine_for(automaton.tables)
-    scale, clock = np.abs(state), np.array([0.0, 0.0, 0.0, _MANY_STEPS if budget is None else budget.left / _STEP])
+    clock = np.array([0.0, 0.0, 0.0, _MANY_STEPS if budget is None else budget.left / _STEP])
+    now, until = Now(state, np.abs(state), clock), Until(float(t_end), *stop)
     most = _MANY_EVENTS if max_events is None else max_events
     pieces, total, capacity = [], 0, min(_FIRST_CAPACITY, most)
     while True:
         events = new_events(capacity, state.size)
-        steps = clock[3]
-        status, mode, count = event_loop.run_in(
-            engine.room, automaton.tables, mode, state, scale, clock, t_end, stop[0], stop[1], events
-        )
+        steps = clock[STEPS]
+        status, mode, count = event_loop.run_in(engine.room, automaton.tables, mode, now, until, events)
         if budget is not None and status == Status.WORK_SPENT:
             budget.left = 0.0
         elif budget is not None:
-            budget.spend(count + _STEP * (steps - clock[3]))
+            budget.spend(count + _STEP * (steps - clock[STEPS]))
         pieces.append([column[:count] for column in events])
         total += count
         if status != Status.EVENTS_FULL or total >= most:
             break
         capacity = min(max(2 * total, _FIRST_CAPACITY), most - total)
     automaton.engines.append(engine)
-    end_time = float(clock[0] + clock[1])
+    end_time = float(clock[TIME] + clock[CARRY])
     if status == Status.WORK_SPENT and budget is None:
         raise WorkSpentError(
             f"the motion takes more than {_MANY_STEPS:,} steps by its event after t = {end_time:.6g} s; shorten the "
@@ -167,14 +182,14 @@ def engine_for(tables: Tables) -> event_loop.Engine:
     """Return what is needed to follow motions with these tables, or others of one shape, one at a time."""
     room, n = event_loop.room_for(tables), tables.surfaces.shape[1] - 1
     row = np.empty(n)
-    run = jit.address(event_loop.run_in, room, tables, 0, row, row, row, 0.0, -1, -1, new_events(0, n))
+    run = jit.address(event_loop.run_in, room, tables, 0, Now(row, row, row), NEVER, new_events(0, n))
     return event_loop.Engine(run, room)
 
 
-def new_events(capacity: int, n: int) -> tuple[np.ndarray, ...]:
+def new_events(capacity: int, n: int) -> Events:
     """Return room for so many events of a motion with n states, as the event loop writes them."""
     columns = (np.empty(capacity, dtype=kind) for kind in (float, np.int8, np.int8, np.int64))
-    return (*columns, np.empty((capacity, n)), np.empty((capacity, n)))
+    return Events(*columns, np.empty((capacity, n)), np.empty((capacity, n)))
 
 
 def _complain(status: Status, time: float, state: np.ndarray, most: int | None) -> None:

@@ -22,6 +22,7 @@ from lsvib.engine.kernels.layout import (
     ACCUMULATION_KIND,
     ALPHA,
     BETA,
+    CARRY,
     CROSSING,
     DELTA,
     EQUILIBRIUM,
@@ -29,6 +30,8 @@ from lsvib.engine.kernels.layout import (
     GRAZE_KIND,
     LOST,
     NONE,
+    TIME,
+    Now,
     Status,
 )
 
@@ -67,33 +70,33 @@ class Known(NamedTuple):
     release: np.ndarray  # (m, 2) for a mode at rest: time [s] and number of sprags from its end to the attractor
 
 
-class Scratch(NamedTuple):
-    """Working space of one motion: its state, the magnitudes that it was computed from, and spare room."""
+class Cells(NamedTuple):
+    """Cells of a grid of starts: coordinates of the columns and of the rows, and which one (0: u, 1: w) x is."""
 
-    state: np.ndarray  # (2,)
-    scale: np.ndarray  # (2,)
-    spare: np.ndarray  # (2,)
-    clock: np.ndarray  # (2,) time [s] and its compensation
-    room: np.ndarray  # (g, 3 + parts)
-    zeros: np.ndarray  # (g,)
-    work: np.ndarray  # of the search
+    x: np.ndarray
+    y: np.ndarray
+    across: int
+
+
+class Scratch(NamedTuple):
+    """Working space of one motion: where it is, and spare room."""
+
+    now: Now
+    room: event_loop.Room
 
 
 @allocating_entry
 def new_scratch(tables):
     """Return the working space for one motion at a time."""
-    count = tables.guard_sign.size
-    room, zeros = np.zeros((count, 3 + tables.guard_parts.shape[1])), np.zeros(count, dtype=np.bool_)
-    return Scratch(
-        np.zeros(2), np.zeros(2), np.zeros(2), np.zeros(2), room, zeros, event_loop.workspace(tables.flow, count)
-    )
+    return Scratch(Now(np.zeros(2), np.zeros(2), np.zeros(4)), event_loop.room_for(tables))
 
 
 @kernel
 def put(scratch, u, w):
     """Set the state of the working space to u [rad], w [rad/s], exact as given."""
-    scratch.state[0], scratch.state[1] = u, w
-    scratch.scale[0], scratch.scale[1] = abs(u), abs(w)
+    state, scale, _ = scratch.now
+    state[0], state[1] = u, w
+    scale[0], scale[1] = abs(u), abs(w)
 
 
 @kernel
@@ -102,17 +105,18 @@ def step(tables, mode, short, scratch):
 
     Returns (``event_loop.GOES_ON`` or ``Status``, guard, kind, mode after, stay [s], short).
     """
-    state, scale = scratch.state, scratch.scale
+    state, scale, _ = scratch.now
+    room = scratch.room
     found, guard, stay = event_loop.next_event(
-        tables, mode, state, scale, math.inf, scratch.room, scratch.zeros, scratch.work
+        tables, mode, state, scale, math.inf, room.guards, room.on_surface, room.work
     )
     if found == NONE:
         return _SETTLED, guard, NO_EVENT, mode, stay, short
-    event_loop.arrive(tables, mode, state, scale, guard, stay, scratch.work)
+    event_loop.arrive(tables, mode, scratch.now, guard, stay, room.work)
     if not (abs(state[0]) < event_loop.LARGEST and abs(state[1]) < event_loop.LARGEST):
         return _DIVERGED, guard, NO_EVENT, mode, stay, short
     short = short + 1 if stay < tables.shortest_stay else 0
-    outcome, mode, kind, _ = event_loop.leave(tables, mode, found, guard, short, state, scale, scratch.spare)
+    outcome, mode, kind, _ = event_loop.leave(tables, mode, found, guard, short, scratch.now, room.state)
     return outcome, guard, kind, mode, stay, 0 if kind == ACCUMULATION_KIND else short
 
 
@@ -151,11 +155,11 @@ def look_up(known, mode, surface, state):
 
 @kernel
 def label_of(tables, known, mode, scratch, budget):
-    """Return the label and the kind of the first event of the motion from ``scratch.state`` in ``mode``.
+    """Return the label and the kind of the first event of the motion of a ``scratch`` in ``mode``.
 
     ``budget``: events after which it is unresolved. Touching a guard without crossing it, to rounding, is a boundary.
     """
-    state, short, first = scratch.state, 0, UNKNOWN
+    state, short, first = scratch.now.state, 0, UNKNOWN
     for _ in range(budget):
         if ellipse(tables, known, mode, state) < known.trap[mode, 1]:
             return known.settled[mode], NO_EVENT if first == UNKNOWN else first
@@ -182,13 +186,14 @@ def label_of(tables, known, mode, scratch, budget):
 
 
 @kernel
-def _outlook(a0, a1, alpha, beta, share, centre, g_u, g_w, g_0, u, w):
+def _outlook(row, share, g_u, g_w, g_0, u, w):
     """Return whether a guard g_u u + g_w w + g_0 that is positive at (u, w) will ever fall through zero.
 
     The guard of a damped oscillation swings about its value at the equilibrium, g_e, by A at the start. Its first
     minimum lies between g_e − A and g_e − e^{−2πα/β} A, and is computed only if zero lies there as well; later minima
-    are shallower. ``share`` is e^{−2πα/β}. Returns ``Found``; UNDECIDED for other modes.
+    are shallower. ``row`` is that of the flow, ``share`` e^{−2πα/β}. Returns ``Found``; UNDECIDED for other modes.
     """
+    a0, a1, alpha, beta, centre = row[A0], row[A1], row[ALPHA], row[BETA], row[EQUILIBRIUM]
     y = u - centre
     if not (beta > 0.0 and alpha > 0.0 and abs(centre) < 16.0 * abs(y)):
         return LOST
@@ -207,24 +212,23 @@ def _outlook(a0, a1, alpha, beta, share, centre, g_u, g_w, g_0, u, w):
 
 
 @allocating_entry
-def map_labels(tables, known, x, y, across, budget, labels, first_events):
+def map_labels(tables, known, cells, budget, labels, first_events):
     """Label the starts of a grid: ``labels`` and, unless it is empty, ``first_events`` (rows, columns) are filled.
 
-    Arguments: coordinate values x (columns) and y (rows); ``across``, the coordinate (0: u, 1: w) that x is; budget.
     Where all that leaves a mode has one label and the first event is not asked for, it is enough to know whether there
     is one.
     """
     scratch = new_scratch(tables)
-    flow, surfaces = tables.flow, tables.surfaces
+    flow, surfaces, (x, y, across) = tables.flow, tables.surfaces, cells
     for i in range(y.size):
         for j in range(x.size):
             u, w = (y[i], x[j]) if across else (x[j], y[i])
             put(scratch, u, w)
-            branch = event_loop.choose_branch(tables, 0, scratch.state, scratch.scale)
+            branch = event_loop.choose_branch(tables, 0, scratch.now.state, scratch.now.scale)
             label, first = UNRESOLVED if branch < 0 else UNKNOWN, NO_EVENT
             mode = tables.branch_mode[max(branch, 0)]
             if label == UNKNOWN:
-                extent = ellipse(tables, known, mode, scratch.state)
+                extent = ellipse(tables, known, mode, scratch.now.state)
                 if extent < known.trap[mode, 1]:
                     label = known.settled[mode]
                 elif first_events.size == 0 and known.common[mode] != UNKNOWN and extent < known.reach[mode]:
@@ -236,10 +240,7 @@ def map_labels(tables, known, x, y, across, budget, labels, first_events):
                         size = ROUNDING * (abs(g_0) + abs(g_u) * abs(u) + abs(g_w) * abs(w))
                         outlook = CROSSING if value < -size else LOST
                         if value > size:
-                            outlook = _outlook(
-                                flow[mode, A0], flow[mode, A1], flow[mode, ALPHA], flow[mode, BETA], known.share[mode],
-                                flow[mode, EQUILIBRIUM], g_u, g_w, g_0, u, w,
-                            )  # fmt: skip
+                            outlook = _outlook(flow[mode], known.share[mode], g_u, g_w, g_0, u, w)
                         leaves = max(leaves, outlook)
                         if outlook == CROSSING:
                             leaves = CROSSING
@@ -288,7 +289,7 @@ def itinerary(tables, known, absorbing, mode, state, symbols):
     put(scratch, state[0], state[1])
     code, count = TOO_LONG, 0
     while count < symbols.size and code == TOO_LONG:
-        if ellipse(tables, known, mode, scratch.state) < known.trap[mode, 1]:
+        if ellipse(tables, known, mode, scratch.now.state) < known.trap[mode, 1]:
             code = 3 * mode
             break
         before = mode
@@ -300,31 +301,34 @@ def itinerary(tables, known, absorbing, mode, state, symbols):
             code = UNDETERMINED
             break
         transition = tables.guard_transition[guard]
-        number = _signs(tables, transition, scratch.state, scratch.scale)
+        number = _signs(tables, transition, scratch.now.state, scratch.now.scale)
         symbols[count] = (number * tables.guard_sign.size + guard) * 2 + (stay == 0.0)
         count += 1
         surface = known.landing[transition]
         if known.resting[mode] != UNKNOWN:
             code = 3 * mode + 1
         elif surface >= 0:
-            x = scratch.state[known.free[surface]]
+            x = scratch.now.state[known.free[surface]]
             for k in range(absorbing.shape[0]):
                 here = absorbing[k, 0] == mode and absorbing[k, 1] == surface
                 if here and absorbing[k, 2] <= x <= absorbing[k, 3]:
                     code = 3 * k + 2
                     break
-    state[0], state[1] = scratch.state
+    state[0], state[1] = scratch.now.state
     return code, count, mode
 
 
 @allocating_entry
-def last_agreement(tables, known, absorbing, mode, surface, low, high, resolution, course, position):
+def last_agreement(tables, known, absorbing, section, low, high, resolution, course):
     """Bisect a section between ``low``, whose motion has the ``course``, and ``high``, whose motion leaves it.
 
-    ``course``: itinerary with −10 − code appended; ``position``: index at which ``high`` differs first. Returns the
-    last coordinate that agrees up to there and the first that does not, apart by ``resolution`` or rounding at most.
+    ``section``: mode and surface; ``course``: itinerary with −10 − code appended, up to where ``high`` differs first.
+    Returns the last coordinate that agrees up to there and the first that does not, apart by ``resolution`` or rounding
+    at most.
     """
-    symbols, state, free = np.empty(position + 1, dtype=np.int64), np.empty(2), known.free[surface]
+    mode, surface = section
+    position, free = course.size - 1, known.free[surface]
+    symbols, state = np.empty(course.size, dtype=np.int64), np.empty(2)
     while high - low > max(resolution, EPS * min(abs(low), abs(high))):
         middle = 0.5 * (low + high)
         state[free] = middle
@@ -377,27 +381,27 @@ def _on_cycle(known, mode, state):
 
 @entry
 def approach(tables, known, sprags, mode, scratch, budget):
-    """Return the time [s] until the motion from ``scratch.state`` in ``mode`` is at its attractor, and its sprags.
+    """Return the time [s] until the motion of a ``scratch`` in ``mode`` is at its attractor, and its sprags.
 
     ``sprags`` (b): whether a branch is an event that sprags. Arrival: in the trapping ellipse; at an event of a cycle,
     within ``cycle_reach``; at the event after which an undamped mode is never left. The time is infinite if the motion
     diverges, or if ``budget`` events are not enough.
     """
-    state, clock, short, count = scratch.state, scratch.clock, 0, 0
-    clock[0] = clock[1] = 0.0
+    state, _, clock = scratch.now
+    short, count, clock[TIME], clock[CARRY] = 0, 0, 0.0, 0.0
     if _on_cycle(known, mode, state):
         return 0.0, 0
     for _ in range(budget):
         if ellipse(tables, known, mode, state) < known.trap[mode, 2]:
-            return clock[0] + clock[1], count
+            return clock[TIME] + clock[CARRY], count
         start = mode
         outcome, _, kind, mode, stay, short = step(tables, mode, short, scratch)
         if outcome == _SETTLED:
             if known.trap[mode, 2] > 0.0:
-                return clock[0] + clock[1] + _arrival_time(tables, known, mode, state), count
+                return clock[TIME] + clock[CARRY] + _arrival_time(tables, known, mode, state), count
             if known.settled[mode] == known.diverged:
                 return math.inf, count
-            return clock[0] + clock[1], count
+            return clock[TIME] + clock[CARRY], count
         if outcome != event_loop.GOES_ON:
             return math.inf, count
         event_loop.add_time(clock, stay)
@@ -405,20 +409,20 @@ def approach(tables, known, sprags, mode, scratch, budget):
             for k in range(sprags.size):
                 count += kind == sprags[k]
         if known.resting[start] != UNKNOWN:
-            return clock[0] + clock[1] + known.release[start, 0], count + int(known.release[start, 1])
+            return clock[TIME] + clock[CARRY] + known.release[start, 0], count + int(known.release[start, 1])
         if _on_cycle(known, mode, state):
-            return clock[0] + clock[1], count
+            return clock[TIME] + clock[CARRY], count
     return math.inf, count
 
 
 @allocating_entry
-def map_approaches(tables, known, sprags, x, y, across, budget, times, counts):
+def map_approaches(tables, known, sprags, cells, budget, times, counts):
     """Fill ``times`` [s] and ``counts`` (rows, columns) by :func:`approach`; other arguments as ``map_labels`` has."""
-    scratch = new_scratch(tables)
+    scratch, (x, y, across) = new_scratch(tables), cells
     for i in range(y.size):
         for j in range(x.size):
             put(scratch, y[i] if across else x[j], x[j] if across else y[i])
-            branch = event_loop.choose_branch(tables, 0, scratch.state, scratch.scale)
+            branch = event_loop.choose_branch(tables, 0, scratch.now.state, scratch.now.scale)
             if branch < 0:
                 times[i, j], counts[i, j] = math.inf, 0
                 continue

@@ -10,7 +10,7 @@ from lsvib.dynamics.kernels.poincare_map import NEAR, STEP, Verdict
 from lsvib.dynamics.kernels.single_mode import Outcome
 from lsvib.engine.kernels import event_loop, flow_taylor
 from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, kernel, merged_kernel
-from lsvib.engine.kernels.layout import Status
+from lsvib.engine.kernels.layout import CARRY, STEPS, TIME, Events, Now, Status, Until
 
 CHUNK = 64  # events that are looked at first; every further look takes twice as many
 SIGHT = 4096  # most events between two looks
@@ -53,6 +53,22 @@ NOTES = np.dtype(
         *((name, np.float64) for name in ("time", "frequency", "left")),  # [s], [1/s], work in events
     ]
 )
+
+
+class Asked(NamedTuple):
+    """What a motion may end in: the model's facts, known cycles, and events after which others are looked for, too."""
+
+    facts: Facts
+    known: Known
+    patience: int
+
+
+class Records(NamedTuple):
+    """Room for the events of a motion, and of two periods."""
+
+    motion: Events
+    one: Events
+    other: Events
 
 
 class Found(NamedTuple):
@@ -136,17 +152,17 @@ def _count_sprags(facts, kinds, modes, found):
 
 
 @kernel
-def _fewer_returns(section, events, count, state, size):
+def _fewer_returns(section, events, count, state):
     """Return the fewest returns, a divisor of those of the section, after which a period is back, and its events."""
     for returns in range(1, section.returns):
         seen = 0
         for i in range(count if section.returns % returns == 0 else 0):
-            seen += events[1][i] == section.kind and events[3][i] == section.mode
+            seen += events.kind[i] == section.kind and events.mode[i] == section.mode
             if seen == returns:
                 back = True
                 for x in range(state.size):
                     # distance of two points, relative to the motion, that are one
-                    back = back and abs(events[5][i, x] - state[x]) <= 1e-9 * size[x]
+                    back = back and abs(events.after[i, x] - state[x]) <= 1e-9 * section.size[x]
                 if back:
                     return returns, i + 1
                 break
@@ -154,12 +170,12 @@ def _fewer_returns(section, events, count, state, size):
 
 
 @allocating_kernel
-def _period(engine, tables, facts, section, points, size, events, room, budget, found):
+def _period(engine, tables, facts, section, points, records, budget, found):
     """Return what a motion with these ``points`` (k, n) on a section tends to by its map.
 
     It is CYCLE, SLIDES, or SPENT, which stands for nothing that is known.
     """
-    n, d, step = size.size, section.dimension, section.returns
+    n, d, step, size, events = section.size.size, section.dimension, section.returns, section.size, records.one
     place, state = np.empty(d), np.empty(n)
     slopes, form = np.empty((d, d)), np.empty((d, d))
     count, lost = poincare_map.newton(engine, tables, section, place, state, slopes, events, budget)
@@ -187,7 +203,7 @@ def _period(engine, tables, facts, section, points, size, events, room, budget, 
         few = d > 1 and earlier.shape[0] <= 10
         if few or verdict == Verdict.NEUTRAL or not poincare_map.approaches(section, place, earlier, form):
             return Outcome.SPENT
-    if d > 0 and not poincare_map.same_events(engine, tables, section, place, events, count, room, budget):
+    if d > 0 and not poincare_map.same_events(engine, tables, section, place, events, count, records.other, budget):
         return Outcome.SPENT
     # A fixed point of this size, relative to the motion, is steady sliding, if that lies on a surface, no mode is
     # pushed away from it, and the motion shrinks towards it.
@@ -195,7 +211,7 @@ def _period(engine, tables, facts, section, points, size, events, room, budget, 
         nearer = farther = pushed = 0.0
         none, rate, sizes = np.zeros(n), np.empty(n), np.empty(n)
         for k in range(count):
-            single_mode.field(tables.flow, events[3][k], none, rate, sizes)
+            single_mode.field(tables.flow, events.mode[k], none, rate, sizes)
             for i in range(n):
                 pushed = max(pushed, sizes[i])
         for i in range(n):
@@ -203,7 +219,7 @@ def _period(engine, tables, facts, section, points, size, events, room, budget, 
             farther = max(farther, abs(points[last - step, i]) / size[i])
         found.notes[0]["mode"] = -1
         return Outcome.SLIDES if nearer < farther and pushed == 0.0 else Outcome.SPENT
-    returns, fewer = _fewer_returns(section, events, count, state, size)
+    returns, fewer = _fewer_returns(section, events, count, state)
     if fewer < count:
         poincare_map.slopes_of(engine, tables, section, state, events, fewer, slopes)
     found.notes[0]["kind"], found.notes[0]["mode"], found.notes[0]["returns"] = section.kind, section.mode, returns
@@ -217,13 +233,10 @@ def _period(engine, tables, facts, section, points, size, events, room, budget, 
 
 
 @merged_kernel
-def _look(engine, tables, facts, mode, state, events, count, one, other, budget, found):
-    """Return what a motion tends to by its last events, ``count`` of them; Outcome.SPENT if they do not show it.
-
-    ``one`` and ``other`` are room for the events of periods.
-    """
-    times, kinds, _, modes, _, after = events
-    n, size = state.size, np.zeros(state.size)
+def _look(engine, tables, facts, mode, records, count, budget, found):
+    """Return what a motion tends to by its last events, ``count`` of them; Outcome.SPENT if they do not show it."""
+    times, kinds, _, modes, _, after = records.motion
+    n, size = found.state.size, np.zeros(found.state.size)
     for k in range(count):
         for i in range(n):
             size[i] = max(size[i], abs(after[k, i]))
@@ -231,7 +244,7 @@ def _look(engine, tables, facts, mode, state, events, count, one, other, budget,
         size[i] = size[i] if size[i] > 0.0 else 1.0  # a coordinate that is zero at every event may have any scale
     key = poincare_map.rarest_event(tables, kinds[:count], modes[:count], after[:count], size)
     if key < 0:  # it only touches guards: rounding decides whether there is an event
-        outcome = stays(tables, facts, mode, state, found)
+        outcome = stays(tables, facts, mode, found.state, found)
         return Outcome.OSCILLATES if outcome == Outcome.OSCILLATES else Outcome.SPENT
     seen, longest, last = 0, 0.0, -1
     all_points = np.empty((count, n))
@@ -258,17 +271,9 @@ def _look(engine, tables, facts, mode, state, events, count, one, other, budget,
     for returns in range(1, nearest + 1):  # a slow cycle may seem to have a multiple of its returns
         if nearest % returns == 0 and (repeats or seen - 1 - returns > seen // 2):
             watched = points[max(0, seen - 1 - _SOLVED) :]
-            section = poincare_map.section_through(
-                # time that a return may take, in times of the longest one seen
-                tables,
-                kinds[key],
-                modes[key],
-                returns,
-                10.0 * longest,
-                watched,
-                size,
-            )
-            outcome = _period(engine, tables, facts, section, points, size, one, other, budget, found)
+            limit = 10.0 * longest  # time that a return may take
+            section = poincare_map.section_through(tables, kinds[key], modes[key], returns, limit, watched, size)
+            outcome = _period(engine, tables, facts, section, points, records, budget, found)
             if outcome != Outcome.SPENT:
                 return outcome
     return Outcome.SPENT
@@ -297,40 +302,37 @@ def _complaint(status):
 
 
 @allocating_entry
-def end_of(engine, tables, facts, known, mode, state, patience, events, one, other, found):
+def end_of(engine, tables, asked, mode, state, records, found):
     """Return what the motion from ``state`` (n), replaced, in a mode ends in.
 
-    Arguments: the engine (:class:`machine.Machine`); known cycles; ``patience``, events after which others are looked
-    for as well; room for the events of the motion and of two periods; ``found``, filled, in which ``notes["left"]`` is
-    the work that may be spent, in events.
+    Arguments: the engine (:class:`machine.Machine`); ``found``, filled, in which ``notes["left"]`` is the work that may
+    be spent, in events.
     """
     n, used, chunk, last = state.size, 0, CHUNK, 0
     scale, clock, budget = np.empty(n), np.zeros(4), np.empty(1)
     budget[0] = found.notes[0]["left"]
-    times, kinds, signs, modes, before, after = events
+    facts, known, patience = asked
+    now, events = Now(state, scale, clock), records.motion
+    times, kinds, modes, after = events.time, events.kind, events.mode, events.after
     soon = engine.by_speed and known.kind.size > 0
     chunk = 2 if soon else chunk  # events looked at first
     for i in range(n):
         scale[i] = abs(state[i])
     found.notes[0]["first_event"], found.notes[0]["sprags"], found.notes[0]["time"] = event_loop.NO_KIND, 0, 0.0
-    outcome, never = (
-        Outcome.SPENT,
-        np.int64(event_loop.NO_KIND),
-    )  # a literal would be another type, and compile the loop anew
+    # a literal would be another type, and compile the loop anew
+    until = Until(math.inf, np.int64(event_loop.NO_KIND), np.int64(event_loop.NO_KIND))
     while budget[0] > 0.0:
         for i in range(n):
             found.state[i] = state[i]
-        given = clock[3] = budget[0] / STEP
+        given = clock[STEPS] = budget[0] / STEP
         found.notes[0]["mode"] = mode
-        part = (times[:chunk], kinds[:chunk], signs[:chunk], modes[:chunk], before[:chunk], after[:chunk])
-        status, mode, count = machine.run_at(
-            engine.run, engine.inner, engine.room, tables, mode, state, scale, clock, math.inf, never, never, part
-        )
-        budget[0] -= count + (STEP * (given - clock[3]) if clock[3] < math.inf else 0.0)
+        part = event_loop.cut(events, 0, chunk)
+        status, mode, count = machine.run_at(engine.run, engine.inner, engine.room, tables, mode, now, until, part)
+        budget[0] -= count + (STEP * (given - clock[STEPS]) if clock[STEPS] < math.inf else 0.0)
         found.notes[0]["left"] = budget[0]
         if found.notes[0]["first_event"] == event_loop.NO_KIND and count > 0:
             found.notes[0]["first_event"] = kinds[0]
-        if not math.isfinite(clock[0] + clock[1]):
+        if not math.isfinite(clock[TIME] + clock[CARRY]):
             return Outcome.LOST
         if status != _FULL and status != _SETTLED:
             return _complaint(status)
@@ -341,7 +343,7 @@ def end_of(engine, tables, facts, known, mode, state, patience, events, one, oth
                 found.notes[0]["time"] = times[shows]
                 return Outcome.KNOWN
         _count_sprags(facts, kinds[:count], modes[:count], found)
-        found.notes[0]["time"] = clock[0] + clock[1]
+        found.notes[0]["time"] = clock[TIME] + clock[CARRY]
         for i in range(n):
             found.state[i] = state[i]
         if status == _SETTLED:
@@ -349,7 +351,7 @@ def end_of(engine, tables, facts, known, mode, state, patience, events, one, oth
         used, last = used + count, count
         if used < (min(patience, CHUNK) if soon else patience):
             continue
-        outcome = _look(engine, tables, facts, mode, state, events, count, one, other, budget, found)
+        outcome = _look(engine, tables, facts, mode, records, count, budget, found)
         if outcome != Outcome.SPENT:
             return outcome
         chunk = min(2 * chunk, SIGHT)

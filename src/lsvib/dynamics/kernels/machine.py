@@ -61,13 +61,11 @@ _own = by_kind(_planar, _modal, _taylor)
 
 
 @allocating_entry
-def run(kind, inner, room, tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events):
+def run(kind, inner, room, tables, mode, now, until, events):
     """Follow a motion as ``event_loop.run_in`` does, whose address is ``inner``."""
     own_room = event_loop.Room(room.state, room.guards, room.on_surface, _own(kind, room.work))
     own_tables = Tables(_own(kind, tables.flow), *tables[1:])
-    return event_loop.run_at(
-        inner, own_room, own_tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events
-    )
+    return event_loop.run_at(inner, own_room, own_tables, mode, now, until, events)
 
 
 @allocating_entry

@@ -14,9 +14,20 @@ import numpy as np
 
 from lsvib.dynamics.kernels.machine import run_at
 from lsvib.dynamics.kernels.saltation import derivative
+from lsvib.engine.kernels.event_loop import cut
 from lsvib.engine.kernels.flow_planar import EPS, ROUNDING
 from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, entry, kernel, merged_kernel
-from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND, Status
+from lsvib.engine.kernels.layout import (
+    ACCUMULATION_KIND,
+    CARRY,
+    GRAZE_KIND,
+    STEPS,
+    TIME,
+    Begin,
+    Now,
+    Status,
+    Until,
+)
 
 LONGEST = 1024  # events in a period
 STEP = 0.1  # cost of a step of the search for an event, in events
@@ -44,6 +55,7 @@ class Section(NamedTuple):
     limit: float  # time [s] that one return of the motion may take
     dimension: int  # d
     origin: np.ndarray  # (n,)
+    size: np.ndarray  # (n,) of the motion
     unit: np.ndarray  # (n,)
     free: np.ndarray  # (n,) the first d are the free coordinates
     directions: np.ndarray  # (n, n) state by place: the first d columns
@@ -156,43 +168,30 @@ def section_through(tables, kind, mode, returns, limit, points, size):
         # least unit of a coordinate of the origin, relative to its size in the whole motion
         unit[i] = max(abs(origin[i]), 1e-6 * size[i])
     d = lay(tables.surfaces, met, unit, rows, tied, free, directions)
-    return Section(np.int64(kind), np.int64(mode), returns, limit, d, origin, unit, free, directions)
+    return Section(np.int64(kind), np.int64(mode), returns, limit, d, origin, size, unit, free, directions)
 
 
 @allocating_kernel
 def come_back(engine, tables, section, state, events, budget):
     """Follow a period from ``state`` (n), replaced by its end; returns the number of its events, 0 if there is none.
 
-    ``events``: arrays as of ``event_loop.run_in``; ``budget`` (1,) is counted down by what the period takes.
+    What happens is written to ``events``; ``budget`` (1,) is counted down by what the period takes.
     """
     scale, clock, here, count, back = np.empty(state.size), np.zeros(4), section.mode, 0, True
     for i in range(state.size):
         scale[i] = abs(state[i])
-    given = clock[3] = max(budget[0], 0.0) / STEP
-    times, kinds, signs, modes, before, after = events
+    given = clock[STEPS] = max(budget[0], 0.0) / STEP
+    now = Now(state, scale, clock)
     for _ in range(section.returns):
-        part = (times[count:], kinds[count:], signs[count:], modes[count:], before[count:], after[count:])
-        until = clock[0] + clock[1] + section.limit
-        status, here, more = run_at(
-            engine.run,
-            engine.inner,
-            engine.room,
-            tables,
-            here,
-            state,
-            scale,
-            clock,
-            until,
-            section.kind,
-            section.mode,
-            part,
-        )
+        until = Until(clock[TIME] + clock[CARRY] + section.limit, section.kind, section.mode)
+        part = cut(events, count, events.time.size)
+        status, here, more = run_at(engine.run, engine.inner, engine.room, tables, here, now, until, part)
         count += more
         back = status == _STOPPED
         if not back:
             break
-    budget[0] -= count + (STEP * (given - clock[3]) if clock[3] < math.inf else 0.0)
-    return count if back and math.isfinite(clock[0] + clock[1]) and times[0] > 0.0 else 0
+    budget[0] -= count + (STEP * (given - clock[STEPS]) if clock[STEPS] < math.inf else 0.0)
+    return count if back and math.isfinite(clock[TIME] + clock[CARRY]) and events.time[0] > 0.0 else 0
 
 
 @kernel
@@ -240,11 +239,7 @@ def slopes_of(engine, tables, section, state, events, count, slopes):
     """
     n, size = section.origin.size, 0.0
     total, lost = np.empty((n, n)), np.empty((n, n))
-    times, kinds, _, modes, before, after = events
-    derivative(
-        engine.derivative, tables, section.mode, 0.0, state, times[:count], kinds[:count], modes[:count],
-        before[:count], after[:count], total, lost,
-    )  # fmt: skip
+    derivative(engine.derivative, tables, Begin(0.0, section.mode, state), cut(events, 0, count), total, lost)
     for f in range(section.dimension):
         i = section.free[f]
         for g in range(section.dimension):
@@ -378,6 +373,6 @@ def same_events(engine, tables, section, place, events, count, room, budget):
         if come_back(engine, tables, section, state, room, budget) != count:
             return False
         for i in range(count):
-            if events[1][i] != room[1][i] or events[3][i] != room[3][i]:
+            if events.kind[i] != room.kind[i] or events.mode[i] != room.mode[i]:
                 return False
     return True

@@ -102,26 +102,25 @@ def _then(matrix, lost, total, total_lost, room):
 
 
 @allocating_entry
-def derivative(flow_derivative, tables, mode, start, state, times, kinds, modes, before, after, total, lost):
+def derivative(flow_derivative, tables, begin, events, total, lost):
     """Write the derivative (n, n) of the state after the last event by the start, and a bound (n, n) of its rounding.
 
-    Arguments: the address of ``machine.derivative``; mode, time [s] and state (n) of the start; times, kinds, modes
-    after, and states before and after the events (k). Entries are nan if an event has no derivative. The start's own
-    mode is kept: neighbours start in it.
+    Arguments: the address of ``machine.derivative``; where the motion begins; its events. Entries are nan if an event
+    has no derivative. The start's own mode is kept: neighbours start in it.
     """
-    n = before.shape[1]
+    n, mode, start, times = begin.state.size, begin.mode, begin.time, events.time
     matrix, rounding, room = np.empty((n, n)), np.empty((n, n)), np.empty((n, 2))
     for i in range(n):
         for j in range(n):
             total[i, j], lost[i, j] = 1.0 if i == j else 0.0, 0.0
     for k in range(times.size):
-        begin = after[k - 1] if k > 0 else state
-        derivative_at(flow_derivative, tables.flow, mode, begin, times[k] - start, matrix, rounding)
+        state = events.after[k - 1] if k > 0 else begin.state
+        derivative_at(flow_derivative, tables.flow, mode, state, times[k] - start, matrix, rounding)
         for i in range(n):
             for j in range(n):
                 rounding[i, j] *= _TERMS * EPS
         _then(matrix, rounding, total, lost, room)
-        if kinds[k] != GRAZE_KIND:
-            _event(tables, mode, kinds[k], modes[k], before[k], matrix, rounding)
+        if events.kind[k] != GRAZE_KIND:
+            _event(tables, mode, events.kind[k], events.mode[k], events.before[k], matrix, rounding)
             _then(matrix, rounding, total, lost, room)
-        mode, start = modes[k], times[k]
+        mode, start = events.mode[k], times[k]

@@ -1,11 +1,12 @@
 """Where motions of many drives with two states end, by the rule of :mod:`lsvib.dynamics.kernels.attractor`."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
-from lsvib.dynamics.kernels.attractor import NOTES, Found, end_of
-from lsvib.dynamics.kernels.machine import AnyFlow
+from lsvib.dynamics.kernels.attractor import NOTES, Asked, Found, Records, end_of
+from lsvib.dynamics.kernels.machine import AnyFlow, Machine
 from lsvib.dynamics.kernels.single_mode import Outcome
 from lsvib.engine.kernels import event_loop, search_planar
 from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, by_address
@@ -17,13 +18,14 @@ SPRAGS, RESTS, REVERSES = 1, 2, 4  # bits that say what happens on a cycle
 
 
 @allocating_kernel
-def _describe(tables, facts, reversal, found, events, force, speed, numbers):
-    """Write the numbers of a cycle, a period of which is in ``events``; returns the bits of what happens on it.
+def _describe(tables, rule, reversal, found, force, speed, numbers):
+    """Write the numbers of a cycle, a period of which is on record; returns the bits of what happens on it.
 
     ``reversal``: kind of an event that reverses the contact force; ``force`` (m, 3), that observable; ``speed`` [rad/s]
     of the motor.
     """
-    times, kinds, _, modes, before, after = events
+    times, kinds, _, modes, before, after = rule.records.one
+    facts = rule.asked.facts
     count, mode, time, state, row = found.notes[0]["events"], found.notes[0]["mode"], 0.0, np.empty(2), np.zeros(3)
     low, high, least, most, fastest = math.inf, -math.inf, math.inf, -math.inf, 0.0
     row[0] = 1.0
@@ -47,49 +49,68 @@ def _describe(tables, facts, reversal, found, events, force, speed, numbers):
     return bits
 
 
-@allocating_entry
-def ends_of_many(
-    rule, engine, many, members, facts, known, reversal, work, starts, force, speed, rooms, outcomes, bits, numbers
-):
-    """Follow the motions of many drives, each from its own start.
+class Rule(NamedTuple):
+    """How motions are followed: the address of ``end_of``, the engine, what is asked, work for each in events, room."""
 
-    Arguments: the address of the rule; the engine; tables whose doubles have a first axis (k) for drives; the drives
-    that are wanted (j); the work for each, in events; ``starts`` (k, 2); ``force`` (k, m, 3); ``speed`` (k); ``rooms``
-    for events as of ``end_of``. ``outcomes``, ``bits`` (k) and ``numbers`` (k, of ``NUMBERS``) are filled for the
-    drives that are wanted.
-    """
-    events, one, other = rooms
+    address: int
+    engine: Machine
+    asked: Asked
+    work: float
+    records: Records
+
+
+class Drives(NamedTuple):
+    """Many drives: tables whose doubles have a first axis (k) for them, and what differs from drive to drive."""
+
+    tables: Tables
+    starts: np.ndarray  # (k, 2)
+    force: np.ndarray  # (k, m, 3) normal force as an observable
+    speed: np.ndarray  # (k,) [rad/s]
+
+
+class Answers(NamedTuple):
+    """What is filled for each drive."""
+
+    outcomes: np.ndarray  # (k,)
+    bits: np.ndarray  # (k,) what happens on a cycle
+    numbers: np.ndarray  # (k,) of ``NUMBERS``
+
+
+@allocating_entry
+def ends_of_many(rule, drives, members, reversal, answers):
+    """Follow the motions of many drives, each from its own start; ``members`` (j) are those that are wanted."""
+    many, (outcomes, bits, numbers) = drives.tables, answers
     found = Found(np.zeros(1, dtype=NOTES), np.zeros(2), np.zeros((2, 2)))
     state, scale = np.empty(2), np.empty(2)
     for k in members:
         tables = Tables(
-            AnyFlow(many.flow.planar[k], many.flow.modal, many.flow.taylor),
-            many.surfaces[k],
-            many.snap,
-            many.guard_start,
-            many.guard_surface,
-            many.guard_sign,
-            many.guard_transition,
-            many.guard_parts[k],
-            many.transition_reset,
-            many.resets[k],
-            many.branch_start,
-            many.branch_mode,
-            many.branch_kind,
-            many.branch_sign,
-            many.condition_start,
-            many.condition_row[k],
-            many.condition_test,
-            many.beyond_accumulation,
-            many.shortest_stay[k],
+            flow=AnyFlow(many.flow.planar[k], many.flow.modal, many.flow.taylor),
+            surfaces=many.surfaces[k],
+            snap=many.snap,
+            guard_start=many.guard_start,
+            guard_surface=many.guard_surface,
+            guard_sign=many.guard_sign,
+            guard_transition=many.guard_transition,
+            guard_parts=many.guard_parts[k],
+            transition_reset=many.transition_reset,
+            resets=many.resets[k],
+            branch_start=many.branch_start,
+            branch_mode=many.branch_mode,
+            branch_kind=many.branch_kind,
+            branch_sign=many.branch_sign,
+            condition_start=many.condition_start,
+            condition_row=many.condition_row[k],
+            condition_test=many.condition_test,
+            beyond_accumulation=many.beyond_accumulation,
+            shortest_stay=many.shortest_stay[k],
         )
         for i in range(2):
-            state[i], scale[i] = starts[k, i], abs(starts[k, i])
-        found.notes[0]["left"], bits[k] = work, 0
+            state[i], scale[i] = drives.starts[k, i], abs(drives.starts[k, i])
+        found.notes[0]["left"], bits[k] = rule.work, 0
         branch = event_loop.choose_branch(tables, 0, state, scale)
         outcomes[k] = Outcome.OPEN
         if branch >= 0:
             mode = tables.branch_mode[branch]
-            outcomes[k] = end_of_at(rule, engine, tables, facts, known, mode, state, 0, events, one, other, found)
+            outcomes[k] = end_of_at(rule.address, rule.engine, tables, rule.asked, mode, state, rule.records, found)
         if outcomes[k] == Outcome.CYCLE:
-            bits[k] = _describe(tables, facts, reversal, found, one, force[k], speed[k], numbers[k])
+            bits[k] = _describe(tables, rule, reversal, found, drives.force[k], drives.speed[k], numbers[k])

@@ -23,6 +23,7 @@ from lsvib.engine.kernels import (
 from lsvib.engine.kernels.flow_planar import level
 from lsvib.engine.kernels.jit import (
     allocating_entry,
+    allocating_kernel,
     by_address,
     by_kind,
     entry,
@@ -30,7 +31,21 @@ from lsvib.engine.kernels.jit import (
     inlined_kernel,
     merged_kernel,
 )
-from lsvib.engine.kernels.layout import ACCUMULATION_KIND, CROSSING, GRAZE, GRAZE_KIND, LOST, NONE, Status, Test
+from lsvib.engine.kernels.layout import (
+    ACCUMULATION_KIND,
+    CARRY,
+    CROSSING,
+    GRAZE,
+    GRAZE_KIND,
+    LOST,
+    NONE,
+    SHORT_STAYS,
+    STEPS,
+    TIME,
+    Events,
+    Status,
+    Test,
+)
 
 _ACCUMULATED = int(Status.ACCUMULATED)
 _NO_BRANCH = int(Status.NO_BRANCH)
@@ -147,8 +162,9 @@ def apply_reset(tables, transition, state, scratch):
 
 
 @inlined_kernel
-def arrive(tables, mode, state, scale, guard, stay, work):
-    """Move ``state`` in place to the event of ``guard`` after a stay [s] in ``mode``; ``scale`` (n) follows it."""
+def arrive(tables, mode, now, guard, stay, work):
+    """Move the state in place to the event of ``guard`` after a stay [s] in ``mode``; its scale follows it."""
+    state, scale = now.state, now.scale
     if stay > 0.0:
         travel(tables.flow, mode, state, stay, scale, work)
         put_on_surface(tables, guard, state, scale)
@@ -157,19 +173,19 @@ def arrive(tables, mode, state, scale, guard, stay, work):
 
 
 @inlined_kernel
-def leave(tables, mode, found, guard, short_stays, state, scale, scratch):
-    """Reset ``state`` in place where the guard has fired, and choose what follows.
+def leave(tables, mode, found, guard, short_stays, now, scratch):
+    """Reset the state in place where the guard has fired, and choose what follows.
 
     ``short_stays``: number of stays below ``shortest_stay`` in a row, this one included; ``scratch`` has the size of
     the state. Returns (GOES_ON or the ``Status`` that ends the run, mode after the event, event kind, its sign).
     """
     if found == GRAZE:
         return GOES_ON, mode, GRAZE_KIND, 0
-    apply_reset(tables, tables.guard_transition[guard], state, scratch)
+    apply_reset(tables, tables.guard_transition[guard], now.state, scratch)
     if short_stays == MANY:
         beyond = tables.beyond_accumulation[mode]
         return GOES_ON if beyond >= 0 else _ACCUMULATED, beyond, ACCUMULATION_KIND, 0
-    branch = choose_branch(tables, tables.guard_transition[guard], state, scale)
+    branch = choose_branch(tables, tables.guard_transition[guard], now.state, now.scale)
     if branch < 0:
         return _NO_BRANCH, mode, NO_KIND, 0
     return GOES_ON, tables.branch_mode[branch], tables.branch_kind[branch], tables.branch_sign[branch]
@@ -193,53 +209,47 @@ def room_for(tables):
 
 
 @entry
-def run_in(room, tables, mode, state, scale, clock, t_end, stop_kind, stop_mode, events):
-    """Follow the motion from ``mode`` and ``state`` until ``t_end`` [s] or another end, in the scratch space ``room``.
+def run_in(room, tables, mode, now, until, events):
+    """Follow the motion from a mode and where it is (``Now``) to an end (``Until``), in the scratch space ``room``.
 
-    Arguments: tables; mode; state (n), replaced by the final state; scale (n), the magnitudes that it was computed
-    from, replaced; clock (4): time [s], its compensation, the number of stays below ``shortest_stay`` so far in a row,
-    and the number of steps that searches may still take, replaced; t_end, which may be infinite; stop_kind and
-    stop_mode: the run ends after an event of that kind that enters that mode (mode −1: any mode; kind −1: never);
-    events: tuple of arrays (time, kind, sign, mode after, state before, state after), filled from index 0. If a run
-    ends because these are full, a second run with the replaced arguments goes on as if the first had never ended.
-    Returns (``Status``, mode, number of events).
+    What happens is written to ``events``. If a run ends because these are full, a second run with the replaced
+    arguments goes on as if the first had never ended. Returns (``Status``, mode, number of events).
     """
-    flow, work = tables.flow, room.work
-    work.steps[0] = clock[3]
-    times, kinds, signs, modes, before, after = events
-    n = state.size
-    count = 0
+    flow, work, count = tables.flow, room.work, 0
+    state, scale, clock = now
+    work.steps[0] = clock[STEPS]
     while True:
-        remaining = (t_end - clock[0]) - clock[1]
+        remaining = (until.time - clock[TIME]) - clock[CARRY]
         found, guard, stay = next_event(tables, mode, state, scale, remaining, room.guards, room.on_surface, work)
-        clock[3] = work.steps[0]
+        clock[STEPS] = work.steps[0]
         if found == LOST:
-            return Status.WORK_SPENT if clock[3] < 0.0 else Status.UNDECIDED, mode, count
+            return Status.WORK_SPENT if clock[STEPS] < 0.0 else Status.UNDECIDED, mode, count
         if found == NONE:
             if remaining == math.inf:
                 return Status.SETTLED, mode, count
             advance(flow, mode, state, remaining, state)
-            clock[0], clock[1] = t_end, 0.0
+            clock[TIME], clock[CARRY] = until.time, 0.0
             return Status.TIME_REACHED, mode, count
-        if count == times.size:
+        if count == events.time.size:
             return Status.EVENTS_FULL, mode, count
-        arrive(tables, mode, state, scale, guard, stay, work)
+        arrive(tables, mode, now, guard, stay, work)
         add_time(clock, stay)
-        for i in range(n):
-            before[count, i] = state[i]
+        for i in range(state.size):
+            events.before[count, i] = state[i]
             if not abs(state[i]) < LARGEST:
                 return Status.DIVERGED, mode, count
-        clock[2] = clock[2] + 1.0 if stay < tables.shortest_stay else 0.0
-        end, mode, kind, sign = leave(tables, mode, found, guard, clock[2], state, scale, room.state)
+        clock[SHORT_STAYS] = clock[SHORT_STAYS] + 1.0 if stay < tables.shortest_stay else 0.0
+        end, mode, kind, sign = leave(tables, mode, found, guard, clock[SHORT_STAYS], now, room.state)
         if end != GOES_ON:
             return end, mode, count
         if kind == ACCUMULATION_KIND:
-            clock[2] = 0.0
-        times[count], kinds[count], signs[count], modes[count] = clock[0] + clock[1], kind, sign, mode
-        for i in range(n):
-            after[count, i] = state[i]
+            clock[SHORT_STAYS] = 0.0
+        events.time[count], events.kind[count] = clock[TIME] + clock[CARRY], kind
+        events.sign[count], events.mode[count] = sign, mode
+        for i in range(state.size):
+            events.after[count, i] = state[i]
         count += 1
-        if kind == stop_kind and (stop_mode < 0 or mode == stop_mode):
+        if kind == until.kind and (until.mode < 0 or mode == until.mode):
             return Status.STOP_EVENT, mode, count
 
 
@@ -255,13 +265,22 @@ class Engine(NamedTuple):
 
 @inlined_kernel
 def add_time(clock, stay):
-    """Add a stay [s] to the compensated sum ``clock`` (time, compensation), so that many short stays lose no digits."""
-    total = clock[0] + stay
-    if abs(clock[0]) >= abs(stay):
-        clock[1] += (clock[0] - total) + stay
+    """Add a stay [s] to the time of a clock, a compensated sum, so that many short stays lose no digits."""
+    total = clock[TIME] + stay
+    if abs(clock[TIME]) >= abs(stay):
+        clock[CARRY] += (clock[TIME] - total) + stay
     else:
-        clock[1] += (stay - total) + clock[0]
-    clock[0] = total
+        clock[CARRY] += (stay - total) + clock[TIME]
+    clock[TIME] = total
+
+
+@allocating_kernel
+def cut(events, first, last):
+    """Return the events from the one of a number up to the one before another."""
+    return Events(
+        events.time[first:last], events.kind[first:last], events.sign[first:last], events.mode[first:last],
+        events.before[first:last], events.after[first:last],
+    )  # fmt: skip
 
 
 @entry
@@ -275,22 +294,20 @@ sample = by_kind(_sample, _sample, flow_taylor.sample)
 
 
 @entry
-def states_at(
-    tables, start_time, start_mode, start_state, event_times, event_modes, event_states, times, states, modes
-):
-    """Write exact states and modes at ``times`` [s] (ascending, from ``start_time`` on) to ``states`` and ``modes``.
+def states_at(tables, begin, events, times, states, modes):
+    """Write exact states and modes at ``times`` [s], ascending from the begin on, to ``states`` and ``modes``.
 
     At the very time of an event they are those after it.
     """
     event, first = -1, 0
     while first < times.size:
-        while event + 1 < event_times.size and event_times[event + 1] <= times[first]:
+        while event + 1 < events.time.size and events.time[event + 1] <= times[first]:
             event += 1
         last = first
-        while last < times.size and (event + 1 == event_times.size or times[last] < event_times[event + 1]):
-            modes[last] = start_mode if event < 0 else event_modes[event]
+        while last < times.size and (event + 1 == events.time.size or times[last] < events.time[event + 1]):
+            modes[last] = begin.mode if event < 0 else events.mode[event]
             last += 1
-        since, state = (start_time, start_state) if event < 0 else (event_times[event], event_states[event])
+        since, state = (begin.time, begin.state) if event < 0 else (events.time[event], events.after[event])
         sample(tables.flow, modes[first], state, since, times[first:last], states[first:last])
         first = last
 

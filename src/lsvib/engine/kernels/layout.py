@@ -81,6 +81,46 @@ class Taylor(NamedTuple):
     """Stands for flows of the kind :class:`TaylorFlow`."""
 
 
+class Events(NamedTuple):
+    """The events of a motion with n states, filled from the first one on."""
+
+    time: np.ndarray  # (k,) [s]
+    kind: np.ndarray  # (k,)
+    sign: np.ndarray  # (k,)
+    mode: np.ndarray  # (k,) after the event
+    before: np.ndarray  # (k, n) the state
+    after: np.ndarray  # (k, n)
+
+
+class Now(NamedTuple):
+    """Where a motion is, replaced as it goes on."""
+
+    state: np.ndarray  # (n,)
+    scale: np.ndarray  # (n,) magnitudes that the state was computed from
+    clock: np.ndarray  # (4,) TIME, CARRY, SHORT_STAYS, STEPS
+
+
+# Places in a clock: time [s] and its compensation, the number of stays below ``shortest_stay`` in a row, and of the
+# steps that searches for events may still take.
+TIME, CARRY, SHORT_STAYS, STEPS = range(4)
+
+
+class Until(NamedTuple):
+    """Where a run ends: at a time [s], which may be infinite, or after an event of a kind that enters a mode."""
+
+    time: float
+    kind: int  # −1: never
+    mode: int  # −1: any
+
+
+class Begin(NamedTuple):
+    """Where a stay or a motion begins."""
+
+    time: float  # [s]
+    mode: int
+    state: np.ndarray  # (n,)
+
+
 class Tables(NamedTuple):
     """A piecewise-linear automaton with n states as plain arrays (m modes, g guards, t transitions, b branches).
 
