@@ -82,6 +82,7 @@ def size_of(motion: Motion) -> np.ndarray:
     return np.where(size == 0, 1.0, size)
 
 
+@dataclass
 class Section:
     """The states near ``origin`` (n) in which events of one kind (``key``: kind, mode after) end.
 
@@ -92,30 +93,28 @@ class Section:
     take ``PATIENCE`` times ``longest`` [s].
     """
 
-    def __init__(
-        self,
-        automaton: Automaton,
-        key: tuple[int, int],
-        origin: np.ndarray,
-        size: np.ndarray,
-        returns: int,
-        longest: float,
-        unit: np.ndarray | None = None,
-        line: np.ndarray | None = None,
-        budget: Budget | None = None,
-    ) -> None:
-        self.automaton, self.key, self.origin, self.size = automaton, key, origin, size
-        self.returns, self.longest, self.line, self.budget = returns, longest, line, budget
-        # least unit of a coordinate of the origin, relative to its size in the whole motion
-        least = np.maximum(1e-6 * size, np.finfo(float).tiny)
-        self.unit = np.maximum(np.abs(origin), least) if unit is None else unit
-        surfaces = automaton.tables.surfaces if line is None else line[None]
-        values = np.abs(surfaces[:, :-1] @ origin + surfaces[:, -1])
-        met = values <= flow_planar.ROUNDING * (np.abs(surfaces[:, :-1]) @ size + np.abs(surfaces[:, -1]))
-        n = origin.size
+    automaton: Automaton
+    key: tuple[int, int]
+    origin: np.ndarray
+    size: np.ndarray
+    returns: int
+    longest: float
+    unit: np.ndarray = None  # type: ignore[assignment]  # of the origin
+    line: np.ndarray | None = None
+    budget: Budget | None = None
+
+    def __post_init__(self) -> None:
+        """Lay the section."""
+        if self.unit is None:
+            # least unit of a coordinate of the origin, relative to its size in the whole motion
+            self.unit = np.maximum(np.abs(self.origin), np.maximum(1e-6 * self.size, np.finfo(float).tiny))
+        surfaces = self.automaton.tables.surfaces if self.line is None else self.line[None]
+        values = np.abs(surfaces[:, :-1] @ self.origin + surfaces[:, -1])
+        met = values <= flow_planar.ROUNDING * (np.abs(surfaces[:, :-1]) @ self.size + np.abs(surfaces[:, -1]))
+        n = self.origin.size
         rows, tied, free = np.empty((3, n), dtype=np.int64)
         directions = np.empty((n, n))
-        d = kernels.lay(surfaces, met | (line is not None), self.unit, rows, tied, free, directions)
+        d = kernels.lay(surfaces, met | (self.line is not None), self.unit, rows, tied, free, directions)
         self.dimension, self.free, self.directions = d, free[:d], directions[:, :d]
         self.rows, self.tied = rows[: n - d], tied[: n - d]
 

@@ -202,7 +202,7 @@ def search(flow, mode, state, guards, on_surface, limit, work):
                 return NONE, -1, limit
             return GRAZE, touched, t if t >= 0.0 else 0.5 * (a + b)
         if outcome == _ROOT:
-            first, when = _earliest(flow, mode, work, count, there, a, b, on_surface, rate)
+            first, when = _earliest(flow, mode, work, there, a, b, on_surface, rate)
             if first < 0:
                 return NONE, -1, limit
             return CROSSING, first, when
@@ -232,14 +232,14 @@ def _first_below(values, b):
 
 
 @inlined_kernel
-def _earliest(flow, mode, work, count, there, a, b, on_surface, rate):
+def _earliest(flow, mode, work, there, a, b, on_surface, rate):
     """Find the earliest root on a decided step [a, b] s.
 
     A guard that is still positive at the earliest root found so far has no root before it. Returns (index of the guard
     or −1, time [s]).
     """
     first, when = -1, b
-    for guard in range(count):
+    for guard in range(on_surface.size):
         node = there
         if first >= 0 and work.values[there, guard, 0] <= 0.0:
             node = _SPARE
