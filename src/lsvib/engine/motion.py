@@ -10,26 +10,8 @@ from lsvib import numbers
 from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, oscillator
 from lsvib.engine.exact.modal_form import linear_mode
 from lsvib.engine.kernels import event_loop, jit
-from lsvib.engine.kernels.layout import (
-    CARRY,
-    FIRST_MODEL_KIND,
-    STEPS,
-    TIME,
-    Begin,
-    Events,
-    Now,
-    Status,
-    Tables,
-    Until,
-)
-from lsvib.errors import (
-    AccumulationError,
-    DivergenceError,
-    EngineError,
-    InputError,
-    UndecidedError,
-    WorkSpentError,
-)
+from lsvib.engine.kernels.layout import CARRY, FIRST_MODEL_KIND, STEPS, TIME, Begin, Events, Now, Status, Tables, Until
+from lsvib.errors import AccumulationError, DivergenceError, EngineError, InputError, UndecidedError, WorkSpentError
 
 NEVER = Until(0.0, -1, -1)  # for its type
 _FIRST_CAPACITY = 256  # events that the first list holds; each further list holds twice as many as came before

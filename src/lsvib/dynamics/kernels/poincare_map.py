@@ -17,17 +17,7 @@ from lsvib.dynamics.kernels.saltation import derivative
 from lsvib.engine.kernels.event_loop import cut
 from lsvib.engine.kernels.flow_planar import EPS, ROUNDING
 from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, entry, kernel, merged_kernel
-from lsvib.engine.kernels.layout import (
-    ACCUMULATION_KIND,
-    CARRY,
-    GRAZE_KIND,
-    STEPS,
-    TIME,
-    Begin,
-    Now,
-    Status,
-    Until,
-)
+from lsvib.engine.kernels.layout import ACCUMULATION_KIND, CARRY, GRAZE_KIND, STEPS, TIME, Begin, Now, Status, Until
 
 LONGEST = 1024  # events in a period
 STEP = 0.1  # cost of a step of the search for an event, in events
