@@ -77,7 +77,5 @@ def known(seed):
     window = max(random.uniform(-0.2, 1), 1 / FINE)
     noise = random.uniform(0, 0.03) * kinetic
     recording = recorded(rows, random, window, (0.01 * RPM, noise), (RPM * random.uniform(0.05, 1), 0.01 * kinetic))
-    rates = np.abs(np.diff(rows[0][::FINE])) / STEP
-    rates = rates[rates > 0.5 * rates.max()]  # where the speed ramps, be it up or down
-    truth = {"inertia": inertia, "breakaway": abs(loose[0]), "ramp": np.median(rates)}
+    truth = {"inertia": inertia, "breakaway": abs(loose[0]), "ramp": rate}
     return Recording(f"{seed}.csv", *recording), window * STEP, truth

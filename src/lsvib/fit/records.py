@@ -1,4 +1,4 @@
-"""A measured file over time: rest, even turning, a start, a stop, a ramp or jerks, and what the jerks tell; starts: :mod:`lsvib.fit.starts`.
+"""A measured file over time: rest, even turning, a start, a stop, a ramp or jerks, and what the jerks tell.
 
 In stick–slip the screw stands while a spring k winds up at the commanded speed Ω, so the torque, in the direction of
 turning, climbs as dT/dt = k Ω; it then slips within a time s, and the torque falls. A tooth of period P is
@@ -15,7 +15,7 @@ slowly and falls fast counts. Below LEAST samples a tooth nothing is told. f + 1
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -147,10 +147,10 @@ def _moved(recording: Recording, kind: Kind, said: str, step: float, averaging: 
     """Return what a record of starts, stops or ramps tells, sampled each ``step``, 0 where it is not even."""
     why = "" if step and recording.speed.size >= SHORTEST // 2 else NOT_EVEN if not step else "it is too short"
     more = [f"no inertia is told, as {why}."]
-    found: dict[str, Number] = {}
+    numbers: dict[str, Any] = {}
     if not why:
-        found, more = told(recording.speed, recording.torque, step, averaging)
-    return Record(recording.name, kind, (said, *(f"{recording.name}: {text}" for text in more)), **found)
+        numbers, more = told(recording.speed, recording.torque, step, averaging)
+    return Record(recording.name, kind, (said, *(f"{recording.name}: {text}" for text in more)), **numbers)
 
 
 def _filled(recording: Recording) -> Recording:

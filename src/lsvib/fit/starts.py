@@ -5,8 +5,8 @@ some time, which obey the same equation. Their derivative is not recorded, so it
 
     (T₋ + 4 T + T₊) / 6 = T_0 + c |ω| + J (ω₊ − ω₋) / 2Δ        (Simpson's rule, ω as T)
 
-Noise in ω₊ − ω₋ would make J too small, so the equations are weighed with it where it stands out, and with zero where
-the speed is even (instrumental variables). Friction that falls with the speed looks like inertia: J is that of laws
+Noise in ω₊ − ω₋ would make J too small, so the equations are weighed not with it, but with its sign where it stands
+out, and with zero where the speed is even (instrumental variables). Friction that falls with the speed looks like inertia: J is that of laws
 with a fading rise of T_0, each as likely as it fits. Its error holds their differences, the residuals with their serial
 correlation and, at the corners of a ramp, what an unknown time of averaging may change.
 """
@@ -22,10 +22,14 @@ Array = NDArray[np.float64]
 Number = tuple[float, float]  # a value with its standard error
 
 FEWEST = 3  # samples of a ramp, without those in which the screw still or again rests
+APART = 0.01  # of what accelerates, that neither friction nor load explain: of less nothing is told
 SPARE = 8  # samples more than numbers of a law
 STANDS_OUT = 0.15  # of the largest rate of the speed, and
 NOISE = 4.0  # times its usual rate in even turning: less is no ramp
-CORNER = 0.2  # of the second difference of the torque: what averaging over no time or a whole sample changes
+QUANTUM = 0.2  # of a step of rounding, over an interval: standard deviation that it gives the rate
+CORNER = (
+    0.2  # of what changes at the corner of a ramp, which averaging over no time or a whole sample shows differently
+)
 FADING = (0.0, 0.1, 0.2, 0.4, 0.8)  # of the largest speed: over which a rise of friction may fade; 0 is none
 UNSURE = 0.25  # relative standard error from which on nothing is told
 UNSEEN = 0.2  # of an interval: how long the screw may turn before its recorded speed shows it
@@ -44,16 +48,19 @@ def told(speed: Array, torque: Array, step: float, averaging: float | None) -> t
     mixed = np.convolve(stops, np.ones(2 * reach + 1), "same") > 0 if 2 * reach < speed.size else stops | True
     turns = 1 + np.flatnonzero(~mixed[1:-1])
     rate = (speed[turns + 1] - speed[turns - 1]) / (2 * step)
-    usual = NOISE * 1.4826 * float(np.median(np.abs(rate))) if turns.size else 0.0
+    usual = NOISE * (1.4826 * float(np.median(np.abs(rate))) + QUANTUM * _quantum(speed) / step) if turns.size else 0.0
     most = float(np.abs(rate).max(initial=0.0))
     ramp = np.abs(rate) > max(STANDS_OUT * most, usual)
+    clear = float(np.median(np.abs(rate[ramp]))) if ramp.any() else 0.0
     found, why = {}, f"the speed changes within fewer than {FEWEST} samples in which the screw surely turns"
-    if np.count_nonzero(ramp) >= FEWEST:
-        found = _steepest(turns, rate, ramp)
-        inertia, why = _inertia(speed, torque, step, turns, np.where(ramp, rate, 0.0))
-        found |= {"inertia": inertia} if not why else {}
-    elif usual > STANDS_OUT * most > 0:
+    if (
+        most and clear <= 1.5 * usual
+    ):  # of a ramp near the noise, samples above it would be those that noise makes larger
         why = "no ramp of the speed stands out above how it varies anyway"
+    elif np.count_nonzero(ramp) >= FEWEST:
+        found = _steepest(turns, rate, ramp)
+        inertia, why = _inertia(speed, torque, step, turns, np.where(ramp, np.sign(rate), 0.0))
+        found |= {"inertia": inertia} if not why else {}
     said = [f"no inertia is told, as {why}."] if why else []
     if rests[0] and not rests.all():
         breakaway, why = _breakaway(speed, torque, rests, None if averaging is None else averaging / step)
@@ -62,23 +69,32 @@ def told(speed: Array, torque: Array, step: float, averaging: float | None) -> t
     return found, said
 
 
+def _quantum(values: Array) -> float:
+    """Return the step in which values are rounded."""
+    return float(np.diff(np.unique(values)).min(initial=np.ptp(values)))
+
+
 def _steepest(turns: NDArray[np.intp], rate: Array, ramp: NDArray[np.bool_]) -> dict[str, Number]:
     """Return the middle rate of the speed in the ramp that changes it most, with the scatter of that rate."""
     parts = np.split(np.flatnonzero(ramp), 1 + np.flatnonzero(np.diff(turns[ramp]) > 1))
     inner = max((rate[part] for part in parts), key=lambda one: abs(float(one.sum())))
     inner = inner[np.abs(inner) > 0.5 * np.abs(inner).max()]  # without the corners
-    return {"ramp": (float(np.median(inner)), float(inner.std(ddof=1)))} if inner.size > 1 else {}
+    if inner.size < FEWEST:
+        return {}
+    middle = float(np.median(inner))
+    return {"ramp": (middle, math.hypot(float(inner.std()), CORNER * middle / inner.size))}
 
 
 def _inertia(speed: Array, torque: Array, step: float, at: NDArray[np.intp], ramp: Array) -> tuple[Number, str]:
-    """Return the inertia, and why it is none; ``at``: samples that turn, ``ramp``: the rate of the speed in ramps."""
+    """Return the inertia, and why it is none; ``at``: samples that turn, ``ramp``: the way of the speed in ramps."""
     held, turned = ((x[at - 1] + 4 * x[at] + x[at + 1]) / 6 for x in (torque, speed))
     rate, bent = (speed[at + 1] - speed[at - 1]) / (2 * step), torque[at - 1] - 2 * torque[at] + torque[at + 1]
     sense, fast = np.sign(turned), np.abs(turned)
     columns = [sense == way for way in (-1, 1) if (sense == way).any()] + [turned]
     angle = (np.cumsum(speed) * step)[at]
     if np.abs(speed[at]).sum() * step > 2 * math.pi * TURNS:
-        columns += [np.cos(angle), np.sin(angle)]
+        ways = (sense, 1.0) if len(columns) == 3 else (1.0,)  # of friction, and of what a load does
+        columns += [way * wave for way in ways for wave in (np.cos(angle), np.sin(angle))]
     if at.size < len(columns) + 2 + SPARE:
         return (0.0, 0.0), f"the screw surely turns in {at.size} samples only"
     fits = []
@@ -88,7 +104,8 @@ def _inertia(speed: Array, torque: Array, step: float, at: NDArray[np.intp], ram
         others /= np.linalg.norm(others, axis=0)
         base = np.linalg.svd(others, full_matrices=False)[0]
         weight, free, torques = (x - base @ (base.T @ x) for x in (ramp, rate, held))
-        size = float(weight @ free)
+        if not (size := float(weight @ free)) > APART * float(ramp @ rate):
+            return (0.0, 0.0), "without even turning acceleration is not told from friction"
         inertia = float(weight @ torques) / size
         left = torques - inertia * free
         variance = _variance(weight, left, base.shape[1] + 1) + float(weight**2 @ (left**2 + (CORNER * bent) ** 2))
@@ -125,8 +142,8 @@ def _variance(weight: Array, left: Array, numbers: int) -> float:
 def _breakaway(speed: Array, torque: Array, rests: NDArray[np.bool_], averaging: float | None) -> tuple[Number, str]:
     """Return the torque at which the first rest ends, and why it is none; ``averaging`` in samples.
 
-    The screw turns from between two samples on, of which the first is at rest. So the torque is between theirs, or above
-    both by one climb more, as it may fall at once. A mean over a window is the torque in the middle of it.
+    The screw turns from between two samples on, of which the first is at rest. So the torque is between theirs, or it
+    climbed on from the first and fell at once. A mean over a window is the torque in the middle of it.
     """
     first = int(np.argmin(rests))  # the screw turns for sure; how its speed looks at rest, the first half of it shows
     last = int(np.argmax(np.abs(speed[: first + 1]) > 1.5 * np.abs(speed[: first // 2 + 1]).max())) - 1
