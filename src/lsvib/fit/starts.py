@@ -6,9 +6,10 @@ some time, which obey the same equation. Their derivative is not recorded, so it
     (T₋ + 4 T + T₊) / 6 = T_0 + c |ω| + J (ω₊ − ω₋) / 2Δ        (Simpson's rule, ω as T)
 
 Noise in ω₊ − ω₋ would make J too small, so the equations are weighed not with it, but with its sign where it stands
-out, and with zero where the speed is even (instrumental variables). Friction that falls with the speed looks like inertia: J is that of laws
-with a fading rise of T_0, each as likely as it fits. Its error holds their differences, the residuals with their serial
-correlation and, at the corners of a ramp, what an unknown time of averaging may change.
+out, and with zero where the speed is even (instrumental variables). A swing of T_0 with the angle is fitted too.
+Friction that falls with the speed looks like inertia: J is that of laws with a fading rise of T_0, each as likely as it
+fits. Its error holds their differences, the residuals with their serial correlation and, at the corners of a ramp, what
+an unknown time of averaging may change.
 """
 
 import math
@@ -48,16 +49,13 @@ def told(speed: Array, torque: Array, step: float, averaging: float | None) -> t
     mixed = np.convolve(stops, np.ones(2 * reach + 1), "same") > 0 if 2 * reach < speed.size else stops | True
     turns = 1 + np.flatnonzero(~mixed[1:-1])
     rate = (speed[turns + 1] - speed[turns - 1]) / (2 * step)
-    usual = NOISE * (1.4826 * float(np.median(np.abs(rate))) + QUANTUM * _quantum(speed) / step) if turns.size else 0.0
+    rounded = float(np.diff(np.unique(speed)).min(initial=np.ptp(speed)))
+    usual = NOISE * (1.4826 * float(np.median(np.abs(rate))) + QUANTUM * rounded / step) if turns.size else 0.0
     most = float(np.abs(rate).max(initial=0.0))
     ramp = np.abs(rate) > max(STANDS_OUT * most, usual)
-    clear = float(np.median(np.abs(rate[ramp]))) if ramp.any() else 0.0
-    found, why = {}, f"the speed changes within fewer than {FEWEST} samples in which the screw surely turns"
-    if (
-        most and clear <= 1.5 * usual
-    ):  # of a ramp near the noise, samples above it would be those that noise makes larger
-        why = "no ramp of the speed stands out above how it varies anyway"
-    elif np.count_nonzero(ramp) >= FEWEST:
+    found, why = {}, f"the speed does not clearly change in {FEWEST} samples in which the screw surely turns"
+    # Of a ramp near the noise, the samples that stand out would be those that noise makes larger.
+    if np.count_nonzero(ramp) >= FEWEST and np.median(np.abs(rate[ramp])) > 1.5 * usual:
         found = _steepest(turns, rate, ramp)
         inertia, why = _inertia(speed, torque, step, turns, np.where(ramp, np.sign(rate), 0.0))
         found |= {"inertia": inertia} if not why else {}
@@ -67,11 +65,6 @@ def told(speed: Array, torque: Array, step: float, averaging: float | None) -> t
         found |= {"breakaway": breakaway} if not why else {}
         said += [f"no breakaway torque is told, as {why}."] if why else []
     return found, said
-
-
-def _quantum(values: Array) -> float:
-    """Return the step in which values are rounded."""
-    return float(np.diff(np.unique(values)).min(initial=np.ptp(values)))
 
 
 def _steepest(turns: NDArray[np.intp], rate: Array, ramp: NDArray[np.bool_]) -> dict[str, Number]:
@@ -108,8 +101,9 @@ def _inertia(speed: Array, torque: Array, step: float, at: NDArray[np.intp], ram
             return (0.0, 0.0), "without even turning acceleration is not told from friction"
         inertia = float(weight @ torques) / size
         left = torques - inertia * free
-        variance = _variance(weight, left, base.shape[1] + 1) + float(weight**2 @ (left**2 + (CORNER * bent) ** 2))
-        fits.append((inertia, math.sqrt(variance) / size, float(left @ left), _alike(left)))
+        variance, count = _variance(weight, left, base.shape[1] + 1)
+        variance += float(weight**2 @ (left**2 + (CORNER * bent) ** 2))
+        fits.append((inertia, math.sqrt(variance) / size, float(left @ left), count))
     value, error, misfit, alike = np.array(fits).T
     least = max(misfit.min() / (at.size - len(columns) - 2), 1e-30) * alike[misfit.argmin()]
     likely = np.exp(-0.5 * (misfit - misfit.min()) / least)
@@ -119,24 +113,14 @@ def _inertia(speed: Array, torque: Array, step: float, at: NDArray[np.intp], ram
     return (mean, whole), "the torque that accelerates is not far enough above its error" if unsure else ""
 
 
-def _covariances(left: Array, most: int) -> Array:
-    """Return the covariances of residuals at lags from 0 to ``most``, fading to zero (Bartlett)."""
-    lags = range(min(most, left.size - 1) + 1)
-    return np.array([(1 - k / (most + 1)) * float(left[k:] @ left[: left.size - k]) / left.size for k in lags])
-
-
-def _alike(left: Array) -> float:
-    """Return how many residuals count as one."""
-    parts = _covariances(left, left.size // 8)
-    return max(1.0, float(2 * parts.sum() / max(parts[0], 1e-300) - 1))
-
-
-def _variance(weight: Array, left: Array, numbers: int) -> float:
-    """Return the variance of the sum of weighed residuals, as alike as they are anywhere in the record."""
-    lags = _covariances(left, left.size // 4)
-    both = [float(weight[k:] @ weight[: weight.size - k]) for k in range(lags.size)]
-    total = 2 * float(lags @ both) - lags[0] * both[0]
-    return max(total, lags[0] * both[0]) * left.size / (left.size - numbers)
+def _variance(weight: Array, left: Array, numbers: int) -> Number:
+    """Return the variance of a weighed sum of residuals, as alike as they are anywhere, and how many count as one."""
+    lags = range(left.size // 4)  # covariances, fading to zero (Bartlett)
+    alike = np.array([(1 - k / len(lags)) * float(left[k:] @ left[: left.size - k]) for k in lags]) / left.size
+    both = np.array([float(weight[k:] @ weight[: weight.size - k]) for k in lags])
+    total = max(2 * float(alike @ both) - alike[0] * both[0], alike[0] * both[0])
+    count = 2 * float(alike.sum()) / max(alike[0], 1e-300) - 1
+    return float(total * left.size / (left.size - numbers)), max(1.0, count)
 
 
 def _breakaway(speed: Array, torque: Array, rests: NDArray[np.bool_], averaging: float | None) -> tuple[Number, str]:
