@@ -72,10 +72,9 @@ def _steepest(turns: NDArray[np.intp], rate: Array, ramp: NDArray[np.bool_]) -> 
     parts = np.split(np.flatnonzero(ramp), 1 + np.flatnonzero(np.diff(turns[ramp]) > 1))
     inner = max((rate[part] for part in parts), key=lambda one: abs(float(one.sum())))
     inner = inner[np.abs(inner) > 0.5 * np.abs(inner).max()]  # without the corners
-    if inner.size < FEWEST:
-        return {}
     middle = float(np.median(inner))
-    return {"ramp": (middle, math.hypot(float(inner.std()), CORNER * middle / inner.size))}
+    error = math.hypot(float(inner.std()), CORNER * middle / inner.size)
+    return {"ramp": (middle, error)} if inner.size >= FEWEST and error < UNSURE * abs(middle) else {}
 
 
 def _inertia(speed: Array, torque: Array, step: float, at: NDArray[np.intp], ramp: Array) -> tuple[Number, str]:
@@ -138,13 +137,15 @@ def _breakaway(speed: Array, torque: Array, rests: NDArray[np.bool_], averaging:
     noise = 1.4826 * float(np.median(np.abs(np.diff(torque)))) / math.sqrt(2)
     if held[last] - np.median(held[: last // 2 + 1]) < CLIMB * noise or held[last] <= max(0.0, held[:last].max()):
         return (0.0, 0.0), "the torque is not seen to climb at rest up to the start"
-    before, climb, after = np.diff(held[last - 1 :]).clip(0.0).tolist()
+    sooner, before, climb, after = np.diff(held[last - 2 :]).clip(0.0).tolist()
+    ahead = before + max(before - sooner, 0.0)  # as a controller sums up what it lags behind, it climbs ever faster
     window, unknown = (0.5, 1.0) if averaging is None else (averaging, 0.0)
-    gain = sense * (speed[last + 2] - speed[last + 1])
-    share = min(sense * speed[last + 1] / gain, 1.0) if gain > 0 else 1.0  # of an interval, in which it already turned
-    at = 0.5 * window - share * (1 + window)  # when the screw breaks loose at the latest, from the first that turns
+    jump, gain = sense * speed[last + 1], sense * (speed[last + 2] - speed[last + 1])
+    fell = climb < ahead or after <= 0 or jump >= gain
+    # When the screw breaks loose at the latest, by the speed of the first sample that turns, if it gains evenly.
+    at = 0.5 * window - (0.0 if fell else jump / gain * (1 + window))
     low = held[last]
-    high = max(held[last + 1] + after * max(at, 0.0) + climb * min(at, 0.0), held[last] + before * max(1 + at, 0.0))
+    high = max(held[last + 1] + after * max(at, 0.0) + climb * min(at, 0.0), held[last] + ahead * (1 + at) * fell)
     value, error = (
         0.5 * (low + high),
         math.hypot((high - low) / 3, UNSEEN * max(before, climb), unknown * (high - low) / 4, noise),
