@@ -64,7 +64,7 @@ CASES = {  # what is told, or why it is not: reason, ramp [rad/s²], motion, com
     "light": ("the torque that accelerates is not far enough above its error.", 70, {"inertia": 1e-7}, {}),
     "step": (UNSEEN, 1e4, {"gain": 1e-1}, {}),
     "only up": (UNSEEN, 10, {}, {"tail": 0.0, "down": False, "even": 0.0}),
-    "coarse": (UNSEEN, 20, {}, {"quantum": 1.0}),
+    "coarse speed": ("", 20, {}, {"quantum": 1.0}),
     "swing": (UNSEEN, 10, {"swing": 0.2}, {}),
     "jerks": (UNSEEN, 10, {"static": 0.05, "kinetic": 0.02, "rise": 1.0, "fades": 2.0, "gain": 1e-4, "lag": 0.05}, {}),
 }

@@ -22,15 +22,14 @@ from lsvib.fit.tables import REST
 Array = NDArray[np.float64]
 Number = tuple[float, float]  # a value with its standard error
 
+SHORTEST = 48  # samples, of which two in each may be taken together
 FEWEST = 3  # samples of a ramp, without those in which the screw still or again rests
 APART = 0.01  # of what accelerates, that neither friction nor load explain: of less nothing is told
 SPARE = 8  # samples more than numbers of a law
 STANDS_OUT = 0.15  # of the largest rate of the speed, and
 NOISE = 4.0  # times its usual rate in even turning: less is no ramp
 QUANTUM = 0.2  # of a step of rounding, over an interval: standard deviation that it gives the rate
-CORNER = (
-    0.2  # of what changes at the corner of a ramp, which averaging over no time or a whole sample shows differently
-)
+CORNER = 0.2  # of what changes at the corner of a ramp, which averages over no time or a sample show differently
 FADING = (0.0, 0.1, 0.2, 0.4, 0.8)  # of the largest speed: over which a rise of friction may fade; 0 is none
 UNSURE = 0.25  # relative standard error from which on nothing is told
 UNSEEN = 0.2  # of an interval: how long the screw may turn before its recorded speed shows it
@@ -43,28 +42,36 @@ def told(speed: Array, torque: Array, step: float, averaging: float | None) -> t
 
     ``step``: the interval of the samples [s]; ``averaging``: over which time each stands, None where it is unknown.
     """
-    rests = np.abs(speed) < REST * np.quantile(np.abs(speed), 0.9)
-    stops = rests | (np.append(speed[1:], speed[-1]) * speed < 0)
-    reach = 1 + math.ceil(max(averaging or 0.0, step) / step - 1e-9)  # of samples in whose mean a rest takes part
-    mixed = np.convolve(stops, np.ones(2 * reach + 1), "same") > 0 if 2 * reach < speed.size else stops | True
-    turns = 1 + np.flatnonzero(~mixed[1:-1])
-    rate = (speed[turns + 1] - speed[turns - 1]) / (2 * step)
-    rounded = float(np.diff(np.unique(speed)).min(initial=np.ptp(speed)))
-    usual = NOISE * (1.4826 * float(np.median(np.abs(rate))) + QUANTUM * rounded / step) if turns.size else 0.0
-    most = float(np.abs(rate).max(initial=0.0))
-    ramp = np.abs(rate) > max(STANDS_OUT * most, usual)
-    found, why = {}, f"the speed does not clearly change in {FEWEST} samples in which the screw surely turns"
-    # Of a ramp near the noise, the samples that stand out would be those that noise makes larger.
-    if np.count_nonzero(ramp) >= FEWEST and np.median(np.abs(rate[ramp])) > 1.5 * usual:
-        found = _steepest(turns, rate, ramp)
-        inertia, why = _inertia(speed, torque, step, turns, np.where(ramp, np.sign(rate), 0.0))
-        found |= {"inertia": inertia} if not why else {}
+    found, why = _of_ramps(speed, torque, step, averaging or 0.0)
     said = [f"no inertia is told, as {why}."] if why else []
+    rests = np.abs(speed) < REST * np.abs(speed).max()
     if rests[0] and not rests.all():
         breakaway, why = _breakaway(speed, torque, rests, None if averaging is None else averaging / step)
         found |= {"breakaway": breakaway} if not why else {}
         said += [f"no breakaway torque is told, as {why}."] if why else []
     return found, said
+
+
+def _of_ramps(speed: Array, torque: Array, step: float, averaging: float) -> tuple[dict[str, Number], str]:
+    """Return inertia and ramp, and why there is no inertia; of means of two samples where one changes too little."""
+    stops = np.abs(speed) < REST * np.abs(speed).max()
+    stops |= np.append(speed[1:], speed[-1]) * speed < 0
+    reach = 1 + math.ceil(max(averaging, step) / step - 1e-9)  # of samples in whose mean a rest takes part
+    mixed = np.convolve(stops, np.ones(2 * reach + 1), "same") > 0 if 2 * reach < speed.size else stops | True
+    turns = 1 + np.flatnonzero(~mixed[1:-1])
+    rate = (speed[turns + 1] - speed[turns - 1]) / (2 * step)
+    rounded = float(np.diff(np.unique(speed)).min(initial=np.ptp(speed)))
+    usual = NOISE * (1.4826 * float(np.median(np.abs(rate))) + QUANTUM * rounded / step) if turns.size else 0.0
+    ramp = np.abs(rate) > max(STANDS_OUT * float(np.abs(rate).max(initial=0.0)), usual)
+    # Of a ramp near the noise, the samples that stand out would be those that noise makes larger.
+    if np.count_nonzero(ramp) >= FEWEST and np.median(np.abs(rate[ramp])) > 1.5 * usual:
+        inertia, why = _inertia(speed, torque, step, turns, np.where(ramp, np.sign(rate), 0.0))
+        return _steepest(turns, rate, ramp) | ({} if why else {"inertia": inertia}), why
+    if speed.size >= 2 * SHORTEST:
+        even = speed.size // 2 * 2
+        speeds, torques = (x[:even].reshape(-1, 2).mean(axis=1) for x in (speed, torque))
+        return _of_ramps(speeds, torques, 2 * step, averaging + step)
+    return {}, f"the speed does not clearly change in {FEWEST} samples in which the screw surely turns"
 
 
 def _steepest(turns: NDArray[np.intp], rate: Array, ramp: NDArray[np.bool_]) -> dict[str, Number]:
@@ -114,12 +121,12 @@ def _inertia(speed: Array, torque: Array, step: float, at: NDArray[np.intp], ram
 
 def _variance(weight: Array, left: Array, numbers: int) -> Number:
     """Return the variance of a weighed sum of residuals, as alike as they are anywhere, and how many count as one."""
-    lags = range(left.size // 4)  # covariances, fading to zero (Bartlett)
-    alike = np.array([(1 - k / len(lags)) * float(left[k:] @ left[: left.size - k]) for k in lags]) / left.size
-    both = np.array([float(weight[k:] @ weight[: weight.size - k]) for k in lags])
+    size = left.size
+    alike, both = (np.fft.irfft(np.abs(np.fft.rfft(x, 2 * size)) ** 2)[: size // 4] for x in (left, weight))
+    alike *= np.linspace(1, 0, size // 4, endpoint=False) / size  # covariances, fading to zero (Bartlett)
     total = max(2 * float(alike @ both) - alike[0] * both[0], alike[0] * both[0])
     count = 2 * float(alike.sum()) / max(alike[0], 1e-300) - 1
-    return float(total * left.size / (left.size - numbers)), max(1.0, count)
+    return float(total * size / (size - numbers)), max(1.0, count)
 
 
 def _breakaway(speed: Array, torque: Array, rests: NDArray[np.bool_], averaging: float | None) -> tuple[Number, str]:
@@ -146,8 +153,6 @@ def _breakaway(speed: Array, torque: Array, rests: NDArray[np.bool_], averaging:
     at = 0.5 * window - (0.0 if fell else jump / gain * (1 + window))
     low = held[last]
     high = max(held[last + 1] + after * max(at, 0.0) + climb * min(at, 0.0), held[last] + ahead * (1 + at) * fell)
-    value, error = (
-        0.5 * (low + high),
-        math.hypot((high - low) / 3, UNSEEN * max(before, climb), unknown * (high - low) / 4, noise),
-    )
+    parts = ((high - low) / 3, UNSEEN * max(before, climb), unknown * (high - low) / 4, noise)
+    value, error = 0.5 * (low + high), math.hypot(*parts)
     return (float(value), error), "the torque climbs too fast between two samples" if error > UNSURE * value else ""
