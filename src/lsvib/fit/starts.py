@@ -42,7 +42,10 @@ def told(speed: Array, torque: Array, step: float, averaging: float | None) -> t
 
     ``step``: the interval of the samples [s]; ``averaging``: over which time each stands, None where it is unknown.
     """
-    found, why = _of_ramps(speed, torque, step, averaging or 0.0)
+    rounded = float(
+        np.diff(np.unique(speed)).min(initial=np.ptp(speed))
+    )  # a slow speed's rounding does not average out
+    found, why = _of_ramps(speed, torque, step, averaging or 0.0, rounded)
     said = [f"no inertia is told, as {why}."] if why else []
     rests = np.abs(speed) < REST * np.abs(speed).max()
     if rests[0] and not rests.all():
@@ -52,7 +55,9 @@ def told(speed: Array, torque: Array, step: float, averaging: float | None) -> t
     return found, said
 
 
-def _of_ramps(speed: Array, torque: Array, step: float, averaging: float) -> tuple[dict[str, Number], str]:
+def _of_ramps(
+    speed: Array, torque: Array, step: float, averaging: float, rounded: float
+) -> tuple[dict[str, Number], str]:
     """Return inertia and ramp, and why there is no inertia; of means of two samples where one changes too little."""
     stops = np.abs(speed) < REST * np.abs(speed).max()
     stops |= np.append(speed[1:], speed[-1]) * speed < 0
@@ -60,7 +65,6 @@ def _of_ramps(speed: Array, torque: Array, step: float, averaging: float) -> tup
     mixed = np.convolve(stops, np.ones(2 * reach + 1), "same") > 0 if 2 * reach < speed.size else stops | True
     turns = 1 + np.flatnonzero(~mixed[1:-1])
     rate = (speed[turns + 1] - speed[turns - 1]) / (2 * step)
-    rounded = float(np.diff(np.unique(speed)).min(initial=np.ptp(speed)))
     usual = NOISE * (1.4826 * float(np.median(np.abs(rate))) + QUANTUM * rounded / step) if turns.size else 0.0
     ramp = np.abs(rate) > max(STANDS_OUT * float(np.abs(rate).max(initial=0.0)), usual)
     # Of a ramp near the noise, the samples that stand out would be those that noise makes larger.
@@ -70,7 +74,7 @@ def _of_ramps(speed: Array, torque: Array, step: float, averaging: float) -> tup
     if speed.size >= 2 * SHORTEST:
         even = speed.size // 2 * 2
         speeds, torques = (x[:even].reshape(-1, 2).mean(axis=1) for x in (speed, torque))
-        return _of_ramps(speeds, torques, 2 * step, averaging + step)
+        return _of_ramps(speeds, torques, 2 * step, averaging + step, rounded)
     return {}, f"the speed does not clearly change in {FEWEST} samples in which the screw surely turns"
 
 
