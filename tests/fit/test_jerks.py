@@ -7,11 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from references.starts import STEP, commanded, motion, recorded
 
 import lsvib
 from lsvib.assess.output import assess_file
 from lsvib.errors import InputError
-from lsvib.fit.output import as_json, blocks, sentences
+from lsvib.fit.output import as_json, blocks, sentences, text_of
 from lsvib.fit.sheet import fit_sheet
 from lsvib.fit.stick_slip import combined, slowest
 
@@ -146,6 +147,36 @@ def test_what_is_not_told_has_a_reason(folder, tmp_path):
     both = {**SHEET["measurements"], "sampling": "30 ms"}
     with pytest.raises(InputError, match=r"measurements.time and measurements.sampling are both given"):
         fit_sheet(sheet(folder, measurements=both))
+
+
+def test_starts_give_the_inertia_that_a_sheet_lacks(folder, tmp_path):
+    """As measured it holds the load, m r_m tan λ ∂T/∂W; what is left bounds the damping as a given inertia does."""
+    for path in folder.glob("*.csv"):
+        (tmp_path / path.name).write_text(path.read_text())
+    slope, radius = math.tan(KNOWN.lead_angle), KNOWN.pitch_radius
+    for k, sense in enumerate((1, -1, 1, -1)):
+        arm = sense * radius * (0.3 + sense * slope) / (1 - sense * 0.3 * slope)
+        whole, kinetic = KNOWN.screw_inertia + 0.3 * radius * slope * arm, 2.0 * sense * arm
+        command = commanded(100, 20.0, (sense,))
+        rows, _ = motion(command, whole, kinetic, 1.6 * kinetic, 3e-5, 0.1)
+        speed, torque = recorded(rows, np.random.default_rng(k), 0.25, (0.01, 5e-6), (0.01, 1e-6))
+        lines = (f"{STEP * i:.6g},{w:.6g},{t:.8g}" for i, (w, t) in enumerate(zip(speed, torque, strict=True)))
+        (tmp_path / f"start{k}.csv").write_text("\n".join(lines) + "\n")
+    found = fit_sheet(sheet(tmp_path, screw=None))
+    value, error = found.inertia
+    assert abs(value - KNOWN.screw_inertia) < 1.96 * error < 0.2e-6
+    assert found.stick_slip.damping[0] <= KNOWN.support_damping <= found.stick_slip.damping[1]
+    result = as_json(found)
+    json.dumps(result, allow_nan=False)
+    starts = [record for record in result["records"] if record["file"].startswith("start")]
+    assert all({"inertia", "standard_errors"} <= set(record) for record in starts)
+    assert yaml.safe_load(blocks(result))["screw"] == {"inertia": f"{value:.4g} kg*m^2"}
+    said = " ".join(result["said"])
+    assert f"tell an inertia of {value:.3g}" in said
+    assert "Left out of start0.csv: start0.csv: " not in said
+    assert "inertia" in text_of(result).split("both directions")[0]
+    with pytest.raises(InputError, match="jerks, starts or stops in all files"):
+        fit_sheet(sheet(tmp_path, measurements={**SHEET["measurements"], "files": "start*.csv"}))
 
 
 def test_one_record_of_jerks_is_enough(folder):

@@ -85,6 +85,7 @@ def as_json(found: FittedSheet) -> dict[str, Any]:
         ],
         "records": [_record(table.record) for table in found.tables if table.record],
         "stick_slip": _stick_slip(found.stick_slip),
+        "inertia": dict(zip(("value", "standard_error"), found.inertia, strict=True)) if found.inertia else None,
         "said": sentences(found),
     }  # fmt: skip
 
@@ -104,7 +105,7 @@ def _stick_slip(told: StickSlip | None) -> dict[str, Any] | None:
 
 
 def _record(record: Record) -> dict[str, Any]:
-    """What a file is over time; of jerks values in SI units, each with its standard error in a table of its own."""
+    """What a file is over time; values in SI units, each with its standard error in a table of its own."""
     values = {key: value for key, value in vars(record).items() if value is not None}
     pairs = {key: value for key, value in values.items() if isinstance(value, tuple) and key != "said"}
     errors = {"standard_errors": {key: error for key, (_, error) in pairs.items()}} if pairs else {}
@@ -170,6 +171,15 @@ def sentences(found: FittedSheet) -> list[str]:
         said.append("No rise of friction towards slow sliding is seen.")
     said += _of_falling(found)
     said += [f"Of {text}" for table in found.tables if table.record for text in table.record.said[1:]]
+    if found.inertia:
+        value, error = found.inertia
+        load = (
+            "without that of the mass it moves" if all(table.mass for table in found.tables) else "the load's included"
+        )
+        said.append(
+            f"Starts and stops tell an inertia of {value:.3g} ± {error:.1g} kg m² of what turns, {load}: in a data "
+            f"sheet it is screw: {{inertia: {value:.3g} kg*m^2}}."
+        )
     said += _of_jerks(found)
     if not len(measured.breakaway):
         said.append("No table begins at rest, so there is no breakaway and no static coefficient.")
@@ -251,6 +261,16 @@ def _behind(record: dict[str, Any]) -> str:
     return f"behind {record['stiffness']:.3g} N m/rad" if "stiffness" in record else "behind an unknown stiffness"
 
 
+def _told(record: dict[str, Any]) -> str:
+    """What a start, a stop or a ramp tells, in words."""
+    parts = {"inertia": (1, "kg m²"), "breakaway": (1e3, "mN m"), "ramp": (1, "rad/s²")}
+    return ", ".join(
+        f"{key} {record[key] * size:.3g} ± {record['standard_errors'][key] * size:.1g} {unit}"
+        for key, (size, unit) in parts.items()
+        if key in record and record["kind"] != "jerks"
+    )
+
+
 def _of_falling(found: FittedSheet) -> list[str]:
     """Say up to which speed friction falls, in the directions that were measured under the largest load."""
     measured = found.fit.measured
@@ -287,6 +307,8 @@ def blocks(result: dict[str, Any]) -> str:
             "damping": {"rotational": f"{jerks['damping']:.6g} N*m*s/rad"},
         }
         parts |= {"coupling_stiffness": jerks["stiffness"], "support_damping": jerks["damping"] + brakes}
+    if result["inertia"]:
+        more["screw"] = {"inertia": f"{result['inertia']['value']:.4g} kg*m^2"}
     law = {key: float(f"{value:.6g}") for key, value in parts.items()}
     options = " ".join(f"--set {key}={value:g}" for key, value in law.items())
     sheet = yaml.safe_dump({"friction": result["sheet"]} | ({"bearing": drag} if drag else {}) | more, sort_keys=False)
@@ -319,6 +341,7 @@ def text_of(result: dict[str, Any]) -> str:
         for record in result["records"]
         if "period" in record
     ]
+    lines += [f"{record['file'][-16:]:>16} {_told(record)}" for record in result["records"] if _told(record)]
     if result["halves"]:
         lines += ["", f"{'both directions':>16} {'rad/s':>9} {'half-sum':>18} {'half-difference, mN m':>26}"]
     lines += [

@@ -15,20 +15,21 @@ slowly and falls fast counts. Below LEAST samples a tooth nothing is told. f + 1
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lsvib.fit.starts import Array, Number, told
 from lsvib.fit.tables import REST, SPIKE, Recording, drifts
 
-Array = NDArray[np.float64]
-Number = tuple[float, float]  # a value with its standard error
 Kind = Literal["rest", "even", "ramp", "start", "stop", "jerks"]
 
 LEAST = 2.3  # samples a tooth: at 2, a sawtooth and its reverse are the same samples
 SHORTEST, TEETH = 64, 8  # samples of a record, and teeth or ramps of it, of which jerks are told
 SPOILED = 0.05  # of the samples, rows that may be lost
+SLOWLY = 0.7  # correlation of neighbouring speeds from which on a screw turns both ways; less is noise about rest
+NOT_EVEN = "its samples are not known to be evenly spaced in time"
 UNEVEN = 0.1  # of the interval, by which a time that is rounded may be off that of even samples
 EXPLAINED = 0.8  # of the variance beside slow change, by teeth; of two frequencies alike they explain 0.78 at most
 LIKELIER = 25.0  # by χ², five standard errors, by which a sawtooth must fit better than its reverse
@@ -53,7 +54,8 @@ class Record:
 
     ``period`` [s], ``slope`` of the ramps [N m/s] and ``stiffness`` [N m/rad], the torque at ``breakaway`` and
     ``after`` the slip in the direction of turning [N m], the ``displacement`` of a jerk [rad], the number of ``teeth``,
-    and how long the torque takes to ``fall`` as recorded [s], which no window of averaging exceeds.
+    and how long the torque takes to ``fall`` as recorded [s], which no window of averaging exceeds. Starts and stops
+    tell the ``inertia`` of all that turns [kg m²], ``breakaway`` and the steepest ``ramp`` of the speed [rad/s²].
     """
 
     file: str
@@ -64,6 +66,8 @@ class Record:
     stiffness: Number | None = None
     breakaway: Number | None = None
     after: Number | None = None
+    inertia: Number | None = None
+    ramp: Number | None = None
     displacement: Number | None = None
     fall: Number | None = None
     teeth: int | None = None
@@ -99,26 +103,30 @@ def look(recording: Recording, interval: float | None = None, averaging: float |
     name, speed = recording.name, recording.speed
     mean = float(speed.mean())
     either_way = speed.min() < 0 < speed.max() and abs(mean) < 3 * speed.std() / math.sqrt(speed.size)
-    if either_way or mean == 0 or np.count_nonzero(speed) < min(TEETH, speed.size):
+    slowly = bool(speed[1:] @ speed[:-1] > SLOWLY * (speed @ speed))  # one way, then the other
+    if (either_way and not slowly) or not speed.any() or np.count_nonzero(speed) < min(TEETH, speed.size):
         return Record(name, "rest", (f"{name}: the screw rests, or turns as much one way as the other.",))
-    resting = np.abs(speed) < REST * abs(mean)
+    at, order = recording.time, np.arange(speed.size)
+    step = interval or (0.0 if at is None else float(at[-1] - at[0]) / max(speed.size - 1, 1))
+    if step <= 0 or (not interval and at is not None and np.abs(at - at[0] - step * order).max() > UNEVEN * step):
+        step = 0.0
+    resting = np.abs(speed) < REST * (np.abs(speed).mean() if either_way else abs(mean))
     runs = np.diff(np.flatnonzero(np.concatenate([[True], ~resting, [True]]))) - 1  # of rests about samples that turn
-    most = 2 * max(1, int(runs[1:-1].max(initial=0)))
+    inner = runs[1:-1] if np.count_nonzero(runs[1:-1]) > 2 else runs[:0]  # of jerks; a rest or two part starts
+    most = 2 * max(1, int(inner.max(initial=0)))
     words = [word for word, run in (("begins", runs[0]), ("ends", runs[-1])) if run > most]
     if words:
         said = f"{name}: the record {' and '.join(words)} at rest; only where the screw turns is it steady motion."
-        return Record(name, "start" if words[0] == "begins" else "stop", (said,))
-    if drifts(speed):
+        return _moved(recording, "start" if words[0] == "begins" else "stop", said, step, averaging)
+    if either_way or drifts(speed):
         first, last = speed[: speed.size // 8 + 1].mean(), speed[-(speed.size // 8 + 1) :].mean()
         said = f"{name}: the speed goes from {first:.3g} to {last:.3g} rad/s, so this is no steady motion."
-        return Record(name, "ramp", (said,))
+        return _moved(recording, "ramp", said, step, averaging)
     stops = bool(np.quantile(speed / mean, 0.4) <= STANDS)
-    at, order = recording.time, np.arange(speed.size)
-    step = interval or (0.0 if at is None else float(at[-1] - at[0]) / max(speed.size - 1, 1))
     if speed.size < SHORTEST:
         problem = f"there are only {speed.size} samples"
-    elif step <= 0 or (not interval and at is not None and np.abs(at - at[0] - step * order).max() > UNEVEN * step):
-        problem = "its samples are not known to be evenly spaced in time"
+    elif not step:
+        problem = NOT_EVEN
     else:
         speed, torque = np.sign(mean) * speed, np.sign(mean) * recording.torque
         off = np.abs(torque - np.median(torque))
@@ -133,6 +141,16 @@ def look(recording: Recording, interval: float | None = None, averaging: float |
         said = f"the recorded speed is often far below its mean, as of jerks, but {problem}"
         return Record(name, "jerks", (f"{name}: {said}; no numbers are told.",))
     return _numbers(name, speed, torque, teeth, step, averaging)
+
+
+def _moved(recording: Recording, kind: Kind, said: str, step: float, averaging: float | None) -> Record:
+    """Return what a record of starts, stops or ramps tells, sampled each ``step``, 0 where it is not even."""
+    why = "" if step and recording.speed.size >= SHORTEST // 2 else NOT_EVEN if not step else "it is too short"
+    more = [f"no inertia is told, as {why}."]
+    numbers: dict[str, Any] = {}
+    if not why:
+        numbers, more = told(recording.speed, recording.torque, step, averaging)
+    return Record(recording.name, kind, (said, *(f"{recording.name}: {text}" for text in more)), **numbers)
 
 
 def _filled(recording: Recording) -> Recording:

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -15,10 +15,11 @@ from lsvib.assess.drive import GRAVITY, flank_coefficient, square_coefficient, t
 from lsvib.assess.fields import NotQuantity, Spread
 from lsvib.assess.sheet import Thread, sentence
 from lsvib.errors import InputError
-from lsvib.fit.law import Fit, Measured, Solution, fitted
+from lsvib.fit.law import Fit, Measured, Solution, fitted, steady_torque
 from lsvib.fit.records import Record, look
-from lsvib.fit.stick_slip import StickSlip, breaking, explained
-from lsvib.fit.tables import MOST_COLUMNS, Point, read_table, refuse_record, row_points, steady_point
+from lsvib.fit.starts import Number
+from lsvib.fit.stick_slip import StickSlip, breaking, combined, explained
+from lsvib.fit.tables import MOST_COLUMNS, REST, Point, read_table, refuse_record, row_points, steady_point
 from lsvib.models.scene import read_yaml
 from lsvib.numbers import NotNumber, number, shown, whole
 
@@ -214,8 +215,8 @@ class Table:
 
     ``mass`` [kg] that moves with the load, zero where it is not given.
 
-    ``record``: what it is over time, with the mean ``speed`` [rad/s] and the time ``blur`` over which a sample stands;
-    None where each row is a point.
+    ``record``: what it is over time, with the mean ``speed`` [rad/s], zero of starts both ways, and the time ``blur``
+    over which a sample stands; None where each row is a point.
     """
 
     load: float
@@ -236,7 +237,7 @@ class Table:
 class FittedSheet:
     """A sheet with its points (n), as read from the tables, and the fit; ``half_angle`` of the thread [rad].
 
-    ``stick_slip``: what jerks tell, None where no file has any.
+    ``stick_slip``: what jerks tell, None where no file has any; ``inertia`` [kg m²] of what turns, as starts tell it.
     """
 
     name: str
@@ -246,6 +247,7 @@ class FittedSheet:
     half_angle: float
     tables: list[Table]
     stick_slip: StickSlip | None
+    inertia: Number | None
 
     def flank_law(self, solution: Solution) -> dict[str, Any]:
         """Return a friction law as the block ``friction`` of a data sheet, with coefficients of the flanks."""
@@ -275,15 +277,18 @@ def fit_sheet(path: Path) -> FittedSheet:
     )
     jerks = [(table, table.record) for table in tables if table.record and table.record.kind == "jerks"]
     moving = [(point, load) for load, point in pairs if point.speed]
-    if not moving and jerks:
-        raise InputError("the screw jerks in all files, so none is a point of the friction law: measure faster, too.")
+    if not moving and (jerks or not pairs):
+        does = "jerks" if len(jerks) == len(tables) else "jerks, starts or stops"
+        raise InputError(f"the screw {does} in all files, so none is a point of the friction law: measure more speeds.")
     # A file that begins at rest goes on in the direction in which it breaks away, a row at rest has that of its torque.
+    starts = [(table, table.record) for table in tables if table.record and table.record.breakaway and table.speed]
     held = [
-        (math.copysign(1.0, point.speed or point.torque), point.breakaway, load)
-        for load, point in pairs
-        if point.breakaway is not None
+        (math.copysign(1.0, point.speed or point.torque), point.breakaway, table.load)
+        for table in tables
+        for point in table.points
+        if point.breakaway is not None and (jerks or table.record is None or table.record.breakaway is None)
     ]
-    torn, loose = breaking((1 if table.speed > 0 else -1, table.load, record) for table, record in jerks)
+    torn, loose = breaking((1 if table.speed > 0 else -1, table.load, record) for table, record in jerks or starts)
     speed, torque, load = np.array([(point.speed, point.torque, load) for point, load in moving]).reshape(-1, 3).T
     nut = draw.get("nut.preload", 0.0), draw.get("nut.load_share", 1.0)
     measured = Measured(
@@ -292,9 +297,27 @@ def fit_sheet(path: Path) -> FittedSheet:
     fit = fitted(measured, _known(sheet, draw, angle, half_angle))
     even = [((table.points[0].speed, table.load, table.mass), table.blur) for table in tables if table.told_even]
     records = {(table.speed, table.load, table.mass): record for table, record in jerks}
-    told = explained(measured, fit.main, records, even, draw.get("screw.inertia"))
+    inertia = _inertia(tables, measured, fit.main)
+    given = draw.get("screw.inertia", inertia[0] if inertia else None)
+    told = explained(measured, fit.main, records, even, given)
     said = [text for table in tables for text in table.said]
-    return FittedSheet(sheet.name, [point for point, _ in moving], said, fit, half_angle, tables, told)
+    return FittedSheet(sheet.name, [point for point, _ in moving], said, fit, half_angle, tables, told, inertia)
+
+
+def _inertia(tables: Iterable[Table], measured: Measured, solution: Solution) -> Number | None:
+    """Return the inertia of what turns: as starts tell it, less that of the mass m on the thread.
+
+    A turn of one radian moves m by r_m tan λ; its inertia is a load, whose torque ∂T/∂W holds friction of the threads:
+    m r_m tan λ ∂T/∂W. Turned both ways friction falls out, and ∂T/∂W = r_m tan λ.
+    """
+    lead, found = measured.pitch_radius * math.tan(measured.lead_angle), []
+    for table in tables:
+        if table.record is not None and table.record.inertia is not None:
+            loads = table.load * np.array([0.99, 1.01])
+            torques = steady_torque(solution.values, measured, table.speed, loads)
+            arm = float(np.diff(torques)[0] / np.diff(loads)[0]) if table.speed and table.load else lead
+            found.append((table.record.inertia[0] - table.mass * lead * arm, table.record.inertia[1]))
+    return combined(found) if found else None
 
 
 def _known(sheet: MeasuredSheet, draw: Mapping[str, float], angle: float, half_angle: float) -> dict[str, float]:
@@ -354,7 +377,15 @@ def _table(path: Path, block: Measurements, load: Load, lead: float, alone: bool
     blur = window or interval or (float(np.median(np.diff(table.time))) if table.time is not None else 0.0)
     if record is not None and record.kind == "jerks":
         return Table(*under, [], record, mean, blur, [*skipped, record.said[0].removesuffix(".")])
-    point = steady_point(table)
+    moved = record is not None and record.kind in ("start", "stop", "ramp")
+    if moved and min(-table.speed.min(), table.speed.max()) > REST * np.ptp(table.speed):
+        mean = 0.0
+    try:
+        point = steady_point(table)
+    except InputError:
+        if record is None or not moved:
+            raise
+        return Table(*under, [], record, mean, blur, [*skipped, record.said[0].removesuffix(".")])
     counts = {
         "rows of a screw at rest": 0 if point.speed else point.samples,
         "first samples, before the speed was steady": point.transient,

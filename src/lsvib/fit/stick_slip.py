@@ -15,7 +15,8 @@ import numpy as np
 
 from lsvib.errors import InputError, LsvibError
 from lsvib.fit.law import Measured, Solution
-from lsvib.fit.records import Number, Record
+from lsvib.fit.records import Record
+from lsvib.fit.starts import Number
 from lsvib.models.drive import Drive
 from lsvib.stability.starting import end_from_rest, even_from, runs_evenly
 
