@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from references import sliding_friction
-from references.chapter_sheet import LAW, sheet, values_of
+from references import newton
+from references.random_sheets import LAW, sheet, values_of
 
 from lsvib.assess import drive as sheets
 from lsvib.assess.assessment import assess
@@ -288,7 +288,7 @@ def test_slope_damping_against_eigenvalues_with_forty_digits():
         found = eigenvalue_pair(float(c.gamma[law]), float(c.damping[law]) + more, drive.coupling_stiffness)
         reached = drive.pitch_radius * abs(drive.input_speed) / math.cos(drive.lead_angle)
         own = {"friction_slope": slope, "friction_coefficient": drive.friction_coefficient - slope * reached}
-        expected = [complex(z) for z in sliding_friction.eigenvalues("rigid", {**dict(drive), **own}.items())]
+        expected = [complex(z) for z in newton.eigenvalues_by_differences("rigid", {**dict(drive), **own}.items())]
         size = max(abs(z) for z in expected)
         for a, b in zip(sorted(found, key=lambda z: (z.real, z.imag)), expected, strict=True):
             assert abs(a - b) < 1e-9 * size

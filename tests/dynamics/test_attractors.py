@@ -22,10 +22,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from mpmath import mp, mpf
-from references.catalogue import MODELS, catalogue_drive
 from references.draws import drawn, one_of, power, signed, uniform
 from references.parts import DRIVES
 from references.rigid_digits import REST, RigidTrueFlow, simulate
+from references.wide_drives import OFFERED, catalogue_drive
 
 import lsvib
 from lsvib.dynamics.attractor import Attractor, Doubt, SteadyState, orbit_extremes, steady_state
@@ -298,7 +298,7 @@ def distances(found: SteadyState, motion: Motion, size: np.ndarray) -> tuple[flo
     return float(first), float(last)
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", OFFERED)
 def test_motions_of_catalogue_drives_end_where_their_labels_say(model):
     unresolved, held = 0, 0
     for index in range(5):

@@ -26,8 +26,7 @@ from mpmath import mp, mpf
 from references import four_states_digits, rigid_digits
 from references.cycle_digits import CycleDigits
 from references.draws import drawn, one_of, power, uniform
-from references.friction_law_digits import LawDrive, simulate
-from references.friction_law_series import PRECISION
+from references.friction_law_digits import PRECISION, LawDrive, simulate
 from references.parts import DRIVES, threads_drive
 
 import lsvib

@@ -275,7 +275,7 @@ def test_threads_seize_where_friction_comes_to_the_painleve_band(part):
 def test_a_rise_of_nothing_changes_nothing():
     """Events, times, states and observables of a hundred random drives to 1e-12, passages left out."""
     events, parts = 0, set()
-    for seed in range(115):
+    for seed in range(100):
         drive, start = random_drive(seed)
         drive = drive.replace(**dict.fromkeys(("stribeck_rise", "stribeck_speed", "friction_slope"), 0.0))
         try:
@@ -300,7 +300,7 @@ def test_a_rise_of_nothing_changes_nothing():
             one, two = plain.observe(name, *here), law.observe(name, *there)
             np.testing.assert_allclose(two, one, rtol=0, atol=1e-11 * np.abs(one).max())
         events, parts = events + known.sum(), parts | {drive.parts}
-    assert events > 400
+    assert events > 350
     assert len(parts) == 8
 
 

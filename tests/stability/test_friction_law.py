@@ -6,7 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 from flint import arb, ctx
-from references import sliding_friction
+from references import newton
 from references.draws import LIKE_PARTS, LIKE_TABLE_8_1, about, drawn, one_of, times
 from references.parts import DRIVES as KINDS
 from references.parts import threads_drive
@@ -55,7 +55,7 @@ def test_report_against_newtons_laws(model):
     rng, kinds = np.random.default_rng(1), set()
     for _ in range(25):
         drive = random_drive(model, rng)
-        report, exact = stability(drive), sliding_friction.eigenvalues(model, drive)
+        report, exact = stability(drive), newton.eigenvalues_by_differences(model, drive)
         with mpmath.workdps(60):
             expected = polynomial_of(exact)
         lead = report.characteristic_polynomial[0]
@@ -139,7 +139,7 @@ def judged(model, drive, key, value, stable) -> bool | None:
         return None
     x = math.tan(value) if key == "lead_angle" else value
     said = any(float(low) < x < float(high) for low, high in stable.intervals)
-    exact = sliding_friction.eigenvalues(model, other)
+    exact = newton.eigenvalues_by_differences(model, other)
     assert said == bool(mpmath.re(exact[-1]) < 0), (key, value, drive)
     return said
 
@@ -251,7 +251,7 @@ def test_contact_forces_at_the_speed_of_a_state():
     u, w = np.array([0.01, -0.05]), np.array([-3.0, 4.0])
     for k in range(2):
         with ctx.workdps(40):
-            laws = sliding_friction.SlidingDrive("rigid", drive)
+            laws = newton.SlidingDrive("rigid", drive)
             state = [laws.steady()[0] + u[k], arb(10 + w[k])]
             for laws.law, force in zip((1, -1), contact_forces(drive, u, w), strict=True):
                 assert math.isclose(force[k], float(laws.solved(state)[2]), rel_tol=1e-12)
