@@ -21,6 +21,7 @@ from lsvib.stability import linear
 from lsvib.stability.boundaries import stable_set
 from lsvib.stability.conditions import stability
 from lsvib.stability.curves import ChartBoundary, boundary_curves
+from lsvib.stability.threshold import all_thresholds
 
 MODELS = tuple(KINDS)
 LEAD, RADIUS = math.radians(5.57), 5.18e-3
@@ -293,7 +294,7 @@ def test_next_to_nothing_of_a_rise_parts_no_double_roots():
     )
     level = drive.replace(stribeck_rise=0.0, stribeck_speed=0.0)
     for key in ("friction_coefficient", "mass"):
-        one, other = (d.thresholds(key)["onset"] for d in (drive, level))
+        one, other = (all_thresholds(d, key)["onset"] for d in (drive, level))
         assert one.stable_intervals[:-1] == other.stable_intervals[:-1]
         assert [x.value for x in one.solutions] == [x.value for x in other.solutions]
 
