@@ -79,12 +79,9 @@ def test_torque_power_and_efficiency_of_textbooks(entries, printed):
 )
 def test_a_collar_holds_what_the_threads_do_not(lead, diameter, friction):
     sheet = {
-        "name": "held by its collar",
-        "thread": {"lead": lead, "pitch_diameter": diameter},
-        "load": {"force": "1 kN"},
-        "operation": {"speed": "30 rpm", "direction": "both"},
-        "friction": {"coefficient": friction},
-    }
+        "name": "held by its collar", "thread": {"lead": lead, "pitch_diameter": diameter}, "load": {"force": "1 kN"},
+        "operation": {"speed": "30 rpm", "direction": "both"}, "friction": {"coefficient": friction},
+    }  # fmt: skip
     collar = {"bearing": {"collar": {"coefficient": friction, "mean_diameter": diameter}}}
     bare, held = (statics(Sheet.of({**sheet, **more})) for more in ({}, collar))
     assert (bare.back_drives, held.back_drives) == ("at the middle values", False)
@@ -252,13 +249,9 @@ pytest.importorskip("scipy")
 
 ANGLE = math.atan(2 / (math.pi * 11))
 SHEET = {
-    "name": "positioning axis",
-    "thread": {"lead": "2 mm", "pitch_diameter": "11 mm"},
-    "load": {"force": "2 N"},
-    "operation": {"speed": "10 rpm"},
-    "friction": {"coefficient": 0.1},
-    "nut": {"preload": "0.8 N"},
-}
+    "name": "positioning axis", "thread": {"lead": "2 mm", "pitch_diameter": "11 mm"}, "load": {"force": "2 N"},
+    "operation": {"speed": "10 rpm"}, "friction": {"coefficient": 0.1}, "nut": {"preload": "0.8 N"},
+}  # fmt: skip
 
 
 def flank(axial, mu, forward):

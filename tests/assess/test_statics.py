@@ -22,15 +22,11 @@ from lsvib.errors import InputError
 INCH, POUND = 0.0254, 4.4482216152605
 LOAD, WEIGHT = {"mass": "25 kg", "orientation": "vertical"}, 25 * 9.80665
 BASE = {
-    "name": "a lift",
-    "thread": {"size": "Tr 16x4"},
-    "screw": {"length": "500 mm", "ends": "fixed-supported"},
-    "nut": {"length": "30 mm", "material": "iglidur_b"},
-    "coupling": {"stiffness": "60 N*m/rad"},
-    "load": {"mass": "10 kg", "orientation": "vertical"},
-    "operation": {"speed": "10 mm/s"},
+    "name": "a lift", "thread": {"size": "Tr 16x4"}, "screw": {"length": "500 mm", "ends": "fixed-supported"},
+    "nut": {"length": "30 mm", "material": "iglidur_b"}, "coupling": {"stiffness": "60 N*m/rad"},
+    "load": {"mass": "10 kg", "orientation": "vertical"}, "operation": {"speed": "10 mm/s"},
     "friction": {"coefficient": 0.15},
-}
+}  # fmt: skip
 
 
 def sheet(**changes) -> Sheet:

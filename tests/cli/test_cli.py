@@ -28,21 +28,11 @@ from lsvib.models.scene import read_yaml
 
 CONFIG = Path(__file__).parents[2] / "config" / "config.yaml"
 UNITS = {
-    "time": "s",
-    "angle_deviation": "rad",
-    "velocity_deviation": "rad s-1",
-    "normal_force": "N",
-    "coupling_torque": "N m",
-    "mode": "1",
-    "event_time": "s",
-    "event_kind": "1",
-    "event_sign": "1",
-    "event_mode": "1",
-    "event_angle_deviation_before": "rad",
-    "event_angle_deviation_after": "rad",
-    "event_velocity_deviation_before": "rad s-1",
-    "event_velocity_deviation_after": "rad s-1",
-}
+    "time": "s", "angle_deviation": "rad", "velocity_deviation": "rad s-1", "normal_force": "N",
+    "coupling_torque": "N m", "mode": "1", "event_time": "s", "event_kind": "1", "event_sign": "1", "event_mode": "1",
+    "event_angle_deviation_before": "rad", "event_angle_deviation_after": "rad",
+    "event_velocity_deviation_before": "rad s-1", "event_velocity_deviation_after": "rad s-1",
+}  # fmt: skip
 
 
 def test_config_json(run):

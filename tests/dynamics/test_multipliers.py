@@ -44,12 +44,9 @@ from lsvib.models.rigid import rigid_automaton
 STEP = mpf(10) ** -10
 EVENTS = 7
 RIGID = {
-    "mass": uniform(2, 16),
-    "support_damping": power(-4, -2.5),
-    "translation_damping": one_of(0.0, 10.0, 1000.0),
-    "axial_force": uniform(-60, 60),
-    "input_speed": one_of(-40.0, 40.0),
-}
+    "mass": uniform(2, 16), "support_damping": power(-4, -2.5), "translation_damping": one_of(0.0, 10.0, 1000.0),
+    "axial_force": uniform(-60, 60), "input_speed": one_of(-40.0, 40.0),
+}  # fmt: skip
 
 
 def random_rigid(seed):

@@ -15,15 +15,11 @@ from lsvib.models.drive import Drive
 from lsvib.models.pairings import PAIRINGS
 
 CHAPTER = {
-    "name": "Table 8.1",
-    "thread": {"lead_angle": "5.57 deg", "pitch_diameter": "10.36 mm"},
-    "screw": {"inertia": "3.12e-6 kg*m^2"},
-    "coupling": {"stiffness": "1 N*m/rad"},
-    "load": {"mass": "1 kg", "force": "-50 N"},
-    "operation": {"speed": "40 rad/s", "direction": "out"},
-    "friction": {"coefficient": 0.218},
-    "damping": {"rotational": "2e-4 N*m*s/rad"},
-}
+    "name": "Table 8.1", "thread": {"lead_angle": "5.57 deg", "pitch_diameter": "10.36 mm"},
+    "screw": {"inertia": "3.12e-6 kg*m^2"}, "coupling": {"stiffness": "1 N*m/rad"},
+    "load": {"mass": "1 kg", "force": "-50 N"}, "operation": {"speed": "40 rad/s", "direction": "out"},
+    "friction": {"coefficient": 0.218}, "damping": {"rotational": "2e-4 N*m*s/rad"},
+}  # fmt: skip
 # Of friction, the law of the powered seat.
 LAW = {"coefficient": 0.218, "stribeck_rise": 0.0203, "stribeck_speed": "0.013704 m/s", "slope": "-0.0858859895667 s/m"}
 

@@ -153,12 +153,9 @@ def windows(first, end):
 FORWARD, BACKWARD = 1, -1  # signs of theta_dot
 REST = (0, 0)  # a mode is (direction of theta_dot, sign of Q); rest is (0, 0)
 NAMES = {
-    REST: "rest",
-    (1, 1): "slip_forward_positive",
-    (1, -1): "slip_forward_negative",
-    (-1, 1): "slip_backward_positive",
-    (-1, -1): "slip_backward_negative",
-}
+    REST: "rest", (1, 1): "slip_forward_positive", (1, -1): "slip_forward_negative",
+    (-1, 1): "slip_backward_positive", (-1, -1): "slip_backward_negative",
+}  # fmt: skip
 GUARD_DIGITS = 15  # extra working digits beyond the dps asked for
 
 # Two sizes of "zero".  A value is rounding below 10^-dps of its terms.  At theta_dot = 0 a torque or Q that is off by

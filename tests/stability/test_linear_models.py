@@ -284,13 +284,9 @@ def random_supports(count: int) -> dict[str, np.ndarray]:
     """Parameters of the support model, spread over many decades, and friction over its whole valid range."""
     random = np.random.default_rng(8)
     ranges = {
-        "screw_inertia": (-8, 0),
-        "mass": (-2, 4),
-        "screw_mass": (-2, 4),
-        "coupling_stiffness": (-3, 5),
-        "support_stiffness": (2, 12),
-        "pitch_radius": (-4, 0),
-    }
+        "screw_inertia": (-8, 0), "mass": (-2, 4), "screw_mass": (-2, 4), "coupling_stiffness": (-3, 5),
+        "support_stiffness": (2, 12), "pitch_radius": (-4, 0),
+    }  # fmt: skip
     values = {key: 10 ** random.uniform(low, high, count) for key, (low, high) in ranges.items()}
     lead = random.uniform(0.005, 1.5, count)
     friction = random.uniform(0, 1, count) ** 2 / np.tan(lead)

@@ -17,17 +17,10 @@ from lsvib.stability.starting import runs_evenly
 
 # Drive 1 of T-RO 2021 with static friction half as large again as kinetic, which jerks at 2 rpm and not at 10 rpm.
 JERKING = Drive(
-    pitch_radius=5.5e-3,
-    lead_angle=math.atan(2e-3 / (2 * math.pi * 5.5e-3)),
-    screw_inertia=2.186e-6,
-    mass=0.276,
-    axial_force=0.943,
-    coupling_stiffness=0.0224,
-    support_damping=2e-4,
-    friction_coefficient=0.6,
-    static_friction_coefficient=0.916,
-    input_speed=2 * math.pi / 30,
-)
+    pitch_radius=5.5e-3, lead_angle=math.atan(2e-3 / (2 * math.pi * 5.5e-3)), screw_inertia=2.186e-6, mass=0.276,
+    axial_force=0.943, coupling_stiffness=0.0224, support_damping=2e-4, friction_coefficient=0.6,
+    static_friction_coefficient=0.916, input_speed=2 * math.pi / 30,
+)  # fmt: skip
 RIGID = {
     "measured": JERKING,
     "against the force": JERKING.replace(axial_force=-2.0, mass=0.1),
