@@ -88,7 +88,6 @@ CASES = [
 
 
 def changed(place: str, value: object) -> dict:
-    """The data sheet with one entry replaced."""
     sheet = copy.deepcopy(BASE)
     *parts, last = place.split(".")
     at = sheet

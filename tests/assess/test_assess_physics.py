@@ -76,7 +76,6 @@ def unstable(drive) -> bool:
 
 
 def random_sheet(seed: int, support: bool = False, contact: bool = False) -> Sheet:
-    """A drive drawn from wide ranges."""
     rng = np.random.default_rng(seed)
 
     def log(low: float, high: float) -> float:

@@ -29,7 +29,6 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 
 @pytest.fixture(scope="module")
 def seat(tmp_path_factory):
-    """The report on the powered seat."""
     out = tmp_path_factory.mktemp("seat")
     return out, assess_file(EXAMPLES / "powered_seat.yaml", out, samples=1024)
 
@@ -64,7 +63,6 @@ def test_the_page_needs_no_other_file(seat):
 
 
 def test_every_cause_has_its_plain_meaning_beside_it(seat):
-    """No term of the theory without words."""
     page = re.sub(r"base64,[^\"]*", "", (seat[0] / "index.html").read_text(encoding="utf-8"))
     for term, meaning in (("Kinematic constraint", "Wedging"), ("Negative damping", "amplified instead of damped")):
         assert page.index(meaning) - page.index(f">{term}") < 400
@@ -73,7 +71,6 @@ def test_every_cause_has_its_plain_meaning_beside_it(seat):
 
 
 def test_the_dataset_holds_chart_reserves_and_motions(seat):
-    """Read by xarray, with units."""
     with xr.open_dataset(seat[0] / "assessment.nc") as data:
         assert data.attrs["verdict"].startswith("vibrates")
         assert set(data["chart"].dims) == {"direction", "force", "speed"}
@@ -82,7 +79,6 @@ def test_the_dataset_holds_chart_reserves_and_motions(seat):
 
 
 def test_the_worst_case_is_a_motion_that_can_be_run(seat):
-    """The scene of the worst case, run as such, is the motion of the dataset and does not settle."""
     out, result = seat
     worst = result["worst_case"]
     motion = lsvib.simulate(worst["scene"])
@@ -124,7 +120,6 @@ def test_only_a_drive_that_settles_is_said_not_to_vibrate(seat, tmp_path):
 
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.yaml")), ids=lambda path: path.stem)
 def test_every_entry_of_an_example_has_its_source_or_is_an_assumption(path):
-    """Nothing in the examples comes from nowhere."""
     sheet = Sheet.read(path)
     known = {*sheet.sources, *sheet.assumptions}
     for entry in yaml.safe_load(path.read_text(encoding="utf-8")):
@@ -157,7 +152,6 @@ def test_every_entry_of_an_example_has_its_source_or_is_an_assumption(path):
     ],
 )
 def test_numbers_read_well(text, expected):
-    """Prefixes, signs and powers as people write them."""
     assert text == expected
 
 
@@ -175,7 +169,6 @@ damping: {rotational: 1e-3 N*m*s/rad, translational: 5 N*s/m}
 
 @pytest.fixture(scope="module")
 def spiky():
-    """Its assessment."""
     return assess(Sheet.model_validate(yaml.safe_load(SPIKY)), samples=64)
 
 

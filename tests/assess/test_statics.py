@@ -30,7 +30,6 @@ BASE = {
 
 
 def sheet(**changes) -> Sheet:
-    """The lift with parts replaced."""
     return Sheet.of({**BASE, **changes})
 
 
@@ -180,7 +179,6 @@ def test_an_end_at_which_the_threads_jam_is_the_worst_one():
 
 
 def out(given: Sheet):
-    """Its operation, outward alone."""
     return given.operation.model_copy(update={"direction": "out"})
 
 

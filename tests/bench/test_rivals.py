@@ -32,7 +32,6 @@ TRUTH = Record(
 
 
 def entry(name, shorten, method, setting):
-    """The one run of a method on a scene."""
     package = method_list.METHODS[method].needs
     if package:
         pytest.importorskip(package, reason=f"{package} is not installed; the extra accuracy has it")

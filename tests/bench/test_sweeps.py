@@ -143,7 +143,6 @@ def case_of(model: str, index: int) -> Case | None:
 
 @pytest.mark.parametrize("model", MODELS)
 def test_motions_of_random_drives(model):
-    """Over many decades of their parameters."""
     outcomes = {}
     for index in range(DRIVES[model]):
         motion = case_of(model, index)

@@ -193,7 +193,6 @@ ELASTIC = {
 
 
 def build(model: str, parameters: dict, u: float, w: float):
-    """Automaton and start of a scene."""
     drive = DRIVES[model](parameters)
     return automaton_of(drive), model_of(drive).initial_state(drive, {"u": u, "w": w})
 
@@ -347,7 +346,6 @@ def cycle(drive):
 
 
 def drives():
-    """Random drives, turning and loaded either way."""
     rng = np.random.default_rng(20261126)
     while True:
         friction = rng.uniform(0.1, 0.25) if rng.random() < 0.7 else 0.218

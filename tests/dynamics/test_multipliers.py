@@ -163,7 +163,6 @@ NUT = {"nut_inertia": power(-3, -1), "nut_stiffness": power(2, 5), "nut_damping"
 
 
 def second_body(model, rng):
-    """Contact, support or nut, from soft to stiff."""
     if model == "threads":
         stiffness = power(6, 9)(rng)
         return {"contact_stiffness": stiffness, "contact_damping": stiffness * power(-4, -1)(rng)}
@@ -251,7 +250,6 @@ def of_a_period(drive, cycle):
 
 
 def jams(drive, orbit):
-    """Whether a cycle seizes where Γ₊ comes to zero."""
     edges = [float(edge) for edge in LawDrive(drive.model_dump()).jams]
     speeds = np.abs(orbit.before[orbit.kind == Event.SEIZURE, 1] + drive.input_speed)
     return any(abs(speed - edge) <= 1e-7 * edge for speed in speeds for edge in edges)

@@ -21,7 +21,6 @@ ANGLES = [1e-6, 1e-3, 0.1, 1.0, 3.0, 10.0, 40.0]  # rate · t
 
 
 def growth(row, t) -> float:
-    """How much the mode grows in a time."""
     return math.exp(max(0.0, -row[layout.ALPHA] if row[layout.BETA] > 0 else row[layout.R1]) * t)
 
 
@@ -129,7 +128,6 @@ def search(row, state, guard, on_surface=False, limit=INF):
 
 
 def value(coefficients, state, guard, t):
-    """The guard at time t, in mpmath."""
     u, w = flow(*coefficients, *state, t)
     return guard[0] * u + guard[1] * w + mpf(guard[2])
 

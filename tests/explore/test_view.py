@@ -121,7 +121,6 @@ def test_without_bokeh_the_command_says_what_to_install():
 
 
 def refusal(*arguments: str, before: str = "") -> str:
-    """What a command says that ends with exit code 2."""
     program = f"{before}from lsvib.cli.app import main; main()"
     done = subprocess.run([sys.executable, "-c", program, *arguments], capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (2, "")
@@ -130,7 +129,6 @@ def refusal(*arguments: str, before: str = "") -> str:
 
 @pytest.fixture(scope="module")
 def port():
-    """Port of a running explorer."""
     pytest.importorskip("bokeh")
     command = [sys.executable, "-m", "lsvib", "explore", "--no-show", "--port", "0"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as process:
@@ -139,7 +137,6 @@ def port():
 
 
 def answered(port: int, path: str, host: str = "localhost:{}", **headers: str) -> tuple[int, str]:
-    """Status and text of an answer of the server."""
     connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
     connection.request("GET", path, headers={"Host": host.format(port), **headers})
     answer = connection.getresponse()
@@ -231,7 +228,6 @@ def test_every_parameter_of_a_law_can_be_moved_and_varied():
 
 
 def page_of(view: View):
-    """A page that shows a view, without a browser."""
     pytest.importorskip("bokeh")
     from bokeh.document import Document
 

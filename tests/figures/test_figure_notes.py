@@ -26,7 +26,6 @@ from lsvib.models.names import Event
 
 
 def parameters() -> xr.Dataset:
-    """Parameters of some drives, of each origin."""
     names = {
         "mass": ([10.0, 11.0], "m", "kg", "assumed: not stated in the text, except 10 (printed: Fig. 8.14)"),
         "axial_force": ([-50.0, -50.0], "R", "N", "printed: Fig. 8.14"),

@@ -77,7 +77,6 @@ def build(model, parameters):
 
 
 def size_of(model, motion):
-    """Largest coordinates at events and ends."""
     states = np.vstack([motion.before, motion.after, motion.start_state, motion.end_state])
     return np.maximum(np.abs(states).max(axis=0), LEAST[model])
 

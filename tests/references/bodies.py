@@ -55,7 +55,6 @@ class Bodies:
         return max(self.law(slip), 0.0)
 
     def static(self) -> float:
-        """Coefficient of static friction."""
         p = self.p
         return p["static_friction_coefficient"] or p["friction_coefficient"] + p["stribeck_rise"]
 

@@ -41,12 +41,10 @@ CASES |= {f"roots 1e-{n} apart, side {side}": split(f"1e-{n}", side) for n in ra
 
 
 def rate_of(row) -> float:
-    """The fastest rate of a mode, or 1."""
     return float(abs(row[layout.ALPHA]) + row[layout.BETA] + row[layout.DELTA]) or 1.0
 
 
 def advanced(row, state, t) -> np.ndarray:
-    """State after a time t, by the engine."""
     out = np.empty(2)
     flow_planar.advance(np.array([row]), 0, np.array(state, dtype=float), t, out)
     return out

@@ -45,7 +45,6 @@ class CycleDigits:
             self.size = [mpf(float(x)) for x in cycle.section.size]
 
     def _nearest(self, mode, x):
-        """The guard that an event is on."""
         x = [float(value) for value in x]
         away = []
         for row in mode.rows:

@@ -10,7 +10,6 @@ Draw = Callable[[np.random.Generator], float]
 
 
 def uniform(low: float, high: float) -> Draw:
-    """A number between two ends."""
     return lambda rng: float(rng.uniform(low, high))
 
 
@@ -25,17 +24,14 @@ def about(value: float, factor: float = 2.0) -> Draw:
 
 
 def one_of(*values: float) -> Draw:
-    """One of some numbers."""
     return lambda rng: float(rng.choice(values))
 
 
 def times(*draws: Draw) -> Draw:
-    """The product of what is drawn, in this order."""
     return lambda rng: math.prod(draw(rng) for draw in draws)
 
 
 def signed(draw: Draw) -> Draw:
-    """A number of either sign."""
     return times(one_of(-1, 1), draw)
 
 

@@ -112,7 +112,6 @@ class FourStatesLaws:
         return self.solve(rows, sides)
 
     def field(self, mode, x):
-        """The rate of the state in a mode."""
         first, second, *_ = self.forces(mode, x)
         return [x[1], first, x[3], second]
 
@@ -141,7 +140,6 @@ class FourStatesLaws:
         return 1 if self.p["axial_force"] - self.along * way > 0 else -1
 
     def axial(self, forces):
-        """The force of the thread along the screw."""
         return forces[2] * self.cos + forces[3] * self.sin
 
     def room(self, mode, x, way, side):
@@ -229,7 +227,6 @@ class FourStatesTruth:
     drive: object
 
     def sampled(self, parts):
-        """States at these parts of every arc."""
         found = []
         for mode, state, stay in self.arcs:
             arc = self.drive.mode(mode).arc(state)
@@ -238,7 +235,6 @@ class FourStatesTruth:
 
 
 def mode_name(mode, model):
-    """The library's name of a mode (d, q, a)."""
     slip, contact, second = mode
     ways = {1: "forward", -1: "backward", 0: "held"}
     words = ["slip", ways[slip]] if slip else ["rest"]
@@ -281,7 +277,6 @@ class FourStatesMode:
         return alive, rates, vectors, _inverse(vectors), constant
 
     def arc(self, x):
-        """Closed form of the motion from the state x on."""
         alive, rates, vectors, inverse, constant = self.spectrum
         c0, c1 = [[] for _ in range(4)], [[] for _ in range(4)]  # the terms that they are summed from
         kept, columns = [], []
@@ -356,8 +351,6 @@ def _size(row, x):
 
 
 class FourStatesDrive(FourStatesLaws):
-    """The drive, its modes made once."""
-
     def __init__(self, model, parameters, frictions=()):
         super().__init__(model, parameters, frictions)
         self.known, self.solved, self.inverses = {}, {}, {}
@@ -378,21 +371,17 @@ class FourStatesDrive(FourStatesLaws):
         return [_at(row, x) for row in self.solved[key]]
 
     def row(self, function):
-        """An affine function of the state as a row."""
         return np.array(affine(lambda x: [function(x)])[0])
 
     def row_of_field(self, mode):
-        """Rows of the field."""
         return affine(lambda x: self.field(mode, x))
 
     def mode(self, mode):
-        """Field and conditions of a mode."""
         if mode not in self.known:
             self.known[mode] = FourStatesMode(self, mode)
         return self.known[mode]
 
     def lasts(self, mode, x, zero):
-        """See :meth:`FourStatesMode.lasts`."""
         d, _, a = mode
         slip, second = self.speeds(x)[:2]
         if d and 0 not in zero and d * slip < 0:  # the usual reason, seen without making the mode

@@ -43,7 +43,6 @@ PLACES = np.linspace(0.0, 1.0, 41)[:, None] ** np.arange(TERMS + 1)
 
 
 def near(x):
-    """The middle of a ball."""
     return arb(x).mid()
 
 
@@ -52,12 +51,10 @@ def sgn(x):
 
 
 def dot(a, b, first, k):
-    """Sum of a_i b_{k-i} from i = first on."""
     return sum(map(mul, a[first : k + 1], b[k - first :: -1]), ZERO) if k >= first else ZERO
 
 
 def series_of(drive, direction, s, z0, V0):
-    """Power series of z and V in a mode with law s."""
     d, zero_mu = drive, drive.raw_mu(V0) <= 0
     z, V, mu, decay, power, steep = [z0], [V0], [], [], [], []
     T, P, upper, lower, rate = [], [], [], [], []

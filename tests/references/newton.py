@@ -88,7 +88,6 @@ class SlidingDrive:
         return matrix.solve(sides).entries()
 
     def rates(self, state):
-        """The rates of a state."""
         first, second, _ = self.solved(state)
         return [state[1] - self.p["input_speed"], first, *state[3:], second][: len(state)]
 

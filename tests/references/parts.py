@@ -15,14 +15,12 @@ class Kind:
     part: str
 
     def __call__(self, values: Drive | Mapping[str, Any] | None = None, /, **more: Any) -> Drive:
-        """Return the drive with some values changed."""
         return Drive.of({**chapter.PARTS.get(self.part, {}), **dict(values or {}), **more})
 
     of = __call__
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """Names of the parameters that the drives have."""
         return tuple(name for name in Drive.model_fields if PART_OF.get(name, self.part) == self.part)
 
     @property

@@ -25,12 +25,10 @@ LAW = {"coefficient": 0.218, "stribeck_rise": 0.0203, "stribeck_speed": "0.01370
 
 
 def sheet(**changes) -> Sheet:
-    """The chapter's drive with parts replaced."""
     return Sheet.of({**CHAPTER, **changes})
 
 
 def values_of(given: Sheet) -> dict:
-    """Its quantities at the middle values."""
     return {key: float(value) for key, value in sheets.quantities(given, sheets.nominal_draw(given)).items()}
 
 
@@ -82,11 +80,9 @@ class _Draw:
         return float(f"{math.exp(self.rng.uniform(math.log(low), math.log(high))):.4g}")
 
     def chance(self, share: float) -> bool:
-        """Draw true so often."""
         return bool(self.rng.random() < share)
 
     def one(self, options: Any) -> Any:
-        """Draw one of some."""
         options = list(options)
         return options[int(self.rng.integers(len(options)))]
 
@@ -120,7 +116,6 @@ class _Draw:
 
 
 def _thread(draw: _Draw) -> tuple[dict[str, Any], float]:
-    """A thread, and about its diameter [m]."""
     kind = draw.rng.random()
     if kind < 0.3:
         diameter = draw.one(_TRAPEZOIDAL)

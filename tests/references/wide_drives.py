@@ -40,12 +40,10 @@ def wide_drive(model: str, seed: int, index: int, starts: int) -> WideDrive:
 
 
 def sign(rng) -> int:
-    """Draw −1 or +1."""
     return int(rng.choice((-1, 1)))
 
 
 def power(rng, low: float, high: float) -> float:
-    """Draw a number whose decimal logarithm is uniform between two bounds."""
     return 10.0 ** rng.uniform(low, high)
 
 
@@ -112,7 +110,6 @@ def _nut(rng, values: dict[str, float]) -> tuple[Drive, tuple[str, ...]]:
 
 
 def _frictions(rng, values: dict[str, float]) -> tuple[str, ...]:
-    """Choose the frictions of the second body; one that is not there is zero."""
     size = abs(values["axial_force"]) or 1.0
     physics = []
     for name, unit in (("slide_friction", size), ("bearing_friction", size * values["pitch_radius"])):
@@ -180,7 +177,6 @@ def catalogue_drive(model: str, seed: int, index: int, starts: int = 4) -> tuple
     rng = np.random.default_rng([seed, OFFERED.index(model), index])
 
     def power(low: float, high: float) -> float:
-        """Draw a number between two ends, its logarithm uniform."""
         return float(math.exp(rng.uniform(math.log(low), math.log(high))))
 
     diameter, length = power(6e-3, 60e-3), power(0.1, 1.5)
