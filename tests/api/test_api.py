@@ -19,8 +19,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from references.command_line import DRIVE, GRID
-from references.parts import DRIVES, nut_drive, support_drive, threads_drive
-from references.wide_drives import MODELS, wide_drive
+from references.drives import DRIVES, MODELS, NEAR_FOLD, PARADOX, nut_drive, support_drive, threads_drive, wide_drive
 
 import lsvib
 from lsvib import api
@@ -31,7 +30,6 @@ from lsvib.models.drive import Drive
 from lsvib.models.rigid import rigid_automaton
 
 ROOT = Path(__file__).parents[2]
-PARADOX = {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0}
 START = {"u": 0.1, "w": 0.0}
 WINDOW = {"u": (-0.1, 0.1, 40), "w": (-80.0, 80.0, 30)}
 
@@ -142,7 +140,7 @@ def test_simulate_is_that_of_the_function(kind):
 
 def test_attraction_is_that_of_the_command(run, tmp_path):
     summary = json.loads(run("attraction", *DRIVE, *GRID, "--quantities", "time", "--out", "a.nc", "--json")[1])
-    drive, rows = lsvib.Drive(**PARADOX), []
+    drive, rows = PARADOX, []
     found = drive.attraction(WINDOW, quantities=["time"], progress=lambda done, total: rows.append((done, total)))
     with xr.open_dataset(tmp_path / "a.nc") as written:
         assert set(found.data_vars) == set(written.data_vars)
@@ -156,7 +154,7 @@ def test_attraction_is_that_of_the_command(run, tmp_path):
 
 
 def test_basin_is_handed_the_drive_itself():
-    drive = lsvib.Drive(**PARADOX)
+    drive = PARADOX
     basin = drive.basin()
     assert basin.drive is drive
     assert basin.area() == pytest.approx(basin.area(lsvib.Window(-1.0, 1.0, -300.0, 300.0)), rel=1e-12)
@@ -209,7 +207,7 @@ def test_a_type_checker_sees_the_types(tmp_path):
     assert set(re.findall(r"wrong\.py:(\d+): error", done.stdout)) == {"2", "3", "4"}
 
 
-KNOWN = lsvib.Drive(**PARADOX)
+KNOWN = PARADOX
 FAR = [0.5, -40.0]
 ANSWERS = {
     "Automaton": lambda: rigid_automaton(KNOWN),
@@ -228,7 +226,6 @@ def test_an_answer_is_printed_in_a_few_lines(name):
     assert len(repr(answer)) < 400, repr(answer)
 
 
-NEAR_FOLD = lsvib.Drive(mass=11, support_damping=2e-3, axial_force=-18.37)
 CONTACT = {"contact_stiffness": (1e4, 1e9, 3), "contact_damping": (1.0, 1e9, 3)}
 
 

@@ -7,17 +7,14 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from references.parts import DRIVES
+from references.drives import DRIVES, PARADOX
 
 import lsvib
 from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapping import mapper
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.engine.motion import follow
-from lsvib.models.drive import Drive
 from lsvib.models.names import Event
-
-PARADOX = Drive.of(mass=11.0, support_damping=1e-3, axial_force=-10.0)
 
 
 @pytest.fixture(scope="module")
@@ -109,7 +106,7 @@ def test_labels_of_planar_slices_against_the_return_map(model):
 
 
 BOUNDED = {
-    "touching_motion": lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10),
+    "touching_motion": PARADOX,
     "touching_slip": lsvib.Drive(mass=11, support_damping=2e-3, axial_force=-18.3),
     "cycle": lsvib.Drive(mass=11, support_damping=2e-3, axial_force=-18.35),
     "mirrored": lsvib.Drive(mass=11, support_damping=1e-3, axial_force=10, input_speed=-40),

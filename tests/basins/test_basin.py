@@ -12,8 +12,8 @@ from itertools import count
 import numpy as np
 import pytest
 from mpmath import findroot, mp, mpf, quad
+from references.drives import wide_drive
 from references.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
-from references.wide_drives import wide_drive
 
 from lsvib.basins.boundary import Boundary, basin
 from lsvib.basins.curves import Arc, Window, state_on

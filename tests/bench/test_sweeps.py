@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from references.parts import nut_drive, support_drive, threads_drive
-from references.wide_drives import MODELS, wide_drive
+from references.drives import MODELS, nut_drive, support_drive, threads_drive, wide_drive
 
 from benchmarks.record import Record, Verdict
 from benchmarks.sweeps import case_judge

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from references.command_line import DRIVE, GRID, refused
-from references.parts import DRIVES, GIVEN, threads_drive
+from references.drives import DRIVES, GIVEN, threads_drive
 
 import lsvib
 from lsvib.models.drive import PARTS, Drive

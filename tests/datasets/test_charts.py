@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import xarray as xr
-from references.parts import nut_drive, support_drive, threads_drive
+from references.drives import nut_drive, support_drive, threads_drive
 
 import lsvib
 from lsvib.datasets.chart import Plane, write_chart

@@ -22,10 +22,19 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from mpmath import mp, mpf
-from references.draws import drawn, one_of, power, signed, uniform
-from references.parts import DRIVES
+from references.drives import (
+    DRIVES,
+    NEGATIVE_DAMPING,
+    OFFERED,
+    PARADOX,
+    catalogue_drive,
+    drawn,
+    one_of,
+    power,
+    signed,
+    uniform,
+)
 from references.rigid_digits import REST, RigidTrueFlow, simulate
-from references.wide_drives import OFFERED, catalogue_drive
 
 import lsvib
 from lsvib.dynamics.attractor import Attractor, Doubt, SteadyState, orbit_extremes, steady_state
@@ -39,9 +48,6 @@ from lsvib.models.model import automaton_of, model_of
 from lsvib.models.names import Event
 from lsvib.models.rigid import rigid_automaton
 from lsvib.stability.force_thresholds import threshold_force
-
-NEGATIVE_DAMPING = Drive.of(mass=1.0, translation_damping=1e3)
-PARADOX = Drive.of(mass=11.0, support_damping=1e-3, axial_force=-10.0)
 
 
 def attractor(drive, start=(0.05, 5.0), **options):

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from references.parts import DRIVES
+from references.drives import DRIVES
 
 import lsvib
 from lsvib.datasets.motion import as_scene, run, summary

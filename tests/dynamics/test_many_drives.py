@@ -6,8 +6,7 @@ its cycle, a few hundred. Labels agree but for starts on a boundary to that: non
 
 import numpy as np
 import pytest
-from references.draws import drawn, one_of, uniform
-from references.wide_drives import wide_drive
+from references.drives import drawn, one_of, uniform, wide_drive
 
 from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapping import mapper

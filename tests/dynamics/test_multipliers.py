@@ -25,9 +25,8 @@ from flint import arb, ctx
 from mpmath import mp, mpf
 from references import four_states_digits, rigid_digits
 from references.cycle_digits import CycleDigits
-from references.draws import drawn, one_of, power, uniform
+from references.drives import DRIVES, drawn, one_of, power, threads_drive, uniform
 from references.friction_law_digits import PRECISION, LawDrive, simulate
-from references.parts import DRIVES, threads_drive
 
 import lsvib
 import lsvib.api

@@ -10,8 +10,19 @@ from dynamics.test_attractors import liouville
 from mpmath import mp, mpf
 from references import rigid_digits
 from references.command_line import complaint
-from references.draws import drawn, one_of, power, times, uniform
-from references.parts import nut_drive, support_drive, threads_drive
+from references.drives import (
+    NEAR_FOLD,
+    NEGATIVE_DAMPING,
+    PARADOX,
+    drawn,
+    nut_drive,
+    one_of,
+    power,
+    support_drive,
+    threads_drive,
+    times,
+    uniform,
+)
 
 import lsvib
 from lsvib.datasets.cycles import branch_dataset, branch_json
@@ -22,8 +33,7 @@ from lsvib.errors import EngineError
 from lsvib.models.mechanism import seated_state
 from lsvib.stability.force_thresholds import threshold_force
 
-NEAR_FOLD = lsvib.Drive(mass=11, support_damping=2e-3, axial_force=-18.37)
-SLIP = lsvib.Drive(mass=1, translation_damping=1e3, axial_force=25)
+SLIP = NEGATIVE_DAMPING.replace(axial_force=25)
 SUPPORTED = support_drive(mass=15, support_damping=5e-4, support_stiffness=1e5, axial_support_damping=1e4)
 REPELLING_SLIP = lsvib.Drive(mass=9.9, translation_damping=1e3, axial_force=10)
 
@@ -349,10 +359,6 @@ def test_a_branch_of_four_states_turns_at_a_fold():
     assert all(point.value > fold for point in points)
 
 
-NEAR_FOLD = lsvib.Drive(mass=11, support_damping=2e-3, axial_force=-18.37)
-SLIP = lsvib.Drive(mass=1, translation_damping=1e3, axial_force=25)
-
-
 @pytest.mark.parametrize("damping", [2e-3, 5e-3])
 def test_fold_is_the_threshold_of_global_stability(damping):
     """The attracting branch turns into the repelling one at the force that the closed form gives, to rounding."""
@@ -425,7 +431,7 @@ def test_stick_slip_ends_where_its_slip_just_comes_to_rest(values, parameter, sp
 
 @pytest.mark.slow
 def test_a_branch_does_not_depend_on_the_range():
-    drive = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10)
+    drive = PARADOX
     cycle = drive.cycles().cycles[0]
     for parameter, spans in (("mass", [(10, 12), (10, 1e5), (10, 1e9)]), ("axial_force", [(-1e5, -1), (-1e3, -1)])):
         branches = [drive.follow(cycle, parameter, span) for span in spans]

@@ -14,7 +14,8 @@ from itertools import groupby
 import numpy as np
 import pytest
 from mpmath import mp, mpf
-from references.drives import RULES, compare, random_drive, random_start
+from references.comparisons import RULES, compare
+from references.drives import NEGATIVE_DAMPING, random_drive, random_start
 from references.rigid_digits import GUARD_DIGITS, NAMES, REST, RigidTrueFlow, simulate
 
 from lsvib.engine.motion import follow
@@ -23,7 +24,7 @@ from lsvib.models.names import Event
 from lsvib.models.rigid import MotionMode, rigid_automaton
 
 TOLERANCE = 1e-12
-LONG = Drive.of(mass=1.0, translation_damping=1e3, axial_force=40.0)
+LONG = NEGATIVE_DAMPING.replace(axial_force=40.0)
 
 
 def state_at(result, t):

@@ -17,7 +17,8 @@ import math
 
 import numba
 import numpy as np
-from references.drives import RULES, random_drive, random_start
+from references.comparisons import RULES
+from references.drives import random_drive, random_start
 
 from lsvib.engine.automaton import oscillator
 from lsvib.engine.kernels import flow_planar, layout

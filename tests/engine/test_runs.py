@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from references.parts import threads_drive
+from references.drives import NEGATIVE_DAMPING, PARADOX, threads_drive
 
 from lsvib.engine import motion as runs
 from lsvib.engine.exact.modal_form import linear_mode, modal_flow
@@ -86,8 +86,8 @@ def test_samples_of_a_friction_law_do_not_depend_on_those_before():
         assert (np.abs(alone[0] - state) <= 1e-13 * np.abs(states).max(axis=0)).all()
 
 
-SPRAG_SLIP = rigid_automaton(Drive.of(mass=11.0, support_damping=1e-3, axial_force=-10.0))
-STICK_SLIP = rigid_automaton(Drive.of(mass=1.0, translation_damping=1000.0, axial_force=40.0))
+SPRAG_SLIP = rigid_automaton(PARADOX)
+STICK_SLIP = rigid_automaton(NEGATIVE_DAMPING.replace(axial_force=40.0))
 NO_DAMPING = rigid_automaton(Drive.of(mass=11.0, axial_force=-10.0), resume="at_once")  # seizures accumulate
 THREADS = automaton_of(threads_drive(mass=11.0, axial_force=50.0, contact_stiffness=1e8, contact_damping=1e8))
 

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import yaml
 from references.command_line import complaint
-from references.parts import DRIVES
+from references.drives import DRIVES, PARADOX
 
 import lsvib
 from lsvib.basins.curves import Window
@@ -26,7 +26,6 @@ from lsvib.models import chapter
 from lsvib.models.scene import Scene
 
 PRESETS = presets()
-DRIVE = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10)
 WINDOW = Window(-0.15, 0.13, -50.0, 35.0)
 
 
@@ -64,15 +63,15 @@ def test_a_bad_link_is_refused_in_one_sentence(query, said):
 
 def test_every_figure_of_the_chapter_has_a_preset():
     assert PRESETS.keys() == {f"Figure 8.{number}" for number in range(1, 16)}
-    assert PRESETS["Figure 8.14"].drive == DRIVE
+    assert PRESETS["Figure 8.14"].drive == PARADOX
     assert {view.drive.parts for view in PRESETS.values()} == {(), ("threads",), ("support",)}
 
 
 def test_the_map_is_that_of_the_drive():
     cells = (40, 30)
-    found = answers.labels(DRIVE, WINDOW, cells)
+    found = answers.labels(PARADOX, WINDOW, cells)
     grid = {"u": (*WINDOW[:2], cells[0]), "w": (*WINDOW[2:], cells[1])}
-    assert (found == DRIVE.attraction(grid).label.values).all()
+    assert (found == PARADOX.attraction(grid).label.values).all()
     assert set(answers.shares(found)) == {Attractor.STEADY_SLIDING, Attractor.SPRAG_SLIP_CYCLE}
     assert math.isclose(sum(answers.shares(found).values()), 1)
 
@@ -98,14 +97,14 @@ def test_the_critical_friction_on_the_page_is_that_of_its_drive():
 
 
 def test_exports_are_the_view(tmp_path):
-    view = View(DRIVE, u=0.1, duration=0.05, window=WINDOW)
+    view = View(PARADOX, u=0.1, duration=0.05, window=WINDOW)
     (tmp_path / "scene.yaml").write_bytes(answers.export("scene.yaml", view))
     assert Scene.of(yaml.safe_load((tmp_path / "scene.yaml").read_text(encoding="utf-8"))) == view.scene()
     (tmp_path / "motion.nc").write_bytes(answers.export("motion.nc", view))
     motion = read_dataset(tmp_path / "motion.nc")
     assert motion.sizes["time"] == view.scene().samples
     assert (
-        motion.angle_deviation.values == DRIVE.simulate({"u": 0.1, "w": 0.0}, 0.05, samples=2001).angle_deviation
+        motion.angle_deviation.values == PARADOX.simulate({"u": 0.1, "w": 0.0}, 0.05, samples=2001).angle_deviation
     ).all()
     assert motion.mass == 11
 
@@ -263,7 +262,7 @@ def test_a_drive_with_compliant_parts_and_a_law_is_followed_without_its_map(part
 
 def test_parts_are_put_in_and_taken_out():
     """Those that are new have the values of the chapter; the parameter of the curve goes with its part."""
-    page = page_of(View(drive=DRIVE, u=0.02))
+    page = page_of(View(drive=PARADOX, u=0.02))
     page.ask("parts", "support threads")
     page._answer()
     assert page.view.drive.parts == ("support", "threads")

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 import xarray as xr
+from references.drives import threads_drive
 from references.figure_checks import assert_drawn_from_file, dataset_of, draft
-from references.parts import threads_drive
 
 import lsvib
 from lsvib.contact import contact_force, stiff_limit

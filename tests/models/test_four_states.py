@@ -12,10 +12,10 @@ computes again. What follows a reverse slip that ends in a seizure, R < 0, is de
 import numpy as np
 import pytest
 from mpmath import mp
+from references.drives import DRIVES as KINDS
+from references.drives import threads_drive
 from references.four_states_digits import mode_name, simulate
 from references.motor_digits import MotorCycle
-from references.parts import DRIVES as KINDS
-from references.parts import threads_drive
 
 import lsvib.api  # noqa: F401  (the methods of drives)
 from lsvib.engine.kernels.layout import FIRST_MODEL_KIND

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from flint import arb, arb_series
 from references.command_line import complaint
-from references.parts import nut_drive, support_drive, threads_drive
+from references.drives import nut_drive, support_drive, threads_drive
 
 from lsvib.engine.exact.arithmetic import Divided, many_digits, sign
 from lsvib.errors import EngineError, InputError

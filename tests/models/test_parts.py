@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 from references.bodies import Bodies
-from references.draws import drawn, one_of, power, signed, times, uniform
-from references.drives import held_against_newton
-from references.parts import nut_drive, support_drive, threads_drive
+from references.comparisons import held_against_newton
+from references.drives import drawn, nut_drive, one_of, power, signed, support_drive, threads_drive, times, uniform
 
 from lsvib.datasets.sweep import sweep
 from lsvib.dynamics.attractor import Attractor, steady_state

@@ -20,8 +20,8 @@ from pathlib import Path
 import grimp
 import pytest
 import yaml
+from references.drives import GIVEN
 from references.figure_checks import dataset_of, draft
-from references.parts import GIVEN
 
 import lsvib
 from lsvib.datasets.io import write_dataset

@@ -7,7 +7,7 @@ from lsvib.basins.grid import Grid
 from lsvib.datasets.io import read_dataset
 from lsvib.figures.configuration import DEFAULT, check
 from lsvib.models.scene import read_yaml
-from references.parts import threads_drive
+from references.drives import NEAR_FOLD, threads_drive
 
 SETTINGS = read_yaml(DEFAULT)
 RANGE = "is outside the allowed range"
@@ -120,7 +120,6 @@ SECTIONS = [
     (("drive",), {"mass": -1}, RANGE),
 ]
 GRID = {"u": (0, 1, 4), "w": (0, 1, 4)}
-DRIVE = lsvib.Drive(mass=11, support_damping=2e-3, axial_force=-18.37)
 U, W = lsvib.Axis("u", -0.1, 0.1, 4), lsvib.Axis("w", -5, 5, 4)
 MASKED = np.ma.masked_array([1.0, 2.0], [False, True])
 SPAN = {"start": -1.0, "stop": 1.0, "count": 3}
@@ -142,15 +141,15 @@ PYTHON = [
     (lambda: lsvib.Drive().chart(("mass", 1, 2, 20_000), ("axial_force", 1, 2, 20_000)), "more than"),
     (lambda: read_dataset("text"), "not a readable netCDF file"),
     (lambda: check({**SETTINGS, "colour": 1}), UNKNOWN),
-    (lambda: DRIVE.follow(DRIVE.cycles(), "axial_force", (-18.5, -18.35)), "what is followed is one cycle"),
-    (lambda: DRIVE.follow(None, "axial_force", (-18.5, -18.35)), "what is followed is one cycle"),
-    (lambda: DRIVE.sweep(mass=np.array(1.0)), "mass = array(1.) is not a list of numbers"),
-    (lambda: DRIVE.sweep(mass=np.ones((2, 2))), "is not a list of numbers"),
-    (lambda: DRIVE.sweep(mass=MASKED), "mass holds a value that is not a number"),
+    (lambda: NEAR_FOLD.follow(NEAR_FOLD.cycles(), "axial_force", (-18.5, -18.35)), "what is followed is one cycle"),
+    (lambda: NEAR_FOLD.follow(None, "axial_force", (-18.5, -18.35)), "what is followed is one cycle"),
+    (lambda: NEAR_FOLD.sweep(mass=np.array(1.0)), "mass = array(1.) is not a list of numbers"),
+    (lambda: NEAR_FOLD.sweep(mass=np.ones((2, 2))), "is not a list of numbers"),
+    (lambda: NEAR_FOLD.sweep(mass=MASKED), "mass holds a value that is not a number"),
     (lambda: lsvib.Drive(mass=np.ma.masked), "mass = masked is not a number"),
-    (lambda: DRIVE.simulate({"u": MASKED[1], "w": 0}, 0.1), "start.u = masked is not a number"),
-    (lambda: setattr(DRIVE, "mass", 5), "drive.replace(mass=...) makes another one"),
-    (lambda: delattr(DRIVE, "mass"), "a drive does not change"),
+    (lambda: NEAR_FOLD.simulate({"u": MASKED[1], "w": 0}, 0.1), "start.u = masked is not a number"),
+    (lambda: setattr(NEAR_FOLD, "mass", 5), "drive.replace(mass=...) makes another one"),
+    (lambda: delattr(NEAR_FOLD, "mass"), "a drive does not change"),
     (lambda: lsvib.Drive().replace(contact_damping=1.0), "of compliant threads, which need contact_stiffness"),
     (lambda: lsvib.Drive().replace(screw_mass=1.0), "of a compliant axial support, which needs support_stiffness"),
     (lambda: lsvib.Drive(nut_stiffness=1.0), "is a parameter of a nut that may turn, which needs nut_inertia"),
@@ -167,10 +166,10 @@ PYTHON = [
     (lambda: Grid.of({"u": SPAN, "w": 1.0}), "spans 1 coordinates"),
     (lambda: Grid.of({"u": SPAN, "w": {"start": 0.0, "stop": 1.0}}), "axis w has the keys start, stop; it needs"),
     (lambda: Grid.of({"u": SPAN, "w": {**SPAN, "stop": -2.0}}), "it needs start < stop"),
-    (lambda: DRIVE.basin().area(lsvib.Window(0.1, -0.1, -5, 5)), "window u = 0.1 to -0.1"),
-    (lambda: DRIVE.basin().fraction({"u": (0, 1)}), "does not give the ends of u and of w"),
-    (lambda: DRIVE.basin().line((0.1, 0.2, -5, 5)), "does not give the ends of u and of w"),
-    (lambda: DRIVE.resilience({"u": (1, 0), "w": (0, 1)}), "window u = 1 to 0 is outside the allowed range"),
-    (lambda: DRIVE.resilience({"u": (0, 1)}), "window = {'u': (0, 1)} does not give the ends of u and of w."),
-    (lambda: DRIVE.resilience({"u": ("a", 1), "w": (0, 1)}), "window u = "),
+    (lambda: NEAR_FOLD.basin().area(lsvib.Window(0.1, -0.1, -5, 5)), "window u = 0.1 to -0.1"),
+    (lambda: NEAR_FOLD.basin().fraction({"u": (0, 1)}), "does not give the ends of u and of w"),
+    (lambda: NEAR_FOLD.basin().line((0.1, 0.2, -5, 5)), "does not give the ends of u and of w"),
+    (lambda: NEAR_FOLD.resilience({"u": (1, 0), "w": (0, 1)}), "window u = 1 to 0 is outside the allowed range"),
+    (lambda: NEAR_FOLD.resilience({"u": (0, 1)}), "window = {'u': (0, 1)} does not give the ends of u and of w."),
+    (lambda: NEAR_FOLD.resilience({"u": ("a", 1), "w": (0, 1)}), "window u = "),
 ]

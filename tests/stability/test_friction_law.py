@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 from references import newton
-from references.draws import LIKE_PARTS, LIKE_TABLE_8_1, about, drawn, one_of, times
-from references.parts import DRIVES as KINDS
-from references.parts import threads_drive
+from references.drives import DRIVES, LIKE_PARTS, LIKE_TABLE_8_1, about, drawn, one_of, threads_drive, times
 
 from lsvib import Drive
 from lsvib.contact.contact_force import contact_forces
@@ -23,7 +21,7 @@ from lsvib.stability.conditions import stability
 from lsvib.stability.curves import ChartBoundary, boundary_curves
 from lsvib.stability.threshold import all_thresholds
 
-MODELS = tuple(KINDS)
+MODELS = tuple(DRIVES)
 LEAD, RADIUS = math.radians(5.57), 5.18e-3
 SEAT = PAIRINGS["powered_seat"].parameters()  # a measured law of a seat adjuster
 
@@ -40,7 +38,7 @@ def random_drive(model: str, rng: np.random.Generator):
     law = drawn(rng, friction_slope=times(about(0.02 / speed), one_of(-1.0, 0.5)))
     if rng.random() < 0.8:
         law |= drawn(rng, stribeck_rise=about(0.05), stribeck_speed=about(speed), stribeck_exponent=one_of(1, 2))
-    return KINDS[model].of(values | own | law)
+    return DRIVES[model].of(values | own | law)
 
 
 def polynomial_of(roots) -> list:
@@ -107,7 +105,7 @@ def test_onset_by_every_parameter(model):
     rng, seen = np.random.default_rng(3), set()
     for _ in range(4):
         drive = random_drive(model, rng)
-        for key in set(KINDS[model].parameters) - {"stribeck_exponent"}:
+        for key in set(DRIVES[model].parameters) - {"stribeck_exponent"}:
             if key == "stribeck_rise" and not drive.stribeck_speed:
                 continue
             stable = stable_set(drive, key)

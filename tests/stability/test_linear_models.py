@@ -9,9 +9,8 @@ from flint import arb
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from references.classes import damped_class, growth_rate
+from references.drives import DRIVES, nut_drive, support_drive, threads_drive
 from references.newton import eigenvalues, state_matrix
-from references.parts import DRIVES as KINDS
-from references.parts import nut_drive, support_drive, threads_drive
 
 from lsvib.engine.exact.arithmetic import many_digits
 from lsvib.errors import InputError
@@ -35,7 +34,7 @@ _FRICTIONS = st.just(0.0) | st.floats(1e-18, 5.0)
 @pytest.mark.parametrize("model", MODELS)
 def test_matrices_eigenvalues_and_polynomial_follow_from_newtons_laws(model, law):
     """The polynomial is held against them in test_stability_everywhere.py; here in balls and floats."""
-    drive = KINDS[model].of(mass=7.0, **DAMPED, **OWN[model])
+    drive = DRIVES[model].of(mass=7.0, **DAMPED, **OWN[model])
     with mpmath.workdps(60):
         expected = np.array(state_matrix(model, drive, law), dtype=float)
         roots = np.array([complex(root) for root in eigenvalues(model, drive, law)])
@@ -49,7 +48,7 @@ def test_matrices_eigenvalues_and_polynomial_follow_from_newtons_laws(model, law
 
 @pytest.mark.parametrize("model", MODELS)
 def test_grids_give_what_single_drives_give(model):
-    drive = KINDS[model].of(**DAMPED, **OWN[model])
+    drive = DRIVES[model].of(**DAMPED, **OWN[model])
     friction, mass = np.array([0.05, 0.2, 0.4]), np.array([1.0, 30.0])
     grid = {**dict(drive), "friction_coefficient": friction[:, None], "mass": mass}
     assert linear.state_matrices(grid, 1).shape == (3, 2, 4, 4)
@@ -125,7 +124,7 @@ def test_steady_law_counts_the_friction_of_the_slide():
     ],
 )
 def test_summary(model, changes, kind):
-    report = stability(KINDS[model].of(changes))
+    report = stability(DRIVES[model].of(changes))
     assert (report.kind, report.stable) == (kind, kind == "stable")
     assert len(report.eigenvalues) == 4
     parts = [value.real for value in report.eigenvalues]

@@ -19,10 +19,9 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 from references import threshold_digits
-from references.draws import LIKE_PARTS, LIKE_TABLE_8_1, about, drawn, one_of, times
-from references.parts import DRIVES as KINDS
+from references.drives import DRIVES as KINDS
+from references.drives import LIKE_PARTS, LIKE_TABLE_8_1, PARADOX, about, decades, drawn, one_of, rigid_values, times
 from references.threshold_digits import WORK, gap, root
-from references.wide_drives import power
 
 from lsvib.basins.boundary import Boundary, basin
 from lsvib.dynamics.attractor import Attractor, steady_state
@@ -178,7 +177,6 @@ def test_twelve_digits_of_drives_with_two_bodies(model, name, unknown):
             compared(drive, found, solution, truth, rng, slopes)
 
 
-PARADOX = Drive.of(mass=11.0, support_damping=1e-3)
 # Rest before slip forward and backward, slip on the way to Q = 0, far away on either side.
 STARTS = [(0.1, 0.0), (0.0, -40.0), (-0.3, 30.0), (0.3, -90.0), (0.04, -40.0), (0.0, 500.0)]
 # Damping: up to 1.30094e-3 the cycle with rest decides, above it the one without; 1e-2 is overdamped.
@@ -295,20 +293,13 @@ STANDS = (Event.STICK, Event.REVERSAL)
 def wide_drive_of(rng, kind: str) -> Drive:
     """Draw a drive: ``any``; or with Γ₊ > 0 > C₊ (``damped``) or Γ₊ < 0 (``paradox``), at any distance from zero."""
     while True:
-        lead = math.radians(rng.uniform(0.5, 45))
-        values = {
-            "pitch_radius": rng.uniform(1e-3, 50e-3), "lead_angle": lead,
-            "friction_coefficient": min(rng.uniform(0.001, 0.9), 0.999 / math.tan(lead)),
-            "mass": power(rng, -2, 4), "screw_inertia": power(rng, -9, 1), "coupling_stiffness": power(rng, -3, 6),
-            "support_damping": rng.choice([0.0, power(rng, -9, 2)], p=[0.1, 0.9]),
-            "translation_damping": rng.choice([0.0, power(rng, -4, 6)], p=[0.1, 0.9]),
-            "input_speed": rng.choice([-1, 1]) * power(rng, -2, 4),
-        }  # fmt: skip
+        values = {key: value for key, value in rigid_values(rng).items() if key != "axial_force"}
+        lead = values["lead_angle"]
         if kind != "any":
             tan, mu = math.tan(lead), values["friction_coefficient"]
             arm, damping = values["pitch_radius"] ** 2 * tan, values["translation_damping"]
             plus, minus = ((mu - tan) / (1 + mu * tan), (mu + tan) / (1 - mu * tan))
-            away = power(rng, -4, 2) if kind == "damped" else -power(rng, -4, 0)
+            away = decades(rng, -4, 2) if kind == "damped" else -decades(rng, -4, 0)
             values["screw_inertia"] = plus * arm * values["mass"] * (1 + away)
             if kind == "damped":
                 values["support_damping"] *= rng.random() < 0.8 and plus * arm * damping / (
@@ -318,7 +309,7 @@ def wide_drive_of(rng, kind: str) -> Drive:
             law = plus if kind == "damped" else -minus
             inertia = values["screw_inertia"] - law * arm * values["mass"]
             damping = abs(values["support_damping"] - law * arm * damping)
-            values["coupling_stiffness"] = (damping / power(rng, -3, 1)) ** 2 / inertia if inertia > 0 else 0.0
+            values["coupling_stiffness"] = (damping / decades(rng, -3, 1)) ** 2 / inertia if inertia > 0 else 0.0
         try:
             return Drive.of(values)
         except InputError:
@@ -336,7 +327,7 @@ def beside(rng, threshold: float, onset: float):
         yield 1, threshold + abs(threshold) * distance
     for share in (0.5, 0.1, rng.random()):
         yield -1, onset + (threshold - onset) * share
-    for factor in (2.0, 10.0, power(rng, 0, 4)):
+    for factor in (2.0, 10.0, decades(rng, 0, 4)):
         yield 1, onset + (threshold - onset) * factor
 
 
@@ -408,8 +399,8 @@ def starts(rng, made: SlipDrive, force: float, count: int):
             yield x, -speed
     size = max(abs(released), speed * slip_time)
     for _ in range(count):
-        yield released - size * power(rng, -5, 2), -speed
-        size_now, angle = size * power(rng, -2, 1), rng.uniform(0, 2 * math.pi)
+        yield released - size * decades(rng, -5, 2), -speed
+        size_now, angle = size * decades(rng, -2, 1), rng.uniform(0, 2 * math.pi)
         yield size_now * math.cos(angle), size_now / slip_time * math.sin(angle)
 
 

@@ -14,8 +14,8 @@ from functools import partial
 import pytest
 from mpmath import mp, mpf
 from references.command_line import complaint
-from references.drives import compare
-from references.parts import nut_drive, support_drive, threads_drive
+from references.comparisons import compare
+from references.drives import NEGATIVE_DAMPING, PARADOX, nut_drive, support_drive, threads_drive
 from references.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
 from references.threshold_digits import gap, jam, root
 
@@ -35,8 +35,6 @@ from lsvib.stability.force_thresholds import threshold_force
 from lsvib.stability.threshold import solve_threshold
 
 DIGITS = 40
-PARADOX = Drive.of(mass=11.0, support_damping=1e-3)
-NEGATIVE_DAMPING = Drive.of(mass=1.0, translation_damping=1e3)
 
 
 @pytest.fixture(autouse=True)
@@ -166,13 +164,12 @@ def test_dip_of_microseconds_against_mpmath():
     assert result.state_error <= 5e-11
 
 
-NEGATIVE = lsvib.Drive(mass=1, translation_damping=1e3)
 RESISTED = lsvib.Drive(mass=11, support_damping=2e-3, axial_force=-18)
 
 
 @pytest.mark.parametrize("sense", [1, -1])
 def test_forces_are_those_of_the_functions(sense):
-    for drive, names in ((NEGATIVE, ("onset", "stick", "detach")), (RESISTED, ("global_stability",))):
+    for drive, names in ((NEGATIVE_DAMPING, ("onset", "stick", "detach")), (RESISTED, ("global_stability",))):
         drive = drive.replace(input_speed=40.0 * sense, axial_force=sense * drive.axial_force)
         for name in names:
             found = drive.threshold(name)
@@ -219,7 +216,7 @@ def test_onsets_are_the_ends_of_the_stable_intervals(drive, unknown):
 def test_solving_for_a_parameter_gives_back_the_drive():
     """At the force of the threshold every parameter on which it depends is the solution for that parameter."""
     for drive, name, unknowns in (
-        (NEGATIVE, "detach", ("mass", "lead_angle")),
+        (NEGATIVE_DAMPING, "detach", ("mass", "lead_angle")),
         (RESISTED, "fold", ("coupling_stiffness",)),
         (RESISTED, "global_stability", ("support_damping",)),
     ):
@@ -261,21 +258,25 @@ def test_both_sides_of_the_loss_of_rest():
 @pytest.mark.parametrize(
     ("drive", "arguments", "sentence"),
     [
-        (NEGATIVE, ("sticking",), "threshold = 'sticking' is not one of those of this drive: even_speed, onset, "),
-        (NEGATIVE, ("stick", "masss"), "unknown = 'masss' is not a parameter of this drive: "),
-        (NEGATIVE, ("stick", 3), "unknown = 3 is not a parameter"),
         (
-            NEGATIVE,
+            NEGATIVE_DAMPING,
+            ("sticking",),
+            "threshold = 'sticking' is not one of those of this drive: even_speed, onset, ",
+        ),
+        (NEGATIVE_DAMPING, ("stick", "masss"), "unknown = 'masss' is not a parameter of this drive: "),
+        (NEGATIVE_DAMPING, ("stick", 3), "unknown = 3 is not a parameter"),
+        (
+            NEGATIVE_DAMPING,
             ("kinematic_constraint", "axial_force"),
             "the threshold kinematic_constraint of this drive does not depend on",
         ),
         (
-            NEGATIVE,
+            NEGATIVE_DAMPING,
             ("kinematic_constraint", "lead_angle"),
             "no lead_angle in the allowed range 1e-06 <= lead_angle < 1.5708 is the",
         ),
-        (NEGATIVE, ("fold",), "the drive is not in the Painlevé region"),
-        (NEGATIVE, ("flutter",), "threshold = 'flutter' is not one of those of this drive"),
+        (NEGATIVE_DAMPING, ("fold",), "the drive is not in the Painlevé region"),
+        (NEGATIVE_DAMPING, ("flutter",), "threshold = 'flutter' is not one of those of this drive"),
         (RESISTED.replace(support_damping=1e-3), ("fold",), "no axial_force is the threshold fold: next to -26.04"),
         (RESISTED.replace(support_damping=1e-3), ("cycle_birth",), "the cycle without rest would begin where"),
         (RESISTED, ("detach", "mass"), "no mass within 6 decades on both sides of the drive's own value is the"),
