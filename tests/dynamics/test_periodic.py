@@ -9,7 +9,6 @@ import pytest
 from dynamics.test_attractors import liouville
 from mpmath import mp, mpf
 from references import rigid_digits
-from references.command_line import complaint
 from references.drives import (
     NEAR_FOLD,
     NEGATIVE_DAMPING,
@@ -446,18 +445,3 @@ def test_branch_is_written():
     assert data.sizes["point"] == len(branch.points)
     assert data.axial_force.units == "N"
     assert json.loads(json.dumps(branch_json(branch)))["changes"][0]["kind"] == "end"
-
-
-@pytest.mark.parametrize(
-    ("parameter", "span", "says"),
-    [
-        ("colour", (1, 2), "colour"),
-        ("axial_force", (-10, -5), "holds the drive's own axial_force"),
-        ("axial_force", (1,), "span"),
-        ("mass", (-1, 20), "mass"),
-    ],
-)
-def test_bad_input_is_named(parameter, span, says):
-    cycle = NEAR_FOLD.cycles().cycles[0]
-    assert says in complaint(NEAR_FOLD.follow, cycle, parameter, span)
-    assert "another drive" in complaint(SLIP.follow, cycle, "mass", (0.5, 2))

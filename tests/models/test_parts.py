@@ -303,13 +303,6 @@ def test_a_rise_of_nothing_changes_nothing():
     assert len(parts) == 8
 
 
-@pytest.mark.parametrize(("kind", "name"), [(support_drive, "slide_friction"), (nut_drive, "bearing_friction")])
-def test_what_a_law_does_not_go_with_is_refused(kind, name):
-    law = {"stribeck_rise": 0.05, "stribeck_speed": 0.1}
-    with pytest.raises(InputError, match=f"{name} = 0.01 is not followed where friction of"):
-        automaton_of(kind(mass=2, **{name: 0.01}, **law))
-
-
 @pytest.mark.parametrize("kind", [support_drive, nut_drive])
 def test_seizures_under_a_law(kind):
     """In the Painlevé region at all speeds the threads seize, and slip begins with the friction of slow sliding."""

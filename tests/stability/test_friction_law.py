@@ -11,7 +11,6 @@ from references.drives import DRIVES, LIKE_PARTS, LIKE_TABLE_8_1, about, drawn, 
 
 from lsvib import Drive
 from lsvib.contact.contact_force import contact_forces
-from lsvib.contact.stiff_limit import impacts
 from lsvib.errors import InputError, NoThreshold
 from lsvib.models import friction
 from lsvib.models.pairings import PAIRINGS
@@ -189,39 +188,12 @@ def test_speeds_at_which_nothing_is_left_of_a_rise():
     assert stability(drive.replace(support_damping=1e-30)).kind.startswith("stable")
 
 
-REFUSED = "the closed form of the threshold {} holds for friction that does not depend on speed."
-
-
-def test_what_holds_for_constant_friction_is_refused():
-    drive = Drive(**SEAT, translation_damping=1000, axial_force=35)
-    for name in ("stick", "detach", "global_stability", "fold", "cycle_birth", "rest_loss"):
-        for unknown in (None, "mass"):
-            with pytest.raises(NoThreshold) as error:
-                drive.threshold(name, unknown=unknown)
-            assert str(error.value) == REFUSED.format(name)
-    with pytest.raises(NoThreshold, match=r"^the closed form .* holds for friction that is one number\.$"):
-        Drive(translation_damping=1000).threshold("stick", unknown="friction_slope")
-    with pytest.raises(NoThreshold, match=r"^stribeck_exponent is either 1 or 2"):
-        drive.threshold("onset", unknown="stribeck_exponent")
-    with pytest.raises(NoThreshold, match=r"^no threshold is solved for stribeck_rise without stribeck_speed > 0\.$"):
-        Drive().threshold("onset", unknown="stribeck_rise")
-    with pytest.raises(InputError, match=r"^the closed form of the basin holds for friction that does not depend on"):
-        drive.replace(axial_force=-35).basin()
-
-
 def test_static_friction_above_sliding_keeps_what_is_not_about_rest():
     drive = Drive(translation_damping=1000, axial_force=35)
     rough = drive.replace(static_friction_coefficient=0.3)
     assert rough.threshold("stick", unknown="axial_force").value == drive.threshold("stick").value
     assert rough.threshold("onset").value == drive.threshold("onset").value
     assert rough.stability() == drive.stability()
-    for name in ("detach", "global_stability", "fold", "cycle_birth", "rest_loss"):
-        with pytest.raises(NoThreshold, match=r"holds for static friction that is not above that of sliding\.$"):
-            rough.threshold(name)
-    with pytest.raises(NoThreshold, match=r"^the threshold stick does not depend on static_friction_coefficient\.$"):
-        rough.threshold("stick", unknown="static_friction_coefficient")
-    with pytest.raises(InputError, match=r"^the closed form of the basin holds for static friction that is not above"):
-        Drive(static_friction_coefficient=0.3).basin()
     assert Drive(static_friction_coefficient=0.3).cycles().proved == ""
     limits = Drive(static_friction_coefficient=0.3, mass=12).threshold("onset", unknown="friction_coefficient")
     assert [x.value for x in limits.solutions] == [Drive(mass=12).threshold("onset", "friction_coefficient").value]
@@ -254,23 +226,6 @@ def test_contact_forces_at_the_speed_of_a_state():
             state = [laws.steady()[0] + u[k], arb(10 + w[k])]
             for laws.law, force in zip((1, -1), contact_forces(drive, u, w), strict=True):
                 assert math.isclose(force[k], float(laws.solved(state)[2]), rel_tol=1e-12)
-
-
-def test_impacts_of_another_friction_are_refused():
-    for law, wanted in (
-        (SEAT, "friction that does not depend on speed"),
-        ({"static_friction_coefficient": 0.3}, "static"),
-    ):
-        with pytest.raises(InputError, match=f"^the closed form of what follows an impact holds for {wanted}"):
-            next(impacts(Drive(**law, mass=12), 40.0))
-
-
-def test_undamped_drives_whose_friction_is_cut_off():
-    """Beyond the cut a condition vanishes throughout, which is no root."""
-    drive = Drive(friction_slope=-2.0, support_damping=0.0, input_speed=30.0)
-    for key in ("pitch_radius", "input_speed", "lead_angle"):
-        with pytest.raises(NoThreshold, match=r"^steady sliding is asymptotically stable for no "):
-            drive.threshold("onset", unknown=key)
 
 
 def test_stability_is_asked_within_the_range():
@@ -307,11 +262,6 @@ def test_roots_beside_the_cut_of_a_falling_law_are_found():
     assert "reaches zero and is cut off" in found.how
     for speed, stable in ((300.0, True), (350.0, False), (410.0, False), (430.0, True)):
         assert drive.replace(input_speed=speed).stability().stable == stable
-
-
-def test_stability_that_turns_with_the_sign_of_the_speed_is_said():
-    with pytest.raises(NoThreshold, match=r"stable for every input speed below zero and for none on the other side"):
-        Drive(mass=11).threshold("onset", "input_speed")
 
 
 def test_friction_that_fades_to_nothing_is_solved():

@@ -13,7 +13,6 @@ from functools import partial
 
 import pytest
 from mpmath import mp, mpf
-from references.command_line import complaint
 from references.comparisons import compare
 from references.drives import NEGATIVE_DAMPING, PARADOX, nut_drive, support_drive, threads_drive
 from references.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
@@ -253,37 +252,6 @@ def test_both_sides_of_the_loss_of_rest():
         assert found.label == lsvib.Attractor.SPRAG_SLIP_CYCLE
         rests.append(MotionMode.REST in found.orbit.automaton.codes[found.orbit.arcs()[0]])
     assert rests == [True, False]
-
-
-@pytest.mark.parametrize(
-    ("drive", "arguments", "sentence"),
-    [
-        (
-            NEGATIVE_DAMPING,
-            ("sticking",),
-            "threshold = 'sticking' is not one of those of this drive: even_speed, onset, ",
-        ),
-        (NEGATIVE_DAMPING, ("stick", "masss"), "unknown = 'masss' is not a parameter of this drive: "),
-        (NEGATIVE_DAMPING, ("stick", 3), "unknown = 3 is not a parameter"),
-        (
-            NEGATIVE_DAMPING,
-            ("kinematic_constraint", "axial_force"),
-            "the threshold kinematic_constraint of this drive does not depend on",
-        ),
-        (
-            NEGATIVE_DAMPING,
-            ("kinematic_constraint", "lead_angle"),
-            "no lead_angle in the allowed range 1e-06 <= lead_angle < 1.5708 is the",
-        ),
-        (NEGATIVE_DAMPING, ("fold",), "the drive is not in the Painlevé region"),
-        (NEGATIVE_DAMPING, ("flutter",), "threshold = 'flutter' is not one of those of this drive"),
-        (RESISTED.replace(support_damping=1e-3), ("fold",), "no axial_force is the threshold fold: next to -26.04"),
-        (RESISTED.replace(support_damping=1e-3), ("cycle_birth",), "the cycle without rest would begin where"),
-        (RESISTED, ("detach", "mass"), "no mass within 6 decades on both sides of the drive's own value is the"),
-    ],
-)
-def test_refused_in_one_sentence(drive, arguments, sentence):
-    assert complaint(drive.threshold, *arguments).startswith(sentence)
 
 
 TOUCHING = nut_drive(
