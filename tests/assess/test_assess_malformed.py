@@ -1,4 +1,7 @@
-"""x"""
+"""Malformed data sheets: one sentence that names the entry, exit code 2, nothing written; quantities as they are read.
+
+Friction and efficiency against published tables, the rule of a third, and the force balance of a flank.
+"""
 
 import copy
 import math

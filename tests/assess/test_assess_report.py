@@ -1,4 +1,4 @@
-"""x"""
+"""From file to report by the command: the files, what they hold, and pictures on which no words lie on others."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""x"""
+"""Probabilities, shares of the variance and worst cases against simulated drives; the start from rest, and advice."""
 
 import math
 

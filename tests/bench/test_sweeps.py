@@ -1,4 +1,8 @@
-"""x"""
+"""The sweeps to the edge of the domain: judge, faults that they once found, random drives, and the balance of energy.
+
+A motion is right if it has the events of the reference with 40 digits, its final state and event times to 1e-9, and an
+energy that balances; or if digits that the input does not have decide (:mod:`benchmarks.sweeps.case_judge`).
+"""
 
 import math
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""x"""
+"""Cycles of all models and their branches: multipliers against 40 digits and Liouville's formula, work, folds, limits."""
 
 import json
 import math

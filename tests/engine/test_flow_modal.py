@@ -1,4 +1,9 @@
-"""x"""
+"""Modes with many states: the modal flow against mpmath's matrix exponential, bounds of guards and the certain walk.
+
+The flow may be off by ``64 eps (1 + rate t)`` of the size of the state at either end and of its equilibrium, times the
+condition of the mode and the growth of its fastest part; how near two rates of a pair lie must not appear in it. Guards
+are looked at on sums of pairs that are decoupled, so that every one is a sum with known parts.
+"""
 
 import math
 from itertools import combinations, pairwise
@@ -9,12 +14,24 @@ from flint import arb, ctx
 from hypothesis import assume, given, reject, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
-from references.modal_fields import DIGITS, as_decimals, rate_of
 
 from lsvib.engine.exact.field import Field
 from lsvib.engine.exact.modal_form import guard_forms, modal_flow, modal_mode
 from lsvib.engine.kernels import flow_modal, guard_sums, search_modal
 from lsvib.engine.kernels.layout import A0, ALPHA, BETA, R1, R2, Found
+
+DIGITS = 60
+
+
+def as_decimals(rows):
+    return [[mp.nstr(x, DIGITS) for x in row] for row in rows]
+
+
+def rate_of(flow, mode=0):
+    rows = flow.oscillators[mode]
+    pairs = [np.abs(rows[:, R1]), np.abs(rows[:, R2]), np.abs(rows[:, ALPHA]) + rows[:, BETA]]
+    return float(np.concatenate([*pairs, np.abs(flow.rates[mode])]).max()) or 1.0
+
 
 EPS = float(np.finfo(float).eps)
 

@@ -1,4 +1,8 @@
-"""x"""
+"""Runs of the engine: digits of rates decades apart, room for events, too many of them; where it is kept compiled.
+
+Without compilation results are the same to rounding, as LLVM may contract and reorder; 1e-12 of the motion, as in the
+comparison with mpmath. An index out of range raises then.
+"""
 
 import json
 import logging

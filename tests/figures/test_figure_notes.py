@@ -1,4 +1,4 @@
-"""x"""
+"""The values in a caption, where arrows and words stand; cycles of compliant threads, and their impacts."""
 
 import math
 

@@ -1,4 +1,7 @@
-"""x"""
+"""Every figure: its checks pass, and refuse spoiled data; its file alone gives a picture, and repeats its motions.
+
+Figures 8.1 to 8.15 and those that the book describes without a picture, on draft settings.
+"""
 
 from collections import defaultdict
 

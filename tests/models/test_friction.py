@@ -1,4 +1,4 @@
-"""x"""
+"""The friction law of the threads, and the formulas of the coefficients in balls, arrays and series; certain signs."""
 
 import math
 import re

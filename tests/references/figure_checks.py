@@ -1,4 +1,4 @@
-"""x"""
+"""The datasets of the figures on draft settings, ways to spoil them, their pictures, and what the chapter's list asks."""
 
 import re
 from collections.abc import Callable, Iterable

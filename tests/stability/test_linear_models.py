@@ -1,4 +1,8 @@
-"""x"""
+"""Linearised models against Newton's laws in 40 digits, eigenvalues, classes, summary; lemmas 8.1 and 8.2.
+
+And what the lemmas do not say: the statements of docs/lemmas.md on threads and axial support, boundaries of figure 8.15
+in 40 digits, eq. (8.33) of the rotating nut.
+"""
 
 from fractions import Fraction
 
@@ -8,7 +12,6 @@ import pytest
 from flint import arb
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from references.classes import damped_class, growth_rate
 from references.drives import DRIVES, nut_drive, support_drive, threads_drive
 from references.newton import eigenvalues, state_matrix
 
@@ -19,6 +22,23 @@ from lsvib.models.mechanics import coefficients
 from lsvib.stability import conditions, linear
 from lsvib.stability.conditions import stability
 from lsvib.stability.linear import Stability, UndampedClass, eigenvalue_pair, stability_class
+
+
+def growth_rate(values, law: int) -> np.ndarray:
+    """Largest real part [1/s] of the eigenvalues; positive where steady sliding is unstable."""
+    return linear.eigenvalues(values, law)[..., -1].real
+
+
+def damped_class(values, law: int) -> np.ndarray:
+    """Class (:class:`UndampedClass`) of M q″ + C q′ + K q = 0 with C ≠ 0, by its eigenvalues.
+
+    The fastest growing one decides between divergence and flutter; det M < 0 is kinematic whatever the rest.
+    """
+    fastest = linear.eigenvalues(values, law)[..., -1]
+    kinds = [UndampedClass.KINEMATIC_CONSTRAINT, UndampedClass.STABLE, UndampedClass.DIVERGENCE]
+    negative = np.broadcast_to(np.asarray(linear.polynomial(values, law)[0]) < 0, fastest.shape)
+    return np.select([negative, fastest.real < 0, fastest.imag == 0], kinds, UndampedClass.FLUTTER)
+
 
 MODELS = ("nut", "support", "threads")
 DAMPED = {"support_damping": 3e-4, "translation_damping": 70.0}
