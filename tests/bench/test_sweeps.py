@@ -195,15 +195,11 @@ def test_the_balance_closes_and_notices_a_wrong_parameter(name):
     assert found.rounding <= 1e-10
     wrong = drive.replace(friction_coefficient=drive.friction_coefficient * (1 + 1e-6))
     assert balance(motion, wrong, physics).residual > 1e-8
-
-
-@pytest.mark.parametrize("name", ["sprag-slip", *(name for name in SCENES if "seizing" in name)])
-def test_the_loss_in_seizures_is_counted(name):
-    """Without it the balance is open by a good part of the energy."""
-    motion, drive, physics = motion_of(name)
-    assert np.isin(motion.kind, motion.automaton.sprag_kinds).any()
-    lossless = terms(motion.automaton, drive, physics)._replace(seized=np.zeros(motion.start_state.size + 1))
-    assert residual(motion, lossless).residual > 1e-3
+    seizes = np.isin(motion.kind, motion.automaton.sprag_kinds).any()
+    assert seizes == ("seizing" in name or name == "sprag-slip")
+    if seizes:  # without what the impacts take out it is open by a good part of the energy
+        lossless = terms(motion.automaton, drive, physics)._replace(seized=np.zeros(motion.start_state.size + 1))
+        assert residual(motion, lossless).residual > 1e-3
 
 
 def test_a_missed_reversal_is_seen():

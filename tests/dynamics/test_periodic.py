@@ -1,4 +1,4 @@
-"""Cycles of all models and their branches: multipliers against 40 digits and Liouville's formula, work, folds, limits."""
+"""Cycles of all models and their branches: multipliers against 40 digits and Liouville's formula, work, folds."""
 
 import json
 import math
@@ -30,6 +30,7 @@ from lsvib.dynamics.continuation import other_sections
 from lsvib.dynamics.cycles import cycle_of, cycle_on, search, starts
 from lsvib.errors import EngineError
 from lsvib.models.mechanism import seated_state
+from lsvib.models.model import model_of
 from lsvib.stability.force_thresholds import threshold_force
 
 SLIP = NEGATIVE_DAMPING.replace(axial_force=25)
@@ -121,17 +122,11 @@ FOUND = [
 ]
 
 
-def cycle_after(drive, initial):
-    from lsvib.models.model import model_of
-
-    steady = steady_state(drive.automaton(), model_of(drive).initial_state(drive, initial))
-    return cycle_of(drive, steady), steady
-
-
 @pytest.mark.parametrize(("drive", "initial"), FOUND, ids=lambda value: getattr(value, "model", ""))
-def test_work_balances(drive, initial):
+def test_work_balances_and_multipliers_do_not_depend_on_where_a_period_begins(drive, initial):
     """Motor and load put in what friction, dampers and impacts take out; each is formed from another law."""
-    cycle, steady = cycle_after(drive, initial)
+    steady = steady_state(drive.automaton(), model_of(drive).initial_state(drive, initial))
+    cycle = cycle_of(drive, steady)
     work = cycle.work
     assert min(work.friction, work.damping) > 0
     assert work.impacts >= 0
@@ -141,11 +136,7 @@ def test_work_balances(drive, initial):
     assert abs(work.balance) <= 1e-12
     assert cycle.amplitude == pytest.approx(steady.amplitude, rel=1e-9)
     json.dumps(cycle.to_json(), allow_nan=False)
-
-
-@pytest.mark.parametrize(("drive", "initial"), FOUND, ids=lambda value: getattr(value, "model", ""))
-def test_multipliers_do_not_depend_on_where_a_period_begins(drive, initial):
-    cycle, _ = cycle_after(drive, initial)
+    assert drive.input_speed * cycle.means["coupling_torque"] * cycle.period == pytest.approx(work.motor, rel=1e-12)
     seen = 0
     for other in other_sections(cycle):
         again = cycle_on(drive, other.section, "start")
@@ -163,13 +154,6 @@ def test_a_cycle_without_derivative_is_written_without_multipliers():
     assert written["stability"] == "not known"
     assert written["label"] == "other_cycle"
     assert json.loads(json.dumps(written, allow_nan=False))["multipliers"] == [None]
-
-
-def test_the_mean_coupling_torque_is_the_work_of_the_motor():
-    cycle, _ = cycle_after(*FOUND[3])
-    drive = cycle.drive
-    mean = cycle.means["coupling_torque"]
-    assert drive.input_speed * mean * cycle.period == pytest.approx(cycle.work.motor, rel=1e-12)
 
 
 def test_return_maps_show_the_pair_near_the_fold_without_a_start():

@@ -5,10 +5,9 @@ import math
 import numpy as np
 import pytest
 import xarray as xr
-from references.drives import threads_drive
+from references.drives import PARADOX, threads_drive
 from references.figure_checks import assert_drawn_from_file, dataset_of, draft
 
-import lsvib
 from lsvib.contact import contact_force, stiff_limit
 from lsvib.contact.stiff_limit import Region
 from lsvib.datasets import phase_plane
@@ -51,7 +50,7 @@ def test_a_caption_states_what_is_printed_and_what_is_assumed():
 
 
 def test_maps_and_charts_fit_the_page(tmp_path):
-    drive = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10)
+    drive = PARADOX
     starts = drive.attraction({"u": (-0.3, 0.3, 20), "w": (-150, 150, 20)})
     assert_drawn_from_file("attraction", starts, tmp_path / "map.nc")
     assert_drawn_from_file("chart", drive.chart("axial_force=-40:60:9", "mass=1:20:9"), tmp_path / "chart.nc")
