@@ -86,8 +86,7 @@ def test_root_diameters_are_those_of_the_standards(name, root):
 
 
 @pytest.mark.parametrize(
-    ("ends", "factor"),
-    [("fixed-free", 0.25), ("supported-supported", 1), ("fixed-supported", 2), ("fixed-fixed", 4)],
+    ("ends", "factor"), [("fixed-free", 0.25), ("supported-supported", 1), ("fixed-supported", 2), ("fixed-fixed", 4)]
 )
 def test_columns_bear_what_a_catalogue_says(ends, factor):
     """Berg: F = K C 10⁶ d⁴ / D², C = 13.4 for stainless steel, pounds and inches; 0.25 is misprinted .025 there."""

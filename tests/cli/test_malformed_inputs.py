@@ -8,15 +8,7 @@ import numpy as np
 import pytest
 import yaml
 from references.command_line import complaint, refused, state_of_the_folder
-from references.drives import (
-    JERKING,
-    NEAR_FOLD,
-    NEGATIVE_DAMPING,
-    PARADOX,
-    nut_drive,
-    support_drive,
-    threads_drive,
-)
+from references.drives import JERKING, NEAR_FOLD, NEGATIVE_DAMPING, PARADOX, nut_drive, support_drive, threads_drive
 
 import lsvib
 from lsvib.basins.grid import Grid
@@ -171,11 +163,7 @@ REFUSED_THRESHOLDS = [
     (LIGHT, ("sticking",), "threshold = 'sticking' is not one of those of this drive: even_speed, onset, "),
     (LIGHT, ("stick", "masss"), "unknown = 'masss' is not a parameter of this drive: "),
     (LIGHT, ("stick", 3), "unknown = 3 is not a parameter"),
-    (
-        LIGHT,
-        ("kinematic_constraint", "axial_force"),
-        "the threshold kinematic_constraint of this drive does not",
-    ),
+    (LIGHT, ("kinematic_constraint", "axial_force"), "the threshold kinematic_constraint of this drive does not"),
     (LIGHT, ("kinematic_constraint", "lead_angle"), "no lead_angle in the allowed range 1e-06 <= lead_angle < 1.5708"),
     (LIGHT, ("fold",), "the drive is not in the Painlevé region"),
     (LIGHT, ("flutter",), "threshold = 'flutter' is not one of those of this drive"),
@@ -190,11 +178,7 @@ REFUSED_THRESHOLDS = [
     (DRIVE(), ("onset", "stribeck_rise"), "no threshold is solved for stribeck_rise without stribeck_speed > 0."),
     (DRIVE(mass=11), ("onset", "input_speed"), "for every input speed below zero and for none on the other side"),
     (ROUGH, ("stick", "static_friction_coefficient"), "stick does not depend on static_friction_coefficient."),
-    (
-        JERKING.replace(static_friction_coefficient=0),
-        ("even_speed",),
-        "ends in steady sliding at any input_speed",
-    ),
+    (JERKING.replace(static_friction_coefficient=0), ("even_speed",), "ends in steady sliding at any input_speed"),
     (JERKING.replace(support_damping=0), ("even_speed",), "the motion from rest does not end in steady sliding at any"),
     *((FALLING, (name, key), OF_CONSTANT.format(name)) for name in ("stick", *CLOSED) for key in (None, "mass")),
     *((ROUGH, (name,), OF_LEVEL) for name in CLOSED),
@@ -260,22 +244,13 @@ PYTHON = [
     (lambda: branch("mass", (-1, 20)), "mass"),
     (lambda: branch("mass", (0.5, 2), LIGHT), "another drive"),
     (lambda: branch("contact_stiffness", (1e6, 1e8)), "is a parameter of compliant threads, which this drive"),
-    (
-        lambda: DRIVE().chart(("slide_friction", 0, 20, 3), ("mass", 1, 2, 3)),
-        "for rigid drives without friction of",
-    ),
+    (lambda: DRIVE().chart(("slide_friction", 0, 20, 3), ("mass", 1, 2, 3)), "for rigid drives without friction of"),
     (lambda: RUBS.simulate({"u": 0, "w": 0}, 0.1, physics=["axial_force", "slide_friction"]), "list rest"),
     # With so much inertia the friction of the second body has several solutions.
     (lambda: support_drive(slide_friction=1, screw_mass=11.6).automaton(), "screw_mass < 10.1"),
     (lambda: nut_drive(bearing_friction=0.01, mass=15).automaton(), "outside the Painlevé region"),
-    (
-        lambda: support_drive(slide_friction=1, **SLIDES).automaton(),
-        "slide_friction = 1 is not followed where",
-    ),
-    (
-        lambda: nut_drive(bearing_friction=1, **SLIDES).automaton(),
-        "bearing_friction = 1 is not followed where",
-    ),
+    (lambda: support_drive(slide_friction=1, **SLIDES).automaton(), "slide_friction = 1 is not followed where"),
+    (lambda: nut_drive(bearing_friction=1, **SLIDES).automaton(), "bearing_friction = 1 is not followed where"),
 ]
 
 

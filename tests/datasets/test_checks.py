@@ -104,10 +104,10 @@ def test_the_text_has_printed_numbers_first_and_then_a_line_for_each_check_by_fi
     bars = [[k for k, letter in enumerate(line) if letter == "|"][:-1] for line in (head, rule, row)]
     assert bars[0] == bars[1] == bars[2]
     assert [cell.strip() for cell in row.strip("|").split("|")] == [
-        *("10.1 kg", "10.107 kg", "0.069 %", "0.83 %", "pass", "fig8_08", "Critical mass"),
+        *("10.1 kg", "10.107 kg", "0.069 %", "0.83 %", "pass", "fig8_08", "Critical mass")
     ]
     assert re.findall("^## (.*)$", text, re.MULTILINE) == [
-        *("Printed by the chapter", "fig8_07: 1 of 2 passed", "fig8_08: 2 of 2 passed"),
+        *("Printed by the chapter", "fig8_07: 1 of 2 passed", "fig8_08: 2 of 2 passed")
     ]
     assert re.findall("^- (.*)$", text, re.MULTILINE) == [
         "FAIL: mean of |N| grows & <grows>: NOT true (2 of 3) [Fig. 8.12].",

@@ -44,10 +44,7 @@ REPELLING_SLIP = lsvib.Drive(mass=9.9, translation_damping=1e3, axial_force=10)
         ({"coupling_stiffness": 1e15, "mass": 417797362.8, "input_speed": 1e-12, "axial_force": 1e12}, None),
         ({"support_damping": 1e-30, "mass": 1e9, "input_speed": 1e9, "axial_force": 1e-18}, 1),
         ({"coupling_stiffness": 1e-21, "input_speed": 1e-12, "axial_force": 1e-12, "mass": 4e-3}, None),
-        (
-            {"screw_inertia": 1e-30, "coupling_stiffness": 1e15, "translation_damping": 1.89, "input_speed": 1e-12},
-            None,
-        ),
+        ({"screw_inertia": 1e-30, "coupling_stiffness": 1e15, "translation_damping": 1.89, "input_speed": 1e-12}, None),
     ],
 )
 def test_values_near_the_ends_of_the_range_of_doubles(values, count):

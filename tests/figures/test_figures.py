@@ -101,11 +101,7 @@ SPOILED = [  # figure, words of a check, and what it must refuse; below, those t
     ("basin_sweep", "beyond m_cr at (a) alone", set_to("reading_fraction", 1.0)),
     ("contact_stability", "it still rises", scale("growth_rate", 100.0, 0, 0, -2)),
     ("limit_process", "brings the screw to a stand", set_to("stop_time", float("nan"))),
-    (
-        "limit_process",
-        "N > 0 grows until the screw stands",
-        set_to("indeterminate_event", Event.CONTACT_REVERSAL),
-    ),
+    ("limit_process", "N > 0 grows until the screw stands", set_to("indeterminate_event", Event.CONTACT_REVERSAL)),
     ("limit_process", "Short of the saddle", set_to("indeterminate_event", Event.STICK)),
     ("limit_process", "that of the chapter's formula", scale("formula_velocity", 1.2)),
 ]

@@ -11,12 +11,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 SIGN = {"forward": 1, "backward": -1, "held": 0, "positive": 1, "negative": -1}
-RATES = {
-    "motor": "psi",
-    "support": "y",
-    "nut": "phi",
-    "threads": "e",
-}  # coordinates of parts, in their order
+RATES = {"motor": "psi", "support": "y", "nut": "phi", "threads": "e"}  # coordinates of parts, in their order
 
 
 class Bodies:
