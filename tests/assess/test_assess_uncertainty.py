@@ -148,10 +148,6 @@ def test_what_the_basin_does_not_cover_is_not_known():
     assert {KINDS[k] for k in np.unique(charts(given, found.values)[0].kind)} >= {"steady_once_started"}
 
 
-pytest.importorskip("pint")
-pytest.importorskip("scipy")
-
-
 # T-RO 2021, drive 1 (docs/friction.md), with the stiffness that its own record shows: it jerks at 2 rpm, not at 10.
 JERKING = {
     "name": "drive 1",
@@ -222,12 +218,6 @@ def changes_that_help(seeds) -> int:
         assert started.changes, seed
         for row in started.changes:
             keys = changeable(values)[row.quantity]
-            places = [(d, f) for d in (1, -1) for f in {values["force_low"], values["force_high"]}]
-            places = [
-                place
-                for place in places
-                if found.sheet.operation.direction in ("both", {1: "out", -1: "back"}[place[0]])
-            ]
             for factor, quiet in ((row.factor, True), (row.factor * (0.995 if row.factor > 1 else 1.005), False)):
                 own = {**values, **{key: values[key] * factor for key in keys}}
                 speeds = [own["speed_low"], own["speed_high"]]

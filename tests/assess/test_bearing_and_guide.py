@@ -226,10 +226,6 @@ def test_the_report_says_which_oscillations_the_control_reaches():
     assert slow[1] < 1.6 * fast[1]
 
 
-pytest.importorskip("pint")
-pytest.importorskip("scipy")
-
-
 ANGLE = math.atan(2 / (math.pi * 11))
 SHEET = {
     "name": "positioning axis", "thread": {"lead": "2 mm", "pitch_diameter": "11 mm"}, "load": {"force": "2 N"},
