@@ -99,7 +99,17 @@ COMMANDS = [
     (MOTION.replace("x.nc", "text"), "is no netCDF file"),
     (MOTION.replace("x.nc", "pipe"), "pipe"),
     ("simulate --scene scene.yaml --out to_scene", "reads"),
-]
+    *((words, "belongs to the workflow") for words in (
+        "figure 8.3 --out results/datasets", "figure 8.3 --out results/figures", "figure 8.3 --out results/checks",
+        MOTION.replace("x.nc", "results/datasets/file.nc"), MAP.replace("x.nc", "results/attraction/map.nc"),
+        "sweep --over mass=1:20:2 --out results/datasets/file.nc",
+        f"{MAP} --figure results/figures/attraction.png",
+        "chart --x mass=1:20:2 --y axial_force=-60:60:2 --out results/chart/chart.nc",
+        "follow --over mass=10.2:14 --set mass=11 --out results/datasets/file.nc",
+        "resilience --over axial_force=-33:-1:2 --out results/datasets/file.nc",
+        "assess sheet.yaml --out results/assessments/sheet",
+    )),
+]  # fmt: skip
 # Files of scenes.
 SCENES = [
     ("drive: {mass: [1\n", "not valid YAML"),
@@ -258,6 +268,7 @@ PYTHON = [
 def folder(tmp_path, monkeypatch):
     """Put files, links and a pipe into the folder in which all is run: nothing in it may change."""
     (tmp_path / "folder").mkdir()
+    (tmp_path / "Snakefile").touch()
     (tmp_path / "scene.yaml").write_text("start: {u: 0.1, w: 0}\nduration: 1\n")
     (tmp_path / "text").write_text("my thesis")
     (tmp_path / "to_scene").symlink_to("scene.yaml")
