@@ -35,15 +35,14 @@ from mpmath import mp, mpf
 from references.exponential_sums import UNIT, Function, TrueArc, affine, first_root, summed
 
 
-class FourStatesLaws:
+class FourStatesDrive:
     """Parameters p (SI units, keys of the library); ``frictions`` names those of F_0 and T_0 that are there.
 
-    State: u, w, and the deviation of x_1 or theta_2 from steady sliding, or e, with its rate. The reference derives
-    from it, and says how equations are solved and functions of the state become rows, and whether a mode lasts.
+    State: u, w, and the deviation of x_1 or theta_2 from steady sliding, or e, with its rate. Modes are made once.
     """
 
     def __init__(self, model, parameters, frictions=()):
-        self.model = model
+        self.model, self.known, self.solved, self.inverses = model, {}, {}, {}
         self.p = p = {key: mpf(value) for key, value in parameters.items()}
         self.cos, self.sin, self.tan = (f(p["lead_angle"]) for f in (mp.cos, mp.sin, mp.tan))
         self.F0, self.T0 = (p.get(name, 0) * (name in frictions) for name in ("slide_friction", "bearing_friction"))
@@ -94,7 +93,7 @@ class FourStatesLaws:
             return -p["support_stiffness"] * (self.q0 + x[2]) - p["axial_support_damping"] * x[3]
         return -p["nut_stiffness"] * (self.q0 + x[2]) - p["nut_damping"] * x[3]
 
-    def forces(self, mode, x, along=None):
+    def forces_of_bodies(self, mode, x, along=None):
         """Solve for (theta'', second acceleration, N, f, T_0 friction, F_0 friction) at a state."""
         p, (d, q, a) = self.p, mode
         (screw, other, nut), slip = self.bodies()
@@ -185,6 +184,51 @@ class FourStatesLaws:
         sign = 1 if jump[2] > 0 else -1
         assert sign * speed > 0
         return self.tie(x + np.array([0, jump[0], 0, jump[1]]), {0}), sign
+
+    def solve(self, rows, sides):
+        """Linear equations, with zero where an unknown is nothing but rounding; the matrices are few."""
+        key = tuple(map(tuple, rows))
+        if key not in self.inverses:
+            self.inverses[key] = _inverse(mp.matrix(rows))
+        inverse = self.inverses[key]
+        return [summed(*(inverse[i, j] * side for j, side in enumerate(sides))) for i in range(len(sides))]
+
+    def forces(self, mode, x, along=None):
+        """Accelerations and forces at a state, from the affine functions of it that they are; solved once a mode."""
+        key = mode, along
+        if key not in self.solved:
+            self.solved[key] = affine(lambda y: self.forces_of_bodies(mode, y, along))
+        return [_at(row, x) for row in self.solved[key]]
+
+    def row(self, function):
+        return np.array(affine(lambda x: [function(x)])[0])
+
+    def row_of_field(self, mode):
+        return affine(lambda x: self.field(mode, x))
+
+    def mode(self, mode):
+        if mode not in self.known:
+            self.known[mode] = FourStatesMode(self, mode)
+        return self.known[mode]
+
+    def lasts(self, mode, x, zero):
+        d, _, a = mode
+        slip, second = self.speeds(x)[:2]
+        if d and 0 not in zero and d * slip < 0:  # the usual reason, seen without making the mode
+            return False
+        if a and 1 not in zero and a * second < 0:
+            return False
+        return self.mode(mode).lasts(x, zero)
+
+    def cornered(self, x):
+        """The state after a seizure; where the next ones lead to the corner at which N is zero, it is put there.
+
+        Without a load, N is zero where the speed of slip stays zero. Each seizure squares the distance from there.
+        """
+        row = self.mode((1, -1, None)).rows[1]
+        if self.p["axial_force"] == 0 == self.along and abs(_at(row, x)) < _CORNER * _size(row, [*map(abs, x)]):
+            put_on_zero(row, x)
+        return x
 
 
 SPARE_DIGITS = 30  # extra working digits beyond the dps asked for
@@ -348,57 +392,6 @@ def _inverse(matrix):
 
 def _size(row, x):
     return sum((abs(g) * c for g, c in zip(row[:4], x, strict=True)), abs(row[4]))
-
-
-class FourStatesDrive(FourStatesLaws):
-    def __init__(self, model, parameters, frictions=()):
-        super().__init__(model, parameters, frictions)
-        self.known, self.solved, self.inverses = {}, {}, {}
-
-    def solve(self, rows, sides):
-        """Linear equations, with zero where an unknown is nothing but rounding; the matrices are few."""
-        key = tuple(map(tuple, rows))
-        if key not in self.inverses:
-            self.inverses[key] = _inverse(mp.matrix(rows))
-        inverse = self.inverses[key]
-        return [summed(*(inverse[i, j] * side for j, side in enumerate(sides))) for i in range(len(sides))]
-
-    def forces(self, mode, x, along=None):
-        """Accelerations and forces at a state, from the affine functions of it that they are; solved once a mode."""
-        key = mode, along
-        if key not in self.solved:
-            self.solved[key] = affine(lambda y: super(FourStatesDrive, self).forces(mode, y, along))
-        return [_at(row, x) for row in self.solved[key]]
-
-    def row(self, function):
-        return np.array(affine(lambda x: [function(x)])[0])
-
-    def row_of_field(self, mode):
-        return affine(lambda x: self.field(mode, x))
-
-    def mode(self, mode):
-        if mode not in self.known:
-            self.known[mode] = FourStatesMode(self, mode)
-        return self.known[mode]
-
-    def lasts(self, mode, x, zero):
-        d, _, a = mode
-        slip, second = self.speeds(x)[:2]
-        if d and 0 not in zero and d * slip < 0:  # the usual reason, seen without making the mode
-            return False
-        if a and 1 not in zero and a * second < 0:
-            return False
-        return self.mode(mode).lasts(x, zero)
-
-    def cornered(self, x):
-        """The state after a seizure; where the next ones lead to the corner at which N is zero, it is put there.
-
-        Without a load, N is zero where the speed of slip stays zero. Each seizure squares the distance from there.
-        """
-        row = self.mode((1, -1, None)).rows[1]
-        if self.p["axial_force"] == 0 == self.along and abs(_at(row, x)) < _CORNER * _size(row, [*map(abs, x)]):
-            put_on_zero(row, x)
-        return x
 
 
 def put_on_zero(row, x):
