@@ -131,11 +131,8 @@ def test_simulate_is_that_of_the_function(kind):
     for given in (drive, drive.model_dump()):
         xr.testing.assert_identical(motion, lsvib.simulate({**scene, "drive": given}))
     xr.testing.assert_identical(motion, lsvib.simulate(lsvib.Scene(**scene, drive=drive)))
-    found = drive.steady_state(START)
-    assert (
-        found.label
-        == steady_state(drive.automaton(), drive._scene(START, 1.0).definition.initial_state(drive, START)).label
-    )
+    begin = drive._scene(START, 1.0).definition.initial_state(drive, START)
+    assert drive.steady_state(START).label == steady_state(drive.automaton(), begin).label
 
 
 def test_attraction_is_that_of_the_command(run, tmp_path):

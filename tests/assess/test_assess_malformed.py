@@ -286,9 +286,8 @@ def test_a_flank_angle_raises_friction_as_in_the_force_balance():
     normal *= math.copysign(1, normal[2]) / np.linalg.norm(normal)
     force = normal - mu * along  # of the screw on the nut's flank when lifting
     eta = math.tan(lead_angle) * force[2] / -force[1]
-    assert lifting_efficiency(square_coefficient(mu, lead_angle, half_angle), lead_angle) == pytest.approx(
-        eta, rel=1e-14
-    )
+    square = square_coefficient(mu, lead_angle, half_angle)
+    assert lifting_efficiency(square, lead_angle) == pytest.approx(eta, rel=1e-14)
 
 
 SLOW = {"speed": "10 rad/s", "direction": "out"}
@@ -329,7 +328,6 @@ def test_a_flank_angle_raises_all_of_the_law_alike(exponent):
     assert (drive.stribeck_speed, drive.stribeck_exponent) == (0.013704, exponent)
     parameters, slope = point(given, values, 1, 3.0, 20.0)
     speed = friction.steady_speed(drive.replace(input_speed=3.0).exact())
-    assert parameters["friction_coefficient"] == pytest.approx(
-        float(friction.coefficient(drive.exact(), speed)), rel=1e-14
-    )
+    expected = float(friction.coefficient(drive.exact(), speed))
+    assert parameters["friction_coefficient"] == pytest.approx(expected, rel=1e-14)
     assert slope == pytest.approx(float(friction.unbounded(drive.exact(), speed)[1]), rel=1e-14)

@@ -247,12 +247,9 @@ def test_derivatives_are_those_of_the_closed_forms():
     c = coefficients(drive_of(given, values, *corners(given, values)[0]))
     inertia = 3.12e-6
     turned = inertia - float(c.gamma[1])
-    assert found["kinematic_constraint"]["mass"] == pytest.approx(
-        -2 * inertia * turned / (inertia + turned) ** 2, rel=1e-12
-    )
-    assert found["kinematic_constraint"]["inertia"] == pytest.approx(
-        2 * inertia * turned / (inertia + turned) ** 2, rel=1e-12
-    )
+    slope = 2 * inertia * turned / (inertia + turned) ** 2
+    assert found["kinematic_constraint"]["mass"] == pytest.approx(-slope, rel=1e-12)
+    assert found["kinematic_constraint"]["inertia"] == pytest.approx(slope, rel=1e-12)
     supported, quantities = random_sheet(7, support=True), ["mass", "friction", "lead", "pitch_diameter"]
     law = sheet(friction=LAW, operation={"speed": "10 rad/s"}, load={"mass": "1 kg", "force": "-60 N"})
     of_law = ["friction", "stribeck_rise", "stribeck_speed", "friction_slope"]

@@ -369,9 +369,8 @@ def test_vibration_that_starts_from_rest_alone_is_seen():
 
 
 def test_the_row_of_vibration_says_what_was_drawn():
-    found = assess(
-        sheet_of(UNDAMPED, operation={"speed": "10 mm/s"}, damping={"rotational": "1e-3 N*m*s/rad"}), samples=64
-    )
+    given = sheet_of(UNDAMPED, operation={"speed": "10 mm/s"}, damping={"rotational": "1e-3 N*m*s/rad"})
+    found = assess(given, samples=64)
     assert rows(found)[0][2] == "steady in all drives that were drawn"
 
 

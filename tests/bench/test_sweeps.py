@@ -62,9 +62,8 @@ def test_faults_that_the_sweeps_found(name):
 
 def test_nothing_is_zero_by_a_coordinate_that_hardly_moves_it():
     """N = 0 was met by moving v, which moves N 1e5 times less than e does: 2e-9 of v after ten reversals, now 3e-11."""
-    drive = threads_drive(
-        mass=10.2, axial_force=10.0, contact_stiffness=33292493092958.695, contact_damping=1225.490850333786
-    )
+    own = {"contact_stiffness": 33292493092958.695, "contact_damping": 1225.490850333786}
+    drive = threads_drive(mass=10.2, axial_force=10, **own)
     start = (0.028173126284128852, -113.38366059359736, 0.0, 0.0)
     outcome = judge(Case(CaseFamily.CONTACT, 13.5, drive, start, 1.01245e-05), np.random.default_rng(0))
     assert (outcome.verdict, outcome.events) == (Verdict.RIGHT, 10)

@@ -83,9 +83,8 @@ def test_simulate(run, tmp_path):
         own = drive.simulate({"u": 0.1, "w": 0.0}, 0.1, samples=21)
         assert all((data[name].values == own[name].values).all() for name in own.variables)
         assert json.loads(data.attrs["parameters"])["mass"] == 11
-        kinds = dict(
-            zip(data["event_kind"].attrs["flag_meanings"].split(), data["event_kind"].attrs["flag_values"], strict=True)
-        )
+        flags = data["event_kind"].attrs
+        kinds = dict(zip(flags["flag_meanings"].split(), flags["flag_values"], strict=True))
         counted = {name: int(np.sum(data["event_kind"] == value)) for name, value in kinds.items()}
     assert {name: n for name, n in counted.items() if n} == summary["events"]
     assert sorted(path.name for path in tmp_path.iterdir()) == ["m.nc"]
@@ -102,10 +101,8 @@ def test_simulate_from_a_scene_file(run, tmp_path):
         "drive: {mass: 11, support_damping: 1.0e-3, axial_force: -10}\nstart: {u: 0.1, w: 0}\nduration: 9\n"
     )
     direct = json.loads(run("simulate", *MOTION, "--out", "a.nc", "--json")[1])
-    assert (
-        json.loads(run("simulate", "--scene", "scene.yaml", "--duration", "0.1", "--out", "b.nc", "--json")[1])
-        == direct
-    )
+    scene = run("simulate", "--scene", "scene.yaml", "--duration", "0.1", "--out", "b.nc", "--json")[1]
+    assert json.loads(scene) == direct
 
 
 def test_command_and_python_make_the_same_file(run, tmp_path):

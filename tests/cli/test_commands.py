@@ -65,10 +65,8 @@ def test_a_threshold_solved_for_a_parameter(run):
     text = run(*arguments)[1]
     assert text.startswith("kinematic_constraint: 2 solutions for lead_angle. All of them: ")
     for solution in found.solutions:
-        assert (
-            f"lead_angle = {solution.value!r} rad, between {solution.enclosure[0]!r} and {solution.enclosure[1]!r}\n"
-            in text
-        )
+        low, high = solution.enclosure
+        assert f"lead_angle = {solution.value!r} rad, between {low!r} and {high!r}\n" in text
         assert f"  d/d mass = {solution.derivatives['mass'].value:.12g} rad kg-1\n" in text
     onset = ("thresholds", *GIVEN["threads"], "--set", "mass=9", "--solve", "onset", "--for", "contact_damping")
     own = threads_drive(mass=9).stability().quantities["least_contact_damping"].value

@@ -74,9 +74,7 @@ def test_pure_slip_cycle(force, side):
     reference = attractor(NEGATIVE_DAMPING.replace(axial_force=25.0), (0.002, 0.0))
     # R̃ = R − onset is formed in double here: eps · 20 N / R̃.
     rounding = 100 * flow_planar.EPS * onset / (force - onset)
-    assert cycle.amplitude / (force - onset) == pytest.approx(
-        reference.amplitude / (25.0 - onset), rel=rounding + 1e-13
-    )
+    assert cycle.amplitude / (force - onset) == pytest.approx(reference.amplitude / (25 - onset), rel=rounding + 1e-13)
     assert cycle.period == pytest.approx(reference.period, rel=1e-13, abs=0)
 
 
@@ -102,9 +100,7 @@ def test_sprag_slip_of_both_kinds():
     assert Event.RELEASE in resting.orbit.kind
 
 
-@pytest.mark.parametrize(
-    "drive", [Drive(), NEGATIVE_DAMPING.replace(axial_force=18.0), PARADOX.replace(axial_force=-50.0)]
-)
+@pytest.mark.parametrize("drive", [Drive(), NEGATIVE_DAMPING.replace(axial_force=18), PARADOX.replace(axial_force=-50)])
 def test_steady_sliding_attracts(drive):
     found = attractor(drive)
     assert found.label == Attractor.STEADY_SLIDING

@@ -23,9 +23,8 @@ NEAR_THRESHOLDS = {
 
 
 def many_of(drives) -> ManyDrives:
-    return ManyDrives(
-        {name: [getattr(drive, name) for drive in drives] for name in Drive.model_fields if name not in PART_OF}
-    )
+    names = [name for name in Drive.model_fields if name not in PART_OF]
+    return ManyDrives({name: [getattr(drive, name) for drive in drives] for name in names})
 
 
 def test_tables_are_those_of_one_drive():

@@ -207,9 +207,8 @@ def test_first_root_against_mpmath(name, state, part_u, part_w, level, angle):
     assert values.min() >= -rounding
     if found == Found.CROSSING:
         step = (abs(t) + 1 / rate_of(row)) * 1e-9
-        slope = float(value(CASES[name], state, guard, t + step) - value(CASES[name], state, guard, t - step)) / (
-            2 * step
-        )
+        ahead, behind = (value(CASES[name], state, guard, t + way * step) for way in (1, -1))
+        slope = float(ahead - behind) / (2 * step)
         residual = abs(float(value(CASES[name], state, guard, t)))
         assert residual <= rounding + 4 * EPS * t * abs(slope) + abs(slope) * step * 1e-6
     elif found == Found.NONE:

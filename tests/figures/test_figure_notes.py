@@ -69,9 +69,8 @@ SIDES = {
 def test_the_sides_of_the_line_have_the_sign_of_the_contact_force(words):
     """Against the two forces of (8.17) themselves; where two solve, a motion takes law −."""
     drive = Drive.of(SIDES[words])
-    case = phase_plane.portraits({"starts": [{"u": 0.01, "w": 0.0}], "duration": 0.01, "samples": 200}, [drive]).isel(
-        case=0
-    )
+    settings = {"starts": [{"u": 0.01, "w": 0.0}], "duration": 0.01, "samples": 200}
+    case = phase_plane.portraits(settings, [drive]).isel(case=0)
     axes = style.new_figure().add_subplot()
     axes.set(xlim=(-0.15, 0.15), ylim=(-120, 120))
     drawn.guide(axes, case)
@@ -164,9 +163,8 @@ def test_rebound_force_of_an_overdamped_contact(stiffness, axial_force):
     base = Drive.of(mass=15.0, axial_force=axial_force, support_damping=2e-3)
     damping, speed = 40 * math.sqrt(stiffness * base.mass), 80.0
     drive = base.replace(contact_stiffness=stiffness, contact_damping=damping)
-    (impact,) = (
-        x for x in stiff_limit.impacts(base, speed) if x.sign > 0 and x.region == Region.IN_BAND_FORCE_POSITIVE
-    )
+    there = Region.IN_BAND_FORCE_POSITIVE
+    (impact,) = (x for x in stiff_limit.impacts(base, speed) if x.sign > 0 and x.region == there)
     automaton = automaton_of(drive)
     motion = follow(automaton, seated_state(drive, impact.u, impact.w), 7e-4)
     (stop,) = np.flatnonzero(motion.kind == Event.STICK)

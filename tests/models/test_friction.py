@@ -129,9 +129,8 @@ def test_a_pairing_makes_a_drive(name):
         drive = kind(friction=name)
         assert drive == kind(**one.parameters())
         assert one.low <= drive.friction_coefficient <= one.high
-        assert kind(mass=2, **LAW, static_friction_coefficient=0.4).replace(friction=name) == kind(
-            mass=2, friction=name
-        )
+        other = kind(mass=2, **LAW, static_friction_coefficient=0.4).replace(friction=name)
+        assert other == kind(mass=2, friction=name)
     assert Drive.of({"friction": name, "mass": "2"}) == Drive.of(changed({**LAW, "mass": 2}, {"friction": name}))
 
 

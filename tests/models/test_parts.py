@@ -45,9 +45,7 @@ MOTOR = {
 }  # fmt: skip
 LAWS = (  # of friction: constant, higher at rest, rising towards slow sliding, with a slope, both
     {}, {"static_friction_coefficient": uniform(1.2, 1.6)},
-    RISE := {
-        "stribeck_rise": uniform(0.0, 0.1), "stribeck_speed": power(-2.3, -0.5), "stribeck_exponent": one_of(1, 2)
-    },
+    RISE := {"stribeck_rise": uniform(0, 0.1), "stribeck_speed": power(-2.3, -0.5), "stribeck_exponent": one_of(1, 2)},
     SLOPE := {"friction_slope": uniform(-0.5, 0.3)}, RISE | SLOPE,
 )  # fmt: skip
 COLLAR = {"collar_friction": uniform(0.05, 0.3), "collar_radius": power(-2.6, -1.9)}
@@ -145,9 +143,7 @@ def test_a_stiff_part_tends_to_the_drive_without_it(part):
     other = {name: value for one in PARTS if one != part for name, value in STIFF[one].items()}
     base, apart = Drive(mass=1.5, translation_damping=500.0, axial_force=30.0, **other), []
     for factor in (1.0, 1e3):
-        own = {
-            name: value if name.endswith(("mass", "inertia")) else value * factor for name, value in STIFF[part].items()
-        }
+        own = {name: x if name.endswith(("mass", "inertia")) else x * factor for name, x in STIFF[part].items()}
         apart.append(np.abs(moved(base.replace(**own)) - moved(base)).max())
     assert apart[1] < 2e-3 * apart[0]
 

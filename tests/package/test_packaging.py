@@ -29,9 +29,8 @@ from lsvib.figures.configuration import default_figures
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-PINS = dict(
-    line.split("==") for line in (ROOT / "requirements.txt").read_text(encoding="utf-8").splitlines() if "==" in line
-)
+LINES = (ROOT / "requirements.txt").read_text(encoding="utf-8").splitlines()
+PINS = dict(line.split("==") for line in LINES if "==" in line)
 
 
 def normal(text: str) -> str:

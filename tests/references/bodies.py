@@ -173,9 +173,7 @@ class Bodies:
             broken += [-mode["slip"] * found["slip"] / speed, -mode["contact"] * found["n"] / force]
         else:
             broken.append(abs(found["slip"]) / speed)
-            tied = {
-                body: p[f"{body}_friction"] for body in ("bearing", "slide") if body in mode and not self.free(body)
-            }
+            tied = {b: p[f"{b}_friction"] for b in ("bearing", "slide") if b in mode and not self.free(b)}
             for way in (1, -1):
                 load = p["axial_force"] - way * p["slide_friction"] if "slide" in tied else found["n"]
                 law = math.copysign(1, way * load)

@@ -114,9 +114,8 @@ def test_onset_by_every_parameter(model):
             ends = [math.atan(x) if key == "lead_angle" else x for x in ends]
             ends = [end for end in ends if end]
             own = getattr(drive, key) or 1.0
-            places = [own * x for x in (0.3, 0.9, 1.2, 4.0)] + [
-                end * (1 + side * 1e-7) for end in ends for side in (-1, 1)
-            ]
+            places = [own * x for x in (0.3, 0.9, 1.2, 4.0)]
+            places += [end * (1 + side * 1e-7) for end in ends for side in (-1, 1)]
             for value in places:
                 seen |= {(key, found)} if (found := judged(model, drive, key, value, stable)) is not None else set()
             if (solved := solutions(drive, key)) is not None:
@@ -242,9 +241,7 @@ def test_stability_is_asked_within_the_range():
 
 
 def test_next_to_nothing_of_a_rise_parts_no_double_roots():
-    drive = threads_drive(
-        stribeck_rise=0.01, stribeck_speed=1e-6, contact_damping=0.0, axial_force=5.0, input_speed=2.0
-    )
+    drive = threads_drive(stribeck_rise=0.01, stribeck_speed=1e-6, contact_damping=0, axial_force=5, input_speed=2.0)
     level = drive.replace(stribeck_rise=0.0, stribeck_speed=0.0)
     for key in ("friction_coefficient", "mass"):
         one, other = (all_thresholds(d, key)["onset"] for d in (drive, level))

@@ -94,10 +94,8 @@ def random_drive(seed: int) -> Drive:
     }
     static = values["friction_coefficient"] * rng.uniform(1.2, 1.6)
     if seed % 2:
-        values["stribeck_rise"], values["stribeck_speed"] = (
-            static - values["friction_coefficient"],
-            10 ** rng.uniform(-3, -2),
-        )
+        values["stribeck_rise"] = static - values["friction_coefficient"]
+        values["stribeck_speed"] = 10 ** rng.uniform(-3, -2)
     else:
         values["static_friction_coefficient"] = static
         values |= {"slide_friction": 0.1, "bearing_friction": 1e-4} if rng.random() < 0.3 else {}

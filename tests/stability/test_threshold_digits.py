@@ -288,9 +288,8 @@ def wide_drive_of(rng, kind: str) -> Drive:
             away = decades(rng, -4, 2) if kind == "damped" else -decades(rng, -4, 0)
             values["screw_inertia"] = plus * arm * values["mass"] * (1 + away)
             if kind == "damped":
-                values["support_damping"] *= rng.random() < 0.8 and plus * arm * damping / (
-                    1 + values["support_damping"]
-                )
+                share = plus * arm * damping / (1 + values["support_damping"])
+                values["support_damping"] *= rng.random() < 0.8 and share
             # Damping ratios from weak to overdamped.
             law = plus if kind == "damped" else -minus
             inertia = values["screw_inertia"] - law * arm * values["mass"]

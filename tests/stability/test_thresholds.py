@@ -177,9 +177,8 @@ def test_forces_are_those_of_the_functions(sense):
             assert not found.several
             expected = threshold_force(drive, name)
             assert abs(found.value - expected) <= math.ulp(expected)
-            assert (
-                found.enclosure[0] <= found.value <= found.enclosure[1] <= math.nextafter(found.enclosure[0], math.inf)
-            )
+            low, high = found.enclosure
+            assert low <= found.value <= high <= math.nextafter(low, math.inf)
 
 
 def test_critical_values_are_those_of_the_closed_forms():
