@@ -164,7 +164,7 @@ def wide_drive(model: str, seed: int, index: int, starts: int) -> WideDrive:
     if model == "rigid":
         drive = Drive.of(values)
         return WideDrive(drive, (), _starts(rng, drive, starts))
-    drive, physics = _OTHERS[model](rng, values)
+    drive, physics = _with_part(rng, model, values)
     return WideDrive(drive, physics, _states(rng, drive, starts))
 
 
@@ -176,9 +176,9 @@ def decades(rng, low: float, high: float) -> float:
     return 10.0 ** rng.uniform(low, high)
 
 
-def _zero_or(rng, share: float, low: float, high: float) -> float:
-    """Draw zero in a share of all draws, else a number whose decimal logarithm is uniform between two bounds."""
-    return 0.0 if rng.random() < share else decades(rng, low, high)
+def _zero_or(share: float, low: float, high: float) -> Draw:
+    """Zero in a share of all draws, else a number whose decimal logarithm is uniform between two bounds."""
+    return lambda rng: 0.0 if rng.random() < share else decades(rng, low, high)
 
 
 def heaviest(values: dict[str, float], inertia: float) -> float:
@@ -192,50 +192,38 @@ def rigid_values(rng: np.random.Generator) -> dict[str, float]:
     """Draw the parameters of a rigid drive over decades; dampings and axial force are zero in a share of the drives."""
     lead = math.radians(decades(rng, math.log10(0.5), math.log10(45.0)))
     friction = decades(rng, -3, math.log10(0.9)) if rng.random() < 0.5 else rng.uniform(0.001, 0.9)
-    force = sign(rng) * _zero_or(rng, _ZERO_FORCE, -3, 6)
-    return {
-        "pitch_radius": decades(rng, -3, math.log10(0.05)),
-        "lead_angle": lead,
-        "friction_coefficient": min(friction, 0.999 / math.tan(lead)),
-        "mass": decades(rng, -2, 4),
-        "screw_inertia": decades(rng, -9, 1),
-        "coupling_stiffness": decades(rng, -3, 6),
-        "support_damping": _zero_or(rng, _ZERO_DAMPING, -9, 2),
-        "translation_damping": _zero_or(rng, _ZERO_DAMPING, -4, 6),
-        "axial_force": force,
-        "input_speed": sign(rng) * decades(rng, -2, 4),
-    }
+    force = sign(rng) * _zero_or(_ZERO_FORCE, -3, 6)(rng)
+    return drawn(
+        rng, pitch_radius=power(-3, math.log10(0.05)), lead_angle=lead,
+        friction_coefficient=min(friction, 0.999 / math.tan(lead)), mass=power(-2, 4), screw_inertia=power(-9, 1),
+        coupling_stiffness=power(-3, 6), support_damping=_zero_or(_ZERO_DAMPING, -9, 2),
+        translation_damping=_zero_or(_ZERO_DAMPING, -4, 6), axial_force=force, input_speed=signed(power(-2, 4)),
+    )  # fmt: skip
 
 
-def _threads(rng, values: dict[str, float]) -> tuple[Drive, tuple[str, ...]]:
-    values |= {"contact_stiffness": decades(rng, 3, 12), "contact_damping": _zero_or(rng, _ZERO_DAMPING, -2, 9)}
-    return threads_drive(values), ()
+_OTHERS = {
+    "threads": {"contact_stiffness": power(3, 12), "contact_damping": _zero_or(_ZERO_DAMPING, -2, 9)},
+    "support": {
+        "screw_mass": power(-2, 4), "support_stiffness": power(2, 10),
+        "axial_support_damping": _zero_or(_ZERO_DAMPING, -2, 8),
+    },
+    "nut": {
+        "nut_inertia": power(-9, 1), "nut_stiffness": power(-3, 6), "nut_damping": _zero_or(_ZERO_DAMPING, -9, 2),
+    },
+}  # fmt: skip
 
 
-def _support(rng, values: dict[str, float]) -> tuple[Drive, tuple[str, ...]]:
-    values |= {
-        "screw_mass": decades(rng, -2, 4),
-        "support_stiffness": decades(rng, 2, 10),
-        "axial_support_damping": _zero_or(rng, _ZERO_DAMPING, -2, 8),
-    }
-    physics = _frictions(rng, values)
-    if "slide_friction" in physics:  # only up to this mass is the motion determined
+def _with_part(rng, model: str, values: dict[str, float]) -> tuple[Drive, tuple[str, ...]]:
+    """A drive with a part and its frictions; only up to some mass is the motion with them determined."""
+    values |= drawn(rng, _OTHERS[model])
+    physics = _frictions(rng, values) if model != "threads" else ()
+    if model == "support" and "slide_friction" in physics:
         share = decades(rng, -3, -0.01)
         values["screw_mass"] = min(values["screw_mass"], share * heaviest(values, values["screw_inertia"]))
-    return support_drive(values), physics
-
-
-def _nut(rng, values: dict[str, float]) -> tuple[Drive, tuple[str, ...]]:
-    values |= {
-        "nut_inertia": decades(rng, -9, 1),
-        "nut_stiffness": decades(rng, -3, 6),
-        "nut_damping": _zero_or(rng, _ZERO_DAMPING, -9, 2),
-    }
-    physics = _frictions(rng, values)
-    if "bearing_friction" in physics:
+    elif model == "nut" and "bearing_friction" in physics:
         inertia = 1 / (1 / values["screw_inertia"] + 1 / values["nut_inertia"])
         values["mass"] = min(values["mass"], decades(rng, -3, -0.01) * heaviest(values, inertia))
-    return nut_drive(values), physics
+    return DRIVES[model](values), physics
 
 
 def _frictions(rng, values: dict[str, float]) -> tuple[str, ...]:
@@ -292,9 +280,6 @@ def _starts(rng, drive: Drive, count: int) -> np.ndarray:
             u, w = 1e-8 * u, 1e-8 * w
         found[k] = (0.0, 0.0) if place == "equilibrium" else (u, w)
     return found
-
-
-_OTHERS = {"threads": _threads, "support": _support, "nut": _nut}
 
 
 OFFERED = ("threads", "support", "nut")
