@@ -12,8 +12,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lsvib import Drive
 from lsvib.models import chapter
-from lsvib.models.drive import PART_OF, PARTS, Drive
+from lsvib.models.drive import PART_OF, PARTS
 from lsvib.models.mechanics import friction_factor
 from references.rigid_digits import RigidTrueDrive
 
