@@ -129,12 +129,12 @@ def jerks_just_below(seeds) -> int:
 
 
 def test_below_it_the_motion_sticks_for_ever():
-    assert jerks_just_below(range(8)) >= 6
+    assert jerks_just_below(range(5)) >= 4
 
 
 @pytest.mark.slow
 def test_below_it_the_motion_sticks_for_ever_in_fifty_drives():
-    assert jerks_just_below(range(100, 170)) >= 50
+    assert jerks_just_below([*range(5, 8), *range(100, 170)]) >= 52
 
 
 @pytest.mark.parametrize("parts", [(), *((part,) for part in PARTS), tuple(PARTS)], ids=" and ".join)
