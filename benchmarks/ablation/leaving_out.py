@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from references.parts import support_drive
+from references.drives import support_drive
 
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.exact.modal_form import linear_mode, modal_flow

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
-from references.parts import threads_drive
+from references.drives import threads_drive
 
 from lsvib.engine.automaton import Automaton
 from lsvib.models.drive import Drive

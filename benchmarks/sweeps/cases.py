@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
-from references.wide_drives import power, rigid_values, sign
+from references.drives import decades, rigid_values, sign
 
 from benchmarks.sweeps import cases_four_states
 from benchmarks.sweeps.families import Case, CaseFamily
@@ -38,9 +38,9 @@ def _some_drive(rng, **fixed) -> Drive:
     values = {
         "mass": rng.uniform(0.5, 30.0),
         "friction_coefficient": rng.uniform(0.05, 0.5),
-        "axial_force": sign(rng) * power(rng, 0.0, 2.3),
+        "axial_force": sign(rng) * decades(rng, 0.0, 2.3),
         "input_speed": sign(rng) * rng.uniform(5.0, 80.0),
-        "support_damping": support * power(rng, -4.5, -2.0),
+        "support_damping": support * decades(rng, -4.5, -2.0),
         "translation_damping": translation * rng.uniform(50.0, 2000.0),
     }
     return Drive.of(values | fixed)

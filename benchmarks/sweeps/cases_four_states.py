@@ -4,9 +4,8 @@ import math
 
 import numpy as np
 from mpmath import mp
+from references.drives import decades, heaviest, nut_drive, sign, support_drive, threads_drive
 from references.four_states_digits import FourStatesDrive
-from references.parts import nut_drive, support_drive, threads_drive
-from references.wide_drives import heaviest, power, sign
 
 from benchmarks.sweeps.families import Case, CaseFamily
 from lsvib.models.drive import DRY, Drive
@@ -20,8 +19,8 @@ _STARTS = ("anywhere", "slip", "second", "both", "contact", "steady")
 
 def contact(rng) -> Case:
     """k_c and c_c from 1e3 to 1e14, with c_c / k_c up to 3 h: the engine refuses a contact that creeps more slowly."""
-    stiffness = power(rng, 3, 14)
-    damping = power(rng, 3, min(14, math.log10(stiffness) + 4))
+    stiffness = decades(rng, 3, 14)
+    damping = decades(rng, 3, min(14, math.log10(stiffness) + 4))
     mass, force = rng.choice([5.0, 10.2, 11.0, 15.0]), rng.choice([100.0, 10.0, -50.0])
     drive = threads_drive(mass=mass, axial_force=force, contact_stiffness=stiffness, contact_damping=damping)
     # So many radians of the contact where it vibrates, else of the drive.
@@ -37,11 +36,11 @@ def support(rng) -> Case:
     physics, values = _FRICTIONS[rng.integers(4)], _common(rng)
     level = rng.uniform(2, 12)
     values |= {
-        "screw_mass": power(rng, -2, 3),
+        "screw_mass": decades(rng, -2, 3),
         "support_stiffness": 10.0**level,
-        "axial_support_damping": rng.integers(2) * power(rng, -2, 8),
+        "axial_support_damping": rng.integers(2) * decades(rng, -2, 8),
     }
-    share = power(rng, -3, -0.01)
+    share = decades(rng, -3, -0.01)
     if "slide_friction" in physics:  # only up to this mass is the motion determined
         values["screw_mass"] = min(values["screw_mass"], share * heaviest(values, values["screw_inertia"]))
     drive = support_drive(values)
@@ -55,11 +54,11 @@ def nut(rng) -> Case:
     physics, values = _FRICTIONS[rng.integers(4)], _common(rng)
     level = rng.uniform(-3, 5)
     values |= {
-        "nut_inertia": power(rng, -8, -2),
+        "nut_inertia": decades(rng, -8, -2),
         "nut_stiffness": 10.0**level,
-        "nut_damping": rng.integers(2) * power(rng, -8, 0),
+        "nut_damping": rng.integers(2) * decades(rng, -8, 0),
     }
-    share = power(rng, -3, -0.01)
+    share = decades(rng, -3, -0.01)
     if "bearing_friction" in physics:
         inertia = 1 / (1 / values["screw_inertia"] + 1 / values["nut_inertia"])
         values["mass"] = min(values["mass"], share * heaviest(values, inertia))
@@ -72,14 +71,14 @@ def _common(rng) -> dict[str, float]:
     defaults = dict(Drive())
     return {
         **defaults,
-        "mass": power(rng, -1, 1.7),
+        "mass": decades(rng, -1, 1.7),
         "friction_coefficient": rng.uniform(0.02, 0.5),
-        "axial_force": sign(rng) * power(rng, -1, 2.5),
-        "input_speed": sign(rng) * power(rng, 0, 2),
-        "support_damping": power(rng, -5, -2),
-        "translation_damping": rng.integers(2) * power(rng, 0, 3.5),
-        "slide_friction": power(rng, -2, 2.5),
-        "bearing_friction": power(rng, -4, 0),
+        "axial_force": sign(rng) * decades(rng, -1, 2.5),
+        "input_speed": sign(rng) * decades(rng, 0, 2),
+        "support_damping": decades(rng, -5, -2),
+        "translation_damping": rng.integers(2) * decades(rng, 0, 3.5),
+        "slide_friction": decades(rng, -2, 2.5),
+        "bearing_friction": decades(rng, -4, 0),
     }
 
 

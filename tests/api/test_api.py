@@ -1,4 +1,7 @@
-"""The public interface: drives are values, methods do what the commands and functions do, nothing heavy is loaded."""
+"""The public interface: drives are values, methods do what the commands and functions do, nothing heavy is loaded.
+
+Parameters of parts and frictions against the ground are varied from a drive that does not have them.
+"""
 
 import ast
 import copy
@@ -16,8 +19,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from references.command_line import DRIVE, GRID
-from references.parts import DRIVES, nut_drive, support_drive, threads_drive
-from references.wide_drives import MODELS, wide_drive
+from references.drives import DRIVES, MODELS, NEAR_FOLD, PARADOX, nut_drive, support_drive, threads_drive, wide_drive
 
 import lsvib
 from lsvib import api
@@ -28,7 +30,6 @@ from lsvib.models.drive import Drive
 from lsvib.models.rigid import rigid_automaton
 
 ROOT = Path(__file__).parents[2]
-PARADOX = {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0}
 START = {"u": 0.1, "w": 0.0}
 WINDOW = {"u": (-0.1, 0.1, 40), "w": (-80.0, 80.0, 30)}
 
@@ -130,16 +131,13 @@ def test_simulate_is_that_of_the_function(kind):
     for given in (drive, drive.model_dump()):
         xr.testing.assert_identical(motion, lsvib.simulate({**scene, "drive": given}))
     xr.testing.assert_identical(motion, lsvib.simulate(lsvib.Scene(**scene, drive=drive)))
-    found = drive.steady_state(START)
-    assert (
-        found.label
-        == steady_state(drive.automaton(), drive._scene(START, 1.0).definition.initial_state(drive, START)).label
-    )
+    begin = drive._scene(START, 1.0).definition.initial_state(drive, START)
+    assert drive.steady_state(START).label == steady_state(drive.automaton(), begin).label
 
 
 def test_attraction_is_that_of_the_command(run, tmp_path):
     summary = json.loads(run("attraction", *DRIVE, *GRID, "--quantities", "time", "--out", "a.nc", "--json")[1])
-    drive, rows = lsvib.Drive(**PARADOX), []
+    drive, rows = PARADOX, []
     found = drive.attraction(WINDOW, quantities=["time"], progress=lambda done, total: rows.append((done, total)))
     with xr.open_dataset(tmp_path / "a.nc") as written:
         assert set(found.data_vars) == set(written.data_vars)
@@ -153,7 +151,7 @@ def test_attraction_is_that_of_the_command(run, tmp_path):
 
 
 def test_basin_is_handed_the_drive_itself():
-    drive = lsvib.Drive(**PARADOX)
+    drive = PARADOX
     basin = drive.basin()
     assert basin.drive is drive
     assert basin.area() == pytest.approx(basin.area(lsvib.Window(-1.0, 1.0, -300.0, 300.0)), rel=1e-12)
@@ -196,7 +194,7 @@ def test_a_type_checker_sees_the_types(tmp_path):
     assert set(re.findall(r"wrong\.py:(\d+): error", done.stdout)) == {"2", "3", "4"}
 
 
-KNOWN = lsvib.Drive(**PARADOX)
+KNOWN = PARADOX
 FAR = [0.5, -40.0]
 ANSWERS = {
     "Automaton": lambda: rigid_automaton(KNOWN),
@@ -213,3 +211,46 @@ def test_an_answer_is_printed_in_a_few_lines(name):
     assert getattr(answer, "orbit", answer) is not None
     assert repr(answer).startswith(f"{name}(")
     assert len(repr(answer)) < 400, repr(answer)
+
+
+CONTACT = {"contact_stiffness": (1e4, 1e9, 3), "contact_damping": (1.0, 1e9, 3)}
+
+
+def test_a_chart_over_the_contact_is_that_of_compliant_threads():
+    axes = [(name, *span) for name, span in CONTACT.items()]
+    found = lsvib.Drive(mass=9).chart(*axes)
+    right = lsvib.Drive(mass=9, contact_stiffness=1e6, contact_damping=1e6).chart(*axes)
+    np.testing.assert_array_equal(found.label.values, right.label.values)
+    np.testing.assert_array_equal(found.boundary_name.values, right.boundary_name.values)
+    assert found.attrs["parts"] == "threads"
+
+
+def test_a_sweep_says_the_parts_that_it_varies():
+    found = lsvib.Drive().sweep(start={"u": 0.0, "w": 1.0, "e": 0.0}, contact_stiffness=[1e6, 1e7])
+    assert found.attrs["parts"] == "threads"
+    assert json.loads(found.attrs["parameters"])["contact_damping"] == 0.0
+
+
+def test_resilience_has_no_number_where_the_basin_has_no_closed_form():
+    found = NEAR_FOLD.resilience_sweep(slide_friction=[0.0, 5.0])
+    assert found.fatal_speed.values[0] == NEAR_FOLD.resilience().speed
+    assert np.isnan(found.fatal_speed.values[1])
+    assert "for rigid drives only" in found.attrs["refused"]
+    assert np.isnan(NEAR_FOLD.resilience_sweep(contact_stiffness=[1e6]).fatal_speed.values[0])
+
+
+def test_a_cycle_is_followed_from_a_rigid_drive_to_friction_of_its_slide():
+    """The tables of both are of different kinds; the end is what the cycle of that drive is by itself."""
+    drive = NEAR_FOLD.replace(axial_force=-10)
+    cycle = next(cycle for cycle in drive.cycles().cycles if cycle.attracting)
+    branch = drive.follow(cycle, "slide_friction", (0.0, 0.3), points=60)
+    last = max(branch.points, key=lambda point: point.value)
+    own = drive.replace(slide_friction=last.value).cycles().cycles
+    assert last.value == 0.3
+    assert min(abs(one.period / last.cycle.period - 1) for one in own) < 1e-9
+
+
+def test_what_a_drive_does_not_have_is_no_reason():
+    found = lsvib.Drive().thresholds("slide_friction")
+    assert "closed form without friction of slide, bearing and collar only" in found["stick"].reason
+    assert "does not depend on" in found["negative_damping"].reason

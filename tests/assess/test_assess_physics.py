@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from references import sliding_friction
-from references.chapter_sheet import LAW, sheet, values_of
+from references import newton
+from references.random_sheets import LAW, sheet, values_of
 
 from lsvib.assess import drive as sheets
 from lsvib.assess.assessment import assess
@@ -76,7 +76,6 @@ def unstable(drive) -> bool:
 
 
 def random_sheet(seed: int, support: bool = False, contact: bool = False) -> Sheet:
-    """A drive drawn from wide ranges."""
     rng = np.random.default_rng(seed)
 
     def log(low: float, high: float) -> float:
@@ -248,12 +247,9 @@ def test_derivatives_are_those_of_the_closed_forms():
     c = coefficients(drive_of(given, values, *corners(given, values)[0]))
     inertia = 3.12e-6
     turned = inertia - float(c.gamma[1])
-    assert found["kinematic_constraint"]["mass"] == pytest.approx(
-        -2 * inertia * turned / (inertia + turned) ** 2, rel=1e-12
-    )
-    assert found["kinematic_constraint"]["inertia"] == pytest.approx(
-        2 * inertia * turned / (inertia + turned) ** 2, rel=1e-12
-    )
+    slope = 2 * inertia * turned / (inertia + turned) ** 2
+    assert found["kinematic_constraint"]["mass"] == pytest.approx(-slope, rel=1e-12)
+    assert found["kinematic_constraint"]["inertia"] == pytest.approx(slope, rel=1e-12)
     supported, quantities = random_sheet(7, support=True), ["mass", "friction", "lead", "pitch_diameter"]
     law = sheet(friction=LAW, operation={"speed": "10 rad/s"}, load={"mass": "1 kg", "force": "-60 N"})
     of_law = ["friction", "stribeck_rise", "stribeck_speed", "friction_slope"]
@@ -288,7 +284,7 @@ def test_slope_damping_against_eigenvalues_with_forty_digits():
         found = eigenvalue_pair(float(c.gamma[law]), float(c.damping[law]) + more, drive.coupling_stiffness)
         reached = drive.pitch_radius * abs(drive.input_speed) / math.cos(drive.lead_angle)
         own = {"friction_slope": slope, "friction_coefficient": drive.friction_coefficient - slope * reached}
-        expected = [complex(z) for z in sliding_friction.eigenvalues("rigid", {**dict(drive), **own}.items())]
+        expected = [complex(z) for z in newton.eigenvalues_by_differences("rigid", {**dict(drive), **own}.items())]
         size = max(abs(z) for z in expected)
         for a, b in zip(sorted(found, key=lambda z: (z.real, z.imag)), expected, strict=True):
             assert abs(a - b) < 1e-9 * size

@@ -42,7 +42,6 @@ OF_SHOP = [
 
 
 def numbers_of(value):
-    """Yield all numbers of a JSON value."""
     if isinstance(value, dict):
         value = list(value.values())
     if isinstance(value, list):
@@ -98,7 +97,6 @@ def answered(path, out=None):
 
 
 def written(folder, seed, index):
-    """Write a random sheet; its path."""
     path = folder / "drive.yaml"
     path.write_text(yaml.safe_dump(random_sheet(seed, index)), encoding="utf-8")
     return path

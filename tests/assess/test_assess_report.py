@@ -1,27 +1,34 @@
-"""From file to report by the command: the files, what they hold, and that equal runs give equal files."""
+"""From file to report by the command: the files, what they hold, and pictures on which no words lie on others."""
 
 import json
+import math
 import re
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 import yaml
+from references.random_sheets import sheet
 
 import lsvib
+from lsvib.assess import pictures
+from lsvib.assess.assessment import assess
+from lsvib.assess.chart import KINDS, charts
 from lsvib.assess.output import assess_file
-from lsvib.assess.report import compare
+from lsvib.assess.report import compare, shown_mechanisms
 from lsvib.assess.sheet import Sheet
+from lsvib.assess.vibration import STRONG, vibration
 from lsvib.assess.words import ATTRACTORS, change, percent, shown
 from lsvib.errors import InputError
+from lsvib.figures import style
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 @pytest.fixture(scope="module")
 def seat(tmp_path_factory):
-    """The report on the powered seat."""
     out = tmp_path_factory.mktemp("seat")
     return out, assess_file(EXAMPLES / "powered_seat.yaml", out, samples=1024)
 
@@ -56,7 +63,6 @@ def test_the_page_needs_no_other_file(seat):
 
 
 def test_every_cause_has_its_plain_meaning_beside_it(seat):
-    """No term of the theory without words."""
     page = re.sub(r"base64,[^\"]*", "", (seat[0] / "index.html").read_text(encoding="utf-8"))
     for term, meaning in (("Kinematic constraint", "Wedging"), ("Negative damping", "amplified instead of damped")):
         assert page.index(meaning) - page.index(f">{term}") < 400
@@ -65,7 +71,6 @@ def test_every_cause_has_its_plain_meaning_beside_it(seat):
 
 
 def test_the_dataset_holds_chart_reserves_and_motions(seat):
-    """Read by xarray, with units."""
     with xr.open_dataset(seat[0] / "assessment.nc") as data:
         assert data.attrs["verdict"].startswith("vibrates")
         assert set(data["chart"].dims) == {"direction", "force", "speed"}
@@ -74,7 +79,6 @@ def test_the_dataset_holds_chart_reserves_and_motions(seat):
 
 
 def test_the_worst_case_is_a_motion_that_can_be_run(seat):
-    """The scene of the worst case, run as such, is the motion of the dataset and does not settle."""
     out, result = seat
     worst = result["worst_case"]
     motion = lsvib.simulate(worst["scene"])
@@ -116,7 +120,6 @@ def test_only_a_drive_that_settles_is_said_not_to_vibrate(seat, tmp_path):
 
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.yaml")), ids=lambda path: path.stem)
 def test_every_entry_of_an_example_has_its_source_or_is_an_assumption(path):
-    """Nothing in the examples comes from nowhere."""
     sheet = Sheet.read(path)
     known = {*sheet.sources, *sheet.assumptions}
     for entry in yaml.safe_load(path.read_text(encoding="utf-8")):
@@ -149,5 +152,65 @@ def test_every_entry_of_an_example_has_its_source_or_is_an_assumption(path):
     ],
 )
 def test_numbers_read_well(text, expected):
-    """Prefixes, signs and powers as people write them."""
     assert text == expected
+
+
+SPIKY = """
+name: a soft drive whose screw slips briefly
+thread: {size: Tr 10x2}
+screw: {length: 300 mm, material: steel}
+coupling: {stiffness: {median: 0.5 N*m/rad, factor: 1.3}}
+load: {mass: 10 kg, orientation: vertical}
+operation: {speed: [1 mm/s, 30 mm/s], direction: back}
+friction: {coefficient: 0.438, stribeck_rise: 0.155, stribeck_speed: 0.025 m/s, slope: 1.907 s/m}
+damping: {rotational: 1e-3 N*m*s/rad, translational: 5 N*s/m}
+"""
+
+
+@pytest.fixture(scope="module")
+def spiky():
+    return assess(Sheet.model_validate(yaml.safe_load(SPIKY)), samples=64)
+
+
+@pytest.mark.parametrize("speed", [1e-3, 30e-3])
+def test_a_motion_that_is_shown_is_resolved(spiky, speed):
+    """Six cycles, at 1 mm/s with slips of a 50th of one; the last are the cycle of the table, at 30 mm/s from late on.
+
+    Twenty samples of an arc of a sine miss its extreme by less than 1 - cos(π/40) = 0.3 %.
+    """
+    corner = -1, speed * 2 * math.pi / 2e-3, 0.0
+    shown = vibration(spiky.sheet, spiky.values, corner, perturbation=-STRONG)
+    assert shown.time[-1] * shown.frequency == pytest.approx(6)
+    late = shown.time > 0.5 * shown.time[-1]
+    ends = shown.speed[late].min(), shown.speed[late].max()
+    assert np.allclose(ends, shown.screw_speed, rtol=0, atol=0.05 * np.ptp(shown.screw_speed))
+    if speed == 1e-3:
+        assert min(ends) == pytest.approx(shown.screw_speed[0], rel=3e-3)
+    assert 0.5 * np.ptp(shown.deviation[late]) == pytest.approx(shown.amplitude, rel=0.05)
+
+
+def test_with_friction_at_rest_nothing_is_called_steady_for_good():
+    """The reserve after a perturbation knows the friction of running only; the drive has stick-slip all the same."""
+    given = sheet(friction={"coefficient": 0.05, "static": 0.5})
+    found = assess(given, samples=64)
+    assert found.nominal.vibration.vibrates
+    assert found.mechanisms["after_perturbation"].reserve > 0
+    kinds = {KINDS[flag] for chart in charts(given, found.values) for flag in np.unique(chart.kind)}
+    assert "steady_once_started" in kinds
+    assert not kinds & {"steady", "steady_until_perturbed"}
+
+
+def test_words_lie_inside_the_picture_and_not_on_others(spiky):
+    """Names of quantities are long, and factors stand at both ends of a decade."""
+    drawings = [(draw, spiky, name) for draw in (pictures.margin_chart, pictures.sensitivity_chart)
+                for name in shown_mechanisms(spiky)] + [(pictures.screw_chart, spiky.worst)]  # fmt: skip
+    for draw, *arguments in drawings:
+        figure = style.styled(lambda _, draw=draw, arguments=arguments: draw(*arguments))(None)
+        figure.canvas.draw()
+        drawn, (axis,) = figure.get_tightbbox(), figure.axes
+        assert (np.array([drawn.min, figure.get_size_inches() - drawn.max]) >= 0).all(), (draw, drawn)
+        factors = [text for text in axis.get_xticklabels() if "×" in text.get_text()]
+        boxes = {text: text.get_window_extent() for text in (*axis.texts, *factors) if text.get_text()}
+        assert all(axis.bbox.x0 < boxes[text].x0 < boxes[text].x1 < axis.bbox.x1 for text in axis.texts), draw
+        for one, other in combinations(boxes, 2):
+            assert not boxes[one].overlaps(boxes[other]), (draw, one, other)

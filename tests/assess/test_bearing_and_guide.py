@@ -1,15 +1,22 @@
-"""Thrust collar, bearing and guide in the assessment: examples of textbooks, and the drive that is followed."""
+"""Collar, bearing, guide, motor and preloaded nut in a data sheet: textbooks, the drive that is followed, refusals."""
 
 import math
+import re
 
+import numpy as np
 import pytest
-from references.chapter_sheet import values_of
+from references import random_sheets
+from references.random_sheets import values_of
 
 from lsvib.assess.assessment import assess
 from lsvib.assess.mechanisms import corners, drive_of, reserves
+from lsvib.assess.output import assess_file
+from lsvib.assess.report import report
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.statics import lets_go, statics
 from lsvib.errors import InputError
+from lsvib.fit.law import Measured, fitted
+from lsvib.models.mechanics import holding_coefficient, relieved_half, thread_force
 from lsvib.stability.conditions import stability
 
 # Examples of power screws that FOSSEE has solved (Scilab-TBC-Uploads 764, chapter 6), and Shigley's. They take the half
@@ -71,12 +78,9 @@ def test_torque_power_and_efficiency_of_textbooks(entries, printed):
 )
 def test_a_collar_holds_what_the_threads_do_not(lead, diameter, friction):
     sheet = {
-        "name": "held by its collar",
-        "thread": {"lead": lead, "pitch_diameter": diameter},
-        "load": {"force": "1 kN"},
-        "operation": {"speed": "30 rpm", "direction": "both"},
-        "friction": {"coefficient": friction},
-    }
+        "name": "held by its collar", "thread": {"lead": lead, "pitch_diameter": diameter}, "load": {"force": "1 kN"},
+        "operation": {"speed": "30 rpm", "direction": "both"}, "friction": {"coefficient": friction},
+    }  # fmt: skip
     collar = {"bearing": {"collar": {"coefficient": friction, "mean_diameter": diameter}}}
     bare, held = (statics(Sheet.of({**sheet, **more})) for more in ({}, collar))
     assert (bare.back_drives, held.back_drives) == ("at the middle values", False)
@@ -148,6 +152,151 @@ def test_a_whole_assessment_with_all_that_rubs():
     assert not lets_go(found.sheet, found.values, {"friction": 0.14})
 
 
-def test_a_collar_beside_parts_that_comply_is_refused():
-    with pytest.raises(InputError, match=r"^bearing.collar is not judged beside a support or contact that complies"):
-        Sheet.of({**DRIVE, "contact": {"stiffness": "1e8 N/m", "damping": "1e3 N*s/m"}})
+GAINS = {"inertia": "2e-6 kg*m^2", "speed_gain": "1e-4 N*m*s/rad", "integral_gain": "0.0224 N*m/rad"}
+MEASURED = {  # drive 1 of T-RO 2021, whose record shows the integral gain of its controller, on a coupling
+    "name": "drive 1",
+    "thread": {"lead": "2 mm", "pitch_diameter": "11 mm", "half_angle": "15 deg"},
+    "screw": {"inertia": "2.186e-6 kg*m^2"},
+    "coupling": {"stiffness": "20 N*m/rad", "damping": "1e-4 N*m*s/rad"},
+    "motor": GAINS,
+    "load": {"mass": "0.276 kg", "force": "0.9414 N", "orientation": "horizontal"},
+    "operation": {"speed": ["2 rpm", "20 rpm"], "direction": "back"},
+    "friction": {"coefficient": 0.58, "static": 0.88},
+    "damping": {"rotational": "1e-4 N*m*s/rad"},
+}
+
+
+def values_with(**changes) -> dict[str, float]:
+    return random_sheets.values_of(Sheet.of({**MEASURED, **changes}))
+
+
+def test_gains_bandwidth_and_stepper_on_the_side_of_the_screw():
+    geared = values_with(coupling={**MEASURED["coupling"], "gear_ratio": 3})
+    assert geared["motor_inertia"] == pytest.approx(9 * 2e-6)
+    assert (geared["integral_gain"], geared["speed_gain"]) == pytest.approx((9 * 0.0224, 9e-4))
+    loop, both = values_with(motor={"inertia": "2e-6 kg*m^2", "bandwidth": "10 Hz"}), 2e-6 + 2.186e-6
+    assert loop["speed_gain"] == pytest.approx(2 * math.pi * 10 * both)
+    assert loop["speed_gain"] ** 2 == pytest.approx(4 * both * loop["integral_gain"])  # damped critically
+    stepper = values_with(motor={"inertia": "2e-6 kg*m^2", "holding_torque": "0.5 N*m", "steps_per_turn": 200})
+    assert (stepper["integral_gain"], stepper["speed_gain"]) == (25.0, 0.0)
+
+
+def test_a_stiff_coupling_gives_the_drive_without_motor():
+    """One body of both inertias on the gains; what it does from rest agrees to the compliance of the coupling."""
+    found = assess(Sheet.of(MEASURED), samples=64)
+    one = {key: value for key, value in MEASURED.items() if key != "motor"}
+    one |= {"coupling": {"stiffness": "0.0224 N*m/rad"}, "damping": {"rotational": "2e-4 N*m*s/rad"}}
+    one |= {"screw": {"inertia": "4.186e-6 kg*m^2"}}
+    expected = assess(Sheet.of(one), samples=64)
+    assert found.verdict == expected.verdict == "jerks"
+    assert found.starting.even_speed == pytest.approx(expected.starting.even_speed, rel=5e-3)
+    assert found.starting.motion.frequency == pytest.approx(expected.starting.motion.frequency, rel=5e-3)
+    assert found.sheet.parts == ("motor",)
+
+
+@pytest.mark.parametrize("support", [None, {"stiffness": "1e6 N/m", "damping": "20 N*s/m"}], ids=["rigid", "support"])
+def test_reserves_are_those_of_the_whole_drive(support):
+    """A weak speed loop and friction that falls, or damping of the load: unstable exactly where a reserve says so."""
+    seen = set()
+    for rise, drag in ((0.0, "1 N*s/m"), (0.3, "1 N*s/m"), (0.0, "3e4 N*s/m")):
+        more = {"stribeck_rise": rise, "stribeck_speed": "10 mm/s"} if rise else {}
+        entries = {**MEASURED, "friction": {"coefficient": 0.3, **more}, "operation": {"speed": "20 rpm"}}
+        entries["motor"] = {**GAINS, "speed_gain": "1e-6 N*m*s/rad"}
+        entries["load"] = {**MEASURED["load"], "force": "400 N"}
+        entries["damping"] = {"rotational": "1e-5 N*m*s/rad", "translational": drag}
+        if support:
+            entries |= {"support": support, "screw": {"inertia": "2.186e-6 kg*m^2", "mass": "0.2 kg"}}
+        sheet = Sheet.of(entries)
+        values = random_sheets.values_of(sheet)
+        for corner in corners(sheet, values):
+            own = {name: float(value) for name, value in reserves(sheet, values, *corner).items()}
+            stable = min(value for name, value in own.items() if name not in ("law", "after_perturbation")) > 0
+            assert stability(drive_of(sheet, values, *corner, sheet.parts)).stable == stable
+            seen.add(stable)
+    assert seen == {True, False}
+
+
+def test_the_report_says_which_oscillations_the_control_reaches():
+    """That of both on the gains is damped by them, that of the screw against the motor on the coupling hardly."""
+    found = assess(Sheet.of(MEASURED), samples=64)
+    page = report(found, [])
+    with_gain, without = re.search(r"damping ratios: ([^;]*); without[^:]*: ([^.]*\.?[^;]*?)\. What it", page).groups()
+    slow, fast = (tuple(map(float, re.findall(r"ζ = ([0-9.e-]+)", text))) for text in (with_gain, without))
+    assert slow[0] == pytest.approx(2 * fast[0], rel=0.05)  # c and K_p are alike
+    assert slow[1] < 1.6 * fast[1]
+
+
+ANGLE = math.atan(2 / (math.pi * 11))
+SHEET = {
+    "name": "positioning axis", "thread": {"lead": "2 mm", "pitch_diameter": "11 mm"}, "load": {"force": "2 N"},
+    "operation": {"speed": "10 rpm"}, "friction": {"coefficient": 0.1}, "nut": {"preload": "0.8 N"},
+}  # fmt: skip
+
+
+def flank(axial, mu, forward):
+    """Force around the screw that turns one flank under an axial force: normal force N and friction μ N, both resolved.
+
+    ``forward``: the screw pushes the flank along; then N cos λ − μ N sin λ is axial, N sin λ + μ N cos λ is not.
+    """
+    s = 1 if forward else -1
+    normal = axial / (math.cos(ANGLE) - s * mu * math.sin(ANGLE))
+    return s * normal * (math.sin(ANGLE) + s * mu * math.cos(ANGLE))
+
+
+@pytest.mark.parametrize("share", [1.0, 0.5])
+@pytest.mark.parametrize("force", [0.0, 1.3, 2.5])
+def test_torque_is_that_of_both_flanks(force, share):
+    """While the preload lasts both rub, beyond it one does; a quarter of 2.5 N is above none of 0.8 N, a half is."""
+    mu, preload = 0.13, 0.8
+    other = max(preload - (1 - share) * force, 0.0)
+    against = flank(force + other, mu, True) + flank(other, mu, False)
+    along = flank(other, mu, True) + flank(force + other, mu, False)
+    relieved = relieved_half(force, preload, share)
+    assert relieved == pytest.approx(other)
+    for law, torque in ((-1, against), (1, along)):
+        assert thread_force(force, relieved, mu, math.tan(ANGLE), law) == pytest.approx(torque, rel=1e-14)
+        assert holding_coefficient(torque, force, relieved, math.tan(ANGLE), law) == pytest.approx(mu, rel=1e-13)
+
+
+def test_statics_of_a_sheet_with_preload():
+    """It takes more torque than without, and holds a load at a friction at which it would not."""
+    rows = statics(Sheet.of(SHEET)).rows
+    radius, mu = 5.5e-3, 0.1
+    assert rows["lifting_torque"].worst == pytest.approx(radius * (flank(2.8, mu, True) + flank(0.8, mu, False)))
+    assert rows["lowering_torque"].worst == pytest.approx(radius * (flank(0.8, mu, True) + flank(2.8, mu, False)))
+    limit = rows["holding_friction"].limit
+    assert flank(0.8, limit, True) == pytest.approx(-flank(2.8, limit, False))
+    assert limit < 0.6 * math.tan(ANGLE)
+    pressed = Sheet.of(SHEET | {"nut": {"preload": "0.8 N", "length": "10 mm"}})
+    alone = Sheet.of(SHEET | {"nut": {"length": "10 mm"}})
+    pressures = [statics(sheet).rows["nut_pressure"].worst for sheet in (pressed, alone)]
+    assert pressures[0] == pytest.approx(1.4 * pressures[1])
+
+
+def test_its_motion_is_refused_in_a_sentence(tmp_path):
+    drive = {"screw": {"inertia": "2e-6 kg*m^2"}, "coupling": {"stiffness": "1 N*m/rad"}}
+    sheet = Sheet.of(SHEET | drive | {"load": {"mass": "0.3 kg", "force": "2 N"}})
+    with pytest.raises(InputError, match="the motion of a preloaded nut, both halves of which rub, is not followed"):
+        assess(sheet)
+    path = tmp_path / "sheet.yaml"
+    path.write_text(str(SHEET | drive | {"load": {"mass": "0.3 kg", "force": "2 N"}}))
+    found = assess_file(path, None)
+    assert found["verdict"] is None
+    assert "preloaded nut" in found["brief"][0]
+
+
+@pytest.mark.parametrize("load", [0.0, 0.4, -2.0])
+def test_the_fit_knows_the_preload(load):
+    """The same torques without it would be those of a friction that is several times as large."""
+    speed = np.array([-20.0, -10.0, -5.0, -2.0, 2.0, 5.0, 10.0, 20.0])
+    force, preload, mu = abs(load), 0.8, 0.2
+    against = flank(force + preload, mu, True) + flank(preload, mu, False)
+    along = flank(preload, mu, True) + flank(force + preload, mu, False)
+    torque = 5.5e-3 * np.sign(speed) * np.where(speed * load > 0, against, along)
+    held = np.array([[1.0, 1.5 * torque[-1], load]])
+    measured = Measured(speed, torque, np.full(8, load), 5.5e-3, ANGLE, held, preload=preload)
+    main = fitted(measured, {"coulomb": 0.0, "viscous": 0.0, "stribeck_rise": 0.0, "offset": 0.0}).main
+    assert main.values["friction_coefficient"] == pytest.approx(mu, abs=1e-6)
+    way = -1 if load > 0 else 1
+    known = 1.5 * torque[-1] / 5.5e-3
+    assert thread_force(force, preload, main.static[0], math.tan(ANGLE), way) == pytest.approx(known)

@@ -19,12 +19,7 @@ DRIVE = {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0}
 SETTINGS = {
     "ablation": {"duration": 0.3, "repeats": 3, "fresh": 1, "compile": ["planar"]},
     "map_precision": {
-        "boxes": {
-            "near": {
-                "drive": DRIVE,
-                "window": {"left": -0.05, "right": 0.05, "bottom": -15.0, "top": 15.0},
-            }
-        },
+        "boxes": {"near": {"drive": DRIVE, "window": {"left": -0.05, "right": 0.05, "bottom": -15.0, "top": 15.0}}},
         "cells": {"engine": 60, "rk4_coarse": 40},
         "repeats": 3,
         "distances": {"start": 1e-12, "stop": 1e-1, "count": 12},
@@ -36,11 +31,7 @@ SETTINGS = {
         "counts": {"axial_force": 6, "time_span": 2},
         "methods": {"dop853": [1e-6], "rk4_refined": [1e-6]},
     },
-    "stability_sweeps": {
-        "seed": 1,
-        "counts": {"contact": 1, "axial_force": 6, "critical_mass": 1},
-        "thorough": 1,
-    },
+    "stability_sweeps": {"seed": 1, "counts": {"contact": 1, "axial_force": 6, "critical_mass": 1}, "thorough": 1},
     "work_precision": {
         "scenes": ["stick_slip", "sprag_graze"],
         "shorten": 0.3,
@@ -59,13 +50,8 @@ SPOILED = {  # words of a check: variable, value, place
         "smaller tables": ("table_bytes", 1e6, (0, 0)),
         "import no numba": ("loads", 1, ...),
     },
-    "map_precision": {
-        "wrong or undecided": ("undecided_near", 1.0, (0, 0, 5)),
-    },
-    "rival_verdicts": {
-        "The engine is neither": ("engine_count", 1, (0, -1)),
-        "Every other method": ("count", 0, ...),
-    },
+    "map_precision": {"wrong or undecided": ("undecided_near", 1.0, (0, 0, 5))},
+    "rival_verdicts": {"The engine is neither": ("engine_count", 1, (0, -1)), "Every other method": ("count", 0, ...)},
     "stability_sweeps": {
         "No wrong verdict": ("case_verdict", Verdict.WRONG, 0),
         "does not pass": ("case_verdict", Verdict.REFUSED, slice(0, 4)),

@@ -32,7 +32,6 @@ TRUTH = Record(
 
 
 def entry(name, shorten, method, setting):
-    """The one run of a method on a scene."""
     package = method_list.METHODS[method].needs
     if package:
         pytest.importorskip(package, reason=f"{package} is not installed; the extra accuracy has it")
@@ -55,20 +54,14 @@ def slow(*case):
 @pytest.mark.parametrize(
     ("method", "setting", "name", "worst"),
     [
-        ("dop853", 1e-8, "stick_slip", 1e-6),
-        ("lsoda", 1e-8, "sprag_slip", 1e-4),
-        ("cvode_bdf", 1e-8, "stick_slip", 1e-4),
-        ("cvode_bdf", 1e-7, "stiff_contact", 1e-3),
-        slow("diffrax_tsit5", 1e-8, "stick_slip", 1e-6),
-        slow("diffrax_dopri8_capped", 1e-8, "sprag_slip", 1e-9),
-        slow("diffrax_kvaerno5", 1e-7, "stiff_contact", 1e-3),
-        ("heyoka", 2.2e-16, "stick_slip", 1e-11),
-        ("heyoka", 2.2e-16, "sprag_graze", 1e-11),
-        ("rk4", 1e-5, "stick_slip", 1e-4),
-        ("rk4_refined", 1e-5, "stick_slip", 1e-8),
-        ("smoothed", 0.01, "stick_slip", 1e-2),
+        ("dop853", 1e-8, "stick_slip", 1e-6), ("lsoda", 1e-8, "sprag_slip", 1e-4),
+        ("cvode_bdf", 1e-8, "stick_slip", 1e-4), ("cvode_bdf", 1e-7, "stiff_contact", 1e-3),
+        slow("diffrax_tsit5", 1e-8, "stick_slip", 1e-6), slow("diffrax_dopri8_capped", 1e-8, "sprag_slip", 1e-9),
+        slow("diffrax_kvaerno5", 1e-7, "stiff_contact", 1e-3), ("heyoka", 2.2e-16, "stick_slip", 1e-11),
+        ("heyoka", 2.2e-16, "sprag_graze", 1e-11), ("rk4", 1e-5, "stick_slip", 1e-4),
+        ("rk4_refined", 1e-5, "stick_slip", 1e-8), ("smoothed", 0.01, "stick_slip", 1e-2),
     ],
-)
+)  # fmt: skip
 def test_a_rival_agrees_with_40_digits(method, setting, name, worst):
     """Over a few cycles with jumps, rests and reversals; multistep methods lose most."""
     found = entry(name, SHORT.get(name, 0.1), method, setting).errors

@@ -1,25 +1,28 @@
-"""The sweeps to the edge of the domain: their judge, faults that they once found, and random drives of every model.
+"""The sweeps to the edge of the domain: judge, faults that they once found, random drives, and the balance of energy.
 
 A motion is right if it has the events of the reference with 40 digits, its final state and event times to 1e-9, and an
 energy that balances; or if digits that the input does not have decide (:mod:`benchmarks.sweeps.case_judge`).
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from references.parts import threads_drive
-from references.wide_drives import MODELS, wide_drive
+from references.drives import MODELS, nut_drive, support_drive, threads_drive, wide_drive
 
 from benchmarks.record import Record, Verdict
 from benchmarks.sweeps import case_judge
 from benchmarks.sweeps.case_judge import judge
 from benchmarks.sweeps.cases import cases
+from benchmarks.sweeps.energy_balance import balance, residual, terms
 from benchmarks.sweeps.families import Case, CaseFamily
 from benchmarks.sweeps.paths import automaton, fields
 from lsvib.engine.motion import follow
 from lsvib.errors import EngineError, InputError
 from lsvib.models.drive import Drive
+from lsvib.models.model import model_of
+from lsvib.models.rigid import rigid_automaton
 
 EXACT = 1e-12  # of the size of the motion, as the project demands of a rigid drive
 
@@ -59,9 +62,8 @@ def test_faults_that_the_sweeps_found(name):
 
 def test_nothing_is_zero_by_a_coordinate_that_hardly_moves_it():
     """N = 0 was met by moving v, which moves N 1e5 times less than e does: 2e-9 of v after ten reversals, now 3e-11."""
-    drive = threads_drive(
-        mass=10.2, axial_force=10.0, contact_stiffness=33292493092958.695, contact_damping=1225.490850333786
-    )
+    own = {"contact_stiffness": 33292493092958.695, "contact_damping": 1225.490850333786}
+    drive = threads_drive(mass=10.2, axial_force=10, **own)
     start = (0.028173126284128852, -113.38366059359736, 0.0, 0.0)
     outcome = judge(Case(CaseFamily.CONTACT, 13.5, drive, start, 1.01245e-05), np.random.default_rng(0))
     assert (outcome.verdict, outcome.events) == (Verdict.RIGHT, 10)
@@ -143,7 +145,6 @@ def case_of(model: str, index: int) -> Case | None:
 
 @pytest.mark.parametrize("model", MODELS)
 def test_motions_of_random_drives(model):
-    """Over many decades of their parameters."""
     outcomes = {}
     for index in range(DRIVES[model]):
         motion = case_of(model, index)
@@ -154,3 +155,58 @@ def test_motions_of_random_drives(model):
     right = sum(found.verdict is Verdict.RIGHT for found in outcomes.values())
     assert right >= 0.9 * len(outcomes)
     assert sum(found.events for found in outcomes.values()) >= DRIVES[model]
+
+
+LOADED = {"mass": 1.0, "translation_damping": 1000.0, "axial_force": 40.0}
+PARADOX = {"mass": 15.0, "axial_force": 100.0}
+RUBBING = {"slide_friction": 8.0, "bearing_friction": 0.02}
+START = (0.1, 0.0, 0.0, 0.0)
+SCENES = {
+    "stick-slip": (Drive, LOADED),
+    "sprag-slip": (Drive, PARADOX),
+    "compliant threads": (threads_drive, {**PARADOX, "contact_stiffness": 1e7, "contact_damping": 1e4}),
+    "support": (support_drive, LOADED),
+    "support, rubbing": (support_drive, {**LOADED, **RUBBING, "screw_mass": 3.0, "axial_support_damping": 30.0}),
+    "support, seizing": (support_drive, {**PARADOX, "screw_mass": 50.0}),
+    "support, heavy, seizing": (support_drive, {"mass": 15.0, "screw_mass": 50.0, "support_damping": 1e-3}),
+    "nut": (nut_drive, LOADED),
+    "nut, rubbing": (nut_drive, {**LOADED, **RUBBING}),
+    "nut, seizing": (nut_drive, {**PARADOX, "mass": 11.0}),
+    "nut, pulled, seizing": (nut_drive, {"mass": 11.0, "support_damping": 1e-3, "axial_force": -20.0}),
+}
+
+
+def motion_of(name):
+    kind, parameters = SCENES[name]
+    drive, physics = kind.of(parameters), tuple(RUBBING) if "rubbing" in name else ()
+    model = model_of(drive)
+    automaton = model.build(drive, (*model.options, *physics), "contact_sign")
+    return follow(automaton, START[: len(automaton.states)], 0.05), drive, physics
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_the_balance_closes_and_notices_a_wrong_parameter(name):
+    """1e-13: a few hundred panels and tens of events, each good to 1e-16. A friction that is off by 1e-6 is seen."""
+    motion, drive, physics = motion_of(name)
+    assert motion.time.size >= 2
+    found = balance(motion, drive, physics)
+    assert found.residual <= 1e-13 + 4 * found.rounding
+    assert found.rounding <= 1e-10
+    wrong = drive.replace(friction_coefficient=drive.friction_coefficient * (1 + 1e-6))
+    assert balance(motion, wrong, physics).residual > 1e-8
+    seizes = np.isin(motion.kind, motion.automaton.sprag_kinds).any()
+    assert seizes == ("seizing" in name or name == "sprag-slip")
+    if seizes:  # without what the impacts take out it is open by a good part of the energy
+        lossless = terms(motion.automaton, drive, physics)._replace(seized=np.zeros(motion.start_state.size + 1))
+        assert residual(motion, lossless).residual > 1e-3
+
+
+def test_a_missed_reversal_is_seen():
+    """A motion that stays under the old law after N = 0 has friction that drives it."""
+    drive = Drive.of(LOADED)
+    automaton = rigid_automaton(drive)
+    signs = automaton.tables.guard_sign.copy()
+    signs[automaton.tables.guard_start[0]] = 0.0  # of N = 0 in the first mode
+    deaf = follow(replace(automaton, tables=automaton.tables._replace(guard_sign=signs)), (-0.1, 0.0), 0.05)
+    assert balance(follow(automaton, (-0.1, 0.0), 0.05), drive).residual <= 1e-13
+    assert balance(deaf, drive).residual > 1e-6

@@ -1,8 +1,11 @@
-"""The command line: JSON keys, exit codes, one sentence for bad input, no file then; the dataset of ``simulate``."""
+"""The command line: JSON keys, exit codes, one sentence for bad input; outputs are put in place all or none."""
 
 import json
+import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -14,29 +17,22 @@ from references.command_line import MOTION, refused
 import lsvib
 from lsvib.datasets.io import read_dataset
 from lsvib.engine.motion import follow
+from lsvib.errors import LsvibError
 from lsvib.figures.build import compute_figure
-from lsvib.figures.configuration import standard_settings
+from lsvib.figures.configuration import DEFAULT, check, standard_settings
+from lsvib.files import Outputs, target_of, uninterrupted
 from lsvib.models.drive import Drive
 from lsvib.models.pairings import PAIRINGS
 from lsvib.models.rigid import rigid_automaton
+from lsvib.models.scene import read_yaml
 
 CONFIG = Path(__file__).parents[2] / "config" / "config.yaml"
 UNITS = {
-    "time": "s",
-    "angle_deviation": "rad",
-    "velocity_deviation": "rad s-1",
-    "normal_force": "N",
-    "coupling_torque": "N m",
-    "mode": "1",
-    "event_time": "s",
-    "event_kind": "1",
-    "event_sign": "1",
-    "event_mode": "1",
-    "event_angle_deviation_before": "rad",
-    "event_angle_deviation_after": "rad",
-    "event_velocity_deviation_before": "rad s-1",
-    "event_velocity_deviation_after": "rad s-1",
-}
+    "time": "s", "angle_deviation": "rad", "velocity_deviation": "rad s-1", "normal_force": "N",
+    "coupling_torque": "N m", "mode": "1", "event_time": "s", "event_kind": "1", "event_sign": "1", "event_mode": "1",
+    "event_angle_deviation_before": "rad", "event_angle_deviation_after": "rad",
+    "event_velocity_deviation_before": "rad s-1", "event_velocity_deviation_after": "rad s-1",
+}  # fmt: skip
 
 
 def test_config_json(run):
@@ -87,9 +83,8 @@ def test_simulate(run, tmp_path):
         own = drive.simulate({"u": 0.1, "w": 0.0}, 0.1, samples=21)
         assert all((data[name].values == own[name].values).all() for name in own.variables)
         assert json.loads(data.attrs["parameters"])["mass"] == 11
-        kinds = dict(
-            zip(data["event_kind"].attrs["flag_meanings"].split(), data["event_kind"].attrs["flag_values"], strict=True)
-        )
+        flags = data["event_kind"].attrs
+        kinds = dict(zip(flags["flag_meanings"].split(), flags["flag_values"], strict=True))
         counted = {name: int(np.sum(data["event_kind"] == value)) for name, value in kinds.items()}
     assert {name: n for name, n in counted.items() if n} == summary["events"]
     assert sorted(path.name for path in tmp_path.iterdir()) == ["m.nc"]
@@ -106,48 +101,21 @@ def test_simulate_from_a_scene_file(run, tmp_path):
         "drive: {mass: 11, support_damping: 1.0e-3, axial_force: -10}\nstart: {u: 0.1, w: 0}\nduration: 9\n"
     )
     direct = json.loads(run("simulate", *MOTION, "--out", "a.nc", "--json")[1])
-    assert (
-        json.loads(run("simulate", "--scene", "scene.yaml", "--duration", "0.1", "--out", "b.nc", "--json")[1])
-        == direct
-    )
+    scene = run("simulate", "--scene", "scene.yaml", "--duration", "0.1", "--out", "b.nc", "--json")[1]
+    assert json.loads(scene) == direct
 
 
 def test_command_and_python_make_the_same_file(run, tmp_path):
-    assert run("figure", "8.3", "--out", "built")[0] == 0
+    """In a folder of the workflow's results that is not one of its own."""
+    (tmp_path / "Snakefile").touch()
+    assert run("figure", "8.3", "--out", "results")[0] == 0
+    names = {"fig8_03.nc", "fig8_03_checks.json", "fig8_03.png", "fig8_03.pdf"}
+    assert {path.name for path in (tmp_path / "results").iterdir()} == names
     given = standard_settings("fig8_03")
     compute_figure("fig8_03", given, "other.nc", "other.json")
-    one, other = read_dataset("built/fig8_03.nc"), read_dataset("other.nc")
+    one, other = read_dataset("results/fig8_03.nc"), read_dataset("other.nc")
     assert one.identical(other)
     assert json.loads(one.attrs["settings"]) == given
-
-
-def test_folders_of_the_workflow_are_refused(run, tmp_path):
-    (tmp_path / "Snakefile").touch()
-    for folder in ("datasets", "figures", "checks"):
-        sentence = refused(run, "figure", "8.3", "--out", f"results/{folder}")
-        assert "belongs to the workflow" in sentence
-    assert run("figure", "8.3", "--out", "results")[0] == 0
-    assert {path.name for path in (tmp_path / "results").iterdir()} == {
-        "fig8_03.nc", "fig8_03_checks.json", "fig8_03.png", "fig8_03.pdf"
-    }  # fmt: skip
-
-
-@pytest.mark.parametrize(
-    "words",
-    [
-        "simulate --duration 0.1 --start u=0.1 w=0 --out results/datasets/file.nc",
-        "sweep --over mass=1:20:2 --out results/datasets/file.nc",
-        "attraction --grid u=-1:1:2 w=-1:1:2 --out results/attraction/map.nc",
-        "attraction --grid u=-1:1:2 w=-1:1:2 --out map.nc --figure results/figures/attraction.png",
-        "chart --x mass=1:20:2 --y axial_force=-60:60:2 --out results/chart/chart.nc",
-        "follow --over mass=10.2:14 --set mass=11 --out results/datasets/file.nc",
-        "resilience --over axial_force=-33:-1:2 --out results/datasets/file.nc",
-        "assess sheet.yaml --out results/assessments/sheet",
-    ],
-)
-def test_no_command_writes_to_folders_of_the_workflow(run, tmp_path, words):
-    (tmp_path / "Snakefile").touch()
-    assert "belongs to the workflow" in refused(run, *words.split())
 
 
 @pytest.mark.parametrize("form", [[], ["--json"]])
@@ -161,13 +129,157 @@ def test_a_failed_check_is_exit_code_2_in_either_form(run, tmp_path, form):
     assert "a check failed" in err
 
 
-def test_installed_command_and_help():
+def test_installed_command_and_help(run):
     """In a process of its own: exit code and streams, not only what ``main`` raises."""
     command = [sys.executable, "-c", "from lsvib.cli.app import main; main()"]
     bad = subprocess.run([*command, "config", "--set", "mass=-1"], capture_output=True, text=True)
     assert (bad.returncode, bad.stdout) == (2, "")
     assert bad.stderr == "lsvib: mass = -1.0 is outside the allowed range 1e-18 <= mass <= 1e+09.\n"
     for name in ("thresholds", "stability", "simulate", "figure", "attraction", "config"):
-        shown = subprocess.run([*command, name, "--help"], capture_output=True, text=True, check=True).stdout
+        code, shown, error = run(name, "--help")
+        assert (code, error) == (0, "")
         assert f"lsvib {name}" in shown
         assert "Example" in shown
+
+
+ROOT = Path(__file__).parents[2]
+SETTINGS = read_yaml(DEFAULT)
+
+
+def test_links_are_followed_and_old_results_replaced(run, tmp_path):
+    (tmp_path / "deep").mkdir()
+    (tmp_path / "x.nc").symlink_to("deep/real.nc")  # of a file that is not there yet
+    (tmp_path / "deep" / "empty.nc").touch()
+    for out in ("x.nc", "x.nc", "deep/real.nc", "deep/empty.nc"):
+        assert run("simulate", *MOTION, "--out", out)[0] == 0
+    assert (tmp_path / "x.nc").is_symlink()
+    for name in ("real.nc", "empty.nc"):
+        assert (tmp_path / "deep" / name).read_bytes().startswith(b"\x89HDF")
+    assert not list(tmp_path.rglob("*.part"))
+
+
+def test_a_file_keeps_its_mode_and_what_a_killed_run_left_goes(run, tmp_path):
+    assert run("simulate", *MOTION, "--out", "x.nc")[0] == 0
+    (tmp_path / "x.nc").chmod(0o640)
+    stale = tmp_path / ".x.nc.999999999.part"  # no process has this number
+    stale.touch()
+    os.utime(stale, (0, 0))
+    (tmp_path / ".x.nc.999999998.part").touch()  # of another machine
+    (tmp_path / f".x.nc.{os.getppid()}.part").touch()
+    assert run("simulate", *MOTION, "--out", "x.nc")[0] == 0
+    assert (tmp_path / "x.nc").stat().st_mode & 0o777 == 0o640
+    assert {path.name for path in tmp_path.glob("*.part")} == {".x.nc.999999998.part", f".x.nc.{os.getppid()}.part"}
+
+
+def test_an_interrupt_waits_for_the_end_of_a_write():
+    ended = []
+
+    def write():
+        with uninterrupted():
+            os.kill(os.getpid(), signal.SIGINT)
+            ended.append(True)
+
+    with pytest.raises(KeyboardInterrupt):
+        write()
+    assert ended
+
+
+def test_an_interrupt_ends_a_command_that_is_deep_in_a_kernel(run, tmp_path):
+    """Drag turns so much faster than the screw that one search takes 10¹³ steps."""
+    stiff = ("--set", "translation_damping=1e15", "--set", "friction_slope=-1e-5", "--start", "u=0.1", "w=0")
+    assert run("simulate", *stiff, "--duration", "1e-9", "--out", "x.nc")[0] == 0  # compiles what the next one needs
+    (tmp_path / "x.nc").unlink()
+    command = [sys.executable, "-m", "lsvib", "simulate", *stiff, "--duration", "1"]
+    with subprocess.Popen(
+        [*command, "--out", tmp_path / "x.nc"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        spent, ticks = 0.0, os.sysconf("SC_CLK_TCK")
+        while spent < 4.0:  # of processor time: by then it is in the kernel
+            time.sleep(0.1)
+            spent = sum(map(int, Path(f"/proc/{process.pid}/stat").read_text().split()[13:15])) / ticks
+        process.send_signal(signal.SIGINT)
+        sent = time.monotonic()
+        error = process.communicate(timeout=60)[1]
+    assert (process.returncode, "interrupted." in error) == (130, True)
+    assert time.monotonic() - sent < 5
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_name_that_is_no_utf_8_is_refused(run):
+    code, _, error = run("simulate", *MOTION, "--out", "x\udcff.nc")
+    assert (code, "its name is not valid UTF-8" in error) == (2, True)
+
+
+@pytest.mark.parametrize("environment", [{"COLUMNS": "0"}, {"COLUMNS": "2"}, {"PYTHONIOENCODING": "ascii"}])
+def test_help_is_written_whatever_the_terminal_says(environment):
+    done = subprocess.run(
+        [sys.executable, "-m", "lsvib", "--help"],
+        env={**os.environ, **environment},
+        capture_output=True,
+        timeout=60,
+        check=False,
+    )
+    assert (done.returncode, b"thresholds" in done.stdout) == (0, True)
+
+
+def test_none_is_left_when_one_fails(tmp_path):
+    """The second file cannot be put in place; what the first replaces is another matter, it is new here."""
+    outputs = Outputs([(tmp_path / "a" / "x.nc", "netCDF"), (tmp_path / "b" / "x.png", "PNG")], make_folders=True)
+
+    def work():
+        with outputs.writing() as (first, second):
+            first.write_text("one")
+            second.write_text("two")
+            (tmp_path / "b" / "x.png").mkdir()
+
+    with pytest.raises(LsvibError, match=r"x\.png"):
+        work()
+    assert [path.name for path in tmp_path.rglob("*")] == ["b", "x.png"]
+
+
+@pytest.mark.parametrize("error", [LsvibError("no"), KeyboardInterrupt(), ValueError("no")])
+def test_none_is_left_when_the_work_fails(tmp_path, error):
+    (tmp_path / "old.nc").write_bytes(b"\x89HDF of old")
+    outputs = Outputs([(tmp_path / "old.nc", "netCDF"), (tmp_path / "new" / "x.png", "PNG")], make_folders=True)
+
+    def work():
+        with outputs.writing() as (first, _):
+            first.write_text("new")
+            raise error
+
+    with pytest.raises(type(error)):
+        work()
+    assert [path.name for path in tmp_path.rglob("*")] == ["old.nc"]
+    assert (tmp_path / "old.nc").read_bytes() == b"\x89HDF of old"
+
+
+def test_a_sentence_names_the_file_and_not_the_temporary_one(tmp_path):
+    outputs = Outputs([(tmp_path / "x.nc", "netCDF")])
+    with pytest.raises(LsvibError) as raised, outputs.writing() as (part,):
+        raise LsvibError(f"Cannot write {part}: full.")
+    assert str(raised.value) == f"Cannot write {tmp_path / 'x.nc'}: full."
+
+
+@pytest.mark.skipif(os.getuid() == 0, reason="root may write everywhere")
+def test_what_cannot_be_written_is_told_before(tmp_path):
+    (tmp_path / "kept.nc").touch(mode=0o444)
+    with pytest.raises(LsvibError, match="write-protected"):
+        target_of(tmp_path / "kept.nc")
+    tmp_path.chmod(0o555)
+    with pytest.raises(LsvibError, match="not writable"):
+        target_of(tmp_path / "x.nc")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
+def test_a_full_or_closed_standard_output_ends_in_one_sentence():
+    command = f"{sys.executable} -m lsvib config"
+    full = subprocess.run(f"{command} > /dev/full", shell=True, stderr=subprocess.PIPE, text=True)
+    assert full.returncode == 2
+    assert full.stderr == "lsvib: Cannot write to the standard output: No space left on device.\n"
+    closed = subprocess.run(f"{command} >&-", shell=True, stderr=subprocess.PIPE, text=True)
+    assert (closed.returncode, closed.stderr) == (0, "")
+
+
+def test_the_settings_of_the_package_are_those_of_the_repository():
+    assert DEFAULT.read_bytes() == (ROOT / "config" / "config.yaml").read_bytes()
+    check(SETTINGS)

@@ -29,47 +29,46 @@ COMMANDS = re.sub(r"\\\n\s*", "", SHELL).splitlines()  # a command may go on in 
 
 
 @pytest.fixture
-def folder(tmp_path):
-    """A folder with what a clone has that the examples read."""
+def shell(run, tmp_path):
+    """Run a command as a reader would type it, in a folder with what a clone has that the examples read."""
     shutil.copytree(ROOT / "config", tmp_path / "config")
     (tmp_path / "scene.yaml").write_text(SCENE, encoding="utf-8")
-    return tmp_path
 
+    def call(line: str) -> str:
+        """What it prints; what it says it writes is there, and can be read."""
+        program, *arguments = line.split()
+        assert program == "lsvib"
+        code, out, error = run(*arguments)
+        assert code == 0, error
+        assert out
+        for name in re.findall(r"--out (\S+)", line):
+            assert (tmp_path / name).exists()
+            if name.endswith(".nc"):
+                assert read_dataset(tmp_path / name).sizes
+        return out
 
-def run(line: str, folder: Path) -> str:
-    """Run a command that a reader would type; what it says it writes is there, and can be read."""
-    program, *arguments = line.split()
-    assert program == "lsvib"
-    command = [sys.executable, "-c", "from lsvib.cli.app import main; main()", *arguments]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout
-    for name in re.findall(r"--out (\S+)", line):
-        assert (folder / name).exists()
-        if name.endswith(".nc"):
-            assert read_dataset(folder / name).sizes
-    return done.stdout
+    return call
 
 
 @pytest.mark.parametrize("line", COMMANDS, ids=lambda line: line.split()[1])
-def test_command(line, folder):
-    assert run(line, folder)
+def test_command(line, shell):
+    assert shell(line)
 
 
-def test_the_scene_is_the_command_with_other_outputs(folder):
+def test_the_scene_is_the_command_with_other_outputs(shell, tmp_path):
     """``lsvib simulate --scene`` as in the text; the same drive, start and duration as in the line of the shell."""
     (line,) = re.findall(r"`(lsvib simulate --scene scene\.yaml [^`]*)`", README)
-    run(line, folder)
-    (folder / "motion.nc").rename(folder / "scene.nc")
-    run(next(command for command in COMMANDS if command.startswith("lsvib simulate")), folder)
-    scene, motion = read_dataset(folder / "scene.nc"), read_dataset(folder / "motion.nc")
+    shell(line)
+    (tmp_path / "motion.nc").rename(tmp_path / "scene.nc")
+    shell(next(command for command in COMMANDS if command.startswith("lsvib simulate")))
+    scene, motion = read_dataset(tmp_path / "scene.nc"), read_dataset(tmp_path / "motion.nc")
     assert {*yaml.safe_load(SCENE)["outputs"]} <= set(scene.data_vars)
     for name in ("angle_deviation", "velocity_deviation", "event_time"):
         assert (scene[name].values == motion[name].values).all()
 
 
-def test_python(folder):
-    done = subprocess.run([sys.executable, "-c", PYTHON], cwd=folder, capture_output=True, text=True)
+def test_python(tmp_path):
+    done = subprocess.run([sys.executable, "-c", PYTHON], cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     motion, thresholds = done.stdout.splitlines()
     deviation, events = motion.split()
@@ -80,12 +79,12 @@ def test_python(folder):
     assert force == pytest.approx(34.5, rel=0.02)
 
 
-def test_the_first_result_is_what_the_readme_says(folder):
+def test_the_first_result_is_what_the_readme_says(shell):
     """The line of the first screen, its answer in the words that are quoted below it, and the mass that it names."""
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     (line,) = re.findall(r"^\.venv/bin/(lsvib stability .*)$", text, re.MULTILINE)
     (below,) = re.findall(r"^This answers (.*?)\n\n", text, re.DOTALL | re.MULTILINE)
-    answer = run(line, folder).splitlines()
+    answer = shell(line).splitlines()
     first, last = re.findall(r"`([^`]*)`", " ".join(below.split()))[:2]
     assert (answer[0], answer[-1].strip()) == (first, last)
     (named, unstable) = re.findall(r"([\d.]+) kg", below)
@@ -103,7 +102,7 @@ def test_the_front_page_of_the_site_begins_as_the_readme():
     assert [line for line in install if f"   {line}\n" not in site] == []
 
 
-def test_the_readme_names_what_is_declared():
+def test_the_readme_names_what_is_declared(shell):
     """The Python that it asks for, its extras, its licence; and the page of the shell has every command."""
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     with (ROOT / "pyproject.toml").open("rb") as file:
@@ -116,7 +115,7 @@ def test_the_readme_names_what_is_declared():
     assert all((ROOT / name).is_file() for name in re.findall(r"examples/\w+\.yaml", text))
     assert project["license"] == (ROOT / "LICENSE").read_text(encoding="utf-8").split()[0] == "MIT"
     page = (ROOT / "docs" / "command.md").read_text(encoding="utf-8")
-    shown = run("lsvib --help", ROOT)
+    shown = shell("lsvib --help")
     commands = re.findall(r"^│ (\w+) ", shown, re.MULTILINE)
     assert {"assess", "explore", "simulate", "stability"} <= set(commands)
     assert [command for command in commands if f"lsvib {command}" not in page] == []

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from references.parts import threads_drive
+from references.drives import threads_drive
 
 from lsvib.contact import contact_force
 from lsvib.contact.contact_force import ForceOutcome, Paradox

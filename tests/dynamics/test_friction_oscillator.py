@@ -40,7 +40,6 @@ def oscillator(belt):
     field = np.array([[0.0, 1.0, 0.0], [-1.0, -2 * DAMPING, -steady]])
 
     def slip(side):
-        """Slip with sgn(x′ − V) = side."""
         return TaylorMode(
             field=field,
             push=np.array([0.0, -side]),

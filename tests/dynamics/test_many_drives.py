@@ -6,8 +6,7 @@ its cycle, a few hundred. Labels agree but for starts on a boundary to that: non
 
 import numpy as np
 import pytest
-from references.draws import drawn, one_of, uniform
-from references.wide_drives import wide_drive
+from references.drives import drawn, one_of, uniform, wide_drive
 
 from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapping import mapper
@@ -24,9 +23,8 @@ NEAR_THRESHOLDS = {
 
 
 def many_of(drives) -> ManyDrives:
-    return ManyDrives(
-        {name: [getattr(drive, name) for drive in drives] for name in Drive.model_fields if name not in PART_OF}
-    )
+    names = [name for name in Drive.model_fields if name not in PART_OF]
+    return ManyDrives({name: [getattr(drive, name) for drive in drives] for name in names})
 
 
 def test_tables_are_those_of_one_drive():

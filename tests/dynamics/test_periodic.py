@@ -1,4 +1,4 @@
-"""Cycles of all models: multipliers against 40 digits and Liouville's formula, work that balances, the rigid limit."""
+"""Cycles of all models and their branches: multipliers against 40 digits and Liouville's formula, work, folds."""
 
 import json
 import math
@@ -9,18 +9,31 @@ import pytest
 from dynamics.test_attractors import liouville
 from mpmath import mp, mpf
 from references import rigid_digits
-from references.draws import drawn, one_of, power, times, uniform
-from references.parts import nut_drive, support_drive, threads_drive
+from references.drives import (
+    NEAR_FOLD,
+    NEGATIVE_DAMPING,
+    PARADOX,
+    drawn,
+    nut_drive,
+    one_of,
+    power,
+    support_drive,
+    threads_drive,
+    times,
+    uniform,
+)
 
 import lsvib
+from lsvib.datasets.cycles import branch_dataset, branch_json
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.dynamics.continuation import other_sections
 from lsvib.dynamics.cycles import cycle_of, cycle_on, search, starts
 from lsvib.errors import EngineError
 from lsvib.models.mechanism import seated_state
+from lsvib.models.model import model_of
+from lsvib.stability.force_thresholds import threshold_force
 
-NEAR_FOLD = lsvib.Drive(mass=11, support_damping=2e-3, axial_force=-18.37)
-SLIP = lsvib.Drive(mass=1, translation_damping=1e3, axial_force=25)
+SLIP = NEGATIVE_DAMPING.replace(axial_force=25)
 SUPPORTED = support_drive(mass=15, support_damping=5e-4, support_stiffness=1e5, axial_support_damping=1e4)
 REPELLING_SLIP = lsvib.Drive(mass=9.9, translation_damping=1e3, axial_force=10)
 
@@ -31,10 +44,7 @@ REPELLING_SLIP = lsvib.Drive(mass=9.9, translation_damping=1e3, axial_force=10)
         ({"coupling_stiffness": 1e15, "mass": 417797362.8, "input_speed": 1e-12, "axial_force": 1e12}, None),
         ({"support_damping": 1e-30, "mass": 1e9, "input_speed": 1e9, "axial_force": 1e-18}, 1),
         ({"coupling_stiffness": 1e-21, "input_speed": 1e-12, "axial_force": 1e-12, "mass": 4e-3}, None),
-        (
-            {"screw_inertia": 1e-30, "coupling_stiffness": 1e15, "translation_damping": 1.89, "input_speed": 1e-12},
-            None,
-        ),
+        ({"screw_inertia": 1e-30, "coupling_stiffness": 1e15, "translation_damping": 1.89, "input_speed": 1e-12}, None),
     ],
 )
 def test_values_near_the_ends_of_the_range_of_doubles(values, count):
@@ -109,17 +119,11 @@ FOUND = [
 ]
 
 
-def cycle_after(drive, initial):
-    from lsvib.models.model import model_of
-
-    steady = steady_state(drive.automaton(), model_of(drive).initial_state(drive, initial))
-    return cycle_of(drive, steady), steady
-
-
 @pytest.mark.parametrize(("drive", "initial"), FOUND, ids=lambda value: getattr(value, "model", ""))
-def test_work_balances(drive, initial):
+def test_work_balances_and_multipliers_do_not_depend_on_where_a_period_begins(drive, initial):
     """Motor and load put in what friction, dampers and impacts take out; each is formed from another law."""
-    cycle, steady = cycle_after(drive, initial)
+    steady = steady_state(drive.automaton(), model_of(drive).initial_state(drive, initial))
+    cycle = cycle_of(drive, steady)
     work = cycle.work
     assert min(work.friction, work.damping) > 0
     assert work.impacts >= 0
@@ -129,11 +133,7 @@ def test_work_balances(drive, initial):
     assert abs(work.balance) <= 1e-12
     assert cycle.amplitude == pytest.approx(steady.amplitude, rel=1e-9)
     json.dumps(cycle.to_json(), allow_nan=False)
-
-
-@pytest.mark.parametrize(("drive", "initial"), FOUND, ids=lambda value: getattr(value, "model", ""))
-def test_multipliers_do_not_depend_on_where_a_period_begins(drive, initial):
-    cycle, _ = cycle_after(drive, initial)
+    assert drive.input_speed * cycle.means["coupling_torque"] * cycle.period == pytest.approx(work.motor, rel=1e-12)
     seen = 0
     for other in other_sections(cycle):
         again = cycle_on(drive, other.section, "start")
@@ -151,13 +151,6 @@ def test_a_cycle_without_derivative_is_written_without_multipliers():
     assert written["stability"] == "not known"
     assert written["label"] == "other_cycle"
     assert json.loads(json.dumps(written, allow_nan=False))["multipliers"] == [None]
-
-
-def test_the_mean_coupling_torque_is_the_work_of_the_motor():
-    cycle, _ = cycle_after(*FOUND[3])
-    drive = cycle.drive
-    mean = cycle.means["coupling_torque"]
-    assert drive.input_speed * mean * cycle.period == pytest.approx(cycle.work.motor, rel=1e-12)
 
 
 def test_return_maps_show_the_pair_near_the_fold_without_a_start():
@@ -344,3 +337,92 @@ def test_a_branch_of_four_states_turns_at_a_fold():
     assert all(point.cycle.attracting != point.cycle.repelling for point in points)
     assert all(point.cycle.residual < 1e-12 for point in points)
     assert all(point.value > fold for point in points)
+
+
+@pytest.mark.parametrize("damping", [2e-3, 5e-3])
+def test_fold_is_the_threshold_of_global_stability(damping):
+    """The attracting branch turns into the repelling one at the force that the closed form gives, to rounding."""
+    drive = NEAR_FOLD.replace(support_damping=damping)
+    threshold = threshold_force(drive, "global_stability")
+    drive = drive.replace(axial_force=threshold * (1 - 3e-4))
+    attracting, repelling = drive.cycles().cycles
+    branch = drive.follow(attracting, "axial_force", (threshold * 1.01, threshold * (1 - 4e-4)))
+    assert branch.folds == [pytest.approx(threshold, rel=1e-14)]
+    sides = [point.cycle.attracting for point in branch.points]
+    assert sides == sorted(sides)  # repelling ones, then attracting ones, one change between
+    assert {True, False} == set(sides)
+    assert max(point.cycle.residual for point in branch.points) < 1e-13
+    back = drive.follow(repelling, "axial_force", (threshold * 1.01, threshold * (1 - 4e-4)))
+    assert back.folds == [pytest.approx(branch.folds[0], rel=1e-14)]
+
+
+@pytest.mark.slow
+def test_amplitude_over_force_has_the_thresholds_of_figure_8_6():
+    """From onset, where the cycle vanishes, over the first rest to the last contact reversal."""
+    (cycle,) = SLIP.cycles().cycles
+    branch = SLIP.follow(cycle, "axial_force", (20.0, 50.0))
+    known = {name: threshold.value for name, threshold in SLIP.thresholds().items()}
+    first, *changes, last = branch.changes
+    assert (first.kind, first.what) == ("end", "it shrinks to nothing")
+    assert first.value == pytest.approx(known["onset"], abs=1e-4)
+    assert [change.kind for change in changes] == ["itinerary", "itinerary"]
+    assert changes[0].value == pytest.approx(known["stick"], rel=1e-9)
+    assert "stick into rest" in changes[0].what
+    assert changes[1].value == pytest.approx(known["detach"], rel=1e-9)
+    assert changes[1].what.startswith("loses contact reversal")
+    assert (last.kind, last.value) == ("end", 50.0)
+    assert not branch.folds
+
+
+PULLED = {  # by a spring, as a drive with hardly any lead
+    "pitch_radius": 1, "lead_angle": 1e-6, "mass": 1e-18, "axial_force": 1, "screw_inertia": 1, "coupling_stiffness": 2,
+    "support_damping": 0.4, "friction_coefficient": 1.000002000002, "static_friction_coefficient": 1.500003250004875,
+    "input_speed": 0.1,
+}  # fmt: skip
+STRIBECK = {  # a block whose friction is 2 + 4 exp(−10 v) + 0.2 v N, published
+    "pitch_radius": 1, "lead_angle": 1e-6, "mass": 1e-18, "axial_force": 1000, "screw_inertia": 0.538,
+    "friction_coefficient": 0.002, "stribeck_rise": 0.004, "stribeck_speed": 0.1, "friction_slope": 0.0002,
+    "input_speed": 0.22, "coupling_stiffness": 6957, "support_damping": 5.746,
+}  # fmt: skip
+SEAT = {"friction": "powered_seat", "axial_force": 95}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("values", "parameter", "spans", "end", "tolerance"),
+    [
+        (PULLED, "input_speed", [(0.02, 0.4), (0.09, 0.19)], 0.181127006942085, 1e-12),
+        (STRIBECK, "input_speed", [(0.1, 0.4)], 0.27178904290785, 1e-8),  # the lead changes it by 3e-9
+        (SEAT, "axial_force", [(60, 200)], 72.575, 1e-5),  # of three digits
+    ],
+)
+def test_stick_slip_ends_where_its_slip_just_comes_to_rest(values, parameter, spans, end, tolerance):
+    """w = −Ω with w′ = 0 after release, in 16 digits by another program; the same for every range that is asked for."""
+    drive = lsvib.Drive.of(values)
+    (cycle,) = (cycle for cycle in drive.cycles().cycles if cycle.label.name == "STICK_SLIP_CYCLE")
+    ends = []
+    for span in spans:
+        change = next(c for c in drive.follow(cycle, parameter, span).changes if c.what.startswith("its slip"))
+        assert (change.kind, change.what) == ("end", "its slip no longer comes to rest")
+        ends.append(change.value)
+    assert ends == [pytest.approx(end, rel=tolerance)] * len(ends)
+    assert max(ends) - min(ends) <= 1e-14 * abs(end)
+
+
+@pytest.mark.slow
+def test_a_branch_does_not_depend_on_the_range():
+    drive = PARADOX
+    cycle = drive.cycles().cycles[0]
+    for parameter, spans in (("mass", [(10, 12), (10, 1e5), (10, 1e9)]), ("axial_force", [(-1e5, -1), (-1e3, -1)])):
+        branches = [drive.follow(cycle, parameter, span) for span in spans]
+        lowest = [branch.points[0].value for branch in branches]
+        assert lowest == [pytest.approx(lowest[0], rel=1e-12)] * len(spans)
+        assert all(branch.changes[0].what == branches[0].changes[0].what for branch in branches)
+
+
+def test_branch_is_written():
+    branch = NEAR_FOLD.follow(NEAR_FOLD.cycles().cycles[0], "axial_force", (-18.38, -18.36), points=30)
+    data = branch_dataset(NEAR_FOLD, branch)
+    assert data.sizes["point"] == len(branch.points)
+    assert data.axial_force.units == "N"
+    assert json.loads(json.dumps(branch_json(branch)))["changes"][0]["kind"] == "end"

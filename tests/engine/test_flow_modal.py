@@ -1,23 +1,37 @@
-"""Modes with many states: the modal flow against mpmath's matrix exponential.
+"""Modes with many states: the modal flow against mpmath's matrix exponential, bounds of guards and the certain walk.
 
 The flow may be off by ``64 eps (1 + rate t)`` of the size of the state at either end and of its equilibrium, times the
-condition of the mode and the growth of its fastest part; how near two rates of a pair lie must not appear in it.
+condition of the mode and the growth of its fastest part; how near two rates of a pair lie must not appear in it. Guards
+are looked at on sums of pairs that are decoupled, so that every one is a sum with known parts.
 """
 
 import math
+from itertools import combinations, pairwise
 
 import numpy as np
 import pytest
 from flint import arb, ctx
-from hypothesis import assume, given, settings
+from hypothesis import assume, given, reject, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
-from references.modal_fields import DIGITS, as_decimals, rate_of
 
 from lsvib.engine.exact.field import Field
 from lsvib.engine.exact.modal_form import guard_forms, modal_flow, modal_mode
-from lsvib.engine.kernels import flow_modal
-from lsvib.engine.kernels.layout import ALPHA, BETA, R1
+from lsvib.engine.kernels import flow_modal, guard_sums, search_modal
+from lsvib.engine.kernels.layout import A0, ALPHA, BETA, R1, R2, Found
+
+DIGITS = 60
+
+
+def as_decimals(rows):
+    return [[mp.nstr(x, DIGITS) for x in row] for row in rows]
+
+
+def rate_of(flow, mode=0):
+    rows = flow.oscillators[mode]
+    pairs = [np.abs(rows[:, R1]), np.abs(rows[:, R2]), np.abs(rows[:, ALPHA]) + rows[:, BETA]]
+    return float(np.concatenate([*pairs, np.abs(flow.rates[mode])]).max()) or 1.0
+
 
 EPS = float(np.finfo(float).eps)
 
@@ -215,3 +229,241 @@ def test_growing_part_keeps_its_relative_accuracy_beside_a_slow_one():
         noise = EPS * 1e-4 * math.exp(40)  # the slow rates over the fast one times eps, grown
         assert trace == 0
         assert max(abs(float(mpf(float(x)) - y)) for x, y in zip(out, expected, strict=True)) <= 64 * noise + 64 * EPS
+
+
+EPS = float(np.finfo(float).eps)
+
+
+def decoupled(factors):
+    """Flow tables of blocks without coupling and force, and the number of states.
+
+    Refuses nearly equal rates of two blocks: without coupling they are no pair, and the modal form does not carry them.
+    """
+    rates = [np.roots([1.0, -f[0]] if len(f) == 1 else [1.0, f[1], f[0]]) for f in factors]
+    if any(np.abs(np.subtract.outer(a, b)).min() <= 1e-3 * np.abs(a).max() + 1e-6 for a, b in combinations(rates, 2)):
+        raise ArithmeticError("rates coincide")
+    n = sum(1 if len(factor) == 1 else 2 for factor in factors)
+    rows = [[0.0] * (n + 1) for _ in range(n)]
+    i = 0
+    for factor in factors:
+        if len(factor) == 1:
+            rows[i][i] = factor[0]
+            i += 1
+        else:
+            rows[i][i + 1], rows[i + 1][i], rows[i + 1][i + 1] = 1.0, -factor[0], -factor[1]
+            i += 2
+    return modal_flow([modal_mode(Field.of(rows, [1.0] * n))]), n
+
+
+def drawn(factors):
+    """As :func:`decoupled`, for factors that hypothesis has drawn: those whose rates lie too close are passed over."""
+    try:
+        return decoupled(factors)
+    except ArithmeticError:
+        reject()
+
+
+PARTS = st.floats(-2, 2).map(lambda x: round(x, 6))
+FACTORS = st.one_of(
+    st.tuples(st.floats(-1e4, 50).map(lambda r: round(r, 6))),
+    st.tuples(st.floats(0.1, 1e6), st.floats(0.0, 100.0)),
+    st.floats(0.5, 100).map(lambda r: (r * r, 2 * r)),
+)
+
+
+def rounding_of(row, factors, k):
+    """What forming the k-th derivative of a pair's part may lose: its P_k is a sum of terms ρ^k |P|, ρ^{k−1} |Q|."""
+    rate = max(np.abs(row[[R1, R2]]).max(), np.sqrt(row[A0]))
+    return 8 * EPS * rate**k * (factors[2] + factors[3] / rate)
+
+
+@settings(max_examples=60)
+@given(st.lists(FACTORS, min_size=1, max_size=3), st.lists(PARTS, min_size=12, max_size=12), st.floats(0, 5))
+def test_bounds_bound_the_derivatives(factors, numbers, angle):
+    flow, n = drawn(factors)
+    rows = flow.oscillators[0]
+    state, guard = np.array(numbers[:n]), np.array([*numbers[6 : 6 + n], 0.5])
+    room = guard_sums.room_for(flow, 1)
+    guard_sums.prepare(flow, 0, state, guard[None], room)
+    left = angle / rate_of(flow) / 3
+    right = left + angle / rate_of(flow)
+    for node, t in ((0, left), (1, right)):
+        guard_sums.go_to(flow, 0, room, t, node)
+        guard_sums.evaluate(flow, 0, room, 0, node)
+    eighth = (right - left) ** 2 / 8
+    lowest = [guard_sums.least_between(flow, 0, room, 0, 0, 1, k, 1.0, eighth)[0] for k in range(3)]
+    highest = [-guard_sums.least_between(flow, 0, room, 0, 0, 1, k, -1.0, eighth)[0] for k in range(3)]
+    decays = room.pair_nodes[:2, :, 3:].max(axis=0)
+    A, b = flow.field[0][:, :-1], flow.field[0][:, -1]
+    for t in np.linspace(left, right, 41):
+        x, terms = np.empty(n), np.empty(n)
+        flow_modal.advance(flow, 0, state, t, x)
+        flow_modal.travel(flow, 0, state.copy(), t, terms, room)
+        derivative, weights = A @ x + b, guard[:-1]
+        for k in range(guard_sums.ORDERS):
+            sizes = np.abs(weights) @ np.linalg.matrix_power(np.abs(A), k) @ (np.abs(x) + np.abs(state) + terms)
+            noise = sum(rounding_of(row, room.pair_bounds[0, pair, 0], k) for pair, row in enumerate(rows))
+            noise += 256 * EPS * (1 + angle) * (sizes + (k == 0)) + 1e-50
+            value = guard @ [*x, 1.0] if k == 0 else weights @ derivative
+            if k < 3:
+                assert lowest[k] - noise <= value <= highest[k] + noise
+            if k:
+                most = sum(guard_sums.bound(room.pair_bounds[0, pair, k], *decays[pair]) for pair in range(len(rows)))
+                growth_of = room.single_nodes[:2, :, 0].max(axis=0)
+                most += float(np.abs(room.singles[0, :, k]) @ growth_of)
+                assert abs(value) <= most * (1 + 1e-12) + noise
+                derivative = A @ derivative
+
+
+def search(flow, state, guard, on_surface=False, limit=10.0):
+    guards = np.array(guard, dtype=float).reshape(-1, len(state) + 1)
+    found, index, t = search_modal.search(
+        flow,
+        0,
+        np.array(state, dtype=float),
+        guards,
+        np.atleast_1d(on_surface),
+        limit,
+        guard_sums.room_for(flow, len(guards)),
+    )
+    return Found(found), index, t
+
+
+@settings(max_examples=60)
+@given(st.lists(FACTORS, min_size=1, max_size=3), st.lists(PARTS, min_size=12, max_size=12), st.floats(1, 60))
+def test_first_crossing_against_dense_evaluation(factors, numbers, angle):
+    """Positive on a dense grid up to the time found, and zero there; or positive all the way."""
+    flow, n = drawn(factors)
+    state, weights = np.array(numbers[:n]), np.array(numbers[6 : 6 + n])
+    guard = [*weights, abs(numbers[5]) + 0.05 - weights @ state]
+    limit = angle / rate_of(flow)
+    found, _, t = search(flow, state, guard, limit=limit)
+    out = np.empty(n)
+    values, terms = [], 0.0
+    for time in np.linspace(0, t, 400):
+        flow_modal.advance(flow, 0, state, time, out)
+        values.append(out @ weights + guard[-1])
+        terms = max(terms, np.abs(weights) @ np.abs(out) + abs(guard[-1]))
+    rounding = 64 * EPS * (1 + angle) * terms
+    assert min(values[:-1]) >= -rounding
+    if found == Found.NONE:
+        assert t == limit
+        assert values[-1] >= -rounding
+    else:
+        flow_modal.advance(flow, 0, state, t, out)
+        rate = abs(weights @ (flow.field[0] @ [*out, 1.0]))
+        assert abs(values[-1]) <= rounding + 8 * EPS * t * rate
+
+
+@pytest.mark.parametrize("a1", [12.0, 12.0 + 1e-14, 12.0 - 1e-14, 12.0 - 1e-9, 12.1, 11.9])
+def test_root_of_a_critically_damped_pair(a1):
+    """The speed falls to 0.95 of its start once, whether the pair is critically, a little over- or underdamped."""
+    flow, _ = decoupled([(36.0, a1)])
+    found, _, t = search(flow, [0.0, 1.0], [0.0, 1.0, -0.95])
+    assert found == Found.CROSSING
+    with mp.workdps(DIGITS):
+        split = mp.sqrt(mpf(a1) ** 2 / 4 - 36)
+
+        def speed(t):
+            turned = mp.sinh(split * t) / split if split else t
+            return mp.exp(-mpf(a1) / 2 * t) * (mp.cosh(split * t) - mpf(a1) / 2 * turned)
+
+        expected = mp.findroot(lambda t: mp.re(speed(t)) - mpf(0.95), (mpf("0.004"), mpf("0.005")))
+    assert t == pytest.approx(float(expected), rel=1e-13)
+
+
+def with_roots(roots, rates):
+    """Weights a_j of Σ a_j e^{r_j t} + a_0 (a_0 = −1 scaled) that vanishes at as many times; a double root twice."""
+    with mp.workdps(DIGITS):
+        count = len(rates)
+        equations, right = mp.matrix(count), mp.matrix(count, 1)
+        for i, t in enumerate(roots):
+            again = roots[:i].count(t)
+            for j, r in enumerate(rates):
+                equations[i, j] = mpf(r) ** again * mp.exp(mpf(r) * mpf(t))
+            right[i] = mpf(0) if again else mpf(-1)
+        return [float(x) for x in mp.lu_solve(equations, right)]
+
+
+@pytest.mark.parametrize("rates", [(-1.0, -2.5, -7.0), (-0.5, 0.3, -30.0), (1.0, 2.0, -1.0)])
+@pytest.mark.parametrize("roots", [(0.3, 0.9, 1.4), (0.2, 0.2001, 1.0), (0.7, 1.5, 1.6)])
+def test_constructed_roots(rates, roots):
+    """An exponential sum with three real rates and a constant has at most these three roots."""
+    flow, _ = decoupled([(r,) for r in rates])
+    weights = np.array(with_roots(roots, rates))
+    sign = 1.0 if weights.sum() + 1 > 0 else -1.0
+    now, state, found_at = 0.0, np.ones(3), []
+    for k in range(3):
+        found, _, t = search(flow, state, sign * np.array([*weights, 1.0]), on_surface=k > 0)
+        assert found == Found.CROSSING
+        flow_modal.advance(flow, 0, state, t, state)
+        now += t
+        found_at.append(now)
+        sign = -sign
+    gap = min(b - a for a, b in pairwise(roots))
+    # Rounding of the weights moves a root by eps × terms / slope, and the slope is of the order of the gaps.
+    terms = np.abs(weights).sum() * math.exp(2 * max(0.0, *rates)) + 1
+    assert found_at == pytest.approx(roots, abs=1e4 * EPS * terms / gap)
+    assert search(flow, state, sign * np.array([*weights, 1.0]), on_surface=True)[0] == Found.NONE
+
+
+def test_two_roots_a_nanosecond_apart():
+    """A fast oscillation that falls below zero for 1e-9 s, 1e-4 of its time scale 1/ω, beside a slow decay."""
+    flow, _ = decoupled([(1e10, 0.0), (-1.0,)])
+    omega = 1e5
+    # The decay has no part in the guard; the dip is (ω d/2)²/2 deep for a duration d.
+    for duration, expected in ((1e-9, True), (0.0, False)):
+        depth = (omega * duration / 2) ** 2 / 2
+        level = 1 - depth + (0.0 if expected else 1e-9)
+        found, _, t = search(flow, [1.0, 0.0, 1.0], [1.0, 0.0, 0.0, level], limit=5e-5)
+        assert found == (Found.CROSSING if expected else Found.NONE)
+        if expected:
+            assert t == pytest.approx(math.pi / omega - duration / 2, abs=1e-10)
+
+
+@pytest.mark.parametrize("margin", [0.0, 1e-13, -1e-13])
+def test_double_root_is_a_graze(margin):
+    """A sum constructed with a double root at t = 1; moved by 1e-13 it crosses, or does not touch."""
+    rates = (-1.0, -3.0)
+    flow, _ = decoupled([(r,) for r in rates])
+    weights = np.array(with_roots((1.0, 1.0), rates))
+    sign = 1.0 if weights.sum() + 1 > 0 else -1.0
+    found, _, t = search(flow, np.ones(2), sign * np.array([*weights, 1.0]) + np.array([0, 0, margin]))
+    if margin == 0.0:  # the weights are rounded: within rounding it touches, or just crosses
+        assert found in (Found.GRAZE, Found.CROSSING)
+    else:
+        assert found == (Found.NONE if margin > 0 else Found.CROSSING)
+    if found != Found.NONE:
+        assert t == pytest.approx(1.0, abs=1e-6)
+
+
+def test_what_crosses_zero_after_it_has_died_away_does_not_touch():
+    """Next to its root the guard falls below zero by 1e-18 of its start, but by a hundredth of what is left of it."""
+    flow, _ = decoupled([(145.0, 24.0), (-1.0,)])
+    found, _, t = search(flow, [1.0, 0.0, 1.0], [1.0, 0.0, 0.0, 0.0])
+    assert found == Found.CROSSING
+    assert t == pytest.approx(math.pi - math.atan(1 / 12), rel=1e-12)
+
+
+def test_the_guard_that_falls_first_is_reported():
+    """Two guards fall within one step of the walk; by the time found the later one is still positive."""
+    flow, _ = decoupled([(1.0, 0.2), (-1.0,)])
+    state = [1.0, 0.0, 1.0]
+    early, late = [1.0, 0.0, 0.0, -0.5], [1.0, 0.0, 0.0, -0.499]
+    for guards, first in (([early, late], 0), ([late, early], 1)):
+        found, index, t = search(flow, state, guards, [False, False])
+        assert (found, index) == (Found.CROSSING, first)
+        assert t == search(flow, state, early)[2]
+
+
+@pytest.mark.parametrize("touching", [0, 1])
+def test_a_guard_that_falls_where_another_one_touches_is_not_passed_over(touching):
+    """One guard touches zero at t = π, where it is flat over 1e-8; the other falls through zero 1e-9 before that."""
+    flow, _ = decoupled([(1.0, 0.0), (-1.0,)])
+    state, touches = [1.0, 0.0, 1.0], [1.0, 0.0, 0.0, 1.0]
+    falls = [0.0, 0.0, 1.0, -math.exp(1e-9 - math.pi)]
+    assert search(flow, state, touches)[0] == Found.GRAZE
+    guards = [touches, falls] if touching == 0 else [falls, touches]
+    found, index, t = search(flow, state, guards, [False, False])
+    assert (found, index) == (Found.CROSSING, 1 - touching)
+    assert t == pytest.approx(math.pi - 1e-9, abs=1e-14)

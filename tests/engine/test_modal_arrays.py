@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from references.catalogue import catalogue_drive
+from references.drives import catalogue_drive
 
 from lsvib.dynamics.sweep import ending_of
 from lsvib.engine.exact.modal_form import linear_mode, modal_flow

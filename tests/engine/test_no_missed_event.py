@@ -17,7 +17,8 @@ import math
 
 import numba
 import numpy as np
-from references.drives import RULES, random_drive, random_start
+from references.comparisons import RULES
+from references.drives import random_drive, random_start
 
 from lsvib.engine.automaton import oscillator
 from lsvib.engine.kernels import flow_planar, layout
@@ -32,7 +33,6 @@ ROUNDINGS = 16.0
 
 @numba.njit(error_model="numpy")
 def guard_value(tables, guard, state):
-    """Value of a guard at a state."""
     surface = tables.surfaces[tables.guard_surface[guard]]
     return tables.guard_sign[guard] * (surface[0] * state[0] + surface[1] * state[1] + surface[2])
 
@@ -114,7 +114,6 @@ def check_motion(automaton, start, t_end, tally):
 
 
 def random_motions(count: int, seed: int) -> np.ndarray:
-    """Tally of so many random motions."""
     rng, tally = np.random.default_rng(seed), np.zeros(4)
     while tally[0] < count:
         automaton = rigid_automaton(random_drive(rng), resume=RULES[rng.integers(2)])

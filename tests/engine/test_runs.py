@@ -1,15 +1,25 @@
-"""Runs of the engine: rates decades apart, whose digits stay or are refused; the room for events; too many of them."""
+"""Runs of the engine: digits of rates decades apart, room for events, too many of them; where it is kept compiled.
 
+Without compilation results are the same to rounding, as LLVM may contract and reorder; 1e-12 of the motion, as in the
+comparison with mpmath. An index out of range raises then.
+"""
+
+import json
+import logging
 import math
+import os
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from references.parts import threads_drive
+from references.drives import NEGATIVE_DAMPING, PARADOX, threads_drive
 
 from lsvib.engine import motion as runs
 from lsvib.engine.exact.modal_form import linear_mode, modal_flow
-from lsvib.engine.kernels import event_loop
-from lsvib.engine.motion import follow
+from lsvib.engine.kernels import event_loop, jit
+from lsvib.engine.motion import bouncing, follow
 from lsvib.errors import EngineError
 from lsvib.models.drive import Drive
 from lsvib.models.model import automaton_of
@@ -37,9 +47,8 @@ def test_growth_beyond_all_numbers_does_not_move_a_pair_in_equilibrium():
     out, turning = np.empty(4), math.sqrt(99.75)
     event_loop.advance(flow, 0, np.array([0.0, 0.0, 1.0, 0.0]), 0.1, out)
     assert out[:2].tolist() == [0.0, 0.0]
-    assert out[2] == pytest.approx(
-        math.exp(-0.05) * (math.cos(0.1 * turning) + 0.5 / turning * math.sin(0.1 * turning)), rel=1e-12
-    )
+    swing = math.cos(0.1 * turning) + 0.5 / turning * math.sin(0.1 * turning)
+    assert out[2] == pytest.approx(math.exp(-0.05) * swing, rel=1e-12)
 
 
 JUST_BELOW_COT_LEAD = {
@@ -62,9 +71,7 @@ FASTEST = Drive(translation_damping=1e15, friction_slope=-1e-5)  # turns at 10¹
 
 def test_a_motion_of_too_many_steps_is_refused_in_one_sentence(monkeypatch):
     monkeypatch.setattr("lsvib.engine.motion._MANY_STEPS", 10_000)
-    with pytest.raises(
-        EngineError, match=r"takes more than 10,000 steps by its event after t = 0 s; shorten the duration"
-    ):
+    with pytest.raises(EngineError, match=r"than 10,000 steps by its event after t = 0 s; shorten the duration"):
         follow(rigid_automaton(FASTEST), (0.1, 0.0), 1.0)
 
 
@@ -80,8 +87,8 @@ def test_samples_of_a_friction_law_do_not_depend_on_those_before():
         assert (np.abs(alone[0] - state) <= 1e-13 * np.abs(states).max(axis=0)).all()
 
 
-SPRAG_SLIP = rigid_automaton(Drive.of(mass=11.0, support_damping=1e-3, axial_force=-10.0))
-STICK_SLIP = rigid_automaton(Drive.of(mass=1.0, translation_damping=1000.0, axial_force=40.0))
+SPRAG_SLIP = rigid_automaton(PARADOX)
+STICK_SLIP = rigid_automaton(NEGATIVE_DAMPING.replace(axial_force=40.0))
 NO_DAMPING = rigid_automaton(Drive.of(mass=11.0, axial_force=-10.0), resume="at_once")  # seizures accumulate
 THREADS = automaton_of(threads_drive(mass=11.0, axial_force=50.0, contact_stiffness=1e8, contact_damping=1e8))
 
@@ -111,3 +118,130 @@ def test_more_events_than_anybody_can_want_is_an_error_unless_asked_for(monkeypa
     monkeypatch.setattr(runs, "_MANY_EVENTS", 100)
     with pytest.raises(EngineError, match=r"more than 100 events before t = 0\.\d+ s; shorten the duration"):
         follow(STICK_SLIP, (0.01, 0.0), 1.0)
+
+
+NOWHERE = "/dev/null/nowhere"  # cannot be made, not even by root
+
+
+@pytest.fixture
+def folders(monkeypatch, tmp_path):
+    """Take away every folder of the user but one for temporary files."""
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    monkeypatch.setenv("XDG_CACHE_HOME", NOWHERE)
+    monkeypatch.setattr(jit.tempfile, "gettempdir", lambda: str(tmp_path))
+    return tmp_path
+
+
+def test_the_folders_in_their_order(folders, monkeypatch):
+    spare = folders / f"lsvib-{os.getuid()}" / jit.source_digest()
+    assert jit.cache_folder() == spare
+    assert spare.parent.stat().st_mode & 0o777 == 0o700
+    monkeypatch.setenv("XDG_CACHE_HOME", str(folders / "cache"))
+    assert jit.cache_folder() == folders / "cache" / "lsvib" / jit.source_digest()
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(folders / "chosen"))
+    assert jit.cache_folder() == folders / "chosen"
+    monkeypatch.setenv("NUMBA_CACHE_DIR", NOWHERE)
+    assert jit.cache_folder() == folders / "cache" / "lsvib" / jit.source_digest()
+
+
+def test_a_folder_in_which_others_can_write_is_not_used(folders):
+    spare = folders / f"lsvib-{os.getuid()}"
+    spare.mkdir()
+    spare.chmod(0o777)
+    assert jit.cache_folder() is None
+
+
+def test_a_user_without_a_home(folders, monkeypatch):
+    def no_home():
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.delenv("XDG_CACHE_HOME")
+    monkeypatch.setattr(jit.Path, "home", no_home)
+    assert jit.cache_folder() == folders / f"lsvib-{os.getuid()}" / jit.source_digest()
+
+
+def test_many_writers_of_one_cache_lose_nothing(tmp_path):
+    """Each compiled version is read back as it was written, whoever else wrote at the time."""
+    assert isinstance(event_loop.run_in._cache._cache_file, jit.OneWriter)
+
+    def write(k: int) -> None:
+        jit.OneWriter(str(tmp_path), "kernel", "stamp").save((k,), f"version {k}")
+
+    with ThreadPoolExecutor(16) as pool:
+        list(pool.map(write, range(200)))
+    file = jit.OneWriter(str(tmp_path), "kernel", "stamp")
+    assert [file.load((k,)) for k in range(200)] == [f"version {k}" for k in range(200)]
+
+
+def test_compiling_is_said_once_for_each_part(caplog):
+    caplog.set_level(logging.INFO, "lsvib")
+    jit.notice.said -= {*jit.notice.said} - {None}  # by what this process has compiled before
+    small = jit.numba.njit(lambda tables: tables.shortest_stay)
+    other = jit.numba.njit(lambda tables: -tables.shortest_stay)
+    for kernel in (small, other):
+        kernel.py_func.__module__ = "lsvib.engine.kernels.small"
+    for kernel in (small, small, other):
+        for kind in ("planar", "modal"):
+            kernel(bouncing(kind).tables)
+    told = [record.getMessage() for record in caplog.records]
+    assert [words for words in told if "rigid drives, once, about 10 s" in words] == told[:1]
+    assert [words for words in told if "drives with parts, once, about 30 s" in words] == told[1:]
+    assert len(told) == 2
+    say = jit.sentence
+    assert "mapper of rigid drives" in say("lsvib.basins.kernels.labels", "Tables(array(float64, 2d, C))")
+    told = say("lsvib.dynamics.kernels.sweep", "Tables(AnyFlow(array(float64, 2d, C)))")
+    assert "the rule of what motions end in" in told
+    assert say("lsvib.engine.kernels.flow_planar", "array(float64, 1d, C)") is None
+    assert say("somebody.else", "Tables") is None
+
+
+@pytest.mark.skipif(jit.numba.config.DISABLE_JIT, reason="nothing is compiled")
+@pytest.mark.parametrize("kind", ["planar", "modal"])
+def test_a_kernel_calls_the_kernel_of_the_kind_of_flow(kind):
+    @jit.numba.njit
+    def quarter(flow, state, out):
+        event_loop.advance(flow, 0, state, 0.5 * np.pi, out)
+
+    flow, out = bouncing(kind).tables.flow, np.empty(2)
+    quarter(flow, np.array([1.0, 0.0]), out)
+    np.testing.assert_allclose(out, [0.0, -1.0], atol=1e-15)
+
+
+PROGRAM = """
+import json
+from lsvib.dynamics.attractor import steady_state
+from lsvib.engine.motion import follow
+from lsvib.models.drive import Drive
+from lsvib.models.rigid import rigid_automaton
+
+results = []
+for mass, force, c_x, rule in (
+    (1.0, 40.0, 1e3, "contact_sign"), (11.0, 50.0, 0.0, "contact_sign"), (15.0, -20.0, 0.0, "at_once")
+):
+    automaton = rigid_automaton(Drive.of(mass=mass, axial_force=force, translation_damping=c_x), resume=rule)
+    motion = follow(automaton, (0.05, 10.0), 0.05)
+    states, modes = motion.at([0.0, 0.01, 0.02, 0.05])
+    results.append([motion.time.tolist(), motion.kind.tolist(), states.tolist(), modes.tolist()])
+cycle = steady_state(rigid_automaton(Drive.of(axial_force=25.0, translation_damping=1e3)), (0.05, 5.0))
+results.append([[cycle.period, cycle.amplitude, float(cycle.multiplier)], [int(cycle.label)], [], []])
+print(json.dumps(results))
+"""
+
+
+def results(**environment):
+    """What the program prints, in a process of its own."""
+    environment = {**os.environ, **environment}
+    run = subprocess.run([sys.executable, "-c", PROGRAM], capture_output=True, text=True, env=environment)
+    assert run.returncode == 0, run.stderr
+    return json.loads(run.stdout)
+
+
+@pytest.mark.slow
+def test_same_motion_without_compilation(tmp_path):
+    compiled, plain = results(), results(NUMBA_CACHE_DIR=str(tmp_path), NUMBA_DISABLE_JIT="1")
+    for (times, kinds, states, modes), expected in zip(plain, compiled, strict=True):
+        assert kinds == expected[1]
+        assert modes == expected[3]
+        # The multiplier is a difference quotient of step 1e-5: rounding over the step.
+        np.testing.assert_allclose(times, expected[0], rtol=1e-10, atol=1e-12)
+        np.testing.assert_allclose(states, expected[2], rtol=1e-12, atol=1e-12)

@@ -19,7 +19,6 @@ _PATIENCE = 60_000  # ms, on a machine with other work; what is waited for comes
 
 @pytest.fixture(scope="module")
 def server():
-    """Address of a running explorer."""
     command = [sys.executable, "-m", "lsvib", "explore", "--no-show", "--port", "0"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         line = process.stdout.readline()
@@ -36,7 +35,6 @@ def page(browser, server):
 
 
 def words(page, text: str) -> None:
-    """Wait until the page says something."""
     playwright.expect(page.get_by_role("status")).to_contain_text(text, timeout=_PATIENCE)
 
 
@@ -57,7 +55,6 @@ def share(page) -> float:
 
 
 def query(page, key: str, value: str) -> None:
-    """Wait until the address of the page has a value."""
     page.wait_for_function(
         "([key, value]) => new URLSearchParams(location.search).get(key) === value", arg=[key, value], timeout=_PATIENCE
     )
@@ -151,6 +148,5 @@ def test_a_port_in_use_is_refused_in_one_sentence(server):
     command = [sys.executable, "-m", "lsvib", "explore", "--no-show", "--port", port]
     done = subprocess.run(command, capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (2, "")
-    assert (
-        done.stderr == f"lsvib: port = {port} cannot be used: another program uses it; take another one with --port.\n"
-    )
+    said = "cannot be used: another program uses it; take another one with --port."
+    assert done.stderr == f"lsvib: port = {port} {said}\n"

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import yaml
 from references.command_line import complaint
-from references.parts import DRIVES
+from references.drives import DRIVES, PARADOX
 
 import lsvib
 from lsvib.basins.curves import Window
@@ -26,7 +26,6 @@ from lsvib.models import chapter
 from lsvib.models.scene import Scene
 
 PRESETS = presets()
-DRIVE = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10)
 WINDOW = Window(-0.15, 0.13, -50.0, 35.0)
 
 
@@ -64,15 +63,15 @@ def test_a_bad_link_is_refused_in_one_sentence(query, said):
 
 def test_every_figure_of_the_chapter_has_a_preset():
     assert PRESETS.keys() == {f"Figure 8.{number}" for number in range(1, 16)}
-    assert PRESETS["Figure 8.14"].drive == DRIVE
+    assert PRESETS["Figure 8.14"].drive == PARADOX
     assert {view.drive.parts for view in PRESETS.values()} == {(), ("threads",), ("support",)}
 
 
 def test_the_map_is_that_of_the_drive():
     cells = (40, 30)
-    found = answers.labels(DRIVE, WINDOW, cells)
+    found = answers.labels(PARADOX, WINDOW, cells)
     grid = {"u": (*WINDOW[:2], cells[0]), "w": (*WINDOW[2:], cells[1])}
-    assert (found == DRIVE.attraction(grid).label.values).all()
+    assert (found == PARADOX.attraction(grid).label.values).all()
     assert set(answers.shares(found)) == {Attractor.STEADY_SLIDING, Attractor.SPRAG_SLIP_CYCLE}
     assert math.isclose(sum(answers.shares(found).values()), 1)
 
@@ -90,23 +89,21 @@ def test_the_critical_friction_on_the_page_is_that_of_its_drive():
     """Γ₊ of the rigid drive that is shown vanishes there; the chapter's is that of a drive with axial support."""
     view = View(lsvib.Drive(mass=15), over="friction_coefficient", low=0.1, high=0.4)
     marked = answers.thresholds_over(view)
-    assert marked == {
-        "kinematic_constraint": view.drive.threshold("kinematic_constraint", "friction_coefficient").value
-    }
+    exact = view.drive.threshold("kinematic_constraint", "friction_coefficient").value
+    assert marked == {"kinematic_constraint": exact}
     sides = [view.drive.replace(friction_coefficient=marked["kinematic_constraint"] * (1 + d)) for d in (-1e-9, 1e-9)]
     assert [drive.stability().kind == "saddle" for drive in sides] == [False, True]
 
 
 def test_exports_are_the_view(tmp_path):
-    view = View(DRIVE, u=0.1, duration=0.05, window=WINDOW)
+    view = View(PARADOX, u=0.1, duration=0.05, window=WINDOW)
     (tmp_path / "scene.yaml").write_bytes(answers.export("scene.yaml", view))
     assert Scene.of(yaml.safe_load((tmp_path / "scene.yaml").read_text(encoding="utf-8"))) == view.scene()
     (tmp_path / "motion.nc").write_bytes(answers.export("motion.nc", view))
     motion = read_dataset(tmp_path / "motion.nc")
     assert motion.sizes["time"] == view.scene().samples
-    assert (
-        motion.angle_deviation.values == DRIVE.simulate({"u": 0.1, "w": 0.0}, 0.05, samples=2001).angle_deviation
-    ).all()
+    own = PARADOX.simulate({"u": 0.1, "w": 0.0}, 0.05, samples=2001)
+    assert (motion.angle_deviation.values == own.angle_deviation).all()
     assert motion.mass == 11
 
 
@@ -121,7 +118,6 @@ def test_without_bokeh_the_command_says_what_to_install():
 
 
 def refusal(*arguments: str, before: str = "") -> str:
-    """What a command says that ends with exit code 2."""
     program = f"{before}from lsvib.cli.app import main; main()"
     done = subprocess.run([sys.executable, "-c", program, *arguments], capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (2, "")
@@ -130,7 +126,6 @@ def refusal(*arguments: str, before: str = "") -> str:
 
 @pytest.fixture(scope="module")
 def port():
-    """Port of a running explorer."""
     pytest.importorskip("bokeh")
     command = [sys.executable, "-m", "lsvib", "explore", "--no-show", "--port", "0"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as process:
@@ -139,7 +134,6 @@ def port():
 
 
 def answered(port: int, path: str, host: str = "localhost:{}", **headers: str) -> tuple[int, str]:
-    """Status and text of an answer of the server."""
     connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
     connection.request("GET", path, headers={"Host": host.format(port), **headers})
     answer = connection.getresponse()
@@ -148,9 +142,7 @@ def answered(port: int, path: str, host: str = "localhost:{}", **headers: str) -
     return answer.status, text
 
 
-@pytest.mark.parametrize(
-    "path", ["/", "/?mass=11", "/export/scene.yaml", "/static/js/bokeh.min.js", "/ws", "/metadata"]
-)
+@pytest.mark.parametrize("path", ["/", "/?mass=9", "/export/scene.yaml", "/static/js/bokeh.min.js", "/ws", "/metadata"])
 def test_only_this_machine_is_served(port, path):
     """A page of another site whose name is rebound to this machine is one of another host, whatever it asks for."""
     for host in ("elsewhere.org:{}", "elsewhere.org", "localhost", "localhost:1"):
@@ -231,7 +223,6 @@ def test_every_parameter_of_a_law_can_be_moved_and_varied():
 
 
 def page_of(view: View):
-    """A page that shows a view, without a browser."""
     pytest.importorskip("bokeh")
     from bokeh.document import Document
 
@@ -267,7 +258,7 @@ def test_a_drive_with_compliant_parts_and_a_law_is_followed_without_its_map(part
 
 def test_parts_are_put_in_and_taken_out():
     """Those that are new have the values of the chapter; the parameter of the curve goes with its part."""
-    page = page_of(View(drive=DRIVE, u=0.02))
+    page = page_of(View(drive=PARADOX, u=0.02))
     page.ask("parts", "support threads")
     page._answer()
     assert page.view.drive.parts == ("support", "threads")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from references.listed_claims import LIST, entries
+from references.figure_checks import LIST, entries
 
 from lsvib.datasets.checks import report
 from lsvib.datasets.statements import counted, read_statements

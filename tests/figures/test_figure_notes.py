@@ -1,21 +1,30 @@
-"""The values in a caption, and where arrows of time and words beside a line stand."""
+"""The values in a caption, where arrows and words stand; cycles of compliant threads, and their impacts."""
+
+import math
 
 import numpy as np
 import pytest
 import xarray as xr
+from references.drives import PARADOX, threads_drive
 from references.figure_checks import assert_drawn_from_file, dataset_of, draft
 
-import lsvib
-from lsvib.contact import contact_force
+from lsvib.contact import contact_force, stiff_limit
+from lsvib.contact.stiff_limit import Region
 from lsvib.datasets import phase_plane
+from lsvib.dynamics.attractor import Attractor, orbit_extremes, steady_state
+from lsvib.dynamics.impulses import seizure_impulses
+from lsvib.engine.motion import follow
+from lsvib.errors import InputError
 from lsvib.figures import drawing as drawn
 from lsvib.figures import fig8_07, style
 from lsvib.figures.build import caption_of
 from lsvib.models.drive import Drive
+from lsvib.models.mechanism import seated_state
+from lsvib.models.model import automaton_of
+from lsvib.models.names import Event
 
 
 def parameters() -> xr.Dataset:
-    """Parameters of some drives, of each origin."""
     names = {
         "mass": ([10.0, 11.0], "m", "kg", "assumed: not stated in the text, except 10 (printed: Fig. 8.14)"),
         "axial_force": ([-50.0, -50.0], "R", "N", "printed: Fig. 8.14"),
@@ -41,7 +50,7 @@ def test_a_caption_states_what_is_printed_and_what_is_assumed():
 
 
 def test_maps_and_charts_fit_the_page(tmp_path):
-    drive = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10)
+    drive = PARADOX
     starts = drive.attraction({"u": (-0.3, 0.3, 20), "w": (-150, 150, 20)})
     assert_drawn_from_file("attraction", starts, tmp_path / "map.nc")
     assert_drawn_from_file("chart", drive.chart("axial_force=-40:60:9", "mass=1:20:9"), tmp_path / "chart.nc")
@@ -60,9 +69,8 @@ SIDES = {
 def test_the_sides_of_the_line_have_the_sign_of_the_contact_force(words):
     """Against the two forces of (8.17) themselves; where two solve, a motion takes law −."""
     drive = Drive.of(SIDES[words])
-    case = phase_plane.portraits({"starts": [{"u": 0.01, "w": 0.0}], "duration": 0.01, "samples": 200}, [drive]).isel(
-        case=0
-    )
+    settings = {"starts": [{"u": 0.01, "w": 0.0}], "duration": 0.01, "samples": 200}
+    case = phase_plane.portraits(settings, [drive]).isel(case=0)
     axes = style.new_figure().add_subplot()
     axes.set(xlim=(-0.15, 0.15), ylim=(-120, 120))
     drawn.guide(axes, case)
@@ -93,3 +101,80 @@ def test_the_sectors_of_figure_8_7_have_the_signs_of_the_contact_force():
         else:
             expected += "no $N$"
         assert text.get_text() == expected
+
+
+VISCOUS = threads_drive(mass=11.0, axial_force=50.0)
+
+
+@pytest.mark.parametrize("stiffness", [1e5, 1e8, 1e10])
+def test_steady_state_is_where_the_motion_ends(stiffness):
+    """A hundred time constants k_c / c_c = 1 1/s of creep later the motion itself is on the orbit."""
+    drive = VISCOUS.replace(contact_stiffness=stiffness, contact_damping=stiffness)
+    automaton = automaton_of(drive)
+    cycle = steady_state(automaton, seated_state(drive, 0.003, 0.0))
+    assert cycle.label == Attractor.SPRAG_SLIP_CYCLE
+    motion = follow(automaton, seated_state(drive, 0.003, 0.0), 40.0)
+    kind, mode = cycle.orbit.kind[-1], cycle.orbit.mode[-1]
+    section = (motion.kind == kind) & (motion.mode == mode)
+    last = motion.after[section][-1]
+    np.testing.assert_allclose(last, cycle.state, rtol=1e-7)
+    assert np.diff(motion.time[section])[-1] == pytest.approx(cycle.period, rel=1e-9)
+
+
+def test_the_peak_of_the_contact_force_is_where_the_screw_stops():
+    automaton = automaton_of(VISCOUS)
+    cycle = steady_state(automaton, seated_state(VISCOUS, 0.003, 0.0)).orbit
+    row = automaton.observables["normal_force"]
+    (stop,) = cycle.after[cycle.kind == Event.STICK]
+    assert orbit_extremes(cycle, row)[1] == pytest.approx(float(row[0, :-1] @ stop), rel=1e-12)
+
+
+@pytest.mark.parametrize("changes", [{"mass": 9.0}, {"translation_damping": 1.0}, {"axial_force": -500.0}])
+def test_limit_process_refuses_drives_that_it_does_not_fit(changes):
+    drive = Drive.of({"mass": 15.0, "axial_force": 60.0, "support_damping": 2e-3} | changes)
+    with pytest.raises(InputError, match=r"needs a drive with|reaches no cycle"):
+        list(stiff_limit.branches(drive, 80.0, 1e-3, [0.1, -20.0]))
+
+
+def test_impulse_is_the_integral_of_the_contact_force():
+    base = Drive.of(mass=15.0, axial_force=60.0, support_damping=2e-3)
+    drive = base.replace(contact_stiffness=1e8, contact_damping=1e8)
+    impact = next(stiff_limit.impacts(base, 80.0))
+    automaton = automaton_of(drive)
+    motion = follow(automaton, seated_state(drive, impact.u, impact.w), 1e-3)
+    release = motion.time[np.flatnonzero(motion.kind == Event.RELEASE)[0]]
+    times = np.linspace(0.0, release, 2_000_001)
+    force = automaton.observe("normal_force", *motion.at(times))
+    integral = float(np.sum(0.5 * (force[1:] + force[:-1])) * times[1])
+    impulse = stiff_limit.impact_impulse(drive, motion)
+    assert impulse == pytest.approx(integral, rel=2e-4)  # the static force during the rest is left out of the impulse
+    assert impulse == pytest.approx(float(seizure_impulses(base, 80.0).normal), rel=1e-3)
+
+
+@pytest.mark.parametrize(("stiffness", "axial_force"), [(1e12, 25.0), (1e13, 40.0), (1e14, 60.0)])
+def test_rebound_force_of_an_overdamped_contact(stiffness, axial_force):
+    """How far N of the standing screw falls below its static value after a forward impact, by the formula (ζ = 20).
+
+    The static value is that of the balance at rest, N = R cos λ − T_r sin λ / r_m; R keeps the contact closed. What an
+    axial force gives to N is cos λ of it. 3 %: the formula leaves out that law + makes the contact stiffer than rest
+    does, by cos λ (cos λ + μ sin λ) = 1.012, and that the slow part loses 3 ln(4ζ²) / (4ζ²) = 1.4 % until the fast one,
+    4ζ² times as fast, is gone.
+    """
+    base = Drive.of(mass=15.0, axial_force=axial_force, support_damping=2e-3)
+    damping, speed = 40 * math.sqrt(stiffness * base.mass), 80.0
+    drive = base.replace(contact_stiffness=stiffness, contact_damping=damping)
+    there = Region.IN_BAND_FORCE_POSITIVE
+    (impact,) = (x for x in stiff_limit.impacts(base, speed) if x.sign > 0 and x.region == there)
+    automaton = automaton_of(drive)
+    motion = follow(automaton, seated_state(drive, impact.u, impact.w), 7e-4)
+    (stop,) = np.flatnonzero(motion.kind == Event.STICK)
+    assert stop == motion.kind.size - 1  # it stands until the end
+    times = motion.time[stop] + np.geomspace(1e-12, motion.end_time - motion.time[stop], 20_001)[:-1]
+    states, modes = motion.at(times)
+    force = automaton.observe("normal_force", states, modes)
+    torque = automaton.observe("coupling_torque", states, modes)
+    static = axial_force * math.cos(drive.lead_angle) - torque * math.sin(drive.lead_angle) / drive.pitch_radius
+    fall = (static - force) / math.cos(drive.lead_angle)
+    assert abs(fall[-1]) < 0.02 * fall.max() < 0.02 * axial_force
+    nut = drive.pitch_radius * math.tan(drive.lead_angle) * speed
+    assert fall.max() == pytest.approx(drive.mass**2 * nut * stiffness**2 / damping**3, rel=0.03)

@@ -5,11 +5,11 @@ from contextlib import suppress
 import numpy as np
 import pytest
 from models.test_parts import random_drive
-from references.drives import held_against_newton
+from references.comparisons import held_against_newton
 
 import lsvib
 from lsvib.datasets.motion import as_scene, run, summary
-from lsvib.engine.motion import follow
+from lsvib.engine.motion import Budget, follow
 from lsvib.errors import EngineError, InputError
 from lsvib.models.command import Command
 from lsvib.models.drive import Drive
@@ -29,7 +29,7 @@ def followed(drive: Drive, start: np.ndarray, duration: float, command: Command 
     """The motion of a drive from a state, under a command or at its input speed."""
     model = model_of(drive)
     automaton = model.build(drive, model.physics_of(drive), resume, command)
-    return follow(automaton, [*start, *([0.0] if command else [])], duration)
+    return follow(automaton, [*start, *([0.0] if command else [])], duration, budget=Budget(100_000))
 
 
 @pytest.mark.parametrize("motor", [False, True])

@@ -1,4 +1,4 @@
-"""Drives with any parts together: against Newton's laws body by body, the limit of stiff parts, their energy."""
+"""Drives with any parts and laws of friction: against Newton's laws body by body, stiff parts, energy, refusals."""
 
 from contextlib import suppress
 
@@ -6,15 +6,18 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 from references.bodies import Bodies
-from references.draws import drawn, one_of, power, signed, times, uniform
-from references.drives import held_against_newton
+from references.comparisons import held_against_newton
+from references.drives import drawn, nut_drive, one_of, power, signed, support_drive, threads_drive, times, uniform
 
 from lsvib.datasets.sweep import sweep
-from lsvib.dynamics.attractor import steady_state
+from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.dynamics.energy import work
+from lsvib.dynamics.sweep import all_endings, ending_of
 from lsvib.engine.motion import follow
 from lsvib.errors import EngineError, InputError
+from lsvib.models import friction
 from lsvib.models.drive import PARTS, Drive
+from lsvib.models.many import ManyDrives
 from lsvib.models.mechanism import standing_state
 from lsvib.models.model import automaton_of, model_of
 from lsvib.stability.boundaries import places
@@ -40,61 +43,84 @@ MOTOR = {
     "motor_inertia": power(-5.5, -4.5), "integral_gain": power(-0.5, 0.5), "speed_gain": power(-4, -2.5),
     "coupling_damping": power(-5, -4),
 }  # fmt: skip
+LAWS = (  # of friction: constant, higher at rest, rising towards slow sliding, with a slope, both
+    {}, {"static_friction_coefficient": uniform(1.2, 1.6)},
+    RISE := {"stribeck_rise": uniform(0, 0.1), "stribeck_speed": power(-2.3, -0.5), "stribeck_exponent": one_of(1, 2)},
+    SLOPE := {"friction_slope": uniform(-0.5, 0.3)}, RISE | SLOPE,
+)  # fmt: skip
 COLLAR = {"collar_friction": uniform(0.05, 0.3), "collar_radius": power(-2.6, -1.9)}
 
 
 def random_drive(seed: int, collar: bool = False, motor: bool = False) -> tuple[Drive, np.ndarray]:
-    """A drive with random parts, or a collar, frictions and a law or none; and a start."""
+    """A drive with random parts, or a collar, frictions and a law or none; and a start.
+
+    Without frictions of a body that slides on its own, which are not followed under a law.
+    """
     rng = np.random.default_rng([seed, 45])
     values, own = drawn(rng, POSSIBLE), {part: drawn(rng, draws) for part, draws in OWN.items()}
-    for part in OWN:
-        values |= own[part] if rng.random() < 0.6 and not collar else {}
+    parts = [part for part in OWN if rng.random() < 0.6 and not collar]
+    for part in parts:
+        values |= own[part]
     values |= drawn(rng, MOTOR) if motor else {}
     values |= drawn(rng, COLLAR) if collar else {}
-    kind = rng.integers(4)
-    if kind == 1:
-        values |= drawn(rng, stribeck_rise=uniform(0.01, 0.08), stribeck_speed=power(-2.3, -0.5))
-    elif kind == 2:
-        values["static_friction_coefficient"] = 1.4 * values["friction_coefficient"]
-    if kind in (0, 2) and rng.random() < 0.6:
-        values |= drawn(rng, slide_friction=power(-0.5, 1), bearing_friction=power(-3, -1.5))
+    law = LAWS[rng.integers(len(LAWS))]
+    values |= {key: values["friction_coefficient"] * x if "static" in key else x for key, x in drawn(rng, law).items()}
+    dry = drawn(rng, slide_friction=power(-0.5, 1), bearing_friction=power(-3, -1.5)) if rng.random() < 0.6 else {}
+    for key, bodies in (("slide_friction", {"support", "threads"}), ("bearing_friction", {"nut"})):
+        if key in dry and not (bodies & {*parts} and law.keys() & friction.NAMES[1:]):
+            values[key] = dry[key]
     drive = Drive(**values)
     start = np.zeros(2 + 2 * len(drive.parts))
     start[:2] = rng.uniform(-0.2, 0.2), rng.uniform(-2, 2) * drive.input_speed
     return drive, start
 
 
-def held(seeds, **more: bool) -> list[tuple[int, tuple[str, ...]]]:
-    """Hold motions of random drives against Newton's laws; events and parts of those that are not refused."""
-    found = []
+def held(seeds, **more: bool) -> tuple[list[Drive], int, set[int]]:
+    """Hold motions of random drives against Newton's laws; drives that are not refused, number and kinds of events.
+
+    To 3e-10: some slips are so unstable that they make 1e-10 of a rounding, in the engine and in what it is held
+    against; nearly all arcs agree to 1e-12.
+    """
+    found, events, kinds = [], 0, set()
     for drive, start in (random_drive(seed, **more) for seed in seeds):
         with suppress(InputError, EngineError):
-            motion, _ = held_against_newton(drive, start, 0.05, 10, 1e-9)
-            found.append((motion.time.size, drive.parts))
-    return found
+            motion, _ = held_against_newton(drive, start, 0.05, 10, 3e-10)
+            found.append(drive)
+            events, kinds = events + motion.time.size, kinds | set(motion.kind.tolist())
+    return found, events, kinds
 
 
 def balanced(seeds, **more: bool) -> list[tuple[str, ...]]:
-    """Assert that the energy of the cycles of random drives balances; the parts of the drives that have one."""
+    """Assert that the energy of the cycles of random drives balances; the parts of the drives that have one.
+
+    To rounding; of those that jam, where the force grows without bound, to the distance at which the engine stops.
+    """
     found = []
     for drive, start in (random_drive(seed, **more) for seed in seeds):
         with suppress(InputError, EngineError):
-            orbit = steady_state(automaton_of(drive), start, max_events=20_000).orbit
+            automaton = automaton_of(drive)
+            orbit = steady_state(automaton, start, max_events=20_000).orbit
             if orbit is not None and orbit.time.size:
-                assert abs(work(drive, orbit).balance) <= 1e-9, drive
+                jams = np.isin(orbit.kind, automaton.sprag_kinds).any() and (
+                    drive.stribeck_rise or drive.friction_slope
+                )
+                assert abs(work(drive, orbit).balance) <= (1e-8 if jams else 1e-13), drive
                 found.append(drive.parts)
     return found
 
 
 @pytest.mark.parametrize(
-    "seeds", [range(24), pytest.param(range(24, 264), marks=pytest.mark.slow)], ids=["few", "many"]
+    "seeds", [range(40), pytest.param(range(40, 400), marks=pytest.mark.slow)], ids=["few", "many"]
 )
 def test_motions_obey_newtons_laws(seeds):
-    """Ends of arcs to 1e-9, and all along each arc what its mode says of signs and of what friction can hold."""
-    done = held(seeds)
-    assert len(done) >= 0.8 * len(seeds)
-    assert sum(events for events, _ in done) >= 4 * len(done)
-    assert len({parts for _, parts in done}) >= (7 if len(seeds) < 100 else 8)
+    """States along arcs and N, and all along each arc what its mode says of signs and of what friction can hold."""
+    drives, events, kinds = held(seeds)
+    assert len(drives) >= 0.8 * len(seeds)
+    assert events >= 4 * len(drives)
+    assert len(kinds) >= 5
+    assert len({drive.parts for drive in drives}) >= 7
+    laws = {tuple(key for key, value in drive if key in friction.NAMES and value) for drive in drives}
+    assert len(laws) >= len(LAWS)
 
 
 STIFF = {
@@ -117,18 +143,16 @@ def test_a_stiff_part_tends_to_the_drive_without_it(part):
     other = {name: value for one in PARTS if one != part for name, value in STIFF[one].items()}
     base, apart = Drive(mass=1.5, translation_damping=500.0, axial_force=30.0, **other), []
     for factor in (1.0, 1e3):
-        own = {
-            name: value if name.endswith(("mass", "inertia")) else value * factor for name, value in STIFF[part].items()
-        }
+        own = {name: x if name.endswith(("mass", "inertia")) else x * factor for name, x in STIFF[part].items()}
         apart.append(np.abs(moved(base.replace(**own)) - moved(base)).max())
     assert apart[1] < 2e-3 * apart[0]
 
 
 def test_energy_of_cycles():
     """What the motor and the load put in is what dampers, frictions and seizures take out, of cycles with any parts."""
-    parts = balanced(range(40))
-    assert len(parts) >= 8
-    assert len(set(parts)) >= 4
+    parts = balanced(range(80))
+    assert len(parts) >= 24
+    assert len(set(parts)) >= 6
 
 
 def test_stability_is_that_of_newtons_laws():
@@ -158,16 +182,16 @@ def judged_by_newton(drive: Drive) -> tuple[int, bool]:
 
 def test_a_collar_brakes_with_the_axial_force():
     """Motions, energy and eigenvalues of drives with a collar, constant friction and laws, by Newton's laws."""
-    assert len(held(range(24), collar=True)) >= 20
+    assert len(held(range(24), collar=True)[0]) >= 20
     assert len(balanced(range(24), collar=True)) >= 5
     assert {judged_by_newton(random_drive(seed, collar=True)[0])[1] for seed in range(24)} == {True, False}
 
 
 def test_a_motor_follows_its_command():
     """Motions, energy and eigenvalues of drives behind a motor, half of them with other parts, by Newton's laws."""
-    done = held(range(24), motor=True)
-    assert len(done) >= 18
-    assert len({parts for _, parts in done}) >= 5
+    drives, *_ = held(range(24), motor=True)
+    assert len(drives) >= 18
+    assert len({drive.parts for drive in drives}) >= 5
     assert len(balanced(range(24), motor=True)) >= 4
     for seed in range(24):
         judged_by_newton(random_drive(seed, motor=True)[0])
@@ -241,3 +265,72 @@ def test_threads_seize_where_friction_comes_to_the_painleve_band(part):
         mass = mass * drive.screw_mass / (mass + drive.screw_mass)
     for slip in jammed:  # Γ₊ of the speed at which they seize
         assert laws.lever(1, laws.mu(slip)) * laws.lead * mass == pytest.approx(inertia, rel=1e-6)
+
+
+def test_a_rise_of_nothing_changes_nothing():
+    """Events, times, states and observables of a hundred random drives to 1e-12, passages left out."""
+    events, parts = 0, set()
+    for seed in range(100):
+        drive, start = random_drive(seed)
+        drive = drive.replace(**dict.fromkeys(("stribeck_rise", "stribeck_speed", "friction_slope"), 0.0))
+        try:
+            law = automaton_of(drive.replace(stribeck_rise=1e-300, stribeck_speed=0.01, stribeck_exponent=1))
+        except InputError:  # with the friction of a body that slides on its own
+            continue
+        plain, passage = automaton_of(drive), model_of(drive).events["PASSAGE"]
+        motion = follow(plain, start, 0.05, max_events=30)
+        if motion.time.size == 30 and motion.time[-1] == motion.time[-9]:  # rest and slip alternate at one instant
+            continue
+        end = motion.end_time if motion.time.size < 30 else motion.time[-2:].mean()
+        other = follow(law, start, end)
+        known, found = motion.time < end, other.kind != passage
+        assert (motion.kind[known] == other.kind[found]).all()
+        size = np.abs([*motion.before, *motion.after, motion.start_state]).max(axis=0)
+        np.testing.assert_allclose(other.time[found], motion.time[known], rtol=1e-12, atol=1e-14 * end)
+        assert (np.abs(other.before[found] - motion.before[known]) <= 1e-12 * size).all()
+        assert (np.abs(other.after[found] - motion.after[known]) <= 1e-12 * size).all()
+        times = np.linspace(0, end, 30)[1:-1]
+        here, there = motion.at(times), other.at(times)
+        for name in plain.observables:
+            one, two = plain.observe(name, *here), law.observe(name, *there)
+            np.testing.assert_allclose(two, one, rtol=0, atol=1e-11 * np.abs(one).max())
+        events, parts = events + known.sum(), parts | {drive.parts}
+    assert events > 350
+    assert len(parts) == 8
+
+
+@pytest.mark.parametrize("kind", [support_drive, nut_drive])
+def test_seizures_under_a_law(kind):
+    """In the Painlevé region at all speeds the threads seize, and slip begins with the friction of slow sliding."""
+    heavy = {"mass": 40.0} | ({"screw_mass": 40.0} if kind is support_drive else {})
+    drive = kind(**heavy, axial_force=-50, stribeck_rise=0.1, stribeck_speed=0.1)
+    model, automaton = model_of(drive), automaton_of(drive)
+    assert {int(code) for code in automaton.codes} <= {int(m) for m in model.modes if "FORWARD_POS" not in m.name}
+    motion = follow(automaton, model.initial_state(drive, {"u": 1.0, "w": 10.0}), 0.05)
+    assert (motion.kind == model.events["SEIZURE"]).any()
+
+
+@pytest.mark.parametrize("kind", [Drive, threads_drive])
+def test_a_sweep_makes_drives_with_a_law_one_by_one(kind):
+    """Drives with and without a law in one sweep end as each alone; tables of many hold to 1e-12, not to the bit."""
+    law = {"stribeck_rise": 0.06, "stribeck_speed": 0.05}
+    laws = [{}, law, {"friction_slope": -0.05}, {"static_friction_coefficient": 0.3}, law | {"stribeck_exponent": 2}]
+    own = {"support_damping": 2e-3, "axial_force": 40}
+    if kind is threads_drive:
+        own |= {"contact_stiffness": 1e6, "contact_damping": 100}
+    drives = [kind(mass=mass, **own, **law) for law in laws for mass in (1, 3)]
+    many = ManyDrives(
+        {
+            name: [getattr(drive, name) for drive in drives]
+            for name in Drive.model_fields
+            if name in dict(drives[0]) or name in friction.NAMES
+        }
+    )
+    starts = np.tile([0.05, -20.0], (len(drives), 1))
+    found, model = all_endings(many, starts), model_of(drives[0])
+    for place, drive in enumerate(drives):
+        alone = ending_of(drive, automaton_of(drive), model.initial_state(drive, {"u": 0.05, "w": -20.0}))
+        one = [column[place] for column in found]
+        assert one[:2] == list(alone[:2])
+        np.testing.assert_allclose(one[2:], alone[2:], rtol=1e-9)
+    assert Attractor.UNRESOLVED not in found.attractor

@@ -10,7 +10,8 @@ import math
 
 import numpy as np
 import pytest
-from references.drives import RULES, held_against_newton, random_drive, random_start
+from references.comparisons import RULES, held_against_newton
+from references.drives import random_drive, random_start
 
 from benchmarks.sweeps.energy_balance import balance
 from lsvib.dynamics.impulses import seizure_impulses

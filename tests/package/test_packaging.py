@@ -1,5 +1,12 @@
-"""What the README and the metadata promise about set-up: two lines, complete pins, one version; and the wheel."""
+"""What the README and the metadata promise about set-up: two lines, complete pins, one version; the wheel; imports.
 
+What a command loads: no engine for eigenvalues, no matplotlib for data, nothing heavy before it is needed. And what
+judges the library stands on nothing of it: references import only each other and mathematics. ``lint-imports`` (run by
+.ci/run) holds the rooms to their contracts; here it is seen what Python really loads.
+"""
+
+import ast
+import json
 import os
 import re
 import shutil
@@ -10,16 +17,20 @@ import zipfile
 from importlib.metadata import requires, version
 from pathlib import Path
 
+import grimp
 import pytest
 import yaml
+from references.drives import GIVEN
+from references.figure_checks import dataset_of, draft
 
 import lsvib
+from lsvib.datasets.io import write_dataset
+from lsvib.figures.configuration import default_figures
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-PINS = dict(
-    line.split("==") for line in (ROOT / "requirements.txt").read_text(encoding="utf-8").splitlines() if "==" in line
-)
+LINES = (ROOT / "requirements.txt").read_text(encoding="utf-8").splitlines()
+PINS = dict(line.split("==") for line in LINES if "==" in line)
 
 
 def normal(text: str) -> str:
@@ -91,3 +102,110 @@ def test_the_wheel(tmp_path):
     assert {name for name in theirs if ".dist-info/" not in name} == expected
     python("-m", "lsvib", "figure", "8.8", "--out", "built", folder=tmp_path, path=site)
     assert (tmp_path / "built" / "fig8_08.png").is_file()
+
+
+FIGURES = default_figures()
+CHEAP = ("fig8_01", "fig8_02", "fig8_03", "fig8_04", "fig8_05", "fig8_07", "fig8_08", "fig8_09", "fig8_11", "fig8_15")
+WITHOUT_ENGINE = [
+    "--help",
+    "config",
+    *(" ".join(("stability", *given)) for given in GIVEN.values()),
+    " ".join(("thresholds", "--solve", "flutter", *GIVEN["threads"])),
+    "figure 8.8",
+    "thresholds --set mass=-1",
+]
+COMMANDS = """
+import os, sys
+import cyclopts, mpmath, matplotlib, netCDF4, pydantic, xarray
+for line in sys.argv[1:]:
+    if not os.fork():
+        sys.argv = ["lsvib", *line.split()]
+        sys.stdout = sys.stderr = open(os.devnull, "w")
+        try:
+            from lsvib.cli.app import main
+            main()
+        except SystemExit:
+            pass
+        os.write(1, f"{line}: {'numba' in sys.modules}\\n".encode())
+        os._exit(0)
+    os.wait()
+"""
+FIGURE = """
+import json, os, sys
+from importlib import import_module
+import numpy, xarray, netCDF4, mpmath, pydantic
+before, unwanted, code, *figures = sys.argv[1:]
+import_module(before)
+for figure in figures:
+    sys.stdout.flush()
+    if not os.fork():
+        exec(code, {"figure": figure, "module": import_module(f"lsvib.figures.{figure}")})
+        ours = [name for name in sys.modules if name.split(".")[0] == "lsvib"]
+        print(json.dumps([figure, unwanted in sys.modules, ours]), flush=True)
+        os._exit(0)
+    os.wait()
+"""
+
+
+def loaded(before: str, unwanted: str, code: str, folder: Path | None = None) -> dict[str, tuple[bool, set[str]]]:
+    """By figure: after it is imported and ``code`` has run, whether a package is loaded, and our modules that are.
+
+    Each is a copy of one process, which has loaded ``before`` and what else is heavy and not looked for.
+    """
+    command = [sys.executable, "-c", FIGURE, before, unwanted, code, *FIGURES]
+    run = subprocess.run(command, capture_output=True, text=True, check=True, cwd=folder)
+    return {figure: (there, set(ours)) for figure, there, ours in map(json.loads, run.stdout.splitlines())}
+
+
+def test_commands_that_need_no_engine_load_none(tmp_path):
+    """Each in a copy of one process, which has loaded what else is heavy; and one that needs the engine shows it."""
+    lines = [*WITHOUT_ENGINE, "simulate --out x.nc --scene none.yaml"]
+    command = [sys.executable, "-c", COMMANDS, *lines]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines() == [*(f"{line}: False" for line in WITHOUT_ENGINE), f"{lines[-1]}: True"]
+
+
+def test_the_package_loads_nothing_heavy():
+    program = "import lsvib, sys; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert not {"numba", "matplotlib", "xarray", "scipy", "pydantic", "numpy"} & set(done.stdout.split())
+
+
+def test_a_dataset_is_built_without_matplotlib():
+    """And the workflow, which reruns a figure when a file of its import closure changes, knows all that is loaded."""
+    settings = {figure: draft(figure) for figure in CHEAP}
+    code = f"module.build({settings!r}[figure]) if figure in {CHEAP!r} else None"
+    graph = grimp.build_graph("lsvib", cache_dir=None)
+    for figure, (matplotlib, ours) in loaded("numba", "matplotlib", code).items():
+        name = f"lsvib.figures.{figure}"
+        closure = graph.find_upstream_modules(name) | {name}
+        packages = {parent.rsplit(".", n)[0] for parent in closure for n in range(1, parent.count(".") + 1)}
+        assert not matplotlib, figure
+        assert ours <= closure | packages, figure
+
+
+@pytest.mark.slow
+def test_a_picture_is_drawn_from_its_file_without_the_engine(tmp_path):
+    for figure in FIGURES:
+        write_dataset(dataset_of(figure), tmp_path / f"{figure}.nc")
+    code = "from lsvib.datasets.io import read_dataset; module.draw(read_dataset(figure + '.nc'))"
+    for figure, (numba, ours) in loaded("matplotlib.backends.backend_agg", "numba", code, tmp_path).items():
+        assert not numba, figure
+        assert "lsvib.engine.motion" not in ours, figure
+
+
+REFERENCES = Path(__file__).parents[1] / "references"
+JUDGES = ("bodies", "exponential_sums", "four_states_digits", "friction_law_digits", "motor_digits", "newton",
+          "oscillator", "rigid_digits", "threshold_digits")  # fmt: skip
+KNOWN = {"flint", "mpmath", "numpy", "scipy.integrate"}
+STANDARD = {"collections", "dataclasses", "functools", "itertools", "math", "operator", "re"}
+
+
+@pytest.mark.parametrize("name", JUDGES)
+def test_a_reference_imports_nothing_that_it_judges(name):
+    tree = ast.parse((REFERENCES / f"{name}.py").read_text(encoding="utf-8"))
+    found = {a.name for node in ast.walk(tree) if isinstance(node, ast.Import) for a in node.names}
+    found |= {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and not node.level}
+    found |= {f"references.{n.module}" for n in ast.walk(tree) if isinstance(n, ast.ImportFrom) and n.level}
+    ours = {f"references.{judge}" for judge in JUDGES}
+    assert {module for module in found if module.split(".")[0] not in STANDARD} <= ours | KNOWN

@@ -11,12 +11,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 SIGN = {"forward": 1, "backward": -1, "held": 0, "positive": 1, "negative": -1}
-RATES = {
-    "motor": "psi",
-    "support": "y",
-    "nut": "phi",
-    "threads": "e",
-}  # coordinates of parts, in their order
+RATES = {"motor": "psi", "support": "y", "nut": "phi", "threads": "e"}  # coordinates of parts, in their order
 
 
 class Bodies:
@@ -59,7 +54,6 @@ class Bodies:
         return max(self.law(slip), 0.0)
 
     def static(self) -> float:
-        """Coefficient of static friction."""
         p = self.p
         return p["static_friction_coefficient"] or p["friction_coefficient"] + p["stribeck_rise"]
 
@@ -186,9 +180,7 @@ class Bodies:
             broken += [-mode["slip"] * found["slip"] / speed, -mode["contact"] * found["n"] / force]
         else:
             broken.append(abs(found["slip"]) / speed)
-            tied = {
-                body: p[f"{body}_friction"] for body in ("bearing", "slide") if body in mode and not self.free(body)
-            }
+            tied = {b: p[f"{b}_friction"] for b in ("bearing", "slide") if b in mode and not self.free(b)}
             for way in (1, -1):
                 load = p["axial_force"] - way * p["slide_friction"] if "slide" in tied else found["n"]
                 law = math.copysign(1, way * load)

@@ -24,7 +24,6 @@ FLAGS = (
 
 @contextmanager
 def started() -> Iterator:
-    """A browser."""
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as playwright:

@@ -14,9 +14,9 @@ from mpmath import mp, mpf
 
 from lsvib.engine.kernels.layout import GRAZE_KIND
 from lsvib.models.model import model_of
+from references.drives import name_of
 from references.exponential_sums import Function
 from references.four_states_digits import FourStatesDrive, mode_name
-from references.parts import name_of
 
 DIGITS = 110  # a fourfold multiplier 0 scatters by the fourth root of what the differences are wrong by, 1e-45
 STEP = mpf(10) ** -45
@@ -45,7 +45,6 @@ class CycleDigits:
             self.size = [mpf(float(x)) for x in cycle.section.size]
 
     def _nearest(self, mode, x):
-        """The guard that an event is on."""
         x = [float(value) for value in x]
         away = []
         for row in mode.rows:

@@ -1,49 +1,124 @@
-"""Random drives and starts for the tests, and comparisons of an engine's motion with references."""
+"""Drives of the tests: with a part, known ones, and random ones from distributions that are written here; seeded.
+
+Wide ones are over the full ranges of their parameters. Those of catalogues have screws of 6–60 mm with leads of 1–25 mm
+(at most 1.2 diameters) and 0.1–1.5 m of steel, friction 0.05–0.35, couplings and motors of the usual sizes for them,
+dampings from nearly none to strong.
+"""
 
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND
-from lsvib.engine.motion import Motion, follow
-from lsvib.models.command import Command
-from lsvib.models.drive import Drive
-from lsvib.models.model import model_of
-from lsvib.models.names import Event
-from lsvib.models.rigid import rigid_automaton
-from references.bodies import Bodies
-from references.rigid_digits import RigidTruth, simulate
-
-RULES = ("contact_sign", "at_once")
+from lsvib import Drive
+from lsvib.models import chapter
+from lsvib.models.drive import PART_OF, PARTS
+from lsvib.models.mechanics import friction_factor
+from references.rigid_digits import RigidTrueDrive
 
 
 @dataclass(frozen=True)
-class Comparison:
-    """An engine's motion, the reference's, and what separates them (errors relative to the size of the motion)."""
+class Kind:
+    """Makes the drives with one ``part``, or the rigid ones."""
 
-    motion: Motion
-    reference: RigidTruth
-    state_error: float
-    time_error: float  # [s]; nan if the events are not the same
-    kinds: list[str]
-    reference_kinds: list[str]
+    part: str
+
+    def __call__(self, values: Drive | Mapping[str, Any] | None = None, /, **more: Any) -> Drive:
+        return Drive.of({**chapter.PARTS.get(self.part, {}), **dict(values or {}), **more})
+
+    of = __call__
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        return tuple(name for name in Drive.model_fields if PART_OF.get(name, self.part) == self.part)
+
+    @property
+    def damper(self) -> str:
+        """Name of the damping that the part adds."""
+        return PARTS[self.part][-1]
+
+    @property
+    def given(self) -> tuple[str, ...]:
+        """The part in the words of a command."""
+        values = chapter.PARTS.get(self.part, {})
+        return tuple(word for name, value in values.items() for word in ("--set", f"{name}={value!r}"))
 
 
-def compare(drive: Drive, start, t_end: float, rule: str = "contact_sign", max_events: int = 10_000) -> Comparison:
-    """Follow a motion both ways; its size is the largest |u| and |w| at its start, its events and its end."""
-    expected = simulate(dict(drive), *start, t_end, resume_rule=rule, max_events=max_events)
-    motion = follow(rigid_automaton(drive, resume=rule), start, t_end, max_events=max_events)
-    visited = [[s.u, s.w] for s in expected.segments] + [[e.u_before, e.w_before] for e in expected.events]
-    size = np.abs(np.array([*visited, [expected.u, expected.w]], dtype=float)).max(axis=0)
-    gap = [abs(float(motion.end_state[0] - expected.u)), abs(float(motion.end_state[1] - expected.w))]
-    ours = ~np.isin(motion.kind, (GRAZE_KIND, ACCUMULATION_KIND))
-    kinds = [Event(kind).name.lower() for kind in motion.kind[ours]]
-    theirs = [event.kind for event in expected.events]
-    error = float(np.max(np.array(gap) / np.where(size > 0, size, 1.0)))  # a size of 0: the equilibrium itself
-    pairs = zip(motion.time[ours], expected.events, strict=False)
-    late = max((abs(float(event.time - time)) for time, event in pairs), default=0.0)
-    return Comparison(motion, expected, error, late if kinds == theirs else math.nan, kinds, theirs)
+PARADOX = Drive(mass=11, support_damping=1e-3, axial_force=-10)  # of figure 8.14b
+NEGATIVE_DAMPING = Drive(mass=1, translation_damping=1e3)  # of figure 8.6
+NEAR_FOLD = Drive(mass=11, support_damping=2e-3, axial_force=-18.37)  # of a repelling cycle that bounds the basin
+# Drive 1 of T-RO 2021 with static friction half as large again as kinetic, which jerks at 2 rpm and not at 10 rpm.
+JERKING = Drive(
+    pitch_radius=5.5e-3, lead_angle=math.atan(2e-3 / (2 * math.pi * 5.5e-3)), screw_inertia=2.186e-6, mass=0.276,
+    axial_force=0.943, coupling_stiffness=0.0224, support_damping=2e-4, friction_coefficient=0.6,
+    static_friction_coefficient=0.916, input_speed=2 * math.pi / 30,
+)  # fmt: skip
+DRIVES = {name: Kind(name) for name in ("rigid", "threads", "support", "nut")}
+rigid_drive, threads_drive, support_drive, nut_drive = DRIVES.values()
+GIVEN = {name: kind.given for name, kind in DRIVES.items()}
+
+
+def name_of(drive: Drive) -> str:
+    """Name of the kind of a drive with one part at most."""
+    return drive.parts[0] if drive.parts else "rigid"
+
+
+Draw = Callable[[np.random.Generator], float]
+
+
+def uniform(low: float, high: float) -> Draw:
+    return lambda rng: float(rng.uniform(low, high))
+
+
+def power(low: float, high: float) -> Draw:
+    """A number whose decimal logarithm lies between two ends."""
+    return lambda rng: float(10 ** rng.uniform(low, high))
+
+
+def about(value: float, factor: float = 2.0) -> Draw:
+    """A number up to a factor away from a value."""
+    return lambda rng: float(value * factor ** rng.uniform(-1, 1))
+
+
+def one_of(*values: float) -> Draw:
+    return lambda rng: float(rng.choice(values))
+
+
+def times(*draws: Draw) -> Draw:
+    return lambda rng: math.prod(draw(rng) for draw in draws)
+
+
+def signed(draw: Draw) -> Draw:
+    return times(one_of(-1, 1), draw)
+
+
+def drawn(
+    rng: np.random.Generator, draws: Mapping[str, Draw | float] | None = None, /, **more: Any
+) -> dict[str, float]:
+    """Values by name: what is drawn, in its order, and what is given as a number."""
+    return {name: draw(rng) if callable(draw) else draw for name, draw in {**(draws or {}), **more}.items()}
+
+
+LIKE_TABLE_8_1 = {
+    "pitch_radius": about(5.18e-3),
+    "lead_angle": about(0.0972),
+    "screw_inertia": about(3.12e-6),
+    "friction_coefficient": about(0.218),
+}
+LIKE_PARTS = {  # of the chapter, of each kind of drive
+    "rigid": {},
+    "threads": {"contact_stiffness": about(1e7, 10.0), "contact_damping": about(1e4, 10.0)},
+    "support": {
+        "screw_mass": about(10.0), "support_stiffness": about(1e5), "axial_support_damping": about(100.0),
+        "slide_friction": times(about(2.0), one_of(0, 1)),
+    },
+    "nut": {
+        "nut_inertia": about(3e-6), "nut_stiffness": about(1.0), "nut_damping": about(2e-4),
+        "slide_friction": times(about(2.0), one_of(0, 1)),
+    },
+}  # fmt: skip
 
 
 def random_drive(rng: np.random.Generator) -> Drive:
@@ -69,40 +144,198 @@ def random_start(rng: np.random.Generator) -> tuple[float, float]:
     return rng.uniform(-0.4, 0.4), rng.uniform(-200.0, 200.0)
 
 
-def held_against_newton(
-    drive: Drive, start: np.ndarray, duration: float, most: int, tolerance: float, command: Command | None = None
-) -> tuple[Motion, list[dict]]:
-    """Follow a motion and hold each arc against Newton's laws, body by body; returns it with the modes of its arcs.
+MODELS = ("rigid", "threads", "support", "nut")
+_ZERO_DAMPING = 0.25  # share of drives without a damping
+_ZERO_FORCE = 0.1  # share of drives without an axial force
+_PLACES = ("anywhere", "anywhere", "anywhere", "speed", "contact", "corner", "near", "equilibrium")
 
-    States along the arc and at its end, N, and what the mode says of signs and of what friction can hold. The tolerance
-    is that of states, over the size of the motion.
-    """
-    model, laws, n = model_of(drive), Bodies(drive, command and command.at), len(start)
-    automaton = model.build(drive, model.physics_of(drive), "contact_sign", command)
-    motion = follow(automaton, [*start, *([0.0] if command else [])], duration, max_events=most)
-    modes, starts, ends, durations = motion.arcs()
-    starts, ends = starts[:, :n], ends[:, :n]
-    size = np.abs([*starts, *ends]).max(axis=0)
-    size = np.maximum(size, 1e-6 * np.tile(size[:2], n // 2))  # some coordinates move by rounding only
-    arcs = [laws.mode(model.modes(int(automaton.codes[mode])).name.lower()) for mode in modes]
-    seized = np.append(motion.kind == model.events.SEIZURE, False)
-    begins = np.cumsum([0.0, *durations[:-1]])
-    for mode, what, first, last, begin, time, seizes in zip(
-        modes, arcs, starts, ends, begins, durations, seized, strict=False
-    ):
-        if time < 1e-9:
-            continue
-        times = begin + np.linspace(0.0, float(time), 9)
-        states = laws.moved(first + laws.steady, what, times, size + np.abs(laws.steady))
-        found = np.vstack([motion.at(times[1:-1])[0][:, :n], last])
-        error = np.abs(states[1:] - laws.steady - found) / size
-        # Where a law brings Γ₊ to zero the deceleration grows without bound, and with it what rounding does to the end.
-        jams = seizes and what["slip"] * what["contact"] > 0
-        assert error[:-1].max() <= tolerance, (drive, what)
-        assert error[-1].max() <= (1e-6 if jams else tolerance), (drive, what)
-        assert max(laws.excess(state, what, size + np.abs(laws.steady)) for state in states) <= 1e-7, (drive, what)
-        if what["slip"] or "e" in laws.place:
-            normal, middle = laws.forces(states[4], what)["N"], motion.at(times[4:5])[0]
-            np.testing.assert_allclose(automaton.observe("normal_force", middle, np.array([mode])), normal, rtol=1e-9)
-            assert not what["slip"] or normal * what["contact"] > 0
-    return motion, arcs
+
+class WideDrive(NamedTuple):
+    """A drive, the frictions of a second body that it has, and starts of motions (starts, states)."""
+
+    drive: Drive
+    physics: tuple[str, ...]
+    starts: np.ndarray
+
+
+def wide_drive(model: str, seed: int, index: int, starts: int) -> WideDrive:
+    """Draw drive ``index`` of a seed, the same whatever else is drawn, and so many starts of it."""
+    rng = np.random.default_rng([seed, MODELS.index(model), index])
+    values = rigid_values(rng)
+    if model == "rigid":
+        drive = Drive.of(values)
+        return WideDrive(drive, (), _starts(rng, drive, starts))
+    drive, physics = _with_part(rng, model, values)
+    return WideDrive(drive, physics, _states(rng, drive, starts))
+
+
+def sign(rng) -> int:
+    return int(rng.choice((-1, 1)))
+
+
+def decades(rng, low: float, high: float) -> float:
+    return 10.0 ** rng.uniform(low, high)
+
+
+def _zero_or(share: float, low: float, high: float) -> Draw:
+    """Zero in a share of all draws, else a number whose decimal logarithm is uniform between two bounds."""
+    return lambda rng: 0.0 if rng.random() < share else decades(rng, low, high)
+
+
+def heaviest(values: dict[str, float], inertia: float) -> float:
+    """Mass [kg] above which the threads could seize with a given inertia [kg m²], infinite if they never do."""
+    tan = math.tan(values["lead_angle"])
+    factor = friction_factor(values["friction_coefficient"], tan, 1)
+    return inertia / (factor * tan * values["pitch_radius"] ** 2) if factor > 0 else math.inf
+
+
+def rigid_values(rng: np.random.Generator) -> dict[str, float]:
+    """Draw the parameters of a rigid drive over decades; dampings and axial force are zero in a share of the drives."""
+    lead = math.radians(decades(rng, math.log10(0.5), math.log10(45.0)))
+    friction = decades(rng, -3, math.log10(0.9)) if rng.random() < 0.5 else rng.uniform(0.001, 0.9)
+    force = sign(rng) * _zero_or(_ZERO_FORCE, -3, 6)(rng)
+    return drawn(
+        rng, pitch_radius=power(-3, math.log10(0.05)), lead_angle=lead,
+        friction_coefficient=min(friction, 0.999 / math.tan(lead)), mass=power(-2, 4), screw_inertia=power(-9, 1),
+        coupling_stiffness=power(-3, 6), support_damping=_zero_or(_ZERO_DAMPING, -9, 2),
+        translation_damping=_zero_or(_ZERO_DAMPING, -4, 6), axial_force=force, input_speed=signed(power(-2, 4)),
+    )  # fmt: skip
+
+
+_OTHERS = {
+    "threads": {"contact_stiffness": power(3, 12), "contact_damping": _zero_or(_ZERO_DAMPING, -2, 9)},
+    "support": {
+        "screw_mass": power(-2, 4), "support_stiffness": power(2, 10),
+        "axial_support_damping": _zero_or(_ZERO_DAMPING, -2, 8),
+    },
+    "nut": {
+        "nut_inertia": power(-9, 1), "nut_stiffness": power(-3, 6), "nut_damping": _zero_or(_ZERO_DAMPING, -9, 2),
+    },
+}  # fmt: skip
+
+
+def _with_part(rng, model: str, values: dict[str, float]) -> tuple[Drive, tuple[str, ...]]:
+    """A drive with a part and its frictions; only up to some mass is the motion with them determined."""
+    values |= drawn(rng, _OTHERS[model])
+    physics = _frictions(rng, values) if model != "threads" else ()
+    if model == "support" and "slide_friction" in physics:
+        share = decades(rng, -3, -0.01)
+        values["screw_mass"] = min(values["screw_mass"], share * heaviest(values, values["screw_inertia"]))
+    elif model == "nut" and "bearing_friction" in physics:
+        inertia = 1 / (1 / values["screw_inertia"] + 1 / values["nut_inertia"])
+        values["mass"] = min(values["mass"], decades(rng, -3, -0.01) * heaviest(values, inertia))
+    return DRIVES[model](values), physics
+
+
+def _frictions(rng, values: dict[str, float]) -> tuple[str, ...]:
+    size = abs(values["axial_force"]) or 1.0
+    physics = []
+    for name, unit in (("slide_friction", size), ("bearing_friction", size * values["pitch_radius"])):
+        if rng.random() < 0.5:
+            physics.append(name)
+            values[name] = unit * decades(rng, -3, 1)
+    return tuple(physics)
+
+
+def sizes_of(drive: Drive) -> tuple[float, float, float, float]:
+    """Sizes of the coordinates of a drive with four states; those of speeds have the sign of the input."""
+    speed, size = drive.input_speed, abs(drive.input_speed) * (drive.screw_inertia / drive.coupling_stiffness) ** 0.5
+    if drive.parts == ("nut",):
+        return size, speed, size, speed
+    place = (abs(drive.axial_force) or 1.0) / (drive.contact_stiffness or drive.support_stiffness)
+    return size, speed, place, drive.pitch_radius * math.tan(drive.lead_angle) * speed
+
+
+def _states(rng, drive: Drive, count: int) -> np.ndarray:
+    """Starts (count, 4) over four decades, some on θ′ = 0 or with the second body at rest."""
+    found = np.empty((count, 4))
+    for k in range(count):
+        found[k] = [sign(rng) * x * decades(rng, -2, 2) for x in sizes_of(drive)]
+        where = _PLACES[rng.integers(len(_PLACES))]
+        if where in ("speed", "corner"):
+            found[k, 1] = -drive.input_speed
+        if where in ("contact", "corner"):
+            found[k, 3] = 0.0
+        if where == "near":
+            found[k] *= 1e-8
+        if where == "equilibrium":
+            found[k] = 0.0
+    return found
+
+
+def _starts(rng, drive: Drive, count: int) -> np.ndarray:
+    """Starts (count, 2): anywhere over four decades, on θ′ = 0, on Q = 0, on both, near the equilibrium and on it."""
+    reference = RigidTrueDrive(dict(drive), 30)
+    q_u, q_w, q_0 = (float(x) for x in reference.Q_terms(1, 1))
+    speed = drive.input_speed
+    size = float(reference.u_scale)
+    found = np.empty((count, 2))
+    for k in range(count):
+        u, w = sign(rng) * size * decades(rng, -2, 2), sign(rng) * speed * decades(rng, -2, 2)
+        place = _PLACES[rng.integers(len(_PLACES))]
+        if place in ("speed", "corner"):
+            w = -speed
+        if place in ("contact", "corner"):
+            u = -(q_0 + q_w * w) / q_u
+        if place == "near":
+            u, w = 1e-8 * u, 1e-8 * w
+        found[k] = (0.0, 0.0) if place == "equilibrium" else (u, w)
+    return found
+
+
+OFFERED = ("threads", "support", "nut")
+_STEEL = 7850.0  # density [kg/m3]
+
+
+def catalogue_drive(model: str, seed: int, index: int, starts: int = 4) -> tuple[Drive, np.ndarray]:
+    """Draw drive ``index`` of a seed, the same whatever else is drawn, and so many starts of it (starts, 4)."""
+    rng = np.random.default_rng([seed, OFFERED.index(model), index])
+
+    def power(low: float, high: float) -> float:
+        return float(math.exp(rng.uniform(math.log(low), math.log(high))))
+
+    diameter, length = power(6e-3, 60e-3), power(0.1, 1.5)
+    radius = 0.5 * (diameter - power(0.5e-3, 0.12 * diameter))
+    lead = power(1e-3, min(25e-3, 1.2 * diameter))
+    volume = math.pi / 4 * diameter**2 * length
+    inertia = _STEEL * volume * diameter**2 / 8 * (1 + power(0.05, 1.0))
+    stiffness = power(0.3, 30.0) * (diameter / 10e-3) ** 3 * 10
+    mass = power(1.0, 200.0) * (diameter / 10e-3) ** 2
+    values = {
+        "pitch_radius": radius,
+        "lead_angle": math.atan(lead / (2 * math.pi * radius)),
+        "screw_inertia": inertia,
+        "coupling_stiffness": stiffness,
+        "support_damping": 2 * power(1e-4, 0.1) * math.sqrt(inertia * stiffness),
+        "friction_coefficient": rng.uniform(0.05, 0.35),
+        "input_speed": float(rng.choice([-1.0, 1.0])) * power(1.0, 150.0),
+        "mass": mass,
+        "translation_damping": float(rng.choice([0.0, 1.0])) * power(1.0, 500.0),
+        "axial_force": float(rng.choice([-1.0, 1.0])) * power(0.2, 20.0) * mass,
+    }
+    drive = Drive.of({**values, **_MORE[model](power, values, volume)})
+    scales = np.abs(sizes_of(drive))
+    factors = np.array([[power(0.05, 5.0) * rng.choice([-1.0, 1.0]) for _ in scales] for _ in range(starts)])
+    return drive, scales * factors
+
+
+def _offered_threads(power, values, volume):
+    stiffness = power(2e7, 1e9)
+    damping = 2 * power(5e-3, 0.5) * math.sqrt(stiffness * values["mass"])
+    return {"contact_stiffness": stiffness, "contact_damping": damping}
+
+
+def _offered_support(power, values, volume):
+    stiffness, mass = power(1e7, 3e8), _STEEL * volume
+    damping = 2 * power(1e-3, 0.1) * math.sqrt(stiffness * mass)
+    return {"screw_mass": mass, "support_stiffness": stiffness, "axial_support_damping": damping}
+
+
+def _offered_nut(power, values, volume):
+    inertia = values["screw_inertia"] * power(0.1, 3.0)
+    stiffness = values["coupling_stiffness"] * power(0.3, 100.0)
+    damping = 2 * power(1e-3, 0.1) * math.sqrt(inertia * stiffness)
+    return {"nut_inertia": inertia, "nut_stiffness": stiffness, "nut_damping": damping}
+
+
+_MORE = {"threads": _offered_threads, "support": _offered_support, "nut": _offered_nut}

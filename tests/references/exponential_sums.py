@@ -209,19 +209,16 @@ class TrueArc:
         return self._over[rate]
 
     def exponentials(self, t):
-        """All e^(rate t), kept for each t."""
         if t not in self._exponentials:
             self._exponentials[t] = [mp.exp(rate * t) for rate in self.rates]
         return self._exponentials[t]
 
     def magnitudes(self, t):
-        """Their sizes."""
         if t not in self._magnitudes:
             self._magnitudes[t] = [mp.exp(mp.re(rate) * t) for rate in self.rates]
         return self._magnitudes[t]
 
     def state(self, t):
-        """The four coordinates of the state."""
         turning = list(zip(self.columns, self.exponentials(t), strict=True))
         parts = [sum((column[i] * x).real for column, x in turning) for i in range(4)]
         return tuple(a + b * t + c for a, b, c in zip(self.c0, self.c1, parts, strict=True))

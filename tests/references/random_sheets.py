@@ -1,10 +1,11 @@
-"""Random data sheets over all entries and forms, of drives such as catalogues offer; seeded."""
+"""The chapter's drive as a data sheet, and random ones over all entries and forms, as of catalogues; seeded."""
 
 import math
 from typing import Any
 
 import numpy as np
 
+from lsvib.assess import drive as sheets
 from lsvib.assess.materials import NUT_MATERIALS, SCREW_MATERIALS
 from lsvib.assess.mechanisms import corners, drive_of
 from lsvib.assess.sheet import Sheet
@@ -12,7 +13,24 @@ from lsvib.assess.threads import _ACME, _COARSE, _TRAPEZOIDAL
 from lsvib.errors import InputError
 from lsvib.models.drive import Drive
 from lsvib.models.pairings import PAIRINGS
-from references.chapter_sheet import values_of
+
+CHAPTER = {
+    "name": "Table 8.1", "thread": {"lead_angle": "5.57 deg", "pitch_diameter": "10.36 mm"},
+    "screw": {"inertia": "3.12e-6 kg*m^2"}, "coupling": {"stiffness": "1 N*m/rad"},
+    "load": {"mass": "1 kg", "force": "-50 N"}, "operation": {"speed": "40 rad/s", "direction": "out"},
+    "friction": {"coefficient": 0.218}, "damping": {"rotational": "2e-4 N*m*s/rad"},
+}  # fmt: skip
+# Of friction, the law of the powered seat.
+LAW = {"coefficient": 0.218, "stribeck_rise": 0.0203, "stribeck_speed": "0.013704 m/s", "slope": "-0.0858859895667 s/m"}
+
+
+def sheet(**changes) -> Sheet:
+    return Sheet.of({**CHAPTER, **changes})
+
+
+def values_of(given: Sheet) -> dict:
+    return {key: float(value) for key, value in sheets.quantities(given, sheets.nominal_draw(given)).items()}
+
 
 _ENDS = ("fixed-free", "supported-supported", "fixed-supported", "fixed-fixed")
 _DIRECTIONS = ("out", "back", "both")
@@ -62,11 +80,9 @@ class _Draw:
         return float(f"{math.exp(self.rng.uniform(math.log(low), math.log(high))):.4g}")
 
     def chance(self, share: float) -> bool:
-        """Draw true so often."""
         return bool(self.rng.random() < share)
 
     def one(self, options: Any) -> Any:
-        """Draw one of some."""
         options = list(options)
         return options[int(self.rng.integers(len(options)))]
 
@@ -100,7 +116,6 @@ class _Draw:
 
 
 def _thread(draw: _Draw) -> tuple[dict[str, Any], float]:
-    """A thread, and about its diameter [m]."""
     kind = draw.rng.random()
     if kind < 0.3:
         diameter = draw.one(_TRAPEZOIDAL)

@@ -108,14 +108,9 @@ def _stick(d, rate):
 
 
 _NAMES = {
-    "pitch_radius": "r",
-    "screw_inertia": "I",
-    "coupling_stiffness": "k",
-    "support_damping": "c",
-    "friction_coefficient": "mu",
-    "mass": "m",
-    "translation_damping": "cx",
-}
+    "pitch_radius": "r", "screw_inertia": "I", "coupling_stiffness": "k", "support_damping": "c",
+    "friction_coefficient": "mu", "mass": "m", "translation_damping": "cx",
+}  # fmt: skip
 
 
 def _returning(d, time, place):

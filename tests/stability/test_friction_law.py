@@ -6,14 +6,11 @@ import mpmath
 import numpy as np
 import pytest
 from flint import arb, ctx
-from references import sliding_friction
-from references.draws import LIKE_PARTS, LIKE_TABLE_8_1, about, drawn, one_of, times
-from references.parts import DRIVES as KINDS
-from references.parts import threads_drive
+from references import newton
+from references.drives import DRIVES, LIKE_PARTS, LIKE_TABLE_8_1, about, drawn, one_of, threads_drive, times
 
 from lsvib import Drive
 from lsvib.contact.contact_force import contact_forces
-from lsvib.contact.stiff_limit import impacts
 from lsvib.errors import InputError, NoThreshold
 from lsvib.models import friction
 from lsvib.models.pairings import PAIRINGS
@@ -21,8 +18,9 @@ from lsvib.stability import linear
 from lsvib.stability.boundaries import stable_set
 from lsvib.stability.conditions import stability
 from lsvib.stability.curves import ChartBoundary, boundary_curves
+from lsvib.stability.threshold import all_thresholds
 
-MODELS = tuple(KINDS)
+MODELS = tuple(DRIVES)
 LEAD, RADIUS = math.radians(5.57), 5.18e-3
 SEAT = PAIRINGS["powered_seat"].parameters()  # a measured law of a seat adjuster
 
@@ -39,7 +37,7 @@ def random_drive(model: str, rng: np.random.Generator):
     law = drawn(rng, friction_slope=times(about(0.02 / speed), one_of(-1.0, 0.5)))
     if rng.random() < 0.8:
         law |= drawn(rng, stribeck_rise=about(0.05), stribeck_speed=about(speed), stribeck_exponent=one_of(1, 2))
-    return KINDS[model].of(values | own | law)
+    return DRIVES[model].of(values | own | law)
 
 
 def polynomial_of(roots) -> list:
@@ -55,7 +53,7 @@ def test_report_against_newtons_laws(model):
     rng, kinds = np.random.default_rng(1), set()
     for _ in range(25):
         drive = random_drive(model, rng)
-        report, exact = stability(drive), sliding_friction.eigenvalues(model, drive)
+        report, exact = stability(drive), newton.eigenvalues_by_differences(model, drive)
         with mpmath.workdps(60):
             expected = polynomial_of(exact)
         lead = report.characteristic_polynomial[0]
@@ -106,7 +104,7 @@ def test_onset_by_every_parameter(model):
     rng, seen = np.random.default_rng(3), set()
     for _ in range(4):
         drive = random_drive(model, rng)
-        for key in set(KINDS[model].parameters) - {"stribeck_exponent"}:
+        for key in set(DRIVES[model].parameters) - {"stribeck_exponent"}:
             if key == "stribeck_rise" and not drive.stribeck_speed:
                 continue
             stable = stable_set(drive, key)
@@ -116,9 +114,8 @@ def test_onset_by_every_parameter(model):
             ends = [math.atan(x) if key == "lead_angle" else x for x in ends]
             ends = [end for end in ends if end]
             own = getattr(drive, key) or 1.0
-            places = [own * x for x in (0.3, 0.9, 1.2, 4.0)] + [
-                end * (1 + side * 1e-7) for end in ends for side in (-1, 1)
-            ]
+            places = [own * x for x in (0.3, 0.9, 1.2, 4.0)]
+            places += [end * (1 + side * 1e-7) for end in ends for side in (-1, 1)]
             for value in places:
                 seen |= {(key, found)} if (found := judged(model, drive, key, value, stable)) is not None else set()
             if (solved := solutions(drive, key)) is not None:
@@ -139,7 +136,7 @@ def judged(model, drive, key, value, stable) -> bool | None:
         return None
     x = math.tan(value) if key == "lead_angle" else value
     said = any(float(low) < x < float(high) for low, high in stable.intervals)
-    exact = sliding_friction.eigenvalues(model, other)
+    exact = newton.eigenvalues_by_differences(model, other)
     assert said == bool(mpmath.re(exact[-1]) < 0), (key, value, drive)
     return said
 
@@ -190,39 +187,12 @@ def test_speeds_at_which_nothing_is_left_of_a_rise():
     assert stability(drive.replace(support_damping=1e-30)).kind.startswith("stable")
 
 
-REFUSED = "the closed form of the threshold {} holds for friction that does not depend on speed."
-
-
-def test_what_holds_for_constant_friction_is_refused():
-    drive = Drive(**SEAT, translation_damping=1000, axial_force=35)
-    for name in ("stick", "detach", "global_stability", "fold", "cycle_birth", "rest_loss"):
-        for unknown in (None, "mass"):
-            with pytest.raises(NoThreshold) as error:
-                drive.threshold(name, unknown=unknown)
-            assert str(error.value) == REFUSED.format(name)
-    with pytest.raises(NoThreshold, match=r"^the closed form .* holds for friction that is one number\.$"):
-        Drive(translation_damping=1000).threshold("stick", unknown="friction_slope")
-    with pytest.raises(NoThreshold, match=r"^stribeck_exponent is either 1 or 2"):
-        drive.threshold("onset", unknown="stribeck_exponent")
-    with pytest.raises(NoThreshold, match=r"^no threshold is solved for stribeck_rise without stribeck_speed > 0\.$"):
-        Drive().threshold("onset", unknown="stribeck_rise")
-    with pytest.raises(InputError, match=r"^the closed form of the basin holds for friction that does not depend on"):
-        drive.replace(axial_force=-35).basin()
-
-
 def test_static_friction_above_sliding_keeps_what_is_not_about_rest():
     drive = Drive(translation_damping=1000, axial_force=35)
     rough = drive.replace(static_friction_coefficient=0.3)
     assert rough.threshold("stick", unknown="axial_force").value == drive.threshold("stick").value
     assert rough.threshold("onset").value == drive.threshold("onset").value
     assert rough.stability() == drive.stability()
-    for name in ("detach", "global_stability", "fold", "cycle_birth", "rest_loss"):
-        with pytest.raises(NoThreshold, match=r"holds for static friction that is not above that of sliding\.$"):
-            rough.threshold(name)
-    with pytest.raises(NoThreshold, match=r"^the threshold stick does not depend on static_friction_coefficient\.$"):
-        rough.threshold("stick", unknown="static_friction_coefficient")
-    with pytest.raises(InputError, match=r"^the closed form of the basin holds for static friction that is not above"):
-        Drive(static_friction_coefficient=0.3).basin()
     assert Drive(static_friction_coefficient=0.3).cycles().proved == ""
     limits = Drive(static_friction_coefficient=0.3, mass=12).threshold("onset", unknown="friction_coefficient")
     assert [x.value for x in limits.solutions] == [Drive(mass=12).threshold("onset", "friction_coefficient").value]
@@ -251,27 +221,10 @@ def test_contact_forces_at_the_speed_of_a_state():
     u, w = np.array([0.01, -0.05]), np.array([-3.0, 4.0])
     for k in range(2):
         with ctx.workdps(40):
-            laws = sliding_friction.SlidingDrive("rigid", drive)
+            laws = newton.SlidingDrive("rigid", drive)
             state = [laws.steady()[0] + u[k], arb(10 + w[k])]
             for laws.law, force in zip((1, -1), contact_forces(drive, u, w), strict=True):
                 assert math.isclose(force[k], float(laws.solved(state)[2]), rel_tol=1e-12)
-
-
-def test_impacts_of_another_friction_are_refused():
-    for law, wanted in (
-        (SEAT, "friction that does not depend on speed"),
-        ({"static_friction_coefficient": 0.3}, "static"),
-    ):
-        with pytest.raises(InputError, match=f"^the closed form of what follows an impact holds for {wanted}"):
-            next(impacts(Drive(**law, mass=12), 40.0))
-
-
-def test_undamped_drives_whose_friction_is_cut_off():
-    """Beyond the cut a condition vanishes throughout, which is no root."""
-    drive = Drive(friction_slope=-2.0, support_damping=0.0, input_speed=30.0)
-    for key in ("pitch_radius", "input_speed", "lead_angle"):
-        with pytest.raises(NoThreshold, match=r"^steady sliding is asymptotically stable for no "):
-            drive.threshold("onset", unknown=key)
 
 
 def test_stability_is_asked_within_the_range():
@@ -288,12 +241,10 @@ def test_stability_is_asked_within_the_range():
 
 
 def test_next_to_nothing_of_a_rise_parts_no_double_roots():
-    drive = threads_drive(
-        stribeck_rise=0.01, stribeck_speed=1e-6, contact_damping=0.0, axial_force=5.0, input_speed=2.0
-    )
+    drive = threads_drive(stribeck_rise=0.01, stribeck_speed=1e-6, contact_damping=0, axial_force=5, input_speed=2.0)
     level = drive.replace(stribeck_rise=0.0, stribeck_speed=0.0)
     for key in ("friction_coefficient", "mass"):
-        one, other = (d.thresholds(key)["onset"] for d in (drive, level))
+        one, other = (all_thresholds(d, key)["onset"] for d in (drive, level))
         assert one.stable_intervals[:-1] == other.stable_intervals[:-1]
         assert [x.value for x in one.solutions] == [x.value for x in other.solutions]
 
@@ -308,11 +259,6 @@ def test_roots_beside_the_cut_of_a_falling_law_are_found():
     assert "reaches zero and is cut off" in found.how
     for speed, stable in ((300.0, True), (350.0, False), (410.0, False), (430.0, True)):
         assert drive.replace(input_speed=speed).stability().stable == stable
-
-
-def test_stability_that_turns_with_the_sign_of_the_speed_is_said():
-    with pytest.raises(NoThreshold, match=r"stable for every input speed below zero and for none on the other side"):
-        Drive(mass=11).threshold("onset", "input_speed")
 
 
 def test_friction_that_fades_to_nothing_is_solved():

@@ -14,11 +14,9 @@ import pytest
 from flint import fmpq, fmpq_poly
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from references.drives import DRIVES, MODELS, support_drive, threads_drive, wide_drive
 from references.newton import DIGITS, eigenvalues, is_stable, steady_law
-from references.parts import DRIVES as KINDS
-from references.parts import support_drive, threads_drive
 from references.threshold_digits import Named
-from references.wide_drives import MODELS, wide_drive
 
 from lsvib.errors import InputError
 from lsvib.models.drive import PARTS, Drive, zero_if_close
@@ -124,12 +122,12 @@ ROWS = re.findall(r"^\| (1e\d+) \| ([\d.]+) \|$", LEMMAS, re.MULTILINE)
 
 
 def report_of(changes, model="rigid"):
-    return stability(KINDS[model].of(changes))
+    return stability(DRIVES[model].of(changes))
 
 
 def onset(model: str, changes, key: str):
     """The onset of a drive in one parameter, which may have no solution."""
-    return all_thresholds(KINDS[model].of(changes), key)["onset"]
+    return all_thresholds(DRIVES[model].of(changes), key)["onset"]
 
 
 def assert_boundary(model: str, drive: Drive, key: str, solution) -> None:
@@ -182,7 +180,7 @@ BOUNDARIES = [
 def test_boundaries_to_the_last_digit(model, changes, key):
     found = onset(model, changes, key)
     for solution in found.solutions:
-        assert_boundary(model, KINDS[model].of(changes), key, solution)
+        assert_boundary(model, DRIVES[model].of(changes), key, solution)
     assert json.dumps(found.to_json(), allow_nan=False)
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 from references.bodies import Bodies
+from references.drives import JERKING
 
 import lsvib
 from lsvib import Attractor, Drive, NoThreshold
@@ -15,19 +16,6 @@ from lsvib.models.mechanism import standing_state
 from lsvib.models.model import automaton_of, model_of
 from lsvib.stability.starting import runs_evenly
 
-# Drive 1 of T-RO 2021 with static friction half as large again as kinetic, which jerks at 2 rpm and not at 10 rpm.
-JERKING = Drive(
-    pitch_radius=5.5e-3,
-    lead_angle=math.atan(2e-3 / (2 * math.pi * 5.5e-3)),
-    screw_inertia=2.186e-6,
-    mass=0.276,
-    axial_force=0.943,
-    coupling_stiffness=0.0224,
-    support_damping=2e-4,
-    friction_coefficient=0.6,
-    static_friction_coefficient=0.916,
-    input_speed=2 * math.pi / 30,
-)
 RIGID = {
     "measured": JERKING,
     "against the force": JERKING.replace(axial_force=-2.0, mass=0.1),
@@ -106,10 +94,8 @@ def random_drive(seed: int) -> Drive:
     }
     static = values["friction_coefficient"] * rng.uniform(1.2, 1.6)
     if seed % 2:
-        values["stribeck_rise"], values["stribeck_speed"] = (
-            static - values["friction_coefficient"],
-            10 ** rng.uniform(-3, -2),
-        )
+        values["stribeck_rise"] = static - values["friction_coefficient"]
+        values["stribeck_speed"] = 10 ** rng.uniform(-3, -2)
     else:
         values["static_friction_coefficient"] = static
         values |= {"slide_friction": 0.1, "bearing_friction": 1e-4} if rng.random() < 0.3 else {}
@@ -143,19 +129,12 @@ def jerks_just_below(seeds) -> int:
 
 
 def test_below_it_the_motion_sticks_for_ever():
-    assert jerks_just_below(range(8)) >= 6
+    assert jerks_just_below(range(5)) >= 4
 
 
 @pytest.mark.slow
 def test_below_it_the_motion_sticks_for_ever_in_fifty_drives():
-    assert jerks_just_below(range(100, 170)) >= 50
-
-
-def test_reason_without_an_even_speed():
-    with pytest.raises(NoThreshold, match=r"^the motion from rest ends in steady sliding at any input_speed tried"):
-        JERKING.replace(static_friction_coefficient=0.0).threshold("even_speed")
-    with pytest.raises(NoThreshold, match=r"^the motion from rest does not end in steady sliding at any"):
-        JERKING.replace(support_damping=0.0).threshold("even_speed")
+    assert jerks_just_below([*range(5, 8), *range(100, 170)]) >= 52
 
 
 @pytest.mark.parametrize("parts", [(), *((part,) for part in PARTS), tuple(PARTS)], ids=" and ".join)

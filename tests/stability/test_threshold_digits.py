@@ -1,16 +1,38 @@
-"""Thresholds solved for any parameter: 12 digits against 40-digit values, derivatives against 40-digit differences."""
+"""Thresholds solved for any parameter: 12 digits, derivatives, and motions on both sides, of random drives.
 
+Reference values and derivatives, by differences, have 40 digits (``references/threshold_digits.py``). Two kinds of
+cycles end at the force of global stability (docs/basin.md), one with rest and one without, where the map of seizures
+has the slope 1; 1e-13 is asked of it, as a smooth maximum is known to rounding.
+
+A statement on one side of a threshold of the axial force is judged by the events of motions that the engine follows:
+
+* stick: slip that starts where θ′ = 0 is touched, the end of rest, comes back to θ′ = 0 within a turn, or never;
+* detach: slip from the end of rest reaches N = 0 first, or θ′ = 0 with rest;
+* global stability: motions from all over the plane, from the end of rest and from the cycle without rest settle, or one
+  of them does not.
+"""
+
+import math
 from functools import partial
 
 import numpy as np
 import pytest
 from mpmath import mp, mpf
 from references import threshold_digits
-from references.draws import LIKE_PARTS, LIKE_TABLE_8_1, about, drawn, one_of, times
-from references.parts import DRIVES as KINDS
+from references.drives import DRIVES as KINDS
+from references.drives import LIKE_PARTS, LIKE_TABLE_8_1, PARADOX, about, decades, drawn, one_of, rigid_values, times
+from references.threshold_digits import WORK, gap, root
 
-from lsvib.errors import InputError
+from lsvib.basins.boundary import Boundary, basin
+from lsvib.dynamics.attractor import Attractor, steady_state
+from lsvib.engine.kernels.layout import Status
+from lsvib.engine.motion import follow
+from lsvib.errors import DivergenceError, EngineError, InputError, NoThreshold
 from lsvib.models.drive import Drive
+from lsvib.models.mechanics import coefficients
+from lsvib.models.names import Event
+from lsvib.models.rigid import rigid_automaton
+from lsvib.stability.force_thresholds import threshold_force, widest_return
 from lsvib.stability.slip import SlipDrive, half_return, leaving
 from lsvib.stability.threshold import _start, solve_threshold
 
@@ -153,3 +175,270 @@ def test_twelve_digits_of_drives_with_two_bodies(model, name, unknown):
                 return threshold_digits.root(lambda x: at({**values, unknown: x}), guess)
 
             compared(drive, found, solution, truth, rng, slopes)
+
+
+# Rest before slip forward and backward, slip on the way to Q = 0, far away on either side.
+STARTS = [(0.1, 0.0), (0.0, -40.0), (-0.3, 30.0), (0.3, -90.0), (0.04, -40.0), (0.0, 500.0)]
+# Damping: up to 1.30094e-3 the cycle with rest decides, above it the one without; 1e-2 is overdamped.
+DAMPINGS = (1e-4, 1.3e-3, 1.4e-3, 2e-3, 1e-2)
+
+
+def exact_force(cycle: str, drive: Drive, time: float, guess: float):
+    """Axial force [N] at which a cycle ends, with 40 digits; ``time`` [s]: about how long its slip lasts."""
+    with mp.workdps(WORK):
+        return root(lambda force: gap(cycle, {**dict(drive), "axial_force": force}, (time,)), guess)
+
+
+@pytest.mark.parametrize(("changes", "cycle", "time", "about"), [
+    ({}, "global_stability", 0.016, -33.0),
+    ({"support_damping": 1.4e-3}, "fold", 0.01596, -25.3),
+    ({"support_damping": 2e-3}, "fold", 0.01457, -18.4),
+    ({"support_damping": 1e-2}, "fold", 0.00718, -3.2),
+    ({"support_damping": 2e-3, "translation_damping": 200.0}, "fold", 0.01454, -12.0),
+    ({"support_damping": 2e-3, "mass": 20.0, "input_speed": 13.0}, "fold", 0.01971, -11.0),
+])  # fmt: skip
+def test_force_against_forty_digits(changes, cycle, time, about):
+    """Of the cycle with rest the slip from the end of rest, which begins at u = c Ω / k; the others do not rest."""
+    drive = PARADOX.replace(**changes)
+    assert abs(threshold_force(drive, "global_stability") / exact_force(cycle, drive, time, about) - 1) < mpf("1e-13")
+
+
+@pytest.mark.parametrize("speed", [40.0, -40.0])
+@pytest.mark.parametrize("damping", DAMPINGS)
+def test_the_threshold_separates_what_it_says(damping, speed):
+    """Short of it, by 1e-6 and more, the basin has a boundary and motions end on a cycle; beyond it none does."""
+    drive = PARADOX.replace(support_damping=damping, input_speed=speed)
+    limit = threshold_force(drive, "global_stability")
+    for share in (0.5, 0.99, 1 - 1e-6):
+        assert basin(drive.replace(axial_force=share * limit)).boundary != Boundary.NONE
+    for share in (1 + 1e-6, 1.01, 2.0):
+        assert basin(drive.replace(axial_force=share * limit)).boundary == Boundary.NONE
+    generator = np.random.default_rng(5)
+    starts = generator.uniform([-0.5, -200.0], [0.5, 200.0], (10, 2))
+    ends = []
+    for share in (1 - 1e-5, 1 + 1e-5):
+        automaton = rigid_automaton(drive.replace(axial_force=share * limit))
+        ends.append({steady_state(automaton, start).label for start in starts})
+    assert Attractor.SPRAG_SLIP_CYCLE in ends[0]
+    assert ends[1] == {Attractor.STEADY_SLIDING}
+
+
+@pytest.mark.parametrize("speed", [40.0, -40.0])
+def test_limit_cycle_right_up_to_the_threshold(speed):
+    """m = 11 kg, c = 1e-3, c_x = 0: one cycle from 10 N to 1e-8 short of the threshold, the origin 1e-8 beyond it."""
+    drive = PARADOX.replace(input_speed=speed)
+    limit = threshold_force(drive, "global_stability")
+    for share in (*np.linspace(0.3, 0.9, 7), *(1 - 10.0**-n for n in (3, 6, 8)), *(1 + 10.0**-n for n in (8, 5, 2))):
+        automaton = rigid_automaton(drive.replace(axial_force=share * limit))
+        ends = [steady_state(automaton, start) for start in math.copysign(1, speed) * np.array(STARTS)]
+        label = Attractor.SPRAG_SLIP_CYCLE if share < 1 else Attractor.STEADY_SLIDING
+        assert {end.label for end in ends} == {label}, share
+        if share < 1:  # one and the same cycle, to rounding
+            periods = [cycle.period / cycle.returns for cycle in ends]
+            np.testing.assert_allclose(periods, periods[0], rtol=1e-12)
+
+
+@pytest.mark.parametrize("speed", [40.0, -40.0])
+def test_forces_with_the_motion(speed):
+    """c_x = 2000: every R < 0 is globally stable, and none is from 30.8 N (31.4 N with rest) to the onset, 40.4 N."""
+    drive = PARADOX.replace(translation_damping=2000.0, input_speed=speed)
+    forward = drive.replace(input_speed=40.0)
+    assert exact_force("global_stability", forward, 0.016, 31.0) == pytest.approx(31.431833502858915, rel=1e-13)
+    expected = float(exact_force("fold", forward, 0.01651, 31.0))
+    limit = threshold_force(drive, "global_stability")
+    assert limit == pytest.approx(math.copysign(expected, speed), rel=1e-13)
+    inside = float(widest_return(SlipDrive.of(drive))[1])
+    starts = [(math.copysign(1, speed) * u, math.copysign(1, speed) * w) for u, w in [*STARTS, (inside, -40.0)]]
+    for share, stable in ((1 - 1e-6, True), (0.5, True), (-1.0, True), (1 + 1e-6, False), (1.2, False)):
+        automaton = rigid_automaton(drive.replace(axial_force=share * limit))
+        motions = [follow(automaton, start, math.inf, max_events=5000) for start in starts]
+        assert all(motion.status == Status.SETTLED for motion in motions) == stable, share
+
+
+def test_light_drives_are_globally_stable_without_translation_damping():
+    """Γ₊ > 0, c_x = 0: steady sliding attracts everything under either sign of R, as docs/basin.md proves."""
+    generator = np.random.default_rng(6)
+    for _ in range(40):
+        drive = Drive.of(
+            mass=generator.uniform(0.1, 10.1),
+            support_damping=10 ** generator.uniform(-5, -2),
+            axial_force=generator.choice([-1, 1]) * 10 ** generator.uniform(-2, 3),
+        )
+        assert basin(drive).boundary == Boundary.NONE
+
+
+def test_none_is_globally_unstable_where_every_force_against_the_motion_is_stable():
+    drive = PARADOX.replace(translation_damping=2000.0, support_damping=0.1)
+    assert all(basin(drive.replace(axial_force=-r)).boundary == Boundary.NONE for r in (1e-6, 1e-3, 1.0, 1e3))
+
+
+DISTANCES = [10.0**-n for n in range(1, 10)]  # relative, of the forces beside a threshold
+STANDS = (Event.STICK, Event.REVERSAL)
+
+
+def wide_drive_of(rng, kind: str) -> Drive:
+    """Draw a drive: ``any``; or with Γ₊ > 0 > C₊ (``damped``) or Γ₊ < 0 (``paradox``), at any distance from zero."""
+    while True:
+        values = {key: value for key, value in rigid_values(rng).items() if key != "axial_force"}
+        lead = values["lead_angle"]
+        if kind != "any":
+            tan, mu = math.tan(lead), values["friction_coefficient"]
+            arm, damping = values["pitch_radius"] ** 2 * tan, values["translation_damping"]
+            plus, minus = ((mu - tan) / (1 + mu * tan), (mu + tan) / (1 - mu * tan))
+            away = decades(rng, -4, 2) if kind == "damped" else -decades(rng, -4, 0)
+            values["screw_inertia"] = plus * arm * values["mass"] * (1 + away)
+            if kind == "damped":
+                share = plus * arm * damping / (1 + values["support_damping"])
+                values["support_damping"] *= rng.random() < 0.8 and share
+            # Damping ratios from weak to overdamped.
+            law = plus if kind == "damped" else -minus
+            inertia = values["screw_inertia"] - law * arm * values["mass"]
+            damping = abs(values["support_damping"] - law * arm * damping)
+            values["coupling_stiffness"] = (damping / decades(rng, -3, 1)) ** 2 / inertia if inertia > 0 else 0.0
+        try:
+            return Drive.of(values)
+        except InputError:
+            continue
+
+
+def forward(drive: Drive) -> tuple[SlipDrive, float]:
+    return SlipDrive.of(drive), math.copysign(1.0, drive.input_speed)
+
+
+def beside(rng, threshold: float, onset: float):
+    """Yield (side, R) near and far from a threshold beyond the onset, all for Ω > 0."""
+    for distance in DISTANCES:
+        yield -1, threshold - abs(threshold) * distance
+        yield 1, threshold + abs(threshold) * distance
+    for share in (0.5, 0.1, rng.random()):
+        yield -1, onset + (threshold - onset) * share
+    for factor in (2.0, 10.0, decades(rng, 0, 4)):
+        yield 1, onset + (threshold - onset) * factor
+
+
+def events(drive: Drive, force: float, start, count: int) -> list[Event]:
+    """The first events of a motion at a force, without the releases from rest that it begins with."""
+    try:
+        kinds = [Event(int(k)) for k in follow(changed(drive, force), start, math.inf, max_events=count).kind]
+    except DivergenceError:
+        return []
+    while kinds and kinds[0] == Event.RELEASE:
+        kinds = kinds[1:]
+    return kinds
+
+
+def changed(drive, force):
+    return rigid_automaton(drive.replace(axial_force=force))
+
+
+def judge_onset(rng, drive):
+    onset = threshold_force(drive, "onset")
+    for side, force in beside(rng, abs(onset), 0.0):
+        c = coefficients(drive.replace(axial_force=math.copysign(force, onset)))
+        assert (c.damping[c.steady_law] > 0) == (side < 0)
+
+
+def end_of_rest(drive: Drive) -> tuple[float, float]:
+    """State in which rest ends and slip under law + begins: θ′ = 0, without acceleration."""
+    made, sign = forward(drive)
+    return sign * float(made.damping[1] * made.speed / made.stiffness), -drive.input_speed
+
+
+def slips_beside(rng, drive: Drive, threshold: float, count: int):
+    """Yield (side, |R|, first events of slip from the end of rest) for forces beside a threshold beyond the onset."""
+    onset, sign = threshold_force(drive, "onset"), forward(drive)[1]
+    assert sign * threshold > sign * onset
+    for side, force in beside(rng, sign * threshold, sign * onset):
+        if sign * onset < force < 1e12 and force != sign * threshold:
+            yield side, force, events(drive, sign * force, end_of_rest(drive), count)
+
+
+def judge_stick(rng, drive):
+    """The cycle is unique and what is inside of it winds outwards to it, what is outside inwards."""
+    for side, force, kinds in slips_beside(rng, drive, threshold_force(drive, "stick"), 30):
+        if Event.GRAZE in kinds:  # a turn grows by less than rounding
+            continue
+        if side > 0:
+            assert any(kind in STANDS for kind in kinds[:3]), force
+        else:
+            assert not any(kind in STANDS for kind in kinds), force
+
+
+def judge_detach(rng, drive):
+    for side, force, kinds in slips_beside(rng, drive, threshold_force(drive, "detach"), 6):
+        if side > 0:
+            assert kinds[:2] == [Event.STICK, Event.RELEASE], force
+        else:
+            assert kinds[0] == Event.CONTACT_REVERSAL, force
+
+
+def starts(rng, made: SlipDrive, force: float, count: int):
+    """Starts (Ω > 0): the end of rest, the cycle without rest, others on θ′ = 0 left of the former, and anywhere."""
+    speed, first = float(made.speed), float(made.damping[-1] * made.speed / made.stiffness)
+    slip_time = float((made.inertia[-1] / made.stiffness) ** 0.5)
+    released = first - max(force, 0.0) * float(made.radius * (made.xi[1] - made.xi[-1]) / made.stiffness)
+    yield released, -speed
+    if made.contact[1] > 0:
+        x = float(widest_return(made)[1])
+        if math.isfinite(x):
+            yield x, -speed
+    size = max(abs(released), speed * slip_time)
+    for _ in range(count):
+        yield released - size * decades(rng, -5, 2), -speed
+        size_now, angle = size * decades(rng, -2, 1), rng.uniform(0, 2 * math.pi)
+        yield size_now * math.cos(angle), size_now / slip_time * math.sin(angle)
+
+
+def settles(drive, force, start, made, sign, count=20_000) -> bool | None:
+    """Whether a motion settles; None if unknown.
+
+    Overdamped slip may seize a million times on its way. It counts as settling if u moves one way only: backward slip
+    moves left until it rests; so does slip that seizes while u falls; other slip moves right, to smaller turns.
+    """
+    try:
+        motion = follow(changed(drive, force), start, math.inf, max_events=count)
+    except EngineError:
+        return None
+    if motion.status == Status.SETTLED:
+        return True
+    if set(motion.kind[-500:].tolist()) != {Event.SEIZURE}:
+        return False
+    steps = np.diff(sign * motion.after[-500:, 0])
+    backward = sign * motion.end_state[0] > float(made.damping[-1] * made.speed / made.stiffness)
+    return bool((steps < 0).all() if backward or made.outward <= 0 else (steps > 0).all())
+
+
+def judge_global(rng, drive):
+    made, sign = forward(drive)
+    threshold = sign * threshold_force(drive, "global_stability")
+    onset = float(made.onset)
+    assert threshold < onset or onset == 0 > threshold
+    below = [(side, force) for side, force in beside(rng, threshold, threshold)][:18]
+    below += [(-1, onset - (onset - threshold) * factor) for factor in (2.0, 10.0)]
+    below += [(1, onset - (onset - threshold) * share) for share in (0.5, 0.01, rng.random())]
+    for side, force in below:
+        if not (abs(force) < 1e12 and force < onset * (1 - 1e-12) + 0.0) or force == threshold:
+            continue
+        found = [settles(drive, sign * force, (sign * u, sign * w), made, sign) for u, w in starts(rng, made, force, 2)]
+        if side < 0:
+            assert False not in found, force
+        else:
+            assert False in found, force
+
+
+JUDGES = {"onset": judge_onset, "stick": judge_stick, "detach": judge_detach, "global_stability": judge_global}
+
+
+@pytest.mark.parametrize("kind", ["any", "damped", "paradox"])
+def test_thresholds_of_random_drives(kind):
+    rng, judged = np.random.default_rng(11), set()
+    for _ in range(5):
+        drive = wide_drive_of(rng, kind)
+        for name, judge in JUDGES.items():
+            try:
+                threshold_force(drive, name)
+            except NoThreshold:
+                continue
+            judge(rng, drive)
+            judged.add(name)
+    assert judged

@@ -34,7 +34,6 @@ class Project:
         )
 
     def start(self, *arguments: str) -> subprocess.Popen:
-        """Start Snakemake in a process group of its own."""
         return subprocess.Popen(
             [*self.command, *arguments],
             cwd=self.folder,
@@ -52,7 +51,6 @@ class Project:
         return {message.strip() for job, message in lines if job[4:].isdigit()} - {DONE}
 
     def edit(self, file: str, old: str, new: str) -> None:
-        """Replace text in a file; the text must be there."""
         path = self.folder / file
         text = path.read_text(encoding="utf-8")
         assert old in text
@@ -61,7 +59,6 @@ class Project:
 
 @pytest.fixture
 def fresh(tmp_path: Path) -> Project:
-    """Return a copy in which nothing has run yet."""
     return copy_of_sources(tmp_path / "project")
 
 

@@ -375,6 +375,7 @@ def test_captions_are_restructured_text_without_a_complaint(figure):
     assert complaints.getvalue() == ""
 
 
+@pytest.mark.slow
 def test_results_that_were_not_made_here_do_not_pass(built):
     """Without a record, results of another configuration or a damaged one that are new enough are good to Snakemake."""
     shutil.rmtree(built.folder / ".snakemake")

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from references.parts import threads_drive
+from references.drives import threads_drive
 from sksundae.cvode import CVODE
 
 from benchmarks.jit import kernel

@@ -1,0 +1,326 @@
+"""Exact derivatives of motions and multipliers of cycles against references in many digits, over random drives.
+
+Of motions, against central differences with 40 digits: the step 1e-10 leaves their truncation at 1e-20 of the third
+derivative; the reference has no events missed and no rounding at this size. Tolerance 1e-9 of the largest entry, as the
+library promises for multipliers, and the library's own bound of its rounding, with a factor for the rounding of the
+event times and states.
+
+Of cycles with four states, attracting and repelling ones: the reference (``references.cycle_digits``) takes of the
+library only the modes and about how long each lasts. Tolerance 1e-9 of the larger of 1 and the multiplier, and the
+library's own bound. The state of a cycle that repels by a factor beyond 1e4 is known to rounding times that factor, and
+its multiplier as well.
+
+Under a friction law the reference follows a period from a place within the longest arc of the cycle, and from places
+beside it. The map over the period has the eigenvalues 1, along the motion, and the multiplier, so that this is its
+trace less 1.
+"""
+
+import math
+from itertools import permutations
+
+import numpy as np
+import pytest
+from engine.test_friction_law_digits import random_starts
+from flint import arb, ctx
+from mpmath import mp, mpf
+from references import four_states_digits, rigid_digits
+from references.cycle_digits import CycleDigits
+from references.drives import DRIVES, drawn, one_of, power, threads_drive, uniform
+from references.friction_law_digits import PRECISION, LawDrive, simulate
+
+import lsvib
+import lsvib.api
+from lsvib.dynamics.attractor import Attractor, steady_state
+from lsvib.dynamics.poincare_map import Section, derivative, section_key
+from lsvib.engine.motion import follow
+from lsvib.errors import EngineError
+from lsvib.models.drive import Drive
+from lsvib.models.mechanism import seated_state
+from lsvib.models.model import automaton_of
+from lsvib.models.names import Event
+from lsvib.models.rigid import rigid_automaton
+
+STEP = mpf(10) ** -10
+EVENTS = 7
+RIGID = {
+    "mass": uniform(2, 16), "support_damping": power(-4, -2.5), "translation_damping": one_of(0.0, 10.0, 1000.0),
+    "axial_force": uniform(-60, 60), "input_speed": one_of(-40.0, 40.0),
+}  # fmt: skip
+
+
+def random_rigid(seed):
+    rng = np.random.default_rng(seed)
+    return Drive.of(drawn(rng, RIGID)), (float(rng.uniform(-0.2, 0.2)), float(rng.uniform(-100, 100)))
+
+
+def differences(simulate, state, count):
+    """Derivative of the state after the event of a number, by central differences with 40 digits; None if changed."""
+    with mp.workdps(40):
+        columns, names = [], None
+        for j in range(len(state)):
+            ends = []
+            for sign in (1, -1):
+                start = [mpf(x) for x in state]
+                step = STEP * max(abs(start[j]), mpf("1e-6"))
+                start[j] += sign * step
+                events = simulate(start)
+                seen = [(event.kind, event.mode_after) for event in events[:count]]
+                names = seen if names is None else names
+                if seen != names or len(events) < count:
+                    return None
+                ends.append(events[count - 1])
+            columns.append([(a - b) / (2 * step) for a, b in zip(*(end.state for end in ends), strict=True)])
+        return np.array([[float(x) for x in column] for column in columns]).T
+
+
+def agree(found, reference, rounding):
+    """Whether a derivative is that of the reference, but for four times the library's own bound of its rounding."""
+    away, largest = np.abs(found - reference), np.abs(reference).max()
+    size = np.abs(reference).max(axis=1, keepdims=True)
+    return (away <= 1e-9 * largest + 4 * rounding).all() and (away <= 1e-7 * size + 4 * rounding).all()
+
+
+def qualified(motion):
+    """Whether neighbours of a motion's start have the same events: it neither begins with one nor touches."""
+    return motion.time.size and motion.time[0] > 0 and (motion.kind >= 2).all()
+
+
+def rigid_motion(seed):
+    """A random drive, and a motion of it that has events."""
+    for attempt in range(50):
+        drive, start = random_rigid(1000 * seed + attempt)
+        motion = follow(rigid_automaton(drive), start, np.inf, max_events=EVENTS)
+        if qualified(motion):
+            return drive, start, motion
+    raise AssertionError("no motion has events")
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_rigid_drives(seed):
+    drive, start, motion = rigid_motion(seed)
+    reference = differences(
+        lambda x: rigid_digits.simulate(dict(drive), *x, float(motion.time[-1]) * 1.01 + 1e-4).events,
+        start,
+        motion.time.size,
+    )
+    found = derivative(motion)
+    assert reference is not None
+    sizes = np.abs(np.vstack([motion.after, [start]])).max(axis=0)
+    assert (found.rounding <= 1e-10 * sizes[:, None] / sizes).all()  # so that its share of what is allowed is small
+    assert agree(found.matrix, reference, found.rounding), (found.matrix, reference)
+
+
+def test_compliant_threads():
+    for attempt in range(50):
+        rng = np.random.default_rng(attempt)
+        rigid, (u, w) = random_rigid(attempt)
+        stiffness = float(10 ** rng.uniform(5, 8))
+        contact = {"contact_stiffness": stiffness, "contact_damping": stiffness * 10 ** rng.uniform(-3, 0)}
+        drive = threads_drive(**dict(rigid), **contact)
+        start = seated_state(drive, 0.1 * u, 0.1 * w)
+        start[3] = 1e-6
+        motion = follow(automaton_of(drive), start, np.inf, max_events=4)
+        if qualified(motion):
+            break
+    end = float(motion.time[-1]) * 1.01 + 1e-6
+    reference = differences(
+        lambda x: four_states_digits.simulate(dict(drive), "threads", (), x, end).events,
+        tuple(map(float, start)),
+        motion.time.size,
+    )
+    assert reference is not None
+    scale = np.abs(motion.after).max(axis=0)
+    exact = derivative(motion)
+    found, rounding = exact.matrix * scale / scale[:, None], exact.rounding * scale / scale[:, None]
+    assert agree(found, reference * scale / scale[:, None], rounding), (found, reference)
+
+
+def test_a_section_with_a_coordinate_that_is_zero_throughout():
+    """Its scale was zero, and the section divided by it."""
+    drive = threads_drive(mass=11.0, axial_force=50.0)
+    automaton = automaton_of(drive)
+    motion = follow(automaton, seated_state(drive, 0.003, -20.0), np.inf, max_events=40)
+    key, size = section_key(motion), np.abs(motion.after).max(axis=0)
+    ours = np.flatnonzero((motion.kind == key[0]) & (motion.mode == key[1]))
+    origin, size = motion.after[ours[-1]].copy(), size.copy()
+    origin[2] = size[2] = 0.0
+    section = Section(automaton, key, origin, size, 1, 1.0)
+    assert np.isfinite(section.directions).all()
+    assert (section.place(origin) == 0).all()
+
+
+KINDS = ("threads", "support", "nut")
+
+
+# Drives of which slip that repels may bound the basin of steady sliding; and drives below or above the critical mass.
+ON_AN_EDGE = {"mass": uniform(9.5, 9.95), "translation_damping": power(2.9, 3.1), "axial_force": uniform(6, 14)}
+ANYWHERE = {
+    "mass": uniform(4, 16), "support_damping": power(-4, -2.5), "translation_damping": one_of(0.0, 10.0, 1000.0),
+    "axial_force": uniform(-60, 60), "input_speed": one_of(-40.0, 40.0),
+}  # fmt: skip
+NUT = {"nut_inertia": power(-3, -1), "nut_stiffness": power(2, 5), "nut_damping": power(-2, 1)}
+
+
+def second_body(model, rng):
+    if model == "threads":
+        stiffness = power(6, 9)(rng)
+        return {"contact_stiffness": stiffness, "contact_damping": stiffness * power(-4, -1)(rng)}
+    if model == "support":
+        stiffness, mass = power(7, 9)(rng), power(0, 2)(rng)
+        damping = stiffness * power(-5, -3)(rng)
+        return {"screw_mass": mass, "support_stiffness": stiffness, "axial_support_damping": damping}
+    return drawn(rng, NUT)
+
+
+def assert_digits(cycle):
+    reference = CycleDigits(cycle)
+    scale = max(1.0, float(np.abs(reference.multipliers).max()))
+    error = min(
+        max(abs(a - b) for a, b in zip(cycle.multipliers, order, strict=True))
+        for order in permutations(reference.multipliers)
+    )
+    assert error <= max(1e-9, 1e-13 * scale) * scale, (cycle.multipliers, reference.multipliers)
+    assert error <= cycle.multiplier_error + 1e-14 * scale
+    assert cycle.attracting == (abs(reference.multipliers[0]) < 1) or cycle.neutral
+    assert abs(cycle.period - float(reference.solved[1])) <= 1e-10 * cycle.period
+
+
+def cycles_of(model, seed, draws, sides):
+    """Cycles of the first random drive of a seed that has them on these sides of the unit circle."""
+    rng = np.random.default_rng([seed, len(model)])
+    for _ in range(60):
+        values = drawn(rng, draws)
+        cycles = DRIVES[model](values | second_body(model, rng)).cycles().cycles
+        if sides <= {cycle.attracting for cycle in cycles}:
+            return cycles
+    raise AssertionError("no drive has such cycles")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("model", KINDS)
+def test_attracting_and_repelling_cycle_of_a_drive(model):
+    for cycle in cycles_of(model, 0, ON_AN_EDGE, {True, False}):
+        assert_digits(cycle)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("model", KINDS)
+def test_cycles_of_a_drive_anywhere(model):
+    for cycle in cycles_of(model, 0, ANYWHERE, {True}):
+        assert_digits(cycle)
+
+
+BESIDE = 1e-7  # of the differences, over the size of the motion
+
+
+def end(drive, state, duration):
+    """State after a time [s], in balls; None where the law of motion does not determine it."""
+    truth = simulate(drive.model_dump(), *state, duration)
+    return truth.state if truth.end == "time" else None
+
+
+def of_a_period(drive, cycle):
+    """Return relative errors of the period and of closure, and the multiplier; None where nothing determines them."""
+    orbit, T = cycle.orbit, cycle.period
+    _, _, _, durations = orbit.arcs()
+    slips = ~np.isin(orbit.automaton.codes[orbit.arcs()[0]], orbit.automaton.rest_codes)
+    arc = int(np.argmax(durations * slips))
+    begins = np.concatenate([[0.0], orbit.time])[arc]
+    place = orbit.at([begins + 0.5 * durations[arc]])[0][0]
+    size = np.maximum(np.abs(orbit.after).max(axis=0), np.abs(place))
+    precision, ctx.prec = ctx.prec, PRECISION
+    try:
+        here = [arb(x) for x in place]
+        back = end(drive, here, T)
+        columns = []
+        for k in range(2):
+            step = arb(BESIDE * size[k])
+            ends = [end(drive, [x + sign * step * (j == k) for j, x in enumerate(here)], T) for sign in (1, -1)]
+            if back is None or None in ends:
+                return None
+            columns.append([float((a - b) / (2 * step)) for a, b in zip(*ends, strict=True)])
+        gap = np.array([float(a - b) for a, b in zip(back, here, strict=True)])
+        soon = end(drive, here, 1e-9)
+        rate = np.array([float((a - b) / arb(1e-9)) for a, b in zip(soon, here, strict=True)])
+    finally:
+        ctx.prec = precision
+    late = abs(gap / size @ (rate / size)) / np.sum((rate / size) ** 2)
+    return late / T, np.abs(gap / size).max(), columns[0][0] + columns[1][1] - 1
+
+
+def jams(drive, orbit):
+    edges = [float(edge) for edge in LawDrive(drive.model_dump()).jams]
+    speeds = np.abs(orbit.before[orbit.kind == Event.SEIZURE, 1] + drive.input_speed)
+    return any(abs(speed - edge) <= 1e-7 * edge for speed in speeds for edge in edges)
+
+
+def agrees(drive, cycle):
+    """Assert that a cycle agrees with the reference; return whether that determines it."""
+    found = of_a_period(drive, cycle)
+    if found is None:
+        return False
+    late, gap, multiplier = found
+    assert late <= 1e-13, drive
+    assert gap <= 1e-13, drive
+    # Before Γ₊ = 0 the acceleration grows to 1e8 of its size, and what rounding does to derivatives with it.
+    assert abs(cycle.multiplier - multiplier) <= (1e-4 if jams(drive, cycle.orbit) else 2e-9), (drive, multiplier)
+    return True
+
+
+@pytest.mark.parametrize(("slope", "rise"), [(0.2, 0.016), (1.0, 0.087), (4.0, 0.284)])
+@pytest.mark.parametrize("speed", [8.0, -8.0])
+def test_cycles_of_pure_slip(speed, slope, rise):
+    """Steady sliding where friction falls most steeply; at both ends of the vibration friction grows with the speed."""
+    sliding = lsvib.Drive().pitch_radius * abs(speed) / math.cos(lsvib.Drive().lead_angle)
+    drive = lsvib.Drive.of(
+        friction_coefficient=0.1, stribeck_exponent=2, friction_slope=slope, stribeck_rise=rise,
+        stribeck_speed=math.sqrt(2) * sliding, input_speed=speed, axial_force=math.copysign(60.0, speed),
+        support_damping=2e-5, translation_damping=20.0,
+    )  # fmt: skip
+    cycle = steady_state(rigid_automaton(drive), [1e-3, 0.1 * speed])
+    assert cycle.label == Attractor.OTHER_CYCLE
+    assert 0.01 < cycle.multiplier < 1
+    assert set(cycle.orbit.kind) == {Event.PASSAGE}
+    assert agrees(drive, cycle)
+
+
+def agreeing(seeds):
+    """Return how many cycles of random drives agree, and how many of them have a multiplier that is not zero."""
+    compared, moving = 0, 0
+    for drive, start in random_starts(seeds):
+        cycle = steady_state(rigid_automaton(drive), start)
+        if cycle.orbit is not None and agrees(drive, cycle):
+            compared, moving = compared + 1, moving + (abs(cycle.multiplier) > 1e-6)
+    return compared, moving
+
+
+def test_cycles_of_random_drives():
+    compared, moving = agreeing(range(10))
+    assert compared >= 4
+    assert moving >= 2
+
+
+@pytest.mark.slow
+def test_cycles_of_many_random_drives():
+    compared, moving = agreeing(range(10, 60))
+    assert compared >= 14
+    assert moving >= 4
+
+
+def test_what_rounding_makes_is_no_cycle():
+    """Undamped, slip next to steady sliding gains 1e-7 a turn: its return map changes sign by rounding alone."""
+    found = lsvib.Drive(support_damping=0, stribeck_rise=0.05, stribeck_speed=0.0115).cycles()
+    assert [cycle.label.name for cycle in found.cycles] == ["STICK_SLIP_CYCLE"]
+
+
+def test_none_found_is_not_said_of_a_drive_that_cannot_be_followed():
+    drive = threads_drive(stribeck_rise=0.05, stribeck_speed=0.02, input_speed=5, axial_force=50)
+    with pytest.raises(EngineError, match=r"motions from all 8 starts are unresolved .* contact_damping smaller"):
+        drive.cycles()
+
+
+@pytest.mark.slow
+def test_a_drive_whose_rates_lie_too_far_apart_is_refused_in_seconds():
+    """One search of it would take 10¹³ steps."""
+    with pytest.raises(EngineError, match=r"all 8 starts are unresolved .*work budget exhausted"):
+        lsvib.Drive(translation_damping=1e15, friction_slope=-1e-5).cycles()
