@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 
 from lsvib.datasets.checks import Check, counts, failures, printed, printed_thresholds, report
 from lsvib.errors import InputError
-from lsvib.models.chapter import PRINTED, THRESHOLDS
+from lsvib.models.chapter import THRESHOLDS, claims
+from lsvib.models.chapter import printed as stated
 
 
 def within(computed: float, tolerance: float = 0.02) -> Check:
@@ -32,6 +33,7 @@ def test_what_is_not_finite_never_passes(computed):
     check = within(computed, tolerance=1e300)
     assert not check.passed
     assert "is NOT <=" in check.sentence()
+    assert not Check.of("fig8_12.axial_balance", [1.0, computed, 1.0], expected=1.0).passed
 
 
 @pytest.mark.parametrize(("expected", "tolerance"), [(0.0, 0.1), (math.nan, 0.1), (1.0, 0.0), (1.0, math.nan)])
@@ -48,8 +50,7 @@ def test_json_round_trip(computed, tolerance):
 
 
 def test_the_end_of_a_run_says_printed_thresholds_beside_computed_ones():
-    claim = THRESHOLDS["onset_force"]
-    check = Check.within("onset", claim.source, claim.value, 20.2066, claim.tolerance, claim.unit)
+    check = Check.of("fig8_06.onset_force", 20.2066)
     other = Check.holds("another claim", "Fig. 8.6", "yes", True)
     (line,) = printed_thresholds([("fig8_06", check), ("fig8_06", other)])
     words = ["onset", "force", "printed", "20", "N", "computed", "20.2066", "N", "error", "1", "%", "fig8_06"]
@@ -72,11 +73,11 @@ def test_a_failure_says_what_was_expected():
     assert second == "fig8_06: claim: NOT true (no) [Fig. 8.6]."
 
 
-MASS = THRESHOLDS["critical_mass"]
+MASS = claims()["fig8_08.critical_mass"]
 CHECKS = [
     ("fig8_07", Check.holds("mean of |N|\ngrows & <grows>", "Fig. 8.12", "2 of 3", False)),
     ("fig8_08", Check.holds("Two eigenvalues meet", "Fig. 8.8", "9.9 kg", True)),
-    ("fig8_08", Check.within("Critical mass", MASS.source, MASS.value, 10.107, MASS.tolerance, "kg")),
+    ("fig8_08", Check.of(MASS.id, 10.107)),
     ("fig8_07", Check.within("A number of our own", "Sect. 8.7", 3.0, 3.001, 0.01, "1")),
 ]
 
@@ -90,11 +91,11 @@ def rows_of(page: str) -> list[tuple[dict[str, str], list[str]]]:
 
 
 def test_every_number_that_the_chapter_prints_is_known_and_the_thresholds_are_first():
-    assert len({(claim.source, claim.value) for claim in PRINTED}) == len(PRINTED) == 11
-    assert PRINTED[:5] == tuple(THRESHOLDS.values())
-    checks = [("a", Check.within("x", claim.source, claim.value, 1.0, 0.1, claim.unit)) for claim in reversed(PRINTED)]
-    found = [check.expected for _, check in printed([*CHECKS[:2], *checks])]
-    assert found == [claim.value for claim in PRINTED]
+    names = [claim.id for claim in stated()]
+    assert len({(claims()[name].source, claims()[name].value) for name in names}) == len(names) == 11
+    assert names[:5] == [*THRESHOLDS.values()]
+    checks = [("a", Check.of(name, 1.0)) for name in reversed(names)]
+    assert [check.id for _, check in printed([*CHECKS[:2], *checks])] == names
 
 
 def test_the_text_has_printed_numbers_first_and_then_a_line_for_each_check_by_figure():
@@ -104,7 +105,7 @@ def test_the_text_has_printed_numbers_first_and_then_a_line_for_each_check_by_fi
     bars = [[k for k, letter in enumerate(line) if letter == "|"][:-1] for line in (head, rule, row)]
     assert bars[0] == bars[1] == bars[2]
     assert [cell.strip() for cell in row.strip("|").split("|")] == [
-        *("10.1 kg", "10.107 kg", "0.069 %", "0.83 %", "pass", "fig8_08", "Critical mass")
+        *("10.1 kg", "10.107 kg", "0.069 %", "0.83 %", "pass", "fig8_08", MASS.claim)
     ]
     assert re.findall("^## (.*)$", text, re.MULTILINE) == [
         *("Printed by the chapter", "fig8_07: 1 of 2 passed", "fig8_08: 2 of 2 passed")
@@ -118,7 +119,7 @@ def test_the_text_has_printed_numbers_first_and_then_a_line_for_each_check_by_fi
 
 
 def test_the_table_of_a_report_is_restructured_text_without_a_complaint():
-    claim = Check.within("|a_b_|*", MASS.source, MASS.value, 10.107, MASS.tolerance, "kg")
+    claim = Check.within("|a_b_|*", MASS.source, MASS.value, 10.107, MASS.tolerance, "kg", id=MASS.id)
     for checks in ([*CHECKS, ("fig8_08", claim)], CHECKS[:1]):
         complaints = io.StringIO()
         settings = {"warning_stream": complaints, "report_level": 1}
@@ -129,7 +130,7 @@ def test_the_table_of_a_report_is_restructured_text_without_a_complaint():
 
 def test_the_page_has_every_check_with_what_the_filter_asks_for():
     rows = rows_of(report("html", CHECKS))
-    assert [cells[0] for _, cells in rows[:2]] == ["number", f"Critical mass{MASS.source}"]
+    assert [cells[0] for _, cells in rows[:2]] == ["number", f"{MASS.claim}{MASS.source}"]
     every = [(given, cells) for given, cells in rows if "data-figure" in given]
     assert [(given["data-figure"], given["data-passed"]) for given, _ in every] == [
         ("fig8_07", "no"),

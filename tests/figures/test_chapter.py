@@ -7,16 +7,17 @@ from pathlib import Path
 
 import pytest
 import yaml
-from references.figure_checks import LIST, entries
 
 from lsvib.datasets.checks import report
 from lsvib.datasets.statements import counted, read_statements
-from lsvib.figures.configuration import default_figures
+from lsvib.models.chapter import FILE, listed
 from lsvib.models.drive import Drive
 
 ROOT = Path(__file__).parents[2]
 CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
-KEYS = {"at", "says", "value", "unit", "figure", "check", "input", "reason", "contradicted"}
+OURS = {"id", "source", "claim", "value", "unit", "tolerance", "deviation", "reason"}
+KEYS = OURS | {"drive", "figure", "check", "input", "unchecked", "contradicted"}
+ENTRIES = listed()["entries"]
 
 
 def numbers_in(places: list[str], word: str) -> set[int]:
@@ -26,29 +27,30 @@ def numbers_in(places: list[str], word: str) -> set[int]:
 
 
 def test_every_entry_is_whole():
-    for entry in entries():
+    for entry in ENTRIES:
         assert entry.keys() <= KEYS, entry
-        assert {"at", "says"} <= entry.keys(), entry
-        verdicts = [key for key in ("check", "input", "reason", "contradicted") if key in entry]
-        assert len(verdicts) == 1 or verdicts == ["check", "contradicted"], entry
-        assert ("check" in entry) == ("figure" in entry), entry
-        assert ("value" in entry) == ("unit" in entry), entry
+        assert {"source", "claim"} <= entry.keys(), entry
+        verdicts = [key for key in ("id", "check", "input", "unchecked", "contradicted") if key in entry]
+        assert len(verdicts) == 1 or verdicts in (["id", "contradicted"], ["check", "contradicted"]), entry
         assert "value" in entry or "input" not in entry, entry
-        assert entry.get("figure", default_figures()[0]) in default_figures(), entry
-    said = [(entry["at"], entry["says"]) for entry in entries()]
-    assert len(said) == len(set(said))
+        assert ("value" in entry and "id" in entry) == ("reason" in entry), entry
+        assert verdicts == ["id"] or "{" not in entry["claim"], entry  # only a check fills that in
+    assert all({"id", "source", "claim"} <= entry.keys() <= OURS for entry in listed()["ours"])
+    said = [(entry["source"], entry["claim"]) for part in listed().values() for entry in part]
+    names = [entry["id"] for part in listed().values() for entry in part if "id" in entry]
+    assert (len(said), len(names)) == (len(set(said)), len(set(names)))
 
 
 @pytest.mark.parametrize(
     ("word", "last"), [("eq\\.?", 33), ("Fig\\.", 15), ("Sect\\.", 9), ("Remark", 6), ("Lemma", 2), ("Table", 1)]
 )
 def test_nothing_that_is_numbered_is_left_out(word, last):
-    places = [part for entry in entries() for part in re.split(r", (?=[A-Za-z])", entry["at"])]
+    places = [part for entry in ENTRIES for part in re.split(r", (?=[A-Za-z])", entry["source"])]
     found = numbers_in(places, word)
     assert found == set(range(1, last + 1))
 
 
-@pytest.mark.parametrize("entry", [e for e in entries() if "input" in e], ids=lambda e: f"{e['at']}, {e['says']}")
+@pytest.mark.parametrize("entry", [e for e in ENTRIES if "input" in e], ids=lambda e: f"{e['source']}, {e['claim']}")
 def test_printed_inputs_are_those_that_are_used(entry):
     head, *path = entry["input"].split(".")
     if head == "drive":
@@ -63,31 +65,31 @@ def test_printed_inputs_are_those_that_are_used(entry):
 
 
 def test_reasons_name_files_that_exist():
-    for entry in entries():
-        for name in re.findall(r"(?:docs|tests)/[\w/]+\.(?:md|py)", entry.get("reason", "")):
+    for entry in ENTRIES:
+        for name in re.findall(r"(?:docs|tests)/[\w/]+\.(?:md|py)", entry.get("unchecked", "")):
             assert (ROOT / name).exists(), entry
 
 
 def test_a_contradicted_entry_counts_as_nothing_else():
-    statements = read_statements(LIST)
-    assert sum(map(len, statements.values())) == len(entries())
+    statements = read_statements(FILE)
+    assert sum(map(len, statements.values())) == len(ENTRIES)
     assert all("contradicted" in entry for entry in statements["contradicted"])
-    assert not any("contradicted" in entry for verdict in ("check", "input", "reason") for entry in statements[verdict])
+    assert not any("contradicted" in entry for verdict in ("id", "input", "unchecked") for entry in statements[verdict])
     assert {verdict: len(found) for verdict, found in statements.items()} == {
-        "contradicted": sum("contradicted" in entry for entry in entries()),
-        "check": sum("check" in entry and "contradicted" not in entry for entry in entries()),
-        **{verdict: sum(verdict in entry for entry in entries()) for verdict in ("input", "reason")},
+        "contradicted": sum("contradicted" in entry for entry in ENTRIES),
+        "id": sum(entry.keys().isdisjoint({"contradicted", "input", "unchecked"}) for entry in ENTRIES),
+        **{verdict: sum(verdict in entry for entry in ENTRIES) for verdict in ("input", "unchecked")},
     }
 
 
 @pytest.mark.parametrize("page", ["README.md", "docs/physics.md"])
 def test_pages_count_as_the_list_does(page):
-    assert counted(read_statements(LIST)) in " ".join((ROOT / page).read_text(encoding="utf-8").split())
+    assert counted(read_statements(FILE)) in " ".join((ROOT / page).read_text(encoding="utf-8").split())
 
 
 def test_the_report_has_the_counts_and_the_contradictions():
     """Without the list, as for the figures of accuracy, it says nothing of the chapter's statements."""
-    statements = read_statements(LIST)
+    statements = read_statements(FILE)
     pages = [report(form, [], statements) for form in ("md", "html", "rst")]
     assert all(counted(statements) in html.unescape(page) for page in pages)
     for entry in statements["contradicted"]:

@@ -1,7 +1,7 @@
-"""The datasets of the figures on draft settings, ways to spoil them, pictures, and the chapter's list."""
+"""The datasets of the figures on draft settings, ways to spoil them, and pictures."""
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
@@ -77,26 +77,3 @@ def assert_drawn_from_file(figure: str, dataset: xr.Dataset, path: Path) -> None
         assert box.y1 <= page.y1
     names = [text.get_text() for legend in legends for text in legend.get_texts()]
     assert len(names) == len(set(names))
-
-
-LIST = Path(__file__).parents[2] / "config" / "chapter.yaml"
-
-
-@cache
-def entries() -> list[dict]:
-    return yaml.safe_load(LIST.read_text(encoding="utf-8"))["entries"]
-
-
-def assert_listed_checks_exist(figure: str, checks: Iterable[Check]) -> None:
-    """The words of each entry of a figure name exactly one of its checks, which expects the printed number, if any."""
-    for entry in entries():
-        if entry.get("figure") == figure:
-            named = [check for check in checks if entry["check"] in check.claim]
-            assert len(named) == 1, entry
-            if "value" in entry:
-                assert (named[0].expected, named[0].unit.replace("/", " ")) == (entry["value"], _slash(entry["unit"]))
-
-
-def _slash(unit: str) -> str:
-    """Checks write N m s/rad where the list writes N m s rad-1."""
-    return unit.replace("rad-1", "rad").replace(" s-1", " s")

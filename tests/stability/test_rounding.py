@@ -39,7 +39,7 @@ SUPPORT = {**chapter.PARTS["support"], "screw_mass": 11.6}
 def test_the_printed_thresholds_are_allowed_what_rounding_explains(name):
     """But for those that it does not explain, which have 2 % and 1 %."""
     own, threshold, unknown, page = PRINTED[name]
-    claim = chapter.THRESHOLDS[name]
+    claim = chapter.claims()[chapter.THRESHOLDS[name]]
     found = solve_threshold(Drive.of(claim.drive, **SUPPORT if "screw_mass" in claim.drive else {}), threshold, unknown)
     solution = found.solutions[0]
     change = solution.change({key: step for key, step in HALF_UNITS.items() if key != unknown})
@@ -55,8 +55,8 @@ def test_the_printed_thresholds_are_allowed_what_rounding_explains(name):
 
 
 def test_one_damping_gives_both_forces_but_not_the_printed_effective_damping():
-    drive, half = Drive.of(chapter.THRESHOLDS["stick_force"].drive), HALF_UNITS["support_damping"]
-    printed = chapter.THRESHOLDS["stick_force"].value
+    drive, half = Drive.of(chapter.claims()[chapter.THRESHOLDS["stick_force"]].drive), HALF_UNITS["support_damping"]
+    printed = chapter.claims()[chapter.THRESHOLDS["stick_force"]].value
 
     def smaller(damping: float) -> bool:
         return threshold_force(drive.replace(support_damping=damping), "stick") < printed
@@ -65,6 +65,6 @@ def test_one_damping_gives_both_forces_but_not_the_printed_effective_damping():
     damping = bisected(lambda c: smaller(c) == smaller(high), low, high)
     other = drive.replace(support_damping=damping)
     assert round(damping, 6) == 1.88e-4
-    assert abs(threshold_force(other, "detach") - chapter.THRESHOLDS["detach_force"].value) <= 0.05
-    claim = chapter.EFFECTIVE_DAMPING[1]
+    assert abs(threshold_force(other, "detach") - chapter.claims()[chapter.THRESHOLDS["detach_force"]].value) <= 0.05
+    claim = chapter.claims()["fig8_06.damping_plus"]
     assert abs(float(coefficients(other).damping[1]) / claim.value - 1) > claim.tolerance

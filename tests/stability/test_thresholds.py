@@ -1,7 +1,7 @@
 """The numbers that the chapter prints, each within its tolerance of the print, and thresholds by name.
 
 One test marked ``threshold`` for each printed number. Tolerances of the print are those of its claim in
-``lsvib.models.chapter``, half a unit of the last digit where two digits are printed. The reference values are those of
+``config/chapter.yaml``, half a unit of the last digit where two digits are printed. The reference values are those of
 ``references/threshold_digits.py``, with 40 digits and without the library: closed forms for m_cr (eq. 8.20), μ_kc (eqs
 8.27, 8.28), onset (eqs 8.15, 8.19) and detachment; for the first touch of rest the fixed point of the return map of
 slip without rest.
@@ -72,7 +72,7 @@ def test_threshold_is_the_chapters_and_exact(name):
     drive, threshold, unknown = ASKED.get(name, (NEGATIVE_DAMPING, name.removesuffix("_force"), "axial_force"))
     found = solve_threshold(drive, threshold, unknown)
     assert found.printed.value == printed
-    assert abs(found.value - printed) <= chapter.THRESHOLDS[name].tolerance * printed
+    assert abs(found.value - printed) <= chapter.claims()[chapter.THRESHOLDS[name]].tolerance * printed
     assert found.printed.passed
     low, high = found.enclosure
     assert high <= math.nextafter(low, math.inf)
@@ -80,12 +80,14 @@ def test_threshold_is_the_chapters_and_exact(name):
 
 
 def test_what_the_checks_take_for_printed_is_what_stands_here():
-    assert {name: claim.value for name, claim in chapter.THRESHOLDS.items()} == {k: v for k, (v, _) in PRINTED.items()}
-    assert chapter.PEAK_FORCE.value == PEAK_FORCE
-    for table, claimed in ((DAMPINGS, chapter.EFFECTIVE_DAMPING), (INERTIAS, chapter.EFFECTIVE_INERTIA)):
-        assert {law: claim.value for law, claim in claimed.items()} == {law: value for law, value, _ in table}
+    claims = chapter.claims()
+    assert {k: claims[id].value for k, id in chapter.THRESHOLDS.items()} == {k: v for k, (v, _) in PRINTED.items()}
+    assert claims["fig8_10.peak_force"].value == PEAK_FORCE
+    for kind, table in (("damping", DAMPINGS), ("inertia", INERTIAS)):
         for law, value, digit in table:
-            assert claimed[law].tolerance == pytest.approx(0.5 * digit / abs(value), rel=1e-12)
+            claim = claims[f"fig8_06.{kind}_{'plus' if law > 0 else 'minus'}"]
+            assert claim.value == value
+            assert claim.tolerance == pytest.approx(0.5 * digit / abs(value), rel=1e-12)
 
 
 @pytest.mark.threshold

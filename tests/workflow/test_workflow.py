@@ -125,6 +125,11 @@ def test_a_changed_parameter_reruns_its_figure_only(built):
     assert built.plan() == ANEW
 
 
+def test_a_changed_claim_reruns_the_figure_that_names_it(built):
+    built.edit("src/lsvib/models/chapter.yaml", "Below m_cr both eigenvalues", "Below m_cr the two eigenvalues")
+    assert built.plan() == ANEW - {"Analysing the drives of fig8_08"}
+
+
 @pytest.mark.slow
 def test_a_draft_of_all_figures_is_a_few_processes(fresh):
     """Each with several figures; the target ``accuracy`` of a draft has its own jobs."""
@@ -207,7 +212,7 @@ def test_both_snakefiles_are_one_workflow(built):
 
 @pytest.mark.slow
 def test_a_failed_check_fails_the_run_with_the_reason(fresh):
-    fresh.edit("src/lsvib/models/chapter.py", "10.10", "20.0")
+    fresh.edit("src/lsvib/models/chapter.yaml", "value: 10.10", "value: 20.0")
     run = fresh()
     assert run.returncode == 1
     results = fresh.folder / "results"

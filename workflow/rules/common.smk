@@ -14,6 +14,7 @@ import grimp
 import yaml
 from lsvib.datasets.checks import counts, failures, printed_thresholds, read_checks, verdict
 from lsvib.errors import LsvibError
+from lsvib.models.chapter import listed
 from lsvib.models.drive import DRY, PART_OF
 from lsvib.models.friction import OF_SPEED
 from lsvib.models.scene import read_yaml
@@ -147,6 +148,19 @@ def sources(kind):
 def parts(wildcards):
     """Return the files of the parts of a figure that have rules of their own, by name: its analysis and its maps."""
     return {name: f"results/{name}/{wildcards.figure}.nc" for name in PARTS if wildcards.figure in figures_with(name)}
+
+
+@cache
+def claims_in(files):
+    """Return a digest of the claims whose ids stand in some source files: a parameter of the rules that judge them."""
+    text = "".join(Path(file).read_text(encoding="utf-8") for file in files)
+    named = [entry for part in listed().values() for entry in part if "id" in entry and f'"{entry["id"]}"' in text]
+    return hashlib.sha256(json.dumps(named).encode()).hexdigest()[:16]
+
+
+def claims(wildcards):
+    """Return the digest of the claims that a figure checks."""
+    return claims_in(tuple(figure_sources("datasets", wildcards.figure)))
 
 
 def part_sources(module):

@@ -27,6 +27,7 @@ for number, figures in enumerate([FIGURES[k::BATCHES] for k in range(BATCHES)]):
         params:
             code=code(jobs.draft),
             settings={figure: given(config, figure) for figure in figures},
+            claims=[claims_in(tuple(figure_sources("datasets", figure))) for figure in figures],
         message:
             f"Computing and drawing {', '.join(figures)}"
         run:

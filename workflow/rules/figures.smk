@@ -79,6 +79,7 @@ rule dataset:
     params:
         code=code(jobs.dataset),
         settings=settings,
+        claims=claims,
     message:
         "Computing {wildcards.figure}"
     run:

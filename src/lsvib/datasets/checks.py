@@ -8,7 +8,7 @@ import math
 import os
 import re
 import textwrap
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal, Self
@@ -17,19 +17,20 @@ import numpy as np
 
 from lsvib.datasets.statements import Statements, counted
 from lsvib.errors import InputError
-from lsvib.models.chapter import PRINTED, THRESHOLDS, Claim
+from lsvib.models import chapter
+from lsvib.models.chapter import claims
 
 NamedChecks = Sequence[tuple[str, "Check"]]  # pairs (figure, check)
 
 
 @dataclass(frozen=True)
 class Check:
-    """One claim of the chapter and what was computed; make it with :meth:`within` or :meth:`holds`.
+    """One claim of the chapter and what was computed; make it with :meth:`of`.
 
     ``claim`` is a sentence, ``source`` says where the chapter makes it, ``error`` is the relative error [1],
     ``tolerance`` the largest relative error allowed [1] and ``tolerance_reason`` why; ``expected`` and ``computed`` are
     numbers in ``unit``. For a claim that holds or does not, ``expected`` is ``"true"``, ``computed`` says what was
-    found, ``unit``, ``error`` and ``tolerance`` are None.
+    found, ``unit``, ``error`` and ``tolerance`` are None. ``id``: that of the claim in ``config/chapter.yaml``, if any.
     """
 
     claim: str
@@ -41,6 +42,7 @@ class Check:
     tolerance_reason: str
     unit: str | None
     passed: bool
+    id: str = ""
 
     @classmethod
     def within(
@@ -52,6 +54,7 @@ class Check:
         tolerance: float,
         unit: str,
         tolerance_reason: str = "printed with ≈",
+        id: str = "",
     ) -> Self:
         """Check that |computed − expected| ≤ tolerance · |expected|; a ``computed`` that is not finite never passes.
 
@@ -60,41 +63,57 @@ class Check:
         """
         expected, computed, tolerance = float(expected), float(computed), float(tolerance)
         if not math.isfinite(expected) or expected == 0:
-            raise InputError(
-                f"expected = {expected:g} has no relative error; state the claim {claim!r} with Check.holds."
-            )
+            raise InputError(f"expected = {expected:g} has no relative error; check {claim!r} in words.")
         if not tolerance > 0:
             raise InputError(f"tolerance = {tolerance:g} is outside the allowed range 0 < tolerance.")
         error = abs(computed - expected) / abs(expected)
-        return cls(claim, source, expected, computed, error, tolerance, tolerance_reason, unit, error <= tolerance)
+        return cls(claim, source, expected, computed, error, tolerance, tolerance_reason, unit, error <= tolerance, id)
 
     @classmethod
-    def printed(cls, words: str, claim: Claim, computed: float) -> Self:
-        """Check that ``computed``, in the unit of a number that the chapter prints, agrees with it to its tolerance."""
-        return cls.within(words, claim.source, claim.value, float(computed), claim.tolerance, claim.unit, claim.reason)
-
-    @classmethod
-    def exact(cls, claim: str, source: str, expected: float, computed: Any, unit: str = "1") -> Self:
-        """Check as :meth:`within` that numbers, of which the worst counts, are exact but for rounding, to 1e-12."""
-        worst = max(np.ravel(computed), key=lambda value: abs(value - expected))
-        return cls.within(claim, source, expected, worst, 1e-12, unit, "both exact; rounding only")
-
-    @classmethod
-    def holds(cls, claim: str, source: str, computed: str, truth: bool) -> Self:
+    def holds(cls, claim: str, source: str, computed: str, truth: bool, id: str = "") -> Self:
         """Check that a claim holds: ``truth`` decides, ``computed`` says in words or numbers what was found."""
-        return cls(claim, source, "true", computed, None, None, "", None, bool(truth))
+        return cls(claim, source, "true", computed, None, None, "", None, bool(truth), id)
 
     @classmethod
-    def everywhere(cls, claim: str, source: str, where: Any, of: str = "") -> Self:
+    def of(
+        cls,
+        id: str,
+        computed: Any,
+        truth: Any = None,
+        *,
+        expected: float | None = None,
+        tolerance: float | None = None,
+        note: str = "",
+        **left_open: Any,
+    ) -> Self:
+        """Check the claim that has this id in ``config/chapter.yaml``, where its words, source and tolerance are.
+
+        Either ``computed`` says in words what was found, and ``truth`` decides; or it is a number, or several of which
+        the worst counts, to compare with the one that the chapter prints, or else with what is ``expected``, where a
+        ``tolerance`` may depend on what was computed, too. ``left_open``: what words and source leave open, by the name
+        in braces; ``note``: what is special about this check, to follow its claim.
+        """
+        said = claims()[id]
+        claim, source = (words.format(**left_open) for words in (said.claim, said.source))
+        claim += note and f", {note}"
+        if truth is not None:
+            return cls.holds(claim, source, computed, truth, id)
+        aim = float(said.value if expected is None else expected)  # type: ignore[arg-type]
+        worst = np.ravel(computed)[np.argmax(np.abs(np.ravel(computed) - aim))]  # NaN is worse than any
+        allowed = said.tolerance if tolerance is None else tolerance
+        return cls.within(claim, source, aim, worst, allowed, said.unit, said.reason, id)
+
+    @classmethod
+    def everywhere(cls, id: str, where: Any, of: str = "") -> Self:
         """Check that a claim holds in all cases of a Boolean array, at least one; ``of`` says what they are."""
         words = f"{int(where.sum())} of {where.size}{of and f' {of}'}"
-        return cls.holds(claim, source, words, where.size > 0 and where.all())
+        return cls.of(id, words, where.size > 0 and where.all())
 
     @classmethod
-    def without_exception(cls, claim: str, source: str, exceptions: Any, compared: Any, of: str = "points") -> Self:
+    def without_exception(cls, id: str, exceptions: Any, compared: Any, of: str = "points") -> Self:
         """Check that a claim holds in all of the cases ``compared``, at least one; ``of`` says what they are."""
         words = f"{int(exceptions)} exceptions among {int(compared)} {of}"
-        return cls.holds(claim, source, words, exceptions == 0 and compared > 0)
+        return cls.of(id, words, exceptions == 0 and compared > 0)
 
     def to_json(self) -> dict[str, Any]:
         """Return plain values for JSON; numbers that are not finite become text, because JSON has none."""
@@ -149,8 +168,8 @@ def failures(checks: NamedChecks) -> list[str]:
 def printed_thresholds(checks: NamedChecks) -> list[str]:
     """Return a line for each threshold that the chapter prints, as far as it is among the checks: printed, computed."""
     lines = []
-    for name, claim in THRESHOLDS.items():
-        for figure, check in printed(checks, [claim]):
+    for name, id in chapter.THRESHOLDS.items():
+        for figure, check in ((figure, check) for figure, check in checks if check.id == id):
             words = f"{name.replace('_', ' '):18} printed {quantity(check.expected, check.unit):8}"
             computed = f"computed {quantity(check.computed, check.unit):10}"
             lines.append(f"{words} {computed} error {percent(check.error):8} {figure}")
@@ -183,14 +202,9 @@ def text(value: float | str | None) -> str:
     return f"{value:.6g}" if isinstance(value, float) else value
 
 
-def printed(checks: NamedChecks, claims: Iterable[Claim] = PRINTED) -> list[tuple[str, Check]]:
-    """Return those of some checks whose number the chapter prints, in its order."""
-    return [
-        pair
-        for claim in claims
-        for pair in checks
-        if pair[1].source == claim.source and pair[1].expected == claim.value
-    ]
+def printed(checks: NamedChecks) -> list[tuple[str, Check]]:
+    """Return those of some checks whose number the chapter prints, the thresholds first."""
+    return [pair for claim in chapter.printed() for pair in checks if pair[1].id == claim.id]
 
 
 def report(form: Literal["md", "rst", "html"], checks: NamedChecks, statements: Statements | None = None) -> str:

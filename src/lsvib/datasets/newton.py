@@ -72,19 +72,13 @@ def laws_check(motions: xr.Dataset, source: str, what: str = "motion") -> Check:
     many = {dim: size for dim, size in needed.sizes.items() if dim != "sample"}
     places = [dict(zip(many, index, strict=True)) for index in np.ndindex(*many.values())]
     worst = np.max([residual(needed.isel(place)) for place in places])
-    return Check.holds(
-        f"Newton's laws of screw and nut hold along each {what}, and give its contact force, to {TOLERANCE:g}",
-        f"eqs 8.1, 8.3, 8.6, 8.13, 8.16, 8.17, {source}",
-        f"largest residual {worst:.1e} of {len(places)}",
-        worst <= TOLERANCE,
-    )
+    found = f"largest residual {worst:.1e} of {len(places)}"
+    return Check.of("newton.laws", found, worst <= TOLERANCE, what=what, limit=TOLERANCE, place=source)
 
 
 def touching_check(drive: xr.Dataset, law: int, force: Any, words: str) -> Check:
     """Check that a threshold of the axial force [N] is :func:`touching_force` of a drive; ``words``: its name."""
-    claim = f"{words}: of Newton's laws, with which the slip from the end of rest touches N = 0"
-    theirs = touching_force(parameters(drive), law)
-    return Check.within(claim, "eq. 8.3", theirs, float(force), 1e-6, "N", "a motion in 4000 samples a turn")
+    return Check.of("newton.touching", float(force), expected=touching_force(parameters(drive), law), force=words)
 
 
 def parameters(dataset: xr.Dataset) -> dict[str, float]:

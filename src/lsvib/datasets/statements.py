@@ -11,17 +11,17 @@ from lsvib.models.scene import read_yaml
 Statements = dict[str, list[dict[str, Any]]]
 _VERDICTS = {  # the first that an entry has is its own: a check may hold the evidence of a contradiction
     "contradicted": "contradicted by the chapter's own equations",
-    "check": "checked",
+    "id": "checked",
     "input": "inputs",
-    "reason": "not checked, each with the reason",
+    "unchecked": "not checked, each with the reason",
 }
 
 
 def read_statements(path: str | os.PathLike[str]) -> Statements:
-    """Read the list and return its entries by verdict: ``contradicted``, ``check``, ``input``, ``reason``."""
+    """Read the list and return its entries by verdict: ``contradicted``, ``id`` (checked), ``input``, ``unchecked``."""
     statements: Statements = {verdict: [] for verdict in _VERDICTS}
     for entry in read_yaml(str(path))["entries"]:
-        statements[next(verdict for verdict in _VERDICTS if verdict in entry)].append(entry)
+        statements[next((verdict for verdict in _VERDICTS if verdict in entry), "id")].append(entry)
     return statements
 
 
@@ -32,5 +32,5 @@ def counted(statements: Statements) -> str:
         found = Counter("numbers" if "value" in entry else "claims" for entry in entries)
         return " and ".join(f"{found[kind]} {kind}" for kind in ("numbers", "claims") if found[kind])
 
-    *parts, last = (f"{both(statements[v])} are {_VERDICTS[v]}" for v in ("input", "check", "contradicted", "reason"))
+    *parts, last = (f"{both(statements[v])} are {_VERDICTS[v]}" for v in ("input", "id", "contradicted", "unchecked"))
     return f"Of the chapter's {both(chain(*statements.values()))}, {', '.join(parts)}, and {last}."

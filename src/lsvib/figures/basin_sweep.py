@@ -200,34 +200,24 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     return [
         *_global_stability_checks(dataset),
         newton.touching_check(dataset, -1, dataset.global_stability_force, "Force of global stability"),
-        Check.holds(
-            "The basin can be quite small: less than 1 % of the window at the force of Fig. 8.14b",
-            "Sect. 8.7",
-            f"{100 * reading[1, 1]:.6g} %",
-            0 < reading[1, 1] < 0.01,
-        ),
-        Check.holds(
-            "Steady sliding is locally stable and yet lost after a large perturbation: above the threshold force it "
-            "attracts an area that is neither none nor infinite",
-            "beginning of chapter 8, Sect. 8.7",
+        Check.of("basin_sweep.small", f"{100 * reading[1, 1]:.6g} %", 0 < reading[1, 1] < 0.01),
+        Check.of(
+            "basin_sweep.local",
             f"from {area.min():.3g} to {area.max():.3g} rad2/s over {area.size} forces",
             area.size > 0 and area.min() > 0 and np.isfinite(area).all(),
         ),
-        Check.holds(
-            "As printed steady sliding attracts the whole window at both forces of Fig. 8.14, beyond m_cr at (a) alone",
-            "Sect. 8.7, Fig. 8.14",
+        Check.of(
+            "basin_sweep.readings",
             f"fractions {', '.join(f'{x:.6g}' for x in reading.ravel())}",
             (reading[0] == 1).all() and reading[1, 0] == 1 > reading[1, 1],
         ),
-        Check.holds(
-            "Where a motion that touches N = 0 bounds the basin, its area grows with the square of the force, to 1e-12",
-            "slip does not depend on R, so lengths are in proportion to it",
+        Check.of(
+            "basin_sweep.square",
             f"relative spread of area / R^2 over {touching.sum()} forces {scaled:.1e}",
             scaled < 1e-12 and touching.sum() > 1,
         ),
-        Check.holds(
-            "The fraction counted on grids of starts tends to the exact one, at first order or better",
-            "each start labelled without the boundary",
+        Check.of(
+            "basin_sweep.fraction",
             f"errors at most {worst:.2g} of the area of the cells that the boundary cuts; fitted orders "
             f"{', '.join(f'{x:.2f}' for x in order)}",
             worst <= 1,
@@ -247,23 +237,19 @@ def _global_stability_checks(dataset: xr.Dataset) -> list[Check]:
         last.append(swept[here].max(initial=-np.inf))
         parted.append((here == (swept <= float(dataset[_SWEPT[name][1]]))).all() and 0 < here.sum() < here.size)
     return [
-        Check.holds(
-            "Steady sliding is globally stable exactly where -R exceeds a threshold; else its basin is a subset",
-            "end of Sect. 8.7",
+        Check.of(
+            "basin_sweep.force",
             f"R < {threshold:.10g} N: {(fraction[beyond] == 1).sum()} of {beyond.sum()} forces; R above it: "
             f"{(fraction[~beyond] < 1).sum()} of {(~beyond).sum()}",
             ((fraction == 1) == beyond).all() and (fraction <= 1).all() and 0 < beyond.sum() < beyond.size,
         ),
-        Check.holds(
-            "Over the damping, too, the basin is the whole plane exactly where R lies beyond the threshold",
-            "end of Sect. 8.7",
+        Check.of(
+            "basin_sweep.damping",
             f"{stable.sum()} of {stable.size} dampings, c >= {damping[stable].min(initial=np.inf):.6g} N m s/rad",
             (stable == (limit > float(dataset.axial_force))).all(),
         ),
-        Check.holds(
-            "Over mass and friction the basin is the whole plane exactly up to the critical values, where the "
-            "effective inertia of law + vanishes",
-            "Sect. 8.7, eq. 8.20",
+        Check.of(
+            "basin_sweep.mass_and_friction",
             f"m_cr = {float(dataset.critical_mass):.10g} kg, last mass with the whole plane {last[0]:.10g} kg; "
             f"mu_cr = {float(dataset.critical_friction_of_rigid_drive):.10g}, last friction {last[1]:.10g}",
             all(parted),

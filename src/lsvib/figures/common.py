@@ -9,7 +9,7 @@ from lsvib.datasets import spans
 from lsvib.datasets.attributes import Variable, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures.settings import Values
-from lsvib.models.chapter import Claim
+from lsvib.models.chapter import claims
 
 if TYPE_CHECKING:
     from lsvib.basins.boundary import Basin
@@ -30,8 +30,7 @@ BALANCE = ("1", "sum of all works over one period of the cycle, over the largest
 def balance_check(cycle: str, dataset: xr.Dataset) -> Check:
     """Return the check of ``energy_balance``, of a cycle or several that words name."""
     worst = float(np.abs(dataset.energy_balance).max())
-    claim = f"Over a period of {cycle} the works of motor, load, friction, dampers and impacts add up to nothing"
-    return Check.holds(claim, "ours", f"{worst:.1e} of the largest", worst < 1e-10)
+    return Check.of("common.balance", f"{worst:.1e} of the largest", worst < 1e-10, cycle=cycle)
 
 
 def about(module: str | None, source: str, places: str, **more: str) -> dict[str, str]:
@@ -40,8 +39,9 @@ def about(module: str | None, source: str, places: str, **more: str) -> dict[str
     return {"title": title, "source": f"lsvib, {source}", "references": references, **more}
 
 
-def printed(claim: Claim, words: str) -> Variable:
-    """Return a number that the chapter prints, whose ``words`` say what it is, as a variable without dimensions."""
+def printed(id: str, words: str) -> Variable:
+    """Return the number of a claim of the chapter, whose ``words`` say what it is, as a variable without dimensions."""
+    claim = claims()[id]
     return variable((), claim.value, claim.unit, f"{words}, as printed", relative_tolerance=claim.tolerance)
 
 

@@ -238,26 +238,18 @@ def energy_check(dataset: xr.Dataset) -> Check:
     parts = xr.concat([_potential(case, case.contact_force), case.contact_force_rate**2 / 2], "part")
     total, size = parts.sum("part"), abs(parts).max(["part", "sample"])
     spread = float(((total.max("sample") - total.min("sample")) / size).max())
-    return Check.holds(
-        "Along each motion without contact damping the energy integral of (8.11) is constant, to 1e-12",
-        "eqs 8.11, 8.12",
-        f"largest spread {spread:.1e} of the larger of potential and kinetic part",
-        spread < 1e-12,
-    )
+    words = f"largest spread {spread:.1e} of the larger of potential and kinetic part"
+    return Check.of("contact_portraits.energy", words, spread < 1e-12)
 
 
-def growth_check(dataset: xr.Dataset, outcome: str, source: str) -> Check:
+def growth_check(dataset: xr.Dataset, outcome: str) -> Check:
     """Check how motions of an ``outcome`` grow in the end."""
     distance = dataset.contact_force[..., -1] - dataset.equilibrium_contact_force.sel(law=1)
     rate = dataset.contact_force_rate[..., -1] * dataset.force_scale / distance
     off = abs(rate / dataset.scaled_eigenvalue_real_part.sel(law=1).max("eigenvalue") - 1)
     gap = float(off.where(named(dataset.start_outcome, outcome)).max())
-    return Check.holds(
-        "The drawn motions that grow end in exponential growth at the positive eigenvalue of law +, to 1 %",
-        source,
-        f"rate over distance from 1/Γ₊ deviates by at most {gap:.2%} of it",
-        gap < 0.01,
-    )
+    words = f"rate over distance from 1/Γ₊ deviates by at most {gap:.2%} of it"
+    return Check.of("contact_portraits.growth", words, gap < 0.01)
 
 
 def newton_checks(dataset: xr.Dataset) -> list[Check]:
@@ -268,15 +260,9 @@ def newton_checks(dataset: xr.Dataset) -> list[Check]:
     trace = float((np.abs(first + second - dataset.jacobian_trace) / np.abs(first)).max())
     product = float(np.abs(first * second / dataset.jacobian_determinant - 1).max())
     return [
-        Check.holds(
-            "The equilibria are the zeros of N″ by the two equations of motion, to 1e-12",
-            "eqs 8.6, 8.7, 8.11",
-            f"largest relative difference {gap:.1e}",
-            gap <= 1e-12,
-        ),
-        Check.holds(
-            "The eigenvalues of each law are those of the Jacobian of N″ by the two equations of motion, to 1e-12",
-            "eqs 8.6, 8.7, 8.12",
+        Check.of("contact_portraits.equilibria", f"largest relative difference {gap:.1e}", gap <= 1e-12),
+        Check.of(
+            "contact_portraits.eigenvalues",
             f"their sum differs from its trace by {trace:.1e} of them, their product from its determinant by "
             f"{product:.1e}",
             max(trace, product) <= 1e-12,

@@ -151,13 +151,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         *_lemma_checks(dataset, drive),
         *_converse_checks(dataset),
         _soft_contact_check(dataset, drive),
-        Check.without_exception(
-            "The signs of all growth rates are those of the Routh-Hurwitz conditions in 50 digits",
-            "model of Sect. 5.5",
-            wrong,
-            dataset.growth_rate.size,
-            "contacts",
-        ),
+        Check.without_exception("contact_stability.signs", wrong, dataset.growth_rate.size, "contacts"),
     ]
 
 
@@ -171,23 +165,19 @@ def _critical_mass_checks(dataset: xr.Dataset, drive: of.Values) -> list[Check]:
     again = np.isfinite(dataset.stable_again.values)
     softest = float(dataset.curve_contact_stiffness.values[(every | again).any(axis=1)].max(initial=0.0))
     return [
-        Check.holds(
-            "With each contact that is drawn steady sliding is lost below the critical mass of the rigid drive, the "
-            "sooner the softer the contact",
-            "Sect. 8.6.1, Fig. 8.13",
+        Check.of(
+            "contact_stability.drawn",
             f"{', '.join(f'{x:.4g}' for x in own)} kg from the stiffest to the softest, rigid {rigid:.5g} kg",
             (np.diff(own) < 0).all() and own[0] < rigid,
         ),
-        Check.holds(
-            f"LAPACK's eigenvalues of these drives cross the imaginary axis there, within {_BESIDE:g} of the mass",
-            "eq. 8.7, model of Sect. 5.5",
+        Check.of(
+            "contact_stability.crossing",
             f"largest real parts {', '.join(f'{a:.2e} and {b:.2e}' for a, b in sides)} 1/s",
             all(a < 0 < b for a, b in sides),
+            beside=_BESIDE,
         ),
-        Check.holds(
-            "Every contact of the sweep loses steady sliding below the critical mass of the rigid drive, but for soft "
-            "ones with little damping, which keep it at every mass or regain it at a large one",
-            "model of Sect. 5.5",
+        Check.of(
+            "contact_stability.sweep",
             f"{np.isfinite(whole).sum()} of {whole.size} lose it, the last at {np.nanmax(whole):.6g} kg; "
             f"{every.sum()} never do, {again.sum()} regain it, k_c <= {softest:.0e} N/m",
             (whole[~every] < rigid).all() and softest < float(dataset.unstable_contact_stiffness[0]),
@@ -205,23 +195,16 @@ def _lemma_checks(dataset: xr.Dataset, drive: of.Values) -> list[Check]:
     contacts = {**drive, "mass": float(dataset.mass[0]), "contact_damping": dataset.growth_contact_damping.values}
     places = (0.0, dataset.unstable_contact_stiffness.values)
     none, left = (polynomial({**contacts, "contact_stiffness": k}, law=1)[2] for k in places)
+    part = np.abs(left / none).max()
     return [
-        Check.holds(
-            "At the contact stiffness of the proof the coefficient of s² in det(M s² + C s + K) vanishes, to 1e-9",
-            "Lemma 8.1, eq. 8.7",
-            f"largest part of that without stiffness {np.abs(left / none).max():.1e}",
-            (np.abs(left / none) < 1e-9).all(),
-        ),
-        Check.holds(
-            "Whatever the contact damping, the larger mass is unstable beyond the contact stiffness of the proof",
-            "Lemma 8.1",
+        Check.of("contact_stability.proof", f"largest part of that without stiffness {part:.1e}", part < 1e-9),
+        Check.of(
+            "contact_stability.unstable",
             f"{int(((growth > 0) & beyond).sum())} of {int(beyond.sum())} contacts",
             (growth > 0).where(beyond, True).all() and beyond.any("growth_contact_stiffness").all(),
         ),
-        Check.holds(
-            "At the stiffest contact its growth rate is the positive root of s² = b (c_c s + k_c), b = β |Γ_0| / "
-            "(I m), to 1%, which grows without bound: it still rises from each stiffness to the next",
-            "Lemma 8.1, docs/lemmas.md",
+        Check.of(
+            "contact_stability.growth",
             f"ratios {', '.join(f'{x:.5f}' for x in ratio)} at k_c = {last:.0e} N/m",
             (np.abs(ratio - 1) < 0.01).all() and (np.diff(growth.values[:, -3:]) > 0).all(),
         ),
@@ -235,16 +218,14 @@ def _converse_checks(dataset: xr.Dataset) -> list[Check]:
     expected, bound = float(dataset.elastic_growth_limit), float(dataset.least_contact_damping_of_stiff_contact)
     enough = dataset.growth_contact_damping > least
     return [
-        Check.holds(
-            "The converse fails in an elastic contact: the smaller mass, stable when rigid, flutters however stiff",
-            "Lemma 8.1, docs/lemmas.md",
+        Check.of(
+            "contact_stability.elastic",
             f"growth rate from {elastic.min():.4g} 1/s, at the stiffest contact {elastic[-1]:.5g}, limit "
             f"{expected:.5g} 1/s",
             (elastic > 0).all() and abs(elastic[-1] / expected - 1) < 0.01,
         ),
-        Check.holds(
-            "With enough contact damping the smaller mass is stable; the least tends to its limit, to 1%",
-            "Lemma 8.1, docs/lemmas.md",
+        Check.of(
+            "contact_stability.damped",
             f"{int((enough & (growth < 0)).sum())} of {int(enough.sum())} contacts with more; "
             f"{end:.6g} against {bound:.6g} N s/m",
             (growth < 0).where(enough, True).all() and abs(end / bound - 1) < 0.01,
@@ -267,13 +248,12 @@ def _soft_contact_check(dataset: xr.Dataset, drive: of.Values) -> Check:
             around = np.concatenate([low * beside, [np.sqrt(low * high)], high * beside])
             windows.append(grows(k, around) == [True, False, False, False, True])
     softest = stiffness[np.isfinite(dataset.window_of_soft_contact.values[:, 0])]
-    return Check.holds(
-        "A soft contact has stable dampings below the least one, too: LAPACK's largest real part changes its sign "
-        f"at both ends of each such interval, within {_BESIDE:g} of the damping, and is negative in its middle",
-        "model of Sect. 5.5, docs/lemmas.md",
+    return Check.of(
+        "contact_stability.soft",
         f"{sum(windows)} of {len(windows)} contacts, k_c <= {softest.max(initial=0.0):.2e} N/m; "
         f"and at the least damping of {sum(ends)} of {len(ends)}",
         all(windows) and all(ends) and len(windows) > 0,
+        beside=_BESIDE,
     )
 
 

@@ -95,25 +95,19 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     force, speed = dataset.swept_axial_force.values, dataset.swept_input_speed.values
     begins, stops = (float(force[~row].min(initial=np.inf)) for row in slides)
     here = float(onset.sel(input_speed=dataset.drawn_input_speed))
-    step = float(np.diff(force).max())
+    damping, dragged = float(dataset.support_damping), float(dataset.translation_damping)
     slow, fast = (float(speed[~row].max(initial=0.0)) for row in named(dataset.speed_attractor, "steady sliding"))
     return [
         *(
-            Check.within(f"Onset force of the seat's law at {at:g} rad/s", "eqs 6.44-6.48 of the thesis, eq. 8.13",
-                         known, float(onset.sel(input_speed=at)), 1e-5, "N", "given with five or six digits")
-            for at, known in KNOWN.items()
+            Check.of("falling_friction.onset", onset.sel(input_speed=at), expected=x, speed=at)
+            for at, x in KNOWN.items()
         ),
-        Check.within("Force at which a motion next to steady sliding begins to vibrate", "eq. 8.13", here, begins,
-                     step / here, "N", "the step of the swept force"),
-        Check.holds("Chatter that has begun goes on below the force at which it begins", "ours",
-                    f"begins at {begins:.4g} N, stops at {stops:.4g} N", stops < begins),
-        Check.holds("Over the input speed chatter stops at a higher speed than that below which it begins", "ours",
-                    f"begins below {slow:.4g} rad/s, stops above {fast:.4g} rad/s", slow < fast),
+        Check.of("falling_friction.begins", begins, expected=here, tolerance=float(np.diff(force).max()) / here),
+        Check.of("falling_friction.goes_on", f"begins at {begins:.4g} N, stops at {stops:.4g} N", stops < begins),
+        Check.of("falling_friction.speed", f"begins below {slow:.4g} rad/s, stops above {fast:.4g} rad/s", slow < fast),
         balance_check("the chatter at the largest force", dataset),
-        Check.holds("With the constant friction of the chapter steady sliding is stable at every force", "eq. 8.13",
-                    f"C_0 = c = {float(dataset.support_damping):.3g} N m s/rad",
-                    float(dataset.support_damping) > 0 and float(dataset.translation_damping) == 0),
-    ]  # fmt: skip
+        Check.of("falling_friction.constant", f"C_0 = c = {damping:.3g} N m s/rad", damping > 0 and dragged == 0),
+    ]
 
 
 @style.styled

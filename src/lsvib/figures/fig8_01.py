@@ -30,62 +30,46 @@ def build(settings: Values) -> xr.Dataset:
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check saddle and centre, both outcomes and what decides between them, and the focus under contact damping."""
     elastic, damped = dataset.isel(case=0), dataset.isel(case=1)
+    inside = contact_portraits.within_separatrix(elastic)
     bounded, unbounded = (named(elastic.grid_outcome, word) for word in ("bounded", "minus infinity"))
     last = dataset.contact_force.values[named(dataset.start_outcome, "minus infinity")][:, -1]
     parts = dataset.scaled_eigenvalue_real_part, dataset.scaled_eigenvalue_imaginary_part
     (real, imaginary), (growth, frequency) = ([part.sel(law=law) for part in parts] for law in (1, -1))
     ends = damped.contact_force.values[named(damped.start_outcome, "bounded"), -1]
+    # e⁻⁸ of a start is left where the motions end.
     gap = float(np.abs(ends * float(damped.effective_inertia_of_law.sel(law=-1)) - 1).max(initial=0.0))
     return [
         *contact_portraits.newton_checks(dataset),
-        Check.holds(
-            "Each equilibrium lies on the side on which its law holds: there are two solutions",
-            "Sect. 8.1, Fig. 8.1",
+        Check.of(
+            "fig8_01.two_solutions",
             ", ".join(f"{float(x):.4g}" for x in dataset.equilibrium_contact_force) + " 1/(kg m²)",
             (dataset.equilibrium_contact_force * dataset.law_side > 0).all(),
         ),
-        Check.holds(
-            "The equilibrium of law + is a saddle, without contact damping and with it",
-            "Sect. 8.2, eq. 8.11, Fig. 8.1",
+        Check.of(
+            "fig8_01.saddle",
             f"eigenvalues {real.values.round(4).tolist()}",
             (real.prod("eigenvalue") < 0).all() and (imaginary == 0).all(),
         ),
-        Check.holds(
-            "The equilibrium of law − is a centre without contact damping",
-            "Sect. 8.2, eq. 8.11, Fig. 8.1",
+        Check.of(
+            "fig8_01.centre",
             f"eigenvalues ±{abs(float(frequency[0, 0])):.4g}i",
             (growth[0] == 0).all() and (frequency[0] != 0).all(),
         ),
         contact_portraits.energy_check(dataset),
-        Check.without_exception(
-            "The contact force stays bounded exactly inside the loop of the saddle's separatrix",
-            "Sect. 8.2, Fig. 8.1",
-            (bounded != contact_portraits.within_separatrix(elastic)).sum(),
-            bounded.size,
-            "starts",
-        ),
-        Check.holds(
-            "Both outcomes occur: bounded, and unbounded towards minus infinity; no other",
-            "Sect. 8.2, Fig. 8.1",
+        Check.without_exception("fig8_01.loop", (bounded != inside).sum(), bounded.size, "starts"),
+        Check.of(
+            "fig8_01.outcomes",
             f"{bounded.sum()} and {unbounded.sum()} of {bounded.size} starts",
             bounded.any() and unbounded.any() and (bounded | unbounded).all(),
         ),
-        Check.everywhere(
-            "Motions drawn as unbounded leave the picture towards minus infinity",
-            "Sect. 8.2, Fig. 8.1",
-            last < float(dataset.grid_contact_force.min()),
-        ),
-        contact_portraits.growth_check(dataset, "minus infinity", "Sect. 8.2, Fig. 8.1"),
-        Check.holds(
-            "With contact damping the equilibrium of law − is a stable focus",
-            "Remark 8.1",
+        Check.everywhere("fig8_01.unbounded", last < float(dataset.grid_contact_force.min())),
+        contact_portraits.growth_check(dataset, "minus infinity"),
+        Check.of(
+            "fig8_01.focus",
             f"eigenvalues {float(growth[1, 0]):.4g} ± {abs(float(frequency[1, 0])):.4g}i",
             (growth[1] < 0).all() and (frequency[1] != 0).all(),
         ),
-        Check.holds(
-            "With contact damping a bounded contact force settles on N = N₋, to 1 %",
-            "Remark 8.1",
-            f"{ends.size} motions, largest relative distance {gap:.1e}",
-            ends.size and gap < 0.01,  # e⁻⁸ of a start is left where the motions end
+        Check.of(
+            "fig8_01.settles", f"{ends.size} motions, largest relative distance {gap:.1e}", ends.size and gap < 0.01
         ),
     ]

@@ -19,6 +19,7 @@ from lsvib.figures import drawing, style
 from lsvib.figures.common import about, flag_names, named, printed, spread
 from lsvib.figures.settings import MassPair, PhasePlane, Span, State, Values, parameter, several
 from lsvib.models import chapter
+from lsvib.models.chapter import claims
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.rigid import MotionMode
@@ -29,19 +30,15 @@ three forces below, insets in the chapter. Circles mark the forces of the portra
 force, first touches rest at the stick force, and no longer reaches N = 0 beyond the detach force.
 """
 
-_THRESHOLDS = {  # word in the picture, and what the chapter says
-    "onset_force": ("onset", "Axial force at which vibration sets in"),
-    "stick_force": ("stick", "Axial force at which the cycle first touches rest"),
-    "detach_force": ("detach", "Axial force beyond which the cycle no longer reaches N = 0"),
-}
+_THRESHOLDS = {"onset_force": "onset", "stick_force": "stick", "detach_force": "detach"}  # with words in the picture
 _REGIMES = {  # what the drive does: colour, words, dashes
     "no vibration": (style.BLACK, "no vibration", "-"),
     "pure slip": (style.BLUE, "cycle of pure slip", "-"),
     "stick slip with contact reversal": (style.ORANGE, "stick–slip, reaches $N = 0$", "-"),
     "stick slip": (style.VERMILION, "stick–slip, $N > 0$", (0, (2, 0.6))),
 }
-_LAWS = {-1: ("minus", "₋"), 1: ("plus", "₊")}  # word and symbol
-_READ = [f"effective_{kind}_{sign}" for kind in ("inertia", "damping") for sign, _ in _LAWS.values()]
+_INERTIAS = ("fig8_06.inertia_minus", "fig8_06.inertia_plus")
+_READ = [f"effective_{kind}_{sign}" for kind in ("inertia", "damping") for sign in ("minus", "plus")]
 _OF = {name: name.replace("_force", "_axial_force") for name in (*_READ, *_THRESHOLDS)}  # names in the analysis
 
 
@@ -128,24 +125,21 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the thresholds, the shape of the curve, where its regime changes, the insets and the coefficients."""
     friction, tangent = dataset.swept_friction_coefficient.values, float(dataset.lead_tangent)
     holds, force = dataset.holds_without_torque.values == 1, dataset.axial_force.values
-    line = dataset.contact_line_angle.values[force > chapter.THRESHOLDS["onset_force"].value]
+    line = dataset.contact_line_angle.values[force > claims()["fig8_06.onset_force"].value]
     return [
         newton.laws_check(dataset, "Fig. 8.6"),
-        Check.printed("Tangent of the lead angle", chapter.TAN_LEAD, tangent),
-        Check.holds(
-            "The thread is self-locking: without a torque of the coupling the axial force does not turn the screw, nor "
-            "does it with 1.01 tan λ for μ, but with 0.99 tan λ",
-            "Sect. 8.5.1",
+        Check.of("fig8_06.lead_tangent", tangent),
+        Check.of(
+            "fig8_06.self_locking",
             f"at rest with μ = {', '.join(f'{x:.5g}' for x in friction[holds])}; tan λ = {tangent:.6g}",
             (holds == (friction > tangent)).all() and holds[-1],
         ),
-        Check.holds(
-            "As the axial force decreases towards the onset the line N = 0 moves towards the origin",
-            "Sect. 8.5, Figs 8.4, 8.6",
+        Check.of(
+            "fig8_06.line",
             f"from {abs(line[-1]):.4g} to {abs(line[0]):.4g} rad off",
             line.size > 1 and (np.diff(np.abs(line)) > 0).all() and np.ptp(np.sign(line)) == 0,
         ),
-        *(Check.printed(words, chapter.THRESHOLDS[n], dataset[n]) for n, (_, words) in _THRESHOLDS.items()),
+        *(Check.of(chapter.THRESHOLDS[name], dataset[name]) for name in _THRESHOLDS),
         newton.touching_check(dataset.isel(case=0), 1, dataset.detach_force, "Detach force"),
         *_curve_checks(dataset),
         *_inset_checks(dataset),
@@ -155,7 +149,6 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 
 def _curve_checks(dataset: xr.Dataset) -> list[Check]:
     """Check the amplitude between the thresholds, and that the regime changes there and nowhere else."""
-    source = "Sect. 8.5.1, Fig. 8.6"
     onset, stick, detach = (float(dataset[name]) for name in _THRESHOLDS)
     stops = dataset.smallest_velocity.values <= dataset.stop_velocity.values[0]
     force, amplitude = dataset.swept_axial_force.values, dataset.swept_amplitude.values
@@ -167,35 +160,25 @@ def _curve_checks(dataset: xr.Dataset) -> list[Check]:
     right = np.select([sides == k for k in range(4)], [named(dataset.regime, name) for name in _REGIMES])
     judged = ~np.isin(force, [onset, stick, detach])
     return [
-        Check.holds(
-            "Below the onset force the amplitude is zero",
-            source,
+        Check.of(
+            "fig8_06.below_onset",
             f"largest amplitude {below.max(initial=0.0):.1e} rad at {below.size} forces",
             below.size and (below == 0).all(),
         ),
-        Check.holds(
-            "From onset to stick the amplitude grows along a straight line through the onset, to 1e-9 of its slope",
-            source,
+        Check.of(
+            "fig8_06.straight",
             f"slope from {slope.min(initial=np.inf):.6g} rad/N, relative spread {spread(slope):.1e} over {slope.size} "
             "forces",
             (slope > 0).all() and spread(slope) < 1e-9,
         ),
-        Check.holds(
-            "Beyond the detach force the amplitude is constant, to 1e-12",
-            source,
+        Check.of(
+            "fig8_06.constant",
             f"from {last.min(initial=np.inf):.9f} rad, relative spread {spread(last):.1e} over {last.size} forces",
             (last > 0).all() and spread(last) < 1e-12,
         ),
-        Check.without_exception(
-            "The steady state changes kind at the three thresholds and nowhere else, also 1e-9 R beside them",
-            source,
-            np.sum(judged & ~right),
-            judged.sum(),
-            "forces",
-        ),
-        Check.holds(
-            "Only from the stick force on does the cycle reach the line of rest",
-            source,
+        Check.without_exception("fig8_06.regimes", np.sum(judged & ~right), judged.sum(), "forces"),
+        Check.of(
+            "fig8_06.rest",
             f"smallest rate {dataset.smallest_velocity.values.min():.9g} rad/s",
             (stops == (force > stick))[judged].all(),
         ),
@@ -205,18 +188,17 @@ def _curve_checks(dataset: xr.Dataset) -> list[Check]:
 def _inset_checks(dataset: xr.Dataset) -> list[Check]:
     """Check what the motions of each portrait reach: what the chapter says of a force, by its own printed limits."""
     expected = (
-        ("steady sliding", "the origin is stable"),
-        ("other cycle", "a pure-slip limit cycle attracts"),
-        ("stick slip cycle", "a stick-slip cycle attracts"),
+        ("steady sliding", "fig8_06.decays"),
+        ("other cycle", "fig8_06.slips"),
+        ("stick slip cycle", "fig8_06.sticks"),
     )
-    limits = [chapter.THRESHOLDS[name].value for name in ("onset_force", "stick_force")]
+    limits = [claims()[id].value for id in ("fig8_06.onset_force", "fig8_06.stick_force")]
     words, result = flag_names(dataset.attractor), []
     for found, force in zip(dataset.attractor, dataset.axial_force.values, strict=True):
-        kind, claim = expected[np.searchsorted(limits, force)]
+        kind, id = expected[np.searchsorted(limits, force)]
         names = ", ".join(sorted({words[value].replace(" ", "_") for value in found.values.ravel()}))
         computed = f"{names} from {dataset.sizes['start']} starts"
-        reached = named(found, kind).all()
-        result.append(Check.holds(f"At R = {force:g} N {claim}", "Sect. 8.5.1, Fig. 8.6, inset", computed, reached))
+        result.append(Check.of(id, computed, named(found, kind).all(), force=force))
     return result
 
 
@@ -226,28 +208,23 @@ def _reading_checks(dataset: xr.Dataset) -> list[Check]:
     other = float(dataset.reading_mass.values[dataset.reading_mass.values != stated][0])
     ours, theirs = ({name: float(x) for name, x in dataset.sel(reading_mass=m).items() if name.startswith("reading_")}
                     for m in (stated, other))  # fmt: skip
-    inertias = {law: ours[f"reading_effective_inertia_{sign}"] for law, (sign, _) in _LAWS.items()}
-    wrong = [abs(x / chapter.EFFECTIVE_INERTIA[law].value - 1) > 0.1 for law, x in inertias.items()]
+    inertias = {id: ours[f"reading_effective_{id.partition('.')[2]}"] for id in _INERTIAS}
+    wrong = [abs(x / claims()[id].value - 1) > 0.1 for id, x in inertias.items()]
     forces = {name: theirs[f"reading_{name}"] for name in ("stick_force", "detach_force")}
-    off = [abs(force / chapter.THRESHOLDS[name].value - 1) > 0.02 for name, force in forces.items()]
+    off = [abs(force / claims()[chapter.THRESHOLDS[name]].value - 1) > 0.02 for name, force in forces.items()]
+    read = f"as printed, read as that of m = {other:g} kg (with the stated m = {stated:g} kg it is"
+    found = " and ".join(f"{x:.3g} kg m2" for x in inertias.values())
+    others = " and ".join(f"{x:.2f} N" for x in forces.values())
     return [
+        Check.of("fig8_06.damping_minus", ours["reading_effective_damping_minus"]),
+        Check.of("fig8_06.damping_plus", ours["reading_effective_damping_plus"]),
         *(
-            Check.printed(f"Effective damping C{symbol}, of any mass", chapter.EFFECTIVE_DAMPING[law],
-                          ours[f"reading_effective_damping_{sign}"])
-            for law, (sign, symbol) in _LAWS.items()
+            Check.of(id, theirs[f"reading_effective_{id.partition('.')[2]}"], note=f"{read} {x:.3g} kg m2)")
+            for id, x in inertias.items()
         ),
-        *(
-            Check.printed(f"Effective inertia Γ{symbol} as printed, read as that of m = {other:g} kg (with the stated "
-                          f"m = {stated:g} kg it is {inertias[law]:.3g} kg m2)", chapter.EFFECTIVE_INERTIA[law],
-                          theirs[f"reading_effective_inertia_{sign}"])
-            for law, (sign, symbol) in _LAWS.items()
-        ),
-        Check.holds("The printed Γ± are not those of the stated mass (more than 10 % off)", "Sect. 8.5.1",
-                    f"m = {stated:g} kg gives {' and '.join(f'{x:.3g} kg m2' for x in inertias.values())}", all(wrong)),
-        Check.holds(f"The thresholds of Fig. 8.6 are not those of m = {other:g} kg (more than 2 % off)",
-                    "Sect. 8.5.1, Fig. 8.6",
-                    f"m = {other:g} kg gives {' and '.join(f'{x:.2f} N' for x in forces.values())}", all(off)),
-    ]  # fmt: skip
+        Check.of("fig8_06.stated_mass", f"m = {stated:g} kg gives {found}", all(wrong)),
+        Check.of("fig8_06.other_mass", f"m = {other:g} kg gives {others}", all(off), mass=other),
+    ]
 
 
 @style.styled
@@ -262,7 +239,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         axes.plot(forces[inside], amplitude[inside], color=colour, linewidth=2.2, linestyle=dashes, label=words)
     top = 1.12 * float(amplitude.max())
     words = ", ".join(f"{float(dataset[f'printed_{name}']):g}" for name in _THRESHOLDS)
-    for name, (word, _) in _THRESHOLDS.items():
+    for name, word in _THRESHOLDS.items():
         force = float(dataset[name])
         axes.axvline(force, color=style.GREY, linewidth=0.8, linestyle=":", zorder=0)
         axes.axvline(float(dataset[f"printed_{name}"]), **style.PRINTED, zorder=0, label=f"printed: {words} N")

@@ -60,7 +60,7 @@ def build(settings: Values) -> xr.Dataset:
 
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the map by signs alone, the motions of each sector, and what follows a seizure."""
-    stop, place = float(dataset.stop_velocity[0]), "Sect. 8.6, Fig. 8.7"
+    stop = float(dataset.stop_velocity[0])
     q = np.sign(_beyond_line(dataset, dataset.grid_angle_deviation, dataset.grid_velocity_deviation)).values
     signed = q * np.sign(dataset.grid_velocity_deviation - stop).values
     none, two, edge = (named(dataset.existence, word) for word in ("inconsistent", "indeterminate", "boundary"))
@@ -78,37 +78,20 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     virtual = float(_beyond_line(dataset, float(dataset.equilibrium_angle), 0.0))
     return [
         newton.laws_check(dataset, "Fig. 8.7"),
-        Check.holds(
-            "The existence analysis finds no solution where sgn Q = sgn θ' and two where they differ, nowhere else",
-            f"{place}, eq. 8.5",
+        Check.of(
+            "fig8_07.existence",
             f"{wrong} exceptions among {regular.sum()} states; {none.sum()} without a solution, {two.sum()} with two",
             wrong == 0 and none.any() and two.any() and regular.mean() > 0.9,
         ),
-        Check.everywhere(
-            "A motion that starts in a sector without a solution seizes at once, with an impulse of the sign of θ'",
-            place,
-            impulse[inconsistent],
-            "starts",
-        ),
-        Check.everywhere(
-            "A motion that starts in a sector with two solutions slips under law -1",
-            place,
-            follows[~inconsistent],
-            "starts",
-        ),
-        Check.holds(
-            "A motion need not resume at once after a seizure: some start that seizes at once rests, under either rule",
-            "Sect. 8.6, rule of resuming",
+        Check.everywhere("fig8_07.seizes", impulse[inconsistent], "starts"),
+        Check.everywhere("fig8_07.slips", follows[~inconsistent], "starts"),
+        Check.of(
+            "fig8_07.may_rest",
             f"{', '.join(f'{1e3 * rest.min():.3g} ms' for rest in rests)} at rest",
             (rests > 0).all(axis=1).any(),
         ),
         *_law_checks(dataset.isel(case=0)),
-        Check.holds(
-            "u_0 lies beyond the line N = 0, in a sector without a solution: every motion towards it is cut short",
-            place,
-            f"{virtual:.4g} rad beyond the line",
-            virtual > 0,
-        ),
+        Check.of("fig8_07.cut_short", f"{virtual:.4g} rad beyond the line", virtual > 0),
     ]
 
 
@@ -123,20 +106,12 @@ def _law_checks(p: xr.Dataset) -> list[Check]:
     law, offset = printed_laws.laws(p), p.angle_deviation - p.equilibrium_angle
     energy = printed_laws.inertia(p, -1) * p.velocity_deviation**2 + p.coupling_stiffness * offset**2
     within = (law < 0) & (law.shift(sample=1) < 0) & (p.time > p.time.shift(sample=1))
+    states, opposite = int(none.sum()), all(bool((sign < 0).where(none, True).all()) for sign in signs)
     falls = (energy < energy.shift(sample=1)).where(within)
+    fell, steps = int(falls.sum()), int(falls.count())
     return [
-        Check.holds(
-            "Without a solution N has by (8.3) the sign opposite to the assumed one, for either",
-            "Sect. 8.1",
-            f"{int(none.sum())} states",
-            bool(none.any()) and all(bool((sign < 0).where(none, True).all()) for sign in signs),
-        ),
-        Check.holds(
-            "As long as law − is followed, the energy about u_0 = r_m (ξ₊ − ξ₋) R / k falls",
-            "Sect. 8.6",
-            f"over {int(falls.sum())} of {int(falls.count())} steps",
-            int(falls.sum()) == int(falls.count()) > 0,
-        ),
+        Check.of("fig8_07.opposite", f"{states} states", states > 0 and opposite),
+        Check.of("fig8_07.falls", f"over {fell} of {steps} steps", fell == steps > 0),
     ]
 
 

@@ -98,29 +98,16 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     ratio = peak * float(dataset.support_damping) / float(dataset.coupling_stiffness)
     oscillating = dataset.mass.values[(dataset.eigenvalue_imaginary_part != 0).any("eigenvalue").values]
     return [
-        Check.printed("Critical mass, root of Γ₊(m) = 0", chapter.THRESHOLDS["critical_mass"], critical),
-        Check.exact(
-            f"Mass at which the spectrum loses stability, worst of {losses.size} dampings",
-            "eqs 8.18, 8.20",
-            critical,
-            losses,
-            "kg",
-        ),
-        Check.holds(
-            "The imaginary parts peak at k / C_0 and are zero before m_cr, from where C_0² = 4 k Γ_0 on",
-            "eq. 8.18, Fig. 8.8",
+        Check.of("fig8_08.critical_mass", critical),
+        Check.of("fig8_08.spectrum", losses, expected=critical, count=losses.size),
+        Check.of(
+            "fig8_08.peak",
             f"largest one {peak:.8g} rad/s at {float(dataset.peak_mass):.6g} kg, zero from {meeting:.6g} kg on",
             abs(ratio - 1) < 1e-6 and (oscillating < meeting * (1 + 1e-12)).all() and meeting < critical,
         ),
-        Check.holds(
-            "Below m_cr both eigenvalues have a negative real part",
-            "Sect. 8.6.1, Fig. 8.8",
-            f"largest real part {float(light.max()):.4g} 1/s",
-            (light < 0).all(),
-        ),
-        Check.holds(
-            "Above m_cr one eigenvalue is positive and the other negative",
-            "Sect. 8.6.1, Fig. 8.8",
+        Check.of("fig8_08.below", f"largest real part {float(light.max()):.4g} 1/s", (light < 0).all()),
+        Check.of(
+            "fig8_08.above",
             f"smallest positive one {float(heavy.max('eigenvalue').min()):.4g} 1/s",
             (heavy.prod("eigenvalue") < 0).all(),
         ),

@@ -104,58 +104,32 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     force, damping = dataset.mean_normal_force.values, dataset.support_damping.values
     deflection, damped, slips = np.abs(dataset.mean_deflection.values), damping > 0, damping >= limit
     lowest, gap = damping[np.argmin(force[0])], float(np.max(np.abs(amplitude[0] / amplitude[1] - 1)[slips]))
+    (first, *_, last), ratio = amplitude[0], deflection[0, -1] / deflection[0, 0]
     axial = dataset.mean_axial_contact_force / float(dataset.axial_force)
     torque = dataset.mean_contact_torque / dataset.mean_coupling_torque
     return [
-        Check.everywhere(
-            "The motion is a sprag-slip cycle for every damping, under either rule of resuming",
-            "Sect. 8.6.1, Fig. 8.12",
-            named(dataset.attractor, "sprag slip cycle"),
-        ),
-        Check.holds(
-            "The amplitude falls as the damping grows, over the whole range and under either rule",
-            "Sect. 8.6.1, Figs 8.11, 8.12",
-            f"from {amplitude[0, 0]:.5g} to {amplitude[0, -1]:.5g} rad",
-            (np.diff(amplitude) < 0).all(),
-        ),
-        Check.holds(
-            "The mean deflection of the coupling grows with the damping, with or without rest after a seizure",
-            "Sect. 8.6.1, Fig. 8.12",
+        Check.everywhere("fig8_12.sprag_slip", named(dataset.attractor, "sprag slip cycle")),
+        Check.of("fig8_12.amplitude", f"from {first:.5g} to {last:.5g} rad", (np.diff(amplitude) < 0).all()),
+        Check.of(
+            "fig8_12.deflection",
             f"|<z>| from {deflection[0, 0]:.5g} to {deflection[0, -1]:.5g} rad; by the rule at once, idle at "
             f"c = 0, from {deflection[1, damped][0]:.5g} rad at c = {damping[damped][0]:.2g} N m s/rad",
             (np.diff(deflection[0]) > 0).all() and (np.diff(deflection[1, damped]) > 0).all(),
         ),
-        Check.holds(
-            "The damping has a considerable effect: over its range the mean deflection more than doubles",
-            "Sect. 8.6.1, Fig. 8.11",
-            f"by {deflection[0, -1] / deflection[0, 0] - 1:.0%}",
-            deflection[0, -1] > 2 * deflection[0, 0],
-        ),
-        Check.holds(
-            "The mean of |N|, impulses included, grows with the damping wherever motion resumes at once",
-            "Sect. 8.6.1, Fig. 8.12",
+        Check.of("fig8_12.considerable", f"by {ratio - 1:.0%}", ratio > 2),
+        Check.of(
+            "fig8_12.force",
             f"from {force[0, slips][0]:.5g} N at c = {limit:.3g} N m s/rad to {force[0, -1]:.5g} N; below, "
             f"where the screw rests, it falls from {force[0, 0]:.5g} to {force[0].min():.5g} N at c = {lowest:.2g}",
             (np.diff(force[:, slips]) > 0).all() and slips.sum() > 1,
         ),
-        Check.holds(
-            "Without rest both rules of resuming give the same cycle, to 1e-12",
-            "Sect. 8.6, rule of resuming",
+        Check.of(
+            "fig8_12.rules",
             f"largest relative difference of the amplitudes {gap:.1e} for c >= {limit:.4g} N m s/rad",
             gap < 1e-12,
         ),
-        Check.exact(
-            "Mean axial contact force over R, impulses included (worst damping)",
-            "axial balance over a cycle",
-            1.0,
-            axial,
-        ),
-        Check.exact(
-            "Mean contact torque over mean coupling torque less damping, impulses included (worst damping)",
-            "balance of the screw's angular momentum over a cycle",
-            1.0,
-            torque,
-        ),
+        Check.of("fig8_12.axial_balance", axial, expected=1.0),
+        Check.of("fig8_12.torque_balance", torque, expected=1.0),
     ]
 
 

@@ -132,7 +132,6 @@ def _boundary(deflection: Callable[[float], float], damping: np.ndarray, row: li
 
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check that softer contacts give smoother cycles, and where the deflection turns positive."""
-    source = "Sect. 8.6.1, Fig. 8.13"
     deflection, sprag = dataset.largest_deflection.values, dataset.sprag_deflection.values
     fastest, critical = dataset.largest_acceleration.values, dataset.critical_mass_with_contact.values
     times = ", ".join(f"{1e6 * float(dataset.input_speed) / x:.3g}" for x in fastest)
@@ -142,53 +141,40 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     softest, stiffest = dataset.grid_contact_stiffness.values[[0, -1]]
     next_below = grid[np.arange(len(limit)), above.argmax(axis=1) - 1]
     return [
-        newton.laws_check(cycle_motion(dataset), source, "cycle"),
-        newton.laws_check(cycle_motion(dataset, "rigid_cycle"), source, "cycle of the rigid drive"),
-        Check.holds(
-            "Each of the contacts drawn ends on a sprag-slip cycle, which repeats to 1e-9",
-            source,
+        newton.laws_check(cycle_motion(dataset), "Sect. 8.6.1, Fig. 8.13", "cycle"),
+        newton.laws_check(cycle_motion(dataset, "rigid_cycle"), "Sect. 8.6.1, Fig. 8.13", "cycle of the rigid drive"),
+        Check.of(
+            "fig8_13.repeats",
             f"{sprags.sum()} of {sprags.size}, residual {residual:.1e}",
             sprags.all() and residual <= 1e-9,
         ),
-        Check.holds(
-            "The drives stand at different distances beyond their thresholds: each contact has a critical mass of its "
-            "own below the mass drawn, the smaller the softer it is",
-            source,
+        Check.of(
+            "fig8_13.critical_mass",
             f"m = {float(dataset.mass):g} kg, m_cr = {', '.join(f'{x:.3g}' for x in critical)} kg",
             (critical < float(dataset.mass)).all() and (np.diff(critical) < 0).all(),
         ),
-        Check.holds(
-            "Softer contacts make the trajectory smoother: the shortest time Ω / max|θ″| grows from each to the next",
-            source,
-            f"{times} µs from the stiffest to the softest contact",
-            (np.diff(fastest) < 0).all(),
+        Check.of(
+            "fig8_13.smoother", f"{times} µs from the stiffest to the softest contact", (np.diff(fastest) < 0).all()
         ),
-        Check.holds(
-            "The coupling deflection becomes positive with the softest contact and with none that is stiffer",
-            source,
+        Check.of(
+            "fig8_13.positive",
             f"largest z {', '.join(f'{x:.4g}' for x in deflection)} rad",
             deflection[-1] > 0 > deflection[:-1].max(),
         ),
-        Check.holds(
-            "It is during sprag that the deflection becomes positive: its largest value lies there, to 1e-12 rad",
-            source,
+        Check.of(
+            "fig8_13.during_sprag",
             f"with the softest contact {sprag[-1]:.6g} rad during sprag, {deflection[-1]:.6g} rad on the cycle",
             sprag[-1] > 0 and abs(sprag[-1] - deflection[-1]) <= 1e-12,
         ),
-        Check.holds(
-            "For each contact stiffness one contact damping bounds the positive deflections, and there max z = 0",
-            "sweep over the contact parameters",
+        Check.of(
+            "fig8_13.boundary",
             f"c_c from {limit.min():.5g} to {limit.max():.5g} N s/m for k_c from {softest:.0e} to {stiffest:.0e} "
             f"N/m; |max z| up to {edge:.1e} rad on it; negative for "
             f"{(grid[above] < 0).sum()} of {above.sum()} contacts above, positive for "
             f"{(next_below > 0).sum()} of {next_below.size} next below",
             edge <= 1e-10 and (grid[above] < 0).all() and (next_below > 0).all(),
         ),
-        Check.everywhere(
-            "Every contact of the sweep ends on a sprag-slip cycle",
-            "sweep over the contact parameters",
-            named(dataset.grid_attractor, "sprag slip cycle"),
-        ),
+        Check.everywhere("fig8_13.sweep", named(dataset.grid_attractor, "sprag slip cycle")),
     ]
 
 

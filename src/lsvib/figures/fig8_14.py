@@ -203,19 +203,16 @@ def _limits(drive: Drive) -> tuple[float, float]:
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check (a) and (b) for both readings of the mass, and the threshold of global stability between them."""
     mass, gamma = dataset.mass.values, dataset.effective_inertia_plus.values
-    no_cycle = "no limit cycle is found, unlike in the text: every start, drawn or not, leads to the origin"
-    one_cycle = "every trajectory drawn ends on a limit cycle, the same under either rule of resuming"
     return [
         newton.laws_check(dataset, "8.22, Fig. 8.14"),
-        Check.holds(
-            "The printed mass has Γ₊ > 0, against the assumption of Sect. 8.7; the other one has Γ₊ < 0",
-            "Sect. 8.7, Fig. 8.14",
+        Check.of(
+            "fig8_14.inertia",
             f"Γ₊ = {gamma[0]:.3g} kg m2 at {mass[0]:g} kg and {gamma[2]:.3g} kg m2 at {mass[2]:g} kg",
             (gamma[:2] > 0).all() and (gamma[2:] < 0).all(),
         ),
         *(_settling_check(dataset.isel(case=case), note) for case, note in ((0, " (as printed)"), (2, ""))),
-        _one_attractor_check(dataset.isel(case=1), " (as printed)", "steady sliding", no_cycle),
-        _one_attractor_check(dataset.isel(case=3), "", "sprag slip cycle", one_cycle),
+        _one_attractor_check(dataset.isel(case=1), "fig8_14.no_cycle", "steady sliding"),
+        _one_attractor_check(dataset.isel(case=3), "fig8_14.cycle", "sprag slip cycle"),
         *_start_checks(dataset.isel(case=[2, 3])),
         *_corner_checks(dataset),
         *_accumulation_checks(dataset),
@@ -236,27 +233,14 @@ def _start_checks(heavy: xr.Dataset) -> list[Check]:
     after, of = heavy.event_velocity_deviation_after, "starts"
     forces = zip(straight, heavy.axial_force, strict=True)
     counted = (f"{int(x.sum())} of {int(x.count())} starts at R = {float(r):g} N" for x, r in forces)
-    reversals, place = named(heavy.event_kind, "contact reversal").sum(), "Sect. 8.7"
+    reversals = named(heavy.event_kind, "contact reversal").sum()
     return [
-        Check.everywhere(
-            "From N > 0 and θ′ > 0 the screw stops at once", place, jumps.values[(positive & forward).values], of
-        ),
-        Check.everywhere("From N < 0 and θ′ < 0 it stops at once", place, jumps.values[back.values], of),
-        Check.holds(
-            "From there the origin is reached without rest or another seizure by some starts, not by all",
-            place,
-            ", ".join(counted),
-            not straight.where(back, True).all(),
-        ),
-        Check.everywhere(
-            "From N < 0 and θ′ > 0 motions that do not touch N = 0 reach the origin",
-            place,
-            origin.values[alone.values],
-            of,
-        ),
-        Check.holds(
-            "Every trajectory that reaches N = 0 stops there at once",
-            place,
+        Check.everywhere("fig8_14.stops", jumps.values[(positive & forward).values], of),
+        Check.everywhere("fig8_14.stops_backwards", jumps.values[back.values], of),
+        Check.of("fig8_14.some_starts", ", ".join(counted), not straight.where(back, True).all()),
+        Check.everywhere("fig8_14.origin", origin.values[alone.values], of),
+        Check.of(
+            "fig8_14.seizes",
             f"{int(arrivals.sum())} seizures, {reversals} reversals of the contact",
             reversals == 0 and arrivals.any() and (after == stop).where(arrivals, True).all(),
         ),
@@ -267,27 +251,24 @@ def _settling_check(case: xr.Dataset, note: str) -> Check:
     """Check that all motions of a case of (a) settle, although those which are drawn meet N = 0 after their start."""
     settles, grid = (named(labels, "steady sliding") for labels in (case.attractor, case.grid_attractor))
     touches = (named(case.event_kind, "seizure", "contact reversal") & (case.event_time.values > 0)).sum(axis=1)
-    return Check.holds(
-        f"(a) m = {float(case.mass):g} kg{note}, R = {float(case.axial_force):g} N: every trajectory drawn meets N = 0 "
-        "and yet reaches the origin, as does every other start",
-        "Sect. 8.7, Fig. 8.14a",
+    found = (
         f"meets N = 0 {' and '.join(map(str, touches))} times; {_names(case.attractor)}; of {grid.size} "
-        f"other starts {grid.sum()} reach the origin",
-        settles.all() and grid.all() and touches.min() > 0,
+        f"other starts {grid.sum()} reach the origin"
     )
+    values = {"mass": float(case.mass), "force": float(case.axial_force), "reading": note}
+    return Check.of("fig8_14.settles", found, settles.all() and grid.all() and touches.min() > 0, **values)
 
 
-def _one_attractor_check(case: xr.Dataset, note: str, expected: str, claim: str) -> Check:
+def _one_attractor_check(case: xr.Dataset, id: str, expected: str) -> Check:
     """Check that the motions drawn of a case of (b) reach one attractor, and all others reach it or the origin."""
     grid, amplitude = named(case.grid_attractor, "steady sliding"), case.amplitude.values
     reached = (named(labels, expected) for labels in (case.attractor, case.grid_attractor))
-    return Check.holds(
-        f"(b) m = {float(case.mass):g} kg{note}, R = {float(case.axial_force):g} N: {claim}",
-        "Sect. 8.7, Fig. 8.14b",
+    found = (
         f"{_names(case.attractor)}, amplitude {amplitude.min():.6g} to {amplitude.max():.6g} rad; origin: of "
-        f"{grid.size} other starts {grid.sum()} reach it",
-        next(reached).all() and np.ptp(amplitude) <= 1e-12 * amplitude.max() and (grid | next(reached)).all(),
+        f"{grid.size} other starts {grid.sum()} reach it"
     )
+    holds = next(reached).all() and np.ptp(amplitude) <= 1e-12 * amplitude.max() and (grid | next(reached)).all()
+    return Check.of(id, found, holds, mass=float(case.mass), force=float(case.axial_force))
 
 
 def _corner_checks(dataset: xr.Dataset) -> list[Check]:
@@ -297,22 +278,14 @@ def _corner_checks(dataset: xr.Dataset) -> list[Check]:
     settles = named(dataset.corner_attractor, "steady sliding")
     counts = settles.sum(axis=2)
     return [
-        Check.holds(
-            "Beyond m_cr every motion from standstill up to the corner reaches the origin in (a), where steady sliding "
-            "is globally stable, and not every one in (b), under either rule of resuming",
-            "end of Sect. 8.7",
+        Check.of(
+            "fig8_14.corner",
             f"(a) {counts[2].min()} and (b) {counts[3].min()} to {counts[3].max()} of {settles.shape[2]} starts",
             settles[2].all() and not settles[3].all(axis=1).any(),
         ),
-        Check.holds(
-            "The threshold of global stability lies between the forces of (a) and (b), beyond m_cr",
-            "Sect. 8.7",
-            f"R = {threshold:.10g} N",
-            force[2] < threshold < force[3],
-        ),
-        Check.holds(
-            "The motion that leaves rest changes from the cycle to the origin within 1e-9 R of it, under either rule",
-            "Sect. 8.7",
+        Check.of("fig8_14.between", f"R = {threshold:.10g} N", force[2] < threshold < force[3]),
+        Check.of(
+            "fig8_14.changes",
             f"{_names(above)} just above, {_names(below)} just below {threshold:.10g} N",
             named(above, "sprag slip cycle").all() and named(below, "steady sliding").all(),
         ),
@@ -325,32 +298,20 @@ def _accumulation_checks(dataset: xr.Dataset) -> list[Check]:
     counts = np.isfinite(heavy.seizure_distance.values).sum(axis=-1)
     excess, timely, words = zip(*(_accumulation(heavy.isel(case=k)) for k in range(len(counts))), strict=True)
     last = max(float(heavy.seizure_distance[k, 1].dropna("seizure")[-1]) for k in range(len(counts)))
-    gap = last / float(heavy.corner_angle.min())
+    gap, most = last / float(heavy.corner_angle.min()), max(excess)
     longest = 1e3 * float(np.nanmax(dataset.seizure_time.values[:, 1], initial=0.0))
     return [
-        Check.holds(
-            "If motion resumes at once, seizures accumulate in the corner: the ratio of successive distances from it "
-            "is c a / (k Ω + c a), up to the relative change of the acceleration a over the distance",
-            "Sect. 8.7",
-            f"{'; '.join(words)}; deviation at most {max(excess):.2f} of what is allowed",
-            max(excess) <= 1,
+        Check.of(
+            "fig8_14.accumulate", f"{'; '.join(words)}; deviation at most {most:.2f} of what is allowed", most <= 1
         ),
-        Check.holds(
-            "The corner is the printed one: the last of these seizures lies in it, to 1e-12",
-            "Sect. 8.7",
-            f"relative distance {gap:.1e}",
-            abs(gap) < 1e-12,
-        ),
-        Check.holds(
-            "They do so in finite time: what is left after each of them lies between the distance over Ω and over the "
-            "largest rate of the next slip",
-            "Sect. 8.7",
+        Check.of("fig8_14.in_corner", f"relative distance {gap:.1e}", abs(gap) < 1e-12),
+        Check.of(
+            "fig8_14.finite_time",
             f"{sum(timely)} of {len(timely)} motions, the corner reached within {longest:.4g} ms",
             all(timely),
         ),
-        Check.holds(
-            "By the sign of the contact force, the limit of a stiff contact, these motions rest after a few seizures",
-            "rule of resuming, docs/physics.md",
+        Check.of(
+            "fig8_14.few",
             f"{' and '.join(str(n) for n in counts[:, 0])} seizures, at once {counts[:, 1].min()} or more",
             (counts[:, 0] < counts[:, 1]).all(),
         ),

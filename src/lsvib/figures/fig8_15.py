@@ -100,7 +100,6 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the critical friction, the classes by the printed conditions and by LAPACK, and the boundaries."""
     drive, critical = newton.parameters(dataset), float(dataset.critical_friction)
-    stated = chapter.THRESHOLDS["critical_friction"]
     grid = over_map(dataset, drive)
     a_4, a_2, a_0 = conditions.characteristic_polynomial(grid, law=1)
     discriminant, size = a_2**2 - 4 * a_0 * a_4, a_2**2 + 4 * a_0 * np.abs(a_4)
@@ -109,13 +108,8 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     clear = (np.abs(discriminant) > 1e-9 * size) & (np.abs(a_4) > 1e-9 * inertia)
     dataset = dataset.assign(clear=(dataset.stability.dims, clear))
     return [
-        Check.printed("Critical friction coefficient, root of Γ̃_0(μ) = 0", stated, critical),
-        Check.exact(
-            "Friction coefficient at which the eigenvalue 1/ω² passes through zero",
-            "eqs 8.23, 8.27",
-            critical,
-            float(dataset.critical_friction_by_eigenvalues),
-        ),
+        Check.of("fig8_15.critical_friction", critical),
+        Check.of("fig8_15.eigenvalue", float(dataset.critical_friction_by_eigenvalues), expected=critical),
         *_class_checks(dataset, drive, grid),
         *_region_checks(dataset, grid, a_4, discriminant),
         *_branch_checks(dataset, drive),
@@ -131,21 +125,15 @@ def _class_checks(dataset: xr.Dataset, drive: Values, grid: Values) -> list[Chec
     wrong = int(np.sum(clear & (conditions.printed_class(grid, law=1) != dataset.stability.values)))
     differ, compared = _against_lapack(thinned(dataset, 100), drive)
     return [
-        Check.holds(
-            "The kinematic boundary is the vertical line at the critical friction, at every support stiffness",
-            "Sect. 8.8.1, Fig. 8.15",
-            f"{off.sum()} exceptions among {off.size} points",
-            not off.any() and kinematic.any(),
+        Check.of(
+            "fig8_15.vertical", f"{off.sum()} exceptions among {off.size} points", not off.any() and kinematic.any()
         ),
-        Check.holds(
-            "The classes by eigenvalues are those of the printed conditions (8.24) to (8.26)",
-            "eqs 8.24 to 8.26",
+        Check.of(
+            "fig8_15.classes",
             f"{wrong} exceptions among {clear.sum()} points; {(~clear).sum()} within rounding of a boundary",
             wrong == 0 and clear.mean() > 0.99,
         ),
-        Check.without_exception(
-            "LAPACK's eigenvalues of the state matrix give the same classes", "eq. 8.23", differ, compared
-        ),
+        Check.without_exception("fig8_15.lapack", differ, compared),
     ]
 
 
@@ -164,15 +152,13 @@ def _region_checks(dataset: xr.Dataset, grid: Values, a_4: np.ndarray, discrimin
     judged = dataset.clear.values & ~kinematic
     off = int(np.sum(judged & ((flutter != ((stiffness > lower) & (stiffness < upper))) | (divergence != beyond))))
     return [
-        Check.holds(
-            "The regions of mode coupling and of the kinematic constraint do not overlap, and neither is empty",
-            "Lemma 8.2, Fig. 8.15",
+        Check.of(
+            "fig8_15.apart",
             f"{both} points in both, {flutter.sum()} and {kinematic.sum()} in one",
             both == 0 and flutter.any() and kinematic.any(),
         ),
-        Check.holds(
-            "Mode coupling lies between both closed branches, and divergence beyond the upper one where Γ_0 < 0",
-            "eqs 8.25, 8.29",
+        Check.of(
+            "fig8_15.branches",
             f"{off} exceptions among {judged.sum()} points; {divergence.sum()} of divergence",
             off == 0,
         ),
@@ -197,16 +183,9 @@ def _branch_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
     clear = np.abs(discriminant) > 1e-9 * b_2**2  # else (8.30) is zero to rounding
     odd = np.sum(clear & (together != ((reduced >= 0) & (p.factor > 0))))
     return [
-        Check.holds(
-            "Both branches satisfy the printed quadratic equation (8.29), to 1e-11 of its largest term",
-            "eq. 8.29",
-            f"largest remainder {residual:.1e}",
-            residual < 1e-11,
-        ),
-        Check.holds(
-            "(8.30) and (8.31) hold together exactly where (8.32) does, and there both branches are finite; the "
-            "printed form of (8.30) is equal to it, to 1e-12",
-            "eqs 8.30, 8.31, 8.32",
+        Check.of("fig8_15.quadratic", f"largest remainder {residual:.1e}", residual < 1e-11),
+        Check.of(
+            "fig8_15.real",
             f"{odd} exceptions among {friction.size} friction coefficients; {finite} of {branches[0].size} places with "
             f"both branches; the printed form differs by {rewritten:.1e} of b_2²",
             odd == 0 and finite == branches[0].size and rewritten < 1e-12,
@@ -230,13 +209,8 @@ def _support_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
     kinds = undamped_class({**own, "support_stiffness": np.where(there, stiffness, 1.0)}, law=1)
     flutter = kinds[there] == UndampedClass.FLUTTER
     return [
-        Check.everywhere(
-            "The contact force has no solution or two exactly where (8.27) holds, by Newton's laws",
-            "eq. 8.27",
-            kinematic == paradox[:, None],
-            "points",
-        ),
-        Check.everywhere("Where a_2 = 0 < a_4 there is flutter", "Sect. 8.8.1", flutter, "friction coefficients"),
+        Check.everywhere("fig8_15.paradoxes", kinematic == paradox[:, None], "points"),
+        Check.everywhere("fig8_15.flutter", flutter, "friction coefficients"),
     ]
 
 
@@ -251,20 +225,12 @@ def _condition_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
     rigid = {name: value for name, value in drive.items() if name not in PART_OF}
     locked = Drive.of(rigid, friction_coefficient=float(dataset.critical_friction))
     return [
-        Check.holds(
-            "The two necessary conditions of the kinematic constraint are μ > tan λ and R Ω > 0: it is active at no "
-            "smaller μ, and under law −, whose effective inertia is positive, at none",
-            "eq. 8.21, Remark 8.2, Sect. 8.9",
+        Check.of(
+            "fig8_15.necessary",
             f"{early} points of the region at μ <= tan λ; smallest effective inertia of law − {against:.3g} kg m2",
             early == 0 and against >= drive["screw_inertia"],
         ),
-        Check.exact(
-            "The rigid drive with the critical friction has the reduced mass as its critical mass",
-            "Remark 8.3",
-            reduced_mass,
-            conditions.critical_value(locked, "mass") or np.nan,
-            "kg",
-        ),
+        Check.of("fig8_15.reduced_mass", conditions.critical_value(locked, "mass") or np.nan, expected=reduced_mass),
     ]
 
 

@@ -202,32 +202,29 @@ def _convergence_checks(dataset: xr.Dataset) -> list[Check]:
     stops, brief = dataset.stop_time.values[impact], dataset.stop_time_order.values[impact]
     stiffest = f"{float(dataset.contact_stiffness[-1]):.0e} N/m"
     return [
-        Check.holds(
-            "On every branch the motion converges to the rigid one under the rule contact_sign, its "
-            f"distance with an order of at least {_ORDER:g}",
-            "Sect. 8.2, rule of resuming",
+        Check.of(
+            "limit_process.converges",
             f"{(told | both).sum()} of {told.size} branches, distance at most {closest:.1e} at k_c = {stiffest}, "
             f"orders {order.min():.3f} to {order.max():.3f}, standard errors up to {error:.3f}",
             (told | both).all(),
+            order=_ORDER,
         ),
-        Check.holds(
-            f"The errors of rest, impulse and period fall with an order of at least {_ORDER:g}, too",
-            "limit process",
+        Check.of(
+            "limit_process.orders",
             ", ".join(f"{np.nanmin(x):.3f} to {np.nanmax(x):.3f}" for x in others),
             all(np.nanmin(x) >= _ORDER for x in others),
+            order=_ORDER,
         ),
-        Check.holds(
-            "Where the two rules of resuming part, contact_sign is followed and at_once is not",
-            "Sect. 8.6, rule of resuming",
+        Check.of(
+            "limit_process.rules",
             f"{(told & differ).sum()} of {differ.sum()} branches; distance or rest under at_once stays",
             told[differ].all() and differ.any(),
         ),
-        Check.holds(
-            "The time that an impact takes tends to zero: it falls from each fitted stiffness to the next, with an "
-            f"order of at least {_ORDER:g}",
-            "Sect. 8.2",
+        Check.of(
+            "limit_process.impact_time",
             f"orders {brief.min():.3f} to {brief.max():.3f}; at most {stops[:, -1].max():.1e} s at k_c = {stiffest}",
             (np.diff(stops[:, fitted], axis=-1) < 0).all() and brief.min() >= _ORDER,
+            order=_ORDER,
         ),
     ]
 
@@ -239,28 +236,19 @@ def _outcome_checks(dataset: xr.Dataset) -> list[Check]:
     stands, time = named(stiff.indeterminate_event, "stick"), stiff.indeterminate_time.values[:, 0]
     error = np.abs(np.stack([stiff.formula_velocity, stiff.formula_velocity_limit]) - 1)
     return [
-        Check.everywhere(
-            "From every state without a solution the impact of a compliant contact brings the screw to a stand",
-            "Sect. 8.2",
-            np.isfinite(stops),
-            "impacts",
-        ),
-        Check.holds(
-            "Between two solutions, too, N > 0 grows until the screw stands, the sooner the stiffer the contact, if N "
-            "is beyond the saddle",
-            "Sects 8.2, 8.9",
+        Check.everywhere("limit_process.stands", np.isfinite(stops), "impacts"),
+        Check.of(
+            "limit_process.seizes",
             f"{stands[:, 0].sum()} of {stands[:, 0].size} contacts, {time[..., -1].max():.1e} s with the stiffest",
             stands[:, 0].all() and (np.diff(time) < 0).all(),
         ),
-        Check.holds(
-            "Short of the saddle the contact changes over to law − while the screw turns on",
-            "Sect. 8.2, Fig. 8.1",
+        Check.of(
+            "limit_process.turns_on",
             f"{(~stands[:, 1]).sum()} of {stands[:, 1].size} contacts",
             named(stiff.indeterminate_event, "contact reversal")[:, 1].all(),
         ),
-        Check.holds(
-            "The velocity lost in an impact tends to that of the chapter's formula, and of its limit κ e^(ω̄ Δt) / ω̄",
-            "Sect. 8.2",
+        Check.of(
+            "limit_process.formula",
             f"off by {error[0, -1]:.1e} and {error[1, -1]:.1e} with the stiffest contact",
             (np.diff(error) < 0).all() and error[:, -1].max() < 0.05,
         ),

@@ -51,7 +51,6 @@ PUBLISHED = {"pitch_radius": RADIUS, "lead_angle": math.atan(LEAD / (2 * math.pi
 SOURCE = "IEEE T-RO 37:1252, data of github.com/RViMLab/TRO2021-Dynamic-Modelling"
 # Half-sums of both directions [mN m] by commanded speed [rpm], of the same tables apart from lsvib.
 HALF_SUMS = {10: 3.0892, 20: 3.0272, 40: 2.9133, 50: 2.9061, 100: 3.0328, 199: 3.5677}
-LINE = (2.489, 0.5 / 64)  # Hz: strongest of both files at 2 rpm, in spectra apart from lsvib; half of their resolution
 SAMPLING = 0.128  # s, of these files
 RECORD_TIMES, MODEL_TIMES = np.arange(16) * SAMPLING, np.linspace(0.0, 15 * SAMPLING, 600)  # that are drawn
 TOP = 0.98  # quantile of the recorded speed that stands for its largest values
@@ -229,52 +228,34 @@ def _swing(torque: np.ndarray) -> float:
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the points against those computed apart, the law against the points, and the model against the records."""
     half = dataset.half_sum * 1e3
-    found = [
-        Check.within(f"Half-sum of the torques of both directions at {rpm} rpm", "means of the tables, apart from ours",
-                     value, float(half.values[np.argmin(np.abs(dataset.half_speed.values - rpm * RPM))]), 2e-5, "mN m",
-                     "given with five digits")
-        for rpm, value in HALF_SUMS.items()
-    ]  # fmt: skip
+    halves = {rpm: float(half.values[np.argmin(np.abs(dataset.half_speed.values - rpm * RPM))]) for rpm in HALF_SUMS}
     end = dataset.isel(end=0)
     rms, worst = float(end.residual_rms) * 1e3, float(np.abs(end.residual).max()) * 1e3
     lost = dataset.attrs["not_separable"]
     ratio = (dataset.measured_torque.values - end.residual.values) / _by_angles(dataset)
-    low, high = dataset.explaining_damping.values
+    (low, high), ways = dataset.explaining_damping.values, ("back", "outward")
     swing = float(np.abs(dataset.swing[:, 1] / dataset.swing[:, 0] - 1).max())
     back, out = dataset.period_by_torque.values
-    standing = float(dataset.standing_speed.mean()) / RPM
-    ratio_of_top = float((dataset.recorded_top[:, 1] / dataset.recorded_top[:, 0]).min())
+    jerks, stiffness, turns = (dataset[name].values for name in ("jerk_period", "jerk_stiffness", "turn_swing"))
+    rise, off = float(end.fitted_stribeck_rise), float(end.fitted_stribeck_rise_error)
+    least = float(dataset.half_speed[int(np.argmin(half.values))]) / RPM
+    stands = float(dataset.standing_speed.mean()) / RPM
+    faster = float((dataset.recorded_top[:, 1] / dataset.recorded_top[:, 0]).min())
     return [
-        *found,
-        Check.holds("The law leaves at most 0.045 mN m rms of the 30 means, and at most 0.12 mN m of each", "ours",
-                    f"{rms:.4f} and {worst:.4f} mN m", rms <= 0.045 and worst <= 0.12),
-        Check.exact("Fitted torque over that by tan(φ ± λ) in the place of ξ", "Sect. 5.3", 1.0, ratio),
-        Check.holds("Friction of threads and bearing are not separable with one load", "ours", lost,
-                    "coulomb" in lost and "viscous" in lost),
-        Check.holds("Friction falls with the speed up to some 50 rpm", "means of the tables",
-                    f"least at {float(dataset.half_speed[int(np.argmin(half.values))]) / RPM:.0f} rpm, rise "
-                    f"{float(end.fitted_stribeck_rise):.3g} ± {float(end.fitted_stribeck_rise_error):.1g}",
-                    float(end.fitted_stribeck_rise) > 4 * float(end.fitted_stribeck_rise_error)),
-        *(Check.within(f"Frequency of the jerks, {way}", "spectrum of the record, apart from ours", LINE[0], 1 / value,
-                       LINE[1] / LINE[0], "s-1", "half of the spectrum's resolution")
-          for way, value in zip(("back", "outward"), dataset.jerk_period.values.tolist(), strict=True)),
-        *(Check.within(f"Stiffness by the ramps of the torque, {way}", "slopes of the record, apart from ours", 0.0215,
-                       value, 0.0015 / 0.0215, "N m/rad", "quartiles of the slopes over the root of their number")
-          for way, value in zip(("back", "outward"), dataset.jerk_stiffness.values.tolist(), strict=True)),
-        Check.holds("A damping explains that the screw jerked at 2 rpm and was even from 10 rpm on", "ours",
-                    f"{low:.3g} to {high:.3g} N m s/rad", 0 < low < high),
-        Check.holds("Swing of the torque, sampled and averaged: that of the model and of the record", "ours",
-                    f"to {swing:.1%}", swing < 0.1),
-        Check.holds("While the torque climbs the motor turns at half of the command, so its slips are shorter than the "
-                    "model's, which stands", "ours", f"{standing:.2f} rpm; {ratio_of_top:.2f} times as fast",
-                    0.8 < standing < 1.2 and ratio_of_top > 1.2),
-        Check.holds("With friction at rest by the torque the model jerks more often than the screw, back less so",
-                    "ours", f"every {back:.3f} s back, {out:.3f} s outward", out < back < dataset.jerk_period.min()),
-        Check.holds("At 10 rpm the torque swings once in a turn", "ours",
-                    " and ".join(f"{share:.0%}" for share in dataset.turn_swing.values),
-                    bool((dataset.turn_swing > 0.05).all() and (dataset.turn_swing < 0.15).all())),
+        *(Check.of("measured_drive.half_sum", halves[rpm], expected=x, rpm=rpm) for rpm, x in HALF_SUMS.items()),
+        Check.of("measured_drive.law", f"{rms:.4f} and {worst:.4f} mN m", rms <= 0.045 and worst <= 0.12),
+        Check.of("measured_drive.angles", ratio, expected=1.0),
+        Check.of("measured_drive.separable", lost, "coulomb" in lost and "viscous" in lost),
+        Check.of("measured_drive.falls", f"least at {least:.0f} rpm, rise {rise:.3g} ± {off:.1g}", rise > 4 * off),
+        *(Check.of("measured_drive.frequency", 1 / x, way=way) for way, x in zip(ways, jerks, strict=True)),
+        *(Check.of("measured_drive.stiffness", x, way=way) for way, x in zip(ways, stiffness, strict=True)),
+        Check.of("measured_drive.damping", f"{low:.3g} to {high:.3g} N m s/rad", 0 < low < high),
+        Check.of("measured_drive.swing", f"to {swing:.1%}", swing < 0.1),
+        Check.of("measured_drive.climb", f"{stands:.2f} rpm; {faster:.2f} times as fast", 0.8 < stands < 1.2 < faster),
+        Check.of("measured_drive.rest", f"every {back:.3f} s back, {out:.3f} s outward", out < back < jerks.min()),
+        Check.of("measured_drive.turn", " and ".join(f"{x:.0%}" for x in turns), all(0.05 < x < 0.15 for x in turns)),
         balance_check("jerks at 2 rpm", dataset),
-    ]  # fmt: skip
+    ]
 
 
 def _by_angles(dataset: xr.Dataset) -> np.ndarray:

@@ -128,30 +128,17 @@ def _class_checks(dataset: xr.Dataset, drive: Values, grid: Values) -> list[Chec
     on_edge = {**drive, "friction_coefficient": edge, "nut_inertia": dataset.nut_inertia.values}
     left = float(np.nanmax(np.abs(effective_inertia(on_edge, law=1)) / screw_inertia(on_edge)))
     return [
-        Check.holds(
-            "The class by eigenvalues is kinematic exactly where (8.33) holds",
-            "eq. 8.33",
+        Check.of(
+            "nut_stability.classes",
             f"{wrong} exceptions among {clear.sum()} points, {kinematic.sum()} of them kinematic",
             wrong == 0 and 0 < kinematic.sum() < kinematic.size,
         ),
-        Check.everywhere(
-            "Steady sliding is lost neither by flutter nor by divergence", "Sect. 8.8.2", ~other, "points"
-        ),
-        Check.without_exception(
-            "(8.33) is det M_0 < 0, the printed inertia matrix", "Remark 8.5, eq. 8.33", opposite, clear.sum()
-        ),
-        Check.without_exception(
-            "With damping of screw and nut the real parts of LAPACK's eigenvalues give the same classes",
-            "Sect. 8.8.2, docs/lemmas.md",
-            differ.sum(),
-            part.clear.sum(),
-        ),
-        Check.without_exception(
-            "The boundary in closed form parts the classes at every inertia of the nut", "eq. 8.33", off, clear.sum()
-        ),
-        Check.holds(
-            "On the boundary over the inertia of the nut (8.33) is an equality, to 1e-12 of the effective inertia",
-            "eq. 8.33",
+        Check.everywhere("nut_stability.no_other", ~other, "points"),
+        Check.without_exception("nut_stability.determinant", opposite, clear.sum()),
+        Check.without_exception("nut_stability.damped", differ.sum(), part.clear.sum()),
+        Check.without_exception("nut_stability.boundary", off, clear.sum()),
+        Check.of(
+            "nut_stability.equality",
             f"largest remainder {left:.1e} at {np.isfinite(edge).sum()} of {edge.size} inertias",
             left < 1e-12,
         ),
@@ -165,20 +152,10 @@ def _deflection_checks(p: xr.Dataset) -> list[Check]:
     force, (mu, angle) = p.axial_force / printed_laws.lever(own, 1), (own.friction_coefficient, p.lead_angle)
     turns = float(p.pitch_radius * force * (mu * np.cos(angle) - np.sin(angle)))  # the nut, and brakes the screw
     on_screw = float(-p.coupling_stiffness * p.steady_deflection - p.support_damping * p.input_speed)
-    left = [abs(on_screw - sign * printed_moment) / turns for sign in (1, -1)]  # k_2 θ_20 = ± r_m ξ_0 R
+    plus, minus = (abs(on_screw - sign * printed_moment) / turns for sign in (1, -1))  # k_2 θ_20 = ± r_m ξ_0 R
     return [
-        Check.exact(
-            "Torque of the coupling at the deflection θ_0 over that of the threads",
-            "Sect. 8.8.2",
-            1.0,
-            on_screw / turns,
-        ),
-        Check.holds(
-            "The torques on screw and nut balance with θ_20 > 0, not with the sign as printed",
-            "Sect. 8.8.2",
-            f"remainder {left[0]:.1e} and {left[1]:.3g} of r_m ξ_0 R",
-            left[0] < 1e-12 < left[1],
-        ),
+        Check.of("nut_stability.deflection", on_screw / turns, expected=1.0),
+        Check.of("nut_stability.balance", f"remainder {plus:.1e} and {minus:.3g} of r_m ξ_0 R", plus < 1e-12 < minus),
     ]
 
 
@@ -188,24 +165,10 @@ def _critical_mass_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
     own, theirs = dataset.critical_mass_with_nut.values, dataset.critical_mass_with_nut_by_eigenvalues.values
     factor = own / rigid * (drive["screw_inertia"] + inertia) / inertia
     return [
-        Check.exact(
-            "Critical mass over that of the rigid drive times I_2 / (I + I_2), worst inertia of the nut",
-            "Remark 8.6",
-            1.0,
-            factor,
-        ),
-        Check.within(
-            "Critical mass by eigenvalues over that in closed form, worst inertia of the nut",
-            "eq. 8.33",
-            1.0,
-            float((theirs / own)[np.argmax(np.abs(theirs / own - 1))]),
-            1e-9,
-            "1",
-            "an eigenvalue that passes through zero, in doubles",
-        ),
-        Check.holds(
-            "A nut that turns lowers the critical mass, the more the lighter it is; a heavy one hardly, less than 1%",
-            "Remark 8.6",
+        Check.of("nut_stability.lowered", factor, expected=1.0),
+        Check.of("nut_stability.eigenvalues", theirs / own, expected=1.0),
+        Check.of(
+            "nut_stability.light",
             f"from {own[0]:.3g} kg to {own[-1]:.5g} kg, rigid {rigid:.5g} kg",
             bool((np.diff(own) > 0).all()) and own[-1] < rigid < own[-1] * (1 + 0.01),
         ),

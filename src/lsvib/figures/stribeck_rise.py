@@ -128,33 +128,33 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         named(dataset.attractor, f"{name} cycle")[k] for k, name in enumerate(("stick slip", "sprag slip"))
     )
     amplitude, period = dataset.amplitude.values, dataset.period.values
+    slow, steady = dataset.slow_critical_mass.values, dataset.steady_critical_mass.values
+    onset, stick = dataset.onset_force.values, dataset.stick_force.values
     return [
-        Check.printed("Critical mass without a rise", chapter.THRESHOLDS["critical_mass"], exact),
-        *(
-            Check.printed(f"{name.replace('_', ' ').capitalize()} without a rise", chapter.THRESHOLDS[name],
-                          float(first[name]))
-            for name in _FORCES
+        Check.of(chapter.THRESHOLDS["critical_mass"], exact, note="without a rise"),
+        *(Check.of(chapter.THRESHOLDS[name], first[name], note="without a rise") for name in _FORCES),
+        Check.of(
+            "stribeck_rise.critical_mass",
+            f"{exact:.4g} kg to {slow[-1]:.4g} kg, steady {steady[-1]:.4g} kg",
+            (np.diff(slow) < 0).all() and slow[-1] < limit + 0.5 * exact and np.ptp(steady) < 1e-3 * exact,
         ),
-        Check.holds("The rise lowers the critical mass of slow sliding, and not that of steady sliding", "eq. 8.20",
-                    f"{exact:.4g} kg to {float(dataset.slow_critical_mass[-1]):.4g} kg, steady "
-                    f"{float(dataset.steady_critical_mass[-1]):.4g} kg",
-                    (np.diff(dataset.slow_critical_mass) < 0).all()
-                    and float(dataset.slow_critical_mass[-1]) < limit + 0.5 * exact
-                    and np.ptp(dataset.steady_critical_mass.values) < 1e-3 * exact),
-        Check.holds("The rise leaves the onset force and lowers the force from which the cycle rests", "ours",
-                    f"stick force {float(dataset.stick_force[0]):.4g} N to {float(dataset.stick_force[-1]):.4g} N",
-                    np.ptp(dataset.onset_force.values) < 1e-2 * float(dataset.onset_force[0])
-                    and (np.diff(dataset.stick_force) < 0).all()),
-        Check.holds("Without static friction above the kinetic one the slow drive slides steadily, with it it sticks "
-                    "and slips, with an amplitude and a period that grow", "ours",
-                    f"amplitude {amplitude[0].max():.3g} rad, period {period[0][slips].max():.3g} s",
-                    not slips[0] and slips[1:].all() and (np.diff(amplitude[0][1:]) > 0).all()
-                    and (np.diff(period[0][1:]) > 0).all()),
+        Check.of(
+            "stribeck_rise.forces",
+            f"stick force {stick[0]:.4g} N to {stick[-1]:.4g} N",
+            np.ptp(onset) < 1e-2 * onset[0] and (np.diff(stick) < 0).all(),
+        ),
+        Check.of(
+            "stribeck_rise.slow_drive",
+            f"amplitude {amplitude[0].max():.3g} rad, period {period[0][slips].max():.3g} s",
+            not slips[0] and slips[1:].all() and (np.diff([amplitude[0][1:], period[0][1:]]) > 0).all(),
+        ),
         balance_check("each cycle", dataset),
-        Check.holds("The sprag-slip cycle stays one under static friction, and grows with it", "Fig. 8.9, ours",
-                    f"amplitude {amplitude[1].min():.4g} to {amplitude[1].max():.4g} rad",
-                    sprags.all() and (np.diff(amplitude[1]) >= -1e-12).all() and amplitude[1][-1] > amplitude[1][0]),
-    ]  # fmt: skip
+        Check.of(
+            "stribeck_rise.sprag_slip",
+            f"amplitude {amplitude[1].min():.4g} to {amplitude[1].max():.4g} rad",
+            sprags.all() and (np.diff(amplitude[1]) >= -1e-12).all() and amplitude[1][-1] > amplitude[1][0],
+        ),
+    ]
 
 
 @style.styled

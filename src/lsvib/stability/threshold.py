@@ -249,8 +249,8 @@ def _printed(drive: Drive, name: str, unknown: str, solutions: tuple[ThresholdSo
     """The chapter's number, if it prints one for a drive that has all that the threshold depends on in common."""
     of = {"kinematic_constraint": {"mass": "critical_mass", "friction_coefficient": "critical_friction"}}
     key = of.get(name, {}).get(unknown, f"{name}_force" if unknown == "axial_force" else "")
-    claim = chapter.THRESHOLDS.get(key)
-    if claim is None or drive.parts != (("support",) if "screw_mass" in claim.drive else ()):
+    claim = chapter.claims()[chapter.THRESHOLDS[key]] if key in chapter.THRESHOLDS else None
+    if claim is None or claim.value is None or drive.parts != (("support",) if "screw_mass" in claim.drive else ()):
         return None
     original = chapter.drive_of(claim)
     counts = solutions[0].derivatives if solutions else {}
