@@ -19,6 +19,7 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.fft import next_fast_len
 
 from lsvib.fit.starts import Array, Number, told
 from lsvib.fit.tables import REST, SPIKE, Recording, drifts
@@ -233,8 +234,9 @@ def sawtooth(phase: Array, width: float) -> Array:
 def _smoothed(values: Array, width: float) -> Array:
     """Return Gaussian means along the last axis, of a standard deviation in samples."""
     size, half = values.shape[-1], int(3 * width) + 1
-    weight = np.fft.rfft(np.exp(-0.5 * (np.arange(-half, half + 1) / width) ** 2), size + 2 * half)
-    both = (np.fft.irfft(np.fft.rfft(x, size + 2 * half) * weight, size + 2 * half) for x in (values, np.ones(size)))
+    whole = next_fast_len(size + 2 * half, real=True)
+    weight = np.fft.rfft(np.exp(-0.5 * (np.arange(-half, half + 1) / width) ** 2), whole)
+    both = (np.fft.irfft(np.fft.rfft(x, whole) * weight, whole) for x in (values, np.ones(size)))
     means, ones = (x[..., half : half + size] for x in both)
     return np.asarray(means / ones)
 
