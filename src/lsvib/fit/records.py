@@ -19,7 +19,6 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.fft import next_fast_len
 
 from lsvib.fit.starts import Array, Number, told
 from lsvib.fit.tables import REST, SPIKE, Recording, drifts
@@ -234,7 +233,7 @@ def sawtooth(phase: Array, width: float) -> Array:
 def _smoothed(values: Array, width: float) -> Array:
     """Return Gaussian means along the last axis, of a standard deviation in samples."""
     size, half = values.shape[-1], int(3 * width) + 1
-    whole = next_fast_len(size + 2 * half, real=True)
+    whole = 1 << (size + 2 * half - 1).bit_length()  # a length of many small factors, for speed
     weight = np.fft.rfft(np.exp(-0.5 * (np.arange(-half, half + 1) / width) ** 2), whole)
     both = (np.fft.irfft(np.fft.rfft(x, whole) * weight, whole) for x in (values, np.ones(size)))
     means, ones = (x[..., half : half + size] for x in both)

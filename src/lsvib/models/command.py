@@ -5,16 +5,17 @@ more state (:mod:`lsvib.models.mechanism`). The pieces of one automaton follow e
 them, and the end of a piece is an event like any other.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, ValidationError
 
 from lsvib.errors import InputError
-from lsvib.models.drive import Number
+from lsvib.models.drive import Number, sentence_about
 from lsvib.models.names import Event
+from lsvib.numbers import shown
 
 if TYPE_CHECKING:  # a command can be read and refused without the engine
     from lsvib.engine.automaton import Transition
@@ -33,14 +34,26 @@ class Command(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    times: tuple[Number, ...] = Field(min_length=2, max_length=_MOST)
-    speeds: tuple[Number, ...] = Field(min_length=2, max_length=_MOST)
+    times: tuple[Number, ...]
+    speeds: tuple[Number, ...]
+
+    def __init__(self, /, **values: Any) -> None:
+        """Make a command from its keys; raises ``InputError`` in one sentence."""
+        for key in values.keys() & {"times", "speeds"}:
+            if isinstance(values[key], str) or not isinstance(values[key], Iterable):
+                raise InputError(f"command.{key} = {shown(values[key])} is not a list of numbers.")
+        try:
+            super().__init__(**values)
+        except ValidationError as error:
+            raise InputError(f"command: {sentence_about(type(self), error)}") from None
 
     def model_post_init(self, context: Any) -> None:
         """Check what couples times and speeds."""
         times = np.array(self.times)
         if len(self.speeds) != times.size:
             raise InputError(f"command has {times.size} times and {len(self.speeds)} speeds; give one for each.")
+        if not 2 <= times.size <= _MOST:
+            raise InputError(f"command has {times.size} times; the allowed range is 2 <= times <= {_MOST}.")
         if times[0] < 0 or times[-1] > 1e9 or (np.diff(times) < 0).any() or (times[2:] == times[:-2]).any():
             raise InputError("command.times must ascend within 0 <= time <= 1e9 s, with no time more than twice.")
         if np.abs(self.speeds).max() > 1e9:
