@@ -278,10 +278,11 @@ def _fits(base: Array, level: Array, phase: Array, widths: Array) -> Iterator[tu
     for width in widths.tolist():
         ahead, behind = sawtooth(phase + 0.02, width), sawtooth(phase - 0.02, width)
         one, shift = _quick(base, np.stack([sawtooth(phase, width), ahead - behind]))
-        (a, b, c), (p, q) = (one @ one, shift @ shift, one @ shift), (one @ level, shift @ level)
+        pairs = np.stack([one, shift, level])
+        (a, c, p), (_, b, q), (*_, whole) = np.einsum("in,jn->ij", pairs, pairs).tolist()
         height, moved = np.array([b * p - c * q, a * q - c * p]) / max(a * b - c * c, 1e-9 * a * b, 1e-99)
         gain = float(height * p + moved * q) if height > 0 else 0.0
-        yield float(level @ level) - gain, float(max(height, 0)), width
+        yield whole - gain, float(max(height, 0)), width
 
 
 def _slope(torque: Array, teeth: Teeth) -> Number:
