@@ -108,9 +108,10 @@ class DriveMethods(_Base):
         >>> found["stick"].reason
         'the effective damping of law + is not negative, so conditions (8.19) hold for no axial force.'
         """
-        from lsvib.stability.starting import all_thresholds
+        from lsvib.stability.starting import even_speed
+        from lsvib.stability.threshold import all_thresholds
 
-        return all_thresholds(self, unknown)
+        return all_thresholds(self, unknown, even_speed)
 
     def threshold(self, name: str, unknown: str | None = None) -> Threshold:
         """Return a threshold of this drive, solved for one of its parameters, with the derivatives by all others.
@@ -130,9 +131,10 @@ class DriveMethods(_Base):
 
         See also: :meth:`thresholds`.
         """
-        from lsvib.stability.starting import solve_threshold
+        from lsvib.stability.starting import even_speed
+        from lsvib.stability.threshold import solve_threshold
 
-        return solve_threshold(self, name, unknown)
+        return solve_threshold(self, name, unknown, even_speed)
 
     def automaton(self, *, physics: Terms = None, resume: str = "contact_sign") -> "Automaton":
         """Return the hybrid automaton of the drive: modes with linear fields, guards and resets, as tables of numbers.

@@ -55,9 +55,7 @@ class NotQuantity(ValueError):
     """A value is not a quantity of the kind that is needed; the sentence has no name yet."""
 
 
-@cache
-def _registry() -> "pint.UnitRegistry[Any]":
-    return pint.UnitRegistry()
+_registry: Callable[[], "pint.UnitRegistry[Any]"] = cache(pint.UnitRegistry)
 
 
 def quantity(value: Any, *units: str) -> tuple[float, str]:

@@ -82,7 +82,10 @@ def reserves(sheet: Sheet, values: Values, direction: int, speed: Any, force: An
         if sheet.support is not None:
             own_fault = reduce(np.logical_and, [np.real(found[name]) >= 0 for name in names])
         found["thread_contact"] = np.where(own_fault, full, _larger(full, 0 * full))
-    found["negative_damping"] = _unless_undamped(values, by_slope, found["negative_damping"])
+    # Where nothing damps the drive a reserve of damping is at most zero, whatever its two bodies do undamped.
+    dampings = [value for key, value in values.items() if key.endswith("_damping")]
+    nothing, reserve = sum(map(_size, (*dampings, by_slope))) == 0, found["negative_damping"]
+    found["negative_damping"] = np.where(nothing & (np.real(reserve) > 0), 0.0, reserve)
     geometry = (radius, tangent, mechanics.friction_factor(rubs, tangent, 1) + collar)
     of_plus = mechanics.effective_inertia(p["screw_inertia"], mass, *geometry) - p["screw_inertia"]
     fed = mechanics.effective_damping(0.0, p["translation_damping"], *geometry)
@@ -118,13 +121,6 @@ def _as_a_whole(sheet: Sheet, values: Values, p: dict, law: Any, rigid: Values, 
     if sheet.support is None:
         return found
     return found | {"mode_coupling": np.where(coupled, full, _larger(full, 0 * full))}
-
-
-def _unless_undamped(values: Values, by_slope: Any, reserve: Any) -> Any:
-    """A reserve of damping, at most zero where nothing damps the drive, whatever its two bodies do undamped."""
-    dampings = [values[key] for key in values if key.endswith("_damping")]
-    nothing = sum(_size(one) for one in (*dampings, by_slope)) == 0
-    return np.where(nothing & (np.real(reserve) > 0), 0.0, reserve)
 
 
 def _balance(*terms: Any) -> Any:

@@ -214,11 +214,8 @@ def _end_in_words(motion: AssessedMotion, start: str) -> str:
         return f"Of the motion {start} this is known: {moved.reason}"
     if moved.frequency is not None:
         return ""
-    swing = ""
-    if moved.amplitude is not None:
-        swing = f"; in the time shown the load oscillates by ± {shown(moved.amplitude, 'm')}"
     verb = "returns to" if moved.attractor == "steady sliding" else "ends in"
-    return f"{_capital(start)} it {verb} {ATTRACTORS.get(moved.attractor, moved.attractor)}{swing}."
+    return f"{_capital(start)} it {verb} {ATTRACTORS.get(moved.attractor, moved.attractor)}."
 
 
 def _tolerated(motion: AssessedMotion) -> str:

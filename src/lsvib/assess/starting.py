@@ -62,7 +62,8 @@ def starting(sheet: Sheet, values: Values, draws: Iterable[Values], advise: bool
     parts = sheet.parts
     places = [(direction, force) for direction in directions(sheet) for force in _forces(values)]
     low, high = values["speed_low"], values["speed_high"]
-    tried = _speeds(values)
+    beyond = np.geomspace(low / BEYOND, BEYOND * high, _STEPS + 1)
+    tried = np.unique([*beyond[(beyond < low) | (beyond > high)], low, math.sqrt(low * high), high]).tolist()
     window = [speed for speed in tried if low <= speed <= high]
     found = {at: even_from(lambda speed, at=at: evenly(sheet, values, at, speed), tried, high) for at in places}
     often = {at: sum(evenly(sheet, values, at, speed) is False for speed in window) for at in places}
@@ -83,13 +84,6 @@ def starting(sheet: Sheet, values: Values, draws: Iterable[Values], advise: bool
     changes = sorted(_changes(sheet, values, asked) if advise else (), key=lambda row: abs(math.log(row.factor or 1.0)))
     motion = vibration(sheet, values, corner, parts, perturbation=None)
     return Starting(True, corner, even_speed, motion, next(causes, ""), changes, share=1.0)
-
-
-def _speeds(values: Values) -> list[float]:
-    """Speeds of the window [rad/s] and far beyond it, in ascending order."""
-    low, high = values["speed_low"], values["speed_high"]
-    beyond = np.geomspace(low / BEYOND, BEYOND * high, _STEPS + 1)
-    return np.unique([*beyond[(beyond < low) | (beyond > high)], low, math.sqrt(low * high), high]).tolist()
 
 
 def evenly(sheet: Sheet, values: Values, place: Place, speed: float, parts: Parts = ()) -> bool | None:

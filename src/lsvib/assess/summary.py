@@ -86,11 +86,7 @@ def holding(statics: Statics) -> str:
     return f"{text}, unless a brake or the motor holds it: {why}."
 
 
-EFFORTS = {
-    "lifting": "against the load",
-    "lowering": "with the load",
-    "braking": "to brake, where the load turns it",
-}
+EFFORTS = {"lifting": "against the load", "lowering": "with the load", "braking": "to brake, where the load turns it"}
 """What torques are for, the most demanding first."""
 
 

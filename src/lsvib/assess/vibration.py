@@ -153,16 +153,12 @@ def _shown(
         if orbit is None or (off <= 0.05 * np.ptp(ends, axis=1)).all():
             break
         later = dict(zip(names, late[-1].tolist(), strict=True))
-    times = _times(motion, span)
-    states, _ = motion.at(times)
-    return start, span, times, states
-
-
-def _times(motion: Motion, span: float) -> NDArray[np.float64]:
-    """Even times [s], and between two events, however close, twenty and the last before the next: none is missed."""
+    # Between two events, however close, twenty and the last before the next: none is missed.
     ends = np.unique([0.0, *motion.time, span])
     within = np.interp(np.arange(20 * ends.size - 19) / 20, np.arange(ends.size), ends)
-    return np.unique([*np.linspace(0.0, span, _SAMPLES + 1), *within, *np.nextafter(ends[1:], 0.0)])
+    times = np.unique([*np.linspace(0.0, span, _SAMPLES + 1), *within, *np.nextafter(ends[1:], 0.0)])
+    states, _ = motion.at(times)
+    return start, span, times, states
 
 
 def _load_row(drive: Drive, states: tuple[str, ...]) -> NDArray[np.float64]:

@@ -300,10 +300,9 @@ class Page:
 
     def _say_links(self) -> None:
         query = escape(self.view.query(), quote=True)
-        links = [f'<a href="?{query}">link to this view</a>']
-        for name, text in (("scene.yaml", "scene as YAML"), ("motion.nc", "motion as netCDF")):
-            links.append(f'<a href="export/{name}?{query}" download="{name}">{text}</a>')
-        self._say(self._links, " &middot; ".join(links))
+        files = (("scene.yaml", "scene as YAML"), ("motion.nc", "motion as netCDF"))
+        links = [f'<a href="export/{name}?{query}" download="{name}">{text}</a>' for name, text in files]
+        self._say(self._links, " &middot; ".join([f'<a href="?{query}">link to this view</a>', *links]))
 
     def _draw_moment(self) -> None:
         shown = self.shown

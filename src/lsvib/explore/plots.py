@@ -100,10 +100,8 @@ class Plots:
             "x", "y", source=self.sources["points"], marker="marker", size=9, line_color="colour", fill_color="fill",
             **_ABOVE,
         )  # fmt: skip
-        looks = _LOOKS["lines"]
-        for label, colour, dash, width in zip(
-            *(looks[key] for key in ("label", "colour", "dash", "width")), strict=True
-        ):
+        looks = map(_LOOKS["lines"].get, ("label", "colour", "dash", "width"))
+        for label, colour, dash, width in zip(*looks, strict=True):
             # A line of which nothing is seen stands in the legend for each line, which may lie outside the window.
             made.line([math.nan], [math.nan], legend_label=label, color=colour, line_dash=dash, line_width=width)
         made.legend.update(location="top_right", background_fill_alpha=0.6)

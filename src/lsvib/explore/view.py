@@ -88,10 +88,7 @@ class View:
     def of(cls, query: Mapping[str, str]) -> Self:
         """Read a link; raises ``InputError`` in one sentence for a key or value that is not acceptable."""
         given = dict(query)
-        values: dict[str, Any] = {}
-        for key in _NUMBERS:
-            if key in given:
-                values[key] = _number(key, given.pop(key))
+        values: dict[str, Any] = {key: _number(key, given.pop(key)) for key in _NUMBERS if key in given}
         if "over" in given:
             values["over"] = given.pop("over")
         edges = [given.pop(name) for name in _WINDOW if name in given]

@@ -71,8 +71,6 @@ def _box(a: fmpq, b: fmpq) -> arb:
 
 def _over(function: Function, a: fmpq, b: fmpq) -> tuple[arb, arb]:
     """Enclosures of the values and of the derivative between two numbers."""
-    terms = _series(function, arb((a + b) / 2), _ORDER - 1)
-    terms.append(_series(function, _box(a, b), _ORDER)[-1])
-    h = arb(0, arb((b - a) / 2).abs_upper())
-    polynomial = arb_poly(terms)
+    terms = [*_series(function, arb((a + b) / 2), _ORDER - 1), _series(function, _box(a, b), _ORDER)[-1]]
+    h, polynomial = arb(0, arb((b - a) / 2).abs_upper()), arb_poly(terms)
     return polynomial(h), polynomial.derivative()(h)

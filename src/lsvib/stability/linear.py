@@ -128,11 +128,10 @@ def values_of(drive: DriveValues, law: int) -> SimpleNamespace:
 def eigenvalue_pair(inertia: ArrayLike, damping: ArrayLike, stiffness: ArrayLike) -> NDArray[np.complex128]:
     """Eigenvalues of Γ_0 ü + C_0 u̇ + k u = 0 at the origin (8.18), to full precision also where they nearly coincide.
 
-    Arguments: effective inertia Γ_0 [kg m²], effective damping C_0 [N m s/rad], stiffness k [N m/rad]; of any
-    sign; shapes that broadcast. Returns complex numbers [1/s] of the broadcast shape with a last axis of
-    two, in ascending real part, then ascending imaginary part. The larger root is formed without subtraction and the
-    other one from the product k/Γ_0. Where Γ_0 = 0 the motion is of first order: −k/C_0 first, then NaN, as there is no
-    second eigenvalue.
+    Arguments: effective inertia Γ_0 [kg m²], effective damping C_0 [N m s/rad], stiffness k [N m/rad]; of any sign;
+    shapes that broadcast. Returns complex numbers [1/s] of the broadcast shape with a last axis of two, in ascending
+    real part, then ascending imaginary part. The larger root is formed without subtraction and the other one from the
+    product k/Γ_0. Where Γ_0 = 0 the motion is of first order: −k/C_0 first, then NaN, as there is no second eigenvalue.
     """
     gamma, c, k = np.broadcast_arrays(*(np.asarray(v, dtype=np.float64) for v in (inertia, damping, stiffness)))
     # The rounding errors of both products are added back, so nearly equal roots keep their digits.

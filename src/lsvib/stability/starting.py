@@ -25,7 +25,6 @@ from lsvib.models.drive import Drive, once
 from lsvib.models.mechanism import standing_state
 from lsvib.models.model import automaton_of
 from lsvib.results import Threshold, ThresholdSolution
-from lsvib.stability import threshold
 from lsvib.stability.motion_equations import Start
 from lsvib.stability.slip import Slip, SlipDrive
 from lsvib.stability.solve import Singular, samples
@@ -147,13 +146,3 @@ def even_speed(drive: Drive, unknown: str) -> Threshold:
     reason = f"the motion from rest {always} at any {unknown} tried within {span}, all other parameters held."
     how = f"All that motions from rest at {len(known)} values over {span} have found; that is no proof."
     return result(drive, "even_speed", unknown, found, how, reason)
-
-
-def all_thresholds(drive: Drive, unknown: str | None = None) -> dict[str, Threshold]:
-    """Return all thresholds of a drive by name, as :func:`lsvib.stability.threshold.all_thresholds` does."""
-    return threshold.all_thresholds(drive, unknown, even_speed)
-
-
-def solve_threshold(drive: Drive, name: str, unknown: str | None = None) -> Threshold:
-    """Solve any threshold of a drive, as :func:`lsvib.stability.threshold.solve_threshold` does."""
-    return threshold.solve_threshold(drive, name, unknown, even_speed)
