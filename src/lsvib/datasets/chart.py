@@ -103,8 +103,7 @@ class Plane:
     def labels(self, workers: int = 1, progress: numbers.Progress | None = None) -> np.ndarray:
         """Return what the drives of the cells do (rows, columns), a ``Behaviour`` each, int8."""
         axes = {one.name: one.centres().tolist() for one in (self.y, self.x)}
-        found = behaviours(product_of(self.drive, axes), workers, progress)
-        return found.reshape(self.y.count, self.x.count)
+        return behaviours(product_of(self.drive, axes), workers, progress).reshape(self.y.count, self.x.count)
 
     def whole(self, labels: np.ndarray) -> xr.Dataset:
         """Return the chart with the exact curves, from its labels (rows, columns)."""

@@ -19,7 +19,6 @@ import xarray as xr
 from lsvib.errors import InputError, LsvibError
 from lsvib.files import replacing, uninterrupted
 
-_REQUIRED = ("title", "source", "references")
 _UNITS = re.compile(r"1|[A-Za-z]+-?\d*( [A-Za-z]+-?\d*)*")
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _ATTRIBUTE_TYPES = (str, int, float, np.integer, np.floating, np.ndarray, list, tuple)
@@ -36,7 +35,7 @@ def write_dataset(dataset: xr.Dataset, path: str | os.PathLike[str], maker: str 
     breaks one of these rules, ``LsvibError`` if the file cannot be written.
     """
     path = Path(path)
-    for key in _REQUIRED:
+    for key in ("title", "source", "references"):
         if not isinstance(dataset.attrs.get(key), str) or not dataset.attrs[key]:
             raise InputError(f"{path.name}: the global attribute {key} is missing.")
     dataset = dataset.reset_coords([name for name, own in dataset.coords.items() if not own.ndim])

@@ -211,8 +211,7 @@ def map_tile(settings: Mapping[str, Any], item: str, path: str | os.PathLike[str
     grid, mapped = Grid.of(settings["grid"]), mapper_of(settings)
     rows = rows_of(item, grid.y.count)
     found = mapped.cells(grid, rows, quantities=settings["quantities"], workers=workers)
-    tile = frame(mapped, grid).isel({_dimensions(grid)[0]: rows})
-    write_dataset(tile.assign(cells(mapped, grid, found)), path)
+    write_dataset(frame(mapped, grid).isel({_dimensions(grid)[0]: rows}).assign(cells(mapped, grid, found)), path)
 
 
 def gather_map(

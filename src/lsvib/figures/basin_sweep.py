@@ -164,7 +164,6 @@ def _cases(drive: Drive, cases: Sequence[of.Values], maps: xr.Dataset) -> Variab
     changed = tuple(name for name, value in drive if len({value, *(getattr(d, name) for d in drives)}) > 1)
     own = drive_parameters(drives, along=changed, printed=_PRINTED)
     dims, exact = ("case", "resolution"), "fraction of the case's window that steady sliding attracts, exact"
-    cut = "fraction of the cells of the grid that the boundary cuts at most"
     return {
         "case": own.pop("case"),
         **{f"case_{x}": own[x] for x in own if x in changed or x in ("axial_force", "support_damping")},
@@ -176,7 +175,7 @@ def _cases(drive: Drive, cases: Sequence[of.Values], maps: xr.Dataset) -> Variab
         "case_boundary_kind": flagged("case", [b.boundary for b in basins], "what bounds the basin", Boundary),
         "case_fraction": variable("case", [b.fraction(w) for b, w in pairs], "1", exact),
         "grid_fraction": variable(dims, grid, "1", "the same fraction, counted on a grid of starts"),
-        "grid_bound": variable(dims, bound, "1", cut),
+        "grid_bound": variable(dims, bound, "1", "fraction of the cells of the grid that the boundary cuts at most"),
     }
 
 

@@ -41,7 +41,6 @@ _NO_TYPE = {  # complaint of pydantic: what the value should be
     "model_type": "a set of names and values",
     "dict_type": "a set of names and values",
 }
-_ALTERNATIVES = ("number", "axis")  # which of two types a value was taken for; no part of its place
 _IN_ALL = ("work_precision", "stability_sweeps", "ablation")  # benchmarks that a bare snakemake builds, too
 _BENCHMARKS = (*_IN_ALL, "rival_verdicts", "map_precision")
 
@@ -214,7 +213,7 @@ def _sentence(error: ValidationError, place: Sequence[str]) -> str:
     """Return one sentence about the first complaint of pydantic; a misspelt key goes before the one that is missing."""
     first = min(error.errors(), key=lambda found: found["type"] == "missing")
     sort, context = first["type"], first.get("ctx", {})
-    parts = [str(part) for part in first["loc"] if part not in _ALTERNATIVES]
+    parts = [str(part) for part in first["loc"] if part not in ("number", "axis")]  # types tried are no part of a place
     choices = str(context.get("expected", "")).replace("'", "").replace(" or ", ", ")
     path, value = ".".join([*place, *parts]), shown(first["input"])
     if parts and parts[-1] == "[key]":

@@ -138,8 +138,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     axes = figure.add_subplot()
     case = dataset.isel(case=0)
     # Of each motion what comes before the end of the first seizure into which it slips, and its jump.
-    seizures = named(case.event_kind, "seizure") & (case.event_time > 0)
-    end = case.event_time.where(seizures, np.inf).min("event")
+    end = case.event_time.where(named(case.event_kind, "seizure") & (case.event_time > 0), np.inf).min("event")
     kept = {name: case[name].where(case.time <= end) for name in ("angle_deviation", "velocity_deviation")}
     case = case.assign(kept | {"event_kind": case.event_kind.where(case.event_time <= end, -1)})
     u, w = dataset.grid_angle_deviation, dataset.grid_velocity_deviation
@@ -156,8 +155,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     drawing.draw_arrows(axes, case)
     _name_sectors(axes, dataset)
     drawing.label_axes(axes, dataset)
-    patches = drawing.patches(_SECTORS.values(), _HATCH)
-    return style.legend(figure, [axes], 1, patches, "outside right upper")
+    return style.legend(figure, [axes], 1, drawing.patches(_SECTORS.values(), _HATCH), "outside right upper")
 
 
 def _name_sectors(axes: style.Axes, dataset: xr.Dataset) -> None:

@@ -147,8 +147,7 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         close.axvline(meeting, color=style.GREY, linewidth=0.8, linestyle=(0, (6, 2, 1, 2)),
                       label=r"eigenvalues meet, $C_0^2 = 4 k \Gamma_0$")  # fmt: skip
         close.set(xlabel=r"$(m - m_\mathrm{cr}) / m_\mathrm{cr}$ [‰]", xlim=(-16.0, 6.0))
-    words = f"$m_\\mathrm{{cr}}$ = {critical:.3f} kg"
-    panels[0, 1].text(1.07 * critical, 0.85 * 1.15 * largest, words, va="top")
+    panels[0, 1].text(1.07 * critical, 0.85 * 1.15 * largest, f"$m_\\mathrm{{cr}}$ = {critical:.3f} kg", va="top")
     panels[1, 0].set_yscale("symlog", linthresh=100.0)
     panels[1, 1].set_ylim(-1.3 * largest, 1.3 * largest)
     unit = style.unit(dataset.eigenvalue_imaginary_part.attrs["units"])[1:-1]

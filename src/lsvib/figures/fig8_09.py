@@ -33,8 +33,7 @@ class Settings(PhasePlane):
 
 
 def _drives(settings: Values) -> list[Drive]:
-    drive = Drive.of(settings["drive"])
-    return [drive.replace(**changes) for changes in settings["cases"]]
+    return [Drive.of(settings["drive"]).replace(**changes) for changes in settings["cases"]]
 
 
 def analysis(settings: Values) -> xr.Dataset:

@@ -172,8 +172,7 @@ def _cycle_values(drive: Drive, cycle: SteadyState, rigid: SteadyState) -> tuple
     if cycle.orbit is None or rigid.orbit is None:
         return np.nan, np.nan
     low, high = cycle.extremes(cycle.orbit.automaton.observables["normal_force"])
-    scales = (rigid.amplitude, abs(drive.input_speed))
-    return max(-low, high), stiff_limit.distance(cycle.orbit, rigid.orbit, scales)
+    return max(-low, high), stiff_limit.distance(cycle.orbit, rigid.orbit, (rigid.amplitude, abs(drive.input_speed)))
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:

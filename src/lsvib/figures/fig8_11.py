@@ -25,8 +25,7 @@ class Settings(PhasePlane):
 
 def build(settings: Values) -> xr.Dataset:
     """Compute the phase plane for each damping; ``settings``: see ``Settings``."""
-    drive = Drive.of(settings["drive"])
-    drives = [drive.replace(support_damping=c) for c in settings["support_dampings"]]
+    drives = [Drive.of(settings["drive"]).replace(support_damping=c) for c in settings["support_dampings"]]
     return phase_plane.portraits(settings, drives, ("support_damping",), ("Sect. 8.6", "Sect. 8.6.1")).assign_attrs(
         about(__doc__, "exact event-driven motion and its return map", "Sect. 8.6.1, Fig. 8.11")
     )

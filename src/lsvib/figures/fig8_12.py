@@ -60,10 +60,9 @@ def build(settings: Values) -> xr.Dataset:
     found = [[phase_plane.reached(d, start, rule) for d in drives] for rule in RULES]
     values = np.array([[_values(d, steady) for d, steady in zip(drives, row, strict=True)] for row in found])
     dims, resting = ("rule", "support_damping"), "damping below which the screw rests after a seizure"
-    labels = [[steady.label for steady in row] for row in found]
     return xr.Dataset(
         {name: variable(dims, values[..., k], *words) for k, (name, words) in enumerate(_QUANTITIES.items())}
-        | {"attractor": phase_plane.attractors(dims, labels)},
+        | {"attractor": phase_plane.attractors(dims, [[steady.label for steady in row] for row in found])},
         coords={
             **axis("support_damping", damping),
             **phase_plane.rule_coordinate(),

@@ -39,7 +39,6 @@ _NUMBERS = {
     "period": ("s", "period of the steady vibration", "$T$"),
     "period_residual": ("1", "relative change of the section state over a period"),
 }
-_ON_THE_GRID = ("attractor", "largest_deflection", "largest_acceleration")
 _COLOURS = (style.BLUE, style.ORANGE, style.VERMILION, style.GREEN)
 
 
@@ -88,7 +87,7 @@ def _grid(drive: Drive, start: Values, stiffness: np.ndarray, damping: np.ndarra
     ])  # fmt: skip
     dims, turns = ("grid_contact_stiffness", "grid_contact_damping"), "below which the deflection turns positive"
     return {
-        **_table("grid_", dims, _ON_THE_GRID, grid),
+        **_table("grid_", dims, ("attractor", "largest_deflection", "largest_acceleration"), grid),
         "boundary_contact_damping": variable(dims[0], limits, "N s m-1", f"contact damping {turns}", "$c_c$"),
         "boundary_deflection": variable(dims[0], ends, "rad", "largest coupling deflection at that damping", "$z$"),
     }

@@ -105,11 +105,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     # Closer to (8.33) rounding may decide.
     clear = np.abs(effective_inertia(grid, law=1)) > 1e-9 * screw_inertia(grid)
     dataset = dataset.assign(clear=(dataset.stability.dims, clear))
-    return [
-        *_class_checks(dataset, drive, grid),
-        *_critical_mass_checks(dataset, drive),
-        *_deflection_checks(dataset),
-    ]
+    return [*_class_checks(dataset, drive, grid), *_critical_mass_checks(dataset, drive), *_deflection_checks(dataset)]
 
 
 def _class_checks(dataset: xr.Dataset, drive: Values, grid: Values) -> list[Check]:
