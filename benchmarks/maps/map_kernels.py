@@ -14,9 +14,9 @@ from lsvib.engine.kernels.layout import A0, A1, B
 @kernel
 def _enter(tables, scratch, u, w):
     """Put a start into ``scratch``; returns its mode, or −1."""
-    scratch.state[0], scratch.state[1] = u, w
-    scratch.scale[0], scratch.scale[1] = abs(u), abs(w)
-    branch = event_loop.choose_branch(tables, 0, scratch.state, scratch.scale)
+    scratch.now.state[0], scratch.now.state[1] = u, w
+    scratch.now.scale[0], scratch.now.scale[1] = abs(u), abs(w)
+    branch = event_loop.choose_branch(tables, 0, scratch.now.state, scratch.now.scale)
     return tables.branch_mode[branch] if branch >= 0 else -1
 
 
@@ -24,17 +24,17 @@ def _enter(tables, scratch, u, w):
 def _passed(tables, known, guard, scratch):
     """Make the transition of a guard; returns (mode or −1, label or UNKNOWN)."""
     transition = tables.guard_transition[guard]
-    event_loop.apply_reset(tables, transition, scratch.state, scratch.spare)
+    event_loop.apply_reset(tables, transition, scratch.now.state, scratch.room.state)
     for i in range(2):
-        scratch.scale[i] = max(scratch.scale[i], abs(scratch.state[i]))
-    branch = event_loop.choose_branch(tables, transition, scratch.state, scratch.scale)
+        scratch.now.scale[i] = max(scratch.now.scale[i], abs(scratch.now.state[i]))
+    branch = event_loop.choose_branch(tables, transition, scratch.now.state, scratch.now.scale)
     if branch < 0:
         return -1, UNRESOLVED
     mode = tables.branch_mode[branch]
     if known.resting[mode] != UNKNOWN:
         return mode, known.resting[mode]
     surface = known.landing[transition]
-    return mode, look_up(known, mode, surface, scratch.state) if surface >= 0 else UNKNOWN
+    return mode, look_up(known, mode, surface, scratch.now.state) if surface >= 0 else UNKNOWN
 
 
 @kernel
@@ -82,7 +82,7 @@ def _fired(tables, mode, u, w, u_next, w_next):
 
 @kernel
 def _label(tables, known, mode, scratch, step, limit):
-    state, now = scratch.state, 0.0
+    state, now = scratch.now.state, 0.0
     due = _due(tables, mode, state[0], state[1])
     while now < limit:
         guard, u, w = due, state[0], state[1]
@@ -96,8 +96,8 @@ def _label(tables, known, mode, scratch, step, limit):
             state[0], state[1] = u_next, w_next
             now += min(part, 1.0) * step
             if guard >= 0:
-                scratch.scale[0], scratch.scale[1] = abs(u_next), abs(w_next)
-                event_loop.put_on_surface(tables, guard, state, scratch.scale)
+                scratch.now.scale[0], scratch.now.scale[1] = abs(u_next), abs(w_next)
+                event_loop.put_on_surface(tables, guard, state, scratch.now.scale)
         if guard >= 0:
             mode, label = _passed(tables, known, guard, scratch)
             if label != UNKNOWN:

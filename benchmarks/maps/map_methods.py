@@ -27,7 +27,7 @@ class MapMethod:
 def _engine(mapper: PlanarMapper) -> Label:
     tables, known = mapper.automaton.tables, mapper.sections.known
     none = np.empty((0, 0), dtype=np.int8)
-    return lambda x, y, found: labels.map_labels(tables, known, x, y, 0, _BUDGET, found, none)
+    return lambda x, y, found: labels.map_labels(tables, known, labels.Cells(x, y, 0), _BUDGET, found, none)
 
 
 def _stepped(mapper: PlanarMapper, step: float) -> Label:
