@@ -91,9 +91,8 @@ def compared(repeats: int = 2000) -> tuple[float, float]:
                 guard_sums.evaluate(flow, mode, work, guard, 1)
                 change = change or work.values[1, guard, 0] <= 0.0
             if change:
-                return search_modal._earliest(
-                    flow, mode, work, count, 1, a, b, off_surface, search_modal.fastest(flow, mode)
-                )[1]
+                rate = search_modal.fastest(flow, mode)
+                return search_modal._earliest(flow, mode, work, 1, a, b, off_surface, rate)[1]
             a = b
         return a
 

@@ -152,7 +152,7 @@ def automaton_of_parts(drive: Drive, resume: Resume) -> Automaton:
     cannot be separated in double precision.
     """
     with many_digits():
-        return assemble(**_modes(drive, resume).layout())
+        return _modes(drive, resume).automaton()
 
 
 @once
