@@ -191,8 +191,9 @@ def test_an_interrupt_ends_a_command_that_is_deep_in_a_kernel(run, tmp_path):
     (tmp_path / "x.nc").unlink()
     command = [sys.executable, "-m", "lsvib", "simulate", *stiff, "--duration", "1"]
     with subprocess.Popen(
-        [*command, "--out", tmp_path / "x.nc"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    ) as process:
+        [*command, "--out", tmp_path / "x.nc"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # a shell's job in the background ignores it
+    ) as process:  # fmt: skip
         spent, ticks = 0.0, os.sysconf("SC_CLK_TCK")
         while spent < 4.0:  # of processor time: by then it is in the kernel
             time.sleep(0.1)
