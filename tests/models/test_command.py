@@ -130,7 +130,7 @@ def test_a_scene_with_a_command():
         ends[last] = summary(checked, run(checked))
     assert ends[40]["attractor"] == "steady_sliding"
     assert ends[20]["attractor"] == "unresolved"
-    assert "commanded speed" in ends[20]["unresolved_because"]
+    assert "within the duration" in ends[20]["unresolved_because"]
 
 
 @pytest.mark.parametrize(

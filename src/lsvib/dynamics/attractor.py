@@ -67,7 +67,7 @@ class Doubt(StrEnum):
     ACCUMULATION = "events accumulate, and the model does not say what follows"
     RANGE = "motion leaves the range of numbers"
     ENGINE = "no answer of the engine"
-    COMMAND = "the commanded speed does not come to input_speed for good"
+    COMMAND = "the commanded speed does not come to input_speed for good within the duration"
 
     @classmethod
     def of(cls, error: EngineError) -> "Doubt":

@@ -27,7 +27,7 @@ def draw(answer: xr.Dataset | str | os.PathLike[str]) -> style.Figure:
     Arguments: the dataset of a motion, a sweep over one or two parameters, a branch of cycles, a map of starts or a
     chart, or the path of a file that holds one.
 
-    Returns a figure of matplotlib, seven inches wide. Raises ``InputError`` for anything else.
+    Returns a figure of matplotlib, two columns wide (7.2 inches). Raises ``InputError`` for anything else.
 
     >>> motion = lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10).simulate({"u": 0.1, "w": 0}, 0.1)
     >>> figure = lsvib.draw(motion)  # figure.savefig("motion.pdf") writes it
@@ -69,23 +69,23 @@ def _motion(dataset: xr.Dataset) -> style.Figure:
     panels = figure.subplots(1 + len(others), 1, sharex=True, squeeze=False)[:, 0]
     command = dataset["commanded_speed"] if "commanded_speed" in dataset else xr.full_like(time, turning)
     panels[0].plot(time, command, **style.PRINTED, label="command")
+    mode = dataset["mode"]
+    rests = named(mode, *(word for word in flag_names(mode).values() if word.startswith("rest")))
     for axes, values in zip(panels, [speed, *others], strict=True):
         axes.plot(time, values, color=style.BLUE)
         axes.set_xlim(time[0], time[-1])
         _name(axes, values)
-        axes.fill_between(
-            time, 0, 1, where=_rests(dataset), transform=axes.get_xaxis_transform(), step="post",
-            color=style.GREEN, alpha=0.15, linewidth=0, label="rest",
-        )  # fmt: skip
+        if rests.any():
+            axes.fill_between(
+                time, 0, 1, where=rests, transform=axes.get_xaxis_transform(), step="post", color=style.GREEN,
+                alpha=0.15, linewidth=0, label="rest",
+            )  # fmt: skip
     seized = dataset.event_time.values[named(dataset.event_kind, "seizure")]
-    panels[0].plot(seized, np.zeros(seized.size), "v", color=style.VERMILION, markersize=3.2, label="seizure")
+    if seized.size:
+        panels[0].plot(seized, np.zeros(seized.size), "v", color=style.VERMILION, markersize=3.2, label="seizure")
     panels[-1].set_xlabel(style.label(time))
     figure.align_ylabels(panels)
     return style.legend(figure, panels[:1], 3)
-
-
-def _rests(dataset: xr.Dataset) -> np.ndarray:
-    return named(dataset["mode"], *(word for word in flag_names(dataset["mode"]).values() if word.startswith("rest")))
 
 
 def _name(axes: style.Axes, values: xr.DataArray) -> None:

@@ -42,9 +42,8 @@ def told(speed: Array, torque: Array, step: float, averaging: float | None) -> t
 
     ``step``: the interval of the samples [s]; ``averaging``: over which time each stands, None where it is unknown.
     """
-    rounded = float(
-        np.diff(np.unique(speed)).min(initial=np.ptp(speed))
-    )  # a slow speed's rounding does not average out
+    # The rounding of a slow speed does not average out.
+    rounded = float(np.diff(np.unique(speed)).min(initial=np.ptp(speed)))
     found, why = _of_ramps(speed, torque, step, averaging or 0.0, rounded)
     said = [f"no inertia is told, as {why}."] if why else []
     rests = np.abs(speed) < REST * np.abs(speed).max()
