@@ -1,8 +1,8 @@
 """A commanded speed that changes with time, straight between given points: ramps, stays, and jumps.
 
 In each piece Ω(t) = Ω_0 + α t by a clock that begins anew, so that the equations are those of a constant command with
-time as one more state (:mod:`lsvib.models.mechanism`). The pieces of one automaton follow each other: a mode has a copy in each of
-them, and the end of a piece is an event like any other.
+time as one more state (:mod:`lsvib.models.mechanism`). The pieces of one automaton follow each other: a mode has a copy
+in each of them, and the end of a piece is an event like any other.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
