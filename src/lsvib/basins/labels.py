@@ -65,7 +65,7 @@ class Sections:
         self._absorbed: list[int] = []  # and their labels
         self._work = self._limit = 0.0
         self._symbols = np.empty(_SYMBOLS, dtype=np.int64)
-        sections, releases = _find_sections(automaton, self.known), _releases(automaton, self.known)
+        sections, releases = find_sections(automaton, self.known), _releases(automaton, self.known)
         if automaton.contracts:  # all motions have one attractor
             rests = self.known.resting != UNKNOWN
             label = int(self.known.settled[~rests][0])
@@ -178,7 +178,7 @@ class Sections:
         orbit = found.orbit
         if orbit.time.size and (self.known.resting[orbit.arcs()[0]] == UNKNOWN).all():
             near = _ON_CYCLE * np.abs(orbit.after).max(axis=0)
-            for section in _find_sections(self.automaton, self.known):
+            for section in find_sections(self.automaton, self.known):
                 points = orbit.after[orbit.mode == section.mode]
                 gaps = [np.abs(self._point(section, x[section.free]) - x) for x in points]
                 visits = [x[section.free] for x, gap in zip(points, gaps, strict=True) if (gap <= near).all()]
@@ -261,7 +261,7 @@ def _nothing_known(automaton: Automaton, size: np.ndarray) -> Known:
     slip = np.where(alpha > 0, Attractor.STEADY_SLIDING, np.where(alpha < 0, Attractor.UNBOUNDED, undamped))
     turns = np.minimum(-2 * np.pi * alpha / np.where(beta > 0, beta, 1.0), flow_planar.OVERFLOW)
     return Known(
-        landing=_landings(automaton, rests),
+        landing=landings(automaton, rests),
         free=1 - tables.snap,
         first=np.zeros((modes, surfaces), dtype=np.int64),
         last=np.zeros((modes, surfaces), dtype=np.int64),
@@ -282,7 +282,7 @@ def _nothing_known(automaton: Automaton, size: np.ndarray) -> Known:
     )
 
 
-def _landings(automaton: Automaton, rests: np.ndarray) -> np.ndarray:
+def landings(automaton: Automaton, rests: np.ndarray) -> np.ndarray:
     """The surface on which each transition leaves the state; −1 for the entry and on release, which is at a corner."""
     tables = automaton.tables
     landing = np.full(tables.transition_reset.size, -1, dtype=np.int64)
@@ -318,7 +318,7 @@ def _trap(automaton: Automaton, mode: int, size: np.ndarray) -> tuple[float, flo
         return kappa**2, radius**2, max(radius, _ON_CYCLE * size[1]) ** 2
 
 
-def _find_sections(automaton: Automaton, known: Known) -> list[Section]:
+def find_sections(automaton: Automaton, known: Known) -> list[Section]:
     """Return the modes of slip with the surfaces on which events enter them."""
     tables, found = automaton.tables, set()
     for transition in np.flatnonzero(known.landing >= 0):

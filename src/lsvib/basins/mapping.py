@@ -9,7 +9,9 @@ from lsvib.models.model import model_of
 
 
 def mapper(drive: Drive, physics: Sequence[str] | None = None) -> Mapper:
-    """Return the mapper of a drive: a ``PlanarMapper`` for a rigid drive with linear modes, else a ``StateMapper``.
+    """Return the mapper of a drive: for a rigid one a ``PlanarMapper`` or, under a friction law, a ``LawMapper``.
+
+    For any other drive it is a ``StateMapper``.
 
     Arguments: drive; ``physics`` as in a scene. Raises ``InputError``.
 
@@ -26,6 +28,10 @@ def mapper(drive: Drive, physics: Sequence[str] | None = None) -> Mapper:
         from lsvib.basins.labels import PlanarMapper  # each with kernels of its own
 
         return PlanarMapper(drive, physics)
+    if drive.rigid:
+        from lsvib.basins.law_mapper import LawMapper
+
+        return LawMapper(drive, physics)
     from lsvib.basins.slice_mapper import StateMapper
 
     return StateMapper(drive, physics)

@@ -60,15 +60,18 @@ class StateMapper(Mapper):
         Coordinates that are neither axes nor fixed have the values of steady sliding, such as a seated contact.
         """
         for i, j in np.ndindex(y.size, x.size):
-            values = {**grid.fixed, grid.x.coordinate: float(x[j]), grid.y.coordinate: float(y[i])}
-            state = self.definition.initial_state(self.drive, values)
-            try:
-                # Each event takes some microseconds.
-                end, course = end_of_motion(self.automaton, state, max_events=700_000, known=self._known)
-                label, doubt, sprags, first = end.label, end.doubt, course.sprags, course.first_event
-                time = np.inf if doubt is not None or label == Attractor.UNBOUNDED else course.time
-            except EngineError as error:  # no mode fits the start
-                label, doubt, time, sprags, first = Attractor.UNRESOLVED, Doubt.of(error), np.inf, 0, -1
-            code = NO_DOUBT if doubt is None else list(Doubt).index(doubt)
-            for array, value in zip(found.values(), (label, time, sprags, first, code), strict=True):
-                array[i, j] = value
+            self.follow(found, grid, i, j, float(x[j]), float(y[i]))
+
+    def follow(self, found: Mapping[str, np.ndarray], grid: Grid, i: int, j: int, x: float, y: float) -> None:
+        """Fill the cell (i, j), at ``x`` and ``y``, by the one rule."""
+        state = self.definition.initial_state(self.drive, {**grid.fixed, grid.x.coordinate: x, grid.y.coordinate: y})
+        try:
+            # Each event takes some microseconds.
+            end, course = end_of_motion(self.automaton, state, max_events=700_000, known=self._known)
+            label, doubt, sprags, first = end.label, end.doubt, course.sprags, course.first_event
+            time = np.inf if doubt is not None or label == Attractor.UNBOUNDED else course.time
+        except EngineError as error:  # no mode fits the start
+            label, doubt, time, sprags, first = Attractor.UNRESOLVED, Doubt.of(error), np.inf, 0, -1
+        code = NO_DOUBT if doubt is None else list(Doubt).index(doubt)
+        for array, value in zip(found.values(), (label, time, sprags, first, code), strict=True):
+            array[i, j] = value

@@ -264,7 +264,7 @@ def put_on(tables, surface, state):
 
 
 @kernel
-def _signs(tables, transition, state, scale):
+def signs(tables, transition, state, scale):
     """The signs of all conditions of a transition at a state, as a number in base three."""
     number = 0
     for k in range(
@@ -301,7 +301,7 @@ def itinerary(tables, known, absorbing, mode, state, symbols):
             code = UNDETERMINED
             break
         transition = tables.guard_transition[guard]
-        number = _signs(tables, transition, scratch.now.state, scratch.now.scale)
+        number = signs(tables, transition, scratch.now.state, scratch.now.scale)
         symbols[count] = (number * tables.guard_sign.size + guard) * 2 + (stay == 0.0)
         count += 1
         surface = known.landing[transition]

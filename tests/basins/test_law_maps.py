@@ -1,0 +1,86 @@
+"""Maps of two-state drives under friction laws: what intervals of sections say, against the rule for each motion."""
+
+import numpy as np
+import pytest
+
+import lsvib
+from lsvib.basins.grid import Axis, Grid
+from lsvib.basins.mapping import mapper
+from lsvib.basins.slice_mapper import StateMapper
+from lsvib.dynamics.attractor import Attractor
+
+SEAT = {"stribeck_rise": 0.0203, "stribeck_speed": 0.013704, "friction_slope": -0.08588598956673593}
+LAWS = {  # with what motions of each end in
+    "seat": (SEAT | {"mass": 5, "support_damping": 6e-4, "axial_force": 90, "input_speed": 8}, {0, 1}),
+    "paradox": (SEAT | {"mass": 9, "support_damping": 2e-4, "axial_force": 15, "input_speed": 40}, {0, 2}),
+    "band": (SEAT | {"mass": 11, "support_damping": 2e-4, "axial_force": -20, "input_speed": 20}, {0, 2}),
+    "backwards": (SEAT | {"mass": 11, "support_damping": 2e-4, "axial_force": 15, "input_speed": -20}, {0, 2}),
+    "no rest": (SEAT | {"mass": 11, "support_damping": 1.5e-3, "axial_force": 90, "input_speed": 8}, {2}),
+    "rise": (
+        {"stribeck_rise": 0.05, "stribeck_speed": 0.05, "mass": 5, "support_damping": 3e-4, "axial_force": 30}
+        | {"input_speed": 20},
+        {0},
+    ),
+    "slope": ({"friction_slope": -0.05, "mass": 5, "support_damping": 1e-3, "axial_force": 60}, {0}),
+    "static": (
+        {"static_friction_coefficient": 0.26, "stribeck_rise": 0.02, "stribeck_speed": 0.02, "mass": 5}
+        | {"support_damping": 3e-4, "axial_force": 60, "input_speed": 10},
+        {0, 1},
+    ),
+}
+
+
+def differences(name, count, cells):
+    """Return how many labels of random cells, and of cells beside boundaries, differ from those of the rule."""
+    keys, ends = LAWS[name]
+    drive = lsvib.Drive(**keys)
+    mapped = mapper(drive)
+    rule = StateMapper(drive, mapped.physics)
+    speed = abs(drive.input_speed)
+    angle = 8 * speed * (drive.screw_inertia / drive.coupling_stiffness) ** 0.5
+    grid = Grid(Axis("u", -angle, angle, count), Axis("w", -6 * speed, 6 * speed, count))
+    found = mapped.cells(grid, quantities=("label", "first_event"), workers=2)
+    labels = found["label"]
+    assert set(np.unique(labels)) == ends
+    beside = np.zeros_like(labels, dtype=bool)
+    for axis in (0, 1):
+        changes = np.diff(labels, axis=axis) != 0
+        beside |= np.insert(changes, 0, False, axis=axis) | np.insert(changes, count - 1, False, axis=axis)
+    rng = np.random.default_rng(5)
+    chosen = rng.permutation(np.argwhere(beside))[: cells // 10].tolist() + rng.integers(0, count, (cells, 2)).tolist()
+    wrong = 0
+    for i, j in chosen:
+        one = rule.cells(grid, slice(i, i + 1), slice(j, j + 1), ("label", "first_event"))
+        wrong += any(one[key][0, 0] != found[key][i, j] for key in one)
+    return wrong
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_labels_against_the_rule(name):
+    assert differences(name, 100, 60) == 0
+
+
+@pytest.mark.search
+@pytest.mark.parametrize("name", LAWS)
+def test_many_labels_against_the_rule(name):
+    assert differences(name, 500, 10_000) == 0
+
+
+def test_a_start_at_rest_and_cells_one_by_one():
+    drive = lsvib.Drive(**LAWS["seat"][0])
+    mapped, rule = mapper(drive), drive.steady_state
+    grid = Grid(Axis("u", -0.03, 0.03, 4), Axis("w", -16.0, 0.0, 1))  # θ′ = 0 in the middle of the row
+    found = mapped.cells(grid, quantities=("label",))["label"][0]
+    assert [rule({"u": u, "w": -8.0}).label for u in grid.x.centres()] == found.tolist()
+    assert mapped.cells(grid, columns=slice(2, 3), quantities=("label",))["label"][0, 0] == found[2]
+
+
+def test_times_are_those_of_the_motions():
+    drive = lsvib.Drive(**LAWS["seat"][0])
+    mapped = mapper(drive)
+    grid = Grid(Axis("u", -0.03, 0.03, 3), Axis("w", -20, 20, 2))
+    found = mapped.cells(grid, quantities=("label", "time", "doubt"))
+    rule = StateMapper(drive, mapped.physics).cells(grid, quantities=("label", "time", "doubt"))
+    for name, array in found.items():
+        assert array.tobytes() == rule[name].tobytes()
+    assert Attractor.UNRESOLVED not in found["label"]
