@@ -4,8 +4,6 @@ Neighbours separate by y′ = (P + η d qᵀ + q₀ (dη/dσ) d σᵀ) y along t
 each step of :mod:`lsvib.engine.kernels.flow_taylor`; so is y.
 """
 
-import math
-
 import numpy as np
 
 from lsvib.engine.kernels.flow_taylor import (
@@ -23,6 +21,7 @@ from lsvib.engine.kernels.flow_taylor import (
     expand,
     find_share,
     go_on,
+    law_at,
     note_sizes,
     piece_at,
     product,
@@ -31,24 +30,7 @@ from lsvib.engine.kernels.flow_taylor import (
     value_at,
 )
 from lsvib.engine.kernels.jit import allocating_kernel, inlined_kernel, kernel
-from lsvib.engine.kernels.layout import CONSTANT, EXPONENT, FADE, LINEAR, ORDER, RISE
-
-
-@inlined_kernel
-def law_at(flow, mode, piece, state):
-    """Return μ and dμ/dσ at a state on a piece of the law."""
-    row, law, n = flow.speed[mode], flow.pieces[piece], state.size
-    sigma = row[n]
-    for i in range(n):
-        sigma += row[i] * state[i]
-    value, slope = law[CONSTANT] + law[LINEAR] * sigma, law[LINEAR]
-    if law[RISE] != 0.0:
-        ratio = law[FADE] * sigma
-        linear = law[EXPONENT] == 1.0
-        decay = law[RISE] * math.exp(-(ratio if linear else ratio * ratio))
-        value += decay
-        slope -= decay * law[FADE] * (1.0 if linear else 2.0 * ratio)
-    return value, slope
+from lsvib.engine.kernels.layout import EXPONENT, FADE, LINEAR, ORDER, RISE
 
 
 @kernel
@@ -62,7 +44,10 @@ def field(flow, mode, state, rate, size):
         for i in range(n):
             force += row[i] * state[i]
             force_size += abs(row[i] * state[i])
-        mu, _ = law_at(flow, mode, piece, state)
+        sigma = flow.speed[mode, n]
+        for i in range(n):
+            sigma += flow.speed[mode, i] * state[i]
+        mu, _ = law_at(flow.pieces[piece], sigma)
         share = mu / (1.0 + flow.feedback[mode] * mu)
     for i in range(n):
         rate[i] = flow.field[mode, i, n] + flow.push[mode, i] * share * force

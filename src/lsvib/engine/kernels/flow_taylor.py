@@ -18,7 +18,9 @@ from lsvib.engine.kernels.flow_planar import EPS, ROUNDING
 from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, inlined_kernel, kernel
 from lsvib.engine.kernels.layout import CONSTANT, EXPONENT, FADE, FROM, LINEAR, ORDER, RISE, TO
 
-_INVERSE = np.concatenate([[0.0], 1 / np.arange(1.0, ORDER + 1)])  # of an order; a product takes less than a quotient
+_ORDERS = np.arange(ORDER + 1.0)
+_INVERSE = np.concatenate([[0.0], 1 / _ORDERS[1:]])  # a product takes less than a quotient
+_ONE, _TWO = np.uint64(1), np.uint64(2)
 TAIL = 0.5 * EPS  # size of the last terms of a series over that of a coordinate
 NOTHING = 45.0  # (fade σ)^exponent of a decay that is below the rounding of a coefficient of friction
 # Rows of series beside those of the state.
@@ -32,7 +34,8 @@ class Series(NamedTuple):
     """
 
     state: np.ndarray  # (n, ORDER + 1)
-    parts: np.ndarray  # (10, ORDER + 1) σ, exponent, exponential, μ, η, q, q dη/dσ, and room for these
+    parts: np.ndarray  # (10, ORDER + 1) σ, exponential, μ, η, q, q dη/dσ, and room for these
+    matrix: np.ndarray  # (n, n) of the linear field at the start of the step
     here: np.ndarray  # (n,) the state at the start of the step
     sizes: np.ndarray  # (n,) sizes of the terms that the state was summed from, the largest of all steps so far
     spans: np.ndarray  # (n, 2) least and largest changes of the state on the step
@@ -50,6 +53,7 @@ def series_for(n):
     return Series(
         np.empty((n, ORDER + 1)),
         np.empty((10, ORDER + 1)),
+        np.empty((n, n)),
         np.empty(n),
         np.empty(n),
         np.empty((n, 2)),
@@ -63,20 +67,44 @@ def series_for(n):
 
 
 @inlined_kernel
-def product(a, b, first, k):
-    """Return Σ a_i b_{k−i} over i from ``first`` to k; in four sums, which a processor adds up side by side."""
+def _between(a, b, k):
+    """Return Σ a_i b_{k−i} over i from 1 to k − 1; in two sums, which a processor adds up side by side.
+
+    Indices have no sign here: for each that has one it is asked whether it counts from the end of the array.
+    """
+    one = two = 0.0
+    i = _ONE
+    while i + _ONE < k:
+        one += a[i] * b[k - i]
+        two += a[i + _ONE] * b[k - i - _ONE]
+        i += _TWO
+    if i < k:
+        one += a[i] * b[k - i]
+    return one + two
+
+
+@inlined_kernel
+def _two_between(a, b, c, d, k):
+    """Return two sums as of :func:`_between`, of a and b and of c and d, by one loop."""
     one = two = three = four = 0.0
-    i = first
-    while i + 2 < k:
+    i = _ONE
+    while i + _ONE < k:
         one += a[i] * b[k - i]
-        two += a[i + 1] * b[k - i - 1]
-        three += a[i + 2] * b[k - i - 2]
-        four += a[i + 3] * b[k - i - 3]
-        i += 4
-    while i <= k:
+        two += a[i + _ONE] * b[k - i - _ONE]
+        three += c[i] * d[k - i]
+        four += c[i + _ONE] * d[k - i - _ONE]
+        i += _TWO
+    if i < k:
         one += a[i] * b[k - i]
-        i += 1
-    return (one + two) + (three + four)
+        three += c[i] * d[k - i]
+    return one + two, three + four
+
+
+@inlined_kernel
+def product(a, b, first, k):
+    """Return Σ a_i b_{k−i} over i from ``first``, 0 or 1, to k."""
+    total = a[0] * b[k] if first == 0 else 0.0
+    return total + (_between(a, b, np.uint64(k)) + a[k] * b[0]) if k > 0 else total
 
 
 @inlined_kernel
@@ -90,43 +118,100 @@ def _affine(row, state, k):
 
 
 @inlined_kernel
-def _law(law, parts, k):
-    """Write the k-th coefficient of μ from those of σ so far."""
-    sigma, power, decay = parts[SIGMA], parts[POWER], parts[DECAY]
-    value = law[LINEAR] * sigma[k] + (law[CONSTANT] if k == 0 else 0.0)
-    if law[RISE] != 0.0:
-        fade = law[FADE]
-        power[k] = -fade * (sigma[k] if law[EXPONENT] == 1.0 else fade * product(sigma, sigma, 0, k))
-        if k == 0:
-            decay[0] = math.exp(power[0])
-        else:
-            parts[RATE, k] = k * power[k]
-            decay[k] = product(parts[RATE], decay, 1, k) * _INVERSE[k]
-        value += law[RISE] * decay[k]
-    parts[MU, k] = value
+def decay_at(law, sigma):
+    """Return the exponential of a piece of the law at a sliding speed [m/s], and its logarithmic derivative [s/m]."""
+    ratio = law[FADE] * sigma
+    if law[EXPONENT] == 1.0:
+        return math.exp(-ratio), -law[FADE]
+    return math.exp(-ratio * ratio), -2.0 * law[FADE] * ratio
+
+
+@inlined_kernel
+def law_at(law, sigma):
+    """Return μ and μ′ [s/m] of a piece of the law at a sliding speed [m/s]."""
+    decay, falls = decay_at(law, sigma)
+    return law[CONSTANT] + law[LINEAR] * sigma + law[RISE] * decay, law[LINEAR] + law[RISE] * falls * decay
+
+
+@kernel
+def _begin_force(flow, mode, piece, series):
+    """Write the first coefficients of μ and of the force η q, and the matrix of the linear field at the start.
+
+    Returns the force, η over μ, μ′ [s/m], the logarithmic derivative of the exponential [s/m].
+    """
+    parts, matrix, n = series.parts, series.matrix, series.here.size
+    for i in range(n):
+        for j in range(n):
+            matrix[i, j] = flow.field[mode, i, j]
+    if piece < 0:
+        return 0.0, 0.0, 0.0, 0.0
+    law, speed, contact, push = flow.pieces[piece], flow.speed[mode], flow.contact[mode], flow.push[mode]
+    sigma, pressed = _affine(speed, series.state, 0), _affine(contact, series.state, 0)
+    (mu, slope), (decay, falls) = law_at(law, sigma), decay_at(law, sigma)
+    share = 1.0 / (1.0 + flow.feedback[mode] * mu)
+    force = share * mu * pressed
+    rest = pressed - flow.feedback[mode] * force
+    parts[SIGMA, 0], parts[DECAY, 0], parts[MU, 0], parts[CONTACT, 0], parts[REST, 0] = sigma, decay, mu, pressed, rest
+    for j in range(n):
+        of_state = share * (mu * contact[j] + rest * slope * speed[j])
+        for i in range(n):
+            matrix[i, j] += push[i] * of_state
+    return force, share, slope, falls
+
+
+@inlined_kernel
+def _expand(flow, mode, piece, series, order, n):
+    """Write the series of the state from ``series.here`` in a mode to an order; ``piece`` of the law, −1 for none.
+
+    The force f = η q follows from (1 + B μ) f = μ q with a single product of series, of μ with q − B f. In the
+    coefficient of each order those of the state count as in the linear field at the start, and what else there is are
+    products of earlier ones, which a processor makes while it waits for them.
+    """
+    x, parts, unit, matrix = series.state, series.parts, series.unit[0], series.matrix
+    sigma, decay, rate, mu, rest = parts[SIGMA], parts[DECAY], parts[RATE], parts[MU], parts[REST]
+    law, speed, contact = flow.pieces[max(piece, 0)], flow.speed[mode], flow.contact[mode]
+    push, feedback, left, bent, late = flow.push[mode], flow.feedback[mode], 0.0, 0.0, 0.0
+    for i in range(n):
+        x[i, 0] = series.here[i]
+    force, share, slope, falls = _begin_force(flow, mode, piece, series)
+    for i in range(n):
+        x[i, 1] = unit * (_affine(flow.field[mode, i], x, 0) + push[i] * force)
+    k = _ONE
+    while k < np.uint64(order):
+        if piece >= 0:
+            if law[RISE] != 0.0:
+                bent = 0.0 if law[EXPONENT] == 1.0 else -law[FADE] * law[FADE] * _between(sigma, sigma, k)
+                late, left = _two_between(rate, decay, mu, rest, k)
+                late = late * _INVERSE[k] + bent * decay[0]
+            else:
+                left = _between(mu, rest, k)
+            left = share * (rest[0] * law[RISE] * late + left)
+        for i in range(n):
+            total = push[i] * left
+            for j in range(n):
+                total += matrix[i, j] * x[j, k]
+            x[i, k + _ONE] = unit * _INVERSE[k + _ONE] * total
+        if piece >= 0:
+            own = pressed = 0.0
+            for i in range(n):
+                own += speed[i] * x[i, k]
+                pressed += contact[i] * x[i, k]
+            sigma[k], parts[CONTACT, k], rate[k] = own, pressed, _ORDERS[k] * (bent + falls * own)
+            decay[k], mu[k] = late + falls * decay[0] * own, law[RISE] * late + slope * own
+            rest[k] = pressed - feedback * (left + share * (mu[0] * pressed + rest[0] * slope * own))
+        k += _ONE
 
 
 @kernel
 def expand(flow, mode, piece, series, order):
-    """Write the series of the state from ``series.here`` in a mode to an order; ``piece`` of the law, −1 for none.
+    """Write the series of the state, as :func:`_expand` does; with a number of states that is known when it compiles.
 
-    The force f = η q follows from (1 + B μ) f = μ q with a single product of series, of μ with q − B f.
+    Loops over two states are then written out, which takes a quarter of the time.
     """
-    x, parts, n = series.state, series.parts, series.here.size
-    field, push, feedback = flow.field[mode], flow.push[mode], flow.feedback[mode]
-    mu, contact, rest, unit, share = parts[MU], parts[CONTACT], parts[REST], series.unit[0], 1.0
-    for i in range(n):
-        x[i, 0] = series.here[i]
-    for k in range(order):
-        drive = 0.0
-        if piece >= 0:
-            parts[SIGMA, k], contact[k] = _affine(flow.speed[mode], x, k), _affine(flow.contact[mode], x, k)
-            _law(flow.pieces[piece], parts, k)
-            share = 1.0 / (1.0 + feedback * mu[0]) if k == 0 else share
-            drive = (mu[0] * contact[k] + product(mu, rest, 1, k)) * share
-            rest[k] = contact[k] - feedback * drive
-        for i in range(n):
-            x[i, k + 1] = unit * _INVERSE[k + 1] * (_affine(field[i], x, k) + push[i] * drive)
+    if series.here.size == 2:
+        _expand(flow, mode, piece, series, order, 2)
+    else:
+        _expand(flow, mode, piece, series, order, series.here.size)
 
 
 @kernel
@@ -263,20 +348,34 @@ def _cut_at_rise(law, sigma, step):
     )
 
 
+@inlined_kernel
+def _find_spans(series, step):
+    """Write bounds of the changes of all coordinates on a step [s] to ``spans``."""
+    for i in range(series.here.size):
+        low, high, power = 0.0, 0.0, 1.0
+        for k in range(1, ORDER + 1):
+            power *= step / series.unit[0]
+            term = series.state[i, k] * power
+            low, high = low + min(term, 0.0), high + max(term, 0.0)
+        series.spans[i, 0], series.spans[i, 1] = low, high
+
+
 @kernel
 def cut_at_piece(flow, mode, piece, series, step):
-    """Return the end of a step [s] within a piece of the law, and the piece that holds from there on."""
+    """Return the end of a step [s] within a piece of the law, and the piece that holds from there on; finds spans."""
     unit = series.unit[0]
     if piece >= 0:
         step = unit * _cut_at_rise(flow.pieces[piece], series.parts[SIGMA], step / unit)
+    _find_spans(series, step)
     if flow.piece_start[mode + 1] - flow.piece_start[mode] < 2:
         return step, piece
     low, high, form, whole = flow.pieces[piece, FROM], flow.pieces[piece, TO], series.guard, step / unit
-    spread = abs(_affine(flow.speed[mode], series.state, ORDER))
-    for k in range(ORDER - 1, 0, -1):
-        spread = abs(series.parts[SIGMA, k]) + whole * spread
-    spread *= whole
-    if low < series.parts[SIGMA, 0] - spread and series.parts[SIGMA, 0] + spread < high:
+    least = most = series.parts[SIGMA, 0]
+    for i in range(series.here.size):
+        factor, spans = flow.speed[mode, i], series.spans[i]
+        least += min(factor * spans[0], factor * spans[1])
+        most += max(factor * spans[0], factor * spans[1])
+    if low < least and most < high:
         return step, piece
     for k in range(ORDER + 1):
         form[k] = _affine(flow.speed[mode], series.state, k)
@@ -287,7 +386,10 @@ def cut_at_piece(flow, mode, piece, series, step):
     if piece < flow.piece_start[mode + 1] - 1:
         until = _first_beyond(form, high, -1.0, whole)
         following, whole = (piece + 1, until) if until < whole else (following, whole)
-    return (unit * whole if following != piece else step), following
+    if following == piece:
+        return step, piece
+    _find_spans(series, unit * whole)
+    return unit * whole, following
 
 
 @allocating_entry
@@ -327,26 +429,39 @@ def travel(flow, mode, state, stay, scale, work):
         state[i], scale[i] = work.here[i], work.sizes[i]
 
 
-@allocating_kernel
+@kernel
 def slopes_at(flow, mode, state, scale, guard):
     """First and second derivative of a guard at a state, each with the size below which it is rounding only."""
-    series, n = series_for(state.size), state.size
-    begin(state, series)
-    expand(flow, mode, piece_at(flow, mode, state), series, 2)
-    rate, bend, rate_size, bend_size, drive = 0.0, 0.0, 0.0, 0.0, 0.0
-    if flow.piece_start[mode + 1] > flow.piece_start[mode]:
-        share = abs(series.parts[MU, 0] / (1.0 + flow.feedback[mode] * series.parts[MU, 0]))
-        for j in range(n + 1):
-            drive += share * abs(flow.contact[mode, j]) * (scale[j] if j < n else 1.0)
-    for i in range(n):
-        size = abs(flow.field[mode, i, n]) + abs(flow.push[mode, i]) * drive
+    n, piece, push = state.size, piece_at(flow, mode, state), flow.push[mode]
+    share = steep = pressed = size_of_force = pushed = 0.0
+    if piece >= 0:
+        sigma, pressed = flow.speed[mode, n], flow.contact[mode, n]
+        size_of_force = abs(flow.contact[mode, n])
         for j in range(n):
-            size += abs(flow.field[mode, i, j]) * scale[j]
-        rate += guard[i] * series.state[i, 1]
-        rate_size += abs(guard[i]) * size
-        bend += 2.0 * guard[i] * series.state[i, 2]
-        for j in range(n):
-            bend_size += abs(guard[j] * flow.field[mode, j, i]) * size
+            sigma += flow.speed[mode, j] * state[j]
+            pressed += flow.contact[mode, j] * state[j]
+            size_of_force += abs(flow.contact[mode, j]) * scale[j]
+        mu, slope = law_at(flow.pieces[piece], sigma)
+        one = 1.0 + flow.feedback[mode] * mu
+        share, steep = mu / one, slope / (one * one)
+        size_of_force *= abs(share)
+    rate = rate_size = bend = bend_size = sigma_rate = pressed_rate = 0.0
+    for j in range(n):
+        own = flow.field[mode, j, n] + push[j] * share * pressed  # x′ of the coordinate
+        size = abs(flow.field[mode, j, n]) + abs(push[j]) * size_of_force
+        for i in range(n):
+            own += flow.field[mode, j, i] * state[i]
+            size += abs(flow.field[mode, j, i]) * scale[i]
+        rate += guard[j] * own
+        rate_size += abs(guard[j]) * size
+        pushed += guard[j] * push[j]
+        for i in range(n):
+            bend += guard[i] * flow.field[mode, i, j] * own
+            bend_size += abs(guard[i] * flow.field[mode, i, j]) * size
+        if piece >= 0:
+            sigma_rate += flow.speed[mode, j] * own
+            pressed_rate += flow.contact[mode, j] * own
+    bend += pushed * (steep * sigma_rate * pressed + share * pressed_rate)
     bend_size = max(bend_size, abs(bend) * ROUNDING)
     return rate, ROUNDING * rate_size, bend, ROUNDING * bend_size
 

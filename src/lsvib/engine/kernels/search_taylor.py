@@ -41,18 +41,6 @@ def room_for(flow, guards):
 
 
 @inlined_kernel
-def _find_spans(series, step):
-    """Write bounds of the changes of all coordinates on a step [s] to ``spans``."""
-    for i in range(series.here.size):
-        low, high, power = 0.0, 0.0, 1.0
-        for k in range(1, ORDER + 1):
-            power *= step / series.unit[0]
-            term = series.state[i, k] * power
-            low, high = low + min(term, 0.0), high + max(term, 0.0)
-        series.spans[i, 0], series.spans[i, 1] = low, high
-
-
-@inlined_kernel
 def _stays_positive(series, guard):
     """Whether a guard is positive on the whole step, by the bounds of the coordinates alone."""
     n = series.here.size
@@ -99,9 +87,12 @@ def _into_bernstein(form, start, width, local):
 
 
 @kernel
-def _root(form, low, high):
-    """Return the root of a polynomial that falls from ``low``, where it is positive, to ``high``, where it is not."""
-    t = 0.5 * (low + high)
+def _root(form, low, high, share):
+    """Return the root of a polynomial that falls from ``low``, where it is positive, to ``high``, where it is not.
+
+    ``share`` of the way is where a straight line between the two values has its root.
+    """
+    t = low + share * (high - low)
     for _ in range(200):  # each of them halves the bracket at least, or comes from Newton's method
         value = slope = 0.0
         for k in range(form.size - 1, -1, -1):
@@ -156,7 +147,7 @@ def first_fall(form, on_surface, rounding, top, local):
         elif local[0] <= 0.0:
             return CROSSING, start
         elif changes == 1:
-            return CROSSING, _root(form, start, start + width)
+            return CROSSING, _root(form, start, start + width, local[0] / (local[0] - local[local.size - 1]))
         elif width < _FINEST or largest <= rounding:
             return (CROSSING if local[local.size - 1] < -rounding else GRAZE), start + 0.5 * width
         else:
@@ -198,7 +189,6 @@ def search(flow, mode, state, guards, on_surface, limit, work):
             return LOST, -1, limit
         step, following = cut_at_piece(flow, mode, piece, work, step)
         flow_taylor.note_sizes(work, step)
-        _find_spans(work, step)
         found, first, top = NONE, -1, 1.0
         for guard in range(guards.shape[0]):
             if not on_surface[guard] and _stays_positive(work, guards[guard]):
