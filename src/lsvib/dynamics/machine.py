@@ -22,7 +22,7 @@ _NO_FLOW = AnyFlow(
 _NO_WORK = AnyWork(
     search_planar.Work(np.zeros(1)),
     guard_sums.Sums(*_empty(2, 1, 1, 1, 3, 4, 3, 1, 3, 3, 3, 1)),
-    flow_taylor.Series(*_empty(2, 2, 2, 1, 1, 2, 1, 1, 1, 1, 1, 1)),
+    flow_taylor.Series(*_empty(2, 2, 1, 1, 2, 1, 1, 1, 1, 1, 1)),
 )
 
 

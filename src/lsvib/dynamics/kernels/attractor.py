@@ -12,7 +12,8 @@ from lsvib.engine.kernels import event_loop, flow_taylor
 from lsvib.engine.kernels.jit import allocating_entry, allocating_kernel, kernel, merged_kernel
 from lsvib.engine.kernels.layout import CARRY, STEPS, TIME, Events, Now, Status, Until
 
-CHUNK = 64  # events that are looked at first; every further look takes twice as many
+FIRST = 16  # events after which a motion is asked whether it repeats, to rounding
+CHUNK = 64  # events that are looked at first for what it tends to; every further look takes twice as many
 SIGHT = 4096  # most events between two looks
 _SOLVED = 8  # most returns in a period that the map is solved for
 _STILL = 1e-12  # a step of this size, in sizes of a known cycle, is rounding
@@ -233,7 +234,7 @@ def _period(engine, tables, facts, section, points, records, budget, found):
 
 
 @merged_kernel
-def _look(engine, tables, facts, mode, records, count, budget, found):
+def _look(engine, tables, asked, mode, records, count, budget, found):
     """Return what a motion tends to by its last events, ``count`` of them; Outcome.SPENT if they do not show it."""
     times, kinds, _, modes, _, after = records.motion
     n, size = found.state.size, np.zeros(found.state.size)
@@ -244,7 +245,7 @@ def _look(engine, tables, facts, mode, records, count, budget, found):
         size[i] = size[i] if size[i] > 0.0 else 1.0  # a coordinate that is zero at every event may have any scale
     key = poincare_map.rarest_event(tables, kinds[:count], modes[:count], after[:count], size)
     if key < 0:  # it only touches guards: rounding decides whether there is an event
-        outcome = stays(tables, facts, mode, found.state, found)
+        outcome = stays(tables, asked.facts, mode, found.state, found)
         return Outcome.OSCILLATES if outcome == Outcome.OSCILLATES else Outcome.SPENT
     seen, longest, last = 0, 0.0, -1
     all_points = np.empty((count, n))
@@ -266,14 +267,14 @@ def _look(engine, tables, facts, mode, records, count, budget, found):
             nearest, smallest = back, change
         if repeats:
             break
-    if seen < 2 or (seen < 4 and not repeats):
+    if seen < 2 or (not repeats and (seen < 4 or (count < CHUNK and asked.known.kind.size == 0))):
         return Outcome.SPENT
     for returns in range(1, nearest + 1):  # a slow cycle may seem to have a multiple of its returns
         if nearest % returns == 0 and (repeats or seen - 1 - returns > seen // 2):
             watched = points[max(0, seen - 1 - _SOLVED) :]
             limit = 10.0 * longest  # time that a return may take
             section = poincare_map.section_through(tables, kinds[key], modes[key], returns, limit, watched, size)
-            outcome = _period(engine, tables, facts, section, points, records, budget, found)
+            outcome = _period(engine, tables, asked.facts, section, points, records, budget, found)
             if outcome != Outcome.SPENT:
                 return outcome
     return Outcome.SPENT
@@ -308,14 +309,15 @@ def end_of(engine, tables, asked, mode, state, records, found):
     Arguments: the engine (:class:`machine.Machine`); ``found``, filled, in which ``notes["left"]`` is the work that may
     be spent, in events.
     """
-    n, used, chunk, last = state.size, 0, CHUNK, 0
+    n, used, last = state.size, 0, 0
     scale, clock, budget = np.empty(n), np.zeros(4), np.empty(1)
     budget[0] = found.notes[0]["left"]
     facts, known, patience = asked
     now, events = Now(state, scale, clock), records.motion
     times, kinds, modes, after = events.time, events.kind, events.mode, events.after
     soon = engine.by_speed and known.kind.size > 0
-    chunk = 2 if soon else chunk  # events looked at first
+    early = known.kind.size == 0 and (engine.by_speed or n > 2)  # where events cost more than the look
+    chunk = FIRST if early else 2 if soon else CHUNK
     for i in range(n):
         scale[i] = abs(state[i])
     found.notes[0]["first_event"], found.notes[0]["sprags"], found.notes[0]["time"] = event_loop.NO_KIND, 0, 0.0
@@ -351,8 +353,8 @@ def end_of(engine, tables, asked, mode, state, records, found):
         used, last = used + count, count
         if used < (min(patience, CHUNK) if soon else patience):
             continue
-        outcome = _look(engine, tables, facts, mode, records, count, budget, found)
+        outcome = _look(engine, tables, asked, mode, records, count, budget, found)
         if outcome != Outcome.SPENT:
             return outcome
-        chunk = min(2 * chunk, SIGHT)
+        chunk = CHUNK if early and chunk == FIRST else min(2 * chunk, SIGHT)
     return Outcome.SPENT_STEADILY if _hardly_changes(after, last) else Outcome.SPENT

@@ -24,7 +24,7 @@ _ONE, _TWO = np.uint64(1), np.uint64(2)
 TAIL = 0.5 * EPS  # size of the last terms of a series over that of a coordinate
 NOTHING = 45.0  # (fade σ)^exponent of a decay that is below the rounding of a coefficient of friction
 # Rows of series beside those of the state.
-SIGMA, POWER, DECAY, MU, ETA, CONTACT, STEEP, SLOPE, REST, RATE = range(10)
+SIGMA, POWER, DECAY, MU, ETA, CONTACT, STEEP, SLOPE, REST, RATE, MATRIX = range(11)
 
 
 class Series(NamedTuple):
@@ -34,8 +34,7 @@ class Series(NamedTuple):
     """
 
     state: np.ndarray  # (n, ORDER + 1)
-    parts: np.ndarray  # (10, ORDER + 1) σ, exponential, μ, η, q, q dη/dσ, and room for these
-    matrix: np.ndarray  # (n, n) of the linear field at the start of the step
+    parts: np.ndarray  # (10 + n, ORDER + 1) σ, exponential, μ, η, q, q dη/dσ, room for these; at last the linear field
     here: np.ndarray  # (n,) the state at the start of the step
     sizes: np.ndarray  # (n,) sizes of the terms that the state was summed from, the largest of all steps so far
     spans: np.ndarray  # (n, 2) least and largest changes of the state on the step
@@ -52,8 +51,7 @@ def series_for(n):
     """Return uninitialised ``Series`` of n states, with steps without end."""
     return Series(
         np.empty((n, ORDER + 1)),
-        np.empty((10, ORDER + 1)),
-        np.empty((n, n)),
+        np.empty((MATRIX + n, ORDER + 1)),
         np.empty(n),
         np.empty(n),
         np.empty((n, 2)),
@@ -139,7 +137,7 @@ def _begin_force(flow, mode, piece, series):
 
     Returns the force, η over μ, μ′ [s/m], the logarithmic derivative of the exponential [s/m].
     """
-    parts, matrix, n = series.parts, series.matrix, series.here.size
+    parts, matrix, n = series.parts, series.parts[MATRIX:], series.here.size
     for i in range(n):
         for j in range(n):
             matrix[i, j] = flow.field[mode, i, j]
@@ -167,7 +165,7 @@ def _expand(flow, mode, piece, series, order, n):
     coefficient of each order those of the state count as in the linear field at the start, and what else there is are
     products of earlier ones, which a processor makes while it waits for them.
     """
-    x, parts, unit, matrix = series.state, series.parts, series.unit[0], series.matrix
+    x, parts, unit, matrix = series.state, series.parts, series.unit[0], series.parts[MATRIX:]
     sigma, decay, rate, mu, rest = parts[SIGMA], parts[DECAY], parts[RATE], parts[MU], parts[REST]
     law, speed, contact = flow.pieces[max(piece, 0)], flow.speed[mode], flow.contact[mode]
     push, feedback, left, bent, late = flow.push[mode], flow.feedback[mode], 0.0, 0.0, 0.0
