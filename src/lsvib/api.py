@@ -329,7 +329,7 @@ class DriveMethods(_Base):
 
         See also: :meth:`sweep`, over any number of parameters.
         """
-        from lsvib.datasets.chart import chart
+        from lsvib.datasets.sweep import chart
 
         return chart(self, x, y, workers, progress)
 
@@ -364,7 +364,7 @@ class DriveMethods(_Base):
         """
         from lsvib.datasets.map import map_attraction
 
-        return map_attraction(self, grid, quantities, workers, progress).dataset
+        return map_attraction(self, grid, quantities, workers, progress)
 
     def basin(self) -> "Basin":
         """Return the region of attraction of steady sliding of a rigid drive, bounded in closed form.

@@ -5,9 +5,8 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from lsvib.cli.app import app
+from lsvib.cli.app import app, show
 from lsvib.cli.options import AsJson, refuse_results_of_the_workflow
-from lsvib.cli.printing import show
 from lsvib.errors import InputError
 
 
@@ -39,4 +38,4 @@ def fit(
         raise InputError(
             f"lsvib fit needs {error.name}, which is not installed: pip install 'lsvib[assess]'."
         ) from None
-    show(result, as_json, lambda _: print(text_of(result)), out)
+    show(result, as_json, [text_of(result)], out)

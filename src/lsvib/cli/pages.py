@@ -7,9 +7,8 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from lsvib.cli.app import app
+from lsvib.cli.app import app, show
 from lsvib.cli.options import AsJson, Whole, refuse_results_of_the_workflow
-from lsvib.cli.printing import show
 from lsvib.errors import InputError
 from lsvib.numbers import whole_between
 
@@ -55,7 +54,7 @@ def assess(
 
     result = assess_file(sheet, out, samples, seed)
     written = [f"wrote {out / 'index.html'}, assessment.nc and assessment.json"] if out is not None else []
-    show(result, as_json, lambda result: print(*result["brief"], *written, sep="\n"))
+    show(result, as_json, [*result["brief"], *written])
 
 
 @app.command

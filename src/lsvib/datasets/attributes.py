@@ -11,6 +11,7 @@ from enum import IntEnum
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from lsvib.models import chapter
 from lsvib.models.drive import Drive
@@ -67,11 +68,18 @@ def flagged(dims: Dims, values: Any, long_name: str, kinds: Iterable[IntEnum], *
     return named_flags(dims, values, long_name, names_of(kinds), **more)
 
 
-def fractions(dim: str, long_name: str, counts: Mapping[Any, int]) -> dict[str, Variable]:
-    """Return the fraction of the cells of each kind, from their numbers, along the coordinate ``dim`` of the kinds."""
-    share = np.array(list(counts.values())) / sum(counts.values())
+def counted(flags: xr.DataArray) -> dict[str, int]:
+    """Return how many values of a flag variable have each of its words, for the words that occur."""
+    meanings = zip(flags.attrs["flag_meanings"].split(), flags.attrs["flag_values"], strict=True)
+    counts = ((word, int(np.count_nonzero(flags.values == value))) for word, value in meanings)
+    return {word: count for word, count in counts if count}
+
+
+def fractions(dim: str, long_name: str, kinds: type[IntEnum], labels: np.ndarray) -> Variables:
+    """Return the fraction of the cells of each kind, from their labels, along the coordinate ``dim`` of the kinds."""
+    share = np.array([np.count_nonzero(labels == kind) for kind in kinds]) / labels.size
     return {
-        dim: flagged(dim, list(counts), long_name, counts),
+        dim: flagged(dim, list(kinds), long_name, kinds),
         "fraction": variable(dim, share, "1", "fraction of the cells"),
     }
 

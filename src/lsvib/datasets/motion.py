@@ -1,13 +1,14 @@
 """Simulate a scene: the exact motion as a CF dataset, and its summary."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from lsvib import words
 from lsvib.datasets import attributes as cf
 from lsvib.datasets import phase_plane
 from lsvib.dynamics.attractor import Attractor, Doubt, SteadyState, orbit_extremes, steady_state
@@ -156,3 +157,15 @@ def summary(scene: Scene, motion: Motion, steady: SteadyState | None = None) -> 
         impulses = event_impulses(scene.drive, motion).normal
         result["peak_normal_impulse"] = float(np.max(np.abs(impulses), initial=0.0))
     return result
+
+
+def text(summary: Mapping[str, Any]) -> Iterator[str]:
+    """Say a :func:`summary` in lines."""
+    final, doubt = dict(summary["final_state"]), summary.get("unresolved_because")
+    mode = words.name(final.pop("mode"))
+    yield f"final state: {', '.join(f'{key} = {x:.15g}' for key, x in final.items())}, {mode} (SI units)"
+    yield f"events: {', '.join(f'{n} {words.name(kind)}' for kind, n in summary['events'].items()) or 'none'}"
+    yield f"attractor: {words.name(summary['attractor'])}{f': {doubt}' if doubt else ''}"
+    yield f"peak normal force: {summary['peak_normal_force']:.10g} N, without the impulses of seizures"
+    if summary.get("peak_normal_impulse"):
+        yield f"peak normal impulse of a seizure: {summary['peak_normal_impulse']:.10g} N s"
