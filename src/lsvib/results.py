@@ -68,14 +68,14 @@ class StabilityReport:
 
     def text(self) -> Iterator[str]:
         """Say the report in lines."""
-        kind, neutral = words.name(self.kind), self.kind in ("neutral", "centre")
+        kind, neutral = words.plain(self.kind), self.kind in ("neutral", "centre")
         verdict = "stable" if self.stable else "neutral" if neutral else "unstable"
         yield f"steady sliding is {verdict}{'' if kind == verdict else f' ({kind})'}"
         for value in self.eigenvalues:
             yield f"  eigenvalue {value.real:.10g}{f' {value.imag:+.10g}i' if value.imag else ''} 1/s"
         yield from _quantities_and_conditions(self)
         if self.without_damping is not None:
-            yield f"without any damping: {words.name(self.without_damping.kind)}"
+            yield f"without any damping: {words.plain(self.without_damping.kind)}"
             yield from _quantities_and_conditions(self.without_damping)
 
 

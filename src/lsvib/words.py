@@ -20,7 +20,7 @@ def table(rows: Iterable[Iterable[object]], *columns: str) -> str:
     return "\n".join(line.rstrip() for line in lines.get().splitlines())
 
 
-def name(kind: Any) -> str:
+def plain(kind: Any) -> str:
     """Return a member of an enumeration, or a name of a dataset or of JSON, as a person writes it."""
     return str(getattr(kind, "name", kind)).lower().replace("_", " ")
 
@@ -32,7 +32,7 @@ def rate(value: float) -> str:
 
 def shares(fractions: Mapping[str, float], cells: int) -> Iterator[str]:
     """Return a line for each kind of cells that there is, with its share."""
-    return (f"{name(kind)}: {100 * part:.6g} % of {cells} cells" for kind, part in fractions.items())
+    return (f"{plain(kind)}: {100 * part:.6g} % of {cells} cells" for kind, part in fractions.items())
 
 
 def quantity(value: float | None, unit: str) -> str:

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 from lsvib.cli import options
 from lsvib.cli.app import ProgressLine, app, show
 from lsvib.errors import InputError
-from lsvib.words import name
+from lsvib.words import plain
 
 if TYPE_CHECKING:
     from lsvib.basins.resilience import Resilience
@@ -126,7 +126,7 @@ def _of_resilience(found: "Resilience") -> Iterator[str]:
     def size(value: float, unit: str) -> str:
         return f"{value:.12g} {unit}" if math.isfinite(value) else "unlimited"
 
-    yield f"boundary of the region of attraction: {name(found.boundary)}"
+    yield f"boundary of the region of attraction: {plain(found.boundary)}"
     yield f"largest tolerated perturbation of the deflection: {size(found.angle, 'rad')}"
     yield f"largest tolerated perturbation of the speed: {size(found.speed, 'rad/s')}"
     u, w = found.state

@@ -59,7 +59,7 @@ class Cycles:
         if not self.cycles:
             yield f"no cycle found{' from the starts that are resolved' if self.unresolved else ''}"
         for cycle in map(Cycle.to_json, self.cycles):
-            yield f"{words.name(cycle['label'])}, {cycle['stability']} (found by: {cycle['found_by']})"
+            yield f"{words.plain(cycle['label'])}, {cycle['stability']} (found by: {cycle['found_by']})"
             error, work = cycle["multiplier_error"], cycle["work"]
             multipliers = ", ".join(map(_multiplier, cycle["multipliers"]))
             motor, load, *losses = (f"{key} {work[key]:.6g} J" for key in _WORKS)

@@ -162,10 +162,10 @@ def summary(scene: Scene, motion: Motion, steady: SteadyState | None = None) -> 
 def text(summary: Mapping[str, Any]) -> Iterator[str]:
     """Say a :func:`summary` in lines."""
     final, doubt = dict(summary["final_state"]), summary.get("unresolved_because")
-    mode = words.name(final.pop("mode"))
+    mode = words.plain(final.pop("mode"))
     yield f"final state: {', '.join(f'{key} = {x:.15g}' for key, x in final.items())}, {mode} (SI units)"
-    yield f"events: {', '.join(f'{n} {words.name(kind)}' for kind, n in summary['events'].items()) or 'none'}"
-    yield f"attractor: {words.name(summary['attractor'])}{f': {doubt}' if doubt else ''}"
+    yield f"events: {', '.join(f'{n} {words.plain(kind)}' for kind, n in summary['events'].items()) or 'none'}"
+    yield f"attractor: {words.plain(summary['attractor'])}{f': {doubt}' if doubt else ''}"
     yield f"peak normal force: {summary['peak_normal_force']:.10g} N, without the impulses of seizures"
     if summary.get("peak_normal_impulse"):
         yield f"peak normal impulse of a seizure: {summary['peak_normal_impulse']:.10g} N s"

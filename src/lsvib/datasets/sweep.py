@@ -102,7 +102,7 @@ def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
 def text(summary: Mapping[str, Any]) -> Iterator[str]:
     """Say a :func:`summary` in lines."""
     for kind, count in summary["attractors"].items():
-        yield f"{words.name(kind)}: {count} of {summary['points']} points"
+        yield f"{words.plain(kind)}: {count} of {summary['points']} points"
     yield f"{words.rate(summary['points_per_second'])} points per second"
 
 
@@ -213,7 +213,7 @@ def chart_summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
 def chart_text(summary: Mapping[str, Any]) -> Iterator[str]:
     """Say a :func:`chart_summary` in lines."""
     yield from words.shares(summary["fractions"], summary["cells"])
-    yield f"exact curves: {', '.join(map(words.name, summary['curves'])) or 'none'}"
+    yield f"exact curves: {', '.join(map(words.plain, summary['curves'])) or 'none'}"
     yield f"{words.rate(summary['cells_per_second'])} cells per second"
 
 

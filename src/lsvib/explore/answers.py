@@ -7,7 +7,6 @@ from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from threading import Lock
-from typing import Any
 
 import numpy as np
 from matplotlib.colors import to_rgba_array
@@ -30,6 +29,7 @@ from lsvib.figures.attraction import COLOURS
 from lsvib.models import friction
 from lsvib.models.drive import Drive
 from lsvib.models.model import model_of
+from lsvib.words import plain
 
 # Work after which what a motion ends on is unresolved, in events, without and with a friction law; the latter is that
 # of each motion which is drawn, too. A third of a second.
@@ -156,11 +156,6 @@ def strips(window: Window, count: int) -> list[Window]:
     return [Window(window.left, window.right, *pair) for pair in pairwise(edges)]
 
 
-def name_of(kind: Any) -> str:
-    """Return a member of an enumeration, or a word with underscores, as a person writes it."""
-    return str(getattr(kind, "name", kind)).lower().replace("_", " ")
-
-
 def rgba(found: np.ndarray) -> np.ndarray:
     """Return labels (rows, columns) as colours (rows, columns) of 32 bits, as a browser takes them; −2 is clear."""
     return _PALETTE[found.astype(int) + 2]
@@ -233,19 +228,19 @@ def _mapper(drive: Drive) -> tuple[Mapper, Lock]:
 
 
 # Colours of a map's labels, from −2 (not computed yet) on, as little-endian RGBA; motion and lines show on it.
-_COLOURS = to_rgba_array(["none", *(COLOURS[name_of(kind)] for kind in Attractor)], 0.45)
+_COLOURS = to_rgba_array(["none", *(COLOURS[plain(kind)] for kind in Attractor)], 0.45)
 _PALETTE = np.round(255 * _COLOURS).astype(np.uint8).view(np.uint32)[:, 0]
 
 EXPORTS = {"scene.yaml": "application/yaml", "motion.nc": "application/x-netcdf"}
 """Files that can be had of a view, with their media types."""
 
 
-def export(name: str, view: View) -> bytes:
+def export(file: str, view: View) -> bytes:
     """Return the scene of a view, or its motion as ``lsvib simulate`` writes it; raises ``LsvibError``."""
-    if name == "scene.yaml":
+    if file == "scene.yaml":
         return view.yaml().encode()
     motion = moved(view)
     with TemporaryDirectory() as folder:
-        path = Path(folder) / name
+        path = Path(folder) / file
         write_dataset(motion_file(view.scene(), motion, attractor_of(view.scene(), motion)), path, "lsvib.explore")
         return path.read_bytes()

@@ -24,11 +24,12 @@ from bokeh.plotting import figure
 
 from lsvib.basins.curves import Window
 from lsvib.explore import answers
-from lsvib.explore.answers import AmplitudePoint, Followed, name_of
+from lsvib.explore.answers import AmplitudePoint, Followed
 from lsvib.explore.view import View
 from lsvib.figures import style
 from lsvib.figures.attraction import COLOURS
 from lsvib.models.drive import Drive, described
+from lsvib.words import plain
 
 SLOPE = 0.22  # of the drawn threads, whatever the lead angle: those of most screws are too flat to be seen
 _TOOLS = "pan,wheel_zoom,box_zoom,reset,save"
@@ -232,7 +233,7 @@ class Plots:
         self.curve.x_range.update(start=view.low, end=view.high)
         self._fill("bar", x=[getattr(view.drive, view.over)])
         inside = {name: value for name, value in thresholds.items() if view.low <= value <= view.high}
-        self._fill("marks", x=list(inside.values()), name=[name_of(name) for name in inside])
+        self._fill("marks", x=list(inside.values()), name=[plain(name) for name in inside])
         self.draw_curve([])
 
     def draw_curve(self, points: Sequence[AmplitudePoint]) -> None:
@@ -242,7 +243,7 @@ class Plots:
             self.sources[name].data = {
                 "x": [point.value for point in here],
                 "y": [point.amplitude for point in here],
-                "colour": [COLOURS[name_of(point.label)] for point in here],
+                "colour": [COLOURS[plain(point.label)] for point in here],
             }
         amplitudes = np.array([point.amplitude for point in points if math.isfinite(point.amplitude)])
         # An axis of 0.01 rad where nothing vibrates; a range without numbers would be a warning of Bokeh's.
