@@ -101,11 +101,11 @@ def cells(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) -> dict[s
         "label": cf.attributes("1", phase_plane.ATTRACTOR, **cf.flags(Attractor)),
         "time": cf.attributes("s", "time until the attractor is reached", "$t$", comment="missing where it never is"),
         "seizures": cf.attributes("1", "number of seizures until the attractor is reached"),
-        "first_event": cf.attributes("1", "first event of the motion", **cf.flags_or_none(mapper.events)),
+        "first_event": cf.attributes("1", "first event of the motion", **cf.flags(mapper.events, none=True)),
         "doubt": cf.attributes(
             "1",
             "why the label is unresolved",
-            **cf.flag_words(dict(enumerate(["none", *(doubt.name.lower() for doubt in Doubt)], NO_DOUBT))),
+            **cf.flags(dict(enumerate(["none", *(doubt.name.lower() for doubt in Doubt)], NO_DOUBT))),
             comment="; ".join(f"{doubt.name.lower()}: {doubt}" for doubt in Doubt),
         ),
     }
