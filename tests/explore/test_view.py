@@ -1,4 +1,4 @@
-"""What the explorer computes and says without a browser: views, links, presets, exports."""
+"""What the explorer computes and says without a browser: views, links, exports."""
 
 import asyncio
 import http.client
@@ -23,11 +23,10 @@ from lsvib.basins.curves import Window
 from lsvib.datasets.io import read_dataset
 from lsvib.dynamics.attractor import Attractor
 from lsvib.explore import answers
-from lsvib.explore.view import OF_LAW, View, around, presets
+from lsvib.explore.view import OF_LAW, View, around
 from lsvib.models import chapter
 from lsvib.models.scene import Scene
 
-PRESETS = presets()
 WINDOW = Window(-0.15, 0.13, -50.0, 35.0)
 
 
@@ -61,12 +60,6 @@ def test_a_link_gives_the_view_back(seed):
 )
 def test_a_bad_link_is_refused_in_one_sentence(query, said):
     assert said in complaint(View.of, dict(parse_qsl(query)))
-
-
-def test_every_figure_of_the_chapter_has_a_preset():
-    assert PRESETS.keys() == {f"Figure 8.{number}" for number in range(1, 16)}
-    assert PRESETS["Figure 8.14"].drive == PARADOX
-    assert {view.drive.parts for view in PRESETS.values()} == {(), ("threads",), ("support",)}
 
 
 def test_the_map_is_that_of_the_drive():
@@ -215,7 +208,7 @@ def test_every_parameter_of_a_law_can_be_moved_and_varied():
     from lsvib.explore.controls import Controls
 
     view = View(lsvib.Drive(static_friction_coefficient=0.45, **LAW))
-    controls = Controls(view, {}, lambda key, text: None)
+    controls = Controls(view, lambda key, text: None)
     for key, (low, high) in OF_LAW.items():
         assert float(controls.fields[key].value) == controls.sliders[key].value == getattr(view.drive, key)
         assert (controls.sliders[key].start, controls.sliders[key].end) == (low, high)
@@ -230,7 +223,7 @@ def page_of(view: View):
 
     from lsvib.explore.page import Page
 
-    page = Page(Document(), view, {})
+    page = Page(Document(), view)
     page._begin("")
     return page
 

@@ -51,11 +51,11 @@ THREAD = ThreadPoolExecutor(1)
 
 
 class Page:
-    """The page of one session; ``presets`` by name. ``view`` is what it shows."""
+    """The page of one session; ``view`` is what it shows."""
 
-    def __init__(self, document: Document, view: View, presets: Mapping[str, View], complaint: str = "") -> None:
-        self.document, self.presets, self.view = document, presets, view
-        self.controls = Controls(view, presets, self.ask)
+    def __init__(self, document: Document, view: View, complaint: str = "") -> None:
+        self.document, self.view = document, view
+        self.controls = Controls(view, self.ask)
         self.plots = Plots()
         self._asked: dict[str, str] = {}
         self._answered = 0.0  # time of the last answer [s]
@@ -115,10 +115,7 @@ class Page:
     def _answer(self) -> None:
         asked, self._asked = self._asked, {}
         try:
-            if "preset" in asked:
-                if asked["preset"] in self.presets:
-                    self.show(self.presets[asked["preset"]])
-            elif "parts" in asked:
+            if "parts" in asked:
                 self.show(self._with_parts(asked["parts"].split()))
             else:
                 self._redraw(self._changed(asked))
@@ -314,7 +311,7 @@ class Page:
 
     def _lay_out(self) -> None:
         c = self.controls
-        left = column(c.preset, c.parts, c.parameters)
+        left = column(c.parts, c.parameters)
         start = _line(c.texts["u"], c.texts["w"], c.texts["duration"], c.fit)
         middle = column(self.plots.plane, self._alert, self._words, self._legend, start, self._links, **_NARROW)
         curve = _line(c.over, c.texts["low"], c.texts["high"])
