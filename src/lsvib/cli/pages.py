@@ -63,7 +63,7 @@ def explore(
     port: Annotated[Whole, Parameter(help="Port of this machine to serve the page at; 0 takes a free one.")] = 5006,
     show: Annotated[bool, Parameter(negative="--no-show", help="Open the page in a browser.")] = True,
 ) -> None:
-    """Explore drives in a browser: phase plane, region of attraction, amplitudes, contact, while you drag a parameter.
+    """Explore drives in a browser: phase plane, region of attraction, amplitudes, while you drag a parameter.
 
     Examples of use:
 

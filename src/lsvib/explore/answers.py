@@ -43,15 +43,14 @@ DRAGGED, SETTLED, COARSE = (120, 90), (320, 240), (36, 27)
 class Followed:
     """A motion and what it ends on.
 
-    ``time`` [s] (n), ``u`` [rad] (n), ``w`` [rad/s] (n), ``mode`` (n) codes of modes, ``force`` (n), N [N]; ``cycle``
-    (k, 2), the limit cycle, empty without one; ``steady``, the attractor, None where the engine has no answer; the
-    number of ``events``; ``turning`` (n), the rate at which the screw turns in the nut [rad/s].
+    ``time`` [s] (n), ``u`` [rad] (n), ``w`` [rad/s] (n), ``force`` (n), N [N]; ``cycle`` (k, 2), the limit cycle, empty
+    without one; ``steady``, the attractor, None where the engine has no answer; the number of ``events``; ``turning``
+    (n), the rate at which the screw turns in the nut [rad/s].
     """
 
     time: np.ndarray
     u: np.ndarray
     w: np.ndarray
-    mode: np.ndarray
     force: np.ndarray
     cycle: np.ndarray
     steady: SteadyState | None
@@ -80,7 +79,7 @@ def followed(view: View) -> Followed:
     """Follow the motion of a view and find its attractor; raises ``EngineError``."""
     motion = moved(view)
     time, states, modes = _sampled(motion)
-    mode, force = motion.automaton.codes[modes], motion.automaton.observe("normal_force", states, modes)
+    force = motion.automaton.observe("normal_force", states, modes)
     try:
         steady = steady_state(motion.automaton, motion.start_state, max_events=_work(view.drive))
     except EngineError:
@@ -92,7 +91,7 @@ def followed(view: View) -> Followed:
     names = model_of(view.drive).states
     if "nut_rate" in names:
         turning = turning - states[:, names.index("nut_rate")]
-    return Followed(time, states[:, 0], states[:, 1], mode, force, cycle, steady, motion.time.size, turning)
+    return Followed(time, states[:, 0], states[:, 1], force, cycle, steady, motion.time.size, turning)
 
 
 def window_around(drive: Drive, shown: Followed) -> Window:

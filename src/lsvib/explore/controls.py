@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from bokeh.layouts import column, row
-from bokeh.models import Button, CheckboxGroup, Column, Select, Slider, TextInput, Toggle
+from bokeh.models import Button, CheckboxGroup, Column, Select, Slider, TextInput
 
 from lsvib.explore.view import OF_LAW, View
 from lsvib.figures import style
@@ -48,8 +48,6 @@ class Controls:
         self.over = Select(title="Parameter of the amplitude curve", width=190)
         self.texts = {key: TextInput(title=title, width=90) for key, title in _TEXTS.items()}
         self.fit = Button(label="Fit the window", width=110, align="end")
-        self.play = Toggle(label="Play", width=80)
-        self.moment = Slider(title="Moment of the motion [%]", start=0, end=100, value=100, step=0.5, width=280)
         self.sliders: dict[str, Slider] = {}
         self.fields: dict[str, TextInput] = {}
         self.parameters: Column = column(width=320, name="parameters")

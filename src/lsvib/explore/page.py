@@ -27,7 +27,6 @@ from lsvib.explore.view import View, around
 from lsvib.figures.attraction import COLOURS
 from lsvib.models import chapter, friction
 from lsvib.models.drive import PARTS
-from lsvib.models.model import model_of
 from lsvib.words import plain
 
 _TO_ADDRESS = """
@@ -61,7 +60,6 @@ class Page:
         self._answered = 0.0  # time of the last answer [s]
         self._settling: Any = None
         self._shares: dict[Attractor, float] = {}
-        self._frames: Any = None
         self._alert = Div(name="alert", html_attributes={"role": "alert"}, styles={"color": "#B00020"})
         self._words = Div(
             name="words", sizing_mode="stretch_width", html_attributes={"role": "status", "aria-live": "polite"}
@@ -72,8 +70,6 @@ class Page:
         self._links.js_on_change("text", CustomJS(code=_TO_ADDRESS))
         self.plots.plane.on_event(Tap, lambda event: self.start_at(event.x, event.y))
         self.plots.plane.on_event(RangesUpdate, lambda event: self.look_at(event.x0, event.x1, event.y0, event.y1))
-        self.controls.moment.on_change("value", lambda attribute, old, new: self._draw_moment())
-        self.controls.play.on_change("active", lambda attribute, old, new: self._play(bool(new)))
         self._lay_out()
         document.js_on_event(DocumentReady, self.plots.clip)
         # Nothing is computed for a request, which any page can make a browser send, but for a page that is open.
@@ -176,7 +172,6 @@ class Page:
             self.plots.draw_map(found, window)
         self.plots.draw_motion(view.drive, shown, window)
         self.plots.draw_friction(*answers.friction_visited(view.drive, shown))
-        self._draw_moment()
         if self._settling is not None:
             self.document.remove_timeout_callback(self._settling)
         self._settling = self.document.add_timeout_callback(self._settle, 500)  # ms: the hand rests
@@ -282,28 +277,6 @@ class Page:
         links = [f'<a href="export/{name}?{query}" download="{name}">{text}</a>' for name, text in files]
         self._say(self._links, " &middot; ".join([f'<a href="?{query}">link to this view</a>', *links]))
 
-    def _draw_moment(self) -> None:
-        shown = self.shown
-        time = 0.01 * float(self.controls.moment.value) * float(shown.time[-1])
-        k = min(int(np.searchsorted(shown.time, time)), shown.time.size - 1)
-        mode = plain(model_of(self.view.drive).modes(int(shown.mode[k])))
-        words = f"t = {shown.time[k]:.4g} s: {mode}, N = {shown.force[k]:.4g} N"
-        self.plots.draw_moment(self.view.drive, shown, k, words)
-
-    def _play(self, playing: bool) -> None:
-        if self._frames is not None:
-            self.document.remove_periodic_callback(self._frames)
-            self._frames = None
-        if playing:
-            if self.controls.moment.value >= 100:
-                self.controls.moment.value = 0
-            self._frames = self.document.add_periodic_callback(self._next_frame, 80)  # ms: 100 frames, 8 s
-
-    def _next_frame(self) -> None:
-        self.controls.moment.value = min(100.0, self.controls.moment.value + 1)
-        if self.controls.moment.value >= 100:
-            self.controls.play.active = False
-
     @staticmethod
     def _say(place: Div, text: str) -> None:
         if place.text != text:
@@ -315,10 +288,7 @@ class Page:
         start = _line(c.texts["u"], c.texts["w"], c.texts["duration"], c.fit)
         middle = column(self.plots.plane, self._alert, self._words, self._legend, start, self._links, **_NARROW)
         curve = _line(c.over, c.texts["low"], c.texts["high"])
-        moment = _line(c.play, c.moment)
-        right = column(
-            self.plots.curve, curve, self.plots.force, self.plots.contact, moment, self.plots.friction, **_NARROW
-        )
+        right = column(self.plots.curve, curve, self.plots.force, self.plots.friction, **_NARROW)
         heading = Div(text=_HEADING, name="heading", sizing_mode="stretch_width")
         self.document.add_root(column(heading, _line(left, middle, right), sizing_mode="stretch_width"))
         self.document.title = "lsvib explorer"
