@@ -228,20 +228,6 @@ def test_any_parameter_can_be_swept():
             assert found.attractor[k] == lsvib.Drive(**{name: changed}).steady_state(START).label
 
 
-def test_command(run):
-    arguments = ["sweep", "--set", "translation_damping=1000", "--over", "axial_force=1:60:30"]
-    code, out, _ = run(*arguments, "--over", "mass=1:2:2", "--out", "s.nc", "--json")
-    result = json.loads(out)
-    assert (code, result["points"]) == (0, 60)
-    assert result["points_per_second"] > 0
-    assert sum(result["attractors"].values()) == 60
-    expected = BASE.sweep(axial_force=np.linspace(1, 60, 30), mass=np.linspace(1, 2, 2))
-    with xr.open_dataset("s.nc") as written:
-        assert all((written[name].values == expected[name].values).all() for name in ("attractor", "axial_force"))
-        np.testing.assert_array_equal(written.amplitude, expected.amplitude)
-    assert "points per second" in run(*arguments)[1]
-
-
 @pytest.mark.parametrize(
     ("drive", "start"),
     [
