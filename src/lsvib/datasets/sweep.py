@@ -61,14 +61,7 @@ def sweep(
     workers: Any = 1,
     progress: numbers.Progress | None = None,
 ) -> xr.Dataset:
-    """Return the attractor and its numbers over the product of values of some parameters of a drive of any model.
-
-    Arguments: ``over``, values [SI units] by name of a parameter; ``start``, u [rad], w [rad/s] and what else the
-    model has, by default next to steady sliding, or "rest"; number of ``workers`` – threads, with more than two states
-    processes –, which changes no number; ``progress``, called with the numbers of points done and in all. The
-    dataset has a dimension for each parameter, in the order given, and as variables the numbers of
-    :class:`lsvib.dynamics.sweep.Ending`. Raises ``InputError`` for what is not acceptable.
-    """
+    """Return what a drive ends on as its method ``sweep`` does; ``over``: values by name of a parameter."""
     at_once, axes = numbers.workers(workers), axes_of(over, _MOST)
     drives, sizes = product_of(drive, axes), tuple(map(len, axes.values()))
     first = drives.one(0)  # with the parts that are varied
@@ -144,13 +137,7 @@ class ChartAxis(Axis):
 
 
 def chart(drive: Drive, x: Any, y: Any, workers: Any = 1, progress: numbers.Progress | None = None) -> xr.Dataset:
-    """Return what a drive does over two of its parameters, as a dataset.
-
-    Arguments: a drive of the rigid model or with compliant threads; ``x`` and ``y``, each "KEY=START:STOP:COUNT" or
-    (parameter, start, stop, count) with values in SI units; number of ``workers``, which changes no
-    label; ``progress``, called with numbers done and in all. Variables: ``label`` (rows of y, columns of
-    x), ``fraction`` of each ``behaviour``, and the points of the exact curves (``boundary_…``). Raises ``InputError``.
-    """
+    """Return what a drive does over two of its parameters as its method ``chart`` does."""
     at_once, x, y = numbers.workers(workers), ChartAxis.of("x", x), ChartAxis.of("y", y)
     names = y.coordinate, x.coordinate
     if len(set(names)) < 2:
@@ -286,12 +273,9 @@ def product_of(drive: Drive, axes: Mapping[str, Sequence[float]]) -> ManyDrives:
 def resilience_sweep(
     drive: Drive, over: Mapping[str, Any], window: Part | None = None, progress: numbers.Progress | None = None
 ) -> xr.Dataset:
-    """Return the perturbations that steady sliding of the rigid drive tolerates over all combinations of some values.
+    """Return the perturbations that steady sliding tolerates as the method ``resilience_sweep`` of a drive does.
 
-    Arguments: ``over``, values [SI units] by name of a parameter; ``window`` as of
-    :func:`lsvib.basins.resilience.resilience`; ``progress``, called with the numbers of points done and in all. Numbers
-    are infinite where every perturbation is tolerated, zero where none is, nan where the basin is not covered, for the
-    reasons in the attribute ``refused``. Raises ``InputError`` for values that are not acceptable.
+    The reasons why some drives have no numbers are in the attribute ``refused``.
     """
     window = None if window is None else Window.of(window)
     axes = axes_of(over, _MOST // 10)  # at some 10 ms each three hours

@@ -9,6 +9,7 @@ from tempfile import TemporaryDirectory
 from threading import Lock
 
 import numpy as np
+import xarray as xr
 from matplotlib.colors import to_rgba_array
 
 from lsvib.basins.curves import Window
@@ -19,7 +20,7 @@ from lsvib.datasets.io import write_dataset
 from lsvib.datasets.motion import attractor_of, motion_file, run
 from lsvib.datasets.phase_plane import lines, sample
 from lsvib.datasets.spans import stepped
-from lsvib.datasets.sweep import START
+from lsvib.datasets.sweep import START, sweep
 from lsvib.dynamics.attractor import Attractor, SteadyState, steady_state
 from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import Budget, Motion
@@ -167,34 +168,17 @@ def shares(found: np.ndarray) -> dict[Attractor, float]:
     return {Attractor(int(values[k])): float(counts[k] / found.size) for k in order}
 
 
-@dataclass(frozen=True)
-class AmplitudePoint:
-    """A point of the amplitude curve: ``value`` of the parameter, ``amplitude`` [rad], nan without one, ``label``.
-
-    ``near``: the motion started next to steady sliding, else where that of the view does.
-    """
-
-    value: float
-    amplitude: float
-    label: Attractor
-    near: bool
-
-
 def values_of(view: View, count: int) -> list[float]:
     """Return ``count`` values of the parameter of the amplitude curve."""
     return (np.geomspace if logarithmic(view) else stepped)(view.low, view.high, count).tolist()
 
 
-def amplitude(view: View, value: float, near: bool) -> AmplitudePoint:
-    """Return a point of the amplitude curve of a view; a drive that the engine has no answer for is unresolved."""
-    try:
-        drive = view.drive.replace(**{view.over: value})
-        start = START if near else {"u": view.u, "w": view.w}
-        state = model_of(drive).initial_state(drive, start)
-        found = steady_state(drive.automaton(), state, max_events=_work(drive))  # type: ignore[attr-defined]
-        return AmplitudePoint(value, 0.0 if found.orbit is None else found.amplitude, found.label, near)
-    except LsvibError:
-        return AmplitudePoint(value, float("nan"), Attractor.UNRESOLVED, near)
+def curves(view: View, values: list[float]) -> list[xr.Dataset]:
+    """Return two sweeps over values of the parameter of the amplitude curve.
+
+    Motions start next to steady sliding, and where that of the view does.
+    """
+    return [sweep(view.drive, {view.over: values}, start) for start in (START, {"u": view.u, "w": view.w})]
 
 
 def logarithmic(view: View) -> bool:

@@ -10,6 +10,7 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from bokeh.document import Document, without_document_lock
 from bokeh.events import DocumentReady, RangesUpdate, Tap
 from bokeh.layouts import column, row
@@ -20,7 +21,6 @@ from lsvib.basins.curves import Window
 from lsvib.dynamics.attractor import Attractor
 from lsvib.errors import InputError, LsvibError
 from lsvib.explore import answers
-from lsvib.explore.answers import AmplitudePoint
 from lsvib.explore.controls import Controls
 from lsvib.explore.plots import Plots
 from lsvib.explore.view import View, around
@@ -214,20 +214,20 @@ class Page:
             draw(self.plots.draw_map, labels, window)
             draw(self._say_words)
             draw(self.plots.start_curve, view, await found(answers.thresholds_over, view))
-            points: list[AmplitudePoint] = []
+            values, parts = answers.values_of(view, 61 if answers.at_once(view.drive) else 21), []
             # Of drives with more states a point may take half a second.
-            for value in answers.values_of(view, 61 if answers.at_once(view.drive) else 21):
-                points += [await found(answers.amplitude, view, value, near) for near in (True, False)]
-                if len(points) % 10 == 0:
-                    draw(self.plots.draw_curve, [*points])
-            draw(self.plots.draw_curve, points)
-            draw(self._say_words, points)
+            for some in [values] if answers.at_once(view.drive) else ([value] for value in values):
+                parts.append(await found(answers.curves, view, some))
+                if len(parts) % 5 == 0 or some[-1] == values[-1]:
+                    curves = [xr.concat(sweeps, view.over) for sweeps in zip(*parts, strict=True)]
+                    draw(self.plots.draw_curve, curves)
+            draw(self._say_words, curves)
         except CancelledError:
             return
         except LsvibError as error:
             draw(self._say, self._alert, escape(str(error)))
 
-    def _say_words(self, points: Sequence[AmplitudePoint] = ()) -> None:
+    def _say_words(self, curves: Sequence[xr.Dataset] = ()) -> None:
         view, shown, steady = self.view, self.shown, self.shown.steady
         words = [f"The motion of {view.duration:g} s has {shown.events} events."]
         if steady is None:
@@ -257,12 +257,11 @@ class Page:
         if self._shares:
             parts = [f"{plain(kind)} {100 * share:.1f} %" for kind, share in self._shares.items()]
             words.append(f"Of the starts in the window: {', '.join(parts)}.")
-        if points:
-            drives = f"{len(points) // 2} drives with {view.over} from {view.low:g} to {view.high:g}"
-            words.append(
-                f"Of {drives}, {_vibrating(points, True, 'next to steady sliding')}, and "
-                f"{_vibrating(points, False, 'where the motion does')}."
-            )
+        if curves:
+            places = ("next to steady sliding", "where the motion does")
+            vibrate = ", and ".join(map(_vibrating, curves, places))
+            drives = f"{curves[0].amplitude.size} drives with {view.over} from {view.low:g} to {view.high:g}"
+            words.append(f"Of {drives}, {vibrate}.")
         self._say(self._words, escape(" ".join(words)))
         patches = [
             f'<span style="display:inline-block;width:1em;height:1em;background:{COLOURS[plain(kind)]};opacity:.5">'
@@ -300,8 +299,9 @@ def _line(*parts: Any) -> Row:
     return row(*parts, sizing_mode="stretch_width", styles={"flex-wrap": "wrap"})
 
 
-def _vibrating(points: Sequence[AmplitudePoint], near: bool, place: str) -> str:
-    """How many points of the amplitude curve vibrate, from one of their two starts."""
-    values = [point.value for point in points if point.near == near and point.amplitude > 0]
-    first = f", the first at {values[0]:.4g}" if values else ""
-    return f"{len(values) or 'none'} vibrate when started {place}{first}"
+def _vibrating(curve: xr.Dataset, place: str) -> str:
+    """How many points of an amplitude curve vibrate that started in some place."""
+    (over,), size = curve.dims, curve.amplitude.values
+    values = curve[over].values[size > 0]
+    first = f", the first at {values[0]:.4g}" if values.size else ""
+    return f"{values.size or 'none'} vibrate when started {place}{first}"

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from bokeh.models import (
     BasicTicker,
     BasicTickFormatter,
@@ -23,8 +24,9 @@ from bokeh.models import (
 from bokeh.plotting import figure
 
 from lsvib.basins.curves import Window
+from lsvib.dynamics.attractor import Attractor
 from lsvib.explore import answers
-from lsvib.explore.answers import AmplitudePoint, Followed
+from lsvib.explore.answers import Followed
 from lsvib.explore.view import View
 from lsvib.figures import style
 from lsvib.figures.attraction import COLOURS
@@ -181,18 +183,17 @@ class Plots:
         self._fill("bar", x=[getattr(view.drive, view.over)])
         inside = {name: value for name, value in thresholds.items() if view.low <= value <= view.high}
         self._fill("marks", x=list(inside.values()), name=[plain(name) for name in inside])
-        self.draw_curve([])
+        for name in ("near", "curve"):
+            self._fill(name)
 
-    def draw_curve(self, points: Sequence[AmplitudePoint]) -> None:
-        """Show points of the amplitude curve, coloured by attractor."""
-        for name, near in (("near", True), ("curve", False)):
-            here = [point for point in points if point.near == near]
-            self.sources[name].data = {
-                "x": [point.value for point in here],
-                "y": [point.amplitude for point in here],
-                "colour": [COLOURS[plain(point.label)] for point in here],
-            }
-        amplitudes = np.array([point.amplitude for point in points if math.isfinite(point.amplitude)])
+    def draw_curve(self, curves: Sequence[xr.Dataset]) -> None:
+        """Show the amplitudes of two sweeps over one parameter, coloured by attractor."""
+        for name, curve in zip(("near", "curve"), curves, strict=True):
+            (over,) = curve.dims
+            colours = [COLOURS[plain(Attractor(kind))] for kind in curve.attractor.values.tolist()]
+            self.sources[name].data = {"x": curve[over].values, "y": curve.amplitude.values, "colour": colours}
+        amplitudes = np.concatenate([np.zeros(1), *(curve.amplitude.values for curve in curves)])
+        amplitudes = amplitudes[np.isfinite(amplitudes)]
         # An axis of 0.01 rad where nothing vibrates; a range without numbers would be a warning of Bokeh's.
         low, high = _steady_range(amplitudes if np.any(amplitudes) else np.array([0.01]))
         self.curve.y_range.update(start=low, end=high)
