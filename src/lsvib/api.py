@@ -195,12 +195,12 @@ class DriveMethods(_Base):
 
         See also: :func:`lsvib.simulate`, of a scene in a file; :meth:`steady_state`, what the motion ends on.
         """
-        from lsvib.datasets.motion import run, trajectory
+        from lsvib.datasets.motion import Simulation
 
         scene = self._scene(
             start, duration, samples=samples, resume=resume, physics=physics, outputs=outputs, command=command
         )
-        return trajectory(scene, run(scene))
+        return Simulation.of(scene).dataset()
 
     def steady_state(self, start: Start, *, resume: str = "contact_sign", physics: Terms = None) -> "SteadyState":
         """Return the attractor that the motion from a start reaches.
@@ -456,10 +456,9 @@ def simulate(scene: Scene | Mapping[str, Any] | str | Path) -> "xr.Dataset":
 
     See also: :meth:`Drive.simulate`, of a drive that is there.
     """
-    from lsvib.datasets.motion import as_scene, run, trajectory
+    from lsvib.datasets.motion import Simulation, as_scene
 
-    checked = as_scene(scene, {}, {})
-    return trajectory(checked, run(checked))
+    return Simulation.of(as_scene(scene, {}, {})).dataset()
 
 
 if TYPE_CHECKING:  # the class with its methods, as users see it

@@ -33,16 +33,14 @@ def simulate(
 
         lsvib simulate --scene scene.yaml --samples 5000 --out motion.nc --figure motion.png --json
     """
-    from lsvib.datasets.motion import as_scene, attractor_of, motion_file, run, summary, text
+    from lsvib.datasets.motion import Simulation, as_scene
 
     files = options.Files(out, figure, reads=scene)
     given = {"duration": duration, "samples": samples, "start": options.start_of(start)}
-    checked = as_scene(scene, {key: value for key, value in given.items() if value is not None}, drive.values())
-    motion = run(checked)
-    steady = attractor_of(checked, motion)
-    files.write(motion_file(checked, motion, steady), "lsvib.simulate")
-    result = summary(checked, motion, steady)
-    show(result, as_json, text(result), out)
+    changes = {key: value for key, value in given.items() if value is not None}
+    found = Simulation.of(as_scene(scene, changes, drive.values()))
+    files.write(found.file(), "lsvib.simulate")
+    show(found.to_json(), as_json, found.text(), out)
 
 
 @app.command

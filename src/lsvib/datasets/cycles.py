@@ -159,25 +159,19 @@ def followed(
 
 def branch_dataset(drive: Drive, branch: CycleBranch) -> xr.Dataset:
     """Return a branch of cycles as a dataset along ``point``; its changes are an attribute."""
-    about = described(branch.parameter)
-    cycles = [point.cycle for point in branch.points]
-    count = max(cycle.multipliers.size for cycle in cycles)
-    multipliers = np.array([cycle.multipliers for cycle in cycles]).reshape(-1, count)
-    numbers_of = {  # what a cycle calls it: name, unit, words, symbol
-        "period": ("period", "s", "period of the cycle", "$T$"),
-        "amplitude": ("amplitude", "rad", "amplitude, half its peak-to-peak"),
-        "multiplier_error": ("multiplier_error", "1", "bound of the multipliers' errors"),
-        "residual": ("period_residual", "1", "change of the state over a period"),
+    about, points, cycles = described(branch.parameter), branch.points, [point.cycle for point in branch.points]
+    multipliers = np.array([cycle.multipliers for cycle in cycles]).reshape(len(cycles), -1)
+    columns: dict[str, tuple[Any, ...]] = {  # values, unit, words, symbol
+        branch.parameter: ([point.value for point in points], about["unit"], about["long_name"]),
+        "along": ([point.along for point in points], "1", "length of the branch from its start"),
+        "period": ([cycle.period for cycle in cycles], "s", "period of the cycle", "$T$"),
+        "amplitude": ([cycle.amplitude for cycle in cycles], "rad", "amplitude, half its peak-to-peak"),
+        "multiplier_error": ([cycle.multiplier_error for cycle in cycles], "1", "bound of the multipliers' errors"),
+        "period_residual": ([cycle.residual for cycle in cycles], "1", "change of the state over a period"),
     }
-    values, along = (np.array([getattr(point, name) for point in branch.points]) for name in ("value", "along"))
-    data: dict[str, Any] = {
-        branch.parameter: variable("point", values, about["unit"], about["long_name"]),
-        "along": variable("point", along, "1", "length of the branch from its start"),
-        "attractor": flagged("point", [cycle.label for cycle in cycles], "kind of cycle", Attractor),
-        "attracting": yes_no("point", [cycle.attracting for cycle in cycles], "whether the cycle attracts"),
-    }
-    for own, (name, *about_it) in numbers_of.items():
-        data[name] = variable("point", np.array([getattr(cycle, own) for cycle in cycles]), *about_it)
+    data: dict[str, Any] = {name: variable("point", np.array(own), *more) for name, (own, *more) in columns.items()}
+    data["attractor"] = flagged("point", [cycle.label for cycle in cycles], "kind of cycle", Attractor)
+    data["attracting"] = yes_no("point", [cycle.attracting for cycle in cycles], "whether the cycle attracts")
     for part, word in (("real", "real"), ("imag", "imaginary")):
         dims, about_part = ("point", "multiplier_number"), f"{word} part of the Floquet multipliers"
         data[f"multiplier_{word}_part"] = variable(dims, getattr(multipliers, part), "1", about_part)

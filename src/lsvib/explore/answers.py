@@ -17,7 +17,7 @@ from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapper import Mapper
 from lsvib.basins.mapping import mapper
 from lsvib.datasets.io import write_dataset
-from lsvib.datasets.motion import attractor_of, motion_file, run
+from lsvib.datasets.motion import Simulation
 from lsvib.datasets.phase_plane import lines, sample
 from lsvib.datasets.spans import stepped
 from lsvib.datasets.sweep import START, sweep
@@ -63,13 +63,13 @@ def _work(drive: Drive) -> int:
     return _WORK_OF_LAW if friction.depends_on_speed(drive) else _MOST_WORK
 
 
-def moved(view: View) -> Motion:
+def moved(view: View) -> Simulation:
     """Follow the motion of a view; raises ``EngineError``, also where that takes more work than a page may do."""
     budget = Budget(_WORK_OF_LAW)
     with suppress(WorkSpentError):
-        motion = run(view.scene(), budget)
-        if motion.status != Status.WORK_SPENT:
-            return motion
+        found = Simulation.of(view.scene(), budget)
+        if found.motion.status != Status.WORK_SPENT:
+            return found
     raise EngineError(
         f"the motion of {view.duration:g} s takes more work than a page may do; shorten it, or follow it with "
         "lsvib simulate."
@@ -78,7 +78,7 @@ def moved(view: View) -> Motion:
 
 def followed(view: View) -> Followed:
     """Follow the motion of a view and find its attractor; raises ``EngineError``."""
-    motion = moved(view)
+    motion = moved(view).motion
     time, states, modes = _sampled(motion)
     force = motion.automaton.observe("normal_force", states, modes)
     try:
@@ -222,8 +222,8 @@ def export(file: str, view: View) -> bytes:
     """Return the scene of a view, or its motion as ``lsvib simulate`` writes it; raises ``LsvibError``."""
     if file == "scene.yaml":
         return view.yaml().encode()
-    motion = moved(view)
+    found = moved(view)
     with TemporaryDirectory() as folder:
         path = Path(folder) / file
-        write_dataset(motion_file(view.scene(), motion, attractor_of(view.scene(), motion)), path, "lsvib.explore")
+        write_dataset(found.file(), path, "lsvib.explore")
         return path.read_bytes()
