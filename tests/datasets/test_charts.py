@@ -150,7 +150,10 @@ def test_a_chart_is_a_dataset_and_that_of_the_workflow(tmp_path):
 
 
 def test_flutter_is_traced_through_the_force_at_which_no_law_holds():
-    """Nodes on R = 0 were a refusal. There the law changes, and with it the stability of drives beyond a mass."""
+    """Nodes on R = 0 were a refusal. There the law changes, and with it the stability of drives beyond a mass.
+
+    Without any force there is no such curve.
+    """
     drive = threads_drive(contact_damping=5e4)
     critical = drive.threshold("onset", "mass").value
     found = boundary_curves(drive, ("mass", (5.0, 15.0)), ("axial_force", (-60.0, 60.0)))
@@ -160,11 +163,7 @@ def test_flutter_is_traced_through_the_force_at_which_no_law_holds():
     assert (line[on_zero, 0] > critical * (1 - 1e-12)).all()
     np.testing.assert_allclose(line[~on_zero, 0], critical, rtol=1e-11)
     assert line[~on_zero, 1].max() == 60.0
-
-
-def test_without_any_force_there_is_no_curve_of_flutter():
-    drive = threads_drive(contact_damping=5e4, axial_force=0.0)
-    assert not boundary_curves(drive, ("mass", (5.0, 15.0)), ("contact_stiffness", (1e6, 1e9)))
+    assert not boundary_curves(drive.replace(axial_force=0.0), ("mass", (5.0, 15.0)), ("contact_stiffness", (1e6, 1e9)))
 
 
 BASE = lsvib.Drive(translation_damping=1000)
@@ -254,22 +253,13 @@ def test_points_with_four_states_are_those_of_single_drives(drive, start):
             assert_peaks(here, own, steady.orbit, 1e-9)
 
 
-def test_pairs_of_lead_angle_and_friction_are_checked():
-    """μ < cot λ couples the two axes: every pair must be acceptable, though each value alone may be."""
+def test_points_are_judged_not_axes_beside_the_other_values_of_the_drive():
+    """μ < cot λ couples two axes, and a rise needs a speed over which it fades; a mask that hides nothing is no fault."""
     drive = lsvib.Drive(friction_coefficient=0.5)
-    found = drive.sweep(lead_angle=[0.1, 1.2], friction_coefficient=[0.1, 0.38])
-    assert found.attractor.shape == (2, 2)
+    assert drive.sweep(lead_angle=[0.1, 1.2], friction_coefficient=[0.1, 0.38]).attractor.shape == (2, 2)
     for leads, frictions in (([0.1, 1.2], [0.1, 0.5]), ([1.2, 0.1], [0.5, 0.1])):
         with pytest.raises(lsvib.InputError, match=r"friction_coefficient = 0\.5 is outside"):
             drive.sweep(lead_angle=leads, friction_coefficient=frictions)
-
-
-def test_a_mask_that_hides_nothing_is_no_fault():
+    assert lsvib.Drive().sweep(stribeck_rise=[0.01, 0.1], stribeck_speed=[0.01, 0.1]).attractor.shape == (2, 2)
     found = BASE.sweep(mass=np.ma.masked_array([10.0, 11.0], [False, False]))
     assert found.mass.values.tolist() == [10.0, 11.0]
-
-
-def test_points_are_judged_not_axes_beside_the_other_values_of_the_drive():
-    """A rise needs a speed over which it fades."""
-    found = lsvib.Drive().sweep(stribeck_rise=[0.01, 0.1], stribeck_speed=[0.01, 0.1])
-    assert dict(found.sizes) == {"stribeck_rise": 2, "stribeck_speed": 2}
