@@ -254,7 +254,7 @@ def test_points_with_four_states_are_those_of_single_drives(drive, start):
 
 
 def test_points_are_judged_not_axes_beside_the_other_values_of_the_drive():
-    """μ < cot λ couples two axes, and a rise needs a speed over which it fades; a mask that hides nothing is no fault."""
+    """μ < cot λ couples two axes, a rise needs a speed over which it fades; a mask that hides nothing is no fault."""
     drive = lsvib.Drive(friction_coefficient=0.5)
     assert drive.sweep(lead_angle=[0.1, 1.2], friction_coefficient=[0.1, 0.38]).attractor.shape == (2, 2)
     for leads, frictions in (([0.1, 1.2], [0.1, 0.5]), ([1.2, 0.1], [0.5, 0.1])):
