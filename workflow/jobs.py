@@ -241,7 +241,7 @@ def whole_map(settings: dict[str, Any], tiles: Texts, file: str) -> None:
 
 def chart(settings: dict[str, Any], file: str, workers: int) -> None:
     """Chart what a drive does over two of its parameters."""
-    from lsvib.datasets.chart import write_chart
+    from lsvib.datasets.sweep import write_chart
 
     write_chart(settings, file, workers)
 

@@ -13,7 +13,7 @@ from pydantic import Field
 from benchmarks.record import Verdict
 from benchmarks.rivals.methods import MODULES
 from benchmarks.sweeps.families import FamilyName
-from lsvib.datasets.attributes import flagged, named_flags, named_index, variable
+from lsvib.datasets.attributes import flagged, named_index, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import style
 from lsvib.figures.common import flag_names
@@ -114,7 +114,7 @@ def _dataset(rows: list[_Row], entries: list[tuple[str, float]], seed: int) -> x
     words = {NOT_ASKED: "not_asked", **{int(kind): kind.name.lower() for kind in VERDICTS}}
     return xr.Dataset(
         {
-            "method_verdict": named_flags(("case", "method"), verdict, "verdict on the method", words),
+            "method_verdict": flagged(("case", "method"), verdict, "verdict on the method", words),
             "error": variable(
                 ("case", "method"), error, "1", "relative error of the right events and of the final state"
             ),

@@ -20,8 +20,7 @@ from lsvib.basins.boundary import basin
 from lsvib.basins.curves import Window
 from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapping import mapper
-from lsvib.datasets.chart import Plane
-from lsvib.datasets.sweep import product_of
+from lsvib.datasets.sweep import ChartAxis, charted, product_of
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.dynamics.behaviour import Behaviour
 from lsvib.dynamics.sweep import all_endings
@@ -65,10 +64,10 @@ def _chart(count: int, repeats: int) -> tuple[float, int, list[float]]:
     curve = Chebyshev.interpolate(
         np.vectorize(lambda mass: threshold_force(_CHARTED.replace(mass=float(mass)), "stick")), _DEGREE, _MASSES
     )
-    plane = Plane.of(_CHARTED, ("mass", *_MASSES, count), ("axial_force", *_FORCES, count))
-    labels, times = _timed(plane.labels, repeats)
+    x, y = ChartAxis("mass", *_MASSES, count), ChartAxis("axial_force", *_FORCES, count)
+    labels, times = _timed(lambda: charted(_CHARTED, x, y), repeats)
     sticks = np.isin(labels, _STICKS)
-    beyond = plane.y.centres()[:, None] > curve(plane.x.centres())
+    beyond = y.centres()[:, None] > curve(x.centres())
     primitive = curve.integ()
     mean = (primitive(_MASSES[1]) - primitive(_MASSES[0])) / (_MASSES[1] - _MASSES[0])
     share = (_FORCES[1] - mean) / (_FORCES[1] - _FORCES[0])

@@ -18,6 +18,7 @@ from lsvib.errors import InputError as InputError
 from lsvib.errors import LsvibError as LsvibError
 from lsvib.errors import NoThreshold as NoThreshold
 from lsvib.figures.answers import draw as draw
+from lsvib.figures.answers import open as open
 from lsvib.models.scene import Scene as Scene
 from lsvib.results import Condition as Condition
 from lsvib.results import Derivative as Derivative

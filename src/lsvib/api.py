@@ -195,12 +195,12 @@ class DriveMethods(_Base):
 
         See also: :func:`lsvib.simulate`, of a scene in a file; :meth:`steady_state`, what the motion ends on.
         """
-        from lsvib.datasets.motion import run, trajectory
+        from lsvib.datasets.motion import Simulation
 
         scene = self._scene(
             start, duration, samples=samples, resume=resume, physics=physics, outputs=outputs, command=command
         )
-        return trajectory(scene, run(scene))
+        return Simulation.of(scene).dataset()
 
     def steady_state(self, start: Start, *, resume: str = "contact_sign", physics: Terms = None) -> "SteadyState":
         """Return the attractor that the motion from a start reaches.
@@ -329,7 +329,7 @@ class DriveMethods(_Base):
 
         See also: :meth:`sweep`, over any number of parameters.
         """
-        from lsvib.datasets.chart import chart
+        from lsvib.datasets.sweep import chart
 
         return chart(self, x, y, workers, progress)
 
@@ -364,7 +364,7 @@ class DriveMethods(_Base):
         """
         from lsvib.datasets.map import map_attraction
 
-        return map_attraction(self, grid, quantities, workers, progress).dataset
+        return map_attraction(self, grid, quantities, workers, progress)
 
     def basin(self) -> "Basin":
         """Return the region of attraction of steady sliding of a rigid drive, bounded in closed form.
@@ -456,10 +456,9 @@ def simulate(scene: Scene | Mapping[str, Any] | str | Path) -> "xr.Dataset":
 
     See also: :meth:`Drive.simulate`, of a drive that is there.
     """
-    from lsvib.datasets.motion import as_scene, run, trajectory
+    from lsvib.datasets.motion import Simulation, as_scene
 
-    checked = as_scene(scene, {}, {})
-    return trajectory(checked, run(checked))
+    return Simulation.of(as_scene(scene, {}, {})).dataset()
 
 
 if TYPE_CHECKING:  # the class with its methods, as users see it

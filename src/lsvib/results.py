@@ -1,8 +1,10 @@
 """What a drive answers in numbers: small values that cannot change. Everything else that it answers is a dataset."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
+
+from lsvib import words
 
 
 @dataclass(frozen=True)
@@ -63,6 +65,25 @@ class StabilityReport:
     def to_json(self) -> dict[str, Any]:
         """Return the report as plain numbers and names; an eigenvalue has a ``real`` and an ``imaginary`` part."""
         return asdict(self) | {"eigenvalues": [{"real": x.real, "imaginary": x.imag} for x in self.eigenvalues]}
+
+    def text(self) -> Iterator[str]:
+        """Say the report in lines."""
+        kind, neutral = words.plain(self.kind), self.kind in ("neutral", "centre")
+        verdict = "stable" if self.stable else "neutral" if neutral else "unstable"
+        yield f"steady sliding is {verdict}{'' if kind == verdict else f' ({kind})'}"
+        for value in self.eigenvalues:
+            yield f"  eigenvalue {value.real:.10g}{f' {value.imag:+.10g}i' if value.imag else ''} 1/s"
+        yield from _quantities_and_conditions(self)
+        if self.without_damping is not None:
+            yield f"without any damping: {words.plain(self.without_damping.kind)}"
+            yield from _quantities_and_conditions(self.without_damping)
+
+
+def _quantities_and_conditions(of: StabilityReport | UndampedStability) -> Iterator[str]:
+    for key, found in of.quantities.items():
+        yield f"  {key}: {words.quantity(found.value, found.unit)}"
+    for key, condition in of.conditions.items():
+        yield f"  condition {key}: {'holds' if condition.hold else 'does not hold'}"
 
 
 @dataclass(frozen=True)
@@ -164,3 +185,33 @@ class Threshold:
     def to_json(self) -> dict[str, Any]:
         """Return the threshold as plain numbers and names."""
         return {"value": self.value, "enclosure": self.enclosure, **asdict(self)}
+
+    def text(self) -> Iterator[str]:
+        """Say all solutions in lines, with their enclosures and derivatives."""
+        count = len(self.solutions)
+        yield f"{self.name}: {count} solution{'s' if count > 1 else ''} for {self.unknown}. {self.how}"
+        yield self.statement
+        for solution in self.solutions:
+            low, high = solution.enclosure
+            value = words.with_unit(repr(solution.value), self.unit)
+            yield f"{self.unknown} = {value}, between {low!r} and {high!r}"
+            yield f"  equation: {solution.equation}"
+            for key, slope in solution.derivatives.items():
+                if slope.value:
+                    yield f"  d/d {key} = {words.quantity(slope.value, slope.unit)}"
+
+    def rows(self) -> Iterator[tuple[str, str, str]]:
+        """Say it in rows of a table: its name, the values of the unknown, and remarks."""
+        printed, about = self.printed, ""
+        if self.value is None:
+            yield self.name, "none", self.reason
+        elif printed is not None:
+            verdict = "pass" if printed.passed else "FAIL"
+            about = f"chapter {printed.value:g}, relative error {printed.relative_error:.2%}, {verdict}"
+        for solution in self.solutions:
+            yield self.name, f"{self.unknown} = {words.quantity(solution.value, self.unit)}", about
+        for low, high in self.stable_intervals:
+            first = "" if low is None else f" from {low:.12g}"
+            last = "" if high is None else f"{' up' if low is None else ''} to {high:.12g}"
+            ends = words.with_unit(first + last, self.unit) + (" on" if first and not last else "")
+            yield "", "", f"{self.stability} stability{ends}"

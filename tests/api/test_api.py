@@ -18,8 +18,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from references.command_line import DRIVE, GRID
-from references.drives import DRIVES, MODELS, NEAR_FOLD, PARADOX, nut_drive, support_drive, threads_drive, wide_drive
+from references.drives import DRIVES, MODELS, NEAR_FOLD, PARADOX, threads_drive, wide_drive
 
 import lsvib
 from lsvib import api
@@ -31,7 +30,6 @@ from lsvib.models.rigid import rigid_automaton
 
 ROOT = Path(__file__).parents[2]
 START = {"u": 0.1, "w": 0.0}
-WINDOW = {"u": (-0.1, 0.1, 40), "w": (-80.0, 80.0, 30)}
 
 
 def random_drives(count: int):
@@ -84,15 +82,9 @@ def test_drives_are_values():
         changed = drive.replace(mass=2 * drive.mass)
         assert changed != drive
         assert drive not in {changed}
-
-
-def test_a_drive_is_its_model_and_its_values():
-    assert lsvib.Drive(mass=9) == Drive(mass=9)
+    assert lsvib.Drive(mass=9) == Drive(mass=9.0)
     assert hash(lsvib.Drive(mass=9)) == hash(Drive(mass=9.0))
-    assert lsvib.Drive() != threads_drive()
-    assert support_drive() != nut_drive()
-    assert lsvib.Drive() != {}
-    assert repr(lsvib.Drive()) == "Drive()"
+    assert lsvib.Drive() not in (threads_drive(), {})
     assert repr(lsvib.Drive(axial_force=-0.0)) == "Drive(axial_force=0.0)"
 
 
@@ -133,28 +125,6 @@ def test_simulate_is_that_of_the_function(kind):
     xr.testing.assert_identical(motion, lsvib.simulate(lsvib.Scene(**scene, drive=drive)))
     begin = drive._scene(START, 1.0).definition.initial_state(drive, START)
     assert drive.steady_state(START).label == steady_state(drive.automaton(), begin).label
-
-
-def test_attraction_is_that_of_the_command(run, tmp_path):
-    summary = json.loads(run("attraction", *DRIVE, *GRID, "--quantities", "time", "--out", "a.nc", "--json")[1])
-    drive, rows = PARADOX, []
-    found = drive.attraction(WINDOW, quantities=["time"], progress=lambda done, total: rows.append((done, total)))
-    with xr.open_dataset(tmp_path / "a.nc") as written:
-        assert set(found.data_vars) == set(written.data_vars)
-        for name in ("label", "settling_time", "fraction", "boundary_angle"):
-            np.testing.assert_array_equal(written[name], found[name])
-    assert rows[-1] == (30, 30)
-    assert found.basin_area.item() == summary["exact_basin_area"]
-    np.testing.assert_array_equal(drive.attraction(WINDOW, workers=2).label, found.label)
-    grid = lsvib.Grid(lsvib.Axis("u", -0.1, 0.1, 40), lsvib.Axis("w", -80.0, 80.0, 30))
-    xr.testing.assert_identical(drive.attraction(grid, quantities=["time"]), found)
-
-
-def test_basin_is_handed_the_drive_itself():
-    drive = PARADOX
-    basin = drive.basin()
-    assert basin.drive is drive
-    assert basin.area() == pytest.approx(basin.area(lsvib.Window(-1.0, 1.0, -300.0, 300.0)), rel=1e-12)
 
 
 def test_examples_of_docstrings_and_documentation():

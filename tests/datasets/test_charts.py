@@ -11,8 +11,7 @@ import xarray as xr
 from references.drives import nut_drive, support_drive, threads_drive
 
 import lsvib
-from lsvib.datasets.chart import Plane, write_chart
-from lsvib.datasets.io import write_dataset
+from lsvib.datasets.sweep import ChartAxis, charted, write_chart
 from lsvib.dynamics.attractor import orbit_extremes
 from lsvib.dynamics.behaviour import Behaviour
 from lsvib.dynamics.impulses import event_impulses
@@ -71,14 +70,14 @@ def expected(drive) -> Behaviour | None:
     return Behaviour.STICK_SLIP_WITH_CONTACT_REVERSAL if R < way * detach else Behaviour.STICK_SLIP
 
 
-def looked_at(plane: Plane, said) -> tuple[np.ndarray, np.ndarray]:
+def looked_at(x: ChartAxis, y: ChartAxis, said) -> tuple[np.ndarray, np.ndarray]:
     """What a function of both parameters says in the middle of each cell, and whether that is what its corners say."""
 
     def at(columns, rows) -> np.ndarray:
         return np.array([[said(a, b) for a in columns.tolist()] for b in rows.tolist()])
 
-    middles = at(plane.x.centres(), plane.y.centres())
-    nodes = at(*(axis.middles(np.arange(axis.count + 1) - 0.5) for axis in (plane.x, plane.y)))
+    middles = at(x.centres(), y.centres())
+    nodes = at(*(axis.middles(np.arange(axis.count + 1) - 0.5) for axis in (x, y)))
     corners = np.stack([nodes[:-1, :-1], nodes[1:, :-1], nodes[:-1, 1:], nodes[1:, 1:]])
     return middles, (corners == middles).all(axis=0)
 
@@ -86,15 +85,15 @@ def looked_at(plane: Plane, said) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("name", PAIRS)
 def test_labels_agree_with_the_exact_curves(name):
     """In every cell that no curve cuts: one of whose four corners and middle the thresholds say the same."""
-    x, y, changes = PAIRS[name]
-    count = 12 if name == "mass and friction" else 16
-    plane = Plane.of(lsvib.Drive(**changes), (*x, count), (*y, count))
+    *spans, changes = PAIRS[name]
+    x, y = (ChartAxis(*span, 12 if name == "mass and friction" else 16) for span in spans)
+    drive = lsvib.Drive(**changes)
 
     def said(a: float, b: float) -> int:
-        found = expected(plane.drive.replace(**{plane.x.name: a, plane.y.name: b}))
+        found = expected(drive.replace(**{x.coordinate: a, y.coordinate: b}))
         return -9 if found is None else int(found)
 
-    labels, (middles, whole) = plane.labels(workers=2), looked_at(plane, said)
+    labels, (middles, whole) = charted(drive, x, y, workers=2), looked_at(x, y, said)
     whole &= middles != -9
     np.testing.assert_array_equal(labels[whole], middles[whole])
     assert whole.sum() > 2 * (~whole).sum()
@@ -107,9 +106,9 @@ def test_contact_chart_agrees_with_flutter():
     The first motion begins next to steady sliding, so that it comes back to it where that is stable, and nowhere else.
     """
     names = "contact_stiffness", "contact_damping"
-    plane = Plane.of(threads_drive(mass=9), (names[0], 1e5, 1e9, 6), (names[1], 3e3, 1e9, 6))
-    labels, flutter = plane.labels(), _function(plane.drive, ChartBoundary.FLUTTER, names)  # zero on the curve
-    stable, whole = looked_at(plane, lambda k, c: flutter(k, c) > 0)
+    drive, x, y = threads_drive(mass=9), ChartAxis(names[0], 1e5, 1e9, 6), ChartAxis(names[1], 3e3, 1e9, 6)
+    labels, flutter = charted(drive, x, y), _function(drive, ChartBoundary.FLUTTER, names)  # zero on the curve
+    stable, whole = looked_at(x, y, lambda k, c: flutter(k, c) > 0)
     whole &= labels != Behaviour.UNRESOLVED  # one of the two motions is chaotic or too slow
     comes_back = np.isin(labels, [Behaviour.NO_VIBRATION, Behaviour.COEXISTENCE, Behaviour.VIBRATION_FROM_REST])
     np.testing.assert_array_equal(comes_back[whole], stable[whole])
@@ -132,41 +131,29 @@ def test_points_of_curves_are_roots():
             assert exact == pytest.approx(R, rel=1e-10)
 
 
-def test_chart_is_a_dataset(tmp_path):
-    drive = lsvib.Drive(input_speed=30)
-    found = drive.chart(("mass", 1, 12, 8), "axial_force=0:60:6")
-    assert found.label.dims == ("axial_force", "mass")
-    assert found.label.dtype == np.int8
-    assert found.label.attrs["flag_meanings"].split()[
-        int(found.label.sel(mass=2, axial_force=30, method="nearest")) + 1
-    ]
-    assert found.fraction.sum() == pytest.approx(1)
-    assert {"mass", "axial_force"}.isdisjoint(json.loads(found.attrs["parameters"]))
-    write_dataset(found, tmp_path / "chart.nc")
-    with xr.open_dataset(tmp_path / "chart.nc") as written:
-        np.testing.assert_array_equal(written.label, found.label)
-        assert written.input_speed == 30
-        assert "git_commit" in written.attrs
-    plane = Plane.of(drive, ("mass", 1, 12, 8), ("axial_force", 0, 60, 6))
-    np.testing.assert_array_equal(plane.labels(workers=3), found.label)
-
-
-def test_the_chart_of_the_workflow_is_the_chart(tmp_path):
+def test_a_chart_is_a_dataset_and_that_of_the_workflow(tmp_path):
     settings = {
         "drive": {"input_speed": 30.0},
         "x": {"parameter": "mass", "start": 1.0, "stop": 15.0, "count": 7},
         "y": {"parameter": "axial_force", "start": 0.0, "stop": 60.0, "count": 5},
     }
+    found = lsvib.Drive(input_speed=30).chart("mass=1:15:7", ("axial_force", 0, 60, 5), workers=3)
+    assert (found.label.dims, found.label.dtype) == (("axial_force", "mass"), np.int8)
+    assert found.fraction.sum() == pytest.approx(1)
+    assert {"mass", "axial_force"}.isdisjoint(json.loads(found.attrs["parameters"]))
     write_chart(settings, tmp_path / "chart.nc")
-    whole = lsvib.Drive(input_speed=30).chart("mass=1:15:7", "axial_force=0:60:5")
     with xr.open_dataset(tmp_path / "chart.nc") as written:
-        assert set(whole.variables) == set(written.variables)
-        for name in whole.variables:
-            np.testing.assert_array_equal(written[name], whole[name])
+        assert set(found.variables) == set(written.variables)
+        for name in found.variables:
+            np.testing.assert_array_equal(written[name], found[name])
+        assert written.input_speed == 30
 
 
 def test_flutter_is_traced_through_the_force_at_which_no_law_holds():
-    """Nodes on R = 0 were a refusal. There the law changes, and with it the stability of drives beyond a mass."""
+    """Nodes on R = 0 were a refusal. There the law changes, and with it the stability of drives beyond a mass.
+
+    Without any force there is no such curve.
+    """
     drive = threads_drive(contact_damping=5e4)
     critical = drive.threshold("onset", "mass").value
     found = boundary_curves(drive, ("mass", (5.0, 15.0)), ("axial_force", (-60.0, 60.0)))
@@ -176,11 +163,7 @@ def test_flutter_is_traced_through_the_force_at_which_no_law_holds():
     assert (line[on_zero, 0] > critical * (1 - 1e-12)).all()
     np.testing.assert_allclose(line[~on_zero, 0], critical, rtol=1e-11)
     assert line[~on_zero, 1].max() == 60.0
-
-
-def test_without_any_force_there_is_no_curve_of_flutter():
-    drive = threads_drive(contact_damping=5e4, axial_force=0.0)
-    assert not boundary_curves(drive, ("mass", (5.0, 15.0)), ("contact_stiffness", (1e6, 1e9)))
+    assert not boundary_curves(drive.replace(axial_force=0.0), ("mass", (5.0, 15.0)), ("contact_stiffness", (1e6, 1e9)))
 
 
 BASE = lsvib.Drive(translation_damping=1000)
@@ -244,20 +227,6 @@ def test_any_parameter_can_be_swept():
             assert found.attractor[k] == lsvib.Drive(**{name: changed}).steady_state(START).label
 
 
-def test_command(run):
-    arguments = ["sweep", "--set", "translation_damping=1000", "--over", "axial_force=1:60:30"]
-    code, out, _ = run(*arguments, "--over", "mass=1:2:2", "--out", "s.nc", "--json")
-    result = json.loads(out)
-    assert (code, result["points"]) == (0, 60)
-    assert result["points_per_second"] > 0
-    assert sum(result["attractors"].values()) == 60
-    expected = BASE.sweep(axial_force=np.linspace(1, 60, 30), mass=np.linspace(1, 2, 2))
-    with xr.open_dataset("s.nc") as written:
-        assert all((written[name].values == expected[name].values).all() for name in ("attractor", "axial_force"))
-        np.testing.assert_array_equal(written.amplitude, expected.amplitude)
-    assert "points per second" in run(*arguments)[1]
-
-
 @pytest.mark.parametrize(
     ("drive", "start"),
     [
@@ -284,22 +253,13 @@ def test_points_with_four_states_are_those_of_single_drives(drive, start):
             assert_peaks(here, own, steady.orbit, 1e-9)
 
 
-def test_pairs_of_lead_angle_and_friction_are_checked():
-    """μ < cot λ couples the two axes: every pair must be acceptable, though each value alone may be."""
+def test_points_are_judged_not_axes_beside_the_other_values_of_the_drive():
+    """μ < cot λ couples two axes, a rise needs a speed over which it fades; a mask that hides nothing is no fault."""
     drive = lsvib.Drive(friction_coefficient=0.5)
-    found = drive.sweep(lead_angle=[0.1, 1.2], friction_coefficient=[0.1, 0.38])
-    assert found.attractor.shape == (2, 2)
+    assert drive.sweep(lead_angle=[0.1, 1.2], friction_coefficient=[0.1, 0.38]).attractor.shape == (2, 2)
     for leads, frictions in (([0.1, 1.2], [0.1, 0.5]), ([1.2, 0.1], [0.5, 0.1])):
         with pytest.raises(lsvib.InputError, match=r"friction_coefficient = 0\.5 is outside"):
             drive.sweep(lead_angle=leads, friction_coefficient=frictions)
-
-
-def test_a_mask_that_hides_nothing_is_no_fault():
+    assert lsvib.Drive().sweep(stribeck_rise=[0.01, 0.1], stribeck_speed=[0.01, 0.1]).attractor.shape == (2, 2)
     found = BASE.sweep(mass=np.ma.masked_array([10.0, 11.0], [False, False]))
     assert found.mass.values.tolist() == [10.0, 11.0]
-
-
-def test_points_are_judged_not_axes_beside_the_other_values_of_the_drive():
-    """A rise needs a speed over which it fades."""
-    found = lsvib.Drive().sweep(stribeck_rise=[0.01, 0.1], stribeck_speed=[0.01, 0.1])
-    assert dict(found.sizes) == {"stribeck_rise": 2, "stribeck_speed": 2}

@@ -116,21 +116,6 @@ def test_corrupt_file_is_one_sentence(tmp_path, content):
         read_dataset(tmp_path / "a.nc")
 
 
-def test_replacing_leaves_nothing_after_a_failure(tmp_path):
-    path = tmp_path / "a.txt"
-    files.write_text("old", path)
-
-    def fail_halfway():
-        with files.replacing(path) as part:
-            part.write_text("half")
-            raise ZeroDivisionError
-
-    with pytest.raises(ZeroDivisionError):
-        fail_halfway()
-    assert path.read_text() == "old"
-    assert os.listdir(tmp_path) == ["a.txt"]
-
-
 def test_json_has_no_nan(tmp_path):
     with pytest.raises(ValueError, match="Out of range"):
         files.write_json([float("nan")], tmp_path / "a.json")

@@ -7,7 +7,7 @@ import pytest
 from references.drives import DRIVES
 
 import lsvib
-from lsvib.datasets.motion import as_scene, run, summary
+from lsvib.datasets.motion import Simulation, as_scene
 from lsvib.dynamics.impulses import event_impulses, seizure_impulses, seizure_speeds
 
 SPRAG = {"mass": 40.0, "support_damping": 1e-3, "duration": 0.05}
@@ -30,7 +30,7 @@ def scene_of(model: str, force: float):
 def test_impulses_of_a_motion(model, force):
     """And in its dataset, with their peak in the summary."""
     scene = scene_of(model, force)
-    motion, drive = run(scene), scene.drive
+    motion, drive = Simulation.of(scene).motion, scene.drive
     seized = np.isin(motion.kind, motion.automaton.sprag_kinds)
     assert seized.any()
     impulses = event_impulses(drive, motion)
@@ -60,13 +60,13 @@ def test_impulses_of_a_motion(model, force):
     assert found.dims == ("event",)
     assert found.attrs["units"] == "N s"
     assert (found.values == impulses.normal).all()
-    assert summary(scene, motion)["peak_normal_impulse"] == float(np.abs(found).max()) > 0
+    assert Simulation(scene, motion).to_json()["peak_normal_impulse"] == float(np.abs(found).max()) > 0
     assert "event_normal_impulse" in dataset.normal_force.attrs["comment"]
 
 
 def test_compliant_threads_have_forces_and_no_impulses():
     scene = as_scene({"drive": DRIVES["threads"](mass=11.0), "start": {"u": 0.01, "w": 0.0}, "duration": 0.01}, {}, {})
-    motion = run(scene)
+    motion = Simulation.of(scene).motion
     assert not event_impulses(scene.drive, motion).normal.any()
     assert "event_normal_impulse" not in lsvib.simulate(scene)
-    assert "peak_normal_impulse" not in summary(scene, motion)
+    assert "peak_normal_impulse" not in Simulation(scene, motion).to_json()

@@ -1,4 +1,4 @@
-"""The explorer in a real browser: drag, click, presets, keyboard, link and exports, with nothing on its console."""
+"""The explorer in a real browser: drag, click, keyboard, link and exports, with nothing on its console."""
 
 import re
 import subprocess
@@ -84,16 +84,6 @@ def test_a_click_in_the_plane_starts_a_motion(page):
     assert abs(u) < 0.03
     points = "Bokeh.documents[0].get_model_by_name('plane').renderers.find(r => r.glyph.type == 'Scatter').data_source"
     assert page.evaluate(f"{points}.data.x[1]") == pytest.approx(u, rel=1e-9)  # the field shows ten digits
-
-
-def test_presets_show_the_drives_of_figures(page):
-    page.get_by_label("Figure of the chapter").select_option("Figure 8.5")
-    words(page, "It ends on steady sliding")
-    query(page, "translation_damping", "1000.0")
-    page.get_by_label("Figure of the chapter").select_option("Figure 8.13")
-    query(page, "contact_stiffness", "10000.0")
-    words(page, "38 events")
-    assert page.get_by_label("stiffness of the thread contact k_c [N m⁻¹]").and_(page.locator("input")).is_visible()
 
 
 def test_the_keyboard_does_what_a_hand_does(page):

@@ -48,8 +48,9 @@ def test_an_answer_and_its_file_are_drawn_alike(kind, tmp_path):
     make, panels, words = ANSWERS[kind]
     dataset = make()
     write_dataset(dataset, tmp_path / "answer.nc", "test")
-    found, again = (shown(lsvib.draw(given)) for given in (dataset, tmp_path / "answer.nc"))
-    assert found == again
+    file = tmp_path / "answer.nc"
+    found, again, opened = (shown(lsvib.draw(given)) for given in (dataset, file, lsvib.open(file)))
+    assert found == again == opened
     assert found[0] == panels
     assert [word for word in words if word not in found[1]] == []
 

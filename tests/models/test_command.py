@@ -8,7 +8,7 @@ from models.test_parts import random_drive
 from references.comparisons import held_against_newton
 
 import lsvib
-from lsvib.datasets.motion import as_scene, run, summary
+from lsvib.datasets.motion import Simulation, as_scene
 from lsvib.engine.motion import Budget, follow
 from lsvib.errors import EngineError, InputError
 from lsvib.models.command import Command
@@ -127,7 +127,7 @@ def test_a_scene_with_a_command():
     ends = {}
     for last in (40, 20):
         checked = as_scene({**scene, "command": {"times": [0, 0.2], "speeds": [0, last]}}, {}, {})
-        ends[last] = summary(checked, run(checked))
+        ends[last] = Simulation.of(checked).to_json()
     assert ends[40]["attractor"] == "steady_sliding"
     assert ends[20]["attractor"] == "unresolved"
     assert "within the duration" in ends[20]["unresolved_because"]

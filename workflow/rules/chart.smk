@@ -13,8 +13,8 @@ rule chart:
 rule chart_cells:
     """Label the cells of the chart and add the exact curves."""
     input:
-        sources=source_files(imports("lsvib.datasets.chart")),
-        engine=engine(imports("lsvib.datasets.chart"), flows_of(CHART["drive"])),
+        sources=source_files(imports("lsvib.datasets.sweep")),
+        engine=engine(imports("lsvib.datasets.sweep"), flows_of(CHART["drive"])),
     output:
         "results/chart/chart.nc",
     log:

@@ -20,7 +20,7 @@ from lsvib.assess.statics import ABOUT, Statics, statics
 from lsvib.assess.summary import brief, of_statics
 from lsvib.assess.uncertainty import BINS
 from lsvib.assess.words import VERDICTS
-from lsvib.datasets.attributes import named_flags, named_index, variable
+from lsvib.datasets.attributes import flagged, named_index, variable
 from lsvib.datasets.io import write_dataset
 from lsvib.errors import InputError
 from lsvib.files import Outputs, write_json, write_text
@@ -179,7 +179,7 @@ def dataset(assessment: Assessment, charts: list[Chart]) -> xr.Dataset:
         "reserve_counts": variable(
             ("mechanism", "class"), np.array(counts, dtype=np.int64), "1", "number of samples by reserve"
         ),
-        "chart": named_flags(("direction", "force", "speed"), kinds, words, dict(enumerate(KINDS))),
+        "chart": flagged(("direction", "force", "speed"), kinds, words, KINDS),
     }
     directions, middles = [chart.direction for chart in charts], 0.5 * (BINS[1:] + BINS[:-1])
     coordinates = {

@@ -1,5 +1,6 @@
 """The application that the commands join, its entry point, and what it says on the terminal."""
 
+import json
 import logging
 import os
 import signal
@@ -7,9 +8,10 @@ import sys
 import threading
 import time
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from importlib import import_module
+from pathlib import Path
 from pkgutil import iter_modules
 from typing import Any, NoReturn
 
@@ -62,6 +64,14 @@ def run(call: Callable[[], object]) -> None:
         # Files that we open ourselves raise errors of the package; so this is one of the standard streams.
         _discard(sys.stdout)
         _fail(f"Cannot write to the standard output: {error.strerror or error}.")
+
+
+def show(result: Mapping[str, Any], as_json: bool, text: Iterable[str], out: Path | None = None) -> None:
+    """Print a result as one JSON object, or its ``text``, in lines, for people; ``out``: a file that was written."""
+    if as_json:
+        print(json.dumps(result, indent=2, allow_nan=False))
+        return
+    print(*([] if out is None else [f"wrote {out}"]), *text, sep="\n")
 
 
 def _suit_the_terminal() -> None:

@@ -1,15 +1,15 @@
 """The commands that simulate nothing: parameters, thresholds and stability of a drive."""
 
-from collections.abc import Mapping
-from typing import Annotated, Any
+from collections.abc import Iterator
+from typing import Annotated
 
 from cyclopts import Parameter
 
-from lsvib.cli.app import app
+from lsvib.cli.app import app, show
 from lsvib.cli.options import CHAPTER, AsJson, DriveOptions, SceneFile
-from lsvib.cli.printing import name, quantity, show, table, with_unit
 from lsvib.errors import InputError
 from lsvib.models.thresholds import TABLE
+from lsvib.words import table
 
 
 @app.command
@@ -36,15 +36,12 @@ def config(*, drive: DriveOptions = CHAPTER, scene: SceneFile = None, as_json: A
         allowed = allowed_range(Drive, key)
         fields[key] = {"value": value, "unit": about["unit"], "symbol": about["symbol"], "allowed": allowed}
 
-    def text(fields: Mapping[str, Any]) -> None:
-        rows = [(key, one["symbol"], _number(one["value"]), one["unit"], one["allowed"]) for key, one in fields.items()]
-        table(rows, "parameter", "symbol", "value", "unit", "allowed range")
+    def text() -> Iterator[str]:
+        values = ("not there" if one["value"] is None else f"{one['value']:.15g}" for one in fields.values())
+        rows = ((key, one["symbol"], next(values), one["unit"], one["allowed"]) for key, one in fields.items())
+        yield table(rows, "parameter", "symbol", "value", "unit", "allowed range")
 
-    show(fields, as_json, text)
-
-
-def _number(value: float | None) -> str:
-    return "not there" if value is None else f"{value:.15g}"
+    show(fields, as_json, text())
 
 
 @app.command
@@ -57,18 +54,18 @@ def describe(*, drive: DriveOptions = CHAPTER, as_json: AsJson = False) -> None:
     """
     from lsvib.models.description import description_of
 
-    def text(found: Mapping[str, Any]) -> None:
-        print(f"What complies: {', '.join(found['parts']) or 'nothing but the coupling'}.")
-        print("\nEquations (SI units; n axial contact force, τ torque of the threads)")
-        print(*(f"  {line}" for line in found["equations"]), sep="\n")
-        print()
-        rows = [(key, one["unit"], one["long_name"]) for key, one in found["coordinates"].items()]
-        table(rows, "coordinate", "unit", "meaning")
-        print()
-        table([(key, f"{value:.6g}") for key, value in found["steady"].items()], "in steady sliding", "value")
-        print(f"\nModes: {', '.join(found['modes'])}.")
+    found = description_of(drive.drive())
 
-    show(description_of(drive.drive()).to_json(), as_json, text)
+    def text() -> Iterator[str]:
+        yield f"What complies: {', '.join(found.parts) or 'nothing but the coupling'}."
+        yield "\nEquations (SI units; n axial contact force, τ torque of the threads)"
+        yield from (f"  {line}" for line in found.equations)
+        rows = ((key, unit, meaning) for key, (meaning, unit) in found.coordinates.items())
+        yield f"\n{table(rows, 'coordinate', 'unit', 'meaning')}\n"
+        yield table(((key, f"{value:.6g}") for key, value in found.steady.items()), "in steady sliding", "value")
+        yield f"\nModes: {', '.join(found.modes)}."
+
+    show(found.to_json(), as_json, text())
 
 
 @app.command
@@ -88,11 +85,11 @@ def pairings(*, as_json: AsJson = False) -> None:
         for key, one in PAIRINGS.items()
     }
 
-    def text(found: Mapping[str, Any]) -> None:
-        rows = [(key, f"{one['low']:g}", f"{one['high']:g}", one["source"]) for key, one in found.items()]
-        table(rows, "friction", "from", "to", "source")
+    def text() -> Iterator[str]:
+        rows = ((key, f"{one.low:g}", f"{one.high:g}", one.source) for key, one in PAIRINGS.items())
+        yield table(rows, "friction", "from", "to", "source")
 
-    show(found, as_json, text)
+    show(found, as_json, text())
 
 
 @app.command
@@ -121,9 +118,12 @@ def thresholds(
     """
     asked = drive.drive()
     if solve is not None:
-        show(asked.threshold(solve, unknown).to_json(), as_json, _print_solved)
+        one = asked.threshold(solve, unknown)
+        show(one.to_json(), as_json, one.text())
         return
-    show({key: found.to_json() for key, found in asked.thresholds(unknown).items()}, as_json, _print_thresholds)
+    found = asked.thresholds(unknown)
+    text = [table((row for one in found.values() for row in one.rows()), "threshold", "solved for", "remarks")]
+    show({key: one.to_json() for key, one in found.items()}, as_json, text)
 
 
 @app.command
@@ -138,58 +138,5 @@ def stability(*, drive: DriveOptions = CHAPTER, as_json: AsJson = False) -> None
 
         lsvib stability --set screw_mass=11.6 --set support_stiffness=1e6 --set mass=15 --set friction_coefficient=0.3
     """
-    show(drive.drive().stability().to_json(), as_json, _print_stability)
-
-
-def _print_thresholds(found: Mapping[str, Any]) -> None:
-    rows = []
-    for key, entry in found.items():
-        printed, about, unit = entry["printed"], "", entry["unit"]
-        if entry["value"] is None:
-            rows.append((key, "none", entry["reason"]))
-        elif printed is not None:
-            verdict = "pass" if printed["passed"] else "FAIL"
-            about = f"chapter {printed['value']:g}, relative error {printed['relative_error']:.2%}, {verdict}"
-        for solution in entry["solutions"]:
-            value = with_unit(f"{solution['value']:.12g}", unit)
-            rows.append((key, f"{entry['unknown']} = {value}", about))
-        for low, high in entry["stable_intervals"]:
-            first = "" if low is None else f" from {low:.12g}"
-            last = "" if high is None else f"{' up' if low is None else ''} to {high:.12g}"
-            ends = with_unit(first + last, unit) + (" on" if first and not last else "")
-            rows.append(("", "", f"{entry['stability']} stability{ends}"))
-    table(rows, "threshold", "solved for", "remarks")
-
-
-def _print_solved(found: Mapping[str, Any]) -> None:
-    unknown, count = found["unknown"], len(found["solutions"])
-    print(f"{found['name']}: {count} solution{'s' if count > 1 else ''} for {unknown}. {found['how']}")
-    print(found["statement"])
-    for solution in found["solutions"]:
-        low, high = solution["enclosure"]
-        print(f"{unknown} = {with_unit(repr(solution['value']), found['unit'])}, between {low!r} and {high!r}")
-        print(f"  equation: {solution['equation']}")
-        for key, slope in solution["derivatives"].items():
-            if slope["value"]:
-                print(f"  d/d {key} = {quantity(slope)}")
-
-
-def _print_stability(found: Mapping[str, Any]) -> None:
-    neutral = found["kind"] in ("neutral", "centre")
-    verdict = "stable" if found["stable"] else "neutral" if neutral else "unstable"
-    kind = name(found["kind"])
-    print(f"steady sliding is {verdict}{'' if kind == verdict else f' ({kind})'}")
-    for value in found["eigenvalues"]:
-        imaginary = f" {value['imaginary']:+.10g}i" if value["imaginary"] else ""
-        print(f"  eigenvalue {value['real']:.10g}{imaginary} 1/s")
-    _print_quantities_and_conditions(found)
-    if found["without_damping"] is not None:
-        print(f"without any damping: {name(found['without_damping']['kind'])}")
-        _print_quantities_and_conditions(found["without_damping"])
-
-
-def _print_quantities_and_conditions(found: Mapping[str, Any]) -> None:
-    for key, entry in found.get("quantities", {}).items():
-        print(f"  {key}: {quantity(entry)}")
-    for key, condition in found["conditions"].items():
-        print(f"  condition {key}: {'holds' if condition['hold'] else 'does not hold'}")
+    report = drive.drive().stability()
+    show(report.to_json(), as_json, report.text())

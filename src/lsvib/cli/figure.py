@@ -6,9 +6,8 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from lsvib.cli.app import app
+from lsvib.cli.app import app, show
 from lsvib.cli.options import AsJson, Changes, Files, refuse_results_of_the_workflow
-from lsvib.cli.printing import show
 from lsvib.errors import InputError, LsvibError
 
 # What a figure is written to: the end of the name after that of the figure, and what the file is called in messages.
@@ -71,17 +70,12 @@ def figure(
     with Outputs(files, [config], make_folders=True).writing() as parts:
         checks = build_figure(name, settings, *parts)
 
-    def text(result: Mapping[str, Any]) -> None:
-        for check in checks:
-            print(check.sentence())
-        failed = sum(not check.passed for check in checks)
-        if checks:
-            print(f"{failed} of {len(checks)} checks failed." if failed else f"All {len(checks)} checks passed.")
-        print(f"wrote {result['figure']}, its PDF, dataset and checks")
-
-    picture = str(out / f"{name}.png")
-    show({"figure": picture, "checks": [check.to_json() for check in checks]}, as_json, text)
-    if not changes and not all(check.passed for check in checks):
+    failed, picture = sum(not check.passed for check in checks), str(out / f"{name}.png")
+    verdict = f"{failed} of {len(checks)} checks failed." if failed else f"All {len(checks)} checks passed."
+    text = [*(check.sentence() for check in checks), *([verdict] if checks else [])]
+    result = {"figure": picture, "checks": [check.to_json() for check in checks]}
+    show(result, as_json, [*text, f"wrote {picture}, its PDF, dataset and checks"])
+    if failed and not changes:
         raise LsvibError(f"figure {number}: a check failed; see above.")
 
 

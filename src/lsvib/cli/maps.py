@@ -1,15 +1,19 @@
 """The commands about regions: of attraction in the phase plane, of behaviour over two parameters, and resilience."""
 
 import math
-from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from collections.abc import Iterator
+from time import perf_counter
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
 from lsvib.cli import options
-from lsvib.cli.app import ProgressLine, app
-from lsvib.cli.printing import name, rate, show
+from lsvib.cli.app import ProgressLine, app, show
 from lsvib.errors import InputError
+from lsvib.words import plain
+
+if TYPE_CHECKING:
+    from lsvib.basins.resilience import Resilience
 
 Quantities = Annotated[
     list[Literal["label", "time", "seizures", "first_event", "doubt"]],
@@ -38,17 +42,17 @@ def attraction(
         lsvib attraction --set contact_stiffness=1e8 --set contact_damping=1e8 --set mass=11 --grid u=-0.05:0.05:100
         w=-15:15:100 --out slice.nc
     """
-    from lsvib.datasets.map import map_attraction, summary
+    from lsvib.datasets.map import summary, text
 
     files = options.Files(out, figure)
     starts = {axis.key: tuple(axis[1:]) if isinstance(axis, options.Steps) else axis.number for axis in grid}
     if figure and {axis.key for axis in grid if isinstance(axis, options.Steps)} != {"u", "w"}:
         raise InputError("figure is for maps of u and w; leave it out for a plane of other coordinates.")
-    found = map_attraction(drive.drive(), starts, quantities, workers, ProgressLine())
-    dataset = found.dataset
-    files.write(dataset, "lsvib.attraction")
-    area = dataset["basin_area"].item() if "basin_area" in dataset else None
-    show(summary(found.counts, found.doubts, area, found.seconds), as_json, _print_map, out)
+    asked, begin = [*quantities, "doubt"], perf_counter()
+    found = drive.drive().attraction(starts, quantities=asked, workers=workers, progress=ProgressLine())
+    result = summary(found, perf_counter() - begin)
+    files.write(found if "doubt" in quantities else found.drop_vars("doubt"), "lsvib.attraction")
+    show(result, as_json, text(result), out)
 
 
 @app.command
@@ -72,16 +76,14 @@ def chart(
         lsvib chart --x contact_stiffness=1e4:1e9:30 --y contact_damping=1:1e9:30 --set mass=9 --out
         contacts.nc
     """
-    from time import perf_counter
-
-    from lsvib.datasets.chart import summary
+    from lsvib.datasets.sweep import chart_summary, chart_text
 
     drive.refuse(x, y)
     files, begin = options.Files(out, figure), perf_counter()
     found = drive.drive().chart(x, y, workers=workers, progress=ProgressLine("motions"))
-    result = summary(found, perf_counter() - begin)
+    result = chart_summary(found, perf_counter() - begin)
     files.write(found, "lsvib.chart")
-    show(result, as_json, _print_chart)
+    show(result, as_json, chart_text(result))
 
 
 @app.command
@@ -110,49 +112,25 @@ def resilience(
     part = {span.key: (span.low, span.high) for span in window} if window else None
     if over is None:
         reserve = drive.drive().resilience(part)
-        show(reserve.to_json(), as_json, lambda result: _print_resilience(reserve))
+        show(reserve.to_json(), as_json, _of_resilience(reserve))
         return
     drive.refuse(*over)
     axes = {axis.key: axis.values() for axis in over}
     found = drive.drive().resilience_sweep(part, progress=ProgressLine("points"), **axes)
     files.write(found)
     result = {"points": int(found.fatal_energy.size), "not_covered": int(found.fatal_energy.isnull().sum())}
-    text = f"wrote {out}: {result['points']} points, {result['not_covered']} of them not covered"
-    show(result, as_json, lambda result: print(text))
+    show(result, as_json, [f"wrote {out}: {result['points']} points, {result['not_covered']} of them not covered"])
 
 
-def _print_shares(result: Mapping[str, Any]) -> None:
-    for kind, part in result["fractions"].items():
-        if part:
-            print(f"{name(kind)}: {100 * part:.6g} % of {result['cells']} cells")
-
-
-def _print_map(result: Mapping[str, Any]) -> None:
-    _print_shares(result)
-    print(f"unresolved: {result['unresolved']} cells")
-    for doubt, cells in result["unresolved_because"].items():
-        print(f"  {cells} cells unresolved: {doubt}")
-    area = result["exact_basin_area"]
-    if area is not None:
-        print(f"exact area of the basin of steady sliding in the map: {area:.12g} rad2/s")
-    print(f"{rate(result['cells_per_second'])} cells per second")
-
-
-def _print_chart(result: Mapping[str, Any]) -> None:
-    _print_shares(result)
-    print(f"exact curves: {', '.join(map(name, result['curves'])) or 'none'}")
-    print(f"{rate(result['cells_per_second'])} cells per second")
-
-
-def _print_resilience(found: Any) -> None:
+def _of_resilience(found: "Resilience") -> Iterator[str]:
     def size(value: float, unit: str) -> str:
         return f"{value:.12g} {unit}" if math.isfinite(value) else "unlimited"
 
-    print(f"boundary of the region of attraction: {name(found.boundary)}")
-    print(f"largest tolerated perturbation of the deflection: {size(found.angle, 'rad')}")
-    print(f"largest tolerated perturbation of the speed: {size(found.speed, 'rad/s')}")
+    yield f"boundary of the region of attraction: {plain(found.boundary)}"
+    yield f"largest tolerated perturbation of the deflection: {size(found.angle, 'rad')}"
+    yield f"largest tolerated perturbation of the speed: {size(found.speed, 'rad/s')}"
     u, w = found.state
     state = f", at u = {u:.12g} rad, w = {w:.12g} rad/s" if math.isfinite(found.energy) else ""
-    print(f"largest tolerated perturbation by energy: {size(found.energy, 'J')}{state}")
+    yield f"largest tolerated perturbation by energy: {size(found.energy, 'J')}{state}"
     if found.window is not None:
-        print(f"share of the window that settles: {found.fraction:.12g}")
+        yield f"share of the window that settles: {found.fraction:.12g}"

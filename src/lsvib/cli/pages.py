@@ -1,17 +1,54 @@
-"""The commands that make pages: the report on a data sheet, and the explorer."""
+"""The commands that need more packages: the report on a data sheet, the fit of measured torques, and the explorer."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib.resources import files
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
-from lsvib.cli.app import app
+from lsvib.cli.app import app, show
 from lsvib.cli.options import AsJson, Whole, refuse_results_of_the_workflow
-from lsvib.cli.printing import show
 from lsvib.errors import InputError
 from lsvib.numbers import whole_between
+
+
+@contextmanager
+def _installed(command: str, extra: str) -> Iterator[None]:
+    """Say what to install where a command needs a package that is not there."""
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        missing = f"lsvib {command} needs {(error.name or '').split('.')[0]}, which is not installed"
+        raise InputError(f"{missing}: pip install 'lsvib[{extra}]'.") from None
+
+
+@app.command
+def fit(
+    sheet: Annotated[Path, Parameter(help="YAML file that names thread, load and tables; see docs/fit.md.")],
+    *,
+    out: Annotated[
+        Path | None, Parameter(help="Folder to write fit.nc, fit.json, fit.png, fit.pdf and friction.yaml to.")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Fit the friction of a screw to its torque over the speed: the law, its errors, and what the data cannot tell.
+
+    Of records over time it also finds what jerks tell of static friction, spring and damper of the drive;
+    docs/measure.md says what to measure.
+
+    Examples of use:
+
+        lsvib fit examples/measured_screw/measured_screw.yaml --out fitted
+    """
+    if out is not None:
+        refuse_results_of_the_workflow(out / "fit.nc")
+    with _installed("fit", "assess"):
+        from lsvib.fit.output import fit_file, text_of
+
+        result = fit_file(sheet, out)
+    show(result, as_json, [text_of(result)], out)
 
 
 @app.command
@@ -46,16 +83,11 @@ def assess(
         raise InputError("lsvib assess needs the file of a data sheet; lsvib assess --template prints one to fill in.")
     if out is not None:
         refuse_results_of_the_workflow(out / "index.html")
-    try:
+    with _installed("assess", "assess"):
         from lsvib.assess.output import assess_file
-    except ModuleNotFoundError as error:
-        raise InputError(
-            f"lsvib assess needs {error.name}, which is not installed: pip install 'lsvib[assess]'."
-        ) from None
-
     result = assess_file(sheet, out, samples, seed)
     written = [f"wrote {out / 'index.html'}, assessment.nc and assessment.json"] if out is not None else []
-    show(result, as_json, lambda result: print(*result["brief"], *written, sep="\n"))
+    show(result, as_json, [*result["brief"], *written])
 
 
 @app.command
@@ -64,15 +96,13 @@ def explore(
     port: Annotated[Whole, Parameter(help="Port of this machine to serve the page at; 0 takes a free one.")] = 5006,
     show: Annotated[bool, Parameter(negative="--no-show", help="Open the page in a browser.")] = True,
 ) -> None:
-    """Explore drives in a browser: phase plane, region of attraction, amplitudes, contact, while you drag a parameter.
+    """Explore drives in a browser: phase plane, region of attraction, amplitudes, while you drag a parameter.
 
     Examples of use:
 
         lsvib explore --port 5010 --no-show
     """
     number = whole_between("port", port, 0, 65535)
-    if find_spec("bokeh") is None:
-        raise InputError("lsvib explore needs bokeh, which is not installed: pip install 'lsvib[explore]'.")
-    from lsvib.explore.server import serve
-
+    with _installed("explore", "explore"):
+        from lsvib.explore.server import serve
     serve(number, show)

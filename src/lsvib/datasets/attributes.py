@@ -11,6 +11,7 @@ from enum import IntEnum
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from lsvib.models import chapter
 from lsvib.models.drive import Drive
@@ -19,6 +20,7 @@ from lsvib.models.model import QUANTITIES
 Dims = str | tuple[str, ...]
 Variable = tuple[Dims, Any, dict[str, Any]]  # as xarray.Dataset takes one
 Variables = dict[str, Variable]
+Words = Iterable[IntEnum] | Mapping[int, str] | Sequence[str]
 
 
 def about_drive(drive: Drive, parameters: Iterable[tuple[str, Any]]) -> dict[str, str]:
@@ -26,24 +28,16 @@ def about_drive(drive: Drive, parameters: Iterable[tuple[str, Any]]) -> dict[str
     return {"parts": " ".join(drive.parts) or "none", "parameters": json.dumps(dict(parameters))}
 
 
-def flag_words(words: Mapping[int, str]) -> dict[str, Any]:
-    """Return the CF attributes ``flag_values`` and ``flag_meanings`` of numbers that ``words`` name."""
-    return {"flag_values": np.array(list(words), dtype=np.int8), "flag_meanings": " ".join(words.values())}
+def flags(words: Words, none: bool = False) -> dict[str, Any]:
+    """Return the CF attributes of numbers that words name, ``flag_values`` and ``flag_meanings``.
 
-
-def names_of(kinds: Iterable[IntEnum]) -> dict[int, str]:
-    """Return the words of a file for an ``IntEnum``."""
-    return {int(kind): kind.name.lower() for kind in kinds}
-
-
-def flags(kinds: Iterable[IntEnum]) -> dict[str, Any]:
-    """Return :func:`flag_words` for an ``IntEnum``."""
-    return flag_words(names_of(kinds))
-
-
-def flags_or_none(kinds: Iterable[IntEnum]) -> dict[str, Any]:
-    """Return :func:`flags` with one more, −1 for none of the kinds."""
-    return flag_words(names_of(kinds) | {-1: "none"})
+    ``words``: members of an ``IntEnum``, or words by their number, or words in the order of numbers from zero;
+    ``none``: −1 for none of them.
+    """
+    known: Mapping[int, Any] = words if isinstance(words, Mapping) else dict(enumerate(words))
+    pairs = [(int(w), w.name.lower()) if isinstance(w, IntEnum) else (k, w) for k, w in known.items()]
+    named = dict(pairs) | ({-1: "none"} if none else {})
+    return {"flag_values": np.array(list(named), dtype=np.int8), "flag_meanings": " ".join(named.values())}
 
 
 def quantity(name: str, when: str = "") -> dict[str, str]:
@@ -62,33 +56,35 @@ def variable(dims: Dims, values: Any, units: str, long_name: str, symbol: str = 
     return dims, values, attributes(units, long_name, symbol, **more)
 
 
-def flagged(dims: Dims, values: Any, long_name: str, kinds: Iterable[IntEnum], **more: Any) -> Variable:
-    """Return a variable that holds members of ``kinds``, as int8 with flags."""
-    return named_flags(dims, values, long_name, names_of(kinds), **more)
+def flagged(dims: Dims, values: Any, long_name: str, words: Words, **more: Any) -> Variable:
+    """Return a variable of numbers that words name, as int8 with :func:`flags`."""
+    return dims, np.asarray(values, dtype=np.int8), attributes("1", long_name, **flags(words), **more)
 
 
-def fractions(dim: str, long_name: str, counts: Mapping[Any, int]) -> dict[str, Variable]:
-    """Return the fraction of the cells of each kind, from their numbers, along the coordinate ``dim`` of the kinds."""
-    share = np.array(list(counts.values())) / sum(counts.values())
+def counted(flags: xr.DataArray) -> dict[str, int]:
+    """Return how many values of a flag variable have each of its words, for the words that occur."""
+    meanings = zip(flags.attrs["flag_meanings"].split(), flags.attrs["flag_values"], strict=True)
+    counts = ((word, int(np.count_nonzero(flags.values == value))) for word, value in meanings)
+    return {word: count for word, count in counts if count}
+
+
+def fractions(dim: str, long_name: str, kinds: type[IntEnum], labels: np.ndarray) -> Variables:
+    """Return the fraction of the cells of each kind, from their labels, along the coordinate ``dim`` of the kinds."""
+    share = np.array([np.count_nonzero(labels == kind) for kind in kinds]) / labels.size
     return {
-        dim: flagged(dim, list(counts), long_name, counts),
+        dim: flagged(dim, list(kinds), long_name, kinds),
         "fraction": variable(dim, share, "1", "fraction of the cells"),
     }
 
 
 def yes_no(dims: Dims, values: Any, long_name: str) -> Variable:
     """Return a variable that is 1 where a statement is true, else 0, as int8 with flags."""
-    return named_flags(dims, values, long_name, {0: "no", 1: "yes"})
-
-
-def named_flags(dims: Dims, values: Any, long_name: str, words: Mapping[int, str], **more: Any) -> Variable:
-    """Return a variable of numbers that ``words`` name, as int8 with flags."""
-    return dims, np.asarray(values, dtype=np.int8), attributes("1", long_name, **flag_words(words), **more)
+    return flagged(dims, values, long_name, ("no", "yes"))
 
 
 def named_index(dim: str, long_name: str, words: Sequence[str], **more: Any) -> Variable:
     """Return the coordinate along ``dim`` of things that have names: their index, whose flags are the names."""
-    return named_flags(dim, range(len(words)), long_name, dict(enumerate(words)), **more)
+    return flagged(dim, range(len(words)), long_name, words, **more)
 
 
 CRITICAL_MASS = attributes("kg", "critical mass of the rigid drive (8.20)", r"$m_\mathrm{cr}$")
@@ -102,7 +98,7 @@ WITHOUT_IMPULSES = "without the impulses of seizures, which are in event_normal_
 SIGNS = attributes(
     "1",
     "sign of the impulse of a seizure, or of the normal force after a contact reversal",
-    **flag_words({-1: "negative", 0: "none", 1: "positive"}),
+    **flags({-1: "negative", 0: "none", 1: "positive"}),
 )
 
 ASSUMED = "assumed: not stated in the text"

@@ -1,14 +1,14 @@
 """All cycles of a drive, with what is proved about them, and how a cycle changes over a parameter."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from lsvib import numbers
+from lsvib import numbers, words
 from lsvib.basins.boundary import Boundary, known_basin
 from lsvib.basins.curves import Arc
 from lsvib.datasets.attributes import about_drive, flagged, variable, yes_no
@@ -52,6 +52,38 @@ class Cycles:
             "searched": self.searched,
             "unresolved_starts": self.unresolved,
         }
+
+    def text(self) -> Iterator[str]:
+        """Say them in lines."""
+        yield from filter(None, (self.proved, self.searched))
+        if not self.cycles:
+            yield f"no cycle found{' from the starts that are resolved' if self.unresolved else ''}"
+        for cycle in map(Cycle.to_json, self.cycles):
+            yield f"{words.plain(cycle['label'])}, {cycle['stability']} (found by: {cycle['found_by']})"
+            error, work = cycle["multiplier_error"], cycle["work"]
+            multipliers = ", ".join(map(_multiplier, cycle["multipliers"]))
+            motor, load, *losses = (f"{key} {work[key]:.6g} J" for key in _WORKS)
+            rows = [
+                ("period", f"{cycle['period']:.12g} s"),
+                ("amplitude", f"{cycle['amplitude']:.12g} rad"),
+                ("multipliers", multipliers if error is None else f"{multipliers} (± {error:.1g})"),
+                ("residual", f"{cycle['residual']:.1g}"),
+                ("work per cycle", f"done by {motor}, {load}"),
+                ("", f"dissipated by {', '.join(losses)}"),
+            ]
+            yield words.table([("", *row) for row in rows])
+        for family in self.families:
+            period = f"one of them with period {family.period:.9g} s" if family.orbit else "of several frequencies"
+            yield f"neutral oscillations side by side, {period}"
+
+
+_WORKS = ("motor", "load", "friction", "damping", "impacts")
+
+
+def _multiplier(value: float | list[float] | None) -> str:
+    if value is None:
+        return "none"
+    return f"{value:.9g}" if isinstance(value, float) else f"{value[0]:.9g} {value[1]:+.9g}i"
 
 
 def find_cycles(drive: Drive, automaton: Automaton) -> Cycles:
@@ -127,25 +159,19 @@ def followed(
 
 def branch_dataset(drive: Drive, branch: CycleBranch) -> xr.Dataset:
     """Return a branch of cycles as a dataset along ``point``; its changes are an attribute."""
-    about = described(branch.parameter)
-    cycles = [point.cycle for point in branch.points]
-    count = max(cycle.multipliers.size for cycle in cycles)
-    multipliers = np.array([cycle.multipliers for cycle in cycles]).reshape(-1, count)
-    numbers_of = {  # what a cycle calls it: name, unit, words, symbol
-        "period": ("period", "s", "period of the cycle", "$T$"),
-        "amplitude": ("amplitude", "rad", "amplitude, half its peak-to-peak"),
-        "multiplier_error": ("multiplier_error", "1", "bound of the multipliers' errors"),
-        "residual": ("period_residual", "1", "change of the state over a period"),
+    about, points, cycles = described(branch.parameter), branch.points, [point.cycle for point in branch.points]
+    multipliers = np.array([cycle.multipliers for cycle in cycles]).reshape(len(cycles), -1)
+    columns: dict[str, tuple[Any, ...]] = {  # values, unit, words, symbol
+        branch.parameter: ([point.value for point in points], about["unit"], about["long_name"]),
+        "along": ([point.along for point in points], "1", "length of the branch from its start"),
+        "period": ([cycle.period for cycle in cycles], "s", "period of the cycle", "$T$"),
+        "amplitude": ([cycle.amplitude for cycle in cycles], "rad", "amplitude, half its peak-to-peak"),
+        "multiplier_error": ([cycle.multiplier_error for cycle in cycles], "1", "bound of the multipliers' errors"),
+        "period_residual": ([cycle.residual for cycle in cycles], "1", "change of the state over a period"),
     }
-    values, along = (np.array([getattr(point, name) for point in branch.points]) for name in ("value", "along"))
-    data: dict[str, Any] = {
-        branch.parameter: variable("point", values, about["unit"], about["long_name"]),
-        "along": variable("point", along, "1", "length of the branch from its start"),
-        "attractor": flagged("point", [cycle.label for cycle in cycles], "kind of cycle", Attractor),
-        "attracting": yes_no("point", [cycle.attracting for cycle in cycles], "whether the cycle attracts"),
-    }
-    for own, (name, *words) in numbers_of.items():
-        data[name] = variable("point", np.array([getattr(cycle, own) for cycle in cycles]), *words)
+    data: dict[str, Any] = {name: variable("point", np.array(own), *more) for name, (own, *more) in columns.items()}
+    data["attractor"] = flagged("point", [cycle.label for cycle in cycles], "kind of cycle", Attractor)
+    data["attracting"] = yes_no("point", [cycle.attracting for cycle in cycles], "whether the cycle attracts")
     for part, word in (("real", "real"), ("imag", "imaginary")):
         dims, about_part = ("point", "multiplier_number"), f"{word} part of the Floquet multipliers"
         data[f"multiplier_{word}_part"] = variable(dims, getattr(multipliers, part), "1", about_part)
@@ -179,3 +205,11 @@ def branch_json(branch: CycleBranch) -> dict[str, Any]:
         ],
         "changes": [{"kind": c.kind, "value": c.value, "what": c.what} for c in branch.changes],
     }
+
+
+def branch_text(branch: CycleBranch) -> Iterator[str]:
+    """Say a branch in lines."""
+    name, values = branch.parameter, [point.value for point in branch.points]
+    yield f"{len(values)} cycles, {name} from {min(values):.9g} to {max(values):.9g}"
+    for change in branch.changes:
+        yield f"{change.kind} at {name} = {change.value:.12g}: {change.what}"

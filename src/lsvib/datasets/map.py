@@ -2,16 +2,13 @@
 
 import json
 import os
-from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from time import perf_counter
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from lsvib import numbers
+from lsvib import numbers, words
 from lsvib.basins.boundary import known_basin
 from lsvib.basins.curves import Window
 from lsvib.basins.grid import MOST_CELLS, Grid
@@ -26,27 +23,14 @@ from lsvib.models.drive import Drive, names_and_values
 from lsvib.models.model import coordinates
 
 
-@dataclass(frozen=True)
-class AttractionMap:
-    """A ``dataset`` of ``drive.attraction(…)``, its cells counted by attractor, and the ``seconds`` it took.
-
-    ``doubts`` counts the unresolved cells by why they are, as ends of sentences.
-    """
-
-    dataset: xr.Dataset
-    counts: Mapping[Attractor, int]
-    seconds: float
-    doubts: Mapping[str, int]
-
-
 def map_attraction(
     drive: Drive,
     grid: Grid | Mapping[str, Any],
     quantities: Sequence[str] = ("label",),
     workers: Any = 1,
     progress: numbers.Progress | None = None,
-) -> AttractionMap:
-    """Map the region of attraction of a drive as ``drive.attraction(…)``; the seconds are without compiling."""
+) -> xr.Dataset:
+    """Map the region of attraction of a drive as ``drive.attraction(…)``."""
     at_once = numbers.workers(workers)
     starts = _grid(grid)
     if (total := starts.x.count * starts.y.count) > MOST_CELLS:
@@ -56,16 +40,9 @@ def map_attraction(
     mapped = mapper(drive)
     if isinstance(quantities, str) or not isinstance(quantities, Sequence):
         raise InputError(f"quantities = {numbers.shown(quantities)} is not a list of names.")
-    wanted = list(dict.fromkeys(["label", *quantities]))
-    asked = list(dict.fromkeys([*wanted, "doubt"]))
-    mapped.cells(starts, slice(0, 1), slice(0, 1), asked)  # so that compiling is not part of the speed
-    begin = perf_counter()
+    asked = list(dict.fromkeys(["label", *quantities]))
     found = mapped.cells(starts, quantities=asked, workers=at_once, progress=progress)
-    seconds = perf_counter() - begin
-    shown, reasons = {name: found[name] for name in wanted}, list(Doubt)
-    doubts = Counter(str(reasons[code]) for code in found["doubt"][found["doubt"] != NO_DOUBT])
-    whole = _around(frame(mapped, starts).assign(cells(mapped, starts, shown)), mapped, starts)
-    return AttractionMap(whole, count(found["label"]), seconds, dict(sorted(doubts.items())))
+    return _around(frame(mapped, starts).assign(cells(mapped, starts, found)), mapped, starts)
 
 
 def grids_of(drives: Sequence[Drive], angle: Mapping[str, Any], velocity: Mapping[str, Any]) -> xr.Dataset:
@@ -87,14 +64,9 @@ def grids_of(drives: Sequence[Drive], angle: Mapping[str, Any], velocity: Mappin
     )
 
 
-def count(labels: np.ndarray) -> dict[Attractor, int]:
-    """Return the number of cells of each attractor."""
-    return {kind: int(np.count_nonzero(labels == kind)) for kind in Attractor}
-
-
 def _around(cells: xr.Dataset, mapper: Mapper, grid: Grid) -> xr.Dataset:
     """Add to the cells of a map what belongs to the whole: fractions of attractors, drive and :func:`surroundings`."""
-    shares = cf.fractions("attractor", "attractor", count(cells.label.values))
+    shares = cf.fractions("attractor", "attractor", Attractor, cells.label.values)
     return cells.assign(shares | cf.given(mapper.drive) | surroundings(mapper, grid))
 
 
@@ -129,11 +101,11 @@ def cells(mapper: Mapper, grid: Grid, found: Mapping[str, np.ndarray]) -> dict[s
         "label": cf.attributes("1", phase_plane.ATTRACTOR, **cf.flags(Attractor)),
         "time": cf.attributes("s", "time until the attractor is reached", "$t$", comment="missing where it never is"),
         "seizures": cf.attributes("1", "number of seizures until the attractor is reached"),
-        "first_event": cf.attributes("1", "first event of the motion", **cf.flags_or_none(mapper.events)),
+        "first_event": cf.attributes("1", "first event of the motion", **cf.flags(mapper.events, none=True)),
         "doubt": cf.attributes(
             "1",
             "why the label is unresolved",
-            **cf.flag_words(dict(enumerate(["none", *(doubt.name.lower() for doubt in Doubt)], NO_DOUBT))),
+            **cf.flags(dict(enumerate(["none", *(doubt.name.lower() for doubt in Doubt)], NO_DOUBT))),
             comment="; ".join(f"{doubt.name.lower()}: {doubt}" for doubt in Doubt),
         ),
     }
@@ -173,19 +145,33 @@ def surroundings(mapper: Mapper, grid: Grid) -> dict[str, cf.Variable]:
     return data
 
 
-def summary(
-    counts: Mapping[Attractor, int], doubts: Mapping[str, int], exact_basin_area: float | None, seconds: float
-) -> dict[str, Any]:
-    """Summarise a map for JSON: ``fractions`` by attractor, ``unresolved`` cells and why, cells per second, area."""
-    cells = sum(counts.values())
+def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
+    """Summarise a map that has the ``doubt`` of each cell, for JSON.
+
+    ``fractions`` by attractor, number of ``unresolved`` cells and why, exact area of the basin, cells per second.
+    """
+    cells, counts, doubts = found.label.size, cf.counted(found.label), cf.counted(found.doubt)
+    reasons = {str(doubt): doubts[doubt.name.lower()] for doubt in Doubt if doubt.name.lower() in doubts}
+    unresolved = counts.pop("unresolved", 0)
     return {
         "cells": cells,
-        "fractions": {kind.name.lower(): n / cells for kind, n in counts.items() if n and kind >= 0},
-        "unresolved": counts[Attractor.UNRESOLVED],
-        "unresolved_because": dict(doubts),
-        "exact_basin_area": exact_basin_area,
+        "fractions": {name: count / cells for name, count in counts.items()},
+        "unresolved": unresolved,
+        "unresolved_because": dict(sorted(reasons.items())),
+        "exact_basin_area": found.basin_area.item() if "basin_area" in found else None,
         "cells_per_second": cells / seconds,
     }
+
+
+def text(summary: Mapping[str, Any]) -> Iterator[str]:
+    """Say a :func:`summary` in lines."""
+    yield from words.shares(summary["fractions"], summary["cells"])
+    yield f"unresolved: {summary['unresolved']} cells"
+    for doubt, cells in summary["unresolved_because"].items():
+        yield f"  {cells} cells unresolved: {doubt}"
+    if (area := summary["exact_basin_area"]) is not None:
+        yield f"exact area of the basin of steady sliding in the map: {area:.12g} rad2/s"
+    yield f"{words.rate(summary['cells_per_second'])} cells per second"
 
 
 def _grid(given: Grid | Mapping[str, Any]) -> Grid:

@@ -5,7 +5,7 @@ Functions return variables ``{name: (dimensions, values, attributes)}`` for ``xa
 motions are sampled under the first.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any
 
@@ -147,7 +147,7 @@ def _motions(motions: Sequence[Sequence[Motion]], samples: int) -> cf.Variables:
 
 
 def events(
-    motion: Motion, kinds: Iterable[IntEnum], impulses: Impulses | None
+    motion: Motion, kinds: type[IntEnum], impulses: Impulses | None
 ) -> dict[str, tuple[np.ndarray, dict[str, Any]]]:
     """Return the events of a motion, of some kinds: values of each event, and attributes, by the name of a variable.
 
@@ -175,7 +175,7 @@ def _events(motions: Sequence[Sequence[Motion]], impulses: Sequence[Sequence[Imp
         empty = {"event_kind": -1, "event_sign": 0}.get(name, np.nan)
         rows = [[np.append(one[name][0], [empty] * (longest - one[name][0].size)) for one in row] for row in found]
         table[name] = ("case", "start", "event"), np.array(rows, dtype=first.dtype), about
-    table["event_kind"][2].update(cf.flags_or_none(Event))
+    table["event_kind"][2].update(cf.flags(Event, none=True))
     return table
 
 

@@ -1,41 +1,51 @@
-"""Over values of a drive's parameters: what motions end on, with its numbers, and the perturbations it tolerates.
+"""Over values of a drive's parameters: what motions end on, what the drive does, and the perturbations it tolerates.
 
 A point depends on nothing but its own drive and start, so that no number depends on the other points, their order, or
 the number of threads. Nothing is simulated for some time and looked at: the return map decides, as for one drive.
+
+A *sweep* takes any values of any parameters, and one motion of each drive. A *chart* takes the middles of cells over
+two parameters, up to three motions, and the exact curves that divide it.
 """
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+import os
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import xarray as xr
 
-from lsvib import numbers
+from lsvib import numbers, words
 from lsvib.basins.curves import Part, Window
-from lsvib.basins.resilience import Resilience, resilience
-from lsvib.datasets.attributes import Variables, about_drive, attributes, flags, variable
+from lsvib.basins.grid import MOST_CELLS, Axis
+from lsvib.basins.resilience import resilience
+from lsvib.datasets import attributes as cf
+from lsvib.datasets.io import write_dataset
+from lsvib.datasets.spans import zero_where_rounded
 from lsvib.dynamics.attractor import Attractor
+from lsvib.dynamics.behaviour import Behaviour, behaviours
 from lsvib.dynamics.sweep import all_endings
 from lsvib.errors import EngineError, InputError
 from lsvib.models.drive import Drive, described, names_and_values
 from lsvib.models.many import ManyDrives
 from lsvib.models.model import model_of
 from lsvib.models.scene import REST
+from lsvib.stability.curves import LOGARITHMIC, ChartBoundary, boundary_curves
 
 START = {"u": 1e-3, "w": 0.0}  # next to steady sliding: rad, and rad/s
 _MOST = 10_000_000  # points, of which each has some hundred bytes
 
 _VARIABLES = {
-    "attractor": attributes("1", "attractor that the motion reaches", **flags(Attractor)),
-    "amplitude": attributes("rad", "amplitude of the steady vibration, half its peak-to-peak"),
-    "period": attributes("s", "period of the steady vibration", "$T$"),
-    "multiplier": attributes("1", "largest multiplier of the return map"),
-    "peak_normal_force": attributes("N", "largest magnitude of the normal force, without the impulses of seizures"),
-    "peak_normal_impulse": attributes("N s", "largest magnitude of the normal impulse of a seizure"),
+    "attractor": cf.attributes("1", "attractor that the motion reaches", **cf.flags(Attractor)),
+    "amplitude": cf.attributes("rad", "amplitude of the steady vibration, half its peak-to-peak"),
+    "period": cf.attributes("s", "period of the steady vibration", "$T$"),
+    "multiplier": cf.attributes("1", "largest multiplier of the return map"),
+    "peak_normal_force": cf.attributes("N", "largest magnitude of the normal force, without the impulses of seizures"),
+    "peak_normal_impulse": cf.attributes("N s", "largest magnitude of the normal impulse of a seizure"),
 }
+_LABEL = cf.attributes("1", "what the drive does", **cf.flags(Behaviour))
 _PERTURBATIONS = {  # where a resilience has it, unit, words
     "fatal_angle": ("angle", "rad", "largest tolerated perturbation of the deflection alone"),
     "fatal_speed": ("speed", "rad s-1", "largest tolerated perturbation of the speed alone"),
@@ -51,14 +61,7 @@ def sweep(
     workers: Any = 1,
     progress: numbers.Progress | None = None,
 ) -> xr.Dataset:
-    """Return the attractor and its numbers over the product of values of some parameters of a drive of any model.
-
-    Arguments: ``over``, values [SI units] by name of a parameter; ``start``, u [rad], w [rad/s] and what else the
-    model has, by default next to steady sliding, or "rest"; number of ``workers`` – threads, with more than two states
-    processes –, which changes no number; ``progress``, called with the numbers of points done and in all. The
-    dataset has a dimension for each parameter, in the order given, and as variables the numbers of
-    :class:`lsvib.dynamics.sweep.Ending`. Raises ``InputError`` for what is not acceptable.
-    """
+    """Return what a drive ends on as its method ``sweep`` does; ``over``: values by name of a parameter."""
     at_once, axes = numbers.workers(workers), axes_of(over, _MOST)
     drives, sizes = product_of(drive, axes), tuple(map(len, axes.values()))
     first = drives.one(0)  # with the parts that are varied
@@ -73,7 +76,7 @@ def sweep(
         others = {key: value for key, value in begin.items() if key not in ("u", "w")}
         found = all_endings(drives, starts, at_once, progress, others)
     return _over(
-        axes,
+        _coordinates(axes),
         first,
         {name: (tuple(axes), getattr(found, name).reshape(sizes), about) for name, about in _VARIABLES.items()},
         title=f"What a lead-screw drive ends on over {', '.join(axes)}",
@@ -83,14 +86,143 @@ def sweep(
     )
 
 
-def _over(axes: Mapping[str, Sequence[float]], drive: Drive, found: Variables, **more: str) -> xr.Dataset:
-    """What was found over values of some parameters of a drive, with these as coordinates; ``more`` attributes."""
-    about = {name: described(name) for name in axes}
-    return xr.Dataset(
-        found,
-        {name: variable(name, np.array(x), about[name]["unit"], about[name]["long_name"]) for name, x in axes.items()},
-        about_drive(drive, ((name, value) for name, value in drive if name not in axes)) | more,
+def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
+    """Summarise a sweep for JSON: number of ``points``, of each of the ``attractors``, ``points_per_second``."""
+    points = found.attractor.size
+    return {"points": points, "attractors": cf.counted(found.attractor), "points_per_second": points / seconds}
+
+
+def text(summary: Mapping[str, Any]) -> Iterator[str]:
+    """Say a :func:`summary` in lines."""
+    for kind, count in summary["attractors"].items():
+        yield f"{words.plain(kind)}: {count} of {summary['points']} points"
+    yield f"{words.rate(summary['points_per_second'])} points per second"
+
+
+class ChartAxis(Axis):
+    """Cells along a parameter, of equal width, or of equal ratio where it spans decades (``LOGARITHMIC``)."""
+
+    @classmethod
+    def of(cls, where: str, given: Any) -> Self:
+        """Make an axis from text KEY=START:STOP:COUNT, or from (parameter, start, stop, count); ``InputError``."""
+        if isinstance(given, str):
+            name, equals, ends = given.partition("=")
+            given, parts = (name, *ends.split(":")), given
+            if not equals or len(given) != 4:
+                raise InputError(f"{where}: {parts!r} is not of the form KEY=START:STOP:COUNT.")
+        if not isinstance(given, tuple | list) or len(given) != 4:
+            raise InputError(f"{where} = {numbers.shown(given)} is not a parameter with start, stop and count.")
+        known_key(name := given[0], f"{where}: ")
+        axis = cls(*given)
+        if name in LOGARITHMIC and axis.start <= 0:
+            raise InputError(f"axis {name} has start = {axis.start:g}; its cells have equal ratios, so start > 0.")
+        return axis
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """First and last value [SI unit]."""
+        return self.start, self.stop
+
+    def middles(self, index: np.ndarray) -> np.ndarray:
+        """Return the middles of the cells of these indices."""
+        if self.coordinate in LOGARITHMIC:
+            return self.start * (self.stop / self.start) ** ((index + 0.5) / self.count)
+        return zero_where_rounded(super().middles(index), self.width)
+
+    def variable(self) -> cf.Variable:
+        """Return the middles as the coordinate of a chart."""
+        name, (first, second) = self.coordinate, self.middles(np.array([-0.5, 0.5]))  # edges
+        more = {"cell_ratio": float(second / first)} if name in LOGARITHMIC else {"cell_width": self.width}
+        return name, self.centres(), cf.parameter(name, cf.VARIED, **more)
+
+
+def chart(drive: Drive, x: Any, y: Any, workers: Any = 1, progress: numbers.Progress | None = None) -> xr.Dataset:
+    """Return what a drive does over two of its parameters as its method ``chart`` does."""
+    at_once, x, y = numbers.workers(workers), ChartAxis.of("x", x), ChartAxis.of("y", y)
+    names = y.coordinate, x.coordinate
+    if len(set(names)) < 2:
+        raise InputError(f"x and y are both {x.coordinate}; a chart needs two parameters.")
+    if x.count * y.count > MOST_CELLS:
+        raise InputError(f"the chart has more than {MOST_CELLS} cells; take fewer.")
+    corners = [drive.replace(**dict(zip(names, ends, strict=True))) for ends in product(y.ends, x.ends)]
+    if not all(model_of(corner).curves for corner in corners):
+        raise InputError(
+            "charts are for rigid drives without friction of slide, bearing and collar, and for drives of which "
+            "the threads alone comply."
+        )
+    drive = corners[0]  # with the parts that are varied
+    labels, fixed = charted(drive, x, y, at_once, progress), [pair for pair in drive if pair[0] not in names]
+    cells = {"label": (names, labels, _LABEL)} | cf.fractions("behaviour", _LABEL["long_name"], Behaviour, labels)
+    return _over(
+        {one.coordinate: one.variable() for one in (y, x)},
+        drive,
+        cf.given(fixed) | _curves(drive, x, y) | cells,
+        title=f"What a lead-screw drive does over {x.coordinate} and {y.coordinate}",
+        source="lsvib, exact event-driven motions from two starts of the drive in the middle of every cell",
+        references="doi:10.1007/978-1-4419-1752-2_8, Sects 8.5-8.7",
     )
+
+
+def charted(
+    drive: Drive, x: Axis, y: Axis, workers: int = 1, progress: numbers.Progress | None = None
+) -> np.ndarray[Any, Any]:
+    """Return what the drives of the cells of a chart do (rows of y, columns of x), a ``Behaviour`` each, int8."""
+    drives = product_of(drive, {one.coordinate: one.centres().tolist() for one in (y, x)})
+    return behaviours(drives, workers, progress).reshape(y.count, x.count)
+
+
+def _curves(drive: Drive, x: ChartAxis, y: ChartAxis) -> cf.Variables:
+    """The points of all exact curves, one after the other; ``boundary_line`` numbers the lines."""
+    sides = (x.coordinate, x.ends), (y.coordinate, y.ends)
+    lines = [(kind, line) for kind, parts in boundary_curves(drive, *sides).items() for line in parts]
+    if not lines:
+        return {}
+    points, sizes, dim = np.concatenate([line for _, line in lines]), [len(line) for _, line in lines], "boundary_point"
+    kinds, number = (np.repeat(each, sizes) for each in ([kind for kind, _ in lines], range(len(lines))))
+    names = (f"boundary_{name}" for name, _ in sides)
+    return {name: (dim, own, cf.parameter(name, cf.VARIED)) for name, own in zip(names, points.T, strict=True)} | {
+        "boundary_name": cf.flagged(dim, kinds, "name of the exact curve", ChartBoundary),
+        "boundary_line": cf.variable(dim, number.astype(np.int32), "1", "number of the line, whose points are joined"),
+    }
+
+
+def chart_summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
+    """Summarise a chart for JSON: ``cells``, ``fractions`` by behaviour, ``curves`` by name, ``cells_per_second``."""
+    cells = found.label.size
+    return {
+        "cells": cells,
+        "fractions": {name: count / cells for name, count in cf.counted(found.label).items()},
+        "curves": list(cf.counted(found.boundary_name)) if "boundary_name" in found else [],
+        "cells_per_second": cells / seconds,
+    }
+
+
+def chart_text(summary: Mapping[str, Any]) -> Iterator[str]:
+    """Say a :func:`chart_summary` in lines."""
+    yield from words.shares(summary["fractions"], summary["cells"])
+    yield f"exact curves: {', '.join(map(words.plain, summary['curves'])) or 'none'}"
+    yield f"{words.rate(summary['cells_per_second'])} cells per second"
+
+
+def write_chart(settings: Mapping[str, Any], path: str | os.PathLike[str], workers: int = 1) -> None:
+    """Write the chart of settings ``drive`` (changes of Table 8.1), ``x`` and ``y``.
+
+    Each axis has ``parameter``, ``start``, ``stop`` and ``count``. Raises ``InputError``.
+    """
+    x, y = ([settings[name][key] for key in ("parameter", "start", "stop", "count")] for name in ("x", "y"))
+    write_dataset(chart(Drive.of(settings["drive"]), x, y, workers), path)
+
+
+def _coordinates(axes: Mapping[str, Sequence[float]]) -> cf.Variables:
+    """Values of parameters as coordinates."""
+    about = {name: described(name) for name in axes}
+    return {n: cf.variable(n, np.array(x), about[n]["unit"], about[n]["long_name"]) for n, x in axes.items()}
+
+
+def _over(coordinates: cf.Variables, drive: Drive, found: cf.Variables, **more: str) -> xr.Dataset:
+    """What was found over values of some parameters of a drive, the coordinates; ``more`` attributes."""
+    fixed = ((name, value) for name, value in drive if name not in coordinates)
+    return xr.Dataset(found, coordinates, cf.about_drive(drive, fixed) | more)
 
 
 def known_key(name: Any, where: str = "") -> None:
@@ -138,53 +270,34 @@ def product_of(drive: Drive, axes: Mapping[str, Sequence[float]]) -> ManyDrives:
     return ManyDrives(dict(first) | {name: grid.ravel() for name, grid in zip(axes, grids, strict=True)})
 
 
-def summary(found: xr.Dataset, seconds: float) -> dict[str, Any]:
-    """Summarise a sweep for JSON: number of ``points``, of each of the ``attractors``, ``points_per_second``."""
-    labels = found.attractor.values.ravel().tolist()
-    kinds = {kind.name.lower(): labels.count(int(kind)) for kind in Attractor}
-    return {
-        "points": len(labels),
-        "attractors": {name: count for name, count in kinds.items() if count},
-        "points_per_second": len(labels) / seconds,
-    }
-
-
 def resilience_sweep(
     drive: Drive, over: Mapping[str, Any], window: Part | None = None, progress: numbers.Progress | None = None
 ) -> xr.Dataset:
-    """Return the perturbations that steady sliding of the rigid drive tolerates over all combinations of some values.
+    """Return the perturbations that steady sliding tolerates as the method ``resilience_sweep`` of a drive does.
 
-    Arguments: ``over``, values [SI units] by name of a parameter; ``window`` as of
-    :func:`lsvib.basins.resilience.resilience`; ``progress``, called with the numbers of points done and in all. Numbers
-    are infinite where every perturbation is tolerated, zero where none is, nan where the basin is not covered, for the
-    reasons in the attribute ``refused``. Raises ``InputError`` for values that are not acceptable.
+    The reasons why some drives have no numbers are in the attribute ``refused``.
     """
     window = None if window is None else Window.of(window)
     axes = axes_of(over, _MOST // 10)  # at some 10 ms each three hours
     drives = [drive.replace(**dict(zip(axes, values, strict=True))) for values in product(*axes.values())]
-    found: list[Resilience | None] = []
-    refused: list[str] = []
-    for one in drives:
-        try:
-            found.append(resilience(one, window))
-        except (InputError, EngineError) as error:
-            found.append(None)
-            refused.append(str(error))
-        if progress is not None:
-            progress(len(found), len(drives))
-    sizes = tuple(map(len, axes.values()))
-
-    def column(where: str) -> np.ndarray[Any, Any]:
-        return np.array([math.nan if one is None else getattr(one, where) for one in found]).reshape(sizes)
-
     asked = {name: about for name, about in _PERTURBATIONS.items() if name != "basin_fraction" or window is not None}
+    table, refused = np.full((len(drives), len(asked)), math.nan), set[str]()
+    for k, one in enumerate(drives):
+        try:
+            found = resilience(one, window)
+            table[k] = [getattr(found, where) for where, *_ in asked.values()]
+        except (InputError, EngineError) as error:
+            refused.add(str(error))
+        if progress is not None:
+            progress(k + 1, len(drives))
+    columns = table.T.reshape(len(asked), *map(len, axes.values()))
     return _over(
-        axes,
+        _coordinates(axes),
         drives[0],
-        {name: variable(tuple(axes), column(where), *words) for name, (where, *words) in asked.items()},
+        {name: cf.variable(tuple(axes), column, *asked[name][1:]) for name, column in zip(asked, columns, strict=True)},
         title=f"Perturbations that the rigid lead-screw drive tolerates over {', '.join(axes)}",
         source="lsvib, exact boundary of the region of attraction",
         references="doi:10.1007/978-1-4419-1752-2_8, Sect. 8.7",
         window=json.dumps(None if window is None else window._asdict()),
-        refused=json.dumps(sorted(set(refused))),
+        refused=json.dumps(sorted(refused)),
     )

@@ -7,9 +7,9 @@ from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from threading import Lock
-from typing import Any
 
 import numpy as np
+import xarray as xr
 from matplotlib.colors import to_rgba_array
 
 from lsvib.basins.curves import Window
@@ -17,10 +17,10 @@ from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapper import Mapper
 from lsvib.basins.mapping import mapper
 from lsvib.datasets.io import write_dataset
-from lsvib.datasets.motion import attractor_of, motion_file, run
+from lsvib.datasets.motion import Simulation
 from lsvib.datasets.phase_plane import lines, sample
 from lsvib.datasets.spans import stepped
-from lsvib.datasets.sweep import START
+from lsvib.datasets.sweep import START, sweep
 from lsvib.dynamics.attractor import Attractor, SteadyState, steady_state
 from lsvib.engine.kernels.layout import Status
 from lsvib.engine.motion import Budget, Motion
@@ -30,6 +30,7 @@ from lsvib.figures.attraction import COLOURS
 from lsvib.models import friction
 from lsvib.models.drive import Drive
 from lsvib.models.model import model_of
+from lsvib.words import plain
 
 # Work after which what a motion ends on is unresolved, in events, without and with a friction law; the latter is that
 # of each motion which is drawn, too. A third of a second.
@@ -43,15 +44,14 @@ DRAGGED, SETTLED, COARSE = (120, 90), (320, 240), (36, 27)
 class Followed:
     """A motion and what it ends on.
 
-    ``time`` [s] (n), ``u`` [rad] (n), ``w`` [rad/s] (n), ``mode`` (n) codes of modes, ``force`` (n), N [N]; ``cycle``
-    (k, 2), the limit cycle, empty without one; ``steady``, the attractor, None where the engine has no answer; the
-    number of ``events``; ``turning`` (n), the rate at which the screw turns in the nut [rad/s].
+    ``time`` [s] (n), ``u`` [rad] (n), ``w`` [rad/s] (n), ``force`` (n), N [N]; ``cycle`` (k, 2), the limit cycle, empty
+    without one; ``steady``, the attractor, None where the engine has no answer; the number of ``events``; ``turning``
+    (n), the rate at which the screw turns in the nut [rad/s].
     """
 
     time: np.ndarray
     u: np.ndarray
     w: np.ndarray
-    mode: np.ndarray
     force: np.ndarray
     cycle: np.ndarray
     steady: SteadyState | None
@@ -63,13 +63,13 @@ def _work(drive: Drive) -> int:
     return _WORK_OF_LAW if friction.depends_on_speed(drive) else _MOST_WORK
 
 
-def moved(view: View) -> Motion:
+def moved(view: View) -> Simulation:
     """Follow the motion of a view; raises ``EngineError``, also where that takes more work than a page may do."""
     budget = Budget(_WORK_OF_LAW)
     with suppress(WorkSpentError):
-        motion = run(view.scene(), budget)
-        if motion.status != Status.WORK_SPENT:
-            return motion
+        found = Simulation.of(view.scene(), budget)
+        if found.motion.status != Status.WORK_SPENT:
+            return found
     raise EngineError(
         f"the motion of {view.duration:g} s takes more work than a page may do; shorten it, or follow it with "
         "lsvib simulate."
@@ -78,9 +78,9 @@ def moved(view: View) -> Motion:
 
 def followed(view: View) -> Followed:
     """Follow the motion of a view and find its attractor; raises ``EngineError``."""
-    motion = moved(view)
+    motion = moved(view).motion
     time, states, modes = _sampled(motion)
-    mode, force = motion.automaton.codes[modes], motion.automaton.observe("normal_force", states, modes)
+    force = motion.automaton.observe("normal_force", states, modes)
     try:
         steady = steady_state(motion.automaton, motion.start_state, max_events=_work(view.drive))
     except EngineError:
@@ -92,7 +92,7 @@ def followed(view: View) -> Followed:
     names = model_of(view.drive).states
     if "nut_rate" in names:
         turning = turning - states[:, names.index("nut_rate")]
-    return Followed(time, states[:, 0], states[:, 1], mode, force, cycle, steady, motion.time.size, turning)
+    return Followed(time, states[:, 0], states[:, 1], force, cycle, steady, motion.time.size, turning)
 
 
 def window_around(drive: Drive, shown: Followed) -> Window:
@@ -156,11 +156,6 @@ def strips(window: Window, count: int) -> list[Window]:
     return [Window(window.left, window.right, *pair) for pair in pairwise(edges)]
 
 
-def name_of(kind: Any) -> str:
-    """Return a member of an enumeration, or a word with underscores, as a person writes it."""
-    return str(getattr(kind, "name", kind)).lower().replace("_", " ")
-
-
 def rgba(found: np.ndarray) -> np.ndarray:
     """Return labels (rows, columns) as colours (rows, columns) of 32 bits, as a browser takes them; −2 is clear."""
     return _PALETTE[found.astype(int) + 2]
@@ -173,34 +168,17 @@ def shares(found: np.ndarray) -> dict[Attractor, float]:
     return {Attractor(int(values[k])): float(counts[k] / found.size) for k in order}
 
 
-@dataclass(frozen=True)
-class AmplitudePoint:
-    """A point of the amplitude curve: ``value`` of the parameter, ``amplitude`` [rad], nan without one, ``label``.
-
-    ``near``: the motion started next to steady sliding, else where that of the view does.
-    """
-
-    value: float
-    amplitude: float
-    label: Attractor
-    near: bool
-
-
 def values_of(view: View, count: int) -> list[float]:
     """Return ``count`` values of the parameter of the amplitude curve."""
     return (np.geomspace if logarithmic(view) else stepped)(view.low, view.high, count).tolist()
 
 
-def amplitude(view: View, value: float, near: bool) -> AmplitudePoint:
-    """Return a point of the amplitude curve of a view; a drive that the engine has no answer for is unresolved."""
-    try:
-        drive = view.drive.replace(**{view.over: value})
-        start = START if near else {"u": view.u, "w": view.w}
-        state = model_of(drive).initial_state(drive, start)
-        found = steady_state(drive.automaton(), state, max_events=_work(drive))  # type: ignore[attr-defined]
-        return AmplitudePoint(value, 0.0 if found.orbit is None else found.amplitude, found.label, near)
-    except LsvibError:
-        return AmplitudePoint(value, float("nan"), Attractor.UNRESOLVED, near)
+def curves(view: View, values: list[float]) -> list[xr.Dataset]:
+    """Return two sweeps over values of the parameter of the amplitude curve.
+
+    Motions start next to steady sliding, and where that of the view does.
+    """
+    return [sweep(view.drive, {view.over: values}, start) for start in (START, {"u": view.u, "w": view.w})]
 
 
 def logarithmic(view: View) -> bool:
@@ -233,19 +211,19 @@ def _mapper(drive: Drive) -> tuple[Mapper, Lock]:
 
 
 # Colours of a map's labels, from −2 (not computed yet) on, as little-endian RGBA; motion and lines show on it.
-_COLOURS = to_rgba_array(["none", *(COLOURS[name_of(kind)] for kind in Attractor)], 0.45)
+_COLOURS = to_rgba_array(["none", *(COLOURS[plain(kind)] for kind in Attractor)], 0.45)
 _PALETTE = np.round(255 * _COLOURS).astype(np.uint8).view(np.uint32)[:, 0]
 
 EXPORTS = {"scene.yaml": "application/yaml", "motion.nc": "application/x-netcdf"}
 """Files that can be had of a view, with their media types."""
 
 
-def export(name: str, view: View) -> bytes:
+def export(file: str, view: View) -> bytes:
     """Return the scene of a view, or its motion as ``lsvib simulate`` writes it; raises ``LsvibError``."""
-    if name == "scene.yaml":
+    if file == "scene.yaml":
         return view.yaml().encode()
-    motion = moved(view)
+    found = moved(view)
     with TemporaryDirectory() as folder:
-        path = Path(folder) / name
-        write_dataset(motion_file(view.scene(), motion, attractor_of(view.scene(), motion)), path, "lsvib.explore")
+        path = Path(folder) / file
+        write_dataset(found.file(), path, "lsvib.explore")
         return path.read_bytes()

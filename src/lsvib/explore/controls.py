@@ -1,9 +1,9 @@
 """What a hand or a keyboard moves on the page: every parameter of every model, start, duration, range of the curve."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 
 from bokeh.layouts import column, row
-from bokeh.models import Button, CheckboxGroup, Column, Select, Slider, TextInput, Toggle
+from bokeh.models import Button, CheckboxGroup, Column, Select, Slider, TextInput
 
 from lsvib.explore.view import OF_LAW, View
 from lsvib.figures import style
@@ -42,20 +42,16 @@ def parameters(drive: Drive) -> list[str]:
 class Controls:
     """The controls of one page; ``asked(key, text)`` is called when one of them is moved by hand."""
 
-    def __init__(self, view: View, presets: Mapping[str, View], asked: Asked) -> None:
+    def __init__(self, view: View, asked: Asked) -> None:
         self._asked, self._silent = asked, False
-        choices = [("", "– choose one –"), *((name, name) for name in presets)]
-        self.preset = Select(title="Figure of the chapter", options=choices, value="", width=300)
         self.parts = CheckboxGroup(labels=list(IN_WORDS.values()), width=300, name="parts")
         self.over = Select(title="Parameter of the amplitude curve", width=190)
         self.texts = {key: TextInput(title=title, width=90) for key, title in _TEXTS.items()}
         self.fit = Button(label="Fit the window", width=110, align="end")
-        self.play = Toggle(label="Play", width=80)
-        self.moment = Slider(title="Moment of the motion [%]", start=0, end=100, value=100, step=0.5, width=280)
         self.sliders: dict[str, Slider] = {}
         self.fields: dict[str, TextInput] = {}
         self.parameters: Column = column(width=320, name="parameters")
-        for key, control in (("preset", self.preset), ("over", self.over), *self.texts.items()):
+        for key, control in (("over", self.over), *self.texts.items()):
             control.on_change("value", self._ask(key))
         self.parts.on_change("active", self._ask_parts)
         self.fit.on_click(lambda: asked("fit", ""))

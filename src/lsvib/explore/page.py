@@ -1,7 +1,7 @@
 """One page in one browser: what is asked by hand, answered at once where it can be, and in small steps elsewhere."""
 
-from asyncio import get_running_loop
-from collections.abc import Callable, Generator, Mapping, Sequence
+from asyncio import CancelledError, get_running_loop
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
@@ -10,6 +10,7 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from bokeh.document import Document, without_document_lock
 from bokeh.events import DocumentReady, RangesUpdate, Tap
 from bokeh.layouts import column, row
@@ -20,14 +21,13 @@ from lsvib.basins.curves import Window
 from lsvib.dynamics.attractor import Attractor
 from lsvib.errors import InputError, LsvibError
 from lsvib.explore import answers
-from lsvib.explore.answers import AmplitudePoint, name_of
 from lsvib.explore.controls import Controls
 from lsvib.explore.plots import Plots
 from lsvib.explore.view import View, around
 from lsvib.figures.attraction import COLOURS
 from lsvib.models import chapter, friction
 from lsvib.models.drive import PARTS
-from lsvib.models.model import model_of
+from lsvib.words import plain
 
 _TO_ADDRESS = """
 const link = new DOMParser().parseFromString(cb_obj.text, "text/html").querySelector("a");
@@ -48,24 +48,18 @@ _NARROW = {"sizing_mode": "scale_width", "max_width": 640, "min_width": 320}  # 
 THREAD = ThreadPoolExecutor(1)
 """Where slow work is done, piece by piece, so that pages answer meanwhile."""
 
-Slow = Generator[Callable[[], Any], Any, None]
-"""Slow work: yields what is to be computed, is sent what that returned, and draws it."""
-
 
 class Page:
-    """The page of one session; ``presets`` by name. ``view`` is what it shows."""
+    """The page of one session; ``view`` is what it shows."""
 
-    def __init__(self, document: Document, view: View, presets: Mapping[str, View], complaint: str = "") -> None:
-        self.document, self.presets, self.view = document, presets, view
-        self.controls = Controls(view, presets, self.ask)
+    def __init__(self, document: Document, view: View, complaint: str = "") -> None:
+        self.document, self.view = document, view
+        self.controls = Controls(view, self.ask)
         self.plots = Plots()
         self._asked: dict[str, str] = {}
         self._answered = 0.0  # time of the last answer [s]
         self._settling: Any = None
-        self._slow: Slow | None = None
-        self._until = 0.0
         self._shares: dict[Attractor, float] = {}
-        self._frames: Any = None
         self._alert = Div(name="alert", html_attributes={"role": "alert"}, styles={"color": "#B00020"})
         self._words = Div(
             name="words", sizing_mode="stretch_width", html_attributes={"role": "status", "aria-live": "polite"}
@@ -76,8 +70,6 @@ class Page:
         self._links.js_on_change("text", CustomJS(code=_TO_ADDRESS))
         self.plots.plane.on_event(Tap, lambda event: self.start_at(event.x, event.y))
         self.plots.plane.on_event(RangesUpdate, lambda event: self.look_at(event.x0, event.x1, event.y0, event.y1))
-        self.controls.moment.on_change("value", lambda attribute, old, new: self._draw_moment())
-        self.controls.play.on_change("active", lambda attribute, old, new: self._play(bool(new)))
         self._lay_out()
         document.js_on_event(DocumentReady, self.plots.clip)
         # Nothing is computed for a request, which any page can make a browser send, but for a page that is open.
@@ -119,10 +111,7 @@ class Page:
     def _answer(self) -> None:
         asked, self._asked = self._asked, {}
         try:
-            if "preset" in asked:
-                if asked["preset"] in self.presets:
-                    self.show(self.presets[asked["preset"]])
-            elif "parts" in asked:
+            if "parts" in asked:
                 self.show(self._with_parts(asked["parts"].split()))
             else:
                 self._redraw(self._changed(asked))
@@ -183,8 +172,6 @@ class Page:
             self.plots.draw_map(found, window)
         self.plots.draw_motion(view.drive, shown, window)
         self.plots.draw_friction(*answers.friction_visited(view.drive, shown))
-        self._draw_moment()
-        self._slow = None
         if self._settling is not None:
             self.document.remove_timeout_callback(self._settling)
         self._settling = self.document.add_timeout_callback(self._settle, 500)  # ms: the hand rests
@@ -195,80 +182,66 @@ class Page:
         self._say_links()
         self._shares = {}
         self._say_words()
-        self._slow, self._until = self._work(), perf_counter() + 30.0
-        self._go_on(self._slow)
+        self.document.add_next_tick_callback(self._find_out)
 
-    def _go_on(self, work: Slow, result: Any = None) -> None:
-        """Draw what is known of the slow work, and let a thread find out what is missing next."""
-        if work is not self._slow:  # it belongs to a view that is not shown any more
-            return
+    @without_document_lock
+    async def _find_out(self) -> None:
+        """Find the fine map, the thresholds and the amplitude curve piece by piece, and draw each as it is known."""
+        view, window, until = self.view, self.view.window, perf_counter() + 30.0
+        assert window is not None
+
+        def draw(show: Callable[..., None], *of: Any) -> None:
+            self.document.add_next_tick_callback(lambda: show(*of) if view is self.view else None)
+
+        async def found(work: Callable[..., Any], *of: Any) -> Any:
+            """What a piece of work returns, done in a thread while pages answer."""
+            if perf_counter() > until:
+                raise InputError("What takes more than half a minute is left out; lsvib attraction and sweep do it.")
+            result = await get_running_loop().run_in_executor(THREAD, partial(work, *of))
+            if view is not self.view:  # another one is shown by now
+                raise CancelledError
+            return result
+
         try:
-            job = work.throw(result) if isinstance(result, LsvibError) else work.send(result)
-        except StopIteration:
+            if answers.laborious(view.drive):  # each point of a map would take a second
+                draw(self.plots.start_curve, view, {})
+                return
+            cells = answers.SETTLED if answers.at_once(view.drive) else answers.COARSE
+            strips = [window] if answers.at_once(view.drive) else answers.strips(window, cells[1])
+            size = cells[0], cells[1] // len(strips)
+            labels = np.concatenate([await found(answers.labels, view.drive, strip, size) for strip in strips])
+            self._shares = answers.shares(labels)
+            draw(self.plots.draw_map, labels, window)
+            draw(self._say_words)
+            draw(self.plots.start_curve, view, await found(answers.thresholds_over, view))
+            values, parts = answers.values_of(view, 61 if answers.at_once(view.drive) else 21), []
+            # Of drives with more states a point may take half a second.
+            for some in [values] if answers.at_once(view.drive) else ([value] for value in values):
+                parts.append(await found(answers.curves, view, some))
+                if len(parts) % 5 == 0 or some[-1] == values[-1]:
+                    curves = [xr.concat(sweeps, view.over) for sweeps in zip(*parts, strict=True)]
+                    draw(self.plots.draw_curve, curves)
+            draw(self._say_words, curves)
+        except CancelledError:
             return
         except LsvibError as error:
-            self._say(self._alert, escape(str(error)))
-            return
-        if perf_counter() > self._until:
-            self._say(self._alert, "What takes more than half a minute is left out; lsvib attraction and sweep do it.")
-            return
+            draw(self._say, self._alert, escape(str(error)))
 
-        @without_document_lock
-        async def find_out() -> None:
-            try:
-                found = await get_running_loop().run_in_executor(THREAD, job)
-            except LsvibError as error:
-                found = error
-            self.document.add_next_tick_callback(lambda: self._go_on(work, found))
-
-        self.document.add_next_tick_callback(find_out)
-
-    def _work(self) -> Slow:
-        """The fine map, the thresholds and the amplitude curve: yields what is to be computed, and draws it."""
-        view, window = self.view, self.view.window
-        assert window is not None
-        if answers.laborious(view.drive):  # each point of a map would take a second
-            self.plots.start_curve(view, {})
-            return
-        if answers.at_once(view.drive):
-            found = yield partial(answers.labels, view.drive, window, answers.SETTLED)
-        else:
-            columns, rows = answers.COARSE
-            strips = answers.strips(window, rows)
-            found = np.full((rows, columns), -2)
-            for k, strip in enumerate(strips):
-                found[k] = (yield partial(answers.labels, view.drive, strip, (columns, 1)))[0]
-        self.plots.draw_map(found, window)
-        self._shares = answers.shares(found)
-        self._say_words()
-        self.plots.start_curve(view, (yield partial(answers.thresholds_over, view)))
-        points: list[AmplitudePoint] = []
-        # Of drives with more states a point may take half a second.
-        for value in answers.values_of(view, 61 if answers.at_once(view.drive) else 21):
-            for near in (True, False):
-                points.append((yield partial(answers.amplitude, view, value, near)))
-            if len(points) % 10 == 0:
-                self.plots.draw_curve(points)
-        self.plots.draw_curve(points)
-        self._say_words(points)
-
-    def _say_words(self, points: Sequence[AmplitudePoint] = ()) -> None:
+    def _say_words(self, curves: Sequence[xr.Dataset] = ()) -> None:
         view, shown, steady = self.view, self.shown, self.shown.steady
         words = [f"The motion of {view.duration:g} s has {shown.events} events."]
         if steady is None:
             words.append("What it ends on is unresolved.")
         elif steady.orbit is None:
-            words.append(f"It ends on {name_of(steady.label)}.")
+            words.append(f"It ends on {plain(steady.label)}.")
         else:
             words.append(
-                f"It ends on a {name_of(steady.label)} of amplitude {steady.amplitude:.4g} rad and period "
+                f"It ends on a {plain(steady.label)} of amplitude {steady.amplitude:.4g} rad and period "
                 f"{steady.period:.4g} s."
             )
         try:
             stability = view.drive.stability()  # type: ignore[attr-defined]
-            words.append(
-                f"Steady sliding is {'stable' if stability.stable else 'unstable'} ({name_of(stability.kind)})."
-            )
+            words.append(f"Steady sliding is {'stable' if stability.stable else 'unstable'} ({plain(stability.kind)}).")
         except InputError as error:
             words.append(str(error))
         if friction.depends_on_speed(view.drive):
@@ -282,18 +255,17 @@ class Page:
             words.append("Map and amplitude curve are left out here: with a friction law and compliant parts they are")
             words.append("work for `lsvib attraction` and `lsvib sweep`.")
         if self._shares:
-            parts = [f"{name_of(kind)} {100 * share:.1f} %" for kind, share in self._shares.items()]
+            parts = [f"{plain(kind)} {100 * share:.1f} %" for kind, share in self._shares.items()]
             words.append(f"Of the starts in the window: {', '.join(parts)}.")
-        if points:
-            drives = f"{len(points) // 2} drives with {view.over} from {view.low:g} to {view.high:g}"
-            words.append(
-                f"Of {drives}, {_vibrating(points, True, 'next to steady sliding')}, and "
-                f"{_vibrating(points, False, 'where the motion does')}."
-            )
+        if curves:
+            places = ("next to steady sliding", "where the motion does")
+            vibrate = ", and ".join(map(_vibrating, curves, places))
+            drives = f"{curves[0].amplitude.size} drives with {view.over} from {view.low:g} to {view.high:g}"
+            words.append(f"Of {drives}, {vibrate}.")
         self._say(self._words, escape(" ".join(words)))
         patches = [
-            f'<span style="display:inline-block;width:1em;height:1em;background:{COLOURS[name_of(kind)]};opacity:.5">'
-            f"</span>&nbsp;{name_of(kind)}"
+            f'<span style="display:inline-block;width:1em;height:1em;background:{COLOURS[plain(kind)]};opacity:.5">'
+            f"</span>&nbsp;{plain(kind)}"
             for kind in self._shares
         ]
         self._say(self._legend, "&emsp;".join(["Regions of attraction:", *patches]) if patches else "")
@@ -304,28 +276,6 @@ class Page:
         links = [f'<a href="export/{name}?{query}" download="{name}">{text}</a>' for name, text in files]
         self._say(self._links, " &middot; ".join([f'<a href="?{query}">link to this view</a>', *links]))
 
-    def _draw_moment(self) -> None:
-        shown = self.shown
-        time = 0.01 * float(self.controls.moment.value) * float(shown.time[-1])
-        k = min(int(np.searchsorted(shown.time, time)), shown.time.size - 1)
-        mode = name_of(model_of(self.view.drive).modes(int(shown.mode[k])))
-        words = f"t = {shown.time[k]:.4g} s: {mode}, N = {shown.force[k]:.4g} N"
-        self.plots.draw_moment(self.view.drive, shown, k, words)
-
-    def _play(self, playing: bool) -> None:
-        if self._frames is not None:
-            self.document.remove_periodic_callback(self._frames)
-            self._frames = None
-        if playing:
-            if self.controls.moment.value >= 100:
-                self.controls.moment.value = 0
-            self._frames = self.document.add_periodic_callback(self._next_frame, 80)  # ms: 100 frames, 8 s
-
-    def _next_frame(self) -> None:
-        self.controls.moment.value = min(100.0, self.controls.moment.value + 1)
-        if self.controls.moment.value >= 100:
-            self.controls.play.active = False
-
     @staticmethod
     def _say(place: Div, text: str) -> None:
         if place.text != text:
@@ -333,14 +283,11 @@ class Page:
 
     def _lay_out(self) -> None:
         c = self.controls
-        left = column(c.preset, c.parts, c.parameters)
+        left = column(c.parts, c.parameters)
         start = _line(c.texts["u"], c.texts["w"], c.texts["duration"], c.fit)
         middle = column(self.plots.plane, self._alert, self._words, self._legend, start, self._links, **_NARROW)
         curve = _line(c.over, c.texts["low"], c.texts["high"])
-        moment = _line(c.play, c.moment)
-        right = column(
-            self.plots.curve, curve, self.plots.force, self.plots.contact, moment, self.plots.friction, **_NARROW
-        )
+        right = column(self.plots.curve, curve, self.plots.force, self.plots.friction, **_NARROW)
         heading = Div(text=_HEADING, name="heading", sizing_mode="stretch_width")
         self.document.add_root(column(heading, _line(left, middle, right), sizing_mode="stretch_width"))
         self.document.title = "lsvib explorer"
@@ -352,8 +299,9 @@ def _line(*parts: Any) -> Row:
     return row(*parts, sizing_mode="stretch_width", styles={"flex-wrap": "wrap"})
 
 
-def _vibrating(points: Sequence[AmplitudePoint], near: bool, place: str) -> str:
-    """How many points of the amplitude curve vibrate, from one of their two starts."""
-    values = [point.value for point in points if point.near == near and point.amplitude > 0]
-    first = f", the first at {values[0]:.4g}" if values else ""
-    return f"{len(values) or 'none'} vibrate when started {place}{first}"
+def _vibrating(curve: xr.Dataset, place: str) -> str:
+    """How many points of an amplitude curve vibrate that started in some place."""
+    (over,), size = curve.dims, curve.amplitude.values
+    values = curve[over].values[size > 0]
+    first = f", the first at {values[0]:.4g}" if values.size else ""
+    return f"{values.size or 'none'} vibrate when started {place}{first}"

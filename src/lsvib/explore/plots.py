@@ -1,4 +1,4 @@
-"""The drawings of the page: phase plane with its map, amplitude curve, force over time, and the contact.
+"""The drawings of the page: phase plane with its map, amplitude curve, force over time, and the friction.
 
 What a redraw changes is in few sources, since each is a message to the browser, and is painted on the upper one of the
 two canvases of each drawing: title, axes, grid and legend below stay as they are.
@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from bokeh.models import (
     BasicTicker,
     BasicTickFormatter,
@@ -23,14 +24,15 @@ from bokeh.models import (
 from bokeh.plotting import figure
 
 from lsvib.basins.curves import Window
+from lsvib.dynamics.attractor import Attractor
 from lsvib.explore import answers
-from lsvib.explore.answers import AmplitudePoint, Followed, name_of
+from lsvib.explore.answers import Followed
 from lsvib.explore.view import View
 from lsvib.figures import style
 from lsvib.figures.attraction import COLOURS
 from lsvib.models.drive import Drive, described
+from lsvib.words import plain
 
-SLOPE = 0.22  # of the drawn threads, whatever the lead angle: those of most screws are too flat to be seen
 _TOOLS = "pan,wheel_zoom,box_zoom,reset,save"
 _NARROW = {"sizing_mode": "scale_width", "min_width": 320}  # a drawing shrinks with its column, down to a telephone
 _LOOKS: dict[str, dict[str, list[Any]]] = {  # of the rows of the sources, before anything is drawn
@@ -43,21 +45,14 @@ _LOOKS: dict[str, dict[str, list[Any]]] = {  # of the rows of the sources, befor
         "dash": [[5, 3], [6, 2, 1, 2], [], []],
         "width": [1.0, 1.0, 2.5, 1.5],
     },
-    "points": {  # the origin, the start, and now
-        "x": [0.0, 0.0, 0.0],
-        "y": [0.0, 0.0, 0.0],
-        "marker": ["cross", "circle", "circle"],
-        "colour": [style.BLACK, style.BLUE, style.VERMILION],
-        "fill": [style.BLACK, "white", style.VERMILION],
+    "points": {  # the origin, and the start
+        "x": [0.0, 0.0],
+        "y": [0.0, 0.0],
+        "marker": ["cross", "circle"],
+        "colour": [style.BLACK, style.BLUE],
+        "fill": [style.BLACK, "white"],
     },
-    "history": {"x": [[], []], "y": [[], []], "colour": [style.BLUE, style.VERMILION]},  # the force, and now
-    "screw": {  # its marks, and the force on it
-        "x": [[], []],
-        "y": [[], []],
-        "colour": [style.GREY, style.VERMILION],
-        "width": [2, 3],
-    },
-    "nut": {"x": [], "y": [], "tip": [], "words": []},
+    "history": {"x": [], "y": []},
     "curve": {"x": [], "y": [], "colour": []},
     "near": {"x": [], "y": [], "colour": []},
     "marks": {"x": [], "name": []},
@@ -85,9 +80,8 @@ class Plots:
         self.plane = self._plane()
         self.curve = self._curve()
         self.force = self._force()
-        self.contact = self._contact()
         self.friction = self._friction()
-        self.clip = CustomJS(args={"plots": [self.plane, self.force, self.contact]}, code=_CLIP)
+        self.clip = CustomJS(args={"plots": [self.plane, self.force]}, code=_CLIP)
 
     def _plane(self) -> figure:
         made = _figure("plane", "Phase plane: click where a motion shall start", 620, 470, (-1, 1), (-1, 1))
@@ -130,22 +124,7 @@ class Plots:
         made = _figure("force", "Normal force of the threads (without impulses)", 470, 210, (0, 1), (-1, 1))
         made.xaxis.axis_label, made.yaxis.axis_label = "time [s]", "N [N]"
         made.hspan(y=[0.0], color=style.VERMILION, line_dash=[5, 3])
-        made.multi_line("x", "y", source=self.sources["history"], color="colour", **_ABOVE)
-        return made
-
-    def _contact(self) -> figure:
-        made = _figure("contact", "Contact of screw and nut", 470, 190, (-2, 2), (-0.8, 1.15), tools="")
-        made.axis.visible = made.grid.visible = False
-        made.toolbar_location = None
-        edges = np.array([-2.2, 2.2, 2.2, -2.2])
-        for middle in (-0.5, 0.5):  # threads of the screw above and below the tooth of the nut
-            heights = SLOPE * edges + middle + np.array([-0.25, -0.25, 0.25, 0.25])
-            made.patch(edges, heights, color="#D0D0D0", line_color=style.GREY)
-        nut = self.sources["nut"]
-        made.patches("x", "y", source=nut, color=style.SKY, line_color=style.BLUE, **_ABOVE)
-        made.multi_line("x", "y", source=self.sources["screw"], color="colour", line_width="width", **_ABOVE)
-        made.scatter(0, "tip", source=nut, color=style.VERMILION, size=8, **_ABOVE)
-        made.text(-1.95, 0.98, "words", source=nut, text_font_size="12px", **_ABOVE)
+        made.line("x", "y", source=self.sources["history"], color=style.BLUE, **_ABOVE)
         return made
 
     def _friction(self) -> figure:
@@ -177,7 +156,7 @@ class Plots:
         self._fill("map", image=[answers.rgba(labels)], x=[window.left], y=[window.bottom], **sides)
 
     def draw_motion(self, drive: Drive, shown: Followed, window: Window) -> None:
-        """Show a motion, its limit cycle and the lines N = 0 and θ′ = 0."""
+        """Show a motion with its force, its limit cycle and the lines N = 0 and θ′ = 0."""
         u, w = answers.contact_line(drive, window)
         closed = np.concatenate([shown.cycle, shown.cycle[:1]])
         self._fill(
@@ -185,41 +164,12 @@ class Plots:
             x=[u, np.array([window.left, window.right]), closed[:, 0], shown.u],
             y=[w, np.full(2, -drive.input_speed), closed[:, 1], shown.w],
         )
+        self._fill("points", x=[0.0, float(shown.u[0])], y=[0.0, float(shown.w[0])])
+        self._fill("history", x=shown.time, y=shown.force)
         end = float(shown.time[-1])
         self.force.x_range.update(start=-0.02 * end, end=1.02 * end)
         low, high = _steady_range(shown.force)
         self.force.y_range.update(start=low, end=high)
-
-    def draw_moment(self, drive: Drive, shown: Followed, k: int, words: str) -> None:
-        """Show sample ``k`` of a motion: in the plane, over time, and as the contact of screw and nut, with ``words``.
-
-        N > 0 balances R > 0, which pulls the nut upwards here, so the upper flank of the screw carries it.
-        """
-        force, time = float(shown.force[k]), float(shown.time[k])
-        side = math.copysign(1.0, force) if force else 0.0
-        tooth = np.array([-0.9, 0.9, 0.9, -0.9])
-        gap = 0.06  # backlash in pitches; real threads have less
-        half = 0.25 - gap
-        turned = drive.input_speed * time + float(shown.u[k])
-        marks = 0.5  # distance of the marks on the screw
-        at = (np.arange(-5, 5) * marks - 2 * turned) % (10 * marks) - 5 * marks
-        at = np.concatenate([at, at])
-        base = SLOPE * at + np.repeat([-0.5, 0.5], 10)
-        breaks = np.full(at.size, np.nan)  # each ends the line of a mark
-        most = float(np.abs(shown.force).max()) or 1.0
-        tip = side * (0.25 - 0.42 * abs(force) / most)
-        least, most = self.force.y_range.start, self.force.y_range.end
-        beyond = 20 * (most - least)  # for a hand that zooms out
-        ends = [least - beyond, most + beyond]
-        self._fill("points", x=[0.0, *shown.u[[0, k]].tolist()], y=[0.0, *shown.w[[0, k]].tolist()])
-        self._fill("history", x=[shown.time, [time, time]], y=[shown.force, ends])
-        self._fill(
-            "screw",
-            x=[np.stack([at, at, breaks], axis=1).ravel(), [0.0, 0.0]],
-            y=[np.stack([base - 0.15, base + 0.15, breaks], axis=1).ravel(), [side * 0.25, tip]],
-        )
-        height = SLOPE * tooth + side * gap + np.array([-half, -half, half, half])
-        self._fill("nut", x=[tooth], y=[height], tip=[tip], words=[words])
 
     def start_curve(self, view: View, thresholds: Mapping[str, float]) -> None:
         """Clear the amplitude curve and set its axis, the drive's own value and its thresholds."""
@@ -232,19 +182,18 @@ class Plots:
         self.curve.x_range.update(start=view.low, end=view.high)
         self._fill("bar", x=[getattr(view.drive, view.over)])
         inside = {name: value for name, value in thresholds.items() if view.low <= value <= view.high}
-        self._fill("marks", x=list(inside.values()), name=[name_of(name) for name in inside])
-        self.draw_curve([])
+        self._fill("marks", x=list(inside.values()), name=[plain(name) for name in inside])
+        for name in ("near", "curve"):
+            self._fill(name)
 
-    def draw_curve(self, points: Sequence[AmplitudePoint]) -> None:
-        """Show points of the amplitude curve, coloured by attractor."""
-        for name, near in (("near", True), ("curve", False)):
-            here = [point for point in points if point.near == near]
-            self.sources[name].data = {
-                "x": [point.value for point in here],
-                "y": [point.amplitude for point in here],
-                "colour": [COLOURS[name_of(point.label)] for point in here],
-            }
-        amplitudes = np.array([point.amplitude for point in points if math.isfinite(point.amplitude)])
+    def draw_curve(self, curves: Sequence[xr.Dataset]) -> None:
+        """Show the amplitudes of two sweeps over one parameter, coloured by attractor."""
+        for name, curve in zip(("near", "curve"), curves, strict=True):
+            (over,) = curve.dims
+            colours = [COLOURS[plain(Attractor(kind))] for kind in curve.attractor.values.tolist()]
+            self.sources[name].data = {"x": curve[over].values, "y": curve.amplitude.values, "colour": colours}
+        amplitudes = np.concatenate([np.zeros(1), *(curve.amplitude.values for curve in curves)])
+        amplitudes = amplitudes[np.isfinite(amplitudes)]
         # An axis of 0.01 rad where nothing vibrates; a range without numbers would be a warning of Bokeh's.
         low, high = _steady_range(amplitudes if np.any(amplitudes) else np.array([0.01]))
         self.curve.y_range.update(start=low, end=high)

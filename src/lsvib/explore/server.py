@@ -23,7 +23,7 @@ from lsvib.engine.motion import compile_engine
 from lsvib.errors import InputError, LsvibError
 from lsvib.explore import answers
 from lsvib.explore.page import THREAD, Page
-from lsvib.explore.view import View, presets
+from lsvib.explore.view import View
 
 MOST_PAGES = 12  # open at once, those included that were closed a moment ago
 # What is shown first: the drive on the front page of the documentation, which slides or vibrates by the start.
@@ -76,7 +76,6 @@ class PromptSocket(WSHandler):
 
 def make_server(port: int) -> Server:
     """Return a server of the page that listens already; raises ``InputError`` if the port cannot be had."""
-    known = presets()
     # Bokeh has no option for the class of its sockets.
     per_app_patterns[:] = [
         (path, PromptSocket if handler is WSHandler else handler) for path, handler in per_app_patterns
@@ -94,7 +93,7 @@ def make_server(port: int) -> Server:
             view, complaint = (View.of(query) if query else FRONT), ""
         except LsvibError as error:
             view, complaint = View(), f"The link cannot be shown: {error}"
-        Page(document, view, known, complaint)
+        Page(document, view, complaint)
 
     names = "|".join(name.replace(".", r"\.") for name in answers.EXPORTS)
     try:

@@ -1,4 +1,4 @@
-"""What the page shows, as one value that a link carries unchanged; and the views of the chapter's figures."""
+"""What the page shows, as one value that a link carries unchanged."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -11,10 +11,7 @@ from lsvib import numbers
 from lsvib.api import Drive
 from lsvib.basins.curves import Window
 from lsvib.errors import InputError
-from lsvib.figures.configuration import DEFAULT
-from lsvib.models import chapter
-from lsvib.models.drive import PART_OF
-from lsvib.models.scene import Scene, read_yaml
+from lsvib.models.scene import Scene
 
 _WINDOW = ("left", "right", "bottom", "top")
 _NUMBERS = ("u", "w", "duration", "low", "high")
@@ -107,52 +104,6 @@ def _number(key: str, text: str) -> float:
         return numbers.number(text)
     except numbers.NotNumber as error:
         raise InputError(f"{key} = {numbers.shown(text)} {error}.") from None
-
-
-_LISTS = {  # key of a section: the parameter that it lists values of
-    "masses": "mass",
-    "axial_forces": "axial_force",
-    "insets": "axial_force",
-    "support_dampings": "support_damping",
-    "dampings": "support_damping",
-    "contact_dampings": "contact_damping",
-}
-
-
-def presets() -> dict[str, View]:
-    """Return a view for each figure of the chapter, of the last drive that it lists, by a name such as Figure 8.9."""
-    return {
-        f"Figure 8.{int(name.removeprefix('fig8_'))}": _of_figure(section)
-        for name, section in read_yaml(DEFAULT).items()
-        if name.startswith("fig8_")
-    }
-
-
-def _of_figure(section: Mapping[str, Any]) -> View:
-    given = section["drive"] | {key: value for key, value in section.items() if isinstance(value, int | float)}
-    given |= {parameter: section[key][-1] for key, parameter in _LISTS.items() if key in section}
-    for key in ("cases", "contacts"):
-        given |= section[key][-1] if key in section else {}
-    values = {key: value for key, value in given.items() if key in Drive.model_fields}
-    for part in {PART_OF[key] for key in PART_OF if key in given or key in section}:
-        values = chapter.PARTS[part] | values
-    drive = Drive.of(values)
-    starts = section.get("starts") or [section.get("start") or {}]
-    more: dict[str, Any] = starts[0] if "u" in starts[0] else {}
-    if "duration" in section:
-        more = {**more, "duration": section["duration"]}
-    if {"angle", "velocity"} <= section.keys():
-        angle, rate = section["angle"], section["velocity"]
-        more = {**more, "window": Window(angle["start"], angle["stop"], rate["start"], rate["stop"])}
-    return View(drive=drive, **more, **_curve(drive, section))
-
-
-def _curve(drive: Drive, section: Mapping[str, Any]) -> dict[str, Any]:
-    """The parameter that the figure varies, with its range; without one the axial force."""
-    for key, span in section.items():
-        if key in type(drive).model_fields and isinstance(span, Mapping) and "start" in span:
-            return {"over": key, "low": float(span["start"]), "high": float(span["stop"])}
-    return {"over": "axial_force", **around(drive.axial_force)}
 
 
 def around(value: float, key: str = "") -> dict[str, float]:

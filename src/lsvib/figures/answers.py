@@ -39,6 +39,16 @@ def draw(answer: xr.Dataset | str | os.PathLike[str]) -> style.Figure:
     return _drawn(answer if isinstance(answer, xr.Dataset) else read_dataset(answer))
 
 
+def open(file: str | os.PathLike[str]) -> xr.Dataset:
+    """Return the answer that a file holds, as the method that made it gives it; :func:`lsvib.draw` draws it.
+
+    Raises ``InputError`` if the file is missing, or no readable netCDF file.
+
+    See also: ``write_dataset`` of :mod:`lsvib.datasets.io`, which writes one.
+    """
+    return read_dataset(file)
+
+
 @style.styled
 def _drawn(dataset: xr.Dataset) -> style.Figure:
     if "time" in dataset.dims and "event_kind" in dataset and dataset[_STATE].dims == ("time",):

@@ -1,6 +1,6 @@
 """Chart over two parameters: what the drive does as colour, the exact curves on top, each with its name.
 
-The rule `chart` of the workflow makes its dataset (:mod:`lsvib.datasets.chart`).
+The rule `chart` of the workflow makes its dataset (:mod:`lsvib.datasets.sweep`).
 """
 
 import numpy as np

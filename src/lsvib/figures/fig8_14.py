@@ -16,7 +16,7 @@ from pydantic import Field
 
 from lsvib.datasets import newton, phase_plane, spans
 from lsvib.datasets.analysis import analyse, value
-from lsvib.datasets.attributes import Variables, attributes, flags_or_none, variable
+from lsvib.datasets.attributes import Variables, attributes, flags, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, style
 from lsvib.figures.common import Motion, about, flag_names, named
@@ -130,7 +130,7 @@ def _first_events(drives: Sequence[Drive], maps: xr.Dataset, duration: float) ->
             first[case, probe], rate[case, probe] = motion.kind[0], motion.after[0, 1]
         rests = motion.automaton.codes[motion.mode[at_once]] == MotionMode.REST
         later[case, probe] = (~at_once).sum() + rests.sum()
-    dims, when, about_first = ("case", "probe"), "of the motion from the cell", flags_or_none(Event)
+    dims, when, about_first = ("case", "probe"), "of the motion from the cell", flags(Event, none=True)
     return {
         **phase_plane.curve("probe", "probe", np.transpose([u, w]), "of a cell of the map"),
         "probe_attractor": phase_plane.attractors(dims, few.grid_attractor.transpose(*dims).values),

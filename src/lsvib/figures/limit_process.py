@@ -150,7 +150,7 @@ def _indeterminate(drive: Drive, stiffness: np.ndarray, speed: float, duration: 
     whole = limit - growth * np.exp(-pulse * t) + (factor / gamma - torque / drive.screw_inertia / speed) * t
     event, words = "first event from a multiple of the contact force of the saddle", "velocity lost by the formula"
     return {
-        "indeterminate_event": (dims, kinds, cf.attributes("1", event, **cf.flags_or_none(Event))),
+        "indeterminate_event": (dims, kinds, cf.attributes("1", event, **cf.flags(Event, none=True))),
         "indeterminate_time": cf.variable(dims, times, "s", f"time of the {event}"),
         "formula_velocity": cf.variable("contact_stiffness", whole, "1", f"{words} of Sect. 8.2 over that lost"),
         "formula_velocity_limit": cf.variable("contact_stiffness", limit, "1", f"{words} in its limit over that lost"),
