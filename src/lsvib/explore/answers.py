@@ -36,8 +36,8 @@ from lsvib.words import plain
 # of each motion which is drawn, too. A third of a second.
 _MOST_WORK, _WORK_OF_LAW = 100_000, 20_000
 # Cells of the map of a drive with two states while it is dragged, a seventieth of a second, and when the hand rests, a
-# fortieth; and of any other drive, of which every motion is followed, a third of a second.
-DRAGGED, SETTLED, COARSE = (120, 90), (320, 240), (36, 27)
+# fortieth; under a friction law, half a second; and of any other drive, of which every motion is followed, likewise.
+DRAGGED, SETTLED, UNDER_LAW, COARSE = (120, 90), (320, 240), (120, 90), (36, 27)
 
 
 @dataclass(frozen=True)
@@ -119,6 +119,13 @@ def at_once(drive: Drive) -> bool:
     Its model has two states, and its friction does not depend on speed.
     """
     return drive.rigid and not friction.depends_on_speed(drive)
+
+
+def cells_of(drive: Drive) -> tuple[int, int]:
+    """Return the columns and rows of the map that is drawn when the hand rests."""
+    if not drive.rigid:
+        return COARSE
+    return SETTLED if at_once(drive) else UNDER_LAW
 
 
 def laborious(drive: Drive) -> bool:

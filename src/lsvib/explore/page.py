@@ -165,7 +165,7 @@ class Page:
         if answers.at_once(view.drive):
             found = answers.labels(view.drive, window, answers.DRAGGED)
         elif (view.drive, view.window) != (self.view.drive, self.view.window):
-            found = np.full(answers.COARSE[::-1], -2)
+            found = np.full(answers.cells_of(view.drive)[::-1], -2)
         self.view, self.shown = view, shown
         self.plots.set_window(window)
         if found is not None:
@@ -206,7 +206,7 @@ class Page:
             if answers.laborious(view.drive):  # each point of a map would take a second
                 draw(self.plots.start_curve, view, {})
                 return
-            cells = answers.SETTLED if answers.at_once(view.drive) else answers.COARSE
+            cells = answers.cells_of(view.drive)
             strips = [window] if answers.at_once(view.drive) else answers.strips(window, cells[1])
             size = cells[0], cells[1] // len(strips)
             labels = np.concatenate([await found(answers.labels, view.drive, strip, size) for strip in strips])
