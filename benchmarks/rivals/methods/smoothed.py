@@ -46,7 +46,7 @@ def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Ca
     drive, state = scene.drive, np.array(scene.state)
     compliant = "threads" in scene.drive.parts
     if not compliant and coefficients(drive).paradox:
-        drive, compliant = threads_drive(drive.model_dump()), True
+        drive, compliant = threads_drive(drive), True
         state = seated_state(drive, *state)
     c, lead = coefficients(drive), drive.lead_angle
     if compliant:
