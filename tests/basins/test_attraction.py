@@ -5,8 +5,6 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from references.drives import DRIVES, PARADOX
 
 import lsvib
@@ -65,29 +63,6 @@ def test_time_to_steady_sliding(mappers):
             assert np.hypot(w + alpha * u, beta * u) == pytest.approx(radius, rel=1e-10)
             checked += 1
     assert checked > 10
-
-
-@given(u=st.floats(-0.12, 0.12), w=st.floats(-80.0, 80.0), part=st.floats(0.0, 1.0))
-def test_points_of_one_motion_have_one_label(mappers, u, w, part):
-    mapped = mappers(PARADOX.replace(support_damping=3e-3))
-    state = follow(mapped.automaton, (u, w), 0.02 * part).end_state
-    cells = (
-        Grid(*(Axis(key, x - 1e-3, x + 1e-3, 1) for key, x in zip("uw", at, strict=True))) for at in ((u, w), state)
-    )
-    before, after = (mapped.cells(cell, quantities=("label",))["label"] for cell in cells)
-    assert before == after
-
-
-def test_symmetry(mappers):
-    """(u, w, Ω, R) → −(u, w, Ω, R) maps motions to motions."""
-    drive = PARADOX.replace(support_damping=3e-3)
-    turned = drive.replace(axial_force=-drive.axial_force, input_speed=-drive.input_speed)
-    grid = Grid(Axis("u", -0.1, 0.1, 40), Axis("w", -80, 80, 30))
-    one, other = mappers(drive).cells(grid), mappers(turned).cells(grid)
-    for name in ("label", "seizures", "first_event"):
-        assert np.array_equal(one[name], other[name][::-1, ::-1])
-    np.testing.assert_allclose(one["time"], other["time"][::-1, ::-1], rtol=1e-12)  # sums of a few rounded stays
-    assert len(np.unique(one["label"])) == 2
 
 
 @pytest.mark.parametrize("model", ["threads", "support", "nut"])

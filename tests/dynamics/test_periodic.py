@@ -205,22 +205,6 @@ def test_a_touch_is_no_cycle():
     assert cycle.label == Attractor.STICK_SLIP_CYCLE
 
 
-@pytest.mark.slow
-def test_at_most_one_cycle_of_pure_slip():
-    """The bound of one limit cycle of plane systems of two linear zones, and hyperbolic, over random drives."""
-    rng, seen = np.random.default_rng(0), 0
-    for _ in range(15):
-        values = drawn(rng, mass=uniform(0.5, 9.95), translation_damping=power(2, 3.5),
-                       support_damping=power(-6, -3), axial_force=uniform(0, 60))  # fmt: skip
-        drive = lsvib.Drive(**values)
-        kinds = [({kind for kind, _ in cycle.itinerary}, cycle) for cycle in drive.cycles().cycles]
-        slip = [cycle for events, cycle in kinds if events == {"contact_reversal"}]
-        seen += len(slip)
-        assert len(slip) <= 1
-        assert all(cycle.attracting or cycle.repelling for cycle in slip)
-    assert seen > 0
-
-
 def gaps_to_the_rigid_multiplier(rigid, stiffnesses):
     """How far the multiplier of slip is from that of the rigid drive, with k_c = c_c."""
     (limit,) = [cycle for cycle in rigid.cycles().cycles if cycle.attracting]
