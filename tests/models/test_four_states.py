@@ -2,11 +2,10 @@
 
 The reference of drives with four states (``references/four_states_digits.py``) takes Newton's laws with the normal
 force and the friction as unknowns, follows a motion in closed form with 40 digits, and finds the mode after each event
-by trying all of them. Cycles of three drives behind a motor are held against Newton's laws with 45 digits
-(``references.motor_digits``): a soft coupling with constant friction, whose contact reverses; a stiff one, and a heavy
-rotor that turns backwards, with static friction above that of sliding. The test holds 30 digits, which a slow one
-computes again. What follows a reverse slip that ends in a seizure, R < 0, is decided by the coupling torque
-(docs/physics.md).
+by trying all of them. So it does for cycles of three drives behind a motor, from stick to stick: a soft coupling with
+constant friction, whose contact reverses; a stiff one, and a heavy rotor that turns backwards, with static friction
+above that of sliding. The test holds 30 digits, which a slow one computes again. What follows a reverse slip that ends
+in a seizure, R < 0, is decided by the coupling torque (docs/physics.md).
 """
 
 import numpy as np
@@ -14,8 +13,8 @@ import pytest
 from mpmath import mp
 from references.drives import DRIVES as KINDS
 from references.drives import threads_drive
-from references.four_states_digits import mode_name, simulate
-from references.motor_digits import MotorCycle
+from references.exponential_sums import UNIT, Function
+from references.four_states_digits import FourStatesDrive, mode_name, simulate
 
 import lsvib.api  # noqa: F401  (the methods of drives)
 from lsvib.engine.kernels.layout import FIRST_MODEL_KIND
@@ -166,10 +165,27 @@ def test_cycles_of_a_drive_with_a_motor(name):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", DRIVES)
 def test_the_digits_are_those_of_newtons_laws(name):
-    with mp.workdps(45):
-        found = MotorCycle(dict(DRIVES[name]))
-        assert len(found.modes) == 1 + len(DRIVES[name].cycles().cycles[0].itinerary)
-        for value, digits in zip((found.period, found.amplitude), DIGITS[name], strict=True):
+    drive = dict(DRIVES[name])
+    with mp.workdps(75):
+        reference = FourStatesDrive("motor", drive)
+        w = -reference.Omega
+
+        def back(u, e, v, returns=1):
+            """Time, state and extremes of u at a later stick, from rest."""
+            truth = simulate(drive, "motor", (), (u, w, e, v), 2, dps=45, max_events=7 * returns)
+            last = [k for k, event in enumerate(truth.events) if event.kind == "stick"][returns - 1]
+            angles = []
+            for mode, state, stay in truth.arcs[: last + 1]:
+                angle = Function(truth.drive.mode(mode).arc(state), [*UNIT[0], 0])
+                turns = angle.derivative().roots(mp.mpf(0), stay) if mode[0] else ()
+                angles += [angle(t) for t in (0, *turns, stay)]
+            u, _, e, v = truth.events[last].state
+            return truth.events[last].time, (u, e, v), angles
+
+        begin = back(-reference.z0, -reference.q0, w, 10)[1]
+        found = mp.findroot(lambda *x: [b - a for a, b in zip(x, back(*x)[1], strict=True)], begin)
+        period, _, angles = back(*found)
+        for value, digits in zip((period, (max(angles) - min(angles)) / 2), DIGITS[name], strict=True):
             assert mp.nstr(value, 30) == digits
 
 
