@@ -39,7 +39,7 @@ from references.exponential_sums import UNIT, Function, TrueArc, affine, first_r
 class FourStatesDrive:
     """Parameters p (SI units, keys of the library); ``frictions`` names those of F_0 and T_0 that are there.
 
-    State: u, w, and the deviation of x_1, theta_2 or theta_m from steady sliding, or e, with its rate. Modes are made once.
+    State: u, w; the deviation of x_1, theta_2 or theta_m from steady sliding, or e, with its rate. Modes are made once.
     """
 
     def __init__(self, model, parameters, frictions=()):
