@@ -2,7 +2,7 @@
 
 The truth is the engine's own motion, and only in cases in which 40 digits have confirmed it
 (:func:`benchmarks.sweeps.case_judge.judge`: RIGHT). A method is told the sizes of the motion, for its absolute
-tolerances, and judged as in :mod:`benchmarks.rivals.answer_errors`. Effort is counted in evaluations of the field,
+tolerances, and judged as in :mod:`benchmarks.judge`. Effort is counted in evaluations of the field,
 not in seconds, so that a verdict is the same on every machine.
 """
 
@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from benchmarks.judge import GENEROSITY, Answer, asked
 from benchmarks.record import Record, Verdict
-from benchmarks.rivals.answer_errors import GENEROSITY, Answer, compare
 from benchmarks.rivals.hybrid import Clock, GaveUp, Hybrid, counted
 from benchmarks.rivals.method_list import METHODS, MethodFamily
 from benchmarks.rivals.race_scenes import RaceScene
@@ -179,9 +179,7 @@ def ask(question: Question, method_name: str, tolerance: float) -> Answer:
         run = function()()
     except (GaveUp, ArithmeticError, ValueError, RuntimeError):  # the solver's own: not finite, no bracket
         return Answer(Verdict.GAVE_UP)
-    if run.failure or not np.isfinite(run.end).all():
-        return Answer(Verdict.GAVE_UP)
-    return compare(question.case.duration, question.path, run, GENEROSITY * tolerance)
+    return asked(question.case.duration, question.path, run, GENEROSITY * tolerance)
 
 
 def _step(question: Question) -> float:

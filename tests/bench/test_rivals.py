@@ -7,9 +7,9 @@ import pytest
 
 from benchmarks import cost_of_certainty, friction_law
 from benchmarks.figures.work_precision import SCENES
-from benchmarks.record import Record, Verdict, errors
+from benchmarks.judge import asked, raced
+from benchmarks.record import Record, Verdict
 from benchmarks.rivals import method_list
-from benchmarks.rivals.answer_errors import compare
 from benchmarks.rivals.hybrid import Clock, Hybrid
 from benchmarks.rivals.on_sweeps import ask, pose
 from benchmarks.rivals.race import RaceBudget, contest, fastest, quiet, time_at_error
@@ -99,7 +99,7 @@ def test_a_missing_package_is_one_sentence(monkeypatch):
 )
 def test_verdicts_on_a_race(changes, verdict):
     same = {"end": TRUTH.end, "times": TRUTH.times, "kinds": TRUTH.kinds, "extremes": TRUTH.extremes}
-    assert errors(Record(**{**same, **changes}), TRUTH).verdict == verdict
+    assert raced(Record(**{**same, **changes}), TRUTH).verdict == verdict
 
 
 @pytest.mark.parametrize(
@@ -118,7 +118,7 @@ def test_verdicts_on_a_race(changes, verdict):
 def test_verdicts_on_a_case(changes, verdict):
     """A thousandth is allowed, of the duration and of the motion."""
     run = Record(**{"end": TRUTH.end, "times": TRUTH.times, "kinds": TRUTH.kinds} | changes)
-    assert compare(1.0, TRUTH, run, 1e-3).verdict is verdict
+    assert asked(1.0, TRUTH, run, 1e-3).verdict is verdict
 
 
 def test_time_at_error_interpolates_in_logarithms():
