@@ -4,30 +4,29 @@ When a guard has become negative the step is cut where a straight line between i
 the cut is refined by three steps of the secant method (``refined``). Two crossings within one step go unseen.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from benchmarks.jit import allocating_kernel, kernel
-from benchmarks.rivals.hybrid import Clock, GaveUp, Hybrid
+from benchmarks.rivals.hybrid import Clock, GaveUp, Hybrid, Integrate
 
 _REFINEMENTS = 3  # secant steps towards a guard's zero: each adds digits until those of the step are reached
 _LOST = -2  # where the state is beyond all numbers
 
 
-def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int, refined: bool = False) -> Callable:
-    """Return a function that runs the scene with the step ``setting`` [s]."""
+def integrator(hybrid: Hybrid, setting: float, clock: Clock, refined: bool = False) -> Integrate:
+    """Return what follows one mode with the step ``setting`` [s]."""
     refinements = _REFINEMENTS if refined else 0
 
     def integrate(mode: int, now: float, state: Sequence[float], end: float):
-        """Follow a mode to its first guard or to ``end`` [s]; return (time, state, guard or None)."""
         here, out = hybrid.modes[mode], np.array(state)
         time, guard = _march(hybrid.fields[mode], here.guards, out, setting, end - now, refinements)
         if guard == _LOST:
             raise GaveUp("the motion is lost")
         return (end if guard < 0 else now + time), out.tolist(), None if guard < 0 else guard
 
-    return lambda: hybrid.run(integrate, clock, max_events)
+    return integrate
 
 
 @kernel

@@ -40,7 +40,7 @@ def _record(scene: RaceScene, width: float, found) -> Record:
     )
 
 
-def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Callable:
+def runner(hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Callable:
     """Return a function that runs the scene with the width ε = ``setting`` [rad/s]."""
     scene = hybrid.scene
     drive, state = scene.drive, np.array(scene.state)
