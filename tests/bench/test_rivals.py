@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from benchmarks import cost_of_certainty, friction_law
+from benchmarks import cost_of_certainty
 from benchmarks.figures.work_precision import SCENES
 from benchmarks.judge import asked, raced
 from benchmarks.record import Record, Verdict
-from benchmarks.rivals import method_list
+from benchmarks.rivals import friction_law, method_list
 from benchmarks.rivals.hybrid import Clock, Hybrid
 from benchmarks.rivals.on_sweeps import ask, pose
 from benchmarks.rivals.race import RaceBudget, contest, fastest, quiet, time_at_error
