@@ -60,11 +60,6 @@ rigid_drive, threads_drive, support_drive, nut_drive = DRIVES.values()
 GIVEN = {name: kind.given for name, kind in DRIVES.items()}
 
 
-def name_of(drive: Drive) -> str:
-    """Name of the kind of a drive with one part at most."""
-    return drive.parts[0] if drive.parts else "rigid"
-
-
 Draw = Callable[[np.random.Generator], float]
 
 
@@ -162,10 +157,7 @@ def wide_drive(model: str, seed: int, index: int, starts: int) -> WideDrive:
     """Draw drive ``index`` of a seed, the same whatever else is drawn, and so many starts of it."""
     rng = np.random.default_rng([seed, MODELS.index(model), index])
     values = rigid_values(rng)
-    if model == "rigid":
-        drive = Drive.of(values)
-        return WideDrive(drive, (), _starts(rng, drive, starts))
-    drive, physics = _with_part(rng, model, values)
+    drive, physics = (Drive.of(values), ()) if model == "rigid" else _with_part(rng, model, values)
     return WideDrive(drive, physics, _states(rng, drive, starts))
 
 
@@ -237,9 +229,11 @@ def _frictions(rng, values: dict[str, float]) -> tuple[str, ...]:
     return tuple(physics)
 
 
-def sizes_of(drive: Drive) -> tuple[float, float, float, float]:
-    """Sizes of the coordinates of a drive with four states; those of speeds have the sign of the input."""
+def sizes_of(drive: Drive) -> tuple[float, ...]:
+    """Sizes of the coordinates of a drive; those of speeds have the sign of the input."""
     speed, size = drive.input_speed, abs(drive.input_speed) * (drive.screw_inertia / drive.coupling_stiffness) ** 0.5
+    if drive.rigid:
+        return float(RigidTrueDrive(dict(drive), 30).u_scale), speed
     if drive.parts == ("nut",):
         return size, speed, size, speed
     place = (abs(drive.axial_force) or 1.0) / (drive.contact_stiffness or drive.support_stiffness)
@@ -247,39 +241,20 @@ def sizes_of(drive: Drive) -> tuple[float, float, float, float]:
 
 
 def _states(rng, drive: Drive, count: int) -> np.ndarray:
-    """Starts (count, 4) over four decades, some on θ′ = 0 or with the second body at rest."""
-    found = np.empty((count, 4))
+    """Starts over four decades, some on θ′ = 0, N = 0, with the second body at rest, near the equilibrium or on it."""
+    sizes = sizes_of(drive)
+    found = np.empty((count, len(sizes)))
     for k in range(count):
-        found[k] = [sign(rng) * x * decades(rng, -2, 2) for x in sizes_of(drive)]
+        found[k] = [sign(rng) * x * decades(rng, -2, 2) for x in sizes]
         where = _PLACES[rng.integers(len(_PLACES))]
         if where in ("speed", "corner"):
             found[k, 1] = -drive.input_speed
-        if where in ("contact", "corner"):
+        if where in ("contact", "corner") and drive.rigid:
+            q_u, q_w, q_0 = (float(x) for x in RigidTrueDrive(dict(drive), 30).Q_terms(1, 1))
+            found[k, 0] = -(q_0 + q_w * found[k, 1]) / q_u
+        elif where in ("contact", "corner"):
             found[k, 3] = 0.0
-        if where == "near":
-            found[k] *= 1e-8
-        if where == "equilibrium":
-            found[k] = 0.0
-    return found
-
-
-def _starts(rng, drive: Drive, count: int) -> np.ndarray:
-    """Starts (count, 2): anywhere over four decades, on θ′ = 0, on Q = 0, on both, near the equilibrium and on it."""
-    reference = RigidTrueDrive(dict(drive), 30)
-    q_u, q_w, q_0 = (float(x) for x in reference.Q_terms(1, 1))
-    speed = drive.input_speed
-    size = float(reference.u_scale)
-    found = np.empty((count, 2))
-    for k in range(count):
-        u, w = sign(rng) * size * decades(rng, -2, 2), sign(rng) * speed * decades(rng, -2, 2)
-        place = _PLACES[rng.integers(len(_PLACES))]
-        if place in ("speed", "corner"):
-            w = -speed
-        if place in ("contact", "corner"):
-            u = -(q_0 + q_w * w) / q_u
-        if place == "near":
-            u, w = 1e-8 * u, 1e-8 * w
-        found[k] = (0.0, 0.0) if place == "equilibrium" else (u, w)
+        found[k] *= {"near": 1e-8, "equilibrium": 0.0}.get(where, 1.0)
     return found
 
 
@@ -313,29 +288,17 @@ def catalogue_drive(model: str, seed: int, index: int, starts: int = 4) -> tuple
         "translation_damping": float(rng.choice([0.0, 1.0])) * power(1.0, 500.0),
         "axial_force": float(rng.choice([-1.0, 1.0])) * power(0.2, 20.0) * mass,
     }
-    drive = Drive.of({**values, **_MORE[model](power, values, volume)})
+    drive = Drive.of({**values, **_offered(model, power, values, volume)})
     scales = np.abs(sizes_of(drive))
     factors = np.array([[power(0.05, 5.0) * rng.choice([-1.0, 1.0]) for _ in scales] for _ in range(starts)])
     return drive, scales * factors
 
 
-def _offered_threads(power, values, volume):
-    stiffness = power(2e7, 1e9)
-    damping = 2 * power(5e-3, 0.5) * math.sqrt(stiffness * values["mass"])
-    return {"contact_stiffness": stiffness, "contact_damping": damping}
-
-
-def _offered_support(power, values, volume):
-    stiffness, mass = power(1e7, 3e8), _STEEL * volume
-    damping = 2 * power(1e-3, 0.1) * math.sqrt(stiffness * mass)
-    return {"screw_mass": mass, "support_stiffness": stiffness, "axial_support_damping": damping}
-
-
-def _offered_nut(power, values, volume):
-    inertia = values["screw_inertia"] * power(0.1, 3.0)
-    stiffness = values["coupling_stiffness"] * power(0.3, 100.0)
-    damping = 2 * power(1e-3, 0.1) * math.sqrt(inertia * stiffness)
-    return {"nut_inertia": inertia, "nut_stiffness": stiffness, "nut_damping": damping}
-
-
-_MORE = {"threads": _offered_threads, "support": _offered_support, "nut": _offered_nut}
+def _offered(model, power, values, volume):
+    if model == "nut":
+        mass, stiffness = values["screw_inertia"] * power(0.1, 3.0), values["coupling_stiffness"] * power(0.3, 100.0)
+    else:
+        stiffness = power(*((2e7, 1e9) if model == "threads" else (1e7, 3e8)))
+        mass = values["mass"] if model == "threads" else _STEEL * volume
+    damping = 2 * power(*((5e-3, 0.5) if model == "threads" else (1e-3, 0.1))) * math.sqrt(stiffness * mass)
+    return dict(zip(PARTS[model], (mass, stiffness, damping)[-len(PARTS[model]) :], strict=True))
