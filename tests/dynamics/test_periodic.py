@@ -12,7 +12,6 @@ from references import rigid_digits
 from references.drives import (
     NEAR_FOLD,
     NEGATIVE_DAMPING,
-    PARADOX,
     drawn,
     nut_drive,
     one_of,
@@ -391,17 +390,6 @@ def test_stick_slip_ends_where_its_slip_just_comes_to_rest(values, parameter, sp
         ends.append(change.value)
     assert ends == [pytest.approx(end, rel=tolerance)] * len(ends)
     assert max(ends) - min(ends) <= 1e-14 * abs(end)
-
-
-@pytest.mark.slow
-def test_a_branch_does_not_depend_on_the_range():
-    drive = PARADOX
-    cycle = drive.cycles().cycles[0]
-    for parameter, spans in (("mass", [(10, 12), (10, 1e5), (10, 1e9)]), ("axial_force", [(-1e5, -1), (-1e3, -1)])):
-        branches = [drive.follow(cycle, parameter, span) for span in spans]
-        lowest = [branch.points[0].value for branch in branches]
-        assert lowest == [pytest.approx(lowest[0], rel=1e-12)] * len(spans)
-        assert all(branch.changes[0].what == branches[0].changes[0].what for branch in branches)
 
 
 def test_branch_is_written():
