@@ -9,18 +9,8 @@ import pytest
 from dynamics.test_attractors import liouville
 from mpmath import mp, mpf
 from references import rigid_digits
-from references.drives import (
-    NEAR_FOLD,
-    NEGATIVE_DAMPING,
-    drawn,
-    nut_drive,
-    one_of,
-    power,
-    support_drive,
-    threads_drive,
-    times,
-    uniform,
-)
+from references.drives import drawn, nut_drive, one_of, power, support_drive, threads_drive, times, uniform
+from references.known import NEAR_FOLD, NEGATIVE_DAMPING, PARADOX, REPELLING_SLIP
 
 import lsvib
 from lsvib.datasets.cycles import branch_dataset, branch_json
@@ -34,7 +24,6 @@ from lsvib.stability.force_thresholds import threshold_force
 
 SLIP = NEGATIVE_DAMPING.replace(axial_force=25)
 SUPPORTED = support_drive(mass=15, support_damping=5e-4, support_stiffness=1e5, axial_support_damping=1e4)
-REPELLING_SLIP = lsvib.Drive(mass=9.9, translation_damping=1e3, axial_force=10)
 
 
 @pytest.mark.parametrize(
@@ -230,7 +219,7 @@ def test_compliant_multipliers_of_slip_tend_to_the_rigid_one_with_order_one(driv
 @pytest.mark.parametrize(
     "drive",
     [
-        lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10),
+        PARADOX,
         lsvib.Drive(mass=14, support_damping=5e-4, axial_force=-5),
     ],
 )

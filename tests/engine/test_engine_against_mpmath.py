@@ -17,7 +17,8 @@ from itertools import groupby, islice
 import numpy as np
 import pytest
 from references.comparisons import RULES, compare
-from references.drives import NEGATIVE_DAMPING, random_drive, random_start
+from references.drives import random_drive, random_start
+from references.known import NEGATIVE_DAMPING
 
 from lsvib.engine.automaton import oscillator
 from lsvib.engine.kernels import flow_planar, layout
