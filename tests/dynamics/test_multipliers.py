@@ -49,31 +49,44 @@ def random_rigid(seed):
     return Drive.of(drawn(rng, RIGID)), (float(rng.uniform(-0.2, 0.2)), float(rng.uniform(-100, 100)))
 
 
-def differences(simulate, state, count):
-    """Derivative of the state after the event of a number, by central differences with 40 digits; None if changed."""
+def differences(end, place, size, step):
+    """How far a state is from where it began, and its derivative by that; rows, in sizes of the motion.
+
+    ``end``: the later state, None where nothing determines that; ``place``, ``step``: numbers with many digits.
+    """
+    back, columns = end(place), []
+    for k in range(len(size)):
+        beside = [[x + way * step * unit * (j == k) for j, (x, unit) in enumerate(zip(place, size, strict=True))]
+                  for way in (1, -1)]  # fmt: skip
+        ends = [end(x) for x in beside]
+        if back is None or None in ends:
+            return None
+        columns.append([(a - b) / (2 * step) / unit for a, b, unit in zip(*ends, size, strict=True)])
+    return [(a - b) / unit for a, b, unit in zip(back, place, size, strict=True)], [*zip(*columns, strict=True)]
+
+
+def held_by_differences(motion, start, simulate):
+    """Hold the derivative of a motion against differences with 40 digits.
+
+    To the tolerance and four times the library's own bound of its rounding; returns that bound.
+    """
+    size, seen = np.abs(np.vstack([motion.after, [start]])).max(axis=0), []
+
+    def end(x):
+        events = simulate(x)[: motion.time.size]
+        seen.append([(event.kind, event.mode_after) for event in events])
+        return events[-1].state if seen[-1] == seen[0] and len(events) == motion.time.size else None
+
     with mp.workdps(40):
-        columns, names = [], None
-        for j in range(len(state)):
-            ends = []
-            for sign in (1, -1):
-                start = [mpf(x) for x in state]
-                step = STEP * max(abs(start[j]), mpf("1e-6"))
-                start[j] += sign * step
-                events = simulate(start)
-                seen = [(event.kind, event.mode_after) for event in events[:count]]
-                names = seen if names is None else names
-                if seen != names or len(events) < count:
-                    return None
-                ends.append(events[count - 1])
-            columns.append([(a - b) / (2 * step) for a, b in zip(*(end.state for end in ends), strict=True)])
-        return np.array([[float(x) for x in column] for column in columns]).T
-
-
-def agree(found, reference, rounding):
-    """Whether a derivative is that of the reference, but for four times the library's own bound of its rounding."""
-    away, largest = np.abs(found - reference), np.abs(reference).max()
-    size = np.abs(reference).max(axis=1, keepdims=True)
-    return (away <= 1e-9 * largest + 4 * rounding).all() and (away <= 1e-7 * size + 4 * rounding).all()
+        found = differences(end, [mpf(float(x)) for x in start], [mpf(float(x)) for x in size], STEP)
+    assert found is not None
+    reference, exact = np.array(found[1], dtype=float), derivative(motion)
+    matrix, rounding = (part * size / size[:, None] for part in (exact.matrix, exact.rounding))
+    away, largest = np.abs(matrix - reference), np.abs(reference).max()
+    rows = np.abs(reference).max(axis=1, keepdims=True)
+    assert (away <= 1e-9 * largest + 4 * rounding).all()
+    assert (away <= 1e-7 * rows + 4 * rounding).all()
+    return rounding
 
 
 def qualified(motion):
@@ -94,16 +107,9 @@ def rigid_motion(seed):
 @pytest.mark.parametrize("seed", range(6))
 def test_rigid_drives(seed):
     drive, start, motion = rigid_motion(seed)
-    reference = differences(
-        lambda x: rigid_digits.simulate(dict(drive), *x, float(motion.time[-1]) * 1.01 + 1e-4).events,
-        start,
-        motion.time.size,
-    )
-    found = derivative(motion)
-    assert reference is not None
-    sizes = np.abs(np.vstack([motion.after, [start]])).max(axis=0)
-    assert (found.rounding <= 1e-10 * sizes[:, None] / sizes).all()  # so that its share of what is allowed is small
-    assert agree(found.matrix, reference, found.rounding), (found.matrix, reference)
+    end = float(motion.time[-1]) * 1.01 + 1e-4
+    rounding = held_by_differences(motion, start, lambda x: rigid_digits.simulate(dict(drive), *x, end).events)
+    assert (rounding <= 1e-10).all()  # so that its share of what is allowed is small
 
 
 def test_compliant_threads():
@@ -119,16 +125,7 @@ def test_compliant_threads():
         if qualified(motion):
             break
     end = float(motion.time[-1]) * 1.01 + 1e-6
-    reference = differences(
-        lambda x: four_states_digits.simulate(dict(drive), "threads", (), x, end).events,
-        tuple(map(float, start)),
-        motion.time.size,
-    )
-    assert reference is not None
-    scale = np.abs(motion.after).max(axis=0)
-    exact = derivative(motion)
-    found, rounding = exact.matrix * scale / scale[:, None], exact.rounding * scale / scale[:, None]
-    assert agree(found, reference * scale / scale[:, None], rounding), (found, reference)
+    held_by_differences(motion, start, lambda x: four_states_digits.simulate(dict(drive), "threads", (), x, end).events)
 
 
 def test_a_section_with_a_coordinate_that_is_zero_throughout():
@@ -177,22 +174,6 @@ def place_and_size(cycle):
     return place, np.maximum(np.abs(cycle.orbit.after).max(axis=0), np.abs(place))
 
 
-def over_a_period(end, place, size, step):
-    """What a period takes away from closure, and its derivative; rows, in sizes of the motion.
-
-    ``end``: the state after it, None where nothing determines that; ``place``, ``step``: numbers with many digits.
-    """
-    back, columns = end(place), []
-    for k in range(len(size)):
-        beside = [[x + way * step * unit * (j == k) for j, (x, unit) in enumerate(zip(place, size, strict=True))]
-                  for way in (1, -1)]  # fmt: skip
-        ends = [end(x) for x in beside]
-        if back is None or None in ends:
-            return None
-        columns.append([(a - b) / (2 * step) / unit for a, b, unit in zip(*ends, size, strict=True)])
-    return [(a - b) / unit for a, b, unit in zip(back, place, size, strict=True)], [*zip(*columns, strict=True)]
-
-
 def assert_digits(cycle):
     """Hold a cycle of four states against the reference with 70 digits."""
     place, size = place_and_size(cycle)
@@ -202,7 +183,7 @@ def assert_digits(cycle):
         def end(x):
             return four_states_digits.simulate(drive, model, (), x, cycle.period, dps=70, max_events=1000).state
 
-        gap, matrix = over_a_period(end, [mpf(float(x)) for x in place], [mpf(float(x)) for x in size], mpf(10) ** -30)
+        gap, matrix = differences(end, [mpf(float(x)) for x in place], [mpf(float(x)) for x in size], mpf(10) ** -30)
         found = [complex(z) for z in mp.eig(mp.matrix(matrix), left=False, right=False)]
     found.remove(min(found, key=lambda z: abs(z - 1)))  # along the motion
     scale = max(1.0, *map(abs, found))
@@ -252,7 +233,7 @@ def of_a_period(drive, cycle):
 
     try:
         here = [arb(x) for x in place]
-        found = over_a_period(end, here, [arb(x) for x in size], arb(BESIDE))
+        found = differences(end, here, [arb(x) for x in size], arb(BESIDE))
         if found is None:
             return None
         gap, matrix = np.array([float(x) for x in found[0]]), found[1]
