@@ -2,10 +2,11 @@
 
 import math
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
-from references.drives import drawn, power, rigid_values, sign, signed, uniform
+from references.drives import random_drive, rigid_values, sign, uniform
 
 from benchmarks.sweeps import cases_four_states
 from benchmarks.sweeps.families import Case, CaseFamily
@@ -23,11 +24,7 @@ THRESHOLDS = (
 )
 
 
-_LIKE_THE_CHAPTERS = {
-    "mass": uniform(0.5, 30.0), "friction_coefficient": uniform(0.05, 0.5), "axial_force": signed(power(0.0, 2.3)),
-    "input_speed": signed(uniform(5.0, 80.0)), "support_damping": power(-4.5, -2.0),
-    "translation_damping": uniform(50.0, 2000.0),
-}  # fmt: skip
+_some_drive = partial(random_drive, mass=uniform(0.5, 30.0))
 
 
 def cases(family: CaseFamily, count: int, rng: np.random.Generator) -> Iterator[Case]:
@@ -37,15 +34,6 @@ def cases(family: CaseFamily, count: int, rng: np.random.Generator) -> Iterator[
             yield _FOUR_STATES[family](rng)
         else:
             yield _case(rng, family, *_RIGID[family](rng))
-
-
-def _some_drive(rng, **fixed) -> Drive:
-    """A drive like the chapter's: both signs of Γ₊, of R and of Ω, damped in at least one place."""
-    support, translation = ((1, 0), (0, 1), (1, 1))[rng.integers(3)]
-    values = drawn(rng, _LIKE_THE_CHAPTERS)
-    values["support_damping"] *= support
-    values["translation_damping"] *= translation
-    return Drive.of(values | fixed)
 
 
 def _scales(drive: Drive) -> tuple[float, float]:

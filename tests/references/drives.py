@@ -108,22 +108,25 @@ LIKE_PARTS = {  # of the chapter, of each kind of drive
 }  # fmt: skip
 
 
-def random_drive(rng: np.random.Generator) -> Drive:
-    """A drive on either side of Γ₊ = 0 or next to it, damped in at least one place, loaded, turning either way.
+def about_the_critical_mass(rng: np.random.Generator) -> float:
+    """A mass [kg] like the chapter's, one in ten next to the critical one."""
+    return rng.uniform(0.5, 30.0) if rng.random() < 0.9 else rng.uniform(10.0, 10.2)
+
+
+def random_drive(rng: np.random.Generator, mass: Draw = about_the_critical_mass, **fixed: float) -> Drive:
+    """A drive on either side of Γ₊ = 0, damped in at least one place, loaded, turning either way.
 
     Left out, because there rounding alone decides what happens: c = c_x = 0 (the orbit that is released from rest
     touches θ′ = 0 again after every turn, without crossing it) and R = 0 (the band of rest torques has no width and
     its one state is the corner θ′ = 0, Q = 0).
     """
     support, translation = ((1, 0), (0, 1), (1, 1))[rng.integers(3)]
-    return Drive.of(
-        mass=rng.uniform(0.5, 30.0) if rng.random() < 0.9 else rng.uniform(10.0, 10.2),
-        friction_coefficient=rng.uniform(0.05, 0.5),
-        axial_force=rng.choice([-1, 1]) * 10 ** rng.uniform(0.0, 2.3),
-        input_speed=rng.choice([-1, 1]) * rng.uniform(5.0, 80.0),
-        support_damping=support * 10 ** rng.uniform(-4.5, -2.0),
-        translation_damping=translation * rng.uniform(50.0, 2000.0),
-    )
+    values = drawn(
+        rng, mass=mass, friction_coefficient=uniform(0.05, 0.5), axial_force=signed(power(0.0, 2.3)),
+        input_speed=signed(uniform(5.0, 80.0)), support_damping=times(power(-4.5, -2.0), lambda _: support),
+        translation_damping=times(uniform(50.0, 2000.0), lambda _: translation),
+    )  # fmt: skip
+    return Drive.of(values | fixed)
 
 
 def random_start(rng: np.random.Generator) -> tuple[float, float]:
