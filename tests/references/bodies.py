@@ -35,7 +35,6 @@ class Bodies:
     """
 
     def __init__(self, drive, commanded=None, parts=None, number=float) -> None:
-        self.is_steady = commanded is None
         self.number, self.commanded = number, commanded or (lambda t: self.p["input_speed"])
         self.p = p = defaultdict(lambda: number(0), {name: number(x) for name, x in drive if x is not None})
         self.q = ["theta", *(RATES[part] for part in (drive.parts if parts is None else parts))]
@@ -196,14 +195,19 @@ class Bodies:
     def moved(self, state: np.ndarray, mode: dict, times: np.ndarray, size: np.ndarray):
         """Absolute states (times, n) along an arc that begins at the first time; apart where the law comes to zero.
 
-        Where friction and the command are constant, the rates are affine: then by the exponential of their matrix.
+        Under constant friction the rates are affine in state and time, as the command is straight along an arc: then by
+        the exponential of their matrix.
         """
-        if self.is_steady and not (mode["slip"] and (self.p["stribeck_rise"] or self.p["friction_slope"])):
-            push = self.rate(0, 0 * state, mode)
-            columns = [(self.rate(0, unit, mode) - push) for unit in np.diag(size)]
-            matrix = np.vstack([np.column_stack([np.array(columns).T, push]) / size[:, None], np.zeros(state.size + 1)])
-            parts = [expm(matrix * (time - times[0])) @ [*(state / size), 1.0] for time in times]
-            return np.array(parts)[:, :-1] * size
+        if not (mode["slip"] and (self.p["stribeck_rise"] or self.p["friction_slope"])):
+            begin, long = times[0], times[-1] - times[0]
+            early, late = (self.rate(begin + part * long, 0 * state, mode) for part in (0.25, 0.75))
+            ramp, push = 2 * (late - early), 1.5 * early - 0.5 * late  # over the whole arc, at its beginning
+            columns = [self.rate(begin + 0.25 * long, unit, mode) - early for unit in np.diag(size)]
+            rows = np.column_stack([np.array(columns).T, ramp, push]) / size[:, None]
+            matrix = np.vstack([rows, np.zeros((2, state.size + 2))])
+            matrix[-2, -1] = 1 / long
+            parts = [expm(matrix * (time - begin)) @ [*(state / size), 0.0, 1.0] for time in times]
+            return np.array(parts)[:, :-2] * size
 
         def kink(_, x):
             return self.law(self.speeds(x)[0]) if mode["slip"] else 1.0
