@@ -165,8 +165,9 @@ class Bodies:
         """Accelerations, n, N, τ and held friction at an absolute state."""
         names, matrix, sides = self.system(state, mode, t)
         if self.number is float:
-            scale = np.abs(matrix).max(axis=0)  # of masses and inertias
-            solved = np.linalg.solve(np.array(matrix) / scale, sides) / scale
+            rows = np.array(matrix)
+            scale = np.abs(rows).max(axis=0)  # of masses and inertias
+            solved = (np.linalg.solve(rows / scale, sides) / scale).tolist()
         else:
             solved = arb_mat(matrix).solve(arb_mat(len(sides), 1, sides)).entries()
         found, normal, (slip, travel) = dict(zip(names, solved, strict=True)), self.pressed(state), self.speeds(state)
