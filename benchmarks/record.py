@@ -1,4 +1,4 @@
-"""What judges compare of a motion, whoever computed it, how far it is from another, and all verdicts on it."""
+"""What judges compare of a motion, whoever computed it, and all verdicts on it."""
 
 import math
 from dataclasses import dataclass, field
@@ -7,7 +7,6 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import ArrayLike
 
-_AMPLITUDE = 0.05  # a steady amplitude that is further off, in sizes of the motion, belongs to another attractor
 _STOPS = ("stick", "reversal", "seizure")  # events at which θ′ arrives at zero
 
 
@@ -51,40 +50,6 @@ class Record:
     def amplitude(self) -> float:
         """Half the peak-to-peak of u [rad] once the scene is steady."""
         return 0.5 * (self.extremes[1] - self.extremes[0])
-
-
-def distance(end: np.ndarray, other: Record) -> float:
-    """Return how far a final state is from that of a record, in sizes of its coordinates [1]."""
-    return float(np.max(np.abs(end - other.end) / np.where(other.size > 0, other.size, 1.0)))
-
-
-@dataclass(frozen=True)
-class Errors:
-    """Errors of a run: of the final state in sizes of the motion, of event times [s], of the amplitude in sizes of u.
-
-    ``times`` is nan unless the run has the events of the reference in the same order.
-    """
-
-    state: float
-    times: float
-    amplitude: float
-    verdict: Verdict
-
-
-def errors(run: Record, reference: Record) -> Errors:
-    """Compare a run with the reference; its verdict is RIGHT, OTHER_EVENTS, OTHER_MOTION or GAVE_UP."""
-    if run.failure or not np.isfinite(run.end).all():
-        return Errors(math.nan, math.nan, math.nan, Verdict.GAVE_UP)
-    n = min(run.end.size, reference.end.size)  # a regularised model may have more coordinates
-    state = float(np.max(np.abs(run.end[:n] - reference.end[:n]) / reference.size[:n]))
-    amplitude = abs(run.amplitude - reference.amplitude) / float(reference.size[0])
-    times = math.nan
-    if run.kinds == reference.kinds:
-        times = float(np.max(np.abs(run.times - reference.times), initial=0.0))
-    same = run.stops == reference.stops if run.kinds is None else sorted(run.kinds) == sorted(reference.kinds)
-    if not amplitude <= _AMPLITUDE:
-        return Errors(state, times, amplitude, Verdict.OTHER_MOTION)
-    return Errors(state, times, amplitude, Verdict.RIGHT if same else Verdict.OTHER_EVENTS)
 
 
 def count_stops(kinds: list[str], starts_at_rest: bool) -> int:

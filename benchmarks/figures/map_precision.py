@@ -75,9 +75,8 @@ class Settings(FigureSettings):
 
 
 def build(settings: Mapping[str, Any]) -> xr.Dataset:
-    """Run the methods of :data:`benchmarks.maps.map_methods.METHODS` on some boxes."""
-    from benchmarks.maps.map_methods import METHODS
-    from benchmarks.maps.map_race import RaceBox, contest
+    """Run the methods of :data:`benchmarks.maps.map_race.METHODS` on some boxes."""
+    from benchmarks.maps.map_race import METHODS, RaceBox, contest
     from lsvib.basins.curves import Window
     from lsvib.datasets import phase_plane
 

@@ -21,7 +21,7 @@ from lsvib.figures.settings import CaseSeed, FigureSettings, Unique
 from lsvib.figures.style import Axes, Figure
 
 if TYPE_CHECKING:
-    from benchmarks.rivals.answer_errors import Answer
+    from benchmarks.judge import Answer
     from benchmarks.sweeps.families import Case
 
 CAPTION = """\
@@ -96,7 +96,7 @@ def build(settings: Mapping[str, Any]) -> xr.Dataset:
 
 
 def _dataset(rows: list[_Row], entries: list[tuple[str, float]], seed: int) -> xr.Dataset:
-    from benchmarks.rivals.answer_errors import VERDICTS
+    from benchmarks.judge import VERDICTS
     from benchmarks.rivals.method_list import METHODS
     from benchmarks.sweeps import case_judge
     from benchmarks.sweeps.cases import CaseFamily

@@ -6,15 +6,17 @@ that a cell of a map of n × n cells is 1/n wide.
 """
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
-from benchmarks.maps.map_methods import METHODS, Label
+from benchmarks.maps.map_kernels import stepped_labels
 from lsvib.basins.boundary import Basin, basin
 from lsvib.basins.curves import Arc, Piece, Window, inside, state_on
-from lsvib.basins.kernels.labels import UNRESOLVED
+from lsvib.basins.kernels import labels as engine
+from lsvib.basins.labels import PlanarMapper
 from lsvib.basins.mapping import mapper
 from lsvib.dynamics.attractor import Attractor
 from lsvib.engine.kernels import layout
@@ -24,6 +26,36 @@ from lsvib.models.drive import Drive
 _SAMPLES = 400  # points of a piece of the boundary from which its length is summed
 _LONG = 1.0  # [s] A method that takes longer on a box is not repeated.
 _ENOUGH = 10  # With so many wrong cells on a grid their number tells their share.
+_HORIZON = 1.0  # [s] after which the motion of a rival is unresolved: some hundred swings of the drive
+_BUDGET = 100_000  # events after which a motion is unresolved
+
+Label = Callable[[np.ndarray, np.ndarray, np.ndarray], None]  # (x, y, labels), filled
+
+
+@dataclass(frozen=True)
+class MapMethod:
+    """A way to map: ``prepare`` makes the function that is timed."""
+
+    label: str
+    prepare: Callable[[PlanarMapper], Label]
+
+
+def _engine(maps: PlanarMapper) -> Label:
+    tables, known = maps.automaton.tables, maps.sections.known
+    none = np.empty((0, 0), dtype=np.int8)
+    return lambda x, y, found: engine.map_labels(tables, known, engine.Cells(x, y, 0), _BUDGET, found, none)
+
+
+def _stepped(maps: PlanarMapper, step: float) -> Label:
+    tables, known = maps.automaton.tables, maps.sections.known
+    return lambda x, y, labels: stepped_labels(tables, known, x, y, step, _HORIZON, labels)
+
+
+METHODS: dict[str, MapMethod] = {
+    "engine": MapMethod("lsvib", _engine),
+    "rk4_coarse": MapMethod("RK4, 1e-4 s", partial(_stepped, step=1e-4)),
+    "rk4_fine": MapMethod("RK4, 1e-5 s", partial(_stepped, step=1e-5)),
+}
 
 
 @dataclass(frozen=True)
@@ -148,7 +180,7 @@ def _tangent(flow: np.ndarray, piece: Piece, point: np.ndarray) -> np.ndarray:
 
 def _judged(labels: np.ndarray, truth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Mark wrong and undecided labels; ``truth``: whether the start lies in the basin."""
-    undecided = labels == UNRESOLVED
+    undecided = labels == engine.UNRESOLVED
     return ~undecided & ((labels == Attractor.STEADY_SLIDING) != truth), undecided
 
 

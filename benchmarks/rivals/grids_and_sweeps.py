@@ -15,7 +15,6 @@ from benchmarks.rivals.hybrid import Clock, GaveUp, Hybrid
 from benchmarks.rivals.method_list import METHODS
 from benchmarks.rivals.race import quiet
 from benchmarks.rivals.race_scenes import RaceScene, scene
-from benchmarks.rivals.truth import reference
 from lsvib.basins.boundary import basin
 from lsvib.basins.curves import Window
 from lsvib.basins.grid import Axis, Grid
@@ -86,7 +85,7 @@ def sweeps(
     places = np.unique(np.linspace(0, count - 1, judged).round().astype(int))
     base = scene("stick_slip")
     scenes = [_motion(base, force) for force in forces[places]]
-    truth = np.array([reference(this).amplitude for this in scenes])
+    truth = np.array([this.truth().amplitude for this in scenes])
     start = np.array(scenes[0].state)
     drives = product_of(base.drive, {"axial_force": forces.tolist()})
     starts = np.tile(start, (count, 1))

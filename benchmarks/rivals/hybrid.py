@@ -69,6 +69,7 @@ class HybridMode:
     first_guard: int
 
 
+# Follow a mode to its first guard or to an end [s]:
 # (mode, time, state, end) -> (time, state, index of the guard within the mode or None)
 Integrate = Callable[[int, float, Sequence[float], float], tuple[float, Sequence[float], int | None]]
 
@@ -201,7 +202,7 @@ class Hybrid:
             while True:
                 guard = self.due(mode, state)
                 arrived = guard is None
-                if arrived:
+                if arrived and now < end:
                     now, state, guard = integrate(mode, now, state, end)
                 if guard is None:
                     return record.close(now, state)

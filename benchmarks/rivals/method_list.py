@@ -46,12 +46,14 @@ class Method:
 
     def prepare(self, hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Callable:
         """Return the function to time; its result makes a record when called. ``InputError`` without the package."""
-        self.require()
-        prepare: Callable = import_module(f"{methods.__name__}.{self.module}").prepare
-        return prepare(hybrid, setting, clock, max_events, **self.options)
+        self._require()
+        module: Any = import_module(f"{methods.__name__}.{self.module}")
+        if hasattr(module, "runner"):  # of a whole motion
+            return module.runner(hybrid, setting, clock, max_events)
+        integrate = module.integrator(hybrid, setting, clock, **self.options)
+        return lambda: hybrid.run(integrate, clock, max_events)
 
-    def require(self) -> None:
-        """Raise ``InputError`` if the package that the method needs is missing."""
+    def _require(self) -> None:
         if self.needs and find_spec(self.needs) is None:
             raise InputError(
                 f"The package {_PACKAGES.get(self.needs, self.needs)}, which {self.label} needs, is not installed; "

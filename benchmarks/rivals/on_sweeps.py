@@ -2,7 +2,7 @@
 
 The truth is the engine's own motion, and only in cases in which 40 digits have confirmed it
 (:func:`benchmarks.sweeps.case_judge.judge`: RIGHT). A method is told the sizes of the motion, for its absolute
-tolerances, and judged as in :mod:`benchmarks.rivals.answer_errors`. Effort is counted in evaluations of the field,
+tolerances, and judged as in :mod:`benchmarks.judge`. Effort is counted in evaluations of the field,
 not in seconds, so that a verdict is the same on every machine.
 """
 
@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from benchmarks.judge import GENEROSITY, Answer, asked
 from benchmarks.record import Record, Verdict
-from benchmarks.rivals.answer_errors import GENEROSITY, Answer, compare
 from benchmarks.rivals.hybrid import Clock, GaveUp, Hybrid, counted
 from benchmarks.rivals.method_list import METHODS, MethodFamily
 from benchmarks.rivals.race_scenes import RaceScene
@@ -69,8 +69,7 @@ class _Posed(RaceScene):
 class Question(NamedTuple):
     """A case that the engine passed, its motion, and what limits the step of a method.
 
-    ``turn`` [s]: shortest oscillation of the modes that the motion visits; ``decay`` [1/s]: their fastest rate of
-    decay; ``stiffness`` [1]: that rate, integrated over the motion.
+    ``turn`` [s]: shortest oscillation of the modes that the motion visits; ``decay`` [1/s]: their fastest decay.
     """
 
     case: Case
@@ -78,7 +77,6 @@ class Question(NamedTuple):
     hybrid: Hybrid
     turn: float
     decay: float
-    stiffness: float
 
 
 class Effort(Clock):
@@ -88,17 +86,9 @@ class Effort(Clock):
         """Start counting."""
         self.calls = 0
 
-    def check(self) -> None:
-        """Count one; ``GaveUp`` if it is one too many."""
-        self.calls += 1
-        if self.calls > self.limit:
-            raise GaveUp(f"over {self.limit:g} evaluations")
-
-    def spend(self, steps: int) -> None:
-        """Count several steps; ``GaveUp`` if they are too many."""
-        self.calls += steps
-        if self.calls > self.limit:
-            raise GaveUp(f"over {self.limit:g} steps")
+    def over(self) -> str:
+        """Return words if there were too many, else nothing."""
+        return f"over {self.limit:g} evaluations" if self.calls > self.limit else ""
 
 
 def pose(case: Case, rng: np.random.Generator) -> tuple[Verdict, Question | None]:
@@ -143,17 +133,14 @@ def _truth(hybrid: Hybrid, motion: Motion, size: np.ndarray) -> Record:
     return Record(kinds, motion.time[kept], motion.end_state, size, True)
 
 
-def _rates(hybrid: Hybrid, motion: Motion) -> tuple[float, float, float]:
-    """Shortest oscillation [s], fastest decay [1/s] and its integral [1] over the modes that the motion visits."""
-    modes, _, _, stays = motion.arcs()
-    turn, decay, stiffness = hybrid.scene.turn, 0.0, 0.0
-    for mode in np.unique(modes):
+def _rates(hybrid: Hybrid, motion: Motion) -> tuple[float, float]:
+    """Shortest oscillation [s] and fastest decay [1/s] of the modes that the motion visits."""
+    turn, decay = hybrid.scene.turn, 0.0
+    for mode in np.unique(motion.arcs()[0]):
         rates = np.linalg.eigvals(hybrid.modes[mode].matrix)
-        fastest = float(np.abs(rates[rates.real < 0]).max(initial=0.0))
         turn = min(turn, float((2 * math.pi / np.abs(rates[rates.imag != 0])).min(initial=math.inf)))
-        decay = max(decay, fastest)
-        stiffness += fastest * float(stays[modes == mode].sum())
-    return turn, decay, stiffness
+        decay = max(decay, float(np.abs(rates[rates.real < 0]).max(initial=0.0)))
+    return turn, decay
 
 
 def ask(question: Question, method_name: str, tolerance: float) -> Answer:
@@ -169,9 +156,6 @@ def ask(question: Question, method_name: str, tolerance: float) -> Answer:
         setting = _step(question)
         if question.case.duration > MOST_STEPS * setting:
             return Answer(Verdict.GAVE_UP)
-    elif method.explicit and question.stiffness > MOST_EVALUATIONS:
-        # No explicit method is stable with steps of more than 1/rate for each evaluation.
-        return Answer(Verdict.GAVE_UP)
     most = 2 * len(question.path.kinds) + _SPARE_EVENTS
     effort = Effort(MOST_STEPS if method.family == MethodFamily.TAYLOR else MOST_EVALUATIONS)
     function = method.prepare(question.hybrid, setting, effort, most)
@@ -179,9 +163,7 @@ def ask(question: Question, method_name: str, tolerance: float) -> Answer:
         run = function()()
     except (GaveUp, ArithmeticError, ValueError, RuntimeError):  # the solver's own: not finite, no bracket
         return Answer(Verdict.GAVE_UP)
-    if run.failure or not np.isfinite(run.end).all():
-        return Answer(Verdict.GAVE_UP)
-    return compare(question.case.duration, question.path, run, GENEROSITY * tolerance)
+    return asked(question.case.duration, question.path, run, GENEROSITY * tolerance)
 
 
 def _step(question: Question) -> float:

@@ -16,11 +16,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from benchmarks.record import Errors, Record, errors
+from benchmarks.judge import Answer, raced
+from benchmarks.record import Record
 from benchmarks.rivals.hybrid import Clock, GaveUp, Hybrid
 from benchmarks.rivals.method_list import METHODS
 from benchmarks.rivals.race_scenes import RaceScene, scene
-from benchmarks.rivals.truth import reference
 
 _TURN = 3e-3  # [s] for which a quick entry is repeated in a round, so that the clock is fine enough
 _WARM_UP = 0.01  # part of the duration that is run and discarded first, which loads, compiles and fills caches
@@ -46,7 +46,7 @@ class Entry:
     method: str
     setting: float
     first: float = float("nan")
-    errors: Errors | None = None
+    errors: Answer | None = None
     seconds: list[float] = field(default_factory=list)
     rounds: list[float] = field(default_factory=list)
     events: int = -1
@@ -73,7 +73,7 @@ def contest(
     name is wrong or a package is missing.
     """
     this = scene(name, shorten)
-    truth = reference(this)
+    truth = this.truth()
     hybrid, limit = Hybrid(this), 10 * len(truth.kinds) + 100
     entries: list[tuple[Entry, Callable]] = []
     with quiet():
@@ -134,12 +134,12 @@ def _run(entry: Entry, function, truth: Record) -> None:
             total += entry.seconds[-1]
     except GaveUp as reason:
         entry.failure = str(reason)
-        entry.errors = errors(Record(failure=entry.failure), truth)
+        entry.errors = raced(Record(failure=entry.failure), truth)
         return
     entry.rounds.append(min(entry.seconds[before:]))
     if entry.errors is None:
         run = outcome()
-        entry.errors, entry.failure = errors(run, truth), run.failure
+        entry.errors, entry.failure = raced(run, truth), run.failure
         entry.events = -1 if run.kinds is None else len(run.kinds)
 
 

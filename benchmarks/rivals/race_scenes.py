@@ -6,6 +6,8 @@ from functools import cache
 import numpy as np
 from references.drives import threads_drive
 
+from benchmarks.record import Record
+from benchmarks.truth import truth
 from lsvib.engine.automaton import Automaton
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
@@ -53,6 +55,10 @@ class RaceScene:
             normal = abs(float(coefficients(self.drive).net_force))
             sizes += [normal / self.drive.contact_stiffness, normal / self.drive.contact_damping]
         return np.array(sizes)
+
+    def truth(self) -> Record:
+        """Return the true motion, in 40 digits."""
+        return truth(self.drive, self.state, self.duration, steady_from=self.steady_from)
 
     def automaton(self) -> Automaton:
         """Build the automaton of the scene."""

@@ -12,18 +12,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from benchmarks.record import Record, Verdict, distance
+from benchmarks.judge import CORNER, distance, lateness, same_but_corners, without_clusters
+from benchmarks.record import Record, Verdict
 from benchmarks.sweeps.energy_balance import Balance, balance
 from benchmarks.sweeps.families import Case
-from benchmarks.sweeps.paths import (
-    CORNER,
-    MOST_EVENTS,
-    automaton,
-    engine_path,
-    exact_path,
-    same_but_corners,
-    without_clusters,
-)
+from benchmarks.sweeps.paths import MOST_EVENTS, automaton, engine_path, exact_path
 from lsvib.engine.motion import follow
 from lsvib.errors import InputError, LsvibError
 from lsvib.models.drive import Drive
@@ -102,7 +95,7 @@ def _judge(case: Case, rng: np.random.Generator, thorough: bool) -> CaseOutcome:
     if exact is None:
         return outcome
     if _comparable(path, exact):
-        outcome.time_error = float(np.max(np.abs(path.times - exact.times), initial=0.0)) / case.duration
+        outcome.time_error = lateness(path, exact) / case.duration
         outcome.state_error = distance(path.end, exact) if path.complete else math.nan
         outcome.verdict = Verdict.RIGHT if outcome.error <= TOLERANCE else Verdict.INACCURATE
     elif _same_but_corners(path, exact, case):
@@ -120,7 +113,7 @@ def _comparable(path: Record, other: Record) -> bool:
 
 def _gap(path: Record, other: Record, case: Case) -> float:
     """Largest difference of two motions with the same events, relative to the duration and to the motion."""
-    late = float(np.max(np.abs(path.times - other.times), initial=0.0)) / case.duration
+    late = lateness(path, other) / case.duration
     return max(late, distance(path.end, other)) if path.complete else late
 
 

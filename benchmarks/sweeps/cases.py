@@ -2,10 +2,11 @@
 
 import math
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
-from references.drives import decades, rigid_values, sign
+from references.drives import random_drive, rigid_values, sign, uniform
 
 from benchmarks.sweeps import cases_four_states
 from benchmarks.sweeps.families import Case, CaseFamily
@@ -23,6 +24,9 @@ THRESHOLDS = (
 )
 
 
+_some_drive = partial(random_drive, mass=uniform(0.5, 30.0))
+
+
 def cases(family: CaseFamily, count: int, rng: np.random.Generator) -> Iterator[Case]:
     """Yield ``count`` cases of a family."""
     for _ in range(count):
@@ -30,20 +34,6 @@ def cases(family: CaseFamily, count: int, rng: np.random.Generator) -> Iterator[
             yield _FOUR_STATES[family](rng)
         else:
             yield _case(rng, family, *_RIGID[family](rng))
-
-
-def _some_drive(rng, **fixed) -> Drive:
-    """A drive like the chapter's: both signs of Γ₊, of R and of Ω, damped in at least one place."""
-    support, translation = ((1, 0), (0, 1), (1, 1))[rng.integers(3)]
-    values = {
-        "mass": rng.uniform(0.5, 30.0),
-        "friction_coefficient": rng.uniform(0.05, 0.5),
-        "axial_force": sign(rng) * decades(rng, 0.0, 2.3),
-        "input_speed": sign(rng) * rng.uniform(5.0, 80.0),
-        "support_damping": support * decades(rng, -4.5, -2.0),
-        "translation_damping": translation * rng.uniform(50.0, 2000.0),
-    }
-    return Drive.of(values | fixed)
 
 
 def _scales(drive: Drive) -> tuple[float, float]:
@@ -95,11 +85,6 @@ def _friction(rng):
     return level, drive.replace(friction_coefficient=value)
 
 
-def _input_speed(rng):
-    level = rng.uniform(-9, 6)
-    return level, _some_drive(rng, input_speed=sign(rng) * 10.0**level)
-
-
 def _axial_force(rng):
     edge = rng.integers(1 + len(THRESHOLDS))
     if edge == 0:
@@ -110,15 +95,19 @@ def _axial_force(rng):
     return level, drive.replace(axial_force=threshold_force(drive, name) * (1 + sign(rng) * 10.0**level))
 
 
-def _support_damping(rng):
-    # Above 1e12 N m s/rad a chain of seizures within 1e-13 s may end in a wrong slip; no drive is damped so much.
-    level = rng.uniform(-12, 12) if rng.random() < 0.9 else -math.inf
-    return level, _some_drive(rng, support_damping=10.0**level)
+def _over_decades(key: str, low: float, high: float):
+    """A damping over decades, zero in a tenth of the cases."""
+
+    def found(rng):
+        level = rng.uniform(low, high) if rng.random() < 0.9 else -math.inf
+        return level, _some_drive(rng, **{key: 10.0**level})
+
+    return found
 
 
-def _translation_damping(rng):
-    level = rng.uniform(-9, 15) if rng.random() < 0.9 else -math.inf
-    return level, _some_drive(rng, translation_damping=10.0**level)
+def _input_speed(rng):
+    level = rng.uniform(-9, 6)
+    return level, _some_drive(rng, input_speed=sign(rng) * 10.0**level)
 
 
 def _time_span(rng):
@@ -170,8 +159,9 @@ _RIGID: dict[CaseFamily, Callable[[Any], tuple]] = {
     CaseFamily.FRICTION: _friction,
     CaseFamily.INPUT_SPEED: _input_speed,
     CaseFamily.AXIAL_FORCE: _axial_force,
-    CaseFamily.SUPPORT_DAMPING: _support_damping,
-    CaseFamily.TRANSLATION_DAMPING: _translation_damping,
+    # Above 1e12 N m s/rad a chain of seizures within 1e-13 s may end in a wrong slip; no drive is damped so much.
+    CaseFamily.SUPPORT_DAMPING: _over_decades("support_damping", -12, 12),
+    CaseFamily.TRANSLATION_DAMPING: _over_decades("translation_damping", -9, 15),
     CaseFamily.TIME_SPAN: _time_span,
     CaseFamily.START: _start,
     CaseFamily.DOUBLE_RATE: _double_rate,

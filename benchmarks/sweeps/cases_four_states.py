@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 from mpmath import mp
-from references.drives import decades, heaviest, nut_drive, sign, support_drive, threads_drive
+from references import drives
+from references.drives import decades, drawn, heaviest, one_of, power, sign, signed, times, uniform
 from references.four_states_digits import FourStatesDrive
 
 from benchmarks.sweeps.families import Case, CaseFamily
@@ -13,6 +14,12 @@ from lsvib.stability.linear import eigenvalues
 
 _MOST_TURNS = 6.0  # of the fastest oscillation: bounds the work of the reference
 
+_COMMON = {
+    "mass": power(-1, 1.7), "friction_coefficient": uniform(0.02, 0.5), "axial_force": signed(power(-1, 2.5)),
+    "input_speed": signed(power(0, 2)), "support_damping": power(-5, -2),
+    "translation_damping": times(one_of(0, 1), power(0, 3.5)), "slide_friction": power(-2, 2.5),
+    "bearing_friction": power(-4, 0),
+}  # fmt: skip
 _FRICTIONS = ((), ("slide_friction",), ("bearing_friction",), ("slide_friction", "bearing_friction"))
 _STARTS = ("anywhere", "slip", "second", "both", "contact", "steady")
 
@@ -22,7 +29,7 @@ def contact(rng) -> Case:
     stiffness = decades(rng, 3, 14)
     damping = decades(rng, 3, min(14, math.log10(stiffness) + 4))
     mass, force = rng.choice([5.0, 10.2, 11.0, 15.0]), rng.choice([100.0, 10.0, -50.0])
-    drive = threads_drive(mass=mass, axial_force=force, contact_stiffness=stiffness, contact_damping=damping)
+    drive = drives.threads_drive(mass=mass, axial_force=force, contact_stiffness=stiffness, contact_damping=damping)
     # So many radians of the contact where it vibrates, else of the drive.
     rate = math.sqrt(0.4 * stiffness)
     vibrates = damping < 4.0 * stiffness / rate
@@ -33,7 +40,7 @@ def contact(rng) -> Case:
 
 def support(rng) -> Case:
     """k_1 from 1e2 to 1e12, c_1 = 0 and to 1e8, m_1 from 1e-2 to 1e3."""
-    physics, values = _FRICTIONS[rng.integers(4)], _common(rng)
+    physics, values = _FRICTIONS[rng.integers(4)], dict(Drive()) | drawn(rng, _COMMON)
     level = rng.uniform(2, 12)
     values |= {
         "screw_mass": decades(rng, -2, 3),
@@ -43,7 +50,7 @@ def support(rng) -> Case:
     share = decades(rng, -3, -0.01)
     if "slide_friction" in physics:  # only up to this mass is the motion determined
         values["screw_mass"] = min(values["screw_mass"], share * heaviest(values, values["screw_inertia"]))
-    drive = support_drive(values)
+    drive = drives.support_drive(values)
     shift = drive.axial_force / drive.support_stiffness
     own = (shift * rng.uniform(-3, 3), 1e-3 * rng.uniform(-50, 50))
     return _case(rng, CaseFamily.SUPPORT, physics, level, drive, own)
@@ -51,7 +58,7 @@ def support(rng) -> Case:
 
 def nut(rng) -> Case:
     """k_2 from 1e-3 to 1e5, c_2 = 0 and to 1, I_2 from 1e-8 to 1e-2."""
-    physics, values = _FRICTIONS[rng.integers(4)], _common(rng)
+    physics, values = _FRICTIONS[rng.integers(4)], dict(Drive()) | drawn(rng, _COMMON)
     level = rng.uniform(-3, 5)
     values |= {
         "nut_inertia": decades(rng, -8, -2),
@@ -62,24 +69,9 @@ def nut(rng) -> Case:
     if "bearing_friction" in physics:
         inertia = 1 / (1 / values["screw_inertia"] + 1 / values["nut_inertia"])
         values["mass"] = min(values["mass"], share * heaviest(values, inertia))
-    drive = nut_drive(values)
+    drive = drives.nut_drive(values)
     own = (rng.uniform(-0.3, 0.3), drive.input_speed * rng.uniform(-3, 3))
     return _case(rng, CaseFamily.NUT, physics, level, drive, own)
-
-
-def _common(rng) -> dict[str, float]:
-    defaults = dict(Drive())
-    return {
-        **defaults,
-        "mass": decades(rng, -1, 1.7),
-        "friction_coefficient": rng.uniform(0.02, 0.5),
-        "axial_force": sign(rng) * decades(rng, -1, 2.5),
-        "input_speed": sign(rng) * decades(rng, 0, 2),
-        "support_damping": decades(rng, -5, -2),
-        "translation_damping": rng.integers(2) * decades(rng, 0, 3.5),
-        "slide_friction": decades(rng, -2, 2.5),
-        "bearing_friction": decades(rng, -4, 0),
-    }
 
 
 def _case(rng, family: CaseFamily, physics: tuple[str, ...], level: float, drive, own: tuple[float, float]) -> Case:

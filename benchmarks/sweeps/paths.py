@@ -6,11 +6,11 @@ from contextlib import suppress
 from functools import lru_cache
 
 import numpy as np
-from mpmath import mp, mpf
-from references import four_states_digits, rigid_digits
+from references.four_states_digits import FourStatesDrive
 
 from benchmarks.record import Record
 from benchmarks.sweeps.families import Case
+from benchmarks.truth import by_seizure, truth
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels import layout
 from lsvib.engine.kernels.layout import ACCUMULATION_KIND, GRAZE_KIND
@@ -19,28 +19,9 @@ from lsvib.models.drive import Drive
 from lsvib.models.model import model_of
 
 MOST_EVENTS = 60  # events of a motion; one with 40 digits is then compared in a fraction of a second
-# Parts of an arc at which its size is looked at: what dies away at once, or has not begun to, belongs to it as well.
-_SAMPLES = [mpf(10) ** -k for k in range(15, 0, -1)] + [mpf(k) / 8 for k in range(1, 8)]
 INSTANT = 1e-12  # Events before this part of the duration belong to the start on a guard.
 _TOUCHES = {("stick", "release"), ("contact_reversal", "contact_reversal"), ("reversal", "reversal")}
-CORNER = "corner"  # stands for events that follow each other at once
 _LEAST = 1e-3  # least size of a motion, relative to that of steady sliding; a smaller motion is measured by it
-
-
-def without_clusters(kinds: Sequence[str], times: Sequence[float], gap: float) -> list[str]:
-    """Return the kinds of events, with each run of events that follow each other within ``gap`` [s] as one corner."""
-    tokens: list[str] = []
-    for k, kind in enumerate(kinds):
-        if k and times[k] - times[k - 1] <= gap:
-            tokens[-1] = CORNER
-        else:
-            tokens.append(kind)
-    return tokens
-
-
-def same_but_corners(left: Sequence[str], right: Sequence[str]) -> bool:
-    """Whether two results of :func:`without_clusters` agree; a corner agrees with any event."""
-    return len(left) == len(right) and all(a == b or CORNER in (a, b) for a, b in zip(left, right, strict=True))
 
 
 def automaton(case: Case) -> Automaton:
@@ -69,7 +50,7 @@ def engine_path(motion: Motion, case: Case) -> Record:
     else:
         names = [model.modes(int(motion.automaton.codes[mode])).name.lower() for mode in motion.mode[counted]]
         seized = np.isin(motion.kind[counted], motion.automaton.sprag_kinds)
-        kinds = [_token(*pair) for pair in zip(names, seized, strict=True)]
+        kinds = [by_seizure(*pair) for pair in zip(names, seized, strict=True)]
     return _shortened(case, kinds, motion.time[counted], motion.end_state, size, motion.time.size < MOST_EVENTS)
 
 
@@ -77,39 +58,16 @@ def engine_path(motion: Motion, case: Case) -> Record:
 def exact_path(case: Case, drive: Drive, start: tuple[float, ...]) -> Record | None:
     """The reference's motion, with 40 digits or with 80 if these do not decide; None if those do not either."""
     for digits in (40, 80):
-        with suppress(ArithmeticError, AssertionError), mp.workdps(digits):  # to sample the arcs, too
-            return _exact_path(case, drive, start, digits)
+        with suppress(ArithmeticError, AssertionError):
+            path = truth(drive, start, case.duration, case.physics, digits=digits, most=MOST_EVENTS)
+            return _shortened(case, path.kinds, path.times, path.end, path.size, path.complete)
     return None
-
-
-def _exact_path(case: Case, drive: Drive, start: tuple[float, ...], digits: int) -> Record:
-    if drive.rigid:
-        result = rigid_digits.simulate(dict(drive), *start, case.duration, dps=digits, max_events=MOST_EVENTS)
-        kinds = [event.kind for event in result.events]
-        visited = [(event.u_before, event.w_before) for event in result.events]
-        visited += [(segment.u, segment.w) for segment in result.segments]
-        end = result.u, result.w
-    else:
-        result = four_states_digits.simulate(
-            dict(drive), drive.parts[0], case.physics, start, case.duration, dps=digits, max_events=MOST_EVENTS
-        )
-        names = [four_states_digits.mode_name(event.mode_after, drive.parts[0]) for event in result.events]
-        kinds = [_token(name, event.seizure) for name, event in zip(names, result.events, strict=True)]
-        visited = [event.state for event in result.events] + result.sampled(_SAMPLES)
-        end = result.state
-    size = np.abs(np.array([start, end, *visited], dtype=float)).max(axis=0)
-    times = np.array([float(event.time) for event in result.events])
-    return _shortened(case, kinds, times, end, size, result.complete)
-
-
-def _token(mode: str, seized: bool) -> str:
-    return mode + ("_by_seizure" if seized else "")
 
 
 @lru_cache(maxsize=2)  # one drive is asked after the other
 def _least(drive: Drive, physics: tuple[str, ...]) -> np.ndarray:
     """Smallest size by which each coordinate of a drive with a second body is measured."""
-    steady = four_states_digits.FourStatesDrive(drive.parts[0], dict(drive), physics)
+    steady = FourStatesDrive(drive.parts[0], dict(drive), physics)
     speed = abs(drive.input_speed)
     rate = speed * math.tan(drive.lead_angle) * drive.pitch_radius if drive.parts == ("support",) else speed
     return _LEAST * np.array([abs(float(steady.z0)), speed, abs(float(steady.q0)), rate])

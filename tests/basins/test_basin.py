@@ -13,9 +13,10 @@ import numpy as np
 import pytest
 from mpmath import findroot, mp, mpf, quad
 from references.drives import wide_drive
+from references.known import BASINS
 from references.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
 
-from lsvib.basins.boundary import Boundary, basin
+from lsvib.basins.boundary import basin
 from lsvib.basins.curves import Arc, Window, state_on
 from lsvib.dynamics.attractor import Attractor, steady_state
 from lsvib.errors import InputError
@@ -24,42 +25,10 @@ from lsvib.models.rigid import rigid_automaton
 
 DIGITS = 40
 WINDOW = Window(-0.3, 0.3, -150.0, 150.0)
-SCENES = {
-    "Fig. 8.14b beyond m_cr": (Boundary.TOUCHING_MOTION, {"mass": 11, "support_damping": 1e-3, "axial_force": -10}),
-    "touching slip": (Boundary.TOUCHING_SLIP, {"mass": 11, "support_damping": 2e-3, "axial_force": -17.9}),
-    "repelling cycle of seizures": (Boundary.CYCLE, {"mass": 11, "support_damping": 3e-3, "axial_force": -12.3}),
-    "repelling cycle of slip": (
-        Boundary.CYCLE,
-        {"mass": 10, "support_damping": 2.8e-5, "translation_damping": 430, "axial_force": -0.56},
-    ),
-    "Fig. 8.14b as printed": (Boundary.NONE, {"mass": 10, "support_damping": 1e-3, "axial_force": -10}),
-}
-MORE = {
-    "the other way round": (
-        Boundary.TOUCHING_SLIP, {"mass": 11, "support_damping": 2e-3, "axial_force": 17.9, "input_speed": -40}
-    ),
-    "force with the motion, net force against it": (
-        Boundary.TOUCHING_MOTION,
-        {"mass": 11, "support_damping": 1e-3, "translation_damping": 1000, "axial_force": 10},
-    ),
-    "seizures that end backward slip": (
-        Boundary.TOUCHING_MOTION,
-        {"mass": 17.5, "support_damping": 1.4e-4, "translation_damping": 1500, "axial_force": -1.9,
-         "friction_coefficient": 0.26},
-    ),
-    "as before, globally stable": (
-        Boundary.NONE,
-        {"mass": 13.8, "support_damping": 1.7e-3, "translation_damping": 2e4, "axial_force": -12,
-         "friction_coefficient": 0.19},
-    ),
-    "overdamped": (Boundary.NONE, {"mass": 11, "support_damping": 1e-2, "axial_force": -20}),
-    "overdamped, touching slip": (Boundary.TOUCHING_SLIP, {"mass": 11, "support_damping": 1e-2, "axial_force": -1}),
-    "force with the motion, no seizure": (Boundary.NONE, {"mass": 10, "support_damping": 1e-4, "axial_force": 20}),
-}  # fmt: skip
 
 
 def drive_of(scene: str) -> Drive:
-    return Drive.of({**SCENES, **MORE}[scene][1])
+    return BASINS[scene][1]
 
 
 def starts(found, number: int, seed: int) -> list[np.ndarray]:
@@ -80,10 +49,10 @@ def starts(found, number: int, seed: int) -> list[np.ndarray]:
 
 
 @pytest.mark.parametrize("rule", ["contact_sign", "at_once"])
-@pytest.mark.parametrize("scene", [*SCENES, *MORE])
+@pytest.mark.parametrize("scene", BASINS)
 def test_every_start_ends_where_the_basin_says(scene, rule):
     found, automaton = basin(drive_of(scene)), rigid_automaton(drive_of(scene), resume=rule)
-    assert found.boundary == {**SCENES, **MORE}[scene][0]
+    assert found.boundary.name.lower() == BASINS[scene][0]
     for state in starts(found, 40, 1):
         label = steady_state(automaton, state).label
         assert label != Attractor.UNRESOLVED

@@ -22,18 +22,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from mpmath import mp, mpf
-from references.drives import (
-    DRIVES,
-    NEGATIVE_DAMPING,
-    OFFERED,
-    PARADOX,
-    catalogue_drive,
-    drawn,
-    one_of,
-    power,
-    signed,
-    uniform,
-)
+from references.drives import DRIVES, OFFERED, catalogue_drive, drawn, one_of, power, signed, uniform
+from references.known import NEGATIVE_DAMPING, PARADOX
 from references.rigid_digits import REST, RigidTrueFlow, simulate
 
 import lsvib

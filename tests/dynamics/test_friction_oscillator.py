@@ -108,11 +108,6 @@ def test_share_of_sliding():
 
 
 @pytest.mark.slow
-def test_share_of_sliding_from_many_starts():
-    assert abs(share_of_sliding(1.5, 20_000) - BSTAB[0]) <= spread(BSTAB[0], 20_000)
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("belt", "share"), [(1.25, 0.084), (1.4, 0.211), (1.55, 0.364), (1.7, 0.491), (1.775, 0.555), (2.0, 1.0)]
 )

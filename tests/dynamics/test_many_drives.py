@@ -7,6 +7,7 @@ its cycle, a few hundred. Labels agree but for starts on a boundary to that: non
 import numpy as np
 import pytest
 from references.drives import drawn, one_of, uniform, wide_drive
+from references.known import NEAR_FOLD, NEGATIVE_DAMPING, PARADOX, REPELLING_SLIP
 
 from lsvib.basins.grid import Axis, Grid
 from lsvib.basins.mapping import mapper
@@ -68,19 +69,15 @@ def test_endings_are_those_of_one_motion():
 
 
 @pytest.mark.parametrize(
-    "values",
+    "drive",
     [
-        {"mass": 11.0, "support_damping": 1e-3, "axial_force": -10.0},
-        {"mass": 9.9, "translation_damping": 1e3, "axial_force": 10.0},
-        {"mass": 1.0, "translation_damping": 1e3, "axial_force": 25.0},
-        {"mass": 1.0, "translation_damping": 1e3, "axial_force": 40.0},
-        {"mass": 14.0, "support_damping": 5e-4, "axial_force": 40.0},
-        {"mass": 11.0, "support_damping": 2e-3, "axial_force": -18.37},
+        PARADOX, NEAR_FOLD, REPELLING_SLIP, PARADOX.replace(mass=14.0, support_damping=5e-4, axial_force=40.0),
+        *(NEGATIVE_DAMPING.replace(axial_force=force) for force in (25.0, 40.0)),
     ],
-)
-def test_the_fast_map_and_the_rule_agree(values):
+)  # fmt: skip
+def test_the_fast_map_and_the_rule_agree(drive):
     """10⁴ starts of a drive, by the table of sections and by the rule, each on its own."""
-    drive, grid = Drive(**values), Grid(Axis("u", -0.12, 0.12, 100), Axis("w", -90, 70, 100))
+    grid = Grid(Axis("u", -0.12, 0.12, 100), Axis("w", -90, 70, 100))
     found = mapper(drive).cells(grid, quantities=("label",))["label"].ravel()
     w, u = (part.ravel() for part in np.meshgrid(grid.y.centres(), grid.x.centres(), indexing="ij"))
     many = ManyDrives({name: np.full(u.size, value) for name, value in drive})

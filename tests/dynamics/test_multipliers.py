@@ -5,14 +5,11 @@ derivative; the reference has no events missed and no rounding at this size. Tol
 library promises for multipliers, and the library's own bound of its rounding, with a factor for the rounding of the
 event times and states.
 
-Of cycles with four states, attracting and repelling ones: the reference (``references.cycle_digits``) takes of the
-library only the modes and about how long each lasts. Tolerance 1e-9 of the larger of 1 and the multiplier, and the
-library's own bound. The state of a cycle that repels by a factor beyond 1e4 is known to rounding times that factor, and
-its multiplier as well.
-
-Under a friction law the reference follows a period from a place within the longest arc of the cycle, and from places
-beside it. The map over the period has the eigenvalues 1, along the motion, and the multiplier, so that this is its
-trace less 1.
+Of cycles, attracting and repelling ones: the reference follows a period from a place within the longest arc, and from
+places beside it. The map over the period has the eigenvalues 1, along the motion, and the multipliers: no saltation
+matrix and no derivative of a flow enters, and of the library only the place and the period. With four states the
+tolerance is 1e-9 of the larger of 1 and the multiplier, and the library's own bound; the state of a cycle that repels
+by a factor beyond 1e4 is known to rounding times that factor, and its multiplier as well.
 """
 
 import math
@@ -24,7 +21,6 @@ from engine.test_friction_law_digits import random_starts
 from flint import arb, ctx
 from mpmath import mp, mpf
 from references import four_states_digits, rigid_digits
-from references.cycle_digits import CycleDigits
 from references.drives import DRIVES, drawn, one_of, power, threads_drive, uniform
 from references.friction_law_digits import PRECISION, LawDrive, simulate
 
@@ -53,31 +49,44 @@ def random_rigid(seed):
     return Drive.of(drawn(rng, RIGID)), (float(rng.uniform(-0.2, 0.2)), float(rng.uniform(-100, 100)))
 
 
-def differences(simulate, state, count):
-    """Derivative of the state after the event of a number, by central differences with 40 digits; None if changed."""
+def differences(end, place, size, step):
+    """How far a state is from where it began, and its derivative by that; rows, in sizes of the motion.
+
+    ``end``: the later state, None where nothing determines that; ``place``, ``step``: numbers with many digits.
+    """
+    back, columns = end(place), []
+    for k in range(len(size)):
+        beside = [[x + way * step * unit * (j == k) for j, (x, unit) in enumerate(zip(place, size, strict=True))]
+                  for way in (1, -1)]  # fmt: skip
+        ends = [end(x) for x in beside]
+        if back is None or None in ends:
+            return None
+        columns.append([(a - b) / (2 * step) / unit for a, b, unit in zip(*ends, size, strict=True)])
+    return [(a - b) / unit for a, b, unit in zip(back, place, size, strict=True)], [*zip(*columns, strict=True)]
+
+
+def held_by_differences(motion, start, simulate):
+    """Hold the derivative of a motion against differences with 40 digits.
+
+    To the tolerance and four times the library's own bound of its rounding; returns that bound.
+    """
+    size, seen = np.abs(np.vstack([motion.after, [start]])).max(axis=0), []
+
+    def end(x):
+        events = simulate(x)[: motion.time.size]
+        seen.append([(event.kind, event.mode_after) for event in events])
+        return events[-1].state if seen[-1] == seen[0] and len(events) == motion.time.size else None
+
     with mp.workdps(40):
-        columns, names = [], None
-        for j in range(len(state)):
-            ends = []
-            for sign in (1, -1):
-                start = [mpf(x) for x in state]
-                step = STEP * max(abs(start[j]), mpf("1e-6"))
-                start[j] += sign * step
-                events = simulate(start)
-                seen = [(event.kind, event.mode_after) for event in events[:count]]
-                names = seen if names is None else names
-                if seen != names or len(events) < count:
-                    return None
-                ends.append(events[count - 1])
-            columns.append([(a - b) / (2 * step) for a, b in zip(*(end.state for end in ends), strict=True)])
-        return np.array([[float(x) for x in column] for column in columns]).T
-
-
-def agree(found, reference, rounding):
-    """Whether a derivative is that of the reference, but for four times the library's own bound of its rounding."""
-    away, largest = np.abs(found - reference), np.abs(reference).max()
-    size = np.abs(reference).max(axis=1, keepdims=True)
-    return (away <= 1e-9 * largest + 4 * rounding).all() and (away <= 1e-7 * size + 4 * rounding).all()
+        found = differences(end, [mpf(float(x)) for x in start], [mpf(float(x)) for x in size], STEP)
+    assert found is not None
+    reference, exact = np.array(found[1], dtype=float), derivative(motion)
+    matrix, rounding = (part * size / size[:, None] for part in (exact.matrix, exact.rounding))
+    away, largest = np.abs(matrix - reference), np.abs(reference).max()
+    rows = np.abs(reference).max(axis=1, keepdims=True)
+    assert (away <= 1e-9 * largest + 4 * rounding).all()
+    assert (away <= 1e-7 * rows + 4 * rounding).all()
+    return rounding
 
 
 def qualified(motion):
@@ -98,16 +107,9 @@ def rigid_motion(seed):
 @pytest.mark.parametrize("seed", range(6))
 def test_rigid_drives(seed):
     drive, start, motion = rigid_motion(seed)
-    reference = differences(
-        lambda x: rigid_digits.simulate(dict(drive), *x, float(motion.time[-1]) * 1.01 + 1e-4).events,
-        start,
-        motion.time.size,
-    )
-    found = derivative(motion)
-    assert reference is not None
-    sizes = np.abs(np.vstack([motion.after, [start]])).max(axis=0)
-    assert (found.rounding <= 1e-10 * sizes[:, None] / sizes).all()  # so that its share of what is allowed is small
-    assert agree(found.matrix, reference, found.rounding), (found.matrix, reference)
+    end = float(motion.time[-1]) * 1.01 + 1e-4
+    rounding = held_by_differences(motion, start, lambda x: rigid_digits.simulate(dict(drive), *x, end).events)
+    assert (rounding <= 1e-10).all()  # so that its share of what is allowed is small
 
 
 def test_compliant_threads():
@@ -123,16 +125,7 @@ def test_compliant_threads():
         if qualified(motion):
             break
     end = float(motion.time[-1]) * 1.01 + 1e-6
-    reference = differences(
-        lambda x: four_states_digits.simulate(dict(drive), "threads", (), x, end).events,
-        tuple(map(float, start)),
-        motion.time.size,
-    )
-    assert reference is not None
-    scale = np.abs(motion.after).max(axis=0)
-    exact = derivative(motion)
-    found, rounding = exact.matrix * scale / scale[:, None], exact.rounding * scale / scale[:, None]
-    assert agree(found, reference * scale / scale[:, None], rounding), (found, reference)
+    held_by_differences(motion, start, lambda x: four_states_digits.simulate(dict(drive), "threads", (), x, end).events)
 
 
 def test_a_section_with_a_coordinate_that_is_zero_throughout():
@@ -172,17 +165,33 @@ def second_body(model, rng):
     return drawn(rng, NUT)
 
 
+def place_and_size(cycle):
+    """The middle of the longest slip of a cycle, and the sizes of its coordinates."""
+    modes, _, _, durations = cycle.orbit.arcs()
+    slips = ~np.isin(cycle.orbit.automaton.codes[modes], cycle.orbit.automaton.rest_codes)
+    arc = int(np.argmax(durations * slips))
+    place = cycle.orbit.at([np.concatenate([[0.0], cycle.orbit.time])[arc] + 0.5 * durations[arc]])[0][0]
+    return place, np.maximum(np.abs(cycle.orbit.after).max(axis=0), np.abs(place))
+
+
 def assert_digits(cycle):
-    reference = CycleDigits(cycle)
-    scale = max(1.0, float(np.abs(reference.multipliers).max()))
-    error = min(
-        max(abs(a - b) for a, b in zip(cycle.multipliers, order, strict=True))
-        for order in permutations(reference.multipliers)
-    )
-    assert error <= max(1e-9, 1e-13 * scale) * scale, (cycle.multipliers, reference.multipliers)
+    """Hold a cycle of four states against the reference with 70 digits."""
+    place, size = place_and_size(cycle)
+    drive, model = dict(cycle.drive), cycle.drive.parts[0]
+    with mp.workdps(70):
+
+        def end(x):
+            return four_states_digits.simulate(drive, model, (), x, cycle.period, dps=70, max_events=1000).state
+
+        gap, matrix = differences(end, [mpf(float(x)) for x in place], [mpf(float(x)) for x in size], mpf(10) ** -30)
+        found = [complex(z) for z in mp.eig(mp.matrix(matrix), left=False, right=False)]
+    found.remove(min(found, key=lambda z: abs(z - 1)))  # along the motion
+    scale = max(1.0, *map(abs, found))
+    error = min(max(abs(a - b) for a, b in zip(cycle.multipliers, order, strict=True)) for order in permutations(found))
+    assert error <= max(1e-9, 1e-13 * scale) * scale, (cycle.multipliers, found)
     assert error <= cycle.multiplier_error + 1e-14 * scale
-    assert cycle.attracting == (abs(reference.multipliers[0]) < 1) or cycle.neutral
-    assert abs(cycle.period - float(reference.solved[1])) <= 1e-10 * cycle.period
+    assert cycle.attracting == (max(map(abs, found)) < 1) or cycle.neutral
+    assert max(abs(float(x)) for x in gap) <= 1e-11 * scale
 
 
 def cycles_of(model, seed, draws, sides):
@@ -213,39 +222,25 @@ def test_cycles_of_a_drive_anywhere(model):
 BESIDE = 1e-7  # of the differences, over the size of the motion
 
 
-def end(drive, state, duration):
-    """State after a time [s], in balls; None where the law of motion does not determine it."""
-    truth = simulate(drive.model_dump(), *state, duration)
-    return truth.state if truth.end == "time" else None
-
-
 def of_a_period(drive, cycle):
     """Return relative errors of the period and of closure, and the multiplier; None where nothing determines them."""
-    orbit, T = cycle.orbit, cycle.period
-    _, _, _, durations = orbit.arcs()
-    slips = ~np.isin(orbit.automaton.codes[orbit.arcs()[0]], orbit.automaton.rest_codes)
-    arc = int(np.argmax(durations * slips))
-    begins = np.concatenate([[0.0], orbit.time])[arc]
-    place = orbit.at([begins + 0.5 * durations[arc]])[0][0]
-    size = np.maximum(np.abs(orbit.after).max(axis=0), np.abs(place))
+    place, size = place_and_size(cycle)
     precision, ctx.prec = ctx.prec, PRECISION
+
+    def end(state, duration=cycle.period):
+        truth = simulate(drive.model_dump(), *state, duration)
+        return truth.state if truth.end == "time" else None
+
     try:
         here = [arb(x) for x in place]
-        back = end(drive, here, T)
-        columns = []
-        for k in range(2):
-            step = arb(BESIDE * size[k])
-            ends = [end(drive, [x + sign * step * (j == k) for j, x in enumerate(here)], T) for sign in (1, -1)]
-            if back is None or None in ends:
-                return None
-            columns.append([float((a - b) / (2 * step)) for a, b in zip(*ends, strict=True)])
-        gap = np.array([float(a - b) for a, b in zip(back, here, strict=True)])
-        soon = end(drive, here, 1e-9)
-        rate = np.array([float((a - b) / arb(1e-9)) for a, b in zip(soon, here, strict=True)])
+        found = differences(end, here, [arb(x) for x in size], arb(BESIDE))
+        if found is None:
+            return None
+        gap, matrix = np.array([float(x) for x in found[0]]), found[1]
+        rate = np.array([float((a - b) / arb(1e-9)) for a, b in zip(end(here, 1e-9), here, strict=True)]) / size
+        return abs(gap @ rate) / (rate @ rate) / cycle.period, np.abs(gap).max(), float(matrix[0][0] + matrix[1][1] - 1)
     finally:
         ctx.prec = precision
-    late = abs(gap / size @ (rate / size)) / np.sum((rate / size) ** 2)
-    return late / T, np.abs(gap / size).max(), columns[0][0] + columns[1][1] - 1
 
 
 def jams(drive, orbit):

@@ -9,19 +9,8 @@ import pytest
 from dynamics.test_attractors import liouville
 from mpmath import mp, mpf
 from references import rigid_digits
-from references.drives import (
-    NEAR_FOLD,
-    NEGATIVE_DAMPING,
-    PARADOX,
-    drawn,
-    nut_drive,
-    one_of,
-    power,
-    support_drive,
-    threads_drive,
-    times,
-    uniform,
-)
+from references.drives import drawn, nut_drive, one_of, power, support_drive, threads_drive, times, uniform
+from references.known import NEAR_FOLD, NEGATIVE_DAMPING, PARADOX, REPELLING_SLIP
 
 import lsvib
 from lsvib.datasets.cycles import branch_dataset, branch_json
@@ -35,7 +24,6 @@ from lsvib.stability.force_thresholds import threshold_force
 
 SLIP = NEGATIVE_DAMPING.replace(axial_force=25)
 SUPPORTED = support_drive(mass=15, support_damping=5e-4, support_stiffness=1e5, axial_support_damping=1e4)
-REPELLING_SLIP = lsvib.Drive(mass=9.9, translation_damping=1e3, axial_force=10)
 
 
 @pytest.mark.parametrize(
@@ -205,22 +193,6 @@ def test_a_touch_is_no_cycle():
     assert cycle.label == Attractor.STICK_SLIP_CYCLE
 
 
-@pytest.mark.slow
-def test_at_most_one_cycle_of_pure_slip():
-    """The bound of one limit cycle of plane systems of two linear zones, and hyperbolic, over random drives."""
-    rng, seen = np.random.default_rng(0), 0
-    for _ in range(15):
-        values = drawn(rng, mass=uniform(0.5, 9.95), translation_damping=power(2, 3.5),
-                       support_damping=power(-6, -3), axial_force=uniform(0, 60))  # fmt: skip
-        drive = lsvib.Drive(**values)
-        kinds = [({kind for kind, _ in cycle.itinerary}, cycle) for cycle in drive.cycles().cycles]
-        slip = [cycle for events, cycle in kinds if events == {"contact_reversal"}]
-        seen += len(slip)
-        assert len(slip) <= 1
-        assert all(cycle.attracting or cycle.repelling for cycle in slip)
-    assert seen > 0
-
-
 def gaps_to_the_rigid_multiplier(rigid, stiffnesses):
     """How far the multiplier of slip is from that of the rigid drive, with k_c = c_c."""
     (limit,) = [cycle for cycle in rigid.cycles().cycles if cycle.attracting]
@@ -247,7 +219,7 @@ def test_compliant_multipliers_of_slip_tend_to_the_rigid_one_with_order_one(driv
 @pytest.mark.parametrize(
     "drive",
     [
-        lsvib.Drive(mass=11, support_damping=1e-3, axial_force=-10),
+        PARADOX,
         lsvib.Drive(mass=14, support_damping=5e-4, axial_force=-5),
     ],
 )
@@ -407,17 +379,6 @@ def test_stick_slip_ends_where_its_slip_just_comes_to_rest(values, parameter, sp
         ends.append(change.value)
     assert ends == [pytest.approx(end, rel=tolerance)] * len(ends)
     assert max(ends) - min(ends) <= 1e-14 * abs(end)
-
-
-@pytest.mark.slow
-def test_a_branch_does_not_depend_on_the_range():
-    drive = PARADOX
-    cycle = drive.cycles().cycles[0]
-    for parameter, spans in (("mass", [(10, 12), (10, 1e5), (10, 1e9)]), ("axial_force", [(-1e5, -1), (-1e3, -1)])):
-        branches = [drive.follow(cycle, parameter, span) for span in spans]
-        lowest = [branch.points[0].value for branch in branches]
-        assert lowest == [pytest.approx(lowest[0], rel=1e-12)] * len(spans)
-        assert all(branch.changes[0].what == branches[0].changes[0].what for branch in branches)
 
 
 def test_branch_is_written():

@@ -7,39 +7,27 @@ added up to an error of 1e-15 s, and the state changed by its size in 0.3 ms at 
 larger ones came only from starts next to the smallest numbers of all. A root's rounding is that of its state over the
 speed of its guard, so event times are asked to 1e-12 s, 1e-9 of the drive's time scale of 2 ms; the largest error there
 was 1e-15 s.
+
+No event is missed: motions that come to within 1e-2 to 1e-11 of touching a guard, or cross it by as little, have the
+events of the reference too. There a root's rounding is up to 1e6 times as large, and so the state's.
 """
 
-from itertools import groupby
+from itertools import groupby, islice
 
 import numpy as np
 import pytest
-from mpmath import mp, mpf
 from references.comparisons import RULES, compare
-from references.drives import NEGATIVE_DAMPING, random_drive, random_start
-from references.rigid_digits import GUARD_DIGITS, NAMES, REST, RigidTrueFlow, simulate
+from references.drives import random_drive, random_start
+from references.known import NEGATIVE_DAMPING
 
-from lsvib.engine.motion import follow
+from lsvib.engine.automaton import oscillator
+from lsvib.engine.kernels import flow_planar, layout
 from lsvib.models.drive import Drive
 from lsvib.models.names import Event
 from lsvib.models.rigid import MotionMode, rigid_automaton
 
 TOLERANCE = 1e-12
 LONG = NEGATIVE_DAMPING.replace(axial_force=40.0)
-
-
-def state_at(result, t):
-    """(u, w, mode name) of a run of the reference at time t; at an event, the values after it."""
-    drive = result.drive
-    with mp.workdps(drive.dps + GUARD_DIGITS):
-        t = mpf(t)
-        if not 0 <= t <= result.time:
-            raise ValueError("t lies outside the run")
-        segment = [s for s in result.segments if s.time <= t][-1]
-        tau = t - segment.time
-        if segment.mode == REST:
-            return segment.u + segment.w * tau, segment.w, NAMES[REST]
-        direction, contact = segment.mode
-        return (*RigidTrueFlow(drive, direction * contact, segment.u, segment.w).state(tau), NAMES[segment.mode])
 
 
 def without_repeated_seizures(kinds: list[str]) -> list[str]:
@@ -76,7 +64,7 @@ def compare_random_motions(examples: int) -> tuple[list[str], dict[bool, set[str
 
 
 def test_random_motions():
-    wrong, visited = compare_random_motions(300)
+    wrong, visited = compare_random_motions(200)
     assert wrong == []
     # A test that never goes backwards, or never seizes, would prove little.
     slips = {"SLIP_FORWARD_POSITIVE", "SLIP_FORWARD_NEGATIVE", "SLIP_BACKWARD_POSITIVE", "SLIP_BACKWARD_NEGATIVE"}
@@ -105,10 +93,9 @@ def test_error_at_a_steep_end_is_that_of_the_time():
     result = compare(drive, (0.250100961806174, 0.0), 0.04608121613075532)
     assert result.kinds == result.reference_kinds
     assert result.time_error < 3e-15  # about 100 events, each good to the last bit of 0.05 s, 7e-18 s, and its state's
-    end = float(result.reference.time)
-    states = [[float(x) for x in state_at(result.reference, t)[:2]] for t in (end - 1e-9, end)]
-    rate = np.abs(np.diff(states, axis=0)[0]) / 1e-9 / (0.2501, 10.1)
-    assert result.state_error <= 1.5 * rate.max() * result.time_error + 1e-13
+    end = result.motion.end_time
+    rate = np.diff(result.motion.at([end - 1e-9, end])[0], axis=0)
+    assert result.state_error <= 1.5 * np.abs(rate[0] / 1e-9 / (0.2501, 10.1)).max() * result.time_error + 1e-13
 
 
 def test_long_stick_slip():
@@ -121,12 +108,45 @@ def test_long_stick_slip():
     assert result.state_error <= TOLERANCE
 
 
-def test_state_at_any_time():
-    times = np.linspace(0.0, 0.1, 23)
-    expected = simulate(dict(LONG), 0.01, 0.0, 0.1)
-    states, modes = follow(rigid_automaton(LONG), (0.01, 0.0), 0.1).at(times)
-    for time, state, mode in zip(times, states, modes, strict=True):
-        u, w, name = state_at(expected, time)
-        assert MotionMode(int(rigid_automaton(LONG).codes[mode])).name.lower() == name
-        assert abs(float(state[0] - u)) <= TOLERANCE * 0.1  # |u| reaches 0.1 rad, |w| 40 rad/s
-        assert abs(float(state[1] - w)) <= TOLERANCE * 40.0
+def tangencies(automaton):
+    """For each mode and guard of it: the state inside the mode in which its orbits touch the guard, if there is one."""
+    tables = automaton.tables
+    for mode, row in enumerate(tables.flow):
+        guards = range(tables.guard_start[mode], tables.guard_start[mode + 1])
+        flow = np.array([[0.0, 1.0, 0.0], [-row[layout.A0], -row[layout.A1], row[layout.B]], [0.0, 0.0, 0.0]])
+        rows = {g: tables.guard_sign[g] * tables.surfaces[tables.guard_surface[g]] for g in guards}
+        for guard, level in rows.items():
+            system = np.array([level, level @ flow])
+            if row[layout.A0] == 0 or abs(np.linalg.det(system[:, :2])) < 1e-12 * np.prod(np.abs(system).max(axis=1)):
+                continue
+            state = np.array([*np.linalg.solve(system[:, :2], -system[:, 2]), 1.0])
+            others = [other @ state for g, other in rows.items() if g != guard]
+            if level @ flow @ flow @ state > 0 and min(others, default=1.0) > 0:
+                yield mode, level, state[:2]
+
+
+def near_tangencies(seed: int):
+    """Drives, rules, starts and durations of motions that come close to touching a guard, from where they come."""
+    rng = np.random.default_rng(seed)
+    while True:
+        drive, rule = random_drive(rng), RULES[rng.integers(2)]
+        automaton = rigid_automaton(drive, resume=rule)
+        for mode, level, touch in tangencies(automaton):
+            row = automaton.tables.flow[mode]
+            backward = np.array([oscillator(1.0, -row[layout.A1], row[layout.A0], row[layout.B])])
+            axis = int(np.argmax(np.abs(level[:2] * touch)))
+            state = touch.copy()
+            state[axis] *= 1 + rng.choice([-1, 1]) * 10 ** rng.uniform(-11.0, -2.0)
+            state[1] *= -1
+            flow_planar.advance(backward, 0, state, rng.uniform(0.05, 0.5) * row[layout.TIME_SCALE], state)
+            yield drive, (state[0], -state[1]), 3 * row[layout.TIME_SCALE], rule
+
+
+def test_no_event_is_missed_near_tangencies():
+    events = 0
+    for drive, start, duration, rule in islice(near_tangencies(3), 300):
+        result = compare(drive, start, duration, rule, max_events=100)
+        assert without_repeated_seizures(result.kinds) == without_repeated_seizures(result.reference_kinds), drive
+        assert result.state_error <= 1e-8 or not result.reference.complete, drive
+        events += len(result.kinds)
+    assert events > 450

@@ -231,9 +231,6 @@ def test_growing_part_keeps_its_relative_accuracy_beside_a_slow_one():
         assert max(abs(float(mpf(float(x)) - y)) for x, y in zip(out, expected, strict=True)) <= 64 * noise + 64 * EPS
 
 
-EPS = float(np.finfo(float).eps)
-
-
 def decoupled(factors):
     """Flow tables of blocks without coupling and force, and the number of states.
 
@@ -353,23 +350,6 @@ def test_first_crossing_against_dense_evaluation(factors, numbers, angle):
         flow_modal.advance(flow, 0, state, t, out)
         rate = abs(weights @ (flow.field[0] @ [*out, 1.0]))
         assert abs(values[-1]) <= rounding + 8 * EPS * t * rate
-
-
-@pytest.mark.parametrize("a1", [12.0, 12.0 + 1e-14, 12.0 - 1e-14, 12.0 - 1e-9, 12.1, 11.9])
-def test_root_of_a_critically_damped_pair(a1):
-    """The speed falls to 0.95 of its start once, whether the pair is critically, a little over- or underdamped."""
-    flow, _ = decoupled([(36.0, a1)])
-    found, _, t = search(flow, [0.0, 1.0], [0.0, 1.0, -0.95])
-    assert found == Found.CROSSING
-    with mp.workdps(DIGITS):
-        split = mp.sqrt(mpf(a1) ** 2 / 4 - 36)
-
-        def speed(t):
-            turned = mp.sinh(split * t) / split if split else t
-            return mp.exp(-mpf(a1) / 2 * t) * (mp.cosh(split * t) - mpf(a1) / 2 * turned)
-
-        expected = mp.findroot(lambda t: mp.re(speed(t)) - mpf(0.95), (mpf("0.004"), mpf("0.005")))
-    assert t == pytest.approx(float(expected), rel=1e-13)
 
 
 def with_roots(roots, rates):

@@ -122,20 +122,6 @@ def test_flow_of_any_oscillator(inertia, damping, stiffness, force, u, w, angle)
 
 
 @settings(max_examples=300)
-@given(st.sampled_from(sorted(CASES)), st.sampled_from(STARTS), st.floats(1e-3, 3.0), st.floats(1e-3, 3.0))
-def test_flows_compose(name, state, first, second):
-    """φ(t + s) = φ(t) φ(s); the error of the first step may grow with the mode, as its magnitude does."""
-    row = oscillator(*CASES[name])
-    t, s = first / rate_of(row), second / rate_of(row)
-    middle = advanced(row, state, t)
-    gap = np.abs(advanced(row, middle, s) - advanced(row, state, t + s))
-    # Three flows of 4 units each, the first one carried on by the second: an error of w moves u, and one of u moves w.
-    own = magnitude(row, state, t + s) + magnitude(row, middle, s)
-    carried = magnitude(row, magnitude(row, state, t), s) + np.abs(row[layout.B]) * np.array([s * s, s])
-    assert (gap <= 4 * EPS * (1 + rate_of(row) * (t + s)) * (own + carried)).all()
-
-
-@settings(max_examples=300)
 @given(
     st.sampled_from(sorted(CASES)), st.sampled_from(STARTS), st.floats(0.0, 30.0), st.floats(-1, 1), st.floats(-1, 1)
 )
@@ -220,13 +206,9 @@ BETA = 300.0
 CIRCLE = ("1", "0", str(BETA**2), "0")
 
 
-def test_guard_touched_exactly_is_a_graze():
-    found, t = search(oscillator(*CIRCLE), (1.0, 0.0), (1.0, 0.0, 1.0))
-    assert found == Found.GRAZE
-    assert t == pytest.approx(math.pi / BETA, rel=4 * EPS)
-
-
-@pytest.mark.parametrize("name", ["underdamped", "the chapter's drive", "overdamped", "critically damped", "stiff"])
+@pytest.mark.parametrize(
+    "name", ["underdamped", "the chapter's drive", "overdamped", "critically damped", "stiff", "zero damping, no force"]
+)
 def test_grazing_level_constructed_in_mpmath(name):
     """The level of the guard is minus the minimum of u along the orbit, found with 40 digits and rounded once."""
     coefficients, row = CASES[name], oscillator(*CASES[name])

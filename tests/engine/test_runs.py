@@ -14,7 +14,8 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from references.drives import NEGATIVE_DAMPING, PARADOX, threads_drive
+from references.drives import threads_drive
+from references.known import NEGATIVE_DAMPING, PARADOX
 
 from lsvib.engine import motion as runs
 from lsvib.engine.exact.modal_form import linear_mode, modal_flow

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from models.test_parts import random_drive
 from references.comparisons import held_against_newton
+from references.known import PARADOX
 
 import lsvib
 from lsvib.datasets.motion import Simulation, as_scene
@@ -73,7 +74,7 @@ def test_a_command_at_the_input_speed_changes_nothing(seed):
 @pytest.mark.parametrize("resume", ["contact_sign", "at_once"])
 def test_seizures_go_on_under_a_command(resume):
     """In the Painlevé region a constant command seizes as the rigid drive does, by either rule of resuming."""
-    drive = Drive(mass=11, support_damping=1e-3, axial_force=-10)
+    drive = PARADOX
     plain = followed(drive, np.array([0.1, 0.0]), 0.1, resume=resume)
     motion = followed(drive, np.array([0.1, 0.0]), 0.1, Command(times=[0.02, 0.03], speeds=[40, 40]), resume)
     real = motion.kind != Event.COMMAND

@@ -150,8 +150,8 @@ def test_a_stiff_part_tends_to_the_drive_without_it(part):
 
 def test_energy_of_cycles():
     """What the motor and the load put in is what dampers, frictions and seizures take out, of cycles with any parts."""
-    parts = balanced(range(80))
-    assert len(parts) >= 24
+    parts = balanced(range(48))
+    assert len(parts) >= 14
     assert len(set(parts)) >= 6
 
 
@@ -182,17 +182,17 @@ def judged_by_newton(drive: Drive) -> tuple[int, bool]:
 
 def test_a_collar_brakes_with_the_axial_force():
     """Motions, energy and eigenvalues of drives with a collar, constant friction and laws, by Newton's laws."""
-    assert len(held(range(24), collar=True)[0]) >= 20
+    assert len(held(range(16), collar=True)[0]) >= 13
     assert len(balanced(range(24), collar=True)) >= 5
     assert {judged_by_newton(random_drive(seed, collar=True)[0])[1] for seed in range(24)} == {True, False}
 
 
 def test_a_motor_follows_its_command():
     """Motions, energy and eigenvalues of drives behind a motor, half of them with other parts, by Newton's laws."""
-    drives, *_ = held(range(24), motor=True)
-    assert len(drives) >= 18
+    drives, *_ = held(range(16), motor=True)
+    assert len(drives) >= 12
     assert len({drive.parts for drive in drives}) >= 5
-    assert len(balanced(range(24), motor=True)) >= 4
+    assert len(balanced(range(16), motor=True)) >= 3
     for seed in range(24):
         judged_by_newton(random_drive(seed, motor=True)[0])
 

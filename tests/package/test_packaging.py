@@ -195,9 +195,9 @@ def test_a_picture_is_drawn_from_its_file_without_the_engine(tmp_path):
 
 
 REFERENCES = Path(__file__).parents[1] / "references"
-JUDGES = ("bodies", "exponential_sums", "four_states_digits", "friction_law_digits", "motor_digits", "newton",
+JUDGES = ("bodies", "exponential_sums", "four_states_digits", "friction_law_digits", "newton",
           "oscillator", "rigid_digits", "threshold_digits")  # fmt: skip
-KNOWN = {"flint", "mpmath", "numpy", "scipy.integrate"}
+KNOWN = {"flint", "mpmath", "numpy", "scipy.integrate", "scipy.linalg"}
 STANDARD = {"collections", "dataclasses", "functools", "itertools", "math", "operator", "re"}
 
 

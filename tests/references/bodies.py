@@ -1,63 +1,88 @@
-"""Newton's laws of a drive with any parts, body by body, with the forces between them as unknowns, in doubles.
+"""Newton's laws of a drive with any parts, body by body, with the forces between them as unknowns.
 
 Nothing is eliminated by hand: at every instant one linear system gives the accelerations, the contact force n, the
 torque τ of the threads and the friction that holds a body. Nothing of the library is used but the values of a drive.
+Numbers are doubles, or flint's balls (:mod:`references.newton`).
 """
 
 import math
 import re
+from collections import defaultdict
 
 import numpy as np
+from flint import arb_mat
 from scipy.integrate import solve_ivp
+from scipy.linalg import expm
 
 SIGN = {"forward": 1, "backward": -1, "held": 0, "positive": 1, "negative": -1}
 RATES = {"motor": "psi", "support": "y", "nut": "phi", "threads": "e"}  # coordinates of parts, in their order
 
 
+def sign(x) -> int:
+    return 1 if x > 0 else -1 if x < 0 else 0
+
+
+def of(function: str, x):
+    """A function of a double or of a ball."""
+    return getattr(math, function)(x) if isinstance(x, float) else getattr(x, function)()
+
+
 class Bodies:
     """A drive; its state is that of the package, (u, w) and two numbers for each part.
 
-    ``commanded``: the commanded speed as a function of time, ``input_speed`` by default.
+    ``drive``: its values by name; ``commanded``: the commanded speed as a function of time, ``input_speed`` by default;
+    ``parts`` unless the drive says them.
     """
 
-    def __init__(self, drive, commanded=None) -> None:
-        self.commanded = commanded or (lambda t: drive.input_speed)
-        self.p = {name: getattr(drive, name) or 0.0 for name in type(drive).model_fields}
-        self.q = ["theta", *(RATES[part] for part in drive.parts)]
+    def __init__(self, drive, commanded=None, parts=None, number=float) -> None:
+        self.number, self.commanded = number, commanded or (lambda t: self.p["input_speed"])
+        self.p = p = defaultdict(lambda: number(0), {name: number(x) for name, x in drive if x is not None})
+        self.q = ["theta", *(RATES[part] for part in (drive.parts if parts is None else parts))]
         self.place = {name: 2 * k for k, name in enumerate(self.q)}
-        p = self.p
-        self.tangent = math.tan(p["lead_angle"])
-        self.lead, self.sense = p["pitch_radius"] * self.tangent, math.copysign(1, p["input_speed"])
+        self.cos, self.sin = of("cos", p["lead_angle"]), of("sin", p["lead_angle"])
+        self.tangent = of("tan", p["lead_angle"])
+        self.lead, self.sense = p["pitch_radius"] * self.tangent, sign(p["input_speed"])
         force = p["axial_force"] - self.lead * p["translation_damping"] * p["input_speed"]
-        force -= p["slide_friction"] * self.sense
+        self.axial = force = force - p["slide_friction"] * self.sense
         self.collar = p["collar_friction"] * p["collar_radius"]
-        law = math.copysign(1, force * self.sense)
+        self.steady_law = law = sign(force) * self.sense
         torque = (self.lever(law, self.mu(p["input_speed"])) + law * self.collar) * force
         whole = p["support_damping"] * p["input_speed"] + p["bearing_friction"] * self.sense + torque
-        self.steady = np.zeros(2 * len(self.q))
-        self.steady[:2] = -whole / p["coupling_stiffness"], p["input_speed"]
+        steady = [number(0)] * (2 * len(self.q))
+        steady[:2] = -whole / p["coupling_stiffness"], p["input_speed"]
         if "psi" in self.place:  # θ_m − Ω t, from which the coupling is wound up
-            self.steady[self.place["psi"]] = -whole / p["integral_gain"]
-            self.steady[0] -= whole / p["integral_gain"]
+            steady[self.place["psi"]] = -whole / p["integral_gain"]
+            steady[0] -= whole / p["integral_gain"]
         for name, value, stiffness in (("y", force, "support_stiffness"), ("phi", torque, "nut_stiffness")):
             if name in self.place:
-                self.steady[self.place[name]] = value / p[stiffness]
+                steady[self.place[name]] = value / p[stiffness]
+        self.steady = np.array(steady)
 
-    def law(self, slip: float) -> float:
+    @property
+    def sliding(self) -> dict:
+        """The mode of steady sliding."""
+        turns = dict.fromkeys(("slip", "bearing", "slide"), self.sense)
+        return turns | {"contact": self.sense * self.steady_law}
+
+    def law(self, slip):
         """Sum of the friction law at a speed of the slip [rad/s], which may be negative."""
-        p, speed = self.p, self.p["pitch_radius"] * abs(slip) / math.cos(self.p["lead_angle"])
-        fading = (speed / p["stribeck_speed"]) ** p["stribeck_exponent"] if p["stribeck_speed"] else 0.0
-        return p["friction_coefficient"] + p["stribeck_rise"] * math.exp(-fading) + p["friction_slope"] * speed
+        p, speed = self.p, self.p["pitch_radius"] * abs(slip) / self.cos
+        value = p["friction_coefficient"] + p["friction_slope"] * speed
+        if p["stribeck_rise"] == 0:
+            return value
+        fading = speed / p["stribeck_speed"]
+        return value + p["stribeck_rise"] * of("exp", -fading * fading if p["stribeck_exponent"] == 2 else -fading)
 
-    def mu(self, slip: float) -> float:
+    def mu(self, slip):
         """Friction coefficient at a speed of the slip [rad/s]."""
-        return max(self.law(slip), 0.0)
+        law = self.law(slip)
+        return law if law > 0 else self.number(0)
 
     def static(self) -> float:
         p = self.p
         return p["static_friction_coefficient"] or p["friction_coefficient"] + p["stribeck_rise"]
 
-    def lever(self, law: float, mu: float) -> float:
+    def lever(self, law: int, mu):
         """Torque of the threads over the axial contact force."""
         return self.p["pitch_radius"] * (law * mu - self.tangent) / (1 + law * mu * self.tangent)
 
@@ -73,25 +98,25 @@ class Bodies:
                 found[body] = SIGN[ways[word]] if self.free(body) else SIGN[slip]
         return found
 
-    def forces(self, state: np.ndarray, mode: dict, t: float = 0.0) -> dict:
-        """Accelerations, n, N, τ and held friction at an absolute state."""
+    def system(self, state, mode: dict, t: float = 0.0) -> tuple[list[str], list[list], list]:
+        """Names of accelerations, n, τ and held friction, and the equations of them at an absolute state."""
         p, q, place = self.p, self.q, self.place
         names = [*q, "x", "n", "tau", *(body for body in ("bearing", "slide") if self.held(body, mode))]
-        matrix, sides, rows = np.zeros((len(names), len(names))), np.zeros(len(names)), iter(range(len(names)))
+        zero, matrix, sides = self.number(0), [], []
         column = {name: k for k, name in enumerate(names)}
 
         def at(name, rate=0):
             return state[place[name] + rate] if name in place else 0.0
 
         def equation(side, **terms):
-            row = next(rows)
-            sides[row] = side
+            row = [zero] * len(names)
             for name, value in terms.items():
                 if name in column:
-                    matrix[row, column[name]] += value
+                    row[column[name]] += value
+            matrix.append(row)
+            sides.append(side)
 
-        slip = at("theta", 1) - at("phi", 1)
-        travel = self.lead * slip + at("y", 1) + at("e", 1)
+        slip, travel = self.speeds(state)
         bearing = p["bearing_friction"] * mode.get("bearing", 0)
         slide = p["slide_friction"] * mode.get("slide", 0)
         wound = p["coupling_stiffness"] * (at("theta") - at("psi"))
@@ -111,25 +136,48 @@ class Bodies:
         if "phi" in place:
             spring = p["nut_stiffness"] * at("phi") + p["nut_damping"] * at("phi", 1)
             equation(-spring, phi=p["nut_inertia"], tau=-1)
-        normal = math.cos(p["lead_angle"]) * (p["contact_stiffness"] * at("e") + p["contact_damping"] * at("e", 1))
-        sine, cosine = math.sin(p["lead_angle"]), math.cos(p["lead_angle"])
+        normal = self.pressed(state)
         if mode["slip"]:
             equation(0, tau=1, n=-self.lever(law, mu))
         else:
             equation(0, theta=1, phi=-1)
         if "e" in place and mode["slip"]:
-            equation(normal * (cosine + law * mu * sine), n=1)
+            equation(normal * (self.cos + law * mu * self.sin), n=1)
         elif "e" in place:
-            equation(normal / cosine, n=1, tau=-self.tangent / p["pitch_radius"])
+            equation(normal / self.cos, n=1, tau=-self.tangent / p["pitch_radius"])
         for body in names[len(q) + 3 :]:
             equation(0, **({"theta": 1} if body == "bearing" else {"x": 1}))
-        scale = np.abs(matrix).max(axis=0)  # of masses and inertias
-        found = dict(zip(names, np.linalg.solve(matrix / scale, sides) / scale, strict=True))
+        return names, matrix, sides
+
+    def speeds(self, state) -> tuple:
+        """Speed of the slip of the threads, and that of the load."""
+        own = {name: state[k + 1] for name, k in self.place.items()}
+        slip = own["theta"] - own.get("phi", 0)
+        return slip, self.lead * slip + own.get("y", 0) + own.get("e", 0)
+
+    def pressed(self, state):
+        """The normal force of compliant threads."""
+        k = self.place.get("e")
+        p = self.p
+        return 0 if k is None else self.cos * (p["contact_stiffness"] * state[k] + p["contact_damping"] * state[k + 1])
+
+    def forces(self, state, mode: dict, t: float = 0.0) -> dict:
+        """Accelerations, n, N, τ and held friction at an absolute state."""
+        names, matrix, sides = self.system(state, mode, t)
+        if self.number is float:
+            rows = np.array(matrix)
+            scale = np.abs(rows).max(axis=0)  # of masses and inertias
+            solved = (np.linalg.solve(rows / scale, sides) / scale).tolist()
+        else:
+            solved = arb_mat(matrix).solve(arb_mat(len(sides), 1, sides)).entries()
+        found, normal, (slip, travel) = dict(zip(names, solved, strict=True)), self.pressed(state), self.speeds(state)
+        law = mode["slip"] * mode["contact"]
         found["tau"] += law * self.collar * found["n"]  # at rest it is that of both already
-        if "e" not in place:
-            normal = found["n"] * cosine - found["tau"] * sine / p["pitch_radius"]
-            normal = found["n"] / (cosine + law * mu * sine) if mode["slip"] else normal
-        return found | {"N": normal, "slip": slip, "travel": travel, "screw": at("theta", 1)}
+        if "e" not in self.place and mode["slip"]:
+            normal = found["n"] / (self.cos + law * self.mu(slip) * self.sin)
+        elif "e" not in self.place:
+            normal = found["n"] * self.cos - found["tau"] * self.sin / self.p["pitch_radius"]
+        return found | {"N": normal, "slip": slip, "travel": travel, "screw": state[1]}
 
     def held(self, body: str, mode: dict) -> bool:
         """Whether a body that may slide on its own is held."""
@@ -137,7 +185,7 @@ class Bodies:
 
     def rate(self, t: float, state: np.ndarray, mode: dict) -> np.ndarray:
         """Rate of the absolute state at a time; the angles of screw and motor are those from the command."""
-        found, rate = self.forces(state, mode, t), np.empty_like(state)
+        found, rate = self.forces(state, mode, t), np.empty(len(state), dtype=type(state[0]))
         for name, k in self.place.items():
             rate[k], rate[k + 1] = state[k + 1], found[name]
         rate[0] -= self.commanded(t)
@@ -146,10 +194,24 @@ class Bodies:
         return rate
 
     def moved(self, state: np.ndarray, mode: dict, times: np.ndarray, size: np.ndarray):
-        """Absolute states (times, n) along an arc that begins at the first time; apart where the law comes to zero."""
+        """Absolute states (times, n) along an arc that begins at the first time; apart where the law comes to zero.
+
+        Under constant friction the rates are affine in state and time, as the command is straight along an arc: then by
+        the exponential of their matrix.
+        """
+        if not (mode["slip"] and (self.p["stribeck_rise"] or self.p["friction_slope"])):
+            begin, long = times[0], times[-1] - times[0]
+            early, late = (self.rate(begin + part * long, 0 * state, mode) for part in (0.25, 0.75))
+            ramp, push = 2 * (late - early), 1.5 * early - 0.5 * late  # over the whole arc, at its beginning
+            columns = [self.rate(begin + 0.25 * long, unit, mode) - early for unit in np.diag(size)]
+            rows = np.column_stack([np.array(columns).T, ramp, push]) / size[:, None]
+            matrix = np.vstack([rows, np.zeros((2, state.size + 2))])
+            matrix[-2, -1] = 1 / long
+            parts = [expm(matrix * (time - begin)) @ [*(state / size), 0.0, 1.0] for time in times]
+            return np.array(parts)[:, :-2] * size
 
         def kink(_, x):
-            return self.law(x[1] - (x[self.place["phi"] + 1] if "phi" in self.place else 0.0)) if mode["slip"] else 1.0
+            return self.law(self.speeds(x)[0]) if mode["slip"] else 1.0
 
         def run(begin, state, end, **more):
             return solve_ivp(
@@ -183,7 +245,7 @@ class Bodies:
             tied = {b: p[f"{b}_friction"] for b in ("bearing", "slide") if b in mode and not self.free(b)}
             for way in (1, -1):
                 load = p["axial_force"] - way * p["slide_friction"] if "slide" in tied else found["n"]
-                law = math.copysign(1, way * load)
+                law = sign(way * load) or 1
                 most = (self.lever(law, self.static()) + law * self.collar) * load * way + tied.get("bearing", 0)
                 broken.append((way * found["tau"] - most) / torque)
         for body, name, limit in (("bearing", "screw", torque), ("slide", "travel", force)):

@@ -6,6 +6,7 @@ by one-dimensional root finding or by fixed points; ``hint`` is the time [s], of
 which the root lies.
 """
 
+from flint import arb, arb_mat
 from mpmath import mp, mpf
 
 from references.rigid_digits import GUARD_DIGITS, RigidTrueDrive, RigidTrueFlow
@@ -169,8 +170,8 @@ def jam(model, values):
     """Determinant of the equations of motion under law +: it vanishes where the threads jam (support, nut)."""
 
     def determinant(laws):
-        laws.law = 1
-        return laws.equations([0, 0, 0, 0])[0].det()
+        _, matrix, _ = laws.system([arb(0)] * 4, {"slip": 1, "contact": 1})
+        return arb_mat(matrix).det()
 
     return solved(determinant, model, values.items())
 

@@ -221,10 +221,11 @@ def test_contact_forces_at_the_speed_of_a_state():
     u, w = np.array([0.01, -0.05]), np.array([-3.0, 4.0])
     for k in range(2):
         with ctx.workdps(40):
-            laws = newton.SlidingDrive("rigid", drive)
-            state = [laws.steady()[0] + u[k], arb(10 + w[k])]
-            for laws.law, force in zip((1, -1), contact_forces(drive, u, w), strict=True):
-                assert math.isclose(force[k], float(laws.solved(state)[2]), rel_tol=1e-12)
+            laws = newton.laws_of("rigid", drive)
+            state = [laws.steady[0] + u[k], arb(10 + w[k])]
+            for law, force in zip((1, -1), contact_forces(drive, u, w), strict=True):
+                found = laws.forces(state, {"slip": 1, "contact": law})["N"]
+                assert math.isclose(force[k], float(found), rel_tol=1e-12)
 
 
 def test_stability_is_asked_within_the_range():

@@ -7,7 +7,6 @@ Every section says on which commit its dataset was computed.
 
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -41,7 +40,7 @@ def main(results: Path, docs: Path) -> None:
         title = dataset.attrs["title"]
         lines += [f"## {title}", f"![{title}](figures/{name}.png)", " ".join(load(name).CAPTION.split())]
         lines += [f"Computed at commit {_described(dataset.attrs['git_commit'])}."]
-        lines += ["\n".join(table) for table in TABLES[name](dataset)]
+        lines += ["\n".join(TABLES[name](dataset))] if name in TABLES else []
     (docs / "accuracy.md").write_text("\n\n".join(lines) + "\n", encoding="utf-8")
 
 
@@ -73,12 +72,12 @@ def _words(dataset: xr.Dataset, name: str) -> list[str]:
     return [names[int(k)] for k in dataset[name].values]
 
 
-def work_precision(d: xr.Dataset) -> Iterator[list[str]]:
-    """Scenes with ratios, runs that went wrong, grids, sweeps."""
+def work_precision(d: xr.Dataset) -> list[str]:
+    """Scenes with errors and ratios; the picture has the rest."""
     level = [int(np.argmin(np.abs(d.error_level.values - x))) for x in (1e-3, 1e-7)]
     present = [k for k in range(d.sizes["rival"]) if np.isfinite(d.ratio[:, k]).any()]
     rivals = [f"{[*RIVALS.values()][k][1]} / lsvib at {x:g}" for k in present for x in d.error_level.values[level]]
-    yield _table(
+    return _table(
         ["scene", "events", "lsvib [ms]", "error", *rivals],
         [
             [
@@ -91,42 +90,23 @@ def work_precision(d: xr.Dataset) -> Iterator[list[str]]:
             for s, title in enumerate(_words(d, "scene"))
         ],
     )
-    names, verdicts = _words(d, "method"), flag_names(d.motion_verdict)
-    shown = [v for v, word in verdicts.items() if word != "not run"]
-    yield _table(
-        ["method", *(verdicts[v] for v in shown)],
-        [[name, *(str(int((d.motion_verdict[:, k] == v).sum())) for v in shown)] for k, name in enumerate(names)],
-    )
-    wrong = d.grid_wrong_cells.values
-    yield _table(
-        ["grid", "cells", "time [s]", "error of the share", "wrong cells"],
-        [
-            [kind, f"{n}²", _spread(d.grid_time[k, j]), f"{float(d.grid_error[k, j]):.1e}", str(int(wrong[k, j]))]
-            for k, kind in enumerate(_words(d, "grid"))
-            for j, n in enumerate(d.grid_resolution.values)
-        ],
-    )  # fmt: skip
-    yield _table(
-        ["sweep by", "time of one drive [ms]", "error of the amplitude"],
-        [[way, _spread(d.way_time[k], 1e3), f"{float(d.way_error[k]):.1e}"] for k, way in enumerate(_words(d, "way"))],
-    )
 
 
-def stability_sweeps(d: xr.Dataset) -> Iterator[list[str]]:
+def stability_sweeps(d: xr.Dataset) -> list[str]:
     """Cases by family and verdict, with the largest error."""
     outcomes, errors = _words(d, "outcome"), np.fmax(d.state_error, d.time_error)
     rows = [
         [word, *(str(int(n)) for n in d.case_count[k]), f"{float(errors[d.case_family == family].max()):.1e}"]
         for k, (word, family) in enumerate(zip(_words(d, "edge_family"), d.edge_family.values, strict=True))
     ]
-    yield _table(["family", *outcomes, "largest error"], rows)
+    return _table(["family", *outcomes, "largest error"], rows)
 
 
-def ablation(d: xr.Dataset) -> Iterator[list[str]]:
-    """Scenes with what they save, and what is compiled and imported."""
+def ablation(d: xr.Dataset) -> list[str]:
+    """Scenes with what they save."""
     out = dict(part.split(": ") for part in d.attrs["left_out"].split("; "))
     counts = ("modes", "guards", "states", "table_bytes")
-    yield _table(
+    return _table(
         ["scene", "leaves out", "run time, general / own", "construction, general / own", *counts, "difference"],
         [
             [
@@ -140,33 +120,9 @@ def ablation(d: xr.Dataset) -> Iterator[list[str]]:
             for k, word in enumerate(_words(d, "scene"))
         ],
     )
-    times = [(word, d.import_time, k) for k, word in enumerate(_words(d, "imported_for"))]
-    rows = [[f"import for {word}", f"{float(x[k]):.2f}"] for word, x, k in times]
-    if "compiled" in d:
-        rows += [[f"compile {word}", f"{float(d.compile_time[k]):.1f}"] for k, word in enumerate(_words(d, "compiled"))]
-    yield _table(["what is done anew", "time [s]"], rows)
 
 
-def rival_verdicts(d: xr.Dataset) -> Iterator[list[str]]:
-    """Verdicts on each method."""
-    counts = d["count"].sum("edge_family").values
-    rows = [[word, *(str(int(n)) for n in counts[k])] for k, word in enumerate(_words(d, "method"))]
-    yield _table(["method", *_words(d, "method_outcome")], rows)
-
-
-def map_precision(d: xr.Dataset) -> Iterator[list[str]]:
-    """Labels per second and wrong share of each method in each box."""
-    yield _table(
-        ["box", "method", "time of a label [ns]", "wrong share"],
-        [
-            [box, method, _spread(d.time_per_label_quartiles[k, j], 1e9), f"{float(d.wrong_share[k, j]):.1e}"]
-            for j, box in enumerate(_words(d, "box"))
-            for k, method in enumerate(_words(d, "method"))
-        ],
-    )
-
-
-TABLES = {f.__name__: f for f in (work_precision, stability_sweeps, ablation, rival_verdicts, map_precision)}
+TABLES = {f.__name__: f for f in (work_precision, stability_sweeps, ablation)}
 
 if __name__ == "__main__":
     given = [Path(word) for word in sys.argv[1:]]

@@ -33,7 +33,6 @@ ANEW = {  # what a change of figure 8.8 makes anew
 }
 NEW_FIGURE = '''"""A new figure."""
 
-import numpy as np
 import xarray as xr
 from pydantic import Field
 
@@ -42,33 +41,29 @@ from lsvib.figures import style
 from lsvib.figures.settings import DriveChanges, FigureSettings
 from lsvib.models.drive import Drive
 
-CAPTION = "The self-locking of the drive.\\n"
+CAPTION = "The drive.\\n"
 
 
 class Settings(FigureSettings):
     drive: DriveChanges = DriveChanges()
-    points: int = Field(default=5, ge=2, description="Number of lead angles.")
+    points: int = Field(default=5, ge=2, description="Number of points.")
 
 
 def build(settings):
-    angle = np.linspace(0, Drive.of(settings["drive"]).lead_angle, settings["points"])
-    words = {"units": "1", "long_name": "tangent of the lead angle"}
-    return xr.Dataset(
-        {"tangent": ("angle", np.tan(angle), words)},
-        coords={"angle": ("angle", angle, {"units": "rad", "long_name": "lead angle"})},
-        attrs={"title": "New figure", "source": "lsvib", "references": "none"},
-    )
+    mass = Drive.of(settings["drive"]).mass
+    words = {"units": "kg", "long_name": "mass"}
+    about = {"title": "New figure", "source": "lsvib", "references": "none"}
+    return xr.Dataset({"moved": ("point", [mass] * settings["points"], words)}, attrs=about)
 
 
 def checks(dataset):
-    grows = (np.diff(dataset.tangent) > 0).all()
-    return [Check.holds("The tangent grows with the angle", "a test", "all differences", grows)]
+    return [Check.holds("The mass is positive", "a test", "all points", bool((dataset.moved > 0).all()))]
 
 
 @style.styled
 def draw(dataset):
     figure = style.new_figure()
-    figure.add_subplot().plot(dataset.angle, dataset.tangent)
+    figure.add_subplot().plot(dataset.moved)
     return figure
 '''
 
@@ -106,23 +101,18 @@ def test_a_second_run_does_nothing(finished):
 
 
 @pytest.mark.parametrize(
-    ("file", "jobs"),
+    ("files", "jobs"),
     [
-        ("src/lsvib/figures/style.py", {"Drawing fig8_03", "Drawing fig8_08"}),
-        ("src/lsvib/figures/fig8_08.py", ANEW),
-        ("src/lsvib/stability/conditions.py", ANEW),  # imported by figure 8.8 only
-        ("src/lsvib/models/mechanics.py", ANEW | {"Computing fig8_03", "Drawing fig8_03"}),
-        ("src/lsvib/engine/kernels/event_loop.py", set()),  # neither figure reaches the engine
+        # Neither figure reaches the engine.
+        (("figures/style", "engine/kernels/event_loop"), {"Drawing fig8_03", "Drawing fig8_08"}),
+        (("stability/conditions",), ANEW),  # imported by figure 8.8 only
+        (("models/mechanics",), ANEW | {"Computing fig8_03", "Drawing fig8_03"}),
     ],
 )
-def test_an_edit_reruns_what_depends_on_it_and_nothing_else(built, file, jobs):
-    built.edit(file, '"""\n', '"""\n# an edit\n')
+def test_an_edit_reruns_what_depends_on_it_and_nothing_else(built, files, jobs):
+    for file in files:
+        built.edit(f"src/lsvib/{file}.py", '"""\n', '"""\n# an edit\n')
     assert built.plan() == jobs
-
-
-def test_a_changed_parameter_reruns_its_figure_only(built):
-    built.edit("config/config.yaml", " dampings: [", " dampings: [5.0e-4, ")
-    assert built.plan() == ANEW
 
 
 def test_a_changed_claim_reruns_the_figure_that_names_it(built):
@@ -182,7 +172,6 @@ def test_a_figure_that_is_built_alone_fails_with_its_checks(built):
     ("change", "jobs"),
     [
         ("fig8_08={dampings: [1.0e-4, 1.0e-3]}", {"fig8_08"}),
-        ("fig8_03={drive: {screw_inertia: 3.0e-6}}", {"fig8_03"}),
         ("table_8_1={pitch_radius: 5.2e-3}", {"fig8_03", "fig8_08"}),
     ],
 )
@@ -227,12 +216,9 @@ def test_a_failed_check_fails_the_run_with_the_reason(fresh):
 
 def test_what_was_deleted_comes_back(built):
     """Two files neither of which comes back because of the other."""
-    paths = [built.folder / "results" / name for name in ("datasets/fig8_08.nc", "figures/fig8_03.pdf")]
-    for path in paths:
-        path.unlink()
-    run = built()
-    assert run.returncode == 0, run.stdout
-    assert all(path.is_file() for path in paths)
+    for name in ("datasets/fig8_08.nc", "figures/fig8_03.pdf"):
+        (built.folder / "results" / name).unlink()
+    assert built.plan() >= {"Computing fig8_08", "Drawing fig8_03"}
 
 
 @pytest.mark.slow

@@ -1,20 +1,18 @@
 """CVODE of SUNDIALS through scikit-sundae, with its root finding, started again in the new mode after each event."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from sksundae.cvode import CVODE
 
-from benchmarks.rivals.hybrid import MOST_STEPS, Clock, GaveUp, Hybrid, HybridMode
+from benchmarks.rivals.hybrid import MOST_STEPS, Clock, GaveUp, Hybrid, HybridMode, Integrate
 
 _FINEST = 1e-14  # relative tolerance; CVODE wants no less
 _ROOT = 2  # CVODE's return value at an event
 
 
-def prepare(
-    hybrid: Hybrid, setting: float, clock: Clock, max_events: int, solver: str, capped: bool = False
-) -> Callable:
-    """Return a function that runs CVODE (``solver``: Adams or BDF) at relative tolerance ``setting``.
+def integrator(hybrid: Hybrid, setting: float, clock: Clock, solver: str, capped: bool = False) -> Integrate:
+    """Return what follows one mode with CVODE (``solver``: Adams or BDF) at relative tolerance ``setting``.
 
     ``capped``: with the scene's step cap. Absolute tolerances are ``setting`` times the sizes of the coordinates; BDF
     is given the Jacobian.
@@ -30,9 +28,6 @@ def prepare(
     functions = [_functions(mode, clock, solver == "BDF") for mode in hybrid.modes]
 
     def integrate(mode: int, now: float, state: Sequence[float], end: float):
-        """Follow a mode to its first guard or to ``end`` [s]; return (time, state, guard or None)."""
-        if end <= now:
-            return now, state, None
         arc = CVODE(**functions[mode], **options)  # a solver that is used again keeps, and copies, all earlier events
         arc.init_step(now, np.array(state))
         found = arc.step(end, method="normal", tstop=end)
@@ -41,7 +36,7 @@ def prepare(
         guard = int(np.flatnonzero(found.i_events[-1])[0]) if found.status == _ROOT else None
         return float(found.t), np.array(found.y), guard
 
-    return lambda: hybrid.run(integrate, clock, max_events)
+    return integrate
 
 
 def _functions(mode: HybridMode, clock: Clock, jacobian: bool) -> dict:

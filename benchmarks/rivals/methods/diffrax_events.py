@@ -14,7 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 import optimistix
 
-from benchmarks.rivals.hybrid import MOST_STEPS, RETRIES, Clock, GaveUp, Hybrid, HybridMode
+from benchmarks.rivals.hybrid import MOST_STEPS, RETRIES, Clock, GaveUp, Hybrid, HybridMode, Integrate
 
 jax.config.update("jax_enable_x64", True)
 # One thread, as all other methods have: run times are processor times, and a second worker of XLA that waits for work
@@ -27,10 +27,8 @@ _FAINT = 1e-18  # factor of the guards: bisection asks for small values too, whe
 _SMALLEST = 1e-300  # keeps zero by zero out
 
 
-def prepare(
-    hybrid: Hybrid, setting: float, clock: Clock, max_events: int, solver: str, capped: bool = False
-) -> Callable:
-    """Return a function that runs ``solver`` on the scene at relative tolerance ``setting``; ``capped``: step cap.
+def integrator(hybrid: Hybrid, setting: float, clock: Clock, solver: str, capped: bool = False) -> Integrate:
+    """Return what follows one mode with ``solver`` at relative tolerance ``setting``; ``capped``: step cap.
 
     Absolute tolerances are ``setting`` times the sizes of the coordinates. Guards are watched through the least of
     them, relative to their terms, and the event is found by bisection on the solver's interpolation. Where that finds
@@ -44,9 +42,6 @@ def prepare(
         arc(mode, tolerances, np.array([*np.zeros(n), 1e-12, cap]))  # compiled here, not in what is timed
 
     def integrate(mode: int, now: float, state: Sequence[float], end: float):
-        """Follow a mode to its first guard or to ``end`` [s]; return (time, state, guard or None)."""
-        if end <= now:
-            return now, state, None
         for tries in range(RETRIES):
             longest = min(cap, scene.step_cap * 0.25**tries) if tries else cap
             found = np.asarray(arc(modes[mode], tolerances, np.array([*state, end - now, longest]))).tolist()
@@ -58,7 +53,7 @@ def prepare(
                 return now + away, found[:n], int(guard) if met else None
         raise GaveUp("no step away from a guard")
 
-    return lambda: hybrid.run(integrate, clock, max_events)
+    return integrate
 
 
 def _guards(mode: HybridMode) -> np.ndarray:

@@ -5,14 +5,14 @@ from one to the next. The numbers of a mode are heyoka's run-time parameters, so
 of its zeros and on the tolerance only, and modes and scenes share it.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from copy import copy
 from functools import cache
 
 import heyoka as hy
 import numpy as np
 
-from benchmarks.rivals.hybrid import Clock, GaveUp, Hybrid, HybridMode
+from benchmarks.rivals.hybrid import Clock, GaveUp, Hybrid, HybridMode, Integrate
 
 _FINEST = float(np.finfo(float).eps)  # tolerance; heyoka's own default, below it the order only grows
 _CHUNK = 1000  # steps, about half a millisecond, after which the clock is looked at
@@ -26,8 +26,8 @@ hy.set_logger_level_critical()  # it warns of what is expected here, in the midd
 BranchPattern = tuple[tuple[bool, ...], ...]
 
 
-def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Callable:
-    """Return a function that runs heyoka's adaptive Taylor integrator on the scene at tolerance ``setting``.
+def integrator(hybrid: Hybrid, setting: float, clock: Clock) -> Integrate:
+    """Return what follows one mode with heyoka's adaptive Taylor integrator at tolerance ``setting``.
 
     The tolerance is relative to the largest coordinate, so that coordinates and guards are given in sizes of the scene
     (rounded to powers of two, which costs no digit). Everything is compiled here, not in what is timed.
@@ -39,10 +39,7 @@ def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Ca
     held = 0.0, 0.0  # time in twice the digits, as heyoka itself keeps it, from one arc to the next
 
     def integrate(mode: int, now: float, state: Sequence[float], end: float):
-        """Follow a mode to its first guard or to ``end`` [s]; return (time, state, guard or None)."""
         nonlocal held
-        if end <= now:
-            return now, state, None
         arc, here = arcs[mode], states[mode]
         arc.dtime = held if held[0] == now else (now, 0.0)
         for k, unit in enumerate(units):
@@ -61,7 +58,7 @@ def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Ca
         held = arc.dtime
         return held[0], after, -outcome - 1  # what heyoka makes of the index of an event that ends a run
 
-    return lambda: hybrid.run(integrate, clock, max_events)
+    return integrate
 
 
 def _integrator(mode: HybridMode, scale: np.ndarray, tolerance: float) -> hy.taylor_adaptive:

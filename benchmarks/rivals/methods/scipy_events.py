@@ -1,6 +1,6 @@
 """``scipy.integrate.solve_ivp`` with events, started again in the new mode after each."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -8,14 +8,6 @@ from scipy.integrate import solve_ivp
 from benchmarks.rivals.hybrid import RETRIES, Clock, GaveUp, Hybrid, Integrate
 
 _IMPLICIT = ("Radau", "BDF", "LSODA")
-
-
-def prepare(
-    hybrid: Hybrid, setting: float, clock: Clock, max_events: int, solver: str, capped: bool = False
-) -> Callable:
-    """Return a function that runs ``solver`` on the scene; arguments as of :func:`integrator`."""
-    integrate = integrator(hybrid, setting, clock, solver, capped)
-    return lambda: hybrid.run(integrate, clock, max_events)
 
 
 def integrator(hybrid: Hybrid, setting: float, clock: Clock, solver: str, capped: bool = False) -> Integrate:
@@ -32,9 +24,6 @@ def integrator(hybrid: Hybrid, setting: float, clock: Clock, solver: str, capped
         options["max_step"] = scene.step_cap
 
     def integrate(mode: int, now: float, state: Sequence[float], end: float):
-        """Follow a mode to its first guard or to ``end`` [s]; return (time, state, guard or None)."""
-        if end <= now:
-            return now, state, None
         field, events = modes[mode]
         limits = dict(options)
         jacobian = {"jac": hybrid.modes[mode].matrix} if solver in _IMPLICIT[:2] else {}

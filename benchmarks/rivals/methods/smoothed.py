@@ -17,7 +17,6 @@ from benchmarks.jit import kernel
 from benchmarks.record import Record
 from benchmarks.rivals.hybrid import Clock, Hybrid
 from benchmarks.rivals.race_scenes import RaceScene
-from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 from lsvib.models.mechanism import seated_state
 
@@ -40,27 +39,22 @@ def _record(scene: RaceScene, width: float, found) -> Record:
     )
 
 
-def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Callable:
+def runner(hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Callable:
     """Return a function that runs the scene with the width ε = ``setting`` [rad/s]."""
     scene = hybrid.scene
     drive, state = scene.drive, np.array(scene.state)
     compliant = "threads" in scene.drive.parts
     if not compliant and coefficients(drive).paradox:
-        drive, compliant = threads_drive(drive.model_dump()), True
+        drive, compliant = threads_drive(drive), True
         state = seated_state(drive, *state)
-    c, lead = coefficients(drive), drive.lead_angle
-    if compliant:
-        own = (
-            drive.axial_force,
-            c.deflection,
-            math.cos(lead),
-            math.sin(lead),
-            drive.contact_stiffness,
-            drive.contact_damping,
-        )
-    else:
-        own = (c.net_force, c.xi[c.steady_law], *c.q_row)
-    numbers, rate = _numbers(drive, *own), _threads_rate if compliant else _rigid_rate
+    c, d, lead = coefficients(drive), drive, drive.lead_angle
+    own = (d.axial_force, c.deflection, math.cos(lead), math.sin(lead), d.contact_stiffness, d.contact_damping)
+    rate, own = (_threads_rate, own) if compliant else (_rigid_rate, (c.net_force, c.xi[c.steady_law], *c.q_row))
+    both = (
+        d.pitch_radius, math.tan(lead), d.screw_inertia, d.coupling_stiffness, d.support_damping,
+        d.friction_coefficient, d.input_speed, d.mass, d.translation_damping,
+    )  # fmt: skip
+    numbers = tuple(float(value) for value in (*both, *own))
     scales = np.array([0.1, abs(drive.input_speed), 1e-6, 1e-6])[: state.size]
 
     def field(t, x, out):
@@ -77,16 +71,6 @@ def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Ca
         return lambda: _record(scene, setting, found)
 
     return run
-
-
-def _numbers(drive: Drive, *more) -> tuple[float, ...]:
-    """The parameters that both models have, and more."""
-    values = (
-        drive.pitch_radius, math.tan(drive.lead_angle), drive.screw_inertia, drive.coupling_stiffness,
-        drive.support_damping, drive.friction_coefficient, drive.input_speed, drive.mass, drive.translation_damping,
-        *more,
-    )  # fmt: skip
-    return tuple(float(value) for value in values)
 
 
 @kernel

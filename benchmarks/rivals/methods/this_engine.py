@@ -11,7 +11,7 @@ from lsvib.engine.motion import Motion, follow
 from lsvib.errors import EngineError
 
 
-def prepare(hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Callable:
+def runner(hybrid: Hybrid, setting: float, clock: Clock, max_events: int) -> Callable:
     """Return a function that runs the engine on the scene; ``setting`` and ``clock`` are not needed."""
     automaton, state = hybrid.automaton, np.array(hybrid.scene.state)
 

@@ -1,4 +1,4 @@
-"""Stick–slip under the friction law of the powered seat: ``python -m benchmarks.friction_law``.
+"""A race under the friction law of the powered seat: ``python -m benchmarks.rivals.friction_law``.
 
 Prints, for the engine, heyoka and CVODE from event to event in Python, the relative error of a period against 33 digits
 and the processor time that one takes. The rivals follow slip alone, to θ′ = 0; rest is a straight line.
