@@ -10,8 +10,8 @@ from references import newton
 from references.drives import DRIVES, LIKE_PARTS, LIKE_TABLE_8_1, about, drawn, one_of, threads_drive, times
 
 from lsvib import Drive
-from lsvib.contact.contact_force import contact_forces
 from lsvib.errors import InputError, NoThreshold
+from lsvib.figures.contact_force import contact_forces
 from lsvib.models import friction
 from lsvib.models.pairings import PAIRINGS
 from lsvib.stability import linear

@@ -15,7 +15,7 @@ from lsvib.datasets.checks import Check
 from lsvib.datasets.io import read_dataset, write_dataset
 from lsvib.errors import InputError
 from lsvib.figures import style
-from lsvib.figures.configuration import PARTS, complete_settings, load
+from lsvib.figures.configuration import PARTS, complete_settings, load, module_of
 from lsvib.files import write_json, write_text
 
 FULL, DRAFT = 300, 100  # resolution of a PNG for print and of one for a quick look [dots per inch]
@@ -45,8 +45,8 @@ def build_figure(
 
 def compute_part(figure: str, part: str, given: Mapping[str, Any], file: File) -> None:
     """Compute and write a part of a figure that rules of their own make: ``analysis`` or ``maps`` (:data:`PARTS`)."""
-    module = load(figure)
-    write_dataset(getattr(module, part)(complete_settings(figure, given)), file, f"{module.__name__}.{part}")
+    made = getattr(load(figure), part)(complete_settings(figure, given))
+    write_dataset(made, file, f"{module_of(figure)}.{part}")
 
 
 def compute_figure(
@@ -75,7 +75,7 @@ def compute_figure(
     }
     made = {"settings": json.dumps(settings)} | ({} if sources is None else {"sources_sha256": sources})
     dataset = module.build(settings, **own).assign_attrs(made)
-    write_dataset(dataset, dataset_file, f"{module.__name__}.build")
+    write_dataset(dataset, dataset_file, f"{module_of(figure)}.build")
     checks: list[Check] = module.checks(dataset)
     write_json([check.to_json() for check in checks], checks_file)
     return checks

@@ -1,32 +1,31 @@
 """Phase portraits of the contact force (Sect. 8.2), figures 8.1 and 8.2: dataset, checks and picture.
 
 The abscissa is the chapter's χ = N b_s / W (8.8). The ordinate is its rate, scaled by the time and force scale of law −
-on both sides, so that it is continuous at χ = 0; see :mod:`lsvib.contact.contact_force`.
+on both sides, so that it is continuous at χ = 0; see :mod:`lsvib.figures.contact_force`.
 """
 
 import math
 from collections.abc import Sequence
+from functools import partial
 from itertools import product
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from lsvib.contact import contact_force
-from lsvib.contact.contact_force import ForceOutcome, Paradox
 from lsvib.datasets import spans
 from lsvib.datasets.attributes import Variables, attributes, drive_parameters, flagged, named_index, variable
 from lsvib.datasets.checks import Check
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.layout import A1, ALPHA, BETA, EQUILIBRIUM, R1, R2, Status
 from lsvib.errors import InputError
-from lsvib.figures import drawing, style
-from lsvib.figures.common import EIGENVALUE, Motion, named
+from lsvib.figures import contact_force, drawing, style
+from lsvib.figures.common import EIGENVALUE, Figure, Motion, about, named
+from lsvib.figures.contact_force import ForceOutcome, Paradox
 from lsvib.figures.settings import ContactPortrait, Values
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 
-SOURCE = "closed-form flow of the contact force (8.12) with exact changes of the law"
 _LAWS = (1, -1)  # sgn(θ′) sgn(N), in the order of the dimension
 _UNIT = "kg-1 m-2"
 _SIGN_OF_FORCE = {
@@ -45,7 +44,7 @@ _ENTRIES = ("contact", "start", "stable", "unstable", "bounded", "growing", "sad
 _WORDS = {"facecolor": "#FFFFFFC0", "linewidth": 0, "pad": 1.0}
 
 
-def portrait(settings: Values, paradox: Paradox) -> xr.Dataset:
+def portrait(settings: Values, paradox: Paradox, figure: str, places: str) -> xr.Dataset:
     """Compute motions of the contact force, their outcomes on a grid, and the saddle's manifolds; Γ₊ < 0, θ′ > 0."""
     base = Drive.of({"contact_stiffness": settings["contact_stiffness"], **settings["drive"]})
     drives = [base.replace(contact_damping=damping) for damping in settings["contact_dampings"]]
@@ -77,6 +76,12 @@ def portrait(settings: Values, paradox: Paradox) -> xr.Dataset:
             "contact_damping_ratio": variable("case", ratios, "1", f"contact damping {times}", r"$\zeta$"),
             "force_scale": variable((), scale, "1", "factor between the force scales of the laws", "$b_+/b_-$"),
         },
+        attrs=about(
+            f"Figure {figure}: phase portrait of the contact force in the {paradox.name.lower()} case, without and "
+            "with contact damping",
+            "closed-form flow of the contact force (8.12) with exact changes of the law",
+            places,
+        ),
     ).set_coords("effective_inertia_of_law")
 
 
@@ -217,7 +222,7 @@ def _rate(long_name: str) -> dict[str, Any]:
     return attributes(_UNIT, f"{long_name}, scaled by law - on both sides", r"$\chi'$", comment=_OF_RATE)
 
 
-def within_separatrix(case: xr.Dataset) -> np.ndarray:
+def _within_separatrix(case: xr.Dataset) -> np.ndarray:
     """Return which states of the grid lie in the loop of the saddle's separatrix, by the energy integral of (8.11)."""
     force, saddle = case.grid_contact_force, case.equilibrium_contact_force.sel(law=1)
     energy = _potential(case, force) + case.grid_contact_force_rate**2 / 2  # in the scales of law −; 0 at the origin
@@ -232,41 +237,84 @@ def _potential(case: xr.Dataset, force: xr.DataArray) -> xr.DataArray:
     return stiffness * x**2 / 2 - x / minus
 
 
-def energy_check(dataset: xr.Dataset) -> Check:
-    """Check that the energy integral is constant along the motions of the case without contact damping, the first."""
-    case = dataset.isel(case=0)
+def _common_checks(dataset: xr.Dataset, outcome: str) -> list[Check]:
+    """Check what both portraits have: how motions of an ``outcome`` grow in the end, the energy, and Newton's laws.
+
+    The closed forms (8.11), (8.12) make no use of these laws. Energy is constant along the motions of the case without
+    contact damping, the first.
+    """
+    case, gap = dataset.isel(case=0), dataset.equilibrium_contact_force / dataset.equilibrium_contact_force_by_newton
     parts = xr.concat([_potential(case, case.contact_force), case.contact_force_rate**2 / 2], "part")
     total, size = parts.sum("part"), abs(parts).max(["part", "sample"])
     spread = float(((total.max("sample") - total.min("sample")) / size).max())
-    words = f"largest spread {spread:.1e} of the larger of potential and kinetic part"
-    return Check.of("contact_portraits.energy", words, spread < 1e-12)
-
-
-def growth_check(dataset: xr.Dataset, outcome: str) -> Check:
-    """Check how motions of an ``outcome`` grow in the end."""
     distance = dataset.contact_force[..., -1] - dataset.equilibrium_contact_force.sel(law=1)
     rate = dataset.contact_force_rate[..., -1] * dataset.force_scale / distance
     off = abs(rate / dataset.scaled_eigenvalue_real_part.sel(law=1).max("eigenvalue") - 1)
-    gap = float(off.where(named(dataset.start_outcome, outcome)).max())
-    words = f"rate over distance from 1/Γ₊ deviates by at most {gap:.2%} of it"
-    return Check.of("contact_portraits.growth", words, gap < 0.01)
-
-
-def newton_checks(dataset: xr.Dataset) -> list[Check]:
-    """Check equilibria and eigenvalues against Newton's laws, of which the closed forms (8.11), (8.12) make no use."""
-    gap = float(np.abs(dataset.equilibrium_contact_force / dataset.equilibrium_contact_force_by_newton - 1).max())
+    growth = float(off.where(named(dataset.start_outcome, outcome)).max())
+    gap = float(abs(gap - 1).max())
     values = dataset.scaled_eigenvalue_real_part + 1j * dataset.scaled_eigenvalue_imaginary_part
     first, second = values.isel(eigenvalue=0), values.isel(eigenvalue=1)
     trace = float((np.abs(first + second - dataset.jacobian_trace) / np.abs(first)).max())
     product = float(np.abs(first * second / dataset.jacobian_determinant - 1).max())
     return [
-        Check.of("contact_portraits.equilibria", f"largest relative difference {gap:.1e}", gap <= 1e-12),
-        Check.of(
-            "contact_portraits.eigenvalues",
-            f"their sum differs from its trace by {trace:.1e} of them, their product from its determinant by "
-            f"{product:.1e}",
-            max(trace, product) <= 1e-12,
+        Check.that("contact_portraits.equilibria", gap <= 1e-12, gap=gap),
+        Check.that("contact_portraits.eigenvalues", max(trace, product) <= 1e-12, trace=trace, product=product),
+        Check.that("contact_portraits.energy", spread < 1e-12, spread=spread),
+        Check.that("contact_portraits.growth", growth < 0.01, gap=growth),
+    ]
+
+
+def _indeterminate_checks(dataset: xr.Dataset) -> list[Check]:
+    """Check saddle and centre, both outcomes and what decides between them, and the focus under contact damping."""
+    elastic, damped = dataset.isel(case=0), dataset.isel(case=1)
+    bounded, unbounded = (named(elastic.grid_outcome, word) for word in ("bounded", "minus infinity"))
+    last = dataset.contact_force.values[named(dataset.start_outcome, "minus infinity")][:, -1]
+    real, imaginary = dataset.scaled_eigenvalue_real_part, dataset.scaled_eigenvalue_imaginary_part
+    (saddle, growth), (twist, frequency) = ([part.sel(law=law) for law in _LAWS] for part in (real, imaginary))
+    ends = damped.contact_force.values[named(damped.start_outcome, "bounded"), -1]
+    # e⁻⁸ of a start is left where the motions end.
+    gap = float(np.abs(ends * float(damped.effective_inertia_of_law.sel(law=-1)) - 1).max(initial=0.0))
+    chi = dataset.equilibrium_contact_force
+    return [
+        *_common_checks(dataset, "minus infinity"),
+        Check.that("fig8_01.two_solutions", (chi * dataset.law_side > 0).all(), chi=chi),
+        Check.that(
+            "fig8_01.saddle",
+            (saddle.prod("eigenvalue") < 0).all() and (twist == 0).all(),
+            eigenvalues=str(saddle.values.round(4).tolist()),
         ),
+        Check.that(
+            "fig8_01.centre", (growth[0] == 0).all() and (frequency[0] != 0).all(), frequency=abs(frequency[0, 0])
+        ),
+        Check.without_exception("fig8_01.loop", (bounded != _within_separatrix(elastic)).sum(), bounded.size, "starts"),
+        Check.that(
+            "fig8_01.outcomes",
+            bounded.any() and unbounded.any() and (bounded | unbounded).all(),
+            bounded=bounded,
+            unbounded=unbounded,
+        ),
+        Check.everywhere("fig8_01.unbounded", last < float(dataset.grid_contact_force.min())),
+        Check.that(
+            "fig8_01.focus",
+            (growth[1] < 0).all() and (frequency[1] != 0).all(),
+            real=growth[1, 0],
+            imaginary=abs(frequency[1, 0]),
+        ),
+        Check.that("fig8_01.settles", ends.size and gap < 0.01, ends=ends, gap=gap),
+    ]
+
+
+def _inconsistent_checks(dataset: xr.Dataset) -> list[Check]:
+    """Check that nothing is in equilibrium and that every contact force ends growing in the first quadrant."""
+    chi, sides = dataset.equilibrium_contact_force, dataset.law_side
+    last = [x.values[..., -2:] for x in (dataset.contact_force, dataset.contact_force_rate)]
+    rising = [(x[..., 1] > x[..., 0]) & (x[..., 0] > 0) for x in last]
+    drawn = rising[0] & rising[1] & named(dataset.start_outcome, "plus infinity")
+    return [
+        *_common_checks(dataset, "plus infinity"),
+        Check.that("fig8_02.no_solution", (chi * sides < 0).all(), chi=chi, sides=sides),
+        Check.everywhere("fig8_02.every_start", named(dataset.grid_outcome, "plus infinity"), "starts"),
+        Check.everywhere("fig8_02.drawn", drawn, "motions"),
     ]
 
 
@@ -334,3 +382,30 @@ def _equilibria(axes: style.Axes, case: xr.Dataset) -> None:
         kind = "saddle" if law > 0 else "centre or focus"
         look = {"color": style.GREEN, "mfc": style.GREEN if real else "white", "markersize": 6, "linestyle": "none"}
         axes.plot(x, 0, marker, label=f"{kind} ${inverse}${'' if real else ', virtual'}", zorder=5, **look)
+
+
+fig8_01 = Figure(
+    ContactPortrait,
+    """\
+Phase portrait of the contact force while the threads are stiff, in the indeterminate case and with the screw turning
+forwards, (a) without and (b), not in the chapter, with contact damping. Abscissa: the chapter's force χ (8.8);
+ordinate: its rate, scaled alike on both sides. Law + has a saddle where the contact force is positive, law − a centre
+or a focus where it is negative; the saddle's stable manifold separates contact forces that stay bounded from those that
+grow without bound. In (a) part of the unstable manifold lies on it. Arrows point along time.
+""",
+    partial(portrait, paradox=Paradox.INDETERMINATE, figure="8.1", places="Sect. 8.2, Fig. 8.1, Remark 8.1"),
+    _indeterminate_checks,
+    draw,
+)
+fig8_02 = Figure(
+    ContactPortrait,
+    """\
+Phase portrait of the contact force while the threads are stiff, in the inconsistent case and with the screw turning
+forwards, (a) without and (b), not in the chapter, with contact damping. Both equilibria lie where the other law holds,
+so there is no solution; every contact force ends growing in the first quadrant along the unstable manifold of the
+virtual saddle. Arrows point along time.
+""",
+    partial(portrait, paradox=Paradox.INCONSISTENT, figure="8.2", places="Sect. 8.2, Fig. 8.2"),
+    _inconsistent_checks,
+    draw,
+)

@@ -7,12 +7,12 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from lsvib.contact.contact_force import Existence, existence
 from lsvib.datasets import newton, spans
 from lsvib.datasets.attributes import Variables, attributes, drive_parameters, flagged, variable, varied, yes_no
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, printed_laws, style
 from lsvib.figures.common import about, flag_names, named
+from lsvib.figures.contact_force import Existence, existence
 from lsvib.figures.settings import DriveChanges, DriveFigure, Span, Values, several
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
@@ -114,13 +114,13 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     saddles = named(dataset.stability, "saddle") == (inertia < 0)
     ratio = dataset.node_focus_effective_damping**2 / (4 * stiffness * dataset.node_focus_effective_inertia)
     # LAPACK keeps only half of the digits (1.5e-8) where two eigenvalues coincide.
-    largest = _distance_from_lapack(inertia, damping, stiffness)
+    largest, placed = _distance_from_lapack(inertia, damping, stiffness), _distance_from_newton(dataset)
     return [
-        Check.of("fig8_03.stable", f"{wrong} exceptions among {regular.sum()} points", wrong == 0 and stable.any()),
+        Check.that("fig8_03.stable", wrong == 0 and stable.any(), wrong=wrong, regular=regular),
         Check.without_exception("fig8_03.saddle", np.sum(regular & ~saddles), regular.sum()),
-        *_placed_checks(dataset),
+        Check.that("fig8_03.placed", placed < 1e-12, placed=placed),
         Check.of("fig8_03.node_focus", ratio, expected=1.0),
-        Check.of("fig8_03.eigenvalues", f"largest difference {largest:.1e}", largest < 1e-7),
+        Check.that("fig8_03.eigenvalues", largest < 1e-7, largest=largest),
         *_condition_checks(dataset),
     ]
 
@@ -129,42 +129,39 @@ def _condition_checks(dataset: xr.Dataset) -> list[Check]:
     """Check the conditions of the chapter, as printed, on drives on both sides of each of them."""
     swept = {name[6:]: dataset[name] for name in dataset.coords if name.startswith("swept_")}
     p = SimpleNamespace(**{str(name): x for name, x in dataset.coords.items()} | swept)
+    net, free = printed_laws.net_force(p), p.translation_damping == 0
     locking, pushed = p.friction_coefficient > np.tan(p.lead_angle), p.axial_force * p.input_speed > 0
-    third = printed_laws.inertia(p, 1) < 0
-    negative = locking & (printed_laws.net_force(p) * p.input_speed > 0) & (printed_laws.damping(p, 1) < 0)
+    third, negative = printed_laws.inertia(p, 1) < 0, (net * p.input_speed > 0) & (printed_laws.damping(p, 1) < 0)
     plus, minus = dataset.effective_inertia_plus, dataset.effective_inertia_minus
     inertia, damping = dataset.swept_effective_inertia, dataset.swept_effective_damping
-    unstable, free = dataset.growth_rate_of_steady_sliding > 0, p.translation_damping == 0
+    unstable = dataset.growth_rate_of_steady_sliding > 0
     gap = max(float(abs(x - printed_laws.inertia(p, s)).max() / p.screw_inertia) for s, x in ((1, plus), (-1, minus)))
-    none, of, lost = dataset.without_solution == 1, "drives", plus < 0
+    none, of = dataset.without_solution == 1, "drives"
     both, ways = (inertia < 0) | (damping < 0), ((inertia < 0) & (damping > 0), (inertia > 0) & (damping < 0))
-    net = printed_laws.net_force(p)
     allowed = {s: s * net / printed_laws.lever(p, s) * p.input_speed > 0 for s in (1, -1)}
     of_sign, opposed = xr.where(allowed[1], plus, minus), (inertia == minus) & (minus > 0) & ~unstable
 
     def among(truth: xr.DataArray, cases: xr.DataArray) -> np.ndarray:
         return truth.broadcast_like(unstable).values[cases.broadcast_like(unstable).values]
 
+    found = [among(unstable, way) for way in ways]
     return [
-        Check.of("fig8_03.inertias", f"{gap:.1e}", gap < 1e-9),
+        Check.that("fig8_03.inertias", gap < 1e-9, gap=gap),
         Check.everywhere("fig8_03.one_sign", (allowed[1] != allowed[-1]) & (inertia == of_sign), of),
         Check.everywhere("fig8_03.law_minus", minus > p.screw_inertia, of),
-        Check.everywhere("fig8_03.law_plus", among(locking, lost), of),
+        Check.everywhere("fig8_03.law_plus", among(locking, plus < 0), of),
         Check.everywhere("fig8_03.force_against", among(opposed, free & ~pushed), of),
         Check.everywhere("fig8_03.paradoxes", none == (locking & third), of),
         Check.everywhere("fig8_03.kinematic", among(unstable == (locking & pushed & third), free), of),
-        Check.everywhere("fig8_03.negative_damping", (damping < 0) == negative, of),
+        Check.everywhere("fig8_03.negative_damping", (damping < 0) == (locking & negative), of),
         Check.everywhere("fig8_03.necessary", among(locking & pushed, unstable), of),
-        Check.of(
+        Check.that(
             "fig8_03.locking",
-            f"Γ_0 of {int((inertia < 0).sum())} drives and C_0 of {int((damping < 0).sum())}",
-            bool((inertia < 0).any() & (damping < 0).any() & (locking | ~both).all()),
+            (inertia < 0).any() and (damping < 0).any() and (locking | ~both).all(),
+            inertias=inertia < 0,
+            dampings=damping < 0,
         ),
-        Check.of(
-            "fig8_03.either",
-            " and ".join(f"{int((unstable & way).sum())} of {int(way.sum())} drives" for way in ways),
-            all(way.any() and (unstable | ~way).all() for way in ways),
-        ),
+        Check.that("fig8_03.either", all(x.size and x.all() for x in found), inertia=found[0], damping=found[1]),
     ]
 
 
@@ -189,18 +186,15 @@ def _distance_from_lapack(inertia: np.ndarray, damping: np.ndarray, stiffness: f
     return float(np.max(np.abs(ours - theirs) / np.abs(ours).max(axis=1, keepdims=True)))
 
 
-def _placed_checks(dataset: xr.Dataset) -> list[Check]:
-    """Check Γ_0 and C_0 of each drive that is placed against Newton's laws."""
+def _distance_from_newton(dataset: xr.Dataset) -> float:
+    """Largest relative difference [1] of Γ_0 and C_0 of the drives that are placed from those of Newton's laws."""
     found = []
     for index in range(dataset.sizes["case"]):
         one = dataset.isel(case=index)
         p = newton.parameters(one)
-        lead = p["pitch_radius"] * np.tan(p["lead_angle"])
-        push = p["axial_force"] - lead * p["translation_damping"] * p["input_speed"]
-        theirs = newton.effective(p, 1 if push * p["input_speed"] > 0 else -1)
+        theirs = newton.effective(p, 1 if printed_laws.net_force(one) * p["input_speed"] > 0 else -1)
         found += [float(one.case_effective_inertia) / theirs[0] - 1, float(one.case_effective_damping) / theirs[1] - 1]
-    worst = np.abs(found).max(initial=0.0)
-    return [Check.of("fig8_03.placed", f"largest relative difference {worst:.1e}", worst < 1e-12)]
+    return float(np.abs(found).max(initial=0.0))
 
 
 @style.styled

@@ -126,19 +126,17 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     friction, tangent = dataset.swept_friction_coefficient.values, float(dataset.lead_tangent)
     holds, force = dataset.holds_without_torque.values == 1, dataset.axial_force.values
     line = dataset.contact_line_angle.values[force > claims()["fig8_06.onset_force"].value]
+    nears = line.size > 1 and (np.diff(np.abs(line)) > 0).all() and np.ptp(np.sign(line)) == 0
     return [
         newton.laws_check(dataset, "Fig. 8.6"),
         Check.of("fig8_06.lead_tangent", tangent),
-        Check.of(
+        Check.that(
             "fig8_06.self_locking",
-            f"at rest with μ = {', '.join(f'{x:.5g}' for x in friction[holds])}; tan λ = {tangent:.6g}",
             (holds == (friction > tangent)).all() and holds[-1],
+            friction=friction[holds],
+            tangent=tangent,
         ),
-        Check.of(
-            "fig8_06.line",
-            f"from {abs(line[-1]):.4g} to {abs(line[0]):.4g} rad off",
-            line.size > 1 and (np.diff(np.abs(line)) > 0).all() and np.ptp(np.sign(line)) == 0,
-        ),
+        Check.that("fig8_06.line", nears, line=np.abs(line)),
         *(Check.of(chapter.THRESHOLDS[name], dataset[name]) for name in _THRESHOLDS),
         newton.touching_check(dataset.isel(case=0), 1, dataset.detach_force, "Detach force"),
         *_curve_checks(dataset),
@@ -149,39 +147,22 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 
 def _curve_checks(dataset: xr.Dataset) -> list[Check]:
     """Check the amplitude between the thresholds, and that the regime changes there and nowhere else."""
-    onset, stick, detach = (float(dataset[name]) for name in _THRESHOLDS)
-    stops = dataset.smallest_velocity.values <= dataset.stop_velocity.values[0]
+    onset, stick, detach = limits = [float(dataset[name]) for name in _THRESHOLDS]
+    slowest = dataset.smallest_velocity.values
     force, amplitude = dataset.swept_axial_force.values, dataset.swept_amplitude.values
     below, last = amplitude[force < onset], amplitude[force > detach]
     slip = (force > onset) & (force < stick)
     slope = amplitude[slip] / dataset.net_force.values[slip]
     # At a threshold itself both neighbours' names are right: the cycle touches there.
-    sides = np.digitize(force, [onset, stick, detach])
-    right = np.select([sides == k for k in range(4)], [named(dataset.regime, name) for name in _REGIMES])
-    judged = ~np.isin(force, [onset, stick, detach])
+    right = np.choose(np.digitize(force, limits), [named(dataset.regime, name) for name in _REGIMES])
+    judged = ~np.isin(force, limits)
+    stops = (slowest <= dataset.stop_velocity.values[0]) == (force > stick)
     return [
-        Check.of(
-            "fig8_06.below_onset",
-            f"largest amplitude {below.max(initial=0.0):.1e} rad at {below.size} forces",
-            below.size and (below == 0).all(),
-        ),
-        Check.of(
-            "fig8_06.straight",
-            f"slope from {slope.min(initial=np.inf):.6g} rad/N, relative spread {spread(slope):.1e} over {slope.size} "
-            "forces",
-            (slope > 0).all() and spread(slope) < 1e-9,
-        ),
-        Check.of(
-            "fig8_06.constant",
-            f"from {last.min(initial=np.inf):.9f} rad, relative spread {spread(last):.1e} over {last.size} forces",
-            (last > 0).all() and spread(last) < 1e-12,
-        ),
+        Check.that("fig8_06.below_onset", below.size and (below == 0).all(), below=below),
+        Check.that("fig8_06.straight", (slope > 0).all() and spread(slope) < 1e-9, slope=slope, spread=spread(slope)),
+        Check.that("fig8_06.constant", (last > 0).all() and spread(last) < 1e-12, last=last, spread=spread(last)),
         Check.without_exception("fig8_06.regimes", np.sum(judged & ~right), judged.sum(), "forces"),
-        Check.of(
-            "fig8_06.rest",
-            f"smallest rate {dataset.smallest_velocity.values.min():.9g} rad/s",
-            (stops == (force > stick))[judged].all(),
-        ),
+        Check.that("fig8_06.rest", stops[judged].all(), slowest=slowest),
     ]
 
 
@@ -196,9 +177,9 @@ def _inset_checks(dataset: xr.Dataset) -> list[Check]:
     words, result = flag_names(dataset.attractor), []
     for found, force in zip(dataset.attractor, dataset.axial_force.values, strict=True):
         kind, id = expected[np.searchsorted(limits, force)]
-        names = ", ".join(sorted({words[value].replace(" ", "_") for value in found.values.ravel()}))
-        computed = f"{names} from {dataset.sizes['start']} starts"
-        result.append(Check.of(id, computed, named(found, kind).all(), force=force))
+        names = sorted({words[value].replace(" ", "_") for value in found.values.ravel()})
+        more = {"names": names, "starts": dataset.sizes["start"]}
+        result.append(Check.that(id, named(found, kind).all(), force=force, **more))
     return result
 
 
@@ -213,8 +194,6 @@ def _reading_checks(dataset: xr.Dataset) -> list[Check]:
     forces = {name: theirs[f"reading_{name}"] for name in ("stick_force", "detach_force")}
     off = [abs(force / claims()[chapter.THRESHOLDS[name]].value - 1) > 0.02 for name, force in forces.items()]
     read = f"as printed, read as that of m = {other:g} kg (with the stated m = {stated:g} kg it is"
-    found = " and ".join(f"{x:.3g} kg m2" for x in inertias.values())
-    others = " and ".join(f"{x:.2f} N" for x in forces.values())
     return [
         Check.of("fig8_06.damping_minus", ours["reading_effective_damping_minus"]),
         Check.of("fig8_06.damping_plus", ours["reading_effective_damping_plus"]),
@@ -222,8 +201,8 @@ def _reading_checks(dataset: xr.Dataset) -> list[Check]:
             Check.of(id, theirs[f"reading_effective_{id.partition('.')[2]}"], note=f"{read} {x:.3g} kg m2)")
             for id, x in inertias.items()
         ),
-        Check.of("fig8_06.stated_mass", f"m = {stated:g} kg gives {found}", all(wrong)),
-        Check.of("fig8_06.other_mass", f"m = {other:g} kg gives {others}", all(off), mass=other),
+        Check.that("fig8_06.stated_mass", all(wrong), mass=stated, inertias=list(inertias.values())),
+        Check.that("fig8_06.other_mass", all(off), mass=other, forces=list(forces.values())),
     ]
 
 

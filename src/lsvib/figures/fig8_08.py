@@ -93,24 +93,16 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     critical, meeting = float(dataset.critical_mass), float(dataset.meeting_mass)
     light = dataset.eigenvalue_real_part.where(dataset.mass < critical, drop=True)
     heavy = dataset.eigenvalue_real_part.where(dataset.mass > critical, drop=True)
-    losses = dataset.loss_of_stability.values
-    peak = float(dataset.eigenvalue_imaginary_part.max())
+    losses, peak = dataset.loss_of_stability.values, float(dataset.eigenvalue_imaginary_part.max())
     ratio = peak * float(dataset.support_damping) / float(dataset.coupling_stiffness)
     oscillating = dataset.mass.values[(dataset.eigenvalue_imaginary_part != 0).any("eigenvalue").values]
+    peaks = abs(ratio - 1) < 1e-6 and (oscillating < meeting * (1 + 1e-12)).all() and meeting < critical
     return [
         Check.of("fig8_08.critical_mass", critical),
         Check.of("fig8_08.spectrum", losses, expected=critical, count=losses.size),
-        Check.of(
-            "fig8_08.peak",
-            f"largest one {peak:.8g} rad/s at {float(dataset.peak_mass):.6g} kg, zero from {meeting:.6g} kg on",
-            abs(ratio - 1) < 1e-6 and (oscillating < meeting * (1 + 1e-12)).all() and meeting < critical,
-        ),
-        Check.of("fig8_08.below", f"largest real part {float(light.max()):.4g} 1/s", (light < 0).all()),
-        Check.of(
-            "fig8_08.above",
-            f"smallest positive one {float(heavy.max('eigenvalue').min()):.4g} 1/s",
-            (heavy.prod("eigenvalue") < 0).all(),
-        ),
+        Check.that("fig8_08.peak", peaks, peak=peak, mass=dataset.peak_mass, meeting=meeting),
+        Check.that("fig8_08.below", (light < 0).all(), light=light),
+        Check.that("fig8_08.above", (heavy.prod("eigenvalue") < 0).all(), growth=heavy.max("eigenvalue")),
     ]
 
 

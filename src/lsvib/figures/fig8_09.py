@@ -69,33 +69,21 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the signs of Γ₊, where the motions end, and that the choice of R does not decide it."""
     gamma, mass, critical = dataset.effective_inertia_plus.values, dataset.mass.values, float(dataset.critical_mass)
     sprags, amplitude = named(dataset.attractor, "sprag slip cycle")[1], dataset.amplitude.values[1].ravel()
-    forces, swept = dataset.swept_axial_force.values, dataset.swept_amplitude.values
+    forces, swept = dataset.swept_axial_force, dataset.swept_amplitude
     speed = dataset.impact_speed.values / float(-dataset.stop_velocity[1])
-    swing = float(np.ptp(speed) / (speed.max() + speed.min()))
+    swing, swings = float(np.ptp(speed) / (speed.max() + speed.min())), spread(amplitude)
+    same = named(dataset.swept_attractor, "sprag slip cycle").all() and swing < 0.02
+    sides = gamma[0] > 0 > gamma[1] and mass[0] < critical < mass[1]
     return [
         newton.laws_check(dataset, "Fig. 8.9"),
-        Check.of(
-            "fig8_09.fold",
-            f"Γ₊ = {gamma[0]:.3g} kg m2 at {mass[0]:g} kg, {gamma[1]:.3g} kg m2 at {mass[1]:g} kg; "
-            f"m_cr = {critical:.4f} kg",
-            gamma[0] > 0 > gamma[1] and mass[0] < critical < mass[1],
-        ),
+        Check.that("fig8_09.fold", sides, gamma=gamma, mass=mass, critical=critical),
         Check.everywhere("fig8_09.decays", named(dataset.attractor, "steady sliding")[0]),
         *printed_laws.steady_checks(dataset.isel(case=0)),  # c_x = 0
         printed_laws.stationary_check(dataset.isel(case=0)),
-        Check.of(
-            "fig8_09.sprag_slip",
-            f"{sprags.sum()} of {sprags.size}, amplitude {amplitude[0]:.6g} rad, relative spread "
-            f"{spread(amplitude):.1e}",
-            sprags.all() and spread(amplitude) < 1e-12,
+        Check.that(
+            "fig8_09.sprag_slip", sprags.all() and swings < 1e-12, sprags=sprags, amplitude=amplitude, spread=swings
         ),
-        Check.of(
-            "fig8_09.any_force",
-            f"R from {forces[0]:g} to {forces[-1]:g} N: sprag-slip, "
-            f"impact speed {speed.min():.4g} to {speed.max():.4g} times Ω, but amplitude "
-            f"{swept.max():.3g} down to {swept.min():.3g} rad",
-            named(dataset.swept_attractor, "sprag slip cycle").all() and swing < 0.02,
-        ),
+        Check.that("fig8_09.any_force", same, forces=forces, speed=speed, swept=swept),
     ]
 
 

@@ -103,30 +103,19 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     force, damping = dataset.mean_normal_force.values, dataset.support_damping.values
     deflection, damped, slips = np.abs(dataset.mean_deflection.values), damping > 0, damping >= limit
     lowest, gap = damping[np.argmin(force[0])], float(np.max(np.abs(amplitude[0] / amplitude[1] - 1)[slips]))
-    (first, *_, last), ratio = amplitude[0], deflection[0, -1] / deflection[0, 0]
+    ratio, later = deflection[0, -1] / deflection[0, 0], deflection[1, damped]
     axial = dataset.mean_axial_contact_force / float(dataset.axial_force)
     torque = dataset.mean_contact_torque / dataset.mean_coupling_torque
+    grows = (np.diff(deflection[0]) > 0).all() and (np.diff(later) > 0).all()
+    rises = (np.diff(force[:, slips]) > 0).all() and slips.sum() > 1
+    first = {"first": later[0], "least": damping[damped][0]}
     return [
         Check.everywhere("fig8_12.sprag_slip", named(dataset.attractor, "sprag slip cycle")),
-        Check.of("fig8_12.amplitude", f"from {first:.5g} to {last:.5g} rad", (np.diff(amplitude) < 0).all()),
-        Check.of(
-            "fig8_12.deflection",
-            f"|<z>| from {deflection[0, 0]:.5g} to {deflection[0, -1]:.5g} rad; by the rule at once, idle at "
-            f"c = 0, from {deflection[1, damped][0]:.5g} rad at c = {damping[damped][0]:.2g} N m s/rad",
-            (np.diff(deflection[0]) > 0).all() and (np.diff(deflection[1, damped]) > 0).all(),
-        ),
-        Check.of("fig8_12.considerable", f"by {ratio - 1:.0%}", ratio > 2),
-        Check.of(
-            "fig8_12.force",
-            f"from {force[0, slips][0]:.5g} N at c = {limit:.3g} N m s/rad to {force[0, -1]:.5g} N; below, "
-            f"where the screw rests, it falls from {force[0, 0]:.5g} to {force[0].min():.5g} N at c = {lowest:.2g}",
-            (np.diff(force[:, slips]) > 0).all() and slips.sum() > 1,
-        ),
-        Check.of(
-            "fig8_12.rules",
-            f"largest relative difference of the amplitudes {gap:.1e} for c >= {limit:.4g} N m s/rad",
-            gap < 1e-12,
-        ),
+        Check.that("fig8_12.amplitude", (np.diff(amplitude) < 0).all(), amplitude=amplitude[0]),
+        Check.that("fig8_12.deflection", grows, deflection=deflection[0], **first),
+        Check.that("fig8_12.considerable", ratio > 2, more=ratio - 1),
+        Check.that("fig8_12.force", rises, slips=force[0, slips], limit=limit, force=force[0], lowest=lowest),
+        Check.that("fig8_12.rules", gap < 1e-12, gap=gap, limit=limit),
         Check.of("fig8_12.axial_balance", axial, expected=1.0),
         Check.of("fig8_12.torque_balance", torque, expected=1.0),
     ]

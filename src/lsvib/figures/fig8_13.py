@@ -133,46 +133,25 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     """Check that softer contacts give smoother cycles, and where the deflection turns positive."""
     deflection, sprag = dataset.largest_deflection.values, dataset.sprag_deflection.values
     fastest, critical = dataset.largest_acceleration.values, dataset.critical_mass_with_contact.values
-    times = ", ".join(f"{1e6 * float(dataset.input_speed) / x:.3g}" for x in fastest)
     sprags, residual = named(dataset.attractor, "sprag slip cycle"), float(dataset.period_residual.max())
     limit, edge = dataset.boundary_contact_damping.values, float(np.abs(dataset.boundary_deflection).max())
     grid, above = dataset.grid_largest_deflection.values, dataset.grid_contact_damping.values > limit[:, None]
-    softest, stiffest = dataset.grid_contact_stiffness.values[[0, -1]]
-    next_below = grid[np.arange(len(limit)), above.argmax(axis=1) - 1]
+    negative, positive = grid[above] < 0, grid[np.arange(len(limit)), above.argmax(axis=1) - 1] > 0  # next below
+    stiffness, mass = dataset.grid_contact_stiffness.values, float(dataset.mass)
+    bounded = edge <= 1e-10 and negative.all() and positive.all()
+    sides = {"limit": limit, "stiffness": stiffness, "edge": edge, "negative": negative, "positive": positive}
+    lasts = {"sprag": sprag[-1], "whole": deflection[-1]}
+    during = sprag[-1] > 0 and abs(sprag[-1] - deflection[-1]) <= 1e-12
+    below = (critical < mass).all() and (np.diff(critical) < 0).all()
     return [
         newton.laws_check(cycle_motion(dataset), "Sect. 8.6.1, Fig. 8.13", "cycle"),
         newton.laws_check(cycle_motion(dataset, "rigid_cycle"), "Sect. 8.6.1, Fig. 8.13", "cycle of the rigid drive"),
-        Check.of(
-            "fig8_13.repeats",
-            f"{sprags.sum()} of {sprags.size}, residual {residual:.1e}",
-            sprags.all() and residual <= 1e-9,
-        ),
-        Check.of(
-            "fig8_13.critical_mass",
-            f"m = {float(dataset.mass):g} kg, m_cr = {', '.join(f'{x:.3g}' for x in critical)} kg",
-            (critical < float(dataset.mass)).all() and (np.diff(critical) < 0).all(),
-        ),
-        Check.of(
-            "fig8_13.smoother", f"{times} µs from the stiffest to the softest contact", (np.diff(fastest) < 0).all()
-        ),
-        Check.of(
-            "fig8_13.positive",
-            f"largest z {', '.join(f'{x:.4g}' for x in deflection)} rad",
-            deflection[-1] > 0 > deflection[:-1].max(),
-        ),
-        Check.of(
-            "fig8_13.during_sprag",
-            f"with the softest contact {sprag[-1]:.6g} rad during sprag, {deflection[-1]:.6g} rad on the cycle",
-            sprag[-1] > 0 and abs(sprag[-1] - deflection[-1]) <= 1e-12,
-        ),
-        Check.of(
-            "fig8_13.boundary",
-            f"c_c from {limit.min():.5g} to {limit.max():.5g} N s/m for k_c from {softest:.0e} to {stiffest:.0e} "
-            f"N/m; |max z| up to {edge:.1e} rad on it; negative for "
-            f"{(grid[above] < 0).sum()} of {above.sum()} contacts above, positive for "
-            f"{(next_below > 0).sum()} of {next_below.size} next below",
-            edge <= 1e-10 and (grid[above] < 0).all() and (next_below > 0).all(),
-        ),
+        Check.that("fig8_13.repeats", sprags.all() and residual <= 1e-9, sprags=sprags, residual=residual),
+        Check.that("fig8_13.critical_mass", below, mass=mass, critical=critical),
+        Check.that("fig8_13.smoother", (np.diff(fastest) < 0).all(), times=1e6 * float(dataset.input_speed) / fastest),
+        Check.that("fig8_13.positive", deflection[-1] > 0 > deflection[:-1].max(), largest=deflection),
+        Check.that("fig8_13.during_sprag", during, **lasts),
+        Check.that("fig8_13.boundary", bounded, **sides),
         Check.everywhere("fig8_13.sweep", named(dataset.grid_attractor, "sprag slip cycle")),
     ]
 

@@ -203,13 +203,10 @@ def _limits(drive: Drive) -> tuple[float, float]:
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check (a) and (b) for both readings of the mass, and the threshold of global stability between them."""
     mass, gamma = dataset.mass.values, dataset.effective_inertia_plus.values
+    sides = (gamma[:2] > 0).all() and (gamma[2:] < 0).all()
     return [
         newton.laws_check(dataset, "8.22, Fig. 8.14"),
-        Check.of(
-            "fig8_14.inertia",
-            f"Γ₊ = {gamma[0]:.3g} kg m2 at {mass[0]:g} kg and {gamma[2]:.3g} kg m2 at {mass[2]:g} kg",
-            (gamma[:2] > 0).all() and (gamma[2:] < 0).all(),
-        ),
+        Check.that("fig8_14.inertia", sides, gamma=gamma, mass=mass),
         *(_settling_check(dataset.isel(case=case), note) for case, note in ((0, " (as printed)"), (2, ""))),
         _one_attractor_check(dataset.isel(case=1), "fig8_14.no_cycle", "steady sliding"),
         _one_attractor_check(dataset.isel(case=3), "fig8_14.cycle", "sprag slip cycle"),
@@ -232,18 +229,15 @@ def _start_checks(heavy: xr.Dataset) -> list[Check]:
     arrivals = heavy.event_kind.copy(data=named(heavy.event_kind, "seizure"))
     after, of = heavy.event_velocity_deviation_after, "starts"
     forces = zip(straight, heavy.axial_force, strict=True)
-    counted = (f"{int(x.sum())} of {int(x.count())} starts at R = {float(r):g} N" for x, r in forces)
-    reversals = named(heavy.event_kind, "contact reversal").sum()
+    counted = [f"{int(x.sum())} of {int(x.count())} starts at R = {float(r):g} N" for x, r in forces]
+    reversals = named(heavy.event_kind, "contact reversal")
+    stops = not reversals.any() and arrivals.any() and (after == stop).where(arrivals, True).all()
     return [
         Check.everywhere("fig8_14.stops", jumps.values[(positive & forward).values], of),
         Check.everywhere("fig8_14.stops_backwards", jumps.values[back.values], of),
-        Check.of("fig8_14.some_starts", ", ".join(counted), not straight.where(back, True).all()),
+        Check.that("fig8_14.some_starts", not straight.where(back, True).all(), counted=counted),
         Check.everywhere("fig8_14.origin", origin.values[alone.values], of),
-        Check.of(
-            "fig8_14.seizes",
-            f"{int(arrivals.sum())} seizures, {reversals} reversals of the contact",
-            reversals == 0 and arrivals.any() and (after == stop).where(arrivals, True).all(),
-        ),
+        Check.that("fig8_14.seizes", stops, arrivals=arrivals, reversals=reversals),
     ]
 
 
@@ -251,70 +245,48 @@ def _settling_check(case: xr.Dataset, note: str) -> Check:
     """Check that all motions of a case of (a) settle, although those which are drawn meet N = 0 after their start."""
     settles, grid = (named(labels, "steady sliding") for labels in (case.attractor, case.grid_attractor))
     touches = (named(case.event_kind, "seizure", "contact reversal") & (case.event_time.values > 0)).sum(axis=1)
-    found = (
-        f"meets N = 0 {' and '.join(map(str, touches))} times; {_names(case.attractor)}; of {grid.size} "
-        f"other starts {grid.sum()} reach the origin"
-    )
-    values = {"mass": float(case.mass), "force": float(case.axial_force), "reading": note}
-    return Check.of("fig8_14.settles", found, settles.all() and grid.all() and touches.min() > 0, **values)
+    words = {"touches": " and ".join(map(str, touches)), "attractors": _names(case.attractor), "reading": note}
+    numbers = {"mass": case.mass, "force": case.axial_force, "grid": grid}
+    return Check.that("fig8_14.settles", settles.all() and grid.all() and touches.min() > 0, **words, **numbers)
 
 
 def _one_attractor_check(case: xr.Dataset, id: str, expected: str) -> Check:
     """Check that the motions drawn of a case of (b) reach one attractor, and all others reach it or the origin."""
     grid, amplitude = named(case.grid_attractor, "steady sliding"), case.amplitude.values
-    reached = (named(labels, expected) for labels in (case.attractor, case.grid_attractor))
-    found = (
-        f"{_names(case.attractor)}, amplitude {amplitude.min():.6g} to {amplitude.max():.6g} rad; origin: of "
-        f"{grid.size} other starts {grid.sum()} reach it"
-    )
-    holds = next(reached).all() and np.ptp(amplitude) <= 1e-12 * amplitude.max() and (grid | next(reached)).all()
-    return Check.of(id, found, holds, mass=float(case.mass), force=float(case.axial_force))
+    drawn, others = (named(labels, expected) for labels in (case.attractor, case.grid_attractor))
+    holds = drawn.all() and np.ptp(amplitude) <= 1e-12 * amplitude.max() and (grid | others).all()
+    numbers = {"mass": case.mass, "force": case.axial_force, "grid": grid, "amplitude": amplitude}
+    return Check.that(id, holds, attractors=_names(case.attractor), **numbers)
 
 
 def _corner_checks(dataset: xr.Dataset) -> list[Check]:
     """The end of Sect. 8.7: all starts at standstill up to the corner, beyond m_cr, and the threshold between."""
     force, threshold = dataset.axial_force.values, float(dataset.global_stability_force)
     above, below = dataset.bracket_attractor
-    settles = named(dataset.corner_attractor, "steady sliding")
-    counts = settles.sum(axis=2)
+    first, second = settles = named(dataset.corner_attractor, "steady sliding")[2:]
+    starts = {"starts": settles.shape[2], "first": first.sum(axis=1), "second": second.sum(axis=1)}
+    changes = named(above, "sprag slip cycle").all() and named(below, "steady sliding").all()
+    sides = {"above": _names(above), "below": _names(below)}
     return [
-        Check.of(
-            "fig8_14.corner",
-            f"(a) {counts[2].min()} and (b) {counts[3].min()} to {counts[3].max()} of {settles.shape[2]} starts",
-            settles[2].all() and not settles[3].all(axis=1).any(),
-        ),
-        Check.of("fig8_14.between", f"R = {threshold:.10g} N", force[2] < threshold < force[3]),
-        Check.of(
-            "fig8_14.changes",
-            f"{_names(above)} just above, {_names(below)} just below {threshold:.10g} N",
-            named(above, "sprag slip cycle").all() and named(below, "steady sliding").all(),
-        ),
+        Check.that("fig8_14.corner", first.all() and not second.all(axis=1).any(), **starts),
+        Check.that("fig8_14.between", force[2] < threshold < force[3], threshold=threshold),
+        Check.that("fig8_14.changes", changes, threshold=threshold, **sides),
     ]
 
 
 def _accumulation_checks(dataset: xr.Dataset) -> list[Check]:
     """Check that the seizures accumulate under the chapter's reading, in finite time, and are few under the other."""
     heavy = dataset.isel(case=np.isfinite(dataset.seizure_ratio.values))
-    counts = np.isfinite(heavy.seizure_distance.values).sum(axis=-1)
-    excess, timely, words = zip(*(_accumulation(heavy.isel(case=k)) for k in range(len(counts))), strict=True)
-    last = max(float(heavy.seizure_distance[k, 1].dropna("seizure")[-1]) for k in range(len(counts)))
+    few, many = np.isfinite(heavy.seizure_distance.values).sum(axis=-1).T
+    excess, timely, words = zip(*(_accumulation(heavy.isel(case=k)) for k in range(len(few))), strict=True)
+    last = max(float(heavy.seizure_distance[k, 1].dropna("seizure")[-1]) for k in range(len(few)))
     gap, most = last / float(heavy.corner_angle.min()), max(excess)
-    longest = 1e3 * float(np.nanmax(dataset.seizure_time.values[:, 1], initial=0.0))
+    longest = 1e3 * dataset.seizure_time[:, 1].max()
     return [
-        Check.of(
-            "fig8_14.accumulate", f"{'; '.join(words)}; deviation at most {most:.2f} of what is allowed", most <= 1
-        ),
-        Check.of("fig8_14.in_corner", f"relative distance {gap:.1e}", abs(gap) < 1e-12),
-        Check.of(
-            "fig8_14.finite_time",
-            f"{sum(timely)} of {len(timely)} motions, the corner reached within {longest:.4g} ms",
-            all(timely),
-        ),
-        Check.of(
-            "fig8_14.few",
-            f"{' and '.join(str(n) for n in counts[:, 0])} seizures, at once {counts[:, 1].min()} or more",
-            (counts[:, 0] < counts[:, 1]).all(),
-        ),
+        Check.that("fig8_14.accumulate", most <= 1, motions="; ".join(words), most=most),
+        Check.that("fig8_14.in_corner", abs(gap) < 1e-12, gap=gap),
+        Check.that("fig8_14.finite_time", all(timely), timely=np.array(timely), longest=longest),
+        Check.that("fig8_14.few", (few < many).all(), few=" and ".join(map(str, few)), many=many),
     ]
 
 

@@ -72,7 +72,7 @@ def build(settings: of.Values) -> xr.Dataset:
 
     Γ₊ < 0, c_x = 0; the pairs of forces and dampings are the drives, ``start`` is that of the cycles.
     """
-    from lsvib.contact import stiff_limit
+    from lsvib.figures import stiff_limit
 
     stiffness, base = np.array(settings["stiffness"], dtype=float), Drive.of(settings["drive"])
     along = "axial_force", "support_damping"
@@ -99,7 +99,7 @@ def build(settings: of.Values) -> xr.Dataset:
 
 def _deviations(branches: Sequence[LimitBranch], stiffness: np.ndarray, fit_from: float) -> cf.Variables:
     """Deviations from the rigid drive, by branch and contact stiffness [N/m], and the orders of their fall."""
-    from lsvib.contact import stiff_limit
+    from lsvib.figures import stiff_limit
 
     shape = len(branches), stiffness.size
     found = {name: np.full((*shape, len(RULES))[: len(dims) + 1], np.nan) for name, (dims, *_) in _QUANTITIES.items()}
@@ -172,7 +172,7 @@ def _rules_followed(branches: Sequence[LimitBranch], variables: cf.Variables) ->
 
 
 def _branch_coordinates(branches: Sequence[LimitBranch]) -> cf.Variables:
-    from lsvib.contact import stiff_limit
+    from lsvib.figures import stiff_limit
     from lsvib.models.rigid import MotionMode
 
     sign, region = np.array([(b.impact.sign, b.impact.region) for b in branches], dtype=np.int8).T
@@ -188,70 +188,44 @@ def _branch_coordinates(branches: Sequence[LimitBranch]) -> cf.Variables:
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
-    """Check the orders, the rule that each branch follows, and what the impacts do."""
-    return [*_convergence_checks(dataset), *_outcome_checks(dataset)]
-
-
-def _convergence_checks(dataset: xr.Dataset) -> list[Check]:
-    """Check that the motions tend to the rigid ones as contact and damping stiffen, and by which rule."""
+    """Check the orders, the rule that each branch follows, what impacts do, and the chapter's formula of one."""
     told, both = named(dataset.rule_followed, "contact sign"), named(dataset.rule_followed, "both")
     first, differ = dataset.isel(rule=0), dataset.rules_differ.values == 1
-    order, *others = (first[f"{name}_order"].values for name in _ERRORS)
-    closest, error = (float(x.max()) for x in (first.motion_distance[:, -1], first.motion_distance_order_error))
-    impact, fitted = ~named(dataset.region, "cycle"), dataset.contact_stiffness.values >= float(dataset.fit_from)
+    order, *others = (first[f"{name}_order"] for name in _ERRORS)
+    impact = ~named(dataset.region, "cycle")
     stops, brief = dataset.stop_time.values[impact], dataset.stop_time_order.values[impact]
-    stiffest = f"{float(dataset.contact_stiffness[-1]):.0e} N/m"
-    return [
-        Check.of(
-            "limit_process.converges",
-            f"{(told | both).sum()} of {told.size} branches, distance at most {closest:.1e} at k_c = {stiffest}, "
-            f"orders {order.min():.3f} to {order.max():.3f}, standard errors up to {error:.3f}",
-            (told | both).all(),
-            order=_ORDER,
-        ),
-        Check.of(
-            "limit_process.orders",
-            ", ".join(f"{np.nanmin(x):.3f} to {np.nanmax(x):.3f}" for x in others),
-            all(np.nanmin(x) >= _ORDER for x in others),
-            order=_ORDER,
-        ),
-        Check.of(
-            "limit_process.rules",
-            f"{(told & differ).sum()} of {differ.sum()} branches; distance or rest under at_once stays",
-            told[differ].all() and differ.any(),
-        ),
-        Check.of(
-            "limit_process.impact_time",
-            f"orders {brief.min():.3f} to {brief.max():.3f}; at most {stops[:, -1].max():.1e} s at k_c = {stiffest}",
-            (np.diff(stops[:, fitted], axis=-1) < 0).all() and brief.min() >= _ORDER,
-            order=_ORDER,
-        ),
-    ]
-
-
-def _outcome_checks(dataset: xr.Dataset) -> list[Check]:
-    """Check that impacts stop the screw in both paradoxes, and the chapter's formula of the velocity lost."""
-    stops = dataset.stop_time.values[~named(dataset.region, "cycle")]
-    stiff = dataset.isel(contact_stiffness=dataset.contact_stiffness.values >= float(dataset.fit_from))
-    stands, time = named(stiff.indeterminate_event, "stick"), stiff.indeterminate_time.values[:, 0]
+    fitted = dataset.contact_stiffness.values >= float(dataset.fit_from)
+    stiff, numbers = (
+        dataset.isel(contact_stiffness=fitted),
+        {"order": _ORDER, "stiffest": dataset.contact_stiffness[-1]},
+    )
+    seizes, turns = (named(stiff.indeterminate_event, kind) for kind in ("stick", "contact reversal"))
+    time = stiff.indeterminate_time.values[:, 0]
     error = np.abs(np.stack([stiff.formula_velocity, stiff.formula_velocity_limit]) - 1)
+    converges = {"told": told | both, "distance": first.motion_distance[:, -1], "orders": order}
+    quick = (np.diff(stops[:, fitted], axis=-1) < 0).all() and brief.min() >= _ORDER
+    ranges = [f"{float(x.min()):.3f} to {float(x.max()):.3f}" for x in others]
+    agrees = (np.diff(error) < 0).all() and error[:, -1].max() < 0.05
     return [
+        Check.that(
+            "limit_process.converges",
+            (told | both).all(),
+            errors=first.motion_distance_order_error,
+            **converges,
+            **numbers,
+        ),
+        Check.that("limit_process.orders", all(x.min() >= _ORDER for x in others), ranges=ranges, order=_ORDER),
+        Check.that("limit_process.rules", told[differ].all() and differ.any(), told=told & differ, differ=differ),
+        Check.that("limit_process.impact_time", quick, orders=brief, times=stops[:, -1], **numbers),
         Check.everywhere("limit_process.stands", np.isfinite(stops), "impacts"),
-        Check.of(
+        Check.that(
             "limit_process.seizes",
-            f"{stands[:, 0].sum()} of {stands[:, 0].size} contacts, {time[..., -1].max():.1e} s with the stiffest",
-            stands[:, 0].all() and (np.diff(time) < 0).all(),
+            seizes[:, 0].all() and (np.diff(time) < 0).all(),
+            seizes=seizes[:, 0],
+            time=time[..., -1],
         ),
-        Check.of(
-            "limit_process.turns_on",
-            f"{(~stands[:, 1]).sum()} of {stands[:, 1].size} contacts",
-            named(stiff.indeterminate_event, "contact reversal")[:, 1].all(),
-        ),
-        Check.of(
-            "limit_process.formula",
-            f"off by {error[0, -1]:.1e} and {error[1, -1]:.1e} with the stiffest contact",
-            (np.diff(error) < 0).all() and error[:, -1].max() < 0.05,
-        ),
+        Check.that("limit_process.turns_on", turns[:, 1].all(), turns=~seizes[:, 1]),
+        Check.that("limit_process.formula", agrees, whole=error[0, -1], limit=error[1, -1]),
     ]
 
 

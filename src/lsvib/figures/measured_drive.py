@@ -243,17 +243,17 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     faster = float((dataset.recorded_top[:, 1] / dataset.recorded_top[:, 0]).min())
     return [
         *(Check.of("measured_drive.half_sum", halves[rpm], expected=x, rpm=rpm) for rpm, x in HALF_SUMS.items()),
-        Check.of("measured_drive.law", f"{rms:.4f} and {worst:.4f} mN m", rms <= 0.045 and worst <= 0.12),
+        Check.that("measured_drive.law", rms <= 0.045 and worst <= 0.12, rms=rms, worst=worst),
         Check.of("measured_drive.angles", ratio, expected=1.0),
-        Check.of("measured_drive.separable", lost, "coulomb" in lost and "viscous" in lost),
-        Check.of("measured_drive.falls", f"least at {least:.0f} rpm, rise {rise:.3g} ± {off:.1g}", rise > 4 * off),
+        Check.that("measured_drive.separable", "coulomb" in lost and "viscous" in lost, lost=lost),
+        Check.that("measured_drive.falls", rise > 4 * off, least=least, rise=rise, off=off),
         *(Check.of("measured_drive.frequency", 1 / x, way=way) for way, x in zip(ways, jerks, strict=True)),
         *(Check.of("measured_drive.stiffness", x, way=way) for way, x in zip(ways, stiffness, strict=True)),
-        Check.of("measured_drive.damping", f"{low:.3g} to {high:.3g} N m s/rad", 0 < low < high),
-        Check.of("measured_drive.swing", f"to {swing:.1%}", swing < 0.1),
-        Check.of("measured_drive.climb", f"{stands:.2f} rpm; {faster:.2f} times as fast", 0.8 < stands < 1.2 < faster),
-        Check.of("measured_drive.rest", f"every {back:.3f} s back, {out:.3f} s outward", out < back < jerks.min()),
-        Check.of("measured_drive.turn", " and ".join(f"{x:.0%}" for x in turns), all(0.05 < x < 0.15 for x in turns)),
+        Check.that("measured_drive.damping", 0 < low < high, low=low, high=high),
+        Check.that("measured_drive.swing", swing < 0.1, swing=swing),
+        Check.that("measured_drive.climb", 0.8 < stands < 1.2 < faster, stands=stands, faster=faster),
+        Check.that("measured_drive.rest", out < back < jerks.min(), back=back, out=out),
+        Check.that("measured_drive.turn", ((turns > 0.05) & (turns < 0.15)).all(), turns=turns),
         balance_check("jerks at 2 rpm", dataset),
     ]
 

@@ -123,21 +123,14 @@ def _class_checks(dataset: xr.Dataset, drive: Values, grid: Values) -> list[Chec
     off = np.sum(clear & (kinematic != (friction > edge)))  # no edge: none
     on_edge = {**drive, "friction_coefficient": edge, "nut_inertia": dataset.nut_inertia.values}
     left = float(np.nanmax(np.abs(effective_inertia(on_edge, law=1)) / screw_inertia(on_edge)))
+    holds = wrong == 0 and 0 < kinematic.sum() < kinematic.size
     return [
-        Check.of(
-            "nut_stability.classes",
-            f"{wrong} exceptions among {clear.sum()} points, {kinematic.sum()} of them kinematic",
-            wrong == 0 and 0 < kinematic.sum() < kinematic.size,
-        ),
+        Check.that("nut_stability.classes", holds, wrong=wrong, clear=clear, kinematic=kinematic),
         Check.everywhere("nut_stability.no_other", ~other, "points"),
         Check.without_exception("nut_stability.determinant", opposite, clear.sum()),
         Check.without_exception("nut_stability.damped", differ.sum(), part.clear.sum()),
         Check.without_exception("nut_stability.boundary", off, clear.sum()),
-        Check.of(
-            "nut_stability.equality",
-            f"largest remainder {left:.1e} at {np.isfinite(edge).sum()} of {edge.size} inertias",
-            left < 1e-12,
-        ),
+        Check.that("nut_stability.equality", left < 1e-12, left=left, edge=np.isfinite(edge)),
     ]
 
 
@@ -151,7 +144,7 @@ def _deflection_checks(p: xr.Dataset) -> list[Check]:
     plus, minus = (abs(on_screw - sign * printed_moment) / turns for sign in (1, -1))  # k_2 θ_20 = ± r_m ξ_0 R
     return [
         Check.of("nut_stability.deflection", on_screw / turns, expected=1.0),
-        Check.of("nut_stability.balance", f"remainder {plus:.1e} and {minus:.3g} of r_m ξ_0 R", plus < 1e-12 < minus),
+        Check.that("nut_stability.balance", plus < 1e-12 < minus, plus=plus, minus=minus),
     ]
 
 
@@ -160,14 +153,11 @@ def _critical_mass_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
     inertia, rigid = dataset.nut_inertia.values, float(dataset.critical_mass)
     own, theirs = dataset.critical_mass_with_nut.values, dataset.critical_mass_with_nut_by_eigenvalues.values
     factor = own / rigid * (drive["screw_inertia"] + inertia) / inertia
+    lowers = (np.diff(own) > 0).all() and own[-1] < rigid < own[-1] * (1 + 0.01)
     return [
         Check.of("nut_stability.lowered", factor, expected=1.0),
         Check.of("nut_stability.eigenvalues", theirs / own, expected=1.0),
-        Check.of(
-            "nut_stability.light",
-            f"from {own[0]:.3g} kg to {own[-1]:.5g} kg, rigid {rigid:.5g} kg",
-            bool((np.diff(own) > 0).all()) and own[-1] < rigid < own[-1] * (1 + 0.01),
-        ),
+        Check.that("nut_stability.light", lowers, masses=own, rigid=rigid),
     ]
 
 

@@ -9,10 +9,10 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from references.drives import threads_drive
 
-from lsvib.contact import contact_force
-from lsvib.contact.contact_force import ForceOutcome, Paradox
 from lsvib.engine.kernels.layout import A0, A1, EQUILIBRIUM, R1
 from lsvib.engine.motion import Motion, follow
+from lsvib.figures import contact_force
+from lsvib.figures.contact_force import ForceOutcome, Paradox
 
 AUTOMATA = {
     (damping, paradox): contact_force.contact_automaton(
