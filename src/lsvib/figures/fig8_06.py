@@ -74,8 +74,8 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     from lsvib.dynamics.behaviour import Behaviour, behaviours
 
     drive = Drive.of(settings["drive"])
-    own = settings["mass_readings"].index(drive.mass)
-    values = {name: value(analysis[_OF[name]], own) for name in _THRESHOLDS}
+    reading = settings["mass_readings"].index(drive.mass)
+    values = {name: value(analysis[_OF[name]], reading) for name in _THRESHOLDS}
     # Also at a relative distance of 1e-9 on either side of a threshold.
     beside = [value * (1 + sign * 1e-9) for value in values.values() for sign in (-1, 1)]
     forces = np.unique(np.concatenate([spans.even(settings["axial_force"]), list(values.values()), beside]))
@@ -98,7 +98,10 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     readings = {
         f"reading_{name}": ("reading_mass", analysis[of].values, analysis[of].attrs) for name, of in _OF.items()
     }
-    holding = [_holds_without_torque(insets[-1].replace(friction_coefficient=float(x))) for x in frictions]
+    holding = []
+    for own in (insets[-1].replace(friction_coefficient=float(x)) for x in frictions):  # from θ′ = 0 and z = 0
+        motion = phase_plane.followed(own, [-float(coefficients(own).deflection), -own.input_speed], 1e-9)
+        holding.append(motion.automaton.codes[motion.arcs()[0][0]] == MotionMode.REST)
     words = "the screw, standing in an untwisted coupling, stays at rest under the largest force of a portrait"
     holds = {"holds_without_torque": yes_no("swept_friction_coefficient", holding, words)}
     kinds = behaviours(product_of(drives[0], {"axial_force": forces}))
@@ -113,12 +116,6 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     return planes.assign(curve | readings | holds).assign_attrs(
         about(__doc__, "exact event-driven motion and its return map", "Sect. 8.5.1, Fig. 8.6")
     )
-
-
-def _holds_without_torque(drive: Drive) -> bool:
-    """Whether the motion from θ′ = 0 and z = 0 begins with rest."""
-    motion = phase_plane.followed(drive, [-float(coefficients(drive).deflection), -drive.input_speed], 1e-9)
-    return bool(motion.automaton.codes[motion.arcs()[0][0]] == MotionMode.REST)
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:

@@ -43,7 +43,13 @@ def build(settings: Values) -> xr.Dataset:
     kinds = existence(drive, *np.meshgrid(angle, velocity, indexing="ij"))
     plane, xi = ("grid_angle_deviation", "grid_velocity_deviation"), coefficients(drive).xi
     equilibrium = drive.pitch_radius * float(xi[1] - xi[-1]) * drive.axial_force / drive.coupling_stiffness
-    rests = [_rests(drive, start, settings["duration"]) for start in settings["starts"]]
+    rests = []
+    for start, rule in product(settings["starts"], RULES):
+        motion = phase_plane.followed(drive, [start["u"], start["w"]], settings["duration"], rule)
+        modes, *_, durations = motion.arcs()
+        first = np.flatnonzero(motion.kind == Event.SEIZURE)[:1] + 1  # of a start that does not seize, none
+        rests.append(durations[first][motion.automaton.codes[modes[first]] == MotionMode.REST].sum())
+    rests = np.reshape(rests, (-1, len(RULES)))
     planes = phase_plane.portraits(settings, [drive], (), ("Sect. 8.6",)).assign_coords(
         equilibrium_angle=variable((), equilibrium, "rad", "equilibrium of the equation of law -", "$u_0$"),
         **phase_plane.grid_axes(angle, velocity),
@@ -110,17 +116,6 @@ def _law_checks(p: xr.Dataset) -> list[Check]:
 def _beyond_line(dataset: xr.Dataset, u, w):
     """Distance [rad] of states beyond the line N = 0; it has the sign of Q."""
     return u - (float(dataset.contact_line_angle[0]) + float(dataset.contact_line_slope[0]) * w)
-
-
-def _rests(drive: Drive, start: Values, duration: float) -> list[float]:
-    """Time [s] at rest after the first seizure, under each rule of resuming; of a start that does not seize, zero."""
-    rests = []
-    for rule in RULES:
-        motion = phase_plane.followed(drive, [start["u"], start["w"]], duration, rule)
-        modes, *_, durations = motion.arcs()
-        seizures = np.flatnonzero(motion.kind == Event.SEIZURE)[:1] + 1
-        rests.append(sum(durations[k] for k in seizures if motion.automaton.codes[modes[k]] == MotionMode.REST))
-    return rests
 
 
 @style.styled

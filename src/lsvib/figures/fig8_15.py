@@ -98,35 +98,35 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
-    """Check the critical friction, the classes by the printed conditions and by LAPACK, and the boundaries."""
+    """Check the critical friction, the boundaries, and the classes by it, by the printed conditions and by LAPACK.
+
+    Classes but for rounding (``clear``), which may decide closer to a boundary.
+    """
     drive, critical = newton.parameters(dataset), float(dataset.critical_friction)
     grid = over_map(dataset, drive)
     a_4, a_2, a_0 = conditions.characteristic_polynomial(grid, law=1)
     discriminant, size = a_2**2 - 4 * a_0 * a_4, a_2**2 + 4 * a_0 * np.abs(a_4)
     inertia = drive["screw_inertia"] * (drive["mass"] + drive["screw_mass"])
-    # Closer to a boundary rounding may decide the class.
     clear = (np.abs(discriminant) > 1e-9 * size) & (np.abs(a_4) > 1e-9 * inertia)
     dataset = dataset.assign(clear=(dataset.stability.dims, clear))
+    kinematic, part = named(dataset.stability, "kinematic constraint"), thinned(dataset, 100)
+    off = kinematic != (dataset.friction_coefficient.values > critical)[:, None]
+    wrong = int(np.sum(clear & (conditions.printed_class(grid, law=1) != dataset.stability.values)))
+    theirs = eigenvalues(over_map(part, drive), law=1)
+    limit = 1e-7 * np.abs(theirs).max(axis=-1)  # LAPACK keeps 1.5e-8 where two coincide
+    growing, oscillates = (theirs.real > limit[..., None]).sum(axis=-1), np.abs(theirs[..., -1].imag) > limit
+    kinds = [UndampedClass.STABLE, UndampedClass.FLUTTER, UndampedClass.KINEMATIC_CONSTRAINT]
+    classes = np.select([growing == 0, oscillates, growing == 1], kinds, UndampedClass.DIVERGENCE)
+    differ, counts = part.clear.values & (classes != part.stability.values), {"clear": clear, "unclear": ~clear}
     return [
         Check.of("fig8_15.critical_friction", critical),
         Check.of("fig8_15.eigenvalue", float(dataset.critical_friction_by_eigenvalues), expected=critical),
-        *_class_checks(dataset, drive, grid),
+        Check.that("fig8_15.vertical", not off.any() and kinematic.any(), off=off),
+        Check.that("fig8_15.classes", wrong == 0 and clear.mean() > 0.99, wrong=wrong, **counts),
+        Check.without_exception("fig8_15.lapack", differ.sum(), part.clear.sum()),
         *_region_checks(dataset, grid, a_4, discriminant),
         *_boundary_checks(dataset, drive),
         *_support_checks(dataset, drive),
-    ]
-
-
-def _class_checks(dataset: xr.Dataset, drive: Values, grid: Values) -> list[Check]:
-    """Check the classes by the critical friction, the printed conditions and LAPACK, but for rounding (``clear``)."""
-    kinematic, clear = named(dataset.stability, "kinematic constraint"), dataset.clear.values
-    off = kinematic != (dataset.friction_coefficient.values > float(dataset.critical_friction))[:, None]
-    wrong = int(np.sum(clear & (conditions.printed_class(grid, law=1) != dataset.stability.values)))
-    counts = {"wrong": wrong, "clear": clear, "unclear": ~clear}
-    return [
-        Check.that("fig8_15.vertical", not off.any() and kinematic.any(), off=off),
-        Check.that("fig8_15.classes", wrong == 0 and clear.mean() > 0.99, **counts),
-        Check.without_exception("fig8_15.lapack", *_against_lapack(thinned(dataset, 100), drive)),
     ]
 
 
@@ -203,17 +203,6 @@ def _support_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
         Check.everywhere("fig8_15.paradoxes", kinematic == paradox[:, None], "points"),
         Check.everywhere("fig8_15.flutter", kinds[there] == UndampedClass.FLUTTER, "friction coefficients"),
     ]
-
-
-def _against_lapack(part: xr.Dataset, drive: Values) -> tuple[int, int]:
-    """Number of points with another class by LAPACK's eigenvalues of the state matrix, and of points compared."""
-    values = eigenvalues(over_map(part, drive), law=1)
-    limit = 1e-7 * np.abs(values).max(axis=-1)  # LAPACK keeps 1.5e-8 where two coincide
-    growing = (values.real > limit[..., None]).sum(axis=-1)
-    oscillates = np.abs(values[..., -1].imag) > limit
-    kinds = [UndampedClass.STABLE, UndampedClass.FLUTTER, UndampedClass.KINEMATIC_CONSTRAINT]
-    theirs = np.select([growing == 0, oscillates, growing == 1], kinds, UndampedClass.DIVERGENCE)
-    return int(np.sum(part.clear.values & (theirs != part.stability.values))), int(part.clear.sum())
 
 
 @style.styled

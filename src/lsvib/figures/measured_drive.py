@@ -86,9 +86,12 @@ def build(settings: Values) -> xr.Dataset:
     from lsvib.fit.law import Measured, fitted
     from lsvib.fit.records import look
     from lsvib.fit.stick_slip import breaking, explained, surely_even_from
-    from lsvib.fit.tables import steady_point
+    from lsvib.fit.tables import read_table, steady_point
 
-    tables = {table.name: table for table in _tables()}
+    if not TABLES:
+        raise InputError("The tables of figure measured_drive come with a checkout of lsvib only, in examples.")
+    factors = (-RPM, -0.0984e-3, 1e-3)  # signs of the motor; per cent of 9.84 mN m; ms
+    tables = {file.name: read_table(file, (2, 3, 1), factors, ";") for file in TABLES}
     records: dict[str, Any] = {name: look(table) for name, table in tables.items()}
     points = [steady_point(table) for name, table in tables.items() if records[name].kind == "even"]
     points.sort(key=lambda point: point.speed)
@@ -105,30 +108,29 @@ def build(settings: Values) -> xr.Dataset:
     drive = Drive(**PUBLISHED, **fit.main.drive(), coupling_stiffness=told.stiffness[0], support_damping=told.middle)
     rows = [_beside(drive.replace(input_speed=sense * SLOW), *jerks[sense]) | {"turn_swing": _once_a_turn(tables[name])}
             for sense, name in EVEN_FILES.items()]  # fmt: skip
-    variables, coordinates, more = fit_variables(fit, points)
     dampings = spans.even(settings["dampings"])
 
-    def limit(sense: int, damping: float) -> float:
-        """The speed from which on the model runs evenly."""
+    def even_from(sense: int, damping: float) -> float:
         damped = drive.replace(support_damping=damping)
         return surely_even_from(lambda speed: damped.replace(input_speed=sense * speed), 100 * EVEN)
 
-    limits = [[limit(sense, damping) for damping in dampings.tolist()] for sense in jerks]
+    limits = [[even_from(sense, damping) for damping in dampings.tolist()] for sense in jerks]
+    variables, coordinates, more = fit_variables(fit, points)
     variables |= {
-        **{name: variable(("direction", *dims), [row[name] for row in rows], unit, words)
-           for name, (dims, unit, words) in _ROWS.items()},
-        "even_speed": variable(
-            ("direction", "support_damping"), limits, "rad s-1", "speed from which on the model is even once started"
-        ),
-        "explaining_damping": variable(
-            "bound", np.array(told.damping), "N m s rad-1", "least and largest damping that explain all files"
-        ),
-    }  # fmt: skip
-    given = {name: value for name, value in drive if name not in ("input_speed", "support_damping")}
-    variables["input_speed"] = ("direction", [sense * SLOW for sense in jerks], parameter("input_speed", VARIED))
+        name: variable(("direction", *dims), [row[name] for row in rows], unit, words)
+        for name, (dims, unit, words) in _ROWS.items()
+    }
+    over, from_it = ("direction", "support_damping"), "speed from which on the model is even once started"
+    ends = "least and largest damping that explain all files"
     variables |= {
-        name: ((), value, parameter(name, f"given: published, measured or fitted, {SOURCE}"))
-        for name, value in given.items()
+        "even_speed": variable(over, limits, "rad s-1", from_it),
+        "explaining_damping": variable("bound", np.array(told.damping), "N m s rad-1", ends),
+        "input_speed": ("direction", [sense * SLOW for sense in jerks], parameter("input_speed", VARIED)),
+        **{
+            name: ((), value, parameter(name, f"given: published, measured or fitted, {SOURCE}"))
+            for name, value in drive
+            if name not in ("input_speed", "support_damping")
+        },
     }
     coordinates |= {
         **axis("support_damping", dampings),
@@ -141,18 +143,18 @@ def build(settings: Values) -> xr.Dataset:
     return xr.Dataset(variables, coordinates, {**words, **more})
 
 
-def _tables() -> list[Any]:
-    from lsvib.fit.tables import read_table
-
-    if not TABLES:
-        raise InputError("The tables of figure measured_drive come with a checkout of lsvib only, in examples.")
-    factors = (-RPM, -0.0984e-3, 1e-3)  # signs of the motor; per cent of 9.84 mN m; ms
-    return [read_table(file, (2, 3, 1), factors, ";") for file in TABLES]
-
-
 def _beside(drive: Drive, table: Any, record: Any) -> dict[str, Any]:
-    """A record of jerks beside the cycle of the model that has its period, averaged and sampled alike."""
+    """A record of jerks beside the cycle of the model that has its period, averaged and sampled alike.
+
+    Speeds are recorded in whole rpm. A swing is the standard deviation about means over 31 samples, ten jerks.
+    """
     from lsvib.stability.starting import end_from_rest
+
+    def fast_share(speed: np.ndarray) -> float:
+        return float(np.mean(np.round(speed / RPM) > 3))
+
+    def swing(torque: np.ndarray) -> float:
+        return float(np.std((torque - np.convolve(torque, np.full(31, 1 / 31), "same"))[15:-15]))
 
     sense = math.copysign(1.0, drive.input_speed)
     low, high = 1.001 * (drive.friction_coefficient + drive.stribeck_rise), 3.0
@@ -160,30 +162,22 @@ def _beside(drive: Drive, table: Any, record: Any) -> dict[str, Any]:
         middle = 0.5 * (low + high)
         shorter = not end_from_rest(drive.replace(static_friction_coefficient=middle)).period >= record.period[0]
         low, high = (middle, high) if shorter else (low, middle)
-    own = drive.replace(static_friction_coefficient=high)
-    averaged, fastest, balanced = _cycle(own)
+    averaged, fastest, balanced = _cycle(drive.replace(static_friction_coefficient=high))
+    recorded, torque = sense * table.speed, sense * table.torque
     windows = np.linspace(0.02, 0.15, 131)
-    seen = _fast_share(sense * table.speed)
-    window = float(min(windows, key=lambda one: abs(_fast_share(averaged(table.time, one)[0]) - seen)))
-    torque, (speed, model) = sense * table.torque, averaged(table.time, window)
+    window = float(min(windows, key=lambda one: abs(fast_share(averaged(table.time, one)[0]) - fast_share(recorded))))
+    speed, model = averaged(table.time, window)
     shown = torque[: RECORD_TIMES.size]
     starts = np.linspace(0, record.period[0], 200, endpoint=False)
     start = min(starts, key=lambda at: np.var(averaged(RECORD_TIMES + at, window)[1] - shown))
     return {
         "jerk_period": record.period[0], "jerk_period_error": record.period[1], "jerk_stiffness": record.stiffness[0],
         "averaging": window, "period_by_torque": end_from_rest(drive).period, "static_by_period": high,
-        "largest_speed": fastest,
-        "energy_balance": balanced, "standing_speed": np.median(sense * table.speed),
-        "swing": [_swing(torque), _swing(model)],
-        "recorded_top": [np.quantile(one, TOP) for one in (sense * table.speed, speed)],
+        "largest_speed": fastest, "energy_balance": balanced, "standing_speed": np.median(recorded),
+        "swing": [swing(torque), swing(model)], "recorded_top": [np.quantile(one, TOP) for one in (recorded, speed)],
         "mean_torque": [torque.mean(), model.mean()], "recorded_torque": shown,
         "model_torque": averaged(MODEL_TIMES + start, window)[1],
     }  # fmt: skip
-
-
-def _fast_share(speed: np.ndarray) -> float:
-    """The share of samples above 3 rpm of a speed that is recorded in whole rpm."""
-    return float(np.mean(np.round(speed / RPM) > 3))
 
 
 def _cycle(drive: Drive) -> tuple[Any, float, float]:
@@ -218,11 +212,6 @@ def _once_a_turn(table: Any) -> float:
     columns = np.column_stack([np.ones(angle.size), angle, np.cos(angle), np.sin(angle)])
     found = np.linalg.lstsq(columns, table.torque, rcond=None)[0]
     return float(np.hypot(*found[2:]) / abs(table.torque.mean()))
-
-
-def _swing(torque: np.ndarray) -> float:
-    """The standard deviation of a record about its means over 31 samples, ten jerks [N m]."""
-    return float(np.std((torque - np.convolve(torque, np.full(31, 1 / 31), "same"))[15:-15]))
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:

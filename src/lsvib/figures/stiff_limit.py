@@ -153,7 +153,7 @@ def deviations(branch: LimitBranch, drive: Drive) -> dict[str, Any]:
         return float(durations[np.isin(motion.automaton.codes[modes], motion.automaton.rest_codes)].sum())
 
     low, high = orbit_extremes(rigid[0], np.array([1.0, 0.0, 0.0]))
-    scales, corners = (0.5 * (high - low), abs(drive.input_speed)), 3000 if is_cycle else 800  # it is longer, bends more
+    scales, corners = (0.5 * (high - low), abs(drive.input_speed)), 3000 if is_cycle else 800  # it bends more
     values = {
         "motion_distance": [distance(motion, other, scales, corners) for other in rigid],
         "rest_error": [rest_time(motion) - rest_time(other) for other in rigid],

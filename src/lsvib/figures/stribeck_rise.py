@@ -58,7 +58,9 @@ def analysis(settings: of.Values) -> xr.Dataset:
 
 
 def build(settings: of.Values, analysis: xr.Dataset) -> xr.Dataset:
-    """Compute thresholds over the rise, and both cycles over the static friction."""
+    """Compute thresholds over the rise, and both cycles, from far away, over the static friction."""
+    from lsvib.dynamics.energy import balance
+
     drive, rise = Drive.of(settings["drive"]), spans.even(settings["rise"])
     heavy = drive.replace(mass=settings["heavy_mass"])
     slow = [solve_threshold(_slow(drive, share), "kinematic_constraint", "mass").value for share in rise.tolist()]
@@ -68,9 +70,10 @@ def build(settings: of.Values, analysis: xr.Dataset) -> xr.Dataset:
     static, rows = spans.even(settings["static"]), []
     for name in CYCLES:
         own = Drive.of(settings[name])
-        held = [own.replace(static_friction_coefficient=share * own.friction_coefficient) for share in static.tolist()]
-        rows.append([_cycle(each) for each in held])
-    label, amplitude, period, balance = np.moveaxis(np.array(rows), -1, 0)
+        for held in (own.replace(static_friction_coefficient=x * own.friction_coefficient) for x in static.tolist()):
+            far = phase_plane.reached(held, {"u": 0.06, "w": -held.input_speed})
+            rows.append((far.label, far.amplitude, far.period, balance(held, far.orbit)))
+    label, amplitude, period, works = np.reshape(np.transpose(rows), (4, len(CYCLES), static.size))
     other = ("cycle", "static_share")
     return xr.Dataset(
         {
@@ -80,7 +83,7 @@ def build(settings: of.Values, analysis: xr.Dataset) -> xr.Dataset:
             **{name: variable("rise_share", x, "N", name.replace("_", " "), "$R$") for name, x in forces},
             "attractor": phase_plane.attractors(other, label),
             "amplitude": variable(other, amplitude, "rad", phase_plane.AMPLITUDE, r"$\hat u$"),
-            "energy_balance": variable(other, balance, *BALANCE),
+            "energy_balance": variable(other, works, *BALANCE),
             "period": variable(other, period, "s", phase_plane.PERIOD, "$T$"),
         },
         coords={
@@ -108,14 +111,6 @@ def _forces(drive: Drive) -> tuple[float, float, float]:
     onset = least_onset_force(drive)
     stick = bisected(lambda force: bool(happens(force) & RESTS), 1.2 * onset, 4 * onset, 1e-4)
     return onset, stick, bisected(lambda force: not happens(force) & REVERSES, stick, 4 * onset, 1e-4)
-
-
-def _cycle(drive: Drive) -> tuple[int, float, float, float]:
-    """What the motion of a drive from far away ends in, amplitude [rad], period [s], and balance of energy [1]."""
-    from lsvib.dynamics.energy import balance
-
-    found = phase_plane.reached(drive, {"u": 0.06, "w": -drive.input_speed})
-    return int(found.label), found.amplitude, found.period, balance(drive, found.orbit)
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
