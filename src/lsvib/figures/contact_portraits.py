@@ -53,16 +53,27 @@ def portrait(settings: Values, paradox: Paradox, figure: str, places: str) -> xr
     scale, count = contact_force.force_scale(base), settings["samples"]
     # A motion is followed until it is so many times the half width of the map away.
     limit = 30.0 * max(np.ptp(force), np.ptp(rate)) / 2
-    starts = [(_unscaled(s["force"], scale, paradox), float(s["rate"])) for s in settings["starts"]]
-    grid = [(_unscaled(x, scale, paradox), y) for x in force for y in rate]
-    outcomes = [[contact_force.outcome(_motion_from(start, case)) for start in grid] for case in cases]
-    outcomes = np.reshape(outcomes, (len(cases), force.size, rate.size))
+
+    def motions_from(starts: Sequence[tuple[float, float]]) -> list[list[Motion]]:
+        """The motions of each case from χ and its rate."""
+        own = [(float(_scaled(x, 1 / scale, paradox)), float(y)) for x, y in starts]
+        return [[_followed(case, start) for start in own] for case in cases]
+
+    followed = motions_from([(start["force"], start["rate"]) for start in settings["starts"]])
+    states = np.array([[sample(motion, count, limit) for motion in case] for case in followed])
+    on_grid = [[*map(contact_force.outcome, case)] for case in motions_from([*product(force, rate)])]
+    ends, dims = [[*map(contact_force.outcome, case)] for case in followed], ("case", "start", "sample")
     plane, ratios = ("case", "grid_contact_force", "grid_contact_force_rate"), [c.tables.flow[1, A1] for c in cases]
     sides, on = [int(paradox), -int(paradox)], "sign of the contact force chi where the law holds"
-    becomes, times = "what becomes of the contact force from each state of the grid", "times frequency over stiffness"
+    becomes, times = "what becomes of the contact force", "times frequency over stiffness"
+    outcomes = np.reshape(on_grid, (len(cases), force.size, rate.size))
     return xr.Dataset(
-        _followed(cases, starts, count, limit, scale, paradox)
-        | {"grid_outcome": flagged(plane, outcomes, becomes, ForceOutcome)}
+        {
+            "contact_force": (dims, _scaled(states[..., 0], scale, paradox), _force("contact force")),
+            "contact_force_rate": (dims, states[..., 1], _rate("rate of the contact force")),
+            "start_outcome": flagged(dims[:2], ends, f"{becomes} of a motion", ForceOutcome),
+            "grid_outcome": flagged(plane, outcomes, f"{becomes} from each state of the grid", ForceOutcome),
+        }
         | _laws(base, cases, scale)
         | _by_newton(drives)
         | (_saddle_manifolds(drives, count, limit, scale) if paradox is Paradox.INDETERMINATE else {}),
@@ -85,25 +96,11 @@ def portrait(settings: Values, paradox: Paradox, figure: str, places: str) -> xr
     ).set_coords("effective_inertia_of_law")
 
 
-def _motion_from(start: tuple[float, float], automaton: Automaton, most: int = 1000) -> Motion:
+def _followed(automaton: Automaton, start: tuple[float, float], most: int = 1000) -> Motion:
     """Follow (x, x′) until nothing changes the law any more, or for so many changes: then it repeats itself."""
     from lsvib.engine.motion import follow
 
     return follow(automaton, start, math.inf, max_events=most)
-
-
-def _followed(
-    cases: Sequence[Automaton], starts: Sequence[tuple], count: int, limit: float, scale: float, side: int
-) -> Variables:
-    """The motions of each case from each start, in ``count`` samples, and what becomes of them."""
-    followed = [[_motion_from(start, case) for start in starts] for case in cases]
-    motions = np.array([[sample(motion, count, limit) for motion in case] for case in followed])
-    outcomes, dims = [[*map(contact_force.outcome, case)] for case in followed], ("case", "start", "sample")
-    return {
-        "contact_force": (dims, _scaled(motions[..., 0], scale, side), _force("contact force")),
-        "contact_force_rate": (dims, motions[..., 1], _rate("rate of the contact force")),
-        "start_outcome": flagged(dims[:2], outcomes, "what becomes of the contact force of a motion", ForceOutcome),
-    }
 
 
 def _laws(drive: Drive, cases: Sequence[Automaton], scale: float) -> Variables:
@@ -126,60 +123,50 @@ def sample(motion: Motion, count: int, limit: float, end: float = math.inf) -> n
     """Sample (x, x′) at ``count`` times, evenly until ``end`` and where the law changes; shape (count, 2).
 
     A motion that repeats itself ends by its third change of law, one that does not beyond |x − x*| = ``limit`` of the
-    last law, or after a turn or some decay times.
+    last law, or after a turn or some decay times, when e⁻⁸ of it is left.
     """
-    end = min(end, motion.end_time + _shown(motion, limit) if motion.status == Status.SETTLED else motion.time[2])
-    changes = motion.time[motion.time <= end]
+    row, growing = motion.automaton.tables.flow[motion.end_mode], abs(contact_force.growing_part(motion))
+    slowest = abs(row[ALPHA] if row[BETA] > 0 else row[R1])
+    if motion.status != Status.SETTLED:
+        last = motion.time[2]
+    elif growing > 0:
+        last = motion.end_time + max(math.log(limit / growing), 0.0) / row[R1]
+    else:
+        last = motion.end_time + (8.0 / slowest if slowest else 2 * math.pi / row[BETA])
+    changes = motion.time[motion.time <= (end := min(end, last))]
     if count < (least := changes.size + 2):
         raise InputError(f"samples = {count} is outside the allowed range samples >= {least} of this motion.")
     return motion.at(np.sort([*changes, *np.linspace(0, end, count - changes.size)]))[0]
 
 
-def _shown(motion: Motion, limit: float) -> float:
-    """Scaled time for which an arc without end is shown."""
-    row, growing = motion.automaton.tables.flow[motion.end_mode], abs(contact_force.growing_part(motion))
-    if growing > 0:
-        return max(math.log(limit / growing), 0.0) / row[R1]
-    slowest = -row[ALPHA] if row[BETA] > 0 else row[R1]
-    return 8.0 / abs(slowest) if slowest else 2 * math.pi / row[BETA]  # e⁻⁸ of it is left, or a turn
-
-
 def _saddle_manifolds(drives: Sequence[Drive], count: int, limit: float, scale: float) -> Variables:
-    """Unstable and, backwards in time, stable manifold of the saddle: a ray at the side of law +, and one beyond."""
-    side = Paradox.INDETERMINATE
-    lines = [
-        _there_and_back(contact_force.contact_automaton(drive, side, backwards=back), outwards, count, limit)
-        for drive, back, outwards in product(drives, (False, True), (side, -side))
-    ]
-    lines = np.reshape(lines, (len(drives), 4, count, 2))
-    lines[:, 2:, :, 1] *= -1  # forwards in time again
-    force, dims = _scaled(lines[..., 0], scale, side), ("case", "manifold", "sample")
+    """Unstable and, backwards in time, stable manifold of the saddle: a ray at the side of law +, and one beyond.
+
+    Each from so close to the saddle that a picture cannot tell, on a straight line, until back at law +; without
+    damping back to the saddle, by symmetry in the time that it took to leave.
+    """
+    side, lines = Paradox.INDETERMINATE, []
+    for drive, back, outwards in product(drives, (False, True), (side, -side)):
+        automaton = contact_force.contact_automaton(drive, side, backwards=back)
+        row = automaton.tables.flow[0]
+        near = 1e-6 * abs(row[EQUILIBRIUM]) * outwards
+        motion = _followed(automaton, (row[EQUILIBRIUM] + near, row[R1] * near), 3)
+        there, across, again = np.append(motion.time[:3], [math.inf] * 3)[:3]
+        lines.append(sample(motion, count, limit, across + there if row[A1] == 0 else again))
+    points = np.reshape(lines, (len(drives), 4, count, 2))
+    points[:, 2:, :, 1] *= -1  # forwards in time again
+    force, dims = _scaled(points[..., 0], scale, side), ("case", "manifold", "sample")
     order = "samples begin at the saddle; along a stable branch time runs against them"
     return {
         "manifold_force": (dims, force, _force("contact force on a manifold of the saddle")),
-        "manifold_force_rate": (dims, lines[..., 1], _rate("rate on a manifold of the saddle")),
+        "manifold_force_rate": (dims, points[..., 1], _rate("rate on a manifold of the saddle")),
         "manifold": named_index("manifold", "branch of the manifolds of the saddle", _MANIFOLDS, comment=order),
     }
 
 
-def _there_and_back(automaton: Automaton, outwards: int, count: int, limit: float) -> np.ndarray:
-    """Sample an unstable manifold, from so close to the saddle that a picture cannot tell, until back at law +."""
-    row = automaton.tables.flow[0]
-    near = 1e-6 * abs(row[EQUILIBRIUM]) * outwards  # on the manifold itself, a straight line here
-    motion = _motion_from((row[EQUILIBRIUM] + near, row[R1] * near), automaton, 3)
-    there, back, again = np.append(motion.time[:3], [math.inf] * 3)[:3]
-    # Without damping back to the saddle, by symmetry in the time that it took to leave.
-    return sample(motion, count, limit, back + there if row[A1] == 0 else again)
-
-
-def _scaled(x: np.ndarray, scale: float, side: int) -> np.ndarray:
-    """χ from x: equal on the side of law −, scaled on that of law +."""
+def _scaled(x: Any, scale: float, side: int) -> np.ndarray:
+    """χ from x, or x from χ by one over the ``scale``: equal on the side of law −, scaled on that of law +."""
     return np.where(x * side > 0, x * scale, x)
-
-
-def _unscaled(force: float, scale: float, side: int) -> float:
-    """Turn χ into x."""
-    return float(force) / (scale if force * side > 0 else 1.0)
 
 
 def _by_newton(drives: Sequence[Drive]) -> Variables:

@@ -50,21 +50,31 @@ def build(settings: of.Values) -> xr.Dataset:
     drive, start, samples = Drive.of(settings["drive"], **contact), settings["start"], settings["samples"]
     cycle, rigid = compliant_cycle(drive, start), phase_plane.reached(drive, start)
     motion = follow(automaton_of(drive), seated_state(drive, start["u"], start["w"]), settings["duration"])
-    forces, rows, dim = spans.even(settings["axial_force"]), [], "swept_axial_force"
+    forces, rows, dim, numbers = spans.even(settings["axial_force"]), [], "swept_axial_force", Variables()
     for pushed in (drive.replace(axial_force=float(force)) for force in forces):
         swept = compliant_cycle(pushed, start)
         rows.append((swept.label, *_cycle_values(pushed, swept, phase_plane.reached(pushed, start))))
-    label, peak, distance = np.array(rows, dtype=float).T
+    label, peaks, distances = np.array(rows, dtype=float).T
+    for name, steady, words in (("", cycle, ""), ("rigid_", rigid, ", of the rigid drive")):
+        numbers |= {
+            f"{name}attractor": phase_plane.attractors((), steady.label, phase_plane.ATTRACTOR + words),
+            f"{name}amplitude": variable((), steady.amplitude, "rad", phase_plane.AMPLITUDE + words),
+            f"{name}period": variable((), steady.period, "s", phase_plane.PERIOD + words, "$T$"),
+        }
+    peak, distance = _cycle_values(drive, cycle, rigid)
     return xr.Dataset(
         _motion(drive, motion, samples)
         | cycle_curves((), [cycle], samples)
         | cycle_curves((), [rigid], samples, "rigid_cycle")
         | _peak(cycle)
-        | _comparison(drive, cycle, rigid)
+        | numbers
         | {
+            "peak_normal_force": variable((), peak, *_PEAK),
+            "orbit_distance": variable((), distance, *_DISTANCE),
+            "period_residual": variable((), cycle.residual, "1", "relative change of the section state over a period"),
             "swept_attractor": phase_plane.attractors(dim, label),
-            "swept_peak_normal_force": variable(dim, peak, *_PEAK),
-            "swept_orbit_distance": variable(dim, distance, *_DISTANCE),
+            "swept_peak_normal_force": variable(dim, peaks, *_PEAK),
+            "swept_orbit_distance": variable(dim, distances, *_DISTANCE),
         },
         coords={
             **axis("swept_axial_force", forces),
@@ -117,13 +127,13 @@ def cycle_motion(dataset: xr.Dataset, prefix: str = "cycle") -> xr.Dataset:
 def _motion(drive: Drive, motion: Motion, samples: int) -> Variables:
     """The compliant motion with its contact force; both states of each event are samples, so every peak is."""
     times, states, modes = phase_plane.sample(motion, samples)
-    # The same rows in every mode.
-    rows = {name: motion.automaton.observables[name][0] for name in ("normal_force", "coupling_deflection")}
-    columns = ("angle_deviation", "velocity_deviation", *motion.automaton.states[2:])
+    names = ("angle_deviation", "velocity_deviation", *motion.automaton.states[2:])
+    found = dict(zip(names, states.T, strict=True))
+    for name in ("normal_force", "coupling_deflection"):
+        found[name] = motion.automaton.observe(name, states, modes)
     return {
         "time": variable("sample", times, "s", "time", "$t$"),
-        **{name: ("sample", states[:, k], quantity(name)) for k, name in enumerate(columns)},
-        **{name: ("sample", states @ row[:-1] + row[-1], quantity(name)) for name, row in rows.items()},
+        **{name: ("sample", values, quantity(name)) for name, values in found.items()},
         "mode": flagged("sample", motion.automaton.codes[modes], "mode of motion", model_of(drive).modes),
     }
 
@@ -145,23 +155,6 @@ def _peak(cycle: SteadyState) -> Variables:
         "close_up_time": variable("close_up_sample", times, "s", "time after the start of a sprag", "$t$"),
         "close_up_normal_force": ("close_up_sample", force, quantity("normal_force")),
         "sprag_duration": variable((), sprag, "s", "time from N = 0 until the screw stands"),
-    }
-
-
-def _comparison(drive: Drive, cycle: SteadyState, rigid: SteadyState) -> Variables:
-    """The cycle in numbers, beside the rigid one."""
-    found: Variables = {}
-    for name, steady, words in (("", cycle, ""), ("rigid_", rigid, ", of the rigid drive")):
-        found |= {
-            f"{name}attractor": phase_plane.attractors((), steady.label, phase_plane.ATTRACTOR + words),
-            f"{name}amplitude": variable((), steady.amplitude, "rad", phase_plane.AMPLITUDE + words),
-            f"{name}period": variable((), steady.period, "s", phase_plane.PERIOD + words, "$T$"),
-        }
-    peak, distance = _cycle_values(drive, cycle, rigid)
-    return found | {
-        "peak_normal_force": variable((), peak, *_PEAK),
-        "orbit_distance": variable((), distance, *_DISTANCE),
-        "period_residual": variable((), cycle.residual, "1", "relative change of the section state over a period"),
     }
 
 

@@ -1,6 +1,6 @@
 """Figure 8.13: with softer contacts the motion is smoother, and the coupling deflection turns positive in sprag."""
 
-from collections.abc import Callable
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -75,58 +75,53 @@ def build(settings: Values) -> xr.Dataset:
 
 
 def _grid(drive: Drive, start: Values, stiffness: np.ndarray, damping: np.ndarray) -> Variables:
-    """Numbers of the cycles over a grid of contacts, and the damping at which the largest deflection turns positive."""
+    """Numbers of the cycles over a grid of contacts, and the largest damping at which the deflection turns positive."""
 
-    def numbers(k: float, c: float) -> dict[str, float]:
+    def numbers(k: float, c: float) -> list[float]:
         return _numbers(compliant_cycle(drive.replace(contact_stiffness=k, contact_damping=c), start))
 
-    grid = [[numbers(k, c) for c in damping] for k in stiffness]
-    limits, ends = np.transpose([
-        _boundary(lambda c, k=k: numbers(k, c)["largest_deflection"], damping, row)
-        for k, row in zip(stiffness, grid, strict=True)
-    ])  # fmt: skip
-    dims, turns = ("grid_contact_stiffness", "grid_contact_damping"), "below which the deflection turns positive"
+    largest, same = list(_NUMBERS).index("largest_deflection"), "the largest deflection does not change its sign"
+    grid = np.array([[numbers(k, c) for c in damping] for k in stiffness])
+    limits, ends = [], []
+    for k, row in zip(stiffness, grid[..., largest], strict=True):
+        turns = np.flatnonzero((row[:-1] > 0) & (row[1:] <= 0))
+        if turns.size == 0:
+            raise InputError(f"contact_damping: {same} over the grid; widen it.")
+        between = damping[turns[-1] : turns[-1] + 2].tolist()
+        limits.append(bisected(lambda c, k=k: numbers(k, c)[largest] <= 0, *between))
+        ends.append(numbers(k, limits[-1])[largest])
+    dims, below = ("grid_contact_stiffness", "grid_contact_damping"), "below which the deflection turns positive"
     return {
         **_table("grid_", dims, ("attractor", "largest_deflection", "largest_acceleration"), grid),
-        "boundary_contact_damping": variable(dims[0], limits, "N s m-1", f"contact damping {turns}", "$c_c$"),
+        "boundary_contact_damping": variable(dims[0], limits, "N s m-1", f"contact damping {below}", "$c_c$"),
         "boundary_deflection": variable(dims[0], ends, "rad", "largest coupling deflection at that damping", "$z$"),
     }
 
 
-def _numbers(steady: SteadyState) -> dict[str, float]:
-    """Numbers of ``_NUMBERS`` of one attractor; without a cycle all but the attractor are nan."""
+def _numbers(steady: SteadyState) -> list[float]:
+    """The values of ``_NUMBERS`` of one attractor; without a cycle all but the first are nan."""
     from lsvib.dynamics.attractor import orbit_extremes
 
     if steady.orbit is None:
-        return dict.fromkeys(_NUMBERS, np.nan) | {"attractor": steady.label}
+        return [steady.label] + [np.nan] * (len(_NUMBERS) - 1)
     automaton = steady.orbit.automaton
     deflection = automaton.observables["coupling_deflection"]
     sprags = np.isin(automaton.codes, automaton.sprag_codes)
-    return {
-        "attractor": steady.label,
-        "largest_deflection": steady.extremes(deflection)[1],
-        "sprag_deflection": orbit_extremes(steady.orbit, deflection, sprags)[1],
-        "largest_acceleration": max(map(abs, steady.extremes(automaton.tables.flow.field[:, 1]))),
-        "period": steady.period,
-        "period_residual": steady.residual,
-    }
+    return [
+        steady.label,
+        steady.extremes(deflection)[1],
+        orbit_extremes(steady.orbit, deflection, sprags)[1],
+        max(map(abs, steady.extremes(automaton.tables.flow.field[:, 1]))),
+        steady.period,
+        steady.residual,
+    ]
 
 
-def _table(prefix: str, dims: tuple[str, ...], names: Any, rows: Any) -> Variables:
+def _table(prefix: str, dims: tuple[str, ...], names: Iterable[str], rows: Any) -> Variables:
     """Some of the numbers of ``_numbers``, from rows of any depth, as variables."""
-    found = {name: np.vectorize(lambda row, name=name: float(row[name]))(rows) for name in names}
-    table = {prefix + name: variable(dims, values, *_NUMBERS[name]) for name, values in found.items()}
+    found = dict(zip(_NUMBERS, np.moveaxis(np.array(rows, dtype=float), -1, 0), strict=True))
+    table = {f"{prefix}{name}": variable(dims, found[name], *_NUMBERS[name]) for name in names}
     return table | {f"{prefix}attractor": phase_plane.attractors(dims, found["attractor"])}
-
-
-def _boundary(deflection: Callable[[float], float], damping: np.ndarray, row: list[dict]) -> tuple[float, float]:
-    """Largest contact damping, between those of ``row``, at which the deflection turns positive, and the deflection."""
-    values = np.array([numbers["largest_deflection"] for numbers in row])
-    turns = np.flatnonzero((values[:-1] > 0) & (values[1:] <= 0))
-    if turns.size == 0:
-        raise InputError("contact_damping: the largest deflection does not change its sign over the grid; widen it.")
-    limit = bisected(lambda c: deflection(c) <= 0, *damping[turns[-1] : turns[-1] + 2].tolist())
-    return limit, float(deflection(limit))
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
