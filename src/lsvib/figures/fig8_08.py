@@ -55,13 +55,20 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     span, near = settings["mass"], critical * np.geomspace(1e-6, 0.1, settings["mass"]["count"] // 4)
     mass = np.unique(np.concatenate([spans.even(span), critical - near, critical + near, [meeting, peak]]))
     mass = mass[(mass >= span["start"]) & (mass <= span["stop"]) & (mass != critical)]
+
+    def eigenvalues(masses: np.ndarray, damping: float) -> tuple[np.ndarray, np.ndarray]:
+        """Γ₊, which vanishes at m_cr, so that 50 digits are used and rounded once, and both eigenvalues."""
+        inertia = np.array([float(coefficients(drive.replace(mass=float(m))).gamma[1]) for m in masses])
+        return inertia, eigenvalue_pair(inertia, damping, drive.coupling_stiffness)
+
+    def grows(m: float, damping: float) -> bool:
+        return bool(eigenvalues(np.array([m]), damping)[1].real.max() >= 0)
+
     dampings = np.array(settings["dampings"], dtype=float)
-    damped = [drive.replace(support_damping=c) for c in dampings.tolist()]
     # By bisection around m_cr to the last bit.
-    losses = [bisected(lambda m, own=own: _growth(own, m) >= 0, critical / 2, critical * 3 / 2) for own in damped]
+    losses = [bisected(lambda m, c=c: grows(m, c), critical / 2, critical * 3 / 2) for c in dampings.tolist()]
     lost = "mass at which the real part of an eigenvalue becomes positive"
-    inertia = np.array([_inertia(drive, m) for m in mass])
-    pair = eigenvalue_pair(inertia, drive.support_damping, drive.coupling_stiffness)
+    inertia, pair = eigenvalues(mass, drive.support_damping)
     dims, real, imaginary = ("eigenvalue", "mass"), "real part of the eigenvalue", "imaginary part of the eigenvalue"
     return xr.Dataset(
         {
@@ -104,16 +111,6 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         Check.that("fig8_08.below", (light < 0).all(), light=light),
         Check.that("fig8_08.above", (heavy.prod("eigenvalue") < 0).all(), growth=heavy.max("eigenvalue")),
     ]
-
-
-def _inertia(drive: Drive, mass: float) -> float:
-    """Effective inertia Γ₊ [kg m²] at a mass [kg]; it vanishes at m_cr, so 50 digits are used and rounded once."""
-    return float(coefficients(drive.replace(mass=float(mass))).gamma[1])
-
-
-def _growth(drive: Drive, mass: float) -> float:
-    """Largest real part [1/s] of an eigenvalue at a mass [kg]."""
-    return eigenvalue_pair(_inertia(drive, mass), drive.support_damping, drive.coupling_stiffness).real.max()
 
 
 @style.styled

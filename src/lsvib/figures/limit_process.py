@@ -73,6 +73,8 @@ def build(settings: of.Values) -> xr.Dataset:
     Γ₊ < 0, c_x = 0; the pairs of forces and dampings are the drives, ``start`` is that of the cycles.
     """
     from lsvib.figures import stiff_limit
+    from lsvib.models.names import Event
+    from lsvib.models.rigid import MotionMode
 
     stiffness, base = np.array(settings["stiffness"], dtype=float), Drive.of(settings["drive"])
     along = "axial_force", "support_damping"
@@ -81,6 +83,9 @@ def build(settings: of.Values) -> xr.Dataset:
     start, speed, duration = settings["start"], settings["speed"], settings["duration"]
     branches = [b for d in drives for b in stiff_limit.branches(d, speed, duration, [start["u"], start["w"]])]
     deviations = _deviations(branches, stiffness, settings["fit_from"])
+    sign, region = np.array([(b.impact.sign, b.impact.region) for b in branches], dtype=np.int8).T
+    after = [[m.automaton.codes[m.mode[m.kind == Event.SEIZURE][0]] for m in b.rigid] for b in branches]
+    differ, follows = [b.differ for b in branches], "what follows the first seizure of the rigid drive"
     return xr.Dataset(
         deviations | _rules_followed(branches, deviations) | _indeterminate(drives[0], stiffness, speed, duration),
         coords={
@@ -88,7 +93,11 @@ def build(settings: of.Values) -> xr.Dataset:
             **cf.axis("contact_stiffness", stiffness),
             **cf.axis("contact_damping", stiffness, ("contact_stiffness",)),
             **phase_plane.rule_coordinate(),
-            **_branch_coordinates(branches),
+            "branch": cf.variable("branch", np.arange(len(branches)), "1", "index of the branch"),
+            "impact_sign": ("branch", sign, cf.SIGNS | {"long_name": "sign of the impact, none for a cycle"}),
+            "region": cf.flagged("branch", region, "where the screw stands after the impact", stiff_limit.Region),
+            "rules_differ": cf.yes_no("branch", differ, "the rigid motion depends on the rule of resuming"),
+            "outcome_after_seizure": cf.flagged(("branch", "rule"), after, follows, MotionMode),
             **cf.start_state(start, "of the cycles"),
             "impact_speed": cf.variable((), speed, "rad s-1", "screw speed before a seizure", r"$\dot\theta$"),
             "fit_from": cf.variable((), settings["fit_from"], "N m-1", "least stiffness that orders are fitted to"),
@@ -168,22 +177,6 @@ def _rules_followed(branches: Sequence[LimitBranch], variables: cf.Variables) ->
     return {
         "rigid_duration": cf.variable("branch", durations, "s", "duration of the rigid motion, a period for a cycle"),
         "rule_followed": cf.flagged("branch", verdicts, "rule that the motion follows", BranchVerdict),
-    }
-
-
-def _branch_coordinates(branches: Sequence[LimitBranch]) -> cf.Variables:
-    from lsvib.figures import stiff_limit
-    from lsvib.models.rigid import MotionMode
-
-    sign, region = np.array([(b.impact.sign, b.impact.region) for b in branches], dtype=np.int8).T
-    after, dims = [[stiff_limit.outcome(motion) for motion in b.rigid] for b in branches], ("branch", "rule")
-    differ, words = [b.differ for b in branches], "what follows the first seizure of the rigid drive"
-    return {
-        "branch": cf.variable("branch", np.arange(len(branches)), "1", "index of the branch"),
-        "impact_sign": ("branch", sign, cf.SIGNS | {"long_name": "sign of the impact, none for a cycle"}),
-        "region": cf.flagged("branch", region, "where the screw stands after the impact", stiff_limit.Region),
-        "rules_differ": cf.yes_no("branch", differ, "the rigid motion depends on the rule of resuming"),
-        "outcome_after_seizure": cf.flagged(dims, after, words, MotionMode),
     }
 
 

@@ -22,7 +22,7 @@ from lsvib.models.mechanics import coefficients
 from lsvib.models.mechanism import seated_state
 from lsvib.models.model import automaton_of
 from lsvib.models.names import RULES, Event
-from lsvib.models.rigid import MotionMode, rigid_automaton
+from lsvib.models.rigid import rigid_automaton
 
 
 def curve(motion: Motion, count: int) -> np.ndarray:
@@ -166,11 +166,6 @@ def deviations(branch: LimitBranch, drive: Drive) -> dict[str, Any]:
         "impulse_error": impact_impulse(drive, motion) / expected - 1,
         "stop_time": stops[0] if stops.size else math.nan,
     }
-
-
-def outcome(motion: Motion) -> MotionMode:
-    """Return what follows the first seizure of a rigid motion."""
-    return MotionMode(int(motion.automaton.codes[motion.mode[motion.kind == Event.SEIZURE][0]]))
 
 
 def impact_impulse(drive: Drive, motion: Motion) -> float:
