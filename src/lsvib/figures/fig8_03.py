@@ -105,7 +105,10 @@ def _many_drives(drive: Drive) -> Variables:
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
-    """Check the class map against the conditions of Sect. 8.4 and against eigenvalues of the matrix itself (LAPACK)."""
+    """Check the class map against the conditions of Sect. 8.4 and against eigenvalues of the matrix itself (LAPACK).
+
+    Also Γ_0 and C_0 of the drives that are placed against those of Newton's laws.
+    """
     inertia, damping = dataset.effective_inertia.values[:, None], dataset.effective_damping.values[None, :]
     stiffness = float(dataset.coupling_stiffness)
     regular = ~named(dataset.stability, "degenerate")
@@ -113,8 +116,17 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     wrong = int(np.sum(regular & (stable != ((inertia > 0) & (damping > 0)))))
     saddles = named(dataset.stability, "saddle") == (inertia < 0)
     ratio = dataset.node_focus_effective_damping**2 / (4 * stiffness * dataset.node_focus_effective_inertia)
+    gamma, c = (x[inertia[:, 0] != 0].ravel() for x in np.broadcast_arrays(inertia, damping))
+    jacobian = np.zeros((gamma.size, 2, 2))
+    jacobian[:, 0, 1], jacobian[:, 1, 0], jacobian[:, 1, 1] = 1, -stiffness / gamma, -c / gamma
+    theirs, ours = np.sort_complex(np.linalg.eigvals(jacobian).astype(complex)), eigenvalue_pair(gamma, c, stiffness)
     # LAPACK keeps only half of the digits (1.5e-8) where two eigenvalues coincide.
-    largest, placed = _distance_from_lapack(inertia, damping, stiffness), _distance_from_newton(dataset)
+    largest, off = np.max(np.abs(ours - theirs) / np.abs(ours).max(axis=1, keepdims=True)), []
+    for one in (dataset.isel(case=index) for index in range(dataset.sizes["case"])):
+        law = 1 if printed_laws.net_force(one) * one.input_speed > 0 else -1
+        exact = newton.effective(newton.parameters(one), law)
+        off += [float(one.case_effective_inertia) / exact[0] - 1, float(one.case_effective_damping) / exact[1] - 1]
+    placed = np.abs(off).max(initial=0.0)
     return [
         Check.that("fig8_03.stable", wrong == 0 and stable.any(), wrong=wrong, regular=regular),
         Check.without_exception("fig8_03.saddle", np.sum(regular & ~saddles), regular.sum()),
@@ -175,69 +187,39 @@ def _node_focus_boundary(inertia: np.ndarray, stiffness: float) -> np.ndarray:
     return node
 
 
-def _distance_from_lapack(inertia: np.ndarray, damping: np.ndarray, stiffness: float) -> float:
-    """Largest difference [1] of (8.18) from LAPACK's eigenvalues of the Jacobian, relative to the larger eigenvalue."""
-    gamma, c = (array.ravel() for array in np.broadcast_arrays(inertia, damping))
-    gamma, c = gamma[gamma != 0], c[gamma != 0]
-    jacobian = np.zeros((gamma.size, 2, 2))
-    jacobian[:, 0, 1], jacobian[:, 1, 0], jacobian[:, 1, 1] = 1, -stiffness / gamma, -c / gamma
-    theirs = np.sort_complex(np.linalg.eigvals(jacobian).astype(complex))
-    ours = eigenvalue_pair(gamma, c, stiffness)
-    return float(np.max(np.abs(ours - theirs) / np.abs(ours).max(axis=1, keepdims=True)))
-
-
-def _distance_from_newton(dataset: xr.Dataset) -> float:
-    """Largest relative difference [1] of Γ_0 and C_0 of the drives that are placed from those of Newton's laws."""
-    found = []
-    for index in range(dataset.sizes["case"]):
-        one = dataset.isel(case=index)
-        p = newton.parameters(one)
-        theirs = newton.effective(p, 1 if printed_laws.net_force(one) * p["input_speed"] > 0 else -1)
-        found += [float(one.case_effective_inertia) / theirs[0] - 1, float(one.case_effective_damping) / theirs[1] - 1]
-    return float(np.abs(found).max(initial=0.0))
-
-
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw the class map, the node–focus boundary C_0² = 4kΓ_0 and the chapter's drives, two of them enlarged."""
+    """Draw the class map, the node–focus boundary C_0² = 4kΓ_0 and the chapter's drives.
+
+    The surroundings of the two that lie closest together are enlarged.
+    """
     figure = style.new_figure(style.DOUBLE, 3.6)
-    axes = figure.add_subplot()
+    axes, line = figure.add_subplot(), {"color": style.BLACK, "linewidth": 1.0}
     inertia, damping = dataset.effective_inertia, dataset.effective_damping
     close = axes.inset_axes((0.075, 0.125, 0.225, 0.27))  # in the saddles, the largest class
     for panel in (axes, close):
         drawing.regions(panel, inertia, damping, dataset.stability.T, _COLOURS, shading="nearest")
-        _lines_and_drives(panel, dataset)
+        for sign, name in ((1, None), (-1, r"$C_0^2 = 4 k \Gamma_0$")):
+            met = sign * dataset.node_focus_effective_damping
+            panel.plot(dataset.node_focus_effective_inertia, met, label=name, **line)
+        panel.axvline(0, **line)
+        panel.plot([0, inertia[-1]], [0, 0], **line)
+        for index, marker, colour in zip(dataset.case.values, "osD^v", _DRIVES, strict=False):
+            case = dataset.sel(case=index)
+            name = f"$m$ = {float(case.mass):g} kg, $c_x$ = {float(case.translation_damping):g} N s m⁻¹"
+            panel.plot(case.case_effective_inertia, case.case_effective_damping, marker, color=colour, mec="white",
+                       markersize=5, linestyle="none", label=name, zorder=3)  # fmt: skip
     for name in flag_names(dataset.stability).values():
         inside = dataset.stability.copy(data=named(dataset.stability, name))
         if inside.mean() > 0.01:  # lines such as the centres have no region
             axes.text(inertia.where(inside).mean(), damping.where(inside).mean(), name, ha="center")
     style.frame(axes, "", inertia, damping, xlim=inertia[[0, -1]], ylim=damping[[0, -1]])
-    _close_up(axes, close, dataset)
-    return style.legend(figure, [axes], 1, place="outside right upper")
-
-
-def _lines_and_drives(axes: style.Axes, dataset: xr.Dataset) -> None:
-    """Draw the boundaries of the classes and the chapter's drives."""
-    line = {"color": style.BLACK, "linewidth": 1.0}
-    for sign, name in ((1, None), (-1, r"$C_0^2 = 4 k \Gamma_0$")):
-        damping = sign * dataset.node_focus_effective_damping
-        axes.plot(dataset.node_focus_effective_inertia, damping, label=name, **line)
-    axes.axvline(0, **line)
-    axes.plot([0, dataset.effective_inertia[-1]], [0, 0], **line)
-    for index, marker, colour in zip(dataset.case.values, "osD^v", _DRIVES, strict=False):
-        case = dataset.sel(case=index)
-        name = f"$m$ = {float(case.mass):g} kg, $c_x$ = {float(case.translation_damping):g} N s m⁻¹"
-        axes.plot(case.case_effective_inertia, case.case_effective_damping, marker, color=colour, mec="white",
-                  markersize=5, linestyle="none", label=name, zorder=3)  # fmt: skip
-
-
-def _close_up(axes: style.Axes, close: style.Axes, dataset: xr.Dataset) -> None:
-    """Show the surroundings of the two drives that lie closest together in the picture."""
     drives = np.stack([dataset.case_effective_inertia.values, dataset.case_effective_damping.values])
-    sides = np.array([np.ptp(dataset.effective_inertia.values), np.ptp(dataset.effective_damping.values)])
+    sides = np.array([np.ptp(inertia.values), np.ptp(damping.values)])
     first, second = min(combinations(drives.T, 2), key=lambda pair: np.hypot(*((pair[0] - pair[1]) / sides)))
     middle, half = (first + second) / 2, np.maximum(1.2 * np.abs(first - second), 0.02 * sides)
     close.axis(np.column_stack([middle - half, middle + half]).ravel())
     close.locator_params(nbins=3)
     close.tick_params(labelsize=6.5, pad=2)
     axes.indicate_inset_zoom(close, edgecolor=style.BLACK, linewidth=0.7)
+    return style.legend(figure, [axes], 1, place="outside right upper")

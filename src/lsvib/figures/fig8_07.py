@@ -65,17 +65,20 @@ def build(settings: Values) -> xr.Dataset:
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
-    """Check the map by signs alone, the motions of each sector, and what follows a seizure."""
-    stop = float(dataset.stop_velocity[0])
-    q = np.sign(_beyond_line(dataset, dataset.grid_angle_deviation, dataset.grid_velocity_deviation)).values
-    signed = q * np.sign(dataset.grid_velocity_deviation - stop).values
+    """Check the map by signs alone, the motions of each sector, and what follows a seizure.
+
+    Also the signs of N by (8.3) where there is no solution, and the slip under law − as far as it goes.
+    """
+    p, stop = dataset.isel(case=0), float(dataset.stop_velocity[0])
+    sense = np.sign(p.input_speed + p.grid_velocity_deviation)
+    beyond = np.sign(_beyond_line(dataset, dataset.grid_angle_deviation, dataset.grid_velocity_deviation)).values
+    signed = beyond * np.sign(dataset.grid_velocity_deviation - stop).values
     none, two, edge = (named(dataset.existence, word) for word in ("inconsistent", "indeterminate", "boundary"))
     regular = ~edge & (signed != 0)
     wrong = int(np.sum(~np.where(signed > 0, none, two) & regular))
     u, w = dataset.angle_deviation.values[0, :, 0], dataset.velocity_deviation.values[0, :, 0]
     signs = np.sign(w - stop)
-    inconsistent = np.sign(_beyond_line(dataset, u, w)) == signs
-    first = dataset.isel(case=0, event=0)
+    inconsistent, first = np.sign(_beyond_line(dataset, u, w)) == signs, p.isel(event=0)
     seized = named(first.event_kind, "seizure") & (first.event_time.values == 0)
     impulse = seized & (first.event_sign.values == signs)
     slips = np.where(signs > 0, MotionMode.SLIP_FORWARD_NEGATIVE, MotionMode.SLIP_BACKWARD_POSITIVE)
@@ -83,33 +86,23 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     least = dataset.rest_after_seizure.values[seized].min(axis=1)
     virtual = float(_beyond_line(dataset, float(dataset.equilibrium_angle), 0.0))
     exists = wrong == 0 and none.any() and two.any() and regular.mean() > 0.9
+    lead = p.pitch_radius * np.tan(p.lead_angle) * p.mass
+    q = lead * (p.coupling_stiffness * p.grid_angle_deviation + p.support_damping * p.grid_velocity_deviation)
+    q = (q + printed_laws.inertia(p, 1) * p.axial_force) * sense  # c_x = 0, s_0 = +1
+    forces = [(np.sign(q / printed_laws.inertia(p, s) / printed_laws.lever(p, s)) * s).values for s in (1, -1)]
+    law, offset = printed_laws.laws(p), p.angle_deviation - p.equilibrium_angle
+    energy = printed_laws.inertia(p, -1) * p.velocity_deviation**2 + p.coupling_stiffness * offset**2
+    within = (law < 0) & (law.shift(sample=1) < 0) & (p.time > p.time.shift(sample=1))
+    falls = (energy < energy.shift(sample=1)).values[within.values]
     return [
         newton.laws_check(dataset, "Fig. 8.7"),
         Check.that("fig8_07.existence", exists, wrong=wrong, regular=regular, none=none, two=two),
         Check.everywhere("fig8_07.seizes", impulse[inconsistent], "starts"),
         Check.everywhere("fig8_07.slips", follows[~inconsistent], "starts"),
         Check.that("fig8_07.may_rest", (least > 0).any(), rests=[f"{1e3 * rest:.3g} ms" for rest in least]),
-        *_law_checks(dataset.isel(case=0)),
-        Check.that("fig8_07.cut_short", virtual > 0, virtual=virtual),
-    ]
-
-
-def _law_checks(p: xr.Dataset) -> list[Check]:
-    """Check the signs of N by (8.3) where there is no solution, and the slip under law − as far as it goes."""
-    u, sense = p.grid_angle_deviation, np.sign(p.input_speed + p.grid_velocity_deviation)
-    q = p.pitch_radius * np.tan(p.lead_angle) * p.mass * p.coupling_stiffness * u
-    q = q + p.pitch_radius * np.tan(p.lead_angle) * p.mass * p.support_damping * p.grid_velocity_deviation
-    q = (q + printed_laws.inertia(p, 1) * p.axial_force) * sense  # c_x = 0, s_0 = +1
-    none = p.existence.copy(data=named(p.existence, "inconsistent"))
-    signs = [np.sign(q / printed_laws.inertia(p, s) / printed_laws.lever(p, s)) * s for s in (1, -1)]
-    law, offset = printed_laws.laws(p), p.angle_deviation - p.equilibrium_angle
-    energy = printed_laws.inertia(p, -1) * p.velocity_deviation**2 + p.coupling_stiffness * offset**2
-    within = (law < 0) & (law.shift(sample=1) < 0) & (p.time > p.time.shift(sample=1))
-    opposite = all(bool((sign < 0).where(none, True).all()) for sign in signs)
-    falls = (energy < energy.shift(sample=1)).values[within.values]
-    return [
-        Check.that("fig8_07.opposite", none.any() and opposite, none=none),
+        Check.that("fig8_07.opposite", none.any() and all((x[none] < 0).all() for x in forces), none=none),
         Check.that("fig8_07.falls", falls.size and falls.all(), falls=falls),
+        Check.that("fig8_07.cut_short", virtual > 0, virtual=virtual),
     ]
 
 
@@ -120,7 +113,10 @@ def _beyond_line(dataset: xr.Dataset, u, w):
 
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw the map, hatched without solution, the lines, motions up to their first seizure, the cycle."""
+    """Draw the map, hatched without solution, the lines, motions up to their first seizure, the cycle.
+
+    At each corner stand the signs of θ′ and of the contact forces that solve in the sector there.
+    """
     figure = style.new_figure(style.DOUBLE, 4.2)
     axes = figure.add_subplot()
     case = dataset.isel(case=0)
@@ -140,19 +136,14 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     axes.set(xlim=u[[0, -1]], ylim=w[[0, -1]])
     drawing.draw_lines(axes, case)
     drawing.draw_arrows(axes, case)
-    _name_sectors(axes, dataset)
-    drawing.label_axes(axes, dataset)
-    return style.legend(figure, [axes], 1, drawing.patches(_SECTORS.values(), _HATCH), "outside right upper")
-
-
-def _name_sectors(axes: style.Axes, dataset: xr.Dataset) -> None:
-    """Write into each sector, at its corner of the picture, the signs of θ′ and of the contact forces that solve."""
     two = named(dataset.existence, "indeterminate")
     for i, j in product((0, -1), repeat=2):
-        signs = "><" if float(dataset.grid_velocity_deviation[j]) > float(dataset.stop_velocity[0]) else "<>"
+        signs = "><" if float(w[j]) > float(dataset.stop_velocity[0]) else "<>"
         words = rf"$\dot\theta {signs[0]} 0$: no $N$"
         if two[i, j]:  # law s holds where N θ′ has the sign s
             words = rf"$\dot\theta {signs[0]} 0$: $N {signs[1]} 0$ by law −" + f"\n($N {signs[0]} 0$ by law +)"
         axes.text(0.015 if i == 0 else 0.985, 0.02 if j == 0 else 0.98, words,
                   transform=axes.transAxes, ha="left" if i == 0 else "right", va="bottom" if j == 0 else "top",
                   bbox={"facecolor": "white", "linewidth": 0, "pad": 1.5}, fontsize=7, zorder=4)  # fmt: skip
+    drawing.label_axes(axes, dataset)
+    return style.legend(figure, [axes], 1, drawing.patches(_SECTORS.values(), _HATCH), "outside right upper")

@@ -89,7 +89,7 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw (a) and (b) as phase planes, and (c) amplitude and impact speed of (b) against the axial force."""
+    """Draw (a) and (b) as phase planes, and (c) amplitude, left, and impact speed of (b) against the axial force."""
     figure = style.new_figure(style.DOUBLE, 3.7)
     *planes, last = figure.subplots(1, 3)
     for index, axes in enumerate(planes):
@@ -107,20 +107,15 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         title = f"({'ab'[index]}) $m$ = {style.number(case.mass)} kg ${relation} m_\\mathrm{{cr}}$"
         drawing.label_axes(axes, dataset, title)
         axes.locator_params(axis="x", nbins=3)
-    _over_force(last, dataset)
-    return style.legend(figure, planes, 4)
-
-
-def _over_force(axes: style.Axes, dataset: xr.Dataset) -> None:
-    """Amplitude (left) and impact speed (right) of the cycle in (b); the dot is the force of (b)."""
     force = dataset.swept_axial_force
-    axes.plot(force, dataset.swept_amplitude, color=style.BLUE)
-    axes.plot(dataset.axial_force, dataset.amplitude[1, 0, 0], "o", color=style.BLUE)
-    axes.set(title="(c) ours: cycle of (b) over $R$", xlabel="Axial force " + style.label(force, " ").strip())
-    axes.set(ylim=(0, None), xlim=(0, None))
-    axes.set_ylabel(style.label(dataset.swept_amplitude, "amplitude of $u$"), color=style.BLUE)
-    axes.tick_params(axis="y", which="both", right=False)
-    right = axes.twinx()
-    right.plot(force, dataset.impact_speed, color=style.VERMILION, linestyle="--")
-    right.set_ylabel(style.label(dataset.impact_speed, "impact speed"), color=style.VERMILION)
-    right.set_ylim(0, -2.2 * float(dataset.stop_velocity[1]))
+    last.plot(force, dataset.swept_amplitude, color=style.BLUE)
+    last.plot(dataset.axial_force, dataset.amplitude[1, 0, 0], "o", color=style.BLUE)  # the force of (b)
+    last.set(title="(c) ours: cycle of (b) over $R$", xlabel="Axial force " + style.label(force, " ").strip())
+    last.set(ylim=(0, None), xlim=(0, None))
+    last.set_ylabel(style.label(dataset.swept_amplitude, "amplitude of $u$"), color=style.BLUE)
+    last.tick_params(axis="y", which="both", right=False)
+    speed = last.twinx()
+    speed.plot(force, dataset.impact_speed, color=style.VERMILION, linestyle="--")
+    speed.set_ylabel(style.label(dataset.impact_speed, "impact speed"), color=style.VERMILION)
+    speed.set_ylim(0, -2.2 * float(dataset.stop_velocity[1]))
+    return style.legend(figure, planes, 4)
