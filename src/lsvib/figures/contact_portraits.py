@@ -209,13 +209,6 @@ def _rate(long_name: str) -> dict[str, Any]:
     return attributes(_UNIT, f"{long_name}, scaled by law - on both sides", r"$\chi'$", comment=_OF_RATE)
 
 
-def _within_separatrix(case: xr.Dataset) -> np.ndarray:
-    """Return which states of the grid lie in the loop of the saddle's separatrix, by the energy integral of (8.11)."""
-    force, saddle = case.grid_contact_force, case.equilibrium_contact_force.sel(law=1)
-    energy = _potential(case, force) + case.grid_contact_force_rate**2 / 2  # in the scales of law −; 0 at the origin
-    return ((energy < float(_potential(case, saddle))) & (force > saddle)).values
-
-
 def _potential(case: xr.Dataset, force: xr.DataArray) -> xr.DataArray:
     """Potential of x″: −ρ² x²/2 − x/Γ₋ on the side of law +, x²/2 − x/Γ₋ on that of law −."""
     plus, minus = (case.effective_inertia_of_law.sel(law=law, drop=True) for law in (1, -1))
@@ -252,41 +245,35 @@ def _common_checks(dataset: xr.Dataset, outcome: str) -> list[Check]:
 
 
 def _indeterminate_checks(dataset: xr.Dataset) -> list[Check]:
-    """Check saddle and centre, both outcomes and what decides between them, and the focus under contact damping."""
+    """Check saddle and centre, both outcomes and what decides between them, and the focus under contact damping.
+
+    A contact force stays in the loop of the saddle's separatrix, by the energy integral of (8.11): 0 at the origin.
+    """
     elastic, damped = dataset.isel(case=0), dataset.isel(case=1)
     bounded, unbounded = (named(elastic.grid_outcome, word) for word in ("bounded", "minus infinity"))
+    energy = _potential(elastic, elastic.grid_contact_force) + elastic.grid_contact_force_rate**2 / 2
+    top = elastic.equilibrium_contact_force.sel(law=1)
+    inside = ((energy < float(_potential(elastic, top))) & (elastic.grid_contact_force > top)).values
     last = dataset.contact_force.values[named(dataset.start_outcome, "minus infinity")][:, -1]
     real, imaginary = dataset.scaled_eigenvalue_real_part, dataset.scaled_eigenvalue_imaginary_part
     (saddle, growth), (twist, frequency) = ([part.sel(law=law) for law in _LAWS] for part in (real, imaginary))
     ends = damped.contact_force.values[named(damped.start_outcome, "bounded"), -1]
     # e⁻⁸ of a start is left where the motions end.
     gap = float(np.abs(ends * float(damped.effective_inertia_of_law.sel(law=-1)) - 1).max(initial=0.0))
-    chi = dataset.equilibrium_contact_force
+    chi, both = dataset.equilibrium_contact_force, {"bounded": bounded, "unbounded": unbounded}
+    no_other = bounded.any() and unbounded.any() and (bounded | unbounded).all()
+    is_saddle = (saddle.prod("eigenvalue") < 0).all() and (twist == 0).all()
+    is_centre, is_focus = (growth[0] == 0) & (frequency[0] != 0), (growth[1] < 0) & (frequency[1] != 0)
+    focus = {"real": growth[1, 0], "imaginary": abs(frequency[1, 0])}
     return [
         *_common_checks(dataset, "minus infinity"),
         Check.that("fig8_01.two_solutions", (chi * dataset.law_side > 0).all(), chi=chi),
-        Check.that(
-            "fig8_01.saddle",
-            (saddle.prod("eigenvalue") < 0).all() and (twist == 0).all(),
-            eigenvalues=str(saddle.values.round(4).tolist()),
-        ),
-        Check.that(
-            "fig8_01.centre", (growth[0] == 0).all() and (frequency[0] != 0).all(), frequency=abs(frequency[0, 0])
-        ),
-        Check.without_exception("fig8_01.loop", (bounded != _within_separatrix(elastic)).sum(), bounded.size, "starts"),
-        Check.that(
-            "fig8_01.outcomes",
-            bounded.any() and unbounded.any() and (bounded | unbounded).all(),
-            bounded=bounded,
-            unbounded=unbounded,
-        ),
+        Check.that("fig8_01.saddle", is_saddle, eigenvalues=str(saddle.values.round(4).tolist())),
+        Check.that("fig8_01.centre", is_centre.all(), frequency=abs(frequency[0, 0])),
+        Check.without_exception("fig8_01.loop", (bounded != inside).sum(), bounded.size, "starts"),
+        Check.that("fig8_01.outcomes", no_other, **both),
         Check.everywhere("fig8_01.unbounded", last < float(dataset.grid_contact_force.min())),
-        Check.that(
-            "fig8_01.focus",
-            (growth[1] < 0).all() and (frequency[1] != 0).all(),
-            real=growth[1, 0],
-            imaginary=abs(frequency[1, 0]),
-        ),
+        Check.that("fig8_01.focus", is_focus.all(), **focus),
         Check.that("fig8_01.settles", ends.size and gap < 0.01, ends=ends, gap=gap),
     ]
 
@@ -307,17 +294,34 @@ def _inconsistent_checks(dataset: xr.Dataset) -> list[Check]:
 
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw motions, equilibria and manifolds, in a panel for each contact damping; the words say where a law holds."""
+    """Draw motions, equilibria and manifolds, in a panel for each contact damping; the words say where a law holds.
+
+    Equilibria are open where the law does not hold, so that they are none.
+    """
     figure = style.new_figure(style.DOUBLE, 3.35)
     panels = figure.subplots(1, dataset.sizes["case"], sharey=True)
     limits = [dataset[name].values[[0, -1]] for name in ("grid_contact_force", "grid_contact_force_rate")]
     for axes, letter, case in zip(panels, "ab", (dataset.isel(case=i) for i in dataset.case.values), strict=True):
         _lines(axes, case)
-        paths = [_motion(axes, case.isel(start=index)) for index in dataset.start.values]
+        paths: list[drawing.DrawnLine] = []
+        for motion in (case.isel(start=index) for index in dataset.start.values):
+            x, y, stays = motion.contact_force.values, motion.contact_force_rate.values, motion.start_outcome
+            colour, name = (
+                (style.BLUE, "bounded") if named(stays, "bounded") else (style.ORANGE, "growing without bound")
+            )
+            axes.plot(x, y, color=colour, linewidth=1.0, label=name, zorder=2)
+            axes.plot(
+                x[0], y[0], "o", color=colour, mfc="white", markersize=3.2, label="start", zorder=3, clip_on=False
+            )
+            paths.append((x, y, colour))
         if "manifold_force" in case:  # all are stored outwards from the saddle
             manifolds = zip(case.manifold_force.values, case.manifold_force_rate.values, (1, 1, -1, -1), strict=True)
             paths += [(x[::along], y[::along], style.BLACK) for x, y, along in manifolds]
-        _equilibria(axes, case)
+        for law, marker, words in ((1, "X", r"saddle $1/\Gamma_+$"), (-1, "D", r"centre or focus $1/\Gamma_-$")):
+            x = float(case.equilibrium_contact_force.sel(law=law))
+            real = x * float(case.law_side.sel(law=law)) > 0
+            look = {"color": style.GREEN, "mfc": style.GREEN if real else "white", "markersize": 6, "linestyle": "none"}
+            axes.plot(x, 0, marker, label=f"{words}{'' if real else ', virtual'}", zorder=5, **look)
         axes.axvline(0, color=style.GREY, linewidth=0.9, zorder=1)
         damping = float(case.contact_damping_ratio)
         words = f"ours: contact damping, $\\zeta$ = {damping:.2g}" if damping else "elastic contact"
@@ -349,26 +353,6 @@ def _lines(axes: style.Axes, case: xr.Dataset) -> None:
     x = np.array([0.0, float(case.grid_contact_force[-1])])
     y = slope * (x - float(case.equilibrium_contact_force.sel(law=1)))
     axes.plot(x, y, label="asymptote from the virtual saddle", **dashed)
-
-
-def _motion(axes: style.Axes, motion: xr.Dataset) -> drawing.DrawnLine:
-    """Draw a motion from its start, and return it as a line."""
-    x, y = motion.contact_force.values, motion.contact_force_rate.values
-    stays = named(motion.start_outcome, "bounded")
-    colour, name = (style.BLUE, "bounded") if stays else (style.ORANGE, "growing without bound")
-    axes.plot(x, y, color=colour, linewidth=1.0, label=name, zorder=2)
-    axes.plot(x[0], y[0], "o", color=colour, mfc="white", markersize=3.2, label="start", zorder=3, clip_on=False)
-    return x, y, colour
-
-
-def _equilibria(axes: style.Axes, case: xr.Dataset) -> None:
-    """Mark the equilibria; open where the law does not hold, so that they are none."""
-    for law, marker, inverse in ((1, "X", r"1/\Gamma_+"), (-1, "D", r"1/\Gamma_-")):
-        x = float(case.equilibrium_contact_force.sel(law=law))
-        real = x * float(case.law_side.sel(law=law)) > 0
-        kind = "saddle" if law > 0 else "centre or focus"
-        look = {"color": style.GREEN, "mfc": style.GREEN if real else "white", "markersize": 6, "linestyle": "none"}
-        axes.plot(x, 0, marker, label=f"{kind} ${inverse}${'' if real else ', virtual'}", zorder=5, **look)
 
 
 fig8_01 = Figure(

@@ -238,13 +238,36 @@ def _largest_real_part(drive: of.Values, **values: Any) -> np.ndarray:
 
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw (a) the critical mass, (b, c) the growth rate of both masses and (d) the least contact damping."""
+    """Draw (a) the critical mass, (b, c) the growth rate of both masses and (d) the least contact damping.
+
+    Beyond the dotted stiffnesses of (b), one for each damping, the proof of Lemma 8.1 holds.
+    """
     figure = style.new_figure(style.DOUBLE, 6.2)
     mass, heavy, light, least = figure.subplots(2, 2).ravel()
-    _critical_mass(mass, dataset)
-    for axes, k, letter in ((heavy, 0, "b"), (light, 1, "c")):
-        _growth(axes, dataset.isel(mass=k), letter, float(dataset.critical_mass))
-    # Beyond the dotted stiffnesses, one for each damping, the proof of Lemma 8.1 holds.
+    rigid, damping = float(dataset.critical_mass), dataset.curve_contact_damping
+    for curve, colour, dashes in zip(dataset.curve_critical_mass_with_contact, _COLOURS, _DASHES, strict=False):
+        name = f"$k_c$ = {style.number(curve.curve_contact_stiffness)} N m⁻¹"
+        mass.plot(damping, curve, color=colour, linestyle=dashes, label=name)
+    mass.plot(dataset.contact_damping, dataset.critical_mass_with_contact, "o", color=style.PURPLE, zorder=4,
+              label="contacts of Figs 8.10, 8.13")  # fmt: skip
+    for one in dataset.critical_mass_with_contact:
+        place = float(one.contact_damping), float(one)
+        mass.annotate(f"{float(one):.2f} kg", place, (0, -12), textcoords="offset points", fontsize=6.5)
+    mass.axhline(rigid, color=style.GREY, linewidth=0.9, linestyle="--")
+    mass.annotate(f"rigid contact: {rigid:.3f} kg", (0.03, rigid), (0, -3), xycoords=mass.get_yaxis_transform(),
+                  textcoords="offset points", fontsize=6.5, va="top", color=style.GREY)  # fmt: skip
+    style.frame(mass, "(a) critical mass; steady sliding is lost above", damping, "Critical mass $m_\\mathrm{cr}$ [kg]",
+                xscale="log", ylim=(0, 1.8 * rigid))  # fmt: skip
+    mass.legend(loc="upper left")
+    for axes, letter, rates in zip((heavy, light), "bc", dataset.growth_rate, strict=True):
+        stiffness, sign = rates.growth_contact_stiffness, ">" if float(rates.mass) > rigid else "<"
+        for curve, colour, dashes in zip(rates, _COLOURS, _DASHES, strict=False):
+            name = f"$c_c$ = {style.number(curve.growth_contact_damping)} N s m⁻¹"
+            axes.plot(stiffness, curve, color=colour, linestyle=dashes, label=name)
+        axes.axhline(0, color=style.BLACK, linewidth=0.5)
+        axes.set_yscale("symlog", linthresh=10.0)
+        title = f"({letter}) growth rate, $m$ = {style.number(rates.mass)} kg {sign} rigid $m_\\mathrm{{cr}}$"
+        style.frame(axes, title, stiffness, "Largest real part [s⁻¹], stable below 0", xscale="log")
     for value, colour in zip(dataset.unstable_contact_stiffness.values, _COLOURS, strict=False):
         heavy.axvline(value, color=colour, linewidth=0.9, linestyle=":")
     heavy.set_ylim(-10.0)
@@ -254,35 +277,6 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     light.legend(loc="lower left")
     _least(least, dataset)
     return figure
-
-
-def _critical_mass(axes: style.Axes, dataset: xr.Dataset) -> None:
-    rigid, damping = float(dataset.critical_mass), dataset.curve_contact_damping
-    for curve, colour, dashes in zip(dataset.curve_critical_mass_with_contact, _COLOURS, _DASHES, strict=False):
-        name = f"$k_c$ = {style.number(curve.curve_contact_stiffness)} N m⁻¹"
-        axes.plot(damping, curve, color=colour, linestyle=dashes, label=name)
-    axes.plot(dataset.contact_damping, dataset.critical_mass_with_contact, "o", color=style.PURPLE, zorder=4,
-              label="contacts of Figs 8.10, 8.13")  # fmt: skip
-    for one in dataset.critical_mass_with_contact:
-        place = float(one.contact_damping), float(one)
-        axes.annotate(f"{float(one):.2f} kg", place, (0, -12), textcoords="offset points", fontsize=6.5)
-    axes.axhline(rigid, color=style.GREY, linewidth=0.9, linestyle="--")
-    axes.annotate(f"rigid contact: {rigid:.3f} kg", (0.03, rigid), (0, -3), xycoords=axes.get_yaxis_transform(),
-                  textcoords="offset points", fontsize=6.5, va="top", color=style.GREY)  # fmt: skip
-    style.frame(axes, "(a) critical mass; steady sliding is lost above", damping, "Critical mass $m_\\mathrm{cr}$ [kg]",
-                xscale="log", ylim=(0, 1.8 * rigid))  # fmt: skip
-    axes.legend(loc="upper left")
-
-
-def _growth(axes: style.Axes, dataset: xr.Dataset, letter: str, rigid: float) -> None:
-    stiffness, sign = dataset.growth_contact_stiffness, ">" if float(dataset.mass) > rigid else "<"
-    for curve, colour, dashes in zip(dataset.growth_rate, _COLOURS, _DASHES, strict=False):
-        name = f"$c_c$ = {style.number(curve.growth_contact_damping)} N s m⁻¹"
-        axes.plot(stiffness, curve, color=colour, linestyle=dashes, label=name)
-    axes.axhline(0, color=style.BLACK, linewidth=0.5)
-    axes.set_yscale("symlog", linthresh=10.0)
-    title = f"({letter}) growth rate, $m$ = {style.number(dataset.mass)} kg {sign} rigid $m_\\mathrm{{cr}}$"
-    style.frame(axes, title, stiffness, "Largest real part [s⁻¹], stable below 0", xscale="log")
 
 
 def _least(axes: style.Axes, dataset: xr.Dataset) -> None:

@@ -192,54 +192,60 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw (a) the phase plane, (b) N(t) on a broken axis, (c) a seizure close up, (d) its peak, (e) what R changes."""
+    """Draw (a) the phase plane, (b) N(t) on a broken axis, (c) a seizure close up, (d) its peak, (e) what R changes.
+
+    (c) is the right edge of (a), where the screw seizes: a jump with rigid threads. (e) has the peak force, left, and
+    the distance to the rigid cycle.
+    """
     figure = style.new_figure(style.DOUBLE, 5.6)
     above, below = figure.subfigures(2, 1, height_ratios=(1.25, 1))
     panels = above.subplot_mosaic([["a", "peaks"], ["a", "sliding"]], width_ratios=(1, 1.15))
-    close, peak, force = below.subplots(1, 3)
-    _plane(panels["a"], dataset)
+    (close, peak, over), plane = below.subplots(1, 3), panels["a"]
+    start = dataset.isel(sample=0)
+    plane.plot(dataset.angle_deviation, dataset.velocity_deviation, color=style.SKY, linewidth=0.8, label="motion")
+    for axes in (plane, close):
+        axes.plot(dataset.rigid_cycle_angle, dataset.rigid_cycle_velocity, color=style.ORANGE, linewidth=2.6,
+                  label="cycle of the rigid drive", zorder=2)  # fmt: skip
+        axes.plot(dataset.cycle_angle, dataset.cycle_velocity, color=style.BLUE, linewidth=1.0,
+                  label="cycle with compliant threads", zorder=2.1)  # fmt: skip
+    plane.plot(start.angle_deviation, start.velocity_deviation, "o", color=style.SKY, mfc="white", label="start")
+    drawing.mark_origin(plane)
+    drawing.draw_stop(plane, -float(dataset.input_speed))
+    drawing.arrows(plane, [(dataset.cycle_angle.values, dataset.cycle_velocity.values, style.BLUE)])
+    drawing.label_axes(plane, dataset, "(a) phase plane")
+    plane.locator_params(axis="x", nbins=5)
     _force(panels["peaks"], panels["sliding"], dataset)
-    _close_up(close, dataset)
+    if np.isfinite(dataset.cycle_angle).any():
+        speed, edge, width = (float(x) for x in (dataset.input_speed, dataset.cycle_angle.max(), dataset.amplitude))
+        close.set(xlim=(edge - 0.05 * width, edge + 0.02 * width), ylim=(-1.1 * speed, 1.1 * speed))
+    close.xaxis.set_major_formatter(lambda value, _: f"{1e3 * value:g}".replace("-", "−"))
+    close.locator_params(axis="x", nbins=4)
+    rate = style.label(dataset.velocity_deviation, "rate")
+    style.frame(close, "(c) ours: right edge of (a)", "Deviation $u$ [10⁻³ rad]", rate)
     sprag, microseconds = float(dataset.sprag_duration) * 1e6, dataset.close_up_time * 1e6
     peak.plot(microseconds, dataset.close_up_normal_force / 1e3, color=style.BLUE)
     peak.axvspan(0, sprag, color=style.YELLOW, alpha=0.35, linewidth=0, label=r"sprag: $N > 0$, $\dot\theta > 0$")
     peak.set(title="(d) ours: one peak", xlabel="Time after $N = 0$ [µs]", ylabel="$N$ [kN]", ylim=(-10, _top(dataset)))
     peak.margins(x=0)
-    _over_force(force, dataset)
-    return style.legend(figure, [panels["a"], peak], 3)
-
-
-def _plane(axes: style.Axes, dataset: xr.Dataset) -> None:
-    axes.plot(dataset.angle_deviation, dataset.velocity_deviation, color=style.SKY, linewidth=0.8, label="motion")
-    _cycles(axes, dataset)
-    axes.plot(dataset.angle_deviation[0], dataset.velocity_deviation[0], "o", color=style.SKY, mfc="white",
-              label="start")  # fmt: skip
-    drawing.mark_origin(axes)
-    drawing.draw_stop(axes, -float(dataset.input_speed))
-    drawing.arrows(axes, [(dataset.cycle_angle.values, dataset.cycle_velocity.values, style.BLUE)])
-    drawing.label_axes(axes, dataset, "(a) phase plane")
-    axes.locator_params(axis="x", nbins=5)
-
-
-def _close_up(axes: style.Axes, dataset: xr.Dataset) -> None:
-    """The right edge of (a), where the screw seizes: a jump with rigid threads."""
-    _cycles(axes, dataset)
-    if np.isfinite(dataset.cycle_angle).any():
-        speed = float(dataset.input_speed)
-        edge, width = float(dataset.cycle_angle.max()), float(dataset.amplitude)
-        axes.set(xlim=(edge - 0.05 * width, edge + 0.02 * width), ylim=(-1.1 * speed, 1.1 * speed))
-    axes.xaxis.set_major_formatter(lambda value, _: f"{1e3 * value:g}".replace("-", "−"))
-    axes.locator_params(axis="x", nbins=4)
-    rate = style.label(dataset.velocity_deviation, "rate")
-    style.frame(axes, "(c) ours: right edge of (a)", "Deviation $u$ [10⁻³ rad]", rate)
-
-
-def _cycles(axes: style.Axes, dataset: xr.Dataset) -> None:
-    """The rigid cycle, its jump included, and the compliant one on it."""
-    axes.plot(dataset.rigid_cycle_angle, dataset.rigid_cycle_velocity, color=style.ORANGE, linewidth=2.6,
-              label="cycle of the rigid drive", zorder=2)  # fmt: skip
-    axes.plot(dataset.cycle_angle, dataset.cycle_velocity, color=style.BLUE, linewidth=1.0,
-              label="cycle with compliant threads", zorder=2.1)  # fmt: skip
+    printed, part = (
+        dataset.printed_peak_normal_force / 1e3,
+        dataset.printed_peak_normal_force.attrs["relative_tolerance"],
+    )
+    force = dataset.swept_axial_force
+    over.axhspan(printed * (1 - part), printed * (1 + part), color=style.VERMILION, alpha=0.15, linewidth=0)
+    over.text(0.97, 0.1, f"{float(printed):g} kN ± {100 * part:g} %", color=style.VERMILION, ha="right", fontsize=6.5,
+              transform=over.transAxes)  # fmt: skip
+    over.plot(force, dataset.swept_peak_normal_force / 1e3, color=style.BLUE)
+    over.plot(dataset.axial_force, dataset.peak_normal_force / 1e3, "o", color=style.BLUE)
+    over.set(title="(e) ours: dependence on $R$", xlabel=f"Axial force {style.label(force, ' ').strip()}")
+    over.set_ylabel("Peak of $N$ [kN]", color=style.BLUE)
+    over.set_xlim(0, float(force[-1]))
+    over.tick_params(axis="y", which="both", right=False)
+    distance = over.twinx()
+    distance.plot(force, 100 * dataset.swept_orbit_distance, color=style.GREEN, linestyle="--")
+    distance.set_ylabel("Distance to rigid cycle [%]", color=style.GREEN)
+    distance.set_ylim(0, None)
+    return style.legend(figure, [plane, peak], 3)
 
 
 def _force(peaks: style.Axes, sliding: style.Axes, dataset: xr.Dataset) -> None:
@@ -265,22 +271,3 @@ def _force(peaks: style.Axes, sliding: style.Axes, dataset: xr.Dataset) -> None:
 def _top(dataset: xr.Dataset) -> float:
     """Upper end of an axis of the force [kN]: a little above the printed peak and what is drawn."""
     return 1.15e-3 * max(float(dataset.printed_peak_normal_force), float(dataset.normal_force.max()))
-
-
-def _over_force(axes: style.Axes, dataset: xr.Dataset) -> None:
-    """Peak force (left) and distance to the rigid cycle (right) over R; the dot is the force of (a) to (d)."""
-    printed, force = float(dataset.printed_peak_normal_force) / 1e3, dataset.swept_axial_force
-    part = dataset.printed_peak_normal_force.attrs["relative_tolerance"]
-    axes.axhspan(printed * (1 - part), printed * (1 + part), color=style.VERMILION, alpha=0.15, linewidth=0)
-    axes.text(0.97, 0.1, f"{printed:g} kN ± {100 * part:g} %", color=style.VERMILION, ha="right", fontsize=6.5,
-              transform=axes.transAxes)  # fmt: skip
-    axes.plot(force, dataset.swept_peak_normal_force / 1e3, color=style.BLUE)
-    axes.plot(dataset.axial_force, dataset.peak_normal_force / 1e3, "o", color=style.BLUE)
-    axes.set(title="(e) ours: dependence on $R$", xlabel=f"Axial force {style.label(force, ' ').strip()}")
-    axes.set_ylabel("Peak of $N$ [kN]", color=style.BLUE)
-    axes.set_xlim(0, float(force[-1]))
-    axes.tick_params(axis="y", which="both", right=False)
-    right = axes.twinx()
-    right.plot(force, 100 * dataset.swept_orbit_distance, color=style.GREEN, linestyle="--")
-    right.set_ylabel("Distance to rigid cycle [%]", color=style.GREEN)
-    right.set_ylim(0, None)

@@ -153,11 +153,37 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw (a) the cycles, (b) z over a period, (c) the largest z and (d) the shortest time against the contact."""
+    """Draw (a) the cycles, (b) z over a period, (c) the largest z and (d) the shortest time against the contact.
+
+    A period in (b) lasts from one standstill of the screw to the next.
+    """
     figure = style.new_figure(style.DOUBLE, 6.0)
     plane, deflection, grid, shortest = figure.subplots(2, 2).ravel()
-    _plane(plane, dataset)
-    _deflection(deflection, dataset)
+    cycles: list[drawing.DrawnLine] = []
+    steady = float(dataset.steady_deflection)
+    for one, colour, dashes in _contacts(dataset):
+        stiffness, damping = (style.number(one[name]) for name in _CONTACT)
+        critical = f"$m_\\mathrm{{cr}}$ = {float(one.critical_mass_with_contact):.2f} kg"
+        time, angle = one.cycle_time.values, one.cycle_angle.values
+        cycles.append((angle, one.cycle_velocity.values, colour))
+        plane.plot(*cycles[-1][:2], color=colour, linestyle=dashes,
+                   label=f"$k_c$ = {stiffness} N m⁻¹, $c_c$ = {damping} N s m⁻¹, {critical}")  # fmt: skip
+        lowest = np.argmin(angle)
+        turned = np.concatenate([time[lowest:] - time[lowest], time[:lowest] + time[-1] - time[lowest]])
+        deflection.plot(turned / float(one.period), np.roll(angle, -lowest) + steady, color=colour, linestyle=dashes)
+    plane.plot(dataset.rigid_cycle_angle, dataset.rigid_cycle_velocity, color=style.BLACK, linewidth=0.9,
+               linestyle=(0, (4, 2)), label="rigid drive")  # fmt: skip
+    plane.axvline(-steady, color=style.GREEN, linewidth=0.9, linestyle=":")
+    plane.text(-steady, 0.45, " $z = 0$", color=style.GREEN, fontsize=7, transform=plane.get_xaxis_transform())
+    plane.locator_params(axis="x", nbins=5)
+    drawing.mark_origin(plane)
+    plane.margins(0.06)
+    drawing.arrows(plane, cycles)
+    labels = style.label(dataset.cycle_angle, "deviation"), style.label(dataset.cycle_velocity, "rate")
+    style.frame(plane, "(a) phase plane", *labels)
+    deflection.axhline(0, color=style.GREEN, linewidth=0.9, linestyle=":")
+    words = "Time after the smallest $z$ / period", "Coupling deflection $z$ [rad]"
+    style.frame(deflection, "(b) coupling deflection over a period", *words, xlim=(0, 1))
     _map(figure, grid, dataset)
     _shortest(shortest, dataset)
     return style.legend(figure, [plane, deflection], 2)
@@ -167,40 +193,6 @@ def _contacts(dataset: xr.Dataset) -> list[tuple[xr.Dataset, str, Any]]:
     """The contacts that are drawn, each with its colour and dashes."""
     contacts = (dataset.isel(contact=k) for k in dataset.contact.values)
     return list(zip(contacts, _COLOURS, ("-", (0, (5, 1.5)), (0, (3, 1, 1, 1)), (0, (1, 1))), strict=False))
-
-
-def _plane(axes: style.Axes, dataset: xr.Dataset) -> None:
-    cycles: list[drawing.DrawnLine] = []
-    for one, colour, dashes in _contacts(dataset):
-        stiffness, damping = (style.number(one[name]) for name in _CONTACT)
-        critical = f"$m_\\mathrm{{cr}}$ = {float(one.critical_mass_with_contact):.2f} kg"
-        cycles.append((one.cycle_angle.values, one.cycle_velocity.values, colour))
-        axes.plot(*cycles[-1][:2], color=colour, linestyle=dashes,
-                  label=f"$k_c$ = {stiffness} N m⁻¹, $c_c$ = {damping} N s m⁻¹, {critical}")  # fmt: skip
-    axes.plot(dataset.rigid_cycle_angle, dataset.rigid_cycle_velocity, color=style.BLACK, linewidth=0.9,
-              linestyle=(0, (4, 2)), label="rigid drive")  # fmt: skip
-    zero = -float(dataset.steady_deflection)
-    axes.axvline(zero, color=style.GREEN, linewidth=0.9, linestyle=":")
-    axes.text(zero, 0.45, " $z = 0$", color=style.GREEN, fontsize=7, transform=axes.get_xaxis_transform())
-    axes.locator_params(axis="x", nbins=5)
-    drawing.mark_origin(axes)
-    axes.margins(0.06)
-    drawing.arrows(axes, cycles)
-    labels = style.label(dataset.cycle_angle, "deviation"), style.label(dataset.cycle_velocity, "rate")
-    style.frame(axes, "(a) phase plane", *labels)
-
-
-def _deflection(axes: style.Axes, dataset: xr.Dataset) -> None:
-    """The coupling deflection from one standstill of the screw to the next."""
-    steady = float(dataset.steady_deflection)
-    for one, colour, dashes in _contacts(dataset):
-        time, angle = one.cycle_time.values, one.cycle_angle.values
-        lowest = np.argmin(angle)
-        turned = np.concatenate([time[lowest:] - time[lowest], time[:lowest] + time[-1] - time[lowest]])
-        axes.plot(turned / float(one.period), np.roll(angle, -lowest) + steady, color=colour, linestyle=dashes)
-    axes.axhline(0, color=style.GREEN, linewidth=0.9, linestyle=":")
-    axes.set(title="(b) coupling deflection over a period", xlabel="Time after the smallest $z$ / period",
-             ylabel="Coupling deflection $z$ [rad]", xlim=(0, 1))  # fmt: skip
 
 
 def _map(figure: style.Figure, axes: style.Axes, dataset: xr.Dataset) -> None:

@@ -156,41 +156,33 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw (a) the critical mass over the inertia of the nut and (b) the classes over that and the friction."""
     figure = style.new_figure(style.DOUBLE, 3.5)
     mass, plane = figure.subplots(1, 2)
-    _critical_mass(mass, dataset)
-    _map(plane, dataset)
+    rigid, inertia, screw = float(dataset.critical_mass), dataset.nut_inertia, float(dataset.screw_inertia)
+    some = dataset.isel(nut_inertia=np.linspace(0, inertia.size - 1, 12).astype(int))
+    mass.plot(inertia, dataset.critical_mass_with_nut, color=style.BLUE, label="boundary by (8.33)")
+    mass.plot(some.nut_inertia, some.critical_mass_with_nut_by_eigenvalues, "o", color=style.VERMILION, zorder=3,
+              label="by eigenvalues", clip_on=False)  # fmt: skip
+    shade = {"color": _COLOURS["kinematic constraint"], "linewidth": 0}
+    mass.fill_between(inertia, dataset.critical_mass_with_nut, 1.15 * rigid, **shade)
+    mass.axhline(rigid, color=style.GREY, linewidth=0.9, linestyle="--")
+    mass.annotate(f"nut that cannot turn: {rigid:.3f} kg", (0.03, rigid), (0, 3), color="#505050", fontsize=6.5,
+                  xycoords=mass.get_yaxis_transform(), textcoords="offset points")  # fmt: skip
+    mass.axvline(screw, 0, 0.82, color=style.BLACK, linewidth=0.6, linestyle=":")
+    mass.text(screw, 0.06, " $I_2 = I$", fontsize=7.5, transform=mass.get_xaxis_transform())
+    friction, drawn = dataset.friction_coefficient, float(dataset.drawn_friction_coefficient)
+    title = rf"(a) critical mass, $\mu$ = {style.number(drawn)}"
+    style.frame(mass, title, inertia, "Critical mass $m_\\mathrm{cr}$ [kg]", xscale="log", ylim=(0, 1.15 * rigid))
+    mass.set_xlim(inertia[[0, -1]])
+    drawing.regions(plane, friction, inertia, dataset.stability.T, _COLOURS)
+    plane.plot(dataset.critical_friction_with_nut, inertia, color=style.BLUE)
+    tangent = float(np.tan(dataset.lead_angle))
+    plane.axvline(tangent, color=style.BLACK, linewidth=0.6, linestyle=":")
+    plane.axvline(drawn, color=style.GREY, linewidth=0.9, linestyle="--")
+    look = {"fontsize": 6.5, "va": "top", "transform": plane.get_xaxis_transform()}
+    plane.text(tangent, 0.94, r"$\mu = \tan\lambda$ ", ha="right", **look)
+    plane.text(drawn, 0.94, rf" {drawn:g} of (a)", color="#505050", **look)
+    limits = {"xlim": friction[[0, -1]], "ylim": inertia[[0, -1]]}
+    title = f"(b) classes, $m$ = {style.number(dataset.mass)} kg"
+    style.frame(plane, title, friction, inertia, yscale="log", **limits)
     words = {"kinematic constraint": "unstable: kinematic constraint", "stable": "stable"}
     patches = drawing.patches(((_COLOURS[name], None, label) for name, label in words.items()), style.GREY)
     return style.legend(figure, [mass, plane], 4, patches)
-
-
-def _critical_mass(axes: style.Axes, dataset: xr.Dataset) -> None:
-    rigid, inertia, screw = float(dataset.critical_mass), dataset.nut_inertia, float(dataset.screw_inertia)
-    some = dataset.isel(nut_inertia=np.linspace(0, inertia.size - 1, 12).astype(int))
-    axes.plot(inertia, dataset.critical_mass_with_nut, color=style.BLUE, label="boundary by (8.33)")
-    axes.plot(some.nut_inertia, some.critical_mass_with_nut_by_eigenvalues, "o", color=style.VERMILION, zorder=3,
-              label="by eigenvalues", clip_on=False)  # fmt: skip
-    shade = {"color": _COLOURS["kinematic constraint"], "linewidth": 0}
-    axes.fill_between(inertia, dataset.critical_mass_with_nut, 1.15 * rigid, **shade)
-    axes.axhline(rigid, color=style.GREY, linewidth=0.9, linestyle="--")
-    axes.annotate(f"nut that cannot turn: {rigid:.3f} kg", (0.03, rigid), (0, 3), color="#505050", fontsize=6.5,
-                  xycoords=axes.get_yaxis_transform(), textcoords="offset points")  # fmt: skip
-    axes.axvline(screw, 0, 0.82, color=style.BLACK, linewidth=0.6, linestyle=":")
-    axes.text(screw, 0.06, " $I_2 = I$", fontsize=7.5, transform=axes.get_xaxis_transform())
-    friction = style.number(dataset.drawn_friction_coefficient)
-    style.frame(axes, rf"(a) critical mass, $\mu$ = {friction}", inertia, "Critical mass $m_\\mathrm{cr}$ [kg]",
-                xscale="log", ylim=(0, 1.15 * rigid), xlim=inertia[[0, -1]])  # fmt: skip
-
-
-def _map(axes: style.Axes, dataset: xr.Dataset) -> None:
-    friction, inertia = dataset.friction_coefficient, dataset.nut_inertia
-    drawing.regions(axes, friction, inertia, dataset.stability.T, _COLOURS)
-    axes.plot(dataset.critical_friction_with_nut, inertia, color=style.BLUE)
-    tangent, drawn = float(np.tan(dataset.lead_angle)), float(dataset.drawn_friction_coefficient)
-    axes.axvline(tangent, color=style.BLACK, linewidth=0.6, linestyle=":")
-    axes.axvline(drawn, color=style.GREY, linewidth=0.9, linestyle="--")
-    look = {"fontsize": 6.5, "va": "top", "transform": axes.get_xaxis_transform()}
-    axes.text(tangent, 0.94, r"$\mu = \tan\lambda$ ", ha="right", **look)
-    axes.text(drawn, 0.94, rf" {drawn:g} of (a)", color="#505050", **look)
-    limits = {"xlim": friction[[0, -1]], "ylim": inertia[[0, -1]]}
-    title = f"(b) classes, $m$ = {style.number(dataset.mass)} kg"
-    style.frame(axes, title, friction, inertia, yscale="log", **limits)
