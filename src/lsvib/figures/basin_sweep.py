@@ -188,31 +188,20 @@ def _points(name: str, curves: Sequence[np.ndarray], where: str) -> Variables:
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
-    """Check the claims of Sect. 8.7 on the basin, and exact areas against grids."""
+    """Check the claims of Sect. 8.7 on the basin, and exact areas against grids.
+
+    Along all four sweeps the basin is the whole plane exactly on one side of a critical value.
+    """
     reading, force = dataset.reading_fraction.values, dataset.swept_axial_force.values
-    touching = named(dataset.boundary_kind_axial_force, "touching motion")
+    fraction, threshold = dataset.fraction_axial_force.values, float(dataset.global_stability_force)
+    touching, beyond = named(dataset.boundary_kind_axial_force, "touching motion"), force < threshold
     scaled = spread(dataset.basin_area_axial_force.values[touching] / force[touching] ** 2)
     error = np.abs(dataset.grid_fraction - dataset.case_fraction)
     worst = float((error / dataset.grid_bound).max())
     orders = [-np.polyfit(np.log(dataset.resolution), np.log(np.maximum(e, 1e-12)), 1)[0] for e in error.values]
-    area = dataset.basin_area_axial_force.values[force > float(dataset.global_stability_force)]
+    area = dataset.basin_area_axial_force.values[force > threshold]
     local = area.size > 0 and area.min() > 0 and np.isfinite(area).all()
     readings = (reading[0] == 1).all() and reading[1, 0] == 1 > reading[1, 1]
-    return [
-        *_global_stability_checks(dataset),
-        newton.touching_check(dataset, -1, dataset.global_stability_force, "Force of global stability"),
-        Check.that("basin_sweep.small", 0 < reading[1, 1] < 0.01, percent=100 * reading[1, 1]),
-        Check.that("basin_sweep.local", local, area=area),
-        Check.that("basin_sweep.readings", readings, readings=reading),
-        Check.that("basin_sweep.square", scaled < 1e-12 and touching.sum() > 1, touching=touching, spread=scaled),
-        Check.that("basin_sweep.fraction", worst <= 1, worst=worst, orders=orders),
-    ]
-
-
-def _global_stability_checks(dataset: xr.Dataset) -> list[Check]:
-    """Check along all four sweeps that the basin is the whole plane exactly on one side of a critical value."""
-    fraction, threshold = dataset.fraction_axial_force.values, float(dataset.global_stability_force)
-    beyond = dataset.swept_axial_force.values < threshold
     damping, limit = dataset.swept_support_damping.values, dataset.swept_global_stability_force.values
     whole = {name: named(dataset[f"boundary_kind_{name}"], "none") for name in _SWEPT}
     stable, parted, words = whole["support_damping"], [], {}
@@ -221,12 +210,18 @@ def _global_stability_checks(dataset: xr.Dataset) -> list[Check]:
         parted.append((here == (swept <= critical)).all() and 0 < here.sum() < here.size)
         words |= {name: critical, f"last_{name}": swept[here].max(initial=-np.inf)}
     sides, forces = ((fraction == 1) == beyond).all(), {"below": fraction[beyond] == 1, "above": fraction[~beyond] < 1}
-    holds = sides and (fraction <= 1).all() and 0 < beyond.sum() < beyond.size
+    forced = sides and (fraction <= 1).all() and 0 < beyond.sum() < beyond.size
     damped = (stable == (limit > float(dataset.axial_force))).all()
     return [
-        Check.that("basin_sweep.force", holds, threshold=threshold, **forces),
+        Check.that("basin_sweep.force", forced, threshold=threshold, **forces),
         Check.that("basin_sweep.damping", damped, stable=stable, damping=damping[stable]),
         Check.that("basin_sweep.mass_and_friction", all(parted), **words),
+        newton.touching_check(dataset, -1, dataset.global_stability_force, "Force of global stability"),
+        Check.that("basin_sweep.small", 0 < reading[1, 1] < 0.01, percent=100 * reading[1, 1]),
+        Check.that("basin_sweep.local", local, area=area),
+        Check.that("basin_sweep.readings", readings, readings=reading),
+        Check.that("basin_sweep.square", scaled < 1e-12 and touching.sum() > 1, touching=touching, spread=scaled),
+        Check.that("basin_sweep.fraction", worst <= 1, worst=worst, orders=orders),
     ]
 
 

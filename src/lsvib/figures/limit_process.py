@@ -224,35 +224,44 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw (a) the distances and (b) the orders branch by branch; (c) the errors over the stiffness."""
-    figure, first = style.new_figure(style.DOUBLE, 5.6), dataset.isel(rule=0)
-    branches, curve = figure.subfigures(2, 1, height_ratios=(2.2, 1))
-    columns = branches.subplots(2, 1, sharex=True, height_ratios=(1.3, 1))
-    _distances(columns[0], dataset)
-    for k, (name, (colour, words, mark)) in enumerate(_ERRORS.items()):
-        order, error = (first[f"{name}_{what}"] for what in ("order", "order_error"))
-        columns[1].errorbar(dataset.branch + 0.18 * (k - 1.5), order, error, color=colour, fmt=mark, markersize=2.5,
-                            linewidth=0.6, label=words)  # fmt: skip
-    columns[1].set(title="(b) fitted orders", ylabel="Order in $1/k_c$")
-    _name_branches(columns, dataset)
-    _errors(curve.subplots(), first)
-    return figure
+    """Draw (a) the distances and (b) the orders, each column a branch; (c) the errors over the stiffness.
 
-
-def _distances(axes: style.Axes, dataset: xr.Dataset) -> None:
-    """A column for each branch: the softest contact on top, the stiffest below; crosses where the rules differ."""
+    In (a) the softest contact is on top, the stiffest below; crosses stand where the rules differ. (c) has the range
+    over the branches, and a triangle of order one.
+    """
     from matplotlib import colormaps
 
-    shades = colormaps["Blues"](np.linspace(0.15, 1, dataset.sizes["contact_stiffness"]))
-    for stiffness, distance, colour in zip(dataset.contact_stiffness, dataset.motion_distance[..., 0].T, shades,
-                                           strict=True):  # fmt: skip
-        axes.plot(dataset.branch, distance, "o", color=colour, mec=style.BLUE, mew=0.4, markersize=3.2,
-                  label=f"$k_c$ = {style.number(stiffness)} N m⁻¹")  # fmt: skip
+    figure, first, branch = style.new_figure(style.DOUBLE, 5.6), dataset.isel(rule=0), dataset.branch
+    above, below = figure.subfigures(2, 1, height_ratios=(2.2, 1))
+    (distance, orders), errors = above.subplots(2, 1, sharex=True, height_ratios=(1.3, 1)), below.subplots()
+    stiffness = dataset.contact_stiffness
+    shades = colormaps["Blues"](np.linspace(0.15, 1, stiffness.size))
+    for value, own, colour in zip(stiffness, first.motion_distance.T, shades, strict=True):
+        distance.plot(branch, own, "o", color=colour, mec=style.BLUE, mew=0.4, markersize=3.2,
+                      label=f"$k_c$ = {style.number(value)} N m⁻¹")  # fmt: skip
     other = dataset.motion_distance[:, -1, 1].where(dataset.rules_differ == 1)
     words = "stiffest contact against\nthe other rule, at once"
-    axes.plot(dataset.branch, other, "x", color=style.VERMILION, markersize=4.5, label=words)
-    axes.set(yscale="log", ylabel="Distance to the\nrigid motion")
-    axes.set_title("(a) distance, each column a branch", pad=25)
+    distance.plot(branch, other, "x", color=style.VERMILION, markersize=4.5, label=words)
+    distance.set(yscale="log", ylabel="Distance to the\nrigid motion")
+    distance.set_title("(a) distance, each column a branch", pad=25)
+    for k, (name, (colour, words, mark)) in enumerate(_ERRORS.items()):
+        order, error = (first[f"{name}_{what}"] for what in ("order", "order_error"))
+        orders.errorbar(branch + 0.18 * (k - 1.5), order, error, color=colour, fmt=mark, markersize=2.5, linewidth=0.6,
+                        label=words)  # fmt: skip
+        values = np.abs(first[name])
+        values = values / first.rigid_duration if name == "rest_error" else values
+        low, middle, high = values.where(values > 0).quantile([0, 0.5, 1], "branch")
+        errors.fill_between(stiffness, low, high, color=colour, alpha=0.18, linewidth=0)
+        errors.plot(stiffness, middle, mark + "-", color=colour, linewidth=1.0, markersize=2.5)
+    orders.set(title="(b) fitted orders", ylabel="Order in $1/k_c$")
+    _name_branches((distance, orders), dataset)
+    right = float(stiffness[-1]) / 2
+    errors.plot([right / 100, right], [1, 0.01], color=style.BLACK, linewidth=0.7, zorder=3)
+    errors.text(right / 100, 1, "order 1 ", ha="right", va="center", fontsize=6.5)
+    style.frame(errors, "(c) all errors: median, range", "Contact stiffness $k_c$ [N m⁻¹]", "Relative error",
+                xscale="log", yscale="log", xlim=stiffness.values[[0, -1]])  # fmt: skip
+    errors.text(0.04, 0.04, "colours and marks of (b)", fontsize=6.5, transform=errors.transAxes)
+    return figure
 
 
 def _name_branches(columns: Sequence[style.Axes], dataset: xr.Dataset) -> None:
@@ -277,20 +286,3 @@ def _name_branches(columns: Sequence[style.Axes], dataset: xr.Dataset) -> None:
         force, damping = (style.number(value) for value in drives[:, start])
         columns[0].text((start + stop - 1) / 2, 1.02, f"$R$ = {force} N\n$c$ = {damping}", ha="center", va="bottom",
                         fontsize=7.5, transform=columns[0].get_xaxis_transform())  # fmt: skip
-
-
-def _errors(axes: style.Axes, dataset: xr.Dataset) -> None:
-    """Range over the branches of each error, and a triangle of order one."""
-    for name, (colour, _, mark) in _ERRORS.items():
-        values = np.abs(dataset[name])
-        values = values / dataset.rigid_duration if name == "rest_error" else values
-        low, middle, high = values.where(values > 0).quantile([0, 0.5, 1], "branch")
-        axes.fill_between(dataset.contact_stiffness, low, high, color=colour, alpha=0.18, linewidth=0)
-        axes.plot(dataset.contact_stiffness, middle, mark + "-", color=colour, linewidth=1.0, markersize=2.5)
-    right = float(dataset.contact_stiffness[-1]) / 2
-    left = right / 100
-    axes.plot([left, right], [1, 0.01], color=style.BLACK, linewidth=0.7, zorder=3)
-    axes.text(left, 1, "order 1 ", ha="right", va="center", fontsize=6.5)
-    axes.set(title="(c) all errors: median, range", ylabel="Relative error", xlabel="Contact stiffness $k_c$ [N m⁻¹]",
-             xscale="log", yscale="log", xlim=dataset.contact_stiffness.values[[0, -1]])  # fmt: skip
-    axes.text(0.04, 0.04, "colours and marks of (b)", fontsize=6.5, transform=axes.transAxes)
