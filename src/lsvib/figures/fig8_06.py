@@ -37,7 +37,8 @@ _REGIMES = {  # what the drive does: colour, words, dashes
     "stick slip with contact reversal": (style.ORANGE, "stick–slip, reaches $N = 0$", "-"),
     "stick slip": (style.VERMILION, "stick–slip, $N > 0$", (0, (2, 0.6))),
 }
-_INERTIAS = ("fig8_06.inertia_minus", "fig8_06.inertia_plus")
+_INSETS = ("fig8_06.decays", "fig8_06.slips", "fig8_06.sticks")  # below the onset force, between, above the stick force
+_REACHED = ("steady sliding", "other cycle", "stick slip cycle")
 _READ = [f"effective_{kind}_{sign}" for kind in ("inertia", "damping") for sign in ("minus", "plus")]
 _OF = {name: name.replace("_force", "_axial_force") for name in (*_READ, *_THRESHOLDS)}  # names in the analysis
 
@@ -119,25 +120,31 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
-    """Check the thresholds, the shape of the curve, where its regime changes, the insets and the coefficients."""
+    """Check the thresholds, the shape of the curve, where its regime changes, the insets and the coefficients.
+
+    What the motions of a portrait reach is what the chapter says of a force, by its own printed limits.
+    """
     friction, tangent = dataset.swept_friction_coefficient.values, float(dataset.lead_tangent)
     holds, force = dataset.holds_without_torque.values == 1, dataset.axial_force.values
-    line = dataset.contact_line_angle.values[force > claims()["fig8_06.onset_force"].value]
+    limits = [claims()[id].value for id in ("fig8_06.onset_force", "fig8_06.stick_force")]
+    line = dataset.contact_line_angle.values[force > limits[0]]
     nears = line.size > 1 and (np.diff(np.abs(line)) > 0).all() and np.ptp(np.sign(line)) == 0
+    locks = (holds == (friction > tangent)).all() and holds[-1]
+    words, insets = flag_names(dataset.attractor), []
+    for found, inset in zip(dataset.attractor, force, strict=True):
+        id, kind = (row[np.searchsorted(limits, inset)] for row in (_INSETS, _REACHED))
+        names = sorted({words[value].replace(" ", "_") for value in found.values.ravel()})
+        told = {"names": names, "starts": dataset.sizes["start"], "force": inset}
+        insets.append(Check.that(id, named(found, kind).all(), **told))
     return [
         newton.laws_check(dataset, "Fig. 8.6"),
         Check.of("fig8_06.lead_tangent", tangent),
-        Check.that(
-            "fig8_06.self_locking",
-            (holds == (friction > tangent)).all() and holds[-1],
-            friction=friction[holds],
-            tangent=tangent,
-        ),
+        Check.that("fig8_06.self_locking", locks, friction=friction[holds], tangent=tangent),
         Check.that("fig8_06.line", nears, line=np.abs(line)),
         *(Check.of(chapter.THRESHOLDS[name], dataset[name]) for name in _THRESHOLDS),
         newton.touching_check(dataset.isel(case=0), 1, dataset.detach_force, "Detach force"),
         *_curve_checks(dataset),
-        *_inset_checks(dataset),
+        *insets,
         *_reading_checks(dataset),
     ]
 
@@ -163,43 +170,28 @@ def _curve_checks(dataset: xr.Dataset) -> list[Check]:
     ]
 
 
-def _inset_checks(dataset: xr.Dataset) -> list[Check]:
-    """Check what the motions of each portrait reach: what the chapter says of a force, by its own printed limits."""
-    expected = (
-        ("steady sliding", "fig8_06.decays"),
-        ("other cycle", "fig8_06.slips"),
-        ("stick slip cycle", "fig8_06.sticks"),
-    )
-    limits = [claims()[id].value for id in ("fig8_06.onset_force", "fig8_06.stick_force")]
-    words, result = flag_names(dataset.attractor), []
-    for found, force in zip(dataset.attractor, dataset.axial_force.values, strict=True):
-        kind, id = expected[np.searchsorted(limits, force)]
-        names = sorted({words[value].replace(" ", "_") for value in found.values.ravel()})
-        more = {"names": names, "starts": dataset.sizes["start"]}
-        result.append(Check.that(id, named(found, kind).all(), force=force, **more))
-    return result
-
-
 def _reading_checks(dataset: xr.Dataset) -> list[Check]:
     """Check the printed values: C± do not depend on the mass; Γ± as printed do not belong to the stated one."""
     stated = float(dataset.mass)
     other = float(dataset.reading_mass.values[dataset.reading_mass.values != stated][0])
-    ours, theirs = ({name: float(x) for name, x in dataset.sel(reading_mass=m).items() if name.startswith("reading_")}
-                    for m in (stated, other))  # fmt: skip
-    inertias = {id: ours[f"reading_effective_{id.partition('.')[2]}"] for id in _INERTIAS}
-    wrong = [abs(x / claims()[id].value - 1) > 0.1 for id, x in inertias.items()]
-    forces = {name: theirs[f"reading_{name}"] for name in ("stick_force", "detach_force")}
-    off = [abs(force / claims()[chapter.THRESHOLDS[name]].value - 1) > 0.02 for name, force in forces.items()]
+    ours, theirs = ({name.removeprefix("reading_"): float(x) for name, x in dataset.sel(reading_mass=mass).items()
+                     if name.startswith("reading_")} for mass in (stated, other))  # fmt: skip
+    stands = {"inertia_minus": "fig8_06.inertia_minus", "inertia_plus": "fig8_06.inertia_plus"}
+    inertias = [ours[f"effective_{name}"] for name in stands]
+    wrong = [abs(x / claims()[id].value - 1) > 0.1 for x, id in zip(inertias, stands.values(), strict=True)]
+    forces = [theirs[name] for name in ("stick_force", "detach_force")]
+    ids = [chapter.THRESHOLDS[name] for name in ("stick_force", "detach_force")]
+    off = [abs(force / claims()[id].value - 1) > 0.02 for force, id in zip(forces, ids, strict=True)]
     read = f"as printed, read as that of m = {other:g} kg (with the stated m = {stated:g} kg it is"
     return [
-        Check.of("fig8_06.damping_minus", ours["reading_effective_damping_minus"]),
-        Check.of("fig8_06.damping_plus", ours["reading_effective_damping_plus"]),
+        Check.of("fig8_06.damping_minus", ours["effective_damping_minus"]),
+        Check.of("fig8_06.damping_plus", ours["effective_damping_plus"]),
         *(
-            Check.of(id, theirs[f"reading_effective_{id.partition('.')[2]}"], note=f"{read} {x:.3g} kg m2)")
-            for id, x in inertias.items()
+            Check.of(id, theirs[f"effective_{name}"], note=f"{read} {ours[f'effective_{name}']:.3g} kg m2)")
+            for name, id in stands.items()
         ),
-        Check.that("fig8_06.stated_mass", all(wrong), mass=stated, inertias=list(inertias.values())),
-        Check.that("fig8_06.other_mass", all(off), mass=other, forces=list(forces.values())),
+        Check.that("fig8_06.stated_mass", all(wrong), mass=stated, inertias=inertias),
+        Check.that("fig8_06.other_mass", all(off), mass=other, forces=forces),
     ]
 
 

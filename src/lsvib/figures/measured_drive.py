@@ -98,10 +98,9 @@ def build(settings: Values) -> xr.Dataset:
     speed, torque = (np.array([getattr(point, name) for point in points]) for name in ("speed", "torque"))
     jerks = {sense: (tables[name], records[name]) for sense, name in SLOW_FILES.items()}
     torn, loose = breaking((sense, LOAD, record) for sense, (_, record) in jerks.items())
-    own = np.full(speed.size, LOAD), RADIUS, PUBLISHED["lead_angle"]
+    own, under = (np.full(speed.size, LOAD), RADIUS, PUBLISHED["lead_angle"]), (LOAD, PUBLISHED["mass"])
     measured = Measured(speed, torque, *own, np.array(torn), loose=loose)
     fit = fitted(measured)
-    under = LOAD, PUBLISHED["mass"]
     found = {(sense * SLOW, *under): record for sense, (_, record) in jerks.items()}
     even = [((one.speed, *under), 0.0) for one in points]
     told: Any = explained(measured, fit.main, found, even, PUBLISHED["screw_inertia"])
@@ -262,17 +261,29 @@ def _by_angles(dataset: xr.Dataset) -> np.ndarray:
 
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw the law, the records of jerks beside the model, the speed from which on it is even, and residuals."""
+    """Draw the law, the records of jerks beside the model, the speed from which on it is even, and residuals.
+
+    The torque of the model is less the difference of both means.
+    """
     figure = style.new_figure(style.DOUBLE, 5.2)
     (torque, record), (limit, residual) = figure.subplots(2, 2)
     torque_panel(torque, dataset)
     residual_panel(residual, dataset.isel(end=[0]))
-    _records(record, dataset)
     low, high = dataset.explaining_damping.values
     limit.axvspan(low, high, color=style.GREY, alpha=0.25, linewidth=0)
-    for line, (_, colour, dashes, words) in zip(dataset.even_speed, _LOOKS, strict=True):
-        kept = line.where((line > 0) & np.isfinite(line))
+    looks = ((style.VERMILION, "o", "-", "lifting"), (style.BLUE, "s", "--", "lowering"))
+    for row, (colour, mark, dashes, words) in enumerate(looks):
+        own = dataset.isel(direction=row)
+        shift = float(own.mean_torque[0] - own.mean_torque[1])
+        record.plot(dataset.record_time, own.recorded_torque * 1e3, mark, color=colour, markersize=3,
+                    label=f"record, {words}")  # fmt: skip
+        record.plot(dataset.model_time, (own.model_torque + shift) * 1e3, dashes, color=colour, linewidth=0.9,
+                    label=f"model less {-shift * 1e3:.2f} mN m")  # fmt: skip
+        kept = own.even_speed.where((own.even_speed > 0) & np.isfinite(own.even_speed))
         limit.plot(dataset.support_damping, kept / RPM, dashes, color=colour, label=f"model, {words}")
+    bottom, top = record.get_ylim()
+    record.set(xlabel="Time [s]", ylabel="Torque of the motor [mN m]", ylim=(bottom, top + 0.3 * (top - bottom)))
+    record.legend(fontsize=7, ncols=2, loc="upper left", columnspacing=0.8, handletextpad=0.3)
     at = math.sqrt(low * high)
     for rpm, mark, words in ((SLOW / RPM, "v", "jerked"), (EVEN / RPM, "^", "was even")):
         limit.plot(at, rpm, mark, color="black", markersize=4)
@@ -288,23 +299,6 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     for axes, title in zip((torque, record, limit, residual), titles, strict=True):
         axes.set_title(title)
     return figure
-
-
-_LOOKS = ((-1, style.VERMILION, "-", "lifting"), (1, style.BLUE, "--", "lowering"))
-
-
-def _records(axes: style.Axes, dataset: xr.Dataset) -> None:
-    """Draw the records of jerks, and the model less the difference of both means."""
-    for row, (sense, colour, dashes, words) in enumerate(_LOOKS):
-        own = dataset.isel(direction=row)
-        shift = float(own.mean_torque[0] - own.mean_torque[1])
-        axes.plot(dataset.record_time, own.recorded_torque * 1e3, "os"[sense > 0], color=colour, markersize=3,
-                  label=f"record, {words}")  # fmt: skip
-        axes.plot(dataset.model_time, (own.model_torque + shift) * 1e3, dashes, color=colour, linewidth=0.9,
-                  label=f"model less {-shift * 1e3:.2f} mN m")  # fmt: skip
-    low, high = axes.get_ylim()
-    axes.set(xlabel="Time [s]", ylabel="Torque of the motor [mN m]", ylim=(low, high + 0.3 * (high - low)))
-    axes.legend(fontsize=7, ncols=2, loc="upper left", columnspacing=0.8, handletextpad=0.3)
 
 
 def torque_panel(axes: style.Axes, dataset: xr.Dataset) -> None:
