@@ -150,13 +150,15 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     return [
         *_critical_mass_checks(dataset, drive),
         *_lemma_checks(dataset, drive),
-        _soft_contact_check(dataset, drive),
         Check.without_exception("contact_stability.signs", wrong, dataset.growth_rate.size, "contacts"),
     ]
 
 
 def _critical_mass_checks(dataset: xr.Dataset, drive: of.Values) -> list[Check]:
-    """Check the critical masses of the contacts that are drawn, and that all but soft ones lie below the rigid one."""
+    """Check the critical masses of the contacts that are drawn, and that all but soft ones lie below the rigid one.
+
+    By LAPACK these masses, and the ends of the intervals of dampings at which a contact is stable, of soft ones two.
+    """
     rigid, own = float(dataset.critical_mass), dataset.critical_mass_with_contact.values
     contacts = zip(own, dataset.contact_stiffness.values, dataset.contact_damping.values, strict=True)
     sides = [
@@ -168,10 +170,25 @@ def _critical_mass_checks(dataset: xr.Dataset, drive: of.Values) -> list[Check]:
     softest = float(dataset.curve_contact_stiffness.values[(every | again).any(axis=1)].max(initial=0.0))
     swept = (masses.values[~every] < rigid).all() and softest < float(dataset.unstable_contact_stiffness[0])
     kinds = {"lost": lost, "masses": masses, "every": every, "again": again, "softest": softest}
+
+    def grows(k: float, damping: np.ndarray) -> list[bool]:
+        light = drive | {"mass": float(dataset.mass[1])}
+        return (_largest_real_part(light, contact_stiffness=k, contact_damping=damping) > 0).tolist()
+
+    stiffness, least = dataset.growth_contact_stiffness.values, dataset.least_contact_damping.values
+    ends = np.array([grows(k, c * _BESIDE) == [True, False] for k, c in zip(stiffness, least, strict=True)])
+    low, high = dataset.window_of_soft_contact.values.T
+    soft = np.isfinite(low)
+    windows = np.array([
+        grows(k, np.concatenate([a * _BESIDE, [np.sqrt(a * b)], b * _BESIDE])) == [True, False, False, False, True]
+        for k, a, b in zip(stiffness[soft], low[soft], high[soft], strict=True)
+    ])  # fmt: skip
+    both = {"windows": windows, "ends": ends, "softest": stiffness[soft].max(initial=0.0), "beside": _NEAR}
     return [
         Check.that("contact_stability.drawn", (np.diff(own) < 0).all() and own[0] < rigid, masses=own, rigid=rigid),
         Check.that("contact_stability.crossing", all(a < 0 < b for a, b in sides), **crossing),
         Check.that("contact_stability.sweep", swept, **kinds),
+        Check.that("contact_stability.soft", windows.all() and ends.all() and windows.size > 0, **both),
     ]
 
 
@@ -209,26 +226,6 @@ def _lemma_checks(dataset: xr.Dataset, drive: of.Values) -> list[Check]:
         ),
         Check.that("contact_stability.damped", damped, **ends),
     ]
-
-
-def _soft_contact_check(dataset: xr.Dataset, drive: of.Values) -> Check:
-    """Check by LAPACK the ends of the intervals of dampings at which a contact is stable, of soft ones two."""
-    own = {**drive, "mass": float(dataset.mass[1])}
-
-    def grows(stiffness: float, damping: np.ndarray) -> list[bool]:
-        return (_largest_real_part(own, contact_stiffness=stiffness, contact_damping=damping) > 0).tolist()
-
-    stiffness, least = dataset.growth_contact_stiffness.values, dataset.least_contact_damping.values
-    ends = [grows(k, damping * _BESIDE) == [True, False] for k, damping in zip(stiffness, least, strict=True)]
-    low, high = dataset.window_of_soft_contact.values.T
-    soft = np.isfinite(low)
-    windows = [
-        grows(k, np.concatenate([a * _BESIDE, [np.sqrt(a * b)], b * _BESIDE])) == [True, False, False, False, True]
-        for k, a, b in zip(stiffness[soft], low[soft], high[soft], strict=True)
-    ]
-    holds = all(windows) and all(ends) and len(windows) > 0
-    counts = {"windows": np.array(windows), "ends": np.array(ends), "softest": stiffness[soft].max(initial=0.0)}
-    return Check.that("contact_stability.soft", holds, beside=_NEAR, **counts)
 
 
 def _largest_real_part(drive: of.Values, **values: Any) -> np.ndarray:

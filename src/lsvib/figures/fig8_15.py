@@ -124,51 +124,45 @@ def checks(dataset: xr.Dataset) -> list[Check]:
         Check.that("fig8_15.vertical", not off.any() and kinematic.any(), off=off),
         Check.that("fig8_15.classes", wrong == 0 and clear.mean() > 0.99, wrong=wrong, **counts),
         Check.without_exception("fig8_15.lapack", differ.sum(), part.clear.sum()),
-        *_region_checks(dataset, grid, a_4, discriminant),
-        *_boundary_checks(dataset, drive),
+        *_boundary_checks(dataset, drive, a_4, discriminant),
         *_support_checks(dataset, drive),
     ]
 
 
-def _region_checks(dataset: xr.Dataset, grid: Values, a_4: np.ndarray, discriminant: np.ndarray) -> list[Check]:
-    """Check by the signs of a_4 and the discriminant of (8.24) that no point is in two regions, and their bounds."""
+def _boundary_checks(dataset: xr.Dataset, drive: Values, a_4: np.ndarray, discriminant: np.ndarray) -> list[Check]:
+    """Check that no point is in two regions, their bounds, and both branches against (8.29) and where they exist.
+
+    By the signs of a_4 and the ``discriminant`` of (8.24).
+    """
     flutter, kinematic, divergence = (
         named(dataset.stability, x) for x in ("flutter", "kinematic constraint", "divergence")
     )
     both = int(np.sum((discriminant < 0) & kinematic) + np.sum((a_4 < 0) & flutter))
-    friction, stiffness = dataset.friction_coefficient.values, dataset.support_stiffness.values
-    lower, upper = (
-        dataset[name].reindex(boundary_friction_coefficient=friction).values[:, None]
-        for name in ("lower_boundary", "upper_boundary")
-    )
-    beyond = (stiffness > upper) & (conditions.effective_inertia(grid, law=1, rigid=True) < 0)
+    friction, k = dataset.friction_coefficient.values, drive["coupling_stiffness"]
+    ends = [dataset[f"{name}_boundary"] for name in ("lower", "upper")]
+    lower, upper = (end.reindex(boundary_friction_coefficient=friction).values[:, None] for end in ends)
+    stiffness, rigid = dataset.support_stiffness.values, {"law": 1, "rigid": True}
+    beyond = (stiffness > upper) & (conditions.effective_inertia(over_map(dataset, drive), **rigid) < 0)
     judged = dataset.clear.values & ~kinematic
     off = judged & ((flutter != ((stiffness > lower) & (stiffness < upper))) | (divergence != beyond))
     apart = both == 0 and flutter.any() and kinematic.any()
-    return [
-        Check.that("fig8_15.apart", apart, both=both, flutter=flutter, kinematic=kinematic),
-        Check.that("fig8_15.branches", not off.any(), off=off, judged=judged, divergence=divergence),
-    ]
-
-
-def _boundary_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
-    """Check both branches against the quadratic equation (8.29), and where they exist."""
-    branches, k = (dataset.lower_boundary.values, dataset.upper_boundary.values), drive["coupling_stiffness"]
-    own = {**drive, "friction_coefficient": dataset.boundary_friction_coefficient.values}
+    own, branches = {**drive, "friction_coefficient": ends[0][ends[0].dims[0]].values}, [x.values for x in ends]
     b_1, b_2, b_3 = conditions.boundary_coefficients(own, law=1)
     terms = [np.array([b_1 * x**2, b_2 * k * x, b_3 * k**2 * np.ones_like(x)]) for x in branches]
     residual = max(np.max(np.abs(term.sum(axis=0)) / np.abs(term).max(axis=0)) for term in terms)
     finite = np.isfinite(branches[0]) & ~np.isnan(branches[1])
-    own["friction_coefficient"] = dataset.friction_coefficient.values
+    own["friction_coefficient"] = friction
     b_1, b_2, b_3 = conditions.boundary_coefficients(own, law=1)
     p, reduced = values_of(own, law=1), conditions.effective_inertia(own, law=1)
-    discriminant = b_2**2 - 4 * b_1 * b_3
+    roots = b_2**2 - 4 * b_1 * b_3
     form = 16 * p.factor * p.pitch_radius**2 * p.tan_lead * p.mass**2 * (p.mass + p.screw_mass) * reduced
-    rewritten = np.max(np.abs(discriminant - form) / b_2**2)
-    clear = np.abs(discriminant) > 1e-9 * b_2**2  # else (8.30) is zero to rounding
-    odd = clear & (((discriminant >= 0) & (b_2 < 0)) != ((reduced >= 0) & (p.factor > 0)))
+    rewritten = np.max(np.abs(roots - form) / b_2**2)
+    clear = np.abs(roots) > 1e-9 * b_2**2  # else (8.30) is zero to rounding
+    odd = clear & (((roots >= 0) & (b_2 < 0)) != ((reduced >= 0) & (p.factor > 0)))
     real = not odd.any() and finite.all() and rewritten < 1e-12
     return [
+        Check.that("fig8_15.apart", apart, both=both, flutter=flutter, kinematic=kinematic),
+        Check.that("fig8_15.branches", not off.any(), off=off, judged=judged, divergence=divergence),
         Check.that("fig8_15.quadratic", residual < 1e-11, residual=residual),
         Check.that("fig8_15.real", real, odd=odd, finite=finite, rewritten=rewritten),
     ]
