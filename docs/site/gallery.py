@@ -30,11 +30,11 @@ _SCRIPT = '''"""
 {caption}
 """
 
+from lsvib.figures.build import dataset_of
 from lsvib.figures.configuration import load, standard_settings
 
-made = load("{name}")
-found = made.build(standard_settings("{name}"))
-figure = made.draw(found)
+found = dataset_of("{name}", standard_settings("{name}"))
+figure = load("{name}").draw(found)
 {shown}
 # %%
 # The file of the figure
