@@ -146,7 +146,8 @@ def _boundary_checks(dataset: xr.Dataset, drive: Values, a_4: np.ndarray, discri
     judged = dataset.clear.values & ~kinematic
     off = judged & ((flutter != ((stiffness > lower) & (stiffness < upper))) | (divergence != beyond))
     apart = both == 0 and flutter.any() and kinematic.any()
-    own, branches = {**drive, "friction_coefficient": ends[0][ends[0].dims[0]].values}, [x.values for x in ends]
+    own = {**drive, "friction_coefficient": dataset.boundary_friction_coefficient.values}
+    branches = [end.values for end in ends]
     b_1, b_2, b_3 = conditions.boundary_coefficients(own, law=1)
     terms = [np.array([b_1 * x**2, b_2 * k * x, b_3 * k**2 * np.ones_like(x)]) for x in branches]
     residual = max(np.max(np.abs(term.sum(axis=0)) / np.abs(term).max(axis=0)) for term in terms)
