@@ -2,12 +2,13 @@
 
 import inspect
 import shutil
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from matplotlib.figure import Figure
 
-from lsvib.figures.configuration import default_figures, load
+from lsvib.figures.configuration import default_figures, load, module_of
 from lsvib.figures.style import save
 
 _RESOLUTION = 110  # dots per inch, enough for a screen
@@ -29,11 +30,11 @@ _SCRIPT = '''"""
 {caption}
 """
 
-from lsvib.figures.configuration import standard_settings
-from lsvib.figures.{name} import build, draw
+from lsvib.figures.build import dataset_of
+from lsvib.figures.configuration import load, standard_settings
 
-found = build(standard_settings("{name}"))
-figure = draw(found)
+found = dataset_of("{name}", standard_settings("{name}"))
+figure = load("{name}").draw(found)
 {shown}
 # %%
 # The file of the figure
@@ -63,13 +64,13 @@ def script(figure: str, source: Path, pictures: Path | None) -> str:
 
     ``pictures``: a folder with a picture of every figure, for a script that is shown and not run.
     """
-    file, module, shown = f"files/figures/{figure}.py", load(figure), ""
+    file, shown = f"files/figures/{figure}.py", ""
     (source / file).parent.mkdir(parents=True, exist_ok=True)
-    (source / file).write_text(inspect.getsource(module), encoding="utf-8")
+    (source / file).write_text(inspect.getsource(import_module(module_of(figure))), encoding="utf-8")
     if pictures:
         shutil.copy2(pictures / f"{figure}.png", source / "files" / "figures" / f"{figure}.png")
         shown = _SHOWN.format(name=figure, words=_words(figure))
-    name, caption = title(figure), module.CAPTION.strip()
+    name, caption = title(figure), load(figure).CAPTION.strip()
     return _SCRIPT.format(title=name, rule="=" * len(name), caption=caption, name=figure, shown=shown, file=f"/{file}")
 
 

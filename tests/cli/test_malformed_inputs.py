@@ -12,9 +12,9 @@ from references.drives import JERKING, NEAR_FOLD, NEGATIVE_DAMPING, PARADOX, nut
 
 import lsvib
 from lsvib.basins.grid import Grid
-from lsvib.contact.stiff_limit import impacts
 from lsvib.datasets.io import read_dataset
 from lsvib.figures.configuration import DEFAULT, check
+from lsvib.figures.stiff_limit import impacts
 from lsvib.models.scene import read_yaml
 
 SETTINGS = read_yaml(DEFAULT)

@@ -7,7 +7,9 @@ import math
 import re
 
 import docutils.core
+import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -47,6 +49,23 @@ def test_json_round_trip(computed, tolerance):
     check = Check.within("claim", "source", 2.0, computed, tolerance, "N")
     back = Check.from_json(json.loads(json.dumps(check.to_json(), allow_nan=False)))
     assert repr(back) == repr(check)
+
+
+def test_a_claim_in_words_tells_what_was_found():
+    """Of an array each entry, one entry, or a number of it; NaN for the least of none."""
+    values = {"amplitude": 0.5, "rigid_amplitude": 0.25, "period": 1.0, "rigid_period": np.float32(2)}
+    near = np.array([0.5, 0.125])
+    check = Check.that("fig8_10.close", False, near=near, orbit_distance=xr.DataArray(0.25), **values)
+    assert not check.passed
+    assert check.computed == (
+        "distance 0.2500 (amplitude 0.5 against 0.25 rad, period 1 against 2 s); 0.1250 to 0.5000 over R"
+    )
+    assert Check.that("fig8_06.line", True, line=near).computed == "from 0.125 to 0.5 rad off"
+    assert Check.that("fig8_13.positive", True, largest=near).computed == "largest z 0.5, 0.125 rad"
+    assert Check.that("fig8_08.above", False, growth=near[:0]).computed == "smallest positive one nan 1/s"
+    assert (
+        "14 kN whatever" in Check.that("fig8_10.any_force", True, percent=1, peak=14.0, peaks=near, forces=near).claim
+    )
 
 
 def test_the_end_of_a_run_says_printed_thresholds_beside_computed_ones():

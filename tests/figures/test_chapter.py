@@ -15,7 +15,7 @@ from lsvib.models.drive import Drive
 
 ROOT = Path(__file__).parents[2]
 CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
-OURS = {"id", "source", "claim", "value", "unit", "tolerance", "deviation", "reason"}
+OURS = {"id", "source", "claim", "found", "value", "unit", "tolerance", "deviation", "reason"}
 KEYS = OURS | {"drive", "figure", "check", "input", "unchecked", "contradicted"}
 ENTRIES = listed()["entries"]
 

@@ -8,16 +8,15 @@ import xarray as xr
 from references.drives import PARADOX, threads_drive
 from references.figure_checks import assert_drawn_from_file, dataset_of, draft
 
-from lsvib.contact import contact_force, stiff_limit
-from lsvib.contact.stiff_limit import Region
 from lsvib.datasets import phase_plane
 from lsvib.dynamics.attractor import Attractor, orbit_extremes, steady_state
 from lsvib.dynamics.impulses import seizure_impulses
 from lsvib.engine.motion import follow
 from lsvib.errors import InputError
+from lsvib.figures import contact_force, fig8_07, stiff_limit, style
 from lsvib.figures import drawing as drawn
-from lsvib.figures import fig8_07, style
 from lsvib.figures.build import caption_of
+from lsvib.figures.stiff_limit import Region
 from lsvib.models.drive import Drive
 from lsvib.models.mechanism import seated_state
 from lsvib.models.model import automaton_of

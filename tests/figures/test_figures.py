@@ -14,13 +14,13 @@ from references.figure_checks import assert_drawn_from_file, checks_of, dataset_
 from scipy.integrate import solve_ivp
 
 from lsvib.basins.boundary import Boundary
-from lsvib.contact.contact_force import ForceOutcome
 from lsvib.datasets.attributes import ASSUMED, FIELDS, NO_EFFECT, VARIED, origin_of
 from lsvib.datasets.io import write_dataset
 from lsvib.datasets.newton import residual
 from lsvib.dynamics.attractor import Attractor
 from lsvib.figures import style
 from lsvib.figures.configuration import default_figures
+from lsvib.figures.contact_force import ForceOutcome
 from lsvib.figures.limit_process import BranchVerdict
 from lsvib.models.chapter import claims, listed
 from lsvib.models.drive import Drive

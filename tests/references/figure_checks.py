@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 
 from lsvib.datasets.checks import Check
 from lsvib.datasets.io import read_dataset, write_dataset
-from lsvib.figures import style
-from lsvib.figures.configuration import PARTS, load
+from lsvib.figures import build, style
+from lsvib.figures.configuration import load
 
 CONFIG = Path(__file__).parents[2] / "config"
 Spoiler = Callable[[xr.Dataset], xr.Dataset]
@@ -31,8 +31,7 @@ def draft(figure: str) -> dict:
 
 @cache
 def dataset_of(figure: str) -> xr.Dataset:
-    module, settings = load(figure), draft(figure)
-    return module.build(settings, **{name: getattr(module, name)(settings) for name in PARTS if hasattr(module, name)})
+    return build.dataset_of(figure, draft(figure))
 
 
 def checks_of(figure: str, dataset: xr.Dataset) -> list[Check]:

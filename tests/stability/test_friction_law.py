@@ -5,12 +5,10 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from flint import arb, ctx
 from references import newton
 from references.drives import DRIVES, LIKE_PARTS, LIKE_TABLE_8_1, about, drawn, one_of, threads_drive, times
 
 from lsvib import Drive
-from lsvib.contact.contact_force import contact_forces
 from lsvib.errors import InputError, NoThreshold
 from lsvib.models import friction
 from lsvib.models.pairings import PAIRINGS
@@ -214,18 +212,6 @@ def test_curves_of_a_law():
                 assert sides == {True, False} or kind is ChartBoundary.KINEMATIC_CONSTRAINT, (mass, force)
     forces = {round(force, 3) for line in found[ChartBoundary.ONSET] for mass, force in line if mass < 8}
     assert forces == {64.305, -59.155}
-
-
-def test_contact_forces_at_the_speed_of_a_state():
-    drive = Drive(**SEAT, mass=12, input_speed=10)
-    u, w = np.array([0.01, -0.05]), np.array([-3.0, 4.0])
-    for k in range(2):
-        with ctx.workdps(40):
-            laws = newton.laws_of("rigid", drive)
-            state = [laws.steady[0] + u[k], arb(10 + w[k])]
-            for law, force in zip((1, -1), contact_forces(drive, u, w), strict=True):
-                found = laws.forces(state, {"slip": 1, "contact": law})["N"]
-                assert math.isclose(force[k], float(found), rel_tol=1e-12)
 
 
 def test_stability_is_asked_within_the_range():

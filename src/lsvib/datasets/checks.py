@@ -7,6 +7,7 @@ import json
 import math
 import os
 import re
+import string
 import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -75,45 +76,52 @@ class Check:
         return cls(claim, source, "true", computed, None, None, "", None, bool(truth), id)
 
     @classmethod
+    def that(cls, id: str, truth: Any, **numbers: Any) -> Self:
+        """Check that the claim of this id in ``config/chapter.yaml`` holds, where all its words are; ``truth`` decides.
+
+        ``numbers``: what the words leave open, by the names in braces: a number or text, an array, of which each entry
+        is told, or ``{x.min}`` and the like of an array ``x``.
+        """
+        said = claims()[id]
+        claim, source, found = (_filled(words, numbers) for words in (said.claim, said.source, said.found))
+        return cls.holds(claim, source, found, truth, id)
+
+    @classmethod
     def of(
         cls,
         id: str,
         computed: Any,
-        truth: Any = None,
         *,
         expected: float | None = None,
         tolerance: float | None = None,
         note: str = "",
         **left_open: Any,
     ) -> Self:
-        """Check the claim that has this id in ``config/chapter.yaml``, where its words, source and tolerance are.
+        """Check the number that has this id in ``config/chapter.yaml``, where its words, source and tolerance are.
 
-        Either ``computed`` says in words what was found, and ``truth`` decides; or it is a number, or several of which
-        the worst counts, to compare with the one that the chapter prints, or else with what is ``expected``, where a
-        ``tolerance`` may depend on what was computed, too. ``left_open``: what words and source leave open, by the name
-        in braces; ``note``: what is special about this check, to follow its claim.
+        ``computed``, or of several numbers the worst, is compared with the one that the chapter prints, or else with
+        what is ``expected``, where a ``tolerance`` may depend on what was computed, too. ``left_open``: what words and
+        source leave open, by the name in braces; ``note``: what is special about this check, to follow its claim.
         """
         said = claims()[id]
-        claim, source = (words.format(**left_open) for words in (said.claim, said.source))
-        claim += note and f", {note}"
-        if truth is not None:
-            return cls.holds(claim, source, computed, truth, id)
+        claim, source = (_filled(words, left_open) for words in (said.claim, said.source))
         aim = float(said.value if expected is None else expected)  # type: ignore[arg-type]
         worst = np.ravel(computed)[np.argmax(np.abs(np.ravel(computed) - aim))]  # NaN is worse than any
         allowed = said.tolerance if tolerance is None else tolerance
+        claim += note and f", {note}"
         return cls.within(claim, source, aim, worst, allowed, said.unit, said.reason, id)
 
     @classmethod
     def everywhere(cls, id: str, where: Any, of: str = "") -> Self:
         """Check that a claim holds in all cases of a Boolean array, at least one; ``of`` says what they are."""
         words = f"{int(where.sum())} of {where.size}{of and f' {of}'}"
-        return cls.of(id, words, where.size > 0 and where.all())
+        return cls.holds(claims()[id].claim, claims()[id].source, words, where.size > 0 and where.all(), id)
 
     @classmethod
     def without_exception(cls, id: str, exceptions: Any, compared: Any, of: str = "points") -> Self:
         """Check that a claim holds in all of the cases ``compared``, at least one; ``of`` says what they are."""
         words = f"{int(exceptions)} exceptions among {int(compared)} {of}"
-        return cls.of(id, words, exceptions == 0 and compared > 0)
+        return cls.holds(claims()[id].claim, claims()[id].source, words, exceptions == 0 and compared > 0, id)
 
     def to_json(self) -> dict[str, Any]:
         """Return plain values for JSON; numbers that are not finite become text, because JSON has none."""
@@ -136,6 +144,28 @@ class Check:
             f"computed {quantity(self.computed, self.unit)}, relative error "
             f"{text(self.error)} {'<=' if self.passed else 'is NOT <='} {text(self.tolerance)} [{self.source}]."
         )
+
+
+class _Words(string.Formatter):
+    """Fills in numbers and texts: of an array each entry, or one, ``{x[-1]}``, or a number of all, ``{x.min}``."""
+
+    def get_field(self, field_name: str, args: Any, kwargs: Mapping[str, Any]) -> tuple[Any, str]:
+        """Return what is named; NaN for what an empty array has not, such as the least of its entries."""
+        name, index, method = re.fullmatch(r"(\w+)(?:\[(-?\d+)\])?(?:\.(\w+))?", field_name).groups()  # type: ignore[union-attr]
+        try:
+            value = kwargs[name] if index is None else kwargs[name][int(index)]
+            value = getattr(value, method) if method else value
+            return (value() if callable(value) else value), name
+        except (IndexError, ValueError):
+            return math.nan, name
+
+    def format_field(self, value: Any, format_spec: str) -> str:
+        """Return a number, text or array in words."""
+        return ", ".join(format(one, format_spec) for one in np.ravel(value).tolist())
+
+
+def _filled(words: str, numbers: Mapping[str, Any]) -> str:
+    return _Words().vformat(words, (), numbers)
 
 
 def read_checks(path: str | os.PathLike[str]) -> list[tuple[str, Check]]:

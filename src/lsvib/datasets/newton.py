@@ -72,8 +72,8 @@ def laws_check(motions: xr.Dataset, source: str, what: str = "motion") -> Check:
     many = {dim: size for dim, size in needed.sizes.items() if dim != "sample"}
     places = [dict(zip(many, index, strict=True)) for index in np.ndindex(*many.values())]
     worst = np.max([residual(needed.isel(place)) for place in places])
-    found = f"largest residual {worst:.1e} of {len(places)}"
-    return Check.of("newton.laws", found, worst <= TOLERANCE, what=what, limit=TOLERANCE, place=source)
+    words = {"what": what, "limit": TOLERANCE, "place": source, "motions": len(places)}
+    return Check.that("newton.laws", worst <= TOLERANCE, worst=worst, **words)
 
 
 def touching_check(drive: xr.Dataset, law: int, force: Any, words: str) -> Check:

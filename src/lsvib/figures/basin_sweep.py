@@ -188,71 +188,40 @@ def _points(name: str, curves: Sequence[np.ndarray], where: str) -> Variables:
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
-    """Check the claims of Sect. 8.7 on the basin, and exact areas against grids."""
+    """Check the claims of Sect. 8.7 on the basin, and exact areas against grids.
+
+    Along all four sweeps the basin is the whole plane exactly on one side of a critical value.
+    """
     reading, force = dataset.reading_fraction.values, dataset.swept_axial_force.values
-    touching = named(dataset.boundary_kind_axial_force, "touching motion")
+    fraction, threshold = dataset.fraction_axial_force.values, float(dataset.global_stability_force)
+    touching, beyond = named(dataset.boundary_kind_axial_force, "touching motion"), force < threshold
     scaled = spread(dataset.basin_area_axial_force.values[touching] / force[touching] ** 2)
     error = np.abs(dataset.grid_fraction - dataset.case_fraction)
     worst = float((error / dataset.grid_bound).max())
-    order = [-np.polyfit(np.log(dataset.resolution), np.log(np.maximum(e, 1e-12)), 1)[0] for e in error.values]
-    area = dataset.basin_area_axial_force.values[force > float(dataset.global_stability_force)]
-    return [
-        *_global_stability_checks(dataset),
-        newton.touching_check(dataset, -1, dataset.global_stability_force, "Force of global stability"),
-        Check.of("basin_sweep.small", f"{100 * reading[1, 1]:.6g} %", 0 < reading[1, 1] < 0.01),
-        Check.of(
-            "basin_sweep.local",
-            f"from {area.min():.3g} to {area.max():.3g} rad2/s over {area.size} forces",
-            area.size > 0 and area.min() > 0 and np.isfinite(area).all(),
-        ),
-        Check.of(
-            "basin_sweep.readings",
-            f"fractions {', '.join(f'{x:.6g}' for x in reading.ravel())}",
-            (reading[0] == 1).all() and reading[1, 0] == 1 > reading[1, 1],
-        ),
-        Check.of(
-            "basin_sweep.square",
-            f"relative spread of area / R^2 over {touching.sum()} forces {scaled:.1e}",
-            scaled < 1e-12 and touching.sum() > 1,
-        ),
-        Check.of(
-            "basin_sweep.fraction",
-            f"errors at most {worst:.2g} of the area of the cells that the boundary cuts; fitted orders "
-            f"{', '.join(f'{x:.2f}' for x in order)}",
-            worst <= 1,
-        ),
-    ]
-
-
-def _global_stability_checks(dataset: xr.Dataset) -> list[Check]:
-    """Check along all four sweeps that the basin is the whole plane exactly on one side of a critical value."""
-    fraction, threshold = dataset.fraction_axial_force.values, float(dataset.global_stability_force)
-    beyond = dataset.swept_axial_force.values < threshold
+    orders = [-np.polyfit(np.log(dataset.resolution), np.log(np.maximum(e, 1e-12)), 1)[0] for e in error.values]
+    area = dataset.basin_area_axial_force.values[force > threshold]
+    local = area.size > 0 and area.min() > 0 and np.isfinite(area).all()
+    readings = (reading[0] == 1).all() and reading[1, 0] == 1 > reading[1, 1]
     damping, limit = dataset.swept_support_damping.values, dataset.swept_global_stability_force.values
     whole = {name: named(dataset[f"boundary_kind_{name}"], "none") for name in _SWEPT}
-    stable, parted, last = whole["support_damping"], [], []
+    stable, parted, words = whole["support_damping"], [], {}
     for name in ("mass", "friction_coefficient"):
-        swept, here = dataset[f"swept_{name}"].values, whole[name]
-        last.append(swept[here].max(initial=-np.inf))
-        parted.append((here == (swept <= float(dataset[_SWEPT[name][1]]))).all() and 0 < here.sum() < here.size)
+        swept, here, critical = dataset[f"swept_{name}"].values, whole[name], float(dataset[_SWEPT[name][1]])
+        parted.append((here == (swept <= critical)).all() and 0 < here.sum() < here.size)
+        words |= {name: critical, f"last_{name}": swept[here].max(initial=-np.inf)}
+    sides, forces = ((fraction == 1) == beyond).all(), {"below": fraction[beyond] == 1, "above": fraction[~beyond] < 1}
+    forced = sides and (fraction <= 1).all() and 0 < beyond.sum() < beyond.size
+    damped = (stable == (limit > float(dataset.axial_force))).all()
     return [
-        Check.of(
-            "basin_sweep.force",
-            f"R < {threshold:.10g} N: {(fraction[beyond] == 1).sum()} of {beyond.sum()} forces; R above it: "
-            f"{(fraction[~beyond] < 1).sum()} of {(~beyond).sum()}",
-            ((fraction == 1) == beyond).all() and (fraction <= 1).all() and 0 < beyond.sum() < beyond.size,
-        ),
-        Check.of(
-            "basin_sweep.damping",
-            f"{stable.sum()} of {stable.size} dampings, c >= {damping[stable].min(initial=np.inf):.6g} N m s/rad",
-            (stable == (limit > float(dataset.axial_force))).all(),
-        ),
-        Check.of(
-            "basin_sweep.mass_and_friction",
-            f"m_cr = {float(dataset.critical_mass):.10g} kg, last mass with the whole plane {last[0]:.10g} kg; "
-            f"mu_cr = {float(dataset.critical_friction_of_rigid_drive):.10g}, last friction {last[1]:.10g}",
-            all(parted),
-        ),
+        Check.that("basin_sweep.force", forced, threshold=threshold, **forces),
+        Check.that("basin_sweep.damping", damped, stable=stable, damping=damping[stable]),
+        Check.that("basin_sweep.mass_and_friction", all(parted), **words),
+        newton.touching_check(dataset, -1, dataset.global_stability_force, "Force of global stability"),
+        Check.that("basin_sweep.small", 0 < reading[1, 1] < 0.01, percent=100 * reading[1, 1]),
+        Check.that("basin_sweep.local", local, area=area),
+        Check.that("basin_sweep.readings", readings, readings=reading),
+        Check.that("basin_sweep.square", scaled < 1e-12 and touching.sum() > 1, touching=touching, spread=scaled),
+        Check.that("basin_sweep.fraction", worst <= 1, worst=worst, orders=orders),
     ]
 
 

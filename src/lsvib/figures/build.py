@@ -15,7 +15,7 @@ from lsvib.datasets.checks import Check
 from lsvib.datasets.io import read_dataset, write_dataset
 from lsvib.errors import InputError
 from lsvib.figures import style
-from lsvib.figures.configuration import PARTS, complete_settings, load
+from lsvib.figures.configuration import PARTS, complete_settings, load, module_of
 from lsvib.files import write_json, write_text
 
 FULL, DRAFT = 300, 100  # resolution of a PNG for print and of one for a quick look [dots per inch]
@@ -45,8 +45,8 @@ def build_figure(
 
 def compute_part(figure: str, part: str, given: Mapping[str, Any], file: File) -> None:
     """Compute and write a part of a figure that rules of their own make: ``analysis`` or ``maps`` (:data:`PARTS`)."""
-    module = load(figure)
-    write_dataset(getattr(module, part)(complete_settings(figure, given)), file, f"{module.__name__}.{part}")
+    made = getattr(load(figure), part)(complete_settings(figure, given))
+    write_dataset(made, file, f"{module_of(figure)}.{part}")
 
 
 def compute_figure(
@@ -57,15 +57,28 @@ def compute_figure(
     parts: Mapping[str, File] | None = None,
     sources: str | None = None,
 ) -> list[Check]:
-    """Compute the dataset of a figure and judge it, by the functions ``build`` and ``checks`` of its module.
+    """Compute the :func:`dataset_of` a figure and judge it, by the function ``checks`` of its module; write both.
+
+    The dataset carries a digest of the ``sources`` that made it in its attribute ``sources_sha256``, if there is one.
+    Raises ``InputError`` about the settings and ``LsvibError`` about files, in one sentence.
+    """
+    dataset = dataset_of(figure, given, parts)
+    if sources is not None:
+        dataset.attrs["sources_sha256"] = sources
+    write_dataset(dataset, dataset_file, f"{module_of(figure)}.build")
+    checks: list[Check] = load(figure).checks(dataset)
+    write_json([check.to_json() for check in checks], checks_file)
+    return checks
+
+
+def dataset_of(figure: str, given: Mapping[str, Any], parts: Mapping[str, File] | None = None) -> xr.Dataset:
+    """Return the dataset of a figure, by the function ``build`` of its module.
 
     ``build`` takes all values of the class ``Settings`` beside it, and the parts that its module has (:data:`PARTS`);
-    for values that it cannot use it raises ``InputError``. Both results are written.
+    for values that it cannot use it raises ``InputError``.
     ``given``: settings as in its section of ``config/config.yaml``; those that it does not name have their defaults.
     ``parts``: files of parts that are computed already, by name; the others are computed here.
-    The dataset carries the settings as JSON in its attribute ``settings``, and a digest of the ``sources`` that made it
-    in ``sources_sha256``, if there is one. Raises ``InputError`` about the settings and ``LsvibError`` about files, in
-    one sentence.
+    The dataset carries the settings as JSON in its attribute ``settings``.
     """
     settings, module, files = complete_settings(figure, given), load(figure), parts or {}
     own = {
@@ -73,12 +86,8 @@ def compute_figure(
         for name in PARTS
         if hasattr(module, name)
     }
-    made = {"settings": json.dumps(settings)} | ({} if sources is None else {"sources_sha256": sources})
-    dataset = module.build(settings, **own).assign_attrs(made)
-    write_dataset(dataset, dataset_file, f"{module.__name__}.build")
-    checks: list[Check] = module.checks(dataset)
-    write_json([check.to_json() for check in checks], checks_file)
-    return checks
+    dataset: xr.Dataset = module.build(settings, **own)
+    return dataset.assign_attrs(settings=json.dumps(settings))
 
 
 def draw_figure(

@@ -1,5 +1,7 @@
-"""What figures share: how a dataset says what it is, and the words of its flags."""
+"""What figures share: what a figure is, how a dataset says what it is, and the words of its flags."""
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -8,16 +10,28 @@ import xarray as xr
 from lsvib.datasets import spans
 from lsvib.datasets.attributes import Variable, variable
 from lsvib.datasets.checks import Check
-from lsvib.figures.settings import Values
+from lsvib.figures.settings import FigureSettings, Values
 from lsvib.models.chapter import claims
 
 if TYPE_CHECKING:
     from lsvib.basins.boundary import Basin
-    from lsvib.contact.stiff_limit import LimitBranch
     from lsvib.dynamics.attractor import SteadyState
     from lsvib.engine.motion import Motion
+    from lsvib.figures.stiff_limit import LimitBranch
 else:  # names for annotations, which load no engine
     Basin = LimitBranch = Motion = SteadyState = Any
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One of several figures of a module, under its name: what a module that is one figure has under these names."""
+
+    Settings: type[FigureSettings]
+    CAPTION: str
+    build: Callable[[Values], xr.Dataset]
+    checks: Callable[[xr.Dataset], list[Check]]
+    draw: Callable[[xr.Dataset], Any]
+
 
 EIGENVALUE = variable("eigenvalue", np.array([1, 2]), "1", "index of the eigenvalue", "$i$")
 # The critical mass with contact as a variable: unit, words, symbol.
@@ -30,7 +44,7 @@ BALANCE = ("1", "sum of all works over one period of the cycle, over the largest
 def balance_check(cycle: str, dataset: xr.Dataset) -> Check:
     """Return the check of ``energy_balance``, of a cycle or several that words name."""
     worst = float(np.abs(dataset.energy_balance).max())
-    return Check.of("common.balance", f"{worst:.1e} of the largest", worst < 1e-10, cycle=cycle)
+    return Check.that("common.balance", worst < 1e-10, worst=worst, cycle=cycle)
 
 
 def about(module: str | None, source: str, places: str, **more: str) -> dict[str, str]:

@@ -1,18 +1,19 @@
 """Which figures there are, their settings, and one sentence about what is wrong with a configuration.
 
 A figure is a module of this package, or of ``benchmarks.figures``, with a function ``build``: its name is found there.
+Figures that share it are made in one module, each by a line ``NAME = Figure(…)``.
 The values of settings are those of ``config/config.yaml``, to which the file beside this module is a link (an installed
 package holds a copy); their type is the class ``Settings`` in the module of the figure. The benchmarks come with a
 checkout only: an installed lsvib knows their names, so that a configuration may have their sections.
 """
 
+import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from types import ModuleType
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError, create_model
@@ -50,16 +51,24 @@ grids of starts. In the workflow each has a rule and a file of its own."""
 
 
 @cache
-def figures_with(part: str) -> tuple[str, ...]:
-    """Return the names of the figures whose module has a function of this name."""
-    files = Path(__file__).parent.glob("*.py")
-    names = [file.stem for file in files if f"\ndef {part}(" in file.read_text(encoding="utf-8")]
-    return tuple(sorted(names, key=lambda name: (not name.startswith("fig"), name)))
+def _modules() -> dict[str, tuple[str, str]]:
+    """Name and text of the module of each figure of the package: those of the chapter first."""
+    found = {}
+    for file in Path(__file__).parent.glob("*.py"):
+        text = file.read_text(encoding="utf-8")
+        names = re.findall(r"^(\w+) = Figure\(", text, re.MULTILINE) or [file.stem] * ("\ndef build(" in text)
+        found |= dict.fromkeys(names, (file.stem, text))
+    return dict(sorted(found.items(), key=lambda item: (not item[0].startswith("fig"), item[0])))
 
 
 def default_figures() -> tuple[str, ...]:
     """Return the names of the figures of the package: those of the chapter first."""
-    return figures_with("build")
+    return tuple(_modules())
+
+
+def figures_with(part: str) -> tuple[str, ...]:
+    """Return the names of the figures whose module has a function of this name."""
+    return tuple(name for name, (_, text) in _modules().items() if f"\ndef {part}(" in text)
 
 
 def figures_of_all() -> tuple[str, ...]:
@@ -74,21 +83,25 @@ def accuracy_figures() -> tuple[str, ...]:
 
 def module_of(figure: str) -> str:
     """Return the name of the module of a figure; raises ``InputError`` if there is no such figure."""
-    room = "benchmarks.figures" if figure in _BENCHMARKS else "lsvib.figures"
-    with suppress(ModuleNotFoundError):  # no benchmarks, or others
-        if figure in (*default_figures(), *_BENCHMARKS, "attraction", "chart") and find_spec(f"{room}.{figure}"):
-            return f"{room}.{figure}"
     if figure in _BENCHMARKS:
+        with suppress(ModuleNotFoundError):  # no benchmarks, or others
+            if find_spec(f"benchmarks.figures.{figure}"):
+                return f"benchmarks.figures.{figure}"
         raise InputError(f"figure {figure} does not exist here: the benchmarks come with a checkout of lsvib only.")
-    raise InputError(f"figure = {figure!r} has no file in lsvib.figures.")
+    module, _ = _modules().get(figure, (figure, ""))
+    if module == figure and figure not in (*_modules(), "attraction", "chart"):
+        raise InputError(f"figure = {figure!r} has no file in lsvib.figures.")
+    return f"lsvib.figures.{module}"
 
 
-def load(figure: str) -> ModuleType:
-    """Return the module of a figure, with ``Settings``, ``build``, ``checks``, ``draw`` and ``CAPTION``.
+def load(figure: str) -> Any:
+    """Return the figure: its module, or what a module of several has under its name.
 
-    ``attraction`` and ``chart`` have no ``build`` and no ``checks``. Raises ``InputError`` if there is no such figure.
+    It has ``Settings``, ``build``, ``checks``, ``draw`` and ``CAPTION``; ``attraction`` and ``chart`` have no ``build``
+    and no ``checks``. Raises ``InputError`` if there is no such figure.
     """
-    return import_module(module_of(figure))
+    module = import_module(module_of(figure))
+    return getattr(module, figure, module)
 
 
 class Selection(SettingsSection):

@@ -1,32 +1,31 @@
 """Phase portraits of the contact force (Sect. 8.2), figures 8.1 and 8.2: dataset, checks and picture.
 
 The abscissa is the chapter's χ = N b_s / W (8.8). The ordinate is its rate, scaled by the time and force scale of law −
-on both sides, so that it is continuous at χ = 0; see :mod:`lsvib.contact.contact_force`.
+on both sides, so that it is continuous at χ = 0; see :mod:`lsvib.figures.contact_force`.
 """
 
 import math
 from collections.abc import Sequence
+from functools import partial
 from itertools import product
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from lsvib.contact import contact_force
-from lsvib.contact.contact_force import ForceOutcome, Paradox
 from lsvib.datasets import spans
 from lsvib.datasets.attributes import Variables, attributes, drive_parameters, flagged, named_index, variable
 from lsvib.datasets.checks import Check
 from lsvib.engine.automaton import Automaton
 from lsvib.engine.kernels.layout import A1, ALPHA, BETA, EQUILIBRIUM, R1, R2, Status
 from lsvib.errors import InputError
-from lsvib.figures import drawing, style
-from lsvib.figures.common import EIGENVALUE, Motion, named
+from lsvib.figures import contact_force, drawing, style
+from lsvib.figures.common import EIGENVALUE, Figure, Motion, about, named
+from lsvib.figures.contact_force import ForceOutcome, Paradox
 from lsvib.figures.settings import ContactPortrait, Values
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
 
-SOURCE = "closed-form flow of the contact force (8.12) with exact changes of the law"
 _LAWS = (1, -1)  # sgn(θ′) sgn(N), in the order of the dimension
 _UNIT = "kg-1 m-2"
 _SIGN_OF_FORCE = {
@@ -45,7 +44,7 @@ _ENTRIES = ("contact", "start", "stable", "unstable", "bounded", "growing", "sad
 _WORDS = {"facecolor": "#FFFFFFC0", "linewidth": 0, "pad": 1.0}
 
 
-def portrait(settings: Values, paradox: Paradox) -> xr.Dataset:
+def portrait(settings: Values, paradox: Paradox, figure: str, places: str) -> xr.Dataset:
     """Compute motions of the contact force, their outcomes on a grid, and the saddle's manifolds; Γ₊ < 0, θ′ > 0."""
     base = Drive.of({"contact_stiffness": settings["contact_stiffness"], **settings["drive"]})
     drives = [base.replace(contact_damping=damping) for damping in settings["contact_dampings"]]
@@ -54,16 +53,27 @@ def portrait(settings: Values, paradox: Paradox) -> xr.Dataset:
     scale, count = contact_force.force_scale(base), settings["samples"]
     # A motion is followed until it is so many times the half width of the map away.
     limit = 30.0 * max(np.ptp(force), np.ptp(rate)) / 2
-    starts = [(_unscaled(s["force"], scale, paradox), float(s["rate"])) for s in settings["starts"]]
-    grid = [(_unscaled(x, scale, paradox), y) for x in force for y in rate]
-    outcomes = [[contact_force.outcome(_motion_from(start, case)) for start in grid] for case in cases]
-    outcomes = np.reshape(outcomes, (len(cases), force.size, rate.size))
+
+    def motions_from(starts: Sequence[tuple[float, float]]) -> list[list[Motion]]:
+        """The motions of each case from χ and its rate."""
+        own = [(float(_scaled(x, 1 / scale, paradox)), float(y)) for x, y in starts]
+        return [[_followed(case, start) for start in own] for case in cases]
+
+    followed = motions_from([(start["force"], start["rate"]) for start in settings["starts"]])
+    states = np.array([[sample(motion, count, limit) for motion in case] for case in followed])
+    on_grid = [[*map(contact_force.outcome, case)] for case in motions_from([*product(force, rate)])]
+    ends, dims = [[*map(contact_force.outcome, case)] for case in followed], ("case", "start", "sample")
     plane, ratios = ("case", "grid_contact_force", "grid_contact_force_rate"), [c.tables.flow[1, A1] for c in cases]
     sides, on = [int(paradox), -int(paradox)], "sign of the contact force chi where the law holds"
-    becomes, times = "what becomes of the contact force from each state of the grid", "times frequency over stiffness"
+    becomes, times = "what becomes of the contact force", "times frequency over stiffness"
+    outcomes = np.reshape(on_grid, (len(cases), force.size, rate.size))
     return xr.Dataset(
-        _followed(cases, starts, count, limit, scale, paradox)
-        | {"grid_outcome": flagged(plane, outcomes, becomes, ForceOutcome)}
+        {
+            "contact_force": (dims, _scaled(states[..., 0], scale, paradox), _force("contact force")),
+            "contact_force_rate": (dims, states[..., 1], _rate("rate of the contact force")),
+            "start_outcome": flagged(dims[:2], ends, f"{becomes} of a motion", ForceOutcome),
+            "grid_outcome": flagged(plane, outcomes, f"{becomes} from each state of the grid", ForceOutcome),
+        }
         | _laws(base, cases, scale)
         | _by_newton(drives)
         | (_saddle_manifolds(drives, count, limit, scale) if paradox is Paradox.INDETERMINATE else {}),
@@ -77,28 +87,20 @@ def portrait(settings: Values, paradox: Paradox) -> xr.Dataset:
             "contact_damping_ratio": variable("case", ratios, "1", f"contact damping {times}", r"$\zeta$"),
             "force_scale": variable((), scale, "1", "factor between the force scales of the laws", "$b_+/b_-$"),
         },
+        attrs=about(
+            f"Figure {figure}: phase portrait of the contact force in the {paradox.name.lower()} case, without and "
+            "with contact damping",
+            "closed-form flow of the contact force (8.12) with exact changes of the law",
+            places,
+        ),
     ).set_coords("effective_inertia_of_law")
 
 
-def _motion_from(start: tuple[float, float], automaton: Automaton, most: int = 1000) -> Motion:
+def _followed(automaton: Automaton, start: tuple[float, float], most: int = 1000) -> Motion:
     """Follow (x, x′) until nothing changes the law any more, or for so many changes: then it repeats itself."""
     from lsvib.engine.motion import follow
 
     return follow(automaton, start, math.inf, max_events=most)
-
-
-def _followed(
-    cases: Sequence[Automaton], starts: Sequence[tuple], count: int, limit: float, scale: float, side: int
-) -> Variables:
-    """The motions of each case from each start, in ``count`` samples, and what becomes of them."""
-    followed = [[_motion_from(start, case) for start in starts] for case in cases]
-    motions = np.array([[sample(motion, count, limit) for motion in case] for case in followed])
-    outcomes, dims = [[*map(contact_force.outcome, case)] for case in followed], ("case", "start", "sample")
-    return {
-        "contact_force": (dims, _scaled(motions[..., 0], scale, side), _force("contact force")),
-        "contact_force_rate": (dims, motions[..., 1], _rate("rate of the contact force")),
-        "start_outcome": flagged(dims[:2], outcomes, "what becomes of the contact force of a motion", ForceOutcome),
-    }
 
 
 def _laws(drive: Drive, cases: Sequence[Automaton], scale: float) -> Variables:
@@ -121,60 +123,50 @@ def sample(motion: Motion, count: int, limit: float, end: float = math.inf) -> n
     """Sample (x, x′) at ``count`` times, evenly until ``end`` and where the law changes; shape (count, 2).
 
     A motion that repeats itself ends by its third change of law, one that does not beyond |x − x*| = ``limit`` of the
-    last law, or after a turn or some decay times.
+    last law, or after a turn or some decay times, when e⁻⁸ of it is left.
     """
-    end = min(end, motion.end_time + _shown(motion, limit) if motion.status == Status.SETTLED else motion.time[2])
-    changes = motion.time[motion.time <= end]
+    row, growing = motion.automaton.tables.flow[motion.end_mode], abs(contact_force.growing_part(motion))
+    slowest = abs(row[ALPHA] if row[BETA] > 0 else row[R1])
+    if motion.status != Status.SETTLED:
+        last = motion.time[2]
+    elif growing > 0:
+        last = motion.end_time + max(math.log(limit / growing), 0.0) / row[R1]
+    else:
+        last = motion.end_time + (8.0 / slowest if slowest else 2 * math.pi / row[BETA])
+    changes = motion.time[motion.time <= (end := min(end, last))]
     if count < (least := changes.size + 2):
         raise InputError(f"samples = {count} is outside the allowed range samples >= {least} of this motion.")
     return motion.at(np.sort([*changes, *np.linspace(0, end, count - changes.size)]))[0]
 
 
-def _shown(motion: Motion, limit: float) -> float:
-    """Scaled time for which an arc without end is shown."""
-    row, growing = motion.automaton.tables.flow[motion.end_mode], abs(contact_force.growing_part(motion))
-    if growing > 0:
-        return max(math.log(limit / growing), 0.0) / row[R1]
-    slowest = -row[ALPHA] if row[BETA] > 0 else row[R1]
-    return 8.0 / abs(slowest) if slowest else 2 * math.pi / row[BETA]  # e⁻⁸ of it is left, or a turn
-
-
 def _saddle_manifolds(drives: Sequence[Drive], count: int, limit: float, scale: float) -> Variables:
-    """Unstable and, backwards in time, stable manifold of the saddle: a ray at the side of law +, and one beyond."""
-    side = Paradox.INDETERMINATE
-    lines = [
-        _there_and_back(contact_force.contact_automaton(drive, side, backwards=back), outwards, count, limit)
-        for drive, back, outwards in product(drives, (False, True), (side, -side))
-    ]
-    lines = np.reshape(lines, (len(drives), 4, count, 2))
-    lines[:, 2:, :, 1] *= -1  # forwards in time again
-    force, dims = _scaled(lines[..., 0], scale, side), ("case", "manifold", "sample")
+    """Unstable and, backwards in time, stable manifold of the saddle: a ray at the side of law +, and one beyond.
+
+    Each from so close to the saddle that a picture cannot tell, on a straight line, until back at law +; without
+    damping back to the saddle, by symmetry in the time that it took to leave.
+    """
+    side, lines = Paradox.INDETERMINATE, []
+    for drive, back, outwards in product(drives, (False, True), (side, -side)):
+        automaton = contact_force.contact_automaton(drive, side, backwards=back)
+        row = automaton.tables.flow[0]
+        near = 1e-6 * abs(row[EQUILIBRIUM]) * outwards
+        motion = _followed(automaton, (row[EQUILIBRIUM] + near, row[R1] * near), 3)
+        there, across, again = np.append(motion.time[:3], [math.inf] * 3)[:3]
+        lines.append(sample(motion, count, limit, across + there if row[A1] == 0 else again))
+    points = np.reshape(lines, (len(drives), 4, count, 2))
+    points[:, 2:, :, 1] *= -1  # forwards in time again
+    force, dims = _scaled(points[..., 0], scale, side), ("case", "manifold", "sample")
     order = "samples begin at the saddle; along a stable branch time runs against them"
     return {
         "manifold_force": (dims, force, _force("contact force on a manifold of the saddle")),
-        "manifold_force_rate": (dims, lines[..., 1], _rate("rate on a manifold of the saddle")),
+        "manifold_force_rate": (dims, points[..., 1], _rate("rate on a manifold of the saddle")),
         "manifold": named_index("manifold", "branch of the manifolds of the saddle", _MANIFOLDS, comment=order),
     }
 
 
-def _there_and_back(automaton: Automaton, outwards: int, count: int, limit: float) -> np.ndarray:
-    """Sample an unstable manifold, from so close to the saddle that a picture cannot tell, until back at law +."""
-    row = automaton.tables.flow[0]
-    near = 1e-6 * abs(row[EQUILIBRIUM]) * outwards  # on the manifold itself, a straight line here
-    motion = _motion_from((row[EQUILIBRIUM] + near, row[R1] * near), automaton, 3)
-    there, back, again = np.append(motion.time[:3], [math.inf] * 3)[:3]
-    # Without damping back to the saddle, by symmetry in the time that it took to leave.
-    return sample(motion, count, limit, back + there if row[A1] == 0 else again)
-
-
-def _scaled(x: np.ndarray, scale: float, side: int) -> np.ndarray:
-    """χ from x: equal on the side of law −, scaled on that of law +."""
+def _scaled(x: Any, scale: float, side: int) -> np.ndarray:
+    """χ from x, or x from χ by one over the ``scale``: equal on the side of law −, scaled on that of law +."""
     return np.where(x * side > 0, x * scale, x)
-
-
-def _unscaled(force: float, scale: float, side: int) -> float:
-    """Turn χ into x."""
-    return float(force) / (scale if force * side > 0 else 1.0)
 
 
 def _by_newton(drives: Sequence[Drive]) -> Variables:
@@ -217,13 +209,6 @@ def _rate(long_name: str) -> dict[str, Any]:
     return attributes(_UNIT, f"{long_name}, scaled by law - on both sides", r"$\chi'$", comment=_OF_RATE)
 
 
-def within_separatrix(case: xr.Dataset) -> np.ndarray:
-    """Return which states of the grid lie in the loop of the saddle's separatrix, by the energy integral of (8.11)."""
-    force, saddle = case.grid_contact_force, case.equilibrium_contact_force.sel(law=1)
-    energy = _potential(case, force) + case.grid_contact_force_rate**2 / 2  # in the scales of law −; 0 at the origin
-    return ((energy < float(_potential(case, saddle))) & (force > saddle)).values
-
-
 def _potential(case: xr.Dataset, force: xr.DataArray) -> xr.DataArray:
     """Potential of x″: −ρ² x²/2 − x/Γ₋ on the side of law +, x²/2 − x/Γ₋ on that of law −."""
     plus, minus = (case.effective_inertia_of_law.sel(law=law, drop=True) for law in (1, -1))
@@ -232,57 +217,111 @@ def _potential(case: xr.Dataset, force: xr.DataArray) -> xr.DataArray:
     return stiffness * x**2 / 2 - x / minus
 
 
-def energy_check(dataset: xr.Dataset) -> Check:
-    """Check that the energy integral is constant along the motions of the case without contact damping, the first."""
-    case = dataset.isel(case=0)
+def _common_checks(dataset: xr.Dataset, outcome: str) -> list[Check]:
+    """Check what both portraits have: how motions of an ``outcome`` grow in the end, the energy, and Newton's laws.
+
+    The closed forms (8.11), (8.12) make no use of these laws. Energy is constant along the motions of the case without
+    contact damping, the first.
+    """
+    case, gap = dataset.isel(case=0), dataset.equilibrium_contact_force / dataset.equilibrium_contact_force_by_newton
     parts = xr.concat([_potential(case, case.contact_force), case.contact_force_rate**2 / 2], "part")
     total, size = parts.sum("part"), abs(parts).max(["part", "sample"])
     spread = float(((total.max("sample") - total.min("sample")) / size).max())
-    words = f"largest spread {spread:.1e} of the larger of potential and kinetic part"
-    return Check.of("contact_portraits.energy", words, spread < 1e-12)
-
-
-def growth_check(dataset: xr.Dataset, outcome: str) -> Check:
-    """Check how motions of an ``outcome`` grow in the end."""
     distance = dataset.contact_force[..., -1] - dataset.equilibrium_contact_force.sel(law=1)
     rate = dataset.contact_force_rate[..., -1] * dataset.force_scale / distance
     off = abs(rate / dataset.scaled_eigenvalue_real_part.sel(law=1).max("eigenvalue") - 1)
-    gap = float(off.where(named(dataset.start_outcome, outcome)).max())
-    words = f"rate over distance from 1/Γ₊ deviates by at most {gap:.2%} of it"
-    return Check.of("contact_portraits.growth", words, gap < 0.01)
-
-
-def newton_checks(dataset: xr.Dataset) -> list[Check]:
-    """Check equilibria and eigenvalues against Newton's laws, of which the closed forms (8.11), (8.12) make no use."""
-    gap = float(np.abs(dataset.equilibrium_contact_force / dataset.equilibrium_contact_force_by_newton - 1).max())
+    growth = float(off.where(named(dataset.start_outcome, outcome)).max())
+    gap = float(abs(gap - 1).max())
     values = dataset.scaled_eigenvalue_real_part + 1j * dataset.scaled_eigenvalue_imaginary_part
     first, second = values.isel(eigenvalue=0), values.isel(eigenvalue=1)
     trace = float((np.abs(first + second - dataset.jacobian_trace) / np.abs(first)).max())
     product = float(np.abs(first * second / dataset.jacobian_determinant - 1).max())
     return [
-        Check.of("contact_portraits.equilibria", f"largest relative difference {gap:.1e}", gap <= 1e-12),
-        Check.of(
-            "contact_portraits.eigenvalues",
-            f"their sum differs from its trace by {trace:.1e} of them, their product from its determinant by "
-            f"{product:.1e}",
-            max(trace, product) <= 1e-12,
-        ),
+        Check.that("contact_portraits.equilibria", gap <= 1e-12, gap=gap),
+        Check.that("contact_portraits.eigenvalues", max(trace, product) <= 1e-12, trace=trace, product=product),
+        Check.that("contact_portraits.energy", spread < 1e-12, spread=spread),
+        Check.that("contact_portraits.growth", growth < 0.01, gap=growth),
+    ]
+
+
+def _indeterminate_checks(dataset: xr.Dataset) -> list[Check]:
+    """Check saddle and centre, both outcomes and what decides between them, and the focus under contact damping.
+
+    A contact force stays in the loop of the saddle's separatrix, by the energy integral of (8.11): 0 at the origin.
+    """
+    elastic, damped = dataset.isel(case=0), dataset.isel(case=1)
+    bounded, unbounded = (named(elastic.grid_outcome, word) for word in ("bounded", "minus infinity"))
+    energy = _potential(elastic, elastic.grid_contact_force) + elastic.grid_contact_force_rate**2 / 2
+    top = elastic.equilibrium_contact_force.sel(law=1)
+    inside = ((energy < float(_potential(elastic, top))) & (elastic.grid_contact_force > top)).values
+    last = dataset.contact_force.values[named(dataset.start_outcome, "minus infinity")][:, -1]
+    real, imaginary = dataset.scaled_eigenvalue_real_part, dataset.scaled_eigenvalue_imaginary_part
+    (saddle, growth), (twist, frequency) = ([part.sel(law=law) for law in _LAWS] for part in (real, imaginary))
+    ends = damped.contact_force.values[named(damped.start_outcome, "bounded"), -1]
+    # e⁻⁸ of a start is left where the motions end.
+    gap = float(np.abs(ends * float(damped.effective_inertia_of_law.sel(law=-1)) - 1).max(initial=0.0))
+    chi, both = dataset.equilibrium_contact_force, {"bounded": bounded, "unbounded": unbounded}
+    no_other = bounded.any() and unbounded.any() and (bounded | unbounded).all()
+    is_saddle = (saddle.prod("eigenvalue") < 0).all() and (twist == 0).all()
+    is_centre, is_focus = (growth[0] == 0) & (frequency[0] != 0), (growth[1] < 0) & (frequency[1] != 0)
+    focus = {"real": growth[1, 0], "imaginary": abs(frequency[1, 0])}
+    return [
+        *_common_checks(dataset, "minus infinity"),
+        Check.that("fig8_01.two_solutions", (chi * dataset.law_side > 0).all(), chi=chi),
+        Check.that("fig8_01.saddle", is_saddle, eigenvalues=str(saddle.values.round(4).tolist())),
+        Check.that("fig8_01.centre", is_centre.all(), frequency=abs(frequency[0, 0])),
+        Check.without_exception("fig8_01.loop", (bounded != inside).sum(), bounded.size, "starts"),
+        Check.that("fig8_01.outcomes", no_other, **both),
+        Check.everywhere("fig8_01.unbounded", last < float(dataset.grid_contact_force.min())),
+        Check.that("fig8_01.focus", is_focus.all(), **focus),
+        Check.that("fig8_01.settles", ends.size and gap < 0.01, ends=ends, gap=gap),
+    ]
+
+
+def _inconsistent_checks(dataset: xr.Dataset) -> list[Check]:
+    """Check that nothing is in equilibrium and that every contact force ends growing in the first quadrant."""
+    chi, sides = dataset.equilibrium_contact_force, dataset.law_side
+    last = [x.values[..., -2:] for x in (dataset.contact_force, dataset.contact_force_rate)]
+    rising = [(x[..., 1] > x[..., 0]) & (x[..., 0] > 0) for x in last]
+    drawn = rising[0] & rising[1] & named(dataset.start_outcome, "plus infinity")
+    return [
+        *_common_checks(dataset, "plus infinity"),
+        Check.that("fig8_02.no_solution", (chi * sides < 0).all(), chi=chi, sides=sides),
+        Check.everywhere("fig8_02.every_start", named(dataset.grid_outcome, "plus infinity"), "starts"),
+        Check.everywhere("fig8_02.drawn", drawn, "motions"),
     ]
 
 
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw motions, equilibria and manifolds, in a panel for each contact damping; the words say where a law holds."""
+    """Draw motions, equilibria and manifolds, in a panel for each contact damping; the words say where a law holds.
+
+    Equilibria are open where the law does not hold, so that they are none.
+    """
     figure = style.new_figure(style.DOUBLE, 3.35)
     panels = figure.subplots(1, dataset.sizes["case"], sharey=True)
     limits = [dataset[name].values[[0, -1]] for name in ("grid_contact_force", "grid_contact_force_rate")]
     for axes, letter, case in zip(panels, "ab", (dataset.isel(case=i) for i in dataset.case.values), strict=True):
         _lines(axes, case)
-        paths = [_motion(axes, case.isel(start=index)) for index in dataset.start.values]
+        paths: list[drawing.DrawnLine] = []
+        for motion in (case.isel(start=index) for index in dataset.start.values):
+            x, y, stays = motion.contact_force.values, motion.contact_force_rate.values, motion.start_outcome
+            colour, name = (
+                (style.BLUE, "bounded") if named(stays, "bounded") else (style.ORANGE, "growing without bound")
+            )
+            axes.plot(x, y, color=colour, linewidth=1.0, label=name, zorder=2)
+            axes.plot(
+                x[0], y[0], "o", color=colour, mfc="white", markersize=3.2, label="start", zorder=3, clip_on=False
+            )
+            paths.append((x, y, colour))
         if "manifold_force" in case:  # all are stored outwards from the saddle
             manifolds = zip(case.manifold_force.values, case.manifold_force_rate.values, (1, 1, -1, -1), strict=True)
             paths += [(x[::along], y[::along], style.BLACK) for x, y, along in manifolds]
-        _equilibria(axes, case)
+        for law, marker, words in ((1, "X", r"saddle $1/\Gamma_+$"), (-1, "D", r"centre or focus $1/\Gamma_-$")):
+            x = float(case.equilibrium_contact_force.sel(law=law))
+            real = x * float(case.law_side.sel(law=law)) > 0
+            look = {"color": style.GREEN, "mfc": style.GREEN if real else "white", "markersize": 6, "linestyle": "none"}
+            axes.plot(x, 0, marker, label=f"{words}{'' if real else ', virtual'}", zorder=5, **look)
         axes.axvline(0, color=style.GREY, linewidth=0.9, zorder=1)
         damping = float(case.contact_damping_ratio)
         words = f"ours: contact damping, $\\zeta$ = {damping:.2g}" if damping else "elastic contact"
@@ -316,21 +355,28 @@ def _lines(axes: style.Axes, case: xr.Dataset) -> None:
     axes.plot(x, y, label="asymptote from the virtual saddle", **dashed)
 
 
-def _motion(axes: style.Axes, motion: xr.Dataset) -> drawing.DrawnLine:
-    """Draw a motion from its start, and return it as a line."""
-    x, y = motion.contact_force.values, motion.contact_force_rate.values
-    stays = named(motion.start_outcome, "bounded")
-    colour, name = (style.BLUE, "bounded") if stays else (style.ORANGE, "growing without bound")
-    axes.plot(x, y, color=colour, linewidth=1.0, label=name, zorder=2)
-    axes.plot(x[0], y[0], "o", color=colour, mfc="white", markersize=3.2, label="start", zorder=3, clip_on=False)
-    return x, y, colour
-
-
-def _equilibria(axes: style.Axes, case: xr.Dataset) -> None:
-    """Mark the equilibria; open where the law does not hold, so that they are none."""
-    for law, marker, inverse in ((1, "X", r"1/\Gamma_+"), (-1, "D", r"1/\Gamma_-")):
-        x = float(case.equilibrium_contact_force.sel(law=law))
-        real = x * float(case.law_side.sel(law=law)) > 0
-        kind = "saddle" if law > 0 else "centre or focus"
-        look = {"color": style.GREEN, "mfc": style.GREEN if real else "white", "markersize": 6, "linestyle": "none"}
-        axes.plot(x, 0, marker, label=f"{kind} ${inverse}${'' if real else ', virtual'}", zorder=5, **look)
+fig8_01 = Figure(
+    ContactPortrait,
+    """\
+Phase portrait of the contact force while the threads are stiff, in the indeterminate case and with the screw turning
+forwards, (a) without and (b), not in the chapter, with contact damping. Abscissa: the chapter's force χ (8.8);
+ordinate: its rate, scaled alike on both sides. Law + has a saddle where the contact force is positive, law − a centre
+or a focus where it is negative; the saddle's stable manifold separates contact forces that stay bounded from those that
+grow without bound. In (a) part of the unstable manifold lies on it. Arrows point along time.
+""",
+    partial(portrait, paradox=Paradox.INDETERMINATE, figure="8.1", places="Sect. 8.2, Fig. 8.1, Remark 8.1"),
+    _indeterminate_checks,
+    draw,
+)
+fig8_02 = Figure(
+    ContactPortrait,
+    """\
+Phase portrait of the contact force while the threads are stiff, in the inconsistent case and with the screw turning
+forwards, (a) without and (b), not in the chapter, with contact damping. Both equilibria lie where the other law holds,
+so there is no solution; every contact force ends growing in the first quadrant along the unstable manifold of the
+virtual saddle. Arrows point along time.
+""",
+    partial(portrait, paradox=Paradox.INCONSISTENT, figure="8.2", places="Sect. 8.2, Fig. 8.2"),
+    _inconsistent_checks,
+    draw,
+)

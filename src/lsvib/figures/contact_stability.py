@@ -28,7 +28,8 @@ growth rate above the critical mass of the rigid drive, unstable beyond the dott
 dampings at which it is stable, which for soft contacts are two intervals. See docs/lemmas.md.
 """
 
-_BESIDE = 1e-6  # relative distance from a critical mass at which LAPACK must see the change
+_NEAR = 1e-6  # relative distance from a critical mass at which LAPACK must see the change
+_BESIDE = np.array([1 - _NEAR, 1 + _NEAR])
 _COLOURS = (style.VERMILION, style.ORANGE, style.BLUE, style.BLACK, style.GREEN, style.PURPLE)
 # Where two lines coincide both are seen, and in grey they differ.
 _DASHES = ("-", (0, (5, 1.5)), (0, (3, 1, 1, 1)), (0, (8, 2)), "-", (0, (5, 1.5)))
@@ -149,112 +150,82 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     return [
         *_critical_mass_checks(dataset, drive),
         *_lemma_checks(dataset, drive),
-        *_converse_checks(dataset),
-        _soft_contact_check(dataset, drive),
         Check.without_exception("contact_stability.signs", wrong, dataset.growth_rate.size, "contacts"),
     ]
 
 
 def _critical_mass_checks(dataset: xr.Dataset, drive: of.Values) -> list[Check]:
-    """Check the critical masses of the contacts that are drawn, and that all but soft ones lie below the rigid one."""
+    """Check the critical masses of the contacts that are drawn, and that all but soft ones lie below the rigid one.
+
+    By LAPACK these masses, and the ends of the intervals of dampings at which a contact is stable, of soft ones two.
+    """
     rigid, own = float(dataset.critical_mass), dataset.critical_mass_with_contact.values
     contacts = zip(own, dataset.contact_stiffness.values, dataset.contact_damping.values, strict=True)
-    beside = np.array([1 - _BESIDE, 1 + _BESIDE])
-    sides = [_largest_real_part(drive, mass=m * beside, contact_stiffness=k, contact_damping=c) for m, k, c in contacts]
-    whole, every = dataset.curve_critical_mass_with_contact.values, dataset.stable_at_every_mass.values == 1
-    again = np.isfinite(dataset.stable_again.values)
+    sides = [
+        _largest_real_part(drive, mass=m * _BESIDE, contact_stiffness=k, contact_damping=c) for m, k, c in contacts
+    ]
+    crossing = {"sides": [f"{a:.2e} and {b:.2e}" for a, b in sides], "beside": _NEAR}
+    masses, every = dataset.curve_critical_mass_with_contact, dataset.stable_at_every_mass.values == 1
+    lost, again = np.isfinite(masses), np.isfinite(dataset.stable_again.values)
     softest = float(dataset.curve_contact_stiffness.values[(every | again).any(axis=1)].max(initial=0.0))
+    swept = (masses.values[~every] < rigid).all() and softest < float(dataset.unstable_contact_stiffness[0])
+    kinds = {"lost": lost, "masses": masses, "every": every, "again": again, "softest": softest}
+
+    def grows(k: float, damping: np.ndarray) -> list[bool]:
+        light = drive | {"mass": float(dataset.mass[1])}
+        return (_largest_real_part(light, contact_stiffness=k, contact_damping=damping) > 0).tolist()
+
+    stiffness, least = dataset.growth_contact_stiffness.values, dataset.least_contact_damping.values
+    ends = np.array([grows(k, c * _BESIDE) == [True, False] for k, c in zip(stiffness, least, strict=True)])
+    low, high = dataset.window_of_soft_contact.values.T
+    soft = np.isfinite(low)
+    windows = np.array([
+        grows(k, np.concatenate([a * _BESIDE, [np.sqrt(a * b)], b * _BESIDE])) == [True, False, False, False, True]
+        for k, a, b in zip(stiffness[soft], low[soft], high[soft], strict=True)
+    ])  # fmt: skip
+    both = {"windows": windows, "ends": ends, "softest": stiffness[soft].max(initial=0.0), "beside": _NEAR}
     return [
-        Check.of(
-            "contact_stability.drawn",
-            f"{', '.join(f'{x:.4g}' for x in own)} kg from the stiffest to the softest, rigid {rigid:.5g} kg",
-            (np.diff(own) < 0).all() and own[0] < rigid,
-        ),
-        Check.of(
-            "contact_stability.crossing",
-            f"largest real parts {', '.join(f'{a:.2e} and {b:.2e}' for a, b in sides)} 1/s",
-            all(a < 0 < b for a, b in sides),
-            beside=_BESIDE,
-        ),
-        Check.of(
-            "contact_stability.sweep",
-            f"{np.isfinite(whole).sum()} of {whole.size} lose it, the last at {np.nanmax(whole):.6g} kg; "
-            f"{every.sum()} never do, {again.sum()} regain it, k_c <= {softest:.0e} N/m",
-            (whole[~every] < rigid).all() and softest < float(dataset.unstable_contact_stiffness[0]),
-        ),
+        Check.that("contact_stability.drawn", (np.diff(own) < 0).all() and own[0] < rigid, masses=own, rigid=rigid),
+        Check.that("contact_stability.crossing", all(a < 0 < b for a, b in sides), **crossing),
+        Check.that("contact_stability.sweep", swept, **kinds),
+        Check.that("contact_stability.soft", windows.all() and ends.all() and windows.size > 0, **both),
     ]
 
 
 def _lemma_checks(dataset: xr.Dataset, drive: of.Values) -> list[Check]:
-    """Check Lemma 8.1 on the larger mass: it is unstable with a stiff contact, and how fast it then grows."""
-    growth = dataset.growth_rate.isel(mass=0)
+    """Check Lemma 8.1 on the larger mass, and on the smaller one that its converse needs contact damping.
+
+    The larger is unstable with a stiff contact; how fast it then grows. How much damping the smaller one needs.
+    """
+    heavy, light = dataset.growth_rate
     beyond = dataset.growth_contact_stiffness > dataset.unstable_contact_stiffness
     scale, last = float(dataset.growth_scale), float(dataset.growth_contact_stiffness[-1])
     half = scale * dataset.growth_contact_damping.values / 2
-    ratio = growth.values[:, -1] / (half + np.sqrt(half**2 + scale * last))
+    ratio = heavy.values[:, -1] / (half + np.sqrt(half**2 + scale * last))
     contacts = {**drive, "mass": float(dataset.mass[0]), "contact_damping": dataset.growth_contact_damping.values}
     places = (0.0, dataset.unstable_contact_stiffness.values)
     none, left = (polynomial({**contacts, "contact_stiffness": k}, law=1)[2] for k in places)
-    part = np.abs(left / none).max()
-    return [
-        Check.of("contact_stability.proof", f"largest part of that without stiffness {part:.1e}", part < 1e-9),
-        Check.of(
-            "contact_stability.unstable",
-            f"{int(((growth > 0) & beyond).sum())} of {int(beyond.sum())} contacts",
-            (growth > 0).where(beyond, True).all() and beyond.any("growth_contact_stiffness").all(),
-        ),
-        Check.of(
-            "contact_stability.growth",
-            f"ratios {', '.join(f'{x:.5f}' for x in ratio)} at k_c = {last:.0e} N/m",
-            (np.abs(ratio - 1) < 0.01).all() and (np.diff(growth.values[:, -3:]) > 0).all(),
-        ),
-    ]
-
-
-def _converse_checks(dataset: xr.Dataset) -> list[Check]:
-    """Check on the smaller mass that the converse of Lemma 8.1 needs contact damping, and how much."""
-    growth, least = dataset.growth_rate.isel(mass=1), dataset.least_contact_damping
-    elastic, end = growth.values[0], float(least[-1])
-    expected, bound = float(dataset.elastic_growth_limit), float(dataset.least_contact_damping_of_stiff_contact)
+    part, proved = np.abs(left / none).max(), (heavy > 0).where(beyond, True).all()
+    grows = (np.abs(ratio - 1) < 0.01).all() and (np.diff(heavy.values[:, -3:]) > 0).all()
+    elastic, least, limit = light.values[0], dataset.least_contact_damping, float(dataset.elastic_growth_limit)
+    bound, flutters = float(dataset.least_contact_damping_of_stiff_contact), (elastic > 0).all()
     enough = dataset.growth_contact_damping > least
+    damped = (light < 0).where(enough, True).all() and abs(float(least[-1]) / bound - 1) < 0.01
+    ends = {"stable": enough & (light < 0), "enough": enough, "least": least, "bound": bound}
     return [
-        Check.of(
-            "contact_stability.elastic",
-            f"growth rate from {elastic.min():.4g} 1/s, at the stiffest contact {elastic[-1]:.5g}, limit "
-            f"{expected:.5g} 1/s",
-            (elastic > 0).all() and abs(elastic[-1] / expected - 1) < 0.01,
+        Check.that("contact_stability.proof", part < 1e-9, part=part),
+        Check.that(
+            "contact_stability.unstable",
+            proved and beyond.any("growth_contact_stiffness").all(),
+            unstable=(heavy > 0) & beyond,
+            beyond=beyond,
         ),
-        Check.of(
-            "contact_stability.damped",
-            f"{int((enough & (growth < 0)).sum())} of {int(enough.sum())} contacts with more; "
-            f"{end:.6g} against {bound:.6g} N s/m",
-            (growth < 0).where(enough, True).all() and abs(end / bound - 1) < 0.01,
+        Check.that("contact_stability.growth", grows, ratios=ratio, stiffest=last),
+        Check.that(
+            "contact_stability.elastic", flutters and abs(elastic[-1] / limit - 1) < 0.01, rate=elastic, limit=limit
         ),
+        Check.that("contact_stability.damped", damped, **ends),
     ]
-
-
-def _soft_contact_check(dataset: xr.Dataset, drive: of.Values) -> Check:
-    """Check by LAPACK the ends of the intervals of dampings at which a contact is stable, of soft ones two."""
-    own, beside = {**drive, "mass": float(dataset.mass[1])}, np.array([1 - _BESIDE, 1 + _BESIDE])
-
-    def grows(stiffness: float, damping: np.ndarray) -> list[bool]:
-        return (_largest_real_part(own, contact_stiffness=stiffness, contact_damping=damping) > 0).tolist()
-
-    ends, windows = [], []
-    stiffness, least = dataset.growth_contact_stiffness.values, dataset.least_contact_damping.values
-    for k, damping, (low, high) in zip(stiffness, least, dataset.window_of_soft_contact.values, strict=True):
-        ends.append(grows(k, damping * beside) == [True, False])
-        if np.isfinite(low):
-            around = np.concatenate([low * beside, [np.sqrt(low * high)], high * beside])
-            windows.append(grows(k, around) == [True, False, False, False, True])
-    softest = stiffness[np.isfinite(dataset.window_of_soft_contact.values[:, 0])]
-    return Check.of(
-        "contact_stability.soft",
-        f"{sum(windows)} of {len(windows)} contacts, k_c <= {softest.max(initial=0.0):.2e} N/m; "
-        f"and at the least damping of {sum(ends)} of {len(ends)}",
-        all(windows) and all(ends) and len(windows) > 0,
-        beside=_BESIDE,
-    )
 
 
 def _largest_real_part(drive: of.Values, **values: Any) -> np.ndarray:
@@ -264,13 +235,36 @@ def _largest_real_part(drive: of.Values, **values: Any) -> np.ndarray:
 
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw (a) the critical mass, (b, c) the growth rate of both masses and (d) the least contact damping."""
+    """Draw (a) the critical mass, (b, c) the growth rate of both masses and (d) the least contact damping.
+
+    Beyond the dotted stiffnesses of (b), one for each damping, the proof of Lemma 8.1 holds.
+    """
     figure = style.new_figure(style.DOUBLE, 6.2)
     mass, heavy, light, least = figure.subplots(2, 2).ravel()
-    _critical_mass(mass, dataset)
-    for axes, k, letter in ((heavy, 0, "b"), (light, 1, "c")):
-        _growth(axes, dataset.isel(mass=k), letter, float(dataset.critical_mass))
-    # Beyond the dotted stiffnesses, one for each damping, the proof of Lemma 8.1 holds.
+    rigid, damping = float(dataset.critical_mass), dataset.curve_contact_damping
+    for curve, colour, dashes in zip(dataset.curve_critical_mass_with_contact, _COLOURS, _DASHES, strict=False):
+        name = f"$k_c$ = {style.number(curve.curve_contact_stiffness)} N m⁻¹"
+        mass.plot(damping, curve, color=colour, linestyle=dashes, label=name)
+    mass.plot(dataset.contact_damping, dataset.critical_mass_with_contact, "o", color=style.PURPLE, zorder=4,
+              label="contacts of Figs 8.10, 8.13")  # fmt: skip
+    for one in dataset.critical_mass_with_contact:
+        place = float(one.contact_damping), float(one)
+        mass.annotate(f"{float(one):.2f} kg", place, (0, -12), textcoords="offset points", fontsize=6.5)
+    mass.axhline(rigid, color=style.GREY, linewidth=0.9, linestyle="--")
+    mass.annotate(f"rigid contact: {rigid:.3f} kg", (0.03, rigid), (0, -3), xycoords=mass.get_yaxis_transform(),
+                  textcoords="offset points", fontsize=6.5, va="top", color=style.GREY)  # fmt: skip
+    style.frame(mass, "(a) critical mass; steady sliding is lost above", damping, "Critical mass $m_\\mathrm{cr}$ [kg]",
+                xscale="log", ylim=(0, 1.8 * rigid))  # fmt: skip
+    mass.legend(loc="upper left")
+    for axes, letter, rates in zip((heavy, light), "bc", dataset.growth_rate, strict=True):
+        stiffness, sign = rates.growth_contact_stiffness, ">" if float(rates.mass) > rigid else "<"
+        for curve, colour, dashes in zip(rates, _COLOURS, _DASHES, strict=False):
+            name = f"$c_c$ = {style.number(curve.growth_contact_damping)} N s m⁻¹"
+            axes.plot(stiffness, curve, color=colour, linestyle=dashes, label=name)
+        axes.axhline(0, color=style.BLACK, linewidth=0.5)
+        axes.set_yscale("symlog", linthresh=10.0)
+        title = f"({letter}) growth rate, $m$ = {style.number(rates.mass)} kg {sign} rigid $m_\\mathrm{{cr}}$"
+        style.frame(axes, title, stiffness, "Largest real part [s⁻¹], stable below 0", xscale="log")
     for value, colour in zip(dataset.unstable_contact_stiffness.values, _COLOURS, strict=False):
         heavy.axvline(value, color=colour, linewidth=0.9, linestyle=":")
     heavy.set_ylim(-10.0)
@@ -280,35 +274,6 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     light.legend(loc="lower left")
     _least(least, dataset)
     return figure
-
-
-def _critical_mass(axes: style.Axes, dataset: xr.Dataset) -> None:
-    rigid, damping = float(dataset.critical_mass), dataset.curve_contact_damping
-    for curve, colour, dashes in zip(dataset.curve_critical_mass_with_contact, _COLOURS, _DASHES, strict=False):
-        name = f"$k_c$ = {style.number(curve.curve_contact_stiffness)} N m⁻¹"
-        axes.plot(damping, curve, color=colour, linestyle=dashes, label=name)
-    axes.plot(dataset.contact_damping, dataset.critical_mass_with_contact, "o", color=style.PURPLE, zorder=4,
-              label="contacts of Figs 8.10, 8.13")  # fmt: skip
-    for one in dataset.critical_mass_with_contact:
-        place = float(one.contact_damping), float(one)
-        axes.annotate(f"{float(one):.2f} kg", place, (0, -12), textcoords="offset points", fontsize=6.5)
-    axes.axhline(rigid, color=style.GREY, linewidth=0.9, linestyle="--")
-    axes.annotate(f"rigid contact: {rigid:.3f} kg", (0.03, rigid), (0, -3), xycoords=axes.get_yaxis_transform(),
-                  textcoords="offset points", fontsize=6.5, va="top", color=style.GREY)  # fmt: skip
-    style.frame(axes, "(a) critical mass; steady sliding is lost above", damping, "Critical mass $m_\\mathrm{cr}$ [kg]",
-                xscale="log", ylim=(0, 1.8 * rigid))  # fmt: skip
-    axes.legend(loc="upper left")
-
-
-def _growth(axes: style.Axes, dataset: xr.Dataset, letter: str, rigid: float) -> None:
-    stiffness, sign = dataset.growth_contact_stiffness, ">" if float(dataset.mass) > rigid else "<"
-    for curve, colour, dashes in zip(dataset.growth_rate, _COLOURS, _DASHES, strict=False):
-        name = f"$c_c$ = {style.number(curve.growth_contact_damping)} N s m⁻¹"
-        axes.plot(stiffness, curve, color=colour, linestyle=dashes, label=name)
-    axes.axhline(0, color=style.BLACK, linewidth=0.5)
-    axes.set_yscale("symlog", linthresh=10.0)
-    title = f"({letter}) growth rate, $m$ = {style.number(dataset.mass)} kg {sign} rigid $m_\\mathrm{{cr}}$"
-    style.frame(axes, title, stiffness, "Largest real part [s⁻¹], stable below 0", xscale="log")
 
 
 def _least(axes: style.Axes, dataset: xr.Dataset) -> None:

@@ -97,16 +97,14 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     here = float(onset.sel(input_speed=dataset.drawn_input_speed))
     damping, dragged = float(dataset.support_damping), float(dataset.translation_damping)
     slow, fast = (float(speed[~row].max(initial=0.0)) for row in named(dataset.speed_attractor, "steady sliding"))
+    onsets = [(at, x, onset.sel(input_speed=at)) for at, x in KNOWN.items()]
     return [
-        *(
-            Check.of("falling_friction.onset", onset.sel(input_speed=at), expected=x, speed=at)
-            for at, x in KNOWN.items()
-        ),
+        *(Check.of("falling_friction.onset", found, expected=x, speed=at) for at, x, found in onsets),
         Check.of("falling_friction.begins", begins, expected=here, tolerance=float(np.diff(force).max()) / here),
-        Check.of("falling_friction.goes_on", f"begins at {begins:.4g} N, stops at {stops:.4g} N", stops < begins),
-        Check.of("falling_friction.speed", f"begins below {slow:.4g} rad/s, stops above {fast:.4g} rad/s", slow < fast),
+        Check.that("falling_friction.goes_on", stops < begins, begins=begins, stops=stops),
+        Check.that("falling_friction.speed", slow < fast, slow=slow, fast=fast),
         balance_check("the chatter at the largest force", dataset),
-        Check.of("falling_friction.constant", f"C_0 = c = {damping:.3g} N m s/rad", damping > 0 and dragged == 0),
+        Check.that("falling_friction.constant", damping > 0 and dragged == 0, damping=damping),
     ]
 
 

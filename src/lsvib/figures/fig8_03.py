@@ -7,12 +7,12 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from lsvib.contact.contact_force import Existence, existence
 from lsvib.datasets import newton, spans
 from lsvib.datasets.attributes import Variables, attributes, drive_parameters, flagged, variable, varied, yes_no
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, printed_laws, style
 from lsvib.figures.common import about, flag_names, named
+from lsvib.figures.contact_force import Existence, existence
 from lsvib.figures.settings import DriveChanges, DriveFigure, Span, Values, several
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
@@ -105,7 +105,10 @@ def _many_drives(drive: Drive) -> Variables:
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
-    """Check the class map against the conditions of Sect. 8.4 and against eigenvalues of the matrix itself (LAPACK)."""
+    """Check the class map against the conditions of Sect. 8.4 and against eigenvalues of the matrix itself (LAPACK).
+
+    Also Γ_0 and C_0 of the drives that are placed against those of Newton's laws.
+    """
     inertia, damping = dataset.effective_inertia.values[:, None], dataset.effective_damping.values[None, :]
     stiffness = float(dataset.coupling_stiffness)
     regular = ~named(dataset.stability, "degenerate")
@@ -113,14 +116,23 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     wrong = int(np.sum(regular & (stable != ((inertia > 0) & (damping > 0)))))
     saddles = named(dataset.stability, "saddle") == (inertia < 0)
     ratio = dataset.node_focus_effective_damping**2 / (4 * stiffness * dataset.node_focus_effective_inertia)
+    gamma, c = (x[inertia[:, 0] != 0].ravel() for x in np.broadcast_arrays(inertia, damping))
+    jacobian = np.zeros((gamma.size, 2, 2))
+    jacobian[:, 0, 1], jacobian[:, 1, 0], jacobian[:, 1, 1] = 1, -stiffness / gamma, -c / gamma
+    theirs, ours = np.sort_complex(np.linalg.eigvals(jacobian).astype(complex)), eigenvalue_pair(gamma, c, stiffness)
     # LAPACK keeps only half of the digits (1.5e-8) where two eigenvalues coincide.
-    largest = _distance_from_lapack(inertia, damping, stiffness)
+    largest, off = np.max(np.abs(ours - theirs) / np.abs(ours).max(axis=1, keepdims=True)), []
+    for one in (dataset.isel(case=index) for index in range(dataset.sizes["case"])):
+        law = 1 if printed_laws.net_force(one) * one.input_speed > 0 else -1
+        exact = newton.effective(newton.parameters(one), law)
+        off += [float(one.case_effective_inertia) / exact[0] - 1, float(one.case_effective_damping) / exact[1] - 1]
+    placed = np.abs(off).max(initial=0.0)
     return [
-        Check.of("fig8_03.stable", f"{wrong} exceptions among {regular.sum()} points", wrong == 0 and stable.any()),
+        Check.that("fig8_03.stable", wrong == 0 and stable.any(), wrong=wrong, regular=regular),
         Check.without_exception("fig8_03.saddle", np.sum(regular & ~saddles), regular.sum()),
-        *_placed_checks(dataset),
+        Check.that("fig8_03.placed", placed < 1e-12, placed=placed),
         Check.of("fig8_03.node_focus", ratio, expected=1.0),
-        Check.of("fig8_03.eigenvalues", f"largest difference {largest:.1e}", largest < 1e-7),
+        Check.that("fig8_03.eigenvalues", largest < 1e-7, largest=largest),
         *_condition_checks(dataset),
     ]
 
@@ -129,42 +141,39 @@ def _condition_checks(dataset: xr.Dataset) -> list[Check]:
     """Check the conditions of the chapter, as printed, on drives on both sides of each of them."""
     swept = {name[6:]: dataset[name] for name in dataset.coords if name.startswith("swept_")}
     p = SimpleNamespace(**{str(name): x for name, x in dataset.coords.items()} | swept)
+    net, free = printed_laws.net_force(p), p.translation_damping == 0
     locking, pushed = p.friction_coefficient > np.tan(p.lead_angle), p.axial_force * p.input_speed > 0
-    third = printed_laws.inertia(p, 1) < 0
-    negative = locking & (printed_laws.net_force(p) * p.input_speed > 0) & (printed_laws.damping(p, 1) < 0)
+    third, negative = printed_laws.inertia(p, 1) < 0, (net * p.input_speed > 0) & (printed_laws.damping(p, 1) < 0)
     plus, minus = dataset.effective_inertia_plus, dataset.effective_inertia_minus
     inertia, damping = dataset.swept_effective_inertia, dataset.swept_effective_damping
-    unstable, free = dataset.growth_rate_of_steady_sliding > 0, p.translation_damping == 0
+    unstable = dataset.growth_rate_of_steady_sliding > 0
     gap = max(float(abs(x - printed_laws.inertia(p, s)).max() / p.screw_inertia) for s, x in ((1, plus), (-1, minus)))
-    none, of, lost = dataset.without_solution == 1, "drives", plus < 0
+    none, of = dataset.without_solution == 1, "drives"
     both, ways = (inertia < 0) | (damping < 0), ((inertia < 0) & (damping > 0), (inertia > 0) & (damping < 0))
-    net = printed_laws.net_force(p)
     allowed = {s: s * net / printed_laws.lever(p, s) * p.input_speed > 0 for s in (1, -1)}
     of_sign, opposed = xr.where(allowed[1], plus, minus), (inertia == minus) & (minus > 0) & ~unstable
 
     def among(truth: xr.DataArray, cases: xr.DataArray) -> np.ndarray:
         return truth.broadcast_like(unstable).values[cases.broadcast_like(unstable).values]
 
+    found = [among(unstable, way) for way in ways]
     return [
-        Check.of("fig8_03.inertias", f"{gap:.1e}", gap < 1e-9),
+        Check.that("fig8_03.inertias", gap < 1e-9, gap=gap),
         Check.everywhere("fig8_03.one_sign", (allowed[1] != allowed[-1]) & (inertia == of_sign), of),
         Check.everywhere("fig8_03.law_minus", minus > p.screw_inertia, of),
-        Check.everywhere("fig8_03.law_plus", among(locking, lost), of),
+        Check.everywhere("fig8_03.law_plus", among(locking, plus < 0), of),
         Check.everywhere("fig8_03.force_against", among(opposed, free & ~pushed), of),
         Check.everywhere("fig8_03.paradoxes", none == (locking & third), of),
         Check.everywhere("fig8_03.kinematic", among(unstable == (locking & pushed & third), free), of),
-        Check.everywhere("fig8_03.negative_damping", (damping < 0) == negative, of),
+        Check.everywhere("fig8_03.negative_damping", (damping < 0) == (locking & negative), of),
         Check.everywhere("fig8_03.necessary", among(locking & pushed, unstable), of),
-        Check.of(
+        Check.that(
             "fig8_03.locking",
-            f"Γ_0 of {int((inertia < 0).sum())} drives and C_0 of {int((damping < 0).sum())}",
-            bool((inertia < 0).any() & (damping < 0).any() & (locking | ~both).all()),
+            (inertia < 0).any() and (damping < 0).any() and (locking | ~both).all(),
+            inertias=inertia < 0,
+            dampings=damping < 0,
         ),
-        Check.of(
-            "fig8_03.either",
-            " and ".join(f"{int((unstable & way).sum())} of {int(way.sum())} drives" for way in ways),
-            all(way.any() and (unstable | ~way).all() for way in ways),
-        ),
+        Check.that("fig8_03.either", all(x.size and x.all() for x in found), inertia=found[0], damping=found[1]),
     ]
 
 
@@ -178,72 +187,39 @@ def _node_focus_boundary(inertia: np.ndarray, stiffness: float) -> np.ndarray:
     return node
 
 
-def _distance_from_lapack(inertia: np.ndarray, damping: np.ndarray, stiffness: float) -> float:
-    """Largest difference [1] of (8.18) from LAPACK's eigenvalues of the Jacobian, relative to the larger eigenvalue."""
-    gamma, c = (array.ravel() for array in np.broadcast_arrays(inertia, damping))
-    gamma, c = gamma[gamma != 0], c[gamma != 0]
-    jacobian = np.zeros((gamma.size, 2, 2))
-    jacobian[:, 0, 1], jacobian[:, 1, 0], jacobian[:, 1, 1] = 1, -stiffness / gamma, -c / gamma
-    theirs = np.sort_complex(np.linalg.eigvals(jacobian).astype(complex))
-    ours = eigenvalue_pair(gamma, c, stiffness)
-    return float(np.max(np.abs(ours - theirs) / np.abs(ours).max(axis=1, keepdims=True)))
-
-
-def _placed_checks(dataset: xr.Dataset) -> list[Check]:
-    """Check Γ_0 and C_0 of each drive that is placed against Newton's laws."""
-    found = []
-    for index in range(dataset.sizes["case"]):
-        one = dataset.isel(case=index)
-        p = newton.parameters(one)
-        lead = p["pitch_radius"] * np.tan(p["lead_angle"])
-        push = p["axial_force"] - lead * p["translation_damping"] * p["input_speed"]
-        theirs = newton.effective(p, 1 if push * p["input_speed"] > 0 else -1)
-        found += [float(one.case_effective_inertia) / theirs[0] - 1, float(one.case_effective_damping) / theirs[1] - 1]
-    worst = np.abs(found).max(initial=0.0)
-    return [Check.of("fig8_03.placed", f"largest relative difference {worst:.1e}", worst < 1e-12)]
-
-
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw the class map, the node–focus boundary C_0² = 4kΓ_0 and the chapter's drives, two of them enlarged."""
+    """Draw the class map, the node–focus boundary C_0² = 4kΓ_0 and the chapter's drives.
+
+    The surroundings of the two that lie closest together are enlarged.
+    """
     figure = style.new_figure(style.DOUBLE, 3.6)
-    axes = figure.add_subplot()
+    axes, line = figure.add_subplot(), {"color": style.BLACK, "linewidth": 1.0}
     inertia, damping = dataset.effective_inertia, dataset.effective_damping
     close = axes.inset_axes((0.075, 0.125, 0.225, 0.27))  # in the saddles, the largest class
     for panel in (axes, close):
         drawing.regions(panel, inertia, damping, dataset.stability.T, _COLOURS, shading="nearest")
-        _lines_and_drives(panel, dataset)
+        for sign, name in ((1, None), (-1, r"$C_0^2 = 4 k \Gamma_0$")):
+            met = sign * dataset.node_focus_effective_damping
+            panel.plot(dataset.node_focus_effective_inertia, met, label=name, **line)
+        panel.axvline(0, **line)
+        panel.plot([0, inertia[-1]], [0, 0], **line)
+        for index, marker, colour in zip(dataset.case.values, "osD^v", _DRIVES, strict=False):
+            case = dataset.sel(case=index)
+            name = f"$m$ = {float(case.mass):g} kg, $c_x$ = {float(case.translation_damping):g} N s m⁻¹"
+            panel.plot(case.case_effective_inertia, case.case_effective_damping, marker, color=colour, mec="white",
+                       markersize=5, linestyle="none", label=name, zorder=3)  # fmt: skip
     for name in flag_names(dataset.stability).values():
         inside = dataset.stability.copy(data=named(dataset.stability, name))
         if inside.mean() > 0.01:  # lines such as the centres have no region
             axes.text(inertia.where(inside).mean(), damping.where(inside).mean(), name, ha="center")
     style.frame(axes, "", inertia, damping, xlim=inertia[[0, -1]], ylim=damping[[0, -1]])
-    _close_up(axes, close, dataset)
-    return style.legend(figure, [axes], 1, place="outside right upper")
-
-
-def _lines_and_drives(axes: style.Axes, dataset: xr.Dataset) -> None:
-    """Draw the boundaries of the classes and the chapter's drives."""
-    line = {"color": style.BLACK, "linewidth": 1.0}
-    for sign, name in ((1, None), (-1, r"$C_0^2 = 4 k \Gamma_0$")):
-        damping = sign * dataset.node_focus_effective_damping
-        axes.plot(dataset.node_focus_effective_inertia, damping, label=name, **line)
-    axes.axvline(0, **line)
-    axes.plot([0, dataset.effective_inertia[-1]], [0, 0], **line)
-    for index, marker, colour in zip(dataset.case.values, "osD^v", _DRIVES, strict=False):
-        case = dataset.sel(case=index)
-        name = f"$m$ = {float(case.mass):g} kg, $c_x$ = {float(case.translation_damping):g} N s m⁻¹"
-        axes.plot(case.case_effective_inertia, case.case_effective_damping, marker, color=colour, mec="white",
-                  markersize=5, linestyle="none", label=name, zorder=3)  # fmt: skip
-
-
-def _close_up(axes: style.Axes, close: style.Axes, dataset: xr.Dataset) -> None:
-    """Show the surroundings of the two drives that lie closest together in the picture."""
     drives = np.stack([dataset.case_effective_inertia.values, dataset.case_effective_damping.values])
-    sides = np.array([np.ptp(dataset.effective_inertia.values), np.ptp(dataset.effective_damping.values)])
+    sides = np.array([np.ptp(inertia.values), np.ptp(damping.values)])
     first, second = min(combinations(drives.T, 2), key=lambda pair: np.hypot(*((pair[0] - pair[1]) / sides)))
     middle, half = (first + second) / 2, np.maximum(1.2 * np.abs(first - second), 0.02 * sides)
     close.axis(np.column_stack([middle - half, middle + half]).ravel())
     close.locator_params(nbins=3)
     close.tick_params(labelsize=6.5, pad=2)
     axes.indicate_inset_zoom(close, edgecolor=style.BLACK, linewidth=0.7)
+    return style.legend(figure, [axes], 1, place="outside right upper")

@@ -37,7 +37,8 @@ _REGIMES = {  # what the drive does: colour, words, dashes
     "stick slip with contact reversal": (style.ORANGE, "stick–slip, reaches $N = 0$", "-"),
     "stick slip": (style.VERMILION, "stick–slip, $N > 0$", (0, (2, 0.6))),
 }
-_INERTIAS = ("fig8_06.inertia_minus", "fig8_06.inertia_plus")
+_INSETS = ("fig8_06.decays", "fig8_06.slips", "fig8_06.sticks")  # below the onset force, between, above the stick force
+_REACHED = ("steady sliding", "other cycle", "stick slip cycle")
 _READ = [f"effective_{kind}_{sign}" for kind in ("inertia", "damping") for sign in ("minus", "plus")]
 _OF = {name: name.replace("_force", "_axial_force") for name in (*_READ, *_THRESHOLDS)}  # names in the analysis
 
@@ -74,8 +75,8 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     from lsvib.dynamics.behaviour import Behaviour, behaviours
 
     drive = Drive.of(settings["drive"])
-    own = settings["mass_readings"].index(drive.mass)
-    values = {name: value(analysis[_OF[name]], own) for name in _THRESHOLDS}
+    reading = settings["mass_readings"].index(drive.mass)
+    values = {name: value(analysis[_OF[name]], reading) for name in _THRESHOLDS}
     # Also at a relative distance of 1e-9 on either side of a threshold.
     beside = [value * (1 + sign * 1e-9) for value in values.values() for sign in (-1, 1)]
     forces = np.unique(np.concatenate([spans.even(settings["axial_force"]), list(values.values()), beside]))
@@ -98,7 +99,10 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     readings = {
         f"reading_{name}": ("reading_mass", analysis[of].values, analysis[of].attrs) for name, of in _OF.items()
     }
-    holding = [_holds_without_torque(insets[-1].replace(friction_coefficient=float(x))) for x in frictions]
+    holding = []
+    for own in (insets[-1].replace(friction_coefficient=float(x)) for x in frictions):  # from θ′ = 0 and z = 0
+        motion = phase_plane.followed(own, [-float(coefficients(own).deflection), -own.input_speed], 1e-9)
+        holding.append(motion.automaton.codes[motion.arcs()[0][0]] == MotionMode.REST)
     words = "the screw, standing in an untwisted coupling, stays at rest under the largest force of a portrait"
     holds = {"holds_without_torque": yes_no("swept_friction_coefficient", holding, words)}
     kinds = behaviours(product_of(drives[0], {"axial_force": forces}))
@@ -115,115 +119,79 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
     )
 
 
-def _holds_without_torque(drive: Drive) -> bool:
-    """Whether the motion from θ′ = 0 and z = 0 begins with rest."""
-    motion = phase_plane.followed(drive, [-float(coefficients(drive).deflection), -drive.input_speed], 1e-9)
-    return bool(motion.automaton.codes[motion.arcs()[0][0]] == MotionMode.REST)
-
-
 def checks(dataset: xr.Dataset) -> list[Check]:
-    """Check the thresholds, the shape of the curve, where its regime changes, the insets and the coefficients."""
+    """Check the thresholds, the shape of the curve, where its regime changes, the insets and the coefficients.
+
+    What the motions of a portrait reach is what the chapter says of a force, by its own printed limits.
+    """
     friction, tangent = dataset.swept_friction_coefficient.values, float(dataset.lead_tangent)
     holds, force = dataset.holds_without_torque.values == 1, dataset.axial_force.values
-    line = dataset.contact_line_angle.values[force > claims()["fig8_06.onset_force"].value]
+    limits = [claims()[id].value for id in ("fig8_06.onset_force", "fig8_06.stick_force")]
+    line = dataset.contact_line_angle.values[force > limits[0]]
+    nears = line.size > 1 and (np.diff(np.abs(line)) > 0).all() and np.ptp(np.sign(line)) == 0
+    locks = (holds == (friction > tangent)).all() and holds[-1]
+    words, insets = flag_names(dataset.attractor), []
+    for found, inset in zip(dataset.attractor, force, strict=True):
+        id, kind = (row[np.searchsorted(limits, inset)] for row in (_INSETS, _REACHED))
+        names = sorted({words[value].replace(" ", "_") for value in found.values.ravel()})
+        told = {"names": names, "starts": dataset.sizes["start"], "force": inset}
+        insets.append(Check.that(id, named(found, kind).all(), **told))
     return [
         newton.laws_check(dataset, "Fig. 8.6"),
         Check.of("fig8_06.lead_tangent", tangent),
-        Check.of(
-            "fig8_06.self_locking",
-            f"at rest with μ = {', '.join(f'{x:.5g}' for x in friction[holds])}; tan λ = {tangent:.6g}",
-            (holds == (friction > tangent)).all() and holds[-1],
-        ),
-        Check.of(
-            "fig8_06.line",
-            f"from {abs(line[-1]):.4g} to {abs(line[0]):.4g} rad off",
-            line.size > 1 and (np.diff(np.abs(line)) > 0).all() and np.ptp(np.sign(line)) == 0,
-        ),
+        Check.that("fig8_06.self_locking", locks, friction=friction[holds], tangent=tangent),
+        Check.that("fig8_06.line", nears, line=np.abs(line)),
         *(Check.of(chapter.THRESHOLDS[name], dataset[name]) for name in _THRESHOLDS),
         newton.touching_check(dataset.isel(case=0), 1, dataset.detach_force, "Detach force"),
         *_curve_checks(dataset),
-        *_inset_checks(dataset),
+        *insets,
         *_reading_checks(dataset),
     ]
 
 
 def _curve_checks(dataset: xr.Dataset) -> list[Check]:
     """Check the amplitude between the thresholds, and that the regime changes there and nowhere else."""
-    onset, stick, detach = (float(dataset[name]) for name in _THRESHOLDS)
-    stops = dataset.smallest_velocity.values <= dataset.stop_velocity.values[0]
+    onset, stick, detach = limits = [float(dataset[name]) for name in _THRESHOLDS]
+    slowest = dataset.smallest_velocity.values
     force, amplitude = dataset.swept_axial_force.values, dataset.swept_amplitude.values
     below, last = amplitude[force < onset], amplitude[force > detach]
     slip = (force > onset) & (force < stick)
     slope = amplitude[slip] / dataset.net_force.values[slip]
     # At a threshold itself both neighbours' names are right: the cycle touches there.
-    sides = np.digitize(force, [onset, stick, detach])
-    right = np.select([sides == k for k in range(4)], [named(dataset.regime, name) for name in _REGIMES])
-    judged = ~np.isin(force, [onset, stick, detach])
+    right = np.choose(np.digitize(force, limits), [named(dataset.regime, name) for name in _REGIMES])
+    judged = ~np.isin(force, limits)
+    stops = (slowest <= dataset.stop_velocity.values[0]) == (force > stick)
     return [
-        Check.of(
-            "fig8_06.below_onset",
-            f"largest amplitude {below.max(initial=0.0):.1e} rad at {below.size} forces",
-            below.size and (below == 0).all(),
-        ),
-        Check.of(
-            "fig8_06.straight",
-            f"slope from {slope.min(initial=np.inf):.6g} rad/N, relative spread {spread(slope):.1e} over {slope.size} "
-            "forces",
-            (slope > 0).all() and spread(slope) < 1e-9,
-        ),
-        Check.of(
-            "fig8_06.constant",
-            f"from {last.min(initial=np.inf):.9f} rad, relative spread {spread(last):.1e} over {last.size} forces",
-            (last > 0).all() and spread(last) < 1e-12,
-        ),
+        Check.that("fig8_06.below_onset", below.size and (below == 0).all(), below=below),
+        Check.that("fig8_06.straight", (slope > 0).all() and spread(slope) < 1e-9, slope=slope, spread=spread(slope)),
+        Check.that("fig8_06.constant", (last > 0).all() and spread(last) < 1e-12, last=last, spread=spread(last)),
         Check.without_exception("fig8_06.regimes", np.sum(judged & ~right), judged.sum(), "forces"),
-        Check.of(
-            "fig8_06.rest",
-            f"smallest rate {dataset.smallest_velocity.values.min():.9g} rad/s",
-            (stops == (force > stick))[judged].all(),
-        ),
+        Check.that("fig8_06.rest", stops[judged].all(), slowest=slowest),
     ]
-
-
-def _inset_checks(dataset: xr.Dataset) -> list[Check]:
-    """Check what the motions of each portrait reach: what the chapter says of a force, by its own printed limits."""
-    expected = (
-        ("steady sliding", "fig8_06.decays"),
-        ("other cycle", "fig8_06.slips"),
-        ("stick slip cycle", "fig8_06.sticks"),
-    )
-    limits = [claims()[id].value for id in ("fig8_06.onset_force", "fig8_06.stick_force")]
-    words, result = flag_names(dataset.attractor), []
-    for found, force in zip(dataset.attractor, dataset.axial_force.values, strict=True):
-        kind, id = expected[np.searchsorted(limits, force)]
-        names = ", ".join(sorted({words[value].replace(" ", "_") for value in found.values.ravel()}))
-        computed = f"{names} from {dataset.sizes['start']} starts"
-        result.append(Check.of(id, computed, named(found, kind).all(), force=force))
-    return result
 
 
 def _reading_checks(dataset: xr.Dataset) -> list[Check]:
     """Check the printed values: C± do not depend on the mass; Γ± as printed do not belong to the stated one."""
     stated = float(dataset.mass)
     other = float(dataset.reading_mass.values[dataset.reading_mass.values != stated][0])
-    ours, theirs = ({name: float(x) for name, x in dataset.sel(reading_mass=m).items() if name.startswith("reading_")}
-                    for m in (stated, other))  # fmt: skip
-    inertias = {id: ours[f"reading_effective_{id.partition('.')[2]}"] for id in _INERTIAS}
-    wrong = [abs(x / claims()[id].value - 1) > 0.1 for id, x in inertias.items()]
-    forces = {name: theirs[f"reading_{name}"] for name in ("stick_force", "detach_force")}
-    off = [abs(force / claims()[chapter.THRESHOLDS[name]].value - 1) > 0.02 for name, force in forces.items()]
+    ours, theirs = ({name.removeprefix("reading_"): float(x) for name, x in dataset.sel(reading_mass=mass).items()
+                     if name.startswith("reading_")} for mass in (stated, other))  # fmt: skip
+    stands = {"inertia_minus": "fig8_06.inertia_minus", "inertia_plus": "fig8_06.inertia_plus"}
+    inertias = [ours[f"effective_{name}"] for name in stands]
+    wrong = [abs(x / claims()[id].value - 1) > 0.1 for x, id in zip(inertias, stands.values(), strict=True)]
+    forces = [theirs[name] for name in ("stick_force", "detach_force")]
+    ids = [chapter.THRESHOLDS[name] for name in ("stick_force", "detach_force")]
+    off = [abs(force / claims()[id].value - 1) > 0.02 for force, id in zip(forces, ids, strict=True)]
     read = f"as printed, read as that of m = {other:g} kg (with the stated m = {stated:g} kg it is"
-    found = " and ".join(f"{x:.3g} kg m2" for x in inertias.values())
-    others = " and ".join(f"{x:.2f} N" for x in forces.values())
     return [
-        Check.of("fig8_06.damping_minus", ours["reading_effective_damping_minus"]),
-        Check.of("fig8_06.damping_plus", ours["reading_effective_damping_plus"]),
+        Check.of("fig8_06.damping_minus", ours["effective_damping_minus"]),
+        Check.of("fig8_06.damping_plus", ours["effective_damping_plus"]),
         *(
-            Check.of(id, theirs[f"reading_effective_{id.partition('.')[2]}"], note=f"{read} {x:.3g} kg m2)")
-            for id, x in inertias.items()
+            Check.of(id, theirs[f"effective_{name}"], note=f"{read} {ours[f'effective_{name}']:.3g} kg m2)")
+            for name, id in stands.items()
         ),
-        Check.of("fig8_06.stated_mass", f"m = {stated:g} kg gives {found}", all(wrong)),
-        Check.of("fig8_06.other_mass", f"m = {other:g} kg gives {others}", all(off), mass=other),
+        Check.that("fig8_06.stated_mass", all(wrong), mass=stated, inertias=inertias),
+        Check.that("fig8_06.other_mass", all(off), mass=other, forces=forces),
     ]
 
 

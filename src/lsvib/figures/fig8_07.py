@@ -6,12 +6,12 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from lsvib.contact.contact_force import Existence, existence
 from lsvib.datasets import newton, phase_plane, spans
 from lsvib.datasets.attributes import flagged, variable
 from lsvib.datasets.checks import Check
 from lsvib.figures import drawing, printed_laws, style
 from lsvib.figures.common import about, named
+from lsvib.figures.contact_force import Existence, existence
 from lsvib.figures.settings import PhasePlane, Span, Values
 from lsvib.models.drive import Drive
 from lsvib.models.mechanics import coefficients
@@ -43,7 +43,13 @@ def build(settings: Values) -> xr.Dataset:
     kinds = existence(drive, *np.meshgrid(angle, velocity, indexing="ij"))
     plane, xi = ("grid_angle_deviation", "grid_velocity_deviation"), coefficients(drive).xi
     equilibrium = drive.pitch_radius * float(xi[1] - xi[-1]) * drive.axial_force / drive.coupling_stiffness
-    rests = [_rests(drive, start, settings["duration"]) for start in settings["starts"]]
+    rests = []
+    for start, rule in product(settings["starts"], RULES):
+        motion = phase_plane.followed(drive, [start["u"], start["w"]], settings["duration"], rule)
+        modes, *_, durations = motion.arcs()
+        first = np.flatnonzero(motion.kind == Event.SEIZURE)[:1] + 1  # of a start that does not seize, none
+        rests.append(durations[first][motion.automaton.codes[modes[first]] == MotionMode.REST].sum())
+    rests = np.reshape(rests, (-1, len(RULES)))
     planes = phase_plane.portraits(settings, [drive], (), ("Sect. 8.6",)).assign_coords(
         equilibrium_angle=variable((), equilibrium, "rad", "equilibrium of the equation of law -", "$u_0$"),
         **phase_plane.grid_axes(angle, velocity),
@@ -59,59 +65,44 @@ def build(settings: Values) -> xr.Dataset:
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
-    """Check the map by signs alone, the motions of each sector, and what follows a seizure."""
-    stop = float(dataset.stop_velocity[0])
-    q = np.sign(_beyond_line(dataset, dataset.grid_angle_deviation, dataset.grid_velocity_deviation)).values
-    signed = q * np.sign(dataset.grid_velocity_deviation - stop).values
+    """Check the map by signs alone, the motions of each sector, and what follows a seizure.
+
+    Also the signs of N by (8.3) where there is no solution, and the slip under law − as far as it goes.
+    """
+    p, stop = dataset.isel(case=0), float(dataset.stop_velocity[0])
+    sense = np.sign(p.input_speed + p.grid_velocity_deviation)
+    beyond = np.sign(_beyond_line(dataset, dataset.grid_angle_deviation, dataset.grid_velocity_deviation)).values
+    signed = beyond * np.sign(dataset.grid_velocity_deviation - stop).values
     none, two, edge = (named(dataset.existence, word) for word in ("inconsistent", "indeterminate", "boundary"))
     regular = ~edge & (signed != 0)
     wrong = int(np.sum(~np.where(signed > 0, none, two) & regular))
     u, w = dataset.angle_deviation.values[0, :, 0], dataset.velocity_deviation.values[0, :, 0]
     signs = np.sign(w - stop)
-    inconsistent = np.sign(_beyond_line(dataset, u, w)) == signs
-    first = dataset.isel(case=0, event=0)
+    inconsistent, first = np.sign(_beyond_line(dataset, u, w)) == signs, p.isel(event=0)
     seized = named(first.event_kind, "seizure") & (first.event_time.values == 0)
     impulse = seized & (first.event_sign.values == signs)
     slips = np.where(signs > 0, MotionMode.SLIP_FORWARD_NEGATIVE, MotionMode.SLIP_BACKWARD_POSITIVE)
     follows = (dataset["mode"].values[0, :, 0] == slips) & ~seized
-    rests = dataset.rest_after_seizure.values[seized]
+    least = dataset.rest_after_seizure.values[seized].min(axis=1)
     virtual = float(_beyond_line(dataset, float(dataset.equilibrium_angle), 0.0))
-    return [
-        newton.laws_check(dataset, "Fig. 8.7"),
-        Check.of(
-            "fig8_07.existence",
-            f"{wrong} exceptions among {regular.sum()} states; {none.sum()} without a solution, {two.sum()} with two",
-            wrong == 0 and none.any() and two.any() and regular.mean() > 0.9,
-        ),
-        Check.everywhere("fig8_07.seizes", impulse[inconsistent], "starts"),
-        Check.everywhere("fig8_07.slips", follows[~inconsistent], "starts"),
-        Check.of(
-            "fig8_07.may_rest",
-            f"{', '.join(f'{1e3 * rest.min():.3g} ms' for rest in rests)} at rest",
-            (rests > 0).all(axis=1).any(),
-        ),
-        *_law_checks(dataset.isel(case=0)),
-        Check.of("fig8_07.cut_short", f"{virtual:.4g} rad beyond the line", virtual > 0),
-    ]
-
-
-def _law_checks(p: xr.Dataset) -> list[Check]:
-    """Check the signs of N by (8.3) where there is no solution, and the slip under law − as far as it goes."""
-    u, sense = p.grid_angle_deviation, np.sign(p.input_speed + p.grid_velocity_deviation)
-    q = p.pitch_radius * np.tan(p.lead_angle) * p.mass * p.coupling_stiffness * u
-    q = q + p.pitch_radius * np.tan(p.lead_angle) * p.mass * p.support_damping * p.grid_velocity_deviation
+    exists = wrong == 0 and none.any() and two.any() and regular.mean() > 0.9
+    lead = p.pitch_radius * np.tan(p.lead_angle) * p.mass
+    q = lead * (p.coupling_stiffness * p.grid_angle_deviation + p.support_damping * p.grid_velocity_deviation)
     q = (q + printed_laws.inertia(p, 1) * p.axial_force) * sense  # c_x = 0, s_0 = +1
-    none = p.existence.copy(data=named(p.existence, "inconsistent"))
-    signs = [np.sign(q / printed_laws.inertia(p, s) / printed_laws.lever(p, s)) * s for s in (1, -1)]
+    forces = [(np.sign(q / printed_laws.inertia(p, s) / printed_laws.lever(p, s)) * s).values for s in (1, -1)]
     law, offset = printed_laws.laws(p), p.angle_deviation - p.equilibrium_angle
     energy = printed_laws.inertia(p, -1) * p.velocity_deviation**2 + p.coupling_stiffness * offset**2
     within = (law < 0) & (law.shift(sample=1) < 0) & (p.time > p.time.shift(sample=1))
-    states, opposite = int(none.sum()), all(bool((sign < 0).where(none, True).all()) for sign in signs)
-    falls = (energy < energy.shift(sample=1)).where(within)
-    fell, steps = int(falls.sum()), int(falls.count())
+    falls = (energy < energy.shift(sample=1)).values[within.values]
     return [
-        Check.of("fig8_07.opposite", f"{states} states", states > 0 and opposite),
-        Check.of("fig8_07.falls", f"over {fell} of {steps} steps", fell == steps > 0),
+        newton.laws_check(dataset, "Fig. 8.7"),
+        Check.that("fig8_07.existence", exists, wrong=wrong, regular=regular, none=none, two=two),
+        Check.everywhere("fig8_07.seizes", impulse[inconsistent], "starts"),
+        Check.everywhere("fig8_07.slips", follows[~inconsistent], "starts"),
+        Check.that("fig8_07.may_rest", (least > 0).any(), rests=[f"{1e3 * rest:.3g} ms" for rest in least]),
+        Check.that("fig8_07.opposite", none.any() and all((x[none] < 0).all() for x in forces), none=none),
+        Check.that("fig8_07.falls", falls.size and falls.all(), falls=falls),
+        Check.that("fig8_07.cut_short", virtual > 0, virtual=virtual),
     ]
 
 
@@ -120,20 +111,12 @@ def _beyond_line(dataset: xr.Dataset, u, w):
     return u - (float(dataset.contact_line_angle[0]) + float(dataset.contact_line_slope[0]) * w)
 
 
-def _rests(drive: Drive, start: Values, duration: float) -> list[float]:
-    """Time [s] at rest after the first seizure, under each rule of resuming; of a start that does not seize, zero."""
-    rests = []
-    for rule in RULES:
-        motion = phase_plane.followed(drive, [start["u"], start["w"]], duration, rule)
-        modes, *_, durations = motion.arcs()
-        seizures = np.flatnonzero(motion.kind == Event.SEIZURE)[:1] + 1
-        rests.append(sum(durations[k] for k in seizures if motion.automaton.codes[modes[k]] == MotionMode.REST))
-    return rests
-
-
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw the map, hatched without solution, the lines, motions up to their first seizure, the cycle."""
+    """Draw the map, hatched without solution, the lines, motions up to their first seizure, the cycle.
+
+    At each corner stand the signs of θ′ and of the contact forces that solve in the sector there.
+    """
     figure = style.new_figure(style.DOUBLE, 4.2)
     axes = figure.add_subplot()
     case = dataset.isel(case=0)
@@ -153,19 +136,14 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     axes.set(xlim=u[[0, -1]], ylim=w[[0, -1]])
     drawing.draw_lines(axes, case)
     drawing.draw_arrows(axes, case)
-    _name_sectors(axes, dataset)
-    drawing.label_axes(axes, dataset)
-    return style.legend(figure, [axes], 1, drawing.patches(_SECTORS.values(), _HATCH), "outside right upper")
-
-
-def _name_sectors(axes: style.Axes, dataset: xr.Dataset) -> None:
-    """Write into each sector, at its corner of the picture, the signs of θ′ and of the contact forces that solve."""
     two = named(dataset.existence, "indeterminate")
     for i, j in product((0, -1), repeat=2):
-        signs = "><" if float(dataset.grid_velocity_deviation[j]) > float(dataset.stop_velocity[0]) else "<>"
+        signs = "><" if float(w[j]) > float(dataset.stop_velocity[0]) else "<>"
         words = rf"$\dot\theta {signs[0]} 0$: no $N$"
         if two[i, j]:  # law s holds where N θ′ has the sign s
             words = rf"$\dot\theta {signs[0]} 0$: $N {signs[1]} 0$ by law −" + f"\n($N {signs[0]} 0$ by law +)"
         axes.text(0.015 if i == 0 else 0.985, 0.02 if j == 0 else 0.98, words,
                   transform=axes.transAxes, ha="left" if i == 0 else "right", va="bottom" if j == 0 else "top",
                   bbox={"facecolor": "white", "linewidth": 0, "pad": 1.5}, fontsize=7, zorder=4)  # fmt: skip
+    drawing.label_axes(axes, dataset)
+    return style.legend(figure, [axes], 1, drawing.patches(_SECTORS.values(), _HATCH), "outside right upper")

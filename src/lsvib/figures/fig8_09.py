@@ -69,39 +69,27 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the signs of Γ₊, where the motions end, and that the choice of R does not decide it."""
     gamma, mass, critical = dataset.effective_inertia_plus.values, dataset.mass.values, float(dataset.critical_mass)
     sprags, amplitude = named(dataset.attractor, "sprag slip cycle")[1], dataset.amplitude.values[1].ravel()
-    forces, swept = dataset.swept_axial_force.values, dataset.swept_amplitude.values
+    forces, swept = dataset.swept_axial_force, dataset.swept_amplitude
     speed = dataset.impact_speed.values / float(-dataset.stop_velocity[1])
-    swing = float(np.ptp(speed) / (speed.max() + speed.min()))
+    swing, swings = float(np.ptp(speed) / (speed.max() + speed.min())), spread(amplitude)
+    same = named(dataset.swept_attractor, "sprag slip cycle").all() and swing < 0.02
+    sides = gamma[0] > 0 > gamma[1] and mass[0] < critical < mass[1]
     return [
         newton.laws_check(dataset, "Fig. 8.9"),
-        Check.of(
-            "fig8_09.fold",
-            f"Γ₊ = {gamma[0]:.3g} kg m2 at {mass[0]:g} kg, {gamma[1]:.3g} kg m2 at {mass[1]:g} kg; "
-            f"m_cr = {critical:.4f} kg",
-            gamma[0] > 0 > gamma[1] and mass[0] < critical < mass[1],
-        ),
+        Check.that("fig8_09.fold", sides, gamma=gamma, mass=mass, critical=critical),
         Check.everywhere("fig8_09.decays", named(dataset.attractor, "steady sliding")[0]),
         *printed_laws.steady_checks(dataset.isel(case=0)),  # c_x = 0
         printed_laws.stationary_check(dataset.isel(case=0)),
-        Check.of(
-            "fig8_09.sprag_slip",
-            f"{sprags.sum()} of {sprags.size}, amplitude {amplitude[0]:.6g} rad, relative spread "
-            f"{spread(amplitude):.1e}",
-            sprags.all() and spread(amplitude) < 1e-12,
+        Check.that(
+            "fig8_09.sprag_slip", sprags.all() and swings < 1e-12, sprags=sprags, amplitude=amplitude, spread=swings
         ),
-        Check.of(
-            "fig8_09.any_force",
-            f"R from {forces[0]:g} to {forces[-1]:g} N: sprag-slip, "
-            f"impact speed {speed.min():.4g} to {speed.max():.4g} times Ω, but amplitude "
-            f"{swept.max():.3g} down to {swept.min():.3g} rad",
-            named(dataset.swept_attractor, "sprag slip cycle").all() and swing < 0.02,
-        ),
+        Check.that("fig8_09.any_force", same, forces=forces, speed=speed, swept=swept),
     ]
 
 
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw (a) and (b) as phase planes, and (c) amplitude and impact speed of (b) against the axial force."""
+    """Draw (a) and (b) as phase planes, and (c) amplitude, left, and impact speed of (b) against the axial force."""
     figure = style.new_figure(style.DOUBLE, 3.7)
     *planes, last = figure.subplots(1, 3)
     for index, axes in enumerate(planes):
@@ -119,20 +107,15 @@ def draw(dataset: xr.Dataset) -> style.Figure:
         title = f"({'ab'[index]}) $m$ = {style.number(case.mass)} kg ${relation} m_\\mathrm{{cr}}$"
         drawing.label_axes(axes, dataset, title)
         axes.locator_params(axis="x", nbins=3)
-    _over_force(last, dataset)
-    return style.legend(figure, planes, 4)
-
-
-def _over_force(axes: style.Axes, dataset: xr.Dataset) -> None:
-    """Amplitude (left) and impact speed (right) of the cycle in (b); the dot is the force of (b)."""
     force = dataset.swept_axial_force
-    axes.plot(force, dataset.swept_amplitude, color=style.BLUE)
-    axes.plot(dataset.axial_force, dataset.amplitude[1, 0, 0], "o", color=style.BLUE)
-    axes.set(title="(c) ours: cycle of (b) over $R$", xlabel="Axial force " + style.label(force, " ").strip())
-    axes.set(ylim=(0, None), xlim=(0, None))
-    axes.set_ylabel(style.label(dataset.swept_amplitude, "amplitude of $u$"), color=style.BLUE)
-    axes.tick_params(axis="y", which="both", right=False)
-    right = axes.twinx()
-    right.plot(force, dataset.impact_speed, color=style.VERMILION, linestyle="--")
-    right.set_ylabel(style.label(dataset.impact_speed, "impact speed"), color=style.VERMILION)
-    right.set_ylim(0, -2.2 * float(dataset.stop_velocity[1]))
+    last.plot(force, dataset.swept_amplitude, color=style.BLUE)
+    last.plot(dataset.axial_force, dataset.amplitude[1, 0, 0], "o", color=style.BLUE)  # the force of (b)
+    last.set(title="(c) ours: cycle of (b) over $R$", xlabel="Axial force " + style.label(force, " ").strip())
+    last.set(ylim=(0, None), xlim=(0, None))
+    last.set_ylabel(style.label(dataset.swept_amplitude, "amplitude of $u$"), color=style.BLUE)
+    last.tick_params(axis="y", which="both", right=False)
+    speed = last.twinx()
+    speed.plot(force, dataset.impact_speed, color=style.VERMILION, linestyle="--")
+    speed.set_ylabel(style.label(dataset.impact_speed, "impact speed"), color=style.VERMILION)
+    speed.set_ylim(0, -2.2 * float(dataset.stop_velocity[1]))
+    return style.legend(figure, planes, 4)

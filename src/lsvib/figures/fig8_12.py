@@ -1,5 +1,7 @@
 """Figure 8.12: amplitude, mean deflection and mean contact force of the sprag–slip cycle against the damping."""
 
+from itertools import product
+
 import numpy as np
 import xarray as xr
 from pydantic import Field
@@ -9,7 +11,7 @@ from lsvib.datasets.attributes import axis, drive_parameters, start_state, varia
 from lsvib.datasets.checks import Check
 from lsvib.errors import InputError
 from lsvib.figures import style
-from lsvib.figures.common import SteadyState, about, flag_names, named
+from lsvib.figures.common import about, flag_names, named
 from lsvib.figures.settings import DriveFigure, Span, State, Values
 from lsvib.models.drive import Drive
 from lsvib.models.names import RULES
@@ -51,18 +53,27 @@ class Settings(DriveFigure):
 
 def build(settings: Values) -> xr.Dataset:
     """Compute the cycle's amplitude and means over the damping, under both rules; closer where the rules differ."""
+    from lsvib.dynamics.impulses import mean_load
+
     drive, start = Drive.of(settings["drive"]), settings["start"]
     wanted = spans.even(settings["support_damping"])
     limit = _resting_damping(drive, start, float(wanted.max()))
     damping = np.unique(np.concatenate([wanted, limit * np.linspace(0, 2, 2 * (wanted.size // 8) + 1)]))
     damping = damping[(damping >= wanted.min()) & (damping <= wanted.max())]
-    drives = [drive.replace(support_damping=float(c)) for c in damping]
-    found = [[phase_plane.reached(d, start, rule) for d in drives] for rule in RULES]
-    values = np.array([[_values(d, steady) for d, steady in zip(drives, row, strict=True)] for row in found])
     dims, resting = ("rule", "support_damping"), "damping below which the screw rests after a seizure"
+    shape = len(RULES), damping.size
+    values, labels = np.full((*shape, len(_QUANTITIES)), np.nan), np.empty(shape)  # NaN where there is no cycle
+    for (i, rule), (j, c) in product(enumerate(RULES), enumerate(damping.tolist())):
+        own = drive.replace(support_damping=c)
+        steady = phase_plane.reached(own, start, rule)
+        labels[i, j], values[i, j, 0] = steady.label, steady.amplitude
+        if steady.orbit is not None:
+            load = mean_load(own, steady.orbit)
+            left = -own.coupling_stiffness * load.deflection - c * own.input_speed
+            values[i, j, 1:] = load.deflection, load.normal, load.impulsive, load.axial, load.torque, left
     return xr.Dataset(
         {name: variable(dims, values[..., k], *words) for k, (name, words) in enumerate(_QUANTITIES.items())}
-        | {"attractor": phase_plane.attractors(dims, [[steady.label for steady in row] for row in found])},
+        | {"attractor": phase_plane.attractors(dims, labels)},
         coords={
             **axis("support_damping", damping),
             **phase_plane.rule_coordinate(),
@@ -72,17 +83,6 @@ def build(settings: Values) -> xr.Dataset:
         },
         attrs=about(__doc__, "exact means over the cycle of the exact event-driven motion", "Sect. 8.6.1, Fig. 8.12"),
     )
-
-
-def _values(drive: Drive, steady: SteadyState) -> list[float]:
-    """Values of the quantities in their order; NaN where there is no cycle."""
-    from lsvib.dynamics.impulses import mean_load
-
-    if steady.orbit is None:
-        return [steady.amplitude] + [np.nan] * (len(_QUANTITIES) - 1)
-    load = mean_load(drive, steady.orbit)
-    left = -drive.coupling_stiffness * load.deflection - drive.support_damping * drive.input_speed
-    return [steady.amplitude, load.deflection, load.normal, load.impulsive, load.axial, load.torque, left]
 
 
 def _resting_damping(drive: Drive, start: Values, largest: float) -> float:
@@ -103,30 +103,19 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     force, damping = dataset.mean_normal_force.values, dataset.support_damping.values
     deflection, damped, slips = np.abs(dataset.mean_deflection.values), damping > 0, damping >= limit
     lowest, gap = damping[np.argmin(force[0])], float(np.max(np.abs(amplitude[0] / amplitude[1] - 1)[slips]))
-    (first, *_, last), ratio = amplitude[0], deflection[0, -1] / deflection[0, 0]
+    ratio, later = deflection[0, -1] / deflection[0, 0], deflection[1, damped]
     axial = dataset.mean_axial_contact_force / float(dataset.axial_force)
     torque = dataset.mean_contact_torque / dataset.mean_coupling_torque
+    grows = (np.diff(deflection[0]) > 0).all() and (np.diff(later) > 0).all()
+    rises = (np.diff(force[:, slips]) > 0).all() and slips.sum() > 1
+    first = {"first": later[0], "least": damping[damped][0]}
     return [
         Check.everywhere("fig8_12.sprag_slip", named(dataset.attractor, "sprag slip cycle")),
-        Check.of("fig8_12.amplitude", f"from {first:.5g} to {last:.5g} rad", (np.diff(amplitude) < 0).all()),
-        Check.of(
-            "fig8_12.deflection",
-            f"|<z>| from {deflection[0, 0]:.5g} to {deflection[0, -1]:.5g} rad; by the rule at once, idle at "
-            f"c = 0, from {deflection[1, damped][0]:.5g} rad at c = {damping[damped][0]:.2g} N m s/rad",
-            (np.diff(deflection[0]) > 0).all() and (np.diff(deflection[1, damped]) > 0).all(),
-        ),
-        Check.of("fig8_12.considerable", f"by {ratio - 1:.0%}", ratio > 2),
-        Check.of(
-            "fig8_12.force",
-            f"from {force[0, slips][0]:.5g} N at c = {limit:.3g} N m s/rad to {force[0, -1]:.5g} N; below, "
-            f"where the screw rests, it falls from {force[0, 0]:.5g} to {force[0].min():.5g} N at c = {lowest:.2g}",
-            (np.diff(force[:, slips]) > 0).all() and slips.sum() > 1,
-        ),
-        Check.of(
-            "fig8_12.rules",
-            f"largest relative difference of the amplitudes {gap:.1e} for c >= {limit:.4g} N m s/rad",
-            gap < 1e-12,
-        ),
+        Check.that("fig8_12.amplitude", (np.diff(amplitude) < 0).all(), amplitude=amplitude[0]),
+        Check.that("fig8_12.deflection", grows, deflection=deflection[0], **first),
+        Check.that("fig8_12.considerable", ratio > 2, more=ratio - 1),
+        Check.that("fig8_12.force", rises, slips=force[0, slips], limit=limit, force=force[0], lowest=lowest),
+        Check.that("fig8_12.rules", gap < 1e-12, gap=gap, limit=limit),
         Check.of("fig8_12.axial_balance", axial, expected=1.0),
         Check.of("fig8_12.torque_balance", torque, expected=1.0),
     ]
@@ -134,20 +123,25 @@ def checks(dataset: xr.Dataset) -> list[Check]:
 
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw the three quantities under both rules of resuming, below close to the dampings at which they differ."""
+    """Draw the three quantities under both rules of resuming, below close to the dampings at which they differ.
+
+    Without damping the second rule has no motion that resumes at once.
+    """
     figure = style.new_figure(style.DOUBLE, 4.9)
-    panels = figure.subplots(2, 3)
-    limit = float(dataset.resting_support_damping)
-    near = dataset.isel(support_damping=dataset.support_damping.values <= 2 * limit)
+    panels, limit = figure.subplots(2, 3), float(dataset.resting_support_damping)
+    near, damped = dataset.support_damping.values <= 2 * limit, dataset.support_damping.values > 0
     for column, (name, title, word) in enumerate(_PANELS):
         whole, close = panels[:, column]
-        for axes, part, scale, power, name_of in (
-            (whole, dataset, 1e3, "⁻³", f"({'abc'[column]}) {title}"),
+        for axes, kept, scale, power, name_of in (
+            (whole, np.full(damped.size, True), 1e3, "⁻³", f"({'abc'[column]}) {title}"),
             (close, near, 1e6, "⁻⁶", f"({'def'[column]}) ours: {title}, small $c$"),
         ):
-            _curves(axes, part, name, scale)
+            for index, rule in flag_names(dataset.rule).items():
+                colour, dashes, words = _RULES[rule]
+                curve = dataset.sel(rule=index).isel(support_damping=kept & damped if rule == "at once" else kept)
+                axes.plot(curve.support_damping * scale, curve[name], color=colour, linestyle=dashes, label=words)
             style.frame(axes, name_of, f"Damping $c$ [10{power} N m s rad⁻¹]", style.label(dataset[name], word))
-            axes.set_xlim(0, float(part.support_damping[-1]) * scale)
+            axes.set_xlim(0, float(dataset.support_damping[kept][-1]) * scale)
             axes.locator_params(nbins=5)
         close.axvline(limit * 1e6, color=style.BLACK, linewidth=0.8, linestyle=":",
                       label=f"$c$ = {limit * 1e6:.3g} × 10⁻⁶ N m s rad⁻¹, below which the screw rests")  # fmt: skip
@@ -156,13 +150,3 @@ def draw(dataset: xr.Dataset) -> style.Figure:
                        label="part from impulses")  # fmt: skip
             whole.set_ylim(0, None)
     return style.legend(figure, [panels[0, 2], panels[1, 0]], 2)
-
-
-def _curves(axes: style.Axes, dataset: xr.Dataset, name: str, scale: float) -> None:
-    """Draw a quantity under both rules; without damping the second rule has no motion that resumes at once."""
-    for index, rule in flag_names(dataset.rule).items():
-        colour, dashes, words = _RULES[rule]
-        curve = dataset.sel(rule=index)
-        if rule == "at once":
-            curve = curve.isel(support_damping=dataset.support_damping.values > 0)
-        axes.plot(curve.support_damping * scale, curve[name], color=colour, linestyle=dashes, label=words)

@@ -1,6 +1,6 @@
 """Figure 8.13: with softer contacts the motion is smoother, and the coupling deflection turns positive in sprag."""
 
-from collections.abc import Callable
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -75,115 +75,115 @@ def build(settings: Values) -> xr.Dataset:
 
 
 def _grid(drive: Drive, start: Values, stiffness: np.ndarray, damping: np.ndarray) -> Variables:
-    """Numbers of the cycles over a grid of contacts, and the damping at which the largest deflection turns positive."""
+    """Numbers of the cycles over a grid of contacts, and the largest damping at which the deflection turns positive."""
 
-    def numbers(k: float, c: float) -> dict[str, float]:
+    def numbers(k: float, c: float) -> list[float]:
         return _numbers(compliant_cycle(drive.replace(contact_stiffness=k, contact_damping=c), start))
 
-    grid = [[numbers(k, c) for c in damping] for k in stiffness]
-    limits, ends = np.transpose([
-        _boundary(lambda c, k=k: numbers(k, c)["largest_deflection"], damping, row)
-        for k, row in zip(stiffness, grid, strict=True)
-    ])  # fmt: skip
-    dims, turns = ("grid_contact_stiffness", "grid_contact_damping"), "below which the deflection turns positive"
+    largest, same = list(_NUMBERS).index("largest_deflection"), "the largest deflection does not change its sign"
+    grid = np.array([[numbers(k, c) for c in damping] for k in stiffness])
+    limits, ends = [], []
+    for k, row in zip(stiffness, grid[..., largest], strict=True):
+        turns = np.flatnonzero((row[:-1] > 0) & (row[1:] <= 0))
+        if turns.size == 0:
+            raise InputError(f"contact_damping: {same} over the grid; widen it.")
+        between = damping[turns[-1] : turns[-1] + 2].tolist()
+        limits.append(bisected(lambda c, k=k: numbers(k, c)[largest] <= 0, *between))
+        ends.append(numbers(k, limits[-1])[largest])
+    dims, below = ("grid_contact_stiffness", "grid_contact_damping"), "below which the deflection turns positive"
     return {
         **_table("grid_", dims, ("attractor", "largest_deflection", "largest_acceleration"), grid),
-        "boundary_contact_damping": variable(dims[0], limits, "N s m-1", f"contact damping {turns}", "$c_c$"),
+        "boundary_contact_damping": variable(dims[0], limits, "N s m-1", f"contact damping {below}", "$c_c$"),
         "boundary_deflection": variable(dims[0], ends, "rad", "largest coupling deflection at that damping", "$z$"),
     }
 
 
-def _numbers(steady: SteadyState) -> dict[str, float]:
-    """Numbers of ``_NUMBERS`` of one attractor; without a cycle all but the attractor are nan."""
+def _numbers(steady: SteadyState) -> list[float]:
+    """The values of ``_NUMBERS`` of one attractor; without a cycle all but the first are nan."""
     from lsvib.dynamics.attractor import orbit_extremes
 
     if steady.orbit is None:
-        return dict.fromkeys(_NUMBERS, np.nan) | {"attractor": steady.label}
+        return [steady.label] + [np.nan] * (len(_NUMBERS) - 1)
     automaton = steady.orbit.automaton
     deflection = automaton.observables["coupling_deflection"]
     sprags = np.isin(automaton.codes, automaton.sprag_codes)
-    return {
-        "attractor": steady.label,
-        "largest_deflection": steady.extremes(deflection)[1],
-        "sprag_deflection": orbit_extremes(steady.orbit, deflection, sprags)[1],
-        "largest_acceleration": max(map(abs, steady.extremes(automaton.tables.flow.field[:, 1]))),
-        "period": steady.period,
-        "period_residual": steady.residual,
-    }
+    return [
+        steady.label,
+        steady.extremes(deflection)[1],
+        orbit_extremes(steady.orbit, deflection, sprags)[1],
+        max(map(abs, steady.extremes(automaton.tables.flow.field[:, 1]))),
+        steady.period,
+        steady.residual,
+    ]
 
 
-def _table(prefix: str, dims: tuple[str, ...], names: Any, rows: Any) -> Variables:
+def _table(prefix: str, dims: tuple[str, ...], names: Iterable[str], rows: Any) -> Variables:
     """Some of the numbers of ``_numbers``, from rows of any depth, as variables."""
-    found = {name: np.vectorize(lambda row, name=name: float(row[name]))(rows) for name in names}
-    table = {prefix + name: variable(dims, values, *_NUMBERS[name]) for name, values in found.items()}
+    found = dict(zip(_NUMBERS, np.moveaxis(np.array(rows, dtype=float), -1, 0), strict=True))
+    table = {f"{prefix}{name}": variable(dims, found[name], *_NUMBERS[name]) for name in names}
     return table | {f"{prefix}attractor": phase_plane.attractors(dims, found["attractor"])}
-
-
-def _boundary(deflection: Callable[[float], float], damping: np.ndarray, row: list[dict]) -> tuple[float, float]:
-    """Largest contact damping, between those of ``row``, at which the deflection turns positive, and the deflection."""
-    values = np.array([numbers["largest_deflection"] for numbers in row])
-    turns = np.flatnonzero((values[:-1] > 0) & (values[1:] <= 0))
-    if turns.size == 0:
-        raise InputError("contact_damping: the largest deflection does not change its sign over the grid; widen it.")
-    limit = bisected(lambda c: deflection(c) <= 0, *damping[turns[-1] : turns[-1] + 2].tolist())
-    return limit, float(deflection(limit))
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check that softer contacts give smoother cycles, and where the deflection turns positive."""
     deflection, sprag = dataset.largest_deflection.values, dataset.sprag_deflection.values
     fastest, critical = dataset.largest_acceleration.values, dataset.critical_mass_with_contact.values
-    times = ", ".join(f"{1e6 * float(dataset.input_speed) / x:.3g}" for x in fastest)
     sprags, residual = named(dataset.attractor, "sprag slip cycle"), float(dataset.period_residual.max())
     limit, edge = dataset.boundary_contact_damping.values, float(np.abs(dataset.boundary_deflection).max())
     grid, above = dataset.grid_largest_deflection.values, dataset.grid_contact_damping.values > limit[:, None]
-    softest, stiffest = dataset.grid_contact_stiffness.values[[0, -1]]
-    next_below = grid[np.arange(len(limit)), above.argmax(axis=1) - 1]
+    negative, positive = grid[above] < 0, grid[np.arange(len(limit)), above.argmax(axis=1) - 1] > 0  # next below
+    stiffness, mass = dataset.grid_contact_stiffness.values, float(dataset.mass)
+    bounded = edge <= 1e-10 and negative.all() and positive.all()
+    sides = {"limit": limit, "stiffness": stiffness, "edge": edge, "negative": negative, "positive": positive}
+    lasts = {"sprag": sprag[-1], "whole": deflection[-1]}
+    during = sprag[-1] > 0 and abs(sprag[-1] - deflection[-1]) <= 1e-12
+    below = (critical < mass).all() and (np.diff(critical) < 0).all()
     return [
         newton.laws_check(cycle_motion(dataset), "Sect. 8.6.1, Fig. 8.13", "cycle"),
         newton.laws_check(cycle_motion(dataset, "rigid_cycle"), "Sect. 8.6.1, Fig. 8.13", "cycle of the rigid drive"),
-        Check.of(
-            "fig8_13.repeats",
-            f"{sprags.sum()} of {sprags.size}, residual {residual:.1e}",
-            sprags.all() and residual <= 1e-9,
-        ),
-        Check.of(
-            "fig8_13.critical_mass",
-            f"m = {float(dataset.mass):g} kg, m_cr = {', '.join(f'{x:.3g}' for x in critical)} kg",
-            (critical < float(dataset.mass)).all() and (np.diff(critical) < 0).all(),
-        ),
-        Check.of(
-            "fig8_13.smoother", f"{times} µs from the stiffest to the softest contact", (np.diff(fastest) < 0).all()
-        ),
-        Check.of(
-            "fig8_13.positive",
-            f"largest z {', '.join(f'{x:.4g}' for x in deflection)} rad",
-            deflection[-1] > 0 > deflection[:-1].max(),
-        ),
-        Check.of(
-            "fig8_13.during_sprag",
-            f"with the softest contact {sprag[-1]:.6g} rad during sprag, {deflection[-1]:.6g} rad on the cycle",
-            sprag[-1] > 0 and abs(sprag[-1] - deflection[-1]) <= 1e-12,
-        ),
-        Check.of(
-            "fig8_13.boundary",
-            f"c_c from {limit.min():.5g} to {limit.max():.5g} N s/m for k_c from {softest:.0e} to {stiffest:.0e} "
-            f"N/m; |max z| up to {edge:.1e} rad on it; negative for "
-            f"{(grid[above] < 0).sum()} of {above.sum()} contacts above, positive for "
-            f"{(next_below > 0).sum()} of {next_below.size} next below",
-            edge <= 1e-10 and (grid[above] < 0).all() and (next_below > 0).all(),
-        ),
+        Check.that("fig8_13.repeats", sprags.all() and residual <= 1e-9, sprags=sprags, residual=residual),
+        Check.that("fig8_13.critical_mass", below, mass=mass, critical=critical),
+        Check.that("fig8_13.smoother", (np.diff(fastest) < 0).all(), times=1e6 * float(dataset.input_speed) / fastest),
+        Check.that("fig8_13.positive", deflection[-1] > 0 > deflection[:-1].max(), largest=deflection),
+        Check.that("fig8_13.during_sprag", during, **lasts),
+        Check.that("fig8_13.boundary", bounded, **sides),
         Check.everywhere("fig8_13.sweep", named(dataset.grid_attractor, "sprag slip cycle")),
     ]
 
 
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw (a) the cycles, (b) z over a period, (c) the largest z and (d) the shortest time against the contact."""
+    """Draw (a) the cycles, (b) z over a period, (c) the largest z and (d) the shortest time against the contact.
+
+    A period in (b) lasts from one standstill of the screw to the next.
+    """
     figure = style.new_figure(style.DOUBLE, 6.0)
     plane, deflection, grid, shortest = figure.subplots(2, 2).ravel()
-    _plane(plane, dataset)
-    _deflection(deflection, dataset)
+    cycles: list[drawing.DrawnLine] = []
+    steady = float(dataset.steady_deflection)
+    for one, colour, dashes in _contacts(dataset):
+        stiffness, damping = (style.number(one[name]) for name in _CONTACT)
+        critical = f"$m_\\mathrm{{cr}}$ = {float(one.critical_mass_with_contact):.2f} kg"
+        time, angle = one.cycle_time.values, one.cycle_angle.values
+        cycles.append((angle, one.cycle_velocity.values, colour))
+        plane.plot(*cycles[-1][:2], color=colour, linestyle=dashes,
+                   label=f"$k_c$ = {stiffness} N m⁻¹, $c_c$ = {damping} N s m⁻¹, {critical}")  # fmt: skip
+        lowest = np.argmin(angle)
+        turned = np.concatenate([time[lowest:] - time[lowest], time[:lowest] + time[-1] - time[lowest]])
+        deflection.plot(turned / float(one.period), np.roll(angle, -lowest) + steady, color=colour, linestyle=dashes)
+    plane.plot(dataset.rigid_cycle_angle, dataset.rigid_cycle_velocity, color=style.BLACK, linewidth=0.9,
+               linestyle=(0, (4, 2)), label="rigid drive")  # fmt: skip
+    plane.axvline(-steady, color=style.GREEN, linewidth=0.9, linestyle=":")
+    plane.text(-steady, 0.45, " $z = 0$", color=style.GREEN, fontsize=7, transform=plane.get_xaxis_transform())
+    plane.locator_params(axis="x", nbins=5)
+    drawing.mark_origin(plane)
+    plane.margins(0.06)
+    drawing.arrows(plane, cycles)
+    labels = style.label(dataset.cycle_angle, "deviation"), style.label(dataset.cycle_velocity, "rate")
+    style.frame(plane, "(a) phase plane", *labels)
+    deflection.axhline(0, color=style.GREEN, linewidth=0.9, linestyle=":")
+    words = "Time after the smallest $z$ / period", "Coupling deflection $z$ [rad]"
+    style.frame(deflection, "(b) coupling deflection over a period", *words, xlim=(0, 1))
     _map(figure, grid, dataset)
     _shortest(shortest, dataset)
     return style.legend(figure, [plane, deflection], 2)
@@ -193,40 +193,6 @@ def _contacts(dataset: xr.Dataset) -> list[tuple[xr.Dataset, str, Any]]:
     """The contacts that are drawn, each with its colour and dashes."""
     contacts = (dataset.isel(contact=k) for k in dataset.contact.values)
     return list(zip(contacts, _COLOURS, ("-", (0, (5, 1.5)), (0, (3, 1, 1, 1)), (0, (1, 1))), strict=False))
-
-
-def _plane(axes: style.Axes, dataset: xr.Dataset) -> None:
-    cycles: list[drawing.DrawnLine] = []
-    for one, colour, dashes in _contacts(dataset):
-        stiffness, damping = (style.number(one[name]) for name in _CONTACT)
-        critical = f"$m_\\mathrm{{cr}}$ = {float(one.critical_mass_with_contact):.2f} kg"
-        cycles.append((one.cycle_angle.values, one.cycle_velocity.values, colour))
-        axes.plot(*cycles[-1][:2], color=colour, linestyle=dashes,
-                  label=f"$k_c$ = {stiffness} N m⁻¹, $c_c$ = {damping} N s m⁻¹, {critical}")  # fmt: skip
-    axes.plot(dataset.rigid_cycle_angle, dataset.rigid_cycle_velocity, color=style.BLACK, linewidth=0.9,
-              linestyle=(0, (4, 2)), label="rigid drive")  # fmt: skip
-    zero = -float(dataset.steady_deflection)
-    axes.axvline(zero, color=style.GREEN, linewidth=0.9, linestyle=":")
-    axes.text(zero, 0.45, " $z = 0$", color=style.GREEN, fontsize=7, transform=axes.get_xaxis_transform())
-    axes.locator_params(axis="x", nbins=5)
-    drawing.mark_origin(axes)
-    axes.margins(0.06)
-    drawing.arrows(axes, cycles)
-    labels = style.label(dataset.cycle_angle, "deviation"), style.label(dataset.cycle_velocity, "rate")
-    style.frame(axes, "(a) phase plane", *labels)
-
-
-def _deflection(axes: style.Axes, dataset: xr.Dataset) -> None:
-    """The coupling deflection from one standstill of the screw to the next."""
-    steady = float(dataset.steady_deflection)
-    for one, colour, dashes in _contacts(dataset):
-        time, angle = one.cycle_time.values, one.cycle_angle.values
-        lowest = np.argmin(angle)
-        turned = np.concatenate([time[lowest:] - time[lowest], time[:lowest] + time[-1] - time[lowest]])
-        axes.plot(turned / float(one.period), np.roll(angle, -lowest) + steady, color=colour, linestyle=dashes)
-    axes.axhline(0, color=style.GREEN, linewidth=0.9, linestyle=":")
-    axes.set(title="(b) coupling deflection over a period", xlabel="Time after the smallest $z$ / period",
-             ylabel="Coupling deflection $z$ [rad]", xlim=(0, 1))  # fmt: skip
 
 
 def _map(figure: style.Figure, axes: style.Axes, dataset: xr.Dataset) -> None:

@@ -83,9 +83,9 @@ def build(settings: Values, analysis: xr.Dataset, maps: xr.Dataset) -> xr.Datase
     # Also at a relative distance of 1e-9 on either side of a threshold.
     bracket = [threshold * (1 + sign * 1e-9) for sign in (-1, 1)]
     # The end of rest is u = c Ω / k, u′ = −Ω.
-    release = drive.support_damping * drive.input_speed / drive.coupling_stiffness, -drive.input_speed
+    release = {"u": drive.support_damping * drive.input_speed / drive.coupling_stiffness, "w": -drive.input_speed}
     beside = [drive.replace(axial_force=force) for force in bracket]
-    released = [[_labels(d, rule, [release])[0] for rule in RULES] for d in beside]
+    released = [[phase_plane.reached(d, release, rule).label for rule in RULES] for d in beside]
     words, below = "attractor of the motion that leaves rest, beside the threshold", "distance of the start below"
     planes = phase_plane.portraits(settings, drives, _CHANGED, _PRINTED).assign_coords(
         {
@@ -106,11 +106,6 @@ def build(settings: Values, analysis: xr.Dataset, maps: xr.Dataset) -> xr.Datase
             "bracket_attractor": phase_plane.attractors(("bracket", "rule"), released, words),
         }
     ).assign_attrs(about(__doc__, "exact event-driven motion and its return map", "Sect. 8.7, Fig. 8.14"))
-
-
-def _labels(drive: Drive, rule: str, states: Sequence[tuple[float, float]]) -> list[int]:
-    """Attractors of the motions from some states u [rad], u′ [rad/s]."""
-    return [phase_plane.reached(drive, {"u": u, "w": w}, rule).label for u, w in states]
 
 
 def _first_events(drives: Sequence[Drive], maps: xr.Dataset, duration: float) -> Variables:
@@ -142,9 +137,10 @@ def _first_events(drives: Sequence[Drive], maps: xr.Dataset, duration: float) ->
 
 def _corners(drives: Sequence[Drive]) -> Variables:
     """The corner of the lines N = 0 and θ′ = 0, and where the motions from standstill below it end."""
-    corners = [_corner(d) for d in drives]
-    states = [[(corner - x, -d.input_speed) for x in _DISTANCES] for d, corner in zip(drives, corners, strict=True)]
-    ends = [[_labels(d, rule, own) for rule in RULES] for d, own in zip(drives, states, strict=True)]
+    corners, ends = [_corner(d) for d in drives], []
+    for drive, corner in zip(drives, corners, strict=True):
+        starts = [{"u": corner - x, "w": -drive.input_speed} for x in _DISTANCES]
+        ends.append([[phase_plane.reached(drive, start, rule).label for start in starts] for rule in RULES])
     where = "deviation at which the lines N = 0 and theta' = 0 meet, as printed"
     words = "attractor of the motion from standstill so far below the corner"
     return {
@@ -161,16 +157,30 @@ def _corner(drive: Drive) -> float:
 
 
 def _reverse_slips(drives: Sequence[Drive], start: Values, duration: float, samples: int) -> Variables:
-    """The seizures before the first release, the motion until then, and the limits of their ratio (text above)."""
-    motions = [[_until_release(drive, rule, start, duration) for rule in RULES] for drive in drives]
-    seizures = [[motion.kind == Event.SEIZURE for motion in row] for row in motions]
-    table = np.full((2, len(drives), len(RULES), max(1, *(here.sum() for row in seizures for here in row))), np.nan)
+    """The seizures before the first release, the motion until then, and the limits of their ratio (text above).
+
+    That ratio [1], and the length [rad] over which the acceleration changes by all of it, are missing where Γ₊ > 0.
+    """
+
+    def until_release(drive: Drive, rule: str) -> Motion:
+        """The motion up to its first release, or all of it."""
+        whole = phase_plane.followed(drive, [start["u"], start["w"]], duration, rule)
+        released = whole.time[whole.kind == Event.RELEASE].tolist()
+        return phase_plane.followed(drive, [start["u"], start["w"]], released[0], rule) if released else whole
+
+    motions = [[until_release(drive, rule) for rule in RULES] for drive in drives]
+    longest = max(1, *((motion.kind == Event.SEIZURE).sum() for row in motions for motion in row))
+    table, limits = np.full((2, len(drives), len(RULES), longest), np.nan), np.full((2, len(drives)), np.nan)
     for i, (drive, row) in enumerate(zip(drives, motions, strict=True)):
+        c, corner = coefficients(drive), _corner(drive)
         for j, motion in enumerate(row):
-            here = seizures[i][j]
-            table[:, i, j, : here.sum()] = motion.time[here], motion.before[here, 0] - _corner(drive)
+            here = motion.kind == Event.SEIZURE
+            table[:, i, j, : here.sum()] = motion.time[here], motion.before[here, 0] - corner
+        if c.gamma[1] <= 0:
+            length = corner - float(c.damping[-1]) * drive.input_speed / drive.coupling_stiffness
+            gain = float(c.q_row[1] / c.q_row[0]) * drive.coupling_stiffness * length / float(c.gamma[-1])  # |σ| a
+            limits[:, i] = gain / (drive.input_speed + gain), length
     sampled = np.array([[phase_plane.sample(motion, samples)[1] for motion in row] for row in motions])
-    ratio, length = np.transpose([_limits(drive) for drive in drives])
     dims, away = ("case", "rule", "seizure"), "distance of the seizure from the corner of N = 0 and theta' = 0"
     limit = "limit of the ratio of successive distances, by resuming at once"
     over = "acceleration from rest in the corner over its derivative along theta' = 0"
@@ -178,48 +188,54 @@ def _reverse_slips(drives: Sequence[Drive], start: Values, duration: float, samp
         "seizure_time": variable(dims, table[0], "s", "time of a seizure before the first release", "$t$"),
         "seizure_distance": variable(dims, table[1], "rad", away, "$u - u_0$"),
         **phase_plane.curve("slip", ("case", "rule", "slip_sample"), sampled, "until the first release"),
-        "seizure_ratio": variable("case", ratio, "1", limit, "$q$"),
-        "acceleration_length": variable("case", length, "rad", over),
+        "seizure_ratio": variable("case", limits[0], "1", limit, "$q$"),
+        "acceleration_length": variable("case", limits[1], "rad", over),
     }
 
 
-def _until_release(drive: Drive, rule: str, start: Values, duration: float) -> Motion:
-    """The motion up to its first release, or all of it."""
-    whole = phase_plane.followed(drive, [start["u"], start["w"]], duration, rule)
-    released = whole.time[whole.kind == Event.RELEASE].tolist()
-    return phase_plane.followed(drive, [start["u"], start["w"]], released[0], rule) if released else whole
-
-
-def _limits(drive: Drive) -> tuple[float, float]:
-    """Limit of the ratio [1], and the length [rad] over which the acceleration changes by all of it; NaN if Γ₊ > 0."""
-    c = coefficients(drive)
-    if c.gamma[1] > 0:
-        return np.nan, np.nan
-    length = _corner(drive) - float(c.damping[-1]) * drive.input_speed / drive.coupling_stiffness
-    gain = float(c.q_row[1] / c.q_row[0]) * drive.coupling_stiffness * length / float(c.gamma[-1])  # |σ| a
-    return gain / (drive.input_speed + gain), length
-
-
 def checks(dataset: xr.Dataset) -> list[Check]:
-    """Check (a) and (b) for both readings of the mass, and the threshold of global stability between them."""
-    mass, gamma = dataset.mass.values, dataset.effective_inertia_plus.values
+    """Check (a) and (b) for both readings of the mass, and the threshold of global stability between them.
+
+    All starts at standstill up to the corner, beyond m_cr: the end of Sect. 8.7.
+    """
+    mass, gamma, force = dataset.mass.values, dataset.effective_inertia_plus.values, dataset.axial_force.values
+    sides = (gamma[:2] > 0).all() and (gamma[2:] < 0).all()
+    above, below = dataset.bracket_attractor
+    beside = {"threshold": float(dataset.global_stability_force), "above": _names(above), "below": _names(below)}
+    changes = named(above, "sprag slip cycle").all() and named(below, "steady sliding").all()
+    first, second = settles = named(dataset.corner_attractor, "steady sliding")[2:]
+    starts = {"starts": settles.shape[2], "first": first.sum(axis=1), "second": second.sum(axis=1)}
     return [
         newton.laws_check(dataset, "8.22, Fig. 8.14"),
-        Check.of(
-            "fig8_14.inertia",
-            f"Γ₊ = {gamma[0]:.3g} kg m2 at {mass[0]:g} kg and {gamma[2]:.3g} kg m2 at {mass[2]:g} kg",
-            (gamma[:2] > 0).all() and (gamma[2:] < 0).all(),
-        ),
-        *(_settling_check(dataset.isel(case=case), note) for case, note in ((0, " (as printed)"), (2, ""))),
-        _one_attractor_check(dataset.isel(case=1), "fig8_14.no_cycle", "steady sliding"),
-        _one_attractor_check(dataset.isel(case=3), "fig8_14.cycle", "sprag slip cycle"),
-        *_start_checks(dataset.isel(case=[2, 3])),
-        *_corner_checks(dataset),
-        *_accumulation_checks(dataset),
+        Check.that("fig8_14.inertia", sides, gamma=gamma, mass=mass),
+        _attractor_check(dataset.isel(case=0), "fig8_14.settles", "steady sliding", " (as printed)"),
+        _attractor_check(dataset.isel(case=2), "fig8_14.settles", "steady sliding"),
+        _attractor_check(dataset.isel(case=1), "fig8_14.no_cycle", "steady sliding"),
+        _attractor_check(dataset.isel(case=3), "fig8_14.cycle", "sprag slip cycle"),
+        *_event_checks(dataset.isel(case=[2, 3])),
+        Check.that("fig8_14.corner", first.all() and not second.all(axis=1).any(), **starts),
+        Check.that("fig8_14.between", force[2] < beside["threshold"] < force[3], **beside),
+        Check.that("fig8_14.changes", changes, **beside),
+        *_accumulation_checks(dataset.isel(case=np.isfinite(dataset.seizure_ratio.values))),
     ]
 
 
-def _start_checks(heavy: xr.Dataset) -> list[Check]:
+def _attractor_check(case: xr.Dataset, id: str, expected: str, reading: str = "") -> Check:
+    """Check that the motions drawn of a case reach one attractor, and all others reach it or the origin.
+
+    Those that settle in (a) also meet N = 0 after their start.
+    """
+    grid, amplitude = named(case.grid_attractor, "steady sliding"), case.amplitude.values
+    drawn, others = (named(labels, expected) for labels in (case.attractor, case.grid_attractor))
+    touches = (named(case.event_kind, "seizure", "contact reversal") & (case.event_time.values > 0)).sum(axis=1)
+    holds = drawn.all() and np.ptp(amplitude) <= 1e-12 * amplitude.max() and (grid | others).all()
+    holds = holds and (touches.min() > 0 or id != "fig8_14.settles")
+    words = {"touches": " and ".join(map(str, touches)), "attractors": _names(case.attractor), "reading": reading}
+    numbers = {"mass": case.mass, "force": case.axial_force, "grid": grid, "amplitude": amplitude}
+    return Check.that(id, holds, **words, **numbers)
+
+
+def _event_checks(heavy: xr.Dataset) -> list[Check]:
     """Check beyond m_cr what Sect. 8.7 says of starts, by the signs of N under law − and of θ′, and of N = 0."""
     first, u, w = xr.broadcast(heavy.probe_event, heavy.probe_angle, heavy.probe_velocity)
     positive = u - heavy.contact_line_slope * w > heavy.contact_line_angle  # Q, and N under law −
@@ -232,113 +248,53 @@ def _start_checks(heavy: xr.Dataset) -> list[Check]:
     arrivals = heavy.event_kind.copy(data=named(heavy.event_kind, "seizure"))
     after, of = heavy.event_velocity_deviation_after, "starts"
     forces = zip(straight, heavy.axial_force, strict=True)
-    counted = (f"{int(x.sum())} of {int(x.count())} starts at R = {float(r):g} N" for x, r in forces)
-    reversals = named(heavy.event_kind, "contact reversal").sum()
+    counted = [f"{int(x.sum())} of {int(x.count())} starts at R = {float(r):g} N" for x, r in forces]
+    reversals = named(heavy.event_kind, "contact reversal")
+    stops = not reversals.any() and arrivals.any() and (after == stop).where(arrivals, True).all()
     return [
         Check.everywhere("fig8_14.stops", jumps.values[(positive & forward).values], of),
         Check.everywhere("fig8_14.stops_backwards", jumps.values[back.values], of),
-        Check.of("fig8_14.some_starts", ", ".join(counted), not straight.where(back, True).all()),
+        Check.that("fig8_14.some_starts", not straight.where(back, True).all(), counted=counted),
         Check.everywhere("fig8_14.origin", origin.values[alone.values], of),
-        Check.of(
-            "fig8_14.seizes",
-            f"{int(arrivals.sum())} seizures, {reversals} reversals of the contact",
-            reversals == 0 and arrivals.any() and (after == stop).where(arrivals, True).all(),
-        ),
+        Check.that("fig8_14.seizes", stops, arrivals=arrivals, reversals=reversals),
     ]
 
 
-def _settling_check(case: xr.Dataset, note: str) -> Check:
-    """Check that all motions of a case of (a) settle, although those which are drawn meet N = 0 after their start."""
-    settles, grid = (named(labels, "steady sliding") for labels in (case.attractor, case.grid_attractor))
-    touches = (named(case.event_kind, "seizure", "contact reversal") & (case.event_time.values > 0)).sum(axis=1)
-    found = (
-        f"meets N = 0 {' and '.join(map(str, touches))} times; {_names(case.attractor)}; of {grid.size} "
-        f"other starts {grid.sum()} reach the origin"
-    )
-    values = {"mass": float(case.mass), "force": float(case.axial_force), "reading": note}
-    return Check.of("fig8_14.settles", found, settles.all() and grid.all() and touches.min() > 0, **values)
+def _accumulation_checks(heavy: xr.Dataset) -> list[Check]:
+    """Check that the seizures accumulate under the chapter's reading, in finite time, and are few under the other.
 
-
-def _one_attractor_check(case: xr.Dataset, id: str, expected: str) -> Check:
-    """Check that the motions drawn of a case of (b) reach one attractor, and all others reach it or the origin."""
-    grid, amplitude = named(case.grid_attractor, "steady sliding"), case.amplitude.values
-    reached = (named(labels, expected) for labels in (case.attractor, case.grid_attractor))
-    found = (
-        f"{_names(case.attractor)}, amplitude {amplitude.min():.6g} to {amplitude.max():.6g} rad; origin: of "
-        f"{grid.size} other starts {grid.sum()} reach it"
-    )
-    holds = next(reached).all() and np.ptp(amplitude) <= 1e-12 * amplitude.max() and (grid | next(reached)).all()
-    return Check.of(id, found, holds, mass=float(case.mass), force=float(case.axial_force))
-
-
-def _corner_checks(dataset: xr.Dataset) -> list[Check]:
-    """The end of Sect. 8.7: all starts at standstill up to the corner, beyond m_cr, and the threshold between."""
-    force, threshold = dataset.axial_force.values, float(dataset.global_stability_force)
-    above, below = dataset.bracket_attractor
-    settles = named(dataset.corner_attractor, "steady sliding")
-    counts = settles.sum(axis=2)
+    How far a ratio is off is counted in what is allowed; a motion is timely if what is left after each of its seizures
+    fits the distance from the last.
+    """
+    few, many = np.isfinite(heavy.seizure_distance.values).sum(axis=-1).T
+    excess, timely, ends, words = [], [], [], []
+    for part in (heavy.isel(case=k) for k in range(len(few))):
+        ratio, length, speed = (float(part[x]) for x in ("seizure_ratio", "acceleration_length", "input_speed"))
+        distance, time = (part[f"seizure_{name}"].values[1] for name in ("distance", "time"))
+        distance, time = distance[np.isfinite(distance)], time[np.isfinite(distance)]
+        rounding = _ROUNDING * abs(float(part.corner_angle))
+        clear = distance[1:] > rounding
+        allowed = distance[:-1] / length + rounding / np.maximum(distance[1:], rounding)
+        off = np.abs(distance[1:] / distance[:-1] / ratio - 1)
+        excess.append(float(np.max((off / allowed)[clear], initial=0.0)) if clear.sum() > 1 else np.inf)
+        way, left = distance[:-1] - distance[-1], time[-1] - time[:-1]
+        error = rounding / speed + _ROUNDING * time[-1]
+        reverse = distance[1:] / -float(part.contact_line_slope)  # largest -θ′ of a slip, where it seizes
+        timely.append(((left <= way / speed + error) & (left >= way / (speed + reverse) - error)).all())
+        ends.append(distance[-1])
+        close = np.argmin(np.where(clear, off, np.inf))
+        words.append(
+            f"R = {float(part.axial_force):g} N: {distance.size} seizures, ratio "
+            f"{distance[close + 1] / distance[close]:.7g} against {ratio:.7g}, the last at {distance[-1]:.1e} rad and "
+            f"{1e3 * time[-1]:.6g} ms"
+        )
+    gap, longest = max(ends) / float(heavy.corner_angle.min()), 1e3 * heavy.seizure_time[:, 1].max()
     return [
-        Check.of(
-            "fig8_14.corner",
-            f"(a) {counts[2].min()} and (b) {counts[3].min()} to {counts[3].max()} of {settles.shape[2]} starts",
-            settles[2].all() and not settles[3].all(axis=1).any(),
-        ),
-        Check.of("fig8_14.between", f"R = {threshold:.10g} N", force[2] < threshold < force[3]),
-        Check.of(
-            "fig8_14.changes",
-            f"{_names(above)} just above, {_names(below)} just below {threshold:.10g} N",
-            named(above, "sprag slip cycle").all() and named(below, "steady sliding").all(),
-        ),
+        Check.that("fig8_14.accumulate", max(excess) <= 1, motions="; ".join(words), most=max(excess)),
+        Check.that("fig8_14.in_corner", abs(gap) < 1e-12, gap=gap),
+        Check.that("fig8_14.finite_time", all(timely), timely=np.array(timely), longest=longest),
+        Check.that("fig8_14.few", (few < many).all(), few=" and ".join(map(str, few)), many=many),
     ]
-
-
-def _accumulation_checks(dataset: xr.Dataset) -> list[Check]:
-    """Check that the seizures accumulate under the chapter's reading, in finite time, and are few under the other."""
-    heavy = dataset.isel(case=np.isfinite(dataset.seizure_ratio.values))
-    counts = np.isfinite(heavy.seizure_distance.values).sum(axis=-1)
-    excess, timely, words = zip(*(_accumulation(heavy.isel(case=k)) for k in range(len(counts))), strict=True)
-    last = max(float(heavy.seizure_distance[k, 1].dropna("seizure")[-1]) for k in range(len(counts)))
-    gap, most = last / float(heavy.corner_angle.min()), max(excess)
-    longest = 1e3 * float(np.nanmax(dataset.seizure_time.values[:, 1], initial=0.0))
-    return [
-        Check.of(
-            "fig8_14.accumulate", f"{'; '.join(words)}; deviation at most {most:.2f} of what is allowed", most <= 1
-        ),
-        Check.of("fig8_14.in_corner", f"relative distance {gap:.1e}", abs(gap) < 1e-12),
-        Check.of(
-            "fig8_14.finite_time",
-            f"{sum(timely)} of {len(timely)} motions, the corner reached within {longest:.4g} ms",
-            all(timely),
-        ),
-        Check.of(
-            "fig8_14.few",
-            f"{' and '.join(str(n) for n in counts[:, 0])} seizures, at once {counts[:, 1].min()} or more",
-            (counts[:, 0] < counts[:, 1]).all(),
-        ),
-    ]
-
-
-def _accumulation(part: xr.Dataset) -> tuple[float, bool, str]:
-    """Of one motion that resumes at once: how far its ratios are off, in what is allowed; if it is timely; words."""
-    ratio, length, speed = (float(part[x]) for x in ("seizure_ratio", "acceleration_length", "input_speed"))
-    distance, time = (part[f"seizure_{name}"].values[1] for name in ("distance", "time"))
-    distance, time = distance[np.isfinite(distance)], time[np.isfinite(distance)]
-    rounding = _ROUNDING * abs(float(part.corner_angle))
-    clear = distance[1:] > rounding
-    allowed = distance[:-1] / length + rounding / np.maximum(distance[1:], rounding)
-    off = np.abs(distance[1:] / distance[:-1] / ratio - 1)
-    excess = float(np.max((off / allowed)[clear], initial=0.0)) if clear.sum() > 1 else np.inf
-    way, left = distance[:-1] - distance[-1], time[-1] - time[:-1]
-    error = rounding / speed + _ROUNDING * time[-1]
-    reverse = distance[1:] / -float(part.contact_line_slope)  # largest -θ′ of a slip, where it seizes
-    timely = ((left <= way / speed + error) & (left >= way / (speed + reverse) - error)).all()
-    close = np.argmin(np.where(clear, off, np.inf))
-    reached = distance[close + 1] / distance[close]
-    words = (
-        f"R = {float(part.axial_force):g} N: {distance.size} seizures, ratio {reached:.7g} against {ratio:.7g}, the "
-        f"last at {distance[-1]:.1e} rad and {1e3 * time[-1]:.6g} ms"
-    )
-    return excess, timely, words
 
 
 def _names(labels: xr.DataArray) -> str:

@@ -98,103 +98,82 @@ def build(settings: Values, analysis: xr.Dataset) -> xr.Dataset:
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
-    """Check the critical friction, the classes by the printed conditions and by LAPACK, and the boundaries."""
+    """Check the critical friction, the boundaries, and the classes by it, by the printed conditions and by LAPACK.
+
+    Classes but for rounding (``clear``), which may decide closer to a boundary.
+    """
     drive, critical = newton.parameters(dataset), float(dataset.critical_friction)
     grid = over_map(dataset, drive)
     a_4, a_2, a_0 = conditions.characteristic_polynomial(grid, law=1)
     discriminant, size = a_2**2 - 4 * a_0 * a_4, a_2**2 + 4 * a_0 * np.abs(a_4)
     inertia = drive["screw_inertia"] * (drive["mass"] + drive["screw_mass"])
-    # Closer to a boundary rounding may decide the class.
     clear = (np.abs(discriminant) > 1e-9 * size) & (np.abs(a_4) > 1e-9 * inertia)
     dataset = dataset.assign(clear=(dataset.stability.dims, clear))
+    kinematic, part = named(dataset.stability, "kinematic constraint"), thinned(dataset, 100)
+    off = kinematic != (dataset.friction_coefficient.values > critical)[:, None]
+    wrong = int(np.sum(clear & (conditions.printed_class(grid, law=1) != dataset.stability.values)))
+    theirs = eigenvalues(over_map(part, drive), law=1)
+    limit = 1e-7 * np.abs(theirs).max(axis=-1)  # LAPACK keeps 1.5e-8 where two coincide
+    growing, oscillates = (theirs.real > limit[..., None]).sum(axis=-1), np.abs(theirs[..., -1].imag) > limit
+    kinds = [UndampedClass.STABLE, UndampedClass.FLUTTER, UndampedClass.KINEMATIC_CONSTRAINT]
+    classes = np.select([growing == 0, oscillates, growing == 1], kinds, UndampedClass.DIVERGENCE)
+    differ, counts = part.clear.values & (classes != part.stability.values), {"clear": clear, "unclear": ~clear}
     return [
         Check.of("fig8_15.critical_friction", critical),
         Check.of("fig8_15.eigenvalue", float(dataset.critical_friction_by_eigenvalues), expected=critical),
-        *_class_checks(dataset, drive, grid),
-        *_region_checks(dataset, grid, a_4, discriminant),
-        *_branch_checks(dataset, drive),
-        *_condition_checks(dataset, drive),
+        Check.that("fig8_15.vertical", not off.any() and kinematic.any(), off=off),
+        Check.that("fig8_15.classes", wrong == 0 and clear.mean() > 0.99, wrong=wrong, **counts),
+        Check.without_exception("fig8_15.lapack", differ.sum(), part.clear.sum()),
+        *_boundary_checks(dataset, drive, a_4, discriminant),
         *_support_checks(dataset, drive),
     ]
 
 
-def _class_checks(dataset: xr.Dataset, drive: Values, grid: Values) -> list[Check]:
-    """Check the classes by the critical friction, the printed conditions and LAPACK, but for rounding (``clear``)."""
-    kinematic, clear = named(dataset.stability, "kinematic constraint"), dataset.clear.values
-    off = kinematic != (dataset.friction_coefficient.values > float(dataset.critical_friction))[:, None]
-    wrong = int(np.sum(clear & (conditions.printed_class(grid, law=1) != dataset.stability.values)))
-    differ, compared = _against_lapack(thinned(dataset, 100), drive)
-    return [
-        Check.of(
-            "fig8_15.vertical", f"{off.sum()} exceptions among {off.size} points", not off.any() and kinematic.any()
-        ),
-        Check.of(
-            "fig8_15.classes",
-            f"{wrong} exceptions among {clear.sum()} points; {(~clear).sum()} within rounding of a boundary",
-            wrong == 0 and clear.mean() > 0.99,
-        ),
-        Check.without_exception("fig8_15.lapack", differ, compared),
-    ]
+def _boundary_checks(dataset: xr.Dataset, drive: Values, a_4: np.ndarray, discriminant: np.ndarray) -> list[Check]:
+    """Check that no point is in two regions, their bounds, and both branches against (8.29) and where they exist.
 
-
-def _region_checks(dataset: xr.Dataset, grid: Values, a_4: np.ndarray, discriminant: np.ndarray) -> list[Check]:
-    """Check by the signs of a_4 and the discriminant of (8.24) that no point is in two regions, and their bounds."""
+    By the signs of a_4 and the ``discriminant`` of (8.24).
+    """
     flutter, kinematic, divergence = (
         named(dataset.stability, x) for x in ("flutter", "kinematic constraint", "divergence")
     )
     both = int(np.sum((discriminant < 0) & kinematic) + np.sum((a_4 < 0) & flutter))
-    friction, stiffness = dataset.friction_coefficient.values, dataset.support_stiffness.values
-    lower, upper = (
-        dataset[name].reindex(boundary_friction_coefficient=friction).values[:, None]
-        for name in ("lower_boundary", "upper_boundary")
-    )
-    beyond = (stiffness > upper) & (conditions.effective_inertia(grid, law=1, rigid=True) < 0)
+    friction, k = dataset.friction_coefficient.values, drive["coupling_stiffness"]
+    ends = [dataset[f"{name}_boundary"] for name in ("lower", "upper")]
+    lower, upper = (end.reindex(boundary_friction_coefficient=friction).values[:, None] for end in ends)
+    stiffness, rigid = dataset.support_stiffness.values, {"law": 1, "rigid": True}
+    beyond = (stiffness > upper) & (conditions.effective_inertia(over_map(dataset, drive), **rigid) < 0)
     judged = dataset.clear.values & ~kinematic
-    off = int(np.sum(judged & ((flutter != ((stiffness > lower) & (stiffness < upper))) | (divergence != beyond))))
-    return [
-        Check.of(
-            "fig8_15.apart",
-            f"{both} points in both, {flutter.sum()} and {kinematic.sum()} in one",
-            both == 0 and flutter.any() and kinematic.any(),
-        ),
-        Check.of(
-            "fig8_15.branches",
-            f"{off} exceptions among {judged.sum()} points; {divergence.sum()} of divergence",
-            off == 0,
-        ),
-    ]
-
-
-def _branch_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
-    """Check both branches against the quadratic equation (8.29), and where they exist."""
-    branches, k = (dataset.lower_boundary.values, dataset.upper_boundary.values), drive["coupling_stiffness"]
+    off = judged & ((flutter != ((stiffness > lower) & (stiffness < upper))) | (divergence != beyond))
+    apart = both == 0 and flutter.any() and kinematic.any()
     own = {**drive, "friction_coefficient": dataset.boundary_friction_coefficient.values}
+    branches = [end.values for end in ends]
     b_1, b_2, b_3 = conditions.boundary_coefficients(own, law=1)
     terms = [np.array([b_1 * x**2, b_2 * k * x, b_3 * k**2 * np.ones_like(x)]) for x in branches]
     residual = max(np.max(np.abs(term.sum(axis=0)) / np.abs(term).max(axis=0)) for term in terms)
-    finite = (np.isfinite(branches[0]) & ~np.isnan(branches[1])).sum()
-    own["friction_coefficient"] = friction = dataset.friction_coefficient.values
+    finite = np.isfinite(branches[0]) & ~np.isnan(branches[1])
+    own["friction_coefficient"] = friction
     b_1, b_2, b_3 = conditions.boundary_coefficients(own, law=1)
     p, reduced = values_of(own, law=1), conditions.effective_inertia(own, law=1)
-    discriminant = b_2**2 - 4 * b_1 * b_3
+    roots = b_2**2 - 4 * b_1 * b_3
     form = 16 * p.factor * p.pitch_radius**2 * p.tan_lead * p.mass**2 * (p.mass + p.screw_mass) * reduced
-    rewritten = np.max(np.abs(discriminant - form) / b_2**2)
-    together = (discriminant >= 0) & (b_2 < 0)
-    clear = np.abs(discriminant) > 1e-9 * b_2**2  # else (8.30) is zero to rounding
-    odd = np.sum(clear & (together != ((reduced >= 0) & (p.factor > 0))))
+    rewritten = np.max(np.abs(roots - form) / b_2**2)
+    clear = np.abs(roots) > 1e-9 * b_2**2  # else (8.30) is zero to rounding
+    odd = clear & (((roots >= 0) & (b_2 < 0)) != ((reduced >= 0) & (p.factor > 0)))
+    real = not odd.any() and finite.all() and rewritten < 1e-12
     return [
-        Check.of("fig8_15.quadratic", f"largest remainder {residual:.1e}", residual < 1e-11),
-        Check.of(
-            "fig8_15.real",
-            f"{odd} exceptions among {friction.size} friction coefficients; {finite} of {branches[0].size} places with "
-            f"both branches; the printed form differs by {rewritten:.1e} of b_2²",
-            odd == 0 and finite == branches[0].size and rewritten < 1e-12,
-        ),
+        Check.that("fig8_15.apart", apart, both=both, flutter=flutter, kinematic=kinematic),
+        Check.that("fig8_15.branches", not off.any(), off=off, judged=judged, divergence=divergence),
+        Check.that("fig8_15.quadratic", residual < 1e-11, residual=residual),
+        Check.that("fig8_15.real", real, odd=odd, finite=finite, rewritten=rewritten),
     ]
 
 
 def _support_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
-    """Check (8.27) as a condition for the contact force by Newton's laws, and flutter where a_2 = 0."""
+    """Check the kinematic constraint: (8.27) by Newton's laws, its necessary conditions, Remark 8.3; and flutter.
+
+    The necessary conditions are μ > tan λ and R Ω > 0; there is flutter where a_2 = 0.
+    """
     own = {**drive, "friction_coefficient": dataset.friction_coefficient.values}
     tan, r = np.tan(drive["lead_angle"]), drive["pitch_radius"]
     solves = {}  # x″ − x_1″ = r_m tan λ θ″ gives N: its coefficient has a sign for each law
@@ -207,42 +186,18 @@ def _support_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
     stiffness = -drive["coupling_stiffness"] * (drive["mass"] + drive["screw_mass"]) / inertia
     there = (inertia < 0) & ~paradox  # k_1 > 0 with a_2 = 0
     kinds = undamped_class({**own, "support_stiffness": np.where(there, stiffness, 1.0)}, law=1)
-    flutter = kinds[there] == UndampedClass.FLUTTER
-    return [
-        Check.everywhere("fig8_15.paradoxes", kinematic == paradox[:, None], "points"),
-        Check.everywhere("fig8_15.flutter", flutter, "friction coefficients"),
-    ]
-
-
-def _condition_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
-    """Check both necessary conditions of the kinematic constraint, μ > tan λ and R Ω > 0, and Remark 8.3."""
-    friction = dataset.friction_coefficient.values
-    early = int(named(dataset.stability, "kinematic constraint")[friction <= np.tan(drive["lead_angle"])].sum())
-    own = {**drive, "friction_coefficient": friction}
-    inertias = [conditions.effective_inertia(own, law=-1, rigid=rigid) for rigid in (True, False)]
-    against = np.min(np.concatenate(np.broadcast_arrays(*inertias)))
+    early = kinematic[own["friction_coefficient"] <= tan]
+    against = min(np.min(conditions.effective_inertia(own, law=-1, rigid=rigid)) for rigid in (True, False))
+    necessary = not early.any() and against >= drive["screw_inertia"]
     reduced_mass = drive["mass"] * drive["screw_mass"] / (drive["mass"] + drive["screw_mass"])
     rigid = {name: value for name, value in drive.items() if name not in PART_OF}
     locked = Drive.of(rigid, friction_coefficient=float(dataset.critical_friction))
     return [
-        Check.of(
-            "fig8_15.necessary",
-            f"{early} points of the region at μ <= tan λ; smallest effective inertia of law − {against:.3g} kg m2",
-            early == 0 and against >= drive["screw_inertia"],
-        ),
+        Check.that("fig8_15.necessary", necessary, early=early, against=against),
         Check.of("fig8_15.reduced_mass", conditions.critical_value(locked, "mass") or np.nan, expected=reduced_mass),
+        Check.everywhere("fig8_15.paradoxes", kinematic == paradox[:, None], "points"),
+        Check.everywhere("fig8_15.flutter", kinds[there] == UndampedClass.FLUTTER, "friction coefficients"),
     ]
-
-
-def _against_lapack(part: xr.Dataset, drive: Values) -> tuple[int, int]:
-    """Number of points with another class by LAPACK's eigenvalues of the state matrix, and of points compared."""
-    values = eigenvalues(over_map(part, drive), law=1)
-    limit = 1e-7 * np.abs(values).max(axis=-1)  # LAPACK keeps 1.5e-8 where two coincide
-    growing = (values.real > limit[..., None]).sum(axis=-1)
-    oscillates = np.abs(values[..., -1].imag) > limit
-    kinds = [UndampedClass.STABLE, UndampedClass.FLUTTER, UndampedClass.KINEMATIC_CONSTRAINT]
-    theirs = np.select([growing == 0, oscillates, growing == 1], kinds, UndampedClass.DIVERGENCE)
-    return int(np.sum(part.clear.values & (theirs != part.stability.values))), int(part.clear.sum())
 
 
 @style.styled

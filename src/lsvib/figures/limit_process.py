@@ -72,7 +72,9 @@ def build(settings: of.Values) -> xr.Dataset:
 
     Γ₊ < 0, c_x = 0; the pairs of forces and dampings are the drives, ``start`` is that of the cycles.
     """
-    from lsvib.contact import stiff_limit
+    from lsvib.figures import stiff_limit
+    from lsvib.models.names import Event
+    from lsvib.models.rigid import MotionMode
 
     stiffness, base = np.array(settings["stiffness"], dtype=float), Drive.of(settings["drive"])
     along = "axial_force", "support_damping"
@@ -81,6 +83,9 @@ def build(settings: of.Values) -> xr.Dataset:
     start, speed, duration = settings["start"], settings["speed"], settings["duration"]
     branches = [b for d in drives for b in stiff_limit.branches(d, speed, duration, [start["u"], start["w"]])]
     deviations = _deviations(branches, stiffness, settings["fit_from"])
+    sign, region = np.array([(b.impact.sign, b.impact.region) for b in branches], dtype=np.int8).T
+    after = [[m.automaton.codes[m.mode[m.kind == Event.SEIZURE][0]] for m in b.rigid] for b in branches]
+    differ, follows = [b.differ for b in branches], "what follows the first seizure of the rigid drive"
     return xr.Dataset(
         deviations | _rules_followed(branches, deviations) | _indeterminate(drives[0], stiffness, speed, duration),
         coords={
@@ -88,7 +93,11 @@ def build(settings: of.Values) -> xr.Dataset:
             **cf.axis("contact_stiffness", stiffness),
             **cf.axis("contact_damping", stiffness, ("contact_stiffness",)),
             **phase_plane.rule_coordinate(),
-            **_branch_coordinates(branches),
+            "branch": cf.variable("branch", np.arange(len(branches)), "1", "index of the branch"),
+            "impact_sign": ("branch", sign, cf.SIGNS | {"long_name": "sign of the impact, none for a cycle"}),
+            "region": cf.flagged("branch", region, "where the screw stands after the impact", stiff_limit.Region),
+            "rules_differ": cf.yes_no("branch", differ, "the rigid motion depends on the rule of resuming"),
+            "outcome_after_seizure": cf.flagged(("branch", "rule"), after, follows, MotionMode),
             **cf.start_state(start, "of the cycles"),
             "impact_speed": cf.variable((), speed, "rad s-1", "screw speed before a seizure", r"$\dot\theta$"),
             "fit_from": cf.variable((), settings["fit_from"], "N m-1", "least stiffness that orders are fitted to"),
@@ -99,7 +108,7 @@ def build(settings: of.Values) -> xr.Dataset:
 
 def _deviations(branches: Sequence[LimitBranch], stiffness: np.ndarray, fit_from: float) -> cf.Variables:
     """Deviations from the rigid drive, by branch and contact stiffness [N/m], and the orders of their fall."""
-    from lsvib.contact import stiff_limit
+    from lsvib.figures import stiff_limit
 
     shape = len(branches), stiffness.size
     found = {name: np.full((*shape, len(RULES))[: len(dims) + 1], np.nan) for name, (dims, *_) in _QUANTITIES.items()}
@@ -171,121 +180,88 @@ def _rules_followed(branches: Sequence[LimitBranch], variables: cf.Variables) ->
     }
 
 
-def _branch_coordinates(branches: Sequence[LimitBranch]) -> cf.Variables:
-    from lsvib.contact import stiff_limit
-    from lsvib.models.rigid import MotionMode
-
-    sign, region = np.array([(b.impact.sign, b.impact.region) for b in branches], dtype=np.int8).T
-    after, dims = [[stiff_limit.outcome(motion) for motion in b.rigid] for b in branches], ("branch", "rule")
-    differ, words = [b.differ for b in branches], "what follows the first seizure of the rigid drive"
-    return {
-        "branch": cf.variable("branch", np.arange(len(branches)), "1", "index of the branch"),
-        "impact_sign": ("branch", sign, cf.SIGNS | {"long_name": "sign of the impact, none for a cycle"}),
-        "region": cf.flagged("branch", region, "where the screw stands after the impact", stiff_limit.Region),
-        "rules_differ": cf.yes_no("branch", differ, "the rigid motion depends on the rule of resuming"),
-        "outcome_after_seizure": cf.flagged(dims, after, words, MotionMode),
-    }
-
-
 def checks(dataset: xr.Dataset) -> list[Check]:
-    """Check the orders, the rule that each branch follows, and what the impacts do."""
-    return [*_convergence_checks(dataset), *_outcome_checks(dataset)]
-
-
-def _convergence_checks(dataset: xr.Dataset) -> list[Check]:
-    """Check that the motions tend to the rigid ones as contact and damping stiffen, and by which rule."""
+    """Check the orders, the rule that each branch follows, what impacts do, and the chapter's formula of one."""
     told, both = named(dataset.rule_followed, "contact sign"), named(dataset.rule_followed, "both")
     first, differ = dataset.isel(rule=0), dataset.rules_differ.values == 1
-    order, *others = (first[f"{name}_order"].values for name in _ERRORS)
-    closest, error = (float(x.max()) for x in (first.motion_distance[:, -1], first.motion_distance_order_error))
-    impact, fitted = ~named(dataset.region, "cycle"), dataset.contact_stiffness.values >= float(dataset.fit_from)
+    order, *others = (first[f"{name}_order"] for name in _ERRORS)
+    impact = ~named(dataset.region, "cycle")
     stops, brief = dataset.stop_time.values[impact], dataset.stop_time_order.values[impact]
-    stiffest = f"{float(dataset.contact_stiffness[-1]):.0e} N/m"
-    return [
-        Check.of(
-            "limit_process.converges",
-            f"{(told | both).sum()} of {told.size} branches, distance at most {closest:.1e} at k_c = {stiffest}, "
-            f"orders {order.min():.3f} to {order.max():.3f}, standard errors up to {error:.3f}",
-            (told | both).all(),
-            order=_ORDER,
-        ),
-        Check.of(
-            "limit_process.orders",
-            ", ".join(f"{np.nanmin(x):.3f} to {np.nanmax(x):.3f}" for x in others),
-            all(np.nanmin(x) >= _ORDER for x in others),
-            order=_ORDER,
-        ),
-        Check.of(
-            "limit_process.rules",
-            f"{(told & differ).sum()} of {differ.sum()} branches; distance or rest under at_once stays",
-            told[differ].all() and differ.any(),
-        ),
-        Check.of(
-            "limit_process.impact_time",
-            f"orders {brief.min():.3f} to {brief.max():.3f}; at most {stops[:, -1].max():.1e} s at k_c = {stiffest}",
-            (np.diff(stops[:, fitted], axis=-1) < 0).all() and brief.min() >= _ORDER,
-            order=_ORDER,
-        ),
-    ]
-
-
-def _outcome_checks(dataset: xr.Dataset) -> list[Check]:
-    """Check that impacts stop the screw in both paradoxes, and the chapter's formula of the velocity lost."""
-    stops = dataset.stop_time.values[~named(dataset.region, "cycle")]
-    stiff = dataset.isel(contact_stiffness=dataset.contact_stiffness.values >= float(dataset.fit_from))
-    stands, time = named(stiff.indeterminate_event, "stick"), stiff.indeterminate_time.values[:, 0]
+    fitted = dataset.contact_stiffness.values >= float(dataset.fit_from)
+    stiff, numbers = (
+        dataset.isel(contact_stiffness=fitted),
+        {"order": _ORDER, "stiffest": dataset.contact_stiffness[-1]},
+    )
+    seizes, turns = (named(stiff.indeterminate_event, kind) for kind in ("stick", "contact reversal"))
+    time = stiff.indeterminate_time.values[:, 0]
     error = np.abs(np.stack([stiff.formula_velocity, stiff.formula_velocity_limit]) - 1)
+    converges = {"told": told | both, "distance": first.motion_distance[:, -1], "orders": order}
+    quick = (np.diff(stops[:, fitted], axis=-1) < 0).all() and brief.min() >= _ORDER
+    ranges = [f"{float(x.min()):.3f} to {float(x.max()):.3f}" for x in others]
+    agrees = (np.diff(error) < 0).all() and error[:, -1].max() < 0.05
     return [
+        Check.that(
+            "limit_process.converges",
+            (told | both).all(),
+            errors=first.motion_distance_order_error,
+            **converges,
+            **numbers,
+        ),
+        Check.that("limit_process.orders", all(x.min() >= _ORDER for x in others), ranges=ranges, order=_ORDER),
+        Check.that("limit_process.rules", told[differ].all() and differ.any(), told=told & differ, differ=differ),
+        Check.that("limit_process.impact_time", quick, orders=brief, times=stops[:, -1], **numbers),
         Check.everywhere("limit_process.stands", np.isfinite(stops), "impacts"),
-        Check.of(
+        Check.that(
             "limit_process.seizes",
-            f"{stands[:, 0].sum()} of {stands[:, 0].size} contacts, {time[..., -1].max():.1e} s with the stiffest",
-            stands[:, 0].all() and (np.diff(time) < 0).all(),
+            seizes[:, 0].all() and (np.diff(time) < 0).all(),
+            seizes=seizes[:, 0],
+            time=time[..., -1],
         ),
-        Check.of(
-            "limit_process.turns_on",
-            f"{(~stands[:, 1]).sum()} of {stands[:, 1].size} contacts",
-            named(stiff.indeterminate_event, "contact reversal")[:, 1].all(),
-        ),
-        Check.of(
-            "limit_process.formula",
-            f"off by {error[0, -1]:.1e} and {error[1, -1]:.1e} with the stiffest contact",
-            (np.diff(error) < 0).all() and error[:, -1].max() < 0.05,
-        ),
+        Check.that("limit_process.turns_on", turns[:, 1].all(), turns=~seizes[:, 1]),
+        Check.that("limit_process.formula", agrees, whole=error[0, -1], limit=error[1, -1]),
     ]
 
 
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw (a) the distances and (b) the orders branch by branch; (c) the errors over the stiffness."""
-    figure, first = style.new_figure(style.DOUBLE, 5.6), dataset.isel(rule=0)
-    branches, curve = figure.subfigures(2, 1, height_ratios=(2.2, 1))
-    columns = branches.subplots(2, 1, sharex=True, height_ratios=(1.3, 1))
-    _distances(columns[0], dataset)
-    for k, (name, (colour, words, mark)) in enumerate(_ERRORS.items()):
-        order, error = (first[f"{name}_{what}"] for what in ("order", "order_error"))
-        columns[1].errorbar(dataset.branch + 0.18 * (k - 1.5), order, error, color=colour, fmt=mark, markersize=2.5,
-                            linewidth=0.6, label=words)  # fmt: skip
-    columns[1].set(title="(b) fitted orders", ylabel="Order in $1/k_c$")
-    _name_branches(columns, dataset)
-    _errors(curve.subplots(), first)
-    return figure
+    """Draw (a) the distances and (b) the orders, each column a branch; (c) the errors over the stiffness.
 
-
-def _distances(axes: style.Axes, dataset: xr.Dataset) -> None:
-    """A column for each branch: the softest contact on top, the stiffest below; crosses where the rules differ."""
+    In (a) the softest contact is on top, the stiffest below; crosses stand where the rules differ. (c) has the range
+    over the branches, and a triangle of order one.
+    """
     from matplotlib import colormaps
 
-    shades = colormaps["Blues"](np.linspace(0.15, 1, dataset.sizes["contact_stiffness"]))
-    for stiffness, distance, colour in zip(dataset.contact_stiffness, dataset.motion_distance[..., 0].T, shades,
-                                           strict=True):  # fmt: skip
-        axes.plot(dataset.branch, distance, "o", color=colour, mec=style.BLUE, mew=0.4, markersize=3.2,
-                  label=f"$k_c$ = {style.number(stiffness)} N m⁻¹")  # fmt: skip
+    figure, first, branch = style.new_figure(style.DOUBLE, 5.6), dataset.isel(rule=0), dataset.branch
+    above, below = figure.subfigures(2, 1, height_ratios=(2.2, 1))
+    (distance, orders), errors = above.subplots(2, 1, sharex=True, height_ratios=(1.3, 1)), below.subplots()
+    stiffness = dataset.contact_stiffness
+    shades = colormaps["Blues"](np.linspace(0.15, 1, stiffness.size))
+    for value, own, colour in zip(stiffness, first.motion_distance.T, shades, strict=True):
+        distance.plot(branch, own, "o", color=colour, mec=style.BLUE, mew=0.4, markersize=3.2,
+                      label=f"$k_c$ = {style.number(value)} N m⁻¹")  # fmt: skip
     other = dataset.motion_distance[:, -1, 1].where(dataset.rules_differ == 1)
     words = "stiffest contact against\nthe other rule, at once"
-    axes.plot(dataset.branch, other, "x", color=style.VERMILION, markersize=4.5, label=words)
-    axes.set(yscale="log", ylabel="Distance to the\nrigid motion")
-    axes.set_title("(a) distance, each column a branch", pad=25)
+    distance.plot(branch, other, "x", color=style.VERMILION, markersize=4.5, label=words)
+    distance.set(yscale="log", ylabel="Distance to the\nrigid motion")
+    distance.set_title("(a) distance, each column a branch", pad=25)
+    for k, (name, (colour, words, mark)) in enumerate(_ERRORS.items()):
+        order, error = (first[f"{name}_{what}"] for what in ("order", "order_error"))
+        orders.errorbar(branch + 0.18 * (k - 1.5), order, error, color=colour, fmt=mark, markersize=2.5, linewidth=0.6,
+                        label=words)  # fmt: skip
+        values = np.abs(first[name])
+        values = values / first.rigid_duration if name == "rest_error" else values
+        low, middle, high = values.where(values > 0).quantile([0, 0.5, 1], "branch")
+        errors.fill_between(stiffness, low, high, color=colour, alpha=0.18, linewidth=0)
+        errors.plot(stiffness, middle, mark + "-", color=colour, linewidth=1.0, markersize=2.5)
+    orders.set(title="(b) fitted orders", ylabel="Order in $1/k_c$")
+    _name_branches((distance, orders), dataset)
+    right = float(stiffness[-1]) / 2
+    errors.plot([right / 100, right], [1, 0.01], color=style.BLACK, linewidth=0.7, zorder=3)
+    errors.text(right / 100, 1, "order 1 ", ha="right", va="center", fontsize=6.5)
+    style.frame(errors, "(c) all errors: median, range", "Contact stiffness $k_c$ [N m⁻¹]", "Relative error",
+                xscale="log", yscale="log", xlim=stiffness.values[[0, -1]])  # fmt: skip
+    errors.text(0.04, 0.04, "colours and marks of (b)", fontsize=6.5, transform=errors.transAxes)
+    return figure
 
 
 def _name_branches(columns: Sequence[style.Axes], dataset: xr.Dataset) -> None:
@@ -310,20 +286,3 @@ def _name_branches(columns: Sequence[style.Axes], dataset: xr.Dataset) -> None:
         force, damping = (style.number(value) for value in drives[:, start])
         columns[0].text((start + stop - 1) / 2, 1.02, f"$R$ = {force} N\n$c$ = {damping}", ha="center", va="bottom",
                         fontsize=7.5, transform=columns[0].get_xaxis_transform())  # fmt: skip
-
-
-def _errors(axes: style.Axes, dataset: xr.Dataset) -> None:
-    """Range over the branches of each error, and a triangle of order one."""
-    for name, (colour, _, mark) in _ERRORS.items():
-        values = np.abs(dataset[name])
-        values = values / dataset.rigid_duration if name == "rest_error" else values
-        low, middle, high = values.where(values > 0).quantile([0, 0.5, 1], "branch")
-        axes.fill_between(dataset.contact_stiffness, low, high, color=colour, alpha=0.18, linewidth=0)
-        axes.plot(dataset.contact_stiffness, middle, mark + "-", color=colour, linewidth=1.0, markersize=2.5)
-    right = float(dataset.contact_stiffness[-1]) / 2
-    left = right / 100
-    axes.plot([left, right], [1, 0.01], color=style.BLACK, linewidth=0.7, zorder=3)
-    axes.text(left, 1, "order 1 ", ha="right", va="center", fontsize=6.5)
-    axes.set(title="(c) all errors: median, range", ylabel="Relative error", xlabel="Contact stiffness $k_c$ [N m⁻¹]",
-             xscale="log", yscale="log", xlim=dataset.contact_stiffness.values[[0, -1]])  # fmt: skip
-    axes.text(0.04, 0.04, "colours and marks of (b)", fontsize=6.5, transform=axes.transAxes)

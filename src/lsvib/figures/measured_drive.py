@@ -86,49 +86,50 @@ def build(settings: Values) -> xr.Dataset:
     from lsvib.fit.law import Measured, fitted
     from lsvib.fit.records import look
     from lsvib.fit.stick_slip import breaking, explained, surely_even_from
-    from lsvib.fit.tables import steady_point
+    from lsvib.fit.tables import read_table, steady_point
 
-    tables = {table.name: table for table in _tables()}
+    if not TABLES:
+        raise InputError("The tables of figure measured_drive come with a checkout of lsvib only, in examples.")
+    factors = (-RPM, -0.0984e-3, 1e-3)  # signs of the motor; per cent of 9.84 mN m; ms
+    tables = {file.name: read_table(file, (2, 3, 1), factors, ";") for file in TABLES}
     records: dict[str, Any] = {name: look(table) for name, table in tables.items()}
     points = [steady_point(table) for name, table in tables.items() if records[name].kind == "even"]
     points.sort(key=lambda point: point.speed)
     speed, torque = (np.array([getattr(point, name) for point in points]) for name in ("speed", "torque"))
     jerks = {sense: (tables[name], records[name]) for sense, name in SLOW_FILES.items()}
     torn, loose = breaking((sense, LOAD, record) for sense, (_, record) in jerks.items())
-    own = np.full(speed.size, LOAD), RADIUS, PUBLISHED["lead_angle"]
+    own, under = (np.full(speed.size, LOAD), RADIUS, PUBLISHED["lead_angle"]), (LOAD, PUBLISHED["mass"])
     measured = Measured(speed, torque, *own, np.array(torn), loose=loose)
     fit = fitted(measured)
-    under = LOAD, PUBLISHED["mass"]
     found = {(sense * SLOW, *under): record for sense, (_, record) in jerks.items()}
     even = [((one.speed, *under), 0.0) for one in points]
     told: Any = explained(measured, fit.main, found, even, PUBLISHED["screw_inertia"])
     drive = Drive(**PUBLISHED, **fit.main.drive(), coupling_stiffness=told.stiffness[0], support_damping=told.middle)
     rows = [_beside(drive.replace(input_speed=sense * SLOW), *jerks[sense]) | {"turn_swing": _once_a_turn(tables[name])}
             for sense, name in EVEN_FILES.items()]  # fmt: skip
-    variables, coordinates, more = fit_variables(fit, points)
     dampings = spans.even(settings["dampings"])
 
-    def limit(sense: int, damping: float) -> float:
-        """The speed from which on the model runs evenly."""
+    def even_from(sense: int, damping: float) -> float:
         damped = drive.replace(support_damping=damping)
         return surely_even_from(lambda speed: damped.replace(input_speed=sense * speed), 100 * EVEN)
 
-    limits = [[limit(sense, damping) for damping in dampings.tolist()] for sense in jerks]
+    limits = [[even_from(sense, damping) for damping in dampings.tolist()] for sense in jerks]
+    variables, coordinates, more = fit_variables(fit, points)
     variables |= {
-        **{name: variable(("direction", *dims), [row[name] for row in rows], unit, words)
-           for name, (dims, unit, words) in _ROWS.items()},
-        "even_speed": variable(
-            ("direction", "support_damping"), limits, "rad s-1", "speed from which on the model is even once started"
-        ),
-        "explaining_damping": variable(
-            "bound", np.array(told.damping), "N m s rad-1", "least and largest damping that explain all files"
-        ),
-    }  # fmt: skip
-    given = {name: value for name, value in drive if name not in ("input_speed", "support_damping")}
-    variables["input_speed"] = ("direction", [sense * SLOW for sense in jerks], parameter("input_speed", VARIED))
+        name: variable(("direction", *dims), [row[name] for row in rows], unit, words)
+        for name, (dims, unit, words) in _ROWS.items()
+    }
+    over, from_it = ("direction", "support_damping"), "speed from which on the model is even once started"
+    ends = "least and largest damping that explain all files"
     variables |= {
-        name: ((), value, parameter(name, f"given: published, measured or fitted, {SOURCE}"))
-        for name, value in given.items()
+        "even_speed": variable(over, limits, "rad s-1", from_it),
+        "explaining_damping": variable("bound", np.array(told.damping), "N m s rad-1", ends),
+        "input_speed": ("direction", [sense * SLOW for sense in jerks], parameter("input_speed", VARIED)),
+        **{
+            name: ((), value, parameter(name, f"given: published, measured or fitted, {SOURCE}"))
+            for name, value in drive
+            if name not in ("input_speed", "support_damping")
+        },
     }
     coordinates |= {
         **axis("support_damping", dampings),
@@ -141,18 +142,18 @@ def build(settings: Values) -> xr.Dataset:
     return xr.Dataset(variables, coordinates, {**words, **more})
 
 
-def _tables() -> list[Any]:
-    from lsvib.fit.tables import read_table
-
-    if not TABLES:
-        raise InputError("The tables of figure measured_drive come with a checkout of lsvib only, in examples.")
-    factors = (-RPM, -0.0984e-3, 1e-3)  # signs of the motor; per cent of 9.84 mN m; ms
-    return [read_table(file, (2, 3, 1), factors, ";") for file in TABLES]
-
-
 def _beside(drive: Drive, table: Any, record: Any) -> dict[str, Any]:
-    """A record of jerks beside the cycle of the model that has its period, averaged and sampled alike."""
+    """A record of jerks beside the cycle of the model that has its period, averaged and sampled alike.
+
+    Speeds are recorded in whole rpm. A swing is the standard deviation about means over 31 samples, ten jerks.
+    """
     from lsvib.stability.starting import end_from_rest
+
+    def fast_share(speed: np.ndarray) -> float:
+        return float(np.mean(np.round(speed / RPM) > 3))
+
+    def swing(torque: np.ndarray) -> float:
+        return float(np.std((torque - np.convolve(torque, np.full(31, 1 / 31), "same"))[15:-15]))
 
     sense = math.copysign(1.0, drive.input_speed)
     low, high = 1.001 * (drive.friction_coefficient + drive.stribeck_rise), 3.0
@@ -160,30 +161,22 @@ def _beside(drive: Drive, table: Any, record: Any) -> dict[str, Any]:
         middle = 0.5 * (low + high)
         shorter = not end_from_rest(drive.replace(static_friction_coefficient=middle)).period >= record.period[0]
         low, high = (middle, high) if shorter else (low, middle)
-    own = drive.replace(static_friction_coefficient=high)
-    averaged, fastest, balanced = _cycle(own)
+    averaged, fastest, balanced = _cycle(drive.replace(static_friction_coefficient=high))
+    recorded, torque = sense * table.speed, sense * table.torque
     windows = np.linspace(0.02, 0.15, 131)
-    seen = _fast_share(sense * table.speed)
-    window = float(min(windows, key=lambda one: abs(_fast_share(averaged(table.time, one)[0]) - seen)))
-    torque, (speed, model) = sense * table.torque, averaged(table.time, window)
+    window = float(min(windows, key=lambda one: abs(fast_share(averaged(table.time, one)[0]) - fast_share(recorded))))
+    speed, model = averaged(table.time, window)
     shown = torque[: RECORD_TIMES.size]
     starts = np.linspace(0, record.period[0], 200, endpoint=False)
     start = min(starts, key=lambda at: np.var(averaged(RECORD_TIMES + at, window)[1] - shown))
     return {
         "jerk_period": record.period[0], "jerk_period_error": record.period[1], "jerk_stiffness": record.stiffness[0],
         "averaging": window, "period_by_torque": end_from_rest(drive).period, "static_by_period": high,
-        "largest_speed": fastest,
-        "energy_balance": balanced, "standing_speed": np.median(sense * table.speed),
-        "swing": [_swing(torque), _swing(model)],
-        "recorded_top": [np.quantile(one, TOP) for one in (sense * table.speed, speed)],
+        "largest_speed": fastest, "energy_balance": balanced, "standing_speed": np.median(recorded),
+        "swing": [swing(torque), swing(model)], "recorded_top": [np.quantile(one, TOP) for one in (recorded, speed)],
         "mean_torque": [torque.mean(), model.mean()], "recorded_torque": shown,
         "model_torque": averaged(MODEL_TIMES + start, window)[1],
     }  # fmt: skip
-
-
-def _fast_share(speed: np.ndarray) -> float:
-    """The share of samples above 3 rpm of a speed that is recorded in whole rpm."""
-    return float(np.mean(np.round(speed / RPM) > 3))
 
 
 def _cycle(drive: Drive) -> tuple[Any, float, float]:
@@ -220,11 +213,6 @@ def _once_a_turn(table: Any) -> float:
     return float(np.hypot(*found[2:]) / abs(table.torque.mean()))
 
 
-def _swing(torque: np.ndarray) -> float:
-    """The standard deviation of a record about its means over 31 samples, ten jerks [N m]."""
-    return float(np.std((torque - np.convolve(torque, np.full(31, 1 / 31), "same"))[15:-15]))
-
-
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the points against those computed apart, the law against the points, and the model against the records."""
     half = dataset.half_sum * 1e3
@@ -243,17 +231,17 @@ def checks(dataset: xr.Dataset) -> list[Check]:
     faster = float((dataset.recorded_top[:, 1] / dataset.recorded_top[:, 0]).min())
     return [
         *(Check.of("measured_drive.half_sum", halves[rpm], expected=x, rpm=rpm) for rpm, x in HALF_SUMS.items()),
-        Check.of("measured_drive.law", f"{rms:.4f} and {worst:.4f} mN m", rms <= 0.045 and worst <= 0.12),
+        Check.that("measured_drive.law", rms <= 0.045 and worst <= 0.12, rms=rms, worst=worst),
         Check.of("measured_drive.angles", ratio, expected=1.0),
-        Check.of("measured_drive.separable", lost, "coulomb" in lost and "viscous" in lost),
-        Check.of("measured_drive.falls", f"least at {least:.0f} rpm, rise {rise:.3g} ± {off:.1g}", rise > 4 * off),
+        Check.that("measured_drive.separable", "coulomb" in lost and "viscous" in lost, lost=lost),
+        Check.that("measured_drive.falls", rise > 4 * off, least=least, rise=rise, off=off),
         *(Check.of("measured_drive.frequency", 1 / x, way=way) for way, x in zip(ways, jerks, strict=True)),
         *(Check.of("measured_drive.stiffness", x, way=way) for way, x in zip(ways, stiffness, strict=True)),
-        Check.of("measured_drive.damping", f"{low:.3g} to {high:.3g} N m s/rad", 0 < low < high),
-        Check.of("measured_drive.swing", f"to {swing:.1%}", swing < 0.1),
-        Check.of("measured_drive.climb", f"{stands:.2f} rpm; {faster:.2f} times as fast", 0.8 < stands < 1.2 < faster),
-        Check.of("measured_drive.rest", f"every {back:.3f} s back, {out:.3f} s outward", out < back < jerks.min()),
-        Check.of("measured_drive.turn", " and ".join(f"{x:.0%}" for x in turns), all(0.05 < x < 0.15 for x in turns)),
+        Check.that("measured_drive.damping", 0 < low < high, low=low, high=high),
+        Check.that("measured_drive.swing", swing < 0.1, swing=swing),
+        Check.that("measured_drive.climb", 0.8 < stands < 1.2 < faster, stands=stands, faster=faster),
+        Check.that("measured_drive.rest", out < back < jerks.min(), back=back, out=out),
+        Check.that("measured_drive.turn", ((turns > 0.05) & (turns < 0.15)).all(), turns=turns),
         balance_check("jerks at 2 rpm", dataset),
     ]
 
@@ -273,17 +261,29 @@ def _by_angles(dataset: xr.Dataset) -> np.ndarray:
 
 @style.styled
 def draw(dataset: xr.Dataset) -> style.Figure:
-    """Draw the law, the records of jerks beside the model, the speed from which on it is even, and residuals."""
+    """Draw the law, the records of jerks beside the model, the speed from which on it is even, and residuals.
+
+    The torque of the model is less the difference of both means.
+    """
     figure = style.new_figure(style.DOUBLE, 5.2)
     (torque, record), (limit, residual) = figure.subplots(2, 2)
     torque_panel(torque, dataset)
     residual_panel(residual, dataset.isel(end=[0]))
-    _records(record, dataset)
     low, high = dataset.explaining_damping.values
     limit.axvspan(low, high, color=style.GREY, alpha=0.25, linewidth=0)
-    for line, (_, colour, dashes, words) in zip(dataset.even_speed, _LOOKS, strict=True):
-        kept = line.where((line > 0) & np.isfinite(line))
+    looks = ((style.VERMILION, "o", "-", "lifting"), (style.BLUE, "s", "--", "lowering"))
+    for row, (colour, mark, dashes, words) in enumerate(looks):
+        own = dataset.isel(direction=row)
+        shift = float(own.mean_torque[0] - own.mean_torque[1])
+        record.plot(dataset.record_time, own.recorded_torque * 1e3, mark, color=colour, markersize=3,
+                    label=f"record, {words}")  # fmt: skip
+        record.plot(dataset.model_time, (own.model_torque + shift) * 1e3, dashes, color=colour, linewidth=0.9,
+                    label=f"model less {-shift * 1e3:.2f} mN m")  # fmt: skip
+        kept = own.even_speed.where((own.even_speed > 0) & np.isfinite(own.even_speed))
         limit.plot(dataset.support_damping, kept / RPM, dashes, color=colour, label=f"model, {words}")
+    bottom, top = record.get_ylim()
+    record.set(xlabel="Time [s]", ylabel="Torque of the motor [mN m]", ylim=(bottom, top + 0.3 * (top - bottom)))
+    record.legend(fontsize=7, ncols=2, loc="upper left", columnspacing=0.8, handletextpad=0.3)
     at = math.sqrt(low * high)
     for rpm, mark, words in ((SLOW / RPM, "v", "jerked"), (EVEN / RPM, "^", "was even")):
         limit.plot(at, rpm, mark, color="black", markersize=4)
@@ -299,23 +299,6 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     for axes, title in zip((torque, record, limit, residual), titles, strict=True):
         axes.set_title(title)
     return figure
-
-
-_LOOKS = ((-1, style.VERMILION, "-", "lifting"), (1, style.BLUE, "--", "lowering"))
-
-
-def _records(axes: style.Axes, dataset: xr.Dataset) -> None:
-    """Draw the records of jerks, and the model less the difference of both means."""
-    for row, (sense, colour, dashes, words) in enumerate(_LOOKS):
-        own = dataset.isel(direction=row)
-        shift = float(own.mean_torque[0] - own.mean_torque[1])
-        axes.plot(dataset.record_time, own.recorded_torque * 1e3, "os"[sense > 0], color=colour, markersize=3,
-                  label=f"record, {words}")  # fmt: skip
-        axes.plot(dataset.model_time, (own.model_torque + shift) * 1e3, dashes, color=colour, linewidth=0.9,
-                  label=f"model less {-shift * 1e3:.2f} mN m")  # fmt: skip
-    low, high = axes.get_ylim()
-    axes.set(xlabel="Time [s]", ylabel="Torque of the motor [mN m]", ylim=(low, high + 0.3 * (high - low)))
-    axes.legend(fontsize=7, ncols=2, loc="upper left", columnspacing=0.8, handletextpad=0.3)
 
 
 def torque_panel(axes: style.Axes, dataset: xr.Dataset) -> None:

@@ -47,7 +47,7 @@ def build(settings: Values) -> xr.Dataset:
     nuts = [drive.replace(nut_inertia=float(value)) for value in inertia]
     closed = [critical_value(nut, "mass") for nut in nuts]
     # Where the product of both 1/ω² changes its sign, between zero and the rigid one.
-    passing = [bisected(lambda m, nut=nut: not _signs(nut, m) > 0, 0.0, rigid) for nut in nuts]
+    passing = [bisected(lambda m, nut=dict(nut): _passed(nut | {"mass": m}), 0.0, rigid) for nut in nuts]
     by = "critical mass, where an eigenvalue 1/omega^2 passes through zero"
     grid = {**dict(drive), "friction_coefficient": friction[:, None], "nut_inertia": inertia}
     kinds, plane = undamped_class(grid, law=1), ("friction_coefficient", "nut_inertia")
@@ -84,9 +84,9 @@ def build(settings: Values) -> xr.Dataset:
     )
 
 
-def _signs(drive: Drive, mass: float) -> float:
-    """Sign of the product of both 1/ω² at a mass [kg]."""
-    return np.prod(np.sign(reciprocal_squares({**dict(drive), "mass": mass}, law=1).real))
+def _passed(drive: Values) -> bool:
+    """Whether the product of both 1/ω² is not positive."""
+    return not np.prod(np.sign(reciprocal_squares(drive, law=1).real)) > 0
 
 
 def _boundary_friction(drive: Drive, inertia: np.ndarray) -> np.ndarray:
@@ -99,23 +99,40 @@ def _boundary_friction(drive: Drive, inertia: np.ndarray) -> np.ndarray:
 
 
 def checks(dataset: xr.Dataset) -> list[Check]:
-    """Check the map against (8.33) and det M_0, with damping too, and the critical mass against Remark 8.6."""
-    drive = newton.parameters(dataset)
-    grid = over_map(dataset, drive)
-    # Closer to (8.33) rounding may decide.
-    clear = np.abs(effective_inertia(grid, law=1)) > 1e-9 * screw_inertia(grid)
-    dataset = dataset.assign(clear=(dataset.stability.dims, clear))
-    return [*_class_checks(dataset, drive, grid), *_critical_mass_checks(dataset, drive), *_deflection_checks(dataset)]
+    """Check the map against (8.33) and det M_0, with damping too, the critical mass, and the printed deflections.
 
-
-def _class_checks(dataset: xr.Dataset, drive: Values, grid: Values) -> list[Check]:
-    """Check the classes by (8.33), its boundary in closed form, the printed inertia matrix and LAPACK with damping.
-
-    All of it but for rounding (``clear``).
+    The critical mass against Remark 8.6, by eigenvalues, and for a light and a heavy nut; the deflections of steady
+    sliding by the force and the friction of the threads alone.
     """
+    drive = newton.parameters(dataset)
+    inertia, rigid = dataset.nut_inertia.values, float(dataset.critical_mass)
+    mass, passing = dataset.critical_mass_with_nut.values, dataset.critical_mass_with_nut_by_eigenvalues.values
+    factor = mass / rigid * (drive["screw_inertia"] + inertia) / inertia
+    lowers = (np.diff(mass) > 0).all() and mass[-1] < rigid < mass[-1] * (1 + 0.01)
+    p = dataset.drop_vars("friction_coefficient").rename(drawn_friction_coefficient="friction_coefficient")
+    printed_moment = float(p.pitch_radius * printed_laws.factor(p, 1) * p.axial_force)  # R Ω > 0, F_0 = T_0 = 0
+    force, (mu, angle) = p.axial_force / printed_laws.lever(p, 1), (p.friction_coefficient, p.lead_angle)
+    turns = float(p.pitch_radius * force * (mu * np.cos(angle) - np.sin(angle)))  # the nut, and brakes the screw
+    on_screw = float(-p.coupling_stiffness * p.steady_deflection - p.support_damping * p.input_speed)
+    plus, minus = (abs(on_screw - sign * printed_moment) / turns for sign in (1, -1))  # k_2 θ_20 = ± r_m ξ_0 R
+    return [
+        *_class_checks(dataset, drive),
+        Check.of("nut_stability.lowered", factor, expected=1.0),
+        Check.of("nut_stability.eigenvalues", passing / mass, expected=1.0),
+        Check.that("nut_stability.light", lowers, masses=mass, rigid=rigid),
+        Check.of("nut_stability.deflection", on_screw / turns, expected=1.0),
+        Check.that("nut_stability.balance", plus < 1e-12 < minus, plus=plus, minus=minus),
+    ]
+
+
+def _class_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
+    """Check the classes by (8.33), its boundary in closed form, the printed inertia matrix and LAPACK with damping."""
+    grid = over_map(dataset, drive)
+    reduced = effective_inertia(grid, law=1)
+    clear = np.abs(reduced) > 1e-9 * screw_inertia(grid)  # closer to (8.33) rounding may decide
     kinematic, other = (named(dataset.stability, *x) for x in (["kinematic constraint"], ["flutter", "divergence"]))
-    clear, part = dataset.clear.values, thinned(dataset, 40)
-    wrong = int(np.sum(clear & (kinematic != (effective_inertia(grid, law=1) < 0))))
+    part = thinned(dataset.assign(clear=(dataset.stability.dims, clear)), 40)
+    wrong = int(np.sum(clear & (kinematic != (reduced < 0))))
     grows = eigenvalues(over_map(part, drive), law=1)[..., -1].real > 0
     differ = part.clear.values & (grows != named(part.stability, "kinematic constraint"))
     opposite = np.sum(clear & ((polynomial(grid, law=1)[0] < 0) != kinematic))
@@ -123,51 +140,14 @@ def _class_checks(dataset: xr.Dataset, drive: Values, grid: Values) -> list[Chec
     off = np.sum(clear & (kinematic != (friction > edge)))  # no edge: none
     on_edge = {**drive, "friction_coefficient": edge, "nut_inertia": dataset.nut_inertia.values}
     left = float(np.nanmax(np.abs(effective_inertia(on_edge, law=1)) / screw_inertia(on_edge)))
+    holds = wrong == 0 and 0 < kinematic.sum() < kinematic.size
     return [
-        Check.of(
-            "nut_stability.classes",
-            f"{wrong} exceptions among {clear.sum()} points, {kinematic.sum()} of them kinematic",
-            wrong == 0 and 0 < kinematic.sum() < kinematic.size,
-        ),
+        Check.that("nut_stability.classes", holds, wrong=wrong, clear=clear, kinematic=kinematic),
         Check.everywhere("nut_stability.no_other", ~other, "points"),
         Check.without_exception("nut_stability.determinant", opposite, clear.sum()),
         Check.without_exception("nut_stability.damped", differ.sum(), part.clear.sum()),
         Check.without_exception("nut_stability.boundary", off, clear.sum()),
-        Check.of(
-            "nut_stability.equality",
-            f"largest remainder {left:.1e} at {np.isfinite(edge).sum()} of {edge.size} inertias",
-            left < 1e-12,
-        ),
-    ]
-
-
-def _deflection_checks(p: xr.Dataset) -> list[Check]:
-    """Check the printed deflections of steady sliding by the force and the friction of the threads alone."""
-    own = p.drop_vars("friction_coefficient").rename(drawn_friction_coefficient="friction_coefficient")
-    printed_moment = float(p.pitch_radius * printed_laws.factor(own, 1) * p.axial_force)  # R Ω > 0, F_0 = T_0 = 0
-    force, (mu, angle) = p.axial_force / printed_laws.lever(own, 1), (own.friction_coefficient, p.lead_angle)
-    turns = float(p.pitch_radius * force * (mu * np.cos(angle) - np.sin(angle)))  # the nut, and brakes the screw
-    on_screw = float(-p.coupling_stiffness * p.steady_deflection - p.support_damping * p.input_speed)
-    plus, minus = (abs(on_screw - sign * printed_moment) / turns for sign in (1, -1))  # k_2 θ_20 = ± r_m ξ_0 R
-    return [
-        Check.of("nut_stability.deflection", on_screw / turns, expected=1.0),
-        Check.of("nut_stability.balance", f"remainder {plus:.1e} and {minus:.3g} of r_m ξ_0 R", plus < 1e-12 < minus),
-    ]
-
-
-def _critical_mass_checks(dataset: xr.Dataset, drive: Values) -> list[Check]:
-    """Check the critical mass against Remark 8.6, by eigenvalues, and for a light and a heavy nut."""
-    inertia, rigid = dataset.nut_inertia.values, float(dataset.critical_mass)
-    own, theirs = dataset.critical_mass_with_nut.values, dataset.critical_mass_with_nut_by_eigenvalues.values
-    factor = own / rigid * (drive["screw_inertia"] + inertia) / inertia
-    return [
-        Check.of("nut_stability.lowered", factor, expected=1.0),
-        Check.of("nut_stability.eigenvalues", theirs / own, expected=1.0),
-        Check.of(
-            "nut_stability.light",
-            f"from {own[0]:.3g} kg to {own[-1]:.5g} kg, rigid {rigid:.5g} kg",
-            bool((np.diff(own) > 0).all()) and own[-1] < rigid < own[-1] * (1 + 0.01),
-        ),
+        Check.that("nut_stability.equality", left < 1e-12, left=left, edge=np.isfinite(edge)),
     ]
 
 
@@ -176,41 +156,33 @@ def draw(dataset: xr.Dataset) -> style.Figure:
     """Draw (a) the critical mass over the inertia of the nut and (b) the classes over that and the friction."""
     figure = style.new_figure(style.DOUBLE, 3.5)
     mass, plane = figure.subplots(1, 2)
-    _critical_mass(mass, dataset)
-    _map(plane, dataset)
+    rigid, inertia, screw = float(dataset.critical_mass), dataset.nut_inertia, float(dataset.screw_inertia)
+    some = dataset.isel(nut_inertia=np.linspace(0, inertia.size - 1, 12).astype(int))
+    mass.plot(inertia, dataset.critical_mass_with_nut, color=style.BLUE, label="boundary by (8.33)")
+    mass.plot(some.nut_inertia, some.critical_mass_with_nut_by_eigenvalues, "o", color=style.VERMILION, zorder=3,
+              label="by eigenvalues", clip_on=False)  # fmt: skip
+    shade = {"color": _COLOURS["kinematic constraint"], "linewidth": 0}
+    mass.fill_between(inertia, dataset.critical_mass_with_nut, 1.15 * rigid, **shade)
+    mass.axhline(rigid, color=style.GREY, linewidth=0.9, linestyle="--")
+    mass.annotate(f"nut that cannot turn: {rigid:.3f} kg", (0.03, rigid), (0, 3), color="#505050", fontsize=6.5,
+                  xycoords=mass.get_yaxis_transform(), textcoords="offset points")  # fmt: skip
+    mass.axvline(screw, 0, 0.82, color=style.BLACK, linewidth=0.6, linestyle=":")
+    mass.text(screw, 0.06, " $I_2 = I$", fontsize=7.5, transform=mass.get_xaxis_transform())
+    friction, drawn = dataset.friction_coefficient, float(dataset.drawn_friction_coefficient)
+    title = rf"(a) critical mass, $\mu$ = {style.number(drawn)}"
+    style.frame(mass, title, inertia, "Critical mass $m_\\mathrm{cr}$ [kg]", xscale="log", ylim=(0, 1.15 * rigid))
+    mass.set_xlim(inertia[[0, -1]])
+    drawing.regions(plane, friction, inertia, dataset.stability.T, _COLOURS)
+    plane.plot(dataset.critical_friction_with_nut, inertia, color=style.BLUE)
+    tangent = float(np.tan(dataset.lead_angle))
+    plane.axvline(tangent, color=style.BLACK, linewidth=0.6, linestyle=":")
+    plane.axvline(drawn, color=style.GREY, linewidth=0.9, linestyle="--")
+    look = {"fontsize": 6.5, "va": "top", "transform": plane.get_xaxis_transform()}
+    plane.text(tangent, 0.94, r"$\mu = \tan\lambda$ ", ha="right", **look)
+    plane.text(drawn, 0.94, rf" {drawn:g} of (a)", color="#505050", **look)
+    limits = {"xlim": friction[[0, -1]], "ylim": inertia[[0, -1]]}
+    title = f"(b) classes, $m$ = {style.number(dataset.mass)} kg"
+    style.frame(plane, title, friction, inertia, yscale="log", **limits)
     words = {"kinematic constraint": "unstable: kinematic constraint", "stable": "stable"}
     patches = drawing.patches(((_COLOURS[name], None, label) for name, label in words.items()), style.GREY)
     return style.legend(figure, [mass, plane], 4, patches)
-
-
-def _critical_mass(axes: style.Axes, dataset: xr.Dataset) -> None:
-    rigid, inertia, screw = float(dataset.critical_mass), dataset.nut_inertia, float(dataset.screw_inertia)
-    some = dataset.isel(nut_inertia=np.linspace(0, inertia.size - 1, 12).astype(int))
-    axes.plot(inertia, dataset.critical_mass_with_nut, color=style.BLUE, label="boundary by (8.33)")
-    axes.plot(some.nut_inertia, some.critical_mass_with_nut_by_eigenvalues, "o", color=style.VERMILION, zorder=3,
-              label="by eigenvalues", clip_on=False)  # fmt: skip
-    shade = {"color": _COLOURS["kinematic constraint"], "linewidth": 0}
-    axes.fill_between(inertia, dataset.critical_mass_with_nut, 1.15 * rigid, **shade)
-    axes.axhline(rigid, color=style.GREY, linewidth=0.9, linestyle="--")
-    axes.annotate(f"nut that cannot turn: {rigid:.3f} kg", (0.03, rigid), (0, 3), color="#505050", fontsize=6.5,
-                  xycoords=axes.get_yaxis_transform(), textcoords="offset points")  # fmt: skip
-    axes.axvline(screw, 0, 0.82, color=style.BLACK, linewidth=0.6, linestyle=":")
-    axes.text(screw, 0.06, " $I_2 = I$", fontsize=7.5, transform=axes.get_xaxis_transform())
-    friction = style.number(dataset.drawn_friction_coefficient)
-    style.frame(axes, rf"(a) critical mass, $\mu$ = {friction}", inertia, "Critical mass $m_\\mathrm{cr}$ [kg]",
-                xscale="log", ylim=(0, 1.15 * rigid), xlim=inertia[[0, -1]])  # fmt: skip
-
-
-def _map(axes: style.Axes, dataset: xr.Dataset) -> None:
-    friction, inertia = dataset.friction_coefficient, dataset.nut_inertia
-    drawing.regions(axes, friction, inertia, dataset.stability.T, _COLOURS)
-    axes.plot(dataset.critical_friction_with_nut, inertia, color=style.BLUE)
-    tangent, drawn = float(np.tan(dataset.lead_angle)), float(dataset.drawn_friction_coefficient)
-    axes.axvline(tangent, color=style.BLACK, linewidth=0.6, linestyle=":")
-    axes.axvline(drawn, color=style.GREY, linewidth=0.9, linestyle="--")
-    look = {"fontsize": 6.5, "va": "top", "transform": axes.get_xaxis_transform()}
-    axes.text(tangent, 0.94, r"$\mu = \tan\lambda$ ", ha="right", **look)
-    axes.text(drawn, 0.94, rf" {drawn:g} of (a)", color="#505050", **look)
-    limits = {"xlim": friction[[0, -1]], "ylim": inertia[[0, -1]]}
-    title = f"(b) classes, $m$ = {style.number(dataset.mass)} kg"
-    style.frame(axes, title, friction, inertia, yscale="log", **limits)

@@ -58,7 +58,9 @@ def analysis(settings: of.Values) -> xr.Dataset:
 
 
 def build(settings: of.Values, analysis: xr.Dataset) -> xr.Dataset:
-    """Compute thresholds over the rise, and both cycles over the static friction."""
+    """Compute thresholds over the rise, and both cycles, from far away, over the static friction."""
+    from lsvib.dynamics.energy import balance
+
     drive, rise = Drive.of(settings["drive"]), spans.even(settings["rise"])
     heavy = drive.replace(mass=settings["heavy_mass"])
     slow = [solve_threshold(_slow(drive, share), "kinematic_constraint", "mass").value for share in rise.tolist()]
@@ -68,9 +70,10 @@ def build(settings: of.Values, analysis: xr.Dataset) -> xr.Dataset:
     static, rows = spans.even(settings["static"]), []
     for name in CYCLES:
         own = Drive.of(settings[name])
-        held = [own.replace(static_friction_coefficient=share * own.friction_coefficient) for share in static.tolist()]
-        rows.append([_cycle(each) for each in held])
-    label, amplitude, period, balance = np.moveaxis(np.array(rows), -1, 0)
+        for held in (own.replace(static_friction_coefficient=x * own.friction_coefficient) for x in static.tolist()):
+            far = phase_plane.reached(held, {"u": 0.06, "w": -held.input_speed})
+            rows.append((far.label, far.amplitude, far.period, balance(held, far.orbit)))
+    label, amplitude, period, works = np.reshape(np.transpose(rows), (4, len(CYCLES), static.size))
     other = ("cycle", "static_share")
     return xr.Dataset(
         {
@@ -80,7 +83,7 @@ def build(settings: of.Values, analysis: xr.Dataset) -> xr.Dataset:
             **{name: variable("rise_share", x, "N", name.replace("_", " "), "$R$") for name, x in forces},
             "attractor": phase_plane.attractors(other, label),
             "amplitude": variable(other, amplitude, "rad", phase_plane.AMPLITUDE, r"$\hat u$"),
-            "energy_balance": variable(other, balance, *BALANCE),
+            "energy_balance": variable(other, works, *BALANCE),
             "period": variable(other, period, "s", phase_plane.PERIOD, "$T$"),
         },
         coords={
@@ -110,50 +113,28 @@ def _forces(drive: Drive) -> tuple[float, float, float]:
     return onset, stick, bisected(lambda force: not happens(force) & REVERSES, stick, 4 * onset, 1e-4)
 
 
-def _cycle(drive: Drive) -> tuple[int, float, float, float]:
-    """What the motion of a drive from far away ends in, amplitude [rad], period [s], and balance of energy [1]."""
-    from lsvib.dynamics.energy import balance
-
-    found = phase_plane.reached(drive, {"u": 0.06, "w": -drive.input_speed})
-    return int(found.label), found.amplitude, found.period, balance(drive, found.orbit)
-
-
 def checks(dataset: xr.Dataset) -> list[Check]:
     """Check the values without a rise against the chapter, and what the rise and static friction do."""
-    rise = dataset.rise_share.values
-    first = dataset.isel(rise_share=0)
-    exact = float(first.slow_critical_mass)
-    limit = exact * (1 - 0.5 * float(rise[-1]))
+    first, exact = dataset.isel(rise_share=0), float(dataset.slow_critical_mass[0])
+    limit = exact * (1 - 0.5 * float(dataset.rise_share[-1]))
     slips, sprags = (
         named(dataset.attractor, f"{name} cycle")[k] for k, name in enumerate(("stick slip", "sprag slip"))
     )
-    amplitude, period = dataset.amplitude.values, dataset.period.values
+    size, period = dataset.amplitude.values, dataset.period.values[0]
     slow, steady = dataset.slow_critical_mass.values, dataset.steady_critical_mass.values
     onset, stick = dataset.onset_force.values, dataset.stick_force.values
+    falls = (np.diff(slow) < 0).all() and slow[-1] < limit + 0.5 * exact and np.ptp(steady) < 1e-3 * exact
+    lowers = np.ptp(onset) < 1e-2 * onset[0] and (np.diff(stick) < 0).all()
+    rests = not slips[0] and slips[1:].all() and (np.diff([size[0][1:], period[1:]]) > 0).all()
+    grows = sprags.all() and (np.diff(size[1]) >= -1e-12).all() and size[1][-1] > size[1][0]
     return [
         Check.of(chapter.THRESHOLDS["critical_mass"], exact, note="without a rise"),
         *(Check.of(chapter.THRESHOLDS[name], first[name], note="without a rise") for name in _FORCES),
-        Check.of(
-            "stribeck_rise.critical_mass",
-            f"{exact:.4g} kg to {slow[-1]:.4g} kg, steady {steady[-1]:.4g} kg",
-            (np.diff(slow) < 0).all() and slow[-1] < limit + 0.5 * exact and np.ptp(steady) < 1e-3 * exact,
-        ),
-        Check.of(
-            "stribeck_rise.forces",
-            f"stick force {stick[0]:.4g} N to {stick[-1]:.4g} N",
-            np.ptp(onset) < 1e-2 * onset[0] and (np.diff(stick) < 0).all(),
-        ),
-        Check.of(
-            "stribeck_rise.slow_drive",
-            f"amplitude {amplitude[0].max():.3g} rad, period {period[0][slips].max():.3g} s",
-            not slips[0] and slips[1:].all() and (np.diff([amplitude[0][1:], period[0][1:]]) > 0).all(),
-        ),
+        Check.that("stribeck_rise.critical_mass", falls, slow=slow, steady=steady),
+        Check.that("stribeck_rise.forces", lowers, stick=stick),
+        Check.that("stribeck_rise.slow_drive", rests, amplitude=size[0], period=period[slips]),
         balance_check("each cycle", dataset),
-        Check.of(
-            "stribeck_rise.sprag_slip",
-            f"amplitude {amplitude[1].min():.4g} to {amplitude[1].max():.4g} rad",
-            sprags.all() and (np.diff(amplitude[1]) >= -1e-12).all() and amplitude[1][-1] > amplitude[1][0],
-        ),
+        Check.that("stribeck_rise.sprag_slip", grows, amplitude=size[1]),
     ]
 
 

@@ -62,7 +62,6 @@ _STYLE = {
 }
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _LETTERS = {"\\times": "×", "\\Omega": "Ω", "\\lambda": "λ", "\\mu": "μ", "\\theta": "θ", "\\zeta": "ζ"}
-_ORIGINS = ("printed", "assumed", "given")
 _STATED = re.compile(r"(\S+) \(printed")  # a printed value among assumed ones
 
 
@@ -131,46 +130,37 @@ def number(value: float) -> str:
     return f"${factor}10^{{{int(power)}}}$"
 
 
-def amount(variable: xr.DataArray, values: np.ndarray) -> str:
-    """Return "symbol = value unit" of some values of a parameter: one, a few of them, the range of many."""
-    if values.size > 5:
-        text = f"{number(values[0])} to {number(values[-1])}"
-    else:
-        text = ", ".join(number(value) for value in values)
-    name = variable.attrs.get("symbol", variable.attrs["long_name"])
-    return f"{name} = {text} {unit(variable.attrs['units']).strip('[]')}".strip()
+def stated(dataset: xr.Dataset) -> str:
+    """Return which values a dataset holds for, by its metadata alone, without mathematics; empty where it has none.
 
-
-def amounts(dataset: xr.Dataset, kind: str) -> list[str]:
-    """Return :func:`amount` of each parameter that is "printed" beyond Table 8.1, "assumed" or "given", each once.
-
-    The attribute ``origin`` of a parameter says which; of several values it names those that are printed and not
-    assumed after the word "except".
+    First come the parameters that the chapter prints elsewhere than in Table 8.1, then all that are assumed or given,
+    as "symbol = value unit", each once: one value, a few of them, the range of many. Their attribute ``origin`` says
+    which they are; of several values it names those that are printed and not assumed after the word "except".
     """
-    found = []
-    for variable in dataset.variables.values():
-        origin = variable.attrs.get("origin", "")
-        if not origin.startswith(_ORIGINS) or origin == "printed: Table 8.1":
+    words: dict[str, list[str]] = {"printed": [], "assumed": [], "given": []}
+    origins = [variable.attrs.get("origin", "") for variable in dataset.variables.values()]
+    for variable, origin in zip(dataset.variables.values(), origins, strict=True):
+        if not origin.startswith(tuple(words)) or origin == "printed: Table 8.1":
             continue
         rule, _, exceptions = origin.partition(", except ")
         values = np.unique(variable.values)
         excepted = np.isin([f"{value:g}" for value in values], _STATED.findall(exceptions))
-        chosen = values[~excepted if rule.startswith(kind) else excepted & (kind == "printed")]
-        if chosen.size:
-            found.append(amount(xr.DataArray(variable), chosen))
-    return list(dict.fromkeys(found))
-
-
-def stated(dataset: xr.Dataset) -> str:
-    """Return which values a dataset holds for, by its metadata alone, without mathematics; empty where it has none.
-
-    First come the parameters that the chapter prints elsewhere than in Table 8.1, then all that are assumed or given.
-    """
-    found = zip(("As printed: ", "Assumed: ", ""), (amounts(dataset, kind) for kind in _ORIGINS), strict=True)
-    parts = [f"{words}{', '.join(own)}." for words, own in found if own]
-    if any(variable.attrs.get("origin") == "printed: Table 8.1" for variable in dataset.variables.values()):
+        for kind, found in words.items():
+            chosen = values[~excepted if rule.startswith(kind) else excepted & (kind == "printed")]
+            numbers = ", ".join(map(number, chosen))
+            if chosen.size > 5:
+                numbers = f"{number(chosen[0])} to {number(chosen[-1])}"
+            name = variable.attrs.get("symbol", variable.attrs["long_name"])
+            if chosen.size:
+                found.append(f"{name} = {numbers} {unit(variable.attrs['units']).strip('[]')}".strip())
+    heads = zip(("As printed: ", "Assumed: ", ""), words.values(), strict=True)
+    parts = [f"{head}{', '.join(dict.fromkeys(found))}." for head, found in heads if found]
+    if "printed: Table 8.1" in origins:
         parts.append("Otherwise Table 8.1." if parts else "All values: Table 8.1.")
-    return plain(" ".join(parts))
+    text = re.sub(r"\^\{(-?\d+)\}", lambda power: power[1].translate(SUPERSCRIPTS), " ".join(parts))
+    for command, letter in _LETTERS.items():
+        text = text.replace(command, letter)
+    return " ".join(text.replace("$", "").split())
 
 
 def legend(
@@ -183,14 +173,6 @@ def legend(
             entries.setdefault(name, handle)
     figure.legend(entries.values(), entries.keys(), loc=place, ncols=columns)
     return figure
-
-
-def plain(text: str) -> str:
-    """Return words in one line and without mathematics: ``"$k_c$ = $10^{8}$"`` becomes ``"k_c = 10⁸"``."""
-    text = re.sub(r"\^\{(-?\d+)\}", lambda power: power[1].translate(SUPERSCRIPTS), text)
-    for command, letter in _LETTERS.items():
-        text = text.replace(command, letter)
-    return " ".join(text.replace("$", "").split())
 
 
 def save(

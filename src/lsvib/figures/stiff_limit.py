@@ -22,7 +22,7 @@ from lsvib.models.mechanics import coefficients
 from lsvib.models.mechanism import seated_state
 from lsvib.models.model import automaton_of
 from lsvib.models.names import RULES, Event
-from lsvib.models.rigid import MotionMode, rigid_automaton
+from lsvib.models.rigid import rigid_automaton
 
 
 def curve(motion: Motion, count: int) -> np.ndarray:
@@ -47,24 +47,12 @@ def distance(one: Motion, other: Motion, scales: tuple[float, float], corners: i
     polygon of about so many ``corners``.
     """
     few, many = ([curve(m, count) / np.array(scales) @ [1, 1j] for m in (one, other)] for count in (40, corners))
-    return max(farthest(few[0], many[1]), farthest(few[1], many[0]))
-
-
-def farthest(points: np.ndarray, polygon: np.ndarray) -> float:
-    """Return the largest distance of points (k), complex, from an open polygon through the corners (l)."""
-    side = np.diff(polygon)
-    length = np.where(side == 0, 1.0, np.abs(side) ** 2)
-    largest = 0.0
-    for away in points[:, None] - polygon[:-1]:
-        part = np.clip((away * side.conj()).real / length, 0.0, 1.0)
-        largest = max(largest, float(np.abs(away - part * side).min()))
-    return largest
-
-
-def rest_time(motion: Motion) -> float:
-    """Return the time [s] that a motion spends at rest."""
-    modes, _, _, durations = motion.arcs()
-    return float(durations[np.isin(motion.automaton.codes[modes], motion.automaton.rest_codes)].sum())
+    farthest = []
+    for points, polygon in ((few[0], many[1]), (few[1], many[0])):
+        side, away = np.diff(polygon), points[:, None] - polygon[:-1]
+        part = np.clip((away * side.conj()).real / np.where(side == 0, 1.0, np.abs(side) ** 2), 0.0, 1.0)
+        farthest.append(float(np.abs(away - part * side).min(axis=1).max()))
+    return max(farthest)
 
 
 class Region(IntEnum):
@@ -97,8 +85,7 @@ def impacts(drive: Drive, speed: float) -> Iterator[Impact]:
     c, torque = coefficients(drive), drive.pitch_radius * drive.axial_force
     damping, stiffness = float(c.damping[c.steady_law]), drive.coupling_stiffness
     with many_digits():
-        ends = [(damping * drive.input_speed + torque * float(c.slack(s))) / stiffness for s in (1, -1)]
-    low, high = min(ends), max(ends)
+        low, high = sorted((damping * drive.input_speed + torque * float(c.slack(s))) / stiffness for s in (1, -1))
     q_u, q_w, q_0 = (float(x) for x in c.q_row)
     turn, *reaches = (-(q_w * (rate - drive.input_speed) + q_0) / q_u for rate in (0.0, speed, -speed))  # where Q = 0
     bounds = (2 * low - high, low, turn, high, 2 * high - low)
@@ -153,20 +140,25 @@ def deviations(branch: LimitBranch, drive: Drive) -> dict[str, Any]:
     first stands.
     """
     automaton, seated, rigid = automaton_of(drive), seated_state(drive, branch.impact.u, branch.impact.w), branch.rigid
-    if not branch.impact.sign:
+    is_cycle = not branch.impact.sign
+    if is_cycle:
         motion = steady_state(automaton, seated, max_events=100_000).orbit
     else:
         motion = follow(automaton, seated, rigid[0].end_time)
     if motion is None:
         return {}
+
+    def rest_time(motion: Motion) -> float:
+        modes, _, _, durations = motion.arcs()
+        return float(durations[np.isin(motion.automaton.codes[modes], motion.automaton.rest_codes)].sum())
+
     low, high = orbit_extremes(rigid[0], np.array([1.0, 0.0, 0.0]))
-    corners = 800 if branch.impact.sign else 3000  # a cycle is longer and bends more
-    scales = 0.5 * (high - low), abs(drive.input_speed)
+    scales, corners = (0.5 * (high - low), abs(drive.input_speed)), 3000 if is_cycle else 800  # it bends more
     values = {
         "motion_distance": [distance(motion, other, scales, corners) for other in rigid],
         "rest_error": [rest_time(motion) - rest_time(other) for other in rigid],
     }
-    if not branch.impact.sign:
+    if is_cycle:
         return values | {"period_error": [motion.end_time / other.end_time - 1 for other in rigid]}
     expected = float(seizure_impulses(drive, drive.input_speed + branch.impact.w).normal)
     stops = motion.time[np.isin(motion.kind, (Event.STICK, Event.REVERSAL))]
@@ -176,21 +168,13 @@ def deviations(branch: LimitBranch, drive: Drive) -> dict[str, Any]:
     }
 
 
-def outcome(motion: Motion) -> MotionMode:
-    """Return what follows the first seizure of a rigid motion."""
-    return MotionMode(int(motion.automaton.codes[motion.mode[motion.kind == Event.SEIZURE][0]]))
-
-
 def impact_impulse(drive: Drive, motion: Motion) -> float:
     """Return the normal impulse [N s] of the first impact of a compliant motion (c_x = 0); nan if it never stands.
 
     The impact lasts from the last reversal of the contact force before the first rest to the end of that rest; the
     impulse of the static force during the rest is not counted. The momentum of the nut gives the impulse: in slip under
-    law s ∫N dt = (R Δt − m Δx′) / (cos λ + s μ sin λ), at rest ∫(N − N_static) dt = −m cos λ Δx′. Raises ``InputError``
-    for friction that depends on the speed.
+    law s ∫N dt = (R Δt − m Δx′) / (cos λ + s μ sin λ), at rest ∫(N − N_static) dt = −m cos λ Δx′.
     """
-    if wanted := friction.refusal(drive, rest=False):
-        raise InputError(f"the closed form of the impulse of an impact {wanted}.")
     modes, starts, ends, durations = motion.arcs()
     codes = motion.automaton.codes[modes]
     rests = np.flatnonzero(np.isin(codes, motion.automaton.rest_codes))

@@ -1,4 +1,4 @@
-"""Motions of the contact force against mpmath, closed forms and Newton's laws, and their outcomes."""
+"""Motions of the contact force against mpmath and closed forms, and their outcomes."""
 
 import math
 
@@ -9,10 +9,10 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from references.drives import threads_drive
 
-from lsvib.contact import contact_force
-from lsvib.contact.contact_force import ForceOutcome, Paradox
 from lsvib.engine.kernels.layout import A0, A1, EQUILIBRIUM, R1
 from lsvib.engine.motion import Motion, follow
+from lsvib.figures import contact_force
+from lsvib.figures.contact_force import ForceOutcome, Paradox
 
 AUTOMATA = {
     (damping, paradox): contact_force.contact_automaton(
@@ -81,20 +81,6 @@ def test_crossings_are_the_first_zeros_in_40_digits(case):
     assert found > 3
 
 
-def test_crossing_times_without_damping_have_a_closed_form():
-    """Law −: a circle about 1/Γ₋; law +: the logarithm of the ratio of both amplitudes."""
-    case = 0.0, Paradox.INDETERMINATE
-    saddle, centre = (row[EQUILIBRIUM] for row in laws(case))
-    for rate in (1e3, 4e4, 3e5):
-        turn = 2 * (math.pi - math.atan(rate / centre))
-        assert motion_of(case, (0.0, rate)).time[0] == pytest.approx(turn, rel=1e-14)
-    rho = math.sqrt(-laws(case)[0][A0])
-    for rate in (1e3, 4e4):
-        ratio = (-rho * saddle + rate) / (-rho * saddle - rate)
-        assert motion_of(case, (0.0, -rate)).time[0] == pytest.approx(math.log(ratio) / rho, rel=1e-12)
-    assert motion_of(case, (0.0, 1.001 * rho * saddle)).time.size == 0
-
-
 @settings(max_examples=300)
 @given(NUMBERS, NUMBERS)
 @example(-1.0, 2.4565521262946583e-287)  # whose slope says nothing about when it comes to zero
@@ -127,25 +113,3 @@ def test_both_outcomes_of_the_indeterminate_case(x, rate):
             assert late(motion)[0] == pytest.approx(centre, rel=1e-6)
         else:
             assert late(motion)[0] < 10 * saddle
-
-
-def test_contact_flow_is_that_of_newtons_laws():
-    """x″ from N″ = cos λ/(m I) [k_c (W − b Γ N) − c_c b Γ N′] with N and N′ in newtons, W of either sign."""
-    drive = threads_drive(mass=30.0, contact_stiffness=1e8, contact_damping=5e3)
-    sine, cosine = math.sin(drive.lead_angle), math.cos(drive.lead_angle)
-    tangent = sine / cosine
-    omega = contact_force.contact_frequency(drive)
-    for paradox in Paradox:
-        w = 2e-3 * paradox
-        tables = contact_force.contact_automaton(drive, paradox).tables
-        for law, row, side in zip((1, -1), tables.flow, tables.guard_sign, strict=True):
-            b, minus = (cosine + s * drive.friction_coefficient * sine for s in (law, -1))
-            factor = (law * drive.friction_coefficient - tangent) / (1 + law * drive.friction_coefficient * tangent)
-            gamma = drive.screw_inertia - factor * tangent * drive.mass * drive.pitch_radius**2
-            x, rate = side * 4e4, 1.3e4
-            force, slope = x * w / minus, rate * omega * w / minus
-            assert np.sign(force) == law  # θ′ > 0: law + where N > 0, law − where N < 0
-            push = drive.contact_stiffness * (w - b * gamma * force) - drive.contact_damping * b * gamma * slope
-            acceleration = cosine / (drive.mass * drive.screw_inertia) * push * minus / (w * omega**2)
-            ours = -row[A1] * rate - row[A0] * (x - row[EQUILIBRIUM])
-            assert ours == pytest.approx(acceleration, rel=1e-9)

@@ -20,7 +20,7 @@ equilibria lie on their sides. In the **inconsistent** case W > 0, χ > 0 is law
 
 import math
 from enum import IntEnum
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,9 +28,8 @@ from numpy.typing import ArrayLike
 from lsvib.engine.automaton import Automaton, Branch, Guard, Mode, Surface, Transition, assemble, eigenform, oscillator
 from lsvib.engine.kernels.layout import DELTA, EQUILIBRIUM, R1, R2, Status, Test
 from lsvib.errors import InputError
-from lsvib.models import friction
 from lsvib.models.drive import Drive
-from lsvib.models.mechanics import coefficients, effective_inertia, friction_factor
+from lsvib.models.mechanics import coefficients
 from lsvib.models.names import Event
 
 if TYPE_CHECKING:
@@ -128,29 +127,14 @@ class Existence(IntEnum):
 def contact_forces(drive: Drive, u: ArrayLike, w: ArrayLike) -> np.ndarray:
     """Contact force that each friction law would give, N_s = Q / [Γ_s (cos λ + s μ sin λ)] (eqs 8.5, 8.17).
 
-    Arguments: u [rad], w = u′ [rad/s], arrays of one shape. Returns N₊ and N₋ [N], shape (2, ...). The law is
-    admissible where sgn(N_s) sgn(θ′) = s; Γ_s = 0 gives an infinite force. Where friction depends on the speed, Γ_s and
-    μ are those at the sliding speed of the state; Q is the same.
+    Arguments: u [rad], w = u′ [rad/s], arrays of one shape; friction that does not depend on speed. Returns N₊ and N₋
+    [N], shape (2, ...). The law is admissible where sgn(N_s) sgn(θ′) = s; Γ_s = 0 gives an infinite force.
     """
     c = coefficients(drive)
     q_u, q_w, q_0 = (float(x) for x in c.q_row)
     q = q_u * np.asarray(u) + q_w * np.asarray(w) + q_0
-    cosine, sine = np.cos(drive.lead_angle), np.sin(drive.lead_angle)
-    mu, gamma = drive.friction_coefficient, {s: float(inertia) for s, inertia in c.gamma.items()}
-    if friction.depends_on_speed(drive):
-        mu, gamma = _at_speed(drive, np.asarray(w, dtype=float))
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.stack([q / (gamma[s] * (cosine + s * mu * sine)) for s in (1, -1)])
-
-
-def _at_speed(drive: Drive, w: np.ndarray) -> tuple[Any, dict[int, Any]]:
-    """μ and Γ_s at the rate w [rad/s] of states."""
-    tangent = np.tan(drive.lead_angle)
-    mu, _ = friction.steady({**dict(drive), "input_speed": np.atleast_1d(drive.input_speed + w)}, tangent)
-    mu = mu.reshape(w.shape)
-    factors = {s: friction_factor(mu, tangent, s) for s in (1, -1)}
-    geometry = drive.screw_inertia, drive.mass, drive.pitch_radius, tangent
-    return mu, {s: effective_inertia(*geometry, factor) for s, factor in factors.items()}
+        return np.stack([q / (float(c.gamma[s]) * _lever(drive, s)) for s in (1, -1)])
 
 
 def existence(drive: Drive, u: ArrayLike, w: ArrayLike) -> np.ndarray:
