@@ -8,8 +8,8 @@ import pytest
 import yaml
 
 from lsvib.assess.assessment import assess
-from lsvib.assess.drive import nominal_draw, quantities
 from lsvib.assess.materials import SCREW_MATERIALS
+from lsvib.assess.operation import Draw
 from lsvib.assess.output import assess_file
 from lsvib.assess.sheet import Coupling, Friction, Nut, Screw, Sheet, Thread
 from lsvib.assess.statics import ENDS, column_load, critical_speed, lets_go, nut_pressure, statics, torque
@@ -223,10 +223,10 @@ def test_the_template_is_a_sheet_that_can_be_assessed(tmp_path, capsys, monkeypa
 def test_a_change_that_lets_the_load_drop_is_known():
     """Tr 10x2 holds with 0.1 at tan λ = 0.0707; with half the pitch diameter tan λ is 0.141."""
     given = sheet(friction={"coefficient": 0.1}, thread={"size": "Tr 10x2"})
-    values = quantities(given, nominal_draw(given))
-    assert lets_go(given, values, {"pitch_diameter": 0.5 * values["pitch_diameter"]})
-    assert not lets_go(given, values, {"pitch_diameter": 0.9 * values["pitch_diameter"]})
-    assert not lets_go(given, values, {"friction": 2.0 * values["friction"]})
+    draw, values = Draw.of(given), Draw.of(given).values
+    assert lets_go(draw, {"pitch_diameter": 0.5 * values["pitch_diameter"]})
+    assert not lets_go(draw, {"pitch_diameter": 0.9 * values["pitch_diameter"]})
+    assert not lets_go(draw, {"friction_coefficient": 2.0 * values["friction_coefficient"]})
 
 
 def test_friction_between_the_ends_of_the_window_counts():

@@ -15,13 +15,12 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from lsvib.assess import pictures, summary, words
-from lsvib.assess.assessment import AssessedMotion, Assessment, Mechanism
+from lsvib.assess.assessment import AssessedMotion, Assessment
 from lsvib.assess.chart import Chart
-from lsvib.assess.drive import IN_WORDS, UNITS, point, random_entries
 from lsvib.assess.fields import FrictionBySpeed, Spread
-from lsvib.assess.mechanisms import drive_of
+from lsvib.assess.operation import Operation
+from lsvib.assess.quantities import QUANTITIES
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.starting import Starting
 from lsvib.assess.threads import ThreadSize
 from lsvib.assess.words import ATTRACTORS, MECHANISMS, SHORT, change, entry_name, percent, shown, signed
 from lsvib.errors import InputError
@@ -40,15 +39,15 @@ def _page(template: str, **values: Any) -> str:
     )
     own = (_capital, _end_in_words, _interval, _simplified, _tolerated, _where)
     environment.globals |= vars(words) | {function.__name__.strip("_"): function for function in own}
-    environment.globals |= {"IN_WORDS": IN_WORDS, "UNITS": UNITS, "pictures": pictures}
+    environment.globals |= {"QUANTITIES": QUANTITIES, "pictures": pictures}
     environment.filters["yaml"] = partial(yaml.safe_dump, sort_keys=False)
     return environment.get_template(template).render(**values).lstrip()
 
 
 def report(assessment: Assessment, charts: list[Chart]) -> str:
     """Return the report on an assessment as the text of one HTML page, which needs no other file."""
-    sheet, names, found = assessment.sheet, shown_mechanisms(assessment), assessment.mechanisms
-    near = [name for name in names if any(map(summary.is_near, found[name].margins))]
+    sheet, names, found = assessment.draw.sheet, shown_mechanisms(assessment), assessment.mechanisms
+    near = [name for name in names if any(row.is_near() for row in found[name].margins)]
     # A reserve at its lower end, -1, has no slope, or as good as none: then no small change helps against that cause.
     steep = next((name for name in near if max(map(abs, found[name].sensitivities.values()), default=0) > 1e-3), None)
     same = assessment.worst is assessment.nominal
@@ -68,14 +67,14 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
         names=names,
         changes=assessment.starting.changes
         if assessment.verdict == "jerks"
-        else [row for row in assessment.margins if summary.is_near(row) and row.value],
+        else [row for row in assessment.margins if row.is_near() and row.value],
         near=near,
         oscillations=_oscillations(assessment) if sheet.motor is not None else [],
         lever=max(found[steep].sensitivities.items(), key=lambda item: abs(item[1])) if steep else None,
         steep=steep,
         charts=charts,
         motions=motions,
-        random=random_entries(sheet),
+        random=sheet.random,
         locking=locking_sentence(assessment),
         static=summary,
         endangered=bool(assessment.statics.back_drives) or any(row.exceeded for row in assessment.statics.limited),
@@ -87,9 +86,7 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
 
 def _oscillations(assessment: Assessment) -> list[str]:
     """Frequencies with damping ratios of small oscillations, with the motor's control and without its damping."""
-    sheet, values = assessment.sheet, assessment.values
-    drive = drive_of(sheet, values, *assessment.nominal.corner, sheet.parts)
-    found = []
+    drive, found = assessment.nominal.there.drive, []
     for gain in (drive.speed_gain, 0.0):
         try:
             roots = stability(drive.replace(speed_gain=gain)).eigenvalues
@@ -106,15 +103,15 @@ def shown_mechanisms(assessment: Assessment) -> list[str]:
     return sorted(own, key=lambda name: assessment.mechanisms[name].reserve)
 
 
-def _where(one: Mechanism | AssessedMotion | Starting, assessment: Assessment) -> str:
-    """The point of operation of a mechanism or motion in words."""
-    direction, speed, force = one.corner
-    lead = assessment.values["lead"] / (2 * math.pi)
-    way = "outward" if direction > 0 else "back"
+def _where(there: Operation) -> str:
+    """A point of operation in words."""
+    speed, force = there.speed, there.force
+    way = "outward" if there.direction > 0 else "back"
     side = "against" if force >= 0 else "in the direction of"
     load = f"{shown(abs(force), 'N')} {side} outward travel" if force else "no force on the load"
-    weight = " besides its weight" if assessment.values["tilt"] != 0 else ""
-    return f"travelling {way} at {shown(lead * speed, 'm/s')} ({shown(speed, 'rad/s')}) with {load}{weight}"
+    along, turning = shown(there.draw.travel * speed, "m/s"), shown(speed, "rad/s")
+    weight = " besides its weight" if there.draw.values["tilt"] != 0 else ""
+    return f"travelling {way} at {along} ({turning}) with {load}{weight}"
 
 
 def _summary(assessment: Assessment) -> str:
@@ -130,7 +127,7 @@ def _summary(assessment: Assessment) -> str:
         advice = f"The smallest single changes that make it run steadily at the middle values: {best}."
         if not best:
             advice = "No change of one quantity alone, up to a factor of three, makes it run steadily."
-        return f"The cause is {SHORT[one.name]}, worst {_where(one, assessment)}.{too} {advice}{started}{absent}"
+        return f"The cause is {SHORT[one.name]}, worst {_where(one.there)}.{too} {advice}{started}{absent}"
     near = [(abs(math.log(row.factor)), one, row) for one in found for row in one.margins if row.factor is not None]
     if not near:
         nothing = "No single change of any quantity, from a thousandth to a thousandfold, would make it vibrate."
@@ -138,7 +135,7 @@ def _summary(assessment: Assessment) -> str:
     _, one, row = min(near, key=lambda entry: entry[0])
     return (
         f"The nearest cause of vibration is {SHORT[one.name]}: it would set in with the "
-        f"{IN_WORDS[row.quantity]} {change(row.factor)}, {shown(row.value, UNITS[row.quantity])}.{started}{absent}"
+        f"{row.about.words} {change(row.factor)}, {shown(row.value, row.about.unit)}.{started}{absent}"
     )
 
 
@@ -160,8 +157,7 @@ def _absent(assessment: Assessment) -> str:
     """A sentence on each damping that the sheet leaves out and that would alter the verdict."""
     effect = "end" if assessment.verdict == "vibrates" else "start"
     return "".join(
-        f" No {IN_WORDS[row.quantity]} is given; from {shown(row.value, UNITS[row.quantity])} on it would {effect} "
-        "vibration."
+        f" No {row.about.words} is given; from {shown(row.value, row.about.unit)} on it would {effect} vibration."
         for row in assessment.margins
         if row.factor is None and row.value is not None
     )
@@ -174,7 +170,7 @@ def _interval(ends: tuple[float, float]) -> str:
 def _cause(assessment: Assessment, name: str) -> tuple[Any, ...]:
     """A row of the table of causes."""
     one, perturbed = assessment.mechanisms[name], name == "after_perturbation"
-    best = next((f"the {IN_WORDS[row.quantity]} {change(row.factor)}" for row in one.margins if row.factor), "")
+    best = next((f"the {row.about.words} {change(row.factor)}" for row in one.margins if row.factor), "")
     margin = f"{best} {'ends' if one.occurs else 'starts'} it"
     if not best:
         margin = f"no single change {'ends it' if one.occurs else 'brings it about'}"
@@ -184,7 +180,7 @@ def _cause(assessment: Assessment, name: str) -> tuple[Any, ...]:
         margin = "not known"  # its motions decide, of which the reserve knows only what is necessary
     verdict: Any = "not known" if one.occurs is None else "does not occur"
     if one.occurs:
-        place, verdict = _where(one, assessment), Markup("<b>occurs</b>")
+        place, verdict = _where(one.there), Markup("<b>occurs</b>")
         if perturbed and one.probability is None:
             place, verdict = f"found by a perturbed motion; {place}", "possible"
         verdict = (verdict, place)
@@ -199,11 +195,11 @@ def _from_rest(assessment: Assessment) -> tuple[Any, ...]:
     found = assessment.starting
     verdict: Any = "not known" if found.jerks is None else "does not occur"
     if found.jerks:
-        verdict = (Markup("<b>occurs</b>"), _where(found, assessment))
+        verdict = (Markup("<b>occurs</b>"), _where(found.there))
     share = f"{percent(found.share)} of {found.drawn} drawn" if found.drawn else percent(found.share)
     margin = "" if not found.jerks else "no single change that was tried ends it"
     if found.changes:
-        margin = f"the {IN_WORDS[found.changes[0].quantity]} {change(found.changes[0].factor)} ends it"
+        margin = f"the {found.changes[0].about.words} {change(found.changes[0].factor)} ends it"
     return MECHANISMS["from_rest"], verdict, share, "–", margin
 
 
@@ -225,7 +221,7 @@ def _tolerated(motion: AssessedMotion) -> str:
         return ""
     if math.isinf(size):
         return sentence
-    load, speed = shown(motion.values["lead"] / (2 * math.pi) * size, "m/s"), motion.corner[1]
+    load, speed = shown(motion.there.draw.travel * size, "m/s"), motion.there.speed
     start = f" A start without a ramp is a larger one, of {shown(speed, 'rad/s')}." if size < speed else ""
     return (
         f"Steady running tolerates a sudden change of the screw's speed of up to {shown(size, 'rad/s')}, which is "
@@ -235,10 +231,10 @@ def _tolerated(motion: AssessedMotion) -> str:
 
 def _simplified(motion: AssessedMotion, assessment: Assessment) -> str:
     """What the motion leaves out of the data sheet, in sentences."""
-    sheet = assessment.sheet
+    sheet = assessment.draw.sheet
     stiff = " and ".join(part for part in reversed(sheet.parts) if part not in motion.vibration.parts)
     text = f" Its motion is computed with stiff {stiff}." if stiff else ""
-    slope = float(point(sheet, motion.values, *motion.corner)[1])
+    slope = float(motion.there.friction[1])
     if slope != 0 and not sheet.friction.law:
         effect = "its rise with speed adds" if slope > 0 else "its fall with speed takes away"
         text += f" Friction is taken as constant at its value there; the damping that {effect} is not in this motion."
@@ -295,7 +291,9 @@ def compare(verdicts: Sequence[Path], page_file: Path, json_file: Path) -> None:
     """
     found = [{"report": f"{path.parent.name}/index.html", **_short(path)} for path in verdicts]
     found.sort(key=lambda short: (-short["probability"], short["reserve"]))
-    write_text(_page("report_comparison.html.j2", title="Which drives vibrate?", drives=found), page_file)
+    names = {about.name: about.words for about in QUANTITIES.values()}
+    page = _page("report_comparison.html.j2", title="Which drives vibrate?", drives=found, names=names)
+    write_text(page, page_file)
     write_json(found, json_file)
 
 

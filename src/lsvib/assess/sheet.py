@@ -414,6 +414,21 @@ class Sheet(_Part):
         """The quantities that are given, by name."""
         return {path: value for path, value in self.entries() if isinstance(value, Spread)}
 
+    def is_window(self, path: str) -> bool:
+        """Whether an entry is a side of the operating window: a range of force or speed, all of which is used."""
+        entry = self.spreads.get(path)
+        return path in ("load.force", "operation.speed") and entry is not None and entry.kind == "uniform"
+
+    @property
+    def random(self) -> list[str]:
+        """The entries that are uncertain: all but ranges of force and speed, which are the operating window."""
+        return [path for path, entry in self.spreads.items() if entry.uncertain and not self.is_window(path)]
+
+    @property
+    def directions(self) -> tuple[int, ...]:
+        """The directions of travel, 1 outward and −1 back."""
+        return {"out": (1,), "back": (-1,), "both": (1, -1)}[self.operation.direction]
+
 
 def sentence(error: ValidationError, whole: type[BaseModel]) -> str:
     """Return one sentence about the first complaint of pydantic, a misspelt key before a missing one."""

@@ -6,7 +6,6 @@ from typing import Any
 from markupsafe import Markup
 
 from lsvib.assess.assessment import Assessment
-from lsvib.assess.drive import IN_WORDS, UNITS
 from lsvib.assess.margins import Margin, changeable
 from lsvib.assess.materials import NUT_MATERIALS
 from lsvib.assess.starting import BEYOND
@@ -45,25 +44,20 @@ def from_rest(assessment: Assessment) -> str:
         if moved.audible:
             how = f"vibrates with {shown(moved.frequency, 'Hz')} over {size}"
     way = ""
-    if assessment.sheet.operation.direction == "both":
-        way = " outward" if found.corner[0] > 0 else " back"
-    return f"Started from rest{way} at {_speed(assessment, found.corner[1])} it {how}; {end}."
+    if assessment.draw.sheet.operation.direction == "both":
+        way = " outward" if found.there.direction > 0 else " back"
+    return f"Started from rest{way} at {_speed(assessment, found.there.speed)} it {how}; {end}."
 
 
 def _speed(assessment: Assessment, speed: float | None) -> str:
     """A speed of the screw in words, with that of the load."""
-    load = assessment.values["lead"] / (2 * math.pi) * (speed or 0.0)
+    load = assessment.draw.travel * (speed or 0.0)
     return f"{shown(speed, 'rad/s')} ({shown(load, 'm/s')} at the load)"
 
 
 def of_statics(found: Statics) -> list[str]:
     """Return what statics say: whether the load is held, torques and efficiency, limits that are exceeded."""
     return [line for line in (holding(found), _effort(found), limits(found)) if line]
-
-
-def is_near(row: Margin, factor: float = 10.0) -> bool:
-    """Whether a margin is worth a bar and a row: a change by no more than a factor of ten."""
-    return row.factor is not None and 1 / factor <= row.factor <= factor
 
 
 def holding(statics: Statics) -> str:
@@ -142,8 +136,7 @@ def _changes(assessment: Assessment) -> list[str]:
     each = [changed(assessment, row) for row in helping(assessment)]
     if assessment.verdict == "vibrates":
         each += [
-            f"{IN_WORDS[row.quantity]} of at least {shown(row.value, UNITS[row.quantity])}, of which the sheet gives "
-            "none"
+            f"{row.about.words} of at least {shown(row.value, row.about.unit)}, of which the sheet gives none"
             for row in assessment.margins
             if row.factor is None and row.value is not None
         ]
@@ -157,16 +150,16 @@ def _changes(assessment: Assessment) -> list[str]:
 def helping(assessment: Assessment) -> list[Margin]:
     """Return up to three changes of one quantity by a factor of three or less that end vibration or jerks."""
     rows = assessment.margins if assessment.verdict == "vibrates" else assessment.starting.changes
-    return [row for row in rows if is_near(row, 3.0)][:3]
+    return [row for row in rows if row.is_near(3.0)][:3]
 
 
 def changed(assessment: Assessment, row: Margin) -> str:
     """Say how a quantity changes, and whether the load drops then."""
-    values = assessment.values
+    values = assessment.draw.values
     keys = changeable(values).get(row.quantity, ())
-    drops = lets_go(assessment.sheet, values, {key: values[key] * (row.factor or 1.0) for key in keys})
+    drops = lets_go(assessment.draw, {key: values[key] * (row.factor or 1.0) for key in keys})
     remark = " (but then the load drops when the current is off)" if drops else ""
-    return f"{IN_WORDS[row.quantity]} {change(row.factor)}{remark}"
+    return f"{row.about.words} {change(row.factor)}{remark}"
 
 
 def rows(assessment: Assessment) -> list[tuple[Any, ...]]:
@@ -183,7 +176,7 @@ def rows(assessment: Assessment) -> list[tuple[Any, ...]]:
     ]
     for row in assessment.statics.rows.values():
         name, unit, formula, source = ABOUT[row.key]
-        nut = assessment.sheet.nut
+        nut = assessment.draw.sheet.nut
         if nut is not None and row.key in _NUT_LIMITS and row.limit is not None:
             own = getattr(nut, _NUT_LIMITS[row.key]) is not None
             source += f"; limit: {'the data sheet' if own else NUT_MATERIALS[nut.material or ''].source}"

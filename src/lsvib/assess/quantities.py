@@ -1,0 +1,203 @@
+"""From the entries of a data sheet to the quantities of a drive: floats, complex numbers or arrays (docs/assess.md)."""
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from lsvib.assess.materials import SCREW_MATERIALS
+from lsvib.assess.sheet import Sheet
+from lsvib.models.mechanics import friction_factor
+
+GRAVITY = 9.80665  # m/s², standard
+Values = Mapping[str, Any]  # entries of a sheet or quantities of a drive by name: floats, or arrays that broadcast
+
+
+class Quantity(NamedTuple):
+    """What the verdict depends on: its name in files, in words, and its unit."""
+
+    name: str
+    words: str
+    unit: str
+
+
+# By the names of a drive's parameters, where it has them; coefficients of friction are those of the flanks.
+QUANTITIES = {
+    "lead": Quantity("lead", "lead of the thread", "m"),
+    "pitch_diameter": Quantity("pitch_diameter", "pitch diameter of the thread", "m"),
+    "half_angle": Quantity("half_angle", "half angle of the thread", "rad"),
+    "friction_coefficient": Quantity("friction", "friction of the threads", "1"),
+    "friction_slope": Quantity("friction_slope", "slope of friction over the sliding speed", "s m-1"),
+    "screw_inertia": Quantity("inertia", "rotating inertia", "kg m2"),
+    "coupling_stiffness": Quantity("coupling_stiffness", "stiffness of the coupling", "N m rad-1"),
+    "support_damping": Quantity("rotational_damping", "rotational damping of the screw", "N m s rad-1"),
+    "translation_damping": Quantity("translational_damping", "damping of the load's travel", "N s m-1"),
+    "mass": Quantity("mass", "moved mass", "kg"),
+    "tilt": Quantity("tilt", "angle of the axis above the horizontal", "rad"),
+    "bearing_friction": Quantity("bearing_torque", "friction torque of the bearing", "N m"),
+    "collar_friction": Quantity("collar_friction", "friction of the thrust collar", "1"),
+    "collar_diameter": Quantity("collar_diameter", "mean diameter of the thrust collar", "m"),
+    "slide_friction": Quantity("guide_friction", "friction of the guide", "N"),
+    "stribeck_rise": Quantity("stribeck_rise", "rise of friction towards slow sliding", "1"),
+    "stribeck_speed": Quantity("stribeck_speed", "sliding speed over which the rise of friction fades", "m s-1"),
+    "static_friction_coefficient": Quantity("static_friction", "friction of the threads at rest", "1"),
+    "contact_stiffness": Quantity("contact_stiffness", "stiffness of the thread contact", "N m-1"),
+    "contact_damping": Quantity("contact_damping", "damping of the thread contact", "N s m-1"),
+    "support_stiffness": Quantity("support_stiffness", "stiffness of the axial support", "N m-1"),
+    "axial_support_damping": Quantity("support_damping", "damping of the axial support", "N s m-1"),
+    "motor_inertia": Quantity("motor_inertia", "inertia of the motor, at the screw", "kg m2"),
+    "integral_gain": Quantity("integral_gain", "stiffness of the motor's control, at the screw", "N m rad-1"),
+    "speed_gain": Quantity("speed_gain", "damping of the motor's control, at the screw", "N m s rad-1"),
+    "coupling_damping": Quantity("coupling_damping", "damping of the coupling", "N m s rad-1"),
+    "screw_mass": Quantity("screw_mass", "mass of the screw", "kg"),
+    "force_low": Quantity("force_low", "smallest force against outward travel", "N"),
+    "force_high": Quantity("force_high", "largest force against outward travel", "N"),
+    "speed_low": Quantity("speed_low", "smallest speed of the screw", "rad s-1"),
+    "speed_high": Quantity("speed_high", "largest speed of the screw", "rad s-1"),
+    "force": Quantity("force", "force on the load", "N"),  # these two stand for both sides of the operating window
+    "speed": Quantity("speed", "speed", "rad s-1"),
+}
+FRICTION = ("friction_coefficient", "static_friction_coefficient", "stribeck_rise", "friction_slope")  # of the flanks
+
+# Entries that are quantities as they are: zero where the sheet does not give them, or absent.
+_ZERO = {
+    "translation_damping": "damping.translational",
+    "mass": "load.mass",
+    "tilt": "load.orientation",
+}
+_ABSENT = {
+    "bearing_friction": "bearing.torque",
+    "collar_friction": "bearing.collar.coefficient",
+    "collar_diameter": "bearing.collar.mean_diameter",
+    "slide_friction": "guide.friction",
+    "stribeck_rise": "friction.stribeck_rise",
+    "stribeck_speed": "friction.stribeck_speed",
+    "static_friction_coefficient": "friction.static",
+    "contact_stiffness": "contact.stiffness",
+    "contact_damping": "contact.damping",
+    "support_stiffness": "support.stiffness",
+    "axial_support_damping": "support.damping",
+}
+
+
+def quantities(sheet: Sheet, entries: Values) -> dict[str, Any]:
+    """Return the quantities of :data:`QUANTITIES` from the entries (floats, or arrays of one shape) of a sheet.
+
+    Quantities that the sheet does not give are zero, or absent for a contact, support, motor, bearing or law of
+    friction that it does not have.
+    """
+    lead, diameter, half_angle = thread_geometry(sheet, entries)
+    inertia, screw_mass = _screw(sheet, entries, diameter)
+    gear = entries.get("coupling.gear_ratio", 1.0) ** 2
+    found = {
+        "lead": lead,
+        "pitch_diameter": diameter,
+        "half_angle": half_angle,
+        "friction_coefficient": _coefficient(sheet, entries, np.arctan(lead / (math.pi * diameter)), half_angle),
+        "friction_slope": entries.get("friction.slope", 0.0),
+        "screw_inertia": inertia + entries.get("coupling.inertia", 0.0),
+        "coupling_stiffness": entries.get("coupling.stiffness", 0.0) * gear,
+        "support_damping": entries.get("damping.rotational", 0.0) + entries.get("bearing.viscous", 0.0),
+    }
+    found |= {key: entries.get(path, 0.0) for key, path in _ZERO.items()}
+    undamped = {f"{part}.damping": 0.0 for part in ("contact", "support") if f"{part}.stiffness" in entries}
+    given = {**undamped, **entries}
+    found |= {key: given[path] for key, path in _ABSENT.items() if path in given}
+    if sheet.motor is not None:
+        found |= _motor(sheet, entries, found["screw_inertia"], gear)
+    if sheet.support is not None:
+        found["screw_mass"] = screw_mass
+    turns = 2 * math.pi / lead if sheet.operation.speed.unit == "m/s" else 1.0  # from the speed as given to rad/s
+    for key, path, scale in (("force", "load.force", 1.0), ("speed", "operation.speed", turns)):
+        one = entries.get(path, 0.0)
+        low, high = (sheet.spreads[path].low, sheet.spreads[path].high) if sheet.is_window(path) else (one, one)
+        found |= {f"{key}_low": low * scale, f"{key}_high": high * scale}
+    return found
+
+
+def thread_geometry(sheet: Any, entries: Values) -> tuple[Any, Any, Any]:
+    """Return lead [m], pitch diameter [m] and half angle [rad] from the entries of a sheet that has a ``thread``."""
+    thread = sheet.thread
+    if thread.size is not None:
+        return thread.size.lead, thread.size.pitch_diameter, thread.size.half_angle
+    half_angle = entries.get("thread.half_angle", 0.0)
+    pitch = entries.get("thread.pitch")
+    lead = entries.get("thread.lead", pitch * thread.starts if pitch is not None else None)
+    if thread.pitch_diameter is not None:
+        diameter = entries["thread.pitch_diameter"]
+    else:
+        diameter = entries["thread.nominal_diameter"] - 0.5 * (lead / thread.starts if pitch is None else pitch)
+    if lead is None or thread.lead_angle is not None:
+        lead = math.pi * diameter * np.tan(entries["thread.lead_angle"])
+    return lead, diameter, half_angle
+
+
+def _screw(sheet: Sheet, entries: Values, pitch_diameter: Any) -> tuple[Any, Any]:
+    """Inertia [kg m²] and mass [kg] of the screw, a cylinder where they are not given."""
+    screw = sheet.screw
+    if screw.inertia is not None or screw.length is None:
+        return entries.get("screw.inertia", 0.0), entries.get("screw.mass")
+    density = entries.get("screw.density", SCREW_MATERIALS[screw.material or "steel"].density)
+    diameter = entries.get("screw.diameter", pitch_diameter)
+    mass = density * math.pi / 4 * diameter**2 * entries["screw.length"]
+    return mass * diameter**2 / 8, entries.get("screw.mass", mass)
+
+
+def _motor(sheet: Sheet, entries: Values, inertia: Any, gear: Any) -> dict[str, Any]:
+    """What a motor is on the side of the screw, whose ``inertia`` counts for the gains by bandwidth."""
+    own = entries["motor.inertia"] * gear
+    damping, stiffness = entries.get("motor.speed_gain", 0.0) * gear, entries.get("motor.integral_gain", 0.0) * gear
+    if "motor.bandwidth" in entries:
+        rate = 2 * math.pi * entries["motor.bandwidth"]
+        damping, stiffness = rate * (own + inertia), rate**2 * (own + inertia) / 4
+    if "motor.holding_torque" in entries:
+        stiffness = entries["motor.holding_torque"] * sheet.motor.steps_per_turn / 4 * gear
+    found = {"motor_inertia": own, "integral_gain": stiffness, "speed_gain": damping}
+    return found | {"coupling_damping": entries.get("coupling.damping", 0.0) * gear}
+
+
+def _coefficient(sheet: Sheet, entries: Values, angle: Any, half_angle: Any) -> Any:
+    """Friction coefficient of the flanks; with a curve, its mean over the curve's points stands for the middle."""
+    if sheet.friction.coefficient is not None:
+        return entries["friction.coefficient"]
+    if sheet.friction.efficiency is not None:
+        square = coefficient_from_efficiency(entries["friction.efficiency"], angle)
+        return flank_coefficient(square, angle, half_angle)
+    return float(np.mean(sheet.friction.curve.coefficients)) * entries.get("friction.curve_factor", 1.0)
+
+
+def square_coefficient(coefficient: Any, lead_angle: Any, half_angle: Any) -> Any:
+    """Return the coefficient of the square thread that behaves alike, μ / cos α_n [1]; angles λ and α [rad]."""
+    return coefficient * np.sqrt(1 + (np.cos(lead_angle) * np.tan(half_angle)) ** 2)
+
+
+def flank_coefficient(coefficient: Any, lead_angle: Any, half_angle: Any) -> Any:
+    """Return the coefficient of the flank [1] from that of the square thread, the inverse of the function above."""
+    return coefficient / np.sqrt(1 + (np.cos(lead_angle) * np.tan(half_angle)) ** 2)
+
+
+def lifting_efficiency(coefficient: Any, lead_angle: Any, collar: Any = 0.0) -> Any:
+    """Return η = tan λ / (tan(λ + arctan μ) + μ_b r_b / r_m) [1] of motion against the load.
+
+    ``coefficient`` μ of the square thread, −ξ₋ = tan(λ + arctan μ); ``collar``: the last term.
+    """
+    tangent = np.tan(lead_angle)
+    return -tangent / (friction_factor(coefficient, tangent, -1) - collar)
+
+
+def lowering_efficiency(coefficient: Any, lead_angle: Any, collar: Any = 0.0) -> Any:
+    """Return η = (tan(λ − arctan μ) − μ_b r_b / r_m) / tan λ [1] of motion with the load; negative if self-locking."""
+    tangent = np.tan(lead_angle)
+    return -(friction_factor(coefficient, tangent, 1) + collar) / tangent
+
+
+def coefficient_from_efficiency(efficiency: Any, lead_angle: Any) -> Any:
+    """Return the μ of the square thread at which the lifting efficiency is ``efficiency``, tan(arctan(t/η) − λ)."""
+    tangent = np.tan(lead_angle)
+    return tangent * (1 - efficiency) / (efficiency + tangent**2)
+
+
+def sliding_speed(speed: Any, pitch_radius: Any, lead_angle: Any) -> Any:
+    """Return the speed at which the threads slide, r_m Ω / cos λ [m/s]."""
+    return pitch_radius * speed / np.cos(lead_angle)
