@@ -17,7 +17,7 @@ from lsvib.assess import pictures
 from lsvib.assess.assessment import assess
 from lsvib.assess.chart import KINDS, charts
 from lsvib.assess.output import assess_file
-from lsvib.assess.report import compare, shown_mechanisms
+from lsvib.assess.report import compare
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.vibration import STRONG
 from lsvib.assess.words import ATTRACTORS, change, percent, shown
@@ -203,7 +203,7 @@ def test_with_friction_at_rest_nothing_is_called_steady_for_good():
 def test_words_lie_inside_the_picture_and_not_on_others(spiky):
     """Names of quantities are long, and factors stand at both ends of a decade."""
     drawings = [(draw, spiky, name) for draw in (pictures.margin_chart, pictures.sensitivity_chart)
-                for name in shown_mechanisms(spiky)] + [(pictures.screw_chart, spiky.worst)]  # fmt: skip
+                for name in spiky.names] + [(pictures.screw_chart, spiky.worst)]  # fmt: skip
     for draw, *arguments in drawings:
         figure = style.styled(lambda _, draw=draw, arguments=arguments: draw(*arguments))(None)
         figure.canvas.draw()

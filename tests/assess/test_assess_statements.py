@@ -13,8 +13,9 @@ from lsvib.assess.mechanisms import NAMES
 from lsvib.assess.operation import Draw
 from lsvib.assess.output import as_json
 from lsvib.assess.quantities import lifting_efficiency, sliding_speed
+from lsvib.assess.report import report
 from lsvib.assess.sheet import Sheet
-from lsvib.assess.summary import brief, rows
+from lsvib.assess.summary import brief
 from lsvib.assess.vibration import tolerated_by_trial
 from lsvib.assess.window import applicable
 from lsvib.assess.words import ATTRACTORS
@@ -371,7 +372,7 @@ def test_vibration_that_starts_from_rest_alone_is_seen():
 def test_the_row_of_vibration_says_what_was_drawn():
     given = sheet_of(UNDAMPED, operation={"speed": "10 mm/s"}, damping={"rotational": "1e-3 N*m*s/rad"})
     found = assess(given, samples=64)
-    assert rows(found)[0][2] == "steady in all drives that were drawn"
+    assert "steady in all drives that were drawn</td>" in report(found, [])
 
 
 def test_changes_name_a_damping_that_the_sheet_does_not_give():

@@ -11,7 +11,7 @@ import yaml
 from references.measured import LAW, SPEEDS, square, torque, write_tables
 
 import lsvib
-from lsvib.assess.drive import square_coefficient
+from lsvib.assess.quantities import square_coefficient
 from lsvib.assess.sheet import Friction
 from lsvib.datasets.io import read_dataset
 from lsvib.errors import InputError

@@ -69,6 +69,30 @@ class Assessment:
     statics: Statics
     starting: Starting
 
+    @property
+    def names(self) -> list[str]:
+        """The names of the mechanisms proper, those that occur or are nearest first."""
+        own = [name for name in self.mechanisms if name != "after_perturbation"]
+        return sorted(own, key=lambda name: self.mechanisms[name].reserve)
+
+    @property
+    def nearest(self) -> tuple[str, Margin] | None:
+        """The mechanism, and the change of one quantity, by which vibration sets in first; None if by none."""
+        found = self.mechanisms
+        near = [(name, row) for name in self.names for row in found[name].margins if row.factor is not None]
+        return min(near, key=lambda one: abs(math.log(one[1].factor or 1.0)), default=None)
+
+    @property
+    def helping(self) -> list[Margin]:
+        """Up to three changes of one quantity by a factor of three or less that end vibration or jerks."""
+        rows = self.margins if self.verdict == "vibrates" else self.starting.changes
+        return [row for row in rows if row.is_near(3.0)][:3]
+
+    @property
+    def absent(self) -> list[Margin]:
+        """The dampings that the sheet leaves out and that would alter the verdict."""
+        return [row for row in self.margins if row.factor is None and row.value is not None]
+
 
 def assess(sheet: Sheet, samples: int = 4096, seed: int = 1) -> Assessment:
     """Assess a data sheet; arguments as :func:`lsvib.assess.uncertainty.study`. Raises ``InputError``."""

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from lsvib.assess.fields import LARGEST_HALF_ANGLE
 from lsvib.assess.mechanisms import NAMES
 from lsvib.assess.operation import PAIRS, Draw
-from lsvib.assess.quantities import QUANTITIES, Quantity, Values
+from lsvib.assess.quantities import Values
+from lsvib.assess.words import QUANTITIES, Quantity
 from lsvib.models.drive import PARTS
 
 ANY = "any"

@@ -34,7 +34,7 @@ PAIRS = {"force": ("force_low", "force_high"), "speed": ("speed_low", "speed_hig
 
 @dataclass(frozen=True, eq=False)
 class Draw:
-    """A drive of a sheet, or many: ``values`` by :data:`lsvib.assess.quantities.QUANTITIES`, floats or arrays (n).
+    """A drive of a sheet, or many: ``values`` by :data:`lsvib.assess.words.QUANTITIES`, floats or arrays (n).
 
     ``entries``: of the sheet, from which they follow, but for changes.
     """

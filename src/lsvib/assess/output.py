@@ -13,14 +13,13 @@ from lsvib.assess.assessment import AssessedMotion, Assessment, assess
 from lsvib.assess.chart import KINDS, Chart, charts
 from lsvib.assess.margins import Margin
 from lsvib.assess.operation import Operation
-from lsvib.assess.quantities import QUANTITIES
 from lsvib.assess.report import report
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.starting import Starting
-from lsvib.assess.statics import ABOUT, Statics, statics
+from lsvib.assess.statics import Statics, statics
 from lsvib.assess.summary import brief, of_statics
 from lsvib.assess.uncertainty import BINS
-from lsvib.assess.words import VERDICTS
+from lsvib.assess.words import ABOUT, QUANTITIES, VERDICTS
 from lsvib.datasets.attributes import named_flags, named_index, variable
 from lsvib.datasets.io import write_dataset
 from lsvib.errors import InputError
@@ -131,7 +130,7 @@ def _statics_json(found: Statics) -> dict[str, Any]:
             "worst": row.worst if np.isfinite(row.worst) else None,  # a torque, where the threads jam
             "limit": row.limit,
             "exceeded": row.exceeded,
-            "unit": ABOUT[key][1],
+            "unit": ABOUT[key]["unit"],
         }
     return {"back_drives": found.back_drives, **rows}
 

@@ -15,9 +15,8 @@ from matplotlib.ticker import EngFormatter
 
 from lsvib.assess.assessment import AssessedMotion, Assessment
 from lsvib.assess.chart import KINDS, Chart
-from lsvib.assess.quantities import QUANTITIES
 from lsvib.assess.uncertainty import BINS
-from lsvib.assess.words import MECHANISMS, entry_name
+from lsvib.assess.words import MECHANISMS, QUANTITIES, entry_name
 from lsvib.figures import style
 
 WIDTH = 3.7  # inch: on a phone one to one

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -13,51 +13,6 @@ from lsvib.models.mechanics import friction_factor
 GRAVITY = 9.80665  # m/s², standard
 Values = Mapping[str, Any]  # entries of a sheet or quantities of a drive by name: floats, or arrays that broadcast
 
-
-class Quantity(NamedTuple):
-    """What the verdict depends on: its name in files, in words, and its unit."""
-
-    name: str
-    words: str
-    unit: str
-
-
-# By the names of a drive's parameters, where it has them; coefficients of friction are those of the flanks.
-QUANTITIES = {
-    "lead": Quantity("lead", "lead of the thread", "m"),
-    "pitch_diameter": Quantity("pitch_diameter", "pitch diameter of the thread", "m"),
-    "half_angle": Quantity("half_angle", "half angle of the thread", "rad"),
-    "friction_coefficient": Quantity("friction", "friction of the threads", "1"),
-    "friction_slope": Quantity("friction_slope", "slope of friction over the sliding speed", "s m-1"),
-    "screw_inertia": Quantity("inertia", "rotating inertia", "kg m2"),
-    "coupling_stiffness": Quantity("coupling_stiffness", "stiffness of the coupling", "N m rad-1"),
-    "support_damping": Quantity("rotational_damping", "rotational damping of the screw", "N m s rad-1"),
-    "translation_damping": Quantity("translational_damping", "damping of the load's travel", "N s m-1"),
-    "mass": Quantity("mass", "moved mass", "kg"),
-    "tilt": Quantity("tilt", "angle of the axis above the horizontal", "rad"),
-    "bearing_friction": Quantity("bearing_torque", "friction torque of the bearing", "N m"),
-    "collar_friction": Quantity("collar_friction", "friction of the thrust collar", "1"),
-    "collar_diameter": Quantity("collar_diameter", "mean diameter of the thrust collar", "m"),
-    "slide_friction": Quantity("guide_friction", "friction of the guide", "N"),
-    "stribeck_rise": Quantity("stribeck_rise", "rise of friction towards slow sliding", "1"),
-    "stribeck_speed": Quantity("stribeck_speed", "sliding speed over which the rise of friction fades", "m s-1"),
-    "static_friction_coefficient": Quantity("static_friction", "friction of the threads at rest", "1"),
-    "contact_stiffness": Quantity("contact_stiffness", "stiffness of the thread contact", "N m-1"),
-    "contact_damping": Quantity("contact_damping", "damping of the thread contact", "N s m-1"),
-    "support_stiffness": Quantity("support_stiffness", "stiffness of the axial support", "N m-1"),
-    "axial_support_damping": Quantity("support_damping", "damping of the axial support", "N s m-1"),
-    "motor_inertia": Quantity("motor_inertia", "inertia of the motor, at the screw", "kg m2"),
-    "integral_gain": Quantity("integral_gain", "stiffness of the motor's control, at the screw", "N m rad-1"),
-    "speed_gain": Quantity("speed_gain", "damping of the motor's control, at the screw", "N m s rad-1"),
-    "coupling_damping": Quantity("coupling_damping", "damping of the coupling", "N m s rad-1"),
-    "screw_mass": Quantity("screw_mass", "mass of the screw", "kg"),
-    "force_low": Quantity("force_low", "smallest force against outward travel", "N"),
-    "force_high": Quantity("force_high", "largest force against outward travel", "N"),
-    "speed_low": Quantity("speed_low", "smallest speed of the screw", "rad s-1"),
-    "speed_high": Quantity("speed_high", "largest speed of the screw", "rad s-1"),
-    "force": Quantity("force", "force on the load", "N"),  # these two stand for both sides of the operating window
-    "speed": Quantity("speed", "speed", "rad s-1"),
-}
 FRICTION = ("friction_coefficient", "static_friction_coefficient", "stribeck_rise", "friction_slope")  # of the flanks
 
 # Entries that are quantities as they are: zero where the sheet does not give them, or absent.
@@ -82,10 +37,10 @@ _ABSENT = {
 
 
 def quantities(sheet: Sheet, entries: Values) -> dict[str, Any]:
-    """Return the quantities of :data:`QUANTITIES` from the entries (floats, or arrays of one shape) of a sheet.
+    """Return the quantities of :data:`lsvib.assess.words.QUANTITIES` from the entries of a sheet.
 
-    Quantities that the sheet does not give are zero, or absent for a contact, support, motor, bearing or law of
-    friction that it does not have.
+    Entries are floats, or arrays of one shape. Quantities that the sheet does not give are zero, or absent for a
+    contact, support, motor, bearing or law of friction that it does not have.
     """
     lead, diameter, half_angle = thread_geometry(sheet, entries)
     inertia, screw_mass = _screw(sheet, entries, diameter)

@@ -24,6 +24,7 @@ from lsvib.assess.quantities import (
 )
 from lsvib.assess.sheet import Sheet
 from lsvib.assess.uncertainty import ends
+from lsvib.assess.words import ABOUT
 from lsvib.errors import InputError
 from lsvib.models.mechanics import holding_coefficient, relieved_half, thread_force
 
@@ -34,51 +35,6 @@ ENDS = {  # of the shaft: end factor K of the column, and β of its first bendin
     "fixed-supported": (2.0, 3.9266),
     "fixed-fixed": (4.0, 4.7300),
 }
-_SHIGLEY = "Shigley, Mechanical Engineering Design"
-_THREAD = f"{_SHIGLEY}, power screws"
-_RECOMMENDED = "limit: 80 % of it, Thomson"
-ABOUT = {  # name, unit, formula and source of each row
-    "starting_torque": (
-        "Torque to start against the load", "N m", "r F tan(λ + ρ) + μ_b r_b F + T_b, ρ of friction at rest", _THREAD,
-    ),
-    "lifting_torque": ("Torque against the load", "N m", "r F tan(λ + ρ) + μ_b r_b F + T_b + c Ω", _THREAD),
-    "lifting_power": ("Power against the load", "W", "torque × Ω", _THREAD),
-    "motor_torque": (
-        "Torque of the motor against the load; before the gear, whose losses come on top", "N m", "torque / gear ratio",
-        "geometry of the gear",
-    ),
-    "lowering_torque": ("Torque with the load", "N m", "r F tan(ρ − λ) + μ_b r_b F + T_b + c Ω", _THREAD),
-    "lowering_power": ("Power with the load", "W", "torque × Ω", _THREAD),
-    "holding_torque": ("Torque to hold at rest", "N m", "r F tan(λ − ρ) − μ_b r_b F − T_b, ρ at rest", _THREAD),
-    "braking_torque": (
-        "Torque to brake; the load turns the screw, and no damping is counted on", "N m",
-        "r F tan(λ − ρ) − μ_b r_b F − T_b", _THREAD,
-    ),
-    "braking_power": ("Power that the brake takes", "W", "torque × Ω", _THREAD),
-    "lifting_efficiency": ("Efficiency against the load", "1", "F r tan λ / (torque without c Ω)", _THREAD),
-    "lowering_efficiency": (
-        "Efficiency with the load; below zero the thread locks", "1", "(torque to brake) / (F r tan λ)", _THREAD,
-    ),
-    "holding_friction": (
-        "Friction at rest; the thread holds from the limit on", "1", "tan λ · cos αₙ", f"{_THREAD}, self-locking",
-    ),
-    "nut_pressure": ("Pressure in the nut", "Pa", "F P / (π d h L)", _THREAD),
-    "sliding_speed": ("Sliding speed of the threads", "m/s", "r Ω / cos λ", "geometry of the helix"),
-    "pv": ("PV, pressure × sliding speed", "Pa m/s", "F P / (π d h L) · r Ω / cos λ", "as bearings are judged"),
-    "column_load": (
-        "Load on the screw as a column", "N", "K π² E I / l² (Euler), or where that is above half of the yield "
-        "strength, A σ (1 − σ A / (4 K π² E I / l²)) (Johnson)", f"{_SHIGLEY}, columns; {_RECOMMENDED}",
-    ),
-    "root_stress": (
-        "Stress of load and torque together in the root", "Pa", "√(σ² + 3 τ²), σ = 4 F / (π d_r²), τ = 16 T / (π d_r³)",
-        f"{_THREAD}; limit: yield strength of the material",
-    ),
-    "screw_speed": (
-        "Speed of the screw; its shaft whirls at the critical one", "rad/s", "β² / l² · √(E I / (density · A))",
-        f"first bending mode of a beam; {_RECOMMENDED}",
-    ),
-}  # fmt: skip
-
 
 Floats = NDArray[np.float64]
 Judged = tuple[Any, Any]  # values at many points and their limits, or None
@@ -86,7 +42,7 @@ Judged = tuple[Any, Any]  # values at many points and their limits, or None
 
 @dataclass(frozen=True)
 class Row:
-    """One quantity of :data:`ABOUT`: its ``middle`` and ``worst`` value, the ``limit`` at the latter if it has one.
+    """One quantity of :data:`lsvib.assess.words.ABOUT`: ``middle`` and ``worst`` value, its ``limit`` there, if any.
 
     ``exceeded``: whether the worst value is beyond the limit. ``middle`` is None where a load is lifted or lowered in
     the middle of the window at no time, but at its ends.

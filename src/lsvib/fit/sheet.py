@@ -11,8 +11,8 @@ import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
 from lsvib.assess import fields
-from lsvib.assess.quantities import GRAVITY, flank_coefficient, square_coefficient, thread_geometry
 from lsvib.assess.fields import NotQuantity, Spread
+from lsvib.assess.quantities import GRAVITY, flank_coefficient, square_coefficient, thread_geometry
 from lsvib.assess.sheet import Thread, sentence
 from lsvib.errors import InputError
 from lsvib.fit.law import Fit, Measured, Solution, fitted, steady_torque
