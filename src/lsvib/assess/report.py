@@ -27,7 +27,7 @@ from lsvib.stability.conditions import stability
 
 def _page(template: str, **values: Any) -> str:
     pages = environment(html=True)
-    pages.globals |= {"pictures": pictures, "said": said}
+    pages.globals |= {"pictures": pictures, "said": said, "NUT_MATERIALS": NUT_MATERIALS}
     pages.filters["yaml"] = partial(yaml.safe_dump, sort_keys=False)
     return pages.get_template(template).render(**values).lstrip()
 
@@ -47,7 +47,6 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
         title=f"{sheet.name}: will it vibrate?",
         assessment=assessment,
         sheet=sheet,
-        nut_sources=_nut_sources(assessment),
         given=sheet.paths(),
         spread=assessment.uncertainty,
         worst=assessment.worst.vibration,
@@ -64,16 +63,6 @@ def report(assessment: Assessment, charts: list[Chart]) -> str:
         endangered=bool(assessment.statics.back_drives) or any(row.exceeded for row in assessment.statics.limited),
         entries=[(path, _entry(one)) for path, one in sheet.entries() if one is not None],
     )
-
-
-def _nut_sources(assessment: Assessment) -> dict[str, str]:
-    """Where the limits of a nut come from, by rows of statics."""
-    nut, found = assessment.draw.sheet.nut, {}
-    for key, limit in (("nut_pressure", "pressure_limit"), ("sliding_speed", "speed_limit"), ("pv", "pv_limit")):
-        if nut is not None and key in assessment.statics.rows and assessment.statics.rows[key].limit is not None:
-            own = getattr(nut, limit) is not None
-            found[key] = f"; limit: {'the data sheet' if own else NUT_MATERIALS[nut.material or ''].source}"
-    return found
 
 
 def _oscillations(assessment: Assessment) -> list[str]:
