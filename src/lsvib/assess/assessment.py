@@ -15,6 +15,7 @@ from lsvib.assess.sheet import Sheet
 from lsvib.assess.starting import Starting, starting
 from lsvib.assess.statics import Statics, statics
 from lsvib.assess.uncertainty import Uncertainty, WorstCase, study, worst_cases
+from lsvib.assess.words import TOLERATED
 from lsvib.errors import InputError
 
 
@@ -225,7 +226,7 @@ def _motion(draw: Draw, name: str) -> AssessedMotion:
     if name == "falling_friction" and draw.worst[name].reserve[0] < 0 and not sheet.friction.law:
         reason = "friction that falls with speed makes steady running unstable there; the motion beyond that onset is "
         beyond = motions.Vibration((), "unknown", reason=reason + "not computed, only the onset.")
-        return AssessedMotion(name, there, beyond, (0.0, "Steady running is unstable."))
+        return AssessedMotion(name, there, beyond, (0.0, TOLERATED["unstable"].format(threads="")))
     strong = -motions.STRONG if name == "after_perturbation" else motions.NUDGE
     moved = there.motion(strong)
     if moved.attractor in ("unknown", "unresolved") and sheet.parts:  # the simpler drive says more than nothing

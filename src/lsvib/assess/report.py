@@ -6,18 +6,15 @@ What is said stands in the templates beside this file.
 import json
 import math
 from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
 from typing import Any
-
-import yaml
 
 from lsvib.assess import pictures
 from lsvib.assess.assessment import Assessment
 from lsvib.assess.chart import Chart
 from lsvib.assess.fields import FrictionBySpeed, Spread
 from lsvib.assess.materials import NUT_MATERIALS
-from lsvib.assess.summary import environment, said
+from lsvib.assess.summary import said, templates
 from lsvib.assess.threads import ThreadSize
 from lsvib.assess.words import QUANTITIES, shown
 from lsvib.errors import InputError
@@ -26,9 +23,8 @@ from lsvib.stability.conditions import stability
 
 
 def _page(template: str, **values: Any) -> str:
-    pages = environment(html=True)
+    pages = templates(html=True)
     pages.globals |= {"pictures": pictures, "said": said, "NUT_MATERIALS": NUT_MATERIALS}
-    pages.filters["yaml"] = partial(yaml.safe_dump, sort_keys=False)
     return pages.get_template(template).render(**values).lstrip()
 
 

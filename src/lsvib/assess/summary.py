@@ -5,7 +5,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from jinja2 import Environment
 
 from lsvib.assess import words
 from lsvib.assess.assessment import Assessment
@@ -17,24 +17,16 @@ EFFORTS = {"lifting": "against the load", "lowering": "with the load", "braking"
 """What torques are for, the most demanding first."""
 
 
-def environment(html: bool) -> Environment:
-    """Return what renders the templates, of which pages escape their texts."""
-    found = Environment(
-        loader=FileSystemLoader(Path(__file__).parent),
-        autoescape=html,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
+def templates(html: bool) -> Environment:
+    """Return what renders the templates, with the words that they use."""
+    found = words.environment(Path(__file__).parent, html)
     found.globals |= vars(words) | {"EFFORTS": EFFORTS, "BEYOND": BEYOND, "drops": drops, "inf": math.inf}
-    found.filters |= {"short": words.short}
     return found
 
 
 @cache
 def _sentences() -> Any:
-    return environment(html=False).get_template("sentences.j2").module
+    return templates(html=False).get_template("sentences.j2").module
 
 
 def said(name: str, *about: Any) -> str:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lsvib.assess.words import shown
+from lsvib.assess.words import TOLERATED, shown
 from lsvib.basins.boundary import AttractsNothing, basin
 from lsvib.basins.resilience import largest_tolerated
 from lsvib.dynamics.attractor import Attractor, SteadyState, orbit_extremes, steady_state
@@ -26,7 +26,6 @@ NUDGE = 1e-3  # of the speed: how far from steady sliding a motion starts that s
 STRONG = 5.0  # times the speed: a perturbation that counts as strong, and the largest that has to be tried
 Parts = tuple[str, ...]  # of a drive, which comply
 Tolerated = tuple[float | None, str]  # a sudden change of the screw's speed [rad/s], None if not known; a sentence
-_ANY = "Steady sliding is reached again after any perturbation."
 _SAMPLES = 1200  # even ones of the motion shown: 200 a period
 # Work after which a motion counts as unresolved, a second or two: events with two states, units of one with more. Of
 # many motions that are only asked where they end each gets less.
@@ -198,25 +197,25 @@ def tolerated(drive: Drive) -> Tolerated:
     Infinite if motion comes back from any, zero if steady sliding is unstable, None if it is not known.
     """
     if not drive.rigid:
-        return None, "The largest tolerated perturbation has no closed form with friction of bearing, collar or guide."
+        return None, TOLERATED["no_closed_form"]
     try:
         if rigid_automaton(drive).contracts and drive.support_damping > 0:
-            return math.inf, _ANY
+            return math.inf, TOLERATED["any"]
         c = coefficients(drive)
         ratio = 0.5 * float(c.damping[-1]) / math.sqrt(drive.coupling_stiffness * float(c.gamma[-1]))
         if not c.paradox and 0 < ratio < 2e-4:  # the boundary winds through more than 10⁴ turns
-            return None, "The largest tolerated perturbation is not computed for a drive with so little damping."
+            return None, TOLERATED["hardly_damped"]
         region = basin(drive)
     except AttractsNothing as error:
         return 0.0, str(error)
     except (InputError, EngineError) as error:
         return None, str(error)
     if not region.curves:
-        return math.inf, _ANY
+        return math.inf, TOLERATED["any"]
     found = largest_tolerated(region, 1)
     if found > 1e4 * abs(drive.input_speed):  # more than a drive meets
-        return math.inf, "Steady sliding is reached again after any sudden change of the screw's speed."
-    return found, "A larger sudden change of the screw's speed ends in vibration that goes on."
+        return math.inf, TOLERATED["any_sudden"]
+    return found, TOLERATED["some"]
 
 
 def tolerated_by_trial(drive: Drive, stiff: float | None, parts: Parts = ("threads",)) -> Tolerated:
@@ -225,7 +224,7 @@ def tolerated_by_trial(drive: Drive, stiff: float | None, parts: Parts = ("threa
     ``stiff``: what the drive with stiff threads tolerates [rad/s], around which others are tried; ``parts``: none
     for a rigid drive with a law of friction.
     """
-    threads = " with compliant threads" if "threads" in parts else ""
+    threads = TOLERATED["threads"] if "threads" in parts else ""
     definition = model_of(drive)
 
     def ends(speed: float) -> str:
@@ -235,16 +234,16 @@ def tolerated_by_trial(drive: Drive, stiff: float | None, parts: Parts = ("threa
     known = stiff is not None and 0 < stiff < math.inf
     scale = stiff if known else abs(drive.input_speed)
     compared = known and parts == ("threads",)  # which is all that the other drive does not have
-    beside = f" With perfectly stiff threads it would be {shown(stiff, 'rad/s')}." if compared else ""
-    of_sheet = f"{threads} of the data sheet,".replace("with", "with the") if threads else ""
-    tried = f"Tried{of_sheet} by perturbations of either sign.{beside}"
+    tried = TOLERATED["tried_threads" if threads else "tried"]
+    if compared:
+        tried = f"{tried} {TOLERATED['beside'].format(size=shown(stiff, 'rad/s'))}"
     low = 0.0
     try:
         automaton = definition.build(drive, definition.physics_of(drive), "contact_sign")
         slightest = ends(NUDGE**2 * scale)
         if slightest != "steady sliding":  # without damping it neither comes back nor vibrates more and more
             known = slightest not in ("neutral family", "unresolved")
-            return (0.0, f"Steady running is unstable{threads}.") if known else (None, "")
+            return (0.0, TOLERATED["unstable"].format(threads=threads)) if known else (None, "")
         sizes = [scale * part for part in (0.1, 0.25, 0.5, 0.75, 0.95, 1.2, 2.0, 5.0)]
         while sizes[-1] < STRONG * abs(drive.input_speed):
             sizes.append(2 * sizes[-1])
@@ -252,7 +251,7 @@ def tolerated_by_trial(drive: Drive, stiff: float | None, parts: Parts = ("threa
             found = {sign: ends(sign * size) for sign in (1, -1)}
             lost = [sign for sign, end in found.items() if end != "steady sliding"]
             if "unresolved" in found.values():
-                return None, f"How large a perturbation it tolerates{threads} could not be determined."
+                return None, TOLERATED["unresolved"].format(threads=threads)
             if lost:
                 high = size
                 for _ in range(6):  # until the ends of the bracket are some 1 % apart
@@ -263,4 +262,4 @@ def tolerated_by_trial(drive: Drive, stiff: float | None, parts: Parts = ("threa
             low = size
     except (InputError, EngineError) as error:
         return None, str(error)
-    return math.inf, f"Perturbations of up to {shown(low, 'rad/s')} were tried{threads}; all were tolerated."
+    return math.inf, TOLERATED["all_tried"].format(size=shown(low, "rad/s"), threads=threads)

@@ -2,10 +2,12 @@
 
 import math
 import re
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import yaml
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 _WORDS: dict[str, Any] = yaml.safe_load(Path(__file__).with_name("words.yaml").read_text(encoding="utf-8"))
 
@@ -24,6 +26,9 @@ MECHANISMS = {name: (entry["name"], entry["meaning"]) for name, entry in _WORDS[
 ATTRACTORS: dict[str, str] = _WORDS["ends"]
 """Where motions end, in plain words."""
 
+TOLERATED: dict[str, str] = _WORDS["tolerated"]
+"""What is said of the largest perturbation that steady running tolerates."""
+
 VERDICTS: dict[str, str] = _WORDS["verdicts"]
 """The verdict in one sentence, by its name."""
 
@@ -32,6 +37,20 @@ QUANTITIES = {name: Quantity(*entry) for name, entry in _WORDS["quantities"].ite
 
 ABOUT: dict[str, dict[str, str]] = _WORDS["statics"]
 """``name``, ``unit``, ``formula`` and ``source`` of each row of statics."""
+
+
+def environment(folder: Path, html: bool = False) -> Environment:
+    """Return what renders the templates of a folder, of which pages escape their texts."""
+    found = Environment(
+        loader=FileSystemLoader(folder),
+        autoescape=html,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    found.filters |= {"fmt": format, "short": short, "yaml": partial(yaml.safe_dump, sort_keys=False)}
+    return found
 
 
 def short(mechanism: str) -> str:

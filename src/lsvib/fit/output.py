@@ -2,15 +2,13 @@
 
 import json
 import re
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
-import yaml
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
+from lsvib.assess.words import environment
 from lsvib.datasets.io import write_dataset
 from lsvib.figures import style
 from lsvib.figures.measured_drive import residual_panel, torque_panel
@@ -170,17 +168,10 @@ def _falls(found: FittedSheet, load: float, sense: int) -> float:
 
 
 def _rendered(template: str, **values: Any) -> str:
-    environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    environment.filters |= {"fmt": format, "yaml": partial(yaml.safe_dump, sort_keys=False)}
+    templates = environment(Path(__file__).parent)
     constants = {"POOR": POOR, "NONE": NONE, "ENDS": _ENDS, "PARAMETERS": PARAMETERS, "LARGEST_STATIC": LARGEST_STATIC}
-    environment.globals |= constants | {"rpm": lambda speed: speed * 30 / np.pi}
-    return environment.get_template(template).render(**values)
+    templates.globals |= constants | {"rpm": lambda speed: speed * 30 / np.pi}
+    return templates.get_template(template).render(**values)
 
 
 def blocks(result: dict[str, Any]) -> str:
