@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,7 +52,7 @@ def charts(draw: Draw) -> list[Chart]:
     ]
 
 
-def _kinds(draw: Draw, direction: int, turning: NDArray, force: NDArray) -> NDArray[np.int8]:
+def _kinds(draw: Draw, direction: int, turning: NDArray[Any], force: NDArray[Any]) -> NDArray[np.int8]:
     """Flag of the first mechanism in the order of :data:`KINDS` that occurs at each point (force, speed)."""
     there = draw.at(direction, turning[None, :], force[:, None])
     found, p, shape = there.reserves, there.without_friction, (force.size, turning.size)
@@ -89,7 +90,7 @@ def _fatal_ratio(draw: Draw, direction: int, most: float, drag: float) -> float 
     return high
 
 
-def _boundaries(draw: Draw, direction: int, turning: NDArray) -> dict[str, NDArray]:
+def _boundaries(draw: Draw, direction: int, turning: NDArray[Any]) -> dict[str, NDArray[Any]]:
     """Forces at which the motion of the rigid drive changes its kind; none with friction that depends on speed.
 
     With Ω and R multiplied alike, every motion of the drive is multiplied alike. So one threshold gives a line.

@@ -1,6 +1,7 @@
 """How far a drive is from vibration: margins of quantities, and sensitivities of the reserve."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,7 +61,7 @@ def _absent_dampings(values: Values) -> dict[str, float]:
     return {key: size for key, size in sizes.items() if values[key] == 0}
 
 
-def _occurs(draw: Draw) -> dict[str, NDArray]:
+def _occurs(draw: Draw) -> dict[str, NDArray[Any]]:
     """Whether each mechanism occurs (1, 0, or −1 where the drive cannot move), for drives given by arrays (n)."""
     occurs = {name: np.where(np.isnan(one.reserve), -1, one.reserve < 0) for name, one in draw.worst.items()}
     own = np.stack([flags for name, flags in occurs.items() if name in NAMES])
@@ -86,7 +87,7 @@ def margins(draw: Draw) -> dict[str, list[Margin]]:
     """
     per_decade = 30  # steps of 8 %; a narrower island of stability between two is not seen
     steps = np.linspace(0.0, 3.0, 3 * per_decade + 1)
-    scans: list[tuple[str, tuple[str, ...], Draw, list[NDArray]]] = []
+    scans: list[tuple[str, tuple[str, ...], Draw, list[NDArray[Any]]]] = []
     for name, keys in changeable(draw.values).items():
         sides = [10.0**steps, 10.0**-steps]
         if name == "half_angle":  # beyond a right angle its tangent comes back, but there is no such thread

@@ -86,7 +86,9 @@ def without(p: Mapping[str, Any], *parts: str) -> dict[str, Any]:
     return {key: value for key, value in p.items() if key not in left}
 
 
-def _as_a_whole(p: Mapping[str, Any], law: Any, rigid: dict[str, Any], terms: tuple, sloped: bool) -> dict[str, Any]:
+def _as_a_whole(
+    p: Mapping[str, Any], law: Any, rigid: dict[str, Any], terms: tuple[Any, ...], sloped: bool
+) -> dict[str, Any]:
     """Reserves that a motor or a support alters, from those of the ``rigid`` screw.
 
     ``terms``: Γ̃_0, C_0 with the rise of friction over the speed, and S.

@@ -266,4 +266,4 @@ def most_perturbed(draw: Draw) -> tuple[bool | None, float, Operation | None]:
     known = {corner: size for corner, size in sizes.items() if size is not None}
     size, first = min(((size, corner) for corner, size in known.items()), default=(math.inf, None))
     started = True if size < math.inf else None if len(known) < len(sizes) else False
-    return started, size, places.get(first)
+    return started, size, places[first] if first else None

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from lsvib.assess.materials import SCREW_MATERIALS
-from lsvib.assess.sheet import Sheet
+from lsvib.assess.sheet import Motor, Sheet
 from lsvib.models.mechanics import friction_factor
 
 GRAVITY = 9.80665  # m/s², standard
@@ -60,7 +60,7 @@ def quantities(sheet: Sheet, entries: Values) -> dict[str, Any]:
     given = {**undamped, **entries}
     found |= {key: given[path] for key, path in _ABSENT.items() if path in given}
     if sheet.motor is not None:
-        found |= _motor(sheet, entries, found["screw_inertia"], gear)
+        found |= _motor(sheet.motor, entries, found["screw_inertia"], gear)
     if sheet.support is not None:
         found["screw_mass"] = screw_mass
     turns = 2 * math.pi / lead if sheet.operation.speed.unit == "m/s" else 1.0  # from the speed as given to rad/s
@@ -99,7 +99,7 @@ def _screw(sheet: Sheet, entries: Values, pitch_diameter: Any) -> tuple[Any, Any
     return mass * diameter**2 / 8, entries.get("screw.mass", mass)
 
 
-def _motor(sheet: Sheet, entries: Values, inertia: Any, gear: Any) -> dict[str, Any]:
+def _motor(motor: Motor, entries: Values, inertia: Any, gear: Any) -> dict[str, Any]:
     """What a motor is on the side of the screw, whose ``inertia`` counts for the gains by bandwidth."""
     own = entries["motor.inertia"] * gear
     damping, stiffness = entries.get("motor.speed_gain", 0.0) * gear, entries.get("motor.integral_gain", 0.0) * gear
@@ -107,19 +107,19 @@ def _motor(sheet: Sheet, entries: Values, inertia: Any, gear: Any) -> dict[str, 
         rate = 2 * math.pi * entries["motor.bandwidth"]
         damping, stiffness = rate * (own + inertia), rate**2 * (own + inertia) / 4
     if "motor.holding_torque" in entries:
-        stiffness = entries["motor.holding_torque"] * sheet.motor.steps_per_turn / 4 * gear
+        stiffness = entries["motor.holding_torque"] * motor.steps_per_turn / 4 * gear
     found = {"motor_inertia": own, "integral_gain": stiffness, "speed_gain": damping}
     return found | {"coupling_damping": entries.get("coupling.damping", 0.0) * gear}
 
 
 def _coefficient(sheet: Sheet, entries: Values, angle: Any, half_angle: Any) -> Any:
     """Friction coefficient of the flanks; with a curve, its mean over the curve's points stands for the middle."""
-    if sheet.friction.coefficient is not None:
-        return entries["friction.coefficient"]
+    if (curve := sheet.friction.curve) is not None:
+        return float(np.mean(curve.coefficients)) * entries.get("friction.curve_factor", 1.0)
     if sheet.friction.efficiency is not None:
         square = coefficient_from_efficiency(entries["friction.efficiency"], angle)
         return flank_coefficient(square, angle, half_angle)
-    return float(np.mean(sheet.friction.curve.coefficients)) * entries.get("friction.curve_factor", 1.0)
+    return entries["friction.coefficient"]
 
 
 def square_coefficient(coefficient: Any, lead_angle: Any, half_angle: Any) -> Any:

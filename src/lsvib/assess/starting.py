@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import islice, pairwise, product
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -135,7 +136,7 @@ def _changes(draw: Draw, asked: list[tuple[Place, float]]) -> Iterator[Margin]:
             yield Margin(name, best, best * max((values[key] for key in keys), key=abs))
 
 
-def outcomes(draw: Draw, direction: int, turning: NDArray, force: NDArray) -> NDArray[np.float64]:
+def outcomes(draw: Draw, direction: int, turning: NDArray[Any], force: NDArray[Any]) -> NDArray[np.float64]:
     """Return 1 where a drive runs evenly from rest, 0 where it does not, NaN where that is not known (force, speed).
 
     Arguments: speeds of the screw [rad/s] and forces [N]. With rigid parts, where only the threads rub and their
@@ -166,6 +167,6 @@ def outcomes(draw: Draw, direction: int, turning: NDArray, force: NDArray) -> ND
     return np.array([known[one] for one in places.tolist()])[_nearest(places, ratio)]
 
 
-def _nearest(places: NDArray, x: NDArray) -> NDArray[np.int64]:
+def _nearest(places: NDArray[Any], x: NDArray[Any]) -> NDArray[np.int64]:
     """The index of the nearest of some ascending places."""
     return np.searchsorted(0.5 * (places[1:] + places[:-1]), x)

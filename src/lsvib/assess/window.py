@@ -19,6 +19,7 @@ from lsvib.models import friction
 if TYPE_CHECKING:
     from lsvib.assess.operation import Draw
 
+Array = NDArray[Any]  # of floats, or complex
 AT_ONCE = 2**17  # reserves, few enough for the processor's caches, many enough for NumPy
 _FADING = (0.05, 0.1, 0.2, 0.35, 0.6, 1.0, 1.6, 2.5, 4.0, 7.0)  # of the speed over which a rise of friction fades
 _SHARES = np.linspace(0, 1, 8)[1:-1]  # of the window, in logarithm
@@ -45,7 +46,7 @@ def applicable(sheet: Sheet) -> tuple[str, ...]:
     return tuple(name for name in NAMES if not missing.get(name, False))
 
 
-def points(draw: "Draw", direction: int, between: bool = True) -> tuple[NDArray, NDArray]:
+def points(draw: "Draw", direction: int, between: bool = True) -> tuple[Array, Array]:
     """Speeds [rad/s] and forces [N] of all corners of one direction: (k) for one drive, (k, n) for arrays of drives.
 
     ``between``: with a support also between the ends of |R̃|, where its reserves need not be monotonic.
@@ -57,12 +58,12 @@ def points(draw: "Draw", direction: int, between: bool = True) -> tuple[NDArray,
     drag = p["pitch_radius"] * np.tan(p["lead_angle"]) * p["translation_damping"] * direction  # R̃ = R − drag Ω
     own = p["axial_force"] - p.get("slide_friction", 0.0) * direction
 
-    def within(key: str, places: Any) -> NDArray:
+    def within(key: str, places: Any) -> Array:
         low, high = values[f"{key}_low"], values[f"{key}_high"]
         places = np.where(np.real(places) > np.real(low), places, low)
-        return np.where(np.real(places) < np.real(high), places, high)
+        return np.asarray(np.where(np.real(places) < np.real(high), places, high))
 
-    def beside(key: str, balance: Any) -> list[NDArray]:
+    def beside(key: str, balance: Any) -> list[Array]:
         """From where |R̃| is least to the ends of the window."""
         nearest = within(key, balance)
         return [nearest + np.multiply.outer(shares, values[f"{key}_{end}"] - nearest) for end in ("low", "high")]
@@ -82,7 +83,7 @@ def points(draw: "Draw", direction: int, between: bool = True) -> tuple[NDArray,
     return np.repeat(speeds, forces.shape[1], axis=0), forces.reshape(-1, *forces.shape[2:])
 
 
-def _own_speeds(draw: "Draw") -> list[NDArray]:
+def _own_speeds(draw: "Draw") -> list[Array]:
     """Speeds [rad/s] over which friction is looked at (k, ...): the ends of the window, and what friction has."""
     given, sliding = draw.sheet.friction, sliding_speed(1.0, draw.pitch_radius, draw.lead_angle)
     low, high = draw.values["speed_low"], draw.values["speed_high"]
@@ -100,7 +101,7 @@ def _own_speeds(draw: "Draw") -> list[NDArray]:
     return rows
 
 
-def _frictionless(draw: "Draw") -> NDArray:
+def _frictionless(draw: "Draw") -> Array:
     """The sliding speed [m/s] at which a falling law reaches zero, before which it weighs most; zero if it rises."""
     law = SimpleNamespace(**draw.friction_law)
     slope = np.where(np.real(law.friction_slope) < 0, law.friction_slope, -np.inf)
@@ -109,7 +110,7 @@ def _frictionless(draw: "Draw") -> NDArray:
         middle = 0.5 * (low + high)
         rubs = np.real(friction.unbounded_coefficient(law, middle)) > 0
         low, high = np.where(rubs, middle, low), np.where(rubs, high, middle)
-    return low
+    return np.asarray(low)
 
 
 def count_of(draw: "Draw") -> int:
@@ -162,7 +163,7 @@ def _worst(draw: "Draw", between: bool) -> dict[str, Worst]:
     return found
 
 
-def _lowest_between(draw: "Draw", own: list, best: list, speeds: NDArray) -> tuple[NDArray, NDArray]:
+def _lowest_between(draw: "Draw", own: list[Array], best: list[Array], speeds: Array) -> tuple[Array, Array]:
     """The lowest reserve of falling friction (n) between the speeds next to the ``best`` one, by golden sections.
 
     ``own``: direction and force of it; ``speeds`` (k, n): all that were looked at. Returns reserve and speed.
@@ -173,12 +174,12 @@ def _lowest_between(draw: "Draw", own: list, best: list, speeds: NDArray) -> tup
     low, high = np.where(np.isinf(low), at, low), np.where(np.isinf(high), at, high)
     draw = replace(draw, sheet=draw.sheet.model_copy(update={"contact": None}))  # which takes no part in it
 
-    def looked(place: NDArray) -> NDArray:
+    def looked(place: Array) -> Array:
         """Return the reserve at some speeds, and keep the lowest."""
         nonlocal reserve, at
         here = draw.at(own[0], place, own[1]).reserves["falling_friction"]
         reserve, at = np.where(here < reserve, here, reserve), np.where(here < reserve, place, at)
-        return here
+        return np.asarray(here)
 
     inner = [high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)]
     there = [looked(place) for place in inner]
