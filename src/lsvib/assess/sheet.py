@@ -189,7 +189,7 @@ class Load(_Part):
         return None
 
 
-class Operation(_Part):
+class Running(_Part):
     """How the drive is run: speeds of the screw or of the load, and the directions of travel."""
 
     speed: fields.Speed
@@ -314,7 +314,7 @@ class Sheet(_Part):
     coupling: Coupling = Coupling()
     motor: Motor | None = None
     load: Load
-    operation: Operation
+    operation: Running
     friction: Friction
     damping: Dampings = Dampings()
     bearing: Bearing = Bearing()
