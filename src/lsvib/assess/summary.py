@@ -26,11 +26,11 @@ def templates(html: bool) -> Environment:
 
 @cache
 def _sentences() -> Any:
-    return templates(html=False).get_template("sentences.j2").module
+    return templates(html=False).get_template("summary.j2").module
 
 
 def said(name: str, *about: Any) -> str:
-    """Return sentences by their name in the template ``sentences.j2``, without line breaks."""
+    """Return sentences by their name in the template ``summary.j2``, without line breaks."""
     return " ".join(str(getattr(_sentences(), name)(*about)).split())
 
 

@@ -132,7 +132,7 @@ def _loads(found: FittedSheet, end: Solution) -> list[float] | None:
 
 
 def sentences(found: FittedSheet) -> list[str]:
-    """Return what the data say and what they do not, in sentences, by the template ``said.j2``."""
+    """Return what the data say and what they do not, in sentences, by the template ``output_said.j2``."""
     fit, measured, main = found.fit, found.fit.measured, found.fit.main
     typical, off = float(np.median(np.abs(measured.torque))), np.abs(main.residual)
     k, residual = int(np.argmax(off)), main.residual[np.lexsort((measured.speed, measured.load))]
@@ -143,7 +143,7 @@ def sentences(found: FittedSheet) -> list[str]:
     records = [table.record for table in found.tables if table.record]
     near_an_end = np.abs(main.values["stribeck_speed"] / np.array(measured.fading) - 1) < 1e-3
     text = _rendered(
-        "said.j2",
+        "output_said.j2",
         found=found,
         fit=fit,
         main=main,
@@ -186,12 +186,12 @@ def blocks(result: dict[str, Any]) -> str:
     if jerks and jerks["damping"]:
         parts |= {"coupling_stiffness": jerks["stiffness"], "support_damping": jerks["damping"] + brakes}
     drive = {key: float(f"{value:.6g}") for key, value in parts.items()}
-    return _rendered("blocks.j2", **result, drive=drive)
+    return _rendered("output_blocks.j2", **result, drive=drive)
 
 
 def text_of(result: dict[str, Any]) -> str:
     """Return what was found as a person reads it, torques in mN m."""
-    return _rendered("text.j2", **result, blocks=blocks(result).rstrip()).strip("\n")
+    return _rendered("output_text.j2", **result, blocks=blocks(result).rstrip()).strip("\n")
 
 
 def dataset(found: FittedSheet) -> xr.Dataset:
